@@ -1,0 +1,5 @@
+"""The brake: pressure -> shoe force -> torque. Knows nothing about FMI and nothing about the bogie.
+
+Equation, table and page numbers are those of Handoko (2006), *Investigation of the dynamics of railway bogies
+subjected to traction / braking torque*, unless another source is named.
+"""

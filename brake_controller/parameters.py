@@ -1,0 +1,63 @@
+"""Parameter sets of the brake cylinder and its rigging."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from brake_controller.shoe_friction import CONSTANT, MEASURED_AGAINST_FORCE
+from fmu_src.system import ParameterSet, quantity
+
+
+@dataclass(frozen=True)
+class BrakeParameters(ParameterSet):
+    """One brake cylinder system that brakes one wheelset with tread shoes."""
+
+    application_time: float = quantity("s", "Time from 0 to 95 % of the demanded pressure", 1e-3)
+    release_time: float = quantity("s", "Time from 100 % to 5 % of the pressure", 1e-3)
+    supply_pressure: float = quantity("Pa", "Largest pressure the regulator lets through", 0.0)
+    force_per_pressure: float = quantity("N/Pa", "Normal force of all shoes of the bogie per pressure (pi/4 D^2 i_t)", 0.0)
+    wheelset_share: float = quantity("1", "Share of the shoe force that acts on this wheelset", 0.0, 1.0)
+    shoes: float = quantity("1", "Shoes on this wheelset, which share its force equally", 1.0, 16.0)
+    slack_adjuster_force: float = quantity("N", "Counter-force of the slack adjuster at the shoes (F_R i_b)", 0.0)
+    rigging_efficiency: float = quantity("1", "Effective over calculated shoe force (eta)", 0.0, 1.0)
+    wheel_radius: float = quantity("m", "Radius at which the shoes rub (r_w)", 1e-3)
+    friction_law: float = quantity(
+        "1", "Shoe friction: 0 constant, 1 measured against shoe force (chapter 7)", CONSTANT, MEASURED_AGAINST_FORCE, "integer"
+    )
+    constant_shoe_friction: float = quantity("1", "Shoe friction coefficient of law 0 (mu_b)", 0.0, 2.0)
+
+
+#: Printed for each pressure [kPa] of the experiment: efficiency of the refurbished rigging (rod force 18, 19, 15 % below
+#: the specification, sections 7.2.1, 7.3.1, 7.4.1) and average shoe friction with its range (sections 7.2.1 - 7.5).
+EXPERIMENT = {
+    130: {"rigging_efficiency": 0.82, "shoe_friction": 0.30, "range": (0.27, 0.33)},
+    150: {"rigging_efficiency": 0.81, "shoe_friction": 0.27, "range": (0.23, 0.30)},
+    180: {"rigging_efficiency": 0.85, "shoe_friction": 0.25, "range": (0.21, 0.28)},
+}
+
+
+def qr30(pressure_kpa: int = 180) -> BrakeParameters:
+    """The brake of the QR30 bogie in the experiment, trailing wheelset, at one of its three pressures.
+
+    Printed: application time 0.8 s (section 7.1), at most 350 kPa, 0.164 kN of normal force for each kPa over all four
+    shoes (section 6.2.3), two shoes on the braked wheelset, wheel radius 0.398 m (Table 8.2), efficiency and shoe
+    friction of each pressure (chapter 7).
+    Assumed: release as fast as application, no counter-force of the slack adjuster.
+    """
+    if pressure_kpa not in EXPERIMENT:
+        known = ", ".join(str(pressure) for pressure in EXPERIMENT)
+        raise ValueError(f"Choose a pressure of the experiment, {known} kPa: it was {pressure_kpa} kPa.")
+    row = EXPERIMENT[pressure_kpa]
+    return BrakeParameters(
+        application_time=0.8,
+        release_time=0.8,
+        supply_pressure=350e3,
+        force_per_pressure=0.164,
+        wheelset_share=0.5,
+        shoes=2.0,
+        slack_adjuster_force=0.0,
+        rigging_efficiency=row["rigging_efficiency"],  # type: ignore[arg-type]
+        wheel_radius=0.398,
+        friction_law=CONSTANT,
+        constant_shoe_friction=row["shoe_friction"],  # type: ignore[arg-type]
+    )

@@ -1,0 +1,30 @@
+"""Pressure in the brake cylinder: regulator, flow restriction and solenoid valve of section 6.3.9 (Fig. 6.25)."""
+
+from __future__ import annotations
+
+import math
+
+import casadi as ca
+
+APPLY, HOLD, VENT = 0, 1, 2
+
+#: A first-order lag covers 95 % of the way in ln(20) time constants.
+TIME_CONSTANTS_TO_95_PERCENT = math.log(20.0)
+
+
+def regulated_pressure(demand: ca.SX, supply_pressure: ca.SX) -> ca.SX:
+    """The regulator passes the demand on, up to the supply [Pa]."""
+    return ca.fmin(demand, supply_pressure)
+
+
+def pressure_rate(
+    pressure: ca.SX, target: ca.SX, valve: ca.SX, application_time: ca.SX, release_time: ca.SX
+) -> ca.SX:
+    """dp/dt in the cylinder [Pa/s]: flow through a restriction, taken as proportional to the pressure difference.
+
+    application_time [s] is from 0 to 95 % of the target (section 2.4.2), release_time from 100 to 5 %.
+    """
+    application_rate = TIME_CONSTANTS_TO_95_PERCENT / application_time
+    release_rate = TIME_CONSTANTS_TO_95_PERCENT / release_time
+    filling = (target - pressure) * ca.if_else(target > pressure, application_rate, release_rate)
+    return ca.if_else(valve == HOLD, 0, ca.if_else(valve == VENT, -pressure * release_rate, filling))

@@ -1,0 +1,82 @@
+"""Builds the FMUs and validates them with fmpy.
+
+  python build_fmu.py                    all FMUs, native and pythonfmu, into build/
+  python build_fmu.py bogie              the bogie only
+  python build_fmu.py --kind native      no pythonfmu FMUs
+  python build_fmu.py --out elsewhere    another folder
+
+A new FMU is one function that returns a Model, and one line in MODELS.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from fmpy import read_model_description
+from fmpy.validation import validate_fmu
+
+from brake_controller.cylinder import brake_cylinder
+from fmu_src.codegen import guid_of
+from fmu_src.compile import CompilerError
+from fmu_src.native_fmu import build_native_fmu
+from fmu_src.python_fmu import build_python_fmu
+from fmu_src.system import Model
+from rbd_model.bogie import bogie_dynamics
+
+MODELS: dict[str, Callable[[], Model]] = {"bogie": bogie_dynamics, "brake": brake_cylinder}
+BUILDERS: dict[str, Callable[[Model, Path], None]] = {"native": build_native_fmu, "python": build_python_fmu}
+
+
+def fmu_path(model: Model, kind: str, out: Path) -> Path:
+    return out / kind / f"{model.name}.fmu"
+
+
+def up_to_date(name: str, kind: str, out: Path = Path("build")) -> Path:
+    """Path of an FMU, built now unless the file in `out` has the present content."""
+    model = MODELS[name]()
+    path = fmu_path(model, kind, out)
+    if not path.exists() or read_model_description(str(path), validate=False).guid != guid_of(model):
+        BUILDERS[kind](model, path)
+    return path
+
+
+def build(name: str, kind: str, out: Path) -> list[str]:
+    """Builds one FMU, prints its line and returns the problems that fmpy finds."""
+    begin = time.perf_counter()
+    model = MODELS[name]()
+    path = fmu_path(model, kind, out)
+    BUILDERS[kind](model, path)
+    problems = validate_fmu(str(path))
+    seconds, size = time.perf_counter() - begin, path.stat().st_size / 1000
+    verdict = "valid" if not problems else f"{len(problems)} problems"
+    print(f"{path}  {size:.0f} kB  {seconds:.1f} s  {len(model.variables)} variables  {verdict}")
+    return [f"{path}: {problem}" for problem in problems]
+
+
+def main(arguments: list[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("model", nargs="?", default="all", choices=[*MODELS, "all"])
+    parser.add_argument("--kind", default="all", choices=[*BUILDERS, "all"], help="native, python (pythonfmu) or all")
+    parser.add_argument("--out", type=Path, default=Path("build"), help="folder of the FMUs (default: build)")
+    chosen = parser.parse_args(arguments)
+    names = list(MODELS) if chosen.model == "all" else [chosen.model]
+    kinds = list(BUILDERS) if chosen.kind == "all" else [chosen.kind]
+    problems: list[str] = []
+    try:
+        for kind in kinds:
+            for name in names:
+                problems += build(name, kind, chosen.out)
+    except CompilerError as error:
+        print(error, file=sys.stderr)
+        return 1
+    for problem in problems:
+        print(problem, file=sys.stderr)
+    return 1 if problems else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,1 @@
+"""From equations to a running FMU. Knows FMI and numerics, nothing about railways."""

@@ -1,0 +1,23 @@
+"""FMU archives that are equal byte for byte when their contents are equal."""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+
+#: The earliest date a zip archive can hold.
+FIXED_DATE = (1980, 1, 1, 0, 0, 0)
+
+
+def write_archive(path: Path, contents: Mapping[str, bytes]) -> None:
+    """Writes the archive in one go: a failed build leaves the old file."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    partial = path.with_name(path.name + ".partial")
+    with zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
+        for name in sorted(contents):
+            entry = zipfile.ZipInfo(name, FIXED_DATE)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.external_attr = 0o644 << 16
+            archive.writestr(entry, contents[name])
+    partial.replace(path)

@@ -1,0 +1,224 @@
+"""From a `Model` to plain C: the equations, their exact Jacobian, and the constant description that the runtime reads."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import re
+import tempfile
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import casadi as ca
+
+from fmu_src.model_description import model_description
+from fmu_src.system import Model, System
+
+RUNTIME = Path(__file__).parent / "runtime"
+RUNTIME_SOURCES = ("kernel.c", "rosenbrock.c", "modes.c", "piecewise.c", "fmi2.c")
+
+#: Functions of a system in the order of `system_description` in kernel.h.
+FUNCTIONS = (
+    "derive",
+    "start",
+    "ode",
+    "jacobian",
+    "output",
+    "drive_and_capacity",
+    "end_margin",
+    "table_argument",
+    "remember",
+    "project",
+)
+KINDS = {"real": "KIND_REAL", "integer": "KIND_INTEGER", "boolean": "KIND_BOOLEAN"}
+
+
+def functions(system: System) -> dict[str, ca.Function]:
+    """The generated functions of a system; all take the nine arguments of `ARGUMENTS`."""
+    arguments = system.arguments
+    time, states, inputs, rates = arguments[:4]
+    ode = system.ode
+    # Exact: d/dx, and along the given rates of the inputs d/dt.
+    jacobian = ca.densify(ca.jacobian(ode, states))
+    time_slope = ca.densify(ca.jacobian(ode, time) + ca.jtimes(ode, inputs, rates))
+    results: dict[str, list[ca.SX]] = {
+        "derive": [ca.vertcat(*system.derived_expressions.values())],
+        "start": [_start(system)],
+        "ode": [ode],
+        "jacobian": [jacobian, time_slope],
+        "output": [ca.vertcat(*system.outputs.values())],
+        "drive_and_capacity": [
+            ca.vertcat(*[friction.drive for friction in system.frictions]),
+            ca.vertcat(*[friction.capacity for friction in system.frictions]),
+        ],
+        "end_margin": [ca.vertcat(*[end.margin for end in system.end_conditions])],
+        "table_argument": [ca.vertcat(*[table.argument for table in system.tables])],
+        "remember": [ca.vertcat(*[system.memory_expressions[name] for name in system.memory_symbols])],
+        "project": [
+            ca.vertcat(*[system.projections.get(name, state.symbol) for name, state in system.states.items()])
+            if system.projections
+            else ca.SX(0, 1)
+        ],
+    }
+    made = {}
+    for name, expressions in results.items():
+        if expressions[0].numel():
+            simplified = ca.cse([ca.densify(expression) for expression in expressions])
+            made[name] = ca.Function(f"{system.name}_{name}", arguments, simplified)
+    return made
+
+
+def _start(system: System) -> ca.SX:
+    return ca.vertcat(*[state.start for state in system.states.values()])
+
+
+def generate(model: Model) -> dict[str, str]:
+    """C sources by file name: equations.c from CasADi and model.c, the description."""
+    generated = [functions(system) for system in model.systems]
+    sources = {"equations.c": _equations(generated)}
+    description = _description(model, generated)
+    # The GUID is a function of everything a host can see: equations, description, texts and units.
+    guid = content_guid([*sources.values(), description, model_description(model, "")])
+    sources["model.c"] = description.replace("@GUID@", guid)
+    return sources
+
+
+def guid_of(model: Model) -> str:
+    """GUID of the FMUs of a model; changes with its content and with nothing else."""
+    found = re.search(r"\{[0-9a-f-]{36}\}", generate(model)["model.c"])
+    assert found
+    return found.group()
+
+
+def content_guid(texts: Iterable[str]) -> str:
+    """A GUID that is a function of the content, the runtime included, so that equal builds are equal."""
+    digest = hashlib.sha256()
+    for text in texts:
+        digest.update(text.encode())
+    for name in (*RUNTIME_SOURCES, "kernel.h"):
+        digest.update((RUNTIME / name).read_bytes())
+    h = digest.hexdigest()
+    return f"{{{h[:8]}-{h[8:12]}-{h[12:16]}-{h[16:20]}-{h[20:32]}}}"
+
+
+def _equations(generated: Sequence[dict[str, ca.Function]]) -> str:
+    generator = ca.CodeGenerator("equations", {"with_export": False})
+    for made in generated:
+        for function in made.values():
+            generator.add(function)
+    with tempfile.TemporaryDirectory() as folder:
+        generator.generate(folder + "/")
+        text = (Path(folder) / "equations.c").read_text()
+    # The interface of CasADi has arguments that these functions do not use; everything else stays a warning.
+    return '#pragma GCC diagnostic ignored "-Wunused-parameter"\n' + text
+
+
+def _number(value: float) -> str:
+    if math.isnan(value):
+        return "NAN"
+    if math.isinf(value):
+        return "INFINITY" if value > 0 else "-INFINITY"
+    return repr(float(value))
+
+
+def _text(value: str) -> str:
+    return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
+
+
+def _array(kind: str, name: str, values: Iterable[str]) -> str:
+    entries = list(values)
+    return f"static const {kind} {name}[] = {{{', '.join(entries)}}};" if entries else ""
+
+
+def _system_arrays(model: Model, system: System) -> Iterable[str]:
+    prefix = system.name
+    outputs = [variable.name for variable in system.variables if variable.causality == "output"]
+    for suffix, names in (
+        ("input", list(system.input_symbols)),
+        ("parameter", list(system.parameter_symbols)),
+        ("output", outputs),
+    ):
+        yield _array("int", f"{prefix}_{suffix}_variable", [str(model.index(name)) for name in names])
+    yield _array("double", f"{prefix}_nominal", [_number(state.nominal) for state in system.states.values()])
+    position = {name: number for number, name in enumerate(system.states)}
+    yield _array(
+        "friction_description",
+        f"{prefix}_friction",
+        [
+            f"{{{_text(f.label)}, {_text(f.stuck_word)}, {_text(f.sliding_word)}, {position[f.velocity]}}}"
+            for f in system.frictions
+        ],
+    )
+    for table in system.tables:
+        name = f"{prefix}_{table.name}"
+        yield _array("double", f"{name}_breakpoint", map(_number, table.breakpoints))
+        yield _array("double", f"{name}_coefficient", map(_number, table.coefficients.ravel()))
+    yield _array(
+        "table_description",
+        f"{prefix}_table",
+        [
+            f"{{{table.coefficients.shape[0]}, {table.coefficients.shape[1] - 1}, "
+            f"{prefix}_{table.name}_breakpoint, {prefix}_{table.name}_coefficient}}"
+            for table in system.tables
+        ],
+    )
+    sentences = [_text(end.sentence) for end in system.end_conditions]
+    yield _array("char *const", f"{prefix}_end_sentence", sentences)
+
+
+def _system_entry(system: System, made: dict[str, ca.Function]) -> str:
+    prefix = system.name
+    outputs = [variable.name for variable in system.variables if variable.causality == "output"]
+    counts = {
+        "states": len(system.states),
+        "inputs": len(system.input_symbols),
+        "parameters": len(system.parameter_symbols),
+        "derived": len(system.derived_symbols),
+        "frictions": len(system.frictions),
+        "tables": len(system.tables),
+        "table_coefficients": sum(table.symbols.numel() for table in system.tables),
+        "memories": len(system.memory_symbols),
+        "outputs": len(outputs),
+        "ends": len(system.end_conditions),
+    }
+    fields = [f".name = {_text(system.name)}"]
+    fields += [f".{name} = {count}" for name, count in counts.items()]
+    for name, count in (
+        ("input_variable", "inputs"),
+        ("parameter_variable", "parameters"),
+        ("output_variable", "outputs"),
+        ("nominal", "states"),
+        ("friction", "frictions"),
+        ("table", "tables"),
+        ("end_sentence", "ends"),
+    ):
+        if counts[count]:
+            fields.append(f".{name} = {prefix}_{name}")
+    fields += [f".{name} = {prefix}_{name}" for name in FUNCTIONS if name in made]
+    return "    {" + ",\n     ".join(fields) + "}"
+
+
+def _description(model: Model, generated: Sequence[dict[str, ca.Function]]) -> str:
+    lines = ["#include <math.h>", '#include "kernel.h"', ""]
+    for made in generated:
+        for function in made.values():
+            lines.append(f"int {function.name()}(const double **, double **, long long int *, double *, int);")
+    for system in model.systems:
+        lines += [line for line in _system_arrays(model, system) if line]
+    lines.append("static const variable_description VARIABLE[] = {")
+    for v in model.variables:
+        lost = math.nan if v.when_lost is None else v.when_lost
+        numbers = ", ".join(_number(x) for x in (v.start, v.minimum, v.maximum, lost))
+        lines.append(
+            f"    {{{_text(v.name)}, {_text(v.unit)}, {KINDS[v.kind]}, CAUSALITY_{v.causality.upper()}, {numbers}}},"
+        )
+    lines += ["};", "static const system_description SYSTEM[] = {"]
+    lines.append(",\n".join(_system_entry(s, made) for s, made in zip(model.systems, generated, strict=True)))
+    selector = model.index(model.selector) if model.selector else -1
+    lines += [
+        "};",
+        f"const model_description MODEL = {{{_text(model.name)}, {_text('@GUID@')}, {len(model.variables)}, "
+        f"{len(model.systems)}, {selector}, {model.index('tolerance')}, VARIABLE, SYSTEM}};",
+        "",
+    ]
+    return "\n".join(lines)

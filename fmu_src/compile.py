@@ -1,0 +1,89 @@
+"""C sources -> shared library, with the system's compiler where there is one and otherwise zig from PyPI."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import fmpy
+
+from fmu_src.codegen import RUNTIME, RUNTIME_SOURCES, generate
+from fmu_src.system import Model
+
+#: Where compiled kernels are kept between runs; named by the content of their sources and the compiler.
+CACHE = Path(__file__).resolve().parent.parent / "build" / "cache"
+#: No contraction of a*b+c: the same source gives the same bits with every compiler and machine.
+FLAGS = (
+    "-std=c11",
+    "-O2",
+    "-fPIC",
+    "-fvisibility=hidden",
+    "-ffp-contract=off",
+    "-fno-math-errno",
+    "-Wall",
+    "-Wextra",
+    "-Werror",
+)
+FMI_HEADERS = Path(fmpy.__file__).parent / "c-code"
+
+
+class CompilerError(RuntimeError):
+    """The C compiler refused the sources; the message is its own."""
+
+
+def compiler() -> list[str]:
+    """Command of the C compiler: $CC, or cc, gcc, clang from PATH, or zig from PyPI."""
+    if os.environ.get("CC"):
+        return os.environ["CC"].split()
+    for name in ("cc", "gcc", "clang"):
+        if shutil.which(name):
+            return [name]
+    return [sys.executable, "-m", "ziglang", "cc", "-mcpu=baseline"]
+
+
+def library_suffix() -> str:
+    return {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
+
+
+def compile_library(sources: Mapping[str, str], output: Path, flags: Sequence[str] = FLAGS) -> None:
+    """Compiles generated sources with the runtime to the shared library `output`. Raises CompilerError."""
+    with tempfile.TemporaryDirectory() as folder:
+        for name, text in sources.items():
+            (Path(folder) / name).write_text(text)
+        files = [*sources, *(str(RUNTIME / name) for name in RUNTIME_SOURCES)]
+        command = [*compiler(), *flags, f"-I{RUNTIME}", f"-I{FMI_HEADERS}", "-shared", "-o", "library", *files, "-lm"]
+        environment = os.environ | {
+            "ZIG_GLOBAL_CACHE_DIR": os.environ.get("ZIG_GLOBAL_CACHE_DIR", str(CACHE / "zig")),
+            "ZIG_LOCAL_CACHE_DIR": str(Path(folder) / "zig"),
+        }
+        done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
+        if done.returncode != 0:
+            raise CompilerError(f"The C compiler ({' '.join(compiler())}) failed:\n{done.stderr}")
+        output.parent.mkdir(parents=True, exist_ok=True)
+        partial = output.with_name(f"{output.name}.{os.getpid()}")
+        shutil.copyfile(Path(folder) / "library", partial)
+        partial.replace(output)
+
+
+def library_of(sources: Mapping[str, str], flags: Sequence[str] = FLAGS) -> Path:
+    """Path of the compiled library of these sources, compiled now unless the cache has it."""
+    digest = hashlib.sha256(" ".join([*compiler(), *flags]).encode())
+    for name in sorted(sources):
+        digest.update(sources[name].encode())
+    for name in (*RUNTIME_SOURCES, "kernel.h"):
+        digest.update((RUNTIME / name).read_bytes())
+    path = CACHE / f"{digest.hexdigest()[:24]}{library_suffix()}"
+    if not path.exists():
+        compile_library(sources, path, flags)
+    return path
+
+
+def build_library(model: Model) -> Path:
+    """Compiled kernel of a model."""
+    return library_of(generate(model))

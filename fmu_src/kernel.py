@@ -1,0 +1,219 @@
+"""A compiled kernel seen from Python. Standard library only: this file also travels inside the pythonfmu FMU."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+OK, WARNING, DISCARD, ERROR = range(4)
+COUNTERS = ("right_hand_sides", "jacobians", "factorisations", "steps", "rejected", "events")
+
+_SIGNATURES = {
+    "kernel_create": (ctypes.c_void_p, []),
+    "kernel_free": (None, [ctypes.c_void_p]),
+    "kernel_reset": (None, [ctypes.c_void_p]),
+    "kernel_reopen": (None, [ctypes.c_void_p]),
+    "kernel_set": (ctypes.c_int, [ctypes.c_void_p, ctypes.c_int, ctypes.c_double]),
+    "kernel_set_rate": (ctypes.c_int, [ctypes.c_void_p, ctypes.c_int, ctypes.c_double]),
+    "kernel_get": (ctypes.c_int, [ctypes.c_void_p, ctypes.c_int, ctypes.POINTER(ctypes.c_double)]),
+    "kernel_initialise": (ctypes.c_int, [ctypes.c_void_p, ctypes.c_double]),
+    "kernel_step": (ctypes.c_int, [ctypes.c_void_p, ctypes.c_double, ctypes.c_double]),
+    "kernel_record": (
+        ctypes.c_int,
+        [
+            ctypes.c_void_p,
+            ctypes.c_double,
+            ctypes.c_double,
+            ctypes.c_double,
+            ctypes.c_int,
+            ctypes.POINTER(ctypes.c_int),
+            ctypes.POINTER(ctypes.c_double),
+            ctypes.c_longlong,
+        ],
+    ),
+    "kernel_state_size": (ctypes.c_size_t, [ctypes.c_void_p]),
+    "kernel_state_count": (ctypes.c_int, [ctypes.c_void_p]),
+    "kernel_save": (None, [ctypes.c_void_p, ctypes.c_char_p]),
+    "kernel_restore": (ctypes.c_int, [ctypes.c_void_p, ctypes.c_char_p]),
+    "kernel_time": (ctypes.c_double, [ctypes.c_void_p]),
+    "kernel_ended": (ctypes.c_int, [ctypes.c_void_p]),
+    "kernel_message": (ctypes.c_char_p, [ctypes.c_void_p]),
+    "kernel_journal": (ctypes.c_char_p, [ctypes.c_void_p]),
+    "kernel_counts": (None, [ctypes.c_void_p, ctypes.POINTER(ctypes.c_longlong)]),
+    "kernel_model_name": (ctypes.c_char_p, []),
+    "kernel_model_guid": (ctypes.c_char_p, []),
+    "kernel_variable_count": (ctypes.c_int, []),
+    "kernel_variable_name": (ctypes.c_char_p, [ctypes.c_int]),
+    "kernel_repeat_right_hand_side": (ctypes.c_int, [ctypes.c_void_p, ctypes.c_longlong]),
+    "kernel_repeat_jacobian": (ctypes.c_int, [ctypes.c_void_p, ctypes.c_longlong]),
+    "kernel_repeat_step": (ctypes.c_int, [ctypes.c_void_p, ctypes.c_double, ctypes.c_double, ctypes.c_longlong]),
+}
+
+
+class KernelError(Exception):
+    """A refused value or a failed step; `status` is 2 (discard: the run ended) or 3 (error)."""
+
+    def __init__(self, sentence: str, status: int) -> None:
+        super().__init__(sentence)
+        self.status = status
+
+
+class Library:
+    """A compiled model: names of the variables, and the C functions with their signatures."""
+
+    def __init__(self, path: str | Path) -> None:
+        self.functions = ctypes.CDLL(str(path))
+        for name, (result, arguments) in _SIGNATURES.items():
+            function = getattr(self.functions, name)
+            function.restype, function.argtypes = result, arguments
+        count = self.functions.kernel_variable_count()
+        self.names = [self.functions.kernel_variable_name(i).decode() for i in range(count)]
+        self.index = {name: number for number, name in enumerate(self.names)}
+
+    @property
+    def guid(self) -> str:
+        return str(self.functions.kernel_model_guid().decode())
+
+
+class Kernel:
+    """One instance of a compiled model.
+
+    >>> kernel = Kernel(library, initial_speed=25.0)     # parameters and first inputs
+    >>> kernel.advance(1.0)                              # seconds
+    >>> kernel["speed"]
+    """
+
+    def __init__(self, library: Library, **values: float) -> None:
+        self.library = library
+        self._call = library.functions
+        self._handle = self._call.kernel_create()
+        self._number = ctypes.c_double()
+        self.journal: list[str] = []
+        if not self._handle:
+            raise MemoryError("There is not enough memory for a kernel.")
+        self.set(**values)
+
+    def __del__(self) -> None:
+        if getattr(self, "_handle", None):
+            self._call.kernel_free(self._handle)
+            self._handle = None
+
+    def set(self, **values: float) -> None:
+        """Sets parameters (before the first step) or inputs, by name. Raises KernelError, the old value kept."""
+        for name, value in values.items():
+            if name not in self.library.index:
+                raise KernelError(f"There is no variable {name}; {self._suggestion(name)}", ERROR)
+            self.set_number(self.library.index[name], value)
+
+    def set_number(self, variable: int, value: float) -> None:
+        self._check(self._call.kernel_set(self._handle, variable, value))
+
+    def set_rate(self, **rates: float) -> None:
+        """Rates of change of inputs for the next step, so that they are ramps instead of stairs."""
+        for name, rate in rates.items():
+            self._check(self._call.kernel_set_rate(self._handle, self.library.index[name], rate))
+
+    def __getitem__(self, name: str) -> float:
+        return self.get_number(self.library.index[name])
+
+    def get_number(self, variable: int) -> float:
+        self._check(self._call.kernel_get(self._handle, variable, ctypes.byref(self._number)))
+        return self._number.value
+
+    @property
+    def time(self) -> float:
+        return float(self._call.kernel_time(self._handle))
+
+    @property
+    def initialised(self) -> bool:
+        return bool(self._call.kernel_state_count(self._handle))
+
+    @property
+    def ended(self) -> bool:
+        return bool(self._call.kernel_ended(self._handle))
+
+    def initialise(self, time: float = 0.0) -> None:
+        self._check(self._call.kernel_initialise(self._handle, time))
+
+    def reset(self) -> None:
+        """All variables to their start values, ready for parameters again."""
+        self._call.kernel_reset(self._handle)
+
+    def reopen(self) -> None:
+        """Back to before initialisation, all values kept."""
+        self._call.kernel_reopen(self._handle)
+
+    def step(self, time: float, size: float) -> None:
+        """Advances from `time` by `size` seconds. Raises KernelError; after an error nothing was advanced."""
+        self._check(self._call.kernel_step(self._handle, time, size))
+
+    def advance(self, size: float) -> None:
+        """Advances by `size` seconds from wherever the kernel stands, initialising it when needed."""
+        if not self.initialised:
+            self.initialise()
+        self.step(self.time, size)
+
+    def record(self, size: float, interval: float, names: Sequence[str]) -> dict[str, list[float]]:
+        """Advances by `size` s; returns the named variables every `interval` s, `time` included.
+
+        Recording uses the continuous extension of the method and does not shorten its steps. A run that ends early
+        keeps what came before.
+        """
+        if not self.initialised:
+            self.initialise()
+        start, rows, columns = self.time, int(size / interval + 1e-9) + 1, len(names)
+        numbers = (ctypes.c_int * columns)(*[self.library.index[name] for name in names])
+        buffer = (ctypes.c_double * (rows * columns))()
+        status = self._call.kernel_record(self._handle, start, size, interval, columns, numbers, buffer, rows)
+        if status == ERROR:
+            self._check(status)
+        self._drain()
+        kept = [row for row in range(rows) if buffer[row * columns] == buffer[row * columns]]
+        table = {"time": [start + row * interval for row in kept]}
+        for column, name in enumerate(names):
+            table[name] = [buffer[row * columns + column] for row in kept]
+        return table
+
+    def save(self) -> bytes:
+        """The complete state, bit for bit."""
+        buffer = ctypes.create_string_buffer(self._call.kernel_state_size(self._handle))
+        self._call.kernel_save(self._handle, buffer)
+        return buffer.raw
+
+    def restore(self, state: bytes) -> None:
+        self._check(self._call.kernel_restore(self._handle, state))
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Work done since the last reset."""
+        numbers = (ctypes.c_longlong * len(COUNTERS))()
+        self._call.kernel_counts(self._handle, numbers)
+        return dict(zip(COUNTERS, numbers, strict=True))
+
+    def repeat_right_hand_side(self, repeat: int) -> None:
+        self._check(self._call.kernel_repeat_right_hand_side(self._handle, repeat))
+
+    def repeat_jacobian(self, repeat: int) -> None:
+        self._check(self._call.kernel_repeat_jacobian(self._handle, repeat))
+
+    def repeat_step(self, size: float, repeat: int) -> None:
+        """`repeat` steps of `size` in one call: what a step costs a host written in C."""
+        self._check(self._call.kernel_repeat_step(self._handle, self.time, size, repeat))
+
+    def _drain(self) -> Iterable[str]:
+        text = self._call.kernel_journal(self._handle)
+        lines = [line[2:] for line in text.decode().splitlines()] if text else []
+        self.journal += lines
+        return lines
+
+    def _check(self, status: int) -> None:
+        self._drain()
+        if status > WARNING:
+            raise KernelError(self._call.kernel_message(self._handle).decode(), status)
+
+    def _suggestion(self, name: str) -> str:
+        import difflib
+
+        near = difflib.get_close_matches(name, self.library.names, 1)
+        return f"did you mean {near[0]}?" if near else f"there are {', '.join(self.library.names)}."

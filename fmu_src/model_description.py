@@ -1,0 +1,165 @@
+"""Model -> modelDescription.xml of FMI 2.0 co-simulation: variables, units, dependencies, initial unknowns."""
+
+from __future__ import annotations
+
+import math
+import xml.etree.ElementTree as xml
+from collections.abc import Iterable
+
+import casadi as ca
+
+from fmu_src.system import Model, System, Variable
+
+#: Unit -> exponents of the SI base units.
+UNITS: dict[str, dict[str, int]] = {
+    "1": {},
+    "s": {"s": 1},
+    "m": {"m": 1},
+    "rad": {"rad": 1},
+    "kg": {"kg": 1},
+    "1/m": {"m": -1},
+    "m/s": {"m": 1, "s": -1},
+    "m/s2": {"m": 1, "s": -2},
+    "rad/s": {"rad": 1, "s": -1},
+    "N": {"kg": 1, "m": 1, "s": -2},
+    "N.m": {"kg": 1, "m": 2, "s": -2},
+    "J": {"kg": 1, "m": 2, "s": -2},
+    "W": {"kg": 1, "m": 2, "s": -3},
+    "Pa": {"kg": 1, "m": -1, "s": -2},
+    "N/Pa": {"m": 2},
+    "N/m": {"kg": 1, "s": -2},
+    "N.s/m": {"kg": 1, "s": -1},
+    "kg.m2": {"kg": 1, "m": 2},
+}
+#: Display unit -> (its unit, display value of one unit).
+DISPLAY_UNITS: dict[str, tuple[str, float]] = {
+    "km/h": ("m/s", 3.6),
+    "kPa": ("Pa", 1e-3),
+    "kN": ("N", 1e-3),
+    "deg": ("rad", 180.0 / math.pi),
+}
+TYPES = {"real": "Real", "integer": "Integer", "boolean": "Boolean"}
+LOG_CATEGORIES = {
+    "events": "What happened to the machine: a wheelset locked, a wheelset turns again",
+    "logStatusWarning": "Values that were replaced or have no effect",
+    "logStatusDiscard": "The run ended: an end condition was reached",
+    "logStatusError": "Refused values and failed steps",
+}
+
+
+def model_description(model: Model, guid: str, native: bool = True) -> str:
+    """The XML text. `native`: the binary of this project; else the one of pythonfmu, which can do less."""
+    root = xml.Element(
+        "fmiModelDescription",
+        fmiVersion="2.0",
+        modelName=model.name,
+        guid=guid,
+        description=model.description,
+        version="0.1.0",
+        license="MIT",
+        generationTool="bogie-braking",
+        variableNamingConvention="flat",
+    )
+    able = str(native).lower()
+    xml.SubElement(
+        root,
+        "CoSimulation",
+        modelIdentifier=model.name,
+        needsExecutionTool=str(not native).lower(),
+        canHandleVariableCommunicationStepSize="true",
+        canInterpolateInputs=able,
+        maxOutputDerivativeOrder="0",
+        canNotUseMemoryManagementFunctions="true",
+        canGetAndSetFMUstate=able,
+        canSerializeFMUstate=able,
+        providesDirectionalDerivative="false",
+    )
+    _units(root, model.variables)
+    categories = xml.SubElement(root, "LogCategories")
+    for name, description in LOG_CATEGORIES.items():
+        xml.SubElement(categories, "Category", name=name, description=description)
+    experiment = {"startTime": "0.0", "stopTime": repr(model.stop_time), "stepSize": repr(model.step_size)}
+    xml.SubElement(root, "DefaultExperiment", experiment)
+    variables = xml.SubElement(root, "ModelVariables")
+    for reference, variable in enumerate(model.variables):
+        _variable(variables, reference, variable)
+    _structure(root, model)
+    xml.indent(root)
+    return '<?xml version="1.0" encoding="UTF-8"?>\n' + xml.tostring(root, encoding="unicode") + "\n"
+
+
+def _units(root: xml.Element, variables: Iterable[Variable]) -> None:
+    used = {variable.unit for variable in variables if variable.kind == "real"}
+    displayed = {variable.display_unit for variable in variables if variable.display_unit}
+    definitions = xml.SubElement(root, "UnitDefinitions")
+    for name, exponents in UNITS.items():
+        if name not in used:
+            continue
+        unit = xml.SubElement(definitions, "Unit", name=name)
+        xml.SubElement(unit, "BaseUnit", {base: str(exponent) for base, exponent in exponents.items()})
+        for display, (of, factor) in DISPLAY_UNITS.items():
+            if of == name and display in displayed:
+                xml.SubElement(unit, "DisplayUnit", name=display, factor=repr(factor))
+    unknown = used - set(UNITS)
+    if unknown:
+        raise ValueError(f"Add the units {', '.join(sorted(unknown))} to UNITS in model_description.py.")
+
+
+def _variable(parent: xml.Element, reference: int, variable: Variable) -> None:
+    discrete = variable.kind != "real"
+    attributes = {
+        "name": variable.name,
+        "valueReference": str(reference),
+        "description": variable.description,
+        "causality": variable.causality,
+    }
+    if variable.causality == "parameter":
+        attributes |= {"variability": "fixed", "initial": "exact"}
+    else:
+        attributes["variability"] = "discrete" if discrete else "continuous"
+    if variable.causality == "output":
+        attributes["initial"] = "calculated"
+    element = xml.SubElement(parent, "ScalarVariable", attributes)
+    of_type: dict[str, str] = {}
+    if not discrete:
+        of_type["unit"] = variable.unit
+        if variable.display_unit:
+            of_type["displayUnit"] = variable.display_unit
+    for name, limit in (("min", variable.minimum), ("max", variable.maximum)):
+        if math.isfinite(limit) and variable.kind != "boolean":
+            of_type[name] = _number(variable, limit)
+    if variable.causality != "output":
+        of_type["start"] = _number(variable, variable.start)
+    xml.SubElement(element, TYPES[variable.kind], of_type)
+
+
+def _number(variable: Variable, value: float) -> str:
+    return repr(float(value)) if variable.kind == "real" else str(int(value))
+
+
+def direct_inputs(system: System) -> dict[str, set[str]]:
+    """For each output the inputs that reach it without passing through a state."""
+    names = list(system.input_symbols)
+    inputs = ca.vertcat(*system.input_symbols.values())
+    found = {}
+    for output, expression in system.outputs.items():
+        columns = ca.jacobian_sparsity(expression, inputs).get_col() if names else []
+        found[output] = {names[column] for column in columns}
+    return found
+
+
+def _structure(root: xml.Element, model: Model) -> None:
+    reached: dict[str, set[str]] = {}
+    for system in model.systems:
+        for output, names in direct_inputs(system).items():
+            reached.setdefault(output, set()).update(names)
+    structure = xml.SubElement(root, "ModelStructure")
+    outputs = xml.SubElement(structure, "Outputs")
+    initial = xml.SubElement(structure, "InitialUnknowns")
+    for number, variable in enumerate(model.variables, start=1):
+        if variable.causality != "output":
+            continue
+        known = sorted(model.index(name) + 1 for name in reached.get(variable.name, set()))
+        xml.SubElement(outputs, "Unknown", index=str(number), dependencies=" ".join(map(str, known)))
+        # Initial values may depend on all parameters and inputs: no list of dependencies.
+        xml.SubElement(initial, "Unknown", index=str(number))

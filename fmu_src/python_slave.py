@@ -1,0 +1,101 @@
+"""The slave class of the pythonfmu FMU: the FMI calls of pythonfmu on one side, the compiled kernel on the other.
+
+`python_fmu.py` joins this file behind kernel.py into the one module that travels inside the FMU, so that several FMUs
+can live in one Python process without sharing module names.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from pythonfmu import Fmi2Slave
+from pythonfmu.enums import Fmi2Status
+
+from fmu_src.kernel import DISCARD, Kernel, KernelError, Library
+
+#: Key, beside the value references, of a problem that belongs to no single variable.
+WHOLE = -1
+
+
+class KernelSlave(Fmi2Slave):
+    """A kernel behind pythonfmu.
+
+    pythonfmu turns an exception into fmi2Fatal and crashes the host on the next call, so nothing is raised here: a value
+    that is refused is logged as an error, and every step is discarded until that variable has a good value again.
+    """
+
+    library_file: str
+    guid_of_content: str
+
+    def __init__(self, **kwargs):  # type: ignore[no-untyped-def]
+        super().__init__(**kwargs)
+        self.guid = self.guid_of_content
+        self.kernel = Kernel(Library(Path(self.resources) / self.library_file))
+        self.problems: dict[int, str] = {}
+        self.start_time = 0.0
+        self.initialising = False
+
+    def setup_experiment(self, start_time: float, stop_time: float | None = None, tolerance: float | None = None) -> None:
+        self.start_time = start_time
+        if tolerance is not None:
+            self.set_real([self.kernel.library.index["tolerance"]], [tolerance])
+
+    def enter_initialization_mode(self) -> None:
+        self.initialising = True
+
+    def exit_initialization_mode(self) -> None:
+        self._initialise()
+        self.initialising = False
+
+    def do_step(self, current_time: float, step_size: float) -> bool:
+        for sentence in self.problems.values():
+            self.log(sentence, Fmi2Status.error)
+        if self.problems:
+            return False
+        try:
+            self.kernel.step(current_time, step_size)
+        except KernelError as error:
+            self.log(str(error), Fmi2Status.discard if error.status == DISCARD else Fmi2Status.error)
+            return False
+        return True
+
+    def get_real(self, vrs: list[int]) -> list[float]:
+        if self.initialising and not self.kernel.initialised:
+            self._initialise()
+        try:
+            return [self.kernel.get_number(reference) for reference in vrs]
+        except KernelError as error:
+            self._remember(WHOLE, error)
+            return [0.0] * len(vrs)
+
+    def get_integer(self, vrs: list[int]) -> list[int]:
+        return [int(value) for value in self.get_real(vrs)]
+
+    def get_boolean(self, vrs: list[int]) -> list[bool]:
+        return [bool(value) for value in self.get_real(vrs)]
+
+    def set_real(self, vrs: list[int], values: list[float]) -> None:
+        if self.initialising:
+            self.kernel.reopen()
+        for reference, value in zip(vrs, values, strict=True):
+            try:
+                self.kernel.set_number(reference, value)
+                self.problems.pop(reference, None)
+            except KernelError as error:
+                self._remember(reference, error)
+
+    set_integer = set_real
+    set_boolean = set_real
+
+    def _initialise(self) -> None:
+        try:
+            self.kernel.initialise(self.start_time)
+            self.problems.pop(WHOLE, None)
+        except KernelError as error:
+            self._remember(WHOLE, error)
+
+    def _remember(self, reference: int, error: KernelError) -> None:
+        self.problems[reference] = str(error)
+        self.log(str(error), Fmi2Status.error)
+
+

@@ -1,0 +1,544 @@
+/* Instances: the variable table, initialisation, and the adaptive step loop. */
+#include "kernel.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double FIRST_STEP = 1e-4;               /* s; the error control takes over after one step */
+static const long long int MAXIMUM_TRIALS = 5000000; /* of one kernel_step; a run that needs more is stuck */
+
+/* ---- messages ------------------------------------------------------------------------------------------------ */
+
+void kernel_note(kernel *self, int status, const char *format, ...) {
+    char line[MESSAGE_SIZE];
+    va_list arguments;
+    va_start(arguments, format);
+    int length = snprintf(line, sizeof line, "%d ", status);
+    vsnprintf(line + length, sizeof line - (size_t)length, format, arguments);
+    va_end(arguments);
+    const size_t needed = strlen(line) + 1;
+    if (self->journal_length + needed >= JOURNAL_SIZE) return; /* nobody drains it: the oldest lines are kept */
+    memcpy(self->journal + self->journal_length, line, needed - 1);
+    self->journal[self->journal_length + needed - 1] = '\n';
+    self->journal_length += needed;
+    self->journal[self->journal_length] = '\0';
+}
+
+int kernel_fail(kernel *self, int status, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(self->message, sizeof self->message, format, arguments);
+    va_end(arguments);
+    kernel_note(self, status, "%s", self->message);
+    return status;
+}
+
+const char *kernel_message(const kernel *self) { return self->message; }
+
+const char *kernel_journal(kernel *self) {
+    if (self->journal_length == 0) return "";
+    self->journal_length = 0; /* the text stays until the next note */
+    return self->journal;
+}
+
+/* ---- life cycle ---------------------------------------------------------------------------------------------- */
+
+/* The largest of each dimension over the systems, so that one block fits whichever is chosen. */
+static system_description largest_dimensions(void) {
+    system_description most = MODEL.system[0];
+    for (int i = 1; i < MODEL.systems; ++i) {
+        const system_description *one = &MODEL.system[i];
+#define GROW(member) \
+    if (one->member > most.member) most.member = one->member
+        GROW(states);
+        GROW(inputs);
+        GROW(parameters);
+        GROW(derived);
+        GROW(frictions);
+        GROW(tables);
+        GROW(table_coefficients);
+        GROW(memories);
+        GROW(outputs);
+        GROW(ends);
+#undef GROW
+    }
+    return most;
+}
+
+static double *carve(double *block, size_t *used, int count) {
+    double *start = block ? block + *used : NULL;
+    *used += (size_t)count;
+    return start;
+}
+
+/* Lays the arrays out in one block, or only counts the doubles when `block` is null. */
+static size_t lay_out(kernel *self, double *block) {
+    const system_description most = largest_dimensions();
+    const int n = most.states;
+    size_t used = 0;
+    self->value = carve(block, &used, MODEL.variables);
+    self->input_rate = carve(block, &used, MODEL.variables);
+    self->state = carve(block, &used, n);
+    self->mode = carve(block, &used, most.frictions);
+    self->memory = carve(block, &used, most.memories);
+    self->derived = carve(block, &used, most.derived);
+    self->restored = used;
+    self->backup = carve(block, &used, (int)self->restored);
+    self->parameter = carve(block, &used, most.parameters);
+    self->input = carve(block, &used, most.inputs);
+    self->rate = carve(block, &used, most.inputs);
+    self->stage_input = carve(block, &used, most.inputs);
+    self->coefficient = carve(block, &used, most.table_coefficients);
+    self->table_at = carve(block, &used, most.tables);
+    self->trial = carve(block, &used, n);
+    self->slope = carve(block, &used, n);
+    self->time_slope = carve(block, &used, n);
+    self->jacobian = carve(block, &used, n * n);
+    self->matrix = carve(block, &used, n * n);
+    for (int i = 0; i < 6; ++i) self->stage[i] = carve(block, &used, n);
+    self->point = carve(block, &used, n);
+    self->drive = carve(block, &used, most.frictions);
+    self->capacity = carve(block, &used, most.frictions);
+    self->margin = carve(block, &used, most.frictions + most.ends);
+    self->output = carve(block, &used, most.outputs);
+    return used;
+}
+
+kernel *kernel_create(void) {
+    kernel *self = calloc(1, sizeof *self);
+    if (!self) return NULL;
+    const size_t doubles = lay_out(self, NULL);
+    self->block = calloc(doubles, sizeof(double));
+    self->pivot = calloc((size_t)largest_dimensions().states + 1, sizeof(int));
+    self->warned = calloc((size_t)MODEL.variables, 1);
+    if (!self->block || !self->pivot || !self->warned) {
+        kernel_free(self);
+        return NULL;
+    }
+    lay_out(self, self->block);
+    kernel_reset(self);
+    return self;
+}
+
+void kernel_free(kernel *self) {
+    if (!self) return;
+    free(self->block);
+    free(self->pivot);
+    free(self->warned);
+    free(self);
+}
+
+void kernel_reset(kernel *self) {
+    memset(self->block, 0, self->restored * sizeof(double));
+    memset(self->warned, 0, (size_t)MODEL.variables);
+    memset(&self->now, 0, sizeof self->now);
+    memset(&self->counters, 0, sizeof self->counters);
+    for (int i = 0; i < MODEL.variables; ++i) self->value[i] = MODEL.variable[i].start;
+    self->now.system = -1;
+    self->system = NULL;
+    self->message[0] = self->journal[0] = '\0';
+    self->journal_length = 0;
+}
+
+/* ---- generated functions ------------------------------------------------------------------------------------- */
+
+/* Calls a generated function at `offset` seconds after the start of the step, with the inputs and table pieces that
+ * hold there. */
+void kernel_evaluate(kernel *self, generated_function function, double offset, const double *state, double *first,
+                     double *second) {
+    const system_description *system = self->system;
+    const double time = self->step_origin + offset;
+    for (int i = 0; i < system->inputs; ++i) self->stage_input[i] = self->input[i] + offset * self->rate[i];
+    const double *argument[ARG_COUNT] = {&time,         state,      self->stage_input, self->rate,  self->parameter,
+                                         self->derived, self->mode, self->coefficient, self->memory};
+    double *result[2] = {first, second};
+    if (system->tables && function != system->derive) {
+        double *arguments_of_tables[1] = {self->table_at};
+        system->table_argument(argument, arguments_of_tables, NULL, NULL, 0);
+        tables_look_up(system, self->table_at, self->coefficient);
+    }
+    function(argument, result, NULL, NULL, 0);
+}
+
+static void gather_inputs(kernel *self) {
+    for (int i = 0; i < self->system->inputs; ++i) {
+        const int variable = self->system->input_variable[i];
+        self->input[i] = self->value[variable];
+        self->rate[i] = self->input_rate[variable];
+    }
+}
+
+static void compute_outputs(kernel *self, double offset, const double *state) {
+    const system_description *system = self->system;
+    kernel_evaluate(self, system->output, offset, state, self->output, NULL);
+    for (int i = 0; i < system->outputs; ++i) self->value[system->output_variable[i]] = self->output[i];
+}
+
+/* First output that is not a finite number, or null. */
+static const char *output_not_finite(const kernel *self) {
+    for (int i = 0; i < self->system->outputs; ++i)
+        if (!isfinite(self->output[i])) return MODEL.variable[self->system->output_variable[i]].name;
+    return NULL;
+}
+
+/* ---- variables ----------------------------------------------------------------------------------------------- */
+
+static int check_reference(kernel *self, int variable) {
+    if (variable >= 0 && variable < MODEL.variables) return KERNEL_OK;
+    return kernel_fail(self, KERNEL_ERROR, "There is no variable number %d: %s has the numbers 0 to %d.", variable,
+                       MODEL.name, MODEL.variables - 1);
+}
+
+/* Unit with a blank before it; nothing for pure numbers. */
+static const char *after_number(const variable_description *variable, char text[32]) {
+    const int pure = strcmp(variable->unit, "1") == 0;
+    snprintf(text, 32, "%s%s", pure ? "" : " ", pure ? "" : variable->unit);
+    return text;
+}
+
+static int check_value(kernel *self, const variable_description *variable, double value, double kept) {
+    const char *name = variable->name;
+    char text[32];
+    const char *unit = after_number(variable, text);
+    if (!isfinite(value))
+        return kernel_fail(self, KERNEL_ERROR, "Set %s to a finite number: it was given %g, and %g%s stays in force.",
+                           name, value, kept, unit);
+    if (value < variable->minimum)
+        return kernel_fail(self, KERNEL_ERROR,
+                           "Set %s to at least %g%s: %g%s is below this limit, and %g%s stays in force.", name,
+                           variable->minimum, unit, value, unit, kept, unit);
+    if (value > variable->maximum)
+        return kernel_fail(self, KERNEL_ERROR,
+                           "Set %s to at most %g%s: %g%s is above this limit, and %g%s stays in force.", name,
+                           variable->maximum, unit, value, unit, kept, unit);
+    if (variable->kind == KIND_INTEGER && value != floor(value))
+        return kernel_fail(self, KERNEL_ERROR, "Set %s to a whole number: it was given %g, and %g stays in force.", name,
+                           value, kept);
+    return KERNEL_OK;
+}
+
+/* Says once that an input does nothing in the chosen system, so that it is not ignored in silence. */
+static int warn_without_effect(kernel *self, int variable) {
+    if (!self->system || self->warned[variable] || self->value[variable] == MODEL.variable[variable].start)
+        return KERNEL_OK;
+    for (int i = 0; i < self->system->inputs; ++i)
+        if (self->system->input_variable[i] == variable) return KERNEL_OK;
+    self->warned[variable] = 1;
+    return kernel_fail(self, KERNEL_WARNING, "%s has no effect in the system \"%s\"; choose a level that contains it.",
+                       MODEL.variable[variable].name, self->system->name);
+}
+
+int kernel_set(kernel *self, int variable, double value) {
+    int status = check_reference(self, variable);
+    if (status != KERNEL_OK) return status;
+    const variable_description *description = &MODEL.variable[variable];
+    if (description->causality == CAUSALITY_OUTPUT)
+        return kernel_fail(self, KERNEL_ERROR, "%s is an output and cannot be set; read it instead.", description->name);
+    if (description->causality == CAUSALITY_PARAMETER && self->system)
+        return kernel_fail(self, KERNEL_ERROR, "%s is a parameter and fixed once the run has begun; reset first.",
+                           description->name);
+    const int lost = isnan(value) && !isnan(description->when_lost);
+    if (lost) {
+        value = description->when_lost;
+    } else {
+        status = check_value(self, description, value, self->value[variable]);
+        if (status != KERNEL_OK) return status;
+    }
+    self->value[variable] = value;
+    self->input_rate[variable] = 0.0;
+    self->now.outputs_stale = 1;
+    if (lost)
+        return kernel_fail(self, KERNEL_WARNING, "The signal %s is lost (NaN): it counts as %g %s, the safe side.",
+                           description->name, value, description->unit);
+    return warn_without_effect(self, variable);
+}
+
+int kernel_set_rate(kernel *self, int variable, double rate) {
+    int status = check_reference(self, variable);
+    if (status != KERNEL_OK) return status;
+    const variable_description *description = &MODEL.variable[variable];
+    if (description->causality != CAUSALITY_INPUT || description->kind != KIND_REAL)
+        return kernel_fail(self, KERNEL_ERROR, "Only real inputs have a rate of change; %s is none.", description->name);
+    if (!isfinite(rate))
+        return kernel_fail(self, KERNEL_ERROR, "Set the rate of %s to a finite number: it was given %g.",
+                           description->name, rate);
+    self->input_rate[variable] = rate;
+    self->now.outputs_stale = 1;
+    return KERNEL_OK;
+}
+
+int kernel_get(kernel *self, int variable, double *value) {
+    int status = check_reference(self, variable);
+    if (status != KERNEL_OK) return status;
+    if (self->now.outputs_stale && self->system && MODEL.variable[variable].causality == CAUSALITY_OUTPUT) {
+        gather_inputs(self);
+        self->step_origin = self->now.time;
+        compute_outputs(self, 0.0, self->state);
+        self->now.outputs_stale = 0;
+        const char *bad = output_not_finite(self);
+        if (bad) return kernel_fail(self, KERNEL_ERROR, "The output %s is not a finite number at these inputs.", bad);
+    }
+    *value = self->value[variable];
+    return KERNEL_OK;
+}
+
+/* ---- initialisation ------------------------------------------------------------------------------------------ */
+
+int kernel_initialise(kernel *self, double time) {
+    if (!isfinite(time)) return kernel_fail(self, KERNEL_ERROR, "Start at a finite time: %g was given.", time);
+    const int chosen = MODEL.selector < 0 ? 0 : (int)self->value[MODEL.selector] - 1;
+    const system_description *system = self->system = &MODEL.system[chosen];
+    self->now.system = chosen;
+    self->now.time = self->step_origin = time;
+    self->now.proposed_step = FIRST_STEP;
+    for (int i = 0; i < system->parameters; ++i) self->parameter[i] = self->value[system->parameter_variable[i]];
+    gather_inputs(self);
+    if (system->derive) kernel_evaluate(self, system->derive, 0.0, self->state, self->derived, NULL);
+    kernel_evaluate(self, system->start, 0.0, self->state, self->trial, NULL);
+    memcpy(self->state, self->trial, (size_t)system->states * sizeof(double));
+    for (int i = 0; i < system->frictions; ++i) self->mode[i] = 1.0;
+    if (system->remember) kernel_evaluate(self, system->remember, 0.0, self->state, self->memory, NULL);
+    modes_refresh(self, 0.0);
+    compute_outputs(self, 0.0, self->state);
+    const char *bad = output_not_finite(self);
+    if (bad) {
+        self->system = NULL;
+        self->now.system = -1;
+        return kernel_fail(self, KERNEL_ERROR,
+                           "The output %s is not a finite number at the start; check the parameters it depends on.", bad);
+    }
+    self->now.outputs_stale = 0;
+    for (int i = 0; i < MODEL.variables; ++i)
+        if (MODEL.variable[i].causality == CAUSALITY_INPUT) (void)warn_without_effect(self, i);
+    return KERNEL_OK;
+}
+
+/* Opens the parameters again, all values kept; initialise afterwards. */
+void kernel_reopen(kernel *self) {
+    self->system = NULL;
+    self->now.system = -1;
+}
+
+/* ---- the step ------------------------------------------------------------------------------------------------ */
+
+static void record_until(kernel *self, double offset, double size) {
+    kernel_recorder *recorder = self->recorder;
+    while (recorder->written < recorder->capacity) {
+        const double at = (double)recorder->written * recorder->interval;
+        if (at > (offset + size) * (1.0 + 4.0 * DBL_EPSILON)) return;
+        const double fraction = size > 0.0 ? (at - offset) / size : 0.0;
+        rosenbrock_interpolate(self, fraction < 1.0 ? fraction : 1.0, self->point);
+        compute_outputs(self, at, size > 0.0 ? self->point : self->state);
+        double *row = self->recorder->buffer + recorder->written * recorder->columns;
+        for (int i = 0; i < recorder->columns; ++i)
+            row[i] = self->value[recorder->variable[i]] + at * self->input_rate[recorder->variable[i]];
+        recorder->written++;
+    }
+}
+
+/* Finds a step that the error control accepts. Returns its length; 0 after a failure, with the sentence set.
+ * *margin is negative when a switch lies within the step. */
+static double accepted_step(kernel *self, double offset, double size, long long int *trials, double *margin,
+                            double *error) {
+    for (;;) {
+        if (++*trials > MAXIMUM_TRIALS) {
+            kernel_fail(self, KERNEL_ERROR, "No progress after %lld steps at t = %.9g s; enlarge the tolerance %g.",
+                        MAXIMUM_TRIALS, self->step_origin + offset, self->value[MODEL.tolerance]);
+            return 0.0;
+        }
+        *error = rosenbrock_try(self, offset, size);
+        if (*error <= 1.0) {
+            *margin = modes_margin(self, offset + size, self->trial);
+            if (!isnan(*margin)) return size;
+            *error = NAN;
+        }
+        self->counters.rejected++;
+        size = rosenbrock_next_size(size, *error);
+        if (size < 1e-15 + 4.0 * DBL_EPSILON * fabs(self->step_origin + offset)) {
+            kernel_fail(self, KERNEL_ERROR,
+                        "The step size vanished at t = %.9g s: the equations have no finite solution there; check inputs "
+                        "and parameters.",
+                        self->step_origin + offset);
+            return 0.0;
+        }
+    }
+}
+
+static void accept(kernel *self, double offset) {
+    const system_description *system = self->system;
+    memcpy(self->state, self->trial, (size_t)system->states * sizeof(double));
+    if (system->project) {
+        kernel_evaluate(self, system->project, offset, self->state, self->trial, NULL);
+        memcpy(self->state, self->trial, (size_t)system->states * sizeof(double));
+    }
+    if (system->remember) kernel_evaluate(self, system->remember, offset, self->state, self->memory, NULL);
+    self->counters.steps++;
+}
+
+/* Integrates from offset 0 to `size`; *reached is where it stopped. */
+static int integrate(kernel *self, double size, double *reached) {
+    double offset = 0.0;
+    long long int trials = 0;
+    modes_refresh(self, 0.0);
+    if (self->recorder) record_until(self, 0.0, 0.0);
+    while (offset < size) {
+        const double remaining = size - offset;
+        const double proposed = self->now.proposed_step;
+        double wanted = proposed;
+        if (proposed > 0.5 * remaining) wanted = proposed < remaining ? 0.5 * remaining : remaining;
+        double margin = INFINITY, error = 0.0;
+        rosenbrock_linearise(self, offset);
+        double step = accepted_step(self, offset, wanted, &trials, &margin, &error);
+        if (step == 0.0) return KERNEL_ERROR;
+        const double next = rosenbrock_next_size(step, error);
+        /* A step cut short by the end of the interval says nothing against the longer one proposed before. */
+        self->now.proposed_step = step == wanted && wanted < proposed && next < proposed ? proposed : next;
+        const int crossing = margin < 0.0;
+        if (crossing) step = modes_locate(self, offset, step);
+        if (self->recorder) record_until(self, offset, step);
+        const double arrival = step == remaining ? size : offset + step;
+        accept(self, arrival);
+        offset = arrival;
+        if (crossing) {
+            self->now.ended = modes_switch(self, offset);
+            if (self->now.ended) break;
+        }
+    }
+    *reached = offset;
+    return KERNEL_OK;
+}
+
+static int check_step(kernel *self, double time, double size) {
+    if (!self->system)
+        return kernel_fail(self, KERNEL_ERROR, "Initialise %s before the first step.", MODEL.name);
+    if (!(size > 0.0) || !isfinite(size))
+        return kernel_fail(self, KERNEL_ERROR, "Give a step size above 0 s: it was %g s; nothing was advanced.", size);
+    if (!(fabs(time - self->now.time) <= 1e-3 * size + 1e-12 * fabs(time)))
+        return kernel_fail(self, KERNEL_ERROR,
+                           "Step from t = %.9g s, where the last step ended: %.9g s was given; nothing was advanced.",
+                           self->now.time, time);
+    if (self->now.ended)
+        return kernel_fail(self, KERNEL_DISCARD, "The run ended at t = %.9g s; reset it to start again.", self->now.time);
+    for (int i = 0; i < self->system->inputs; ++i) {
+        const int variable = self->system->input_variable[i];
+        if (self->input_rate[variable] == 0.0) continue;
+        const double last = self->value[variable] + size * self->input_rate[variable];
+        int status = check_value(self, &MODEL.variable[variable], last, self->value[variable]);
+        if (status != KERNEL_OK) return status;
+    }
+    return KERNEL_OK;
+}
+
+int kernel_step(kernel *self, double time, double size) {
+    int status = check_step(self, time, size);
+    if (status != KERNEL_OK) return status;
+    const kernel_snapshot before = self->now;
+    memcpy(self->backup, self->block, self->restored * sizeof(double));
+
+    self->step_origin = time;
+    gather_inputs(self);
+    double reached = size;
+    status = integrate(self, size, &reached);
+    if (status == KERNEL_OK) {
+        compute_outputs(self, reached, self->state);
+        const char *bad = output_not_finite(self);
+        if (bad)
+            status = kernel_fail(self, KERNEL_ERROR, "The output %s is not a finite number at t = %.9g s.", bad,
+                                 time + reached);
+    }
+    if (status != KERNEL_OK) { /* the last good state stays */
+        self->now = before;
+        memcpy(self->block, self->backup, self->restored * sizeof(double));
+        return status;
+    }
+    for (int i = 0; i < self->system->inputs; ++i) {
+        const int variable = self->system->input_variable[i];
+        self->value[variable] += reached * self->input_rate[variable];
+        self->input_rate[variable] = 0.0;
+    }
+    self->now.outputs_stale = 0;
+    self->now.time = time + reached;
+    if (!self->now.ended) return KERNEL_OK;
+    char when[32];
+    snprintf(when, sizeof when, "%.6g", self->now.time);
+    return kernel_fail(self, KERNEL_DISCARD, self->system->end_sentence[self->now.ended - 1], when);
+}
+
+int kernel_record(kernel *self, double time, double size, double interval, int columns, const int *variable,
+                  double *buffer, long long int rows) {
+    kernel_recorder recorder = {rows, 0, interval, columns, variable, buffer};
+    self->recorder = &recorder;
+    const int status = kernel_step(self, time, size);
+    self->recorder = NULL;
+    for (long long int i = recorder.written * columns; i < rows * columns; ++i) buffer[i] = NAN;
+    return status;
+}
+
+/* ---- saved states -------------------------------------------------------------------------------------------- */
+
+size_t kernel_state_size(const kernel *self) { return sizeof self->now + self->restored * sizeof(double); }
+
+void kernel_save(const kernel *self, void *bytes) {
+    memcpy(bytes, &self->now, sizeof self->now);
+    memcpy((char *)bytes + sizeof self->now, self->block, self->restored * sizeof(double));
+}
+
+int kernel_restore(kernel *self, const void *bytes) {
+    memcpy(&self->now, bytes, sizeof self->now);
+    memcpy(self->block, (const char *)bytes + sizeof self->now, self->restored * sizeof(double));
+    self->system = self->now.system < 0 ? NULL : &MODEL.system[self->now.system];
+    if (self->system)
+        for (int i = 0; i < self->system->parameters; ++i)
+            self->parameter[i] = self->value[self->system->parameter_variable[i]];
+    return KERNEL_OK;
+}
+
+/* ---- small questions ----------------------------------------------------------------------------------------- */
+
+double kernel_time(const kernel *self) { return self->now.time; }
+int kernel_ended(const kernel *self) { return self->now.ended; }
+const char *kernel_model_name(void) { return MODEL.name; }
+const char *kernel_model_guid(void) { return MODEL.guid; }
+int kernel_variable_count(void) { return MODEL.variables; }
+int kernel_state_count(const kernel *self) { return self->system ? self->system->states : 0; }
+
+const char *kernel_variable_name(int variable) {
+    return variable >= 0 && variable < MODEL.variables ? MODEL.variable[variable].name : "";
+}
+
+void kernel_counts(const kernel *self, long long int counts[6]) {
+    counts[0] = self->counters.right_hand_sides;
+    counts[1] = self->counters.jacobians;
+    counts[2] = self->counters.factorisations;
+    counts[3] = self->counters.steps;
+    counts[4] = self->counters.rejected;
+    counts[5] = self->counters.events;
+}
+
+int kernel_repeat_right_hand_side(kernel *self, long long int repeat) {
+    if (!self->system) return KERNEL_ERROR;
+    gather_inputs(self);
+    for (long long int i = 0; i < repeat; ++i)
+        kernel_evaluate(self, self->system->ode, 0.0, self->state, self->slope, NULL);
+    return KERNEL_OK;
+}
+
+int kernel_repeat_jacobian(kernel *self, long long int repeat) {
+    if (!self->system) return KERNEL_ERROR;
+    gather_inputs(self);
+    for (long long int i = 0; i < repeat; ++i)
+        kernel_evaluate(self, self->system->jacobian, 0.0, self->state, self->jacobian, self->time_slope);
+    return KERNEL_OK;
+}
+
+int kernel_repeat_step(kernel *self, double time, double size, long long int repeat) {
+    for (long long int i = 0; i < repeat; ++i) {
+        const int status = kernel_step(self, time + (double)i * size, size);
+        if (status > KERNEL_WARNING) return status;
+    }
+    return KERNEL_OK;
+}

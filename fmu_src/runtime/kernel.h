@@ -1,0 +1,176 @@
+/* The kernel: one simulated machine, seen as a table of variables and a step function.
+ *
+ * The equations are generated C (functions of the nine arguments below), the model is constant data,
+ * and everything that changes lives in one `kernel` block, so that saving a state is a copy.
+ * There are no globals besides the constant MODEL, hence any number of instances may run at once. */
+#ifndef KERNEL_H
+#define KERNEL_H
+
+#include <stddef.h>
+
+#if defined(_WIN32)
+#define KERNEL_EXPORT __declspec(dllexport)
+#else
+#define KERNEL_EXPORT __attribute__((visibility("default")))
+#endif
+
+/* The numbers are those of fmi2Status, so that a face can pass them on unchanged. */
+enum { KERNEL_OK = 0, KERNEL_WARNING = 1, KERNEL_DISCARD = 2, KERNEL_ERROR = 3 };
+
+/* Arguments of every generated function, in this order. */
+enum {
+    ARG_TIME,
+    ARG_STATES,
+    ARG_INPUTS,
+    ARG_INPUT_RATES,
+    ARG_PARAMETERS,
+    ARG_DERIVED,
+    ARG_MODES,
+    ARG_TABLES,
+    ARG_MEMORY,
+    ARG_COUNT
+};
+typedef int (*generated_function)(const double **argument, double **result, long long int *integer_work, double *work,
+                                  int memory);
+
+enum { KIND_REAL, KIND_INTEGER, KIND_BOOLEAN };
+enum { CAUSALITY_PARAMETER, CAUSALITY_INPUT, CAUSALITY_OUTPUT };
+
+typedef struct {
+    const char *name;
+    const char *unit;
+    int kind, causality;
+    double start, minimum, maximum;
+    double when_lost; /* what the equations see when a NaN arrives; NaN: a NaN is refused */
+} variable_description;
+
+/* A piecewise polynomial. Piece i holds on [breakpoint[i], breakpoint[i+1]] and is a polynomial of `degree` in
+ * (argument - breakpoint[i]); outside the breakpoints the end value is held. */
+typedef struct {
+    int pieces, degree;
+    const double *breakpoint;
+    const double *coefficient; /* pieces x (degree + 1), lowest power first */
+} table_description;
+
+/* Dry friction on one velocity state: sliding forward (+1), backward (-1) or stuck (0). */
+typedef struct {
+    const char *label, *stuck_word, *sliding_word;
+    int velocity; /* index of the state */
+} friction_description;
+
+typedef struct {
+    const char *name;
+    int states, inputs, parameters, derived, frictions, tables, table_coefficients, memories, outputs, ends;
+    const int *input_variable, *parameter_variable, *output_variable; /* indices into the model's variables */
+    const double *nominal;                                            /* scale of each state, for the error control */
+    const friction_description *friction;
+    const table_description *table;
+    const char *const *end_sentence; /* each contains one %s for the time */
+    generated_function derive, start, ode, jacobian, output, drive_and_capacity, end_margin, table_argument, remember,
+        project; /* a function that the system does not need is null */
+} system_description;
+
+typedef struct {
+    const char *name, *guid;
+    int variables, systems;
+    int selector;  /* variable that chooses the system, counted from 1; -1: there is only one */
+    int tolerance; /* variable that holds the integration tolerance */
+    const variable_description *variable;
+    const system_description *system;
+} model_description;
+
+extern const model_description MODEL;
+
+/* What a rollback restores besides the doubles. Plain data. */
+typedef struct {
+    double time;
+    double proposed_step;
+    int system; /* -1 before initialisation */
+    int ended;  /* 1 + index of the end condition that stopped the run; 0: running */
+    int outputs_stale;
+} kernel_snapshot;
+
+typedef struct {
+    long long int right_hand_sides, jacobians, factorisations, steps, rejected, events;
+} kernel_counters;
+
+typedef struct {
+    long long int capacity, written;
+    double interval;
+    int columns;
+    const int *variable;
+    double *buffer;
+} kernel_recorder;
+
+enum { MESSAGE_SIZE = 512, JOURNAL_SIZE = 4096 };
+
+typedef struct kernel {
+    kernel_snapshot now;
+    const system_description *system;
+    /* Restored by a rollback (the first `restored` doubles of `block`). */
+    double *value, *input_rate, *state, *mode, *memory, *derived;
+    size_t restored;
+    /* Not restored: work space of one step. */
+    double *parameter, *input, *rate, *stage_input, *coefficient, *table_at;
+    double *trial, *slope, *time_slope, *jacobian, *matrix, *stage[6], *point, *right_side;
+    double *drive, *capacity, *margin, *output, *backup;
+    int *pivot;
+    char *warned; /* one flag per variable: "has no effect here" is said once */
+    kernel_counters counters;
+    kernel_recorder *recorder;
+    double step_origin; /* time at the start of the current kernel_step; stages add an offset to it */
+    char message[MESSAGE_SIZE];
+    char journal[JOURNAL_SIZE]; /* lines "status sentence", drained by the face */
+    size_t journal_length;
+    double *block;
+} kernel;
+
+/* Public face (fmi2.c and kernel.py use nothing else). Status codes as above; the sentence is in kernel_message. */
+KERNEL_EXPORT kernel *kernel_create(void);
+KERNEL_EXPORT void kernel_free(kernel *self);
+KERNEL_EXPORT void kernel_reset(kernel *self);
+KERNEL_EXPORT int kernel_set(kernel *self, int variable, double value);
+KERNEL_EXPORT int kernel_set_rate(kernel *self, int variable, double rate);
+KERNEL_EXPORT int kernel_get(kernel *self, int variable, double *value);
+KERNEL_EXPORT int kernel_initialise(kernel *self, double time);
+KERNEL_EXPORT void kernel_reopen(kernel *self);
+KERNEL_EXPORT int kernel_step(kernel *self, double time, double size);
+KERNEL_EXPORT int kernel_record(kernel *self, double time, double size, double interval, int columns,
+                                const int *variable, double *buffer, long long int rows);
+KERNEL_EXPORT size_t kernel_state_size(const kernel *self);
+KERNEL_EXPORT void kernel_save(const kernel *self, void *bytes);
+KERNEL_EXPORT int kernel_restore(kernel *self, const void *bytes);
+KERNEL_EXPORT double kernel_time(const kernel *self);
+KERNEL_EXPORT int kernel_ended(const kernel *self);
+KERNEL_EXPORT const char *kernel_message(const kernel *self);
+KERNEL_EXPORT const char *kernel_journal(kernel *self);
+KERNEL_EXPORT void kernel_counts(const kernel *self, long long int counts[6]);
+KERNEL_EXPORT const char *kernel_model_name(void);
+KERNEL_EXPORT const char *kernel_model_guid(void);
+KERNEL_EXPORT int kernel_variable_count(void);
+KERNEL_EXPORT const char *kernel_variable_name(int variable);
+KERNEL_EXPORT int kernel_state_count(const kernel *self);
+/* For benchmarks: call the right-hand side, the Jacobian or the step function `repeat` times at the present state. */
+KERNEL_EXPORT int kernel_repeat_right_hand_side(kernel *self, long long int repeat);
+KERNEL_EXPORT int kernel_repeat_jacobian(kernel *self, long long int repeat);
+KERNEL_EXPORT int kernel_repeat_step(kernel *self, double time, double size, long long int repeat);
+
+/* Inside the runtime. */
+int kernel_fail(kernel *self, int status, const char *format, ...);
+void kernel_note(kernel *self, int status, const char *format, ...);
+void kernel_evaluate(kernel *self, generated_function function, double offset, const double *state, double *first,
+                     double *second);
+void tables_look_up(const system_description *system, const double *argument, double *coefficient);
+/* One trial step of Rosenbrock type from `state` at `offset`; linearise first. Returns the error in units of the
+ * tolerance; a value that is not <= 1, NaN included, means "reject". The new state is in self->trial. */
+void rosenbrock_linearise(kernel *self, double offset);
+double rosenbrock_try(kernel *self, double offset, double size);
+double rosenbrock_next_size(double size, double error);
+void rosenbrock_interpolate(const kernel *self, double fraction, double *state);
+/* Modes and end conditions. */
+void modes_refresh(kernel *self, double offset);
+double modes_margin(kernel *self, double offset, const double *state);
+double modes_locate(kernel *self, double offset, double size);
+int modes_switch(kernel *self, double offset);
+
+#endif

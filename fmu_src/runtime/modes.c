@@ -1,0 +1,105 @@
+/* Dry friction that slides or sticks, and the conditions that end a run.
+ *
+ * A mode is a function of the present state alone: a moving velocity slides in its own direction, a velocity of exactly
+ * zero sticks while the drive stays within the capacity, and a friction without capacity is no friction. Every switch is
+ * located on the step length, so that the equations are smooth within a step. */
+#include <math.h>
+
+#include "kernel.h"
+
+enum { MAXIMUM_LOCATION_STEPS = 60 };
+static const double LOCATED = 1e-10; /* scaled margin at which a switch counts as located */
+
+static double direction_of(double velocity, double drive, double capacity) {
+    if (capacity <= 0.0) return 1.0; /* no friction: the direction multiplies zero */
+    if (velocity > 0.0) return 1.0;
+    if (velocity < 0.0) return -1.0;
+    if (fabs(drive) <= capacity) return 0.0;
+    return drive > 0.0 ? 1.0 : -1.0;
+}
+
+static void find_drive_and_capacity(kernel *self, double offset, const double *state) {
+    kernel_evaluate(self, self->system->drive_and_capacity, offset, state, self->drive, self->capacity);
+}
+
+void modes_refresh(kernel *self, double offset) {
+    const system_description *system = self->system;
+    if (system->frictions == 0) return;
+    find_drive_and_capacity(self, offset, self->state);
+    for (int i = 0; i < system->frictions; ++i) {
+        const friction_description *friction = &system->friction[i];
+        const double old = self->mode[i];
+        self->mode[i] = direction_of(self->state[friction->velocity], self->drive[i], self->capacity[i]);
+        if ((old == 0.0) != (self->mode[i] == 0.0)) {
+            const char *word = self->mode[i] == 0.0 ? friction->stuck_word : friction->sliding_word;
+            kernel_note(self, KERNEL_OK, "%s %s at %.6g s.", friction->label, word, self->step_origin + offset);
+        }
+    }
+}
+
+/* Smallest of all margins; negative or NaN when a mode must switch or the run must end within the step.
+ * The margins of the single conditions stay in self->margin: frictions first, then end conditions. */
+double modes_margin(kernel *self, double offset, const double *state) {
+    const system_description *system = self->system;
+    double smallest = INFINITY;
+    if (system->frictions) find_drive_and_capacity(self, offset, state);
+    for (int i = 0; i < system->frictions; ++i) {
+        const int velocity = system->friction[i].velocity;
+        if (self->capacity[i] <= 0.0)
+            self->margin[i] = INFINITY;
+        else if (self->mode[i] == 0.0)
+            self->margin[i] = (self->capacity[i] - fabs(self->drive[i])) / self->capacity[i];
+        else
+            self->margin[i] = self->mode[i] * state[velocity] / system->nominal[velocity];
+    }
+    if (system->ends) kernel_evaluate(self, system->end_margin, offset, state, self->margin + system->frictions, NULL);
+    for (int i = 0; i < system->frictions + system->ends; ++i)
+        if (!(self->margin[i] >= smallest)) smallest = self->margin[i];
+    return smallest;
+}
+
+/* Shortens a step that crosses a switch: returns the length at which the first margin has just turned negative.
+ * Illinois variant of the secant rule; the step itself is repeated, so the state is that of the method, not of an
+ * interpolation. It is the right end of the bracket that is kept. */
+double modes_locate(kernel *self, double offset, double size) {
+    double left = 0.0, right = size;
+    double at_left = modes_margin(self, offset, self->state);
+    double at_right = modes_margin(self, offset + size, self->trial);
+    double left_weight = 1.0, right_weight = 1.0;
+    if (!(at_left > 0.0)) at_left = 0.0;
+    for (int count = 0; count < MAXIMUM_LOCATION_STEPS && at_right < -LOCATED && right - left > 1e-12 * size; ++count) {
+        const double down = right_weight * at_right, up = left_weight * at_left;
+        double middle = right - down * (right - left) / (down - up);
+        if (!(middle > left && middle < right)) middle = 0.5 * (left + right);
+        (void)rosenbrock_try(self, offset, middle);
+        const double at_middle = modes_margin(self, offset + middle, self->trial);
+        if (at_middle >= 0.0) {
+            left = middle;
+            at_left = at_middle;
+            left_weight = 1.0;
+            right_weight *= 0.5;
+        } else {
+            right = middle;
+            at_right = at_middle;
+            right_weight = 1.0;
+            left_weight *= 0.5;
+        }
+    }
+    (void)rosenbrock_try(self, offset, right);
+    return right;
+}
+
+/* After a located step, with the margins of the new state: switches what crossed. Returns 1 + index of an end condition
+ * that was reached, else 0. */
+int modes_switch(kernel *self, double offset) {
+    const system_description *system = self->system;
+    (void)modes_margin(self, offset, self->state);
+    for (int i = 0; i < system->ends; ++i)
+        if (!(self->margin[system->frictions + i] >= 0.0)) return 1 + i;
+    for (int i = 0; i < system->frictions; ++i)
+        if (self->margin[i] < 0.0 && self->mode[i] != 0.0) self->state[system->friction[i].velocity] = 0.0;
+    /* A stuck friction whose drive exceeds the capacity starts to slide in modes_refresh. */
+    self->counters.events++;
+    modes_refresh(self, offset);
+    return 0;
+}

@@ -1,0 +1,39 @@
+/* Piecewise polynomials: the look-up stays outside the generated functions, which see coefficients only. */
+#include "kernel.h"
+
+static int piece_of(const table_description *table, double argument) {
+    int low = 0, high = table->pieces - 1;
+    while (low < high) {
+        int middle = (low + high + 1) / 2;
+        if (argument >= table->breakpoint[middle])
+            low = middle;
+        else
+            high = middle - 1;
+    }
+    return low;
+}
+
+static double polynomial(const double *coefficient, int degree, double x) {
+    double value = coefficient[degree];
+    for (int power = degree - 1; power >= 0; --power) value = value * x + coefficient[power];
+    return value;
+}
+
+/* Writes (origin, c0 ... c_degree) for each table. Outside its breakpoints a table holds its end value. */
+void tables_look_up(const system_description *system, const double *argument, double *coefficient) {
+    for (int i = 0; i < system->tables; ++i) {
+        const table_description *table = &system->table[i];
+        const int terms = table->degree + 1;
+        const double first = table->breakpoint[0], last = table->breakpoint[table->pieces];
+        const int piece = piece_of(table, argument[i]);
+        const double *source = table->coefficient + (size_t)piece * (size_t)terms;
+        coefficient[0] = table->breakpoint[piece];
+        for (int power = 0; power < terms; ++power) coefficient[1 + power] = source[power];
+        if (argument[i] < first || argument[i] > last) {
+            const double width = table->breakpoint[table->pieces] - table->breakpoint[table->pieces - 1];
+            coefficient[1] = argument[i] < first ? source[0] : polynomial(source, table->degree, width);
+            for (int power = 1; power < terms; ++power) coefficient[1 + power] = 0.0;
+        }
+        coefficient += 1 + terms;
+    }
+}

@@ -1,0 +1,351 @@
+"""The contract between equations and everything made from them.
+
+A `System` is one machine at one level of detail: variables, states, equations, as CasADi symbols. C code, Jacobians,
+FMUs, Python bindings and tables of variables are derived from it and from nothing else. A `Model` is what becomes one
+FMU: a table of variables and one or more systems that serve it, chosen by an integer parameter.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, fields, replace
+from typing import Any, Literal
+
+import casadi as ca
+import numpy as np
+
+Kind = Literal["real", "integer", "boolean"]
+Causality = Literal["parameter", "input", "output"]
+
+#: Arguments of every generated function, in the order of the C runtime (kernel.h).
+ARGUMENTS = ("time", "states", "inputs", "input_rates", "parameters", "derived", "modes", "tables", "memory")
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One entry of the table of variables; SI units, `display_unit` only for people."""
+
+    name: str
+    causality: Causality
+    unit: str
+    description: str
+    start: float = 0.0
+    minimum: float = -math.inf
+    maximum: float = math.inf
+    kind: Kind = "real"
+    display_unit: str | None = None
+    #: Value that the equations see when a NaN arrives (a lost signal); None: a NaN is refused.
+    when_lost: float | None = None
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.start) and self.minimum <= self.start <= self.maximum):
+            raise ValueError(
+                f"Variable {self.name}: start {self.start} must be finite and within {self.minimum} to {self.maximum}."
+            )
+
+
+def quantity(unit: str, description: str, minimum: float = -math.inf, maximum: float = math.inf, kind: Kind = "real") -> Any:
+    """A field of a `ParameterSet`: unit, meaning (with the source's symbol) and limits."""
+    return field(metadata={"unit": unit, "description": description, "minimum": minimum, "maximum": maximum, "kind": kind})
+
+
+@dataclass(frozen=True)
+class ParameterSet:
+    """Base of parameter sets: frozen dataclasses whose fields are made by `quantity`. Unphysical values are refused."""
+
+    def __post_init__(self) -> None:
+        for item in fields(self):
+            value, unit = getattr(self, item.name), item.metadata["unit"]
+            low, high = item.metadata["minimum"], item.metadata["maximum"]
+            if not (math.isfinite(value) and low <= value <= high):
+                raise ValueError(
+                    f"Set {item.name} to a finite value from {low:g} to {high:g} {unit}: it was {value:g} {unit}."
+                )
+
+    def values(self) -> dict[str, float]:
+        """All fields by name, in SI units."""
+        return {item.name: getattr(self, item.name) for item in fields(self)}
+
+    def variable(self, name: str) -> Variable:
+        """The FMU parameter of one field, with this set's value as its start value."""
+        item = next(item for item in fields(self) if item.name == name)
+        return Variable(name, "parameter", start=getattr(self, name), **item.metadata)
+
+
+@dataclass(frozen=True)
+class State:
+    """A continuous state. `nominal` scales its error, in its unit; `start` depends on parameters only."""
+
+    name: str
+    unit: str
+    symbol: ca.SX
+    start: ca.SX
+    nominal: float
+
+
+@dataclass(frozen=True)
+class Table:
+    """A piecewise polynomial; outside the breakpoints it holds its end value.
+
+    breakpoints: shape (pieces + 1,), increasing; coefficients: shape (pieces, degree + 1), lowest power first, of
+    (argument - left breakpoint). `symbols` are (origin, c0, ..., c_degree), supplied by the runtime.
+    """
+
+    name: str
+    breakpoints: np.ndarray
+    coefficients: np.ndarray
+    argument: ca.SX
+    symbols: ca.SX
+
+
+@dataclass(frozen=True)
+class Friction:
+    """Dry friction on the velocity state `velocity`: `direction` is 1, -1 or, when stuck, 0.
+
+    The equations multiply `capacity` with `direction` and hold the velocity where it is 0. `drive` is what the friction
+    must balance to stay stuck, in the unit of `capacity`.
+    """
+
+    label: str
+    direction: ca.SX
+    velocity: str
+    drive: ca.SX
+    capacity: ca.SX
+    stuck_word: str
+    sliding_word: str
+
+
+@dataclass(frozen=True)
+class EndCondition:
+    """The run ends when `margin` (dimensionless, of order 1) turns negative; `sentence` holds one %s, the time."""
+
+    margin: ca.SX
+    sentence: str
+
+
+@dataclass(frozen=True)
+class Observable:
+    """An expression that is not a variable of the FMU but of interest to tests and studies."""
+
+    unit: str
+    expression: ca.SX
+
+
+def interpolation(breakpoints: Sequence[float], values: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
+    """Breakpoints and coefficients of the straight lines through the points, for `System.table`."""
+    x, y = np.asarray(breakpoints, float), np.asarray(values, float)
+    return x, np.column_stack([y[:-1], np.diff(y) / np.diff(x)])
+
+
+@dataclass
+class System:
+    """One machine at one level of detail. Build it by asking it for symbols, then give the equations back."""
+
+    name: str
+    description: str
+    time: ca.SX = field(default_factory=lambda: ca.SX.sym("time"))
+    variables: list[Variable] = field(default_factory=list)
+    input_symbols: dict[str, ca.SX] = field(default_factory=dict)
+    parameter_symbols: dict[str, ca.SX] = field(default_factory=dict)
+    derived_symbols: dict[str, ca.SX] = field(default_factory=dict)
+    derived_expressions: dict[str, ca.SX] = field(default_factory=dict)
+    states: dict[str, State] = field(default_factory=dict)
+    derivatives: dict[str, ca.SX] = field(default_factory=dict)
+    tables: list[Table] = field(default_factory=list)
+    frictions: list[Friction] = field(default_factory=list)
+    memory_symbols: dict[str, ca.SX] = field(default_factory=dict)
+    memory_expressions: dict[str, ca.SX] = field(default_factory=dict)
+    outputs: dict[str, ca.SX] = field(default_factory=dict)
+    end_conditions: list[EndCondition] = field(default_factory=list)
+    projections: dict[str, ca.SX] = field(default_factory=dict)
+    observables: dict[str, Observable] = field(default_factory=dict)
+
+    # -- symbols ------------------------------------------------------------------------------------------------
+
+    def input(self, variable: Variable) -> ca.SX:
+        """Symbol of an input; constant or linear in time within a step."""
+        return self._declare(variable, "input", self.input_symbols)
+
+    def parameter(self, variable: Variable) -> ca.SX:
+        """Symbol of a parameter; fixed from initialisation on."""
+        return self._declare(variable, "parameter", self.parameter_symbols)
+
+    def derived(self, name: str, expression: ca.SX) -> ca.SX:
+        """Symbol of a constant that is computed once from the parameters, at initialisation."""
+        symbol = ca.SX.sym(name)
+        known = list(self.derived_symbols.values())
+        values = list(self.derived_expressions.values())
+        self.derived_expressions[name] = ca.substitute([ca.SX(expression)], known, values)[0] if known else expression
+        self.derived_symbols[name] = symbol
+        return symbol
+
+    def state(self, name: str, unit: str, start: ca.SX | float, nominal: float) -> ca.SX:
+        """Symbol of a state; `nominal` (> 0, in `unit`) is the size at which the tolerance is counted."""
+        if not nominal > 0.0:
+            raise ValueError(f"State {name}: nominal {nominal} must be above 0.")
+        symbol = ca.SX.sym(name)
+        self.states[name] = State(name, unit, symbol, ca.SX(start), nominal)
+        return symbol
+
+    def table(self, name: str, breakpoints: np.ndarray, coefficients: np.ndarray, argument: ca.SX) -> ca.SX:
+        """Value of a piecewise polynomial at `argument` (see `Table`); derivatives of it are exact."""
+        breakpoints, coefficients = np.asarray(breakpoints, float), np.asarray(coefficients, float)
+        if np.any(np.diff(breakpoints) <= 0.0) or coefficients.shape[0] != breakpoints.size - 1:
+            raise ValueError(f"Table {name}: give increasing breakpoints and one row of coefficients for each piece.")
+        symbols = ca.SX.sym(name, coefficients.shape[1] + 1)
+        self.tables.append(Table(name, breakpoints, coefficients, argument, symbols))
+        distance = argument - symbols[0]
+        value = symbols[coefficients.shape[1]]
+        for power in range(coefficients.shape[1] - 1, 0, -1):
+            value = value * distance + symbols[power]
+        return value
+
+    def direction(self, name: str) -> ca.SX:
+        """Symbol of the direction of a dry friction; declare the friction with `dry_friction` afterwards."""
+        return ca.SX.sym(name)
+
+    def memory(self, name: str) -> ca.SX:
+        """Symbol of a value carried from one accepted step to the next; give its rule with `remember`."""
+        self.memory_symbols[name] = ca.SX.sym(name)
+        return self.memory_symbols[name]
+
+    # -- equations ----------------------------------------------------------------------------------------------
+
+    def derivative(self, state: str, expression: ca.SX) -> None:
+        self.derivatives[state] = ca.SX(expression)
+
+    def dry_friction(self, friction: Friction) -> None:
+        self.frictions.append(friction)
+
+    def remember(self, name: str, expression: ca.SX) -> None:
+        self.memory_expressions[name] = expression
+
+    def project(self, state: str, expression: ca.SX) -> None:
+        """After each accepted step the state is replaced by `expression` (one iteration back onto a constraint)."""
+        self.projections[state] = expression
+
+    def output(self, variable: Variable, expression: ca.SX | float) -> None:
+        if variable.causality != "output":
+            raise ValueError(f"{variable.name} is declared as {variable.causality}, not as output.")
+        self.variables.append(variable)
+        self.outputs[variable.name] = ca.SX(expression)
+
+    def end_when_negative(self, margin: ca.SX, sentence: str) -> None:
+        self.end_conditions.append(EndCondition(margin, sentence))
+
+    def observe(self, name: str, unit: str, expression: ca.SX) -> None:
+        self.observables[name] = Observable(unit, ca.SX(expression))
+
+    # -- derived from the above -----------------------------------------------------------------------------------
+
+    @property
+    def arguments(self) -> list[ca.SX]:
+        """The symbols in the order of `ARGUMENTS`, as column vectors."""
+        inputs = ca.vertcat(*self.input_symbols.values())
+        return [
+            self.time,
+            ca.vertcat(*[state.symbol for state in self.states.values()]),
+            inputs,
+            ca.SX.sym("input_rates", inputs.numel()),
+            ca.vertcat(*self.parameter_symbols.values()),
+            ca.vertcat(*self.derived_symbols.values()),
+            ca.vertcat(*[friction.direction for friction in self.frictions]),
+            ca.vertcat(*[table.symbols for table in self.tables]),
+            ca.vertcat(*self.memory_symbols.values()),
+        ]
+
+    @property
+    def ode(self) -> ca.SX:
+        missing = [name for name in self.states if name not in self.derivatives]
+        if missing:
+            raise ValueError(f"System {self.name}: the states {', '.join(missing)} have no derivative.")
+        return ca.vertcat(*[self.derivatives[name] for name in self.states])
+
+    def with_integrals(self, names: Sequence[str]) -> System:
+        """A copy that also integrates the named observables; `integral_NAME` is then a state and an output."""
+        copy = replace(
+            self,
+            variables=list(self.variables),
+            states=dict(self.states),
+            derivatives=dict(self.derivatives),
+            outputs=dict(self.outputs),
+        )
+        for name in names:
+            observable = self.observables[name]
+            unit = "J" if observable.unit == "W" else f"{observable.unit}.s"
+            symbol = copy.state(f"integral_{name}", unit, 0.0, nominal=1e3)
+            copy.derivative(f"integral_{name}", observable.expression)
+            copy.output(Variable(f"integral_{name}", "output", unit, f"Time integral of {name}"), symbol)
+        return copy
+
+    def with_outputs(self, names: Sequence[str]) -> System:
+        """A copy that has the named observables as outputs."""
+        copy = replace(self, variables=list(self.variables), outputs=dict(self.outputs))
+        for name in names:
+            observable = self.observables[name]
+            copy.output(Variable(name, "output", observable.unit, name), observable.expression)
+        return copy
+
+    def _declare(self, variable: Variable, causality: str, symbols: dict[str, ca.SX]) -> ca.SX:
+        if variable.causality != causality:
+            raise ValueError(f"{variable.name} is declared as {variable.causality}, not as {causality}.")
+        self.variables.append(variable)
+        symbols[variable.name] = ca.SX.sym(variable.name)
+        return symbols[variable.name]
+
+
+def tolerance_variable(default: float) -> Variable:
+    """The integration tolerance that every model has: local error per step, counted in nominal values."""
+    return Variable(
+        "tolerance",
+        "parameter",
+        "1",
+        "Local error allowed per integration step, in units of each state's nominal value",
+        start=default,
+        minimum=1e-12,
+        maximum=1e-2,
+    )
+
+
+@dataclass(frozen=True)
+class Model:
+    """What becomes one FMU: its table of variables and the systems that serve it.
+
+    `selector` is an integer parameter that counts the systems from 1; outputs that the chosen system does not have are
+    0. `step_size` and `stop_time` are the default experiment.
+    """
+
+    name: str
+    description: str
+    variables: tuple[Variable, ...]
+    systems: tuple[System, ...]
+    selector: str | None = None
+    step_size: float = 1e-3
+    stop_time: float = 10.0
+
+    def __post_init__(self) -> None:
+        names = [variable.name for variable in self.variables]
+        repeated = sorted({name for name in names if names.count(name) > 1})
+        if repeated:
+            raise ValueError(f"Model {self.name}: the variables {', '.join(repeated)} are declared twice.")
+        for system in self.systems:
+            for variable in system.variables:
+                if variable not in self.variables:
+                    raise ValueError(f"Model {self.name}: {variable.name} of {system.name} differs from the table.")
+        if "tolerance" not in names:
+            raise ValueError(f"Model {self.name}: add tolerance_variable(...) to the table.")
+
+    def index(self, name: str) -> int:
+        """Value reference of a variable."""
+        return self._indices[name]
+
+    @property
+    def _indices(self) -> dict[str, int]:
+        return {variable.name: number for number, variable in enumerate(self.variables)}
+
+
+def model_of(system: System, tolerance: float, **experiment: float) -> Model:
+    """The FMU of a system that stands alone."""
+    variables = (*system.variables, tolerance_variable(tolerance))
+    return Model(system.name, system.description, variables, (system,), **experiment)  # type: ignore[arg-type]

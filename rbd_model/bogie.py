@@ -1,0 +1,35 @@
+"""BogieDynamics: the levels of detail behind one table of variables."""
+
+from __future__ import annotations
+
+from fmu_src.system import Model, System, Variable, tolerance_variable
+from rbd_model import variables
+from rbd_model.parameters import BogieParameters, tables_5_1_and_5_2
+from rbd_model.planar import planar_bogie
+from rbd_model.point import point_bogie
+
+#: Local error per step in nominal values; see tests/numerics for what it does to stop times and distances.
+DEFAULT_TOLERANCE = 1e-6
+
+
+def levels(defaults: BogieParameters) -> tuple[System, ...]:
+    """The systems in the order of the parameter `level`, the least first."""
+    return point_bogie(defaults), planar_bogie(defaults)
+
+
+def bogie_dynamics(defaults: BogieParameters | None = None) -> Model:
+    """The bogie as one FMU: brake torque capacity in; speed, angular velocity and slip out."""
+    systems = levels(defaults or tables_5_1_and_5_2())
+    level = Variable(
+        "level", "parameter", "1", "Level of detail: 1 point, 2 planar", 2.0, 1.0, float(len(systems)), kind="integer"
+    )
+    parameters = {v.name: v for system in systems for v in system.variables if v.causality == "parameter"}
+    table = (
+        *variables.inputs().values(),
+        *variables.outputs().values(),
+        level,
+        *parameters.values(),
+        tolerance_variable(DEFAULT_TOLERANCE),
+    )
+    text = "Two-axle railway bogie under brake and traction torque, after Handoko (2006)"
+    return Model("BogieDynamics", text, table, systems, selector="level", stop_time=25.0)

@@ -1,0 +1,90 @@
+"""Normal contact: the Hertz ellipse between wheel and rail, eqs (3.82)-(3.88)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+#: Steel, as in Kalker's tabulated column (see creep.py). Assumed: the thesis prints none.
+POISSON_RATIO = 0.25
+#: The arithmetic-geometric mean converges quadratically; 6 rounds reach round-off for axis ratios above 1e-3.
+MEAN_ROUNDS = 6
+NEWTON_ROUNDS = 8
+
+
+@dataclass(frozen=True)
+class EllipseShape:
+    """What the curvatures alone decide: `axis_ratio` = a/b, and semi-axes a, b = `longitudinal`, `lateral` x N^(1/3)."""
+
+    axis_ratio: ca.SX
+    longitudinal: ca.SX
+    lateral: ca.SX
+
+
+def elliptic_integrals(minor_over_major: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """Complete elliptic integrals K and D = (K - E)/e^2 of an ellipse with axis ratio g = sqrt(1 - e^2), eq. (3.88).
+
+    By the arithmetic-geometric mean. D is formed without the difference K - E, so that a circle (e = 0) is no special
+    case.
+    """
+    g = minor_over_major
+    mean, geometric, difference = (1 + g) / 2, ca.sqrt(g), (1 - g) / 2
+    # sum of 2^(n-1) c_n^2 / e^2 with c_1 = (1 - g)/2 and e^2 = (1 - g)(1 + g): one factor (1 - g) cancels.
+    share = difference / (2 * (1 + g))
+    total, weight = share, ca.SX(1)
+    for _ in range(MEAN_ROUNDS):
+        next_mean = (mean + geometric) / 2
+        # c_(n+1) = c_n^2 / (4 a_(n+1)), written as a factor on the term before.
+        weight = 2 * weight
+        factor = difference / (4 * next_mean)
+        share = share * factor**2
+        total = total + weight * share
+        difference = difference * factor
+        geometric = ca.sqrt(mean * geometric)
+        mean = next_mean
+    k = ca.pi / (2 * mean)
+    return k, k * (0.5 + total)
+
+
+def curvature_ratio(minor_over_major: ca.SX) -> ca.SX:
+    """Ratio of the relative curvatures, larger to smaller, that gives this ellipse: (K - D) / (g^2 D).
+
+    Johnson (1985), Contact Mechanics, eq. (4.25); 1 for a circle.
+    """
+    k, d = elliptic_integrals(minor_over_major)
+    return (k - d) / (minor_over_major**2 * d)
+
+
+def minor_over_major_axis(smaller: ca.SX, larger: ca.SX) -> ca.SX:
+    """Axis ratio g of the contact ellipse from the two relative curvatures, eqs (3.85)-(3.86), by Newton in ln g."""
+    unknown = ca.SX.sym("log_axis_ratio")
+    residual = ca.log(curvature_ratio(ca.exp(unknown)))
+    function = ca.Function("residual", [unknown], [residual, ca.jacobian(residual, unknown)])
+    target = ca.log(larger / smaller)
+    logarithm = -target * 2 / 3  # near a circle, B/A = (a/b)^1.5
+    for _ in range(NEWTON_ROUNDS):
+        value, slope = function(logarithm)
+        logarithm = logarithm - (value - target) / slope
+    return ca.exp(logarithm)
+
+
+def ellipse_shape(
+    wheel_radius: ca.SX, wheel_curvature: ca.SX, rail_radius: ca.SX, shear_modulus: ca.SX
+) -> EllipseShape:
+    """Contact ellipse of a wheel on a straight rail, eqs (3.82)-(3.88).
+
+    wheel_radius [m] along the track, wheel_curvature [1/m] and rail_radius [m] across it; the rail is straight along
+    the track. In (3.87), E is the complete elliptic integral, not Young's modulus.
+    """
+    along = 0.5 / wheel_radius  # A, eq. (3.83)
+    across = 0.5 * (1 / rail_radius + wheel_curvature)  # B
+    g = minor_over_major_axis(ca.fmin(along, across), ca.fmax(along, across))
+    k, d = elliptic_integrals(g)
+    e = k - (1 - g**2) * d
+    # c^3 = a b sqrt(a b) for N = 1, with rho = 2/(A + B), eqs (3.84), (3.87)
+    cube = 3 * (1 - POISSON_RATIO) * (2 / (along + across)) * e / (4 * ca.pi * shear_modulus * ca.sqrt(g))
+    mean = cube ** (1 / 3)
+    # The longer axis lies where the curvature is smaller, eq. (3.86).
+    axis_ratio = ca.if_else(along <= across, 1 / g, g)
+    return EllipseShape(axis_ratio, mean * ca.sqrt(axis_ratio), mean / ca.sqrt(axis_ratio))

@@ -1,0 +1,112 @@
+"""Parameter sets of the bogie, one function for each pair of tables in the thesis.
+
+Every field carries its unit, the thesis's symbol and a lower limit; the doc string of each set says what was printed,
+what was fitted and what was assumed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from fmu_src.system import ParameterSet, quantity
+
+#: Smallest value of quantities that must be above zero; far below any bogie, far above round-off.
+POSITIVE = 1e-6
+
+
+@dataclass(frozen=True)
+class BogieParameters(ParameterSet):
+    """A two-axle bogie with one sprung mass; stiffness and damping of one of its four suspension elements."""
+
+    frame_mass: float = quantity("kg", "Sprung mass carried by the two wheelsets", POSITIVE)
+    frame_roll_inertia: float = quantity("kg.m2", "Sprung mass, moment of inertia about x (I_xx)", POSITIVE)
+    frame_pitch_inertia: float = quantity("kg.m2", "Sprung mass, moment of inertia about y (I_yy)", POSITIVE)
+    frame_yaw_inertia: float = quantity("kg.m2", "Sprung mass, moment of inertia about z (I_zz)", POSITIVE)
+    frame_height: float = quantity("m", "Height of the sprung mass's centre above the wheelset axes")
+    wheelset_mass: float = quantity("kg", "Mass of one wheelset", POSITIVE)
+    wheelset_roll_inertia: float = quantity("kg.m2", "Wheelset, moment of inertia about x (I_xx)", POSITIVE)
+    wheelset_pitch_inertia: float = quantity("kg.m2", "Wheelset, moment of inertia about its axle (I_yy, J)", POSITIVE)
+    wheelset_yaw_inertia: float = quantity("kg.m2", "Wheelset, moment of inertia about z (I_zz)", POSITIVE)
+    wheel_base: float = quantity("m", "Distance between the two axles", POSITIVE)
+    wheel_radius: float = quantity("m", "Nominal rolling radius of the wheels (r_w)", POSITIVE)
+    longitudinal_stiffness: float = quantity("N/m", "Suspension element, longitudinal stiffness", POSITIVE)
+    lateral_stiffness: float = quantity("N/m", "Suspension element, lateral stiffness", POSITIVE)
+    vertical_stiffness: float = quantity("N/m", "Suspension element, vertical stiffness", POSITIVE)
+    longitudinal_damping: float = quantity("N.s/m", "Suspension element, longitudinal damping", 0.0)
+    lateral_damping: float = quantity("N.s/m", "Suspension element, lateral damping", 0.0)
+    vertical_damping: float = quantity("N.s/m", "Suspension element, vertical damping", 0.0)
+    rolling_resistance_torque: float = quantity("N.m", "Rolling resistance of one wheelset, a friction torque", 0.0)
+    torque_reaction: float = quantity("1", "Share of brake and traction torque that reacts on the sprung mass", 0.0, 1.0)
+    wheel_profile_curvature: float = quantity("1/m", "Curvature of the wheel tread across the track (1/rho_y^w)")
+    rail_head_radius: float = quantity("m", "Radius of the rail head across the track (rho_y^r)", POSITIVE)
+    shear_modulus: float = quantity("Pa", "Shear modulus of wheel and rail (G)", POSITIVE)
+    creepage_speed: float = quantity("m/s", "Speed that keeps the creepage finite at rest (v_eps)", 1e-4)
+    gravity: float = quantity("m/s2", "Gravitational acceleration (g)", POSITIVE)
+
+
+def tables_5_1_and_5_2() -> BogieParameters:
+    """The simplified two-axle bogie of chapter 5, axle load about 300 kN.
+
+    Printed: Table 5.1 (springs and dampers, of each element), Table 5.2 (masses and inertias), wheel base 1.675 m
+    (section 5.2, where "mm" is a misprint for m), wheel radius 0.425 m (section 4.5).
+    Fitted: frame_height. Section 5.4.2 says only that the axles lie below the centre of mass; 0.8 m locks the
+    leading wheelset half a second after 60 kN.m are applied (Fig. 5.44) when no torque reacts on the sprung mass
+    (torque_reaction = 0), as in the thesis, whose torques act on the wheelsets alone (3.36).
+    Assumed: rail head radius 300 mm (60 kg rail), conical tread, steel with G = 82 GPa, g = 9.81 m/s2, creepage_speed;
+    no rolling resistance.
+    """
+    return BogieParameters(
+        frame_mass=60000.0,
+        frame_roll_inertia=80000.0,
+        frame_pitch_inertia=60000.0,
+        frame_yaw_inertia=20000.0,
+        frame_height=0.8,
+        wheelset_mass=1200.0,
+        wheelset_roll_inertia=720.0,
+        wheelset_pitch_inertia=112.0,
+        wheelset_yaw_inertia=720.0,
+        wheel_base=1.675,
+        wheel_radius=0.425,
+        longitudinal_stiffness=9.5e6,
+        lateral_stiffness=6.0e6,
+        vertical_stiffness=3.5e6,
+        longitudinal_damping=8e4,
+        lateral_damping=4e4,
+        vertical_damping=2.5e4,
+        rolling_resistance_torque=0.0,
+        torque_reaction=0.0,
+        wheel_profile_curvature=0.0,
+        rail_head_radius=0.3,
+        shear_modulus=82e9,
+        creepage_speed=0.01,
+        gravity=9.81,
+    )
+
+
+def tables_8_1_and_8_2() -> BogieParameters:
+    """The QR30 bogie of the experiment, without a wagon body.
+
+    Printed: Table 8.1 (masses and inertias), Table 8.2 (wheel base, wheel radius), rolling resistance 65 N.m for each
+    wheelset (section 8.3, where "kN.m" is a misprint: 65 kN.m would stop the bogie in a tenth of a second).
+    Assumed: the suspension of Table 5.1, because section 8.2.1 refers to the model of chapter 5; frame_height 0, because
+    the measured load of the braked wheelset, 2 x 8.85 kN (section 7.4.2), is the static one to 1 %; the rest as in
+    `tables_5_1_and_5_2`.
+    """
+    chapter_5 = tables_5_1_and_5_2().values()
+    return BogieParameters(
+        **chapter_5
+        | {
+            "frame_mass": 1480.0,
+            "frame_roll_inertia": 2000.0,
+            "frame_pitch_inertia": 1500.0,
+            "frame_yaw_inertia": 2500.0,
+            "frame_height": 0.0,
+            "wheelset_mass": 1050.0,
+            "wheelset_roll_inertia": 450.0,
+            "wheelset_pitch_inertia": 90.0,
+            "wheelset_yaw_inertia": 450.0,
+            "wheel_base": 1.675,
+            "wheel_radius": 0.398,
+            "rolling_resistance_torque": 65.0,
+        }
+    )

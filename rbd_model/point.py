@@ -1,0 +1,43 @@
+"""Level 1, `point`: one speed and two wheel speeds on static axle loads, eq. (2.8).
+
+m dV/dt = -F_x,   F_z = m g,   J dw/dt = F_x r_w - T_B
+
+Good far from the adhesion limit; it does not know that braking moves load to the leading wheelset, and so misses or
+misjudges a lock-up near the limit.
+"""
+
+from __future__ import annotations
+
+from fmu_src.system import System
+from rbd_model.parameters import BogieParameters
+from rbd_model.wheelset import (
+    NOMINAL_DISTANCE,
+    NOMINAL_SPEED,
+    WHEELSET_PARAMETERS,
+    add_wheelset,
+    add_wheelset_outputs,
+    start_bogie,
+)
+
+
+def point_bogie(defaults: BogieParameters, initial_speed: float = 25.0) -> System:
+    """The two-wheelset bogie as eq. (2.8): states distance, speed, and rotation and angular velocity of each wheelset."""
+    used = dict.fromkeys(("frame_mass",)) | WHEELSET_PARAMETERS
+    bogie = start_bogie("point", "Speed and wheel speeds, static loads", defaults, used, initial_speed)
+    system, p = bogie.system, bogie.parameter
+    system.state("distance", "m", 0.0, NOMINAL_DISTANCE)
+    speed = system.state("speed", "m/s", bogie.initial_speed, NOMINAL_SPEED)
+
+    load = (p["wheelset_mass"] + p["frame_mass"] / 2) * p["gravity"]
+    wheelsets = [add_wheelset(bogie, number, speed, load) for number in (1, 2)]
+    total_mass = p["frame_mass"] + 2 * p["wheelset_mass"]
+    force = wheelsets[0].creep_force + wheelsets[1].creep_force + bogie.input["drawbar_force"]
+    system.derivative("distance", speed)
+    system.derivative("speed", force / total_mass)
+
+    system.output(bogie.outputs["speed"], speed)
+    system.output(bogie.outputs["distance"], system.states["distance"].symbol)
+    system.output(bogie.outputs["acceleration"], force / total_mass)
+    for wheelset in wheelsets:
+        add_wheelset_outputs(bogie, wheelset, speed, load)
+    return system
