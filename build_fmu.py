@@ -28,6 +28,8 @@ from fmu_src.system import Model
 from rbd_model.bogie import bogie_dynamics
 
 MODELS: dict[str, Callable[[], Model]] = {"bogie": bogie_dynamics, "brake": brake_cylinder}
+#: Where the FMUs of this checkout live.
+BUILD = Path(__file__).resolve().parent / "build"
 BUILDERS: dict[str, Callable[[Model, Path], None]] = {"native": build_native_fmu, "python": build_python_fmu}
 
 
@@ -35,13 +37,21 @@ def fmu_path(model: Model, kind: str, out: Path) -> Path:
     return out / kind / f"{model.name}.fmu"
 
 
-def up_to_date(name: str, kind: str, out: Path = Path("build")) -> Path:
+def up_to_date(name: str, kind: str, out: Path = BUILD) -> Path:
     """Path of an FMU, built now unless the file in `out` has the present content."""
     model = MODELS[name]()
     path = fmu_path(model, kind, out)
-    if not path.exists() or read_model_description(str(path), validate=False).guid != guid_of(model):
+    if guid_in(path) != guid_of(model):
         BUILDERS[kind](model, path)
     return path
+
+
+def guid_in(path: Path) -> str | None:
+    """GUID of an FMU file; None when there is no readable one."""
+    try:
+        return str(read_model_description(str(path), validate=False).guid)
+    except Exception:  # fmpy raises whatever zip, XML or file system raise; any of them means: build it
+        return None
 
 
 def build(name: str, kind: str, out: Path) -> list[str]:

@@ -15,24 +15,40 @@ class BrakeParameters(ParameterSet):
     application_time: float = quantity("s", "Time from 0 to 95 % of the demanded pressure", 1e-3)
     release_time: float = quantity("s", "Time from 100 % to 5 % of the pressure", 1e-3)
     supply_pressure: float = quantity("Pa", "Largest pressure the regulator lets through", 0.0)
-    force_per_pressure: float = quantity("N/Pa", "Normal force of all shoes of the bogie per pressure (pi/4 D^2 i_t)", 0.0)
+    force_per_pressure: float = quantity(
+        "N/Pa", "Normal force of all shoes of the bogie per pressure (pi/4 D^2 i_t)", 0.0
+    )
     wheelset_share: float = quantity("1", "Share of the shoe force that acts on this wheelset", 0.0, 1.0)
     shoes: float = quantity("1", "Shoes on this wheelset, which share its force equally", 1.0, 16.0)
     slack_adjuster_force: float = quantity("N", "Counter-force of the slack adjuster at the shoes (F_R i_b)", 0.0)
     rigging_efficiency: float = quantity("1", "Effective over calculated shoe force (eta)", 0.0, 1.0)
     wheel_radius: float = quantity("m", "Radius at which the shoes rub (r_w)", 1e-3)
     friction_law: float = quantity(
-        "1", "Shoe friction: 0 constant, 1 measured against shoe force (chapter 7)", CONSTANT, MEASURED_AGAINST_FORCE, "integer"
+        "1",
+        "Shoe friction: 0 constant, 1 measured against shoe force (chapter 7)",
+        CONSTANT,
+        MEASURED_AGAINST_FORCE,
+        "integer",
     )
     constant_shoe_friction: float = quantity("1", "Shoe friction coefficient of law 0 (mu_b)", 0.0, 2.0)
 
 
-#: Printed for each pressure [kPa] of the experiment: efficiency of the refurbished rigging (rod force 18, 19, 15 % below
-#: the specification, sections 7.2.1, 7.3.1, 7.4.1) and average shoe friction with its range (sections 7.2.1 - 7.5).
+@dataclass(frozen=True)
+class ExperimentCase:
+    """What the thesis prints for one pressure of the experiment."""
+
+    rigging_efficiency: float
+    shoe_friction: float
+    lowest_shoe_friction: float
+    highest_shoe_friction: float
+
+
+#: By pressure [kPa]: efficiency of the refurbished rigging (rod force 18, 19, 15 % below the specification, sections
+#: 7.2.1, 7.3.1, 7.4.1), average shoe friction (section 7.5) and its range (sections 7.2.1, 7.3.1, 7.4.1).
 EXPERIMENT = {
-    130: {"rigging_efficiency": 0.82, "shoe_friction": 0.30, "range": (0.27, 0.33)},
-    150: {"rigging_efficiency": 0.81, "shoe_friction": 0.27, "range": (0.23, 0.30)},
-    180: {"rigging_efficiency": 0.85, "shoe_friction": 0.25, "range": (0.21, 0.28)},
+    130: ExperimentCase(0.82, 0.30, 0.27, 0.33),
+    150: ExperimentCase(0.81, 0.27, 0.23, 0.30),
+    180: ExperimentCase(0.85, 0.25, 0.21, 0.28),
 }
 
 
@@ -56,8 +72,8 @@ def qr30(pressure_kpa: int = 180) -> BrakeParameters:
         wheelset_share=0.5,
         shoes=2.0,
         slack_adjuster_force=0.0,
-        rigging_efficiency=row["rigging_efficiency"],  # type: ignore[arg-type]
+        rigging_efficiency=row.rigging_efficiency,
         wheel_radius=0.398,
         friction_law=CONSTANT,
-        constant_shoe_friction=row["shoe_friction"],  # type: ignore[arg-type]
+        constant_shoe_friction=row.shoe_friction,
     )

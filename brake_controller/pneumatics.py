@@ -17,9 +17,7 @@ def regulated_pressure(demand: ca.SX, supply_pressure: ca.SX) -> ca.SX:
     return ca.fmin(demand, supply_pressure)
 
 
-def pressure_rate(
-    pressure: ca.SX, target: ca.SX, valve: ca.SX, application_time: ca.SX, release_time: ca.SX
-) -> ca.SX:
+def pressure_rate(pressure: ca.SX, target: ca.SX, valve: ca.SX, application_time: ca.SX, release_time: ca.SX) -> ca.SX:
     """dp/dt in the cylinder [Pa/s]: flow through a restriction, taken as proportional to the pressure difference.
 
     application_time [s] is from 0 to 95 % of the target (section 2.4.2), release_time from 100 to 5 %.

@@ -1,4 +1,4 @@
-"""Friction between shoe and wheel tread. A further law is one more number here and one more branch in `shoe_friction`."""
+"""Friction between shoe and wheel tread. A further law is one more number and one more branch in `shoe_friction`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From a `Model` to plain C: the equations, their exact Jacobian, and the constant description that the runtime reads."""
+"""From a `Model` to plain C: equations, exact Jacobian, and the constant description that the runtime reads."""
 
 from __future__ import annotations
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-import xml.etree.ElementTree as xml
+import xml.etree.ElementTree as ET
 from collections.abc import Iterable
 
 import casadi as ca
 
+from fmu_src import __version__
 from fmu_src.system import Model, System, Variable
 
 #: Unit -> exponents of the SI base units.
@@ -49,19 +50,19 @@ LOG_CATEGORIES = {
 
 def model_description(model: Model, guid: str, native: bool = True) -> str:
     """The XML text. `native`: the binary of this project; else the one of pythonfmu, which can do less."""
-    root = xml.Element(
+    root = ET.Element(
         "fmiModelDescription",
         fmiVersion="2.0",
         modelName=model.name,
         guid=guid,
         description=model.description,
-        version="0.1.0",
+        version=__version__,
         license="MIT",
         generationTool="bogie-braking",
         variableNamingConvention="flat",
     )
     able = str(native).lower()
-    xml.SubElement(
+    ET.SubElement(
         root,
         "CoSimulation",
         modelIdentifier=model.name,
@@ -75,37 +76,37 @@ def model_description(model: Model, guid: str, native: bool = True) -> str:
         providesDirectionalDerivative="false",
     )
     _units(root, model.variables)
-    categories = xml.SubElement(root, "LogCategories")
+    categories = ET.SubElement(root, "LogCategories")
     for name, description in LOG_CATEGORIES.items():
-        xml.SubElement(categories, "Category", name=name, description=description)
+        ET.SubElement(categories, "Category", name=name, description=description)
     experiment = {"startTime": "0.0", "stopTime": repr(model.stop_time), "stepSize": repr(model.step_size)}
-    xml.SubElement(root, "DefaultExperiment", experiment)
-    variables = xml.SubElement(root, "ModelVariables")
+    ET.SubElement(root, "DefaultExperiment", experiment)
+    variables = ET.SubElement(root, "ModelVariables")
     for reference, variable in enumerate(model.variables):
         _variable(variables, reference, variable)
     _structure(root, model)
-    xml.indent(root)
-    return '<?xml version="1.0" encoding="UTF-8"?>\n' + xml.tostring(root, encoding="unicode") + "\n"
+    ET.indent(root)
+    return '<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
 
 
-def _units(root: xml.Element, variables: Iterable[Variable]) -> None:
+def _units(root: ET.Element, variables: Iterable[Variable]) -> None:
     used = {variable.unit for variable in variables if variable.kind == "real"}
     displayed = {variable.display_unit for variable in variables if variable.display_unit}
-    definitions = xml.SubElement(root, "UnitDefinitions")
+    definitions = ET.SubElement(root, "UnitDefinitions")
     for name, exponents in UNITS.items():
         if name not in used:
             continue
-        unit = xml.SubElement(definitions, "Unit", name=name)
-        xml.SubElement(unit, "BaseUnit", {base: str(exponent) for base, exponent in exponents.items()})
+        unit = ET.SubElement(definitions, "Unit", name=name)
+        ET.SubElement(unit, "BaseUnit", {base: str(exponent) for base, exponent in exponents.items()})
         for display, (of, factor) in DISPLAY_UNITS.items():
             if of == name and display in displayed:
-                xml.SubElement(unit, "DisplayUnit", name=display, factor=repr(factor))
+                ET.SubElement(unit, "DisplayUnit", name=display, factor=repr(factor))
     unknown = used - set(UNITS)
     if unknown:
         raise ValueError(f"Add the units {', '.join(sorted(unknown))} to UNITS in model_description.py.")
 
 
-def _variable(parent: xml.Element, reference: int, variable: Variable) -> None:
+def _variable(parent: ET.Element, reference: int, variable: Variable) -> None:
     discrete = variable.kind != "real"
     attributes = {
         "name": variable.name,
@@ -119,7 +120,7 @@ def _variable(parent: xml.Element, reference: int, variable: Variable) -> None:
         attributes["variability"] = "discrete" if discrete else "continuous"
     if variable.causality == "output":
         attributes["initial"] = "calculated"
-    element = xml.SubElement(parent, "ScalarVariable", attributes)
+    element = ET.SubElement(parent, "ScalarVariable", attributes)
     of_type: dict[str, str] = {}
     if not discrete:
         of_type["unit"] = variable.unit
@@ -130,7 +131,7 @@ def _variable(parent: xml.Element, reference: int, variable: Variable) -> None:
             of_type[name] = _number(variable, limit)
     if variable.causality != "output":
         of_type["start"] = _number(variable, variable.start)
-    xml.SubElement(element, TYPES[variable.kind], of_type)
+    ET.SubElement(element, TYPES[variable.kind], of_type)
 
 
 def _number(variable: Variable, value: float) -> str:
@@ -148,18 +149,18 @@ def direct_inputs(system: System) -> dict[str, set[str]]:
     return found
 
 
-def _structure(root: xml.Element, model: Model) -> None:
+def _structure(root: ET.Element, model: Model) -> None:
     reached: dict[str, set[str]] = {}
     for system in model.systems:
         for output, names in direct_inputs(system).items():
             reached.setdefault(output, set()).update(names)
-    structure = xml.SubElement(root, "ModelStructure")
-    outputs = xml.SubElement(structure, "Outputs")
-    initial = xml.SubElement(structure, "InitialUnknowns")
+    structure = ET.SubElement(root, "ModelStructure")
+    outputs = ET.SubElement(structure, "Outputs")
+    initial = ET.SubElement(structure, "InitialUnknowns")
     for number, variable in enumerate(model.variables, start=1):
         if variable.causality != "output":
             continue
         known = sorted(model.index(name) + 1 for name in reached.get(variable.name, set()))
-        xml.SubElement(outputs, "Unknown", index=str(number), dependencies=" ".join(map(str, known)))
+        ET.SubElement(outputs, "Unknown", index=str(number), dependencies=" ".join(map(str, known)))
         # Initial values may depend on all parameters and inputs: no list of dependencies.
-        xml.SubElement(initial, "Unknown", index=str(number))
+        ET.SubElement(initial, "Unknown", index=str(number))

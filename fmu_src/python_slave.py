@@ -20,8 +20,8 @@ WHOLE = -1
 class KernelSlave(Fmi2Slave):
     """A kernel behind pythonfmu.
 
-    pythonfmu turns an exception into fmi2Fatal and crashes the host on the next call, so nothing is raised here: a value
-    that is refused is logged as an error, and every step is discarded until that variable has a good value again.
+    pythonfmu turns an exception into fmi2Fatal and crashes the host on the next call, so nothing is raised here: a
+    value that is refused is logged as an error, and every step is discarded until that variable has a good value again.
     """
 
     library_file: str
@@ -35,7 +35,9 @@ class KernelSlave(Fmi2Slave):
         self.start_time = 0.0
         self.initialising = False
 
-    def setup_experiment(self, start_time: float, stop_time: float | None = None, tolerance: float | None = None) -> None:
+    def setup_experiment(
+        self, start_time: float, stop_time: float | None = None, tolerance: float | None = None
+    ) -> None:
         self.start_time = start_time
         if tolerance is not None:
             self.set_real([self.kernel.library.index["tolerance"]], [tolerance])
@@ -57,6 +59,9 @@ class KernelSlave(Fmi2Slave):
         except KernelError as error:
             self.log(str(error), Fmi2Status.discard if error.status == DISCARD else Fmi2Status.error)
             return False
+        for sentence in self.kernel.journal:
+            self.log(sentence, Fmi2Status.ok, "events")
+        self.kernel.journal.clear()
         return True
 
     def get_real(self, vrs: list[int]) -> list[float]:
@@ -97,5 +102,3 @@ class KernelSlave(Fmi2Slave):
     def _remember(self, reference: int, error: KernelError) -> None:
         self.problems[reference] = str(error)
         self.log(str(error), Fmi2Status.error)
-
-

@@ -45,9 +45,13 @@ class Variable:
             )
 
 
-def quantity(unit: str, description: str, minimum: float = -math.inf, maximum: float = math.inf, kind: Kind = "real") -> Any:
+def quantity(
+    unit: str, description: str, minimum: float = -math.inf, maximum: float = math.inf, kind: Kind = "real"
+) -> Any:
     """A field of a `ParameterSet`: unit, meaning (with the source's symbol) and limits."""
-    return field(metadata={"unit": unit, "description": description, "minimum": minimum, "maximum": maximum, "kind": kind})
+    return field(
+        metadata={"unit": unit, "description": description, "minimum": minimum, "maximum": maximum, "kind": kind}
+    )
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ NEWTON_ROUNDS = 8
 
 @dataclass(frozen=True)
 class EllipseShape:
-    """What the curvatures alone decide: `axis_ratio` = a/b, and semi-axes a, b = `longitudinal`, `lateral` x N^(1/3)."""
+    """What the curvatures decide: `axis_ratio` = a/b, and `longitudinal`, `lateral` = a, b over N^(1/3) [m/N^(1/3)]."""
 
     axis_ratio: ca.SX
     longitudinal: ca.SX

@@ -36,7 +36,9 @@ class BogieParameters(ParameterSet):
     lateral_damping: float = quantity("N.s/m", "Suspension element, lateral damping", 0.0)
     vertical_damping: float = quantity("N.s/m", "Suspension element, vertical damping", 0.0)
     rolling_resistance_torque: float = quantity("N.m", "Rolling resistance of one wheelset, a friction torque", 0.0)
-    torque_reaction: float = quantity("1", "Share of brake and traction torque that reacts on the sprung mass", 0.0, 1.0)
+    torque_reaction: float = quantity(
+        "1", "Share of brake and traction torque that reacts on the sprung mass", 0.0, 1.0
+    )
     wheel_profile_curvature: float = quantity("1/m", "Curvature of the wheel tread across the track (1/rho_y^w)")
     rail_head_radius: float = quantity("m", "Radius of the rail head across the track (rho_y^r)", POSITIVE)
     shear_modulus: float = quantity("Pa", "Shear modulus of wheel and rail (G)", POSITIVE)
@@ -88,8 +90,8 @@ def tables_8_1_and_8_2() -> BogieParameters:
 
     Printed: Table 8.1 (masses and inertias), Table 8.2 (wheel base, wheel radius), rolling resistance 65 N.m for each
     wheelset (section 8.3, where "kN.m" is a misprint: 65 kN.m would stop the bogie in a tenth of a second).
-    Assumed: the suspension of Table 5.1, because section 8.2.1 refers to the model of chapter 5; frame_height 0, because
-    the measured load of the braked wheelset, 2 x 8.85 kN (section 7.4.2), is the static one to 1 %; the rest as in
+    Assumed: the suspension of Table 5.1, because section 8.2.1 refers to the model of chapter 5; frame_height 0,
+    because the measured load of the braked wheelset, 2 x 8.85 kN (section 7.4.2), is the static one to 1 %; the rest as in
     `tables_5_1_and_5_2`.
     """
     chapter_5 = tables_5_1_and_5_2().values()

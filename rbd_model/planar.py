@@ -66,9 +66,9 @@ def planar_bogie(defaults: BogieParameters, initial_speed: float = 25.0) -> Syst
     system, p = bogie.system, bogie.parameter
     system.state("frame_distance", "m", 0.0, NOMINAL_DISTANCE)
     speed = system.state("frame_speed", "m/s", bogie.initial_speed, NOMINAL_SPEED)
-    bounce = system.state("bounce", "m", 0.0, NOMINAL_TRAVEL)
+    system.state("bounce", "m", 0.0, NOMINAL_TRAVEL)
     bounce_speed = system.state("bounce_speed", "m/s", 0.0, NOMINAL_TRAVEL_SPEED)
-    pitch = system.state("pitch", "rad", 0.0, NOMINAL_TRAVEL)
+    system.state("pitch", "rad", 0.0, NOMINAL_TRAVEL)
     pitch_rate = system.state("pitch_rate", "rad/s", 0.0, NOMINAL_TRAVEL_SPEED)
 
     axles = [add_axle(bogie, number) for number in (1, 2)]
@@ -170,6 +170,6 @@ def observe_energy(bogie: Bogie, axles: list[Axle], wheelsets: list[Wheelset]) -
     ]
     system.observe("kinetic_energy", "J", kinetic)
     system.observe("potential_energy", "J", potential)
-    system.observe("brake_power", "W", sum(turning))
-    system.observe("creep_power", "W", sum(-w.creep_force * w.sliding_speed for w in wheelsets))
-    system.observe("damping_power", "W", sum(axle.damping_power for axle in axles))
+    system.observe("brake_power", "W", turning[0] + turning[1])
+    system.observe("creep_power", "W", ca.SX(sum(-w.creep_force * w.sliding_speed for w in wheelsets)))
+    system.observe("damping_power", "W", axles[0].damping_power + axles[1].damping_power)

@@ -80,4 +80,6 @@ def outputs() -> dict[str, Variable]:
 
 def initial_speed(start: float) -> Variable:
     """Parameter: speed at the start, with the wheels rolling freely."""
-    return Variable("initial_speed", "parameter", "m/s", "Speed at the start, wheels rolling", start, display_unit="km/h")
+    return Variable(
+        "initial_speed", "parameter", "m/s", "Speed at the start, wheels rolling", start, display_unit="km/h"
+    )

@@ -49,7 +49,9 @@ class Wheelset:
     sliding_speed: ca.SX
 
 
-def start_bogie(name: str, description: str, defaults: BogieParameters, used: Mapping[str, None], speed: float) -> Bogie:
+def start_bogie(
+    name: str, description: str, defaults: BogieParameters, used: Mapping[str, None], speed: float
+) -> Bogie:
     """A System with the parameters named in `used`, all inputs that the levels share, and the contact constants."""
     system = System(name, description)
     initial = system.parameter(variables.initial_speed(speed))
@@ -100,8 +102,8 @@ def creep_force_of_wheelset(bogie: Bogie, number: int, load: ca.SX, sliding: ca.
 def add_wheelset(bogie: Bogie, number: int, forward: ca.SX, load: ca.SX) -> Wheelset:
     """Rotation of one wheelset, third line of eq. (2.8): J dw/dt = F_x r - T_B, with traction and rolling resistance.
 
-    forward [m/s]: speed of its axle; load [N]: vertical force of both rails. The brake torque is a capacity: dry friction
-    that opposes the rotation, or holds the wheelset locked while the rail cannot turn it.
+    forward [m/s]: speed of its axle; load [N]: vertical force of both rails. The brake torque is a capacity: dry
+    friction that opposes the rotation, or holds the wheelset locked while the rail cannot turn it.
     """
     system, parameter = bogie.system, bogie.parameter
     radius, inertia = parameter["wheel_radius"], parameter["wheelset_pitch_inertia"]

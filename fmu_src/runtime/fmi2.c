@@ -22,10 +22,17 @@ typedef struct {
 
 static const char *const CATEGORY[] = {"events", "logStatusWarning", "logStatusDiscard", "logStatusError"};
 
+/* The sentence is the format itself, so that hosts that do not expand arguments show it too; hence % is doubled. */
 static void say(const component *self, fmi2Status status, const char *sentence) {
     if (!self->logger || (status == fmi2OK && !self->logging)) return;
-    self->logger(self->environment, self->name, status, CATEGORY[status <= fmi2Error ? status : fmi2Error], "%s",
-                 sentence);
+    char text[2 * MESSAGE_SIZE];
+    size_t length = 0;
+    for (const char *c = sentence; *c && length < sizeof text - 3; ++c) {
+        if (*c == '%') text[length++] = '%';
+        text[length++] = *c;
+    }
+    text[length] = '\0';
+    self->logger(self->environment, self->name, status, CATEGORY[status <= fmi2Error ? status : fmi2Error], text);
 }
 
 /* Passes the kernel's journal on to the host and returns `status` unchanged. */

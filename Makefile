@@ -1,0 +1,32 @@
+# Two commands for a newcomer: make demo, make test. Both make their own virtual environment in .venv.
+PYTHON ?= python3
+VENV := .venv
+RUN := $(VENV)/bin/python
+
+.PHONY: demo test check clean
+
+demo: $(VENV)/demo-installed
+	$(RUN) build_fmu.py
+	$(RUN) -m scenarios run qr30-180kpa
+
+test: $(VENV)/test-installed check
+	$(RUN) -m pytest
+
+check: $(VENV)/test-installed
+	$(RUN) -m ruff check .
+	$(RUN) -m ruff format --check .
+	$(RUN) -m mypy
+
+$(VENV)/bin/python:
+	$(PYTHON) -m venv $(VENV)
+
+$(VENV)/demo-installed: pyproject.toml | $(VENV)/bin/python
+	$(RUN) -m pip install --quiet --disable-pip-version-check -e .
+	touch $@
+
+$(VENV)/test-installed: pyproject.toml | $(VENV)/bin/python
+	$(RUN) -m pip install --quiet --disable-pip-version-check -e ".[test]"
+	touch $@ $(VENV)/demo-installed
+
+clean:
+	rm -rf $(VENV) build results

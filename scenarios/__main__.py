@@ -1,0 +1,97 @@
+"""Runs the scenarios.
+
+  python -m scenarios list                                       what there is
+  python -m scenarios run qr30-180kpa                            run one; results/qr30-180kpa/ has table, data, figure
+  python -m scenarios run bogie-heavy-braking --kind python      with the pythonfmu FMUs
+  python -m scenarios run qr30-180kpa --step 0.0001              with another macro step
+  python -m scenarios run qr30-180kpa --torque-csv measured.csv  with a measured history (time [s], torque [N.m])
+
+Exit status: 0 all rows hold, 1 a row does not hold, 2 bad input, 3 a simulation failed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import difflib
+import math
+import sys
+from pathlib import Path
+
+from fmu_src.compile import CompilerError
+from scenarios.catalogue import SCENARIOS
+from scenarios.cosimulation import CosimulationError
+from scenarios.report import save, stopwatch, table
+from scenarios.scenario import BadInputError, Options, Scenario
+
+HOLDS, DOES_NOT_HOLD, BAD_INPUT, FAILED = range(4)
+#: The largest macro step that any scenario is meant for [s].
+LARGEST_STEP = 0.1
+
+
+def find(name: str) -> Scenario:
+    by_name = {scenario.name: scenario for scenario in SCENARIOS}
+    if name in by_name:
+        return by_name[name]
+    near = difflib.get_close_matches(name, by_name, 1)
+    advice = f"did you mean {near[0]}?" if near else "'python -m scenarios list' shows what there is."
+    raise BadInputError(f"There is no scenario {name}; {advice}")
+
+
+def check(scenario: Scenario, options: Options) -> None:
+    if not (math.isfinite(options.step) and 0.0 < options.step <= LARGEST_STEP):
+        raise BadInputError(f"Give --step a value above 0 and up to {LARGEST_STEP} s: it was {options.step} s.")
+    if options.torque_csv and not scenario.takes_torque_csv:
+        takers = ", ".join(one.name for one in SCENARIOS if one.takes_torque_csv)
+        raise BadInputError(f"--torque-csv belongs to the scenarios {takers}; {scenario.name} has its own torques.")
+
+
+def run(name: str, options: Options, out: Path) -> int:
+    scenario = find(name)
+    check(scenario, options)
+    elapsed = stopwatch()
+    result = scenario.run(options)
+    folder = save(result, scenario.name, out, elapsed())
+    print(f"{scenario.name}: {scenario.summary}\n")
+    print(table(result.rows))
+    for remark in result.remarks:
+        print(f"\n{remark}")
+    print(f"\nPicture: {folder / 'figure.png'}")
+    return HOLDS if result.holds else DOES_NOT_HOLD
+
+
+def show_list() -> int:
+    width = max(len(scenario.name) for scenario in SCENARIOS)
+    for scenario in SCENARIOS:
+        print(f"{scenario.name.ljust(width)}  {scenario.summary}")
+    return HOLDS
+
+
+def main(arguments: list[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(
+        prog="python -m scenarios", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    commands = parser.add_subparsers(dest="command", required=True)
+    commands.add_parser("list", help="what there is")
+    runner = commands.add_parser("run", help="run one scenario")
+    runner.add_argument("name", help="a name from 'list'")
+    runner.add_argument("--out", type=Path, default=Path("results"), help="folder of the results (default: results)")
+    runner.add_argument("--kind", choices=["native", "python"], default="native", help="which FMUs (default: native)")
+    runner.add_argument("--step", type=float, default=1e-3, metavar="SECONDS", help="macro step (default: 0.001)")
+    runner.add_argument(
+        "--torque-csv", type=Path, metavar="FILE", help="time [s], torque [N.m] of the trailing wheelset"
+    )
+    chosen = parser.parse_args(arguments)
+    if chosen.command == "list":
+        return show_list()
+    try:
+        return run(chosen.name, Options(chosen.kind, chosen.step, chosen.torque_csv), chosen.out)
+    except BadInputError as error:
+        print(error, file=sys.stderr)
+        return BAD_INPUT
+    except (CosimulationError, CompilerError) as error:
+        print(error, file=sys.stderr)
+        return FAILED
+
+
+if __name__ == "__main__":
+    sys.exit(main())

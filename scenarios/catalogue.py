@@ -1,0 +1,14 @@
+"""All scenarios. A new one is a file and one entry here."""
+
+from __future__ import annotations
+
+from scenarios import heavy_braking, lock_boundary, qr30, speed, traction_braking
+from scenarios.scenario import Scenario
+
+SCENARIOS: list[Scenario] = [
+    *qr30.SCENARIOS,
+    lock_boundary.SCENARIO,
+    traction_braking.SCENARIO,
+    heavy_braking.SCENARIO,
+    speed.SCENARIO,
+]

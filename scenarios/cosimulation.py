@@ -1,0 +1,191 @@
+"""Couples FMUs with fmpy: named variables, a fixed macro step, one FMU after the other (Gauss-Seidel)."""
+
+from __future__ import annotations
+
+import math
+import shutil
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from types import TracebackType
+
+import numpy as np
+from fmpy import calloc, extract, free, read_model_description
+from fmpy.fmi1 import FMICallException
+from fmpy.fmi2 import (
+    FMU2Slave,
+    fmi2CallbackAllocateMemoryTYPE,
+    fmi2CallbackFreeMemoryTYPE,
+    fmi2CallbackFunctions,
+    fmi2CallbackLoggerTYPE,
+)
+from tqdm import tqdm
+
+#: A progress bar appears when a run takes longer than this [s].
+PATIENCE = 2.0
+TYPES = {"Real": "Real", "Integer": "Integer", "Boolean": "Boolean", "Enumeration": "Integer"}
+
+
+class CosimulationError(RuntimeError):
+    """A call to an FMU failed; the text is the FMU's own sentence."""
+
+
+class Slave:
+    """One instance of an FMU, with variables by name. A context manager: it cleans up after itself.
+
+    >>> with Slave("build/native/BogieDynamics.fmu", initial_speed=25.0) as bogie:
+    ...     bogie.start(brake_torque_1=20e3)
+    ...     bogie.step(0.0, 0.01)
+    ...     bogie["speed"]
+    """
+
+    def __init__(self, path: str | Path, **parameters: float) -> None:
+        description = read_model_description(str(path))
+        self.name = description.modelName
+        self.guid = description.guid
+        self.messages: list[str] = []
+        self._variables = {v.name: (v.valueReference, TYPES[v.type]) for v in description.modelVariables}
+        self.units = {v.name: v.unit or "1" for v in description.modelVariables}
+        self._parameters = parameters
+        self._folder = extract(str(path))
+        self._logger = fmi2CallbackLoggerTYPE(self._listen)  # referenced here as long as the FMU may call it
+        self._callbacks = fmi2CallbackFunctions()
+        self._callbacks.logger = self._logger
+        self._callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
+        self._callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
+        self.fmu = FMU2Slave(
+            guid=description.guid,
+            unzipDirectory=self._folder,
+            modelIdentifier=description.coSimulation.modelIdentifier,
+            instanceName=self.name,
+        )
+        self._call(self.fmu.instantiate, callbacks=self._callbacks, loggingOn=True)
+
+    def __enter__(self) -> Slave:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.fmu.freeInstance()
+        shutil.rmtree(self._folder, ignore_errors=True)
+
+    def start(self, time: float = 0.0, **inputs: float) -> None:
+        """Sets parameters and first inputs and initialises."""
+        self._call(self.fmu.setupExperiment, startTime=time)
+        self.set(**self._parameters)
+        self._call(self.fmu.enterInitializationMode)
+        self.set(**inputs)
+        self._call(self.fmu.exitInitializationMode)
+
+    def restart(self, parameters: Mapping[str, float], **inputs: float) -> None:
+        """Resets the instance and starts it with other parameters."""
+        self._call(self.fmu.reset)
+        self.messages.clear()
+        self._parameters = dict(parameters)
+        self.start(**inputs)
+
+    def set(self, **values: float) -> None:
+        for name, value in values.items():
+            reference, kind = self._reference(name)
+            self._call(getattr(self.fmu, f"set{kind}"), [reference], [value])
+
+    def __getitem__(self, name: str) -> float:
+        return self.get([name])[0]
+
+    def get(self, names: Sequence[str]) -> list[float]:
+        found: dict[str, float] = {}
+        for kind in ("Real", "Integer", "Boolean"):
+            group = [name for name in names if self._reference(name)[1] == kind]
+            if group:
+                references = [self._reference(name)[0] for name in group]
+                found |= dict(zip(group, self._call(getattr(self.fmu, f"get{kind}"), references), strict=True))
+        return [float(found[name]) for name in names]
+
+    def step(self, time: float, size: float) -> None:
+        self._call(self.fmu.doStep, time, size)
+
+    def _reference(self, name: str) -> tuple[int, str]:
+        if name not in self._variables:
+            raise CosimulationError(f"{self.name} has no variable {name}; it has {', '.join(self._variables)}.")
+        return self._variables[name]
+
+    def _listen(self, environment: object, instance: bytes, status: int, category: bytes, message: bytes) -> None:
+        self.messages.append(message.decode(errors="replace").replace("%%", "%"))
+
+    def _call(self, function: Callable, *arguments: object, **named: object):  # type: ignore[no-untyped-def]
+        try:
+            return function(*arguments, **named)
+        except FMICallException as error:
+            sentence = self.messages[-1] if self.messages else str(error)
+            raise CosimulationError(f"{self.name}: {sentence}") from error
+
+
+class Recording:
+    """Time series by name, each with its unit; `time` is the first."""
+
+    def __init__(self, units: Mapping[str, str], rows: Sequence[Sequence[float]]) -> None:
+        self.units = dict(units)
+        table = np.array(rows, dtype=float).reshape(-1, len(self.units))
+        self._columns = dict(zip(self.units, table.T, strict=True))
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        return self._columns[name]
+
+    @property
+    def names(self) -> list[str]:
+        return list(self.units)
+
+    def add(self, name: str, unit: str, values: np.ndarray) -> None:
+        """Adds a column with as many rows as `time`, for example of a second run."""
+        self.units[name] = unit
+        self._columns[name] = values
+
+    def first_time(self, condition: np.ndarray) -> float | None:
+        """Time of the first row where the condition holds; None when it never does."""
+        rows = np.flatnonzero(condition)
+        return float(self["time"][rows[0]]) if rows.size else None
+
+
+#: (source, output, target, input)
+Connection = tuple[Slave, str, Slave, str]
+
+
+def couple(
+    slaves: Sequence[Slave],
+    connections: Sequence[Connection],
+    duration: float,
+    step: float,
+    record: Sequence[tuple[Slave, str]],
+    drive: Callable[[float], None] | None = None,
+    label: str = "",
+) -> Recording:
+    """Runs started slaves together from t = 0 and records outputs at every macro step.
+
+    In each step the slaves go in the given order, each with the newest outputs of the others. `drive(time)` may set
+    inputs before each step. Raises CosimulationError.
+    """
+    if not (math.isfinite(step) and step > 0.0):
+        raise CosimulationError(f"Give a macro step above 0 s: it was {step:g} s.")
+    count = max(1, round(duration / step))
+    units = {"time": "s"} | {name: slave.units[name] for slave, name in record}
+    by_slave = {slave: [name for owner, name in record if owner is slave] for slave in slaves}
+    incoming = {slave: [(s, o, i) for s, o, target, i in connections if target is slave] for slave in slaves}
+
+    def sample(time: float) -> list[float]:
+        values: list[float] = [time]
+        for slave in slaves:
+            values += slave.get(by_slave[slave])
+        return values
+
+    order = ["time"] + [name for slave in slaves for name in by_slave[slave]]
+    rows = [sample(0.0)]
+    for number in tqdm(range(count), desc=label, delay=PATIENCE, leave=False, unit="step"):
+        time = number * step
+        if drive:
+            drive(time)
+        for slave in slaves:
+            for source, output, name in incoming[slave]:
+                slave.set(**{name: source[output]})
+            slave.step(time, step)
+        rows.append(sample((number + 1) * step))
+    return Recording({name: units[name] for name in order}, rows)

@@ -1,0 +1,124 @@
+"""Heavy braking of the chapter 5 bogie, section 5.5, longitudinal part: 60 kN.m on one and on both wheelsets."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from rbd_model.parameters import tables_5_1_and_5_2
+from scenarios.cosimulation import Recording, couple
+from scenarios.plotting import BOGIE, LEADING, TRAILING, mark, panels
+from scenarios.report import Result, Row
+from scenarios.scenario import Options, Scenario, open_bogie
+
+INITIAL_SPEED, TORQUE, BRAKE_TIME, DURATION = 25.0, 60e3, 4.0, 20.0
+#: Not printed for section 5.5; chapter 9 uses 0.3 with the same bogie.
+FRICTION = 0.3
+RECORDED = ("speed", "angular_velocity_1", "angular_velocity_2", "axle_load_1", "axle_load_2", "locked_1", "locked_2")
+CASES = {"leading": (TORQUE, 0.0), "both": (TORQUE, TORQUE)}
+
+
+def brake(options: Options, level: int, torques: tuple[float, float]) -> tuple[Recording, list[str], str]:
+    """One run at 25 m/s with constant torques [N.m] from t = 4 s."""
+    with open_bogie(options, level=level, initial_speed=INITIAL_SPEED) as bogie:
+        bogie.start(friction_1=FRICTION, friction_2=FRICTION)
+
+        def drive(time: float) -> None:
+            on = time >= BRAKE_TIME - 1e-9
+            bogie.set(brake_torque_1=torques[0] * on, brake_torque_2=torques[1] * on)
+
+        record = [(bogie, name) for name in RECORDED]
+        series = couple([bogie], [], DURATION, options.step, record, drive, label=f"level {level}")
+        return series, list(bogie.messages), bogie.guid
+
+
+def lock_time(series: Recording, number: int) -> float | None:
+    """Seconds from the application of the brake to the first lock of a wheelset."""
+    time = series.first_time(series[f"locked_{number}"] > 0.5)
+    return None if time is None else time - BRAKE_TIME
+
+
+def run(options: Options) -> Result:
+    runs = {(level, case): brake(options, level, torque) for level in (2, 1) for case, torque in CASES.items()}
+    planar = {case: runs[2, case][0] for case in CASES}
+    point = {case: runs[1, case][0] for case in CASES}
+    late, early = lock_time(planar["both"], 1), lock_time(planar["both"], 2)
+    assumed = f"wheel-rail friction {FRICTION} and frame height {tables_5_1_and_5_2().frame_height} m are not printed"
+    rows = [
+        Row(
+            "leading wheelset braked alone: locks after",
+            "s",
+            0.5,
+            lock_time(planar["leading"], 1),
+            0.1,
+            "Fig. 5.44, read",
+            f"planar; {assumed}",
+        ),
+        Row(
+            "both braked: trailing wheelset locks after", "s", 0.2, early, 0.1, "Fig. 5.46, read", f"planar; {assumed}"
+        ),
+        Row(
+            "both braked: leading locks later by",
+            "s",
+            None,
+            None if late is None or early is None else late - early,
+            None,
+            "load moves forward",
+            "planar",
+        ),
+        Row(
+            "both braked: difference of the two lock times",
+            "s",
+            None,
+            (lock_time(point["both"], 1) or 0.0) - (lock_time(point["both"], 2) or 0.0),
+            None,
+            "static loads",
+            "point: both alike",
+        ),
+        Row(
+            "leading braked alone: locks after, point level",
+            "s",
+            None,
+            lock_time(point["leading"], 1),
+            None,
+            "static loads",
+            "point: too early, because the load that moves forward is missing",
+        ),
+    ]
+    series = planar["leading"]
+    for case in CASES:
+        for name in RECORDED:
+            series.add(f"{name}_{case}_braked", series.units[name], planar[case][name])
+    remarks = [f"{case} braked, planar: {' '.join(m for m in runs[2, case][1])}" for case in CASES]
+    parameters = tables_5_1_and_5_2().values() | {"friction": FRICTION, "brake_torque": TORQUE}
+    guids = {"BogieDynamics": runs[2, "both"][2]}
+    return Result(rows, series, lambda: draw(planar), parameters, 4 * DURATION, remarks, guids)
+
+
+def draw(planar: dict[str, Recording]) -> Figure:
+    labels = (
+        "leading wheelset braked with 60 kN.m: speed and wheel speeds [m/s]",
+        "axle loads [kN]",
+        "both wheelsets braked with 60 kN.m: speed and wheel speeds [m/s]",
+        "axle loads [kN]",
+    )
+    figure, axes = panels("Skid under heavy braking: load moves forward, the trailing wheelset locks first", labels)
+    radius = tables_5_1_and_5_2().wheel_radius
+    for row, case in enumerate(CASES):
+        series, axis, loads = planar[case], axes[2 * row], axes[2 * row + 1]
+        time = series["time"]
+        axis.plot(time, series["speed"], color=BOGIE, label="bogie")
+        for number, colour, line, label in ((1, LEADING, "-", "leading"), (2, TRAILING, "--", "trailing")):
+            axis.plot(time, radius * series[f"angular_velocity_{number}"], line, color=colour, label=label)
+            loads.plot(time, series[f"axle_load_{number}"] / 1e3, color=colour)
+            locked = series.first_time(series[f"locked_{number}"] > 0.5)
+            if locked is not None and np.interp(locked, time, series["speed"]) > 1.0:
+                mark(axis, locked, "")
+        axis.legend(loc="lower left")
+        axis.set_xlim(3.0, 14.0)
+    return figure
+
+
+SCENARIO = Scenario(
+    "bogie-heavy-braking", "60 kN.m on the leading and on both wheelsets from 25 m/s (section 5.5)", run
+)

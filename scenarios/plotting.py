@@ -1,0 +1,69 @@
+"""One style for all figures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import matplotlib
+
+matplotlib.use("Agg")
+from matplotlib import pyplot as plt
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+#: Leading, trailing, bogie, thesis; distinguishable without colour vision.
+LEADING, TRAILING, BOGIE, THESIS = "#0072b2", "#d55e00", "#333333", "#009e73"
+THREE = ("#0072b2", "#e69f00", "#d55e00")
+
+plt.rcParams.update(
+    {
+        "axes.grid": True,
+        "axes.spines.right": False,
+        "axes.spines.top": False,
+        "axes.titlelocation": "left",
+        "axes.titlesize": 10,
+        "figure.titlesize": 12,
+        "font.size": 9,
+        "grid.alpha": 0.3,
+        "legend.frameon": False,
+        "lines.linewidth": 1.6,
+        "svg.hashsalt": "bogie-braking",
+    }
+)
+
+
+def panels(title: str, labels: Sequence[str], height: float = 2.0) -> tuple[Figure, list[Axes]]:
+    """A figure of panels above each other that share the time axis; `labels` are the titles of the panels."""
+    figure, grid = plt.subplots(len(labels), 1, sharex=True, figsize=(8.0, height * len(labels) + 0.8), squeeze=False)
+    axes = list(grid[:, 0])
+    for axis, label in zip(axes, labels, strict=True):
+        axis.set_title(label)
+    axes[-1].set_xlabel("time [s]")
+    figure.suptitle(title, x=0.02, ha="left")
+    figure.set_layout_engine("constrained")
+    return figure, axes
+
+
+def single(title: str, x_label: str, y_label: str) -> tuple[Figure, Axes]:
+    figure, axis = plt.subplots(figsize=(8.0, 5.2))
+    axis.set_xlabel(x_label)
+    axis.set_ylabel(y_label)
+    figure.suptitle(title, x=0.02, ha="left")
+    figure.set_layout_engine("constrained")
+    return figure, axis
+
+
+def mark(axis: Axes, time: float | None, text: str) -> None:
+    """A thin vertical line with a word, for an event."""
+    if time is None:
+        return
+    axis.axvline(time, color="#999999", linewidth=0.8)
+    axis.annotate(
+        text,
+        (time, 0.97),
+        xycoords=("data", "axes fraction"),
+        fontsize=8,
+        va="top",
+        xytext=(3, 0),
+        textcoords="offset points",
+    )
