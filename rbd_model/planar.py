@@ -40,7 +40,7 @@ PLANAR_PARAMETERS = dict.fromkeys(
         "torque_reaction",
     )
 )
-#: Scales of the error control for motions in the suspension: with tolerance 1e-6, 10 nm and 1 um/s.
+#: Scales of the error control for motions in the suspension: with tolerance 1e-7, 1 nm and 0.1 um/s.
 NOMINAL_TRAVEL = 0.01
 NOMINAL_TRAVEL_SPEED = 1.0
 #: Two suspension elements act on each wheelset.

@@ -17,7 +17,7 @@ from rbd_model.parameters import BogieParameters
 SMALLEST_LOAD = 1.0
 SMALLEST_FRICTION = 1e-9
 
-#: Scales of the error control: with tolerance 1e-6, a local error of 10 um/s in speed.
+#: Scales of the error control: with tolerance 1e-7, a local error of 1 um/s in speed.
 NOMINAL_SPEED = 10.0
 NOMINAL_DISTANCE = 10.0
 NOMINAL_ANGULAR_VELOCITY = 25.0

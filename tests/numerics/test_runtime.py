@@ -1,0 +1,337 @@
+"""The C runtime on small systems with known answers: integration, tables, memory, friction, end conditions."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import casadi as ca
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from fmu_src.codegen import functions
+from fmu_src.compile import build_library
+from fmu_src.kernel import DISCARD, ERROR, Kernel, KernelError, Library
+from fmu_src.system import Friction, System, Variable, interpolation, model_of
+
+#: Theory of RODAS (Hairer and Wanner 1996, VI.4): order 4, continuous extension of order 3.
+ORDER, ORDER_BAND = 4.0, 0.2
+
+
+def real(name: str, causality: str, start: float = 0.0, **more: float) -> Variable:
+    return Variable(name, causality, "1", name, start, **more)  # type: ignore[arg-type]
+
+
+def library(write: Callable[[System], None], tolerance: float = 1e-8) -> Library:
+    system = System("small", "a small system")
+    write(system)
+    return Library(build_library(model_of(system, tolerance)))
+
+
+def oscillator(system: System, nominal: float = 1.0) -> None:
+    """A nonlinear pendulum, driven in time."""
+    angle = system.state("angle", "rad", 1.0, nominal)
+    rate = system.state("rate", "rad/s", 0.0, nominal)
+    system.derivative("angle", rate)
+    system.derivative("rate", -ca.sin(angle) + ca.cos(3 * system.time))
+    system.output(real("angle", "output"), angle)
+    system.output(real("rate", "output"), rate)
+
+
+def reference(angle: float, rate: float, end: float) -> np.ndarray:
+    solution = solve_ivp(
+        lambda t, y: [y[1], -math.sin(y[0]) + math.cos(3 * t)],
+        (0.0, end),
+        [angle, rate],
+        "DOP853",
+        rtol=1e-13,
+        atol=1e-13,
+    )
+    return np.asarray(solution.y[:, -1])
+
+
+def test_error_falls_with_the_fourth_power_of_the_step() -> None:
+    # A huge nominal value switches the error control off: after the first interval every doStep is one step.
+    made = library(lambda system: oscillator(system, nominal=1e9))
+    errors, sizes = [], [2.0 / n for n in (20, 40, 80, 160)]
+    for size in sizes:
+        kernel = Kernel(made)
+        kernel.advance(1.0)
+        begin, steps = (kernel["angle"], kernel["rate"]), kernel.counts["steps"]
+        for _ in range(round(2.0 / size)):
+            kernel.advance(size)
+        assert kernel.counts["steps"] - steps == round(2.0 / size)
+        exact = solve_ivp(
+            lambda t, y: [y[1], -math.sin(y[0]) + math.cos(3 * t)], (1.0, 3.0), begin, "DOP853", rtol=1e-13, atol=1e-13
+        ).y[:, -1]
+        errors.append(np.abs(np.array([kernel["angle"], kernel["rate"]]) - exact).max())
+    slope = np.polyfit(np.log(sizes), np.log(errors), 1)[0]
+    assert slope == pytest.approx(ORDER, abs=ORDER_BAND)
+
+
+def test_tolerance_controls_the_error_against_another_method() -> None:
+    made = library(oscillator)
+    exact = reference(1.0, 0.0, 20.0)
+    errors = {}
+    for tolerance in (1e-5, 1e-7, 1e-9):
+        kernel = Kernel(made, tolerance=tolerance)
+        kernel.advance(20.0)
+        errors[tolerance] = np.abs(np.array([kernel["angle"], kernel["rate"]]) - exact).max()
+        assert errors[tolerance] < 100 * tolerance
+    assert errors[1e-9] < 1e-2 * errors[1e-5]
+
+
+def test_stiff_solution_is_followed_with_steps_far_above_the_time_constant() -> None:
+    """Prothero and Robinson: x' = -1e6 (x - cos t) - sin t, so x = cos t."""
+
+    def write(system: System) -> None:
+        x = system.state("x", "1", 1.0, 1.0)
+        system.derivative("x", -1e6 * (x - ca.cos(system.time)) - ca.sin(system.time))
+        system.output(real("x", "output"), x)
+
+    kernel = Kernel(library(write, tolerance=1e-6))
+    kernel.advance(10.0)
+    assert kernel["x"] == pytest.approx(math.cos(10.0), abs=1e-6)
+    assert kernel.counts["steps"] < 500  # an explicit method needs about 4 million
+
+
+def test_recording_does_not_change_the_steps_and_is_accurate_between_them() -> None:
+    made = library(oscillator, tolerance=1e-7)
+    plain, recorded = Kernel(made), Kernel(made)
+    plain.advance(5.0)
+    table = recorded.record(5.0, 0.01, ["angle"])
+    assert recorded.counts["steps"] == plain.counts["steps"]
+    assert recorded["angle"] == plain["angle"]
+    exact = solve_ivp(
+        lambda t, y: [y[1], -math.sin(y[0]) + math.cos(3 * t)],
+        (0.0, 5.0),
+        [1.0, 0.0],
+        "DOP853",
+        t_eval=table["time"],
+        rtol=1e-12,
+        atol=1e-12,
+    ).y[0]
+    assert np.abs(np.array(table["angle"]) - exact).max() < 2e-5
+
+
+def test_jacobian_is_that_of_finite_differences() -> None:
+    system = System("small", "a small system")
+    oscillator(system)
+    made = functions(system)
+    states = np.array([0.4, -0.7])
+    arguments = [0.3, states] + [ca.DM.zeros(*made["ode"].size_in(i)) for i in range(2, 9)]
+    jacobian = np.array(made["jacobian"](*arguments)[0])
+    step = 1e-6
+    for column in range(2):
+        moved = [states + sign * step * np.eye(2)[column] for sign in (1, -1)]
+        values = [np.array(made["ode"](0.3, x, *arguments[2:])).ravel() for x in moved]
+        assert jacobian[:, column] == pytest.approx((values[0] - values[1]) / (2 * step), abs=1e-8)
+
+
+def integrator(system: System) -> None:
+    u = system.input(real("u", "input", minimum=-10.0, maximum=10.0))
+    x = system.state("x", "1", 0.0, 1.0)
+    system.derivative("x", u)
+    system.output(real("x", "output"), x)
+    system.output(real("u_seen", "output"), u)
+
+
+def test_input_rate_makes_an_exact_ramp() -> None:
+    kernel = Kernel(library(integrator), u=1.0)
+    kernel.initialise()
+    kernel.set_rate(u=2.0)
+    kernel.step(0.0, 3.0)
+    assert kernel["x"] == pytest.approx(3.0 + 9.0, rel=1e-12)
+    assert kernel["u"] == pytest.approx(7.0)
+    kernel.step(3.0, 1.0)  # the rate holds for one step only
+    assert kernel["x"] == pytest.approx(19.0, rel=1e-12)
+
+
+def test_ramp_that_would_leave_the_limits_is_refused_and_nothing_moves() -> None:
+    kernel = Kernel(library(integrator), u=1.0)
+    kernel.initialise()
+    kernel.set_rate(u=20.0)
+    with pytest.raises(KernelError, match="at most 10"):
+        kernel.step(0.0, 1.0)
+    assert (kernel.time, kernel["x"]) == (0.0, 0.0)
+
+
+def test_equations_without_a_finite_solution_end_in_a_sentence_and_keep_the_last_good_state() -> None:
+    def write(system: System) -> None:
+        x = system.state("x", "1", 1.0, 1.0)
+        system.derivative("x", -1 / ca.sqrt(x))  # reaches 0 at t = 2/3 and is not a number beyond
+        system.output(real("x", "output"), x)
+
+    kernel = Kernel(library(write))
+    kernel.advance(0.5)
+    before = kernel["x"]
+    with pytest.raises(KernelError, match="step size vanished") as caught:
+        kernel.advance(0.5)
+    assert caught.value.status == ERROR
+    assert kernel["x"] == before == pytest.approx(0.25 ** (2 / 3), rel=1e-6)
+    assert kernel.time == 0.5
+
+
+def test_table_is_the_piecewise_polynomial_and_holds_its_ends() -> None:
+    rng = np.random.default_rng(1)
+    breaks, coefficients = np.array([0.0, 0.5, 1.5, 2.0]), rng.normal(size=(3, 4))
+
+    def write(system: System) -> None:
+        u = system.input(real("u", "input"))
+        x = system.state("x", "1", 0.0, 1.0)
+        system.derivative("x", 0 * x)
+        system.output(real("value", "output"), system.table("polynomial", breaks, coefficients, u))
+        system.output(real("line", "output"), system.table("line", *interpolation([0, 1, 3], [2.0, 4.0, 0.0]), u))
+
+    kernel = Kernel(library(write))
+    kernel.initialise()
+    for at in np.linspace(-1.0, 4.0, 101):
+        kernel.set(u=at)
+        clipped = min(max(at, breaks[0]), breaks[-1])
+        piece = min(int(np.searchsorted(breaks, clipped, "right")) - 1, 2)
+        exact = np.polyval(coefficients[piece][::-1], clipped - breaks[piece])
+        assert kernel["value"] == pytest.approx(exact, abs=1e-12)
+        assert kernel["line"] == pytest.approx(np.interp(at, [0, 1, 3], [2.0, 4.0, 0.0]), abs=1e-12)
+
+
+def test_projection_and_memory_keep_a_pendulum_on_its_circle() -> None:
+    """A pendulum in Cartesian coordinates. Without projection the rod grows; the memory counts the accepted steps."""
+
+    def write(system: System, project: bool) -> None:
+        x = system.state("x", "1", 1.0, 1.0)
+        y = system.state("y", "1", 0.0, 1.0)
+        u = system.state("u", "1", 0.0, 1.0)
+        v = system.state("v", "1", 0.0, 1.0)
+        count = system.memory("count")
+        system.remember("count", count + 1)
+        tension = (u**2 + v**2 - 9.81 * y) / (x**2 + y**2)
+        for name, slope in {"x": u, "y": v, "u": -tension * x, "v": -tension * y - 9.81}.items():
+            system.derivative(name, slope)
+        if project:
+            length = ca.sqrt(x**2 + y**2)
+            along = (u * x + v * y) / length**2
+            system.project("x", x / length)
+            system.project("y", y / length)
+            system.project("u", u - along * x)
+            system.project("v", v - along * y)
+        system.output(real("length", "output"), ca.sqrt(x**2 + y**2))
+        system.output(real("count", "output"), count)
+
+    drift = {}
+    for project in (True, False):
+        kernel = Kernel(library(lambda system, project=project: write(system, project), 1e-4))
+        kernel.advance(100.0)
+        drift[project] = abs(kernel["length"] - 1.0)
+        assert kernel["count"] == kernel.counts["steps"] + 1
+    assert drift[True] < 1e-12
+    assert drift[False] > 1e-6
+
+
+def sliding_block(system: System) -> None:
+    """A block of 1 kg on dry friction, pushed by a force."""
+    force = system.input(real("force", "input"))
+    capacity = system.input(real("capacity", "input", 2.0, minimum=0.0))
+    x = system.state("x", "m", 0.0, 1.0)
+    v = system.state("v", "m/s", 3.0, 1.0)
+    direction = system.direction("direction")
+    system.derivative("x", v)
+    system.derivative("v", direction**2 * (force - direction * capacity))
+    system.dry_friction(Friction("The block", direction, "v", force, capacity, "stuck", "slides"))
+    system.output(real("x", "output"), x)
+    system.output(real("v", "output"), v)
+
+
+def test_friction_stops_sticks_and_releases_at_the_analytic_times() -> None:
+    kernel = Kernel(library(sliding_block))
+    kernel.advance(5.0)  # 3 m/s against 2 m/s2: stands after 1.5 s and 2.25 m
+    assert kernel["v"] == 0.0
+    assert kernel["x"] == pytest.approx(2.25, abs=1e-9)
+    assert kernel.journal == ["The block stuck at 1.5 s."]
+    kernel.set_rate(force=1.0)
+    kernel.step(5.0, 4.0)  # the force passes 2 N two seconds later, then v = t^2/2
+    assert kernel.journal[-1] == "The block slides at 7 s."
+    assert kernel["v"] == pytest.approx(2.0, abs=1e-7)
+
+
+def test_friction_without_capacity_lets_the_velocity_pass_through_zero() -> None:
+    kernel = Kernel(library(sliding_block), capacity=0.0, force=-1.0)
+    kernel.advance(6.0)
+    assert kernel["v"] == pytest.approx(-3.0, abs=1e-9)
+    assert kernel.counts["events"] == 0
+
+
+def test_friction_larger_than_the_drive_reverses_nothing_and_smaller_one_turns_the_block_round() -> None:
+    kernel = Kernel(library(sliding_block), force=-3.0)
+    kernel.advance(1.6)  # decelerates with 5 m/s2, stands at 0.6 s, then slides back with 1 m/s2
+    assert kernel["v"] == pytest.approx(-1.0, abs=1e-9)
+
+
+def test_run_ends_at_the_located_time_with_its_sentence() -> None:
+    def write(system: System) -> None:
+        x = system.state("x", "1", 0.0, 1.0)
+        system.derivative("x", 1.0 + 0 * x)
+        system.end_when_negative(1 - x / 2, "The glass was full at %s s.")
+        system.output(real("x", "output"), x)
+
+    kernel = Kernel(library(write))
+    kernel.advance(1.0)
+    with pytest.raises(KernelError, match=r"The glass was full at 2 s\.") as caught:
+        kernel.advance(5.0)
+    assert caught.value.status == DISCARD
+    assert kernel.ended
+    assert kernel.time == pytest.approx(2.0, abs=1e-9)
+    with pytest.raises(KernelError, match="ended at t = 2"):
+        kernel.step(kernel.time, 1.0)
+    kernel.reset()
+    kernel.advance(1.0)
+    assert kernel["x"] == pytest.approx(1.0)
+
+
+def test_saved_state_continues_bit_for_bit() -> None:
+    kernel = Kernel(library(sliding_block))
+    kernel.advance(1.0)
+    saved = kernel.save()
+
+    def onward() -> list[float]:
+        kernel.restore(saved)
+        found = []
+        for _ in range(20):
+            kernel.advance(0.07)
+            found += [kernel["x"], kernel["v"]]
+        return found
+
+    assert onward() == onward()
+
+
+@pytest.mark.parametrize(
+    ("values", "sentence"),
+    [
+        ({"capacity": -1.0}, "Set capacity to at least 0"),
+        ({"capacity": math.nan}, "Set capacity to a finite number"),
+        ({"force": math.inf}, "Set force to a finite number"),
+        ({"x": 1.0}, "x is an output"),
+        ({"forse": 1.0}, "did you mean force"),
+    ],
+)
+def test_bad_value_gets_a_sentence_and_the_old_one_stays(values: dict[str, float], sentence: str) -> None:
+    kernel = Kernel(library(sliding_block), capacity=1.5)
+    with pytest.raises(KernelError, match=sentence):
+        kernel.set(**values)
+    assert kernel["capacity"] == 1.5
+
+
+@pytest.mark.parametrize("size", [0.0, -1.0, math.nan, math.inf])
+def test_bad_step_size_advances_nothing(size: float) -> None:
+    kernel = Kernel(library(sliding_block))
+    kernel.initialise()
+    with pytest.raises(KernelError, match="Give a step size above 0 s"):
+        kernel.step(0.0, size)
+    assert (kernel.time, kernel["v"]) == (0.0, 3.0)
+
+
+def test_step_from_another_time_is_refused() -> None:
+    kernel = Kernel(library(sliding_block))
+    kernel.advance(1.0)
+    with pytest.raises(KernelError, match="Step from t = 1 s"):
+        kernel.step(3.0, 0.1)
