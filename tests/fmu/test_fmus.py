@@ -1,0 +1,243 @@
+"""The four FMUs as a host sees them through fmpy."""
+
+from __future__ import annotations
+
+import math
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fmpy import read_model_description, simulate_fmu
+from fmpy.validation import validate_fmu
+
+from build_fmu import BUILDERS, MODELS, main
+from scenarios.cosimulation import CosimulationError, Slave
+
+FMUS = [(name, kind) for kind in BUILDERS for name in MODELS]
+KINDS = list(BUILDERS)
+
+
+def pair(*names: str) -> list[str]:
+    return [f"{name}_{number}" for name in names for number in (1, 2)]
+
+
+#: The names that hosts rely on, in their order.
+BOGIE_INPUTS = [*pair("brake_torque", "traction_torque", "yaw_torque"), "drawbar_force", *pair("friction")]
+BOGIE_OUTPUTS = [
+    *("speed", "distance", "acceleration"),
+    *pair("angular_velocity", "rotation", "slip", "slip_ratio", "creep_force", "axle_load", "locked"),
+    *("bounce", "pitch"),
+    *pair("lateral", "yaw"),
+    *(f"wheel_load_{number}_{side}" for number in (1, 2) for side in ("left", "right")),
+    *("frame_lateral", "frame_roll", "frame_yaw", "derailed"),
+]
+BOGIE_PARAMETERS = {"level", "initial_speed", "rolling_resistance_torque", "tolerance", "wheelset_mass", "frame_mass"}
+BRAKE_INPUTS = ["pressure_demand", "valve", "angular_velocity"]
+BRAKE_OUTPUTS = ["cylinder_pressure", "shoe_force", "shoe_friction", "brake_torque"]
+BRAKE_PARAMETERS = {"application_time", "release_time", "force_per_pressure", "rigging_efficiency", "wheel_radius"}
+
+
+@pytest.mark.parametrize("key", FMUS)
+def test_fmpy_finds_no_problem(fmus: dict, key: tuple[str, str]) -> None:
+    assert validate_fmu(str(fmus[key])) == []
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(
+    ("name", "inputs", "outputs", "parameters"),
+    [
+        ("bogie", BOGIE_INPUTS, BOGIE_OUTPUTS, BOGIE_PARAMETERS),
+        ("brake", BRAKE_INPUTS, BRAKE_OUTPUTS, BRAKE_PARAMETERS),
+    ],
+)
+def test_variables_are_the_agreed_ones(
+    fmus: dict, kind: str, name: str, inputs: list[str], outputs: list[str], parameters: set[str]
+) -> None:
+    variables = read_model_description(str(fmus[name, kind])).modelVariables
+    by_causality = {c: [v.name for v in variables if v.causality == c] for c in ("input", "output", "parameter")}
+    assert by_causality["input"] == inputs
+    assert by_causality["output"] == outputs
+    assert parameters <= set(by_causality["parameter"])
+    assert all(v.description and (v.type != "Real" or v.unit) for v in variables)
+
+
+@pytest.mark.parametrize("key", FMUS)
+def test_outputs_and_initial_unknowns_are_all_listed(fmus: dict, key: tuple[str, str]) -> None:
+    description = read_model_description(str(fmus[key]))
+    outputs = [v.name for v in description.modelVariables if v.causality == "output"]
+    assert [u.variable.name for u in description.outputs] == outputs
+    assert [u.variable.name for u in description.initialUnknowns] == outputs
+
+
+def test_dependencies_come_from_the_equations(fmus: dict) -> None:
+    description = read_model_description(str(fmus["brake", "native"]))
+    assert all(not unknown.dependencies for unknown in description.outputs)  # everything passes through the pressure
+    description = read_model_description(str(fmus["bogie", "native"]))
+    found = {u.variable.name: {d.name for d in u.dependencies} for u in description.outputs}
+    assert found["creep_force_1"] == {"friction_1"}
+    assert found["speed"] == set()
+
+
+@pytest.mark.parametrize("level", [1, 2])
+def test_native_and_pythonfmu_give_the_same_trajectory(fmus: dict, level: int) -> None:
+    """Through skid, lock and rest, to 1e-12 of each quantity's size; it is one kernel, so bits are expected."""
+    names = [*BOGIE_OUTPUTS]
+    rows: dict[str, np.ndarray] = {}
+    for kind in KINDS:
+        with Slave(fmus["bogie", kind], level=level, initial_speed=10.0) as bogie:
+            bogie.start(friction_1=0.2)
+            found = []
+            for number in range(900):
+                bogie.set(brake_torque_1=min(number * 100.0, 40e3), brake_torque_2=20e3, drawbar_force=-1e4)
+                bogie.step(number * 0.01, 0.01)
+                found.append(bogie.get(names))
+            rows[kind] = np.array(found)
+    scale = np.abs(rows["native"]).max(axis=0) + 1e-300
+    assert np.abs((rows["native"] - rows["python"]) / scale).max() < 1e-12
+    assert rows["native"][:, names.index("locked_1")].any()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_brake_drives_bogie_to_the_same_stop_in_both_kinds(fmus: dict, kind: str) -> None:
+    with Slave(fmus["brake", kind]) as brake, Slave(fmus["bogie", kind], initial_speed=2.0) as bogie:
+        brake.start(pressure_demand=180e3)
+        bogie.start()
+        for number in range(100):
+            brake.step(number * 0.01, 0.01)
+            bogie.set(brake_torque_2=brake["brake_torque"])
+            bogie.step(number * 0.01, 0.01)
+        assert brake["cylinder_pressure"] == pytest.approx(175.744e3, rel=1e-4)
+        assert bogie["speed"] == pytest.approx(1.963, abs=0.01)
+
+
+@pytest.mark.parametrize("key", FMUS)
+def test_simulate_fmu_works_out_of_the_box(fmus: dict, key: tuple[str, str]) -> None:
+    result = simulate_fmu(str(fmus[key]), stop_time=1.0)
+    assert result["time"][-1] == pytest.approx(1.0)
+    assert all(np.isfinite(result[name]).all() for name in result.dtype.names)
+
+
+def test_start_values_and_input_signals_reach_the_fmu(fmus: dict) -> None:
+    signal = np.array([(0.0, 0.0), (1.0, 20e3), (30.0, 20e3)], dtype=[("time", "f8"), ("brake_torque_1", "f8")])
+    result = simulate_fmu(
+        str(fmus["bogie", "native"]), stop_time=5.0, start_values={"initial_speed": 12.0, "level": 1}, input=signal
+    )
+    assert result["speed"][0] == 12.0
+    assert result["speed"][-1] < 10.0
+
+
+def test_saved_state_of_the_native_fmu_is_bit_identical(fmus: dict) -> None:
+    with Slave(fmus["bogie", "native"]) as bogie:
+        bogie.start(brake_torque_1=60e3, brake_torque_2=60e3)
+        for number in range(100):
+            bogie.step(number * 1e-3, 1e-3)
+        state = bogie.fmu.getFMUstate()
+        serialised = bogie.fmu.serializeFMUstate(state)
+
+        def onward() -> list[float]:
+            found = []
+            for number in range(100, 400):
+                bogie.step(number * 1e-3, 1e-3)
+                found += bogie.get(BOGIE_OUTPUTS)
+            return found
+
+        first = onward()
+        bogie.fmu.setFMUstate(state)
+        assert onward() == first
+        bogie.fmu.setFMUstate(bogie.fmu.deSerializeFMUstate(serialised))
+        assert onward() == first
+        bogie.fmu.freeFMUstate(state)
+
+
+@pytest.mark.parametrize(
+    ("call", "sentence"),
+    [
+        (lambda b: b.set(brake_torque_1=-5.0), "Set brake_torque_1 to at least 0 N.m"),
+        (lambda b: b.set(brake_torque_1=math.nan), "Set brake_torque_1 to a finite number"),
+        (lambda b: b.step(0.0, 0.0), "Give a step size above 0 s"),
+        (lambda b: b.step(0.0, -1.0), "Give a step size above 0 s"),
+        (lambda b: b.step(0.0, math.nan), "Give a step size above 0 s"),
+        (lambda b: b.step(7.0, 0.1), "Step from t = 0 s"),
+        (lambda b: b["nothing"], "has no variable nothing"),
+    ],
+)
+@pytest.mark.parametrize("kind", KINDS)
+def test_bad_input_is_refused_with_a_sentence_and_the_next_good_call_works(
+    fmus: dict, kind: str, call: object, sentence: str
+) -> None:
+    with Slave(fmus["bogie", kind]) as bogie:
+        bogie.start(brake_torque_1=1e3)
+
+        def offend() -> None:
+            call(bogie)  # type: ignore[operator]
+            bogie.step(0.0, 0.1)  # pythonfmu can refuse a value only here
+
+        with pytest.raises(CosimulationError) as caught:
+            offend()
+        assert sentence in str(caught.value)
+        assert bogie["brake_torque_1"] == 1e3
+        bogie.set(brake_torque_1=2e3)
+        bogie.step(0.0, 0.1)
+        assert math.isfinite(bogie["speed"])
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_bad_parameter_never_starts_a_run(fmus: dict, kind: str) -> None:
+    def begin(bogie: Slave) -> None:
+        bogie.start()
+        bogie.step(0.0, 0.1)
+
+    with Slave(fmus["bogie", kind], wheelset_mass=-1.0) as bogie:
+        with pytest.raises(CosimulationError) as caught:
+            begin(bogie)
+        assert "Set wheelset_mass to at least 1e-06 kg" in str(caught.value)
+
+
+def test_end_of_a_run_is_a_discarded_step_with_its_sentence(fmus: dict) -> None:
+    with Slave(fmus["bogie", "native"], torque_reaction=1.0, frame_height=1.2) as bogie:
+        bogie.start(brake_torque_1=60e3, brake_torque_2=60e3)
+        with pytest.raises(CosimulationError, match="Wheelset 2 lifted off the rail at"):
+            bogie.step(0.0, 3.0)
+        assert 0.0 < bogie["distance"] < 25.0
+
+
+def test_events_are_told_as_sentences(fmus: dict) -> None:
+    for kind in KINDS:
+        with Slave(fmus["bogie", kind]) as bogie:
+            bogie.start(brake_torque_1=60e3)
+            bogie.step(0.0, 1.0)
+            assert bogie.messages == ["Wheelset 1 locked at 0.48154 s."]
+
+
+def test_equal_content_makes_equal_bytes(tmp_path: Path, fmus: dict) -> None:
+    assert main(["all", "--out", str(tmp_path)]) == 0
+    for (name, kind), path in fmus.items():
+        assert (tmp_path / kind / path.name).read_bytes() == path.read_bytes(), (name, kind)
+
+
+def test_pythonfmu_fmu_needs_neither_casadi_nor_this_project(fmus: dict, tmp_path: Path) -> None:
+    script = (
+        "import sys\n"
+        "for name in ('casadi', 'fmu_src', 'rbd_model', 'ziglang'): sys.modules[name] = None\n"
+        "from fmpy import simulate_fmu\n"
+        f"result = simulate_fmu({str(fmus['bogie', 'python'])!r}, stop_time=0.1)\n"
+        "assert result['speed'][-1] > 24.9\n"
+    )
+    done = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+
+
+def test_archives_hold_no_paths_of_the_machine_that_built_them(fmus: dict) -> None:
+    root = str(Path(__file__).parents[2]).encode()
+    for path in fmus.values():
+        with zipfile.ZipFile(path) as archive:
+            assert not any(root in archive.read(name) for name in archive.namelist())
+
+
+def test_build_command_prints_a_line_for_each_fmu(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["brake", "--kind", "native", "--out", str(tmp_path)]) == 0
+    line = capsys.readouterr().out
+    assert all(word in line for word in ("BrakeCylinder.fmu", "kB", " s ", "variables", "valid"))

@@ -1,0 +1,59 @@
+"""The C runtime in a host without Python, under sanitizers, and compiled without a C compiler on PATH."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from fmu_src import compile as compiling
+from fmu_src.codegen import RUNTIME, RUNTIME_SOURCES, generate
+from fmu_src.kernel import Kernel, Library
+from fmu_src.system import System, Variable, model_of
+from rbd_model.bogie import bogie_dynamics
+
+DRIVER = Path(__file__).with_name("driver.c")
+
+
+def build_driver(folder: Path, flags: list[str]) -> Path:
+    for name, text in generate(bogie_dynamics()).items():
+        (folder / name).write_text(text)
+    files = [DRIVER, *(RUNTIME / name for name in RUNTIME_SOURCES), folder / "equations.c", folder / "model.c"]
+    includes = [f"-I{RUNTIME}", f"-I{compiling.FMI_HEADERS}"]
+    command = [*compiling.compiler(), *compiling.FLAGS, *flags, *includes, "-o", str(folder / "driver")]
+    done = subprocess.run([*command, *map(str, files), "-lm"], capture_output=True, text=True)
+    if done.returncode != 0 and "sanitize" in " ".join(flags) and "error:" not in done.stderr:
+        pytest.skip(f"this compiler has no sanitizer libraries: {done.stderr[-200:]}")
+    assert done.returncode == 0, done.stderr
+    return folder / "driver"
+
+
+@pytest.mark.parametrize("flags", [[], ["-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]])
+def test_host_in_c_gets_the_answers_of_the_standard(tmp_path: Path, flags: list[str]) -> None:
+    done = subprocess.run([build_driver(tmp_path, flags)], capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert done.stdout.startswith("0 failures")
+    assert done.stderr == ""
+
+
+def test_machine_without_a_c_compiler_builds_with_zig(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.delenv("CC", raising=False)
+    assert compiling.compiler()[:3] == [sys.executable, "-m", "ziglang"]
+    system = System("decay", "x' = -x")
+    x = system.state("x", "1", 1.0, 1.0)
+    system.derivative("x", -x)
+    system.output(Variable("x", "output", "1", "x"), x)
+    target = tmp_path / f"decay{compiling.library_suffix()}"
+    compiling.compile_library(generate(model_of(system, 1e-9)), target)
+    kernel = Kernel(Library(target))
+    kernel.advance(1.0)
+    assert kernel["x"] == pytest.approx(0.36787944, abs=1e-7)
+
+
+def test_refused_c_source_names_the_compiler_and_its_words(tmp_path: Path) -> None:
+    with pytest.raises(compiling.CompilerError, match=r"failed:\n.*error"):
+        compiling.compile_library({"model.c": "int broken("}, tmp_path / "x")
+    assert list(tmp_path.iterdir()) == []

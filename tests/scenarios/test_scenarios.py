@@ -1,0 +1,160 @@
+"""Every scenario runs, leaves what it promises, and refuses bad input with one sentence."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import pytest
+from matplotlib.figure import Figure
+
+from scenarios import qr30, report
+from scenarios.__main__ import main
+from scenarios.catalogue import SCENARIOS
+from scenarios.report import Row
+from scenarios.torque_history import read_torque_history
+
+ROW_FIELDS = {
+    "quantity",
+    "unit",
+    "thesis",
+    "simulated",
+    "deviation",
+    "tolerance",
+    "source",
+    "assumption",
+    "holds",
+}
+
+
+def summary(out: Path, name: str) -> dict:
+    return json.loads((out / name / "summary.json").read_text())
+
+
+@pytest.mark.parametrize("name", [scenario.name for scenario in SCENARIOS])
+def test_scenario_holds_and_leaves_table_data_and_picture(name: str, tmp_path: Path) -> None:
+    assert main(["run", name, "--out", str(tmp_path)]) == 0
+    assert sorted(p.name for p in (tmp_path / name).iterdir()) == ["figure.png", "summary.json", "timeseries.csv"]
+    found = summary(tmp_path, name)
+    assert {"rows", "parameters", "versions", "wall_seconds", "times_real_time"} <= set(found)
+    assert found["times_real_time"] > 1
+    for row in found["rows"]:
+        assert set(row) == ROW_FIELDS
+        if row["thesis"] is not None and row["tolerance"] is not None:
+            assert row["holds"] == (abs(row["simulated"] - row["thesis"]) <= row["tolerance"])
+        else:
+            assert row["holds"] is None
+    with (tmp_path / name / "timeseries.csv").open() as file:
+        rows = list(csv.reader(file))
+    assert all("[" in head for head in rows[0])
+    assert len(rows) > 10
+    assert len({len(row) for row in rows}) == 1
+    assert (tmp_path / name / "figure.png").read_bytes()[:4] == b"\x89PNG"
+    assert [p.name for p in tmp_path.iterdir()] == [name]  # no partial folders
+
+
+def test_pythonfmu_gives_the_same_table(tmp_path: Path) -> None:
+    tables = []
+    for kind in ("native", "python"):
+        assert main(["run", "qr30-180kpa", "--kind", kind, "--out", str(tmp_path / kind), "--step", "0.01"]) == 0
+        tables.append(summary(tmp_path / kind, "qr30-180kpa")["rows"])
+    assert tables[0] == tables[1]
+
+
+def test_row_that_does_not_hold_gives_exit_status_1(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(qr30, "FITTED_TORQUE", 2500.0)
+    assert main(["run", "qr30-180kpa", "--out", str(tmp_path), "--step", "0.01"]) == 1
+    rows = {row["quantity"]: row["holds"] for row in summary(tmp_path, "qr30-180kpa")["rows"]}
+    assert rows["fitted torque: speed at lock"] is False
+
+
+def test_measured_torque_history_replaces_the_cylinder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    history = tmp_path / "measured.csv"
+    history.write_text("time [s],torque [N.m]\n10.0,0\n10.8,1800\n16.0,1800\n")
+    arguments = ["run", "qr30-180kpa", "--torque-csv", str(history), "--out", str(tmp_path)]
+    assert main(arguments) == 0
+    assert "the trailing wheelset locked at 1.8" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("", "0 rows of numbers"),
+        ("time,torque\n0,1\n", "1 rows of numbers"),
+        ("0,1\n1,two\n", "line 2: give two numbers"),
+        ("0,1\n1,2,3\n", "line 2: give two numbers"),
+        ("0,1\n1,-2\n", "line 2: give a finite time and a torque of at least 0"),
+        ("0,1\n1,nan\n", "line 2: give a finite time"),
+        ("0,1\n0,1\n", "line 2: let times increase"),
+        ("\x00\xff", "rows of numbers"),
+    ],
+)
+def test_bad_history_is_refused_with_its_line(
+    text: str, sentence: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    history, out = tmp_path / "bad.csv", tmp_path / "out"
+    history.write_text(text)
+    assert main(["run", "qr30-180kpa", "--torque-csv", str(history), "--out", str(out)]) == 2
+    assert sentence in capsys.readouterr().err
+    assert not out.exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["qr30-170kpa"], "There is no scenario qr30-170kpa; did you mean qr30-1"),
+        (["zzz"], "There is no scenario zzz; 'python -m scenarios list'"),
+        (["qr30-180kpa", "--step", "0"], "Give --step a value above 0"),
+        (["qr30-180kpa", "--step", "-0.01"], "Give --step a value above 0"),
+        (["qr30-180kpa", "--step", "nan"], "Give --step a value above 0"),
+        (["qr30-180kpa", "--torque-csv", "missing.csv"], "missing.csv cannot be read"),
+        (["speed", "--torque-csv", "missing.csv"], "--torque-csv belongs to the scenarios qr30-130kpa"),
+    ],
+)
+def test_bad_arguments_get_one_sentence(
+    arguments: list[str], sentence: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    assert main(["run", *arguments, "--out", str(out)]) == 2
+    shown = capsys.readouterr().err
+    assert sentence in shown
+    assert shown.count("\n") == 1
+    assert not out.exists()
+
+
+def test_binary_file_is_not_a_history(tmp_path: Path) -> None:
+    path = tmp_path / "binary.csv"
+    path.write_bytes(b"\xff\xfe\x00\x81")
+    with pytest.raises(ValueError, match="cannot be read"):
+        read_torque_history(path)
+
+
+def test_failure_while_writing_leaves_the_old_results(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    name = "qr30-180kpa"
+    arguments = ["run", name, "--out", str(tmp_path), "--step", "0.01"]
+    assert main(arguments) == 0
+    before = (tmp_path / name / "summary.json").read_text()
+
+    def fail(*_: object, **__: object) -> None:
+        raise OSError("the disk is full")
+
+    monkeypatch.setattr(Figure, "savefig", fail)
+    with pytest.raises(OSError, match="disk is full"):
+        main(arguments)
+    assert (tmp_path / name / "summary.json").read_text() == before
+    assert [p.name for p in tmp_path.iterdir()] == [name]
+
+
+def test_list_names_every_scenario(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["list"]) == 0
+    shown = capsys.readouterr().out
+    assert all(scenario.name in shown and scenario.summary in shown for scenario in SCENARIOS)
+
+
+def test_verdicts_are_computed() -> None:
+    assert Row("q", "m", 1.0, 1.05, 0.1, "s").holds is True
+    assert Row("q", "m", 1.0, 1.2, 0.1, "s").holds is False
+    assert Row("q", "m", 1.0, None, 0.1, "s").holds is False  # it should have happened and did not
+    assert Row("q", "m", None, 1.2, None, "s").holds is None
+    assert "DOES NOT HOLD" in report.table([Row("q", "m", 1.0, 1.2, 0.1, "s")])
