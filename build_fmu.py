@@ -4,6 +4,7 @@
   python build_fmu.py bogie              the bogie only
   python build_fmu.py --kind native      no pythonfmu FMUs
   python build_fmu.py --out elsewhere    another folder
+  python build_fmu.py --describe         no FMUs: the table of variables as Markdown
 
 A new FMU is one function that returns a Model, and one line in MODELS.
 """
@@ -22,6 +23,7 @@ from fmpy.validation import validate_fmu
 from brake_controller.cylinder import brake_cylinder
 from fmu_src.codegen import guid_of
 from fmu_src.compile import CompilerError
+from fmu_src.model_description import variable_table
 from fmu_src.native_fmu import build_native_fmu
 from fmu_src.python_fmu import build_python_fmu
 from fmu_src.system import Model
@@ -72,8 +74,12 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("model", nargs="?", default="all", choices=[*MODELS, "all"])
     parser.add_argument("--kind", default="all", choices=[*BUILDERS, "all"], help="native, python (pythonfmu) or all")
     parser.add_argument("--out", type=Path, default=Path("build"), help="folder of the FMUs (default: build)")
+    parser.add_argument("--describe", action="store_true", help="print the table of variables instead of building")
     chosen = parser.parse_args(arguments)
     names = list(MODELS) if chosen.model == "all" else [chosen.model]
+    if chosen.describe:
+        print("\n".join(variable_table(MODELS[name]()) for name in names), end="")
+        return 0
     kinds = list(BUILDERS) if chosen.kind == "all" else [chosen.kind]
     problems: list[str] = []
     try:

@@ -138,6 +138,15 @@ def _number(variable: Variable, value: float) -> str:
     return repr(float(value)) if variable.kind == "real" else str(int(value))
 
 
+def variable_table(model: Model) -> str:
+    """The variables as a Markdown table, for people."""
+    lines = [f"| {model.name} | causality | unit | start | meaning |", "|---|---|---|---|---|"]
+    for v in model.variables:
+        start = "" if v.causality == "output" else f"{v.start:g}"
+        lines.append(f"| `{v.name}` | {v.causality} | {v.unit} | {start} | {v.description} |")
+    return "\n".join(lines) + "\n"
+
+
 def direct_inputs(system: System) -> dict[str, set[str]]:
     """For each output the inputs that reach it without passing through a state."""
     names = list(system.input_symbols)

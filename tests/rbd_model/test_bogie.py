@@ -344,7 +344,7 @@ def test_host_step_is_not_an_integration_step(bogie: Library) -> None:
 
 
 def test_creep_force_is_right_down_to_walking_pace_and_below(bogie: Library) -> None:
-    """The stiffest corner: micrometres per second of slip decide the force. Against tolerance 1e-11, host step 10 ms."""
+    """The stiffest corner: micrometres per second of slip decide the force. Against 1e-11, host step 10 ms."""
     forces = []
     for tolerance in (DEFAULT_TOLERANCE, 1e-11):
         one = chapter_5(bogie, PLANAR, brake_torque_1=20e3, brake_torque_2=20e3, tolerance=tolerance)

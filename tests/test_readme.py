@@ -1,0 +1,46 @@
+"""The README tells the truth: its code runs, its tables are those of the equations, its names exist."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from build_fmu import MODELS
+from fmu_src.model_description import variable_table
+from scenarios.catalogue import SCENARIOS
+
+ROOT = Path(__file__).parents[1]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def test_python_examples_run(fmus: dict, capsys: pytest.CaptureFixture[str]) -> None:
+    blocks = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+    assert len(blocks) == 2
+    assert len([line for line in blocks[0].splitlines() if line]) == 8
+    for code in blocks:
+        for (_, kind), path in fmus.items():
+            code = code.replace(f"build/{kind}/{path.name}", str(path))
+        exec(code, {})
+    shown = capsys.readouterr().out
+    assert "Torque capacity at 180 kPa: 1248 N.m" in shown
+    assert "Leading wheelset locked at 0." in shown
+    assert "Speed after 10 s: " in shown
+
+
+@pytest.mark.parametrize("name", list(MODELS))
+def test_table_of_variables_is_that_of_the_equations(name: str) -> None:
+    """When this fails, put the output of `python build_fmu.py --describe` into the README."""
+    assert variable_table(MODELS[name]()) in README
+
+
+def test_every_scenario_is_named() -> None:
+    for scenario in SCENARIOS:
+        assert f"`{scenario.name}`" in README
+
+
+def test_named_files_exist() -> None:
+    for name in re.findall(r"`((?:[\w-]+/)+[\w-]+\.\w+)`", README) + re.findall(r"\]\((docs/[^)]+)\)", README):
+        if not name.startswith(("build/", "results/")):
+            assert (ROOT / name).exists(), name
