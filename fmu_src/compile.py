@@ -22,6 +22,7 @@ CACHE = Path(__file__).resolve().parent.parent / "build" / "cache"
 FLAGS = (
     "-std=c11",
     "-O2",
+    "-g0",  # zig would add the paths of this machine
     "-fPIC",
     "-fvisibility=hidden",
     "-ffp-contract=off",

@@ -87,7 +87,7 @@ def test_measured_torque_history_replaces_the_cylinder(tmp_path: Path, capsys: p
         ("0,1\n1,-2\n", "line 2: give a finite time and a torque of at least 0"),
         ("0,1\n1,nan\n", "line 2: give a finite time"),
         ("0,1\n0,1\n", "line 2: let times increase"),
-        ("\x00\xff", "rows of numbers"),
+        ("\x00\xff", "time [s], torque [N.m]"),
     ],
 )
 def test_bad_history_is_refused_with_its_line(
