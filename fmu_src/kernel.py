@@ -79,9 +79,9 @@ class Library:
 class Kernel:
     """One instance of a compiled model.
 
-    >>> kernel = Kernel(library, initial_speed=25.0)     # parameters and first inputs
+    >>> kernel = Kernel(library, mass=10.0, force=1.0)   # parameters and first inputs
     >>> kernel.advance(1.0)                              # seconds
-    >>> kernel["speed"]
+    >>> kernel["velocity"]
     """
 
     def __init__(self, library: Library, **values: float) -> None:

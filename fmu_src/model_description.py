@@ -41,7 +41,7 @@ DISPLAY_UNITS: dict[str, tuple[str, float]] = {
 }
 TYPES = {"real": "Real", "integer": "Integer", "boolean": "Boolean"}
 LOG_CATEGORIES = {
-    "events": "What happened to the machine: a wheelset locked, a wheelset turns again",
+    "events": "What happened inside, as sentences with the time",
     "logStatusWarning": "Values that were replaced or have no effect",
     "logStatusDiscard": "The run ended: an end condition was reached",
     "logStatusError": "Refused values and failed steps",

@@ -5,6 +5,8 @@ Only the longitudinal part: on straight track, without yaw and spin, xi_t = |xi_
 
 from __future__ import annotations
 
+import math
+
 import casadi as ca
 
 #: Kalker's longitudinal coefficient c11 at Poisson's ratio 0.25: Kalker (1990), Three-Dimensional Elastic Bodies in
@@ -14,9 +16,14 @@ C11_LONG = (4.22, 4.36, 4.54, 4.78, 5.10, 5.57, 6.34, 7.78, 11.7)
 
 
 def kalker_c11(axis_ratio: ca.SX) -> ca.SX:
-    """Kalker's c11 of an ellipse with axis ratio a/b from 0.1 to 10, linear in the smaller of a/b and b/a."""
+    """Kalker's c11 of an ellipse with axis ratio a/b from 0.1 to 10, linear in the smaller of a/b and b/a.
+
+    Not a number beyond the table, so that a run with such wheels is refused at its start.
+    """
     coordinate = ca.if_else(axis_ratio <= 1, axis_ratio, 2 - 1 / axis_ratio)
-    return ca.pw_lin(coordinate, [0.1 * i for i in range(1, 20)], [*C11_SHORT, *C11_LONG])
+    value = ca.pw_lin(coordinate, [0.1 * i for i in range(1, 20)], [*C11_SHORT, *C11_LONG])
+    tabulated = ca.logic_and(axis_ratio >= 0.1 - 1e-9, axis_ratio <= 10 + 1e-9)
+    return ca.if_else(tabulated, value, math.nan)
 
 
 def creepage(sliding_speed: ca.SX, forward_speed: ca.SX, creepage_speed: ca.SX) -> ca.SX:

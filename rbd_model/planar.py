@@ -27,18 +27,16 @@ from rbd_model.wheelset import (
     start_bogie,
 )
 
-PLANAR_PARAMETERS = dict.fromkeys(
-    (
-        "frame_mass",
-        "frame_pitch_inertia",
-        "frame_height",
-        "wheel_base",
-        "longitudinal_stiffness",
-        "vertical_stiffness",
-        "longitudinal_damping",
-        "vertical_damping",
-        "torque_reaction",
-    )
+PLANAR_PARAMETERS = (
+    "frame_mass",
+    "frame_pitch_inertia",
+    "frame_height",
+    "wheel_base",
+    "longitudinal_stiffness",
+    "vertical_stiffness",
+    "longitudinal_damping",
+    "vertical_damping",
+    "torque_reaction",
 )
 #: Scales of the error control for motions in the suspension: with tolerance 1e-7, 1 nm and 0.1 um/s.
 NOMINAL_TRAVEL = 0.01
@@ -61,7 +59,7 @@ class Axle:
 
 def planar_bogie(defaults: BogieParameters, initial_speed: float = 25.0) -> System:
     """The bogie in its vertical plane; see the module's text."""
-    used = PLANAR_PARAMETERS | WHEELSET_PARAMETERS
+    used = (*PLANAR_PARAMETERS, *WHEELSET_PARAMETERS)
     bogie = start_bogie("planar", "Bounce, pitch, load transfer, suspension", defaults, used, initial_speed)
     system, p = bogie.system, bogie.parameter
     system.state("frame_distance", "m", 0.0, NOMINAL_DISTANCE)

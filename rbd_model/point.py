@@ -22,7 +22,7 @@ from rbd_model.wheelset import (
 
 def point_bogie(defaults: BogieParameters, initial_speed: float = 25.0) -> System:
     """The two-wheelset bogie as eq. (2.8): distance, speed, and rotation and angular velocity of each wheelset."""
-    used = dict.fromkeys(("frame_mass",)) | WHEELSET_PARAMETERS
+    used = ("frame_mass", *WHEELSET_PARAMETERS)
     bogie = start_bogie("point", "Speed and wheel speeds, static loads", defaults, used, initial_speed)
     system, p = bogie.system, bogie.parameter
     system.state("distance", "m", 0.0, NOMINAL_DISTANCE)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import casadi as ca
@@ -49,9 +49,7 @@ class Wheelset:
     sliding_speed: ca.SX
 
 
-def start_bogie(
-    name: str, description: str, defaults: BogieParameters, used: Mapping[str, None], speed: float
-) -> Bogie:
+def start_bogie(name: str, description: str, defaults: BogieParameters, used: Sequence[str], speed: float) -> Bogie:
     """A System with the parameters named in `used`, all inputs that the levels share, and the contact constants."""
     system = System(name, description)
     initial = system.parameter(variables.initial_speed(speed))
@@ -74,18 +72,16 @@ def start_bogie(
 
 
 #: Parameters that the wheelset below needs.
-WHEELSET_PARAMETERS = dict.fromkeys(
-    (
-        "wheelset_mass",
-        "wheelset_pitch_inertia",
-        "wheel_radius",
-        "rolling_resistance_torque",
-        "wheel_profile_curvature",
-        "rail_head_radius",
-        "shear_modulus",
-        "creepage_speed",
-        "gravity",
-    )
+WHEELSET_PARAMETERS = (
+    "wheelset_mass",
+    "wheelset_pitch_inertia",
+    "wheel_radius",
+    "rolling_resistance_torque",
+    "wheel_profile_curvature",
+    "rail_head_radius",
+    "shear_modulus",
+    "creepage_speed",
+    "gravity",
 )
 
 

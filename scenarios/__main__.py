@@ -48,6 +48,8 @@ def check(scenario: Scenario, options: Options) -> None:
 def run(name: str, options: Options, out: Path) -> int:
     scenario = find(name)
     check(scenario, options)
+    if out.exists() and not out.is_dir():
+        raise BadInputError(f"{out} is a file; give --out a folder.")
     elapsed = stopwatch()
     result = scenario.run(options)
     folder = save(result, scenario.name, out, elapsed())
@@ -90,6 +92,12 @@ def main(arguments: list[str] | None = None) -> int:
         return BAD_INPUT
     except (CosimulationError, CompilerError) as error:
         print(error, file=sys.stderr)
+        return FAILED
+    except OSError as error:
+        print(
+            f"The results cannot be written to {chosen.out} ({error}); choose another folder with --out.",
+            file=sys.stderr,
+        )
         return FAILED
 
 

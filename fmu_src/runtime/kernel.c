@@ -10,6 +10,7 @@
 
 static const double FIRST_STEP = 1e-4;               /* s; the error control takes over after one step */
 static const long long int MAXIMUM_TRIALS = 5000000; /* of one kernel_step; a run that needs more is stuck */
+static const int MAXIMUM_SWITCHES = 10000;           /* of one kernel_step; more is chatter */
 
 /* ---- messages ------------------------------------------------------------------------------------------------ */
 
@@ -383,6 +384,7 @@ static void accept(kernel *self, double offset) {
 static int integrate(kernel *self, double size, double *reached) {
     double offset = 0.0;
     long long int trials = 0;
+    int switches = 0;
     modes_refresh(self, 0.0);
     if (self->recorder) record_until(self, 0.0, 0.0);
     while (offset < size) {
@@ -406,6 +408,11 @@ static int integrate(kernel *self, double size, double *reached) {
         if (crossing) {
             self->now.ended = modes_switch(self, offset);
             if (self->now.ended) break;
+            if (++switches > MAXIMUM_SWITCHES)
+                return kernel_fail(self, KERNEL_ERROR,
+                                   "More than %d switches between sliding and sticking up to t = %.9g s: a friction "
+                                   "chatters; check inputs and parameters.",
+                                   MAXIMUM_SWITCHES, self->step_origin + offset);
         }
     }
     *reached = offset;

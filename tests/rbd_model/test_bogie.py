@@ -274,7 +274,7 @@ def test_lost_energy_equals_brake_creep_and_damping_work(reaction: float, torque
     powers = ["brake_power", "creep_power", "damping_power"]
     energies = ["kinetic_energy", "potential_energy"]
     system = planar_bogie(tables_5_1_and_5_2(), 25.0).with_integrals(powers).with_outputs(energies)
-    library = Library(build_library(model_of(system, 1e-8)))
+    library = Library(build_library(model_of(system, DEFAULT_TOLERANCE)))
     one = Kernel(library, brake_torque_1=torque, brake_torque_2=0.7 * torque, torque_reaction=reaction)
     one.initialise()
     begin = sum(one[name] for name in energies)
@@ -390,6 +390,13 @@ def test_friction_of_zero_gives_no_force_and_no_failure(bogie: Library) -> None:
 def test_bad_value_gets_a_sentence(bogie: Library, values: dict[str, float], sentence: str) -> None:
     with pytest.raises(KernelError, match=sentence):
         Kernel(bogie).set(**values)
+
+
+@pytest.mark.parametrize("values", [{"rail_head_radius": 1e-3}, {"wheel_profile_curvature": -4.0}])
+def test_contact_beyond_the_tables_never_starts_a_run(bogie: Library, values: dict[str, float]) -> None:
+    one = Kernel(bogie, **values)
+    with pytest.raises(KernelError, match="is not a finite number at the start; check the parameters"):
+        one.initialise()
 
 
 def test_input_without_effect_is_not_ignored_in_silence(bogie: Library) -> None:
