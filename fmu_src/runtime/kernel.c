@@ -372,6 +372,9 @@ static double accepted_step(kernel *self, double offset, double size, long long 
 static void accept(kernel *self, double offset) {
     const system_description *system = self->system;
     memcpy(self->state, self->trial, (size_t)system->states * sizeof(double));
+    /* A stuck velocity is exactly zero: its slope is, but row exchanges in the factorisation leave round-off. */
+    for (int i = 0; i < system->frictions; ++i)
+        if (self->mode[i] == 0.0) self->state[system->friction[i].velocity] = 0.0;
     if (system->project) {
         kernel_evaluate(self, system->project, offset, self->state, self->trial, NULL);
         memcpy(self->state, self->trial, (size_t)system->states * sizeof(double));
