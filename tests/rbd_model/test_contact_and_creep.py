@@ -81,6 +81,13 @@ def test_small_creepage_gives_kalkers_slope() -> None:
     assert force(1e-8) / 1e-8 == pytest.approx(slope, rel=1e-5)
 
 
+def test_force_at_unit_gradient_is_polachs() -> None:
+    """Where the gradient of (3.94) is 1, eq. (3.97) gives mu Q (1/2 + pi/4) 2/pi = 0.8183 mu Q."""
+    load, friction = 75e3, 0.3
+    unit = friction * load / (0.25 * np.pi * STEEL * 6e-3 * 5e-3 * float(kalker_c11(ca.SX(1.2))))
+    assert force(unit) / (friction * load) == pytest.approx(-(1 + np.pi / 2) / np.pi, rel=1e-9)
+
+
 def test_large_creepage_gives_friction_and_the_force_is_odd() -> None:
     assert force(1.0) == pytest.approx(-0.3 * 75e3, rel=1e-3)
     assert abs(force(1.0)) < 0.3 * 75e3
