@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from scenarios import heavy_braking, lock_boundary, qr30, speed, traction_braking
+from scenarios import contact_geometry, heavy_braking, lock_boundary, qr30, speed, traction_braking
 from scenarios.scenario import Scenario
 
 SCENARIOS: list[Scenario] = [
@@ -10,5 +10,6 @@ SCENARIOS: list[Scenario] = [
     lock_boundary.SCENARIO,
     traction_braking.SCENARIO,
     heavy_braking.SCENARIO,
+    contact_geometry.SCENARIO,
     speed.SCENARIO,
 ]

@@ -95,7 +95,8 @@ def save(result: Result, name: str, out: Path, wall_seconds: float) -> Path:
             "parameters": dict(result.parameters),
             "versions": versions() | {"fmus": dict(result.guids)},
             "wall_seconds": wall_seconds,
-            "times_real_time": result.simulated_seconds / wall_seconds,
+            # null where nothing runs in time
+            "times_real_time": result.simulated_seconds / wall_seconds or None,
         }
         (partial / "summary.json").write_text(json.dumps(summary, indent=2, allow_nan=False) + "\n", encoding="utf-8")
         _write_series(result.series, partial / "timeseries.csv")

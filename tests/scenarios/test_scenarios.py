@@ -38,7 +38,7 @@ def test_scenario_holds_and_leaves_table_data_and_picture(name: str, tmp_path: P
     assert sorted(p.name for p in (tmp_path / name).iterdir()) == ["figure.png", "summary.json", "timeseries.csv"]
     found = summary(tmp_path, name)
     assert {"rows", "parameters", "versions", "wall_seconds", "times_real_time"} <= set(found)
-    assert found["times_real_time"] > 1
+    assert found["times_real_time"] is None or found["times_real_time"] > 1
     for row in found["rows"]:
         assert set(row) == ROW_FIELDS
         if row["thesis"] is not None and row["tolerance"] is not None:

@@ -1,0 +1,174 @@
+"""Where wheels and rails touch when a wheelset is shifted sideways: rolling radii, contact angles, conicity, the fold.
+
+Rigid profiles, no yaw: the contact points lie in the vertical plane through the axle, so this is a problem in that
+plane. Left is positive. Section 4.3, Figs 4.7 and 4.8.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import brentq
+
+from rbd_model.profiles import Profile, rail_60e1, rail_60kg, wheel_cone_120, wheel_s1002
+
+#: Pitch of the search grid on the contour [m]; a parabola through three points refines it to better than 1 um.
+GRID = 0.02e-3
+LEFT, RIGHT = 1, -1
+#: Largest roll that the search allows [rad]; a wheel that has climbed its flange rolls the wheelset by 0.03.
+ROLL_LIMIT = 0.05
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two equal wheels on two equal rails [m]: half the distances of the two wheels' and of the two rails' y = 0."""
+
+    wheel: Profile
+    rail: Profile
+    radius: float
+    wheel_half_distance: float
+    rail_half_distance: float
+
+    def gap(self, side: int, shift: float, roll: float, s: np.ndarray) -> np.ndarray:
+        """Height of the wheel contour over the rail at the positions s, up to the height of the axle."""
+        outward = self.wheel_half_distance + s
+        below = self.radius - self.wheel.height(s)
+        lateral = side * outward * math.cos(roll) + below * math.sin(roll)
+        height = side * outward * math.sin(roll) - below * math.cos(roll)
+        on_rail = side * (lateral + shift) - self.rail_half_distance
+        gap = height - self.rail.height(on_rail)
+        return np.where(np.isnan(gap), np.inf, gap)
+
+
+def thesis_pair() -> Pair:
+    """Synthetic wheel on the 60 kg rail as in section 4.3: r0 = 0.425 m, contact points 1140 mm apart."""
+    return Pair(wheel_cone_120(), rail_60kg(), 0.425, 0.570, 0.570)
+
+
+def european_pair() -> Pair:
+    """S1002 on 60E1 1:40, gauge 1435 mm, tape circles 1500 mm apart, r0 = 0.46 m: the gauge face lies at y = -36 mm."""
+    return Pair(wheel_s1002(), rail_60e1(), 0.460, 0.750, 0.7535)
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Contact of both wheels (left, right) at one shift: positions s on the wheels, rolling radii [m], angles [rad]."""
+
+    shift: float
+    roll: float
+    position: tuple[float, float]
+    radius: tuple[float, float]
+    angle: tuple[float, float]
+
+
+def _lowest(pair: Pair, side: int, shift: float, roll: float, s: np.ndarray) -> tuple[float, float, bool]:
+    """Smallest gap over the positions s, where it is, and whether it lies inside the range."""
+    gap = pair.gap(side, shift, roll, s)
+    i = int(np.argmin(gap))
+    if i in (0, s.size - 1) or not np.all(np.isfinite(gap[i - 1 : i + 2])):
+        return float(gap[i]), float(s[i]), False
+    before, here, after = gap[i - 1 : i + 2]
+    bend = before - 2 * here + after
+    offset = 0.5 * (before - after) / bend if bend > 0 else 0.0
+    return float(here - 0.25 * (before - after) * offset), float(s[i] + offset * (s[1] - s[0])), True
+
+
+def _touch(pair: Pair, shift: float, search: tuple[np.ndarray, np.ndarray]) -> tuple[Contact, bool]:
+    """Contact at the roll at which both gaps are equal; the flag: both contacts lie inside their search range."""
+
+    def difference(roll: float) -> float:
+        left, right = (_lowest(pair, side, shift, roll, s)[0] for side, s in zip((LEFT, RIGHT), search, strict=True))
+        return left - right
+
+    roll = float(brentq(difference, -ROLL_LIMIT, ROLL_LIMIT, xtol=1e-14))
+    return _contact(pair, shift, roll, search)
+
+
+def _contact(pair: Pair, shift: float, roll: float, search: tuple[np.ndarray, np.ndarray]) -> tuple[Contact, bool]:
+    """Contact of each wheel for itself at a given roll; the flag as in `_touch`."""
+    found = [_lowest(pair, side, shift, roll, s) for side, s in zip((LEFT, RIGHT), search, strict=True)]
+    s = np.array([found[0][1], found[1][1]])
+    radius = pair.radius - pair.wheel.height(s)
+    angle = np.arctan(pair.wheel.height(s, 1)) + roll * np.array([LEFT, RIGHT])
+    contact = Contact(shift, roll, (s[0], s[1]), (radius[0], radius[1]), (angle[0], angle[1]))
+    return contact, found[0][2] and found[1][2]
+
+
+def contact_at(pair: Pair, shift: float, rolls: bool = True) -> Contact:
+    """Contact of rigid profiles, wherever on the contour it is (one-sided: nothing penetrates); `shift` of the axle.
+
+    Beyond the flange contact there is no balance: as the wheel climbs by dz, the roll moves its contact sideways by
+    r/2b dz, more than the flange recedes, and the search ends on the flange's tip.
+
+    rolls False: the wheelset stays level, as EN 15302 assumes for the equivalent conicity.
+    """
+    low, high = pair.wheel.limits
+    grid = np.arange(low, high, GRID)
+    return _touch(pair, shift, (grid, grid))[0] if rolls else _contact(pair, shift, 0.0, (grid, grid))[0]
+
+
+def flange_contact_shift(pair: Pair, largest: float = 15e-3) -> float:
+    """Shift [m] at which the contact leaves the tread for the flange (angle above 30 degrees); infinite if it stays."""
+
+    def on_flange(shift: float) -> float:
+        return 1.0 if max(contact_at(pair, shift).angle) > math.radians(30.0) else -1.0
+
+    for shift in np.arange(0.0, largest, 0.5e-3):
+        if on_flange(shift + 0.5e-3) > 0.0:
+            return float(brentq(on_flange, shift, shift + 0.5e-3, xtol=1e-6))
+    return math.inf
+
+
+#: Half width and pitch of the search around the last tread contact, when it is followed [m].
+FOLLOW, FOLLOW_GRID = 0.1e-3, 2e-6
+
+
+def last_tread_contact(pair: Pair, largest: float = 15e-3, step: float = 20e-6) -> Contact:
+    """The contact at the largest shift at which a tread contact exists; beyond lies a fold, to within `step` [m].
+
+    There the curvatures of wheel and rail sum to zero. Follows the tread contact even where the flange already touches,
+    as the bilateral contact constraints of the thesis do; its program breaks down at the fold and calls it derailment
+    (section 9.4.1).
+    """
+    around = np.arange(-FOLLOW, FOLLOW, FOLLOW_GRID)
+    last = contact_at(pair, 0.0)
+    for number in range(1, int(largest / step)):
+        search = (last.position[0] + around, last.position[1] + around)
+        contact, inside = _touch(pair, number * step, search)
+        if not inside:
+            break
+        last = contact
+    return last
+
+
+def rolling_radius_difference(pair: Pair, shifts: np.ndarray, rolls: bool = True) -> np.ndarray:
+    """r_left - r_right [m] at the shifts [m], Fig. 4.8."""
+    return np.array([float(np.subtract(*contact_at(pair, shift, rolls).radius)) for shift in shifts])
+
+
+#: Points of the integral over a quarter wave.
+PHASES = 2000
+
+
+def equivalent_conicity(pair: Pair, amplitudes: np.ndarray, rolls: bool = True, points: int = 161) -> np.ndarray:
+    """tan(gamma_e) at the amplitudes [m]: the cone whose wavelength, eq. (2.1), is that of the real profiles.
+
+    The wave y(x) obeys y'' = -Dr(y) / (e r0), with e = 2 wheel_half_distance; its period follows from one integral over
+    the amplitude (EN 15302, which leaves the roll out: rolls False).
+    """
+    span = np.linspace(0.0, float(np.max(amplitudes)) * 1.0001, points)
+    difference = rolling_radius_difference(pair, span, rolls)
+    scale = 2 * pair.wheel_half_distance * pair.radius
+    work = np.concatenate([[0.0], np.cumsum(np.diff(span) * (difference[1:] + difference[:-1]) / 2)]) / scale
+
+    # Midpoints in the phase angle: the integrand is bounded there, also where the radius difference jumps.
+    angle = (np.arange(PHASES) + 0.5) * (math.pi / 2) / PHASES
+
+    def conicity(amplitude: float) -> float:
+        energy = 2 * (np.interp(amplitude, span, work) - np.interp(amplitude * np.sin(angle), span, work))
+        quarter = float(np.mean(amplitude * np.cos(angle) / np.sqrt(energy))) * math.pi / 2
+        return scale / 2 * (2 * math.pi / (4 * quarter)) ** 2
+
+    return np.array([conicity(float(amplitude)) for amplitude in amplitudes])

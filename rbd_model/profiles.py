@@ -1,0 +1,221 @@
+"""Wheel and rail profiles: smooth quintic splines from points, from straight lines and arcs, or from a file.
+
+A profile is a contour height z(y) [m]. y is positive towards the field side, the flange and the gauge corner lie at
+negative y; z is positive upwards. A wheel's z is the height of its lower contour, so its radius is r0 - z(y). y = 0 is
+the nominal contact point.
+
+Quintic, because contact needs the contour's curvature and the chapter 3 formulation its third derivative (section
+3.3.2); smoothed at a knot distance of 0.5 mm, because 2 um of noise in measured points give ten times the crown's
+curvature.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.interpolate import BSpline, PPoly, make_lsq_spline
+
+DEGREE = 5
+KNOT_DISTANCE = 0.5e-3
+#: Distance of the points that are laid on given arcs and lines [m].
+POINT_DISTANCE = 0.02e-3
+#: Rails stand inclined by 1:20 (section 4.3) and the tread of the wheel is a cone of the same slope.
+INCLINATION = 1 / 20
+
+
+@dataclass(frozen=True)
+class Profile:
+    """A contour z(y) as a quintic spline; `source` says where the points come from and what was fitted."""
+
+    name: str
+    source: str
+    spline: BSpline
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """Smallest and largest y [m]."""
+        return float(self.spline.t[DEGREE]), float(self.spline.t[-DEGREE - 1])
+
+    def height(self, y: np.ndarray, derivative: int = 0) -> np.ndarray:
+        """z or one of its derivatives by y at the positions y [m]; not a number beyond the limits."""
+        return np.asarray(self.spline(y, nu=derivative, extrapolate=False))
+
+    @property
+    def pieces(self) -> tuple[np.ndarray, np.ndarray]:
+        """Breakpoints and coefficients, lowest power first, as `System.table` takes them."""
+        polynomial = PPoly.from_spline(self.spline)
+        kept = np.diff(polynomial.x) > 0.0
+        edges = np.append(polynomial.x[:-1][kept], polynomial.x[-1])
+        return edges, polynomial.c[::-1, kept].T
+
+
+def from_points(name: str, source: str, y: ArrayLike, z: ArrayLike) -> Profile:
+    """Least-squares quintic spline through points [m] with y increasing; knots every KNOT_DISTANCE."""
+    y_array, z_array = np.asarray(y, float), np.asarray(z, float)
+    if y_array.size < 20 or np.any(np.diff(y_array) <= 0.0) or not np.all(np.isfinite([y_array, z_array])):
+        raise ValueError(f"Profile {name}: give at least 20 finite points whose y increases.")
+    if np.diff(y_array).max() > KNOT_DISTANCE:
+        # Points further apart than the knots are first joined by a curve through them.
+        fine = np.arange(y_array[0], y_array[-1], KNOT_DISTANCE / 4)
+        z_array, y_array = np.interp(fine, y_array, z_array), fine
+    count = max(1, round((y_array[-1] - y_array[0]) / KNOT_DISTANCE))
+    inner = np.linspace(y_array[0], y_array[-1], count + 1)
+    knots = np.concatenate([[inner[0]] * DEGREE, inner, [inner[-1]] * DEGREE])
+    return Profile(name, source, make_lsq_spline(y_array, z_array, knots, DEGREE))
+
+
+def rail_head() -> np.ndarray:
+    """Half a head of the 60 kg rail, three tangent arcs: rows (y, z), y from 0 outwards, z = 0 at the top [m].
+
+    R300 to 10.1 mm, R80 to 25.7 mm, R13 to the side; measured from a published contour of 60E1.
+    """
+    pieces = [np.zeros((1, 2))]
+    slope_angle = 0.0
+    for radius, end in ((0.300, 10.1e-3), (0.080, 25.7e-3), (0.013, None)):
+        joint = pieces[-1][-1]
+        centre = joint - radius * np.array([np.sin(slope_angle), np.cos(slope_angle)])
+        last = centre[0] + 0.995 * radius if end is None else end  # stop before the side is vertical
+        y = np.linspace(joint[0], last, int((last - joint[0]) / POINT_DISTANCE))[1:]
+        pieces.append(np.column_stack([y, centre[1] + np.sqrt(radius**2 - (y - centre[0]) ** 2)]))
+        slope_angle = float(np.arcsin((last - centre[0]) / radius))
+    return np.concatenate(pieces)
+
+
+def inclined(points: np.ndarray, inclination: float) -> np.ndarray:
+    """A contour turned towards the track centre by `inclination`, top again at the origin; rows (y, z)."""
+    angle = np.arctan(inclination)
+    y = points[:, 0] * np.cos(angle) - points[:, 1] * np.sin(angle)
+    z = points[:, 0] * np.sin(angle) + points[:, 1] * np.cos(angle)
+    return np.column_stack([y, z])
+
+
+def _rail(name: str, inclination: float) -> Profile:
+    half = rail_head()
+    whole = inclined(np.concatenate([half[:0:-1] * [-1, 1], half]), inclination)
+    # Where the inclined corner overhangs, the contour is no function of y any more.
+    whole = whole[int(np.argmin(whole[:, 0])) :]
+    return from_points(name, "arcs R300, R80, R13 mm", *whole.T)
+
+
+@lru_cache
+def rail_60kg() -> Profile:
+    """60 kg rail head inclined 1:20. Stands for the AS 60 kg/m rail of the thesis, whose arcs are not public."""
+    return _rail("60 kg rail, 1:20", INCLINATION)
+
+
+@lru_cache
+def rail_60e1() -> Profile:
+    """60E1 rail head inclined 1:40, as most of Europe lays it."""
+    return _rail("60E1, 1:40", 1 / 40)
+
+
+@lru_cache
+def wheel_s1002() -> Profile:
+    """S1002 wheel (EN 13715) from its published sections A to F, from the flange face outwards."""
+    y = np.arange(-48.0, 58.0, 1e3 * POINT_DISTANCE)
+    tread = np.polyval(S1002_B[::-1], y)
+    sections = [
+        (y > 32.15796, 1.364323640 - 0.066666667 * y),
+        (y > -26.0, tread),
+        (y > -35.0, -np.polyval(S1002_C[::-1], y)),
+        (y > -38.426669071, 16.446 - np.sqrt(np.maximum(13.0**2 - (y + 26.210665) ** 2, 0.0))),
+        (y > -39.764473993, -93.576667419 - 2.747477419 * y),
+        (y > -49.662510381, 8.834924130 + np.sqrt(np.maximum(20.0**2 - (y + 58.558326413) ** 2, 0.0))),
+    ]
+    larger_radius = np.select([where for where, _ in sections], [values for _, values in sections])
+    return from_points("S1002", "EN 13715, published sections", y / 1e3, -larger_radius / 1e3)
+
+
+#: Polynomials of the sections B and C of S1002, lowest power first; millimetres, positive is a larger radius.
+S1002_B = (
+    0.0,
+    -3.358537058e-2,
+    1.565681624e-3,
+    -2.810427944e-5,
+    5.844240864e-8,
+    -1.562379023e-8,
+    5.309217349e-15,
+    -5.957839843e-12,
+    2.646656573e-13,
+)
+S1002_C = (
+    4.320221063e3,
+    1.038384026e3,
+    1.065501873e2,
+    6.051367875,
+    2.054332446e-1,
+    4.169739389e-3,
+    4.687195829e-5,
+    2.252755540e-7,
+)
+
+
+#: The synthetic wheel [m, rad]. Fitted: start of the transition arc to the loss of tread contact at 11.5 mm, and start
+#: of the fillet to the flange contact at 9.5 mm (sections 4.3, 9.4.1). Assumed: the radii and the flange angle. A fold
+#: needs a transition arc of less than the crown's 300 mm; less than 200 mm would touch the rail's shoulder early.
+TRANSITION_START, TRANSITION_RADIUS = -12.34e-3, 0.200
+FILLET_START, FILLET_RADIUS, FLANGE_ANGLE = -33.6e-3, 14.0e-3, np.radians(70.3)
+FLANGE_LENGTH, FIELD_SIDE = 14e-3, 55e-3
+
+
+@lru_cache
+def wheel_cone_120() -> Profile:
+    """A cone 1:20 with transition arc, fillet and flange. Synthetic: stands for LW2, whose contour is not public."""
+    return from_points("synthetic wheel 1:20", "fitted to sections 4.3 and 9.4.1 of the thesis", *synthetic_wheel())
+
+
+def synthetic_wheel(
+    transition_start: float = TRANSITION_START, fillet_start: float = FILLET_START, step: float = POINT_DISTANCE
+) -> np.ndarray:
+    """Contour (y row, z row) of the synthetic wheel: cone, two concave arcs, flange; from the flange outwards [m]."""
+    angle = np.arctan(INCLINATION)
+    points = [np.array([[transition_start, transition_start * INCLINATION]])]
+
+    def add_arc(radius: float, end_angle: float) -> None:
+        """Walks inwards on a concave arc until the contour's angle is `end_angle`."""
+        nonlocal angle
+        y, z = points[-1][-1]
+        steps = np.linspace(angle, end_angle, max(2, int(radius * (end_angle - angle) / step)))[1:]
+        points.append(
+            np.column_stack(
+                [y - radius * (np.sin(steps) - np.sin(angle)), z + radius * (np.cos(steps) - np.cos(angle))]
+            )
+        )
+        angle = end_angle
+
+    add_arc(TRANSITION_RADIUS, np.arcsin(np.sin(angle) + (transition_start - fillet_start) / TRANSITION_RADIUS))
+    add_arc(FILLET_RADIUS, FLANGE_ANGLE)
+    along = np.arange(step, FLANGE_LENGTH, step)[:, None]
+    points.append(points[-1][-1] - along * np.array([np.cos(FLANGE_ANGLE), np.sin(FLANGE_ANGLE)]))
+    cone = np.arange(FIELD_SIDE, transition_start + step / 2, -step)
+    tread = np.column_stack([cone, cone * INCLINATION])
+    return np.concatenate([tread, *points])[::-1].T
+
+
+def read_profile(path: Path, kind: str) -> Profile:
+    """A measured contour: two columns y, z [mm] in the axes of this module, or MiniProf (`.whl`, `.ban`).
+
+    MiniProf files hold lines NAME=VALUE and then columns x, y, ...; their y axis points down. `kind` is "wheel" or
+    "rail" and names the profile. Raises ValueError with the path and what is wrong.
+    """
+    rows = []
+    for line in path.read_text(encoding="utf-8", errors="replace").splitlines():
+        cells = re.split(r"[\s,;]+", line.strip())
+        try:
+            rows.append([float(cells[0]), float(cells[1])])
+        except (ValueError, IndexError):
+            continue  # headers, remarks and empty lines
+    if len(rows) < 20:
+        raise ValueError(f"{path} has {len(rows)} points; a {kind} profile needs at least 20 lines of y, z in mm.")
+    points = np.array(rows) / 1e3
+    if path.suffix.lower() in {".whl", ".ban"}:
+        points[:, 1] *= -1
+    order = np.argsort(points[:, 0], kind="stable")
+    points = points[order]
+    rising = np.concatenate([[True], np.diff(points[:, 0]) > 0.0])
+    return from_points(f"{kind} {path.stem}", str(path.name), *points[rising].T)
