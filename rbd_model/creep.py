@@ -1,29 +1,49 @@
-"""Tangential contact: Polach's creep force (1999) with Kalker's coefficients, eqs (3.89)-(3.98).
-
-Only the longitudinal part: on straight track, without yaw and spin, xi_t = |xi_x| and c_jj = c_11.
-"""
+"""Tangential contact: Polach's creep forces (1999) with Kalker's coefficients, eqs (3.89)-(3.105)."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import casadi as ca
 
-#: Kalker's longitudinal coefficient c11 at Poisson's ratio 0.25: Kalker (1990), Three-Dimensional Elastic Bodies in
-#: Rolling Contact, table E.3. First row a/b = 0.1 ... 1.0, second row b/a = 0.9 ... 0.1.
-C11_SHORT = (3.31, 3.37, 3.44, 3.53, 3.62, 3.72, 3.81, 3.91, 4.01, 4.12)
-C11_LONG = (4.22, 4.36, 4.54, 4.78, 5.10, 5.57, 6.34, 7.78, 11.7)
+#: Kalker's coefficients at Poisson's ratio 0.25: Kalker (1990), Three-Dimensional Elastic Bodies in Rolling Contact,
+#: table E.3, for a/b = 0.1 ... 1.0 and then b/a = 0.9 ... 0.1.
+C11 = (
+    *(3.31, 3.37, 3.44, 3.53, 3.62, 3.72, 3.81, 3.91, 4.01, 4.12),
+    *(4.22, 4.36, 4.54, 4.78, 5.10, 5.57, 6.34, 7.78, 11.7),
+)
+C22 = (
+    *(2.52, 2.63, 2.75, 2.88, 3.01, 3.14, 3.28, 3.41, 3.54, 3.67),
+    *(3.81, 3.99, 4.21, 4.50, 4.90, 5.48, 6.40, 8.14, 12.8),
+)
+C23 = (
+    *(0.473, 0.603, 0.715, 0.823, 0.929, 1.03, 1.14, 1.25, 1.36, 1.47),
+    *(1.59, 1.75, 1.95, 2.23, 2.62, 3.24, 4.32, 6.63, 14.6),
+)
 
 
-def kalker_c11(axis_ratio: ca.SX) -> ca.SX:
-    """Kalker's c11 of an ellipse with axis ratio a/b from 0.1 to 10, linear in the smaller of a/b and b/a.
+@dataclass(frozen=True)
+class Kalker:
+    """Kalker's coefficients of a contact ellipse: longitudinal, lateral, lateral from spin."""
+
+    c11: ca.SX
+    c22: ca.SX
+    c23: ca.SX
+
+
+def kalker_coefficients(axis_ratio: ca.SX) -> Kalker:
+    """Coefficients of an ellipse with axis ratio a/b from 0.1 to 10, linear in the smaller of a/b and b/a.
 
     Not a number beyond the table, so that a run with such wheels is refused at its start.
     """
     coordinate = ca.if_else(axis_ratio <= 1, axis_ratio, 2 - 1 / axis_ratio)
-    value = ca.pw_lin(coordinate, [0.1 * i for i in range(1, 20)], [*C11_SHORT, *C11_LONG])
     tabulated = ca.logic_and(axis_ratio >= 0.1 - 1e-9, axis_ratio <= 10 + 1e-9)
-    return ca.if_else(tabulated, value, math.nan)
+
+    def value(column: tuple[float, ...]) -> ca.SX:
+        return ca.if_else(tabulated, ca.pw_lin(coordinate, [0.1 * i for i in range(1, 20)], list(column)), math.nan)
+
+    return Kalker(value(C11), value(C22), value(C23))
 
 
 def creepage(sliding_speed: ca.SX, forward_speed: ca.SX, creepage_speed: ca.SX) -> ca.SX:
@@ -47,3 +67,44 @@ def polach_force(
     limit = friction * load
     gradient = 0.25 * shear_modulus * ca.pi * a * b * c11 / limit * creepage
     return -2 / ca.pi * limit * (gradient / (1 + gradient**2) + ca.atan(gradient))
+
+
+#: Smallest creepage that is told from none; the forces below are smooth through zero on this scale.
+CREEPAGE_FLOOR = 1e-12
+
+
+def polach_forces(
+    creepages: tuple[ca.SX, ca.SX, ca.SX],
+    load: ca.SX,
+    friction: ca.SX,
+    semi_axes: tuple[ca.SX, ca.SX],
+    shear_modulus: ca.SX,
+    kalker: Kalker,
+) -> tuple[ca.SX, ca.SX]:
+    """Creep forces (F_x, F_y) [N] of one wheel for longitudinal, lateral [1] and spin [1/m] creepage, (3.92)-(3.105).
+
+    For small creepages F_x = -G a b c11 xi_x and F_y = -G a b c22 xi_y - G (a b)^1.5 c23 xi_s (Kalker); without spin
+    and lateral creepage `polach_force`.
+    Differs from the thesis: the spin force (3.100) has the other sign, as right-handed axes ask for, and is divided by
+    the creepage with spin (3.104), without which pure spin would be singular; (3.105) is written as a maximum, and
+    sqrt((1 - d^2)^3) in (3.101) as 8 e^3 / (1 + e^2)^3, which have no roots at zero.
+    """
+    x, y, spin = creepages
+    a, b = semi_axes
+    limit = friction * load
+    with_spin = y + spin * a
+    y_corrected = ca.if_else(ca.fabs(with_spin) > ca.fabs(y), with_spin, y)  # (3.105)
+    total = ca.sqrt(x**2 + y_corrected**2 + CREEPAGE_FLOOR**2)  # (3.104)
+    # (3.92), a mean of c11 and c22 in the direction of the creepage; of no weight where there is none
+    plain = x**2 + y**2 + CREEPAGE_FLOOR**2
+    stiffness = ca.sqrt(((kalker.c11 * x) ** 2 + (kalker.c22 * y) ** 2 + (kalker.c22 * CREEPAGE_FLOOR) ** 2) / plain)
+    force = polach_force(total, load, friction, semi_axes, shear_modulus, stiffness)
+
+    shape = 1 + 6.3 * (1 - ca.exp(-a / b))
+    gradient = 8 / 3 * shear_modulus * b * ca.sqrt(a * b) / limit * kalker.c23 * y_corrected / shape  # (3.103)
+    square = gradient**2
+    delta = (square - 1) / (square + 1)  # (3.102)
+    size = ca.sqrt(square + CREEPAGE_FLOOR**2)
+    factor = size * (delta**3 / 3 - delta**2 / 2 + 1 / 6) - 8 / 3 * size**3 / (1 + square) ** 3  # (3.101)
+    from_spin = 9 / 16 * a * limit * factor * shape * spin / total  # (3.100)
+    return force * x / total, force * y / total + from_spin

@@ -10,7 +10,7 @@ import casadi as ca
 from fmu_src.system import Friction, System, Variable
 from rbd_model import variables
 from rbd_model.contact import ellipse_shape
-from rbd_model.creep import creepage, kalker_c11, polach_force
+from rbd_model.creep import creepage, kalker_coefficients, polach_force
 from rbd_model.parameters import BogieParameters
 
 #: Used where a trial step would ask for the contact of a wheel that carries nothing; a run ends before (wheel lift).
@@ -66,7 +66,7 @@ def start_bogie(name: str, description: str, defaults: BogieParameters, used: Se
     contact = {
         "semi_axis_longitudinal": system.derived("semi_axis_longitudinal", shape.longitudinal),
         "semi_axis_lateral": system.derived("semi_axis_lateral", shape.lateral),
-        "c11": system.derived("c11", kalker_c11(shape.axis_ratio)),
+        "c11": system.derived("c11", kalker_coefficients(shape.axis_ratio).c11),
     }
     return Bogie(system, parameter, symbols, variables.outputs(), initial, contact)
 

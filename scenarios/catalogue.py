@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from scenarios import contact_geometry, heavy_braking, lock_boundary, qr30, speed, traction_braking
+from scenarios import contact_geometry, creep_forces, heavy_braking, lock_boundary, qr30, speed, traction_braking
 from scenarios.scenario import Scenario
 
 SCENARIOS: list[Scenario] = [
@@ -11,5 +11,6 @@ SCENARIOS: list[Scenario] = [
     traction_braking.SCENARIO,
     heavy_braking.SCENARIO,
     contact_geometry.SCENARIO,
+    creep_forces.SCENARIO,
     speed.SCENARIO,
 ]

@@ -12,9 +12,11 @@ from matplotlib.figure import Figure
 from scenarios import qr30, report
 from scenarios.__main__ import main
 from scenarios.catalogue import SCENARIOS
+from scenarios.creep_forces import EXACT
 from scenarios.report import Row
 from scenarios.torque_history import read_torque_history
 
+ANCHOR = Path(__file__).parents[3] / "shared" / "data" / "creep_anchor.csv"
 ROW_FIELDS = {
     "quantity",
     "unit",
@@ -152,6 +154,14 @@ def test_file_in_place_of_the_results_folder_is_refused(tmp_path: Path, capsys: 
     (tmp_path / "taken").write_text("")
     assert main(["run", "qr30-180kpa", "--out", str(tmp_path / "taken")]) == 2
     assert "is a file; give --out a folder" in capsys.readouterr().err
+
+
+@pytest.mark.skipif(not ANCHOR.exists(), reason="the published table lies beside the development checkout only")
+def test_exact_forces_in_the_creep_scenario_are_the_published_ones() -> None:
+    lines = [line for line in ANCHOR.read_text().splitlines() if not line.startswith("#")]
+    names = ("xi_x", "xi_y", "spin_1_per_m", "Fx_contact61_N", "Fy_contact61_N")
+    published = {tuple(float(row[name]) for name in names) for row in csv.DictReader(lines)}
+    assert {tuple(row) for row in EXACT} <= published
 
 
 def test_list_names_every_scenario(capsys: pytest.CaptureFixture[str]) -> None:
