@@ -38,11 +38,12 @@ def find(name: str) -> Scenario:
 
 
 def check(scenario: Scenario, options: Options) -> None:
-    if not (math.isfinite(options.step) and 0.0 < options.step <= LARGEST_STEP):
-        raise BadInputError(f"Give --step a value above 0 and up to {LARGEST_STEP} s: it was {options.step} s.")
-    if options.torque_csv and not scenario.takes_torque_csv:
-        takers = ", ".join(one.name for one in SCENARIOS if one.takes_torque_csv)
-        raise BadInputError(f"--torque-csv belongs to the scenarios {takers}; {scenario.name} has its own torques.")
+    step = options.macro_step()
+    if not (math.isfinite(step) and 0.0 < step <= LARGEST_STEP):
+        raise BadInputError(f"Give --step a value above 0 and up to {LARGEST_STEP} s: it was {step} s.")
+    for name in sorted(options.given - scenario.takes):
+        takers = ", ".join(one.name for one in SCENARIOS if name in one.takes)
+        raise BadInputError(f"--{name.replace('_', '-')} has no effect on {scenario.name}; it belongs to {takers}.")
 
 
 def run(name: str, options: Options, out: Path) -> int:
@@ -77,8 +78,8 @@ def main(arguments: list[str] | None = None) -> int:
     runner = commands.add_parser("run", help="run one scenario")
     runner.add_argument("name", help="a name from 'list'")
     runner.add_argument("--out", type=Path, default=Path("results"), help="folder of the results (default: results)")
-    runner.add_argument("--kind", choices=["native", "python"], default="native", help="which FMUs (default: native)")
-    runner.add_argument("--step", type=float, default=1e-3, metavar="SECONDS", help="macro step (default: 0.001)")
+    runner.add_argument("--kind", choices=["native", "python"], help="which FMUs (default: native)")
+    runner.add_argument("--step", type=float, metavar="SECONDS", help="macro step (default: 0.001; lock boundary 0.01)")
     runner.add_argument(
         "--torque-csv", type=Path, metavar="FILE", help="time [s], torque [N.m] of the trailing wheelset"
     )

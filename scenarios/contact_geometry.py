@@ -102,5 +102,8 @@ def draw_profiles(axis: Axes, pair: Pair) -> None:
 
 
 SCENARIO = Scenario(
-    "contact-geometry", "Rolling radius difference, contact angles, conicity and the fold (section 4.3)", run
+    "contact-geometry",
+    "Rolling radius difference, contact angles, conicity and the fold (section 4.3)",
+    run,
+    frozenset(),
 )

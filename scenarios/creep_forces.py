@@ -113,4 +113,6 @@ def draw(series: Recording) -> Figure:
     return figure
 
 
-SCENARIO = Scenario("creep-forces", "Polach's creep law against Kalker's exact theory, with and without spin", run)
+SCENARIO = Scenario(
+    "creep-forces", "Polach's creep law against Kalker's exact theory, with and without spin", run, frozenset()
+)

@@ -28,7 +28,7 @@ def brake(options: Options, level: int, torques: tuple[float, float]) -> tuple[R
             bogie.set(brake_torque_1=torques[0] * on, brake_torque_2=torques[1] * on)
 
         record = [(bogie, name) for name in RECORDED]
-        series = couple([bogie], [], DURATION, options.step, record, drive, label=f"level {level}")
+        series = couple([bogie], [], DURATION, options.macro_step(), record, drive, label=f"level {level}")
         return series, list(bogie.messages), bogie.guid
 
 

@@ -17,7 +17,7 @@ from scenarios.report import Result, Row
 from scenarios.scenario import Options, Scenario, open_bogie, open_brake
 
 #: Many short runs: the torque of 0.8 s build-up needs no finer macro step [s].
-STEP = 0.01
+DEFAULT_STEP = 0.01
 LONGEST = 12.0
 FRICTIONS = np.linspace(0.12, 0.24, 13)
 SHOE_FRICTION_SPAN = (0.05, 0.9)
@@ -28,15 +28,17 @@ SKIDDED = {130: 0, 150: 2, 180: 4}
 PRINTED_WHEEL_LOAD = 8850.0
 
 
-def brake_until_lock_or_rest(brake: Slave, bogie: Slave, pressure: int, shoe_friction: float, friction: float) -> bool:
+def brake_until_lock_or_rest(
+    brake: Slave, bogie: Slave, pressure: int, shoe_friction: float, friction: float, step: float
+) -> bool:
     """Whether the trailing wheelset locks while the bogie still moves; the brake is applied at t = 0."""
     brake.restart(qr30(pressure).values() | {"constant_shoe_friction": shoe_friction}, pressure_demand=1e3 * pressure)
     bogie.restart(bogie_parameters(set(bogie.units), pressure), friction_1=friction, friction_2=friction)
-    for number in range(round(LONGEST / STEP)):
-        time = number * STEP
-        brake.step(time, STEP)
+    for number in range(round(LONGEST / step)):
+        time = number * step
+        brake.step(time, step)
         bogie.set(brake_torque_2=brake["brake_torque"])
-        bogie.step(time, STEP)
+        bogie.step(time, step)
         locked, speed = bogie.get(["locked_2", "speed"])
         if speed < AT_REST:
             return False
@@ -45,11 +47,11 @@ def brake_until_lock_or_rest(brake: Slave, bogie: Slave, pressure: int, shoe_fri
     return False
 
 
-def boundary(brake: Slave, bogie: Slave, pressure: int, friction: float) -> float:
+def boundary(brake: Slave, bogie: Slave, pressure: int, friction: float, step: float) -> float:
     """Shoe friction at which the wheelset just locks, to RESOLUTION."""
 
     def sign(shoe_friction: float) -> float:
-        return 1.0 if brake_until_lock_or_rest(brake, bogie, pressure, shoe_friction, friction) else -1.0
+        return 1.0 if brake_until_lock_or_rest(brake, bogie, pressure, shoe_friction, friction, step) else -1.0
 
     return float(bisect(sign, *SHOE_FRICTION_SPAN, xtol=RESOLUTION))
 
@@ -70,13 +72,14 @@ def locked_share(curve: np.ndarray, shoe_range: tuple[float, float]) -> float:
 
 def run(options: Options) -> Result:
     curves: dict[int, np.ndarray] = {}
+    step = options.macro_step(DEFAULT_STEP)
     with open_brake(options) as brake, open_bogie(options) as bogie:
         points = tqdm([(p, f) for p in EXPERIMENT for f in FRICTIONS], desc="qr30-lock-boundary", leave=False)
-        found = [boundary(brake, bogie, pressure, friction) for pressure, friction in points]
+        found = [boundary(brake, bogie, pressure, friction, step) for pressure, friction in points]
         for number, pressure in enumerate(EXPERIMENT):
             curves[pressure] = np.array(found[number * FRICTIONS.size : (number + 1) * FRICTIONS.size])
         # A skid well above the limit, for the adhesion that eq. (7.3) measures.
-        brake_until_lock_or_rest(brake, bogie, 180, 0.4, FRICTION)
+        brake_until_lock_or_rest(brake, bogie, 180, 0.4, FRICTION, step)
         adhesion = -bogie["creep_force_2"] * tables_8_1_and_8_2().wheel_radius
         guids = {slave.name: slave.guid for slave in (brake, bogie)}
     printed = FRICTION * tables_8_1_and_8_2().wheel_radius * 2 * PRINTED_WHEEL_LOAD
@@ -115,7 +118,7 @@ def run(options: Options) -> Result:
         )
     units = {"wheel_rail_friction": "1"} | {f"shoe_friction_that_locks_{p}_kPa": "1" for p in curves}
     series = Recording(units, np.column_stack([FRICTIONS, *curves.values()]).tolist())
-    parameters = tables_8_1_and_8_2().values() | {"macro_step": STEP, "resolution": RESOLUTION}
+    parameters = tables_8_1_and_8_2().values() | {"macro_step": step, "resolution": RESOLUTION}
     # Bisection halves the span until RESOLUTION; each run lasts about 4 s.
     halvings = int(np.ceil(np.log2((SHOE_FRICTION_SPAN[1] - SHOE_FRICTION_SPAN[0]) / RESOLUTION)))
     seconds = 4.0 * len(found) * halvings

@@ -17,7 +17,7 @@ from brake_controller.parameters import EXPERIMENT, qr30
 from rbd_model.parameters import tables_8_1_and_8_2
 from scenarios.cosimulation import Recording, couple
 from scenarios.plotting import BOGIE, LEADING, THESIS, TRAILING, mark, panels
-from scenarios.report import Result, Row
+from scenarios.report import Result, Row, number
 from scenarios.scenario import Options, Scenario, of_fmu, open_bogie, open_brake
 from scenarios.torque_history import read_torque_history
 
@@ -50,12 +50,15 @@ OF_BRAKE = ("cylinder_pressure", "shoe_force", "shoe_friction", "brake_torque")
 
 @dataclass(frozen=True)
 class Run:
-    """One braking: what was recorded, and when and how fast the trailing wheelset locked (None: it did not)."""
+    """One braking: what was recorded, and when and how fast the trailing wheelset locked (None: it did not).
+
+    `deceleration` [m/s2] is the mean from full application until lock or rest (None: there was no such time).
+    """
 
     series: Recording
     lock_time: float | None
     lock_speed: float | None
-    deceleration: float
+    deceleration: float | None
     guids: Mapping[str, str]
     messages: tuple[str, ...]
 
@@ -68,11 +71,12 @@ def _judge(series: Recording, guids: Mapping[str, str], messages: list[str], app
     skid = (series["locked_2"] > 0.5) & (series["speed"] > AT_REST)
     time = series.first_time(skid)
     speed = None if time is None else float(np.interp(time, series["time"], series["speed"]))
-    # Mean deceleration from full application until lock or rest.
     end = time if time is not None else series.first_time(series["speed"] < AT_REST) or float(series["time"][-1])
     window = (series["time"] > applied) & (series["time"] < end)
-    slope = np.polyfit(series["time"][window], series["speed"][window], 1)[0] if window.sum() > 2 else np.nan
-    return Run(series, time, speed, float(-slope), guids, tuple(messages))
+    deceleration = None
+    if window.sum() > 2:
+        deceleration = -float(np.polyfit(series["time"][window], series["speed"][window], 1)[0])
+    return Run(series, time, speed, deceleration, guids, tuple(messages))
 
 
 def brake_by_pressure(options: Options, pressure: int, shoe_friction: float, friction: float = FRICTION) -> Run:
@@ -90,7 +94,9 @@ def brake_by_pressure(options: Options, pressure: int, shoe_friction: float, fri
             (brake, "brake_torque", bogie, "brake_torque_2"),
             (bogie, "angular_velocity_2", brake, "angular_velocity"),
         ]
-        series = couple([brake, bogie], connections, DURATION, options.step, record, drive, label=f"{pressure} kPa")
+        series = couple(
+            [brake, bogie], connections, DURATION, options.macro_step(), record, drive, label=f"{pressure} kPa"
+        )
         applied = BRAKE_TIME + 2 * brake_values["application_time"]
         return _judge(series, {s.name: s.guid for s in (brake, bogie)}, bogie.messages, applied)
 
@@ -107,7 +113,7 @@ def brake_by_history(options: Options, pressure: int, times: np.ndarray, torques
 
         record = [(bogie, name) for name in RECORDED]
         length = float(times[-1] - times[0])
-        series = couple([bogie], [], length, options.step, record, drive, label="torque history")
+        series = couple([bogie], [], length, options.macro_step(), record, drive, label="torque history")
         series.add("brake_torque", "N.m", np.array([*applied, applied[-1]]))
         return _judge(series, {bogie.name: bogie.guid}, bogie.messages, 0.0)
 
@@ -206,7 +212,7 @@ def lock_rows(pressure: int, printed: Mapping[float, Run]) -> list[Row]:
         180: (1.1, "maximum of the trials"),
     }[pressure]
     mus = list(printed)
-    spread = f"{printed[mus[0]].deceleration:.2f} to {printed[mus[-1]].deceleration:.2f}"
+    spread = f"{number(printed[mus[0]].deceleration)} to {number(printed[mus[-1]].deceleration)}"
     average = printed[mus[1]]
     judged = pressure != 180
     why = "" if judged else "not judged: these torques are too small for the printed lock, see the last rows; "
@@ -309,7 +315,7 @@ SCENARIOS = [
         f"qr30-{pressure}kpa",
         f"The experiment at {pressure} kPa: pressure -> torque -> speed, slip and lock (chapters 7, 8)",
         partial(run, pressure),
-        takes_torque_csv=True,
+        takes=frozenset({"kind", "step", "torque_csv"}),
     )
     for pressure in EXPERIMENT
 ]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 
 from build_fmu import up_to_date
@@ -17,29 +17,38 @@ class BadInputError(ValueError):
 
 @dataclass(frozen=True)
 class Options:
-    """What the command line can choose."""
+    """What the command line can choose; None: not chosen, the scenario takes its own."""
 
-    kind: str = "native"
-    step: float = 1e-3
+    kind: str | None = None
+    step: float | None = None
     torque_csv: Path | None = None
+
+    @property
+    def given(self) -> set[str]:
+        """Names of the options that were chosen."""
+        return {item.name for item in fields(self) if getattr(self, item.name) is not None}
+
+    def macro_step(self, default: float = 1e-3) -> float:
+        """Macro step of the co-simulation [s]."""
+        return default if self.step is None else self.step
 
 
 @dataclass(frozen=True)
 class Scenario:
-    """One experiment: a name, what it shows, and a function that runs it."""
+    """One experiment: a name, what it shows, a function that runs it, and the options that it follows."""
 
     name: str
     summary: str
     run: Callable[[Options], Result]
-    takes_torque_csv: bool = False
+    takes: frozenset[str] = frozenset({"kind", "step"})
 
 
 def open_bogie(options: Options, **parameters: float) -> Slave:
-    return Slave(up_to_date("bogie", options.kind), **parameters)
+    return Slave(up_to_date("bogie", options.kind or "native"), **parameters)
 
 
 def open_brake(options: Options, **parameters: float) -> Slave:
-    return Slave(up_to_date("brake", options.kind), **parameters)
+    return Slave(up_to_date("brake", options.kind or "native"), **parameters)
 
 
 def of_fmu(values: dict[str, float], slave_names: set[str]) -> dict[str, float]:

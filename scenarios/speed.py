@@ -168,4 +168,4 @@ def draw(timings: list[Timing]) -> Figure:
     return figure
 
 
-SCENARIO = Scenario("speed", "Microseconds per call and times real time, for each level and FMU kind", run)
+SCENARIO = Scenario("speed", "Microseconds per call and times real time, for each level and FMU kind", run, frozenset())

@@ -69,7 +69,7 @@ def run(options: Options) -> Result:
         bogie.start()
         sequence = TorqueSequence(bogie)
         record = [(bogie, name) for name in RECORDED]
-        series = couple([bogie], [], DURATION, options.step, record, sequence, label="bogie-traction-braking")
+        series = couple([bogie], [], DURATION, options.macro_step(), record, sequence, label="bogie-traction-braking")
         guids = {bogie.name: bogie.guid}
     series.add("torque", "N.m", np.array([*sequence.torque, sequence.torque[-1]]))
     switches = [*sequence.switches, *[math.nan] * 3][:3]

@@ -79,6 +79,13 @@ def test_measured_torque_history_replaces_the_cylinder(tmp_path: Path, capsys: p
     assert "the trailing wheelset locked at 1.8" in capsys.readouterr().out
 
 
+def test_history_too_short_to_tell_a_deceleration_says_so(tmp_path: Path) -> None:
+    history = tmp_path / "short.csv"
+    history.write_text("0,0\n0.001,1800\n")
+    assert main(["run", "qr30-130kpa", "--torque-csv", str(history), "--out", str(tmp_path)]) == 0
+    assert summary(tmp_path, "qr30-130kpa")["rows"][0]["simulated"] is None
+
+
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [
@@ -111,7 +118,8 @@ def test_bad_history_is_refused_with_its_line(
         (["qr30-180kpa", "--step", "-0.01"], "Give --step a value above 0"),
         (["qr30-180kpa", "--step", "nan"], "Give --step a value above 0"),
         (["qr30-180kpa", "--torque-csv", "missing.csv"], "missing.csv cannot be read"),
-        (["speed", "--torque-csv", "missing.csv"], "--torque-csv belongs to the scenarios qr30-130kpa"),
+        (["speed", "--kind", "python"], "--kind has no effect on speed; it belongs to qr30-130kpa"),
+        (["speed", "--torque-csv", "missing.csv"], "--torque-csv has no effect on speed; it belongs to qr30-130kpa"),
     ],
 )
 def test_bad_arguments_get_one_sentence(
