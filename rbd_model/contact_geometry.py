@@ -115,7 +115,7 @@ def flange_contact_shift(pair: Pair, largest: float = 15e-3) -> float:
     def on_flange(shift: float) -> float:
         return 1.0 if max(contact_at(pair, shift).angle) > math.radians(30.0) else -1.0
 
-    for shift in np.arange(0.0, largest, 0.5e-3):
+    for shift in np.arange(0.0, largest, 0.5e-3).tolist():
         if on_flange(shift + 0.5e-3) > 0.0:
             return float(brentq(on_flange, shift, shift + 0.5e-3, xtol=1e-6))
     return math.inf
