@@ -113,6 +113,16 @@ def test_brake_drives_bogie_to_the_same_stop_in_both_kinds(fmus: dict, kind: str
         assert bogie["speed"] == pytest.approx(1.963, abs=0.01)
 
 
+@pytest.mark.parametrize("kind", KINDS)
+def test_lost_demand_applies_the_brake_in_any_host(fmus: dict, kind: str) -> None:
+    with Slave(fmus["brake", kind]) as brake:
+        brake.start(pressure_demand=0.0)
+        brake.set(pressure_demand=math.nan)
+        brake.step(0.0, 5.0)
+        assert brake["cylinder_pressure"] == pytest.approx(350e3, rel=1e-4)
+        assert brake.messages == ["The signal pressure_demand is lost (NaN): it counts as 350000 Pa, the safe side."]
+
+
 @pytest.mark.parametrize("key", FMUS)
 def test_simulate_fmu_works_out_of_the_box(fmus: dict, key: tuple[str, str]) -> None:
     result = simulate_fmu(str(fmus[key]), stop_time=1.0)
