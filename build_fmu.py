@@ -21,7 +21,7 @@ from fmpy import read_model_description
 from fmpy.validation import validate_fmu
 
 from brake_controller.cylinder import brake_cylinder
-from fmu_src.codegen import guid_of
+from fmu_src.codegen import generate, guid_of
 from fmu_src.compile import CompilerError
 from fmu_src.model_description import variable_table
 from fmu_src.native_fmu import build_native_fmu
@@ -43,7 +43,7 @@ def up_to_date(name: str, kind: str, out: Path = BUILD) -> Path:
     """Path of an FMU, built now unless the file in `out` has the present content."""
     model = MODELS[name]()
     path = fmu_path(model, kind, out)
-    if guid_in(path) != guid_of(model):
+    if guid_in(path) != guid_of(generate(model)):
         BUILDERS[kind](model, path)
     return path
 
@@ -88,6 +88,11 @@ def main(arguments: list[str] | None = None) -> int:
                 problems += build(name, kind, chosen.out)
     except CompilerError as error:
         print(error, file=sys.stderr)
+        return 1
+    except OSError as error:
+        print(
+            f"The FMUs cannot be written to {chosen.out} ({error}); choose another folder with --out.", file=sys.stderr
+        )
         return 1
     for problem in problems:
         print(problem, file=sys.stderr)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from brake_controller.experiment import APPLICATION_TIME, EXPERIMENT, FORCE_PER_PRESSURE, SHOES, SUPPLY_PRESSURE
 from brake_controller.shoe_friction import CONSTANT, MEASURED_AGAINST_FORCE
 from fmu_src.system import ParameterSet, quantity
 
@@ -33,25 +34,6 @@ class BrakeParameters(ParameterSet):
     constant_shoe_friction: float = quantity("1", "Shoe friction coefficient of law 0 (mu_b)", 0.0, 2.0)
 
 
-@dataclass(frozen=True)
-class ExperimentCase:
-    """What the thesis prints for one pressure of the experiment."""
-
-    rigging_efficiency: float
-    shoe_friction: float
-    lowest_shoe_friction: float
-    highest_shoe_friction: float
-
-
-#: By pressure [kPa]: efficiency of the refurbished rigging (rod force 18, 19, 15 % below the specification, sections
-#: 7.2.1, 7.3.1, 7.4.1), average shoe friction (section 7.5) and its range (sections 7.2.1, 7.3.1, 7.4.1).
-EXPERIMENT = {
-    130: ExperimentCase(0.82, 0.30, 0.27, 0.33),
-    150: ExperimentCase(0.81, 0.27, 0.23, 0.30),
-    180: ExperimentCase(0.85, 0.25, 0.21, 0.28),
-}
-
-
 def qr30(pressure_kpa: int = 180) -> BrakeParameters:
     """The brake of the QR30 bogie in the experiment, trailing wheelset, at one of its three pressures.
 
@@ -65,12 +47,12 @@ def qr30(pressure_kpa: int = 180) -> BrakeParameters:
         raise ValueError(f"Choose a pressure of the experiment, {known} kPa: it was {pressure_kpa} kPa.")
     row = EXPERIMENT[pressure_kpa]
     return BrakeParameters(
-        application_time=0.8,
-        release_time=0.8,
-        supply_pressure=350e3,
-        force_per_pressure=0.164,
+        application_time=APPLICATION_TIME,
+        release_time=APPLICATION_TIME,
+        supply_pressure=SUPPLY_PRESSURE,
+        force_per_pressure=FORCE_PER_PRESSURE,
         wheelset_share=0.5,
-        shoes=2.0,
+        shoes=SHOES / 2,
         slack_adjuster_force=0.0,
         rigging_efficiency=row.rigging_efficiency,
         wheel_radius=0.398,

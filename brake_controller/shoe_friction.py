@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import casadi as ca
 
+from brake_controller.experiment import EXPERIMENT, FORCE_PER_PRESSURE, SHOES
 from fmu_src.system import System, interpolation
 
 CONSTANT, MEASURED_AGAINST_FORCE = 0, 1
 
-#: Rod force of one shoe [N] and average shoe friction in the three cases of the experiment: 0.164/4 kN per kPa times
-#: the printed efficiency (section 6.2.3, chapter 7), and 0.30, 0.27, 0.25 (section 7.5).
-MEASURED_FORCE = (41.0 * 130 * 0.82, 41.0 * 150 * 0.81, 41.0 * 180 * 0.85)
-MEASURED_FRICTION = (0.30, 0.27, 0.25)
+#: Force of one shoe [N] and average shoe friction in the three cases of the experiment.
+MEASURED_FORCE = [1e3 * kpa * FORCE_PER_PRESSURE / SHOES * case.rigging_efficiency for kpa, case in EXPERIMENT.items()]
+MEASURED_FRICTION = [case.shoe_friction for case in EXPERIMENT.values()]
 
 
 def shoe_friction(system: System, law: ca.SX, constant: ca.SX, force_of_one_shoe: ca.SX) -> ca.SX:

@@ -6,7 +6,7 @@ import hashlib
 import math
 import re
 import tempfile
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 import casadi as ca
@@ -83,9 +83,9 @@ def generate(model: Model) -> dict[str, str]:
     return sources
 
 
-def guid_of(model: Model) -> str:
-    """GUID of the FMUs of a model; changes with its content and with nothing else."""
-    found = re.search(r"\{[0-9a-f-]{36}\}", generate(model)["model.c"])
+def guid_of(sources: Mapping[str, str]) -> str:
+    """GUID in generated sources; changes with the content of the model and with nothing else."""
+    found = re.search(r"\{[0-9a-f-]{36}\}", sources["model.c"])
     assert found
     return found.group()
 

@@ -18,7 +18,7 @@ from fmu_src.system import Model
 
 #: Where compiled kernels are kept between runs; named by the content of their sources and the compiler.
 CACHE = Path(__file__).resolve().parent.parent / "build" / "cache"
-#: No contraction of a*b+c: the same source gives the same bits with every compiler and machine.
+#: No contraction of a*b+c: compilers differ in nothing but the last bits of their mathematical library.
 FLAGS = (
     "-std=c11",
     "-O2",

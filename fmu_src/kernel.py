@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 OK, WARNING, DISCARD, ERROR = range(4)
@@ -41,8 +41,6 @@ _SIGNATURES = {
     "kernel_message": (ctypes.c_char_p, [ctypes.c_void_p]),
     "kernel_journal": (ctypes.c_char_p, [ctypes.c_void_p]),
     "kernel_counts": (None, [ctypes.c_void_p, ctypes.POINTER(ctypes.c_longlong)]),
-    "kernel_model_name": (ctypes.c_char_p, []),
-    "kernel_model_guid": (ctypes.c_char_p, []),
     "kernel_variable_count": (ctypes.c_int, []),
     "kernel_variable_name": (ctypes.c_char_p, [ctypes.c_int]),
     "kernel_repeat_right_hand_side": (ctypes.c_int, [ctypes.c_void_p, ctypes.c_longlong]),
@@ -70,10 +68,6 @@ class Library:
         count = self.functions.kernel_variable_count()
         self.names = [self.functions.kernel_variable_name(i).decode() for i in range(count)]
         self.index = {name: number for number, name in enumerate(self.names)}
-
-    @property
-    def guid(self) -> str:
-        return str(self.functions.kernel_model_guid().decode())
 
 
 class Kernel:
@@ -201,11 +195,11 @@ class Kernel:
         """`repeat` steps of `size` in one call: what a step costs a host written in C."""
         self._check(self._call.kernel_repeat_step(self._handle, self.time, size, repeat))
 
-    def _drain(self) -> Iterable[str]:
+    def _drain(self) -> None:
+        """Moves the sentences that the C side has gathered, each behind its status, to `journal`."""
         text = self._call.kernel_journal(self._handle)
-        lines = [line[2:] for line in text.decode().splitlines()] if text else []
-        self.journal += lines
-        return lines
+        if text:
+            self.journal += [line[2:] for line in text.decode().splitlines()]
 
     def _check(self, status: int) -> None:
         self._drain()

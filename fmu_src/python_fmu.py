@@ -16,8 +16,8 @@ from pathlib import Path
 from pythonfmu.builder import FmuBuilder
 
 from fmu_src.archive import write_archive
-from fmu_src.codegen import guid_of
-from fmu_src.compile import build_library, library_suffix
+from fmu_src.codegen import generate, guid_of
+from fmu_src.compile import library_of, library_suffix
 from fmu_src.model_description import model_description
 from fmu_src.system import Model
 
@@ -26,14 +26,15 @@ HERE = Path(__file__).parent
 
 def build_python_fmu(model: Model, path: Path) -> None:
     """Writes the pythonfmu FMU of a model. It needs Python on the host, but neither CasADi nor a compiler."""
-    guid = guid_of(model)
+    sources = generate(model)
+    guid = guid_of(sources)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         # The module's name holds the content's GUID: two versions of an FMU may live in one process.
         script = folder / f"{model.name}_{guid[1:9]}.py"
         script.write_text(slave_module(model, guid))
         library = folder / f"kernel{library_suffix()}"
-        shutil.copyfile(build_library(model), library)
+        shutil.copyfile(library_of(sources), library)
         try:
             packed = FmuBuilder.build_FMU(script, dest=folder / "out", project_files=[library])
         finally:

@@ -89,7 +89,7 @@ def tables_8_1_and_8_2() -> BogieParameters:
     """The QR30 bogie of the experiment, without a wagon body.
 
     Printed: Table 8.1 (masses and inertias), Table 8.2 (wheel base, wheel radius), rolling resistance 65 N.m for each
-    wheelset (section 8.3, where "kN.m" is a misprint: 65 kN.m would stop the bogie in a tenth of a second).
+    wheelset (section 8.3, where "kN.m" is a misprint: 65 kN.m is fifty times what the rail can turn at friction 0.18).
     Assumed: the suspension of Table 5.1, because section 8.2.1 refers to the model of chapter 5; frame_height 0,
     because the measured load of the braked wheelset, 2 x 8.85 kN (section 7.4.2), is the static one to 1 %; the rest as
     in `tables_5_1_and_5_2`.

@@ -60,7 +60,7 @@ def from_points(name: str, source: str, y: ArrayLike, z: ArrayLike) -> Profile:
     if y_array.size < 20 or np.any(np.diff(y_array) <= 0.0) or not np.all(np.isfinite([y_array, z_array])):
         raise ValueError(f"Profile {name}: give at least 20 finite points whose y increases.")
     if np.diff(y_array).max() > KNOT_DISTANCE:
-        # Points further apart than the knots are first joined by a curve through them.
+        # Points further apart than the knots are joined by straight lines, which the spline then smooths.
         fine = np.arange(y_array[0], y_array[-1], KNOT_DISTANCE / 4)
         z_array, y_array = np.interp(fine, y_array, z_array), fine
     count = max(1, round((y_array[-1] - y_array[0]) / KNOT_DISTANCE))
@@ -198,10 +198,11 @@ def synthetic_wheel(
 
 
 def read_profile(path: Path, kind: str) -> Profile:
-    """A measured contour: two columns y, z [mm] in the axes of this module, or MiniProf (`.whl`, `.ban`).
+    """A measured contour: lines that begin with two numbers, y and z [mm], as in two-column text or MiniProf files.
 
-    MiniProf files hold lines NAME=VALUE and then columns x, y, ...; their y axis points down. `kind` is "wheel" or
-    "rail" and names the profile. Raises ValueError with the path and what is wrong.
+    `kind` is "wheel" or "rail". Instruments differ in the direction of their axes, so a contour that lies upside down,
+    and a wheel whose flange lies at positive y, is turned; a rail must have its gauge corner at negative y. Other lines
+    (MiniProf's NAME=VALUE) are passed over. Raises ValueError with the path and what is wrong.
     """
     rows = []
     for line in path.read_text(encoding="utf-8", errors="replace").splitlines():
@@ -212,10 +213,19 @@ def read_profile(path: Path, kind: str) -> Profile:
             continue  # headers, remarks and empty lines
     if len(rows) < 20:
         raise ValueError(f"{path} has {len(rows)} points; a {kind} profile needs at least 20 lines of y, z in mm.")
-    points = np.array(rows) / 1e3
-    if path.suffix.lower() in {".whl", ".ban"}:
-        points[:, 1] *= -1
+    points = upright(np.array(rows)[:, :2] / 1e3, kind)
     order = np.argsort(points[:, 0], kind="stable")
     points = points[order]
     rising = np.concatenate([[True], np.diff(points[:, 0]) > 0.0])
     return from_points(f"{kind} {path.stem}", str(path.name), *points[rising].T)
+
+
+def upright(points: np.ndarray, kind: str) -> np.ndarray:
+    """Rows (y, z) turned so that a rail's top or a wheel's tread is above its flanks, and a wheel's flange at y < 0."""
+    y, z = points.T
+    above, below = z.max() - np.median(z), np.median(z) - z.min()
+    if above > below:  # most of a contour is head or tread: what reaches far from it is flank or flange
+        z = -z
+    if kind == "wheel" and y[np.argmin(z)] > 0.0:
+        y = -y
+    return np.column_stack([y, z])

@@ -113,10 +113,12 @@ class Slave:
         self.messages.append(message.decode(errors="replace").replace("%%", "%"))
 
     def _call(self, function: Callable, *arguments: object, **named: object):  # type: ignore[no-untyped-def]
+        heard = len(self.messages)
         try:
             return function(*arguments, **named)
         except FMICallException as error:
-            sentence = self.messages[-1] if self.messages else str(error)
+            # Only what this call said: an older sentence is no reason.
+            sentence = self.messages[-1] if len(self.messages) > heard else str(error)
             raise CosimulationError(f"{self.name}: {sentence}") from error
 
 

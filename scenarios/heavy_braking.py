@@ -38,6 +38,11 @@ def lock_time(series: Recording, number: int) -> float | None:
     return None if time is None else time - BRAKE_TIME
 
 
+def later_by(first: float | None, second: float | None) -> float | None:
+    """Difference of two lock times [s]; None when one of the wheelsets did not lock."""
+    return None if first is None or second is None else second - first
+
+
 def run(options: Options) -> Result:
     runs = {(level, case): brake(options, level, torque) for level in (2, 1) for case, torque in CASES.items()}
     planar = {case: runs[2, case][0] for case in CASES}
@@ -61,7 +66,7 @@ def run(options: Options) -> Result:
             "both braked: leading locks later by",
             "s",
             None,
-            None if late is None or early is None else late - early,
+            later_by(early, late),
             None,
             "load moves forward",
             "planar",
@@ -70,7 +75,7 @@ def run(options: Options) -> Result:
             "both braked: difference of the two lock times",
             "s",
             None,
-            (lock_time(point["both"], 1) or 0.0) - (lock_time(point["both"], 2) or 0.0),
+            later_by(lock_time(point["both"], 2), lock_time(point["both"], 1)),
             None,
             "static loads",
             "point: both alike",

@@ -8,7 +8,8 @@ from matplotlib.patches import Rectangle
 from scipy.optimize import bisect
 from tqdm import tqdm
 
-from brake_controller.parameters import EXPERIMENT, qr30
+from brake_controller.experiment import EXPERIMENT
+from brake_controller.parameters import qr30
 from rbd_model.parameters import tables_8_1_and_8_2
 from scenarios.cosimulation import Recording, Slave
 from scenarios.plotting import BOGIE, THREE, single
@@ -30,8 +31,8 @@ PRINTED_WHEEL_LOAD = 8850.0
 
 def brake_until_lock_or_rest(
     brake: Slave, bogie: Slave, pressure: int, shoe_friction: float, friction: float, step: float
-) -> bool:
-    """Whether the trailing wheelset locks while the bogie still moves; the brake is applied at t = 0."""
+) -> tuple[bool, float]:
+    """Whether the trailing wheelset locks while the bogie still moves, and after how long [s]; braked from t = 0."""
     brake.restart(qr30(pressure).values() | {"constant_shoe_friction": shoe_friction}, pressure_demand=1e3 * pressure)
     bogie.restart(bogie_parameters(set(bogie.units), pressure), friction_1=friction, friction_2=friction)
     for number in range(round(LONGEST / step)):
@@ -40,20 +41,22 @@ def brake_until_lock_or_rest(
         bogie.set(brake_torque_2=brake["brake_torque"])
         bogie.step(time, step)
         locked, speed = bogie.get(["locked_2", "speed"])
-        if speed < AT_REST:
-            return False
-        if locked:
-            return True
-    return False
+        if speed < AT_REST or locked:
+            return bool(locked) and speed >= AT_REST, time + step
+    return False, LONGEST
 
 
-def boundary(brake: Slave, bogie: Slave, pressure: int, friction: float, step: float) -> float:
-    """Shoe friction at which the wheelset just locks, to RESOLUTION."""
+def boundary(brake: Slave, bogie: Slave, pressure: int, friction: float, step: float) -> tuple[float, float]:
+    """Shoe friction at which the wheelset just locks, to RESOLUTION, and the time simulated to find it [s]."""
+    seconds = 0.0
 
     def sign(shoe_friction: float) -> float:
-        return 1.0 if brake_until_lock_or_rest(brake, bogie, pressure, shoe_friction, friction, step) else -1.0
+        nonlocal seconds
+        locks, lasted = brake_until_lock_or_rest(brake, bogie, pressure, shoe_friction, friction, step)
+        seconds += lasted
+        return 1.0 if locks else -1.0
 
-    return float(bisect(sign, *SHOE_FRICTION_SPAN, xtol=RESOLUTION))
+    return float(bisect(sign, *SHOE_FRICTION_SPAN, xtol=RESOLUTION)), seconds
 
 
 def printed_range(pressure: int) -> tuple[float, float]:
@@ -77,7 +80,8 @@ def run(options: Options) -> Result:
         points = tqdm([(p, f) for p in EXPERIMENT for f in FRICTIONS], desc="qr30-lock-boundary", leave=False)
         found = [boundary(brake, bogie, pressure, friction, step) for pressure, friction in points]
         for number, pressure in enumerate(EXPERIMENT):
-            curves[pressure] = np.array(found[number * FRICTIONS.size : (number + 1) * FRICTIONS.size])
+            limits = [limit for limit, _ in found[number * FRICTIONS.size : (number + 1) * FRICTIONS.size]]
+            curves[pressure] = np.array(limits)
         # A skid well above the limit, for the adhesion that eq. (7.3) measures.
         brake_until_lock_or_rest(brake, bogie, 180, 0.4, FRICTION, step)
         adhesion = -bogie["creep_force_2"] * tables_8_1_and_8_2().wheel_radius
@@ -119,9 +123,7 @@ def run(options: Options) -> Result:
     units = {"wheel_rail_friction": "1"} | {f"shoe_friction_that_locks_{p}_kPa": "1" for p in curves}
     series = Recording(units, np.column_stack([FRICTIONS, *curves.values()]).tolist())
     parameters = tables_8_1_and_8_2().values() | {"macro_step": step, "resolution": RESOLUTION}
-    # Bisection halves the span until RESOLUTION; each run lasts about 4 s.
-    halvings = int(np.ceil(np.log2((SHOE_FRICTION_SPAN[1] - SHOE_FRICTION_SPAN[0]) / RESOLUTION)))
-    seconds = 4.0 * len(found) * halvings
+    seconds = sum(lasted for _, lasted in found)
     return Result(rows, series, lambda: draw(curves), parameters, seconds, remarks, guids)
 
 

@@ -27,7 +27,6 @@ plt.rcParams.update(
         "grid.alpha": 0.3,
         "legend.frameon": False,
         "lines.linewidth": 1.6,
-        "svg.hashsalt": "bogie-braking",
     }
 )
 

@@ -13,7 +13,8 @@ from functools import partial
 import numpy as np
 from matplotlib.figure import Figure
 
-from brake_controller.parameters import EXPERIMENT, qr30
+from brake_controller.experiment import APPLICATION_TIME, EXPERIMENT
+from brake_controller.parameters import qr30
 from rbd_model.parameters import tables_8_1_and_8_2
 from scenarios.cosimulation import Recording, couple
 from scenarios.plotting import BOGIE, LEADING, THESIS, TRAILING, mark, panels
@@ -30,7 +31,6 @@ BRAKE_TIME = 1.0
 DURATION = 8.0
 #: Torque capacity [N.m] that locks the wheelset near the printed 1.8 m/s. Fitted, because the history is not printed.
 FITTED_TORQUE = 1800.0
-APPLICATION_TIME = 0.8
 #: A wheelset that locks below this speed [m/s] has stopped with the bogie.
 AT_REST = 0.05
 
@@ -60,14 +60,13 @@ class Run:
     lock_speed: float | None
     deceleration: float | None
     guids: Mapping[str, str]
-    messages: tuple[str, ...]
 
 
 def bogie_parameters(names: set[str], pressure: int) -> dict[str, float]:
     return of_fmu(tables_8_1_and_8_2().values(), names) | {"level": 2, "initial_speed": INITIAL_SPEED[pressure]}
 
 
-def _judge(series: Recording, guids: Mapping[str, str], messages: list[str], applied: float) -> Run:
+def _judge(series: Recording, guids: Mapping[str, str], applied: float) -> Run:
     skid = (series["locked_2"] > 0.5) & (series["speed"] > AT_REST)
     time = series.first_time(skid)
     speed = None if time is None else float(np.interp(time, series["time"], series["speed"]))
@@ -76,7 +75,7 @@ def _judge(series: Recording, guids: Mapping[str, str], messages: list[str], app
     deceleration = None
     if window.sum() > 2:
         deceleration = -float(np.polyfit(series["time"][window], series["speed"][window], 1)[0])
-    return Run(series, time, speed, deceleration, guids, tuple(messages))
+    return Run(series, time, speed, deceleration, guids)
 
 
 def brake_by_pressure(options: Options, pressure: int, shoe_friction: float, friction: float = FRICTION) -> Run:
@@ -97,8 +96,8 @@ def brake_by_pressure(options: Options, pressure: int, shoe_friction: float, fri
         series = couple(
             [brake, bogie], connections, DURATION, options.macro_step(), record, drive, label=f"{pressure} kPa"
         )
-        applied = BRAKE_TIME + 2 * brake_values["application_time"]
-        return _judge(series, {s.name: s.guid for s in (brake, bogie)}, bogie.messages, applied)
+        applied = BRAKE_TIME + 2 * APPLICATION_TIME
+        return _judge(series, {s.name: s.guid for s in (brake, bogie)}, applied)
 
 
 def brake_by_history(options: Options, pressure: int, times: np.ndarray, torques: np.ndarray) -> Run:
@@ -115,7 +114,7 @@ def brake_by_history(options: Options, pressure: int, times: np.ndarray, torques
         length = float(times[-1] - times[0])
         series = couple([bogie], [], length, options.macro_step(), record, drive, label="torque history")
         series.add("brake_torque", "N.m", np.array([*applied, applied[-1]]))
-        return _judge(series, {bogie.name: bogie.guid}, bogie.messages, 0.0)
+        return _judge(series, {bogie.name: bogie.guid}, 0.0)
 
 
 def fitted_history() -> tuple[np.ndarray, np.ndarray]:

@@ -61,7 +61,7 @@ class Row:
 
 @dataclass
 class Result:
-    """Everything a scenario found. `simulated_seconds` is the time that was simulated, over all runs."""
+    """Everything a scenario found. `simulated_seconds`: time simulated over all runs; 0 where that is not the point."""
 
     rows: list[Row]
     series: Recording
@@ -95,7 +95,7 @@ def save(result: Result, name: str, out: Path, wall_seconds: float) -> Path:
             "parameters": dict(result.parameters),
             "versions": versions() | {"fmus": dict(result.guids)},
             "wall_seconds": wall_seconds,
-            # null where nothing runs in time
+            # null where nothing runs in time, or the time of single calls is what is measured
             "times_real_time": result.simulated_seconds / wall_seconds or None,
         }
         (partial / "summary.json").write_text(json.dumps(summary, indent=2, allow_nan=False) + "\n", encoding="utf-8")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -51,6 +50,11 @@ def expected_acceleration(p: BogieParameters, torque: float) -> float:
     return 2 * torque / p.wheel_radius / (mass + 2 * p.wheelset_pitch_inertia / p.wheel_radius**2)
 
 
+def mean_where(values: np.ndarray, where: np.ndarray) -> float | None:
+    """Mean of the chosen values; None when none is chosen."""
+    return float(np.mean(values[where])) if where.any() else None
+
+
 RECORDED = (
     "speed",
     "distance",
@@ -72,10 +76,11 @@ def run(options: Options) -> Result:
         series = couple([bogie], [], DURATION, options.macro_step(), record, sequence, label="bogie-traction-braking")
         guids = {bogie.name: bogie.guid}
     series.add("torque", "N.m", np.array([*sequence.torque, sequence.torque[-1]]))
-    switches = [*sequence.switches, *[math.nan] * 3][:3]
-    time = series["time"]
-    pulling = (time > 10.0) & (time < switches[0])
-    braking = (time > switches[1] + RAMP + 2.0) & (time < switches[2])
+    # Times of 20 m/s reached, brake applied, 10 m/s reached; None for what did not happen.
+    switches = [sequence.switches[i] if i < len(sequence.switches) else None for i in range(3)]
+    time, torque = series["time"], series["torque"]
+    pulling = (time > 10.0) & (torque >= FULL_TORQUE)
+    braking = (time > (switches[1] or DURATION) + RAMP + 2.0) & (torque <= -FULL_TORQUE)
     expected = expected_acceleration(parameters, FULL_TORQUE)
     source = "section 5.4.1"
     settled = "mean while the torque is constant and the suspension has settled"
@@ -84,7 +89,7 @@ def run(options: Options) -> Result:
             "acceleration at 15 kN.m traction",
             "m/s2",
             1.109,
-            float(np.mean(series["acceleration"][pulling])),
+            mean_where(series["acceleration"], pulling),
             1.109e-3,
             source,
             settled,
@@ -93,7 +98,7 @@ def run(options: Options) -> Result:
             "acceleration at 15 kN.m braking",
             "m/s2",
             -1.109,
-            float(np.mean(series["acceleration"][braking])),
+            mean_where(series["acceleration"], braking),
             1.109e-3,
             source,
             settled,
@@ -108,7 +113,7 @@ def run(options: Options) -> Result:
     )
 
 
-def draw(series: Recording, switches: list[float]) -> Figure:
+def draw(series: Recording, switches: list[float | None]) -> Figure:
     labels = (
         "torque on each wheelset [kN.m], traction positive",
         "speed [m/s]",

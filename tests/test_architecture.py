@@ -39,7 +39,7 @@ def test_imports_run_one_way(package: str) -> None:
                 assert allowed, f"{path.relative_to(ROOT)} imports {name}"
 
 
-def test_every_function_of_the_physics_cites_or_says_what_it_is() -> None:
+def test_every_function_of_the_physics_says_what_it_is() -> None:
     for package in ("rbd_model", "brake_controller"):
         for path in (ROOT / package).rglob("*.py"):
             for node in ast.parse(path.read_text(encoding="utf-8")).body:

@@ -302,6 +302,7 @@ int kernel_initialise(kernel *self, double time) {
     kernel_evaluate(self, system->start, 0.0, self->state, self->trial, NULL);
     memcpy(self->state, self->trial, (size_t)system->states * sizeof(double));
     for (int i = 0; i < system->frictions; ++i) self->mode[i] = 1.0;
+    for (int i = 0; i < system->memories; ++i) self->memory[i] = 0.0; /* also when this is not the first start */
     if (system->remember) kernel_evaluate(self, system->remember, 0.0, self->state, self->memory, NULL);
     modes_refresh(self, 0.0);
     compute_outputs(self, 0.0, self->state);
@@ -498,8 +499,12 @@ void kernel_save(const kernel *self, void *bytes) {
 }
 
 int kernel_restore(kernel *self, const void *bytes) {
-    memcpy(&self->now, bytes, sizeof self->now);
-    memcpy(self->block, (const char *)bytes + sizeof self->now, self->restored * sizeof(double));
+    kernel_snapshot saved;
+    memcpy(&saved, bytes, sizeof saved);
+    if (saved.system < -1 || saved.system >= MODEL.systems)
+        return kernel_fail(self, KERNEL_ERROR, "The saved state is not one of %s; nothing was restored.", MODEL.name);
+    self->now = saved;
+    memcpy(self->block, (const char *)bytes + sizeof saved, self->restored * sizeof(double));
     self->system = self->now.system < 0 ? NULL : &MODEL.system[self->now.system];
     if (self->system)
         for (int i = 0; i < self->system->parameters; ++i)
@@ -511,8 +516,6 @@ int kernel_restore(kernel *self, const void *bytes) {
 
 double kernel_time(const kernel *self) { return self->now.time; }
 int kernel_ended(const kernel *self) { return self->now.ended; }
-const char *kernel_model_name(void) { return MODEL.name; }
-const char *kernel_model_guid(void) { return MODEL.guid; }
 int kernel_variable_count(void) { return MODEL.variables; }
 int kernel_state_count(const kernel *self) { return self->system ? self->system->states : 0; }
 

@@ -112,7 +112,7 @@ typedef struct kernel {
     size_t restored;
     /* Not restored: work space of one step. */
     double *parameter, *input, *rate, *stage_input, *coefficient, *table_at;
-    double *trial, *slope, *time_slope, *jacobian, *matrix, *stage[6], *point, *right_side;
+    double *trial, *slope, *time_slope, *jacobian, *matrix, *stage[6], *point;
     double *drive, *capacity, *margin, *output, *backup;
     int *pivot;
     char *warned; /* one flag per variable: "has no effect here" is said once */
@@ -125,7 +125,7 @@ typedef struct kernel {
     double *block;
 } kernel;
 
-/* Public face (fmi2.c and kernel.py use nothing else). Status codes as above; the sentence is in kernel_message. */
+/* Public face, for fmi2.c and kernel.py. Status codes as above; the sentence is in kernel_message. */
 KERNEL_EXPORT kernel *kernel_create(void);
 KERNEL_EXPORT void kernel_free(kernel *self);
 KERNEL_EXPORT void kernel_reset(kernel *self);
@@ -145,8 +145,6 @@ KERNEL_EXPORT int kernel_ended(const kernel *self);
 KERNEL_EXPORT const char *kernel_message(const kernel *self);
 KERNEL_EXPORT const char *kernel_journal(kernel *self);
 KERNEL_EXPORT void kernel_counts(const kernel *self, long long int counts[6]);
-KERNEL_EXPORT const char *kernel_model_name(void);
-KERNEL_EXPORT const char *kernel_model_guid(void);
 KERNEL_EXPORT int kernel_variable_count(void);
 KERNEL_EXPORT const char *kernel_variable_name(int variable);
 KERNEL_EXPORT int kernel_state_count(const kernel *self);

@@ -6,7 +6,8 @@ import math
 
 import pytest
 
-from brake_controller.parameters import EXPERIMENT, qr30
+from brake_controller.experiment import EXPERIMENT
+from brake_controller.parameters import qr30
 from brake_controller.rigging import force_per_pressure
 from brake_controller.shoe_friction import MEASURED_AGAINST_FORCE
 from fmu_src.kernel import Kernel, KernelError, Library

@@ -247,6 +247,22 @@ def test_archives_hold_no_paths_of_the_machine_that_built_them(fmus: dict) -> No
             assert not any(root in archive.read(name) for name in archive.namelist())
 
 
+def test_refusal_without_a_sentence_is_not_explained_by_an_older_one(fmus: dict) -> None:
+    with Slave(fmus["bogie", "native"]) as bogie:
+        bogie.start(brake_torque_1=60e3)
+        bogie.step(0.0, 1.0)
+        assert bogie.messages  # the lock
+        with pytest.raises(CosimulationError) as caught:
+            bogie._call(bogie.fmu.getIntegerStatus, 0)
+        assert "locked" not in str(caught.value)
+
+
+def test_build_into_a_file_gets_a_sentence(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "taken").write_text("")
+    assert main(["brake", "--kind", "native", "--out", str(tmp_path / "taken")]) == 1
+    assert "choose another folder with --out" in capsys.readouterr().err
+
+
 def test_build_command_prints_a_line_for_each_fmu(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["brake", "--kind", "native", "--out", str(tmp_path)]) == 0
     line = capsys.readouterr().out

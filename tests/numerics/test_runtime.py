@@ -228,6 +228,30 @@ def test_projection_and_memory_keep_a_pendulum_on_its_circle() -> None:
     assert drift[False] > 1e-6
 
 
+def test_memory_begins_anew_with_every_start() -> None:
+    def write(system: System) -> None:
+        x = system.state("x", "1", 0.0, 1.0)
+        count = system.memory("count")
+        system.remember("count", count + 1)
+        system.derivative("x", 1.0 + 0 * x)
+        system.output(real("count", "output"), count)
+
+    kernel = Kernel(library(write))
+    kernel.advance(1.0)
+    kernel.reopen()
+    kernel.initialise()
+    assert kernel["count"] == 1.0
+
+
+def test_saved_state_of_another_model_is_refused() -> None:
+    kernel = Kernel(library(sliding_block))
+    kernel.advance(1.0)
+    before = kernel.save()
+    with pytest.raises(KernelError, match="not one of small; nothing was restored"):
+        kernel.restore(b"\x7f" * len(before))
+    assert kernel.save() == before
+
+
 def sliding_block(system: System) -> None:
     """A block of 1 kg on dry friction, pushed by a force."""
     force = system.input(real("force", "input"))

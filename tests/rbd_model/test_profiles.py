@@ -138,16 +138,27 @@ def test_european_pair_has_its_usual_clearance() -> None:
     assert 5e-3 < flange_contact_shift(european_pair()) < 8e-3
 
 
-@pytest.mark.parametrize(("suffix", "sign"), [(".txt", 1.0), (".whl", -1.0)])
-def test_profile_from_a_file_is_the_profile(tmp_path: Path, suffix: str, sign: float) -> None:
+@pytest.mark.parametrize(("suffix", "y_sign", "z_sign"), [(".txt", 1, 1), (".whl", 1, -1), (".whl", -1, 1)])
+def test_wheel_from_a_file_is_the_wheel_whichever_way_its_axes_point(
+    tmp_path: Path, suffix: str, y_sign: int, z_sign: int
+) -> None:
     wheel = wheel_cone_120()
     y = np.arange(-0.045, 0.050, 0.2e-3)
-    rows = "\n".join(f"{1e3 * a:.5f}  {sign * 1e3 * b:.6f}" for a, b in zip(y, wheel.height(y), strict=True))
+    rows = [f"{y_sign * 1e3 * a:.5f}  {z_sign * 1e3 * b:.6f}" for a, b in zip(y, wheel.height(y), strict=True)]
     path = tmp_path / f"measured{suffix}"
-    path.write_text(f"ProgramName=MiniProf\nXYPoints={y.size}\n\n{rows}\n")
-    read = read_profile(path, "wheel")
+    path.write_text(f"ProgramName=MiniProf\nXYPoints={y.size}\n\n" + "\n".join(rows) + "\n")
     tread = np.linspace(-0.010, 0.045, 100)
-    assert np.abs(read.height(tread) - wheel.height(tread)).max() < 1e-6
+    assert np.abs(read_profile(path, "wheel").height(tread) - wheel.height(tread)).max() < 1e-6
+
+
+@pytest.mark.parametrize("z_sign", [1, -1])
+def test_rail_from_a_file_is_the_rail_whichever_way_up(tmp_path: Path, z_sign: int) -> None:
+    rail = rail_60kg()
+    y = np.arange(-0.034, 0.034, 0.2e-3)
+    path = tmp_path / "measured.ban"
+    path.write_text("\n".join(f"{1e3 * a:.5f}, {z_sign * 1e3 * b:.6f}" for a, b in zip(y, rail.height(y), strict=True)))
+    top = np.linspace(-0.020, 0.020, 100)
+    assert np.abs(read_profile(path, "rail").height(top) - rail.height(top)).max() < 1e-6
 
 
 def test_file_without_enough_points_is_refused(tmp_path: Path) -> None:
