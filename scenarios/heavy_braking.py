@@ -56,11 +56,11 @@ def run(options: Options) -> Result:
             0.5,
             lock_time(planar["leading"], 1),
             0.1,
-            "Fig. 5.44, read",
+            "Fig. 5.44, about",
             f"planar; {assumed}",
         ),
         Row(
-            "both braked: trailing wheelset locks after", "s", 0.2, early, 0.1, "Fig. 5.46, read", f"planar; {assumed}"
+            "both braked: trailing wheelset locks after", "s", 0.2, early, 0.1, "Fig. 5.46, about", f"planar; {assumed}"
         ),
         Row(
             "both braked: leading locks later by",
@@ -91,9 +91,8 @@ def run(options: Options) -> Result:
         ),
     ]
     series = planar["leading"]
-    for case in CASES:
-        for name in RECORDED:
-            series.add(f"{name}_{case}_braked", series.units[name], planar[case][name])
+    for name in RECORDED:
+        series.add(f"{name} (both braked)", series.units[name], planar["both"][name])
     remarks = [f"{case} braked, planar: {' '.join(m for m in runs[2, case][1])}" for case in CASES]
     parameters = tables_5_1_and_5_2().values() | {"friction": FRICTION, "brake_torque": TORQUE}
     guids = {"BogieDynamics": runs[2, "both"][2]}

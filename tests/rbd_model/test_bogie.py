@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from dataclasses import replace
 
 import casadi as ca
 import numpy as np
@@ -285,6 +286,25 @@ def test_lost_energy_equals_brake_creep_and_damping_work(reaction: float, torque
     assert abs(lost - sum(work.values())) < ENERGY_BAND * lost
     wrong = work | {"creep_power": 1.001 * work["creep_power"]}
     assert abs(lost - sum(wrong.values())) > ENERGY_BAND * lost
+
+
+def test_undamped_rocking_keeps_its_energy() -> None:
+    """Forces and potential of the suspension belong together: 700 J swing between them and none gets lost.
+
+    A traction torque that reacts on the frame sets it rocking, on wheels that spin (almost) without friction.
+    """
+    energies = ["kinetic_energy", "potential_energy"]
+    p = replace(tables_5_1_and_5_2(), longitudinal_damping=0.0, vertical_damping=0.0, torque_reaction=1.0)
+    system = planar_bogie(p, 0.0).with_integrals(["creep_power"]).with_outputs(energies)
+    one = Kernel(Library(build_library(model_of(system, 1e-10))), friction_1=0.0, friction_2=0.0)
+    one.set(traction_torque_1=3e4, traction_torque_2=3e4)
+    one.advance(0.3)
+    one.set(traction_torque_1=0.0, traction_torque_2=0.0)
+    table = one.record(3.0, 0.01, [*energies, "integral_creep_power"])
+    swing = np.ptp(table["potential_energy"])
+    total = np.sum([table[name] for name in (*energies, "integral_creep_power")], axis=0)
+    assert swing > 500.0
+    assert np.ptp(total) < 1e-8 * swing
 
 
 def test_kernel_follows_another_method_through_a_skid() -> None:
