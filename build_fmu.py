@@ -27,9 +27,13 @@ from fmu_src.model_description import variable_table
 from fmu_src.native_fmu import build_native_fmu
 from fmu_src.python_fmu import build_python_fmu
 from fmu_src.system import Model
-from rbd_model.bogie import bogie_dynamics
+from rbd_model.bogie import bogie_dynamics, wheelset_dynamics
 
-MODELS: dict[str, Callable[[], Model]] = {"bogie": bogie_dynamics, "brake": brake_cylinder}
+MODELS: dict[str, Callable[[], Model]] = {
+    "bogie": bogie_dynamics,
+    "wheelset": wheelset_dynamics,
+    "brake": brake_cylinder,
+}
 #: Where the FMUs of this checkout live.
 BUILD = Path(__file__).resolve().parent / "build"
 BUILDERS: dict[str, Callable[[Model, Path], None]] = {"native": build_native_fmu, "python": build_python_fmu}

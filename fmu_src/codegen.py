@@ -7,6 +7,8 @@ import math
 import re
 import tempfile
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import accumulate
 from pathlib import Path
 
 import casadi as ca
@@ -24,48 +26,74 @@ FUNCTIONS = (
     "ode",
     "jacobian",
     "output",
-    "drive_and_capacity",
-    "end_margin",
+    "drive",
+    "capacity",
+    "condition_margin",
     "table_argument",
-    "remember",
-    "project",
 )
 KINDS = {"real": "KIND_REAL", "integer": "KIND_INTEGER", "boolean": "KIND_BOOLEAN"}
 
 
 def functions(system: System) -> dict[str, ca.Function]:
-    """The generated functions of a system; all take the nine arguments of `ARGUMENTS`."""
+    """The generated functions of a system; all take the arguments of `ARGUMENTS`."""
     arguments = system.arguments
     time, states, inputs, rates = arguments[:4]
     ode = system.ode
-    # Exact: d/dx, and along the given rates of the inputs d/dt.
-    jacobian = ca.densify(ca.jacobian(ode, states))
+    # Exact: d/dx, its structural nonzeros only, and along the given rates of the inputs d/dt.
+    jacobian = ca.jacobian(ode, states)
     time_slope = ca.densify(ca.jacobian(ode, time) + ca.jtimes(ode, inputs, rates))
     results: dict[str, list[ca.SX]] = {
         "derive": [ca.vertcat(*system.derived_expressions.values())],
         "start": [_start(system)],
         "ode": [ode],
-        "jacobian": [jacobian, time_slope],
+        "jacobian": [jacobian.nz[:], time_slope],
         "output": [ca.vertcat(*system.outputs.values())],
-        "drive_and_capacity": [
-            ca.vertcat(*[friction.drive for friction in system.frictions]),
-            ca.vertcat(*[friction.capacity for friction in system.frictions]),
-        ],
-        "end_margin": [ca.vertcat(*[end.margin for end in system.end_conditions])],
+        "drive": [ca.vertcat(*[friction.drive for friction in system.frictions])],
+        "capacity": [ca.vertcat(*[friction.capacity for friction in system.frictions])],
+        "condition_margin": [ca.vertcat(*[c.margin for c in (*system.end_conditions, *system.warnings)])],
         "table_argument": [ca.vertcat(*[table.argument for table in system.tables])],
-        "remember": [ca.vertcat(*[system.memory_expressions[name] for name in system.memory_symbols])],
-        "project": [
-            ca.vertcat(*[system.projections.get(name, state.symbol) for name, state in system.states.items()])
-            if system.projections
-            else ca.SX(0, 1)
-        ],
     }
     made = {}
     for name, expressions in results.items():
-        if expressions[0].numel():
+        if any(expression.numel() for expression in expressions):
             simplified = ca.cse([ca.densify(expression) for expression in expressions])
             made[name] = ca.Function(f"{system.name}_{name}", arguments, simplified)
     return made
+
+
+@dataclass(frozen=True)
+class Elimination:
+    """How the linear equations of a step are solved: numbers of states and of places in a dense matrix.
+
+    order: the states, so that the factors stay sparse (approximate minimum degree); jacobian_place: of each nonzero of
+    the Jacobian in a matrix of that order, stored by columns; below, right: for each pivot, the rows below it and the
+    columns right of it that are not zero when it is their turn.
+    """
+
+    order: list[int]
+    jacobian_place: list[int]
+    below: list[list[int]]
+    right: list[list[int]]
+
+
+def elimination(system: System) -> Elimination:
+    """Symbolic factorisation of I/(gamma h) - J without exchanges."""
+    pattern = ca.jacobian(system.ode, system.arguments[1]).sparsity()
+    count = len(system.states)
+    order = [int(state) for state in (pattern + pattern.T + ca.Sparsity.diag(count)).amd()]
+    position = {state: place for place, state in enumerate(order)}
+    rows: list[set[int]] = [{row} for row in range(count)]
+    places = []
+    for i, j in zip(*pattern.get_triplet(), strict=True):
+        rows[position[i]].add(position[j])
+        places.append(position[j] * count + position[i])
+    below, right = [], []
+    for pivot in range(count):
+        below.append([row for row in range(pivot + 1, count) if pivot in rows[row]])
+        right.append(sorted(column for column in rows[pivot] if column > pivot))
+        for row in below[-1]:
+            rows[row].update(right[-1])
+    return Elimination(order, places, below, right)
 
 
 def _start(system: System) -> ca.SX:
@@ -140,6 +168,15 @@ def _system_arrays(model: Model, system: System) -> Iterable[str]:
     ):
         yield _array("int", f"{prefix}_{suffix}_variable", [str(model.index(name)) for name in names])
     yield _array("double", f"{prefix}_nominal", [_number(state.nominal) for state in system.states.values()])
+    solving = elimination(system)
+    yield _array("int", f"{prefix}_order", map(str, solving.order))
+    yield _array("int", f"{prefix}_jacobian_place", map(str, solving.jacobian_place))
+    for name, lists in (("below", solving.below), ("right", solving.right)):
+        starts = [0, *accumulate(len(entries) for entries in lists)]
+        yield _array("int", f"{prefix}_{name}_start", map(str, starts))
+        yield _array("int", f"{prefix}_{name}", [*(str(entry) for entries in lists for entry in entries), "0"])
+    algebraic = [number for number, state in enumerate(system.states.values()) if state.algebraic]
+    yield _array("int", f"{prefix}_algebraic", map(str, algebraic))
     position = {name: number for number, name in enumerate(system.states)}
     yield _array(
         "friction_description",
@@ -157,13 +194,13 @@ def _system_arrays(model: Model, system: System) -> Iterable[str]:
         "table_description",
         f"{prefix}_table",
         [
-            f"{{{table.coefficients.shape[0]}, {table.coefficients.shape[1] - 1}, "
+            f"{{{table.coefficients.shape[0]}, {table.coefficients.shape[1] - 1}, {table.rank}, "
             f"{prefix}_{table.name}_breakpoint, {prefix}_{table.name}_coefficient}}"
             for table in system.tables
         ],
     )
-    sentences = [_text(end.sentence) for end in system.end_conditions]
-    yield _array("char *const", f"{prefix}_end_sentence", sentences)
+    sentences = [_text(condition.sentence) for condition in (*system.end_conditions, *system.warnings)]
+    yield _array("char *const", f"{prefix}_sentence", sentences)
 
 
 def _system_entry(system: System, made: dict[str, ca.Function]) -> str:
@@ -171,15 +208,18 @@ def _system_entry(system: System, made: dict[str, ca.Function]) -> str:
     outputs = [variable.name for variable in system.variables if variable.causality == "output"]
     counts = {
         "states": len(system.states),
+        "algebraics": sum(state.algebraic for state in system.states.values()),
+        "nonzeros": ca.jacobian(system.ode, system.arguments[1]).nnz(),
         "inputs": len(system.input_symbols),
         "parameters": len(system.parameter_symbols),
         "derived": len(system.derived_symbols),
         "frictions": len(system.frictions),
         "tables": len(system.tables),
+        "table_ranks": 1 + max((table.rank for table in system.tables), default=-1),
         "table_coefficients": sum(table.symbols.numel() for table in system.tables),
-        "memories": len(system.memory_symbols),
         "outputs": len(outputs),
         "ends": len(system.end_conditions),
+        "conditions": len(system.end_conditions) + len(system.warnings),
     }
     fields = [f".name = {_text(system.name)}"]
     fields += [f".{name} = {count}" for name, count in counts.items()]
@@ -188,9 +228,16 @@ def _system_entry(system: System, made: dict[str, ca.Function]) -> str:
         ("parameter_variable", "parameters"),
         ("output_variable", "outputs"),
         ("nominal", "states"),
+        ("order", "states"),
+        ("jacobian_place", "nonzeros"),
+        ("below_start", "states"),
+        ("below", "states"),
+        ("right_start", "states"),
+        ("right", "states"),
+        ("algebraic", "algebraics"),
         ("friction", "frictions"),
         ("table", "tables"),
-        ("end_sentence", "ends"),
+        ("sentence", "conditions"),
     ):
         if counts[count]:
             fields.append(f".{name} = {prefix}_{name}")

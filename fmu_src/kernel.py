@@ -41,6 +41,10 @@ _SIGNATURES = {
     "kernel_message": (ctypes.c_char_p, [ctypes.c_void_p]),
     "kernel_journal": (ctypes.c_char_p, [ctypes.c_void_p]),
     "kernel_counts": (None, [ctypes.c_void_p, ctypes.POINTER(ctypes.c_longlong)]),
+    "kernel_linearise": (
+        ctypes.c_int,
+        [ctypes.c_void_p, ctypes.POINTER(ctypes.c_double), ctypes.POINTER(ctypes.c_double)],
+    ),
     "kernel_variable_count": (ctypes.c_int, []),
     "kernel_variable_name": (ctypes.c_char_p, [ctypes.c_int]),
     "kernel_repeat_right_hand_side": (ctypes.c_int, [ctypes.c_void_p, ctypes.c_longlong]),
@@ -184,6 +188,13 @@ class Kernel:
         numbers = (ctypes.c_longlong * len(COUNTERS))()
         self._call.kernel_counts(self._handle, numbers)
         return dict(zip(COUNTERS, numbers, strict=True))
+
+    def linearise(self) -> tuple[list[float], list[list[float]]]:
+        """Right-hand side and Jacobian at the present state, in the order of the system's states."""
+        count = self._call.kernel_state_count(self._handle)
+        slope, jacobian = (ctypes.c_double * count)(), (ctypes.c_double * (count * count))()
+        self._check(self._call.kernel_linearise(self._handle, slope, jacobian))
+        return list(slope), [jacobian[row * count : (row + 1) * count] for row in range(count)]
 
     def repeat_right_hand_side(self, repeat: int) -> None:
         self._check(self._call.kernel_repeat_right_hand_side(self._handle, repeat))

@@ -19,7 +19,7 @@ Kind = Literal["real", "integer", "boolean"]
 Causality = Literal["parameter", "input", "output"]
 
 #: Arguments of every generated function, in the order of the C runtime (kernel.h).
-ARGUMENTS = ("time", "states", "inputs", "input_rates", "parameters", "derived", "modes", "tables", "memory")
+ARGUMENTS = ("time", "states", "inputs", "input_rates", "parameters", "derived", "modes", "tables")
 
 
 @dataclass(frozen=True)
@@ -79,13 +79,17 @@ class ParameterSet:
 
 @dataclass(frozen=True)
 class State:
-    """A continuous state. `nominal` scales its error, in its unit; `start` depends on parameters only."""
+    """A continuous state. `nominal` scales its error, in its unit; `start` depends on parameters only.
+
+    An algebraic state has no derivative: an equation without derivatives determines it, and `start` is a guess.
+    """
 
     name: str
     unit: str
     symbol: ca.SX
     start: ca.SX
     nominal: float
+    algebraic: bool = False
 
 
 @dataclass(frozen=True)
@@ -93,7 +97,8 @@ class Table:
     """A piecewise polynomial; outside the breakpoints it holds its end value.
 
     breakpoints: shape (pieces + 1,), increasing; coefficients: shape (pieces, degree + 1), lowest power first, of
-    (argument - left breakpoint). `symbols` are (origin, c0, ..., c_degree), supplied by the runtime.
+    (argument - left breakpoint). `symbols` are (origin, c0, ..., c_degree), supplied by the runtime. The argument may
+    contain values of other tables: those of a lower `rank` are looked up first.
     """
 
     name: str
@@ -101,6 +106,7 @@ class Table:
     coefficients: np.ndarray
     argument: ca.SX
     symbols: ca.SX
+    rank: int
 
 
 @dataclass(frozen=True)
@@ -121,8 +127,11 @@ class Friction:
 
 
 @dataclass(frozen=True)
-class EndCondition:
-    """The run ends when `margin` (dimensionless, of order 1) turns negative; `sentence` holds one %s, the time."""
+class Condition:
+    """The run ends, or warns once, when `margin` (dimensionless, of order 1) turns negative.
+
+    `sentence` holds one %s, the time.
+    """
 
     margin: ca.SX
     sentence: str
@@ -158,11 +167,9 @@ class System:
     derivatives: dict[str, ca.SX] = field(default_factory=dict)
     tables: list[Table] = field(default_factory=list)
     frictions: list[Friction] = field(default_factory=list)
-    memory_symbols: dict[str, ca.SX] = field(default_factory=dict)
-    memory_expressions: dict[str, ca.SX] = field(default_factory=dict)
     outputs: dict[str, ca.SX] = field(default_factory=dict)
-    end_conditions: list[EndCondition] = field(default_factory=list)
-    projections: dict[str, ca.SX] = field(default_factory=dict)
+    end_conditions: list[Condition] = field(default_factory=list)
+    warnings: list[Condition] = field(default_factory=list)
     observables: dict[str, Observable] = field(default_factory=dict)
 
     # -- symbols ------------------------------------------------------------------------------------------------
@@ -186,48 +193,59 @@ class System:
 
     def state(self, name: str, unit: str, start: ca.SX | float, nominal: float) -> ca.SX:
         """Symbol of a state; `nominal` (> 0, in `unit`) is the size at which the tolerance is counted."""
+        return self._add_state(name, unit, start, nominal, algebraic=False)
+
+    def algebraic(self, name: str, unit: str, guess: ca.SX | float, nominal: float) -> ca.SX:
+        """Symbol of an algebraic state, which an equation given with `residual` determines at every instant."""
+        return self._add_state(name, unit, guess, nominal, algebraic=True)
+
+    def _add_state(self, name: str, unit: str, start: ca.SX | float, nominal: float, algebraic: bool) -> ca.SX:
         if not nominal > 0.0:
             raise ValueError(f"State {name}: nominal {nominal} must be above 0.")
         symbol = ca.SX.sym(name)
-        self.states[name] = State(name, unit, symbol, ca.SX(start), nominal)
+        self.states[name] = State(name, unit, symbol, ca.SX(start), nominal, algebraic)
         return symbol
 
     def table(self, name: str, breakpoints: np.ndarray, coefficients: np.ndarray, argument: ca.SX) -> ca.SX:
         """Value of a piecewise polynomial at `argument` (see `Table`); derivatives of it are exact."""
+        return self.curve(name, breakpoints, coefficients, argument, 0)[0]
+
+    def curve(
+        self, name: str, breakpoints: np.ndarray, coefficients: np.ndarray, argument: ca.SX, order: int
+    ) -> list[ca.SX]:
+        """A table's value and its derivatives by the argument up to `order`."""
         breakpoints, coefficients = np.asarray(breakpoints, float), np.asarray(coefficients, float)
         if np.any(np.diff(breakpoints) <= 0.0) or coefficients.shape[0] != breakpoints.size - 1:
             raise ValueError(f"Table {name}: give increasing breakpoints and one row of coefficients for each piece.")
         symbols = ca.SX.sym(name, coefficients.shape[1] + 1)
-        self.tables.append(Table(name, breakpoints, coefficients, argument, symbols))
+        rank = 1 + max((t.rank for t in self.tables if ca.depends_on(argument, t.symbols)), default=-1)
+        self.tables.append(Table(name, breakpoints, coefficients, argument, symbols, rank))
         distance = argument - symbols[0]
-        value = symbols[coefficients.shape[1]]
-        for power in range(coefficients.shape[1] - 1, 0, -1):
-            value = value * distance + symbols[power]
-        return value
+        terms = [symbols[1 + power] for power in range(coefficients.shape[1])]
+        values = []
+        for _ in range(order + 1):
+            value = terms[-1] if terms else ca.SX(0)
+            for term in terms[-2::-1]:
+                value = value * distance + term
+            values.append(value)
+            terms = [power * term for power, term in enumerate(terms)][1:]
+        return values
 
     def direction(self, name: str) -> ca.SX:
         """Symbol of the direction of a dry friction; declare the friction with `dry_friction` afterwards."""
         return ca.SX.sym(name)
-
-    def memory(self, name: str) -> ca.SX:
-        """Symbol of a value carried from one accepted step to the next; give its rule with `remember`."""
-        self.memory_symbols[name] = ca.SX.sym(name)
-        return self.memory_symbols[name]
 
     # -- equations ----------------------------------------------------------------------------------------------
 
     def derivative(self, state: str, expression: ca.SX) -> None:
         self.derivatives[state] = ca.SX(expression)
 
+    def residual(self, algebraic: str, expression: ca.SX) -> None:
+        """The equation `expression` = 0 of an algebraic state; together they must be solvable for all of them."""
+        self.derivatives[algebraic] = ca.SX(expression)
+
     def dry_friction(self, friction: Friction) -> None:
         self.frictions.append(friction)
-
-    def remember(self, name: str, expression: ca.SX) -> None:
-        self.memory_expressions[name] = expression
-
-    def project(self, state: str, expression: ca.SX) -> None:
-        """After each accepted step the state is replaced by `expression` (one iteration back onto a constraint)."""
-        self.projections[state] = expression
 
     def output(self, variable: Variable, expression: ca.SX | float) -> None:
         if variable.causality != "output":
@@ -236,7 +254,10 @@ class System:
         self.outputs[variable.name] = ca.SX(expression)
 
     def end_when_negative(self, margin: ca.SX, sentence: str) -> None:
-        self.end_conditions.append(EndCondition(margin, sentence))
+        self.end_conditions.append(Condition(margin, sentence))
+
+    def warn_when_negative(self, margin: ca.SX, sentence: str) -> None:
+        self.warnings.append(Condition(margin, sentence))
 
     def observe(self, name: str, unit: str, expression: ca.SX) -> None:
         self.observables[name] = Observable(unit, ca.SX(expression))
@@ -256,14 +277,14 @@ class System:
             ca.vertcat(*self.derived_symbols.values()),
             ca.vertcat(*[friction.direction for friction in self.frictions]),
             ca.vertcat(*[table.symbols for table in self.tables]),
-            ca.vertcat(*self.memory_symbols.values()),
         ]
 
     @property
     def ode(self) -> ca.SX:
+        """Derivatives of the states, and residuals of the algebraic ones, in the order of the states."""
         missing = [name for name in self.states if name not in self.derivatives]
         if missing:
-            raise ValueError(f"System {self.name}: the states {', '.join(missing)} have no derivative.")
+            raise ValueError(f"System {self.name}: the states {', '.join(missing)} have no equation.")
         return ca.vertcat(*[self.derivatives[name] for name in self.states])
 
     def with_integrals(self, names: Sequence[str]) -> System:

@@ -1,12 +1,15 @@
-"""BogieDynamics: the levels of detail behind one table of variables."""
+"""The FMUs of this package: BogieDynamics, all levels of detail behind one table of variables, and WheelsetDynamics."""
 
 from __future__ import annotations
 
-from fmu_src.system import Model, System, Variable, tolerance_variable
+from fmu_src.system import Model, System, Variable, model_of, tolerance_variable
 from rbd_model import variables
-from rbd_model.parameters import BogieParameters, tables_5_1_and_5_2
+from rbd_model.contact_geometry import thesis_pair
+from rbd_model.parameters import BogieParameters, tables_4_1_and_4_2, tables_5_1_and_5_2
 from rbd_model.planar import planar_bogie
 from rbd_model.point import point_bogie
+from rbd_model.spatial import spatial_bogie
+from rbd_model.track import irregular_track, section_5_3
 
 #: Local error per step in nominal values. A stop is right to 0.1 mm at 1e-5 already; 1e-7 keeps the creep force, which
 #: multiplies the slip by up to 4e9 N/(m/s) near rest, within 0.2 % there as well.
@@ -15,14 +18,22 @@ DEFAULT_TOLERANCE = 1e-7
 
 def levels(defaults: BogieParameters) -> tuple[System, ...]:
     """The systems in the order of the parameter `level`, the least first."""
-    return point_bogie(defaults), planar_bogie(defaults)
+    spatial = spatial_bogie(defaults, thesis_pair(), irregular_track(section_5_3()))
+    return point_bogie(defaults), planar_bogie(defaults), spatial
 
 
 def bogie_dynamics(defaults: BogieParameters | None = None) -> Model:
     """The bogie as one FMU: brake torque capacity in; speed, angular velocity and slip out."""
     systems = levels(defaults or tables_5_1_and_5_2())
     level = Variable(
-        "level", "parameter", "1", "Level of detail: 1 point, 2 planar", 2.0, 1.0, float(len(systems)), kind="integer"
+        "level",
+        "parameter",
+        "1",
+        "Level of detail: 1 point, 2 planar, 3 spatial",
+        2.0,
+        1.0,
+        float(len(systems)),
+        kind="integer",
     )
     parameters = {v.name: v for system in systems for v in system.variables if v.causality == "parameter"}
     table = (
@@ -34,3 +45,17 @@ def bogie_dynamics(defaults: BogieParameters | None = None) -> Model:
     )
     text = "Two-axle railway bogie under brake and traction torque, after Handoko (2006)"
     return Model("BogieDynamics", text, table, systems, selector="level", stop_time=25.0)
+
+
+def wheelset_in_frame(defaults: BogieParameters | None = None) -> System:
+    """The single wheelset in a frame of chapter 4, spatial, with the variables of wheelset 1."""
+    track = irregular_track(section_5_3())
+    system = spatial_bogie(defaults or tables_4_1_and_4_2(), thesis_pair(), track, numbers=(1,))
+    system.name = "WheelsetDynamics"
+    system.description = "Railway wheelset in a frame under brake and traction torque, after Handoko (2006), chapter 4"
+    return system
+
+
+def wheelset_dynamics() -> Model:
+    """The wheelset of chapter 4 as an FMU."""
+    return model_of(wheelset_in_frame(), DEFAULT_TOLERANCE)

@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import casadi as ca
+import numpy as np
+
+from rbd_model.contact import polynomial
 
 #: Kalker's coefficients at Poisson's ratio 0.25: Kalker (1990), Three-Dimensional Elastic Bodies in Rolling Contact,
 #: table E.3, for a/b = 0.1 ... 1.0 and then b/a = 0.9 ... 0.1.
@@ -44,6 +48,21 @@ def kalker_coefficients(axis_ratio: ca.SX) -> Kalker:
         return ca.if_else(tabulated, ca.pw_lin(coordinate, [0.1 * i for i in range(1, 20)], list(column)), math.nan)
 
     return Kalker(value(C11), value(C22), value(C23))
+
+
+#: Degree of the polynomials below; within 0.5 % of the table, which has three digits.
+FIT_DEGREE = 5
+
+
+@lru_cache
+def _fit(column: tuple[float, ...]) -> tuple[float, ...]:
+    ratios = np.array([*range(1, 11), *(100 / i for i in range(9, 0, -1))]) / 10
+    return tuple(np.polynomial.polynomial.polyfit(np.log(ratios), np.log(column), FIT_DEGREE).tolist())
+
+
+def smooth_kalker_coefficients(logarithm: ca.SX) -> Kalker:
+    """Coefficients from ln(a/b), without the corners of linear interpolation, for a contact that moves."""
+    return Kalker(*(ca.exp(polynomial(_fit(column), logarithm)) for column in (C11, C22, C23)))
 
 
 def creepage(sliding_speed: ca.SX, forward_speed: ca.SX, creepage_speed: ca.SX) -> ca.SX:
@@ -92,19 +111,23 @@ def polach_forces(
     x, y, spin = creepages
     a, b = semi_axes
     limit = friction * load
+    # Divisions are written as products with one reciprocal: they are what this costs, with its derivatives.
+    per_limit = 1 / limit
     with_spin = y + spin * a
     y_corrected = ca.if_else(ca.fabs(with_spin) > ca.fabs(y), with_spin, y)  # (3.105)
     total = ca.sqrt(x**2 + y_corrected**2 + CREEPAGE_FLOOR**2)  # (3.104)
     # (3.92), a mean of c11 and c22 in the direction of the creepage; of no weight where there is none
     plain = x**2 + y**2 + CREEPAGE_FLOOR**2
     stiffness = ca.sqrt(((kalker.c11 * x) ** 2 + (kalker.c22 * y) ** 2 + (kalker.c22 * CREEPAGE_FLOOR) ** 2) / plain)
-    force = polach_force(total, load, friction, semi_axes, shear_modulus, stiffness)
+    per_total = 1 / total
+    force = polach_force(total, load, friction, semi_axes, shear_modulus, stiffness) * per_total
 
     shape = 1 + 6.3 * (1 - ca.exp(-a / b))
-    gradient = 8 / 3 * shear_modulus * b * ca.sqrt(a * b) / limit * kalker.c23 * y_corrected / shape  # (3.103)
+    gradient = 8 / 3 * shear_modulus * b * ca.sqrt(a * b) * per_limit * kalker.c23 * y_corrected / shape  # (3.103)
     square = gradient**2
-    delta = (square - 1) / (square + 1)  # (3.102)
+    saturation = 1 / (1 + square)
+    delta = (square - 1) * saturation  # (3.102)
     size = ca.sqrt(square + CREEPAGE_FLOOR**2)
-    factor = size * (delta**3 / 3 - delta**2 / 2 + 1 / 6) - 8 / 3 * size**3 / (1 + square) ** 3  # (3.101)
-    from_spin = 9 / 16 * a * limit * factor * shape * spin / total  # (3.100)
-    return force * x / total, force * y / total + from_spin
+    factor = size * (delta**3 / 3 - delta**2 / 2 + 1 / 6) - 8 / 3 * (size * saturation) ** 3  # (3.101)
+    from_spin = 9 / 16 * a * limit * factor * shape * spin * per_total  # (3.100)
+    return force * x, force * y + from_spin

@@ -19,11 +19,15 @@ from rbd_model.parameters import BogieParameters
 from rbd_model.wheelset import (
     NOMINAL_DISTANCE,
     NOMINAL_SPEED,
+    NOMINAL_TRAVEL,
+    NOMINAL_TRAVEL_SPEED,
+    SPATIAL_INPUTS,
     WHEELSET_PARAMETERS,
     Bogie,
     Wheelset,
     add_wheelset,
     add_wheelset_outputs,
+    centred_contact,
     start_bogie,
 )
 
@@ -38,9 +42,6 @@ PLANAR_PARAMETERS = (
     "vertical_damping",
     "torque_reaction",
 )
-#: Scales of the error control for motions in the suspension: with tolerance 1e-7, 1 nm and 0.1 um/s.
-NOMINAL_TRAVEL = 0.01
-NOMINAL_TRAVEL_SPEED = 1.0
 #: Two suspension elements act on each wheelset.
 ELEMENTS = 2
 
@@ -57,10 +58,10 @@ class Axle:
     damping_power: ca.SX
 
 
-def planar_bogie(defaults: BogieParameters, initial_speed: float = 25.0) -> System:
+def planar_bogie(defaults: BogieParameters) -> System:
     """The bogie in its vertical plane; see the module's text."""
     used = (*PLANAR_PARAMETERS, *WHEELSET_PARAMETERS)
-    bogie = start_bogie("planar", "Bounce, pitch, load transfer, suspension", defaults, used, initial_speed)
+    bogie = start_bogie("planar", "Bounce, pitch, load transfer, suspension", defaults, used, SPATIAL_INPUTS)
     system, p = bogie.system, bogie.parameter
     system.state("frame_distance", "m", 0.0, NOMINAL_DISTANCE)
     speed = system.state("frame_speed", "m/s", bogie.initial_speed, NOMINAL_SPEED)
@@ -71,8 +72,9 @@ def planar_bogie(defaults: BogieParameters, initial_speed: float = 25.0) -> Syst
 
     axles = [add_axle(bogie, number) for number in (1, 2)]
     loads = [p["wheelset_mass"] * p["gravity"] + axle.upward for axle in axles]
+    contact = centred_contact(bogie)
     wheelsets = [
-        add_wheelset(bogie, number, axle.forward_speed, load)
+        add_wheelset(bogie, number, contact, axle.forward_speed, load)
         for number, axle, load in zip((1, 2), axles, loads, strict=True)
     ]
 
@@ -81,7 +83,7 @@ def planar_bogie(defaults: BogieParameters, initial_speed: float = 25.0) -> Syst
     # Moment about y of a force (X, Z) at an arm (x, z): z X - x Z. Torques that react on the frame turn it the way
     # they slow the wheel: braking presses the nose down.
     moment = sum(axle.arm[1] * axle.forward - axle.arm[0] * axle.upward for axle in axles)
-    reaction = sum(wheelset.brake_torque - wheelset.traction_torque for wheelset in wheelsets)
+    reaction = sum(w.rotation.brake_torque - w.rotation.traction_torque for w in wheelsets)
     pitch_acceleration = (moment + p["torque_reaction"] * reaction) / p["frame_pitch_inertia"]
     system.derivative("frame_distance", speed)
     system.derivative("frame_speed", acceleration)
@@ -90,9 +92,10 @@ def planar_bogie(defaults: BogieParameters, initial_speed: float = 25.0) -> Syst
     system.derivative("pitch", pitch_rate)
     system.derivative("pitch_rate", pitch_acceleration)
     for axle, wheelset in zip(axles, wheelsets, strict=True):
-        system.derivative(f"shift_{wheelset.number}", system.states[f"shift_speed_{wheelset.number}"].symbol)
+        number = wheelset.rotation.number
+        system.derivative(f"shift_{number}", system.states[f"shift_speed_{number}"].symbol)
         along = (wheelset.creep_force - axle.forward) / p["wheelset_mass"]
-        system.derivative(f"shift_speed_{wheelset.number}", along - acceleration)
+        system.derivative(f"shift_speed_{number}", along - acceleration)
 
     add_outputs(bogie, axles, wheelsets, loads)
     observe_energy(bogie, axles, wheelsets)
@@ -148,7 +151,7 @@ def add_outputs(bogie: Bogie, axles: list[Axle], wheelsets: list[Wheelset], load
     system.output(bogie.outputs["bounce"], value["bounce"])
     system.output(bogie.outputs["pitch"], value["pitch"])
     for wheelset, load in zip(wheelsets, loads, strict=True):
-        add_wheelset_outputs(bogie, wheelset, speed, load)
+        add_wheelset_outputs(bogie, wheelset.rotation, speed, wheelset.creep_force, load)
 
 
 def observe_energy(bogie: Bogie, axles: list[Axle], wheelsets: list[Wheelset]) -> None:
@@ -159,12 +162,12 @@ def observe_energy(bogie: Bogie, axles: list[Axle], wheelsets: list[Wheelset]) -
     kinetic += p["frame_pitch_inertia"] * value["pitch_rate"] ** 2 / 2
     for axle, wheelset in zip(axles, wheelsets, strict=True):
         kinetic += p["wheelset_mass"] * axle.forward_speed**2 / 2
-        kinetic += p["wheelset_pitch_inertia"] * wheelset.angular_velocity**2 / 2
+        kinetic += p["wheelset_pitch_inertia"] * wheelset.rotation.angular_velocity**2 / 2
     potential = sum(axle.potential for axle in axles) + p["frame_mass"] * p["gravity"] * value["bounce"]
     turning = [
-        wheelset.friction_torque * wheelset.angular_velocity
-        - p["torque_reaction"] * wheelset.brake_torque * value["pitch_rate"]
-        for wheelset in wheelsets
+        w.rotation.friction_torque * w.rotation.angular_velocity
+        - p["torque_reaction"] * w.rotation.brake_torque * value["pitch_rate"]
+        for w in wheelsets
     ]
     system.observe("kinetic_energy", "J", kinetic)
     system.observe("potential_energy", "J", potential)

@@ -13,23 +13,26 @@ from rbd_model.parameters import BogieParameters
 from rbd_model.wheelset import (
     NOMINAL_DISTANCE,
     NOMINAL_SPEED,
+    SPATIAL_INPUTS,
     WHEELSET_PARAMETERS,
     add_wheelset,
     add_wheelset_outputs,
+    centred_contact,
     start_bogie,
 )
 
 
-def point_bogie(defaults: BogieParameters, initial_speed: float = 25.0) -> System:
+def point_bogie(defaults: BogieParameters) -> System:
     """The two-wheelset bogie as eq. (2.8): distance, speed, and rotation and angular velocity of each wheelset."""
     used = ("frame_mass", *WHEELSET_PARAMETERS)
-    bogie = start_bogie("point", "Speed and wheel speeds, static loads", defaults, used, initial_speed)
+    bogie = start_bogie("point", "Speed and wheel speeds, static loads", defaults, used, SPATIAL_INPUTS)
     system, p = bogie.system, bogie.parameter
     system.state("distance", "m", 0.0, NOMINAL_DISTANCE)
     speed = system.state("speed", "m/s", bogie.initial_speed, NOMINAL_SPEED)
 
     load = (p["wheelset_mass"] + p["frame_mass"] / 2) * p["gravity"]
-    wheelsets = [add_wheelset(bogie, number, speed, load) for number in (1, 2)]
+    contact = centred_contact(bogie)
+    wheelsets = [add_wheelset(bogie, number, contact, speed, load) for number in (1, 2)]
     total_mass = p["frame_mass"] + 2 * p["wheelset_mass"]
     force = wheelsets[0].creep_force + wheelsets[1].creep_force + bogie.input["drawbar_force"]
     system.derivative("distance", speed)
@@ -39,5 +42,5 @@ def point_bogie(defaults: BogieParameters, initial_speed: float = 25.0) -> Syste
     system.output(bogie.outputs["distance"], system.states["distance"].symbol)
     system.output(bogie.outputs["acceleration"], force / total_mass)
     for wheelset in wheelsets:
-        add_wheelset_outputs(bogie, wheelset, speed, load)
+        add_wheelset_outputs(bogie, wheelset.rotation, speed, wheelset.creep_force, load)
     return system

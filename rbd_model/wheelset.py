@@ -22,6 +22,9 @@ NOMINAL_SPEED = 10.0
 NOMINAL_DISTANCE = 10.0
 NOMINAL_ANGULAR_VELOCITY = 25.0
 NOMINAL_ROTATION = 25.0
+#: Motions in the suspension: with tolerance 1e-7, 1 nm and 0.1 um/s.
+NOMINAL_TRAVEL = 0.01
+NOMINAL_TRAVEL_SPEED = 1.0
 
 
 @dataclass
@@ -33,45 +36,48 @@ class Bogie:
     input: dict[str, ca.SX]
     outputs: dict[str, Variable]
     initial_speed: ca.SX
-    contact: dict[str, ca.SX]
+
+
+@dataclass(frozen=True)
+class Rotation:
+    """Symbols of one wheelset that turns: velocity, torques of its brake with sign, and 0 where it is locked."""
+
+    number: int
+    angular_velocity: ca.SX
+    friction_torque: ca.SX  # brake and rolling resistance
+    brake_torque: ca.SX  # the brake's part of it
+    traction_torque: ca.SX
+    moving: ca.SX
 
 
 @dataclass(frozen=True)
 class Wheelset:
-    """Symbols of one wheelset: states, forces and torques in the equations of motion."""
+    """One wheelset on a level rail."""
 
-    number: int
-    angular_velocity: ca.SX
+    rotation: Rotation
     creep_force: ca.SX
-    friction_torque: ca.SX  # brake and rolling resistance, with its sign
-    brake_torque: ca.SX  # the brake's part of it
-    traction_torque: ca.SX
     sliding_speed: ca.SX
 
 
-def start_bogie(name: str, description: str, defaults: BogieParameters, used: Sequence[str], speed: float) -> Bogie:
-    """A System with the parameters named in `used`, all inputs that the levels share, and the contact constants."""
+def start_bogie(
+    name: str,
+    description: str,
+    defaults: BogieParameters,
+    used: Sequence[str],
+    unused_inputs: Sequence[str] = (),
+    speed: float = 25.0,
+) -> Bogie:
+    """A System with the parameters named in `used` and all inputs but some."""
     system = System(name, description)
     initial = system.parameter(variables.initial_speed(speed))
     parameter = {field: system.parameter(defaults.variable(field)) for field in used}
-    table = variables.inputs()
-    wanted = [n for n in table if not n.startswith("yaw_torque")]
-    symbols = {n: system.input(table[n]) for n in wanted}
-    shape = ellipse_shape(
-        parameter["wheel_radius"],
-        parameter["wheel_profile_curvature"],
-        parameter["rail_head_radius"],
-        parameter["shear_modulus"],
-    )
-    contact = {
-        "semi_axis_longitudinal": system.derived("semi_axis_longitudinal", shape.longitudinal),
-        "semi_axis_lateral": system.derived("semi_axis_lateral", shape.lateral),
-        "c11": system.derived("c11", kalker_coefficients(shape.axis_ratio).c11),
-    }
-    return Bogie(system, parameter, symbols, variables.outputs(), initial, contact)
+    symbols = {name: system.input(row) for name, row in variables.inputs().items() if name not in unused_inputs}
+    return Bogie(system, parameter, symbols, variables.outputs(), initial)
 
 
-#: Parameters that the wheelset below needs.
+#: Inputs that only the spatial level has.
+SPATIAL_INPUTS = ("yaw_torque_1", "yaw_torque_2")
+#: Parameters that a wheelset on a level rail needs.
 WHEELSET_PARAMETERS = (
     "wheelset_mass",
     "wheelset_pitch_inertia",
@@ -85,59 +91,93 @@ WHEELSET_PARAMETERS = (
 )
 
 
-def creep_force_of_wheelset(bogie: Bogie, number: int, load: ca.SX, sliding: ca.SX, forward: ca.SX) -> ca.SX:
+@dataclass(frozen=True)
+class CentredContact:
+    """Contact ellipse of a wheel that does not move sideways: semi-axes over N^(1/3) [m/N^(1/3)] and Kalker's c11."""
+
+    longitudinal: ca.SX
+    lateral: ca.SX
+    c11: ca.SX
+
+
+def centred_contact(bogie: Bogie) -> CentredContact:
+    """Constants from the curvatures, computed once at the start."""
+    p, system = bogie.parameter, bogie.system
+    shape = ellipse_shape(p["wheel_radius"], p["wheel_profile_curvature"], p["rail_head_radius"], p["shear_modulus"])
+    return CentredContact(
+        system.derived("semi_axis_longitudinal", shape.longitudinal),
+        system.derived("semi_axis_lateral", shape.lateral),
+        system.derived("c11", kalker_coefficients(shape.axis_ratio).c11),
+    )
+
+
+def wheel_load_and_friction(bogie: Bogie, number: int, load: ca.SX, factor: ca.SX | float = 1.0) -> tuple[ca.SX, ca.SX]:
+    """Load [N] and friction coefficient of a wheel, both kept above zero for the creep laws."""
+    friction = bogie.input[f"friction_{number}"] * factor
+    return ca.fmax(load, SMALLEST_LOAD), ca.fmax(friction, SMALLEST_FRICTION)
+
+
+def creep_force_of_wheelset(
+    bogie: Bogie, number: int, contact: CentredContact, load: ca.SX, sliding: ca.SX, forward: ca.SX
+) -> ca.SX:
     """Longitudinal force of both rails on a wheelset that carries `load` [N] and slides at `sliding` [m/s]."""
-    wheel_load = ca.fmax(load / 2, SMALLEST_LOAD)
+    wheel_load, friction = wheel_load_and_friction(bogie, number, load / 2)
     growth = wheel_load ** (1 / 3)  # eq. (3.87): the semi-axes grow with the cube root of the load
-    semi_axes = (bogie.contact["semi_axis_longitudinal"] * growth, bogie.contact["semi_axis_lateral"] * growth)
-    friction = ca.fmax(bogie.input[f"friction_{number}"], SMALLEST_FRICTION)
+    semi_axes = (contact.longitudinal * growth, contact.lateral * growth)
     xi = creepage(sliding, forward, bogie.parameter["creepage_speed"])
-    return 2 * polach_force(xi, wheel_load, friction, semi_axes, bogie.parameter["shear_modulus"], bogie.contact["c11"])
+    return 2 * polach_force(xi, wheel_load, friction, semi_axes, bogie.parameter["shear_modulus"], contact.c11)
 
 
-def add_wheelset(bogie: Bogie, number: int, forward: ca.SX, load: ca.SX) -> Wheelset:
+def add_wheelset(bogie: Bogie, number: int, contact: CentredContact, forward: ca.SX, load: ca.SX) -> Wheelset:
+    """A wheelset on a level rail. forward [m/s]: speed of its axle; load [N]: vertical force of both rails."""
+    omega = add_rotation_states(bogie, number)
+    radius = bogie.parameter["wheel_radius"]
+    sliding = forward - radius * omega
+    force = creep_force_of_wheelset(bogie, number, contact, load, sliding, forward)
+    return Wheelset(add_rotation(bogie, number, omega, -force * radius), force, sliding)
+
+
+def add_rotation_states(bogie: Bogie, number: int) -> ca.SX:
+    """Declares the rotation of a wheelset and returns its angular velocity; at the start it rolls."""
+    start = bogie.initial_speed / bogie.parameter["wheel_radius"]
+    bogie.system.state(f"rotation_{number}", "rad", 0.0, NOMINAL_ROTATION)
+    return bogie.system.state(f"angular_velocity_{number}", "rad/s", start, NOMINAL_ANGULAR_VELOCITY)
+
+
+def add_rotation(bogie: Bogie, number: int, omega: ca.SX, rail_torque: ca.SX) -> Rotation:
     """Rotation of one wheelset, third line of eq. (2.8): J dw/dt = F_x r - T_B, with traction and rolling resistance.
 
-    forward [m/s]: speed of its axle; load [N]: vertical force of both rails. The brake torque is a capacity: dry
-    friction that opposes the rotation, or holds the wheelset locked while the rail cannot turn it.
+    rail_torque [N.m]: moment about the axle from the rails. The brake torque is a capacity: dry friction that opposes
+    the rotation, or holds the wheelset locked while the rail cannot turn it.
     """
     system, parameter = bogie.system, bogie.parameter
-    radius, inertia = parameter["wheel_radius"], parameter["wheelset_pitch_inertia"]
-    rotation, velocity = f"rotation_{number}", f"angular_velocity_{number}"
-    start = bogie.initial_speed / radius
-    system.state(rotation, "rad", 0.0, NOMINAL_ROTATION)
-    omega = system.state(velocity, "rad/s", start, NOMINAL_ANGULAR_VELOCITY)
     direction = system.direction(f"direction_{number}")
-
-    sliding = forward - radius * omega
-    force = creep_force_of_wheelset(bogie, number, load, sliding, forward)
     brake = bogie.input[f"brake_torque_{number}"]
     capacity = brake + parameter["rolling_resistance_torque"]
     traction = bogie.input[f"traction_torque_{number}"]
-    drive = traction - force * radius
+    drive = traction + rail_torque
     # Sliding, the friction is the capacity; locked, it is whatever balances the drive, shared in proportion.
     moving = direction**2
     friction_torque = moving * direction * capacity + (1 - moving) * drive
-    system.derivative(rotation, omega)
-    system.derivative(velocity, moving * (drive - direction * capacity) / inertia)
+    velocity = f"angular_velocity_{number}"
+    system.derivative(f"rotation_{number}", omega)
+    system.derivative(velocity, moving * (drive - direction * capacity) / parameter["wheelset_pitch_inertia"])
     system.dry_friction(Friction(f"Wheelset {number}", direction, velocity, drive, capacity, "locked", "turns again"))
-
     share = brake / ca.fmax(capacity, 1e-9)
-    return Wheelset(number, omega, force, friction_torque, share * friction_torque, traction, sliding)
+    return Rotation(number, omega, friction_torque, share * friction_torque, traction, moving)
 
 
-def add_wheelset_outputs(bogie: Bogie, wheelset: Wheelset, speed: ca.SX, load: ca.SX) -> None:
-    system, number = bogie.system, wheelset.number
-    slip = speed - bogie.parameter["wheel_radius"] * wheelset.angular_velocity
-    moving = system.frictions[number - 1].direction ** 2
+def add_wheelset_outputs(bogie: Bogie, rotation: Rotation, speed: ca.SX, creep_force: ca.SX, load: ca.SX) -> None:
+    system, number = bogie.system, rotation.number
+    slip = speed - bogie.parameter["wheel_radius"] * rotation.angular_velocity
     rows = {
-        "angular_velocity": wheelset.angular_velocity,
+        "angular_velocity": rotation.angular_velocity,
         "rotation": system.states[f"rotation_{number}"].symbol,
         "slip": slip,
         "slip_ratio": creepage(slip, speed, bogie.parameter["creepage_speed"]),
-        "creep_force": wheelset.creep_force,
+        "creep_force": creep_force,
         "axle_load": load,
-        "locked": 1 - moving,
+        "locked": 1 - rotation.moving,
     }
     for name, expression in rows.items():
         system.output(bogie.outputs[f"{name}_{number}"], expression)

@@ -87,7 +87,7 @@ class Slave:
     def set(self, **values: float) -> None:
         for name, value in values.items():
             reference, kind = self._reference(name)
-            self._call(getattr(self.fmu, f"set{kind}"), [reference], [value])
+            self._call(getattr(self.fmu, f"set{kind}"), [reference], [value if kind == "Real" else int(value)])
 
     def __getitem__(self, name: str) -> float:
         return self.get([name])[0]

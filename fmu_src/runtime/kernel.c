@@ -56,15 +56,15 @@ static system_description largest_dimensions(void) {
 #define GROW(member) \
     if (one->member > most.member) most.member = one->member
         GROW(states);
+        GROW(nonzeros);
         GROW(inputs);
         GROW(parameters);
         GROW(derived);
         GROW(frictions);
         GROW(tables);
         GROW(table_coefficients);
-        GROW(memories);
         GROW(outputs);
-        GROW(ends);
+        GROW(conditions);
 #undef GROW
     }
     return most;
@@ -85,7 +85,7 @@ static size_t lay_out(kernel *self, double *block) {
     self->input_rate = carve(block, &used, MODEL.variables);
     self->state = carve(block, &used, n);
     self->mode = carve(block, &used, most.frictions);
-    self->memory = carve(block, &used, most.memories);
+    self->said = carve(block, &used, most.conditions);
     self->derived = carve(block, &used, most.derived);
     self->restored = used;
     self->backup = carve(block, &used, (int)self->restored);
@@ -98,13 +98,16 @@ static size_t lay_out(kernel *self, double *block) {
     self->trial = carve(block, &used, n);
     self->slope = carve(block, &used, n);
     self->time_slope = carve(block, &used, n);
+    self->nonzero = carve(block, &used, most.nonzeros);
     self->jacobian = carve(block, &used, n * n);
     self->matrix = carve(block, &used, n * n);
     for (int i = 0; i < 6; ++i) self->stage[i] = carve(block, &used, n);
     self->point = carve(block, &used, n);
+    self->ordered = carve(block, &used, n);
+    self->differential = carve(block, &used, n);
     self->drive = carve(block, &used, most.frictions);
     self->capacity = carve(block, &used, most.frictions);
-    self->margin = carve(block, &used, most.frictions + most.ends);
+    self->margin = carve(block, &used, most.frictions + most.conditions);
     self->output = carve(block, &used, most.outputs);
     return used;
 }
@@ -114,13 +117,17 @@ kernel *kernel_create(void) {
     if (!self) return NULL;
     const size_t doubles = lay_out(self, NULL);
     self->block = calloc(doubles, sizeof(double));
-    self->pivot = calloc((size_t)largest_dimensions().states + 1, sizeof(int));
+    const size_t n = (size_t)largest_dimensions().states;
+    self->pivot = calloc(3 * n + 1, sizeof(int));
     self->warned = calloc((size_t)MODEL.variables, 1);
     if (!self->block || !self->pivot || !self->warned) {
         kernel_free(self);
         return NULL;
     }
     lay_out(self, self->block);
+    self->place = self->pivot + n;
+    self->every = self->place + n;
+    for (size_t i = 0; i < n; ++i) self->every[i] = (int)i;
     kernel_reset(self);
     return self;
 }
@@ -154,13 +161,13 @@ void kernel_evaluate(kernel *self, generated_function function, double offset, c
     const system_description *system = self->system;
     const double time = self->step_origin + offset;
     for (int i = 0; i < system->inputs; ++i) self->stage_input[i] = self->input[i] + offset * self->rate[i];
-    const double *argument[ARG_COUNT] = {&time,         state,      self->stage_input, self->rate,  self->parameter,
-                                         self->derived, self->mode, self->coefficient, self->memory};
+    const double *argument[ARG_COUNT] = {&time,           state,         self->stage_input, self->rate,
+                                         self->parameter, self->derived, self->mode,        self->coefficient};
     double *result[2] = {first, second};
-    if (system->tables && function != system->derive) {
-        double *arguments_of_tables[1] = {self->table_at};
+    double *arguments_of_tables[1] = {self->table_at};
+    for (int rank = 0; rank < system->table_ranks && function != system->derive; ++rank) {
         system->table_argument(argument, arguments_of_tables, NULL, NULL, 0);
-        tables_look_up(system, self->table_at, self->coefficient);
+        tables_look_up(system, rank, self->table_at, self->coefficient);
     }
     function(argument, result, NULL, NULL, 0);
 }
@@ -289,29 +296,46 @@ int kernel_get(kernel *self, int variable, double *value) {
 
 /* ---- initialisation ------------------------------------------------------------------------------------------ */
 
+/* Sets what follows from the chosen system and the parameters and is not restored with them. */
+static void enter_system(kernel *self) {
+    const system_description *system = self->system = self->now.system < 0 ? NULL : &MODEL.system[self->now.system];
+    if (!system) return;
+    for (int i = 0; i < system->parameters; ++i) self->parameter[i] = self->value[system->parameter_variable[i]];
+    memset(self->jacobian, 0, (size_t)(system->states * system->states) * sizeof(double));
+    for (int i = 0; i < system->states; ++i) {
+        self->differential[i] = 1.0;
+        self->place[system->order[i]] = i;
+    }
+    for (int i = 0; i < system->algebraics; ++i) self->differential[system->algebraic[i]] = 0.0;
+}
+
 int kernel_initialise(kernel *self, double time) {
     if (!isfinite(time)) return kernel_fail(self, KERNEL_ERROR, "Start at a finite time: %g was given.", time);
     const int chosen = MODEL.selector < 0 ? 0 : (int)self->value[MODEL.selector] - 1;
-    const system_description *system = self->system = &MODEL.system[chosen];
     self->now.system = chosen;
+    enter_system(self);
+    const system_description *system = self->system;
     self->now.time = self->step_origin = time;
     self->now.proposed_step = FIRST_STEP;
-    for (int i = 0; i < system->parameters; ++i) self->parameter[i] = self->value[system->parameter_variable[i]];
     gather_inputs(self);
     if (system->derive) kernel_evaluate(self, system->derive, 0.0, self->state, self->derived, NULL);
     kernel_evaluate(self, system->start, 0.0, self->state, self->trial, NULL);
     memcpy(self->state, self->trial, (size_t)system->states * sizeof(double));
     for (int i = 0; i < system->frictions; ++i) self->mode[i] = 1.0;
-    for (int i = 0; i < system->memories; ++i) self->memory[i] = 0.0; /* also when this is not the first start */
-    if (system->remember) kernel_evaluate(self, system->remember, 0.0, self->state, self->memory, NULL);
+    for (int i = 0; i < system->conditions; ++i) self->said[i] = 0.0;
+    rosenbrock_linearise(self, 0.0);
+    const int solved = rosenbrock_make_consistent(self, 0.0);
     modes_refresh(self, 0.0);
     compute_outputs(self, 0.0, self->state);
     const char *bad = output_not_finite(self);
-    if (bad) {
-        self->system = NULL;
-        self->now.system = -1;
-        return kernel_fail(self, KERNEL_ERROR,
-                           "The output %s is not a finite number at the start; check the parameters it depends on.", bad);
+    if (bad || !solved) {
+        kernel_reopen(self);
+        return bad ? kernel_fail(self, KERNEL_ERROR,
+                                 "The output %s is not a finite number at the start; check the parameters it depends on.",
+                                 bad)
+                   : kernel_fail(self, KERNEL_ERROR,
+                                 "The equations have no consistent start at t = %.9g s; check inputs and parameters.",
+                                 time);
     }
     self->now.outputs_stale = 0;
     for (int i = 0; i < MODEL.variables; ++i)
@@ -370,22 +394,18 @@ static double accepted_step(kernel *self, double offset, double size, long long 
     }
 }
 
-static void accept(kernel *self, double offset) {
+static void accept(kernel *self) {
     const system_description *system = self->system;
     memcpy(self->state, self->trial, (size_t)system->states * sizeof(double));
     /* A stuck velocity is exactly zero: its slope is, but row exchanges in the factorisation leave round-off. */
     for (int i = 0; i < system->frictions; ++i)
         if (self->mode[i] == 0.0) self->state[system->friction[i].velocity] = 0.0;
-    if (system->project) {
-        kernel_evaluate(self, system->project, offset, self->state, self->trial, NULL);
-        memcpy(self->state, self->trial, (size_t)system->states * sizeof(double));
-    }
-    if (system->remember) kernel_evaluate(self, system->remember, offset, self->state, self->memory, NULL);
     self->counters.steps++;
 }
 
-/* Integrates from offset 0 to `size`; *reached is where it stopped. */
+/* Integrates from offset 0 to `size`; *reached is where it stopped. Returns OK, a warning, or an error. */
 static int integrate(kernel *self, double size, double *reached) {
+    int status = KERNEL_OK;
     double offset = 0.0;
     long long int trials = 0;
     int switches = 0;
@@ -398,6 +418,10 @@ static int integrate(kernel *self, double size, double *reached) {
         if (proposed > 0.5 * remaining) wanted = proposed < remaining ? 0.5 * remaining : remaining;
         double margin = INFINITY, error = 0.0;
         rosenbrock_linearise(self, offset);
+        if (!rosenbrock_make_consistent(self, offset))
+            return kernel_fail(self, KERNEL_ERROR,
+                               "The algebraic equations have no solution near t = %.9g s; check inputs and parameters.",
+                               self->step_origin + offset);
         double step = accepted_step(self, offset, wanted, &trials, &margin, &error);
         if (step == 0.0) return KERNEL_ERROR;
         const double next = rosenbrock_next_size(step, error);
@@ -407,7 +431,7 @@ static int integrate(kernel *self, double size, double *reached) {
         if (crossing) step = modes_locate(self, offset, step);
         if (self->recorder) record_until(self, offset, step);
         const double arrival = step == remaining ? size : offset + step;
-        accept(self, arrival);
+        accept(self);
         offset = arrival;
         if (crossing) {
             self->now.ended = modes_switch(self, offset);
@@ -418,9 +442,10 @@ static int integrate(kernel *self, double size, double *reached) {
                                    "chatters; check inputs and parameters.",
                                    MAXIMUM_SWITCHES, self->step_origin + offset);
         }
+        if (modes_warn(self, offset)) status = KERNEL_WARNING;
     }
     *reached = offset;
-    return KERNEL_OK;
+    return status;
 }
 
 static int check_step(kernel *self, double time, double size) {
@@ -454,14 +479,14 @@ int kernel_step(kernel *self, double time, double size) {
     gather_inputs(self);
     double reached = size;
     status = integrate(self, size, &reached);
-    if (status == KERNEL_OK) {
+    if (status <= KERNEL_WARNING) {
         compute_outputs(self, reached, self->state);
         const char *bad = output_not_finite(self);
         if (bad)
             status = kernel_fail(self, KERNEL_ERROR, "The output %s is not a finite number at t = %.9g s.", bad,
                                  time + reached);
     }
-    if (status != KERNEL_OK) { /* the last good state stays */
+    if (status > KERNEL_WARNING) { /* the last good state stays */
         self->now = before;
         memcpy(self->block, self->backup, self->restored * sizeof(double));
         return status;
@@ -473,10 +498,10 @@ int kernel_step(kernel *self, double time, double size) {
     }
     self->now.outputs_stale = 0;
     self->now.time = time + reached;
-    if (!self->now.ended) return KERNEL_OK;
+    if (!self->now.ended) return status;
     char when[32];
     snprintf(when, sizeof when, "%.6g", self->now.time);
-    return kernel_fail(self, KERNEL_DISCARD, self->system->end_sentence[self->now.ended - 1], when);
+    return kernel_fail(self, KERNEL_DISCARD, self->system->sentence[self->now.ended - 1], when);
 }
 
 int kernel_record(kernel *self, double time, double size, double interval, int columns, const int *variable,
@@ -505,10 +530,7 @@ int kernel_restore(kernel *self, const void *bytes) {
         return kernel_fail(self, KERNEL_ERROR, "The saved state is not one of %s; nothing was restored.", MODEL.name);
     self->now = saved;
     memcpy(self->block, (const char *)bytes + sizeof saved, self->restored * sizeof(double));
-    self->system = self->now.system < 0 ? NULL : &MODEL.system[self->now.system];
-    if (self->system)
-        for (int i = 0; i < self->system->parameters; ++i)
-            self->parameter[i] = self->value[self->system->parameter_variable[i]];
+    enter_system(self);
     return KERNEL_OK;
 }
 
@@ -532,6 +554,19 @@ void kernel_counts(const kernel *self, long long int counts[6]) {
     counts[5] = self->counters.events;
 }
 
+int kernel_linearise(kernel *self, double *slope, double *jacobian) {
+    if (!self->system) return kernel_fail(self, KERNEL_ERROR, "Initialise %s before its linearisation.", MODEL.name);
+    const int n = self->system->states;
+    gather_inputs(self);
+    self->step_origin = self->now.time;
+    rosenbrock_linearise(self, 0.0);
+    for (int i = 0; i < n; ++i) {
+        slope[i] = self->slope[i];
+        for (int j = 0; j < n; ++j) jacobian[i * n + j] = self->jacobian[self->place[j] * n + self->place[i]];
+    }
+    return KERNEL_OK;
+}
+
 int kernel_repeat_right_hand_side(kernel *self, long long int repeat) {
     if (!self->system) return KERNEL_ERROR;
     gather_inputs(self);
@@ -544,7 +579,7 @@ int kernel_repeat_jacobian(kernel *self, long long int repeat) {
     if (!self->system) return KERNEL_ERROR;
     gather_inputs(self);
     for (long long int i = 0; i < repeat; ++i)
-        kernel_evaluate(self, self->system->jacobian, 0.0, self->state, self->jacobian, self->time_slope);
+        kernel_evaluate(self, self->system->jacobian, 0.0, self->state, self->nonzero, self->time_slope);
     return KERNEL_OK;
 }
 

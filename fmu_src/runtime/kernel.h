@@ -27,7 +27,6 @@ enum {
     ARG_DERIVED,
     ARG_MODES,
     ARG_TABLES,
-    ARG_MEMORY,
     ARG_COUNT
 };
 typedef int (*generated_function)(const double **argument, double **result, long long int *integer_work, double *work,
@@ -48,6 +47,7 @@ typedef struct {
  * (argument - breakpoint[i]); outside the breakpoints the end value is held. */
 typedef struct {
     int pieces, degree;
+    int rank; /* tables of rank 0 have arguments without tables; rank 1 needs values of rank 0, and so on */
     const double *breakpoint;
     const double *coefficient; /* pieces x (degree + 1), lowest power first */
 } table_description;
@@ -60,14 +60,20 @@ typedef struct {
 
 typedef struct {
     const char *name;
-    int states, inputs, parameters, derived, frictions, tables, table_coefficients, memories, outputs, ends;
+    int states, algebraics, nonzeros, inputs, parameters, derived, frictions, tables, table_ranks, table_coefficients, outputs,
+        ends, conditions; /* the conditions that end a run, and with those that only warn */
     const int *input_variable, *parameter_variable, *output_variable; /* indices into the model's variables */
     const double *nominal;                                            /* scale of each state, for the error control */
+    const int *order; /* of elimination: entry i is the state that comes i-th in the linear equations */
+    const int *jacobian_place; /* of each nonzero of the Jacobian in a matrix of that order, stored by columns */
+    /* For each pivot, the rows below it and the columns right of it that are not zero when it is their turn. */
+    const int *below_start, *below, *right_start, *right;
+    const int *algebraic; /* indices of the states that a residual instead of a derivative determines */
     const friction_description *friction;
     const table_description *table;
-    const char *const *end_sentence; /* each contains one %s for the time */
-    generated_function derive, start, ode, jacobian, output, drive_and_capacity, end_margin, table_argument, remember,
-        project; /* a function that the system does not need is null */
+    const char *const *sentence; /* of each condition; contains one %s for the time */
+    generated_function derive, start, ode, jacobian, output, drive, capacity, condition_margin,
+        table_argument; /* a function that the system does not need is null */
 } system_description;
 
 typedef struct {
@@ -108,13 +114,14 @@ typedef struct kernel {
     kernel_snapshot now;
     const system_description *system;
     /* Restored by a rollback (the first `restored` doubles of `block`). */
-    double *value, *input_rate, *state, *mode, *memory, *derived;
+    double *value, *input_rate, *state, *mode, *said, *derived;
     size_t restored;
     /* Not restored: work space of one step. */
     double *parameter, *input, *rate, *stage_input, *coefficient, *table_at;
-    double *trial, *slope, *time_slope, *jacobian, *matrix, *stage[6], *point;
+    double *trial, *slope, *time_slope, *nonzero, *jacobian, *matrix, *stage[6], *point, *ordered, *differential;
     double *drive, *capacity, *margin, *output, *backup;
-    int *pivot;
+    int *pivot, *place, *every; /* of the factorisation, see rosenbrock.c */
+    int exchanged; /* first pivot that was exchanged with another row */
     char *warned; /* one flag per variable: "has no effect here" is said once */
     kernel_counters counters;
     kernel_recorder *recorder;
@@ -148,6 +155,8 @@ KERNEL_EXPORT void kernel_counts(const kernel *self, long long int counts[6]);
 KERNEL_EXPORT int kernel_variable_count(void);
 KERNEL_EXPORT const char *kernel_variable_name(int variable);
 KERNEL_EXPORT int kernel_state_count(const kernel *self);
+/* Right-hand side (n values) and Jacobian (n x n, by rows) at the present state, residuals of algebraic states included. */
+KERNEL_EXPORT int kernel_linearise(kernel *self, double *slope, double *jacobian);
 /* For benchmarks: call the right-hand side, the Jacobian or the step function `repeat` times at the present state. */
 KERNEL_EXPORT int kernel_repeat_right_hand_side(kernel *self, long long int repeat);
 KERNEL_EXPORT int kernel_repeat_jacobian(kernel *self, long long int repeat);
@@ -158,10 +167,12 @@ int kernel_fail(kernel *self, int status, const char *format, ...);
 void kernel_note(kernel *self, int status, const char *format, ...);
 void kernel_evaluate(kernel *self, generated_function function, double offset, const double *state, double *first,
                      double *second);
-void tables_look_up(const system_description *system, const double *argument, double *coefficient);
+void tables_look_up(const system_description *system, int rank, const double *argument, double *coefficient);
 /* One trial step of Rosenbrock type from `state` at `offset`; linearise first. Returns the error in units of the
  * tolerance; a value that is not <= 1, NaN included, means "reject". The new state is in self->trial. */
 void rosenbrock_linearise(kernel *self, double offset);
+/* Newton's method on the algebraic states, the others held, until their change is below the tolerance; 0: no success. */
+int rosenbrock_make_consistent(kernel *self, double offset);
 double rosenbrock_try(kernel *self, double offset, double size);
 double rosenbrock_next_size(double size, double error);
 void rosenbrock_interpolate(const kernel *self, double fraction, double *state);
@@ -170,5 +181,6 @@ void modes_refresh(kernel *self, double offset);
 double modes_margin(kernel *self, double offset, const double *state);
 double modes_locate(kernel *self, double offset, double size);
 int modes_switch(kernel *self, double offset);
+int modes_warn(kernel *self, double offset);
 
 #endif

@@ -4,6 +4,7 @@
  * zero sticks while the drive stays within the capacity, and a friction without capacity is no friction. Every switch is
  * located on the step length, so that the equations are smooth within a step. */
 #include <math.h>
+#include <stdio.h>
 
 #include "kernel.h"
 
@@ -18,8 +19,15 @@ static double direction_of(double velocity, double drive, double capacity) {
     return drive > 0.0 ? 1.0 : -1.0;
 }
 
+/* The drive is asked for only where a velocity is zero: it may cost as much as the whole right-hand side. */
 static void find_drive_and_capacity(kernel *self, double offset, const double *state) {
-    kernel_evaluate(self, self->system->drive_and_capacity, offset, state, self->drive, self->capacity);
+    const system_description *system = self->system;
+    kernel_evaluate(self, system->capacity, offset, state, self->capacity, NULL);
+    for (int i = 0; i < system->frictions; ++i)
+        if (state[system->friction[i].velocity] == 0.0) {
+            kernel_evaluate(self, system->drive, offset, state, self->drive, NULL);
+            return;
+        }
 }
 
 void modes_refresh(kernel *self, double offset) {
@@ -38,7 +46,7 @@ void modes_refresh(kernel *self, double offset) {
 }
 
 /* Smallest of all margins; negative or NaN when a mode must switch or the run must end within the step.
- * The margins of the single conditions stay in self->margin: frictions first, then end conditions. */
+ * The single margins stay in self->margin: of frictions, of what ends the run, and of what only warns. */
 double modes_margin(kernel *self, double offset, const double *state) {
     const system_description *system = self->system;
     double smallest = INFINITY;
@@ -52,7 +60,8 @@ double modes_margin(kernel *self, double offset, const double *state) {
         else
             self->margin[i] = self->mode[i] * state[velocity] / system->nominal[velocity];
     }
-    if (system->ends) kernel_evaluate(self, system->end_margin, offset, state, self->margin + system->frictions, NULL);
+    if (system->conditions)
+        kernel_evaluate(self, system->condition_margin, offset, state, self->margin + system->frictions, NULL);
     for (int i = 0; i < system->frictions + system->ends; ++i)
         if (!(self->margin[i] >= smallest)) smallest = self->margin[i];
     return smallest;
@@ -102,4 +111,19 @@ int modes_switch(kernel *self, double offset) {
     self->counters.events++;
     modes_refresh(self, offset);
     return 0;
+}
+
+/* Says once what only warns, from the margins of the state just reached. Returns the number of new warnings. */
+int modes_warn(kernel *self, double offset) {
+    const system_description *system = self->system;
+    int count = 0;
+    for (int i = system->ends; i < system->conditions; ++i) {
+        if (self->said[i] != 0.0 || self->margin[system->frictions + i] >= 0.0) continue;
+        char when[32];
+        snprintf(when, sizeof when, "%.6g", self->step_origin + offset);
+        (void)kernel_fail(self, KERNEL_WARNING, system->sentence[i], when);
+        self->said[i] = 1.0;
+        ++count;
+    }
+    return count;
 }

@@ -2,7 +2,18 @@
 #include "kernel.h"
 
 static int piece_of(const table_description *table, double argument) {
+    const double first = table->breakpoint[0], last = table->breakpoint[table->pieces];
     int low = 0, high = table->pieces - 1;
+    const double share = (argument - first) / (last - first) * table->pieces;
+    if (share > 0.0 && share < table->pieces) { /* with equal pieces the guess is right */
+        const int guess = (int)share;
+        if (argument >= table->breakpoint[guess]) {
+            if (argument < table->breakpoint[guess + 1]) return guess;
+            low = guess;
+        } else {
+            high = guess - 1;
+        }
+    }
     while (low < high) {
         int middle = (low + high + 1) / 2;
         if (argument >= table->breakpoint[middle])
@@ -19,11 +30,15 @@ static double polynomial(const double *coefficient, int degree, double x) {
     return value;
 }
 
-/* Writes (origin, c0 ... c_degree) for each table. Outside its breakpoints a table holds its end value. */
-void tables_look_up(const system_description *system, const double *argument, double *coefficient) {
+/* Writes (origin, c0 ... c_degree) for each table of this rank. Outside its breakpoints a table holds its end value. */
+void tables_look_up(const system_description *system, int rank, const double *argument, double *coefficient) {
     for (int i = 0; i < system->tables; ++i) {
         const table_description *table = &system->table[i];
         const int terms = table->degree + 1;
+        if (table->rank != rank) {
+            coefficient += 1 + terms;
+            continue;
+        }
         const double first = table->breakpoint[0], last = table->breakpoint[table->pieces];
         const int piece = piece_of(table, argument[i]);
         const double *source = table->coefficient + (size_t)piece * (size_t)terms;

@@ -2,12 +2,13 @@
  *
  * Hairer and Wanner, Solving Ordinary Differential Equations II, 2nd ed. 1996, section VI.4 (method RODAS);
  * six stages, one exact Jacobian and one factorisation per step, the time derivative included.
- * Stage i solves (I/(gamma h) - J) k_i = f(t + alpha_i h, x + sum a_ij k_j) + sum c_ij k_j / h + h d_i df/dt. */
+ * Stage i solves (M/(gamma h) - J) k_i = f(t + alpha_i h, x + sum a_ij k_j) + M sum c_ij k_j / h + h d_i df/dt, where
+ * M is 1 for states with a derivative and 0 for algebraic ones, whose f is a residual. */
 #include <math.h>
 
 #include "kernel.h"
 
-enum { STAGES = 6 };
+enum { STAGES = 6, MAXIMUM_NEWTON_STEPS = 20 };
 static const double GAMMA = 0.25;
 static const double ALPHA[STAGES] = {0.0, 0.386, 0.21, 0.63, 1.0, 1.0};
 static const double TIME_WEIGHT[STAGES] = {0.25, -0.1043, 0.1035, -0.0362, 0.0, 0.0};
@@ -33,65 +34,137 @@ static const double DENSE[2][5] = {
     {-0.6762803392806899, 6.087714651680015, 16.43084320892478, 24.76722511418386, -6.594389125716872},
 };
 
-static int factorise(double *matrix, int *pivot, int n) {
-    for (int column = 0; column < n; ++column) {
-        double *head = matrix + (size_t)column * (size_t)n;
-        int best = column;
-        for (int row = column + 1; row < n; ++row)
-            if (fabs(head[row]) > fabs(head[best])) best = row;
-        pivot[column] = best;
+/* Largest ratio of a column's entries to the diagonal one at which the diagonal still serves as the pivot. The rows have
+ * different units, so only a diagonal that is next to nothing is refused. */
+static const double PIVOT_RATIO = 1e8;
+
+typedef struct {
+    const int *first, *end;
+} list;
+
+/* Rows below a pivot, or columns right of it, that may be other than zero. The lists known beforehand hold until a pivot
+ * is exchanged; from there on, and where there are none, every row and column counts. */
+static list entries_of(const kernel *self, const int *start, const int *entry, int n, int pivot) {
+    list found = {self->every + pivot + 1, self->every + n};
+    if (pivot < self->exchanged) {
+        found.first = entry + start[pivot];
+        found.end = entry + start[pivot + 1];
+    }
+    return found;
+}
+
+static list below(const kernel *self, int n, int pivot) {
+    return entries_of(self, self->system->below_start, self->system->below, n, pivot);
+}
+
+static list right_of(const kernel *self, int n, int pivot) {
+    return entries_of(self, self->system->right_start, self->system->right, n, pivot);
+}
+
+/* LU factors of self->matrix, n x n by columns, in place. `exchanged`: n where the known lists hold, 0 where not. */
+static int factorise(kernel *self, int n, int exchanged) {
+    double *matrix = self->matrix;
+    self->exchanged = exchanged;
+    for (int pivot = 0; pivot < n; ++pivot) {
+        double *head = matrix + pivot * n;
+        list rows = below(self, n, pivot);
+        int best = pivot;
+        for (const int *row = rows.first; row < rows.end; ++row)
+            if (fabs(head[*row]) > fabs(head[best])) best = *row;
+        if (fabs(head[best]) <= PIVOT_RATIO * fabs(head[pivot])) best = pivot;
+        self->pivot[pivot] = best;
         if (!(fabs(head[best]) > 0.0)) return 0;
-        if (best != column)
-            for (int j = 0; j < n; ++j) {
-                double *entry = matrix + (size_t)j * (size_t)n;
-                const double swap = entry[column];
-                entry[column] = entry[best];
+        if (best != pivot) {
+            for (int column = pivot; column < n; ++column) {
+                double *entry = matrix + column * n;
+                const double swap = entry[pivot];
+                entry[pivot] = entry[best];
                 entry[best] = swap;
             }
-        const double inverse = 1.0 / head[column];
-        for (int row = column + 1; row < n; ++row) head[row] *= inverse;
-        for (int j = column + 1; j < n; ++j) {
-            double *entry = matrix + (size_t)j * (size_t)n;
-            const double factor = entry[column];
-            if (factor == 0.0) continue; /* many states are integrals or belong to one wheelset only */
-            for (int row = column + 1; row < n; ++row) entry[row] -= factor * head[row];
+            if (self->exchanged > pivot) self->exchanged = pivot;
+            rows = below(self, n, pivot);
+        }
+        const list columns = right_of(self, n, pivot);
+        const double inverse = 1.0 / head[pivot];
+        for (const int *row = rows.first; row < rows.end; ++row) head[*row] *= inverse;
+        for (const int *column = columns.first; column < columns.end; ++column) {
+            double *entry = matrix + *column * n;
+            const double factor = entry[pivot];
+            for (const int *row = rows.first; row < rows.end; ++row) entry[*row] -= factor * head[*row];
         }
     }
     return 1;
 }
 
-static void solve(const double *matrix, const int *pivot, int n, double *vector) {
-    for (int column = 0; column < n; ++column) {
-        const double swap = vector[column];
-        vector[column] = vector[pivot[column]];
-        vector[pivot[column]] = swap;
+static void solve(const kernel *self, int n, double *vector) {
+    for (int pivot = 0; pivot < n; ++pivot) {
+        const double *head = self->matrix + pivot * n;
+        const int other = self->pivot[pivot];
+        const double value = vector[other];
+        vector[other] = vector[pivot];
+        vector[pivot] = value;
+        const list rows = below(self, n, pivot);
+        for (const int *row = rows.first; row < rows.end; ++row) vector[*row] -= value * head[*row];
     }
-    for (int column = 0; column < n; ++column) {
-        const double *head = matrix + (size_t)column * (size_t)n;
-        const double value = vector[column];
-        for (int row = column + 1; row < n; ++row) vector[row] -= value * head[row];
+    for (int pivot = n - 1; pivot >= 0; --pivot) {
+        const list columns = right_of(self, n, pivot);
+        double value = vector[pivot];
+        for (const int *column = columns.first; column < columns.end; ++column)
+            value -= self->matrix[*column * n + pivot] * vector[*column];
+        vector[pivot] = value / self->matrix[pivot * n + pivot];
     }
-    for (int column = n - 1; column >= 0; --column) {
-        const double *head = matrix + (size_t)column * (size_t)n;
-        const double value = vector[column] /= head[column];
-        for (int row = 0; row < column; ++row) vector[row] -= value * head[row];
-    }
+}
+
+/* Solves with the factors of the whole matrix; the vector has the order of the states. */
+static void solve_states(kernel *self, double *vector) {
+    const int n = self->system->states;
+    const int *order = self->system->order;
+    for (int i = 0; i < n; ++i) self->ordered[i] = vector[order[i]];
+    solve(self, n, self->ordered);
+    for (int i = 0; i < n; ++i) vector[order[i]] = self->ordered[i];
 }
 
 void rosenbrock_linearise(kernel *self, double offset) {
     kernel_evaluate(self, self->system->ode, offset, self->state, self->slope, NULL);
-    kernel_evaluate(self, self->system->jacobian, offset, self->state, self->jacobian, self->time_slope);
+    kernel_evaluate(self, self->system->jacobian, offset, self->state, self->nonzero, self->time_slope);
+    for (int i = 0; i < self->system->nonzeros; ++i) self->jacobian[self->system->jacobian_place[i]] = self->nonzero[i];
     self->counters.right_hand_sides++;
     self->counters.jacobians++;
+}
+
+int rosenbrock_make_consistent(kernel *self, double offset) {
+    const int n = self->system->states, m = self->system->algebraics;
+    const int *algebraic = self->system->algebraic;
+    double *correction = self->stage[0];
+    for (int count = 0; count < MAXIMUM_NEWTON_STEPS; ++count) {
+        if (m == 0) return 1;
+        for (int j = 0; j < m; ++j) {
+            for (int i = 0; i < m; ++i)
+                self->matrix[j * m + i] = self->jacobian[self->place[algebraic[j]] * n + self->place[algebraic[i]]];
+            correction[j] = -self->slope[algebraic[j]];
+        }
+        if (!factorise(self, m, 0)) return 0;
+        solve(self, m, correction);
+        double largest = 0.0;
+        for (int i = 0; i < m; ++i) {
+            const double scaled = fabs(correction[i]) / self->system->nominal[algebraic[i]];
+            if (!isfinite(scaled)) return 0;
+            if (scaled > largest) largest = scaled;
+        }
+        if (largest <= self->value[MODEL.tolerance]) return 1;
+        for (int i = 0; i < m; ++i) self->state[algebraic[i]] += correction[i];
+        rosenbrock_linearise(self, offset);
+    }
+    return 0;
 }
 
 double rosenbrock_try(kernel *self, double offset, double size) {
     const int n = self->system->states;
     const double diagonal = 1.0 / (GAMMA * size);
     for (int i = 0; i < n * n; ++i) self->matrix[i] = -self->jacobian[i];
-    for (int i = 0; i < n; ++i) self->matrix[i * n + i] += diagonal;
+    for (int i = 0; i < n; ++i) self->matrix[self->place[i] * (n + 1)] += diagonal * self->differential[i];
     self->counters.factorisations++;
-    if (!factorise(self->matrix, self->pivot, n)) return NAN;
+    if (!factorise(self, n, n)) return NAN;
 
     for (int stage = 0; stage < STAGES; ++stage) {
         double *k = self->stage[stage];
@@ -109,9 +182,9 @@ double rosenbrock_try(kernel *self, double offset, double size) {
         for (int i = 0; i < n; ++i) {
             double sum = 0.0;
             for (int j = 0; j < stage; ++j) sum += C[stage][j] * self->stage[j][i];
-            k[i] += sum / size + size * TIME_WEIGHT[stage] * self->time_slope[i];
+            k[i] += self->differential[i] * sum / size + size * TIME_WEIGHT[stage] * self->time_slope[i];
         }
-        solve(self->matrix, self->pivot, n, k);
+        solve_states(self, k);
     }
 
     /* The last stage is the difference of the two methods. */

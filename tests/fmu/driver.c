@@ -55,12 +55,12 @@ static void refuse_what_is_wrong(const fmi2CallbackFunctions *callbacks) {
     fmi2Component c = start(callbacks);
     const unsigned beyond = 100000, level = reference("level");
     double real = 0.0;
-    int integer = 3;
+    int integer = 4;
     expect(fmi2DoStep(c, 0.0, 0.1, fmi2True) == fmi2Error, "step before initialisation");
     expect(fmi2ExitInitializationMode(c) == fmi2Error, "exit before enter");
     expect(fmi2GetReal(c, &beyond, 1, &real) == fmi2Error, "reference out of range");
     expect(fmi2GetReal(c, &level, 1, &real) == fmi2Error, "Integer read as Real");
-    expect(fmi2SetInteger(c, &level, 1, &integer) == fmi2Error, "level 3");
+    expect(fmi2SetInteger(c, &level, 1, &integer) == fmi2Error, "level 4");
     expect(set(c, "wheelset_mass", 0.0) == fmi2Error, "no mass");
     expect(set(c, "wheelset_mass", -INFINITY) == fmi2Error, "infinite mass");
     expect(fmi2EnterInitializationMode(c) == fmi2OK && fmi2ExitInitializationMode(c) == fmi2OK, "initialisation");

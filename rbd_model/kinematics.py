@@ -1,0 +1,54 @@
+"""Rotations and rigid bodies in space. x forward, y left, z up; a body is turned by Rz(yaw) Rx(roll) Ry(pitch).
+
+Differs from the thesis, which uses four Euler parameters (3.4): with the pitch last, a wheelset may turn without bound
+and its rotation never enters the geometry of the contact.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+
+def yaw_roll(yaw: ca.SX, roll: ca.SX) -> ca.SX:
+    """Rotation matrix Rz(yaw) Rx(roll), from the axes that yaw and roll with a body to those of the track."""
+    c, s = ca.cos(yaw), ca.sin(yaw)
+    about_z = ca.vertcat(ca.horzcat(c, -s, 0), ca.horzcat(s, c, 0), ca.horzcat(0, 0, 1))
+    c, s = ca.cos(roll), ca.sin(roll)
+    return about_z @ ca.vertcat(ca.horzcat(1, 0, 0), ca.horzcat(0, c, -s), ca.horzcat(0, s, c))
+
+
+def pitch_rotation(pitch: ca.SX) -> ca.SX:
+    """Rotation matrix Ry(pitch)."""
+    c, s = ca.cos(pitch), ca.sin(pitch)
+    return ca.vertcat(ca.horzcat(c, 0, s), ca.horzcat(0, 1, 0), ca.horzcat(-s, 0, c))
+
+
+def axes_rate(roll: ca.SX, rate: ca.SX) -> ca.SX:
+    """Angular velocity of the yaw-roll axes themselves, in these axes, of a body that turns with `rate` in them.
+
+    The body's pitch adds to the second component only, so the first and the third are those of the body.
+    """
+    return ca.vertcat(rate[0], rate[2] * ca.tan(roll), rate[2])
+
+
+@dataclass(frozen=True)
+class Body:
+    """A rigid body, all vectors in the axes of the track: position and velocity of its centre, axes, angular velocity.
+
+    `position` may be counted from any point that moves along the track.
+    """
+
+    position: ca.SX
+    velocity: ca.SX
+    axes: ca.SX
+    rate: ca.SX
+
+    def arm(self, place: ca.SX) -> ca.SX:
+        """From the centre to the place that has the coordinates `place` in the body's axes, eq. (3.12)."""
+        return self.axes @ place
+
+    def velocity_at(self, arm: ca.SX) -> ca.SX:
+        """Velocity of the point at `arm` from the centre, eq. (3.13)."""
+        return self.velocity + ca.cross(self.rate, arm)

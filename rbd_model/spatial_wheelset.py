@@ -1,0 +1,236 @@
+"""One wheelset in space: constraints, creep, flange, brake, and its equations of motion.
+
+Six velocities (v_x, v_y, v_z in the axes of the track; omega_x, omega_y, omega_z in those that yaw and roll with the
+wheelset) are bound by two contacts. v_z and omega_x follow from the constraints at the level of velocities (3.70), the
+normal forces from those of accelerations (3.71); roll and contact positions from the constraints themselves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import casadi as ca
+
+from rbd_model.contact import moving_ellipse
+from rbd_model.contact_geometry import Pair
+from rbd_model.creep import polach_forces, smooth_kalker_coefficients
+from rbd_model.kinematics import Body, axes_rate, yaw_roll
+from rbd_model.rolling_contact import SIDES, Placement, WheelContact, wheel_contact
+from rbd_model.suspension import Load
+from rbd_model.track import Section
+from rbd_model.wheelset import (
+    NOMINAL_TRAVEL,
+    NOMINAL_TRAVEL_SPEED,
+    Bogie,
+    Rotation,
+    add_rotation,
+    add_rotation_states,
+    wheel_load_and_friction,
+)
+
+#: Scales of the error control: with tolerance 1e-7, 0.1 nm at the contact, 0.1 nrad of roll and 0.01 N.
+NOMINAL_CONTACT = 1e-3
+NOMINAL_ROLL = 1e-3
+NOMINAL_NORMAL_FORCE = 1e5
+#: Share of the rail head's curvature that is left when a tread contact counts as lost. The fold is where nothing is
+#: left; there the contact moves infinitely fast.
+FOLD_MARGIN = 0.02
+
+
+@dataclass(frozen=True)
+class Wheel:
+    """One wheel: its contact, the constraint `row` on (v_x, v_y, v_z, omega_x, omega_z) and its rate, and forces."""
+
+    contact: WheelContact
+    row: ca.SX
+    row_rate: ca.SX
+    curvature_left: ca.SX  # share of the rail head's curvature that keeps the contact; 0 at the fold
+    normal_force: ca.SX
+    creep_along: ca.SX  # creep force on the wheel along the rail [N]
+    creep_sideways: ca.SX  # and to the left
+    creep_power: ca.SX  # what both take [W]
+
+    @property
+    def load(self) -> ca.SX:
+        """Vertical force of the rail [N]."""
+        return self.normal_force * self.contact.across[1] - self.creep_sideways * self.contact.across[0]
+
+
+@dataclass(frozen=True)
+class SpatialWheelset:
+    """What a wheelset is and does before its forces are added up; `number` is 1 or 2, wheels are (left, right)."""
+
+    number: int
+    body: Body
+    roll: ca.SX
+    offset: ca.SX  # lateral displacement from the track's centre [m]
+    rate: ca.SX  # angular velocity in its yaw-roll axes [rad/s]
+    wheels: tuple[Wheel, Wheel]
+
+
+@dataclass(frozen=True)
+class Motion:
+    """What the forces do: longitudinal acceleration [m/s2], rotation, energy in the flange's spring [J], power [W]."""
+
+    acceleration: ca.SX
+    rotation: Rotation
+    flange_potential: ca.SX
+    yaw_power: ca.SX
+
+
+def place_wheelset(
+    bogie: Bogie,
+    number: int,
+    along: ca.SX,
+    pair: Pair,
+    section: Callable[[int, ca.SX], Section],
+    static_load: ca.SX,
+) -> SpatialWheelset:
+    """Declares the states of a wheelset whose place is `along` [m] from the sprung mass, and finds its contacts.
+
+    section: the track by wheelset and distance; static_load [N]: of one wheel, the guess for the normal forces.
+    """
+    system, p = bogie.system, bogie.parameter
+    shift = system.state(f"shift_{number}", "m", 0.0, NOMINAL_TRAVEL)
+    shift_speed = system.state(f"shift_speed_{number}", "m/s", 0.0, NOMINAL_TRAVEL_SPEED)
+    lateral = system.state(f"lateral_{number}", "m", 0.0, NOMINAL_TRAVEL)
+    lateral_speed = system.state(f"lateral_speed_{number}", "m/s", 0.0, NOMINAL_TRAVEL_SPEED)
+    yaw = system.state(f"yaw_{number}", "rad", 0.0, NOMINAL_TRAVEL)
+    yaw_rate = system.state(f"yaw_rate_{number}", "rad/s", 0.0, NOMINAL_TRAVEL_SPEED)
+    omega = add_rotation_states(bogie, number)
+    roll = system.algebraic(f"roll_{number}", "rad", 0.0, NOMINAL_ROLL)
+    positions = [system.algebraic(f"contact_{number}_{word}", "m", 0.0, NOMINAL_CONTACT) for word in SIDES.values()]
+    normals = [
+        system.algebraic(f"normal_{number}_{word}", "N", static_load, NOMINAL_NORMAL_FORCE) for word in SIDES.values()
+    ]
+
+    track = section(number, system.states["frame_distance"].symbol + along + shift)
+    placement = Placement(yaw_roll(yaw, roll), lateral, p["wheel_radius"])
+    contacts = [
+        wheel_contact(system, f"{number}_{word}", pair, placement, side, position, track.lateral)
+        for (side, word), position in zip(SIDES.items(), positions, strict=True)
+    ]
+    heights = [contacts[0].height + track.left, contacts[1].height + track.right]
+    system.residual(f"roll_{number}", heights[1] - heights[0])
+    for word, contact in zip(SIDES.values(), contacts, strict=True):
+        system.residual(f"contact_{number}_{word}", contact.slope_error)
+
+    forward = system.states["frame_speed"].symbol + shift_speed
+    rows = constraint_rows(bogie, contacts, track)
+    rise, roll_rate = dependent_velocities(rows, forward, lateral_speed, yaw_rate)
+    coordinates = ca.vertcat(system.states["frame_distance"].symbol, lateral, yaw, roll)
+    rates = ca.vertcat(forward, lateral_speed, yaw_rate / ca.cos(roll), roll_rate)
+    body = Body(
+        ca.vertcat(along + shift, lateral, (heights[0] + heights[1]) / 2),
+        ca.vertcat(forward, lateral_speed, rise),
+        placement.axes,
+        placement.axes @ ca.vertcat(roll_rate, omega, yaw_rate),
+    )
+    wheels = [
+        roll_wheel(bogie, number, body, contact, row, normal, track.friction, (coordinates, rates))
+        for contact, row, normal in zip(contacts, rows, normals, strict=True)
+    ]
+    for name, derivative in (("shift", shift_speed), ("lateral", lateral_speed), ("yaw", rates[2])):
+        system.derivative(f"{name}_{number}", derivative)
+    rate = ca.vertcat(roll_rate, omega, yaw_rate)
+    return SpatialWheelset(number, body, roll, lateral - track.lateral, rate, (wheels[0], wheels[1]))
+
+
+def constraint_rows(bogie: Bogie, contacts: list[WheelContact], track: Section) -> list[ca.SX]:
+    """Each contact's motion along its normal, linear in (v_x, v_y, v_z, omega_x, omega_z), eq. (3.70).
+
+    The rails' section moves sideways and upwards as the wheelset moves along.
+    """
+    distance = bogie.system.states["frame_distance"].symbol
+    rows = []
+    for contact, height in zip(contacts, (track.left, track.right), strict=True):
+        drift = ca.vertcat(ca.jacobian(track.lateral, distance), ca.jacobian(height, distance))
+        lever = contact.lever
+        rows.append(ca.vertcat(-ca.dot(contact.across, drift), contact.across, lever[0], lever[2]))
+    return rows
+
+
+def dependent_velocities(rows: list[ca.SX], forward: ca.SX, sideways: ca.SX, yaw_rate: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """v_z and omega_x from the two constraints."""
+    left, right = (row[0] * forward + row[1] * sideways + row[4] * yaw_rate for row in rows)
+    inverse = 1 / (rows[0][2] * rows[1][3] - rows[1][2] * rows[0][3])
+    rise = inverse * (rows[0][3] * right - rows[1][3] * left)
+    return rise, inverse * (rows[1][2] * left - rows[0][2] * right)
+
+
+def roll_wheel(
+    bogie: Bogie,
+    number: int,
+    body: Body,
+    contact: WheelContact,
+    row: ca.SX,
+    normal_force: ca.SX,
+    friction_factor: ca.SX,
+    motion: tuple[ca.SX, ca.SX],
+) -> Wheel:
+    """Creep of one wheel, eqs (3.89)-(3.105), and how its constraint changes; `motion`: coordinates and their rates."""
+    p = bogie.parameter
+    load, friction = wheel_load_and_friction(bogie, number, normal_force, friction_factor)
+    logarithm, semi_axis = moving_ellipse(contact.curvature_along, contact.curvature_across, load, p["shear_modulus"])
+    stretch = ca.exp(logarithm / 2)
+    velocity, rate = body.axes.T @ body.velocity, body.axes.T @ body.rate
+    sliding = velocity + ca.cross(rate, contact.arm)
+    slides = ca.dot(sliding, contact.along), ca.dot(sliding, contact.sideways)
+    slowness = 1 / ca.sqrt(body.velocity[0] ** 2 + p["creepage_speed"] ** 2)
+    creepages = (slides[0] * slowness, slides[1] * slowness, ca.dot(rate, contact.normal) * slowness)
+    kalker = smooth_kalker_coefficients(logarithm)
+    axes = (semi_axis * stretch, semi_axis / stretch)
+    along, sideways = polach_forces(creepages, load, friction, axes, p["shear_modulus"], kalker)
+
+    coordinates, rates = motion
+    bend = ca.jacobian(contact.slope_error, contact.position)
+    travel = -ca.jtimes(contact.slope_error, coordinates, rates) / bend
+    row_rate = ca.jtimes(row, coordinates, rates) + ca.jtimes(row, contact.position, travel)
+    power = -along * slides[0] - sideways * slides[1]
+    return Wheel(contact, row, row_rate, bend * p["rail_head_radius"], normal_force, along, sideways, power)
+
+
+def move_wheelset(bogie: Bogie, wheelset: SpatialWheelset, suspension: Load) -> Motion:
+    """Newton's and Euler's equations of a wheelset, eqs (3.25), (3.26), and the accelerations of its constraints.
+
+    Differs from the thesis: about axes that yaw and roll with the wheelset, in which its inertia is constant. The yaw
+    torque acts about the vertical one of these; about one that turns with the wheelset's rotation as well when
+    yaw_torque_rotates is 1, which the body's matrix in place of the global one in (3.36) does.
+    """
+    system, p, number = bogie.system, bogie.parameter, wheelset.number
+    mass = p["wheelset_mass"]
+    inertia = ca.vertcat(*[p[f"wheelset_{name}_inertia"] for name in ("roll", "pitch", "yaw")])
+    flange_force, flange_potential = flange(bogie, wheelset.offset)
+    force = suspension.force + ca.vertcat(0, flange_force, -mass * p["gravity"])
+    moment = wheelset.body.axes.T @ suspension.moment
+    moment = moment - ca.cross(axes_rate(wheelset.roll, wheelset.rate), inertia * wheelset.rate)
+    for wheel in wheelset.wheels:
+        contact, row = wheel.contact, wheel.row
+        creep = wheel.creep_along * contact.along + wheel.creep_sideways * contact.sideways
+        across = wheel.creep_sideways * ca.vertcat(contact.across[1], -contact.across[0])
+        force = force + ca.vertcat(wheel.creep_along, across) + wheel.normal_force * row[:3]
+        moment = moment + ca.cross(contact.arm, creep) + wheel.normal_force * contact.lever
+    angle = p["yaw_torque_rotates"] * system.states[f"rotation_{number}"].symbol
+    yaw_torque = bogie.input[f"yaw_torque_{number}"] * ca.vertcat(ca.sin(angle), 0, ca.cos(angle))
+
+    acceleration = (1 / mass) * force
+    turning = (1 / inertia) * (moment + yaw_torque)
+    rotation = add_rotation(bogie, number, wheelset.rate[1], moment[1])
+    frame_acceleration = system.derivatives["frame_speed"]
+    system.derivative(f"shift_speed_{number}", acceleration[0] - frame_acceleration)
+    system.derivative(f"lateral_speed_{number}", acceleration[1])
+    system.derivative(f"yaw_rate_{number}", turning[2])
+    velocities = ca.vertcat(wheelset.body.velocity, wheelset.rate[0], wheelset.rate[2])
+    accelerations = ca.vertcat(acceleration, turning[0], turning[2])
+    for wheel, word in zip(wheelset.wheels, SIDES.values(), strict=True):
+        residual = ca.dot(wheel.row, accelerations) + ca.dot(wheel.row_rate, velocities)
+        system.residual(f"normal_{number}_{word}", mass * residual)
+    return Motion(acceleration[0], rotation, flange_potential, ca.dot(yaw_torque, wheelset.rate))
+
+
+def flange(bogie: Bogie, offset: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """Lateral force of the rail on the flanges and its potential, eq. (3.106); on the wheelset's centre, as printed."""
+    clearance, stiffness = bogie.parameter["flange_clearance"], bogie.parameter["flange_stiffness"]
+    left, right = ca.fmax(offset - clearance, 0), ca.fmax(-offset - clearance, 0)
+    return stiffness * (right - left), stiffness * (left**2 + right**2) / 2

@@ -1,0 +1,74 @@
+"""The sprung mass in space: six degrees of freedom, or five when its pitch is held (section 4.2)."""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from rbd_model.kinematics import Body, axes_rate, pitch_rotation, yaw_roll
+from rbd_model.suspension import Load
+from rbd_model.wheelset import NOMINAL_DISTANCE, NOMINAL_SPEED, NOMINAL_TRAVEL, NOMINAL_TRAVEL_SPEED, Bogie
+
+#: Angles by name, each with the component of the angular velocity that is its state.
+ANGLES = {"frame_roll": 0, "pitch": 1, "frame_yaw": 2}
+
+
+def place_frame(bogie: Bogie, pitches: bool) -> Body:
+    """Declares the states of the sprung mass; its position is counted from itself along the track.
+
+    Angular velocities are in the axes of the body. With the pitch held, the mass still turns about its lateral axis as
+    far as its yaw axis leans.
+    """
+    system, p = bogie.system, bogie.parameter
+    system.state("frame_distance", "m", 0.0, NOMINAL_DISTANCE)
+    speed = system.state("frame_speed", "m/s", bogie.initial_speed, NOMINAL_SPEED)
+    system.derivative("frame_distance", speed)
+    position = {}
+    for name in ("frame_lateral", "bounce", *ANGLES):
+        if name == "pitch" and not pitches:
+            continue
+        unit = "rad" if name in ANGLES else "m"
+        position[name] = system.state(name, unit, 0.0, NOMINAL_TRAVEL)
+        rate = system.state(f"{name}_rate", f"{unit}/s", 0.0, NOMINAL_TRAVEL_SPEED)
+        if name not in ANGLES:
+            system.derivative(name, rate)
+    rates = {name: system.states[f"{name}_rate"].symbol for name in position}
+
+    roll, pitch = position["frame_roll"], position.get("pitch", ca.SX(0))
+    to_body = pitch_rotation(pitch)
+    body_rate = ca.vertcat(rates["frame_roll"], rates.get("pitch", 0), rates["frame_yaw"])
+    if not pitches:
+        body_rate[1] = axes_rate(roll, body_rate)[1]
+    rate = to_body @ body_rate  # in the yaw-roll axes
+    system.derivative("frame_roll", rate[0])
+    system.derivative("frame_yaw", rate[2] / ca.cos(roll))
+    if pitches:
+        system.derivative("pitch", rate[1] - axes_rate(roll, rate)[1])
+    axes = yaw_roll(position["frame_yaw"], roll)
+    height = p["wheel_radius"] + p["frame_height"] + position["bounce"]
+    return Body(
+        ca.vertcat(0, position["frame_lateral"], height),
+        ca.vertcat(speed, rates["frame_lateral"], rates["bounce"]),
+        axes @ to_body,
+        axes @ rate,
+    )
+
+
+def hold_or_pull(bogie: Bogie, force: ca.SX) -> None:
+    """Longitudinal acceleration of the sprung mass; none at constant speed, where something pulls as much as needed."""
+    p = bogie.parameter
+    acceleration = (1 - p["constant_speed"]) / p["frame_mass"] * (force + bogie.input["drawbar_force"])
+    bogie.system.derivative("frame_speed", acceleration)
+
+
+def move_frame(bogie: Bogie, frame: Body, load: Load) -> None:
+    """Newton's and Euler's equations of the sprung mass, but for its longitudinal motion, eqs (3.25), (3.26)."""
+    system, p = bogie.system, bogie.parameter
+    lightness = 1 / p["frame_mass"]
+    system.derivative("frame_lateral_rate", lightness * load.force[1])
+    system.derivative("bounce_rate", lightness * load.force[2] - p["gravity"])
+    inertia = ca.vertcat(*[p[f"frame_{name}_inertia"] for name in ("roll", "pitch", "yaw")])
+    rate = frame.axes.T @ frame.rate
+    turning = (1 / inertia) * (frame.axes.T @ load.moment - ca.cross(rate, inertia * rate))
+    for name, component in ANGLES.items():
+        if name in system.states:
+            system.derivative(f"{name}_rate", turning[component])

@@ -1,0 +1,160 @@
+"""The straight track: lateral position and height of both rails along it, eqs (5.3), (5.4), and friction.
+
+Each wheelset meets the rails' section at its own distance, shifted by the irregularity there; the rails count as
+straight in its neighbourhood. What that leaves out is of second order in the slope of the irregularity (1e-5).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import casadi as ca
+import numpy as np
+from scipy.interpolate import PPoly, make_interp_spline
+
+from fmu_src.system import ParameterSet, System, quantity
+
+#: Exponent of the plateau, eq. (5.4).
+PLATEAU_POWER = 8
+
+
+@dataclass(frozen=True)
+class TrackParameters(ParameterSet):
+    """Irregularities of the track; an amplitude of 0 is a perfect track.
+
+    Printed: the waves (5.3) begin at 5 m (sections 5.3.1, 5.3.2); wave numbers 0.045, 0.07 and 0.07 1/m.
+    Assumed: irregularity_blend, because a sine that begins with a corner would be an impact; cross_level_centre, far
+    enough from the start for the plateau, which has no ends; half of the cross level on each rail.
+    """
+
+    lateral_irregularity: float = quantity("m", "Lateral wave of the track, amplitude (Delta_ir)")
+    lateral_wave_number: float = quantity("1/m", "Lateral wave, k_ir: the wave is 2 / k_ir long", 1e-6)
+    vertical_irregularity: float = quantity("m", "Vertical wave of both rails, amplitude (Delta_ir)")
+    vertical_wave_number: float = quantity("1/m", "Vertical wave, k_ir", 1e-6)
+    cross_level: float = quantity("m", "Plateau of the left rail's height above the right one's (Delta_ir)")
+    cross_level_wave_number: float = quantity("1/m", "Plateau of cross level, k_ir: it is 2 / k_ir long", 1e-6)
+    cross_level_centre: float = quantity("m", "Distance of the middle of the plateau from the start")
+    cross_level_left_share: float = quantity("1", "Share of the cross level that raises the left rail", 0.0, 1.0)
+    irregularity_start: float = quantity("m", "Distance at which the lateral and the vertical wave begin")
+    irregularity_blend: float = quantity("m", "Length over which a wave grows in at its ends", 1e-3)
+
+
+def section_5_3() -> TrackParameters:
+    """A perfect track with the places and wave numbers of section 5.3."""
+    return TrackParameters(
+        lateral_irregularity=0.0,
+        lateral_wave_number=0.045,
+        vertical_irregularity=0.0,
+        vertical_wave_number=0.07,
+        cross_level=0.0,
+        cross_level_wave_number=0.07,
+        cross_level_centre=65.0,
+        cross_level_left_share=0.5,
+        irregularity_start=5.0,
+        irregularity_blend=1.0,
+    )
+
+
+@dataclass(frozen=True)
+class Section:
+    """The track at one distance: lateral position of both rails, height of the left and of the right one [m]."""
+
+    lateral: ca.SX
+    left: ca.SX
+    right: ca.SX
+    friction: ca.SX  # factor on the friction coefficient
+
+
+#: Adds the track to a System (parameters or tables); returns its section at a distance, for a wheelset's number.
+Track = Callable[[System], Callable[[int, ca.SX], Section]]
+
+
+def blend(share: ca.SX) -> ca.SX:
+    """Step from 0 to 1 over 0 to 1 with two continuous derivatives, 10 s^3 - 15 s^4 + 6 s^5."""
+    s = ca.fmin(ca.fmax(share, 0), 1)
+    return s**3 * (10 - 15 * s + 6 * s**2)
+
+
+def wave(distance: ca.SX, amplitude: ca.SX, wave_number: ca.SX, blend_length: ca.SX) -> ca.SX:
+    """One period of a sine from distance 0, eq. (5.3), zero before and after, blended in and out."""
+    window = blend(distance / blend_length) * blend((2 / wave_number - distance) / blend_length)
+    return amplitude * ca.sin(ca.pi * wave_number * distance) * window
+
+
+def plateau(distance: ca.SX, amplitude: ca.SX, wave_number: ca.SX) -> ca.SX:
+    """A smooth plateau around distance 0, eq. (5.4)."""
+    return amplitude / ca.sqrt(1 + (wave_number * distance) ** PLATEAU_POWER)
+
+
+def irregular_track(defaults: TrackParameters) -> Track:
+    """A track with the waves (5.3) and the plateau (5.4), all of them parameters."""
+
+    def add(system: System) -> Callable[[int, ca.SX], Section]:
+        p = {name: system.parameter(defaults.variable(name)) for name in defaults.values()}
+
+        def section(number: int, distance: ca.SX) -> Section:
+            along = distance - p["irregularity_start"]
+            length = p["irregularity_blend"]
+            lateral = wave(along, p["lateral_irregularity"], p["lateral_wave_number"], length)
+            vertical = wave(along, p["vertical_irregularity"], p["vertical_wave_number"], length)
+            across = plateau(distance - p["cross_level_centre"], p["cross_level"], p["cross_level_wave_number"])
+            left = p["cross_level_left_share"] * across
+            return Section(lateral, vertical + left, vertical + left - across, ca.SX(1))
+
+        return section
+
+    return add
+
+
+#: Columns of a track file, all in m but the last, which is a factor on the friction coefficient.
+COLUMNS = ("distance", "lateral", "left", "right", "friction")
+
+
+def track_from_file(path: Path) -> Track:
+    """A measured track: lines distance, lateral, left height, right height [m] and friction factor [1].
+
+    Comma-separated; one line of heads is passed over. Quintic through the points, friction linear between them; the
+    first and the last values hold beyond the ends. Raises ValueError with the path and what is wrong.
+    """
+    rows = []
+    for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+        try:
+            rows.append([float(cell) for cell in line.split(",")])
+        except ValueError:
+            if number > 1 and line.strip():
+                raise ValueError(f"{path}, line {number}: give the numbers {', '.join(COLUMNS)}.") from None
+    table = np.array([row for row in rows if len(row) == len(COLUMNS)])
+    if len(table) < 6 or len(table) != len(rows) or not np.all(np.isfinite(table)) or np.any(np.diff(table[:, 0]) <= 0):
+        raise ValueError(f"{path}: give at least 6 lines of finite {', '.join(COLUMNS)} with increasing distance.")
+    if np.any(table[:, 4] < 0.0):
+        raise ValueError(f"{path}: a friction factor is below 0.")
+    return track_from_points(*table.T)
+
+
+def track_from_points(
+    distance: np.ndarray, lateral: np.ndarray, left: np.ndarray, right: np.ndarray, friction: np.ndarray
+) -> Track:
+    """A track through points, arrays of shape (n,) as in `track_from_file`."""
+
+    def pieces(values: np.ndarray, degree: int) -> tuple[np.ndarray, np.ndarray]:
+        polynomial = PPoly.from_spline(make_interp_spline(distance, values, degree))
+        kept = np.diff(polynomial.x) > 0.0
+        return np.append(polynomial.x[:-1][kept], polynomial.x[-1]), polynomial.c[::-1, kept].T
+
+    def add(system: System) -> Callable[[int, ca.SX], Section]:
+        def section(number: int, along: ca.SX) -> Section:
+            def table(name: str, values: np.ndarray, degree: int) -> ca.SX:
+                return system.table(f"track_{name}_{number}", *pieces(values, degree), along)
+
+            return Section(
+                table("lateral", lateral, 5),
+                table("left", left, 5),
+                table("right", right, 5),
+                table("friction", friction, 1),
+            )
+
+        return section
+
+    return add

@@ -1,0 +1,214 @@
+"""The spatial level: energy, constraints, symmetry, limits, and the facts of chapters 4, 5 and 9."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fmu_src.compile import build_library
+from fmu_src.kernel import DISCARD, Kernel, KernelError, Library
+from fmu_src.system import model_of
+from rbd_model.bogie import bogie_dynamics, wheelset_in_frame
+from rbd_model.contact import ellipse_fit, ellipse_shape, moving_ellipse
+from rbd_model.contact_geometry import thesis_pair
+from rbd_model.linear import critical_speed, oscillations
+from rbd_model.parameters import tables_5_1_and_5_2
+from rbd_model.spatial import spatial_bogie
+from rbd_model.track import irregular_track, section_5_3, track_from_file, track_from_points
+
+ENERGIES = ("kinetic_energy", "potential_energy")
+POWERS = ("brake_power", "creep_power", "damping_power")
+#: The issue's bands: energy relative to what is lost, gap of the constraints, mirrored answer.
+ENERGY_BAND, GAP_BAND, MIRROR_BAND = 1e-8, 1e-9, 1e-9
+
+
+@pytest.fixture(scope="module")
+def bogie() -> Library:
+    return Library(build_library(bogie_dynamics()))
+
+
+@pytest.fixture(scope="module")
+def observed() -> Library:
+    """The bogie of chapter 5 with its energies, powers and gap as outputs."""
+    system = spatial_bogie(tables_5_1_and_5_2(), thesis_pair(), irregular_track(section_5_3()))
+    return Library(
+        build_library(model_of(system.with_integrals(POWERS).with_outputs((*ENERGIES, "largest_gap")), 1e-7))
+    )
+
+
+@pytest.fixture(scope="module")
+def wheelset() -> Library:
+    return Library(build_library(model_of(wheelset_in_frame(), 1e-7)))
+
+
+def spatial(library: Library, **values: float) -> Kernel:
+    return Kernel(library, level=3, **values)
+
+
+def test_lost_energy_equals_brake_creep_and_damper_work(observed: Library) -> None:
+    """Over a lateral wave that stays off the flange, then braking to a stop."""
+    kernel = Kernel(observed, tolerance=1e-10, lateral_irregularity=0.01)
+    kernel.advance(2.5)
+    kernel.set(brake_torque_1=20e3, brake_torque_2=20e3, yaw_torque_1=5e3)
+    table = kernel.record(14.0, 0.1, [*ENERGIES, *(f"integral_{name}" for name in POWERS), "speed", "lateral_1"])
+    assert 1e-3 < np.abs(table["lateral_1"]).max() < 9e-3
+    energy = np.sum([table[name] for name in table if name.endswith(("energy", "power"))], axis=0)
+    lost = table["kinetic_energy"][0] - table["kinetic_energy"][-1]
+    assert lost > 1e7
+    assert np.ptp(energy) < ENERGY_BAND * lost
+
+
+@pytest.mark.parametrize("irregularity", ["lateral_irregularity", "vertical_irregularity", "cross_level"])
+def test_wheels_stay_on_their_rails(observed: Library, irregularity: str) -> None:
+    kernel = Kernel(observed, initial_speed=20.0, constant_speed=1, **{irregularity: 0.02})
+    gaps, motions = [], []
+    for _ in range(500):
+        kernel.advance(0.01)
+        gaps.append(kernel["largest_gap"])
+        motions.append(max(abs(kernel[name]) for name in ("frame_roll", "lateral_1", "bounce")))
+    assert max(motions) > 1e-3
+    assert max(gaps) < GAP_BAND
+
+
+def test_mirrored_scene_gives_the_mirrored_answer(bogie: Library) -> None:
+    names = ["lateral_1", "lateral_2", "yaw_1", "frame_roll", "speed", "wheel_load_1_left", "wheel_load_1_right"]
+    found = []
+    for sign in (1.0, -1.0):
+        values = {"lateral_irregularity": 0.015, "cross_level": 0.01, "yaw_torque_1": 1e4}
+        kernel = spatial(bogie, tolerance=1e-10, **{name: sign * value for name, value in values.items()})
+        found.append(kernel.record(3.0, 0.01, names))
+    one, other = found
+    assert max(np.abs(one["lateral_1"])) > 1e-3
+    for name in ("lateral_1", "lateral_2", "yaw_1", "frame_roll"):
+        assert np.array(other[name]) == pytest.approx(-np.array(one[name]), abs=MIRROR_BAND)
+    assert np.array(other["wheel_load_1_right"]) == pytest.approx(np.array(one["wheel_load_1_left"]), rel=MIRROR_BAND)
+    assert other["speed"] == pytest.approx(one["speed"], rel=MIRROR_BAND)
+
+
+def test_straight_symmetric_stop_is_that_of_the_planar_level(bogie: Library) -> None:
+    """0.15 m (DESIGN): the ellipse moves by micrometres only; measured 0.4 mm."""
+    stops = []
+    for level in (2, 3):
+        kernel = Kernel(bogie, level=level, brake_torque_1=20e3, brake_torque_2=20e3)
+        kernel.advance(22.9)
+        stops.append((kernel["distance"], kernel["lateral_1"], kernel["frame_roll"]))
+    assert stops[1][0] == pytest.approx(stops[0][0], abs=1e-3)
+    assert max(abs(stops[1][1]), abs(stops[1][2])) < 1e-9
+
+
+def test_hunting_in_time_has_the_frequency_of_the_eigenvalue() -> None:
+    """The linearisation predicts how a small change of the start spreads: the growth of a mode, measured in time."""
+    system = wheelset_in_frame()
+    library = Library(build_library(model_of(system, 1e-10)))
+    kernel = Kernel(library, initial_speed=25.0, constant_speed=1, lateral_irregularity=1e-6)
+    slowest = oscillations(system, np.array(linearised(kernel, 1.0)))[0]
+    y = np.array(kernel.record(8.0, 0.001, ["lateral_1"])["lateral_1"])[3000:]
+    peaks = [i for i in range(1, len(y) - 1) if y[i] > y[i - 1] and y[i] >= y[i + 1]]
+    assert np.diff(peaks).mean() * 1e-3 == pytest.approx(1 / slowest.frequency, rel=5e-3)
+
+
+def linearised(kernel: Kernel, seconds: float) -> list[list[float]]:
+    kernel.advance(seconds)
+    return kernel.linearise()[1]
+
+
+def growth(library: Library, speed: float, **values: float) -> float:
+    kernel = Kernel(library, initial_speed=speed, constant_speed=1, **values)
+    return max(mode.growth for mode in oscillations(wheelset_in_frame(), np.array(linearised(kernel, 1.0))))
+
+
+def test_wheelset_of_chapter_4_hunts_as_printed(wheelset: Library) -> None:
+    """Section 4.4: wavelength 13.25 m (VAMPIRE 14) at 15 m/s; 1.89 Hz (1.79) at 25 m/s; critical speed 27 m/s."""
+
+    def hunting(speed: float) -> float:
+        kernel = Kernel(wheelset, initial_speed=speed, constant_speed=1)
+        modes = oscillations(wheelset_in_frame(), np.array(linearised(kernel, 1.0)))
+        return max(modes, key=lambda mode: abs(mode.shape["lateral_1"]) * (1.0 < mode.frequency < 3.0)).frequency
+
+    assert 13.1 < 15.0 / hunting(15.0) < 14.0
+    assert 1.75 < hunting(25.0) < 1.92
+    assert critical_speed(lambda v: growth(wheelset, v), 15.0, 40.0) == pytest.approx(27.0, abs=0.5)
+    printed = critical_speed(lambda v: growth(wheelset, v, suspension_half_spacing=0.35), 15.0, 40.0)
+    assert printed == pytest.approx(22.5, abs=0.2)  # as DESIGN found: too low for the thesis's 27
+
+
+def test_lateral_wave_of_chapter_5(bogie: Library) -> None:
+    """Section 5.3.1: 9.5 mm (VAMPIRE 10) at 17 m, at 15 m/s."""
+    kernel = spatial(bogie, initial_speed=15.0, constant_speed=1, lateral_irregularity=0.025)
+    table = kernel.record(3.0, 0.002, ["lateral_1", "distance"])
+    peak = int(np.argmax(np.abs(table["lateral_1"])))
+    assert 9.5e-3 <= abs(table["lateral_1"][peak]) <= 10.5e-3
+    assert 16.0 <= table["distance"][peak] + tables_5_1_and_5_2().wheel_base / 2 <= 17.5
+
+
+def test_asymmetric_braking_derails_at_the_fold_and_says_so(bogie: Library) -> None:
+    """Section 9.4.1, 75 % error, brake applied in 1 s: derailed at 6.1 m/s."""
+    kernel = spatial(bogie, yaw_torque_rotates=1, tolerance=1e-6)
+    kernel.advance(1.0)
+    kernel.set_rate(brake_torque_1=20e3, brake_torque_2=20e3, yaw_torque_1=131.76e3)
+    kernel.advance(1.0)
+    with pytest.raises(
+        KernelError, match=r"Derailed: the \w+ wheel of wheelset 1 lost its tread contact at 1\d\."
+    ) as end:
+        kernel.advance(20.0)
+    assert end.value.status == DISCARD
+    assert kernel["derailed"] == 1.0
+    assert 5.7 < kernel["speed"] < 6.5
+    assert 11e-3 < abs(kernel["lateral_1"]) < 12e-3
+
+
+def test_lifted_wheel_ends_the_run_or_warns(bogie: Library) -> None:
+    values = {"initial_speed": 15.0, "constant_speed": 1, "yaw_torque_rotates": 1, "yaw_torque_1": 2.5e5}
+    with pytest.raises(KernelError, match="Wheel lift: the .* carried no load at .* s; results up to there are kept"):
+        spatial(bogie, **values).advance(1.0)
+    held = spatial(bogie, wheel_lift_ends=0, **values)
+    held.advance(0.2)
+    assert any("from there on the rail pulls it down where needed" in line for line in held.journal)
+
+
+def test_locked_wheelsets_slide_with_the_friction_of_their_loads(bogie: Library) -> None:
+    kernel = spatial(bogie, brake_torque_1=1e5, brake_torque_2=1e5)
+    kernel.advance(2.0)
+    assert kernel["locked_1"] == kernel["locked_2"] == 1.0
+    kernel.advance(1.0)
+    mean = np.mean(kernel.record(1.0, 0.01, ["acceleration"])["acceleration"])
+    assert mean == pytest.approx(-0.3 * 9.81, rel=0.01)  # Polach's force is 1.5 % short of mu N at full slip
+
+
+def test_fitted_ellipse_is_the_exact_one() -> None:
+    import casadi as ca
+
+    for across in (0.2, 1.18, 1.67, 6.0, 30.0):
+        along, load, modulus = 0.5 / 0.425, 1.5e5, 82e9
+        exact = ellipse_shape(0.425, 0.0, 1 / (2 * across), modulus)
+        logarithm, mean = (float(x) for x in moving_ellipse(ca.SX(along), ca.SX(across), ca.SX(load), ca.SX(modulus)))
+        assert abs(logarithm) < ellipse_fit().limit
+        assert logarithm == pytest.approx(float(ca.log(exact.axis_ratio)), abs=2e-4)
+        assert mean == pytest.approx(float(ca.sqrt(exact.longitudinal * exact.lateral)) * load ** (1 / 3), rel=2e-4)
+
+
+def test_track_from_points_is_the_track_of_the_formula(tmp_path) -> None:  # type: ignore[no-untyped-def]
+    """The wave (5.3) as a file with a point every 0.1 m gives the motion of the formula, here vertically."""
+    parameters = replace(section_5_3(), vertical_irregularity=0.01)
+    distance = np.arange(0.0, 60.0, 0.1)
+    along = distance - 5.0
+    share = np.clip(along, 0, 1), np.clip(2 / 0.07 - along, 0, 1)
+    window = np.prod([s**3 * (10 - 15 * s + 6 * s**2) for s in share], axis=0)
+    height = 0.01 * np.sin(np.pi * 0.07 * along) * window
+    zero = 0.0 * distance
+    path = tmp_path / "track.csv"
+    rows = np.column_stack([distance, zero, height, height, zero + 1.0])
+    path.write_text("distance,lateral,left,right,friction\n" + "\n".join(",".join(map(str, row)) for row in rows))
+    found = []
+    for track in (irregular_track(parameters), track_from_file(path)):
+        system = spatial_bogie(tables_5_1_and_5_2(), thesis_pair(), track)
+        kernel = Kernel(Library(build_library(model_of(system, 1e-7))))
+        found.append(np.array(kernel.record(2.0, 0.01, ["bounce"])["bounce"]))
+    assert np.abs(found[0]).max() > 1e-3
+    assert np.abs(found[0] - found[1]).max() < 1e-5
+    path.write_text("0,0,0,0,1\n1,0,0\n")
+    with pytest.raises(ValueError, match="give at least 6 lines"):
+        track_from_file(path)
+    assert track_from_points(*rows.T)
