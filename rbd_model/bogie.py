@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from dataclasses import dataclass
+
 from fmu_src.system import Model, System, Variable, model_of, tolerance_variable
 from rbd_model import variables
 from rbd_model.contact_geometry import thesis_pair
@@ -45,6 +48,45 @@ def bogie_dynamics(defaults: BogieParameters | None = None) -> Model:
     )
     text = "Two-axle railway bogie under brake and traction torque, after Handoko (2006)"
     return Model("BogieDynamics", text, table, systems, selector="level", stop_time=25.0)
+
+
+#: Outputs that the point level has, but that load transfer decides near the adhesion limit.
+DECIDED_BY_LOAD_TRANSFER = ("locked", "slip", "slip_ratio", "creep_force", "axle_load")
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A level of detail and, in a sentence, why none below it is enough."""
+
+    level: int
+    reason: str
+
+
+def smallest_level(driven: Iterable[str], read: Iterable[str]) -> Choice:
+    """The least level that answers a scene: `driven` are the inputs and parameters that it changes, `read` the outputs.
+
+    Raises ValueError for a name that no level has.
+    """
+    systems = levels(tables_5_1_and_5_2())
+    needed = [*driven, *read]
+    for name in needed:
+        if not any(name in system_names(system) for system in systems):
+            raise ValueError(f"BogieDynamics has no variable {name}; build_fmu.py --describe lists them.")
+    reason = "speed and rotation far from the adhesion limit need no more than static loads."
+    level = 1
+    for name in needed:
+        family = name.removesuffix("_1").removesuffix("_2")
+        own = next(i for i, system in enumerate(systems, 1) if name in system_names(system))
+        own = max(own, 2) if family in DECIDED_BY_LOAD_TRANSFER else own
+        if own > level:
+            why = {2: "load transfer decides it, or a motion in the plane", 3: "it belongs to motions out of the plane"}
+            level, reason = own, f"{name} asks for level {own}, {systems[own - 1].name}: {why[own]}."
+    return Choice(level, reason)
+
+
+def system_names(system: System) -> set[str]:
+    """Names of the variables that a level has."""
+    return {variable.name for variable in system.variables}
 
 
 def wheelset_in_frame(defaults: BogieParameters | None = None) -> System:

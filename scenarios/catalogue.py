@@ -2,7 +2,25 @@
 
 from __future__ import annotations
 
-from scenarios import contact_geometry, creep_forces, heavy_braking, lock_boundary, qr30, speed, traction_braking
+from scenarios import (
+    asymmetric_braking,
+    bogie_irregularities,
+    bogie_lateral_under_torque,
+    bogie_pitch,
+    bogie_skid,
+    contact_geometry,
+    creep_forces,
+    critical_speed,
+    heavy_braking,
+    lock_boundary,
+    qr30,
+    speed,
+    traction_braking,
+    wheelset_constant_speed,
+    wheelset_skid,
+    wheelset_torque,
+    wheelset_variable_speed,
+)
 from scenarios.scenario import Scenario
 
 SCENARIOS: list[Scenario] = [
@@ -12,5 +30,15 @@ SCENARIOS: list[Scenario] = [
     heavy_braking.SCENARIO,
     contact_geometry.SCENARIO,
     creep_forces.SCENARIO,
+    wheelset_constant_speed.SCENARIO,
+    wheelset_torque.SCENARIO,
+    wheelset_variable_speed.SCENARIO,
+    wheelset_skid.SCENARIO,
+    critical_speed.SCENARIO,
+    *bogie_irregularities.SCENARIOS,
+    bogie_pitch.SCENARIO,
+    bogie_lateral_under_torque.SCENARIO,
+    bogie_skid.SCENARIO,
+    asymmetric_braking.SCENARIO,
     speed.SCENARIO,
 ]

@@ -19,11 +19,15 @@ from matplotlib.figure import Figure
 
 from fmu_src import __version__
 from scenarios.cosimulation import Recording
+from scenarios.plotting import plt
 
 
 @dataclass(frozen=True)
 class Row:
-    """One comparison. `tolerance` is in the unit of the quantity; without thesis or tolerance the row is not judged."""
+    """One comparison. `tolerance` is in the unit of the quantity; without thesis or tolerance the row is not judged.
+
+    Where the thesis also prints VAMPIRE's value, the row holds between the two programs, tolerance added.
+    """
 
     quantity: str
     unit: str
@@ -32,6 +36,7 @@ class Row:
     tolerance: float | None
     source: str
     assumption: str = ""
+    vampire: float | None = None
 
     @property
     def deviation(self) -> float | None:
@@ -43,13 +48,17 @@ class Row:
     def holds(self) -> bool | None:
         if self.thesis is None or self.tolerance is None:
             return None
-        return self.deviation is not None and abs(self.deviation) <= self.tolerance
+        if self.simulated is None:
+            return False
+        printed = [self.thesis, self.thesis if self.vampire is None else self.vampire]
+        return min(printed) - self.tolerance <= self.simulated <= max(printed) + self.tolerance
 
     def as_dict(self) -> dict[str, Any]:
         return {
             "quantity": self.quantity,
             "unit": self.unit,
             "thesis": self.thesis,
+            "vampire": self.vampire,
             "simulated": self.simulated,
             "deviation": self.deviation,
             "tolerance": self.tolerance,
@@ -100,7 +109,9 @@ def save(result: Result, name: str, out: Path, wall_seconds: float) -> Path:
         }
         (partial / "summary.json").write_text(json.dumps(summary, indent=2, allow_nan=False) + "\n", encoding="utf-8")
         _write_series(result.series, partial / "timeseries.csv")
-        result.draw().savefig(partial / "figure.png", dpi=130)
+        figure = result.draw()
+        figure.savefig(partial / "figure.png", dpi=130)
+        plt.close(figure)
         partial.chmod(0o755)
         target = out / name
         if target.exists():
@@ -134,12 +145,13 @@ VERDICTS = {True: "holds", False: "DOES NOT HOLD", None: "not judged"}
 
 def table(rows: Sequence[Row]) -> str:
     """The rows as text, with units; the assumption of each row stands below it."""
-    heads = ["quantity", "unit", "thesis", "simulated", "deviation", "tolerance", "verdict"]
+    heads = ["quantity", "unit", "thesis", "VAMPIRE", "simulated", "deviation", "tolerance", "verdict"]
     lines = [
         [
             row.quantity,
             row.unit,
             number(row.thesis),
+            number(row.vampire),
             number(row.simulated),
             number(row.deviation),
             number(row.tolerance),
@@ -147,12 +159,14 @@ def table(rows: Sequence[Row]) -> str:
         ]
         for row in rows
     ]
+    if all(row.vampire is None for row in rows):
+        heads, lines = heads[:3] + heads[4:], [line[:3] + line[4:] for line in lines]
     widths = [max(len(line[i]) for line in [heads, *lines]) for i in range(len(heads))]
 
     def text(line: Sequence[str]) -> str:
         cells = [line[0].ljust(widths[0]), line[1].ljust(widths[1])]
-        cells += [cell.rjust(width) for cell, width in zip(line[2:6], widths[2:6], strict=True)]
-        return "  ".join([*cells, line[6]]).rstrip()
+        cells += [cell.rjust(width) for cell, width in zip(line[2:-1], widths[2:-1], strict=True)]
+        return "  ".join([*cells, line[-1]]).rstrip()
 
     shown = [text(heads), "-" * len(text(heads))]
     for row, line in zip(rows, lines, strict=True):

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from matplotlib.figure import Figure
 
+from rbd_model.bogie import smallest_level
 from rbd_model.parameters import BogieParameters, tables_5_1_and_5_2
 from scenarios.cosimulation import Recording, Slave, couple
 from scenarios.plotting import BOGIE, LEADING, THESIS, TRAILING, mark, panels
@@ -69,7 +70,8 @@ RECORDED = (
 
 def run(options: Options) -> Result:
     parameters = tables_5_1_and_5_2()
-    with open_bogie(options, level=2, initial_speed=INITIAL_SPEED) as bogie:
+    choice = smallest_level(("traction_torque_1", "brake_torque_1"), RECORDED)
+    with open_bogie(options, level=choice.level, initial_speed=INITIAL_SPEED) as bogie:
         bogie.start()
         sequence = TorqueSequence(bogie)
         record = [(bogie, name) for name in RECORDED]
@@ -108,9 +110,8 @@ def run(options: Options) -> Result:
         Row("time at which 10 m/s is reached", "s", 37.0, switches[2], 0.1, source),
     ]
     remark = f"Rolling without slip, 2T/r / (M + 2J/r2) = {expected:.4f} m/s2."
-    return Result(
-        rows, series, lambda: draw(series, switches), parameters.values() | {"level": 2}, DURATION, [remark], guids
-    )
+    used = parameters.values() | {"level": choice.level}
+    return Result(rows, series, lambda: draw(series, switches), used, DURATION, [remark, choice.reason], guids)
 
 
 def draw(series: Recording, switches: list[float | None]) -> Figure:

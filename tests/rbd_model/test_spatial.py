@@ -10,7 +10,7 @@ import pytest
 from fmu_src.compile import build_library
 from fmu_src.kernel import DISCARD, Kernel, KernelError, Library
 from fmu_src.system import model_of
-from rbd_model.bogie import bogie_dynamics, wheelset_in_frame
+from rbd_model.bogie import bogie_dynamics, smallest_level, wheelset_in_frame
 from rbd_model.contact import ellipse_fit, ellipse_shape, moving_ellipse
 from rbd_model.contact_geometry import thesis_pair
 from rbd_model.linear import critical_speed, oscillations
@@ -161,7 +161,7 @@ def test_asymmetric_braking_derails_at_the_fold_and_says_so(bogie: Library) -> N
 
 def test_lifted_wheel_ends_the_run_or_warns(bogie: Library) -> None:
     values = {"initial_speed": 15.0, "constant_speed": 1, "yaw_torque_rotates": 1, "yaw_torque_1": 2.5e5}
-    with pytest.raises(KernelError, match="Wheel lift: the .* carried no load at .* s; results up to there are kept"):
+    with pytest.raises(KernelError, match=r"Wheel lift: the .* carried no load at .* s; results up to"):
         spatial(bogie, **values).advance(1.0)
     held = spatial(bogie, wheel_lift_ends=0, **values)
     held.advance(0.2)
@@ -212,3 +212,25 @@ def test_track_from_points_is_the_track_of_the_formula(tmp_path) -> None:  # typ
     with pytest.raises(ValueError, match="give at least 6 lines"):
         track_from_file(path)
     assert track_from_points(*rows.T)
+
+
+@pytest.mark.parametrize(
+    ("driven", "read", "level", "word"),
+    [
+        (["brake_torque_1"], ["speed", "rotation_1"], 1, "static loads"),
+        (["brake_torque_1"], ["speed", "locked_1"], 2, "locked_1 asks for level 2, planar"),
+        (["traction_torque_2"], ["pitch"], 2, "pitch asks for level 2"),
+        (["yaw_torque_1"], ["speed"], 3, "yaw_torque_1 asks for level 3, spatial"),
+        (["lateral_irregularity"], ["speed"], 3, "lateral_irregularity"),
+        ([], ["derailed"], 3, "derailed"),
+    ],
+)
+def test_smallest_level_says_why(driven: list[str], read: list[str], level: int, word: str) -> None:
+    choice = smallest_level(driven, read)
+    assert choice.level == level
+    assert word in choice.reason
+
+
+def test_smallest_level_refuses_names_that_do_not_exist() -> None:
+    with pytest.raises(ValueError, match="no variable speeed"):
+        smallest_level([], ["speeed"])
