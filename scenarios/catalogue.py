@@ -14,6 +14,7 @@ from scenarios import (
     heavy_braking,
     lock_boundary,
     qr30,
+    sensitivity,
     speed,
     traction_braking,
     wheelset_constant_speed,
@@ -40,5 +41,6 @@ SCENARIOS: list[Scenario] = [
     bogie_lateral_under_torque.SCENARIO,
     bogie_skid.SCENARIO,
     asymmetric_braking.SCENARIO,
+    sensitivity.SCENARIO,
     speed.SCENARIO,
 ]
