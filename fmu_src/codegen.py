@@ -29,7 +29,6 @@ FUNCTIONS = (
     "drive",
     "capacity",
     "condition_margin",
-    "table_argument",
 )
 KINDS = {"real": "KIND_REAL", "integer": "KIND_INTEGER", "boolean": "KIND_BOOLEAN"}
 
@@ -51,8 +50,10 @@ def functions(system: System) -> dict[str, ca.Function]:
         "drive": [ca.vertcat(*[friction.drive for friction in system.frictions])],
         "capacity": [ca.vertcat(*[friction.capacity for friction in system.frictions])],
         "condition_margin": [ca.vertcat(*[c.margin for c in (*system.end_conditions, *system.warnings)])],
-        "table_argument": [ca.vertcat(*[table.argument for table in system.tables])],
     }
+    for rank in range(_table_ranks(system)):
+        asked = [table.argument for table in system.tables if table.rank == rank]
+        results[f"table_argument_{rank}"] = [ca.vertcat(*asked)]
     made = {}
     for name, expressions in results.items():
         if any(expression.numel() for expression in expressions):
@@ -94,6 +95,10 @@ def elimination(system: System) -> Elimination:
         for row in below[-1]:
             rows[row].update(right[-1])
     return Elimination(order, places, below, right)
+
+
+def _table_ranks(system: System) -> int:
+    return 1 + max((table.rank for table in system.tables), default=-1)
 
 
 def _start(system: System) -> ca.SX:
@@ -199,6 +204,8 @@ def _system_arrays(model: Model, system: System) -> Iterable[str]:
             for table in system.tables
         ],
     )
+    ranks = [f"{prefix}_table_argument_{rank}" for rank in range(_table_ranks(system))]
+    yield _array("generated_function", f"{prefix}_table_argument", ranks)
     sentences = [_text(condition.sentence) for condition in (*system.end_conditions, *system.warnings)]
     yield _array("char *const", f"{prefix}_sentence", sentences)
 
@@ -209,13 +216,13 @@ def _system_entry(system: System, made: dict[str, ca.Function]) -> str:
     counts = {
         "states": len(system.states),
         "algebraics": sum(state.algebraic for state in system.states.values()),
-        "nonzeros": ca.jacobian(system.ode, system.arguments[1]).nnz(),
+        "nonzeros": made["jacobian"].nnz_out(0),
         "inputs": len(system.input_symbols),
         "parameters": len(system.parameter_symbols),
         "derived": len(system.derived_symbols),
         "frictions": len(system.frictions),
         "tables": len(system.tables),
-        "table_ranks": 1 + max((table.rank for table in system.tables), default=-1),
+        "table_ranks": _table_ranks(system),
         "table_coefficients": sum(table.symbols.numel() for table in system.tables),
         "outputs": len(outputs),
         "ends": len(system.end_conditions),
@@ -237,6 +244,7 @@ def _system_entry(system: System, made: dict[str, ca.Function]) -> str:
         ("algebraic", "algebraics"),
         ("friction", "frictions"),
         ("table", "tables"),
+        ("table_argument", "tables"),
         ("sentence", "conditions"),
     ):
         if counts[count]:

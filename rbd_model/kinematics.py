@@ -35,15 +35,21 @@ def axes_rate(roll: ca.SX, rate: ca.SX) -> ca.SX:
 
 @dataclass(frozen=True)
 class Body:
-    """A rigid body, all vectors in the axes of the track: position and velocity of its centre, axes, angular velocity.
+    """A rigid body: position and velocity of its centre in the axes of the track, its own axes (columns), own rate.
 
-    `position` may be counted from any point that moves along the track.
+    `position` may be counted from any point that moves along the track. `own_rate` is the angular velocity in the own
+    axes, which is how the equations of motion know it.
     """
 
     position: ca.SX
     velocity: ca.SX
     axes: ca.SX
-    rate: ca.SX
+    own_rate: ca.SX
+
+    @property
+    def rate(self) -> ca.SX:
+        """Angular velocity in the axes of the track [rad/s]."""
+        return self.axes @ self.own_rate
 
     def arm(self, place: ca.SX) -> ca.SX:
         """From the centre to the place that has the coordinates `place` in the body's axes, eq. (3.12)."""

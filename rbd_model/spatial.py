@@ -137,15 +137,15 @@ def observe_energy(
     """Energies [J] and powers lost [W] whose sum must not change while nothing drives; constraints do no work."""
     system, p = bogie.system, bogie.parameter
 
-    def kinetic(body: Body, rate: ca.SX, name: str) -> ca.SX:
+    def kinetic(body: Body, name: str) -> ca.SX:
         inertia = ca.vertcat(*[p[f"{name}_{axis}_inertia"] for axis in ("roll", "pitch", "yaw")])
-        return (p[f"{name}_mass"] * ca.sumsqr(body.velocity) + ca.dot(inertia, rate**2)) / 2
+        return (p[f"{name}_mass"] * ca.sumsqr(body.velocity) + ca.dot(inertia, body.own_rate**2)) / 2
 
-    energy = kinetic(frame, frame.axes.T @ frame.rate, "frame")
+    energy = kinetic(frame, "frame")
     potential = p["frame_mass"] * p["gravity"] * frame.position[2]
     brake = creep = damping = ca.SX(0)
     for wheelset, suspension, motion in zip(wheelsets, suspensions, motions, strict=True):
-        energy += kinetic(wheelset.body, wheelset.rate, "wheelset")
+        energy += kinetic(wheelset.body, "wheelset")
         potential += p["wheelset_mass"] * p["gravity"] * wheelset.body.position[2]
         potential += suspension.potential + motion.flange_potential
         # A torque that reacts on the sprung mass works on the difference of the two rotations.

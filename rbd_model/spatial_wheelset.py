@@ -59,13 +59,15 @@ class Wheel:
 
 @dataclass(frozen=True)
 class SpatialWheelset:
-    """What a wheelset is and does before its forces are added up; `number` is 1 or 2, wheels are (left, right)."""
+    """What a wheelset is and does before its forces are added up; `number` is 1 or 2, wheels are (left, right).
+
+    The body's own axes are those that yaw and roll with the wheelset.
+    """
 
     number: int
     body: Body
     roll: ca.SX
     offset: ca.SX  # lateral displacement from the track's centre [m]
-    rate: ca.SX  # angular velocity in its yaw-roll axes [rad/s]
     wheels: tuple[Wheel, Wheel]
 
 
@@ -125,7 +127,7 @@ def place_wheelset(
         ca.vertcat(along + shift, lateral, (heights[0] + heights[1]) / 2),
         ca.vertcat(forward, lateral_speed, rise),
         placement.axes,
-        placement.axes @ ca.vertcat(roll_rate, omega, yaw_rate),
+        ca.vertcat(roll_rate, omega, yaw_rate),
     )
     wheels = [
         roll_wheel(bogie, number, body, contact, row, normal, track.friction, (coordinates, rates))
@@ -133,8 +135,7 @@ def place_wheelset(
     ]
     for name, derivative in (("shift", shift_speed), ("lateral", lateral_speed), ("yaw", rates[2])):
         system.derivative(f"{name}_{number}", derivative)
-    rate = ca.vertcat(roll_rate, omega, yaw_rate)
-    return SpatialWheelset(number, body, roll, lateral - track.lateral, rate, (wheels[0], wheels[1]))
+    return SpatialWheelset(number, body, roll, lateral - track.lateral, (wheels[0], wheels[1]))
 
 
 def constraint_rows(bogie: Bogie, contacts: list[WheelContact], track: Section) -> list[ca.SX]:
@@ -174,11 +175,10 @@ def roll_wheel(
     load, friction = wheel_load_and_friction(bogie, number, normal_force, friction_factor)
     logarithm, semi_axis = moving_ellipse(contact.curvature_along, contact.curvature_across, load, p["shear_modulus"])
     stretch = ca.exp(logarithm / 2)
-    velocity, rate = body.axes.T @ body.velocity, body.axes.T @ body.rate
-    sliding = velocity + ca.cross(rate, contact.arm)
+    sliding = body.axes.T @ body.velocity + ca.cross(body.own_rate, contact.arm)
     slides = ca.dot(sliding, contact.along), ca.dot(sliding, contact.sideways)
     slowness = 1 / ca.sqrt(body.velocity[0] ** 2 + p["creepage_speed"] ** 2)
-    creepages = (slides[0] * slowness, slides[1] * slowness, ca.dot(rate, contact.normal) * slowness)
+    creepages = (slides[0] * slowness, slides[1] * slowness, ca.dot(body.own_rate, contact.normal) * slowness)
     kalker = smooth_kalker_coefficients(logarithm)
     axes = (semi_axis * stretch, semi_axis / stretch)
     along, sideways = polach_forces(creepages, load, friction, axes, p["shear_modulus"], kalker)
@@ -204,7 +204,8 @@ def move_wheelset(bogie: Bogie, wheelset: SpatialWheelset, suspension: Load) -> 
     flange_force, flange_potential = flange(bogie, wheelset.offset)
     force = suspension.force + ca.vertcat(0, flange_force, -mass * p["gravity"])
     moment = wheelset.body.axes.T @ suspension.moment
-    moment = moment - ca.cross(axes_rate(wheelset.roll, wheelset.rate), inertia * wheelset.rate)
+    rate = wheelset.body.own_rate
+    moment = moment - ca.cross(axes_rate(wheelset.roll, rate), inertia * rate)
     for wheel in wheelset.wheels:
         contact, row = wheel.contact, wheel.row
         creep = wheel.creep_along * contact.along + wheel.creep_sideways * contact.sideways
@@ -216,17 +217,17 @@ def move_wheelset(bogie: Bogie, wheelset: SpatialWheelset, suspension: Load) -> 
 
     acceleration = (1 / mass) * force
     turning = (1 / inertia) * (moment + yaw_torque)
-    rotation = add_rotation(bogie, number, wheelset.rate[1], moment[1])
+    rotation = add_rotation(bogie, number, rate[1], moment[1])
     frame_acceleration = system.derivatives["frame_speed"]
     system.derivative(f"shift_speed_{number}", acceleration[0] - frame_acceleration)
     system.derivative(f"lateral_speed_{number}", acceleration[1])
     system.derivative(f"yaw_rate_{number}", turning[2])
-    velocities = ca.vertcat(wheelset.body.velocity, wheelset.rate[0], wheelset.rate[2])
+    velocities = ca.vertcat(wheelset.body.velocity, rate[0], rate[2])
     accelerations = ca.vertcat(acceleration, turning[0], turning[2])
     for wheel, word in zip(wheelset.wheels, SIDES.values(), strict=True):
         residual = ca.dot(wheel.row, accelerations) + ca.dot(wheel.row_rate, velocities)
         system.residual(f"normal_{number}_{word}", mass * residual)
-    return Motion(acceleration[0], rotation, flange_potential, ca.dot(yaw_torque, wheelset.rate))
+    return Motion(acceleration[0], rotation, flange_potential, ca.dot(yaw_torque, rate))
 
 
 def flange(bogie: Bogie, offset: ca.SX) -> tuple[ca.SX, ca.SX]:

@@ -49,7 +49,7 @@ def place_frame(bogie: Bogie, pitches: bool) -> Body:
         ca.vertcat(0, position["frame_lateral"], height),
         ca.vertcat(speed, rates["frame_lateral"], rates["bounce"]),
         axes @ to_body,
-        axes @ rate,
+        body_rate,
     )
 
 
@@ -67,8 +67,8 @@ def move_frame(bogie: Bogie, frame: Body, load: Load) -> None:
     system.derivative("frame_lateral_rate", lightness * load.force[1])
     system.derivative("bounce_rate", lightness * load.force[2] - p["gravity"])
     inertia = ca.vertcat(*[p[f"frame_{name}_inertia"] for name in ("roll", "pitch", "yaw")])
-    rate = frame.axes.T @ frame.rate
-    turning = (1 / inertia) * (frame.axes.T @ load.moment - ca.cross(rate, inertia * rate))
+    gyroscopic = ca.cross(frame.own_rate, inertia * frame.own_rate)
+    turning = (1 / inertia) * (frame.axes.T @ load.moment - gyroscopic)
     for name, component in ANGLES.items():
         if name in system.states:
             system.derivative(f"{name}_rate", turning[component])

@@ -18,6 +18,7 @@ import sys
 from pathlib import Path
 
 from fmu_src.compile import CompilerError
+from fmu_src.kernel import KernelError
 from scenarios.catalogue import SCENARIOS
 from scenarios.cosimulation import CosimulationError
 from scenarios.report import save, stopwatch, table
@@ -91,7 +92,7 @@ def main(arguments: list[str] | None = None) -> int:
     except BadInputError as error:
         print(error, file=sys.stderr)
         return BAD_INPUT
-    except (CosimulationError, CompilerError) as error:
+    except (CosimulationError, CompilerError, KernelError) as error:
         print(error, file=sys.stderr)
         return FAILED
     except OSError as error:

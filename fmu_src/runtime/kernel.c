@@ -154,22 +154,27 @@ void kernel_reset(kernel *self) {
 
 /* ---- generated functions ------------------------------------------------------------------------------------- */
 
-/* Calls a generated function at `offset` seconds after the start of the step, with the inputs and table pieces that
- * hold there. */
-void kernel_evaluate(kernel *self, generated_function function, double offset, const double *state, double *first,
-                     double *second) {
-    const system_description *system = self->system;
+/* Calls a generated function at `offset` seconds after the start of the step, with the inputs and table pieces that the
+ * call before it used: for a second function at the same place. */
+void kernel_evaluate_again(kernel *self, generated_function function, double offset, const double *state, double *first,
+                           double *second) {
     const double time = self->step_origin + offset;
-    for (int i = 0; i < system->inputs; ++i) self->stage_input[i] = self->input[i] + offset * self->rate[i];
     const double *argument[ARG_COUNT] = {&time,           state,         self->stage_input, self->rate,
                                          self->parameter, self->derived, self->mode,        self->coefficient};
     double *result[2] = {first, second};
-    double *arguments_of_tables[1] = {self->table_at};
+    function(argument, result, NULL, NULL, 0);
+}
+
+/* The same, with the inputs and table pieces that hold there. */
+void kernel_evaluate(kernel *self, generated_function function, double offset, const double *state, double *first,
+                     double *second) {
+    const system_description *system = self->system;
+    for (int i = 0; i < system->inputs; ++i) self->stage_input[i] = self->input[i] + offset * self->rate[i];
     for (int rank = 0; rank < system->table_ranks && function != system->derive; ++rank) {
-        system->table_argument(argument, arguments_of_tables, NULL, NULL, 0);
+        kernel_evaluate_again(self, system->table_argument[rank], offset, state, self->table_at, NULL);
         tables_look_up(system, rank, self->table_at, self->coefficient);
     }
-    function(argument, result, NULL, NULL, 0);
+    kernel_evaluate_again(self, function, offset, state, first, second);
 }
 
 static void gather_inputs(kernel *self) {

@@ -1,6 +1,6 @@
 /* The kernel: one simulated machine, seen as a table of variables and a step function.
  *
- * The equations are generated C (functions of the nine arguments below), the model is constant data,
+ * The equations are generated C (functions of the eight arguments below), the model is constant data,
  * and everything that changes lives in one `kernel` block, so that saving a state is a copy.
  * There are no globals besides the constant MODEL, hence any number of instances may run at once. */
 #ifndef KERNEL_H
@@ -60,8 +60,9 @@ typedef struct {
 
 typedef struct {
     const char *name;
-    int states, algebraics, nonzeros, inputs, parameters, derived, frictions, tables, table_ranks, table_coefficients, outputs,
-        ends, conditions; /* the conditions that end a run, and with those that only warn */
+    int states, algebraics, nonzeros, inputs, parameters, derived, frictions, outputs;
+    int tables, table_ranks, table_coefficients;
+    int ends, conditions; /* the conditions that end a run, and with those that only warn */
     const int *input_variable, *parameter_variable, *output_variable; /* indices into the model's variables */
     const double *nominal;                                            /* scale of each state, for the error control */
     const int *order; /* of elimination: entry i is the state that comes i-th in the linear equations */
@@ -72,8 +73,8 @@ typedef struct {
     const friction_description *friction;
     const table_description *table;
     const char *const *sentence; /* of each condition; contains one %s for the time */
-    generated_function derive, start, ode, jacobian, output, drive, capacity, condition_margin,
-        table_argument; /* a function that the system does not need is null */
+    generated_function derive, start, ode, jacobian, output, drive, capacity, condition_margin; /* null: not needed */
+    const generated_function *table_argument; /* one for each rank */
 } system_description;
 
 typedef struct {
@@ -155,7 +156,7 @@ KERNEL_EXPORT void kernel_counts(const kernel *self, long long int counts[6]);
 KERNEL_EXPORT int kernel_variable_count(void);
 KERNEL_EXPORT const char *kernel_variable_name(int variable);
 KERNEL_EXPORT int kernel_state_count(const kernel *self);
-/* Right-hand side (n values) and Jacobian (n x n, by rows) at the present state, residuals of algebraic states included. */
+/* Right-hand side (n values) and Jacobian (n x n, by rows) at the present state; residuals of algebraic states too. */
 KERNEL_EXPORT int kernel_linearise(kernel *self, double *slope, double *jacobian);
 /* For benchmarks: call the right-hand side, the Jacobian or the step function `repeat` times at the present state. */
 KERNEL_EXPORT int kernel_repeat_right_hand_side(kernel *self, long long int repeat);
@@ -167,6 +168,8 @@ int kernel_fail(kernel *self, int status, const char *format, ...);
 void kernel_note(kernel *self, int status, const char *format, ...);
 void kernel_evaluate(kernel *self, generated_function function, double offset, const double *state, double *first,
                      double *second);
+void kernel_evaluate_again(kernel *self, generated_function function, double offset, const double *state, double *first,
+                           double *second);
 void tables_look_up(const system_description *system, int rank, const double *argument, double *coefficient);
 /* One trial step of Rosenbrock type from `state` at `offset`; linearise first. Returns the error in units of the
  * tolerance; a value that is not <= 1, NaN included, means "reject". The new state is in self->trial. */

@@ -19,13 +19,13 @@ static double direction_of(double velocity, double drive, double capacity) {
     return drive > 0.0 ? 1.0 : -1.0;
 }
 
-/* The drive is asked for only where a velocity is zero: it may cost as much as the whole right-hand side. */
+/* The drive is asked for only where something is stuck or stands: it may cost as much as the whole right-hand side. */
 static void find_drive_and_capacity(kernel *self, double offset, const double *state) {
     const system_description *system = self->system;
     kernel_evaluate(self, system->capacity, offset, state, self->capacity, NULL);
     for (int i = 0; i < system->frictions; ++i)
-        if (state[system->friction[i].velocity] == 0.0) {
-            kernel_evaluate(self, system->drive, offset, state, self->drive, NULL);
+        if (self->mode[i] == 0.0 || state[system->friction[i].velocity] == 0.0) {
+            kernel_evaluate_again(self, system->drive, offset, state, self->drive, NULL);
             return;
         }
 }

@@ -30,7 +30,8 @@ static double polynomial(const double *coefficient, int degree, double x) {
     return value;
 }
 
-/* Writes (origin, c0 ... c_degree) for each table of this rank. Outside its breakpoints a table holds its end value. */
+/* Writes (origin, c0 ... c_degree) for each table of this rank, whose arguments are given one after the other. Outside
+ * its breakpoints a table holds its end value. */
 void tables_look_up(const system_description *system, int rank, const double *argument, double *coefficient) {
     for (int i = 0; i < system->tables; ++i) {
         const table_description *table = &system->table[i];
@@ -40,13 +41,14 @@ void tables_look_up(const system_description *system, int rank, const double *ar
             continue;
         }
         const double first = table->breakpoint[0], last = table->breakpoint[table->pieces];
-        const int piece = piece_of(table, argument[i]);
+        const double at = *argument++;
+        const int piece = piece_of(table, at);
         const double *source = table->coefficient + (size_t)piece * (size_t)terms;
         coefficient[0] = table->breakpoint[piece];
         for (int power = 0; power < terms; ++power) coefficient[1 + power] = source[power];
-        if (argument[i] < first || argument[i] > last) {
+        if (at < first || at > last) {
             const double width = table->breakpoint[table->pieces] - table->breakpoint[table->pieces - 1];
-            coefficient[1] = argument[i] < first ? source[0] : polynomial(source, table->degree, width);
+            coefficient[1] = at < first ? source[0] : polynomial(source, table->degree, width);
             for (int power = 1; power < terms; ++power) coefficient[1 + power] = 0.0;
         }
         coefficient += 1 + terms;

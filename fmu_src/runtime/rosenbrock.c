@@ -126,7 +126,7 @@ static void solve_states(kernel *self, double *vector) {
 
 void rosenbrock_linearise(kernel *self, double offset) {
     kernel_evaluate(self, self->system->ode, offset, self->state, self->slope, NULL);
-    kernel_evaluate(self, self->system->jacobian, offset, self->state, self->nonzero, self->time_slope);
+    kernel_evaluate_again(self, self->system->jacobian, offset, self->state, self->nonzero, self->time_slope);
     for (int i = 0; i < self->system->nonzeros; ++i) self->jacobian[self->system->jacobian_place[i]] = self->nonzero[i];
     self->counters.right_hand_sides++;
     self->counters.jacobians++;

@@ -22,7 +22,8 @@ def build_driver(folder: Path, flags: list[str]) -> Path:
         (folder / name).write_text(text)
     files = [DRIVER, *(RUNTIME / name for name in RUNTIME_SOURCES), folder / "equations.c", folder / "model.c"]
     includes = [f"-I{RUNTIME}", f"-I{compiling.FMI_HEADERS}"]
-    command = [*compiling.compiler(), *compiling.FLAGS, *flags, *includes, "-o", str(folder / "driver")]
+    optimise = compiling.OPTIMISE_GENERATED
+    command = [*compiling.compiler(), *compiling.FLAGS, optimise, *flags, *includes, "-o", str(folder / "driver")]
     done = subprocess.run([*command, *map(str, files), "-lm"], capture_output=True, text=True)
     if done.returncode != 0 and "sanitize" in " ".join(flags) and "error:" not in done.stderr:
         pytest.skip(f"this compiler has no sanitizer libraries: {done.stderr[-200:]}")
