@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import lru_cache
 
 from fmu_src.system import Model, System, Variable, model_of, tolerance_variable
 from rbd_model import variables
@@ -67,26 +68,28 @@ def smallest_level(driven: Iterable[str], read: Iterable[str]) -> Choice:
 
     Raises ValueError for a name that no level has.
     """
-    systems = levels(tables_5_1_and_5_2())
+    names = names_of_levels()
     needed = [*driven, *read]
     for name in needed:
-        if not any(name in system_names(system) for system in systems):
+        if not any(name in own for own in names.values()):
             raise ValueError(f"BogieDynamics has no variable {name}; build_fmu.py --describe lists them.")
     reason = "speed and rotation far from the adhesion limit need no more than static loads."
     level = 1
     for name in needed:
         family = name.removesuffix("_1").removesuffix("_2")
-        own = next(i for i, system in enumerate(systems, 1) if name in system_names(system))
+        own = next(number for number, (_, known) in enumerate(names.items(), 1) if name in known)
         own = max(own, 2) if family in DECIDED_BY_LOAD_TRANSFER else own
         if own > level:
             why = {2: "load transfer decides it, or a motion in the plane", 3: "it belongs to motions out of the plane"}
-            level, reason = own, f"{name} asks for level {own}, {systems[own - 1].name}: {why[own]}."
+            level, reason = own, f"{name} asks for level {own}, {list(names)[own - 1]}: {why[own]}."
     return Choice(level, reason)
 
 
-def system_names(system: System) -> set[str]:
-    """Names of the variables that a level has."""
-    return {variable.name for variable in system.variables}
+@lru_cache
+def names_of_levels() -> dict[str, set[str]]:
+    """Names of the variables of each level, the least first; all have a tolerance."""
+    systems = levels(tables_5_1_and_5_2())
+    return {system.name: {"tolerance", *(variable.name for variable in system.variables)} for system in systems}
 
 
 def wheelset_in_frame(defaults: BogieParameters | None = None) -> System:

@@ -97,10 +97,14 @@ def tables_5_1_and_5_2() -> BogieParameters:
     """The simplified two-axle bogie of chapter 5, axle load about 300 kN.
 
     Printed: Table 5.1 (springs and dampers, of each element), Table 5.2 (masses and inertias), wheel base 1.675 m
-    (section 5.2, where "mm" is a misprint for m), wheel radius 0.425 m (section 4.5).
+    (section 5.2, where "mm" is a misprint for m), wheel radius 0.425 m (section 4.5),
+    flange_clearance 9.5 mm (section 4.3).
     Fitted: frame_height. Section 5.4.2 says only that the axles lie below the centre of mass; 0.8 m locks the
     leading wheelset half a second after 60 kN.m are applied (Fig. 5.44) when no torque reacts on the sprung mass
     (torque_reaction = 0), as in the thesis, whose torques act on the wheelsets alone (3.36).
+    suspension_half_spacing 0.7 m, to the derailments of chapter 9. flange_stiffness 1e8 N/m, to lateral peaks of 9.5
+    to 10 mm (section 5.3.1).
+    Switches: yaw_torque_rotates, constant_speed and wheel_lift_ends are off, off and on, the physical readings.
     Assumed: rail head radius 300 mm (60 kg rail), conical tread, steel with G = 82 GPa, g = 9.81 m/s2, creepage_speed;
     no rolling resistance.
     """

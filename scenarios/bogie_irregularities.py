@@ -16,7 +16,7 @@ from scenarios.cosimulation import Recording
 from scenarios.plotting import LEADING, TRAILING, plt
 from scenarios.report import Result, Row
 from scenarios.scenario import Options, Scenario
-from scenarios.scene import bogie_in_space, play, spectrum
+from scenarios.scene import bogie, play, spectrum
 
 SPEEDS = (15.0, 25.0)
 DURATION, INTERVAL = 12.0, 2e-3
@@ -58,8 +58,9 @@ CROSS_LEVEL = Irregularity(
 
 
 def motion(kind: Irregularity, speed: float) -> Recording:
-    kernel = bogie_in_space(initial_speed=speed, constant_speed=1, **{kind.name: kind.amplitude})
-    return play("bogie", kernel, DURATION, INTERVAL, ("distance", *kind.shown), {})
+    read = ("distance", *kind.shown)
+    kernel = bogie((), read, initial_speed=speed, constant_speed=1, **{kind.name: kind.amplitude})
+    return play("bogie", kernel, DURATION, INTERVAL, read, {})
 
 
 def lateral_rows(runs: dict[float, Recording]) -> list[Row]:
@@ -100,7 +101,7 @@ def kinematic_peak(series: Recording) -> float:
 
 def bounce_mode(system: System) -> float:
     """Natural frequency of the bounce on straight track [Hz]."""
-    kernel = bogie_in_space(constant_speed=1)
+    kernel = bogie((), ("bounce",), constant_speed=1)
     kernel.advance(1.0)
     modes = oscillations(system, np.array(kernel.linearise()[1]))
     return max(modes, key=lambda mode: abs(mode.shape["bounce"]) / sum(abs(x) for x in mode.shape.values())).frequency
@@ -143,8 +144,7 @@ def cross_level_rows(runs: dict[float, Recording]) -> list[Row]:
                 "kN",
                 load / 1e3,
                 peak,
-                # At 25 m/s the load falls short of both programs with these fitted values; 0.8 m and a frame height of
-                # 1 m give 222 kN, but no derailments in chapter 9.
+                # At 25 m/s the load falls short of both programs with these fitted values; see docs/fitted.md.
                 0.0 if speed < 20.0 else None,
                 source,
                 "half of the cross level on each rail: assumed",
@@ -166,7 +166,7 @@ def run_of(kind: Irregularity) -> Result:
     rows = ROWS[kind.name](runs)
     series = runs[15.0]
     for name in kind.shown:
-        series.add(f"{name} at 25 m/s", series.units[name], runs[25.0][name])
+        series.add_from(f"{name} at 25 m/s", runs[25.0], name)
     parameters = tables_5_1_and_5_2().values() | section_5_3().values() | {"level": 3, kind.name: kind.amplitude}
     return Result(rows, series, lambda: draw(kind, runs), parameters, DURATION * len(runs))
 

@@ -11,7 +11,7 @@ from scenarios.cosimulation import Recording
 from scenarios.plotting import BOGIE, LEADING, TRAILING, plt
 from scenarios.report import Result, Row
 from scenarios.scenario import Options, Scenario
-from scenarios.scene import bogie_in_space, play
+from scenarios.scene import bogie, play
 
 TORQUE, HIGH_SPEED = 15e3, 20.0
 #: Ramp and, for braking, start of the torque [s]; the thesis's largest lateral shift [mm] where printed.
@@ -33,10 +33,10 @@ def motion(name: str) -> Recording:
     traction = name.startswith("traction")
     begin = 0.0 if traction else BRAKE_START
     history = [(0.0, 0.0), (begin, 0.0), (begin + ramp, TORQUE)] if begin else [(0.0, 0.0), (ramp, TORQUE)]
-    kernel = bogie_in_space(initial_speed=0.01 if traction else HIGH_SPEED, **WAVE)
     kind = "traction_torque" if traction else "brake_torque"
-    series = play("bogie", kernel, DURATION, INTERVAL, RECORDED, {f"{kind}_{n}": history for n in (1, 2)})
-    return series
+    inputs = {f"{kind}_{n}": history for n in (1, 2)}
+    kernel = bogie(inputs, RECORDED, initial_speed=0.01 if traction else HIGH_SPEED, **WAVE)
+    return play("bogie", kernel, DURATION, INTERVAL, RECORDED, inputs)
 
 
 def run(options: Options) -> Result:
@@ -54,7 +54,7 @@ def run(options: Options) -> Result:
         rows.append(Row(f"{name}: largest lateral shift", "mm", CASES[name][1], shift, None, source, assumed))
     series = runs["traction in 5 s"]
     for name in list(runs)[1:]:
-        series.add(f"lateral_1, {name}", "m", runs[name]["lateral_1"])
+        series.add_from(f"lateral_1, {name}", runs[name], "lateral_1")
     parameters = tables_5_1_and_5_2().values() | section_5_3().values() | WAVE | {"level": 3}
     return Result(rows, series, lambda: draw(runs), parameters, DURATION * len(runs))
 

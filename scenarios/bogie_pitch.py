@@ -55,7 +55,7 @@ def run(options: Options) -> Result:
             "levels against each other, not the thesis",
         ),
     ]
-    series.add("pitch, spatial", "rad", runs[3]["pitch"])
+    series.add_from("pitch, spatial", runs[3], "pitch")
     remark = "Symmetric track and loads: the planar level is enough; the spatial one is run to show it."
     parameters = tables_5_1_and_5_2().values()
     return Result(rows, series, lambda: draw(series), parameters, DURATION * len(runs), [remark])

@@ -11,7 +11,7 @@ from scenarios.cosimulation import Recording
 from scenarios.plotting import BOGIE, LEADING, TRAILING, mark, plt
 from scenarios.report import Result, Row
 from scenarios.scenario import Options, Scenario
-from scenarios.scene import bogie_in_space, play
+from scenarios.scene import bogie, play
 
 TORQUE, APPLIED, SPEED = 60e3, 4.0, 25.0
 DURATION, INTERVAL = 14.0, 2e-3
@@ -25,8 +25,9 @@ RECORDED = (
 
 def motion(braked: tuple[int, ...]) -> tuple[Recording, list[str]]:
     history = [(0.0, 0.0), (APPLIED, 0.0), (APPLIED, TORQUE)]
-    kernel = bogie_in_space(initial_speed=SPEED, **WAVE)
-    series = play("bogie", kernel, DURATION, INTERVAL, RECORDED, {f"brake_torque_{n}": history for n in braked})
+    inputs = {f"brake_torque_{n}": history for n in braked}
+    kernel = bogie(inputs, RECORDED, initial_speed=SPEED, **WAVE)
+    series = play("bogie", kernel, DURATION, INTERVAL, RECORDED, inputs)
     return series, kernel.journal
 
 

@@ -142,6 +142,11 @@ class Recording:
         self.units[name] = unit
         self._columns[name] = values
 
+    def add_from(self, name: str, other: Recording, column: str) -> None:
+        """Adds a column of another run at the times of this one; NaN after that run's end."""
+        values = np.interp(self["time"], other["time"], other[column], right=math.nan)
+        self.add(name, other.units[column], values)
+
     def first_time(self, condition: np.ndarray) -> float | None:
         """Time of the first row where the condition holds; None when it never does."""
         rows = np.flatnonzero(condition)

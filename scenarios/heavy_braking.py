@@ -92,7 +92,7 @@ def run(options: Options) -> Result:
     ]
     series = planar["leading"]
     for name in RECORDED:
-        series.add(f"{name} (both braked)", series.units[name], planar["both"][name])
+        series.add_from(f"{name} (both braked)", planar["both"], name)
     remarks = [f"{case} braked, planar: {' '.join(m for m in runs[2, case][1])}" for case in CASES]
     parameters = tables_5_1_and_5_2().values() | {"friction": FRICTION, "brake_torque": TORQUE}
     guids = {"BogieDynamics": runs[2, "both"][2]}

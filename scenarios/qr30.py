@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 
 from brake_controller.experiment import APPLICATION_TIME, EXPERIMENT
 from brake_controller.parameters import qr30
+from rbd_model.bogie import smallest_level
 from rbd_model.parameters import tables_8_1_and_8_2
 from scenarios.cosimulation import Recording, couple
 from scenarios.plotting import BOGIE, LEADING, THESIS, TRAILING, mark, panels
@@ -63,7 +64,8 @@ class Run:
 
 
 def bogie_parameters(names: set[str], pressure: int) -> dict[str, float]:
-    return of_fmu(tables_8_1_and_8_2().values(), names) | {"level": 2, "initial_speed": INITIAL_SPEED[pressure]}
+    level = smallest_level(("brake_torque_2",), RECORDED).level
+    return of_fmu(tables_8_1_and_8_2().values(), names) | {"level": level, "initial_speed": INITIAL_SPEED[pressure]}
 
 
 def _judge(series: Recording, guids: Mapping[str, str], applied: float) -> Run:
@@ -142,7 +144,7 @@ def run(pressure: int, options: Options) -> Result:
     series = average.series
     for label, one in list(runs.items())[1:]:
         for name in ("brake_torque", *RECORDED):
-            series.add(f"{name} ({label})", series.units[name], one.series[name])
+            series.add_from(f"{name} ({label})", one.series, name)
     parameters = tables_8_1_and_8_2().values() | qr30(pressure).values() | {"friction": FRICTION}
     length = DURATION * (len(printed) + len(runs) - 1)
     return Result(rows, series, lambda: draw(pressure, runs), parameters, length, remarks, average.guids)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
 from itertools import pairwise
 
@@ -11,10 +11,13 @@ import numpy as np
 from build_fmu import MODELS
 from fmu_src.compile import build_library
 from fmu_src.kernel import Kernel, Library
+from rbd_model.bogie import smallest_level
 from scenarios.cosimulation import Recording
 
 #: Points (time [s], value) of an input; straight lines between them, held after the last, a jump at a repeated time.
 History = Sequence[tuple[float, float]]
+#: Times the length of a record that its spectrum is computed with.
+PADDING = 8
 
 
 @lru_cache
@@ -33,9 +36,9 @@ def prepare(name: str, **values: float) -> Kernel:
     return Kernel(library(name), **values)
 
 
-def bogie_in_space(**values: float) -> Kernel:
-    """The bogie of chapter 5 at the spatial level."""
-    return prepare("bogie", level=3, **values)
+def bogie(driven: Iterable[str], read: Iterable[str], **values: float) -> Kernel:
+    """The bogie of chapter 5 at the least level that drives these inputs, has these values and answers what is read."""
+    return prepare("bogie", level=smallest_level((*driven, *values), read).level, **values)
 
 
 def play(
@@ -86,8 +89,8 @@ def period(time: np.ndarray, values: np.ndarray) -> float | None:
     return float(np.diff(time[rising] + share * (time[rising + 1] - time[rising])).mean())
 
 
-def spectrum(time: np.ndarray, values: np.ndarray, fold: int = 8) -> tuple[np.ndarray, np.ndarray]:
-    """Frequencies [Hz] and power density [unit^2/Hz] of evenly sampled values, mean removed, padded `fold` times."""
-    step, count = time[1] - time[0], values.size * fold
+def spectrum(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Frequencies [Hz] and power density [unit^2/Hz] of evenly sampled values, mean removed, padded to a fine grid."""
+    step, count = time[1] - time[0], values.size * PADDING
     transform = np.fft.rfft((values - values.mean()) * np.hanning(values.size), count)
     return np.fft.rfftfreq(count, step), np.abs(transform) ** 2 * 2 * step / np.sum(np.hanning(values.size) ** 2)

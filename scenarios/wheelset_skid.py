@@ -39,16 +39,14 @@ def run(options: Options) -> Result:
         name = f"friction {friction}: time from brake to lock"
         rows.append(Row(name, "s", printed, delay, band, "section 4.7", f"{words}, as a band about its middle"))
         speed = None if locked is None else float(series["speed"][series["time"] >= locked][0])
-        rows.append(
-            Row(f"friction {friction}: speed at lock", "m/s", None, speed, None, "section 4.7: 'more than 20 m/s'")
-        )
+        words = "'more than 20 m/s', of 25 m/s at the start, as a band about the middle"
+        judged = 2.5 if friction == FRICTIONS[0] else None
+        rows.append(Row(f"friction {friction}: speed at lock", "m/s", 22.5, speed, judged, "section 4.7", words))
         shift = 1e3 * float(series["lateral_1"][-1])
         rows.append(Row(f"friction {friction}: lateral shift at the end", "mm", None, shift, None, "Figs 4.28, 4.29"))
-    series = Recording({"time": "s"}, [[time] for time in runs[0.3]["time"]])
-    for friction, one in runs.items():
-        for name in RECORDED:
-            if one["time"].size == series["time"].size:
-                series.add(f"{name}, friction {friction}", one.units[name], one[name])
+    series = runs[FRICTIONS[0]]
+    for name in RECORDED:
+        series.add_from(f"{name}, friction {FRICTIONS[1]}", runs[FRICTIONS[1]], name)
     return Result(rows, series, lambda: draw(runs), tables_4_1_and_4_2().values() | WAVE, DURATION * len(runs))
 
 

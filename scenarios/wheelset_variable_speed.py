@@ -74,7 +74,7 @@ def run(options: Options) -> Result:
     series = runs["braking", TORQUES[1]]
     shown = {kind: runs[kind, TORQUES[1]] for kind in START}
     for name in ("speed", "lateral_1"):
-        series.add(f"{name}, traction", series.units[name], shown["traction"][name])
+        series.add_from(f"{name}, traction", shown["traction"], name)
     remark = "The torque itself moves the critical speed: braking stabilises, traction destabilises."
     seconds = sum(DURATION[torque] for _, torque in runs)
     return Result(rows, series, lambda: draw(shown), tables_4_1_and_4_2().values() | WAVE, seconds, [remark])

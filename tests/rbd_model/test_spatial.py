@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import casadi as ca
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
+from fmu_src.codegen import functions
 from fmu_src.compile import build_library
 from fmu_src.kernel import DISCARD, Kernel, KernelError, Library
-from fmu_src.system import model_of
+from fmu_src.system import System, Table, model_of
 from rbd_model.bogie import bogie_dynamics, smallest_level, wheelset_in_frame
 from rbd_model.contact import ellipse_fit, ellipse_shape, moving_ellipse
 from rbd_model.contact_geometry import thesis_pair
@@ -98,6 +101,143 @@ def test_straight_symmetric_stop_is_that_of_the_planar_level(bogie: Library) -> 
     assert max(abs(stops[1][1]), abs(stops[1][2])) < 1e-9
 
 
+#: Issue bands against a reference from another method.
+STOP_TIME_BAND, STOP_DISTANCE_BAND = 1e-3, 10e-3
+
+
+def test_stop_is_that_of_another_method(bogie: Library) -> None:
+    """20 kN.m from 25 m/s to where both wheelsets stand, by SciPy's Radau, 100 times tighter than these bands."""
+    system = spatial_bogie(tables_5_1_and_5_2(), thesis_pair(), irregular_track(section_5_3()))
+    reference = Eliminated(system, brake_torque_1=20e3, brake_torque_2=20e3)
+    positions = {name: number for number, name in enumerate(reference.names)}
+    wheels = [positions[f"angular_velocity_{number}"] for number in (1, 2)]
+
+    def turning(time: float, y: np.ndarray) -> float:
+        return float(y[wheels].min())
+
+    turning.terminal = True  # type: ignore[attr-defined]
+    found = solve_ivp(
+        *(reference.slope, (0.0, 22.9), reference.start, "Radau"),
+        jac=reference.jacobian,
+        events=turning,
+        rtol=1e-8,
+        atol=1e-10,
+    )
+    kernel = spatial(bogie, brake_torque_1=20e3, brake_torque_2=20e3)
+    table = kernel.record(22.9, 1e-4, ["distance", "locked_1"])
+    locked = int(np.argmax(table["locked_1"]))
+    assert found.t[-1] > 16.0
+    assert table["time"][locked] == pytest.approx(found.t[-1], abs=STOP_TIME_BAND)
+    moved = found.y[positions["frame_distance"], -1] + found.y[positions["shift_1"], -1] / 2
+    moved += found.y[positions["shift_2"], -1] / 2
+    assert table["distance"][locked] == pytest.approx(moved, abs=STOP_DISTANCE_BAND)
+    assert kernel["distance"] == pytest.approx(moved, abs=STOP_DISTANCE_BAND)  # it stands
+
+
+class Eliminated:
+    """The equations of a System while all wheels turn, algebraic states eliminated, for methods that know no others.
+
+    On straight track with equal loads no contact leaves its piece of the profile, so that the tables are constant.
+    """
+
+    def __init__(self, system: System, **inputs: float) -> None:
+        self.made = functions(system)
+        self.algebraic = np.array([state.algebraic for state in system.states.values()])
+        self.names = [name for name, state in system.states.items() if not state.algebraic]
+        self.pattern = ca.jacobian(system.ode, system.arguments[1]).sparsity()
+        start = {v.name: v.start for v in system.variables} | inputs
+        self.arguments = [ca.DM.zeros(*self.made["ode"].size_in(i)) for i in range(8)]
+        self.arguments[2] = ca.vertcat(*[start[name] for name in system.input_symbols])
+        self.arguments[4] = ca.vertcat(*[start[name] for name in system.parameter_symbols])
+        self.arguments[6] = ca.DM.ones(len(system.frictions))
+        states = np.array(self.made["start"](*self.arguments)).ravel()
+        self.solution = states[self.algebraic]
+        # All tables at the centred contact: the irregularity is 0 there, wheel and rail at their own origins.
+        self.arguments[7] = ca.vertcat(*[piece_at_zero(table) for table in system.tables])
+        self.start = states[~self.algebraic]
+
+    def _at(self, time: float, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Slopes and Jacobian of all states where Newton's method has solved for the algebraic ones."""
+        for _ in range(20):
+            states = np.empty(self.algebraic.size)
+            states[~self.algebraic], states[self.algebraic] = y, self.solution
+            arguments = [ca.DM(time), ca.DM(states), *self.arguments[2:]]
+            slope = np.array(self.made["ode"](*arguments)).ravel()
+            jacobian = np.array(ca.DM(self.pattern, self.made["jacobian"](*arguments)[0]))
+            own = jacobian[np.ix_(self.algebraic, self.algebraic)]
+            change = np.linalg.solve(own, slope[self.algebraic])
+            if np.abs(change / np.maximum(np.abs(self.solution), 1.0)).max() < 1e-12:
+                return slope, jacobian
+            self.solution = self.solution - change
+        raise AssertionError(f"The algebraic states have no solution at {time} s.")
+
+    def slope(self, time: float, y: np.ndarray) -> np.ndarray:
+        return self._at(time, y)[0][~self.algebraic]
+
+    def jacobian(self, time: float, y: np.ndarray) -> np.ndarray:
+        """By the implicit-function theorem."""
+        _, jacobian = self._at(time, y)
+        d, a = ~self.algebraic, self.algebraic
+        implied = np.linalg.solve(jacobian[np.ix_(a, a)], jacobian[np.ix_(a, d)])
+        return np.asarray(jacobian[np.ix_(d, d)] - jacobian[np.ix_(d, a)] @ implied)
+
+
+def piece_at_zero(table: Table) -> ca.DM:
+    """Origin and coefficients of a table's piece around 0, or of its held end."""
+    first, last = table.breakpoints[0], table.breakpoints[-1]
+    piece = int(np.clip(np.searchsorted(table.breakpoints, 0.0, "right") - 1, 0, len(table.coefficients) - 1))
+    row = table.coefficients[piece].copy()
+    if not first <= 0.0 <= last:
+        row[1:] = 0.0
+    return ca.DM([table.breakpoints[piece], *row])
+
+
+@pytest.mark.parametrize("reaction", [0.0, 1.0])
+def test_pitch_of_the_frame_is_that_of_the_planar_level(bogie: Library, reaction: float) -> None:
+    """Traction, then braking; with the torque on the wheelsets alone and with its reaction on the sprung mass."""
+    found = []
+    for level in (2, 3):
+        kernel = Kernel(bogie, level=level, initial_speed=10.0, torque_reaction=reaction, traction_torque_1=2e4)
+        pitch = kernel.record(2.0, 0.01, ["pitch", "axle_load_1"])
+        kernel.set(traction_torque_1=0.0, brake_torque_2=2e4)
+        more = kernel.record(2.0, 0.01, ["pitch", "axle_load_1"])
+        found.append({name: np.array([*pitch[name], *more[name]]) for name in ("pitch", "axle_load_1")})
+    assert np.ptp(found[0]["pitch"]) > 2e-3
+    assert np.abs(found[1]["pitch"] - found[0]["pitch"]).max() < 1e-5
+    assert np.abs(found[1]["axle_load_1"] - found[0]["axle_load_1"]).max() < 1e-3 * found[0]["axle_load_1"].max()
+
+
+def test_signs_follow_x_forward_y_left_z_up(bogie: Library) -> None:
+    """A torque about the upward axis turns the nose to the left; a higher left rail rolls everything to the right."""
+    turned = spatial(bogie, initial_speed=15.0, constant_speed=1, yaw_torque_1=5e3, yaw_torque_2=5e3)
+    turned.advance(0.03)
+    assert turned["yaw_1"] > 1e-5
+    turned.advance(1.0)  # it rolls to the left until its conicity balances the torque
+    assert turned["lateral_1"] > 1e-4
+    raised = spatial(bogie, initial_speed=15.0, constant_speed=1, cross_level=0.02)
+    roll = np.array(raised.record(8.0, 0.01, ["frame_roll"])["frame_roll"])
+    assert roll[np.abs(roll).argmax()] > 0.01  # about the forward axis: the left side goes up
+    shifted = spatial(bogie, initial_speed=15.0, constant_speed=1, lateral_irregularity=0.01)
+    table = shifted.record(1.0, 0.01, ["distance", "lateral_1"])
+    first = np.flatnonzero(np.abs(table["lateral_1"]) > 1e-4)[0]
+    assert table["lateral_1"][first] < 0.0  # the track moves to the left, away from under the wheelset
+
+
+def test_hunting_above_the_critical_speed_grows_to_a_bounded_cycle(wheelset: Library) -> None:
+    """Section 4.4, 30 m/s: growth as the eigenvalue says, then a limit cycle at the flange."""
+    kernel = Kernel(wheelset, initial_speed=30.0, constant_speed=1, lateral_irregularity=1e-5, tolerance=1e-9)
+    lateral = np.abs(kernel.record(40.0, 0.005, ["lateral_1"])["lateral_1"])
+    early, late = lateral[4000:5000].max(), lateral[6000:7000].max()  # 20 to 25 s, 30 to 35 s
+    rate = growth(wheelset, 30.0)
+    assert rate > 0.05
+    assert np.log(late / early) / 10.0 == pytest.approx(rate, rel=0.1)
+    strong = Kernel(wheelset, initial_speed=30.0, constant_speed=1, lateral_irregularity=4e-3, lateral_wave_number=0.2)
+    strong.advance(80.0)
+    cycles = [np.abs(strong.record(10.0, 0.005, ["lateral_1"])["lateral_1"]).max() for _ in range(2)]
+    assert cycles[0] == pytest.approx(cycles[1], rel=0.01)
+    assert 9e-3 < cycles[1] < 11e-3
+
+
 def test_hunting_in_time_has_the_frequency_of_the_eigenvalue() -> None:
     """The linearisation predicts how a small change of the start spreads: the growth of a mode, measured in time."""
     system = wheelset_in_frame()
@@ -178,8 +318,6 @@ def test_locked_wheelsets_slide_with_the_friction_of_their_loads(bogie: Library)
 
 
 def test_fitted_ellipse_is_the_exact_one() -> None:
-    import casadi as ca
-
     for across in (0.2, 1.18, 1.67, 6.0, 30.0):
         along, load, modulus = 0.5 / 0.425, 1.5e5, 82e9
         exact = ellipse_shape(0.425, 0.0, 1 / (2 * across), modulus)
@@ -208,6 +346,14 @@ def test_track_from_points_is_the_track_of_the_formula(tmp_path) -> None:  # typ
         found.append(np.array(kernel.record(2.0, 0.01, ["bounce"])["bounce"]))
     assert np.abs(found[0]).max() > 1e-3
     assert np.abs(found[0] - found[1]).max() < 1e-5
+    rows[distance >= 20.0, 4] = 0.5  # the rails are slippery from 20 m on: 20 kN.m lock there
+    path.write_text("distance,lateral,left,right,friction\n" + "\n".join(",".join(map(str, row)) for row in rows))
+    system = spatial_bogie(tables_5_1_and_5_2(), thesis_pair(), track_from_file(path))
+    kernel = Kernel(Library(build_library(model_of(system, 1e-7))), brake_torque_1=3e4, brake_torque_2=3e4)
+    table = kernel.record(2.0, 0.01, ["distance", "locked_1", "locked_2"])
+    slippery = table["distance"][int(np.argmax(table["locked_1"]))]
+    assert 20.0 < slippery < 40.0
+    assert kernel["locked_2"] == 1.0
     path.write_text("0,0,0,0,1\n1,0,0\n")
     with pytest.raises(ValueError, match="give at least 6 lines"):
         track_from_file(path)
