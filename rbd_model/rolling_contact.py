@@ -79,6 +79,7 @@ def wheel_contact(
     across, place = (axes @ normal)[1:], axes @ arm
     on_rail = side * (placement.lateral + place[1] - rail_shift) - pair.rail_half_distance
     rail, rail_slope, rail_bend = system.curve(f"rail_{name}", *pair.rail.pieces, on_rail, 2)
+    rail_unit = 1 / ca.sqrt(1 + rail_slope**2)
     return WheelContact(
         side,
         position,
@@ -89,5 +90,5 @@ def wheel_contact(
         rail - place[2],
         -side * across[0] - rail_slope * across[1],
         unit / (2 * radius),
-        (bend - rail_bend) * unit**3 / 2,  # both curvatures with the slope that wheel and rail have in common
+        (bend * unit**3 - rail_bend * rail_unit**3) / 2,
     )

@@ -67,8 +67,24 @@ def move_frame(bogie: Bogie, frame: Body, load: Load) -> None:
     system.derivative("frame_lateral_rate", lightness * load.force[1])
     system.derivative("bounce_rate", lightness * load.force[2] - p["gravity"])
     inertia = ca.vertcat(*[p[f"frame_{name}_inertia"] for name in ("roll", "pitch", "yaw")])
-    gyroscopic = ca.cross(frame.own_rate, inertia * frame.own_rate)
-    turning = (1 / inertia) * (frame.axes.T @ load.moment - gyroscopic)
+    moment = frame.axes.T @ load.moment - ca.cross(frame.own_rate, inertia * frame.own_rate)
+    if "pitch" in system.states:
+        turning = moment / inertia
+    else:
+        turning = turning_without_pitch(system.states["frame_roll"].symbol, frame.own_rate, inertia, moment)
     for name, component in ANGLES.items():
         if name in system.states:
             system.derivative(f"{name}_rate", turning[component])
+
+
+def turning_without_pitch(roll: ca.SX, rate: ca.SX, inertia: ca.SX, moment: ca.SX) -> ca.SX:
+    """Angular acceleration in the own axes while something holds the pitch at 0 (section 4.2).
+
+    What holds it has no moment about the roll axis and the vertical, (0, sin roll, cos roll) in the own axes, so that
+    it does no work; the rate about the own lateral axis is that about the third one times tan(roll).
+    """
+    sine, cosine = ca.sin(roll), ca.cos(roll)
+    lateral = rate[2] * rate[0] / cosine**2  # the part of its acceleration that comes from rolling
+    about_vertical = sine * (moment[1] - inertia[1] * lateral) + cosine * moment[2]
+    yaw = about_vertical / (inertia[1] * sine**2 / cosine + inertia[2] * cosine)
+    return ca.vertcat(moment[0] / inertia[0], lateral + yaw * sine / cosine, yaw)

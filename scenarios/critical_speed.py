@@ -88,7 +88,7 @@ def run(options: Options) -> Result:
             f"half spacing printed: {PRINTED} m; as found",
         ),
     ]
-    series = Recording({"speed": "m/s"}, [[speed] for speed in SPEEDS])
+    series = Recording({"speed": "m/s"}, [[float(speed)] for speed in SPEEDS])
     for spacing, locus in loci.items():
         series.add(f"growth, half spacing {spacing} m", "1/s", np.array([max(m.growth for m in ms) for ms in locus]))
     remark = f"Growth from peaks of {1e6 * DISTURBANCE:g} um waves between {WINDOW[0]:g} and {WINDOW[1]:g} s."
