@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 OK, WARNING, DISCARD, ERROR = range(4)
@@ -43,7 +44,7 @@ _SIGNATURES = {
     "kernel_counts": (None, [ctypes.c_void_p, ctypes.POINTER(ctypes.c_longlong)]),
     "kernel_linearise": (
         ctypes.c_int,
-        [ctypes.c_void_p, ctypes.POINTER(ctypes.c_double), ctypes.POINTER(ctypes.c_double)],
+        [ctypes.c_void_p, *[ctypes.POINTER(ctypes.c_double)] * 3],
     ),
     "kernel_variable_count": (ctypes.c_int, []),
     "kernel_variable_name": (ctypes.c_char_p, [ctypes.c_int]),
@@ -72,6 +73,15 @@ class Library:
         count = self.functions.kernel_variable_count()
         self.names = [self.functions.kernel_variable_name(i).decode() for i in range(count)]
         self.index = {name: number for number, name in enumerate(self.names)}
+
+
+@dataclass(frozen=True)
+class Linearisation:
+    """State, right-hand side (residuals for algebraic states) and Jacobian by rows, in the order of the states."""
+
+    state: list[float]
+    slope: list[float]
+    jacobian: list[list[float]]
 
 
 class Kernel:
@@ -189,12 +199,13 @@ class Kernel:
         self._call.kernel_counts(self._handle, numbers)
         return dict(zip(COUNTERS, numbers, strict=True))
 
-    def linearise(self) -> tuple[list[float], list[list[float]]]:
-        """Right-hand side and Jacobian at the present state, in the order of the system's states."""
+    def linearise(self) -> Linearisation:
+        """The equations at the present state."""
         count = self._call.kernel_state_count(self._handle)
-        slope, jacobian = (ctypes.c_double * count)(), (ctypes.c_double * (count * count))()
-        self._check(self._call.kernel_linearise(self._handle, slope, jacobian))
-        return list(slope), [jacobian[row * count : (row + 1) * count] for row in range(count)]
+        state, slope, jacobian = ((ctypes.c_double * size)() for size in (count, count, count * count))
+        self._check(self._call.kernel_linearise(self._handle, state, slope, jacobian))
+        rows = [jacobian[row * count : (row + 1) * count] for row in range(count)]
+        return Linearisation(list(state), list(slope), rows)
 
     def repeat_right_hand_side(self, repeat: int) -> None:
         self._check(self._call.kernel_repeat_right_hand_side(self._handle, repeat))

@@ -108,6 +108,23 @@ def irregular_track(defaults: TrackParameters) -> Track:
     return add
 
 
+def derivatives_along(parameters: TrackParameters) -> Callable[[float], np.ndarray]:
+    """The same track in plain numbers: at a distance [m], shape (3, 3), value and first and second derivative by row.
+
+    Columns: lateral position of both rails, height of the left and of the right one [m].
+    """
+    system = System("track", "its parameters become numbers")
+    distance = ca.SX.sym("distance")
+    section = irregular_track(parameters)(system)(1, distance)
+    values = ca.vertcat(section.lateral, section.left, section.right)
+    slopes = ca.jacobian(values, distance)
+    rows = ca.horzcat(values, slopes, ca.jacobian(slopes, distance)).T
+    symbols = ca.vertcat(*system.parameter_symbols.values())
+    numbers = ca.DM([variable.start for variable in system.variables])
+    function = ca.Function("track", [distance], [ca.substitute(rows, symbols, numbers)])
+    return lambda at: np.array(function(at))
+
+
 #: Columns of a track file, all in m but the last, which is a factor on the friction coefficient.
 COLUMNS = ("distance", "lateral", "left", "right", "friction")
 

@@ -103,7 +103,7 @@ def bounce_mode(system: System) -> float:
     """Natural frequency of the bounce on straight track [Hz]."""
     kernel = bogie((), ("bounce",), constant_speed=1)
     kernel.advance(1.0)
-    modes = oscillations(system, np.array(kernel.linearise()[1]))
+    modes = oscillations(system, np.array(kernel.linearise().jacobian))
     return max(modes, key=lambda mode: abs(mode.shape["bounce"]) / sum(abs(x) for x in mode.shape.values())).frequency
 
 

@@ -31,7 +31,7 @@ def modes_at(system: System, speed: float, half_spacing: float) -> list[Mode]:
     """Oscillations of the wheelset about its steady run."""
     kernel = prepare("wheelset", initial_speed=speed, constant_speed=1, suspension_half_spacing=half_spacing)
     kernel.advance(SETTLED)
-    return oscillations(system, np.array(kernel.linearise()[1]))
+    return oscillations(system, np.array(kernel.linearise().jacobian))
 
 
 def growth_by_eigenvalue(system: System, speed: float, half_spacing: float) -> float:

@@ -38,7 +38,7 @@ def critical_under(kind: str, torque: float) -> float:
     def growth(speed: float) -> float:
         kernel = prepare("wheelset", initial_speed=speed, constant_speed=1, **{INPUT[kind]: torque})
         kernel.advance(3.0)
-        return max(mode.growth for mode in oscillations(system, np.array(kernel.linearise()[1])))
+        return max(mode.growth for mode in oscillations(system, np.array(kernel.linearise().jacobian)))
 
     return critical_speed(growth, *SEARCHED)
 

@@ -559,13 +559,18 @@ void kernel_counts(const kernel *self, long long int counts[6]) {
     counts[5] = self->counters.events;
 }
 
-int kernel_linearise(kernel *self, double *slope, double *jacobian) {
+int kernel_linearise(kernel *self, double *state, double *slope, double *jacobian) {
     if (!self->system) return kernel_fail(self, KERNEL_ERROR, "Initialise %s before its linearisation.", MODEL.name);
     const int n = self->system->states;
     gather_inputs(self);
     self->step_origin = self->now.time;
     rosenbrock_linearise(self, 0.0);
+    if (!rosenbrock_make_consistent(self, 0.0))
+        return kernel_fail(self, KERNEL_ERROR,
+                           "The algebraic equations have no solution near t = %.9g s; check inputs and parameters.",
+                           self->now.time);
     for (int i = 0; i < n; ++i) {
+        state[i] = self->state[i];
         slope[i] = self->slope[i];
         for (int j = 0; j < n; ++j) jacobian[i * n + j] = self->jacobian[self->place[j] * n + self->place[i]];
     }

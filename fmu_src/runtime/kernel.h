@@ -156,8 +156,8 @@ KERNEL_EXPORT void kernel_counts(const kernel *self, long long int counts[6]);
 KERNEL_EXPORT int kernel_variable_count(void);
 KERNEL_EXPORT const char *kernel_variable_name(int variable);
 KERNEL_EXPORT int kernel_state_count(const kernel *self);
-/* Right-hand side (n values) and Jacobian (n x n, by rows) at the present state; residuals of algebraic states too. */
-KERNEL_EXPORT int kernel_linearise(kernel *self, double *slope, double *jacobian);
+/* State, right-hand side (n values each) and Jacobian (n x n, by rows), once the algebraic states are consistent. */
+KERNEL_EXPORT int kernel_linearise(kernel *self, double *state, double *slope, double *jacobian);
 /* For benchmarks: call the right-hand side, the Jacobian or the step function `repeat` times at the present state. */
 KERNEL_EXPORT int kernel_repeat_right_hand_side(kernel *self, long long int repeat);
 KERNEL_EXPORT int kernel_repeat_jacobian(kernel *self, long long int repeat);

@@ -116,7 +116,7 @@ def test_bounce_frequency_is_that_of_mass_on_four_springs(bogie: Library) -> Non
     p = tables_5_1_and_5_2()
     kernel = Kernel(bogie, level=2)
     kernel.initialise()
-    frequencies = np.array([m.frequency for m in oscillations(planar_bogie(p), np.array(kernel.linearise()[1]))])
+    frequencies = np.array([m.frequency for m in oscillations(planar_bogie(p), np.array(kernel.linearise().jacobian))])
     natural = math.sqrt(4 * p.vertical_stiffness / p.frame_mass)
     damping = 4 * p.vertical_damping / (2 * p.frame_mass)
     expected = math.sqrt(natural**2 - damping**2) / (2 * math.pi)

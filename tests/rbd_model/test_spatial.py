@@ -251,7 +251,7 @@ def test_hunting_in_time_has_the_frequency_of_the_eigenvalue() -> None:
 
 def linearised(kernel: Kernel, seconds: float) -> list[list[float]]:
     kernel.advance(seconds)
-    return kernel.linearise()[1]
+    return kernel.linearise().jacobian
 
 
 def growth(library: Library, speed: float, **values: float) -> float:

@@ -1,0 +1,104 @@
+"""Generalised forces, section 3.2.4. A body's generalised coordinates are (R, theta): three lengths, four parameters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rbd_model.thesis.euler import cross, g_bar, rotation_matrix
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Where a body is and how it moves: R, A, G bar, and velocities; omega in body axes."""
+
+    position: np.ndarray
+    theta: np.ndarray
+    axes: np.ndarray
+    g: np.ndarray
+    velocity: np.ndarray
+    theta_rate: np.ndarray
+    omega: np.ndarray
+
+    @staticmethod
+    def of(q: np.ndarray, q_rate: np.ndarray) -> Motion:
+        """From the seven generalised coordinates of the body and their rates."""
+        g = g_bar(q[3:])
+        return Motion(q[:3], q[3:], rotation_matrix(q[3:]), g, q_rate[:3], q_rate[3:], g @ q_rate[3:])
+
+    def point(self, place: np.ndarray) -> np.ndarray:
+        """Position of the point `place` given in body axes, eq. (3.1)."""
+        return self.position + self.axes @ place
+
+    def velocity_of(self, place: np.ndarray) -> np.ndarray:
+        """Velocity of a point of the body, eqs (3.7), (3.8), (3.12)."""
+        return self.velocity + self.axes @ cross(self.omega, place)
+
+
+def of_force(body: Motion, force: np.ndarray, place: np.ndarray) -> np.ndarray:
+    """Generalised force (7,) of a force in inertial axes [N] on the point `place`, eqs (3.29)-(3.35).
+
+    -(A u~ G)^T F is written as G^T (u x A^T F).
+    """
+    return np.concatenate([force, body.g.T @ cross(place, body.axes.T @ force)])
+
+
+def of_moment(body: Motion, moment: np.ndarray) -> np.ndarray:
+    """Generalised force of a moment in inertial axes [N.m], first part of eq. (3.36); G = A G bar."""
+    return of_body_moment(body, body.axes.T @ moment)
+
+
+def of_body_moment(body: Motion, moment: np.ndarray) -> np.ndarray:
+    """The same for a moment given in the axes of the body, which turn with it."""
+    return np.concatenate([np.zeros(3), body.g.T @ moment])
+
+
+def spring_damper(
+    i: Motion, place_i: np.ndarray, j: Motion, place_j: np.ndarray, law: tuple[float, float, float]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Generalised forces on both bodies of an element along the line between two points, eqs (3.37)-(3.42).
+
+    law: stiffness [N/m], damping [N.s/m], free length [m].
+    """
+    stiffness, damping, free_length = law
+    between = i.point(place_i) - j.point(place_j)  # (3.38)
+    length = float(np.sqrt(between @ between))  # (3.39)
+    direction = between / length  # (3.40)
+    rate = float(direction @ (i.velocity_of(place_i) - j.velocity_of(place_j)))
+    size = stiffness * (length - free_length) + damping * rate  # (3.37)
+    return of_force(i, -size * direction, place_i), of_force(j, size * direction, place_j)
+
+
+def torsional_spring_damper(
+    i: Motion, j: Motion, axis: np.ndarray, angle: float, law: tuple[float, float]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Generalised forces of a torsional element about `axis` (inertial axes), eqs (3.43)-(3.45).
+
+    angle [rad]: of i against j about the axis; law: stiffness [N.m/rad], damping [N.m.s/rad]. No table of chapters 4 and
+    5 has one.
+    """
+    rate = float(axis @ (i.axes @ i.omega - j.axes @ j.omega))
+    torque = law[0] * angle + law[1] * rate
+    return of_moment(i, -torque * axis), of_moment(j, torque * axis)
+
+
+def axle_box(
+    wheelset: Motion,
+    place: np.ndarray,
+    frame: Motion,
+    place_in_frame: np.ndarray,
+    law: tuple[np.ndarray, np.ndarray, float],
+) -> tuple[np.ndarray, np.ndarray]:
+    """Generalised forces on wheelset and frame of one suspension element of Tables 4.1 and 5.1, by (3.33), (3.34).
+
+    law: stiffness (3,) [N/m] and damping (3,) [N.s/m] along the inertial axes, and the static load [N] it carries.
+    Differs from the thesis, which draws three elements (3.37) at right angles and prints no length of them: this is
+    what they become when they are long.
+    """
+    stiffness, damping, load = law
+    stretch = frame.point(place_in_frame) - wheelset.point(place)
+    rate = frame.velocity_of(place_in_frame) - wheelset.velocity_of(place)
+    pull = stiffness * stretch + damping * rate
+    pull[2] -= load
+    return of_force(wheelset, pull, place), of_force(frame, -pull, place_in_frame)

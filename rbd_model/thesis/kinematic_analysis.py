@@ -1,0 +1,147 @@
+"""Kinematically driven systems, end of section 3.3.3: as many constraints as coordinates, eqs (3.79), (3.80)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from rbd_model.thesis.euler import cross, g_bar, rotation_matrix
+from rbd_model.thesis.mechanism import FIRST_WHEELSET, Mechanism, State
+from rbd_model.thesis.partition import CLOSED, MAXIMUM_ROUNDS, NoSolutionError
+from rbd_model.thesis.program import rolling
+from rbd_model.thesis.surfaces import OffTheProfileError, profile_derivatives
+
+
+@dataclass(frozen=True)
+class Wheelset:
+    """Where a wheelset is driven to: distance, lateral [m], yaw, pitch [rad]; and rates, those of yaw and pitch about
+    the third and second of the axes that yaw and roll with it [m/s, rad/s].
+    """
+
+    distance: float = 0.0
+    lateral: float = 0.0
+    yaw: float = 0.0
+    pitch: float = 0.0
+    speed: float = 0.0
+    lateral_speed: float = 0.0
+    yaw_rate: float = 0.0
+    pitch_rate: float = 0.0
+
+
+@dataclass(frozen=True)
+class Frame:
+    """Where the frame is driven to: its seven coordinates, velocity [m/s] and angular velocity in its axes [rad/s]."""
+
+    coordinates: np.ndarray
+    velocity: np.ndarray
+    omega: np.ndarray
+
+
+def centred(mechanism: Mechanism) -> tuple[np.ndarray, Frame]:
+    """Coordinates (q, s) of everything at its place, at rest, and the frame there."""
+    state = rolling(mechanism, 0.0)
+    frame = Frame(state.q[mechanism.body(mechanism.frame)], np.zeros(3), np.zeros(3))
+    return np.concatenate([state.q, state.s]), frame
+
+
+def drive_to(
+    mechanism: Mechanism, wheelsets: Sequence[Wheelset], frame: Frame, near: np.ndarray, time: float = 0.0
+) -> State:
+    """The state with these driving constraints beside the system's own; near: (q, s) to begin with.
+
+    The speed must be free. Raises NoSolutionError where no contact exists: the Newton-Raphson iteration diverges.
+    """
+    found, cut = near.copy(), mechanism.q_count
+    for _ in range(MAXIMUM_ROUNDS):
+        try:
+            c, jacobian = mechanism.constraints(time, found[:cut], found[cut:])
+        except OffTheProfileError:
+            break
+        errors, rows = driving_constraints(mechanism, wheelsets, frame, found)
+        error, square = np.concatenate([c, errors]), np.vstack([jacobian, rows])
+        if float(np.sqrt(error @ error)) < CLOSED:
+            rates = np.linalg.solve(
+                square_of_rates(mechanism, wheelsets, jacobian, found), driven_rates(mechanism, wheelsets, frame)
+            )
+            return State(time, found[:cut], found[cut:], rates[:cut], rates[cut:])
+        try:
+            found = found - np.linalg.solve(square, error)
+        except np.linalg.LinAlgError:
+            break
+    raise NoSolutionError(
+        f"No contact of all treads exists at lateral shifts of {', '.join(f'{1e3 * w.lateral:.4g}' for w in wheelsets)} mm."
+    )
+
+
+def driving_constraints(
+    mechanism: Mechanism, wheelsets: Sequence[Wheelset], frame: Frame, coordinates: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Errors and Jacobian of what is driven: place, lateral, yaw, pitch of each wheelset, and the frame."""
+    errors, rows = [], []
+
+    def hold(column: int, value: float) -> None:
+        errors.append(coordinates[column] - value)
+        rows.append(np.eye(1, mechanism.unknowns, column)[0])
+
+    def level(start: int, vector: np.ndarray, place: np.ndarray) -> None:
+        """vector . A place = 0"""
+        theta = coordinates[start + 3 : start + 7]
+        in_body = rotation_matrix(theta).T @ vector
+        row = np.zeros(mechanism.unknowns)
+        row[start + 3 : start + 7] = -cross(in_body, place) @ g_bar(theta)
+        errors.append(in_body @ place)
+        rows.append(row)
+
+    for number, wheelset in enumerate(wheelsets):
+        start = mechanism.body(FIRST_WHEELSET + number).start
+        hold(start, wheelset.distance)
+        hold(start + 1, wheelset.lateral)
+        ahead = np.array([math.cos(wheelset.yaw), math.sin(wheelset.yaw), 0.0])
+        level(start, ahead, np.array([0.0, 1.0, 0.0]))
+        level(start, ahead, np.array([-math.sin(wheelset.pitch), 0.0, math.cos(wheelset.pitch)]))
+    start = mechanism.body(mechanism.frame).start
+    for i in (0, 1, 2, 4, *((5,) if mechanism.wheelsets > 1 else ()), 6):
+        hold(start + i, float(frame.coordinates[i]))
+    return np.array(errors), np.array(rows)
+
+
+def square_of_rates(
+    mechanism: Mechanism, wheelsets: Sequence[Wheelset], jacobian: np.ndarray, coordinates: np.ndarray
+) -> np.ndarray:
+    """The constraints' Jacobian and, below it, the rows that give the driven rates."""
+    rows = []
+    for number, wheelset in enumerate(wheelsets):
+        start = mechanism.body(FIRST_WHEELSET + number).start
+        rows += [np.eye(1, mechanism.unknowns, start + i)[0] for i in (0, 1)]
+        g = g_bar(coordinates[start + 3 : start + 7])
+        for axis in (np.array([-math.sin(wheelset.pitch), 0.0, math.cos(wheelset.pitch)]), np.array([0.0, 1.0, 0.0])):
+            row = np.zeros(mechanism.unknowns)
+            row[start + 3 : start + 7] = axis @ g
+            rows.append(row)
+    start = mechanism.body(mechanism.frame).start
+    rows += [np.eye(1, mechanism.unknowns, start + i)[0] for i in (0, 1, 2)]
+    g = g_bar(coordinates[start + 3 : start + 7])
+    for i in (0, 1, 2) if mechanism.wheelsets > 1 else (0, 2):
+        row = np.zeros(mechanism.unknowns)
+        row[start + 3 : start + 7] = g[i]
+        rows.append(row)
+    return np.vstack([jacobian, *rows])
+
+
+def driven_rates(mechanism: Mechanism, wheelsets: Sequence[Wheelset], frame: Frame) -> np.ndarray:
+    values = [0.0] * mechanism.equations
+    for wheelset in wheelsets:
+        values += [wheelset.speed, wheelset.lateral_speed, wheelset.yaw_rate, wheelset.pitch_rate]
+    omega = frame.omega if mechanism.wheelsets > 1 else frame.omega[[0, 2]]
+    return np.array([*values, *frame.velocity, *omega])
+
+
+def rolling_radii(mechanism: Mechanism, state: State, wheelset: int = 0) -> tuple[float, float]:
+    """Radii [m] at which the right and the left wheel touch: their difference is Fig. 4.8."""
+    profile, radius = mechanism.pair.wheel, mechanism.parameters.wheel_radius
+    positions = [float(state.s[mechanism.wheel_parameters(2 * wheelset + side)][1]) for side in (0, 1)]
+    right, left = (radius - float(profile_derivatives(profile, y)[0]) for y in positions)
+    return right, left

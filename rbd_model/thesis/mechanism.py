@@ -1,0 +1,384 @@
+"""The systems of sections 4.2 and 5.2: bodies, coordinates, constraints, forces, and the augmented equations (3.75)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.linalg.lapack import dgetrf, dgetrs
+
+from rbd_model.contact_geometry import Pair
+from rbd_model.parameters import BogieParameters
+from rbd_model.thesis.constraints import EQUATIONS, quadratic_terms, residual, sub_jacobian
+from rbd_model.thesis.creep import EllipseLaw, flange_force, hertz_ellipse, polach
+from rbd_model.thesis.euler import cross, mass_matrix, norm_error, quadratic_velocity
+from rbd_model.thesis.forces import Motion, axle_box, of_body_moment, of_force
+from rbd_model.thesis.surfaces import RailSurface, Surface, rail_surface, wheel_surface
+
+#: Bodies in the order of (4.1), (5.1): right rail, left rail, wheelsets, frame. Contacts: right and left of each wheelset.
+RIGHT_RAIL, LEFT_RAIL, FIRST_WHEELSET = range(3)
+SIDES = (-1, 1)
+COORDINATES, PARAMETERS = 7, 2
+#: Relative change of the normal forces at which their iteration ends, and its largest number of rounds.
+NORMAL_FORCE_TOLERANCE, MAXIMUM_ROUNDS = 1e-14, 100
+
+#: Lateral shift, heights of left and right rail [m], at a distance [m]: shape (3, 3), values and two derivatives.
+Irregularity = Callable[[float], np.ndarray]
+
+
+def perfect_track(distance: float) -> np.ndarray:
+    """No irregularity."""
+    return np.zeros((3, 3))
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """What drives the system, one value for each wheelset; a brake torque is a capacity [N.m]."""
+
+    brake_torque: Sequence[float] = (0.0, 0.0)
+    traction_torque: Sequence[float] = (0.0, 0.0)
+    yaw_torque: Sequence[float] = (0.0, 0.0)
+    friction: Sequence[float] = (0.3, 0.3)
+    drawbar_force: float = 0.0
+
+
+@dataclass
+class State:
+    """All coordinates and rates: q, s and their first derivatives, at a time [s].
+
+    direction: of each wheelset's brake, 1 or -1 while it turns and 0 while it is locked.
+    """
+
+    time: float
+    q: np.ndarray
+    s: np.ndarray
+    q_rate: np.ndarray
+    s_rate: np.ndarray
+    direction: list[int] = field(default_factory=lambda: [1, 1])
+
+
+@dataclass(frozen=True)
+class Answer:
+    """Solution of (3.75): accelerations, normal forces [N] of the contacts, torque [N.m] of locked brakes (else 0)."""
+
+    q_second: np.ndarray
+    s_second: np.ndarray
+    normal_forces: np.ndarray
+    holding_torques: np.ndarray
+
+
+@dataclass(frozen=True)
+class Touch:
+    """One contact: the bodies' motions and surfaces at it."""
+
+    number: int
+    wheel_body: Motion
+    rail_body: Motion
+    wheel: Surface
+    rail: RailSurface
+    radius: np.ndarray  # r and its derivatives by the position on the profile
+
+    @property
+    def normal(self) -> np.ndarray:
+        """Unit normal of the rail, upwards, in inertial axes."""
+        rail = self.rail
+        return self.rail_body.axes @ rail.normal * (rail.normal[2] / math.hypot(1.0, rail.slope))
+
+
+class Mechanism:
+    """One wheelset in a frame (wheelsets = 1, chapter 4), or the two-axle bogie (2, chapter 5).
+
+    speed [m/s]: held by a constraint when given, as for the comparison with VAMPIRE. Raises ValueError for a
+    torque_reaction: the thesis's torques act on the wheelsets alone (3.36).
+    """
+
+    def __init__(
+        self,
+        parameters: BogieParameters,
+        pair: Pair,
+        wheelsets: int,
+        irregularity: Irregularity = perfect_track,
+        speed: float | None = None,
+        ellipse: EllipseLaw = hertz_ellipse,
+    ) -> None:
+        if parameters.torque_reaction != 0.0:
+            raise ValueError(f"Set torque_reaction to 0: chapter 3 has none, it was {parameters.torque_reaction:g}.")
+        self.parameters, self.pair, self.irregularity, self.ellipse = parameters, pair, irregularity, ellipse
+        self.wheelsets, self.speed = wheelsets, speed
+        self.bodies = 3 + wheelsets
+        self.frame = self.bodies - 1
+        self.contacts = 2 * wheelsets
+        self.q_count, self.s_count = COORDINATES * self.bodies, 2 * PARAMETERS * self.contacts
+        self.unknowns = self.q_count + self.s_count
+        # Euler parameters (3.6), contacts, six for each rail on the ground, the frame's pitch in chapter 4, the speed.
+        self.equations = self.bodies + EQUATIONS * self.contacts + 12 + (wheelsets == 1) + (speed is not None)
+        p = parameters
+        names = ("roll", "pitch", "yaw")
+        self.wheelset_inertia = np.array([getattr(p, f"wheelset_{name}_inertia") for name in names])
+        self.frame_inertia = np.array([getattr(p, f"frame_{name}_inertia") for name in names])
+        directions = ("longitudinal", "lateral", "vertical")
+        share = p.frame_mass * p.gravity / (2 * wheelsets)
+        stiffness = np.array([getattr(p, f"{name}_stiffness") for name in directions])
+        damping = np.array([getattr(p, f"{name}_damping") for name in directions])
+        self.suspension = (stiffness, damping, share)
+        self.normal_guess = np.full(self.contacts, share + p.wheelset_mass * p.gravity / 2)
+
+    @property
+    def degrees_of_freedom(self) -> int:
+        """Coordinates that no constraint holds."""
+        return self.unknowns - self.equations
+
+    def place(self, wheelset: int) -> float:
+        """Place of a wheelset along the frame [m]; one alone is below its centre."""
+        if self.wheelsets == 1:
+            return 0.0
+        return self.parameters.wheel_base * (0.5 if wheelset == 0 else -0.5)
+
+    # -- coordinates ---------------------------------------------------------------------------------------------
+
+    def body(self, number: int) -> slice:
+        """Where a body's coordinates stand in q, eqs (4.1), (5.1)."""
+        return slice(COORDINATES * number, COORDINATES * (number + 1))
+
+    def rail_parameters(self, contact: int) -> slice:
+        """Where a contact's parameters on the rail stand in s, eqs (4.2), (5.2)."""
+        return slice(PARAMETERS * contact, PARAMETERS * (contact + 1))
+
+    def wheel_parameters(self, contact: int) -> slice:
+        return self.rail_parameters(self.contacts + contact)
+
+    def motions(self, q: np.ndarray, q_rate: np.ndarray) -> list[Motion]:
+        return [Motion.of(q[self.body(n)], q_rate[self.body(n)]) for n in range(self.bodies)]
+
+    def touches(self, motions: Sequence[Motion], s: np.ndarray) -> list[Touch]:
+        """All contacts: right and left rail with the wheels of each wheelset."""
+        made = []
+        half, rail_half = self.pair.wheel_half_distance, self.pair.rail_half_distance
+        for wheelset in range(self.wheelsets):
+            wheel_body = motions[FIRST_WHEELSET + wheelset]
+            shifts = self.irregularity(float(wheel_body.position[0]))
+            for rail_number, side in enumerate(SIDES):
+                number = 2 * wheelset + rail_number
+                wheel, radius = wheel_surface(
+                    self.pair.wheel, self.parameters.wheel_radius, half, side, s[self.wheel_parameters(number)]
+                )
+                shift = shifts[:, (0, 2 if side < 0 else 1)]
+                rail = rail_surface(self.pair.rail, rail_half, side, s[self.rail_parameters(number)], shift)
+                made.append(Touch(number, wheel_body, motions[rail_number], wheel, rail, radius))
+        return made
+
+    # -- constraints ---------------------------------------------------------------------------------------------
+
+    def constraints(self, time: float, q: np.ndarray, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """C, shape (equations,), and its Jacobian by (q, s), shape (equations, unknowns), eqs (3.59), (3.60), (3.66)."""
+        motions = self.motions(q, np.zeros(self.q_count))
+        c, jacobian = np.zeros(self.equations), np.zeros((self.equations, self.unknowns))
+        row = 0
+        for number, body in enumerate(motions):  # (3.6)
+            c[row] = norm_error(body.theta)
+            jacobian[row, self.body(number)][3:] = 2.0 * body.theta
+            row += 1
+        for touch in self.touches(motions, s):
+            c[row : row + EQUATIONS] = residual(touch.wheel_body, touch.rail_body, touch.wheel, touch.rail)
+            blocks = sub_jacobian(touch.wheel_body, touch.rail_body, touch.wheel, touch.rail)
+            rows = jacobian[row : row + EQUATIONS]
+            rows[:, self.body(FIRST_WHEELSET + touch.number // 2)] = blocks.wheel
+            rows[:, self.body(touch.number % 2)] = blocks.rail
+            columns = self.rail_parameters(touch.number)
+            rows[:, self.q_count + columns.start : self.q_count + columns.stop] = blocks.rail_parameters
+            columns = self.wheel_parameters(touch.number)
+            rows[:, self.q_count + columns.start : self.q_count + columns.stop] = blocks.wheel_parameters
+            row += EQUATIONS
+        for rail in (RIGHT_RAIL, LEFT_RAIL):  # the ground holds R = 0 and the last three Euler parameters = 0
+            held = [COORDINATES * rail + i for i in (0, 1, 2, 4, 5, 6)]
+            c[row : row + 6] = q[held]
+            jacobian[range(row, row + 6), held] = 1.0
+            row += 6
+        frame = motions[self.frame]
+        if self.wheelsets == 1:  # the frame's longitudinal axis stays level: no pitch, section 4.2
+            c[row] = frame.axes[2, 0]
+            jacobian[row, self.body(self.frame)][3:] = -cross(frame.axes[2], np.array([1.0, 0.0, 0.0])) @ frame.g
+            row += 1
+        if self.speed is not None:
+            c[row] = frame.position[0] - self.speed * time
+            jacobian[row, COORDINATES * self.frame] = 1.0
+        return c, jacobian
+
+    @property
+    def time_derivative(self) -> np.ndarray:
+        """C_t, eq. (3.68): only a held speed depends on time."""
+        out = np.zeros(self.equations)
+        if self.speed is not None:
+            out[-1] = -self.speed
+        return out
+
+    def quadratic(self, motions: Sequence[Motion], touches: Sequence[Touch], s_rate: np.ndarray) -> np.ndarray:
+        """Q_d, shape (equations,), eq. (3.72)."""
+        out = np.zeros(self.equations)
+        out[: self.bodies] = [-2.0 * float(body.theta_rate @ body.theta_rate) for body in motions]
+        row = self.bodies
+        for touch in touches:
+            rates = s_rate[self.wheel_parameters(touch.number)], s_rate[self.rail_parameters(touch.number)]
+            out[row : row + EQUATIONS] = quadratic_terms(
+                touch.wheel_body, touch.rail_body, touch.wheel, touch.rail, rates
+            )
+            row += EQUATIONS
+        if self.wheelsets == 1:
+            frame, x = motions[self.frame], np.array([1.0, 0.0, 0.0])
+            out[row + 12] = -float(frame.axes[2] @ cross(frame.omega, cross(frame.omega, x)))
+        return out
+
+    # -- forces --------------------------------------------------------------------------------------------------
+
+    def applied(self, state: State, inputs: Inputs, motions: Sequence[Motion]) -> np.ndarray:
+        """Q_e + Q_v of (3.73), (3.76) without creep forces, shape (q_count,)."""
+        p = self.parameters
+        q = np.zeros(self.q_count)
+        frame = motions[self.frame]
+        of_frame = quadratic_velocity(self.frame_inertia, frame.theta_rate, frame.omega)
+        of_frame[0] += inputs.drawbar_force
+        of_frame[2] -= p.frame_mass * p.gravity
+        for number in range(self.wheelsets):
+            body = motions[FIRST_WHEELSET + number]
+            total = quadratic_velocity(self.wheelset_inertia, body.theta_rate, body.omega)
+            total[2] -= p.wheelset_mass * p.gravity
+            offset = float(body.position[1] - self.irregularity(float(body.position[0]))[0, 0])
+            total[1] += flange_force(offset, p.flange_clearance, p.flange_stiffness)
+            for side in SIDES:
+                across = side * p.suspension_half_spacing
+                place, in_frame = (0.0, across, 0.0), (self.place(number), across, -p.frame_height)
+                pull, reaction = axle_box(body, np.array(place), frame, np.array(in_frame), self.suspension)
+                total += pull
+                of_frame += reaction
+            total += self.torques(number, state, inputs, body)
+            q[self.body(FIRST_WHEELSET + number)] = total
+        q[self.body(self.frame)] = of_frame
+        return q
+
+    def torques(self, number: int, state: State, inputs: Inputs, body: Motion) -> np.ndarray:
+        """Brake, traction, rolling resistance and yaw torque on a wheelset, eq. (3.36).
+
+        Differs from the thesis: the yaw torque of chapter 9 acts about the axis at right angles to the axle in the
+        vertical plane through it, as shoe forces at the height of the axle do; with yaw_torque_rotates about the third
+        axis of the body, which turns with the wheel: so A bar instead of A in (3.36).
+        """
+        capacity = inputs.brake_torque[number] + self.parameters.rolling_resistance_torque
+        axle = inputs.traction_torque[number] - state.direction[number] * capacity
+        moment = np.array([0.0, axle, 0.0])
+        yaw = inputs.yaw_torque[number]
+        if self.parameters.yaw_torque_rotates:
+            moment[2] += yaw
+        else:
+            up = body.axes[2].copy()  # the vertical in body axes
+            up[1] = 0.0
+            moment += yaw * up / math.hypot(up[0], up[2])
+        return of_body_moment(body, moment)
+
+    def creepages(self, touch: Touch) -> tuple[float, float, float, np.ndarray, np.ndarray]:
+        """Longitudinal, lateral and spin creepage, and the directions of the first two, in inertial axes.
+
+        Differs from the thesis: divided by sqrt(V^2 + v_eps^2), as V is 0 at rest.
+        """
+        body = touch.wheel_body
+        along = touch.rail_body.axes[:, 0]
+        sideways = cross(touch.normal, along)
+        sliding = body.velocity_of(touch.wheel.point)
+        omega = body.axes @ body.omega
+        slowness = 1.0 / math.hypot(float(body.velocity[0]), self.parameters.creepage_speed)
+        return (
+            float(sliding @ along) * slowness,
+            float(sliding @ sideways) * slowness,
+            float(omega @ touch.normal) * slowness,
+            along,
+            sideways,
+        )
+
+    def curvatures(self, touch: Touch) -> tuple[float, float]:
+        """A and B of (3.83) [1/m]; the rail is straight along the track."""
+        r = touch.radius
+        slope = math.hypot(1.0, r[1])
+        return 1.0 / (2 * r[0] * slope), (touch.rail.curvature - r[2] / slope**3) / 2
+
+    # -- the augmented equations ---------------------------------------------------------------------------------
+
+    def solve(self, state: State, inputs: Inputs, jacobian: np.ndarray) -> Answer:
+        """Accelerations and multipliers from (3.75); jacobian: (C_q C_s) at the state.
+
+        The creep forces depend on the normal forces, which are multipliers (3.81): both are iterated to round-off.
+        Differs from the thesis, which does not say from which instant it takes them.
+        """
+        motions = self.motions(state.q, state.q_rate)
+        touches = self.touches(motions, state.s)
+        locked = [n for n in range(self.wheelsets) if state.direction[n] == 0]
+        size = self.unknowns + self.equations + len(locked)
+        matrix = np.zeros((size, size), order="F")
+        inertias = [self.wheelset_inertia] * self.wheelsets + [self.frame_inertia]
+        masses = [self.parameters.wheelset_mass] * self.wheelsets + [self.parameters.frame_mass]
+        matrix[: self.q_count, : self.q_count] = self.mass_matrix(motions, masses, inertias)
+        rows = slice(self.unknowns, self.unknowns + self.equations)
+        matrix[rows, : self.unknowns] = jacobian
+        matrix[: self.unknowns, rows] = jacobian.T
+        for extra, number in enumerate(locked, self.unknowns + self.equations):
+            body = motions[FIRST_WHEELSET + number]
+            start = COORDINATES * (FIRST_WHEELSET + number) + 3
+            matrix[extra, start : start + 4] = matrix[start : start + 4, extra] = body.g[1]
+
+        creep = [self.creepages(touch) for touch in touches]
+        right = np.zeros((size, 1 + 2 * self.contacts), order="F")
+        right[: self.q_count, 0] = self.applied(state, inputs, motions)
+        right[rows, 0] = self.quadratic(motions, touches, state.s_rate)
+        for touch, (*_, along, sideways) in zip(touches, creep, strict=True):
+            columns = self.body(FIRST_WHEELSET + touch.number // 2)
+            for i, direction in enumerate((along, sideways)):
+                right[columns, 1 + 2 * touch.number + i] = of_force(touch.wheel_body, direction, touch.wheel.point)
+        factors, pivots, failed = dgetrf(matrix, overwrite_a=True)
+        if failed:
+            raise ArithmeticError(f"The augmented matrix (3.75) is singular at {state.time:.6g} s.")
+        solution, _ = dgetrs(factors, pivots, right)
+        return self._balance(touches, creep, inputs, solution, locked)
+
+    def mass_matrix(
+        self, motions: Sequence[Motion], masses: Sequence[float], inertias: Sequence[np.ndarray]
+    ) -> np.ndarray:
+        """M of (3.73). The rails stand on the ground: any mass serves, here 1 kg and 1 kg.m2."""
+        matrix = np.zeros((self.q_count, self.q_count))
+        every = [1.0, 1.0, *masses], [np.ones(3), np.ones(3), *inertias]
+        for number, (body, mass, inertia) in enumerate(zip(motions, *every, strict=True)):
+            columns = self.body(number)
+            matrix[columns, columns] = mass_matrix(mass, inertia, body.theta)
+        return matrix
+
+    def _balance(
+        self, touches: Sequence[Touch], creep: Sequence[tuple], inputs: Inputs, solution: np.ndarray, locked: list[int]
+    ) -> Answer:
+        """Finds the creep forces that belong to the normal forces; `solution`: of the loads, and of unit creep forces."""
+        first = self.unknowns + self.bodies
+        # The multipliers of a contact's point are the force of the wheel on the rail, eq. (3.81).
+        response = -np.array(
+            [
+                touch.normal @ solution[first + EQUATIONS * k : first + EQUATIONS * k + 3]
+                for k, touch in enumerate(touches)
+            ]
+        )
+        load = self.normal_guess
+        p = self.parameters
+        for _ in range(MAXIMUM_ROUNDS):
+            forces = [1.0]
+            for touch, (x, y, spin, _, _) in zip(touches, creep, strict=True):
+                a, b = self.curvatures(touch)
+                carried = max(float(load[touch.number]), 1.0)
+                ellipse = self.ellipse(a, b, carried, p.shear_modulus)
+                friction = max(inputs.friction[touch.number // 2], 1e-9)
+                forces += polach((x, y, spin), carried, friction, ellipse, p.shear_modulus)
+            previous, load = load, response @ np.array(forces)
+            if np.abs(load - previous).max() <= NORMAL_FORCE_TOLERANCE * np.abs(load).max():
+                break
+        else:
+            raise ArithmeticError("Normal and creep forces do not settle; reduce the step.")
+        self.normal_guess = load
+        found = solution @ np.array(forces)
+        torques = np.zeros(self.wheelsets)
+        torques[locked] = -found[self.unknowns + self.equations :]
+        return Answer(found[: self.q_count], found[self.q_count : self.unknowns], load, torques)

@@ -1,0 +1,136 @@
+"""The main loop of the program, Fig. 3.11: Runge-Kutta in independent coordinates that are chosen anew as wheels turn."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from rbd_model.thesis.euler import angular_velocity, theta_rate_of
+from rbd_model.thesis.mechanism import FIRST_WHEELSET, Answer, Inputs, Mechanism, State
+from rbd_model.thesis.partition import Partition, choose, closed_state
+
+#: Stages of the classical Runge-Kutta method: place in the step and weight.
+STAGES = ((0.0, 1 / 6), (0.5, 1 / 3), (0.5, 1 / 3), (1.0, 1 / 6))
+#: Angular velocity below which a braked wheelset counts as stopped [rad/s], and rounds that look for that instant.
+STOPPED, LOCATING_ROUNDS = 1e-6, 30
+
+Drive = Callable[[float], Inputs]
+
+
+def rolling(mechanism: Mechanism, speed: float) -> State:
+    """All bodies at their places on straight track, everything moving at `speed` [m/s], the wheels rolling."""
+    p = mechanism.parameters
+    q, q_rate = np.zeros(mechanism.q_count), np.zeros(mechanism.q_count)
+    s, s_rate = np.zeros(mechanism.s_count), np.zeros(mechanism.s_count)
+    for number in range(mechanism.bodies):
+        body = mechanism.body(number)
+        q[body] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]
+        if number < FIRST_WHEELSET:
+            continue
+        if number == mechanism.frame:
+            q[body][2] = p.wheel_radius + p.frame_height
+        else:
+            q[body][:3] = mechanism.place(number - FIRST_WHEELSET), 0.0, p.wheel_radius
+            omega = np.array([0.0, speed / p.wheel_radius, 0.0])
+            q_rate[body][3:] = theta_rate_of(q[body][3:], omega)
+        q_rate[body][0] = speed
+    for contact in range(mechanism.contacts):
+        s[mechanism.rail_parameters(contact)][0] = mechanism.place(contact // 2)
+        s_rate[mechanism.rail_parameters(contact)][0] = speed
+        s_rate[mechanism.wheel_parameters(contact)][0] = speed / p.wheel_radius
+    return start(mechanism, State(0.0, q, s, q_rate, s_rate))
+
+
+def start(mechanism: Mechanism, near: State) -> State:
+    """The state that meets all constraints next to a given one."""
+    _, jacobian = mechanism.constraints(near.time, near.q, near.s)
+    return closed_state(mechanism, near, choose(jacobian))[0]
+
+
+def accelerations(mechanism: Mechanism, state: State, inputs: Inputs, partition: Partition) -> tuple[State, Answer]:
+    """From independent coordinates to all accelerations, eq. (3.118): one turn of the flow chart."""
+    closed, jacobian = closed_state(mechanism, state, partition)
+    return closed, mechanism.solve(closed, inputs, jacobian)
+
+
+def step(mechanism: Mechanism, state: State, size: float, drive: Drive, partition: Partition | None = None) -> State:
+    """One step [s] of the classical Runge-Kutta method in the independent coordinates, eqs (3.117), (3.118).
+
+    partition: chosen anew at the start of the step unless given. Raises NoSolutionError where contact is lost.
+    """
+    if partition is None:
+        partition = choose(mechanism.constraints(state.time, state.q, state.s)[1])
+    position, rate = np.zeros(mechanism.unknowns), np.zeros(mechanism.unknowns)
+    trial = state
+    for place, weight in STAGES:
+        if place > 0.0:
+            trial = moved(state, place * size, first, second)
+        closed, answer = accelerations(mechanism, trial, drive(trial.time), partition)
+        first = np.concatenate([closed.q_rate, closed.s_rate])
+        second = np.concatenate([answer.q_second, answer.s_second])
+        position += weight * first
+        rate += weight * second
+    return closed_state(mechanism, moved(state, size, position, rate), partition)[0]
+
+
+def moved(state: State, size: float, rates: np.ndarray, accelerations: np.ndarray) -> State:
+    """The state `size` seconds later by the given rates and accelerations of (q, s), before constraints are met."""
+    cut = state.q.size
+    return State(
+        state.time + size,
+        state.q + size * rates[:cut],
+        state.s + size * rates[cut:],
+        state.q_rate + size * accelerations[:cut],
+        state.s_rate + size * accelerations[cut:],
+        list(state.direction),
+    )
+
+
+def run(mechanism: Mechanism, state: State, duration: float, size: float, drive: Drive) -> Iterator[State]:
+    """The loop of Fig. 3.11: yields the state after each step; brakes that stop their wheels cut a step in two."""
+    count = round(duration / size)
+    begin = state.time
+    for number in range(1, count + 1):
+        end = begin + number * size
+        while state.time < end - 1e-12:
+            state = until_a_wheel_stops(mechanism, state, end - state.time, drive)
+            switch_brakes(mechanism, state, drive(state.time))
+        yield state
+
+
+def spin(mechanism: Mechanism, state: State, wheelset: int) -> float:
+    """Angular velocity of a wheelset about its axle [rad/s]."""
+    body = mechanism.body(FIRST_WHEELSET + wheelset)
+    return float(angular_velocity(state.q[body][3:], state.q_rate[body][3:])[1])
+
+
+def until_a_wheel_stops(mechanism: Mechanism, state: State, size: float, drive: Drive) -> State:
+    """A step, shortened by the secant rule to the instant at which a braked wheelset stops turning."""
+    after = step(mechanism, state, size, drive)
+    for number in range(mechanism.wheelsets):
+        direction = state.direction[number]
+        if drive(after.time).brake_torque[number] <= 0.0 or spin(mechanism, after, number) * direction >= -STOPPED:
+            continue
+        left, right = (0.0, spin(mechanism, state, number)), (size, spin(mechanism, after, number))
+        for _ in range(LOCATING_ROUNDS):
+            middle = left[0] - left[1] * (right[0] - left[0]) / (right[1] - left[1])
+            after = step(mechanism, state, middle, drive)
+            value = spin(mechanism, after, number)
+            if abs(value) <= STOPPED:
+                break
+            left, right = ((middle, value), right) if value * direction > 0.0 else (left, (middle, value))
+    return after
+
+
+def switch_brakes(mechanism: Mechanism, state: State, inputs: Inputs) -> None:
+    """Locks wheelsets that stand and releases those whose brake cannot hold them; changes state.direction."""
+    for number in range(mechanism.wheelsets):
+        capacity = inputs.brake_torque[number] + mechanism.parameters.rolling_resistance_torque
+        if state.direction[number] != 0 and (capacity <= 0.0 or abs(spin(mechanism, state, number)) > STOPPED):
+            continue
+        state.direction[number] = 0
+        _, jacobian = mechanism.constraints(state.time, state.q, state.s)
+        held = mechanism.solve(state, inputs, jacobian).holding_torques[number]
+        if abs(held) > capacity:
+            state.direction[number] = -1 if held > 0.0 else 1
