@@ -8,7 +8,7 @@ import numpy as np
 
 
 def rotation_matrix(theta: np.ndarray) -> np.ndarray:
-    """A (3 x 3), from the axes of the body to the inertial ones, eq. (3.2); theta: Euler parameters (3.5), shape (4,)."""
+    """A (3 x 3), from the axes of the body to the inertial ones, eq. (3.2); theta (4,): Euler parameters (3.5)."""
     t0, t1, t2, t3 = theta
     return np.array(
         [

@@ -1,4 +1,4 @@
-"""Generalised forces, section 3.2.4. A body's generalised coordinates are (R, theta): three lengths, four parameters."""
+"""Generalised forces, section 3.2.4. Generalised coordinates of a body: R (3,) and Euler parameters (4,)."""
 
 from __future__ import annotations
 
@@ -75,8 +75,8 @@ def torsional_spring_damper(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Generalised forces of a torsional element about `axis` (inertial axes), eqs (3.43)-(3.45).
 
-    angle [rad]: of i against j about the axis; law: stiffness [N.m/rad], damping [N.m.s/rad]. No table of chapters 4 and
-    5 has one.
+    angle [rad]: of i against j about the axis; law: stiffness [N.m/rad], damping [N.m.s/rad]. The bogies of chapters 4
+    and 5 have none.
     """
     rate = float(axis @ (i.axes @ i.omega - j.axes @ j.omega))
     torque = law[0] * angle + law[1] * rate

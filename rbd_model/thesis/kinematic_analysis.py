@@ -71,9 +71,8 @@ def drive_to(
             found = found - np.linalg.solve(square, error)
         except np.linalg.LinAlgError:
             break
-    raise NoSolutionError(
-        f"No contact of all treads exists at lateral shifts of {', '.join(f'{1e3 * w.lateral:.4g}' for w in wheelsets)} mm."
-    )
+    shifts = ", ".join(f"{1e3 * wheelset.lateral:.4g}" for wheelset in wheelsets)
+    raise NoSolutionError(f"No contact of all treads exists at a lateral shift of {shifts} mm.")
 
 
 def driving_constraints(

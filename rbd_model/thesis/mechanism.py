@@ -17,7 +17,7 @@ from rbd_model.thesis.euler import cross, mass_matrix, norm_error, quadratic_vel
 from rbd_model.thesis.forces import Motion, axle_box, of_body_moment, of_force
 from rbd_model.thesis.surfaces import RailSurface, Surface, rail_surface, wheel_surface
 
-#: Bodies in the order of (4.1), (5.1): right rail, left rail, wheelsets, frame. Contacts: right and left of each wheelset.
+#: Bodies in the order of (4.1), (5.1): right rail, left rail, wheelsets, frame; contacts: right, left of each wheelset.
 RIGHT_RAIL, LEFT_RAIL, FIRST_WHEELSET = range(3)
 SIDES = (-1, 1)
 COORDINATES, PARAMETERS = 7, 2
@@ -172,7 +172,7 @@ class Mechanism:
     # -- constraints ---------------------------------------------------------------------------------------------
 
     def constraints(self, time: float, q: np.ndarray, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """C, shape (equations,), and its Jacobian by (q, s), shape (equations, unknowns), eqs (3.59), (3.60), (3.66)."""
+        """C (equations,) and its Jacobian by (q, s) (equations, unknowns), eqs (3.59), (3.60), (3.66)."""
         motions = self.motions(q, np.zeros(self.q_count))
         c, jacobian = np.zeros(self.equations), np.zeros((self.equations, self.unknowns))
         row = 0
@@ -353,15 +353,11 @@ class Mechanism:
     def _balance(
         self, touches: Sequence[Touch], creep: Sequence[tuple], inputs: Inputs, solution: np.ndarray, locked: list[int]
     ) -> Answer:
-        """Finds the creep forces that belong to the normal forces; `solution`: of the loads, and of unit creep forces."""
+        """Finds the creep forces that belong to the normal forces; solution: of the loads, and of unit creep forces."""
         first = self.unknowns + self.bodies
         # The multipliers of a contact's point are the force of the wheel on the rail, eq. (3.81).
-        response = -np.array(
-            [
-                touch.normal @ solution[first + EQUATIONS * k : first + EQUATIONS * k + 3]
-                for k, touch in enumerate(touches)
-            ]
-        )
+        starts = range(first, first + EQUATIONS * self.contacts, EQUATIONS)
+        response = -np.array([t.normal @ solution[at : at + 3] for t, at in zip(touches, starts, strict=True)])
         load = self.normal_guess
         p = self.parameters
         for _ in range(MAXIMUM_ROUNDS):

@@ -14,7 +14,7 @@ CLOSED, MAXIMUM_ROUNDS = 1e-13, 12
 
 
 class NoSolutionError(ArithmeticError):
-    """The constraint equations have no solution near the given one: contact is lost, which the thesis calls derailment."""
+    """The constraint equations have no solution near the given one: contact is lost, section 9.4.1's derailment."""
 
 
 @dataclass(frozen=True)
@@ -67,8 +67,8 @@ def close_positions(
             break
         found[partition.dependent] -= dgetrs(factors, pivots, c)[0]
     raise NoSolutionError(
-        f"The constraint equations have no solution near the state at {time:.6g} s: contact is lost, or the coordinates "
-        "are badly partitioned."
+        f"The constraint equations have no solution near the state at {time:.6g} s: contact is lost, or the "
+        "coordinates are badly partitioned."
     )
 
 
@@ -86,7 +86,7 @@ def close_velocities(mechanism: Mechanism, rates: np.ndarray, jacobian: np.ndarr
 
 
 def closed_state(mechanism: Mechanism, near: State, partition: Partition) -> tuple[State, np.ndarray]:
-    """The state with all constraints met whose independent coordinates and rates are those of `near`; and the Jacobian."""
+    """The state that meets all constraints with the independent coordinates and rates of `near`; and the Jacobian."""
     cut = mechanism.q_count
     coordinates, jacobian = close_positions(mechanism, near.time, np.concatenate([near.q, near.s]), partition)
     rates = close_velocities(mechanism, np.concatenate([near.q_rate, near.s_rate]), jacobian, partition)

@@ -1,4 +1,4 @@
-"""The main loop of the program, Fig. 3.11: Runge-Kutta in independent coordinates that are chosen anew as wheels turn."""
+"""The main loop of the program, Fig. 3.11: Runge-Kutta in independent coordinates, chosen anew as the wheels turn."""
 
 from __future__ import annotations
 
@@ -61,11 +61,9 @@ def step(mechanism: Mechanism, state: State, size: float, drive: Drive, partitio
     """
     if partition is None:
         partition = choose(mechanism.constraints(state.time, state.q, state.s)[1])
-    position, rate = np.zeros(mechanism.unknowns), np.zeros(mechanism.unknowns)
-    trial = state
+    first, second, position, rate = np.zeros((4, mechanism.unknowns))
     for place, weight in STAGES:
-        if place > 0.0:
-            trial = moved(state, place * size, first, second)
+        trial = moved(state, place * size, first, second)
         closed, answer = accelerations(mechanism, trial, drive(trial.time), partition)
         first = np.concatenate([closed.q_rate, closed.s_rate])
         second = np.concatenate([answer.q_second, answer.s_second])
