@@ -121,7 +121,7 @@ def derivatives_along(parameters: TrackParameters) -> Callable[[float], np.ndarr
     rows = ca.horzcat(values, slopes, ca.jacobian(slopes, distance)).T
     symbols = ca.vertcat(*system.parameter_symbols.values())
     numbers = ca.DM([variable.start for variable in system.variables])
-    function = ca.Function("track", [distance], [ca.substitute(rows, symbols, numbers)])
+    function = ca.Function("track", [distance], [ca.densify(ca.substitute(rows, symbols, numbers))])
     return lambda at: np.array(function(at))
 
 

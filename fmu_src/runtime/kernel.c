@@ -329,7 +329,7 @@ int kernel_initialise(kernel *self, double time) {
     for (int i = 0; i < system->frictions; ++i) self->mode[i] = 1.0;
     for (int i = 0; i < system->conditions; ++i) self->said[i] = 0.0;
     rosenbrock_linearise(self, 0.0);
-    const int solved = rosenbrock_make_consistent(self, 0.0);
+    const int solved = rosenbrock_make_consistent(self, 0.0, self->value[MODEL.tolerance]);
     modes_refresh(self, 0.0);
     compute_outputs(self, 0.0, self->state);
     const char *bad = output_not_finite(self);
@@ -391,9 +391,9 @@ static double accepted_step(kernel *self, double offset, double size, long long 
         size = rosenbrock_next_size(size, *error);
         if (size < 1e-15 + 4.0 * DBL_EPSILON * fabs(self->step_origin + offset)) {
             kernel_fail(self, KERNEL_ERROR,
-                        "The step size vanished at t = %.9g s: the equations have no finite solution there; check inputs "
-                        "and parameters.",
-                        self->step_origin + offset);
+                        "The step size vanished at t = %.9g s: the equations have no finite solution there, or the "
+                        "tolerance %g is below round-off; check inputs and parameters, or enlarge the tolerance.",
+                        self->step_origin + offset, self->value[MODEL.tolerance]);
             return 0.0;
         }
     }
@@ -423,7 +423,7 @@ static int integrate(kernel *self, double size, double *reached) {
         if (proposed > 0.5 * remaining) wanted = proposed < remaining ? 0.5 * remaining : remaining;
         double margin = INFINITY, error = 0.0;
         rosenbrock_linearise(self, offset);
-        if (!rosenbrock_make_consistent(self, offset))
+        if (!rosenbrock_make_consistent(self, offset, self->value[MODEL.tolerance]))
             return kernel_fail(self, KERNEL_ERROR,
                                "The algebraic equations have no solution near t = %.9g s; check inputs and parameters.",
                                self->step_origin + offset);
@@ -565,7 +565,7 @@ int kernel_linearise(kernel *self, double *state, double *slope, double *jacobia
     gather_inputs(self);
     self->step_origin = self->now.time;
     rosenbrock_linearise(self, 0.0);
-    if (!rosenbrock_make_consistent(self, 0.0))
+    if (!rosenbrock_make_consistent(self, 0.0, 0.0))
         return kernel_fail(self, KERNEL_ERROR,
                            "The algebraic equations have no solution near t = %.9g s; check inputs and parameters.",
                            self->now.time);

@@ -174,8 +174,9 @@ void tables_look_up(const system_description *system, int rank, const double *ar
 /* One trial step of Rosenbrock type from `state` at `offset`; linearise first. Returns the error in units of the
  * tolerance; a value that is not <= 1, NaN included, means "reject". The new state is in self->trial. */
 void rosenbrock_linearise(kernel *self, double offset);
-/* Newton's method on the algebraic states, the others held, until their change is below the tolerance; 0: no success. */
-int rosenbrock_make_consistent(kernel *self, double offset);
+/* Newton's method on the algebraic states, the others held, until their scaled change is below `tolerance` or
+ * round-off; 0: no success. */
+int rosenbrock_make_consistent(kernel *self, double offset, double tolerance);
 double rosenbrock_try(kernel *self, double offset, double size);
 double rosenbrock_next_size(double size, double error);
 void rosenbrock_interpolate(const kernel *self, double fraction, double *state);

@@ -37,6 +37,8 @@ static const double DENSE[2][5] = {
 /* Largest ratio of a column's entries to the diagonal one at which the diagonal still serves as the pivot. The rows have
  * different units, so only a diagonal that is next to nothing is refused. */
 static const double PIVOT_RATIO = 1e8;
+/* Scaled corrections of Newton's method below which no further progress is round-off and not divergence. */
+static const double ROUND_OFF = 1e-9;
 
 typedef struct {
     const int *first, *end;
@@ -132,10 +134,10 @@ void rosenbrock_linearise(kernel *self, double offset) {
     self->counters.jacobians++;
 }
 
-int rosenbrock_make_consistent(kernel *self, double offset) {
+int rosenbrock_make_consistent(kernel *self, double offset, double tolerance) {
     const int n = self->system->states, m = self->system->algebraics;
     const int *algebraic = self->system->algebraic;
-    double *correction = self->stage[0];
+    double *correction = self->stage[0], before = INFINITY;
     for (int count = 0; count < MAXIMUM_NEWTON_STEPS; ++count) {
         if (m == 0) return 1;
         for (int j = 0; j < m; ++j) {
@@ -151,7 +153,9 @@ int rosenbrock_make_consistent(kernel *self, double offset) {
             if (!isfinite(scaled)) return 0;
             if (scaled > largest) largest = scaled;
         }
-        if (largest <= self->value[MODEL.tolerance]) return 1;
+        if (largest <= tolerance) return 1;
+        if (largest < ROUND_OFF && largest > 0.5 * before) return 1;
+        before = largest;
         for (int i = 0; i < m; ++i) self->state[algebraic[i]] += correction[i];
         rosenbrock_linearise(self, offset);
     }

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from rbd_model.thesis.euler import cross, g_bar, rotation_matrix
 from rbd_model.thesis.mechanism import FIRST_WHEELSET, Mechanism, State
 from rbd_model.thesis.partition import CLOSED, MAXIMUM_ROUNDS, NoSolutionError
-from rbd_model.thesis.program import rolling
 from rbd_model.thesis.surfaces import OffTheProfileError, profile_derivatives
 
 
@@ -40,11 +39,38 @@ class Frame:
     omega: np.ndarray
 
 
-def centred(mechanism: Mechanism) -> tuple[np.ndarray, Frame]:
-    """Coordinates (q, s) of everything at its place, at rest, and the frame there."""
-    state = rolling(mechanism, 0.0)
-    frame = Frame(state.q[mechanism.body(mechanism.frame)], np.zeros(3), np.zeros(3))
-    return np.concatenate([state.q, state.s]), frame
+def frame_at_rest(mechanism: Mechanism) -> Frame:
+    """The frame at its place on straight track."""
+    p = mechanism.parameters
+    coordinates = np.array([0.0, 0.0, p.wheel_radius + p.frame_height, 1.0, 0.0, 0.0, 0.0])
+    return Frame(coordinates, np.zeros(3), np.zeros(3))
+
+
+def centred(mechanism: Mechanism) -> np.ndarray:
+    """(q, s) of everything at its place, but for what the profiles leave to Newton-Raphson."""
+    near = np.zeros(mechanism.unknowns)
+    for number in range(mechanism.bodies):
+        near[mechanism.body(number)][3] = 1.0
+    near[mechanism.body(mechanism.frame)] = frame_at_rest(mechanism).coordinates
+    for number in range(mechanism.wheelsets):
+        near[mechanism.body(FIRST_WHEELSET + number)][:3] = (
+            mechanism.place(number),
+            0.0,
+            mechanism.parameters.wheel_radius,
+        )
+    for contact in range(mechanism.contacts):
+        near[mechanism.q_count + mechanism.rail_parameters(contact).start] = mechanism.place(contact // 2)
+    return near
+
+
+def rolling(mechanism: Mechanism, speed: float) -> State:
+    """Everything at its place on straight track and moving at `speed` [m/s], the wheels rolling."""
+    pitch_rate = speed / mechanism.parameters.wheel_radius
+    wheelsets = [
+        Wheelset(mechanism.place(number), speed=speed, pitch_rate=pitch_rate) for number in range(mechanism.wheelsets)
+    ]
+    frame = replace(frame_at_rest(mechanism), velocity=np.array([speed, 0.0, 0.0]))
+    return drive_to(mechanism, wheelsets, frame, centred(mechanism))
 
 
 def drive_to(

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from rbd_model.thesis.euler import angular_velocity, theta_rate_of
+from rbd_model.thesis.euler import angular_velocity
 from rbd_model.thesis.mechanism import FIRST_WHEELSET, Answer, Inputs, Mechanism, State
 from rbd_model.thesis.partition import Partition, choose, closed_state
 
@@ -16,36 +16,6 @@ STAGES = ((0.0, 1 / 6), (0.5, 1 / 3), (0.5, 1 / 3), (1.0, 1 / 6))
 STOPPED, LOCATING_ROUNDS = 1e-6, 30
 
 Drive = Callable[[float], Inputs]
-
-
-def rolling(mechanism: Mechanism, speed: float) -> State:
-    """All bodies at their places on straight track, everything moving at `speed` [m/s], the wheels rolling."""
-    p = mechanism.parameters
-    q, q_rate = np.zeros(mechanism.q_count), np.zeros(mechanism.q_count)
-    s, s_rate = np.zeros(mechanism.s_count), np.zeros(mechanism.s_count)
-    for number in range(mechanism.bodies):
-        body = mechanism.body(number)
-        q[body] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]
-        if number < FIRST_WHEELSET:
-            continue
-        if number == mechanism.frame:
-            q[body][2] = p.wheel_radius + p.frame_height
-        else:
-            q[body][:3] = mechanism.place(number - FIRST_WHEELSET), 0.0, p.wheel_radius
-            omega = np.array([0.0, speed / p.wheel_radius, 0.0])
-            q_rate[body][3:] = theta_rate_of(q[body][3:], omega)
-        q_rate[body][0] = speed
-    for contact in range(mechanism.contacts):
-        s[mechanism.rail_parameters(contact)][0] = mechanism.place(contact // 2)
-        s_rate[mechanism.rail_parameters(contact)][0] = speed
-        s_rate[mechanism.wheel_parameters(contact)][0] = speed / p.wheel_radius
-    return start(mechanism, State(0.0, q, s, q_rate, s_rate))
-
-
-def start(mechanism: Mechanism, near: State) -> State:
-    """The state that meets all constraints next to a given one."""
-    _, jacobian = mechanism.constraints(near.time, near.q, near.s)
-    return closed_state(mechanism, near, choose(jacobian))[0]
 
 
 def accelerations(mechanism: Mechanism, state: State, inputs: Inputs, partition: Partition) -> tuple[State, Answer]:

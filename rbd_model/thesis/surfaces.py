@@ -8,11 +8,10 @@ from functools import lru_cache
 
 import numpy as np
 
-from rbd_model.profiles import Profile
+from rbd_model.profiles import DEGREE, Profile
 
 #: Third derivatives enter Q_d (3.72), so the profiles are quintic splines (section 3.3.2).
 ORDERS = 4
-_FALLING = np.array([[math.perm(power, order) for power in range(6)] for order in range(ORDERS)], float)
 
 
 class OffTheProfileError(ArithmeticError):
@@ -21,18 +20,23 @@ class OffTheProfileError(ArithmeticError):
 
 @lru_cache
 def _pieces(profile: Profile) -> tuple[np.ndarray, np.ndarray]:
-    return profile.pieces
+    """Breakpoints, and for each piece a matrix (4, 6) from the powers of the distance to z and its derivatives."""
+    breakpoints, coefficients = profile.pieces
+    matrices = np.zeros((len(coefficients), ORDERS, DEGREE + 1))
+    for order in range(ORDERS):
+        for power in range(order, DEGREE + 1):
+            matrices[:, order, power - order] = math.perm(power, order) * coefficients[:, power]
+    return breakpoints, matrices
 
 
 def profile_derivatives(profile: Profile, y: float) -> np.ndarray:
     """z, z', z'', z''' at y [m]; shape (4,)."""
-    breakpoints, coefficients = _pieces(profile)
+    breakpoints, matrices = _pieces(profile)
     if not breakpoints[0] <= y <= breakpoints[-1]:
         raise OffTheProfileError(f"The contact at y = {1e3 * y:.3g} mm has left the profile {profile.name}.")
-    piece = min(int(breakpoints.searchsorted(y, "right")) - 1, len(coefficients) - 1)
-    x, c = y - breakpoints[piece], coefficients[piece]
-    powers = np.array([1.0, x, x * x, x**3, x**4, x**5])
-    return np.array([(_FALLING[order, order:] * c[order:]) @ powers[: 6 - order] for order in range(ORDERS)])
+    piece = min(int(breakpoints.searchsorted(y, "right")) - 1, len(matrices) - 1)
+    x = y - breakpoints[piece]
+    return np.asarray(matrices[piece] @ np.array([1.0, x, x * x, x**3, x**4, x**5]))
 
 
 @dataclass(frozen=True)
