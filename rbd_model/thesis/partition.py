@@ -8,6 +8,7 @@ import numpy as np
 from scipy.linalg.lapack import dgetrf, dgetrs
 
 from rbd_model.thesis.mechanism import Mechanism, State
+from rbd_model.thesis.surfaces import OffTheProfileError
 
 #: Norm of C at which the Newton-Raphson iteration ends, epsilon_2 of (3.124), and its largest number of rounds.
 CLOSED, MAXIMUM_ROUNDS = 1e-13, 12
@@ -56,7 +57,10 @@ def close_positions(
     """
     found = coordinates.copy()
     for _ in range(MAXIMUM_ROUNDS):
-        c, jacobian = mechanism.constraints(time, found[: mechanism.q_count], found[mechanism.q_count :])
+        try:
+            c, jacobian = mechanism.constraints(time, found[: mechanism.q_count], found[mechanism.q_count :])
+        except OffTheProfileError:
+            break
         size = float(np.sqrt(c @ c))
         if size < CLOSED:
             return found, jacobian

@@ -1,0 +1,167 @@
+"""The oracle as a program: dimensions, constraints over time, partition, skid, and where contact is lost."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fmu_src.kernel import Kernel, KernelError
+from rbd_model.contact_geometry import last_tread_contact, rolling_radius_difference, thesis_pair
+from rbd_model.parameters import tables_4_1_and_4_2, tables_5_1_and_5_2
+from rbd_model.thesis.euler import norm_error
+from rbd_model.thesis.kinematic_analysis import Wheelset, centred, drive_to, frame_at_rest, rolling, rolling_radii
+from rbd_model.thesis.mechanism import FIRST_WHEELSET, Inputs, Mechanism, State
+from rbd_model.thesis.partition import NoSolutionError, choose
+from rbd_model.thesis.program import run, spin, step
+from rbd_model.track import derivatives_along, section_5_3
+from thesis.correspondence import fitted_ellipse, machine
+
+#: The issue's bands: residual of the constraints [m, 1], norm of the Euler parameters, place of the fold [m].
+RESIDUAL_BAND, NORM_BAND, FOLD_BAND = 1e-12, 1e-12, 1e-4
+
+
+@pytest.mark.parametrize(
+    ("wheelsets", "speed", "size", "free"), [(1, None, 63, 9), (1, 15.0, 64, 8), (2, None, 88, 14), (2, 15.0, 89, 13)]
+)
+def test_dimensions_are_those_printed(wheelsets: int, speed: float | None, size: int, free: int) -> None:
+    """Sections 4.2 and 5.2, eqs (4.1), (4.2), (5.1), (5.2)."""
+    parameters = tables_4_1_and_4_2() if wheelsets == 1 else tables_5_1_and_5_2()
+    mechanism = Mechanism(parameters, thesis_pair(), wheelsets, speed=speed)
+    assert mechanism.unknowns + mechanism.equations == size
+    assert mechanism.degrees_of_freedom == free
+    state = rolling(Mechanism(parameters, thesis_pair(), wheelsets), 15.0)
+    _, jacobian = mechanism.constraints(0.0, state.q, state.s)
+    assert jacobian.shape == (mechanism.equations, mechanism.unknowns)
+    assert np.linalg.matrix_rank(jacobian) == mechanism.equations
+    chosen = choose(jacobian)
+    assert (chosen.dependent.size, chosen.independent.size) == (mechanism.equations, free)
+
+
+def test_torque_reaction_is_refused_with_a_sentence() -> None:
+    with pytest.raises(ValueError, match=r"Set torque_reaction to 0: chapter 3 has none, it was 0\.5"):
+        Mechanism(replace(tables_5_1_and_5_2(), torque_reaction=0.5), thesis_pair(), 2)
+
+
+def wheelset_on_a_wave() -> tuple[Mechanism, State]:
+    track = derivatives_along(
+        replace(section_5_3(), lateral_irregularity=2e-3, lateral_wave_number=0.2, irregularity_start=0.0)
+    )
+    mechanism = Mechanism(tables_4_1_and_4_2(), thesis_pair(), 1, track)
+    return mechanism, rolling(mechanism, 20.0)
+
+
+def test_constraints_hold_and_euler_parameters_keep_their_norm() -> None:
+    """Eqs (3.6), (3.107)-(3.124): over more than one turn of the wheel, at every step."""
+    mechanism, begin = wheelset_on_a_wave()
+    residuals, norms = [], []
+    for state in run(mechanism, begin, 0.15, 5e-4, lambda time: Inputs()):
+        c, jacobian = mechanism.constraints(state.time, state.q, state.s)
+        rates = np.concatenate([state.q_rate, state.s_rate])
+        residuals.append(max(np.abs(c).max(), np.abs(jacobian @ rates).max()))
+        norms += [abs(norm_error(state.q[mechanism.body(n)][3:])) for n in range(mechanism.bodies)]
+    assert state.s[mechanism.wheel_parameters(0)][0] > 2 * np.pi
+    assert max(residuals) < RESIDUAL_BAND
+    assert max(norms) < NORM_BAND
+
+
+def test_fixed_partition_fails_near_half_a_turn_and_a_new_one_passes() -> None:
+    """Eqs (3.107)-(3.114), with generalised coordinates alone as independent ones: a wheel that is upside down has the
+    largest Euler parameter of pitch there is, and that says nothing of how it turns on.
+    """
+    mechanism, begin = wheelset_on_a_wave()
+    preferred = np.repeat([1.0, 1e9], [mechanism.q_count, mechanism.s_count])  # s is eliminated first
+    fixed = choose(mechanism.constraints(0.0, begin.q, begin.s)[1] * preferred)
+    assert fixed.independent.max() < mechanism.q_count
+    half_turn, reached = np.pi * 0.425 / 20.0, [begin]
+
+    def go_on() -> None:
+        while reached[-1].time < 2 * half_turn:
+            reached.append(step(mechanism, reached[-1], 5e-4, lambda time: Inputs(), fixed))
+
+    with pytest.raises(NoSolutionError, match="badly partitioned"):
+        go_on()
+    assert 0.9 * half_turn < reached[-1].time < 1.1 * half_turn
+    *_, last = run(mechanism, begin, 2 * half_turn, 5e-4, lambda time: Inputs())
+    assert last.time == pytest.approx(2 * half_turn, abs=5e-4)
+
+
+def test_held_speed_stays() -> None:
+    """C_t of (3.67), (3.68): the frame moves with the speed that is asked for."""
+    track = derivatives_along(replace(section_5_3(), vertical_irregularity=5e-3, irregularity_start=0.0))
+    mechanism = Mechanism(tables_4_1_and_4_2(), thesis_pair(), 1, track, speed=15.0)
+    begin = rolling(Mechanism(tables_4_1_and_4_2(), thesis_pair(), 1, track), 15.0)
+    *_, state = run(mechanism, begin, 0.05, 1e-3, lambda time: Inputs(brake_torque=(3e3,)))
+    frame = mechanism.body(mechanism.frame)
+    assert state.q[frame][0] == pytest.approx(0.75, abs=1e-12)
+    assert state.q_rate[frame][0] == pytest.approx(15.0, abs=1e-11)
+
+
+def test_locked_wheelset_is_that_of_the_fast_model() -> None:
+    """25 kN.m on the wheelset of chapter 4 at friction 0.1: when it locks, and how it slides then."""
+    fast = Kernel(machine(1).library, initial_speed=5.0, friction_1=0.1, brake_torque_1=25e3, tolerance=1e-9)
+    table = fast.record(0.1, 1e-4, ["locked_1", "speed", "distance"])
+    locked_at = table["time"][int(np.argmax(table["locked_1"]))]
+    mechanism = Mechanism(tables_4_1_and_4_2(), thesis_pair(), 1, ellipse=fitted_ellipse)
+    inputs = Inputs(brake_torque=(25e3,), friction=(0.1,))
+    states = list(run(mechanism, rolling(mechanism, 5.0), 0.1, 1e-4, lambda time: inputs))
+    first = next(state for state in states if state.direction[0] == 0)
+    assert 0.01 < locked_at < 0.1
+    assert first.time == pytest.approx(locked_at, abs=1.1e-4)
+    assert abs(spin(mechanism, states[-1], 0)) < 1e-6
+    axle = mechanism.body(FIRST_WHEELSET).start
+    assert states[-1].q_rate[axle] == pytest.approx(table["speed"][-1], abs=1e-5)
+    assert states[-1].q[axle] == pytest.approx(table["distance"][-1], abs=1e-6)
+
+
+def test_weak_brake_lets_a_standing_wheelset_go() -> None:
+    """A locked wheelset whose brake is reduced below what the rail asks for turns again."""
+    mechanism = Mechanism(tables_4_1_and_4_2(), thesis_pair(), 1)
+    strong, weak = Inputs(brake_torque=(25e3,)), Inputs(brake_torque=(100.0,))
+    *_, state = run(mechanism, rolling(mechanism, 3.0), 0.2, 2.5e-4, lambda time: strong if time < 0.15 else weak)
+    assert state.direction[0] == 1
+    assert spin(mechanism, state, 0) > 1.0
+
+
+# -- kinematic analysis, eqs (3.79), (3.80) ----------------------------------------------------------------------
+
+
+def shifted(mechanism: Mechanism, lateral: float, near: np.ndarray) -> State:
+    return drive_to(mechanism, [Wheelset(lateral=lateral)], frame_at_rest(mechanism), near)
+
+
+def test_rolling_radius_difference_is_that_of_the_contact_search() -> None:
+    """Fig. 4.8 by (3.79), against a search over the contours for the first point to touch."""
+    mechanism = Mechanism(tables_4_1_and_4_2(), thesis_pair(), 1)
+    shifts = np.array([0.0, 2e-3, 5e-3, 8e-3, -6e-3])
+    searched = rolling_radius_difference(thesis_pair(), shifts)
+    for shift, expected in zip(shifts, searched, strict=True):
+        right, left = rolling_radii(mechanism, shifted(mechanism, float(shift), centred(mechanism)))
+        assert left - right == pytest.approx(expected, abs=2e-6)
+
+
+def test_newton_raphson_diverges_where_the_fast_model_reports_the_fold() -> None:
+    """Section 9.4.1: loss of tread contact, 11.5 mm; the shift at which no solution of (3.79) is found any more."""
+    mechanism = Mechanism(tables_4_1_and_4_2(), thesis_pair(), 1)
+    reached = [(0.0, centred(mechanism))]
+
+    def go_on() -> None:
+        for shift in np.arange(1e-3, 13e-3, 2e-5).tolist():
+            state = shifted(mechanism, shift, reached[-1][1])
+            reached.append((shift, np.concatenate([state.q, state.s])))
+
+    with pytest.raises(NoSolutionError, match="No contact of all treads exists at a lateral shift of 11"):
+        go_on()
+    last = reached[-1][0]
+    assert last == pytest.approx(last_tread_contact(thesis_pair()).shift, abs=FOLD_BAND)
+    # The fast model, drawn sideways on straight track by a slowly growing yaw torque, says "derailed" there as well.
+    assert derailed_shift() == pytest.approx(last, abs=FOLD_BAND)
+
+
+def derailed_shift() -> float:
+    kernel = Kernel(machine(2).library, initial_speed=10.0, constant_speed=1, wheel_lift_ends=0, flange_stiffness=1e6)
+    kernel.set_rate(yaw_torque_1=2e5)
+    with pytest.raises(KernelError, match="lost its tread contact"):
+        kernel.advance(20.0)
+    return abs(kernel["lateral_1"])
