@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 RUN := $(VENV)/bin/python
 
-.PHONY: demo test check clean
+.PHONY: demo test check equations clean
 
 demo: $(VENV)/demo-installed
 	$(RUN) build_fmu.py
@@ -27,6 +27,9 @@ $(VENV)/demo-installed: pyproject.toml | $(VENV)/bin/python
 $(VENV)/test-installed: pyproject.toml | $(VENV)/bin/python
 	$(RUN) -m pip install --quiet --disable-pip-version-check -e ".[test]"
 	touch $@ $(VENV)/demo-installed
+
+equations: $(VENV)/demo-installed
+	$(RUN) docs/equations.py
 
 clean:
 	rm -rf $(VENV) build results

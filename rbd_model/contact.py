@@ -52,7 +52,7 @@ def elliptic_integrals(minor_over_major: ca.SX) -> tuple[ca.SX, ca.SX]:
 def curvature_ratio(minor_over_major: ca.SX) -> ca.SX:
     """Ratio of the relative curvatures, larger to smaller, that gives this ellipse: (K - D) / (g^2 D).
 
-    Johnson (1985), Contact Mechanics, eq. (4.25); 1 for a circle.
+    Johnson (1985), Contact Mechanics, eq. 4.25; 1 for a circle.
     """
     k, d = elliptic_integrals(minor_over_major)
     return (k - d) / (minor_over_major**2 * d)

@@ -168,6 +168,7 @@ def add_rotation(bogie: Bogie, number: int, omega: ca.SX, rail_torque: ca.SX) ->
 
 
 def add_wheelset_outputs(bogie: Bogie, rotation: Rotation, speed: ca.SX, creep_force: ca.SX, load: ca.SX) -> None:
+    """Outputs of one wheelset; the slip ratio is (2.10), regularised as the creepage is."""
     system, number = bogie.system, rotation.number
     slip = speed - bogie.parameter["wheel_radius"] * rotation.angular_velocity
     rows = {

@@ -13,6 +13,7 @@ from scenarios import (
     critical_speed,
     heavy_braking,
     lock_boundary,
+    oracle,
     qr30,
     sensitivity,
     speed,
@@ -42,5 +43,6 @@ SCENARIOS: list[Scenario] = [
     bogie_skid.SCENARIO,
     asymmetric_braking.SCENARIO,
     sensitivity.SCENARIO,
+    oracle.SCENARIO,
     speed.SCENARIO,
 ]

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import ast
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -38,6 +41,25 @@ def test_table_of_variables_is_that_of_the_equations(name: str) -> None:
 def test_every_scenario_is_named() -> None:
     for scenario in SCENARIOS:
         assert f"`{scenario.name}`" in README
+
+
+def test_equations_have_homes_and_tests_and_their_page_is_up_to_date() -> None:
+    """When this fails, run `make equations` and read what it says."""
+    done = subprocess.run([sys.executable, ROOT / "docs" / "equations.py", "--check"], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+
+
+THESIS = ROOT.parent / "shared" / "thesis.txt"
+
+
+@pytest.mark.skipif(not THESIS.exists(), reason="the thesis lies beside the development checkout only")
+def test_numbers_of_equations_are_those_of_the_thesis() -> None:
+    found: dict[int, int] = {}
+    for chapter, number in re.findall(r"\((\d)\.(\d+)\)", THESIS.read_text(encoding="utf-8")):
+        found[int(chapter)] = max(found.get(int(chapter), 0), int(number))
+    last = re.search(r"LAST = (\{.*\})", (ROOT / "docs" / "equations.py").read_text(encoding="utf-8"))
+    assert last
+    assert ast.literal_eval(last.group(1)) == {chapter: n for chapter, n in found.items() if chapter > 1}
 
 
 def test_named_files_exist() -> None:

@@ -31,7 +31,7 @@ def hertz_ellipse(a: float, b: float, normal_force: float, shear_modulus: float)
     """Exact ellipse, eqs (3.82)-(3.88), with Kalker's coefficients linear between the entries of his table.
 
     a, b: A and B. Differs from the thesis, which refers to de Pater for the ratio of the semi-axes: it follows from
-    B / A = (E / g^2 - K) / (K - E), Johnson (1985), eq. (4.25). The angle (3.85) carries the same information and is
+    B / A = (E / g^2 - K) / (K - E), Johnson (1985), eq. 4.25. The angle (3.85) carries the same information and is
     not needed.
     """
     ratio = max(a, b) / min(a, b)

@@ -11,7 +11,7 @@ from rbd_model.thesis.euler import cross, g_bar, rotation_matrix
 
 @dataclass(frozen=True)
 class Motion:
-    """Where a body is and how it moves: R, A, G bar, and velocities; omega in body axes."""
+    """Where a body is and how it moves: R (3.3), A, G bar, and velocities; omega in body axes."""
 
     position: np.ndarray
     theta: np.ndarray

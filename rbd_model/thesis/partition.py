@@ -77,7 +77,7 @@ def close_positions(
 
 
 def close_velocities(mechanism: Mechanism, rates: np.ndarray, jacobian: np.ndarray, partition: Partition) -> np.ndarray:
-    """Dependent rates from the independent ones, eqs (3.109)-(3.116); rates: of (q, s), shape (unknowns,).
+    """Dependent rates from the independent ones, eqs (3.67), (3.109)-(3.116); rates: of (q, s), shape (unknowns,).
 
     Differs from the thesis: C_di is printed without the minus sign in (3.112), (3.114), and the C_t term of (3.116) as
     well.

@@ -74,6 +74,7 @@ def test_rod_force_is_the_printed_share_under_the_specification(
 
 
 def test_torque_is_friction_times_force_times_radius(brake: Library) -> None:
+    """Eq. (2.7)."""
     kernel = Kernel(brake, pressure_demand=180e3)
     kernel.advance(20.0)
     assert kernel["brake_torque"] == pytest.approx(kernel["shoe_friction"] * kernel["shoe_force"] * 0.398, rel=1e-12)
@@ -102,6 +103,7 @@ def test_measured_friction_falls_with_force_and_is_held_outside_the_measurements
 
 
 def test_slack_adjuster_counter_force_reduces_the_shoe_force_and_never_pulls(brake: Library) -> None:
+    """Eqs (2.4), (2.6)."""
     forces = []
     for counter in (0.0, 1000.0, 1e6):
         kernel = Kernel(brake, slack_adjuster_force=counter, pressure_demand=180e3)

@@ -75,6 +75,7 @@ def test_traction_and_braking_mirror_each_other(bogie: Library) -> None:
 
 
 def test_rolling_resistance_stops_a_coasting_bogie_at_the_analytic_rate(bogie: Library) -> None:
+    """Eq. (2.8) with a torque that only resists."""
     p = tables_8_1_and_8_2()
     mass = p.frame_mass + 2 * p.wheelset_mass + 2 * p.wheelset_pitch_inertia / p.wheel_radius**2
     one = qr30(bogie, PLANAR, 3.0)
@@ -219,8 +220,10 @@ def test_experiment_at_1200_nm_rolls_and_decelerates_as_printed(bogie: Library) 
 
 
 def test_locked_wheelset_stands_exactly_and_turns_again_when_the_rail_can_turn_it(bogie: Library) -> None:
+    """And its slip (2.10) is complete."""
     one = qr30(bogie, PLANAR, 2.9, brake_torque_2=1800.0)
     one.advance(1.5)
+    assert one["slip_ratio_2"] == pytest.approx(1.0, abs=1e-3)
     assert one["locked_2"] == 1.0
     assert one["angular_velocity_2"] == 0.0
     rotation = one["rotation_2"]

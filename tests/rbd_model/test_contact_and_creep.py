@@ -36,7 +36,7 @@ def scipy_axes(wheel_radius: float, wheel_curvature: float, rail_radius: float, 
 
     g = brentq(lambda g: ratio(g) - large / small, 1e-3, 1 - 1e-9, xtol=1e-15)
     modulus = STEEL / (1 - POISSON_RATIO)
-    # major x minor^2 = 3 N E(e) / (2 pi E* (A + B)), eq. (4.26) there
+    # major x minor^2 = 3 N E(e) / (2 pi E* (A + B)), eq. 4.26 there
     minor_cubed = g * 3 * load * ellipe(1 - g**2) / (2 * np.pi * modulus * (small + large))
     minor = minor_cubed ** (1 / 3)
     major = minor / g

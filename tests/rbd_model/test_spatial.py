@@ -19,7 +19,7 @@ from rbd_model.contact_geometry import thesis_pair
 from rbd_model.linear import critical_speed, oscillations
 from rbd_model.parameters import tables_5_1_and_5_2
 from rbd_model.spatial import spatial_bogie
-from rbd_model.track import irregular_track, section_5_3, track_from_file, track_from_points
+from rbd_model.track import derivatives_along, irregular_track, section_5_3, track_from_file, track_from_points
 
 ENERGIES = ("kinetic_energy", "potential_energy")
 POWERS = ("brake_power", "creep_power", "damping_power")
@@ -358,6 +358,20 @@ def test_track_from_points_is_the_track_of_the_formula(tmp_path) -> None:  # typ
     with pytest.raises(ValueError, match="give at least 6 lines"):
         track_from_file(path)
     assert track_from_points(*rows.T)
+
+
+def test_wave_and_plateau_are_those_printed() -> None:
+    """Eqs (5.3), (5.4) away from the blends, and their derivatives against differences."""
+    parameters = replace(section_5_3(), lateral_irregularity=0.025, vertical_irregularity=0.03, cross_level=0.02)
+    track = derivatives_along(parameters)
+    lateral, left, right = track(15.0)[0]
+    assert lateral == pytest.approx(0.025 * np.sin(np.pi * 0.045 * 10.0), rel=1e-12)
+    across = 0.02 / np.sqrt(1 + (0.07 * (15.0 - parameters.cross_level_centre)) ** 8)
+    assert left - right == pytest.approx(across, rel=1e-9)
+    assert (left + right) / 2 == pytest.approx(0.03 * np.sin(np.pi * 0.07 * 10.0), rel=1e-12)
+    for distance in (5.3, 15.0, 60.0):
+        before, at, after = (track(distance + h) for h in (-1e-4, 0.0, 1e-4))
+        assert np.abs((after - before)[:2] / 2e-4 - at[1:]).max() < 1e-6
 
 
 @pytest.mark.parametrize(

@@ -106,7 +106,7 @@ def test_generalised_forces_do_the_work_of_the_forces() -> None:
 
 
 def test_spring_forces_come_from_their_potential() -> None:
-    """Eqs (3.37)-(3.42): the power of an undamped element is the fall of its energy, of a damped one less."""
+    """Eqs (3.1), (3.3), (3.4), (3.37)-(3.42): an undamped element gives the fall of its energy, a damped one less."""
     rng = np.random.default_rng(5)
     i, j, place_i, place_j = random_motion(rng), random_motion(rng), rng.normal(size=3), rng.normal(size=3)
     between = i.point(place_i) - j.point(place_j)
@@ -180,7 +180,7 @@ def symbolic_contact(side: int, s_wheel: np.ndarray, s_rail: np.ndarray, wave: c
 
 @pytest.mark.parametrize("side", [1, -1])
 def test_sub_jacobians_and_q_d_are_those_of_automatic_differentiation(side: int) -> None:
-    """Eqs (3.46)-(3.72), (3.77), (3.78) at random states, whether they touch or not."""
+    """Eqs (3.15)-(3.19), (3.46)-(3.72), (3.77), (3.78) at random states, whether they touch or not."""
     rng = np.random.default_rng(8)
     pair = thesis_pair()
     along = ca.SX.sym("along")

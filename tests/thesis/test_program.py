@@ -132,7 +132,7 @@ def shifted(mechanism: Mechanism, lateral: float, near: np.ndarray) -> State:
 
 
 def test_rolling_radius_difference_is_that_of_the_contact_search() -> None:
-    """Fig. 4.8 by (3.79), against a search over the contours for the first point to touch."""
+    """Fig. 4.8 by (3.79), (3.80), against a search over the contours for the first point to touch."""
     mechanism = Mechanism(tables_4_1_and_4_2(), thesis_pair(), 1)
     shifts = np.array([0.0, 2e-3, 5e-3, 8e-3, -6e-3])
     searched = rolling_radius_difference(thesis_pair(), shifts)
