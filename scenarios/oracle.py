@@ -179,13 +179,14 @@ def draw(outcomes: dict[Scene, Outcome]) -> Figure:
             axis.plot(outcome.fast["time"], factor * outcome.fast[name], color=BOGIE, label="fast model")
             axis.plot(outcome.printed["time"], factor * outcome.printed[name], "--", color=TRAILING, label="chapter 3")
         upper.set_title(f"{scene.name}\nlateral displacement [mm]", fontsize=9)
+        middle.ticklabel_format(useOffset=False)
         middle.set_title("angular velocity of the leading wheels [rad/s]", fontsize=9)
         gap = np.abs(outcome.fast["lateral_1"] - outcome.printed["lateral_1"])
         lower.semilogy(outcome.fast["time"], np.maximum(gap, 1e-12), color=BOGIE)
         lower.set_title("difference of lateral displacement [m]", fontsize=9)
         fast, printed = outcome.seconds
         lower.set_xlabel(f"time [s]; computed in {fast:.3f} s and {printed:.0f} s")
-    grid[0, 0].legend(loc="lower right", fontsize=8)
+    grid[0, 0].legend(loc="upper left", fontsize=8)
     figure.suptitle("The fast model and chapter 3 as printed", x=0.02, ha="left")
     figure.set_layout_engine("constrained")
     return figure

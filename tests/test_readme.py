@@ -55,7 +55,7 @@ THESIS = ROOT.parent / "shared" / "thesis.txt"
 @pytest.mark.skipif(not THESIS.exists(), reason="the thesis lies beside the development checkout only")
 def test_numbers_of_equations_are_those_of_the_thesis() -> None:
     found: dict[int, int] = {}
-    for chapter, number in re.findall(r"\((\d)\.(\d+)\)", THESIS.read_text(encoding="utf-8")):
+    for chapter, number in re.findall(r"(?:\(|tag\{)(\d)\.(\d+)[)}]", THESIS.read_text(encoding="utf-8")):
         found[int(chapter)] = max(found.get(int(chapter), 0), int(number))
     last = re.search(r"LAST = (\{.*\})", (ROOT / "docs" / "equations.py").read_text(encoding="utf-8"))
     assert last

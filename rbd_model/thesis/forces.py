@@ -28,7 +28,7 @@ class Motion:
         return Motion(q[:3], q[3:], rotation_matrix(q[3:]), g, q_rate[:3], q_rate[3:], g @ q_rate[3:])
 
     def point(self, place: np.ndarray) -> np.ndarray:
-        """Position of the point `place` given in body axes, eq. (3.1)."""
+        """Position of the point `place` (3.4) given in body axes, eq. (3.1)."""
         return self.position + self.axes @ place
 
     def velocity_of(self, place: np.ndarray) -> np.ndarray:

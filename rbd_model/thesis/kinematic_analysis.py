@@ -157,6 +157,7 @@ def square_of_rates(
 
 
 def driven_rates(mechanism: Mechanism, wheelsets: Sequence[Wheelset], frame: Frame) -> np.ndarray:
+    """Right-hand side for the rates: zeros of the constraints, then what is driven."""
     values = [0.0] * mechanism.equations
     for wheelset in wheelsets:
         values += [wheelset.speed, wheelset.lateral_speed, wheelset.yaw_rate, wheelset.pitch_rate]
