@@ -3,6 +3,7 @@
   python build_fmu.py                    all FMUs, native and pythonfmu, into build/
   python build_fmu.py bogie              the bogie only
   python build_fmu.py --kind native      no pythonfmu FMUs
+  python build_fmu.py --platforms all    native FMUs for Linux (x86-64 and ARM), Windows and macOS, compiled with zig
   python build_fmu.py --out elsewhere    another folder
   python build_fmu.py --describe         no FMUs: the table of variables as Markdown
 
@@ -14,7 +15,7 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from fmpy import read_model_description
@@ -24,7 +25,7 @@ from brake_controller.cylinder import brake_cylinder
 from fmu_src.codegen import generate, guid_of
 from fmu_src.compile import CompilerError
 from fmu_src.model_description import variable_table
-from fmu_src.native_fmu import build_native_fmu
+from fmu_src.native_fmu import PLATFORMS, build_native_fmu
 from fmu_src.python_fmu import build_python_fmu
 from fmu_src.system import Model
 from rbd_model.bogie import bogie_dynamics, wheelset_dynamics
@@ -34,9 +35,28 @@ MODELS: dict[str, Callable[[], Model]] = {
     "wheelset": wheelset_dynamics,
     "brake": brake_cylinder,
 }
+ROOT = Path(__file__).resolve().parent
 #: Where the FMUs of this checkout live.
-BUILD = Path(__file__).resolve().parent / "build"
-BUILDERS: dict[str, Callable[[Model, Path], None]] = {"native": build_native_fmu, "python": build_python_fmu}
+BUILD = ROOT / "build"
+#: Picture on the page inside each FMU.
+PICTURES = {
+    "BogieDynamics": "qr30-180kpa.png",
+    "WheelsetDynamics": "wheelset-hunting.png",
+    "BrakeCylinder": "qr30-180kpa.png",
+}
+
+
+def build_native(model: Model, path: Path, platforms: Sequence[str] = ()) -> None:
+    """The native FMU with its page's picture, the license and the icon."""
+    files = {
+        "documentation/picture.png": ROOT / "docs" / PICTURES[model.name],
+        "documentation/licenses/license.txt": ROOT / "LICENSE",
+        "model.png": ROOT / "docs" / "icon.png",
+    }
+    build_native_fmu(model, path, platforms, {name: file.read_bytes() for name, file in files.items()})
+
+
+BUILDERS: dict[str, Callable[[Model, Path], None]] = {"native": build_native, "python": build_python_fmu}
 
 
 def fmu_path(model: Model, kind: str, out: Path) -> Path:
@@ -60,12 +80,15 @@ def guid_in(path: Path) -> str | None:
         return None
 
 
-def build(name: str, kind: str, out: Path) -> list[str]:
+def build(name: str, kind: str, out: Path, platforms: Sequence[str] = ()) -> list[str]:
     """Builds one FMU, prints its line and returns the problems that fmpy finds."""
     begin = time.perf_counter()
     model = MODELS[name]()
     path = fmu_path(model, kind, out)
-    BUILDERS[kind](model, path)
+    if platforms:
+        build_native(model, path, platforms)
+    else:
+        BUILDERS[kind](model, path)
     problems = validate_fmu(str(path))
     seconds, size = time.perf_counter() - begin, path.stat().st_size / 1000
     verdict = "valid" if not problems else f"{len(problems)} problems"
@@ -78,6 +101,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("model", nargs="?", default="all", choices=[*MODELS, "all"])
     parser.add_argument("--kind", default="all", choices=[*BUILDERS, "all"], help="native, python (pythonfmu) or all")
     parser.add_argument("--out", type=Path, default=Path("build"), help="folder of the FMUs (default: build)")
+    parser.add_argument("--platforms", nargs="+", choices=[*PLATFORMS, "all"], help="compile native FMUs for these")
     parser.add_argument("--describe", action="store_true", help="print the table of variables instead of building")
     chosen = parser.parse_args(arguments)
     names = list(MODELS) if chosen.model == "all" else [chosen.model]
@@ -85,11 +109,14 @@ def main(arguments: list[str] | None = None) -> int:
         print("\n".join(variable_table(MODELS[name]()) for name in names), end="")
         return 0
     kinds = list(BUILDERS) if chosen.kind == "all" else [chosen.kind]
+    platforms = list(PLATFORMS) if chosen.platforms and "all" in chosen.platforms else chosen.platforms or []
+    if platforms:
+        kinds = ["native"]  # a pythonfmu FMU has the binaries of pythonfmu
     problems: list[str] = []
     try:
         for kind in kinds:
             for name in names:
-                problems += build(name, kind, chosen.out)
+                problems += build(name, kind, chosen.out, platforms)
     except CompilerError as error:
         print(error, file=sys.stderr)
         return 1

@@ -29,12 +29,14 @@ FUNCTIONS = (
     "drive",
     "capacity",
     "condition_margin",
+    "output_along",
+    "residual_along",
 )
 KINDS = {"real": "KIND_REAL", "integer": "KIND_INTEGER", "boolean": "KIND_BOOLEAN"}
 
 
 def functions(system: System) -> dict[str, ca.Function]:
-    """The generated functions of a system; all take the arguments of `ARGUMENTS`."""
+    """The generated functions of a system; all take its `arguments`, those along a direction one more, the seed."""
     arguments = system.arguments
     time, states, inputs, rates = arguments[:4]
     ode = system.ode
@@ -55,10 +57,19 @@ def functions(system: System) -> dict[str, ca.Function]:
         asked = [table.argument for table in system.tables if table.rank == rank]
         results[f"table_argument_{rank}"] = [ca.vertcat(*asked)]
     made = {}
-    for name, expressions in results.items():
+
+    def make(name: str, expressions: list[ca.SX], given: list[ca.SX]) -> None:
         if any(expression.numel() for expression in expressions):
             simplified = ca.cse([ca.densify(expression) for expression in expressions])
-            made[name] = ca.Function(f"{system.name}_{name}", arguments, simplified)
+            made[name] = ca.Function(f"{system.name}_{name}", given, simplified)
+
+    for name, expressions in results.items():
+        make(name, expressions, arguments)
+    along = ca.vertcat(time, states, inputs)
+    seed = ca.SX.sym("seed", along.numel())
+    residuals = ca.vertcat(*[system.derivatives[state.name] for state in system.states.values() if state.algebraic])
+    for name, expression in (("output_along", results["output"][0]), ("residual_along", residuals)):
+        make(name, [ca.jtimes(expression, along, seed)] if expression.numel() else [], [*arguments, seed])
     return made
 
 

@@ -41,8 +41,10 @@ class CompilerError(RuntimeError):
     """The C compiler refused the sources; the message is its own."""
 
 
-def compiler() -> list[str]:
-    """Command of the C compiler: $CC, or cc, gcc, clang from PATH, or zig from PyPI."""
+def compiler(target: str | None = None) -> list[str]:
+    """Command of the C compiler: $CC, or cc, gcc, clang from PATH, or zig from PyPI; zig for a `target` of it."""
+    if target:
+        return [sys.executable, "-m", "ziglang", "cc", "-target", target, "-mcpu=baseline"]
     if os.environ.get("CC"):
         return os.environ["CC"].split()
     for name in ("cc", "gcc", "clang"):
@@ -55,12 +57,16 @@ def library_suffix() -> str:
     return {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 
 
-def compile_library(sources: Mapping[str, str], output: Path, flags: Sequence[str] = FLAGS) -> None:
+def compile_library(
+    sources: Mapping[str, str], output: Path, flags: Sequence[str] = FLAGS, target: str | None = None
+) -> None:
     """Compiles generated sources with the runtime to the shared library `output`. Raises CompilerError."""
+    if target and "windows" in target:
+        flags = [flag for flag in flags if flag != "-fPIC"]
     with tempfile.TemporaryDirectory() as folder:
         for name, text in sources.items():
             (Path(folder) / name).write_text(text)
-        common = [*compiler(), *flags, f"-I{RUNTIME}", f"-I{FMI_HEADERS}"]
+        common = [*compiler(target), *flags, f"-I{RUNTIME}", f"-I{FMI_HEADERS}"]
         runtime = [str(RUNTIME / name) for name in RUNTIME_SOURCES]
         objects = {name: str(Path(name).with_suffix(".o")) for name in sources}
         commands = [[*common, OPTIMISE_GENERATED, "-c", "-o", made, name] for name, made in objects.items()]
@@ -72,23 +78,23 @@ def compile_library(sources: Mapping[str, str], output: Path, flags: Sequence[st
         for command in commands:
             done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
             if done.returncode != 0:
-                raise CompilerError(f"The C compiler ({' '.join(compiler())}) failed:\n{done.stderr}")
+                raise CompilerError(f"The C compiler ({' '.join(compiler(target))}) failed:\n{done.stderr}")
         output.parent.mkdir(parents=True, exist_ok=True)
         partial = output.with_name(f"{output.name}.{os.getpid()}")
         shutil.copyfile(Path(folder) / "library", partial)
         partial.replace(output)
 
 
-def library_of(sources: Mapping[str, str], flags: Sequence[str] = FLAGS) -> Path:
+def library_of(sources: Mapping[str, str], flags: Sequence[str] = FLAGS, target: str | None = None) -> Path:
     """Path of the compiled library of these sources, compiled now unless the cache has it."""
-    digest = hashlib.sha256(" ".join([*compiler(), *flags, OPTIMISE_GENERATED, OPTIMISE_RUNTIME]).encode())
+    digest = hashlib.sha256(" ".join([*compiler(target), *flags, OPTIMISE_GENERATED, OPTIMISE_RUNTIME]).encode())
     for name in sorted(sources):
         digest.update(sources[name].encode())
     for name in (*RUNTIME_SOURCES, "kernel.h"):
         digest.update((RUNTIME / name).read_bytes())
     path = CACHE / f"{digest.hexdigest()[:24]}{library_suffix()}"
     if not path.exists():
-        compile_library(sources, path, flags)
+        compile_library(sources, path, flags, target)
     return path
 
 

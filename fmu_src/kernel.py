@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -45,6 +45,18 @@ _SIGNATURES = {
     "kernel_linearise": (
         ctypes.c_int,
         [ctypes.c_void_p, *[ctypes.POINTER(ctypes.c_double)] * 3],
+    ),
+    "kernel_get_rates": (
+        ctypes.c_int,
+        [ctypes.c_void_p, ctypes.c_int, ctypes.POINTER(ctypes.c_int), ctypes.POINTER(ctypes.c_double)],
+    ),
+    "kernel_get_directional": (
+        ctypes.c_int,
+        [
+            ctypes.c_void_p,
+            *[ctypes.c_int, ctypes.POINTER(ctypes.c_int)] * 2,
+            *[ctypes.POINTER(ctypes.c_double)] * 2,
+        ],
     ),
     "kernel_variable_count": (ctypes.c_int, []),
     "kernel_variable_name": (ctypes.c_char_p, [ctypes.c_int]),
@@ -171,7 +183,7 @@ class Kernel:
         if not self.initialised:
             self.initialise()
         start, rows, columns = self.time, int(size / interval + 1e-9) + 1, len(names)
-        numbers = (ctypes.c_int * columns)(*[self.library.index[name] for name in names])
+        numbers = self._numbers(names)
         buffer = (ctypes.c_double * (rows * columns))()
         status = self._call.kernel_record(self._handle, start, size, interval, columns, numbers, buffer, rows)
         if status == ERROR:
@@ -206,6 +218,26 @@ class Kernel:
         self._check(self._call.kernel_linearise(self._handle, state, slope, jacobian))
         rows = [jacobian[row * count : (row + 1) * count] for row in range(count)]
         return Linearisation(list(state), list(slope), rows)
+
+    def rates(self, names: Sequence[str]) -> list[float]:
+        """First derivatives of outputs by time, the inputs going on as they did within the last step."""
+        found = (ctypes.c_double * len(names))()
+        self._check(self._call.kernel_get_rates(self._handle, len(names), self._numbers(names), found))
+        return list(found)
+
+    def directional(self, outputs: Sequence[str], change: Mapping[str, float]) -> list[float]:
+        """Derivatives of outputs along a change of inputs, the states held."""
+        found, values = (ctypes.c_double * len(outputs))(), (ctypes.c_double * len(change))(*change.values())
+        self._check(
+            self._call.kernel_get_directional(
+                self._handle, len(outputs), self._numbers(outputs), len(change), self._numbers(change), values, found
+            )
+        )
+        return list(found)
+
+    def _numbers(self, names: Iterable[str]):  # type: ignore[no-untyped-def]
+        numbers = [self.library.index[name] for name in names]
+        return (ctypes.c_int * len(numbers))(*numbers)
 
     def repeat_right_hand_side(self, repeat: int) -> None:
         self._check(self._call.kernel_repeat_right_hand_side(self._handle, repeat))

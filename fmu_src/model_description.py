@@ -39,6 +39,20 @@ DISPLAY_UNITS: dict[str, tuple[str, float]] = {
     "kN": ("N", 1e-3),
     "deg": ("rad", 180.0 / math.pi),
 }
+#: Typical sizes by unit, for hosts that scale their tolerances.
+NOMINAL: dict[str, float] = {
+    "m/s": 10.0,
+    "rad/s": 10.0,
+    "N": 1e4,
+    "N.m": 1e3,
+    "J": 1e6,
+    "W": 1e5,
+    "Pa": 1e5,
+    "kg": 1e3,
+    "N/m": 1e6,
+    "N.s/m": 1e4,
+    "kg.m2": 1e3,
+}
 TYPES = {"real": "Real", "integer": "Integer", "boolean": "Boolean"}
 LOG_CATEGORIES = {
     "events": "What happened inside, as sentences with the time",
@@ -48,8 +62,11 @@ LOG_CATEGORIES = {
 }
 
 
-def model_description(model: Model, guid: str, native: bool = True) -> str:
-    """The XML text. `native`: the binary of this project; else the one of pythonfmu, which can do less."""
+def model_description(model: Model, guid: str, native: bool = True, source_files: Iterable[str] = ()) -> str:
+    """The XML text. `native`: the binary of this project; else the one of pythonfmu, which can do less.
+
+    source_files: C files in sources/ that a host may compile.
+    """
     root = ET.Element(
         "fmiModelDescription",
         fmiVersion="2.0",
@@ -62,19 +79,23 @@ def model_description(model: Model, guid: str, native: bool = True) -> str:
         variableNamingConvention="flat",
     )
     able = str(native).lower()
-    ET.SubElement(
+    slave = ET.SubElement(
         root,
         "CoSimulation",
         modelIdentifier=model.name,
         needsExecutionTool=str(not native).lower(),
         canHandleVariableCommunicationStepSize="true",
         canInterpolateInputs=able,
-        maxOutputDerivativeOrder="0",
+        maxOutputDerivativeOrder="1" if native else "0",
         canNotUseMemoryManagementFunctions="true",
         canGetAndSetFMUstate=able,
         canSerializeFMUstate=able,
-        providesDirectionalDerivative="false",
+        providesDirectionalDerivative=able,
     )
+    if native:
+        files = ET.SubElement(slave, "SourceFiles")
+        for name in source_files:
+            ET.SubElement(files, "File", name=name)
     _units(root, model.variables)
     categories = ET.SubElement(root, "LogCategories")
     for name, description in LOG_CATEGORIES.items():
@@ -126,6 +147,8 @@ def _variable(parent: ET.Element, reference: int, variable: Variable) -> None:
         of_type["unit"] = variable.unit
         if variable.display_unit:
             of_type["displayUnit"] = variable.display_unit
+        if variable.unit in NOMINAL:
+            of_type["nominal"] = repr(NOMINAL[variable.unit])
     for name, limit in (("min", variable.minimum), ("max", variable.maximum)):
         if math.isfinite(limit) and variable.kind != "boolean":
             of_type[name] = _number(variable, limit)

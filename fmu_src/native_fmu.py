@@ -1,25 +1,89 @@
-"""The native FMU: the compiled kernel with its FMI 2.0 face, no Python inside."""
+"""The native FMU: the compiled kernel with its FMI 2.0 face, no Python inside, for one platform or for several."""
 
 from __future__ import annotations
 
+import html
+import struct
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import fmpy
 
 from fmu_src.archive import write_archive
-from fmu_src.codegen import generate, guid_of
-from fmu_src.compile import library_of, library_suffix
+from fmu_src.codegen import RUNTIME, RUNTIME_SOURCES, generate, guid_of
+from fmu_src.compile import FMI_HEADERS, library_of, library_suffix
 from fmu_src.model_description import model_description
 from fmu_src.system import Model
 
+#: Folder in binaries/ -> targets of zig, and suffix of the library. Two targets make one universal binary. The glibc is
+#: that of CentOS 7. FMI 2.0 has no name for Linux on ARM; this is the one of FMI 3.0, which FMPy looks for as well.
+PLATFORMS: dict[str, tuple[tuple[str, ...], str]] = {
+    "linux64": (("x86_64-linux-gnu.2.17",), ".so"),
+    "win64": (("x86_64-windows-gnu",), ".dll"),
+    "darwin64": (("x86_64-macos", "aarch64-macos"), ".dylib"),
+    "aarch64-linux": (("aarch64-linux-gnu.2.17",), ".so"),
+}
+#: Of Mach-O files: CPU type and subtype by target.
+MACHINES = {"x86_64-macos": (0x01000007, 3), "aarch64-macos": (0x0100000C, 0)}
+FMI_HEADER_FILES = ("fmi2Functions.h", "fmi2FunctionTypes.h", "fmi2TypesPlatform.h")
 
-def build_native_fmu(model: Model, path: Path) -> None:
-    """Writes the native FMU of a model for the platform it is built on."""
+
+def build_native_fmu(
+    model: Model, path: Path, platforms: Sequence[str] = (), extras: Mapping[str, bytes] | None = None
+) -> None:
+    """Writes the native FMU of a model.
+
+    platforms: names in PLATFORMS, compiled with zig; none: the platform it is built on, with its own compiler. extras:
+    more files by their names in the archive. Raises CompilerError.
+    """
     sources = generate(model)
-    write_archive(
-        path,
-        {
-            "modelDescription.xml": model_description(model, guid_of(sources)).encode(),
-            f"binaries/{fmpy.platform}/{model.name}{library_suffix()}": library_of(sources).read_bytes(),
-        },
+    c_files = [*sources, *RUNTIME_SOURCES]
+    contents = {
+        "modelDescription.xml": model_description(model, guid_of(sources), source_files=c_files).encode(),
+        "documentation/index.html": documentation(model).encode(),
+        **{f"sources/{name}": text.encode() for name, text in sources.items()},
+        **{f"sources/{name}": (RUNTIME / name).read_bytes() for name in (*RUNTIME_SOURCES, "kernel.h")},
+        **{f"sources/{name}": (FMI_HEADERS / name).read_bytes() for name in FMI_HEADER_FILES},
+        **(extras or {}),
+    }
+    if not platforms:
+        contents[f"binaries/{fmpy.platform}/{model.name}{library_suffix()}"] = library_of(sources).read_bytes()
+    for name in platforms:
+        targets, suffix = PLATFORMS[name]
+        libraries = {target: library_of(sources, target=target).read_bytes() for target in targets}
+        binary = universal(libraries) if len(targets) > 1 else libraries[targets[0]]
+        contents[f"binaries/{name}/{model.name}{suffix}"] = binary
+    write_archive(path, contents)
+
+
+def universal(libraries: Mapping[str, bytes]) -> bytes:
+    """One Mach-O file for several CPUs; each part begins on a page of 16 kB."""
+    page = 1 << 14
+    header, parts, offset = struct.pack(">II", 0xCAFEBABE, len(libraries)), b"", page
+    for target, library in libraries.items():
+        header += struct.pack(">IIIII", *MACHINES[target], offset, len(library), 14)
+        padded = library + bytes(-len(library) % page)
+        parts += padded
+        offset += len(padded)
+    return header + bytes(page - len(header)) + parts
+
+
+def documentation(model: Model) -> str:
+    """A page about the FMU: what it is, and its variables."""
+    rows = []
+    for v in model.variables:
+        start = "" if v.causality == "output" else f"{v.start:g}"
+        cells = (f"<code>{v.name}</code>", v.causality, html.escape(v.unit), start, html.escape(v.description))
+        rows.append("<tr>" + "".join(f"<td>{cell}</td>" for cell in cells) + "</tr>")
+    heads = "".join(f"<th>{head}</th>" for head in ("name", "causality", "unit", "start", "meaning"))
+    return (
+        f'<!doctype html>\n<html lang="en"><meta charset="utf-8"><title>{model.name}</title>\n'
+        "<style>body{font-family:sans-serif;max-width:60em;margin:2em auto}td,th{text-align:left;padding:0 .8em .2em 0}"
+        "</style>\n"
+        f"<h1>{model.name}</h1>\n<p>{html.escape(model.description)}.</p>\n"
+        '<p><img src="picture.png" alt="" style="max-width:100%"></p>\n'
+        "<p>FMI 2.0 co-simulation. A step that reaches the end of the run (derailment, wheel lift) returns fmi2Discard "
+        "with a sentence; fmi2LastSuccessfulTime is the instant. Refused values return fmi2Error and keep the old one."
+        "</p>\n"
+        f"<table><tr>{heads}</tr>\n" + "\n".join(rows) + "\n</table></html>\n"
     )

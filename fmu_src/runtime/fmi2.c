@@ -12,7 +12,7 @@ typedef enum { INSTANTIATED = 1, INITIALISING = 2, STEPPING = 4, STOPPED = 8, TE
 typedef struct {
     kernel *machine;
     phase now;
-    fmi2Boolean logging;
+    unsigned logged; /* one bit for each category that the host wants to hear */
     fmi2Status last_step;
     double start_time;
     char *name;
@@ -20,11 +20,14 @@ typedef struct {
     fmi2ComponentEnvironment environment;
 } component;
 
+/* By status. Errors and ended runs are always told. */
 static const char *const CATEGORY[] = {"events", "logStatusWarning", "logStatusDiscard", "logStatusError"};
+enum { CATEGORIES = 4, EVERYTHING = 15, ALWAYS_TOLD = 12 };
 
 /* The sentence is the format itself, so that hosts that do not expand arguments show it too; hence % is doubled. */
 static void say(const component *self, fmi2Status status, const char *sentence) {
-    if (!self->logger || (status == fmi2OK && !self->logging)) return;
+    const unsigned category = status <= fmi2Error ? (unsigned)status : (unsigned)fmi2Error;
+    if (!self->logger || !((self->logged | ALWAYS_TOLD) & (1u << category))) return;
     char text[2 * MESSAGE_SIZE];
     size_t length = 0;
     for (const char *c = sentence; *c && length < sizeof text - 3; ++c) {
@@ -32,7 +35,7 @@ static void say(const component *self, fmi2Status status, const char *sentence) 
         text[length++] = *c;
     }
     text[length] = '\0';
-    self->logger(self->environment, self->name, status, CATEGORY[status <= fmi2Error ? status : fmi2Error], text);
+    self->logger(self->environment, self->name, status, CATEGORY[category], text);
 }
 
 /* Passes the kernel's journal on to the host and returns `status` unchanged. */
@@ -60,6 +63,12 @@ static int legal(const component *self, int phases, const char *function) {
     return 0;
 }
 
+static fmi2Status no_such(component *self, size_t count, const char *sentence) {
+    if (count == 0) return fmi2OK;
+    say(self, fmi2Error, sentence);
+    return fmi2Error;
+}
+
 #define REQUIRE(phases, function) \
     component *self = c;          \
     if (!legal(self, phases, function)) return fmi2Error
@@ -70,9 +79,17 @@ const char *fmi2GetVersion(void) { return fmi2Version; }
 fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean loggingOn, size_t nCategories,
                                const fmi2String categories[]) {
     REQUIRE(INSTANTIATED | INITIALISING | STEPPING | STOPPED | TERMINATED, "fmi2SetDebugLogging");
-    (void)nCategories;
-    (void)categories;
-    self->logging = loggingOn;
+    if (nCategories == 0) {
+        self->logged = loggingOn ? EVERYTHING : 0;
+        return fmi2OK;
+    }
+    for (size_t i = 0; i < nCategories; ++i) {
+        unsigned bit = 0;
+        for (unsigned j = 0; j < CATEGORIES; ++j)
+            if (categories[i] && strcmp(categories[i], CATEGORY[j]) == 0) bit = 1u << j;
+        if (!bit) return no_such(self, 1, "There is no such log category; modelDescription.xml lists them.");
+        self->logged = loggingOn ? self->logged | bit : self->logged & ~bit;
+    }
     return fmi2OK;
 }
 
@@ -86,7 +103,7 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
     if (!self) return NULL;
     self->logger = functions->logger;
     self->environment = functions->componentEnvironment;
-    self->logging = loggingOn;
+    self->logged = loggingOn ? EVERYTHING : 0;
     self->name = malloc(strlen(instanceName) + 1);
     if (self->name) strcpy(self->name, instanceName);
     self->machine = kernel_create();
@@ -160,13 +177,16 @@ static int wrong_type(const component *self, fmi2ValueReference reference, int k
     return 1;
 }
 
+/* What is asked for during initialisation belongs to the values set so far. */
+static fmi2Status initialise_if_asked(component *self) {
+    if (self->now != INITIALISING || kernel_state_count(self->machine)) return fmi2OK;
+    return report(self, kernel_initialise(self->machine, self->start_time));
+}
+
 static fmi2Status read(component *self, fmi2ValueReference reference, int kind, double *value) {
     if (wrong_type(self, reference, kind)) return fmi2Error;
-    if (self->now == INITIALISING && !kernel_state_count(self->machine)) {
-        /* Outputs asked for during initialisation belong to the values set so far. */
-        const int status = kernel_initialise(self->machine, self->start_time);
-        if (status > KERNEL_WARNING) return report(self, status);
-    }
+    const fmi2Status status = initialise_if_asked(self);
+    if (status > fmi2Warning) return status;
     return report(self, kernel_get(self->machine, (int)reference, value));
 }
 
@@ -209,12 +229,6 @@ DEFINE_SET(fmi2SetReal, fmi2Real, KIND_REAL)
 DEFINE_SET(fmi2SetInteger, fmi2Integer, KIND_INTEGER)
 DEFINE_SET(fmi2SetBoolean, fmi2Boolean, KIND_BOOLEAN)
 
-static fmi2Status no_such(component *self, size_t count, const char *sentence) {
-    if (count == 0) return fmi2OK;
-    say(self, fmi2Error, sentence);
-    return fmi2Error;
-}
-
 fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2String value[]) {
     REQUIRE(ALWAYS, "fmi2GetString");
     (void)vr;
@@ -233,20 +247,46 @@ fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t 
 
 typedef struct {
     size_t size;
-    phase now;
+    unsigned long long checksum; /* of the kernel's bytes and the GUID: bytes that were changed on the way are refused */
     double start_time;
+    int now, last_step; /* phase and fmi2Status */
 } saved_header;
 
 static size_t saved_size(const component *self) { return sizeof(saved_header) + kernel_state_size(self->machine); }
+
+/* FNV-1a, 64 bits. */
+static unsigned long long hash_of(unsigned long long hash, const void *bytes, size_t size) {
+    const unsigned char *byte = bytes;
+    for (size_t i = 0; i < size; ++i) hash = (hash ^ byte[i]) * 1099511628211ull;
+    return hash;
+}
+
+static unsigned long long checksum(const component *self, saved_header header, const void *kernel_bytes) {
+    unsigned long long hash = hash_of(14695981039346656037ull, MODEL.guid, strlen(MODEL.guid));
+    hash = hash_of(hash, &header.start_time, sizeof header.start_time);
+    hash = hash_of(hash, &header.now, sizeof header.now);
+    hash = hash_of(hash, &header.last_step, sizeof header.last_step);
+    return hash_of(hash, kernel_bytes, kernel_state_size(self->machine));
+}
+
+/* Whether the bytes are a saved state of this model. */
+static int is_saved(const component *self, const void *bytes, size_t size) {
+    saved_header header;
+    if (!bytes || size < saved_size(self)) return 0;
+    memcpy(&header, bytes, sizeof header);
+    return header.size == saved_size(self) &&
+           header.checksum == checksum(self, header, (const char *)bytes + sizeof header);
+}
 
 fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *FMUstate) {
     REQUIRE(ALWAYS, "fmi2GetFMUstate");
     const size_t size = saved_size(self);
     if (!*FMUstate) *FMUstate = calloc(1, size);
     if (!*FMUstate) return no_such(self, 1, "There is not enough memory for a saved state.");
-    const saved_header header = {size, self->now, self->start_time};
-    memcpy(*FMUstate, &header, sizeof header);
+    saved_header header = {size, 0, self->start_time, (int)self->now, (int)self->last_step};
     kernel_save(self->machine, (char *)*FMUstate + sizeof header);
+    header.checksum = checksum(self, header, (char *)*FMUstate + sizeof header);
+    memcpy(*FMUstate, &header, sizeof header);
     return fmi2OK;
 }
 
@@ -254,9 +294,11 @@ fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate FMUstate) {
     REQUIRE(ALWAYS, "fmi2SetFMUstate");
     saved_header header;
     if (!FMUstate) return no_such(self, 1, "There is no saved state to return to.");
+    if (!is_saved(self, FMUstate, saved_size(self)))
+        return no_such(self, 1, "The saved state belongs to another model, or its bytes were changed.");
     memcpy(&header, FMUstate, sizeof header);
-    if (header.size != saved_size(self)) return no_such(self, 1, "The saved state belongs to another model.");
-    self->now = header.now;
+    self->now = (phase)header.now;
+    self->last_step = (fmi2Status)header.last_step;
     self->start_time = header.start_time;
     return report(self, kernel_restore(self->machine, (char *)FMUstate + sizeof header));
 }
@@ -286,13 +328,11 @@ fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate FMUstate, fmi2Byt
 
 fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t size, fmi2FMUstate *FMUstate) {
     REQUIRE(ALWAYS, "fmi2DeSerializeFMUstate");
-    saved_header header = {0, INSTANTIATED, 0.0};
-    if (size >= sizeof header) memcpy(&header, bytes, sizeof header);
-    if (header.size != saved_size(self) || size < header.size)
-        return no_such(self, 1, "The serialised state belongs to another model.");
-    if (!*FMUstate) *FMUstate = malloc(header.size);
+    if (!is_saved(self, bytes, size))
+        return no_such(self, 1, "The serialised state belongs to another model, or its bytes were changed.");
+    if (!*FMUstate) *FMUstate = malloc(saved_size(self));
     if (!*FMUstate) return no_such(self, 1, "There is not enough memory for a saved state.");
-    memcpy(*FMUstate, bytes, header.size);
+    memcpy(*FMUstate, bytes, saved_size(self));
     return fmi2OK;
 }
 
@@ -312,23 +352,20 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference
 
 fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
                                         const fmi2Integer order[], fmi2Real value[]) {
-    REQUIRE(ALWAYS, "fmi2GetRealOutputDerivatives");
-    (void)vr;
-    (void)order;
-    (void)value;
-    return no_such(self, nvr, "Derivatives of outputs are not provided (maxOutputDerivativeOrder = 0).");
+    REQUIRE(STEPPING | STOPPED | TERMINATED, "fmi2GetRealOutputDerivatives");
+    for (size_t i = 0; i < nvr; ++i)
+        if (order[i] != 1) return no_such(self, 1, "Only first derivatives of outputs are provided.");
+    return report(self, kernel_get_rates(self->machine, (int)nvr, (const int *)vr, value));
 }
 
 fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference vUnknown_ref[], size_t nUnknown,
                                         const fmi2ValueReference vKnown_ref[], size_t nKnown, const fmi2Real dvKnown[],
                                         fmi2Real dvUnknown[]) {
-    REQUIRE(ALWAYS, "fmi2GetDirectionalDerivative");
-    (void)vUnknown_ref;
-    (void)vKnown_ref;
-    (void)nKnown;
-    (void)dvKnown;
-    (void)dvUnknown;
-    return no_such(self, nUnknown, "Directional derivatives are not provided.");
+    REQUIRE(INITIALISING | STEPPING | STOPPED | TERMINATED, "fmi2GetDirectionalDerivative");
+    const fmi2Status status = initialise_if_asked(self);
+    if (status > fmi2Warning) return status;
+    return report(self, kernel_get_directional(self->machine, (int)nUnknown, (const int *)vUnknown_ref, (int)nKnown,
+                                               (const int *)vKnown_ref, dvKnown, dvUnknown));
 }
 
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint, fmi2Real communicationStepSize,

@@ -83,6 +83,7 @@ static size_t lay_out(kernel *self, double *block) {
     size_t used = 0;
     self->value = carve(block, &used, MODEL.variables);
     self->input_rate = carve(block, &used, MODEL.variables);
+    self->last_rate = carve(block, &used, MODEL.variables);
     self->state = carve(block, &used, n);
     self->mode = carve(block, &used, most.frictions);
     self->said = carve(block, &used, most.conditions);
@@ -109,6 +110,8 @@ static size_t lay_out(kernel *self, double *block) {
     self->capacity = carve(block, &used, most.frictions);
     self->margin = carve(block, &used, most.frictions + most.conditions);
     self->output = carve(block, &used, most.outputs);
+    self->seed = carve(block, &used, 1 + n + most.inputs);
+    self->output_rate = carve(block, &used, most.outputs);
     return used;
 }
 
@@ -159,8 +162,8 @@ void kernel_reset(kernel *self) {
 void kernel_evaluate_again(kernel *self, generated_function function, double offset, const double *state, double *first,
                            double *second) {
     const double time = self->step_origin + offset;
-    const double *argument[ARG_COUNT] = {&time,           state,         self->stage_input, self->rate,
-                                         self->parameter, self->derived, self->mode,        self->coefficient};
+    const double *argument[ARG_COUNT] = {&time,         state,      self->stage_input, self->rate, self->parameter,
+                                         self->derived, self->mode, self->coefficient, self->seed};
     double *result[2] = {first, second};
     function(argument, result, NULL, NULL, 0);
 }
@@ -297,6 +300,84 @@ int kernel_get(kernel *self, int variable, double *value) {
     }
     *value = self->value[variable];
     return KERNEL_OK;
+}
+
+/* ---- derivatives of outputs ---------------------------------------------------------------------------------- */
+
+/* Derivatives of all outputs along the seed (time, states, inputs), whose algebraic states follow from the residuals. */
+static int differentiate_outputs(kernel *self) {
+    const system_description *system = self->system;
+    double *follow = self->stage[0];
+    if (system->residual_along) {
+        for (int i = 0; i < system->algebraics; ++i) self->seed[1 + system->algebraic[i]] = 0.0;
+        kernel_evaluate(self, system->residual_along, 0.0, self->state, follow, NULL);
+        if (!rosenbrock_solve_algebraic(self, follow))
+            return kernel_fail(self, KERNEL_ERROR, "The outputs have no derivatives at t = %.9g s.", self->now.time);
+        for (int i = 0; i < system->algebraics; ++i) self->seed[1 + system->algebraic[i]] = -follow[i];
+    }
+    kernel_evaluate(self, system->output_along, 0.0, self->state, self->output_rate, NULL);
+    for (int i = 0; i < system->outputs; ++i)
+        if (!isfinite(self->output_rate[i]))
+            return kernel_fail(self, KERNEL_ERROR, "The output %s has no finite derivative at t = %.9g s.",
+                               MODEL.variable[system->output_variable[i]].name, self->now.time);
+    return KERNEL_OK;
+}
+
+/* Where the derivatives are taken, with an empty seed. */
+static int prepare_derivatives(kernel *self) {
+    if (!self->system)
+        return kernel_fail(self, KERNEL_ERROR, "Initialise %s before asking for derivatives.", MODEL.name);
+    gather_inputs(self);
+    self->step_origin = self->now.time;
+    rosenbrock_linearise(self, 0.0);
+    memset(self->seed, 0, (size_t)(1 + self->system->states + self->system->inputs) * sizeof(double));
+    return KERNEL_OK;
+}
+
+/* Copies the derivatives of some outputs; those that the system does not have are constant. */
+static int pick_derivatives(kernel *self, int count, const int *variable, double *result) {
+    for (int i = 0; i < count; ++i) {
+        const int status = check_reference(self, variable[i]);
+        if (status != KERNEL_OK) return status;
+        const variable_description *description = &MODEL.variable[variable[i]];
+        if (description->causality != CAUSALITY_OUTPUT || description->kind != KIND_REAL)
+            return kernel_fail(self, KERNEL_ERROR, "Only real outputs have derivatives; %s is none.", description->name);
+        result[i] = 0.0;
+        for (int j = 0; j < self->system->outputs; ++j)
+            if (self->system->output_variable[j] == variable[i]) result[i] = self->output_rate[j];
+    }
+    return KERNEL_OK;
+}
+
+int kernel_get_rates(kernel *self, int count, const int *variable, double *rate) {
+    int status = prepare_derivatives(self);
+    if (status != KERNEL_OK) return status;
+    const system_description *system = self->system;
+    self->seed[0] = 1.0;
+    memcpy(self->seed + 1, self->slope, (size_t)system->states * sizeof(double));
+    for (int i = 0; i < system->inputs; ++i)
+        self->seed[1 + system->states + i] = self->last_rate[system->input_variable[i]];
+    status = differentiate_outputs(self);
+    return status == KERNEL_OK ? pick_derivatives(self, count, variable, rate) : status;
+}
+
+int kernel_get_directional(kernel *self, int unknowns, const int *unknown, int knowns, const int *known,
+                           const double *change, double *result) {
+    int status = prepare_derivatives(self);
+    if (status != KERNEL_OK) return status;
+    const system_description *system = self->system;
+    for (int i = 0; i < knowns; ++i) {
+        status = check_reference(self, known[i]);
+        if (status != KERNEL_OK) return status;
+        const variable_description *description = &MODEL.variable[known[i]];
+        if (description->causality != CAUSALITY_INPUT || description->kind != KIND_REAL)
+            return kernel_fail(self, KERNEL_ERROR, "Derivatives are taken by real inputs; %s is none.",
+                               description->name);
+        for (int j = 0; j < system->inputs; ++j)
+            if (system->input_variable[j] == known[i]) self->seed[1 + system->states + j] += change[i];
+    }
+    status = differentiate_outputs(self);
+    return status == KERNEL_OK ? pick_derivatives(self, unknowns, unknown, result) : status;
 }
 
 /* ---- initialisation ------------------------------------------------------------------------------------------ */
@@ -499,6 +580,7 @@ int kernel_step(kernel *self, double time, double size) {
     for (int i = 0; i < self->system->inputs; ++i) {
         const int variable = self->system->input_variable[i];
         self->value[variable] += reached * self->input_rate[variable];
+        self->last_rate[variable] = self->input_rate[variable];
         self->input_rate[variable] = 0.0;
     }
     self->now.outputs_stale = 0;

@@ -1,6 +1,6 @@
 /* The kernel: one simulated machine, seen as a table of variables and a step function.
  *
- * The equations are generated C (functions of the eight arguments below), the model is constant data,
+ * The equations are generated C (functions of the arguments below), the model is constant data,
  * and everything that changes lives in one `kernel` block, so that saving a state is a copy.
  * There are no globals besides the constant MODEL, hence any number of instances may run at once. */
 #ifndef KERNEL_H
@@ -27,6 +27,7 @@ enum {
     ARG_DERIVED,
     ARG_MODES,
     ARG_TABLES,
+    ARG_SEED, /* direction (time, states, inputs) of the derivatives along it; the other functions have no such argument */
     ARG_COUNT
 };
 typedef int (*generated_function)(const double **argument, double **result, long long int *integer_work, double *work,
@@ -74,6 +75,7 @@ typedef struct {
     const table_description *table;
     const char *const *sentence; /* of each condition; contains one %s for the time */
     generated_function derive, start, ode, jacobian, output, drive, capacity, condition_margin; /* null: not needed */
+    generated_function output_along, residual_along; /* derivatives of outputs and of residuals along the seed */
     const generated_function *table_argument; /* one for each rank */
 } system_description;
 
@@ -115,12 +117,12 @@ typedef struct kernel {
     kernel_snapshot now;
     const system_description *system;
     /* Restored by a rollback (the first `restored` doubles of `block`). */
-    double *value, *input_rate, *state, *mode, *said, *derived;
+    double *value, *input_rate, *last_rate, *state, *mode, *said, *derived;
     size_t restored;
     /* Not restored: work space of one step. */
     double *parameter, *input, *rate, *stage_input, *coefficient, *table_at;
     double *trial, *slope, *time_slope, *nonzero, *jacobian, *matrix, *stage[6], *point, *ordered, *differential;
-    double *drive, *capacity, *margin, *output, *backup;
+    double *drive, *capacity, *margin, *output, *backup, *seed, *output_rate;
     int *pivot, *place, *every; /* of the factorisation, see rosenbrock.c */
     int exchanged; /* first pivot that was exchanged with another row */
     char *warned; /* one flag per variable: "has no effect here" is said once */
@@ -140,6 +142,11 @@ KERNEL_EXPORT void kernel_reset(kernel *self);
 KERNEL_EXPORT int kernel_set(kernel *self, int variable, double value);
 KERNEL_EXPORT int kernel_set_rate(kernel *self, int variable, double rate);
 KERNEL_EXPORT int kernel_get(kernel *self, int variable, double *value);
+/* First derivatives of outputs by time at the end of the last step, the inputs going on as they did within it. */
+KERNEL_EXPORT int kernel_get_rates(kernel *self, int count, const int *variable, double *rate);
+/* Derivatives of outputs along a change of inputs, the states held. */
+KERNEL_EXPORT int kernel_get_directional(kernel *self, int unknowns, const int *unknown, int knowns, const int *known,
+                                         const double *change, double *result);
 KERNEL_EXPORT int kernel_initialise(kernel *self, double time);
 KERNEL_EXPORT void kernel_reopen(kernel *self);
 KERNEL_EXPORT int kernel_step(kernel *self, double time, double size);
@@ -177,6 +184,8 @@ void rosenbrock_linearise(kernel *self, double offset);
 /* Newton's method on the algebraic states, the others held, until their scaled change is below `tolerance` or
  * round-off; 0: no success. */
 int rosenbrock_make_consistent(kernel *self, double offset, double tolerance);
+/* Solves with the part of the Jacobian that belongs to the algebraic states, in place; 0: it is singular. */
+int rosenbrock_solve_algebraic(kernel *self, double *vector);
 double rosenbrock_try(kernel *self, double offset, double size);
 double rosenbrock_next_size(double size, double error);
 void rosenbrock_interpolate(const kernel *self, double fraction, double *state);

@@ -14,13 +14,14 @@ from fmu_src.kernel import Kernel, Library
 from fmu_src.system import System, Variable, model_of
 from rbd_model.bogie import bogie_dynamics
 
-DRIVER = Path(__file__).with_name("driver.c")
+DRIVER, FUZZ = Path(__file__).with_name("driver.c"), Path(__file__).with_name("fuzz.c")
+SANITIZERS = ["-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
 
 
-def build_driver(folder: Path, flags: list[str]) -> Path:
+def build_driver(folder: Path, flags: list[str], driver: Path = DRIVER) -> Path:
     for name, text in generate(bogie_dynamics()).items():
         (folder / name).write_text(text)
-    files = [DRIVER, *(RUNTIME / name for name in RUNTIME_SOURCES), folder / "equations.c", folder / "model.c"]
+    files = [driver, *(RUNTIME / name for name in RUNTIME_SOURCES), folder / "equations.c", folder / "model.c"]
     includes = [f"-I{RUNTIME}", f"-I{compiling.FMI_HEADERS}"]
     optimise = compiling.OPTIMISE_GENERATED
     command = [*compiling.compiler(), *compiling.FLAGS, optimise, *flags, *includes, "-o", str(folder / "driver")]
@@ -31,12 +32,26 @@ def build_driver(folder: Path, flags: list[str]) -> Path:
     return folder / "driver"
 
 
-@pytest.mark.parametrize("flags", [[], ["-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]])
+@pytest.mark.parametrize("flags", [[], SANITIZERS])
 def test_host_in_c_gets_the_answers_of_the_standard(tmp_path: Path, flags: list[str]) -> None:
     done = subprocess.run([build_driver(tmp_path, flags)], capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stdout + done.stderr
     assert done.stdout.startswith("0 failures")
     assert done.stderr == ""
+
+
+SEEDS, CALLS = 3, 100_000
+
+
+def test_random_calls_find_no_fault(tmp_path: Path) -> None:
+    """Legal and illegal orders, NaN, infinities, huge and tiny steps, references out of range, under sanitizers."""
+    fuzz = build_driver(tmp_path, SANITIZERS, FUZZ)
+    for seed in range(SEEDS):
+        done = subprocess.run([fuzz, str(seed), str(CALLS)], capture_output=True, text=True, timeout=300)
+        assert done.returncode == 0, done.stdout[-500:] + done.stderr[-3000:]
+        assert done.stdout.endswith(" 0 not finite with OK\n")
+        assert int(done.stdout.split()[2]) > CALLS / 20  # steps that were made
+        assert done.stderr == ""
 
 
 def test_machine_without_a_c_compiler_builds_with_zig(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,0 +1,225 @@
+/* A host that does not know what it does: random calls in any order with values from the sane to the absurd, on several
+ * instances at once. Usage: fuzz SEED CALLS. Exit status 1 when a number that is not finite comes with OK. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "fmi2Functions.h"
+#include "kernel.h"
+
+enum { INSTANCES = 3, NAMES = 4 };
+
+static unsigned long long random_state;
+static unsigned random_number(unsigned below) { /* xorshift64 */
+    random_state ^= random_state << 13;
+    random_state ^= random_state >> 7;
+    random_state ^= random_state << 17;
+    return (unsigned)(random_state >> 20) % below;
+}
+
+static double fraction(void) { return random_number(1000001) / 1e6; }
+
+static double any_value(const variable_description *variable) {
+    static const double wild[] = {0.0, -0.0, 1e-300, -1e-300, 1e300, -1e300, 1e-9, 1e9, -1e9};
+    switch (random_number(20)) {
+        case 0: return NAN;
+        case 1: return random_number(2) ? INFINITY : -INFINITY;
+        case 2: return wild[random_number(9)];
+        case 3: return variable ? variable->minimum : -1.0;
+        case 4: return variable ? variable->maximum : 1.0;
+        case 5: return variable ? variable->start : 0.0;
+        case 6: return (fraction() - 0.5) * 2e5;
+        default: return variable ? variable->start * (0.5 + fraction()) : fraction();
+    }
+}
+
+static double any_size(void) {
+    static const double sizes[] = {0.0, -1.0, 1e-12, 1e-6, 1e-3, 1e-3, 1e-3, 1e-2, 0.1, 0.5};
+    const unsigned choice = random_number(14);
+    if (choice < 10) return sizes[choice];
+    return choice == 10 ? NAN : choice == 11 ? INFINITY : fraction();
+}
+
+static void log_message(fmi2ComponentEnvironment environment, fmi2String instance, fmi2Status status,
+                        fmi2String category, fmi2String message, ...) {
+    (void)environment, (void)instance, (void)status;
+    if (!category || strlen(message) < 10) printf("a log entry without a sentence\n");
+}
+
+static long long not_finite = 0, refused = 0, steps = 0; /* steps: those that were made */
+
+typedef struct {
+    fmi2Component component;
+    fmi2FMUstate saved;
+    double time;
+} slot;
+
+static void count(fmi2Status status) { refused += status > fmi2Warning; }
+
+static void check(fmi2Status status, const double *values, size_t size) {
+    count(status);
+    for (size_t i = 0; i < size; ++i)
+        if (status <= fmi2Warning && !isfinite(values[i])) ++not_finite;
+}
+
+/* A few references, some of them out of range. */
+static size_t any_references(fmi2ValueReference *vr) {
+    const size_t size = random_number(NAMES + 1);
+    for (size_t i = 0; i < size; ++i)
+        vr[i] = random_number(40) == 0 ? random_number(4000000000u) : random_number((unsigned)MODEL.variables);
+    return size;
+}
+
+static const variable_description *known(fmi2ValueReference reference) {
+    return reference < (unsigned)MODEL.variables ? &MODEL.variable[reference] : NULL;
+}
+
+static void use_variables(slot *s, fmi2Component c) {
+    fmi2ValueReference vr[NAMES], other[NAMES];
+    double reals[NAMES] = {0}, changes[NAMES];
+    int integers[NAMES] = {0}, order[NAMES];
+    const size_t size = any_references(vr), others = any_references(other);
+    for (size_t i = 0; i < NAMES; ++i) {
+        changes[i] = any_value(NULL);
+        order[i] = random_number(10) ? 1 : (int)random_number(3);
+    }
+    (void)s;
+    switch (random_number(9)) {
+        case 0:
+        case 1:
+            check(fmi2GetReal(c, vr, size, reals), reals, size);
+            break;
+        case 2:
+        case 3:
+        case 4:
+            for (size_t i = 0; i < size; ++i) reals[i] = any_value(i < size ? known(vr[i]) : NULL);
+            count(fmi2SetReal(c, vr, size, reals));
+            break;
+        case 5:
+            for (size_t i = 0; i < size; ++i) integers[i] = (int)random_number(6) - 1;
+            count(random_number(2) ? fmi2SetInteger(c, vr, size, integers) : fmi2SetBoolean(c, vr, size, integers));
+            count(fmi2GetInteger(c, vr, size, integers));
+            count(fmi2GetBoolean(c, vr, size, integers));
+            break;
+        case 6:
+            check(fmi2GetRealOutputDerivatives(c, vr, size, order, reals), reals, size);
+            break;
+        case 7:
+            count(fmi2SetRealInputDerivatives(c, vr, size, order, changes));
+            break;
+        default:
+            check(fmi2GetDirectionalDerivative(c, vr, size, other, others, changes, reals), reals, size);
+    }
+}
+
+static void use_states(slot *s, fmi2Component c) {
+    size_t size = 0;
+    switch (random_number(4)) {
+        case 0:
+            count(fmi2GetFMUstate(c, &s->saved));
+            break;
+        case 1:
+            if (s->saved) count(fmi2SetFMUstate(c, s->saved));
+            break;
+        case 2:
+            count(fmi2FreeFMUstate(c, &s->saved));
+            break;
+        default:
+            if (!s->saved || fmi2SerializedFMUstateSize(c, s->saved, &size) != fmi2OK) return;
+            char *bytes = malloc(size);
+            if (!bytes || fmi2SerializeFMUstate(c, s->saved, bytes, size) != fmi2OK) exit(2);
+            if (random_number(2)) bytes[random_number((unsigned)size)] ^= (char)(1 + random_number(255));
+            const size_t given = random_number(4) ? size : random_number((unsigned)size);
+            count(fmi2DeSerializeFMUstate(c, bytes, given, &s->saved));
+            free(bytes);
+    }
+}
+
+static void change_phase(slot *s, fmi2Component c) {
+    switch (random_number(9)) {
+        case 0:
+            count(fmi2SetupExperiment(c, random_number(2), any_value(NULL), random_number(4) ? 0.0 : any_value(NULL),
+                                      random_number(2), any_value(NULL)));
+            break;
+        case 1: count(fmi2EnterInitializationMode(c)); break;
+        case 2: count(fmi2ExitInitializationMode(c)); break;
+        case 3:
+            if (random_number(4) == 0) count(fmi2Terminate(c));
+            break;
+        case 4:
+            if (random_number(4) == 0) count(fmi2Reset(c));
+            break;
+        default: /* the legal way, so that steps happen */
+            count(fmi2Reset(c));
+            count(fmi2SetupExperiment(c, fmi2False, 0.0, 0.0, fmi2False, 0.0));
+            const fmi2ValueReference selector = (unsigned)(MODEL.selector < 0 ? 0 : MODEL.selector);
+            const int level = 1 + (int)random_number((unsigned)MODEL.systems);
+            if (MODEL.selector >= 0) count(fmi2SetInteger(c, &selector, 1, &level));
+            count(fmi2EnterInitializationMode(c));
+            count(fmi2ExitInitializationMode(c));
+    }
+    s->time = 0.0;
+}
+
+static void step(slot *s, fmi2Component c) {
+    const double size = any_size();
+    double time = s->time;
+    if (random_number(20) == 0) time = any_value(NULL);
+    else (void)fmi2GetRealStatus(c, fmi2LastSuccessfulTime, &time);
+    const fmi2Status status = fmi2DoStep(c, time, size, random_number(2));
+    count(status);
+    steps += status <= fmi2Warning;
+    if (status <= fmi2Discard) s->time = time + size;
+    for (int i = 0; i < MODEL.variables; ++i) {
+        const fmi2ValueReference vr = (unsigned)i;
+        double value = 0.0;
+        if (MODEL.variable[i].causality == CAUSALITY_OUTPUT && MODEL.variable[i].kind == KIND_REAL)
+            check(fmi2GetReal(c, &vr, 1, &value), &value, 1);
+    }
+}
+
+static void ask(fmi2Component c) {
+    fmi2Status status;
+    double real;
+    int integer;
+    fmi2String text;
+    const char *categories[] = {"events", "nonsense", NULL};
+    count(fmi2GetStatus(c, (fmi2StatusKind)random_number(4), &status));
+    count(fmi2GetRealStatus(c, (fmi2StatusKind)random_number(4), &real));
+    count(fmi2GetIntegerStatus(c, (fmi2StatusKind)random_number(4), &integer));
+    count(fmi2GetBooleanStatus(c, (fmi2StatusKind)random_number(4), &integer));
+    count(fmi2GetStringStatus(c, (fmi2StatusKind)random_number(4), &text));
+    count(fmi2CancelStep(c));
+    count(fmi2SetDebugLogging(c, random_number(2), random_number(4), categories));
+    count(fmi2GetString(c, NULL, 0, NULL));
+}
+
+int main(int argc, char **argv) {
+    if (argc != 3) return 2;
+    random_state = strtoull(argv[1], NULL, 10) * 2654435761u + 88172645463325252ull;
+    const long long calls = atoll(argv[2]);
+    const fmi2CallbackFunctions callbacks = {log_message, calloc, free, NULL, NULL};
+    slot slots[INSTANCES] = {{0}};
+    for (long long call = 0; call < calls; ++call) {
+        slot *s = &slots[random_number(INSTANCES)];
+        if (!s->component || random_number(2000) == 0) {
+            if (s->component) (void)fmi2FreeFMUstate(s->component, &s->saved);
+            fmi2FreeInstance(s->component);
+            s->component = fmi2Instantiate("fuzz", fmi2CoSimulation, MODEL.guid, "", &callbacks, fmi2False, fmi2True);
+            if (!s->component) return 2;
+        }
+        const unsigned choice = random_number(20);
+        if (choice < 9) use_variables(s, s->component);
+        else if (choice < 12) use_states(s, s->component);
+        else if (choice < 14) change_phase(s, s->component);
+        else if (choice < 19) step(s, s->component);
+        else ask(s->component);
+    }
+    for (int i = 0; i < INSTANCES; ++i) {
+        if (slots[i].component) (void)fmi2FreeFMUstate(slots[i].component, &slots[i].saved);
+        fmi2FreeInstance(slots[i].component);
+    }
+    printf("%lld calls, %lld steps, %lld refused, %lld not finite with OK\n", calls, steps, refused, not_finite);
+    return not_finite ? 1 : 0;
+}
