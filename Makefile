@@ -25,7 +25,7 @@ $(VENV)/demo-installed: pyproject.toml | $(VENV)/bin/python
 	touch $@
 
 $(VENV)/test-installed: pyproject.toml | $(VENV)/bin/python
-	$(RUN) -m pip install --quiet --disable-pip-version-check -e ".[test]"
+	$(RUN) -m pip install --quiet --disable-pip-version-check -e ".[test,masters]"
 	touch $@ $(VENV)/demo-installed
 
 equations: $(VENV)/demo-installed

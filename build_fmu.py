@@ -2,6 +2,7 @@
 
   python build_fmu.py                    all FMUs, native and pythonfmu, into build/
   python build_fmu.py bogie              the bogie only
+  python build_fmu.py ssp                the system BogieBraking.ssp of both native FMUs
   python build_fmu.py --kind native      no pythonfmu FMUs
   python build_fmu.py --platforms all    native FMUs for Linux (x86-64 and ARM), Windows and macOS, compiled with zig
   python build_fmu.py --out elsewhere    another folder
@@ -22,13 +23,16 @@ from fmpy import read_model_description
 from fmpy.validation import validate_fmu
 
 from brake_controller.cylinder import brake_cylinder
+from brake_controller.parameters import qr30
 from fmu_src.codegen import generate, guid_of
 from fmu_src.compile import CompilerError
 from fmu_src.model_description import variable_table
 from fmu_src.native_fmu import PLATFORMS, build_native_fmu
 from fmu_src.python_fmu import build_python_fmu
+from fmu_src.ssp import Component, Connection, write_ssp
 from fmu_src.system import Model
 from rbd_model.bogie import bogie_dynamics, wheelset_dynamics
+from rbd_model.parameters import tables_8_1_and_8_2
 
 MODELS: dict[str, Callable[[], Model]] = {
     "bogie": bogie_dynamics,
@@ -80,6 +84,34 @@ def guid_in(path: Path) -> str | None:
         return None
 
 
+#: The system: the QR30 bogie of the experiment, its trailing wheelset braked by a cylinder at 180 kPa from the start.
+SYSTEM, EXPERIMENT = "BogieBraking", (5.0, 1e-3)
+
+
+def build_system(out: Path) -> Path:
+    """Writes OUT/BogieBraking.ssp: both native FMUs connected, with the parameters of the experiment."""
+    bogie, brake = (fmu_path(MODELS[name](), "native", out) for name in ("bogie", "brake"))
+    known = {variable.name for variable in MODELS["bogie"]().variables}
+    parameters = {key: value for key, value in tables_8_1_and_8_2().values().items() if key in known}
+    parameters |= {"level": 2, "initial_speed": 2.9, "friction_1": 0.18, "friction_2": 0.18}
+    path = out / f"{SYSTEM}.ssp"
+    write_ssp(
+        path,
+        SYSTEM,
+        [
+            Component("brake", brake, qr30(180).values() | {"pressure_demand": 180e3}, ["cylinder_pressure"]),
+            Component("bogie", bogie, parameters, ["speed", "distance"]),
+        ],
+        [
+            Connection(("brake", "brake_torque"), ("bogie", "brake_torque_2")),
+            Connection(("bogie", "angular_velocity_2"), ("brake", "angular_velocity")),
+        ],
+        EXPERIMENT,
+    )
+    print(f"{path}  {path.stat().st_size / 1000:.0f} kB")
+    return path
+
+
 def build(name: str, kind: str, out: Path, platforms: Sequence[str] = ()) -> list[str]:
     """Builds one FMU, prints its line and returns the problems that fmpy finds."""
     begin = time.perf_counter()
@@ -98,25 +130,27 @@ def build(name: str, kind: str, out: Path, platforms: Sequence[str] = ()) -> lis
 
 def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("model", nargs="?", default="all", choices=[*MODELS, "all"])
+    parser.add_argument("model", nargs="?", default="all", choices=[*MODELS, "ssp", "all"])
     parser.add_argument("--kind", default="all", choices=[*BUILDERS, "all"], help="native, python (pythonfmu) or all")
     parser.add_argument("--out", type=Path, default=Path("build"), help="folder of the FMUs (default: build)")
     parser.add_argument("--platforms", nargs="+", choices=[*PLATFORMS, "all"], help="compile native FMUs for these")
     parser.add_argument("--describe", action="store_true", help="print the table of variables instead of building")
     chosen = parser.parse_args(arguments)
-    names = list(MODELS) if chosen.model == "all" else [chosen.model]
+    names = {"all": list(MODELS), "ssp": ["bogie", "brake"]}.get(chosen.model, [chosen.model])
     if chosen.describe:
         print("\n".join(variable_table(MODELS[name]()) for name in names), end="")
         return 0
     kinds = list(BUILDERS) if chosen.kind == "all" else [chosen.kind]
     platforms = list(PLATFORMS) if chosen.platforms and "all" in chosen.platforms else chosen.platforms or []
-    if platforms:
+    if platforms or chosen.model == "ssp":
         kinds = ["native"]  # a pythonfmu FMU has the binaries of pythonfmu
     problems: list[str] = []
     try:
         for kind in kinds:
             for name in names:
                 problems += build(name, kind, chosen.out, platforms)
+        if chosen.model in ("all", "ssp") and "native" in kinds:
+            build_system(chosen.out)
     except CompilerError as error:
         print(error, file=sys.stderr)
         return 1

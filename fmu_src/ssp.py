@@ -1,0 +1,128 @@
+"""System Structure and Parameterization 1.0: FMUs, how they are connected, and their parameters, in one archive.
+
+Written so that FMPy, ecos, libcosim and OMSimulator accept it: no connectors of the system itself, of the inputs only
+those that are connected (FMPy sets the others to zero), and the parameters twice, within the system structure and as a
+file of their own (FMPy reads the latter when it is handed over).
+"""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from fmpy import read_model_description
+
+from fmu_src.archive import write_archive
+
+_NAMESPACE = "http://ssp-standard.org/SSP1/SystemStructure"
+NAMESPACES = {
+    "xmlns:ssd": f"{_NAMESPACE}Description",
+    "xmlns:ssc": f"{_NAMESPACE}Common",
+    "xmlns:ssv": f"{_NAMESPACE}ParameterValues",
+    "xmlns:oms": "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd",
+}
+PARAMETERS_FILE = "resources/{}.ssv"
+
+
+@dataclass(frozen=True)
+class Component:
+    """An FMU in the system: its name there, the file, parameters and start values, and outputs to show besides."""
+
+    name: str
+    fmu: Path
+    parameters: Mapping[str, float]
+    shown: Sequence[str] = ()
+
+
+@dataclass(frozen=True)
+class Connection:
+    """(component, output) -> (component, input)"""
+
+    source: tuple[str, str]
+    target: tuple[str, str]
+
+
+def write_ssp(
+    path: Path,
+    name: str,
+    components: Sequence[Component],
+    connections: Sequence[Connection],
+    experiment: tuple[float, float],
+) -> None:
+    """Writes the archive; experiment: stop time and macro step [s]."""
+    contents = {f"resources/{component.fmu.name}": component.fmu.read_bytes() for component in components}
+    contents["SystemStructure.ssd"] = _text(_structure(name, components, connections, experiment))
+    everything = {f"{c.name}.{key}": (c, key, value) for c in components for key, value in c.parameters.items()}
+    root = ET.Element("ssv:ParameterSet", {"version": "1.0", "name": name, "xmlns:ssv": NAMESPACES["xmlns:ssv"]})
+    _parameters(root, everything)
+    contents[PARAMETERS_FILE.format(name)] = _text(root)
+    write_archive(path, contents)
+
+
+def _text(root: ET.Element) -> bytes:
+    ET.indent(root)
+    return ('<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n").encode()
+
+
+def _structure(
+    name: str,
+    components: Sequence[Component],
+    connections: Sequence[Connection],
+    experiment: tuple[float, float],
+) -> ET.Element:
+    root = ET.Element("ssd:SystemStructureDescription", NAMESPACES | {"name": name, "version": "1.0"})
+    system = ET.SubElement(root, "ssd:System", name=name)
+    elements = ET.SubElement(system, "ssd:Elements")
+    for component in components:
+        _component(elements, name, component, connections)
+    wires = ET.SubElement(system, "ssd:Connections")
+    for connection in connections:
+        attributes = {"startElement": connection.source[0], "startConnector": connection.source[1]}
+        attributes |= {"endElement": connection.target[0], "endConnector": connection.target[1]}
+        ET.SubElement(wires, "ssd:Connection", attributes)
+    stop, step = experiment
+    annotations = ET.SubElement(system, "ssd:Annotations")
+    annotation = ET.SubElement(annotations, "ssc:Annotation", type="org.openmodelica")
+    information = ET.SubElement(ET.SubElement(annotation, "oms:Annotations"), "oms:SimulationInformation")
+    ET.SubElement(information, "oms:FixedStepMaster", description="oms-ma", stepSize=repr(step))
+    ET.SubElement(root, "ssd:DefaultExperiment", startTime="0.0", stopTime=repr(stop))
+    return root
+
+
+def _component(elements: ET.Element, system: str, component: Component, connections: Sequence[Connection]) -> None:
+    element = ET.SubElement(
+        elements,
+        "ssd:Component",
+        name=component.name,
+        type="application/x-fmu-sharedlibrary",
+        source=f"resources/{component.fmu.name}",
+    )
+    connectors = ET.SubElement(element, "ssd:Connectors")
+    inputs = [c.target[1] for c in connections if c.target[0] == component.name]
+    outputs = [*(c.source[1] for c in connections if c.source[0] == component.name), *component.shown]
+    for kind, names in (("input", inputs), ("output", outputs)):
+        for variable in dict.fromkeys(names):
+            ET.SubElement(ET.SubElement(connectors, "ssd:Connector", name=variable, kind=kind), "ssc:Real")
+    binding = ET.SubElement(ET.SubElement(element, "ssd:ParameterBindings"), "ssd:ParameterBinding")
+    values = ET.SubElement(binding, "ssd:ParameterValues")
+    # ecos is asked for a set of parameters by name: all components share one.
+    inline = ET.SubElement(values, "ssv:ParameterSet", version="1.0", name=system)
+    _parameters(inline, {key: (component, key, value) for key, value in component.parameters.items()})
+
+
+def _parameters(parent: ET.Element, named: Mapping[str, tuple[Component, str, float]]) -> None:
+    parameters = ET.SubElement(parent, "ssv:Parameters")
+    kinds: dict[Path, dict[str, str]] = {}
+    for name, (component, key, value) in named.items():
+        if component.fmu not in kinds:
+            about = read_model_description(str(component.fmu))
+            kinds[component.fmu] = {variable.name: variable.type for variable in about.modelVariables}
+        if key not in kinds[component.fmu]:
+            raise ValueError(f"{component.fmu.name} has no variable {key}; its modelDescription.xml lists them.")
+        real = kinds[component.fmu][key] == "Real"
+        parameter = ET.SubElement(parameters, "ssv:Parameter", name=name)
+        ET.SubElement(
+            parameter, "ssv:Real" if real else "ssv:Integer", value=repr(float(value) if real else int(value))
+        )
