@@ -4,6 +4,7 @@
   python -m scenarios run qr30-180kpa                            run one; results/qr30-180kpa/ has table, data, figure
   python -m scenarios run bogie-heavy-braking --kind python      with the pythonfmu FMUs
   python -m scenarios run qr30-180kpa --step 0.0001              with another macro step
+  python -m scenarios run qr30-180kpa --tolerance 1e-4           macro steps chosen by the error of the coupling
   python -m scenarios run qr30-180kpa --torque-csv measured.csv  with a measured history (time [s], torque [N.m])
 
 Exit status: 0 all rows hold, 1 a row does not hold, 2 bad input, 3 a simulation failed.
@@ -42,6 +43,8 @@ def check(scenario: Scenario, options: Options) -> None:
     step = options.macro_step()
     if not (math.isfinite(step) and 0.0 < step <= LARGEST_STEP):
         raise BadInputError(f"Give --step a value above 0 and up to {LARGEST_STEP} s: it was {step} s.")
+    if options.tolerance is not None and not (math.isfinite(options.tolerance) and options.tolerance > 0.0):
+        raise BadInputError(f"Give --tolerance a value above 0: it was {options.tolerance}.")
     for name in sorted(options.given - scenario.takes):
         takers = ", ".join(one.name for one in SCENARIOS if name in one.takes)
         raise BadInputError(f"--{name.replace('_', '-')} has no effect on {scenario.name}; it belongs to {takers}.")
@@ -84,11 +87,14 @@ def main(arguments: list[str] | None = None) -> int:
     runner.add_argument(
         "--torque-csv", type=Path, metavar="FILE", help="time [s], torque [N.m] of the trailing wheelset"
     )
+    runner.add_argument(
+        "--tolerance", type=float, metavar="ERROR", help="of the coupling in nominal values; chooses the macro steps"
+    )
     chosen = parser.parse_args(arguments)
     if chosen.command == "list":
         return show_list()
     try:
-        return run(chosen.name, Options(chosen.kind, chosen.step, chosen.torque_csv), chosen.out)
+        return run(chosen.name, Options(chosen.kind, chosen.step, chosen.torque_csv, chosen.tolerance), chosen.out)
     except BadInputError as error:
         print(error, file=sys.stderr)
         return BAD_INPUT

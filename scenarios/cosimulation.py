@@ -1,4 +1,4 @@
-"""Couples FMUs with fmpy: named variables, a fixed macro step, one FMU after the other (Gauss-Seidel)."""
+"""FMUs through fmpy with named variables, and time series with units."""
 
 from __future__ import annotations
 
@@ -18,7 +18,6 @@ from fmpy.fmi2 import (
     fmi2CallbackFunctions,
     fmi2CallbackLoggerTYPE,
 )
-from tqdm import tqdm
 
 #: A progress bar appears when a run takes longer than this [s].
 PATIENCE = 2.0
@@ -45,6 +44,10 @@ class Slave:
         self.messages: list[str] = []
         self._variables = {v.name: (v.valueReference, TYPES[v.type]) for v in description.modelVariables}
         self.units = {v.name: v.unit or "1" for v in description.modelVariables}
+        able = description.coSimulation
+        self._nominals = {v.name: float(v.nominal) if v.nominal else 1.0 for v in description.modelVariables}
+        self._saves, self._takes_rates = able.canGetAndSetFMUstate, able.canInterpolateInputs
+        self._provides_rates = able.maxOutputDerivativeOrder > 0
         self._parameters = parameters
         self._folder = extract(str(path))
         self._logger = fmi2CallbackLoggerTYPE(self._listen)  # referenced here as long as the FMU may call it
@@ -104,6 +107,36 @@ class Slave:
     def step(self, time: float, size: float) -> None:
         self._call(self.fmu.doStep, time, size)
 
+    def nominal(self, name: str) -> float:
+        """Typical size of a variable, from the FMU; 1 where it says nothing."""
+        self._reference(name)
+        return self._nominals[name]
+
+    def rate(self, name: str) -> float:
+        """First derivative of an output by time; 0 where the FMU provides none."""
+        if not self._provides_rates:
+            return 0.0
+        found = self._call(self.fmu.getRealOutputDerivatives, [self._reference(name)[0]], [1])
+        return float(found[0])
+
+    def set_rate(self, name: str, rate: float) -> None:
+        """Lets an input go on with this rate within the next step; without effect where the FMU takes none."""
+        if self._takes_rates:
+            self._call(self.fmu.setRealInputDerivatives, [self._reference(name)[0]], [1], [rate])
+
+    def save(self) -> object:
+        """The FMU's state; `forget` it when it is no longer needed. Raises CosimulationError where it cannot."""
+        if not self._saves:
+            raise CosimulationError(f"{self.name} cannot save its state: give no tolerance, or take the native FMU.")
+        return self._call(self.fmu.getFMUstate)
+
+    def restore(self, state: object) -> None:
+        self._call(self.fmu.setFMUstate, state)
+
+    def forget(self, state: object) -> None:
+        """Frees a saved state."""
+        self._call(self.fmu.freeFMUstate, state)
+
     def _reference(self, name: str) -> tuple[int, str]:
         if name not in self._variables:
             raise CosimulationError(f"{self.name} has no variable {name}; it has {', '.join(self._variables)}.")
@@ -151,48 +184,3 @@ class Recording:
         """Time of the first row where the condition holds; None when it never does."""
         rows = np.flatnonzero(condition)
         return float(self["time"][rows[0]]) if rows.size else None
-
-
-#: (source, output, target, input)
-Connection = tuple[Slave, str, Slave, str]
-
-
-def couple(
-    slaves: Sequence[Slave],
-    connections: Sequence[Connection],
-    duration: float,
-    step: float,
-    record: Sequence[tuple[Slave, str]],
-    drive: Callable[[float], None] | None = None,
-    label: str = "",
-) -> Recording:
-    """Runs started slaves together from t = 0 and records outputs at every macro step.
-
-    In each step the slaves go in the given order, each with the newest outputs of the others. `drive(time)` may set
-    inputs before each step. Raises CosimulationError.
-    """
-    if not (math.isfinite(step) and step > 0.0):
-        raise CosimulationError(f"Give a macro step above 0 s: it was {step:g} s.")
-    count = max(1, round(duration / step))
-    units = {"time": "s"} | {name: slave.units[name] for slave, name in record}
-    by_slave = {slave: [name for owner, name in record if owner is slave] for slave in slaves}
-    incoming = {slave: [(s, o, i) for s, o, target, i in connections if target is slave] for slave in slaves}
-
-    def sample(time: float) -> list[float]:
-        values: list[float] = [time]
-        for slave in slaves:
-            values += slave.get(by_slave[slave])
-        return values
-
-    order = ["time"] + [name for slave in slaves for name in by_slave[slave]]
-    rows = [sample(0.0)]
-    for number in tqdm(range(count), desc=label, delay=PATIENCE, leave=False, unit="step"):
-        time = number * step
-        if drive:
-            drive(time)
-        for slave in slaves:
-            for source, output, name in incoming[slave]:
-                slave.set(**{name: source[output]})
-            slave.step(time, step)
-        rows.append(sample((number + 1) * step))
-    return Recording({name: units[name] for name in order}, rows)

@@ -6,7 +6,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from rbd_model.parameters import tables_5_1_and_5_2
-from scenarios.cosimulation import Recording, couple
+from scenarios.cosimulation import Recording
+from scenarios.coupling import couple
 from scenarios.plotting import BOGIE, LEADING, TRAILING, mark, panels
 from scenarios.report import Result, Row
 from scenarios.scenario import Options, Scenario, open_bogie

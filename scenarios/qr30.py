@@ -7,7 +7,7 @@ hangs on them the row says so and is not judged.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
@@ -17,7 +17,8 @@ from brake_controller.experiment import APPLICATION_TIME, EXPERIMENT
 from brake_controller.parameters import qr30
 from rbd_model.bogie import smallest_level
 from rbd_model.parameters import tables_8_1_and_8_2
-from scenarios.cosimulation import Recording, couple
+from scenarios.cosimulation import Recording
+from scenarios.coupling import Connection, Coupling, couple
 from scenarios.plotting import BOGIE, LEADING, THESIS, TRAILING, mark, panels
 from scenarios.report import Result, Row, number
 from scenarios.scenario import Options, Scenario, of_fmu, open_bogie, open_brake
@@ -61,6 +62,7 @@ class Run:
     lock_speed: float | None
     deceleration: float | None
     guids: Mapping[str, str]
+    coupling: Mapping[str, float] = field(default_factory=dict)
 
 
 def bogie_parameters(names: set[str], pressure: int) -> dict[str, float]:
@@ -91,15 +93,21 @@ def brake_by_pressure(options: Options, pressure: int, shoe_friction: float, fri
             brake.set(pressure_demand=1e3 * pressure if time >= BRAKE_TIME - 1e-9 else 0.0)
 
         record = [(brake, name) for name in OF_BRAKE] + [(bogie, name) for name in RECORDED]
-        connections = [
+        connections: list[Connection] = [
             (brake, "brake_torque", bogie, "brake_torque_2"),
             (bogie, "angular_velocity_2", brake, "angular_velocity"),
         ]
+        torque = connections[0]
+        coupling = Coupling([brake, bogie], connections, options.master(), [(torque, (bogie, "angular_velocity_2"))])
         series = couple(
-            [brake, bogie], connections, DURATION, options.macro_step(), record, drive, label=f"{pressure} kPa"
+            *([brake, bogie], connections, DURATION, options.macro_step(), record, drive),
+            label=f"{pressure} kPa",
+            coupling=coupling,
+            instants=[BRAKE_TIME],
         )
         applied = BRAKE_TIME + 2 * APPLICATION_TIME
-        return _judge(series, {s.name: s.guid for s in (brake, bogie)}, applied)
+        one = _judge(series, {s.name: s.guid for s in (brake, bogie)}, applied)
+        return replace(one, coupling=coupling.account.as_dict())
 
 
 def brake_by_history(options: Options, pressure: int, times: np.ndarray, torques: np.ndarray) -> Run:
@@ -147,7 +155,9 @@ def run(pressure: int, options: Options) -> Result:
             series.add_from(f"{name} ({label})", one.series, name)
     parameters = tables_8_1_and_8_2().values() | qr30(pressure).values() | {"friction": FRICTION}
     length = DURATION * (len(printed) + len(runs) - 1)
-    return Result(rows, series, lambda: draw(pressure, runs), parameters, length, remarks, average.guids)
+    return Result(
+        rows, series, lambda: draw(pressure, runs), parameters, length, remarks, average.guids, average.coupling
+    )
 
 
 def plain_words(pressure: int, shoe_friction: float, one: Run) -> str:
@@ -316,7 +326,7 @@ SCENARIOS = [
         f"qr30-{pressure}kpa",
         f"The experiment at {pressure} kPa: pressure -> torque -> speed, slip and lock (chapters 7, 8)",
         partial(run, pressure),
-        takes=frozenset({"kind", "step", "torque_csv"}),
+        takes=frozenset({"kind", "step", "torque_csv", "tolerance"}),
     )
     for pressure in EXPERIMENT
 ]

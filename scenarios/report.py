@@ -79,6 +79,7 @@ class Result:
     simulated_seconds: float
     remarks: list[str] = field(default_factory=list)
     guids: Mapping[str, str] = field(default_factory=dict)
+    coupling: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def holds(self) -> bool:
@@ -102,6 +103,7 @@ def save(result: Result, name: str, out: Path, wall_seconds: float) -> Path:
             "rows": [row.as_dict() for row in result.rows],
             "remarks": result.remarks,
             "parameters": dict(result.parameters),
+            "coupling": dict(result.coupling),
             "versions": versions() | {"fmus": dict(result.guids)},
             "wall_seconds": wall_seconds,
             # null where nothing runs in time, or the time of single calls is what is measured

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from build_fmu import up_to_date
 from scenarios.cosimulation import Slave
+from scenarios.coupling import Master
 from scenarios.report import Result
 
 
@@ -22,6 +23,7 @@ class Options:
     kind: str | None = None
     step: float | None = None
     torque_csv: Path | None = None
+    tolerance: float | None = None
 
     @property
     def given(self) -> set[str]:
@@ -31,6 +33,10 @@ class Options:
     def macro_step(self, default: float = 1e-3) -> float:
         """Macro step of the co-simulation [s]."""
         return default if self.step is None else self.step
+
+    def master(self) -> Master:
+        """Fixed macro steps with held inputs; with a tolerance, steps chosen by it and inputs that go on."""
+        return Master(extrapolated=self.tolerance is not None, tolerance=self.tolerance)
 
 
 @dataclass(frozen=True)

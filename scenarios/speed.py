@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from build_fmu import MODELS, up_to_date
 from fmu_src.compile import build_library, compiler
 from fmu_src.kernel import Kernel, Library
+from scenarios import fmi_overhead
 from scenarios.asymmetric_braking import run_all
 from scenarios.cosimulation import Recording, Slave
 from scenarios.plotting import BOGIE, LEADING, TRAILING, plt
@@ -136,6 +137,7 @@ def run(options: Options) -> Result:
                 f"measured now; to stay below {PYTHON_OVERHEAD_TARGET:.0f}",
             )
         )
+    rows += fmi_overhead.rows(library)
     begin = time.perf_counter()
     cases = len(run_all())
     seconds = time.perf_counter() - begin

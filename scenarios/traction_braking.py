@@ -9,7 +9,8 @@ from matplotlib.figure import Figure
 
 from rbd_model.bogie import smallest_level
 from rbd_model.parameters import BogieParameters, tables_5_1_and_5_2
-from scenarios.cosimulation import Recording, Slave, couple
+from scenarios.cosimulation import Recording, Slave
+from scenarios.coupling import couple
 from scenarios.plotting import BOGIE, LEADING, THESIS, TRAILING, mark, panels
 from scenarios.report import Result, Row
 from scenarios.scenario import Options, Scenario, open_bogie

@@ -1,0 +1,127 @@
+"""The master: order of its methods, steps chosen by the coupling error, rollback, and the energy of the coupling."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from contextlib import contextmanager
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from scenarios.__main__ import main
+from scenarios.cosimulation import CosimulationError, Slave
+from scenarios.coupling import GAUSS_SEIDEL, JACOBI, Coupling, Master, couple
+
+#: A full application by the measured law, in which the shoe friction falls with the force, and a stop behind it.
+SECONDS = 1.2
+
+
+@contextmanager
+def train(fmus: dict, kind: str = "native") -> Iterator[tuple[Slave, Slave, list]]:
+    """Brake and bogie, started: half of the QR30's cylinder force on the chapter 5 bogie's trailing wheelset."""
+    with Slave(fmus["brake", kind]) as brake, Slave(fmus["bogie", kind], initial_speed=10.0) as bogie:
+        brake.start(pressure_demand=150e3)
+        bogie.start()
+        connections = [
+            (brake, "brake_torque", bogie, "brake_torque_2"),
+            (bogie, "angular_velocity_2", brake, "angular_velocity"),
+        ]
+        yield brake, bogie, connections
+
+
+def distance(fmus: dict, master: Master, step: float) -> tuple[float, Coupling]:
+    with train(fmus) as (brake, bogie, connections):
+        bond = (connections[0], (bogie, "angular_velocity_2"))
+        coupling = Coupling([brake, bogie], connections, master, [bond])
+        couple([brake, bogie], connections, SECONDS, step, [(bogie, "speed")], coupling=coupling)
+        return bogie["distance"], coupling
+
+
+@pytest.mark.parametrize(
+    ("master", "order"),
+    [
+        (Master(JACOBI), 1.0),
+        (Master(GAUSS_SEIDEL), 1.0),
+        (Master(JACOBI, extrapolated=True), 2.0),
+        (Master(GAUSS_SEIDEL, extrapolated=True), 2.0),
+    ],
+)
+def test_error_of_the_coupling_falls_with_its_order(fmus: dict, master: Master, order: float) -> None:
+    """Distance against very small steps; held inputs are of first order, lines of second."""
+    exact, _ = distance(fmus, Master(GAUSS_SEIDEL, extrapolated=True), 2e-4)
+    sizes = np.array([0.1, 0.05, 0.025, 0.0125])
+    errors = np.abs([distance(fmus, master, size)[0] - exact for size in sizes])
+    slope = np.polyfit(np.log(sizes), np.log(errors), 1)[0]
+    assert slope == pytest.approx(order, abs=0.35)
+
+
+def test_steps_are_chosen_by_the_coupling_error(fmus: dict) -> None:
+    """A tighter tolerance makes more steps and a smaller error; steps that were too long are taken back."""
+    exact, _ = distance(fmus, Master(GAUSS_SEIDEL, extrapolated=True), 2e-4)
+    found = [distance(fmus, Master(JACOBI, True, tolerance), 0.1) for tolerance in (1e-2, 1e-3, 1e-4)]
+    errors = [abs(value - exact) for value, _ in found]
+    steps = [coupling.account.steps for _, coupling in found]
+    assert errors[2] < errors[1] < errors[0]
+    assert steps[0] < steps[1] < steps[2]
+    assert found[2][1].account.repeated > 0
+    assert found[2][1].account.smallest < 0.1
+
+
+def test_rollback_leaves_no_trace(fmus: dict) -> None:
+    """The accepted steps of an adaptive run, made again one by one, give the same bits."""
+    with train(fmus) as (brake, bogie, connections):
+        coupling = Coupling([brake, bogie], connections, Master(JACOBI, True, 1e-4))
+        times = [0.0, *coupling.run(SECONDS, 0.1)]
+        adaptive = bogie.get(["distance", "speed", "rotation_2"])
+        assert coupling.account.repeated > 0
+    with train(fmus) as (brake, bogie, connections):
+        coupling = Coupling([brake, bogie], connections, Master(JACOBI, True))
+        for begin, end in pairwise(times):
+            coupling.step(begin, end - begin)
+        again = bogie.get(["distance", "speed", "rotation_2"])
+    assert adaptive == pytest.approx(again, rel=1e-12)
+
+
+def test_stale_torque_brings_energy_into_the_coupling_and_smaller_steps_less(fmus: dict) -> None:
+    moved = [distance(fmus, Master(JACOBI), size)[1].account.energy_moved for size in (0.04, 0.02, 0.01)]
+    assert moved[0] > 100.0
+    assert moved[0] / moved[1] == pytest.approx(2.0, rel=0.2)
+    assert moved[1] / moved[2] == pytest.approx(2.0, rel=0.2)
+
+
+def test_no_step_crosses_a_given_instant(fmus: dict) -> None:
+    with train(fmus) as (brake, bogie, connections):
+        coupling = Coupling([brake, bogie], connections, Master(extrapolated=True, tolerance=1e-2))
+        times = list(coupling.run(SECONDS, 0.05, instants=[0.3333]))
+    assert 0.3333 in times
+    assert times[-1] == SECONDS
+
+
+def test_fmu_that_cannot_save_its_state_is_refused_with_a_sentence(fmus: dict) -> None:
+    with train(fmus, "python") as (brake, bogie, connections):
+        coupling = Coupling([brake, bogie], connections, Master(tolerance=1e-3))
+        with pytest.raises(CosimulationError, match="BrakeCylinder cannot save its state"):
+            list(coupling.run(0.1, 0.01))
+
+
+def test_tolerance_that_cannot_be_met_is_told(fmus: dict) -> None:
+    with train(fmus) as (brake, bogie, connections):
+        coupling = Coupling([brake, bogie], connections, Master(JACOBI, tolerance=1e-15))
+        with pytest.raises(CosimulationError, match="stays above the tolerance"):
+            list(coupling.run(1.0, 0.01))
+
+
+@pytest.mark.parametrize(("method", "tolerance"), [("leapfrog", None), (JACOBI, -1.0), (JACOBI, float("nan"))])
+def test_bad_master_gets_a_sentence(method: str, tolerance: float | None) -> None:
+    with pytest.raises(CosimulationError, match=r"Couple with jacobi or|Give a coupling tolerance above 0"):
+        Master(method, tolerance=tolerance)
+
+
+def test_scenario_chooses_its_macro_steps_by_tolerance(tmp_path, capsys: pytest.CaptureFixture[str]) -> None:  # type: ignore[no-untyped-def]
+    assert main(["run", "qr30-180kpa", "--tolerance", "1e-4", "--out", str(tmp_path)]) == 0
+    coupling = json.loads((tmp_path / "qr30-180kpa" / "summary.json").read_text())["coupling"]
+    assert coupling["macro_steps"] < 1000
+    assert main(["run", "qr30-180kpa", "--tolerance", "0", "--out", str(tmp_path)]) == 2
+    assert "Give --tolerance a value above 0" in capsys.readouterr().err
