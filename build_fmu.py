@@ -1,6 +1,6 @@
 """Builds the FMUs and validates them with fmpy.
 
-  python build_fmu.py                    all FMUs, native and pythonfmu, into build/
+  python build_fmu.py                    all FMUs, native for FMI 2.0 and 3.0 and pythonfmu, into build/
   python build_fmu.py bogie              the bogie only
   python build_fmu.py ssp                the system BogieBraking.ssp of both native FMUs
   python build_fmu.py --kind native      no pythonfmu FMUs
@@ -16,7 +16,7 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 
 from fmpy import read_model_description
@@ -27,7 +27,7 @@ from brake_controller.parameters import qr30
 from fmu_src.codegen import generate, guid_of
 from fmu_src.compile import CompilerError
 from fmu_src.model_description import variable_table
-from fmu_src.native_fmu import PLATFORMS, build_native_fmu
+from fmu_src.native_fmu import PLATFORMS, PLATFORMS3, build_native_fmu, build_native_fmu3
 from fmu_src.python_fmu import build_python_fmu
 from fmu_src.ssp import Component, Connection, write_ssp
 from fmu_src.system import Model
@@ -50,17 +50,28 @@ PICTURES = {
 }
 
 
-def build_native(model: Model, path: Path, platforms: Sequence[str] = ()) -> None:
-    """The native FMU with its page's picture, the license and the icon."""
+def extras(model: Model, icon: str) -> dict[str, bytes]:
+    """The page's picture, the license and the icon of an FMU."""
     files = {
         "documentation/picture.png": ROOT / "docs" / PICTURES[model.name],
         "documentation/licenses/license.txt": ROOT / "LICENSE",
-        "model.png": ROOT / "docs" / "icon.png",
+        icon: ROOT / "docs" / "icon.png",
     }
-    build_native_fmu(model, path, platforms, {name: file.read_bytes() for name, file in files.items()})
+    return {name: file.read_bytes() for name, file in files.items()}
 
 
-BUILDERS: dict[str, Callable[[Model, Path], None]] = {"native": build_native, "python": build_python_fmu}
+def build_native(model: Model, path: Path, all_platforms: bool = False) -> None:
+    build_native_fmu(model, path, list(PLATFORMS) if all_platforms else [], extras(model, "model.png"))
+
+
+def build_native3(model: Model, path: Path, all_platforms: bool = False) -> None:
+    platforms = list(PLATFORMS3) if all_platforms else []
+    build_native_fmu3(model, path, platforms, extras(model, "terminalsAndIcons/icon.png"))
+
+
+NATIVE: dict[str, Callable[..., None]] = {"native": build_native, "fmi3": build_native3}
+#: How each kind is built: native for FMI 2.0 and for FMI 3.0, and pythonfmu.
+BUILDERS: dict[str, Callable[..., None]] = NATIVE | {"python": build_python_fmu}
 
 
 def fmu_path(model: Model, kind: str, out: Path) -> Path:
@@ -112,13 +123,13 @@ def build_system(out: Path) -> Path:
     return path
 
 
-def build(name: str, kind: str, out: Path, platforms: Sequence[str] = ()) -> list[str]:
+def build(name: str, kind: str, out: Path, all_platforms: bool = False) -> list[str]:
     """Builds one FMU, prints its line and returns the problems that fmpy finds."""
     begin = time.perf_counter()
     model = MODELS[name]()
     path = fmu_path(model, kind, out)
-    if platforms:
-        build_native(model, path, platforms)
+    if all_platforms:
+        NATIVE[kind](model, path, all_platforms)
     else:
         BUILDERS[kind](model, path)
     problems = validate_fmu(str(path))
@@ -131,9 +142,14 @@ def build(name: str, kind: str, out: Path, platforms: Sequence[str] = ()) -> lis
 def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("model", nargs="?", default="all", choices=[*MODELS, "ssp", "all"])
-    parser.add_argument("--kind", default="all", choices=[*BUILDERS, "all"], help="native, python (pythonfmu) or all")
+    parser.add_argument(
+        "--kind",
+        default="all",
+        choices=[*BUILDERS, "all"],
+        help="native (FMI 2.0), fmi3 (native, FMI 3.0), python (pythonfmu, FMI 2.0) or all",
+    )
     parser.add_argument("--out", type=Path, default=Path("build"), help="folder of the FMUs (default: build)")
-    parser.add_argument("--platforms", nargs="+", choices=[*PLATFORMS, "all"], help="compile native FMUs for these")
+    parser.add_argument("--platforms", choices=["own", "all"], default="own", help="of native FMUs (default: own)")
     parser.add_argument("--describe", action="store_true", help="print the table of variables instead of building")
     chosen = parser.parse_args(arguments)
     names = {"all": list(MODELS), "ssp": ["bogie", "brake"]}.get(chosen.model, [chosen.model])
@@ -141,14 +157,15 @@ def main(arguments: list[str] | None = None) -> int:
         print("\n".join(variable_table(MODELS[name]()) for name in names), end="")
         return 0
     kinds = list(BUILDERS) if chosen.kind == "all" else [chosen.kind]
-    platforms = list(PLATFORMS) if chosen.platforms and "all" in chosen.platforms else chosen.platforms or []
-    if platforms or chosen.model == "ssp":
-        kinds = ["native"]  # a pythonfmu FMU has the binaries of pythonfmu
+    if chosen.model == "ssp":
+        kinds = ["native"]
+    elif chosen.platforms == "all":
+        kinds = [kind for kind in kinds if kind in NATIVE]  # a pythonfmu FMU has the binaries of pythonfmu
     problems: list[str] = []
     try:
         for kind in kinds:
             for name in names:
-                problems += build(name, kind, chosen.out, platforms)
+                problems += build(name, kind, chosen.out, chosen.platforms == "all")
         if chosen.model in ("all", "ssp") and "native" in kinds:
             build_system(chosen.out)
     except CompilerError as error:

@@ -17,7 +17,8 @@ from fmu_src.model_description import model_description
 from fmu_src.system import Model, System
 
 RUNTIME = Path(__file__).parent / "runtime"
-RUNTIME_SOURCES = ("kernel.c", "rosenbrock.c", "modes.c", "piecewise.c", "fmi2.c")
+RUNTIME_SOURCES = ("kernel.c", "rosenbrock.c", "modes.c", "piecewise.c", "face.c", "fmi2.c", "fmi3.c")
+RUNTIME_HEADERS = ("kernel.h", "face.h")
 
 #: Functions of a system in the order of `system_description` in kernel.h.
 FUNCTIONS = (
@@ -139,7 +140,7 @@ def content_guid(texts: Iterable[str]) -> str:
     digest = hashlib.sha256()
     for text in texts:
         digest.update(text.encode())
-    for name in (*RUNTIME_SOURCES, "kernel.h"):
+    for name in (*RUNTIME_SOURCES, *RUNTIME_HEADERS):
         digest.update((RUNTIME / name).read_bytes())
     h = digest.hexdigest()
     return f"{{{h[:8]}-{h[8:12]}-{h[12:16]}-{h[16:20]}-{h[20:32]}}}"

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import fmpy
 
-from fmu_src.codegen import RUNTIME, RUNTIME_SOURCES, generate
+from fmu_src.codegen import RUNTIME, RUNTIME_HEADERS, RUNTIME_SOURCES, generate
 from fmu_src.system import Model
 
 #: Where compiled kernels are kept between runs; named by the content of their sources and the compiler.
@@ -90,7 +90,7 @@ def library_of(sources: Mapping[str, str], flags: Sequence[str] = FLAGS, target:
     digest = hashlib.sha256(" ".join([*compiler(target), *flags, OPTIMISE_GENERATED, OPTIMISE_RUNTIME]).encode())
     for name in sorted(sources):
         digest.update(sources[name].encode())
-    for name in (*RUNTIME_SOURCES, "kernel.h"):
+    for name in (*RUNTIME_SOURCES, *RUNTIME_HEADERS):
         digest.update((RUNTIME / name).read_bytes())
     path = CACHE / f"{digest.hexdigest()[:24]}{library_suffix()}"
     if not path.exists():

@@ -96,7 +96,7 @@ def model_description(model: Model, guid: str, native: bool = True, source_files
         files = ET.SubElement(slave, "SourceFiles")
         for name in source_files:
             ET.SubElement(files, "File", name=name)
-    _units(root, model.variables)
+    add_units(root, model.variables)
     categories = ET.SubElement(root, "LogCategories")
     for name, description in LOG_CATEGORIES.items():
         ET.SubElement(categories, "Category", name=name, description=description)
@@ -110,7 +110,8 @@ def model_description(model: Model, guid: str, native: bool = True, source_files
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
 
 
-def _units(root: ET.Element, variables: Iterable[Variable]) -> None:
+def add_units(root: ET.Element, variables: Iterable[Variable]) -> None:
+    """Unit definitions with display units; those of FMI 2.0 and 3.0 are the same."""
     used = {variable.unit for variable in variables if variable.kind == "real"}
     displayed = {variable.display_unit for variable in variables if variable.display_unit}
     definitions = ET.SubElement(root, "UnitDefinitions")
@@ -151,13 +152,14 @@ def _variable(parent: ET.Element, reference: int, variable: Variable) -> None:
             of_type["nominal"] = repr(NOMINAL[variable.unit])
     for name, limit in (("min", variable.minimum), ("max", variable.maximum)):
         if math.isfinite(limit) and variable.kind != "boolean":
-            of_type[name] = _number(variable, limit)
+            of_type[name] = number_text(variable, limit)
     if variable.causality != "output":
-        of_type["start"] = _number(variable, variable.start)
+        of_type["start"] = number_text(variable, variable.start)
     ET.SubElement(element, TYPES[variable.kind], of_type)
 
 
-def _number(variable: Variable, value: float) -> str:
+def number_text(variable: Variable, value: float) -> str:
+    """A value as its type is written in XML."""
     return repr(float(value)) if variable.kind == "real" else str(int(value))
 
 
@@ -181,11 +183,17 @@ def direct_inputs(system: System) -> dict[str, set[str]]:
     return found
 
 
-def _structure(root: ET.Element, model: Model) -> None:
+def reached_inputs(model: Model) -> dict[str, set[str]]:
+    """For each output the inputs that reach it directly in any of the systems."""
     reached: dict[str, set[str]] = {}
     for system in model.systems:
         for output, names in direct_inputs(system).items():
             reached.setdefault(output, set()).update(names)
+    return reached
+
+
+def _structure(root: ET.Element, model: Model) -> None:
+    reached = reached_inputs(model)
     structure = ET.SubElement(root, "ModelStructure")
     outputs = ET.SubElement(structure, "Outputs")
     initial = ET.SubElement(structure, "InitialUnknowns")

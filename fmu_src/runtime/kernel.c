@@ -521,7 +521,7 @@ static int integrate(kernel *self, double size, double *reached) {
         offset = arrival;
         if (crossing) {
             self->now.ended = modes_switch(self, offset);
-            if (self->now.ended) break;
+            if (self->now.ended || self->stops_at_events) break;
             if (++switches > MAXIMUM_SWITCHES)
                 return kernel_fail(self, KERNEL_ERROR,
                                    "More than %d switches between sliding and sticking up to t = %.9g s: a friction "
@@ -533,6 +533,8 @@ static int integrate(kernel *self, double size, double *reached) {
     *reached = offset;
     return status;
 }
+
+void kernel_stop_at_events(kernel *self, int stops) { self->stops_at_events = stops; }
 
 static int check_step(kernel *self, double time, double size) {
     if (!self->system)

@@ -124,6 +124,7 @@ typedef struct kernel {
     double *trial, *slope, *time_slope, *nonzero, *jacobian, *matrix, *stage[6], *point, *ordered, *differential;
     double *drive, *capacity, *margin, *output, *backup, *seed, *output_rate;
     int *pivot, *place, *every; /* of the factorisation, see rosenbrock.c */
+    int stops_at_events;
     int exchanged; /* first pivot that was exchanged with another row */
     char *warned; /* one flag per variable: "has no effect here" is said once */
     kernel_counters counters;
@@ -150,6 +151,8 @@ KERNEL_EXPORT int kernel_get_directional(kernel *self, int unknowns, const int *
 KERNEL_EXPORT int kernel_initialise(kernel *self, double time);
 KERNEL_EXPORT void kernel_reopen(kernel *self);
 KERNEL_EXPORT int kernel_step(kernel *self, double time, double size);
+/* Whether a step ends early, with OK, where a friction begins to stick or to slide; kernel_time tells where. */
+KERNEL_EXPORT void kernel_stop_at_events(kernel *self, int stops);
 KERNEL_EXPORT int kernel_record(kernel *self, double time, double size, double interval, int columns,
                                 const int *variable, double *buffer, long long int rows);
 KERNEL_EXPORT size_t kernel_state_size(const kernel *self);

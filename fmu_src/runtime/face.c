@@ -1,0 +1,208 @@
+/* The common part of both faces. It knows the order of calls; the kernel knows the machine. */
+#include "face.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* By status. Errors and ended runs are always told. */
+static const char *const CATEGORY[] = {"events", "logStatusWarning", "logStatusDiscard", "logStatusError"};
+enum { CATEGORIES = 4, EVERYTHING = 15, ALWAYS_TOLD = 12 };
+
+static void say(const component *self, int status, const char *sentence) {
+    const unsigned category = status <= KERNEL_ERROR ? (unsigned)status : (unsigned)KERNEL_ERROR;
+    if (self->logger && ((self->logged | ALWAYS_TOLD) & (1u << category)))
+        self->tell(self, status, CATEGORY[category], sentence);
+}
+
+int face_error(const component *self, const char *sentence) {
+    say(self, KERNEL_ERROR, sentence);
+    return KERNEL_ERROR;
+}
+
+int face_report(component *self, int status) {
+    char line[MESSAGE_SIZE + 8];
+    const char *cursor = kernel_journal(self->machine);
+    while (*cursor) {
+        const size_t length = strcspn(cursor, "\n");
+        const size_t kept = length < sizeof line - 1 ? length : sizeof line - 1;
+        memcpy(line, cursor, kept);
+        line[kept] = '\0';
+        if (kept > 2) say(self, line[0] - '0', line + 2);
+        cursor += length + (cursor[length] == '\n');
+    }
+    return status;
+}
+
+int face_legal(const component *self, int phases, const char *function) {
+    if (!self) return 0;
+    if ((int)self->now & phases) return 1;
+    char sentence[160];
+    snprintf(sentence, sizeof sentence, "%s must not be called now; see the state machine of %s.", function,
+             self->standard);
+    (void)face_error(self, sentence);
+    return 0;
+}
+
+int face_log(component *self, int logging, size_t count, const char *const categories[]) {
+    if (count == 0) {
+        self->logged = logging ? EVERYTHING : 0;
+        return KERNEL_OK;
+    }
+    for (size_t i = 0; i < count; ++i) {
+        unsigned bit = 0;
+        for (unsigned j = 0; j < CATEGORIES; ++j)
+            if (categories[i] && strcmp(categories[i], CATEGORY[j]) == 0) bit = 1u << j;
+        if (!bit) return face_error(self, "There is no such log category; modelDescription.xml lists them.");
+        self->logged = logging ? self->logged | bit : self->logged & ~bit;
+    }
+    return KERNEL_OK;
+}
+
+component *face_instantiate(const component *log, const char *name, const char *token, int logging) {
+    if (!name) return NULL;
+    component *self = calloc(1, sizeof *self);
+    if (!self) return NULL;
+    *self = *log;
+    self->logged = logging ? EVERYTHING : 0;
+    self->name = malloc(strlen(name) + 1);
+    if (self->name) strcpy(self->name, name);
+    self->machine = kernel_create();
+    self->now = INSTANTIATED;
+    const char *problem = NULL;
+    if (!self->name || !self->machine)
+        problem = "There is not enough memory for an instance.";
+    else if (!token || strcmp(token, MODEL.guid) != 0)
+        problem = "The identifier of modelDescription.xml is not that of the binary; build both together.";
+    if (!problem) return self;
+    if (self->name) (void)face_error(self, problem);
+    face_free(self);
+    return NULL;
+}
+
+void face_free(component *self) {
+    if (!self) return;
+    kernel_free(self->machine);
+    free(self->name);
+    free(self);
+}
+
+int face_terminate(component *self) {
+    self->now = TERMINATED;
+    return KERNEL_OK;
+}
+
+int face_reset(component *self) {
+    kernel_reset(self->machine);
+    self->now = INSTANTIATED;
+    return KERNEL_OK;
+}
+
+/* ---- variables: every value is a double in the kernel; the type is only checked here ---- */
+
+static int wrong_type(const component *self, unsigned reference, int kind) {
+    static const char *const name[] = {"Real", "Integer", "Boolean"};
+    if (reference < (unsigned)MODEL.variables && MODEL.variable[reference].kind == kind) return 0;
+    char sentence[160];
+    snprintf(sentence, sizeof sentence, "Value reference %u is not a variable of type %s of %s.", reference, name[kind],
+             MODEL.name);
+    (void)face_error(self, sentence);
+    return 1;
+}
+
+int face_initialise_if_asked(component *self) {
+    if (self->now != INITIALISING || kernel_state_count(self->machine)) return KERNEL_OK;
+    return face_report(self, kernel_initialise(self->machine, self->start_time));
+}
+
+int face_get(component *self, unsigned reference, int kind, double *value) {
+    if (wrong_type(self, reference, kind)) return KERNEL_ERROR;
+    const int status = face_initialise_if_asked(self);
+    if (status > KERNEL_WARNING) return status;
+    return face_report(self, kernel_get(self->machine, (int)reference, value));
+}
+
+int face_set(component *self, unsigned reference, int kind, double value) {
+    if (wrong_type(self, reference, kind)) return KERNEL_ERROR;
+    if (self->now == INITIALISING) kernel_reopen(self->machine);
+    return face_report(self, kernel_set(self->machine, (int)reference, value));
+}
+
+int face_set_rate(component *self, unsigned reference, double rate) {
+    if (wrong_type(self, reference, KIND_REAL)) return KERNEL_ERROR;
+    return face_report(self, kernel_set_rate(self->machine, (int)reference, rate));
+}
+
+/* ---- saved states: a copy of the kernel's one block, and the phase ---- */
+
+typedef struct {
+    size_t size;
+    unsigned long long checksum; /* of the kernel's bytes and the GUID: bytes that were changed on the way are refused */
+    double start_time;
+    int now, last_step;
+} saved_header;
+
+size_t face_saved_size(const component *self) { return sizeof(saved_header) + kernel_state_size(self->machine); }
+
+/* FNV-1a, 64 bits. */
+static unsigned long long hash_of(unsigned long long hash, const void *bytes, size_t size) {
+    const unsigned char *byte = bytes;
+    for (size_t i = 0; i < size; ++i) hash = (hash ^ byte[i]) * 1099511628211ull;
+    return hash;
+}
+
+static unsigned long long checksum(const component *self, saved_header header, const void *kernel_bytes) {
+    unsigned long long hash = hash_of(14695981039346656037ull, MODEL.guid, strlen(MODEL.guid));
+    hash = hash_of(hash, &header.start_time, sizeof header.start_time);
+    hash = hash_of(hash, &header.now, sizeof header.now);
+    hash = hash_of(hash, &header.last_step, sizeof header.last_step);
+    return hash_of(hash, kernel_bytes, kernel_state_size(self->machine));
+}
+
+/* Whether the bytes are a saved state of this model. */
+static int is_saved(const component *self, const void *bytes, size_t size) {
+    saved_header header;
+    if (!bytes || size < face_saved_size(self)) return 0;
+    memcpy(&header, bytes, sizeof header);
+    return header.size == face_saved_size(self) &&
+           header.checksum == checksum(self, header, (const char *)bytes + sizeof header);
+}
+
+int face_save(component *self, void **state) {
+    const size_t size = face_saved_size(self);
+    if (!*state) *state = calloc(1, size);
+    if (!*state) return face_error(self, "There is not enough memory for a saved state.");
+    saved_header header = {size, 0, self->start_time, (int)self->now, self->last_step};
+    kernel_save(self->machine, (char *)*state + sizeof header);
+    header.checksum = checksum(self, header, (char *)*state + sizeof header);
+    memcpy(*state, &header, sizeof header);
+    return KERNEL_OK;
+}
+
+int face_restore(component *self, const void *state) {
+    saved_header header;
+    if (!state) return face_error(self, "There is no saved state to return to.");
+    if (!is_saved(self, state, face_saved_size(self)))
+        return face_error(self, "The saved state belongs to another model, or its bytes were changed.");
+    memcpy(&header, state, sizeof header);
+    self->now = (phase)header.now;
+    self->last_step = header.last_step;
+    self->start_time = header.start_time;
+    return face_report(self, kernel_restore(self->machine, (const char *)state + sizeof header));
+}
+
+int face_serialise(component *self, const void *state, void *bytes, size_t size) {
+    if (!state || size < face_saved_size(self))
+        return face_error(self, "The buffer is too small for the saved state.");
+    memcpy(bytes, state, face_saved_size(self));
+    return KERNEL_OK;
+}
+
+int face_deserialise(component *self, const void *bytes, size_t size, void **state) {
+    if (!is_saved(self, bytes, size))
+        return face_error(self, "The serialised state belongs to another model, or its bytes were changed.");
+    if (!*state) *state = malloc(face_saved_size(self));
+    if (!*state) return face_error(self, "There is not enough memory for a saved state.");
+    memcpy(*state, bytes, face_saved_size(self));
+    return KERNEL_OK;
+}

@@ -1,0 +1,51 @@
+/* What the faces of FMI 2.0 and 3.0 share: an instance, its phase, its log, its variables and its saved states. The
+ * numbers of fmi2Status and fmi3Status are the same, and those of the kernel. */
+#ifndef FACE_H
+#define FACE_H
+
+#include "kernel.h"
+
+typedef enum { INSTANTIATED = 1, INITIALISING = 2, STEPPING = 4, STOPPED = 8, TERMINATED = 16 } phase;
+enum { ALWAYS = INSTANTIATED | INITIALISING | STEPPING | STOPPED | TERMINATED };
+
+typedef struct component {
+    kernel *machine;
+    phase now;
+    unsigned logged; /* one bit for each category that the host wants to hear */
+    int last_step;   /* status of the last step */
+    double start_time;
+    char *name;
+    const char *standard; /* "FMI 2.0, section 4.2.4" */
+    /* Hands a sentence to the host's logger. */
+    void (*tell)(const struct component *self, int status, const char *category, const char *sentence);
+    void (*logger)(void); /* the host's callback, of the type that `tell` knows */
+    void *environment;
+} component;
+
+/* A new instance, or null after `tell` has said why. The caller fills in the fields of the log first. */
+component *face_instantiate(const component *log, const char *name, const char *token, int logging);
+void face_free(component *self);
+int face_log(component *self, int logging, size_t count, const char *const categories[]);
+int face_error(const component *self, const char *sentence);
+/* Passes the kernel's journal on to the host and returns `status` unchanged. */
+int face_report(component *self, int status);
+int face_legal(const component *self, int phases, const char *function);
+/* What is asked for during initialisation belongs to the values set so far. */
+int face_initialise_if_asked(component *self);
+int face_get(component *self, unsigned reference, int kind, double *value);
+int face_set(component *self, unsigned reference, int kind, double value);
+int face_set_rate(component *self, unsigned reference, double rate);
+int face_terminate(component *self);
+int face_reset(component *self);
+size_t face_saved_size(const component *self);
+int face_save(component *self, void **state);
+int face_restore(component *self, const void *state);
+int face_serialise(component *self, const void *state, void *bytes, size_t size);
+int face_deserialise(component *self, const void *bytes, size_t size, void **state);
+
+/* STATUS is the type of the standard. */
+#define REQUIRE(instance, phases, function) \
+    component *self = instance;             \
+    if (!face_legal(self, phases, function)) return (STATUS)KERNEL_ERROR
+
+#endif

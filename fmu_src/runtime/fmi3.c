@@ -1,0 +1,308 @@
+/* The FMI 3.0 co-simulation face of the same kernel. Value references are those of FMI 2.0; the one behind the last is
+ * the time. With earlyReturnAllowed a step ends where a wheelset locks or turns again, and where the run ends. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "face.h"
+#include "fmi3Functions.h"
+
+#define STATUS fmi3Status
+
+static void tell(const component *self, int status, const char *category, const char *sentence) {
+    ((fmi3LogMessageCallback)self->logger)(self->environment, (fmi3Status)status, category, sentence);
+}
+
+const char *fmi3GetVersion(void) { return fmi3Version; }
+
+fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean loggingOn, size_t nCategories,
+                               const fmi3String categories[]) {
+    REQUIRE(instance, ALWAYS, "fmi3SetDebugLogging");
+    return (fmi3Status)face_log(self, loggingOn, nCategories, categories);
+}
+
+fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String instantiationToken,
+                                         fmi3String resourcePath, fmi3Boolean visible, fmi3Boolean loggingOn,
+                                         fmi3Boolean eventModeUsed, fmi3Boolean earlyReturnAllowed,
+                                         const fmi3ValueReference requiredIntermediateVariables[],
+                                         size_t nRequiredIntermediateVariables,
+                                         fmi3InstanceEnvironment instanceEnvironment, fmi3LogMessageCallback logMessage,
+                                         fmi3IntermediateUpdateCallback intermediateUpdate) {
+    (void)resourcePath, (void)visible, (void)eventModeUsed, (void)requiredIntermediateVariables;
+    (void)nRequiredIntermediateVariables, (void)intermediateUpdate;
+    const component log = {.name = (char *)instanceName,
+                           .standard = "FMI 3.0, section 4.2.1",
+                           .tell = tell,
+                           .logger = (void (*)(void))logMessage,
+                           .environment = instanceEnvironment};
+    component *self = face_instantiate(&log, instanceName, instantiationToken, loggingOn);
+    if (self) kernel_stop_at_events(self->machine, earlyReturnAllowed);
+    return self;
+}
+
+static fmi3Instance only_co_simulation(fmi3LogMessageCallback logMessage, fmi3InstanceEnvironment environment) {
+    if (logMessage) logMessage(environment, fmi3Error, "logStatusError", "Only co-simulation is supported.");
+    return NULL;
+}
+
+fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String instantiationToken,
+                                          fmi3String resourcePath, fmi3Boolean visible, fmi3Boolean loggingOn,
+                                          fmi3InstanceEnvironment instanceEnvironment,
+                                          fmi3LogMessageCallback logMessage) {
+    (void)instanceName, (void)instantiationToken, (void)resourcePath, (void)visible, (void)loggingOn;
+    return only_co_simulation(logMessage, instanceEnvironment);
+}
+
+fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3String instantiationToken,
+                                               fmi3String resourcePath, fmi3Boolean visible, fmi3Boolean loggingOn,
+                                               fmi3InstanceEnvironment instanceEnvironment,
+                                               fmi3LogMessageCallback logMessage, fmi3ClockUpdateCallback clockUpdate,
+                                               fmi3LockPreemptionCallback lockPreemption,
+                                               fmi3UnlockPreemptionCallback unlockPreemption) {
+    (void)instanceName, (void)instantiationToken, (void)resourcePath, (void)visible, (void)loggingOn;
+    (void)clockUpdate, (void)lockPreemption, (void)unlockPreemption;
+    return only_co_simulation(logMessage, instanceEnvironment);
+}
+
+void fmi3FreeInstance(fmi3Instance instance) { face_free(instance); }
+
+fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean toleranceDefined, fmi3Float64 tolerance,
+                                       fmi3Float64 startTime, fmi3Boolean stopTimeDefined, fmi3Float64 stopTime) {
+    REQUIRE(instance, INSTANTIATED, "fmi3EnterInitializationMode");
+    (void)stopTimeDefined, (void)stopTime;
+    const int status =
+        toleranceDefined ? face_report(self, kernel_set(self->machine, MODEL.tolerance, tolerance)) : KERNEL_OK;
+    if (status > KERNEL_WARNING) return (fmi3Status)status;
+    self->start_time = startTime;
+    self->now = INITIALISING;
+    return (fmi3Status)status;
+}
+
+fmi3Status fmi3ExitInitializationMode(fmi3Instance instance) {
+    REQUIRE(instance, INITIALISING, "fmi3ExitInitializationMode");
+    const int status = kernel_initialise(self->machine, self->start_time);
+    if (status <= KERNEL_WARNING) self->now = STEPPING;
+    return (fmi3Status)face_report(self, status);
+}
+
+fmi3Status fmi3Terminate(fmi3Instance instance) {
+    REQUIRE(instance, STEPPING | STOPPED, "fmi3Terminate");
+    return (fmi3Status)face_terminate(self);
+}
+
+fmi3Status fmi3Reset(fmi3Instance instance) {
+    REQUIRE(instance, ALWAYS, "fmi3Reset");
+    return (fmi3Status)face_reset(self);
+}
+
+/* ---- variables ---- */
+
+static int sizes_differ(const component *self, size_t references, size_t values) {
+    return references != values && face_error(self, "Give one value for each value reference: there are no arrays.");
+}
+
+static int get(component *self, unsigned reference, int kind, double *value) {
+    if (kind != KIND_REAL || reference != (unsigned)MODEL.variables) return face_get(self, reference, kind, value);
+    *value = self->now & (INSTANTIATED | INITIALISING) ? self->start_time : kernel_time(self->machine);
+    return KERNEL_OK;
+}
+
+#define DEFINE_GET(function, type, kind)                                                                              \
+    fmi3Status function(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,   \
+                        type values[], size_t nValues) {                                                              \
+        REQUIRE(instance, ALWAYS, #function);                                                                         \
+        if (sizes_differ(self, nValueReferences, nValues)) return fmi3Error;                                          \
+        int worst = KERNEL_OK;                                                                                        \
+        for (size_t i = 0; i < nValues; ++i) {                                                                        \
+            double number = 0.0;                                                                                      \
+            const int status = get(self, valueReferences[i], kind, &number);                                          \
+            values[i] = (type)number;                                                                                 \
+            if (status > worst) worst = status;                                                                       \
+        }                                                                                                             \
+        return (fmi3Status)worst;                                                                                     \
+    }
+
+#define DEFINE_SET(function, type, kind)                                                                              \
+    fmi3Status function(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,   \
+                        const type values[], size_t nValues) {                                                        \
+        REQUIRE(instance, INSTANTIATED | INITIALISING | STEPPING, #function);                                         \
+        if (sizes_differ(self, nValueReferences, nValues)) return fmi3Error;                                          \
+        int worst = KERNEL_OK;                                                                                        \
+        for (size_t i = 0; i < nValues; ++i) {                                                                        \
+            const int status = face_set(self, valueReferences[i], kind, (double)values[i]);                           \
+            if (status > worst) worst = status;                                                                       \
+        }                                                                                                             \
+        return (fmi3Status)worst;                                                                                     \
+    }
+
+DEFINE_GET(fmi3GetFloat64, fmi3Float64, KIND_REAL)
+DEFINE_GET(fmi3GetInt32, fmi3Int32, KIND_INTEGER)
+DEFINE_GET(fmi3GetBoolean, fmi3Boolean, KIND_BOOLEAN)
+DEFINE_SET(fmi3SetFloat64, fmi3Float64, KIND_REAL)
+DEFINE_SET(fmi3SetInt32, fmi3Int32, KIND_INTEGER)
+DEFINE_SET(fmi3SetBoolean, fmi3Boolean, KIND_BOOLEAN)
+
+/* Types that no variable has. */
+#define DEFINE_NONE(name, type)                                                                                       \
+    fmi3Status fmi3Get##name(fmi3Instance instance, const fmi3ValueReference valueReferences[],                       \
+                             size_t nValueReferences, type values[], size_t nValues) {                                \
+        REQUIRE(instance, ALWAYS, "fmi3Get" #name);                                                                   \
+        (void)valueReferences, (void)values, (void)nValues;                                                           \
+        return nValueReferences ? (fmi3Status)face_error(self, "There are no variables of type " #name ".") : fmi3OK; \
+    }                                                                                                                 \
+    fmi3Status fmi3Set##name(fmi3Instance instance, const fmi3ValueReference valueReferences[],                       \
+                             size_t nValueReferences, const type values[], size_t nValues) {                          \
+        REQUIRE(instance, ALWAYS, "fmi3Set" #name);                                                                   \
+        (void)valueReferences, (void)values, (void)nValues;                                                           \
+        return nValueReferences ? (fmi3Status)face_error(self, "There are no variables of type " #name ".") : fmi3OK; \
+    }
+
+DEFINE_NONE(Float32, fmi3Float32)
+DEFINE_NONE(Int8, fmi3Int8)
+DEFINE_NONE(UInt8, fmi3UInt8)
+DEFINE_NONE(Int16, fmi3Int16)
+DEFINE_NONE(UInt16, fmi3UInt16)
+DEFINE_NONE(UInt32, fmi3UInt32)
+DEFINE_NONE(Int64, fmi3Int64)
+DEFINE_NONE(UInt64, fmi3UInt64)
+DEFINE_NONE(String, fmi3String)
+
+/* ---- saved states ---- */
+
+fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState *FMUState) {
+    REQUIRE(instance, ALWAYS, "fmi3GetFMUState");
+    return (fmi3Status)face_save(self, FMUState);
+}
+
+fmi3Status fmi3SetFMUState(fmi3Instance instance, fmi3FMUState FMUState) {
+    REQUIRE(instance, ALWAYS, "fmi3SetFMUState");
+    return (fmi3Status)face_restore(self, FMUState);
+}
+
+fmi3Status fmi3FreeFMUState(fmi3Instance instance, fmi3FMUState *FMUState) {
+    REQUIRE(instance, ALWAYS, "fmi3FreeFMUState");
+    if (FMUState) {
+        free(*FMUState);
+        *FMUState = NULL;
+    }
+    return fmi3OK;
+}
+
+fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState FMUState, size_t *size) {
+    REQUIRE(instance, ALWAYS, "fmi3SerializedFMUStateSize");
+    (void)FMUState;
+    *size = face_saved_size(self);
+    return fmi3OK;
+}
+
+fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState FMUState, fmi3Byte serializedState[],
+                                 size_t size) {
+    REQUIRE(instance, ALWAYS, "fmi3SerializeFMUState");
+    return (fmi3Status)face_serialise(self, FMUState, serializedState, size);
+}
+
+fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte serializedState[], size_t size,
+                                   fmi3FMUState *FMUState) {
+    REQUIRE(instance, ALWAYS, "fmi3DeserializeFMUState");
+    return (fmi3Status)face_deserialise(self, serializedState, size, FMUState);
+}
+
+/* ---- derivatives and steps ---- */
+
+fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[], size_t nUnknowns,
+                                        const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[],
+                                        size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity) {
+    REQUIRE(instance, INITIALISING | STEPPING | STOPPED | TERMINATED, "fmi3GetDirectionalDerivative");
+    if (sizes_differ(self, nUnknowns, nSensitivity) || sizes_differ(self, nKnowns, nSeed)) return fmi3Error;
+    const int status = face_initialise_if_asked(self);
+    if (status > KERNEL_WARNING) return (fmi3Status)status;
+    return (fmi3Status)face_report(
+        self, kernel_get_directional(self->machine, (int)nUnknowns, (const int *)unknowns, (int)nKnowns,
+                                     (const int *)knowns, seed, sensitivity));
+}
+
+fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3ValueReference valueReferences[],
+                                    size_t nValueReferences, const fmi3Int32 orders[], fmi3Float64 values[],
+                                    size_t nValues) {
+    REQUIRE(instance, STEPPING | STOPPED | TERMINATED, "fmi3GetOutputDerivatives");
+    if (sizes_differ(self, nValueReferences, nValues)) return fmi3Error;
+    for (size_t i = 0; i < nValues; ++i)
+        if (orders[i] != 1) return (fmi3Status)face_error(self, "Only first derivatives of outputs are provided.");
+    return (fmi3Status)face_report(
+        self, kernel_get_rates(self->machine, (int)nValues, (const int *)valueReferences, values));
+}
+
+fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoint, fmi3Float64 communicationStepSize,
+                      fmi3Boolean noSetFMUStatePriorToCurrentPoint, fmi3Boolean *eventHandlingNeeded,
+                      fmi3Boolean *terminateSimulation, fmi3Boolean *earlyReturn, fmi3Float64 *lastSuccessfulTime) {
+    REQUIRE(instance, STEPPING | STOPPED, "fmi3DoStep");
+    (void)noSetFMUStatePriorToCurrentPoint;
+    self->last_step = kernel_step(self->machine, currentCommunicationPoint, communicationStepSize);
+    const double end = currentCommunicationPoint + communicationStepSize, time = kernel_time(self->machine);
+    *eventHandlingNeeded = fmi3False;
+    *terminateSimulation = kernel_ended(self->machine) != 0;
+    *lastSuccessfulTime = time;
+    *earlyReturn = self->last_step <= KERNEL_DISCARD && fabs(end - time) > 1e-9 * communicationStepSize;
+    if (self->last_step == KERNEL_DISCARD) self->now = STOPPED;
+    return (fmi3Status)face_report(self, self->last_step);
+}
+
+/* ---- what this FMU does not have ---- */
+
+#define DEFINE_ABSENT(function, what, ...)            \
+    fmi3Status function(fmi3Instance instance, __VA_ARGS__) { \
+        REQUIRE(instance, ALWAYS, #function);         \
+        return (fmi3Status)face_error(self, what);    \
+    }
+#define DEFINE_ABSENT_PLAIN(function, what)        \
+    fmi3Status function(fmi3Instance instance) {   \
+        REQUIRE(instance, ALWAYS, #function);      \
+        return (fmi3Status)face_error(self, what); \
+    }
+
+#pragma GCC diagnostic ignored "-Wunused-parameter"
+static const char NO_MODE[] = "There is no such mode: this FMU has neither events, clocks nor a configuration.";
+static const char NO_CLOCKS[] = "There are no clocks.";
+static const char NO_EXCHANGE[] = "Only co-simulation is supported.";
+
+DEFINE_ABSENT_PLAIN(fmi3EnterEventMode, NO_MODE)
+DEFINE_ABSENT_PLAIN(fmi3EnterConfigurationMode, NO_MODE)
+DEFINE_ABSENT_PLAIN(fmi3ExitConfigurationMode, NO_MODE)
+DEFINE_ABSENT_PLAIN(fmi3EnterStepMode, NO_MODE)
+DEFINE_ABSENT_PLAIN(fmi3EnterContinuousTimeMode, NO_EXCHANGE)
+DEFINE_ABSENT_PLAIN(fmi3EvaluateDiscreteStates, NO_MODE)
+DEFINE_ABSENT(fmi3UpdateDiscreteStates, NO_MODE, fmi3Boolean *a, fmi3Boolean *b, fmi3Boolean *c, fmi3Boolean *d,
+              fmi3Boolean *e, fmi3Float64 *f)
+DEFINE_ABSENT(fmi3GetBinary, "There are no variables of type Binary.", const fmi3ValueReference a[], size_t b,
+              size_t c[], fmi3Binary d[], size_t e)
+DEFINE_ABSENT(fmi3SetBinary, "There are no variables of type Binary.", const fmi3ValueReference a[], size_t b,
+              const size_t c[], const fmi3Binary d[], size_t e)
+DEFINE_ABSENT(fmi3GetClock, NO_CLOCKS, const fmi3ValueReference a[], size_t b, fmi3Clock c[])
+DEFINE_ABSENT(fmi3SetClock, NO_CLOCKS, const fmi3ValueReference a[], size_t b, const fmi3Clock c[])
+DEFINE_ABSENT(fmi3GetIntervalDecimal, NO_CLOCKS, const fmi3ValueReference a[], size_t b, fmi3Float64 c[],
+              fmi3IntervalQualifier d[])
+DEFINE_ABSENT(fmi3GetIntervalFraction, NO_CLOCKS, const fmi3ValueReference a[], size_t b, fmi3UInt64 c[],
+              fmi3UInt64 d[], fmi3IntervalQualifier e[])
+DEFINE_ABSENT(fmi3GetShiftDecimal, NO_CLOCKS, const fmi3ValueReference a[], size_t b, fmi3Float64 c[])
+DEFINE_ABSENT(fmi3GetShiftFraction, NO_CLOCKS, const fmi3ValueReference a[], size_t b, fmi3UInt64 c[], fmi3UInt64 d[])
+DEFINE_ABSENT(fmi3SetIntervalDecimal, NO_CLOCKS, const fmi3ValueReference a[], size_t b, const fmi3Float64 c[])
+DEFINE_ABSENT(fmi3SetIntervalFraction, NO_CLOCKS, const fmi3ValueReference a[], size_t b, const fmi3UInt64 c[],
+              const fmi3UInt64 d[])
+DEFINE_ABSENT(fmi3SetShiftDecimal, NO_CLOCKS, const fmi3ValueReference a[], size_t b, const fmi3Float64 c[])
+DEFINE_ABSENT(fmi3SetShiftFraction, NO_CLOCKS, const fmi3ValueReference a[], size_t b, const fmi3UInt64 c[],
+              const fmi3UInt64 d[])
+DEFINE_ABSENT(fmi3ActivateModelPartition, NO_CLOCKS, fmi3ValueReference a, fmi3Float64 b)
+DEFINE_ABSENT(fmi3GetNumberOfVariableDependencies, "Dependencies are in modelDescription.xml and do not change.",
+              fmi3ValueReference a, size_t *b)
+DEFINE_ABSENT(fmi3GetVariableDependencies, "Dependencies are in modelDescription.xml and do not change.",
+              fmi3ValueReference a, size_t b[], fmi3ValueReference c[], size_t d[], fmi3DependencyKind e[], size_t f)
+DEFINE_ABSENT(fmi3GetAdjointDerivative, "Adjoint derivatives are not provided.", const fmi3ValueReference a[], size_t b,
+              const fmi3ValueReference c[], size_t d, const fmi3Float64 e[], size_t f, fmi3Float64 g[], size_t h)
+DEFINE_ABSENT(fmi3CompletedIntegratorStep, NO_EXCHANGE, fmi3Boolean a, fmi3Boolean *b, fmi3Boolean *c)
+DEFINE_ABSENT(fmi3SetTime, NO_EXCHANGE, fmi3Float64 a)
+DEFINE_ABSENT(fmi3SetContinuousStates, NO_EXCHANGE, const fmi3Float64 a[], size_t b)
+DEFINE_ABSENT(fmi3GetContinuousStateDerivatives, NO_EXCHANGE, fmi3Float64 a[], size_t b)
+DEFINE_ABSENT(fmi3GetEventIndicators, NO_EXCHANGE, fmi3Float64 a[], size_t b)
+DEFINE_ABSENT(fmi3GetContinuousStates, NO_EXCHANGE, fmi3Float64 a[], size_t b)
+DEFINE_ABSENT(fmi3GetNominalsOfContinuousStates, NO_EXCHANGE, fmi3Float64 a[], size_t b)
+DEFINE_ABSENT(fmi3GetNumberOfEventIndicators, NO_EXCHANGE, size_t *a)
+DEFINE_ABSENT(fmi3GetNumberOfContinuousStates, NO_EXCHANGE, size_t *a)

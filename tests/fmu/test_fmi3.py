@@ -1,0 +1,142 @@
+"""The FMI 3.0 face of the same kernel, in FMPy."""
+
+from __future__ import annotations
+
+import shutil
+import zipfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fmpy import extract, read_model_description, simulate_fmu
+from fmpy.fmi1 import FMICallException
+from fmpy.fmi3 import FMU3Slave
+from fmpy.validation import validate_fmu
+
+from build_fmu import MODELS, build_native3
+from fmu_src.native_fmu import PLATFORMS3
+
+
+@contextmanager
+def open_fmi3(path: Path, early: bool = False) -> Iterator[tuple[FMU3Slave, dict[str, int], list[str]]]:
+    """An instance, its value references, and what it says."""
+    about = read_model_description(str(path))
+    folder = extract(str(path))
+    fmu = FMU3Slave(
+        guid=about.guid,
+        unzipDirectory=folder,
+        modelIdentifier=about.coSimulation.modelIdentifier,
+        instanceName="bogie",
+    )
+    said: list[str] = []
+    fmu.instantiate(
+        loggingOn=True, earlyReturnAllowed=early, logMessage=lambda env, status, kind, text: said.append(text.decode())
+    )
+    yield fmu, {v.name: v.valueReference for v in about.modelVariables}, said
+    fmu.freeInstance()
+    shutil.rmtree(folder)
+
+
+def begin(fmu: FMU3Slave, refs: dict[str, int], level: int, **values: float) -> None:
+    fmu.setInt32([refs["level"]], [level])
+    for name, value in values.items():
+        fmu.setFloat64([refs[name]], [value])
+    fmu.enterInitializationMode()
+    fmu.exitInitializationMode()
+
+
+@pytest.mark.parametrize("name", list(MODELS))
+def test_fmpy_finds_no_problem(fmus: dict, name: str) -> None:
+    assert validate_fmu(str(fmus[name, "fmi3"])) == []
+    about = read_model_description(str(fmus[name, "fmi3"]))
+    assert about.fmiVersion == "3.0"
+    assert {v.name for v in about.modelVariables} == {v.name for v in MODELS[name]().variables} | {"time"}
+
+
+@pytest.mark.parametrize("name", ["bogie", "brake"])
+def test_both_standards_give_the_same_numbers(fmus: dict, name: str) -> None:
+    values = {"bogie": {"brake_torque_1": 60e3, "initial_speed": 20.0}, "brake": {"pressure_demand": 1.5e5}}[name]
+    outputs = {"bogie": ["speed", "rotation_1"], "brake": ["cylinder_pressure", "brake_torque"]}[name]
+    tables = [
+        simulate_fmu(str(fmus[name, kind]), stop_time=2.0, step_size=0.01, start_values=values, output=outputs)
+        for kind in ("native", "fmi3")
+    ]
+    for output in outputs:
+        assert np.abs(tables[0][output][-1] - tables[1][output][-1]) <= 1e-12 * np.abs(tables[0][output][-1])
+
+
+def test_step_returns_early_where_a_wheelset_locks(fmus: dict) -> None:
+    with open_fmi3(fmus["bogie", "fmi3"], early=True) as (fmu, refs, said):
+        begin(fmu, refs, 2, brake_torque_1=60e3)
+        _, ended, early, time = fmu.doStep(0.0, 5.0)
+        assert early
+        assert not ended
+        assert 0.3 < time < 0.7
+        assert fmu.getBoolean([refs["locked_1"]]) == [True]
+        assert fmu.getFloat64([refs["time"]]) == [time]
+        assert any(line.startswith("Wheelset 1 locked at 0.") for line in said)
+        *_, early, after = fmu.doStep(time, 0.5)
+        assert not early
+        assert after == pytest.approx(time + 0.5)
+
+
+def test_step_goes_on_where_no_early_return_is_allowed(fmus: dict) -> None:
+    with open_fmi3(fmus["bogie", "fmi3"]) as (fmu, refs, _):
+        begin(fmu, refs, 2, brake_torque_1=60e3)
+        assert fmu.doStep(0.0, 5.0)[1:] == (False, False, 5.0)
+
+
+def test_derailment_ends_the_simulation_with_its_sentence(fmus: dict) -> None:
+    with open_fmi3(fmus["bogie", "fmi3"], early=True) as (fmu, refs, said):
+        fmu.setInt32([refs["wheel_lift_ends"], refs["constant_speed"]], [0, 1])
+        begin(fmu, refs, 3, initial_speed=10.0, flange_stiffness=1e6, yaw_torque_1=1.8e5)
+        with pytest.raises(FMICallException):
+            fmu.doStep(0.0, 20.0)
+        assert any("lost its tread contact" in line for line in said)
+        assert fmu.getBoolean([refs["derailed"]]) == [True]
+
+
+def test_saved_state_and_derivatives(fmus: dict) -> None:
+    with open_fmi3(fmus["bogie", "fmi3"]) as (fmu, refs, _):
+        begin(fmu, refs, 3, brake_torque_1=2e4)
+        fmu.doStep(0.0, 0.5)
+        state, found = fmu.getFMUState(), []
+        for _ in range(2):
+            fmu.setFMUState(state)
+            fmu.doStep(0.5, 0.5)
+            found.append(fmu.getFloat64([refs["speed"], refs["rotation_1"]]))
+        assert found[0] == found[1]
+        fmu.freeFMUState(state)
+        [rate] = fmu.getOutputDerivatives([refs["speed"]], [1])
+        assert rate == pytest.approx(fmu.getFloat64([refs["acceleration"]])[0], rel=1e-9)
+
+
+def test_wrong_type_and_bad_value_are_refused_with_sentences(fmus: dict) -> None:
+    with open_fmi3(fmus["bogie", "fmi3"]) as (fmu, refs, said):
+        for call in (
+            lambda: fmu.getFloat64([refs["level"]]),
+            lambda: fmu.setFloat64([refs["wheelset_mass"]], [-1.0]),
+            lambda: fmu.doStep(0.0, 0.1),
+            lambda: fmu.setFloat64([refs["speed"]], [1.0]),
+        ):
+            with pytest.raises(FMICallException):
+                call()
+        assert "is not a variable of type Real" in said[0]
+        assert "Set wheelset_mass to at least" in said[1]
+        assert "see the state machine of FMI 3.0" in said[2]
+        assert "speed is an output" in said[3]
+
+
+def test_one_archive_for_all_platforms_and_sources_that_are_listed(tmp_path: Path) -> None:
+    build_native3(MODELS["brake"](), tmp_path / "all.fmu", all_platforms=True)
+    with zipfile.ZipFile(tmp_path / "all.fmu") as archive:
+        names = archive.namelist()
+        for platform, (_, suffix) in PLATFORMS3.items():
+            assert f"binaries/{platform}/BrakeCylinder{suffix}" in names
+        text = archive.read("sources/buildDescription.xml").decode()
+        for part in text.split('<SourceFile name="')[1:]:
+            assert f"sources/{part.split(chr(34))[0]}" in names
+        assert "terminalsAndIcons/icon.png" in names
+    assert validate_fmu(str(tmp_path / "all.fmu")) == []
