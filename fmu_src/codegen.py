@@ -14,7 +14,7 @@ from pathlib import Path
 import casadi as ca
 
 from fmu_src.model_description import model_description
-from fmu_src.system import Model, System
+from fmu_src.system import Model, System, state_variable
 
 RUNTIME = Path(__file__).parent / "runtime"
 RUNTIME_SOURCES = ("kernel.c", "rosenbrock.c", "modes.c", "piecewise.c", "face.c", "fmi2.c", "fmi3.c")
@@ -184,6 +184,8 @@ def _system_arrays(model: Model, system: System) -> Iterable[str]:
         ("output", outputs),
     ):
         yield _array("int", f"{prefix}_{suffix}_variable", [str(model.index(name)) for name in names])
+    shown = [-1 if s.algebraic else model.index(state_variable(s.name)) for s in system.states.values()]
+    yield _array("int", f"{prefix}_state_variable", map(str, shown))
     yield _array("double", f"{prefix}_nominal", [_number(state.nominal) for state in system.states.values()])
     solving = elimination(system)
     yield _array("int", f"{prefix}_order", map(str, solving.order))
@@ -246,6 +248,7 @@ def _system_entry(system: System, made: dict[str, ca.Function]) -> str:
         ("input_variable", "inputs"),
         ("parameter_variable", "parameters"),
         ("output_variable", "outputs"),
+        ("state_variable", "states"),
         ("nominal", "states"),
         ("order", "states"),
         ("jacobian_place", "nonzeros"),

@@ -226,7 +226,7 @@ class Kernel:
         return list(found)
 
     def directional(self, outputs: Sequence[str], change: Mapping[str, float]) -> list[float]:
-        """Derivatives of outputs along a change of inputs, the states held."""
+        """Derivatives of outputs along a change of inputs and states (`state_NAME`); the other states are held."""
         found, values = (ctypes.c_double * len(outputs))(), (ctypes.c_double * len(change))(*change.values())
         self._check(
             self._call.kernel_get_directional(

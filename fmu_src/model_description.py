@@ -140,7 +140,7 @@ def _variable(parent: ET.Element, reference: int, variable: Variable) -> None:
         attributes |= {"variability": "fixed", "initial": "exact"}
     else:
         attributes["variability"] = "discrete" if discrete else "continuous"
-    if variable.causality == "output":
+    if variable.causality in ("output", "local"):
         attributes["initial"] = "calculated"
     element = ET.SubElement(parent, "ScalarVariable", attributes)
     of_type: dict[str, str] = {}
@@ -153,7 +153,7 @@ def _variable(parent: ET.Element, reference: int, variable: Variable) -> None:
     for name, limit in (("min", variable.minimum), ("max", variable.maximum)):
         if math.isfinite(limit) and variable.kind != "boolean":
             of_type[name] = number_text(variable, limit)
-    if variable.causality != "output":
+    if variable.causality not in ("output", "local"):
         of_type["start"] = number_text(variable, variable.start)
     ET.SubElement(element, TYPES[variable.kind], of_type)
 
@@ -167,6 +167,8 @@ def variable_table(model: Model) -> str:
     """The variables as a Markdown table, for people."""
     lines = [f"| {model.name} | causality | unit | start | meaning |", "|---|---|---|---|---|"]
     for v in model.variables:
+        if v.causality == "local":
+            continue  # the states; they follow from the equations and are on the page inside the FMU
         start = "" if v.causality == "output" else f"{v.start:g}"
         lines.append(f"| `{v.name}` | {v.causality} | {v.unit} | {start} | {v.description} |")
     return "\n".join(lines) + "\n"

@@ -61,7 +61,7 @@ def _attributes(reference: int, variable: Variable) -> dict[str, str]:
         found["variability"] = "fixed"
     else:
         found["variability"] = "continuous" if real else "discrete"
-    if variable.causality == "output":
+    if variable.causality in ("output", "local"):
         found["initial"] = "calculated"
     if real:
         found["unit"] = variable.unit
@@ -73,7 +73,7 @@ def _attributes(reference: int, variable: Variable) -> dict[str, str]:
         for name, limit in (("min", variable.minimum), ("max", variable.maximum)):
             if math.isfinite(limit):
                 found[name] = number_text(variable, limit)
-    if variable.causality != "output":
+    if variable.causality not in ("output", "local"):
         found["start"] = number_text(variable, variable.start)
     return found
 

@@ -122,7 +122,7 @@ def documentation(model: Model) -> str:
     """A page about the FMU: what it is, and its variables."""
     rows = []
     for v in model.variables:
-        start = "" if v.causality == "output" else f"{v.start:g}"
+        start = "" if v.causality in ("output", "local") else f"{v.start:g}"
         cells = (f"<code>{v.name}</code>", v.causality, html.escape(v.unit), start, html.escape(v.description))
         rows.append("<tr>" + "".join(f"<td>{cell}</td>" for cell in cells) + "</tr>")
     heads = "".join(f"<th>{head}</th>" for head in ("name", "causality", "unit", "start", "meaning"))

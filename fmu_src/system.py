@@ -16,7 +16,7 @@ import casadi as ca
 import numpy as np
 
 Kind = Literal["real", "integer", "boolean"]
-Causality = Literal["parameter", "input", "output"]
+Causality = Literal["parameter", "input", "output", "local"]
 
 #: Arguments of every generated function, in the order of the C runtime (kernel.h).
 ARGUMENTS = ("time", "states", "inputs", "input_rates", "parameters", "derived", "modes", "tables")
@@ -333,6 +333,11 @@ def tolerance_variable(default: float) -> Variable:
     )
 
 
+def state_variable(state: str) -> str:
+    """Name of the local variable that shows a state."""
+    return f"state_{state}"
+
+
 @dataclass(frozen=True)
 class Model:
     """What becomes one FMU: its table of variables and the systems that serve it.
@@ -350,6 +355,7 @@ class Model:
     stop_time: float = 10.0
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "variables", (*self.variables, *self._state_variables()))
         names = [variable.name for variable in self.variables]
         repeated = sorted({name for name in names if names.count(name) > 1})
         if repeated:
@@ -360,6 +366,17 @@ class Model:
                     raise ValueError(f"Model {self.name}: {variable.name} of {system.name} differs from the table.")
         if "tolerance" not in names:
             raise ValueError(f"Model {self.name}: add tolerance_variable(...) to the table.")
+
+    def _state_variables(self) -> list[Variable]:
+        """The states that have a derivative, as local variables: hosts may read them and differentiate by them."""
+        found: dict[str, Variable] = {}
+        known = {variable.name for variable in self.variables}
+        for system in self.systems:
+            for state in system.states.values():
+                if not state.algebraic and state_variable(state.name) not in known:
+                    name, text = state_variable(state.name), f"State {state.name} of the equations"
+                    found[name] = Variable(name, "local", state.unit, text)
+        return list(found.values())
 
     def index(self, name: str) -> int:
         """Value reference of a variable."""

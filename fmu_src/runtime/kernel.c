@@ -192,6 +192,8 @@ static void compute_outputs(kernel *self, double offset, const double *state) {
     const system_description *system = self->system;
     kernel_evaluate(self, system->output, offset, state, self->output, NULL);
     for (int i = 0; i < system->outputs; ++i) self->value[system->output_variable[i]] = self->output[i];
+    for (int i = 0; i < system->states; ++i)
+        if (system->state_variable[i] >= 0) self->value[system->state_variable[i]] = state[i];
 }
 
 /* First output that is not a finite number, or null. */
@@ -252,8 +254,9 @@ int kernel_set(kernel *self, int variable, double value) {
     int status = check_reference(self, variable);
     if (status != KERNEL_OK) return status;
     const variable_description *description = &MODEL.variable[variable];
-    if (description->causality == CAUSALITY_OUTPUT)
-        return kernel_fail(self, KERNEL_ERROR, "%s is an output and cannot be set; read it instead.", description->name);
+    if (description->causality >= CAUSALITY_OUTPUT)
+        return kernel_fail(self, KERNEL_ERROR, "%s is %s and cannot be set; read it instead.", description->name,
+                           description->causality == CAUSALITY_OUTPUT ? "an output" : "a state");
     if (description->causality == CAUSALITY_PARAMETER && self->system)
         return kernel_fail(self, KERNEL_ERROR, "%s is a parameter and fixed once the run has begun; reset first.",
                            description->name);
@@ -290,7 +293,7 @@ int kernel_set_rate(kernel *self, int variable, double rate) {
 int kernel_get(kernel *self, int variable, double *value) {
     int status = check_reference(self, variable);
     if (status != KERNEL_OK) return status;
-    if (self->now.outputs_stale && self->system && MODEL.variable[variable].causality == CAUSALITY_OUTPUT) {
+    if (self->now.outputs_stale && self->system && MODEL.variable[variable].causality >= CAUSALITY_OUTPUT) {
         gather_inputs(self);
         self->step_origin = self->now.time;
         compute_outputs(self, 0.0, self->state);
@@ -340,9 +343,11 @@ static int pick_derivatives(kernel *self, int count, const int *variable, double
         const int status = check_reference(self, variable[i]);
         if (status != KERNEL_OK) return status;
         const variable_description *description = &MODEL.variable[variable[i]];
-        if (description->causality != CAUSALITY_OUTPUT || description->kind != KIND_REAL)
+        if (description->causality < CAUSALITY_OUTPUT || description->kind != KIND_REAL)
             return kernel_fail(self, KERNEL_ERROR, "Only real outputs have derivatives; %s is none.", description->name);
         result[i] = 0.0;
+        for (int j = 0; j < self->system->states; ++j)
+            if (self->system->state_variable[j] == variable[i]) result[i] = self->seed[1 + j];
         for (int j = 0; j < self->system->outputs; ++j)
             if (self->system->output_variable[j] == variable[i]) result[i] = self->output_rate[j];
     }
@@ -370,9 +375,12 @@ int kernel_get_directional(kernel *self, int unknowns, const int *unknown, int k
         status = check_reference(self, known[i]);
         if (status != KERNEL_OK) return status;
         const variable_description *description = &MODEL.variable[known[i]];
-        if (description->causality != CAUSALITY_INPUT || description->kind != KIND_REAL)
-            return kernel_fail(self, KERNEL_ERROR, "Derivatives are taken by real inputs; %s is none.",
+        const int taken = description->causality == CAUSALITY_INPUT || description->causality == CAUSALITY_LOCAL;
+        if (!taken || description->kind != KIND_REAL)
+            return kernel_fail(self, KERNEL_ERROR, "Derivatives are taken by real inputs and states; %s is none.",
                                description->name);
+        for (int j = 0; j < system->states; ++j)
+            if (system->state_variable[j] == known[i]) self->seed[1 + j] += change[i];
         for (int j = 0; j < system->inputs; ++j)
             if (system->input_variable[j] == known[i]) self->seed[1 + system->states + j] += change[i];
     }

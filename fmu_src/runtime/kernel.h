@@ -34,7 +34,7 @@ typedef int (*generated_function)(const double **argument, double **result, long
                                   int memory);
 
 enum { KIND_REAL, KIND_INTEGER, KIND_BOOLEAN };
-enum { CAUSALITY_PARAMETER, CAUSALITY_INPUT, CAUSALITY_OUTPUT };
+enum { CAUSALITY_PARAMETER, CAUSALITY_INPUT, CAUSALITY_OUTPUT, CAUSALITY_LOCAL }; /* the last: a state */
 
 typedef struct {
     const char *name;
@@ -65,6 +65,7 @@ typedef struct {
     int tables, table_ranks, table_coefficients;
     int ends, conditions; /* the conditions that end a run, and with those that only warn */
     const int *input_variable, *parameter_variable, *output_variable; /* indices into the model's variables */
+    const int *state_variable;                                        /* the same; -1: an algebraic state */
     const double *nominal;                                            /* scale of each state, for the error control */
     const int *order; /* of elimination: entry i is the state that comes i-th in the linear equations */
     const int *jacobian_place; /* of each nonzero of the Jacobian in a matrix of that order, stored by columns */
@@ -145,7 +146,7 @@ KERNEL_EXPORT int kernel_set_rate(kernel *self, int variable, double rate);
 KERNEL_EXPORT int kernel_get(kernel *self, int variable, double *value);
 /* First derivatives of outputs by time at the end of the last step, the inputs going on as they did within it. */
 KERNEL_EXPORT int kernel_get_rates(kernel *self, int count, const int *variable, double *rate);
-/* Derivatives of outputs along a change of inputs, the states held. */
+/* Derivatives of outputs along a change of inputs and states; states that are not named are held. */
 KERNEL_EXPORT int kernel_get_directional(kernel *self, int unknowns, const int *unknown, int knowns, const int *known,
                                          const double *change, double *result);
 KERNEL_EXPORT int kernel_initialise(kernel *self, double time);

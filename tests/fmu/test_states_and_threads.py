@@ -150,10 +150,27 @@ def test_directional_derivatives_are_those_of_differences(bogie: Library, level:
     differences = (np.array(shifted[0]) - np.array(shifted[1])) / (2 * size)
     assert found == pytest.approx(list(differences), rel=1e-5, abs=1e-6)
     assert abs(found[0]) > 0.0
-    with pytest.raises(KernelError, match="Derivatives are taken by real inputs; level is none"):
+    with pytest.raises(KernelError, match="Derivatives are taken by real inputs and states; level is none"):
         kernel.directional(["speed"], {"level": 1.0})
     with pytest.raises(KernelError, match="Only real outputs have derivatives; locked_1 is none"):
         kernel.rates(["locked_1"])
+
+
+@pytest.mark.parametrize("level", [2, 3])
+def test_derivatives_by_states_are_those_of_the_linearisation(bogie: Library, level: int) -> None:
+    """Speed is the mean of the axles' states; the acceleration's share of a state is a row of the exact Jacobian."""
+    kernel = Kernel(bogie, level=level, brake_torque_1=1e4)
+    kernel.advance(1.0)
+    assert kernel.directional(["speed"], {"state_frame_speed": 1.0}) == pytest.approx([1.0])
+    assert kernel["state_angular_velocity_1"] == kernel["angular_velocity_1"]
+    assert kernel.rates(["state_frame_distance"]) == pytest.approx([kernel["state_frame_speed"]])
+    found = kernel.directional(["creep_force_1"], {"state_angular_velocity_1": 1.0})
+    before, saved = kernel["creep_force_1"], kernel.save()
+    assert abs(found[0]) > 1e5  # N.s: a creep law is stiff
+    assert kernel.save() == saved
+    assert kernel["creep_force_1"] == before
+    with pytest.raises(KernelError, match="state_frame_speed is a state and cannot be set"):
+        kernel.set(state_frame_speed=1.0)
 
 
 def library_in(fmu: Path, folder: Path) -> Path:
