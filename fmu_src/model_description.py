@@ -97,17 +97,22 @@ def model_description(model: Model, guid: str, native: bool = True, source_files
         for name in source_files:
             ET.SubElement(files, "File", name=name)
     add_units(root, model.variables)
-    categories = ET.SubElement(root, "LogCategories")
-    for name, description in LOG_CATEGORIES.items():
-        ET.SubElement(categories, "Category", name=name, description=description)
-    experiment = {"startTime": "0.0", "stopTime": repr(model.stop_time), "stepSize": repr(model.step_size)}
-    ET.SubElement(root, "DefaultExperiment", experiment)
+    add_categories_and_experiment(root, model)
     variables = ET.SubElement(root, "ModelVariables")
     for reference, variable in enumerate(model.variables):
         _variable(variables, reference, variable)
     _structure(root, model)
     ET.indent(root)
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
+
+
+def add_categories_and_experiment(root: ET.Element, model: Model) -> None:
+    """Log categories and default experiment; those of FMI 2.0 and 3.0 are the same."""
+    categories = ET.SubElement(root, "LogCategories")
+    for name, description in LOG_CATEGORIES.items():
+        ET.SubElement(categories, "Category", name=name, description=description)
+    experiment = {"startTime": "0.0", "stopTime": repr(model.stop_time), "stepSize": repr(model.step_size)}
+    ET.SubElement(root, "DefaultExperiment", experiment)
 
 
 def add_units(root: ET.Element, variables: Iterable[Variable]) -> None:

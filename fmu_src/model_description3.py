@@ -6,7 +6,13 @@ import math
 import xml.etree.ElementTree as ET
 
 from fmu_src import __version__
-from fmu_src.model_description import LOG_CATEGORIES, NOMINAL, add_units, number_text, reached_inputs
+from fmu_src.model_description import (
+    NOMINAL,
+    add_categories_and_experiment,
+    add_units,
+    number_text,
+    reached_inputs,
+)
 from fmu_src.system import Model, Variable
 
 TIME = Variable("time", "output", "s", "Simulation time")
@@ -37,11 +43,7 @@ def model_description3(model: Model, token: str) -> str:
         maxOutputDerivativeOrder="1",
     )
     add_units(root, (*model.variables, TIME))
-    categories = ET.SubElement(root, "LogCategories")
-    for name, description in LOG_CATEGORIES.items():
-        ET.SubElement(categories, "Category", name=name, description=description)
-    experiment = {"startTime": "0.0", "stopTime": repr(model.stop_time), "stepSize": repr(model.step_size)}
-    ET.SubElement(root, "DefaultExperiment", experiment)
+    add_categories_and_experiment(root, model)
     variables = ET.SubElement(root, "ModelVariables")
     for reference, variable in enumerate(model.variables):
         ET.SubElement(variables, TYPES[variable.kind], _attributes(reference, variable))

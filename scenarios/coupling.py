@@ -120,8 +120,7 @@ class Coupling:
             flows = {bond: bond[1][0][bond[1][1]] for bond in self.bonds}
             states = [] if tolerance is None else [slave.save() for slave in self.slaves]
             try:
-                lines = self.advance(time, size)
-                error = self.error_of(lines) / tolerance if tolerance else 0.0
+                lines, error = self._try(time, size)
                 order = 2.0 if self.master.extrapolated else 1.0
                 factor = SAFETY * error ** (-1.0 / order) if error > 0.0 else GROW
                 proposed = size * min(GROW, max(SHRINK, factor))
@@ -140,6 +139,20 @@ class Coupling:
             finally:
                 for slave, state in zip(self.slaves, states, strict=False):
                     slave.forget(state)
+
+    def _try(self, time: float, size: float) -> tuple[dict[Connection, tuple[float, float, float, float]], float]:
+        """A macro step and its error in units of the tolerance; infinite where a slave refused a step too long.
+
+        A line may, for example, lead a capacity below zero.
+        """
+        tolerance = self.master.tolerance
+        try:
+            lines = self.advance(time, size)
+        except CosimulationError:
+            if tolerance is None or size <= SMALLEST:
+                raise
+            return {}, math.inf
+        return lines, self.error_of(lines) / tolerance if tolerance else 0.0
 
     def _book(
         self, size: float, lines: Mapping[Connection, tuple[float, float, float, float]], flows: Mapping[Bond, float]

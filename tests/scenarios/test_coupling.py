@@ -99,6 +99,20 @@ def test_no_step_crosses_a_given_instant(fmus: dict) -> None:
     assert times[-1] == SECONDS
 
 
+def test_line_that_leads_below_zero_shortens_the_step(fmus: dict) -> None:
+    """The brake is released: its torque falls, and held on its line over a long step it would be negative."""
+    with train(fmus) as (brake, bogie, connections):
+        coupling = Coupling([bogie, brake], connections, Master(JACOBI, True, 10.0))
+
+        def drive(time: float) -> None:
+            brake.set(pressure_demand=150e3 if time < 2.0 else 0.0)
+
+        for _ in coupling.run(8.0, 0.5, drive, [2.0]):
+            assert brake["brake_torque"] >= 0.0
+        assert coupling.account.repeated > 0
+        assert brake["brake_torque"] < 50.0
+
+
 def test_fmu_that_cannot_save_its_state_is_refused_with_a_sentence(fmus: dict) -> None:
     with train(fmus, "python") as (brake, bogie, connections):
         coupling = Coupling([brake, bogie], connections, Master(tolerance=1e-3))
