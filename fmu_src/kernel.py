@@ -58,6 +58,10 @@ _SIGNATURES = {
             *[ctypes.POINTER(ctypes.c_double)] * 2,
         ],
     ),
+    "kernel_slopes_at": (
+        ctypes.c_int,
+        [ctypes.c_void_p, ctypes.c_double, *[ctypes.POINTER(ctypes.c_double)] * 3],
+    ),
     "kernel_variable_count": (ctypes.c_int, []),
     "kernel_variable_name": (ctypes.c_char_p, [ctypes.c_int]),
     "kernel_repeat_right_hand_side": (ctypes.c_int, [ctypes.c_void_p, ctypes.c_longlong]),
@@ -218,6 +222,24 @@ class Kernel:
         self._check(self._call.kernel_linearise(self._handle, state, slope, jacobian))
         rows = [jacobian[row * count : (row + 1) * count] for row in range(count)]
         return Linearisation(list(state), list(slope), rows)
+
+    def slopes_at(self, time: float, place: Sequence[float]) -> list[float]:
+        """Slopes of the differential states at a time and place, the algebraic ones solved for; moves the state there.
+
+        `place` and the result have the order of the system's states without the algebraic ones. Inputs and modes stay.
+        """
+        count = len(place)
+        given, slope = (ctypes.c_double * count)(*place), (ctypes.c_double * count)()
+        self._check(self._call.kernel_slopes_at(self._handle, time, given, slope, None))
+        return list(slope)
+
+    def jacobian_at(self, time: float, place: Sequence[float]) -> list[list[float]]:
+        """Derivatives of `slopes_at` by `place`, by rows; exact."""
+        count = len(place)
+        given, slope = (ctypes.c_double * count)(*place), (ctypes.c_double * count)()
+        jacobian = (ctypes.c_double * (count * count))()
+        self._check(self._call.kernel_slopes_at(self._handle, time, given, slope, jacobian))
+        return [jacobian[row * count : (row + 1) * count] for row in range(count)]
 
     def rates(self, names: Sequence[str]) -> list[float]:
         """First derivatives of outputs by time, the inputs going on as they did within the last step."""

@@ -669,6 +669,44 @@ int kernel_linearise(kernel *self, double *state, double *slope, double *jacobia
     return KERNEL_OK;
 }
 
+/* Jacobian of the differential states when the algebraic ones follow: J_dd - J_da J_aa^-1 J_ad, column by column. */
+static int reduced_jacobian(kernel *self, double *jacobian) {
+    const system_description *system = self->system;
+    const int n = system->states, m = n - system->algebraics;
+    double *follow = self->stage[0];
+    for (int j = 0, column = 0; j < n; ++j) {
+        if (self->differential[j] == 0.0) continue;
+        const double *entry = self->jacobian + self->place[j] * n;
+        for (int i = 0; i < system->algebraics; ++i) follow[i] = entry[self->place[system->algebraic[i]]];
+        if (system->algebraics && !rosenbrock_solve_algebraic(self, follow)) return 0;
+        for (int i = 0, row = 0; i < n; ++i) {
+            if (self->differential[i] == 0.0) continue;
+            double value = entry[self->place[i]];
+            for (int k = 0; k < system->algebraics; ++k)
+                value -= self->jacobian[self->place[system->algebraic[k]] * n + self->place[i]] * follow[k];
+            jacobian[row++ * m + column] = value;
+        }
+        ++column;
+    }
+    return 1;
+}
+
+int kernel_slopes_at(kernel *self, double time, const double *place, double *slope, double *jacobian) {
+    if (!self->system) return kernel_fail(self, KERNEL_ERROR, "Initialise %s before its equations.", MODEL.name);
+    const int n = self->system->states;
+    for (int i = 0, k = 0; i < n; ++i)
+        if (self->differential[i] != 0.0) self->state[i] = place[k++];
+    self->step_origin = time;
+    gather_inputs(self);
+    rosenbrock_linearise(self, 0.0);
+    if (!rosenbrock_make_consistent(self, 0.0, 0.0) || (jacobian && !reduced_jacobian(self, jacobian)))
+        return kernel_fail(self, KERNEL_ERROR, "The algebraic equations have no solution near t = %.9g s.", time);
+    for (int i = 0, k = 0; i < n; ++i)
+        if (self->differential[i] != 0.0) slope[k++] = self->slope[i];
+    self->now.outputs_stale = 1;
+    return KERNEL_OK;
+}
+
 int kernel_repeat_right_hand_side(kernel *self, long long int repeat) {
     if (!self->system) return KERNEL_ERROR;
     gather_inputs(self);

@@ -169,6 +169,10 @@ KERNEL_EXPORT const char *kernel_variable_name(int variable);
 KERNEL_EXPORT int kernel_state_count(const kernel *self);
 /* State, right-hand side (n values each) and Jacobian (n x n, by rows), once the algebraic states are consistent. */
 KERNEL_EXPORT int kernel_linearise(kernel *self, double *state, double *slope, double *jacobian);
+/* The equations for methods that know no algebraic states: slopes of the differential states (m values) at a time and
+ * place, the algebraic ones solved for, inputs and modes as they are; and their Jacobian (m x m, by rows) unless null.
+ * Moves the kernel's state there. */
+KERNEL_EXPORT int kernel_slopes_at(kernel *self, double time, const double *place, double *slope, double *jacobian);
 /* For benchmarks: call the right-hand side, the Jacobian or the step function `repeat` times at the present state. */
 KERNEL_EXPORT int kernel_repeat_right_hand_side(kernel *self, long long int repeat);
 KERNEL_EXPORT int kernel_repeat_jacobian(kernel *self, long long int repeat);

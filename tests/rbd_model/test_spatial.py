@@ -9,11 +9,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from fmu_src.codegen import functions
 from fmu_src.compile import build_library
 from fmu_src.kernel import DISCARD, Kernel, KernelError, Library
-from fmu_src.system import System, Table, model_of
-from rbd_model.bogie import bogie_dynamics, smallest_level, wheelset_in_frame
+from fmu_src.system import model_of
+from rbd_model.bogie import bogie_dynamics, levels, smallest_level, wheelset_in_frame
 from rbd_model.contact import ellipse_fit, ellipse_shape, moving_ellipse
 from rbd_model.contact_geometry import thesis_pair
 from rbd_model.linear import critical_speed, oscillations
@@ -107,18 +106,21 @@ STOP_TIME_BAND, STOP_DISTANCE_BAND = 1e-3, 10e-3
 
 def test_stop_is_that_of_another_method(bogie: Library) -> None:
     """20 kN.m from 25 m/s to where both wheelsets stand, by SciPy's Radau, 100 times tighter than these bands."""
-    system = spatial_bogie(tables_5_1_and_5_2(), thesis_pair(), irregular_track(section_5_3()))
-    reference = Eliminated(system, brake_torque_1=20e3, brake_torque_2=20e3)
-    positions = {name: number for number, name in enumerate(reference.names)}
-    wheels = [positions[f"angular_velocity_{number}"] for number in (1, 2)]
+    system = levels(tables_5_1_and_5_2())[2]
+    names = [name for name, state in system.states.items() if not state.algebraic]
+    peer = spatial(bogie, brake_torque_1=20e3, brake_torque_2=20e3)
+    peer.initialise()
+    differential = np.array([not state.algebraic for state in system.states.values()])
+    start = np.array(peer.linearise().state)[differential]
+    wheels = [names.index(f"angular_velocity_{number}") for number in (1, 2)]
 
     def turning(time: float, y: np.ndarray) -> float:
         return float(y[wheels].min())
 
     turning.terminal = True  # type: ignore[attr-defined]
     found = solve_ivp(
-        *(reference.slope, (0.0, 22.9), reference.start, "Radau"),
-        jac=reference.jacobian,
+        *(peer.slopes_at, (0.0, 22.9), start, "Radau"),
+        jac=lambda time, y: np.array(peer.jacobian_at(time, y)),
         events=turning,
         rtol=1e-8,
         atol=1e-10,
@@ -128,68 +130,25 @@ def test_stop_is_that_of_another_method(bogie: Library) -> None:
     locked = int(np.argmax(table["locked_1"]))
     assert found.t[-1] > 16.0
     assert table["time"][locked] == pytest.approx(found.t[-1], abs=STOP_TIME_BAND)
-    moved = found.y[positions["frame_distance"], -1] + found.y[positions["shift_1"], -1] / 2
-    moved += found.y[positions["shift_2"], -1] / 2
+    end = dict(zip(names, found.y[:, -1], strict=True))
+    moved = end["frame_distance"] + (end["shift_1"] + end["shift_2"]) / 2
     assert table["distance"][locked] == pytest.approx(moved, abs=STOP_DISTANCE_BAND)
     assert kernel["distance"] == pytest.approx(moved, abs=STOP_DISTANCE_BAND)  # it stands
 
 
-class Eliminated:
-    """The equations of a System while all wheels turn, algebraic states eliminated, for methods that know no others.
-
-    On straight track with equal loads no contact leaves its piece of the profile, so that the tables are constant.
-    """
-
-    def __init__(self, system: System, **inputs: float) -> None:
-        self.made = functions(system)
-        self.algebraic = np.array([state.algebraic for state in system.states.values()])
-        self.names = [name for name, state in system.states.items() if not state.algebraic]
-        self.pattern = ca.jacobian(system.ode, system.arguments[1]).sparsity()
-        start = {v.name: v.start for v in system.variables} | inputs
-        self.arguments = [ca.DM.zeros(*self.made["ode"].size_in(i)) for i in range(8)]
-        self.arguments[2] = ca.vertcat(*[start[name] for name in system.input_symbols])
-        self.arguments[4] = ca.vertcat(*[start[name] for name in system.parameter_symbols])
-        self.arguments[6] = ca.DM.ones(len(system.frictions))
-        states = np.array(self.made["start"](*self.arguments)).ravel()
-        self.solution = states[self.algebraic]
-        # All tables at the centred contact: the irregularity is 0 there, wheel and rail at their own origins.
-        self.arguments[7] = ca.vertcat(*[piece_at_zero(table) for table in system.tables])
-        self.start = states[~self.algebraic]
-
-    def _at(self, time: float, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Slopes and Jacobian of all states where Newton's method has solved for the algebraic ones."""
-        for _ in range(20):
-            states = np.empty(self.algebraic.size)
-            states[~self.algebraic], states[self.algebraic] = y, self.solution
-            arguments = [ca.DM(time), ca.DM(states), *self.arguments[2:]]
-            slope = np.array(self.made["ode"](*arguments)).ravel()
-            jacobian = np.array(ca.DM(self.pattern, self.made["jacobian"](*arguments)[0]))
-            own = jacobian[np.ix_(self.algebraic, self.algebraic)]
-            change = np.linalg.solve(own, slope[self.algebraic])
-            if np.abs(change / np.maximum(np.abs(self.solution), 1.0)).max() < 1e-12:
-                return slope, jacobian
-            self.solution = self.solution - change
-        raise AssertionError(f"The algebraic states have no solution at {time} s.")
-
-    def slope(self, time: float, y: np.ndarray) -> np.ndarray:
-        return self._at(time, y)[0][~self.algebraic]
-
-    def jacobian(self, time: float, y: np.ndarray) -> np.ndarray:
-        """By the implicit-function theorem."""
-        _, jacobian = self._at(time, y)
-        d, a = ~self.algebraic, self.algebraic
-        implied = np.linalg.solve(jacobian[np.ix_(a, a)], jacobian[np.ix_(a, d)])
-        return np.asarray(jacobian[np.ix_(d, d)] - jacobian[np.ix_(d, a)] @ implied)
-
-
-def piece_at_zero(table: Table) -> ca.DM:
-    """Origin and coefficients of a table's piece around 0, or of its held end."""
-    first, last = table.breakpoints[0], table.breakpoints[-1]
-    piece = int(np.clip(np.searchsorted(table.breakpoints, 0.0, "right") - 1, 0, len(table.coefficients) - 1))
-    row = table.coefficients[piece].copy()
-    if not first <= 0.0 <= last:
-        row[1:] = 0.0
-    return ca.DM([table.breakpoints[piece], *row])
+def test_equations_without_algebraic_states_have_their_exact_jacobian(bogie: Library) -> None:
+    """By the implicit-function theorem, against central differences over a wave."""
+    kernel = spatial(bogie, lateral_irregularity=0.01, tolerance=1e-10)
+    kernel.advance(1.0)
+    states = levels(tables_5_1_and_5_2())[2].states.values()
+    place = np.array(kernel.linearise().state)[[not state.algebraic for state in states]]
+    exact = np.array(kernel.jacobian_at(1.0, place))
+    for column in range(place.size):
+        shift = np.zeros(place.size)
+        shift[column] = 1e-6 * max(1e-3, abs(place[column]))
+        ahead, back = (np.array(kernel.slopes_at(1.0, place + sign * shift)) for sign in (1.0, -1.0))
+        difference = (ahead - back) / (2 * shift[column])
+        assert np.abs(difference - exact[:, column]).max() < 1e-5 * max(1.0, np.abs(exact[:, column]).max())
 
 
 @pytest.mark.parametrize("reaction", [0.0, 1.0])
