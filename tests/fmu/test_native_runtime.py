@@ -18,23 +18,39 @@ DRIVER, FUZZ = Path(__file__).with_name("driver.c"), Path(__file__).with_name("f
 SANITIZERS = ["-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
 
 
-def build_driver(folder: Path, flags: list[str], driver: Path = DRIVER) -> Path:
-    for name, text in generate(bogie_dynamics()).items():
-        (folder / name).write_text(text)
-    files = [driver, *(RUNTIME / name for name in RUNTIME_SOURCES), folder / "equations.c", folder / "model.c"]
-    includes = [f"-I{RUNTIME}", f"-I{compiling.FMI_HEADERS}"]
-    optimise = compiling.OPTIMISE_GENERATED
-    command = [*compiling.compiler(), *compiling.FLAGS, optimise, *flags, *includes, "-o", str(folder / "driver")]
-    done = subprocess.run([*command, *map(str, files), "-lm"], capture_output=True, text=True)
-    if done.returncode != 0 and "sanitize" in " ".join(flags) and "error:" not in done.stderr:
+def run(command: list[str | Path], folder: Path) -> subprocess.CompletedProcess:
+    done = subprocess.run([str(part) for part in command], cwd=folder, capture_output=True, text=True)
+    if done.returncode != 0 and "-fsanitize" in " ".join(map(str, command)) and "error:" not in done.stderr:
         pytest.skip(f"this compiler has no sanitizer libraries: {done.stderr[-200:]}")
+    return done
+
+
+@pytest.fixture(scope="module")
+def objects(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[str | Path]]:
+    """The bogie's FMU as objects, plain and with sanitizers: what links a driver to them."""
+    links: dict[str, list[str | Path]] = {}
+    for name, flags in (("plain", []), ("sanitized", SANITIZERS)):
+        folder = tmp_path_factory.mktemp(name)
+        sources = generate(bogie_dynamics())
+        for file, text in sources.items():
+            (folder / file).write_text(text)
+        common = [*compiling.compiler(), *compiling.FLAGS, compiling.OPTIMISE_GENERATED, *flags]
+        common += [f"-I{RUNTIME}", f"-I{compiling.FMI_HEADERS}"]
+        done = run([*common, "-c", *(RUNTIME / file for file in RUNTIME_SOURCES), *sources], folder)
+        assert done.returncode == 0, done.stderr
+        links[name] = [*common, *sorted(folder.glob("*.o"))]
+    return links
+
+
+def driver(objects: list[str | Path], source: Path, folder: Path) -> Path:
+    done = run([*objects, source, "-o", folder / "driver", "-lm"], folder)
     assert done.returncode == 0, done.stderr
     return folder / "driver"
 
 
-@pytest.mark.parametrize("flags", [[], SANITIZERS])
-def test_host_in_c_gets_the_answers_of_the_standard(tmp_path: Path, flags: list[str]) -> None:
-    done = subprocess.run([build_driver(tmp_path, flags)], capture_output=True, text=True, timeout=120)
+@pytest.mark.parametrize("kind", ["plain", "sanitized"])
+def test_host_in_c_gets_the_answers_of_the_standard(objects: dict, tmp_path: Path, kind: str) -> None:
+    done = subprocess.run([driver(objects[kind], DRIVER, tmp_path)], capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stdout + done.stderr
     assert done.stdout.startswith("0 failures")
     assert done.stderr == ""
@@ -43,9 +59,9 @@ def test_host_in_c_gets_the_answers_of_the_standard(tmp_path: Path, flags: list[
 SEEDS, CALLS = 3, 100_000
 
 
-def test_random_calls_find_no_fault(tmp_path: Path) -> None:
+def test_random_calls_find_no_fault(objects: dict, tmp_path: Path) -> None:
     """Legal and illegal orders, NaN, infinities, huge and tiny steps, references out of range, under sanitizers."""
-    fuzz = build_driver(tmp_path, SANITIZERS, FUZZ)
+    fuzz = driver(objects["sanitized"], FUZZ, tmp_path)
     for seed in range(SEEDS):
         done = subprocess.run([fuzz, str(seed), str(CALLS)], capture_output=True, text=True, timeout=300)
         assert done.returncode == 0, done.stdout[-500:] + done.stderr[-3000:]
