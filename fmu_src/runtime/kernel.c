@@ -10,6 +10,7 @@
 
 static const double FIRST_STEP = 1e-4;               /* s; the error control takes over after one step */
 static const long long int MAXIMUM_TRIALS = 5000000; /* of one kernel_step; a run that needs more is stuck */
+static const double SOLVED = 1e-12; /* scaled change of algebraic states below which another method sees no noise */
 static const int MAXIMUM_SWITCHES = 10000;           /* of one kernel_step; more is chatter */
 
 /* ---- messages ------------------------------------------------------------------------------------------------ */
@@ -699,7 +700,7 @@ int kernel_slopes_at(kernel *self, double time, const double *place, double *slo
     self->step_origin = time;
     gather_inputs(self);
     rosenbrock_linearise(self, 0.0);
-    if (!rosenbrock_make_consistent(self, 0.0, 0.0) || (jacobian && !reduced_jacobian(self, jacobian)))
+    if (!rosenbrock_make_consistent(self, 0.0, SOLVED) || (jacobian && !reduced_jacobian(self, jacobian)))
         return kernel_fail(self, KERNEL_ERROR, "The algebraic equations have no solution near t = %.9g s.", time);
     for (int i = 0, k = 0; i < n; ++i)
         if (self->differential[i] != 0.0) slope[k++] = self->slope[i];
