@@ -3,7 +3,7 @@
   python build_fmu.py                    all FMUs, native for FMI 2.0 and 3.0 and pythonfmu, into build/
   python build_fmu.py bogie              the bogie only
   python build_fmu.py ssp                the system BogieBraking.ssp of both native FMUs
-  python build_fmu.py --kind native      no pythonfmu FMUs
+  python build_fmu.py --kind native      the native ones for FMI 2.0 only
   python build_fmu.py --platforms all    native FMUs for Linux (x86-64 and ARM), Windows and macOS, compiled with zig
   python build_fmu.py --out elsewhere    another folder
   python build_fmu.py --describe         no FMUs: the table of variables as Markdown

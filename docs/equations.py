@@ -62,7 +62,7 @@ def texts(path: Path) -> Iterator[tuple[int, str]]:
             yield line, ast.get_docstring(node) or ""
 
 
-def test_functions(path: Path) -> Iterator[tuple[str, int, int]]:
+def named_tests(path: Path) -> Iterator[tuple[str, int, int]]:
     """Name, first and last line of each test of a file."""
     for node in ast.parse(path.read_text(encoding="utf-8")).body:
         if isinstance(node, ast.FunctionDef) and node.name.startswith("test_"):
@@ -84,7 +84,7 @@ def tests() -> dict[Number, list[str]]:
     """Tests by equation, as file::name."""
     found: dict[Number, list[str]] = defaultdict(list)
     for path in sorted((ROOT / TESTS).rglob("test_*.py")):
-        functions = list(test_functions(path))
+        functions = list(named_tests(path))
         for line, text in sorted(texts(path)):
             for name, first, last in functions:
                 if first <= line <= last:

@@ -54,7 +54,8 @@ def build_native_fmu(
     sources = generate(model)
     about = model_description(model, guid_of(sources), source_files=[*sources, *RUNTIME_SOURCES])
     binaries = _binaries(model, sources, platforms or [fmpy.platform], PLATFORMS if platforms else {})
-    write_archive(path, _contents(model, sources, about) | binaries | dict(extras or {}))
+    page = {"documentation/index.html": documentation(model, ENDS2).encode()}
+    write_archive(path, _contents(sources, about) | page | binaries | dict(extras or {}))
 
 
 def build_native_fmu3(
@@ -66,13 +67,13 @@ def build_native_fmu3(
     binaries = _binaries(model, sources, platforms or [fmpy.platform_tuple], PLATFORMS3 if platforms else {})
     names = [*sources, *RUNTIME_SOURCES]
     build = {"sources/buildDescription.xml": build_description(model, names).encode()}
-    write_archive(path, _contents(model, sources, about) | binaries | build | dict(extras or {}))
+    page = {"documentation/index.html": documentation(model, ENDS3).encode()}
+    write_archive(path, _contents(sources, about) | page | binaries | build | dict(extras or {}))
 
 
-def _contents(model: Model, sources: Mapping[str, str], about: str) -> dict[str, bytes]:
+def _contents(sources: Mapping[str, str], about: str) -> dict[str, bytes]:
     return {
         "modelDescription.xml": about.encode(),
-        "documentation/index.html": documentation(model).encode(),
         **{f"sources/{name}": text.encode() for name, text in sources.items()},
         **{f"sources/{name}": (RUNTIME / name).read_bytes() for name in (*RUNTIME_SOURCES, *RUNTIME_HEADERS)},
         **{f"sources/{name}": (FMI_HEADERS / name).read_bytes() for name in FMI_HEADER_FILES},
@@ -118,8 +119,20 @@ def universal(libraries: Mapping[str, bytes]) -> bytes:
     return header + bytes(page - len(header)) + parts
 
 
-def documentation(model: Model) -> str:
-    """A page about the FMU: what it is, and its variables."""
+#: What the page says about steps that end the run.
+ENDS2 = (
+    "FMI 2.0 co-simulation. A step that reaches the end of the run (derailment, wheel lift) returns fmi2Discard "
+    "with a sentence; fmi2LastSuccessfulTime is the instant. Refused values return fmi2Error and keep the old one."
+)
+ENDS3 = (
+    "FMI 3.0 co-simulation. A step that reaches the end of the run (derailment, wheel lift) logs a sentence and "
+    "asks to terminate; it returns early with OK where that is allowed, and fmi3Discard where it is not. Refused "
+    "values return fmi3Error and keep the old one."
+)
+
+
+def documentation(model: Model, ends: str) -> str:
+    """A page about the FMU: what it is, how a run `ends`, and its variables."""
     rows = []
     for v in model.variables:
         start = "" if v.causality in ("output", "local") else f"{v.start:g}"
@@ -132,8 +145,6 @@ def documentation(model: Model) -> str:
         "</style>\n"
         f"<h1>{model.name}</h1>\n<p>{html.escape(model.description)}.</p>\n"
         '<p><img src="picture.png" alt="" style="max-width:100%"></p>\n'
-        "<p>FMI 2.0 co-simulation. A step that reaches the end of the run (derailment, wheel lift) returns fmi2Discard "
-        "with a sentence; fmi2LastSuccessfulTime is the instant. Refused values return fmi2Error and keep the old one."
-        "</p>\n"
+        f"<p>{ends}</p>\n"
         f"<table><tr>{heads}</tr>\n" + "\n".join(rows) + "\n</table></html>\n"
     )

@@ -1,8 +1,8 @@
 """System Structure and Parameterization 1.0: FMUs, how they are connected, and their parameters, in one archive.
 
-Written so that FMPy, ecos, libcosim and OMSimulator accept it: no connectors of the system itself, of the inputs only
-those that are connected (FMPy sets the others to zero), and the parameters twice, within the system structure and as a
-file of their own (FMPy reads the latter when it is handed over).
+Written so that FMPy, ecos and libcosim accept it, which is tested, and OMSimulator, which is not: no connectors of the
+system itself, of the inputs only those that are connected (FMPy sets the others to zero), and the parameters twice,
+within the system structure and as a file of their own (FMPy reads the latter when it is handed over).
 """
 
 from __future__ import annotations

@@ -153,7 +153,7 @@ def run(options: Options) -> Result:
                 0.005 * largest,
                 source,
             ),
-            Row(f"{scene.name}: difference of speed", "m/s", 0.0, outcome.difference("speed"), 0.01, source),
+            Row(f"{scene.name}: difference of speed", "m/s", 0.0, outcome.difference("speed"), 1e-3, source),
             Row(f"{scene.name}: time of the fast model", "s", None, outcome.seconds[0], None, cost),
             Row(f"{scene.name}: time of chapter 3", "s", None, outcome.seconds[1], None, cost),
         ]

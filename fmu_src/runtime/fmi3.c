@@ -236,6 +236,7 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
                       fmi3Boolean *terminateSimulation, fmi3Boolean *earlyReturn, fmi3Float64 *lastSuccessfulTime) {
     REQUIRE(instance, STEPPING | STOPPED, "fmi3DoStep");
     (void)noSetFMUStatePriorToCurrentPoint;
+    const int first_end = self->now == STEPPING;
     self->last_step = kernel_step(self->machine, currentCommunicationPoint, communicationStepSize);
     const double end = currentCommunicationPoint + communicationStepSize, time = kernel_time(self->machine);
     *eventHandlingNeeded = fmi3False;
@@ -243,7 +244,10 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
     *lastSuccessfulTime = time;
     *earlyReturn = self->last_step <= KERNEL_DISCARD && fabs(end - time) > 1e-9 * communicationStepSize;
     if (self->last_step == KERNEL_DISCARD) self->now = STOPPED;
-    return (fmi3Status)face_report(self, self->last_step);
+    face_report(self, self->last_step);
+    /* Reaching the end is a success where the host allows an early return; a step beyond it is not. */
+    const int success = self->last_step == KERNEL_DISCARD && first_end && self->machine->stops_at_events;
+    return success ? fmi3OK : (fmi3Status)self->last_step;
 }
 
 /* ---- what this FMU does not have ---- */

@@ -315,8 +315,9 @@ static int differentiate_outputs(kernel *self) {
     if (system->residual_along) {
         for (int i = 0; i < system->algebraics; ++i) self->seed[1 + system->algebraic[i]] = 0.0;
         kernel_evaluate(self, system->residual_along, 0.0, self->state, follow, NULL);
-        if (!rosenbrock_solve_algebraic(self, follow))
+        if (!rosenbrock_factorise_algebraic(self))
             return kernel_fail(self, KERNEL_ERROR, "The outputs have no derivatives at t = %.9g s.", self->now.time);
+        rosenbrock_solve_algebraic(self, follow);
         for (int i = 0; i < system->algebraics; ++i) self->seed[1 + system->algebraic[i]] = -follow[i];
     }
     kernel_evaluate(self, system->output_along, 0.0, self->state, self->output_rate, NULL);
@@ -675,11 +676,12 @@ static int reduced_jacobian(kernel *self, double *jacobian) {
     const system_description *system = self->system;
     const int n = system->states, m = n - system->algebraics;
     double *follow = self->stage[0];
+    if (!rosenbrock_factorise_algebraic(self)) return 0;
     for (int j = 0, column = 0; j < n; ++j) {
         if (self->differential[j] == 0.0) continue;
         const double *entry = self->jacobian + self->place[j] * n;
         for (int i = 0; i < system->algebraics; ++i) follow[i] = entry[self->place[system->algebraic[i]]];
-        if (system->algebraics && !rosenbrock_solve_algebraic(self, follow)) return 0;
+        rosenbrock_solve_algebraic(self, follow);
         for (int i = 0, row = 0; i < n; ++i) {
             if (self->differential[i] == 0.0) continue;
             double value = entry[self->place[i]];

@@ -192,8 +192,9 @@ void rosenbrock_linearise(kernel *self, double offset);
 /* Newton's method on the algebraic states, the others held, until their scaled change is below `tolerance` or
  * round-off; 0: no success. */
 int rosenbrock_make_consistent(kernel *self, double offset, double tolerance);
-/* Solves with the part of the Jacobian that belongs to the algebraic states, in place; 0: it is singular. */
-int rosenbrock_solve_algebraic(kernel *self, double *vector);
+/* Factors of the part of the Jacobian that belongs to the algebraic states, 0: it is singular; and a solution in place. */
+int rosenbrock_factorise_algebraic(kernel *self);
+void rosenbrock_solve_algebraic(const kernel *self, double *vector);
 double rosenbrock_try(kernel *self, double offset, double size);
 double rosenbrock_next_size(double size, double error);
 void rosenbrock_interpolate(const kernel *self, double fraction, double *state);

@@ -134,16 +134,16 @@ void rosenbrock_linearise(kernel *self, double offset) {
     self->counters.jacobians++;
 }
 
-int rosenbrock_solve_algebraic(kernel *self, double *vector) {
+int rosenbrock_factorise_algebraic(kernel *self) {
     const int n = self->system->states, m = self->system->algebraics;
     const int *algebraic = self->system->algebraic;
     for (int j = 0; j < m; ++j)
         for (int i = 0; i < m; ++i)
             self->matrix[j * m + i] = self->jacobian[self->place[algebraic[j]] * n + self->place[algebraic[i]]];
-    if (!factorise(self, m, 0)) return 0;
-    solve(self, m, vector);
-    return 1;
+    return factorise(self, m, 0);
 }
+
+void rosenbrock_solve_algebraic(const kernel *self, double *vector) { solve(self, self->system->algebraics, vector); }
 
 int rosenbrock_make_consistent(kernel *self, double offset, double tolerance) {
     const int m = self->system->algebraics;
@@ -152,7 +152,8 @@ int rosenbrock_make_consistent(kernel *self, double offset, double tolerance) {
     for (int count = 0; count < MAXIMUM_NEWTON_STEPS; ++count) {
         if (m == 0) return 1;
         for (int i = 0; i < m; ++i) correction[i] = -self->slope[algebraic[i]];
-        if (!rosenbrock_solve_algebraic(self, correction)) return 0;
+        if (!rosenbrock_factorise_algebraic(self)) return 0;
+        rosenbrock_solve_algebraic(self, correction);
         double largest = 0.0;
         for (int i = 0; i < m; ++i) {
             const double scaled = fabs(correction[i]) / self->system->nominal[algebraic[i]];

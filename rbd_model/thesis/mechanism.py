@@ -262,7 +262,7 @@ class Mechanism:
 
         Differs from the thesis: the yaw torque of chapter 9 acts about the axis at right angles to the axle in the
         vertical plane through it, as shoe forces at the height of the axle do; with yaw_torque_rotates about the third
-        axis of the body, which turns with the wheel: so A bar instead of A in (3.36).
+        axis of the body, which turns with the wheel: so G bar in place of G in (3.36).
         """
         capacity = inputs.brake_torque[number] + self.parameters.rolling_resistance_torque
         axle = inputs.traction_torque[number] - state.direction[number] * capacity

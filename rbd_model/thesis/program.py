@@ -77,10 +77,11 @@ def until_a_wheel_stops(mechanism: Mechanism, state: State, size: float, drive: 
     """A step, shortened by the secant rule to the instant at which a braked wheelset stops turning."""
     after = step(mechanism, state, size, drive)
     for number in range(mechanism.wheelsets):
-        direction = state.direction[number]
-        if drive(after.time).brake_torque[number] <= 0.0 or spin(mechanism, after, number) * direction >= -STOPPED:
+        direction, reached = state.direction[number], after.time - state.time
+        capacity = drive(after.time).brake_torque[number] + mechanism.parameters.rolling_resistance_torque
+        if capacity <= 0.0 or spin(mechanism, after, number) * direction >= -STOPPED:
             continue
-        left, right = (0.0, spin(mechanism, state, number)), (size, spin(mechanism, after, number))
+        left, right = (0.0, spin(mechanism, state, number)), (reached, spin(mechanism, after, number))
         for _ in range(LOCATING_ROUNDS):
             middle = left[0] - left[1] * (right[0] - left[0]) / (right[1] - left[1])
             after = step(mechanism, state, middle, drive)

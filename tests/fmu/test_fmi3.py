@@ -88,14 +88,25 @@ def test_step_goes_on_where_no_early_return_is_allowed(fmus: dict) -> None:
         assert fmu.doStep(0.0, 5.0)[1:] == (False, False, 5.0)
 
 
-def test_derailment_ends_the_simulation_with_its_sentence(fmus: dict) -> None:
-    with open_fmi3(fmus["bogie", "fmi3"], early=True) as (fmu, refs, said):
+@pytest.mark.parametrize("early", [True, False])
+def test_derailment_ends_the_simulation_with_its_sentence(fmus: dict, early: bool) -> None:
+    """With OK and a request to terminate where early return is allowed; as a step discarded where it is not."""
+    with open_fmi3(fmus["bogie", "fmi3"], early) as (fmu, refs, said):
         fmu.setInt32([refs["wheel_lift_ends"], refs["constant_speed"]], [0, 1])
         begin(fmu, refs, 3, initial_speed=10.0, flange_stiffness=1e6, yaw_torque_1=1.8e5)
-        with pytest.raises(FMICallException):
-            fmu.doStep(0.0, 20.0)
+        if early:
+            _, ended, returned, time = fmu.doStep(0.0, 20.0)
+            assert ended
+            assert returned
+            assert 0.0 < time < 20.0
+        else:
+            with pytest.raises(FMICallException):
+                fmu.doStep(0.0, 20.0)
+            [time] = fmu.getFloat64([refs["time"]])
         assert any("lost its tread contact" in line for line in said)
         assert fmu.getBoolean([refs["derailed"]]) == [True]
+        with pytest.raises(FMICallException):  # beyond the end nothing goes on
+            fmu.doStep(time, 0.1)
 
 
 def test_saved_state_and_derivatives(fmus: dict) -> None:
@@ -127,6 +138,14 @@ def test_wrong_type_and_bad_value_are_refused_with_sentences(fmus: dict) -> None
         assert "Set wheelset_mass to at least" in said[1]
         assert "see the state machine of FMI 3.0" in said[2]
         assert "speed is an output" in said[3]
+
+
+def test_page_speaks_of_its_own_standard(fmus: dict) -> None:
+    for kind, own, other in (("native", "fmi2Discard", "fmi3"), ("fmi3", "fmi3Discard", "fmi2")):
+        with zipfile.ZipFile(fmus["bogie", kind]) as archive:
+            page = archive.read("documentation/index.html").decode()
+        assert own in page
+        assert other not in page
 
 
 def test_one_archive_for_all_platforms_and_sources_that_are_listed(tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ import pytest
 from fmu_src.kernel import Kernel, KernelError
 from rbd_model.contact_geometry import last_tread_contact, rolling_radius_difference, thesis_pair
 from rbd_model.parameters import tables_4_1_and_4_2, tables_5_1_and_5_2
+from rbd_model.thesis import program
 from rbd_model.thesis.euler import norm_error
 from rbd_model.thesis.kinematic_analysis import Wheelset, centred, drive_to, frame_at_rest, rolling, rolling_radii
 from rbd_model.thesis.mechanism import FIRST_WHEELSET, Inputs, Mechanism, State
@@ -113,6 +114,21 @@ def test_locked_wheelset_is_that_of_the_fast_model() -> None:
     axle = mechanism.body(FIRST_WHEELSET).start
     assert states[-1].q_rate[axle] == pytest.approx(table["speed"][-1], abs=1e-5)
     assert states[-1].q[axle] == pytest.approx(table["distance"][-1], abs=1e-6)
+
+
+def test_first_of_two_wheelsets_that_stop_within_a_step_ends_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The step ends at the earlier stop, whichever wheelset makes it; here after 0.5 and 0.8 of the step."""
+    mechanism = Mechanism(tables_5_1_and_5_2(), thesis_pair(), 2)
+    begin = rolling(mechanism, 3.0)
+
+    def after(mechanism: Mechanism, state: State, size: float, drive: object) -> State:
+        return replace(state, time=state.time + size)
+
+    monkeypatch.setattr(program, "step", after)
+    for stops in ((0.5, 0.8), (0.8, 0.5)):
+        monkeypatch.setattr(program, "spin", lambda m, state, n, stops=stops: stops[n] ** 3 - state.time**3)
+        found = program.until_a_wheel_stops(mechanism, begin, 1.0, lambda time: Inputs(brake_torque=(1e4, 1e4)))
+        assert found.time == pytest.approx(0.5, abs=1e-5)
 
 
 def test_weak_brake_lets_a_standing_wheelset_go() -> None:
