@@ -14,10 +14,23 @@ from pathlib import Path
 import casadi as ca
 
 from fmu_src.model_description import model_description
-from fmu_src.system import Model, System, state_variable
+from fmu_src.system import Model, System, integration_variables, state_variable
 
 RUNTIME = Path(__file__).parent / "runtime"
-RUNTIME_SOURCES = ("kernel.c", "rosenbrock.c", "modes.c", "piecewise.c", "face.c", "fmi2.c", "fmi3.c")
+RUNTIME_SOURCES = (
+    "kernel.c",
+    "integrate.c",
+    "rosenbrock.c",
+    "reuse.c",
+    "runge_kutta.c",
+    "algebraic.c",
+    "linear.c",
+    "modes.c",
+    "piecewise.c",
+    "face.c",
+    "fmi2.c",
+    "fmi3.c",
+)
 RUNTIME_HEADERS = ("kernel.h", "face.h")
 
 #: Functions of a system in the order of `system_description` in kernel.h.
@@ -30,6 +43,7 @@ FUNCTIONS = (
     "drive",
     "capacity",
     "condition_margin",
+    "largest_change",
     "output_along",
     "residual_along",
 )
@@ -48,11 +62,12 @@ def functions(system: System) -> dict[str, ca.Function]:
         "derive": [ca.vertcat(*system.derived_expressions.values())],
         "start": [_start(system)],
         "ode": [ode],
-        "jacobian": [jacobian.nz[:], time_slope],
+        "jacobian": [jacobian.nz[:], time_slope, ode],
         "output": [ca.vertcat(*system.outputs.values())],
         "drive": [ca.vertcat(*[friction.drive for friction in system.frictions])],
         "capacity": [ca.vertcat(*[friction.capacity for friction in system.frictions])],
         "condition_margin": [ca.vertcat(*[c.margin for c in (*system.end_conditions, *system.warnings)])],
+        "largest_change": [ca.vertcat(*[largest for _, largest in system.largest_changes])],
     }
     for rank in range(_table_ranks(system)):
         asked = [table.argument for table in system.tables if table.rank == rank]
@@ -78,7 +93,7 @@ def functions(system: System) -> dict[str, ca.Function]:
 class Elimination:
     """How the linear equations of a step are solved: numbers of states and of places in a dense matrix.
 
-    order: the states, so that the factors stay sparse (approximate minimum degree); jacobian_place: of each nonzero of
+    order: the states, so that the factors stay sparse; jacobian_place: of each nonzero of
     the Jacobian in a matrix of that order, stored by columns; below, right: for each pivot, the rows below it and the
     columns right of it that are not zero when it is their turn.
     """
@@ -90,22 +105,25 @@ class Elimination:
 
 
 def elimination(system: System) -> Elimination:
-    """Symbolic factorisation of I/(gamma h) - J without exchanges."""
+    """Symbolic factorisation of I/(gamma h) - J without exchanges, the pivot with the least work first (Markowitz)."""
     pattern = ca.jacobian(system.ode, system.arguments[1]).sparsity()
     count = len(system.states)
-    order = [int(state) for state in (pattern + pattern.T + ca.Sparsity.diag(count)).amd()]
+    row_states: list[set[int]] = [{state} for state in range(count)]
+    triplets = list(zip(*pattern.get_triplet(), strict=True))
+    for i, j in triplets:
+        row_states[i].add(j)
+    left, order, lists = set(range(count)), [], []
+    while left:
+        users = {state: {row for row in left if state in row_states[row]} - {state} for state in left}
+        pivot = min(left, key=lambda state: (len(users[state]) * (len(row_states[state] & left) - 1), state))
+        left.remove(pivot)
+        order.append(pivot)
+        lists.append((users[pivot], row_states[pivot] & left))
+        for row in users[pivot]:
+            row_states[row] |= row_states[pivot] & left
     position = {state: place for place, state in enumerate(order)}
-    rows: list[set[int]] = [{row} for row in range(count)]
-    places = []
-    for i, j in zip(*pattern.get_triplet(), strict=True):
-        rows[position[i]].add(position[j])
-        places.append(position[j] * count + position[i])
-    below, right = [], []
-    for pivot in range(count):
-        below.append([row for row in range(pivot + 1, count) if pivot in rows[row]])
-        right.append(sorted(column for column in rows[pivot] if column > pivot))
-        for row in below[-1]:
-            rows[row].update(right[-1])
+    places = [position[j] * count + position[i] for i, j in triplets]
+    below, right = ([sorted(position[state] for state in one[side]) for one in lists] for side in (0, 1))
     return Elimination(order, places, below, right)
 
 
@@ -194,9 +212,11 @@ def _system_arrays(model: Model, system: System) -> Iterable[str]:
         starts = [0, *accumulate(len(entries) for entries in lists)]
         yield _array("int", f"{prefix}_{name}_start", map(str, starts))
         yield _array("int", f"{prefix}_{name}", [*(str(entry) for entries in lists for entry in entries), "0"])
+    position = {name: number for number, name in enumerate(system.states)}
+    limited = [position[name] for name, _ in system.largest_changes]
+    yield _array("int", f"{prefix}_limited", map(str, limited))
     algebraic = [number for number, state in enumerate(system.states.values()) if state.algebraic]
     yield _array("int", f"{prefix}_algebraic", map(str, algebraic))
-    position = {name: number for number, name in enumerate(system.states)}
     yield _array(
         "friction_description",
         f"{prefix}_friction",
@@ -239,6 +259,7 @@ def _system_entry(system: System, made: dict[str, ca.Function]) -> str:
         "table_ranks": _table_ranks(system),
         "table_coefficients": sum(table.symbols.numel() for table in system.tables),
         "outputs": len(outputs),
+        "limits": len(system.largest_changes),
         "ends": len(system.end_conditions),
         "conditions": len(system.end_conditions) + len(system.warnings),
     }
@@ -257,6 +278,7 @@ def _system_entry(system: System, made: dict[str, ca.Function]) -> str:
         ("right_start", "states"),
         ("right", "states"),
         ("algebraic", "algebraics"),
+        ("limited", "limits"),
         ("friction", "frictions"),
         ("table", "tables"),
         ("table_argument", "tables"),
@@ -285,10 +307,11 @@ def _description(model: Model, generated: Sequence[dict[str, ca.Function]]) -> s
     lines += ["};", "static const system_description SYSTEM[] = {"]
     lines.append(",\n".join(_system_entry(s, made) for s, made in zip(model.systems, generated, strict=True)))
     selector = model.index(model.selector) if model.selector else -1
+    integration = ", ".join(str(model.index(variable.name)) for variable in integration_variables(1e-6))
     lines += [
         "};",
         f"const model_description MODEL = {{{_text(model.name)}, {_text('@GUID@')}, {len(model.variables)}, "
-        f"{len(model.systems)}, {selector}, {model.index('tolerance')}, VARIABLE, SYSTEM}};",
+        f"{len(model.systems)}, {selector}, {integration}, VARIABLE, SYSTEM}};",
         "",
     ]
     return "\n".join(lines)

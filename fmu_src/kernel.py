@@ -62,6 +62,15 @@ _SIGNATURES = {
         ctypes.c_int,
         [ctypes.c_void_p, ctypes.c_double, *[ctypes.POINTER(ctypes.c_double)] * 3],
     ),
+    "kernel_margin_at": (ctypes.c_int, [ctypes.c_void_p, ctypes.c_double, *[ctypes.POINTER(ctypes.c_double)] * 2]),
+    "kernel_equations_at": (
+        ctypes.c_int,
+        [ctypes.c_void_p, ctypes.c_double, *[ctypes.POINTER(ctypes.c_double)] * 3],
+    ),
+    "kernel_arrive": (
+        ctypes.c_int,
+        [ctypes.c_void_p, ctypes.c_double, ctypes.POINTER(ctypes.c_double), ctypes.c_int],
+    ),
     "kernel_variable_count": (ctypes.c_int, []),
     "kernel_variable_name": (ctypes.c_char_p, [ctypes.c_int]),
     "kernel_repeat_right_hand_side": (ctypes.c_int, [ctypes.c_void_p, ctypes.c_longlong]),
@@ -224,9 +233,10 @@ class Kernel:
         return Linearisation(list(state), list(slope), rows)
 
     def slopes_at(self, time: float, place: Sequence[float]) -> list[float]:
-        """Slopes of the differential states at a time and place, the algebraic ones solved for; moves the state there.
+        """Slopes of the differential states at a time and place, the algebraic ones solved for.
 
-        `place` and the result have the order of the system's states without the algebraic ones. Inputs and modes stay.
+        For other methods, which start where the kernel stands: inputs go on along their ramps, modes stay. `place` and
+        the result have the order of the system's states without the algebraic ones. See `margin_at` and `arrive`.
         """
         count = len(place)
         given, slope = (ctypes.c_double * count)(*place), (ctypes.c_double * count)()
@@ -240,6 +250,26 @@ class Kernel:
         jacobian = (ctypes.c_double * (count * count))()
         self._check(self._call.kernel_slopes_at(self._handle, time, given, slope, jacobian))
         return [jacobian[row * count : (row + 1) * count] for row in range(count)]
+
+    def margin_at(self, time: float, place: Sequence[float]) -> float:
+        """Margin of the next switch of a mode, or of the end of the run; negative beyond it."""
+        given = (ctypes.c_double * len(place))(*place)
+        self._check(self._call.kernel_margin_at(self._handle, time, given, ctypes.byref(self._number)))
+        return self._number.value
+
+    def arrive(self, time: float, place: Sequence[float], crossed: bool = False) -> list[float]:
+        """Goes there, switches what has crossed, and returns the place to go on from, unless the run has `ended`.
+
+        crossed: the place was located as that of a switch, which round-off may leave on this side.
+        """
+        given = (ctypes.c_double * len(place))(*place)
+        self._check(self._call.kernel_arrive(self._handle, time, given, crossed))
+        return list(given)
+
+    @property
+    def handle(self) -> int:
+        """The instance in C, for callers of the library's functions; it lives as long as this object."""
+        return int(self._handle)
 
     def rates(self, names: Sequence[str]) -> list[float]:
         """First derivatives of outputs by time, the inputs going on as they did within the last step."""

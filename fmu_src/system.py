@@ -171,6 +171,8 @@ class System:
     end_conditions: list[Condition] = field(default_factory=list)
     warnings: list[Condition] = field(default_factory=list)
     observables: dict[str, Observable] = field(default_factory=dict)
+    #: Names of states, and by how much each may change within a step that is chosen by the error.
+    largest_changes: list[tuple[str, ca.SX]] = field(default_factory=list)
 
     # -- symbols ------------------------------------------------------------------------------------------------
 
@@ -247,6 +249,13 @@ class System:
     def dry_friction(self, friction: Friction) -> None:
         self.frictions.append(friction)
 
+    def limit_change(self, state: str, largest: ca.SX) -> None:
+        """Steps chosen by the error end before `state` has changed by `largest`, at its present rate.
+
+        For what the error of a step cannot tell: what would be stepped over, or a stiffness that changes with the state.
+        """
+        self.largest_changes.append((state, largest))
+
     def output(self, variable: Variable, expression: ca.SX | float) -> None:
         if variable.causality != "output":
             raise ValueError(f"{variable.name} is declared as {variable.causality}, not as output.")
@@ -320,16 +329,37 @@ class System:
         return symbols[variable.name]
 
 
-def tolerance_variable(default: float) -> Variable:
-    """The integration tolerance that every model has: local error per step, counted in nominal values."""
-    return Variable(
-        "tolerance",
-        "parameter",
-        "1",
-        "Local error allowed per integration step, in units of each state's nominal value",
-        start=default,
-        minimum=1e-12,
-        maximum=1e-2,
+def integration_variables(tolerance: float) -> tuple[Variable, Variable, Variable]:
+    """The parameters that every model has: `tolerance` with this start value, and how the equations are integrated."""
+    return (
+        Variable(
+            "tolerance",
+            "parameter",
+            "1",
+            "Local error allowed per integration step, in units of each state's nominal value",
+            start=tolerance,
+            minimum=1e-12,
+            maximum=1e-2,
+        ),
+        Variable(
+            "integration_method",
+            "parameter",
+            "1",
+            "1 Rosenbrock (RODAS, order 4); 2 Rosenbrock with a reused Jacobian (ROS34PW2, order 3); "
+            "3 explicit Runge-Kutta (order 4)",
+            start=1.0,
+            minimum=1.0,
+            maximum=3.0,
+            kind="integer",
+        ),
+        Variable(
+            "integration_step",
+            "parameter",
+            "s",
+            "Fixed integration step, for equal cost of every step; 0: steps chosen by the error",
+            maximum=1.0,
+            minimum=0.0,
+        ),
     )
 
 
@@ -365,7 +395,7 @@ class Model:
                 if variable not in self.variables:
                     raise ValueError(f"Model {self.name}: {variable.name} of {system.name} differs from the table.")
         if "tolerance" not in names:
-            raise ValueError(f"Model {self.name}: add tolerance_variable(...) to the table.")
+            raise ValueError(f"Model {self.name}: add integration_variables(...) to the table.")
 
     def _state_variables(self) -> list[Variable]:
         """The states that have a derivative, as local variables: hosts may read them and differentiate by them."""
@@ -389,5 +419,5 @@ class Model:
 
 def model_of(system: System, tolerance: float, **experiment: float) -> Model:
     """The FMU of a system that stands alone."""
-    variables = (*system.variables, tolerance_variable(tolerance))
+    variables = (*system.variables, *integration_variables(tolerance))
     return Model(system.name, system.description, variables, (system,), **experiment)  # type: ignore[arg-type]

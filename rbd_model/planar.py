@@ -28,6 +28,7 @@ from rbd_model.wheelset import (
     add_wheelset,
     add_wheelset_outputs,
     centred_contact,
+    follow_creep,
     start_bogie,
 )
 
@@ -65,6 +66,7 @@ def planar_bogie(defaults: BogieParameters) -> System:
     system, p = bogie.system, bogie.parameter
     system.state("frame_distance", "m", 0.0, NOMINAL_DISTANCE)
     speed = system.state("frame_speed", "m/s", bogie.initial_speed, NOMINAL_SPEED)
+    follow_creep(bogie, "frame_speed")
     system.state("bounce", "m", 0.0, NOMINAL_TRAVEL)
     bounce_speed = system.state("bounce_speed", "m/s", 0.0, NOMINAL_TRAVEL_SPEED)
     system.state("pitch", "rad", 0.0, NOMINAL_TRAVEL)

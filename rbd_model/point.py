@@ -18,6 +18,7 @@ from rbd_model.wheelset import (
     add_wheelset,
     add_wheelset_outputs,
     centred_contact,
+    follow_creep,
     start_bogie,
 )
 
@@ -30,6 +31,7 @@ def point_bogie(defaults: BogieParameters) -> System:
     system.state("distance", "m", 0.0, NOMINAL_DISTANCE)
     speed = system.state("speed", "m/s", bogie.initial_speed, NOMINAL_SPEED)
 
+    follow_creep(bogie, "speed")
     load = (p["wheelset_mass"] + p["frame_mass"] / 2) * p["gravity"]
     contact = centred_contact(bogie)
     wheelsets = [add_wheelset(bogie, number, contact, speed, load) for number in (1, 2)]

@@ -119,6 +119,7 @@ def place_wheelset(
         system.residual(f"contact_{number}_{word}", contact.slope_error)
 
     forward = system.states["frame_speed"].symbol + shift_speed
+    system.limit_change("frame_distance", 1 / track.density)
     rows = constraint_rows(bogie, contacts, track)
     rise, roll_rate = dependent_velocities(rows, forward, lateral_speed, yaw_rate)
     coordinates = ca.vertcat(system.states["frame_distance"].symbol, lateral, yaw, roll)

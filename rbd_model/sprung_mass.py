@@ -6,7 +6,14 @@ import casadi as ca
 
 from rbd_model.kinematics import Body, axes_rate, pitch_rotation, yaw_roll
 from rbd_model.suspension import Load
-from rbd_model.wheelset import NOMINAL_DISTANCE, NOMINAL_SPEED, NOMINAL_TRAVEL, NOMINAL_TRAVEL_SPEED, Bogie
+from rbd_model.wheelset import (
+    NOMINAL_DISTANCE,
+    NOMINAL_SPEED,
+    NOMINAL_TRAVEL,
+    NOMINAL_TRAVEL_SPEED,
+    Bogie,
+    follow_creep,
+)
 
 #: Angles by name, each with the component of the angular velocity that is its state.
 ANGLES = {"frame_roll": 0, "pitch": 1, "frame_yaw": 2}
@@ -21,6 +28,7 @@ def place_frame(bogie: Bogie, pitches: bool) -> Body:
     system, p = bogie.system, bogie.parameter
     system.state("frame_distance", "m", 0.0, NOMINAL_DISTANCE)
     speed = system.state("frame_speed", "m/s", bogie.initial_speed, NOMINAL_SPEED)
+    follow_creep(bogie, "frame_speed")
     system.derivative("frame_distance", speed)
     position = {}
     for name in ("frame_lateral", "bounce", *ANGLES):

@@ -65,6 +65,7 @@ class Section:
     left: ca.SX
     right: ca.SX
     friction: ca.SX  # factor on the friction coefficient
+    density: ca.SX  # 1/m: nothing that is to be felt is shorter than its reciprocal; 0: level track
 
 
 #: Adds the track to a System (parameters or tables); returns its section at a distance, for a wheelset's number.
@@ -94,6 +95,14 @@ def irregular_track(defaults: TrackParameters) -> Track:
     def add(system: System) -> Callable[[int, ca.SX], Section]:
         p = {name: system.parameter(defaults.variable(name)) for name in defaults.values()}
 
+        def density() -> ca.SX:
+            """Wave number of the shortest wave or plateau that there is, and not of those without height."""
+            kinds = ("lateral_irregularity", "vertical_irregularity", "cross_level")
+            numbers = [
+                ca.if_else(p[kind] == 0, 0, p[f"{kind.removesuffix('_irregularity')}_wave_number"]) for kind in kinds
+            ]
+            return ca.mmax(ca.vertcat(*numbers))
+
         def section(number: int, distance: ca.SX) -> Section:
             along = distance - p["irregularity_start"]
             length = p["irregularity_blend"]
@@ -101,7 +110,7 @@ def irregular_track(defaults: TrackParameters) -> Track:
             vertical = wave(along, p["vertical_irregularity"], p["vertical_wave_number"], length)
             across = plateau(distance - p["cross_level_centre"], p["cross_level"], p["cross_level_wave_number"])
             left = p["cross_level_left_share"] * across
-            return Section(lateral, vertical + left, vertical + left - across, ca.SX(1))
+            return Section(lateral, vertical + left, vertical + left - across, ca.SX(1), density())
 
         return section
 
@@ -125,6 +134,8 @@ def derivatives_along(parameters: TrackParameters) -> Callable[[float], np.ndarr
     return lambda at: np.array(function(at))
 
 
+#: Points of a measured track that make up the shortest thing on it that is to be felt.
+POINTS_FELT = 8
 #: Columns of a track file, all in m but the last, which is a factor on the friction coefficient.
 COLUMNS = ("distance", "lateral", "left", "right", "friction")
 
@@ -160,6 +171,8 @@ def track_from_points(
         kept = np.diff(polynomial.x) > 0.0
         return np.append(polynomial.x[:-1][kept], polynomial.x[-1]), polynomial.c[::-1, kept].T
 
+    density = 1 / (POINTS_FELT * float(np.min(np.diff(distance))))
+
     def add(system: System) -> Callable[[int, ca.SX], Section]:
         def section(number: int, along: ca.SX) -> Section:
             def table(name: str, values: np.ndarray, degree: int) -> ca.SX:
@@ -170,6 +183,7 @@ def track_from_points(
                 table("left", left, 5),
                 table("right", right, 5),
                 table("friction", friction, 1),
+                ca.SX(density),
             )
 
         return section

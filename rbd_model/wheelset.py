@@ -100,6 +100,16 @@ class CentredContact:
     c11: ca.SX
 
 
+def follow_creep(bogie: Bogie, speed: str) -> None:
+    """No step may change the state `speed` by more than half: the coefficient of creep goes with its reciprocal.
+
+    The error of a step says nothing of that: at the end of a stop the creep is so stiff that it is solved for at once,
+    but with a Jacobian of another speed the force comes out wrong.
+    """
+    value, least = bogie.system.states[speed].symbol, bogie.parameter["creepage_speed"]
+    bogie.system.limit_change(speed, ca.sqrt(value**2 + least**2) / 2)
+
+
 def centred_contact(bogie: Bogie) -> CentredContact:
     """Constants from the curvatures, computed once at the start."""
     p, system = bogie.parameter, bogie.system

@@ -17,6 +17,7 @@ from scenarios import (
     qr30,
     sensitivity,
     speed,
+    speed_accuracy,
     traction_braking,
     wheelset_constant_speed,
     wheelset_skid,
@@ -45,4 +46,5 @@ SCENARIOS: list[Scenario] = [
     sensitivity.SCENARIO,
     oracle.SCENARIO,
     speed.SCENARIO,
+    speed_accuracy.SCENARIO,
 ]

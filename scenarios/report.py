@@ -80,6 +80,8 @@ class Result:
     remarks: list[str] = field(default_factory=list)
     guids: Mapping[str, str] = field(default_factory=dict)
     coupling: Mapping[str, float] = field(default_factory=dict)
+    #: Further figures by file name, beside figure.png.
+    other_figures: dict[str, Callable[[], Figure]] = field(default_factory=dict)
 
     @property
     def holds(self) -> bool:
@@ -111,9 +113,10 @@ def save(result: Result, name: str, out: Path, wall_seconds: float) -> Path:
         }
         (partial / "summary.json").write_text(json.dumps(summary, indent=2, allow_nan=False) + "\n", encoding="utf-8")
         _write_series(result.series, partial / "timeseries.csv")
-        figure = result.draw()
-        figure.savefig(partial / "figure.png", dpi=130)
-        plt.close(figure)
+        for file, draw in {"figure": result.draw, **result.other_figures}.items():
+            figure = draw()
+            figure.savefig(partial / f"{file}.png", dpi=130)
+            plt.close(figure)
         partial.chmod(0o755)
         target = out / name
         if target.exists():

@@ -8,10 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double FIRST_STEP = 1e-4;               /* s; the error control takes over after one step */
-static const long long int MAXIMUM_TRIALS = 5000000; /* of one kernel_step; a run that needs more is stuck */
-static const double SOLVED = 1e-12; /* scaled change of algebraic states below which another method sees no noise */
-static const int MAXIMUM_SWITCHES = 10000;           /* of one kernel_step; more is chatter */
+static const double FIRST_STEP = 1e-4; /* s; the error control takes over after one step */
 
 /* ---- messages ------------------------------------------------------------------------------------------------ */
 
@@ -57,6 +54,7 @@ static system_description largest_dimensions(void) {
 #define GROW(member) \
     if (one->member > most.member) most.member = one->member
         GROW(states);
+        GROW(algebraics);
         GROW(nonzeros);
         GROW(inputs);
         GROW(parameters);
@@ -66,6 +64,7 @@ static system_description largest_dimensions(void) {
         GROW(table_coefficients);
         GROW(outputs);
         GROW(conditions);
+        GROW(limits);
 #undef GROW
     }
     return most;
@@ -89,6 +88,9 @@ static size_t lay_out(kernel *self, double *block) {
     self->mode = carve(block, &used, most.frictions);
     self->said = carve(block, &used, most.conditions);
     self->derived = carve(block, &used, most.derived);
+    self->kept_state = carve(block, &used, n);
+    self->kept_input = carve(block, &used, most.inputs);
+    self->kept_mode = carve(block, &used, most.frictions);
     self->restored = used;
     self->backup = carve(block, &used, (int)self->restored);
     self->parameter = carve(block, &used, most.parameters);
@@ -102,9 +104,18 @@ static size_t lay_out(kernel *self, double *block) {
     self->time_slope = carve(block, &used, n);
     self->nonzero = carve(block, &used, most.nonzeros);
     self->jacobian = carve(block, &used, n * n);
-    self->matrix = carve(block, &used, n * n);
+    self->kept_jacobian = carve(block, &used, n * n);
+    factors *const four[] = {&self->whole, &self->algebraic, &self->kept, &self->kept_algebraic};
+    for (int i = 0; i < 4; ++i) {
+        const int size = i % 2 ? most.algebraics : n;
+        four[i]->matrix = carve(block, &used, size * size);
+        four[i]->packed = carve(block, &used, size * size);
+    }
     for (int i = 0; i < 6; ++i) self->stage[i] = carve(block, &used, n);
     self->point = carve(block, &used, n);
+    self->between = carve(block, &used, n);
+    self->first_slope = carve(block, &used, n);
+    self->last_slope = carve(block, &used, n);
     self->ordered = carve(block, &used, n);
     self->differential = carve(block, &used, n);
     self->drive = carve(block, &used, most.frictions);
@@ -113,6 +124,7 @@ static size_t lay_out(kernel *self, double *block) {
     self->output = carve(block, &used, most.outputs);
     self->seed = carve(block, &used, 1 + n + most.inputs);
     self->output_rate = carve(block, &used, most.outputs);
+    self->largest_change = carve(block, &used, most.limits);
     return used;
 }
 
@@ -122,15 +134,19 @@ kernel *kernel_create(void) {
     const size_t doubles = lay_out(self, NULL);
     self->block = calloc(doubles, sizeof(double));
     const size_t n = (size_t)largest_dimensions().states;
-    self->pivot = calloc(3 * n + 1, sizeof(int));
+    self->places = calloc(6 * n + 1, sizeof(int));
     self->warned = calloc((size_t)MODEL.variables, 1);
-    if (!self->block || !self->pivot || !self->warned) {
+    if (!self->block || !self->places || !self->warned) {
         kernel_free(self);
         return NULL;
     }
     lay_out(self, self->block);
-    self->place = self->pivot + n;
-    self->every = self->place + n;
+    self->place = self->places;
+    self->every = self->places + n;
+    self->whole.pivot = self->places + 2 * n;
+    self->algebraic.pivot = self->places + 3 * n;
+    self->kept.pivot = self->places + 4 * n;
+    self->kept_algebraic.pivot = self->places + 5 * n;
     for (size_t i = 0; i < n; ++i) self->every[i] = (int)i;
     kernel_reset(self);
     return self;
@@ -139,7 +155,7 @@ kernel *kernel_create(void) {
 void kernel_free(kernel *self) {
     if (!self) return;
     free(self->block);
-    free(self->pivot);
+    free(self->places);
     free(self->warned);
     free(self);
 }
@@ -160,28 +176,36 @@ void kernel_reset(kernel *self) {
 
 /* Calls a generated function at `offset` seconds after the start of the step, with the inputs and table pieces that the
  * call before it used: for a second function at the same place. */
-void kernel_evaluate_again(kernel *self, generated_function function, double offset, const double *state, double *first,
-                           double *second) {
+void kernel_call(kernel *self, generated_function function, double offset, const double *state, double **result) {
     const double time = self->step_origin + offset;
     const double *argument[ARG_COUNT] = {&time,         state,      self->stage_input, self->rate, self->parameter,
                                          self->derived, self->mode, self->coefficient, self->seed};
-    double *result[2] = {first, second};
     function(argument, result, NULL, NULL, 0);
 }
 
-/* The same, with the inputs and table pieces that hold there. */
-void kernel_evaluate(kernel *self, generated_function function, double offset, const double *state, double *first,
-                     double *second) {
+void kernel_look_up(kernel *self, double offset, const double *state) {
     const system_description *system = self->system;
-    for (int i = 0; i < system->inputs; ++i) self->stage_input[i] = self->input[i] + offset * self->rate[i];
-    for (int rank = 0; rank < system->table_ranks && function != system->derive; ++rank) {
-        kernel_evaluate_again(self, system->table_argument[rank], offset, state, self->table_at, NULL);
+    for (int rank = 0; rank < system->table_ranks; ++rank) {
+        kernel_call(self, system->table_argument[rank], offset, state, &self->table_at);
         tables_look_up(system, rank, self->table_at, self->coefficient);
     }
-    kernel_evaluate_again(self, function, offset, state, first, second);
 }
 
-static void gather_inputs(kernel *self) {
+void kernel_locate(kernel *self, double offset, const double *state) {
+    for (int i = 0; i < self->system->inputs; ++i) self->stage_input[i] = self->input[i] + offset * self->rate[i];
+    kernel_look_up(self, offset, state);
+}
+
+void kernel_evaluate_again(kernel *self, generated_function function, double offset, const double *state, double *result) {
+    kernel_call(self, function, offset, state, &result);
+}
+
+void kernel_evaluate(kernel *self, generated_function function, double offset, const double *state, double *result) {
+    kernel_locate(self, offset, state);
+    kernel_call(self, function, offset, state, &result);
+}
+
+void kernel_gather_inputs(kernel *self) {
     for (int i = 0; i < self->system->inputs; ++i) {
         const int variable = self->system->input_variable[i];
         self->input[i] = self->value[variable];
@@ -189,9 +213,9 @@ static void gather_inputs(kernel *self) {
     }
 }
 
-static void compute_outputs(kernel *self, double offset, const double *state) {
+void kernel_compute_outputs(kernel *self, double offset, const double *state) {
     const system_description *system = self->system;
-    kernel_evaluate(self, system->output, offset, state, self->output, NULL);
+    kernel_evaluate(self, system->output, offset, state, self->output);
     for (int i = 0; i < system->outputs; ++i) self->value[system->output_variable[i]] = self->output[i];
     for (int i = 0; i < system->states; ++i)
         if (system->state_variable[i] >= 0) self->value[system->state_variable[i]] = state[i];
@@ -295,9 +319,9 @@ int kernel_get(kernel *self, int variable, double *value) {
     int status = check_reference(self, variable);
     if (status != KERNEL_OK) return status;
     if (self->now.outputs_stale && self->system && MODEL.variable[variable].causality >= CAUSALITY_OUTPUT) {
-        gather_inputs(self);
+        kernel_gather_inputs(self);
         self->step_origin = self->now.time;
-        compute_outputs(self, 0.0, self->state);
+        kernel_compute_outputs(self, 0.0, self->state);
         self->now.outputs_stale = 0;
         const char *bad = output_not_finite(self);
         if (bad) return kernel_fail(self, KERNEL_ERROR, "The output %s is not a finite number at these inputs.", bad);
@@ -314,13 +338,13 @@ static int differentiate_outputs(kernel *self) {
     double *follow = self->stage[0];
     if (system->residual_along) {
         for (int i = 0; i < system->algebraics; ++i) self->seed[1 + system->algebraic[i]] = 0.0;
-        kernel_evaluate(self, system->residual_along, 0.0, self->state, follow, NULL);
-        if (!rosenbrock_factorise_algebraic(self))
+        kernel_evaluate(self, system->residual_along, 0.0, self->state, follow);
+        if (!linear_factorise_algebraic(self, &self->algebraic, self->jacobian))
             return kernel_fail(self, KERNEL_ERROR, "The outputs have no derivatives at t = %.9g s.", self->now.time);
-        rosenbrock_solve_algebraic(self, follow);
+        linear_solve_algebraic(self, &self->algebraic, follow);
         for (int i = 0; i < system->algebraics; ++i) self->seed[1 + system->algebraic[i]] = -follow[i];
     }
-    kernel_evaluate(self, system->output_along, 0.0, self->state, self->output_rate, NULL);
+    kernel_evaluate(self, system->output_along, 0.0, self->state, self->output_rate);
     for (int i = 0; i < system->outputs; ++i)
         if (!isfinite(self->output_rate[i]))
             return kernel_fail(self, KERNEL_ERROR, "The output %s has no finite derivative at t = %.9g s.",
@@ -332,9 +356,9 @@ static int differentiate_outputs(kernel *self) {
 static int prepare_derivatives(kernel *self) {
     if (!self->system)
         return kernel_fail(self, KERNEL_ERROR, "Initialise %s before asking for derivatives.", MODEL.name);
-    gather_inputs(self);
+    kernel_gather_inputs(self);
     self->step_origin = self->now.time;
-    rosenbrock_linearise(self, 0.0);
+    rosenbrock_linearise(self, 0.0, self->state);
     memset(self->seed, 0, (size_t)(1 + self->system->states + self->system->inputs) * sizeof(double));
     return KERNEL_OK;
 }
@@ -397,7 +421,10 @@ static void enter_system(kernel *self) {
     const system_description *system = self->system = self->now.system < 0 ? NULL : &MODEL.system[self->now.system];
     if (!system) return;
     for (int i = 0; i < system->parameters; ++i) self->parameter[i] = self->value[system->parameter_variable[i]];
+    self->method = (int)self->value[MODEL.integration_method];
+    self->factors_serve = self->kept_ready = 0;
     memset(self->jacobian, 0, (size_t)(system->states * system->states) * sizeof(double));
+    memset(self->kept_jacobian, 0, (size_t)(system->states * system->states) * sizeof(double));
     for (int i = 0; i < system->states; ++i) {
         self->differential[i] = 1.0;
         self->place[system->order[i]] = i;
@@ -407,22 +434,30 @@ static void enter_system(kernel *self) {
 
 int kernel_initialise(kernel *self, double time) {
     if (!isfinite(time)) return kernel_fail(self, KERNEL_ERROR, "Start at a finite time: %g was given.", time);
+    if (self->value[MODEL.integration_method] == METHOD_EXPLICIT && self->value[MODEL.integration_step] == 0.0)
+        return kernel_fail(self, KERNEL_ERROR,
+                           "Set integration_step above 0 s: integration_method %d, explicit, has no error control that "
+                           "could choose its steps.",
+                           METHOD_EXPLICIT);
     const int chosen = MODEL.selector < 0 ? 0 : (int)self->value[MODEL.selector] - 1;
     self->now.system = chosen;
     enter_system(self);
     const system_description *system = self->system;
     self->now.time = self->step_origin = time;
     self->now.proposed_step = FIRST_STEP;
-    gather_inputs(self);
-    if (system->derive) kernel_evaluate(self, system->derive, 0.0, self->state, self->derived, NULL);
-    kernel_evaluate(self, system->start, 0.0, self->state, self->trial, NULL);
+    self->now.kept_steps = -1;
+    self->now.pause = self->now.guard_wait = 0;
+    self->now.guard_said = 0.0;
+    kernel_gather_inputs(self);
+    if (system->derive) kernel_call(self, system->derive, 0.0, self->state, &self->derived);
+    kernel_evaluate(self, system->start, 0.0, self->state, self->trial);
     memcpy(self->state, self->trial, (size_t)system->states * sizeof(double));
     for (int i = 0; i < system->frictions; ++i) self->mode[i] = 1.0;
     for (int i = 0; i < system->conditions; ++i) self->said[i] = 0.0;
-    rosenbrock_linearise(self, 0.0);
-    const int solved = rosenbrock_make_consistent(self, 0.0, self->value[MODEL.tolerance]);
+    rosenbrock_linearise(self, 0.0, self->state);
+    const int solved = algebraic_solve(self, 0.0, self->state, self->value[MODEL.tolerance]);
     modes_refresh(self, 0.0);
-    compute_outputs(self, 0.0, self->state);
+    kernel_compute_outputs(self, 0.0, self->state);
     const char *bad = output_not_finite(self);
     if (bad || !solved) {
         kernel_reopen(self);
@@ -446,103 +481,6 @@ void kernel_reopen(kernel *self) {
 }
 
 /* ---- the step ------------------------------------------------------------------------------------------------ */
-
-static void record_until(kernel *self, double offset, double size) {
-    kernel_recorder *recorder = self->recorder;
-    while (recorder->written < recorder->capacity) {
-        const double at = (double)recorder->written * recorder->interval;
-        if (at > (offset + size) * (1.0 + 4.0 * DBL_EPSILON)) return;
-        const double fraction = size > 0.0 ? (at - offset) / size : 0.0;
-        rosenbrock_interpolate(self, fraction < 1.0 ? fraction : 1.0, self->point);
-        compute_outputs(self, at, size > 0.0 ? self->point : self->state);
-        double *row = self->recorder->buffer + recorder->written * recorder->columns;
-        for (int i = 0; i < recorder->columns; ++i)
-            row[i] = self->value[recorder->variable[i]] + at * self->input_rate[recorder->variable[i]];
-        recorder->written++;
-    }
-}
-
-/* Finds a step that the error control accepts. Returns its length; 0 after a failure, with the sentence set.
- * *margin is negative when a switch lies within the step. */
-static double accepted_step(kernel *self, double offset, double size, long long int *trials, double *margin,
-                            double *error) {
-    for (;;) {
-        if (++*trials > MAXIMUM_TRIALS) {
-            kernel_fail(self, KERNEL_ERROR, "No progress after %lld steps at t = %.9g s; enlarge the tolerance %g.",
-                        MAXIMUM_TRIALS, self->step_origin + offset, self->value[MODEL.tolerance]);
-            return 0.0;
-        }
-        *error = rosenbrock_try(self, offset, size);
-        if (*error <= 1.0) {
-            *margin = modes_margin(self, offset + size, self->trial);
-            if (!isnan(*margin)) return size;
-            *error = NAN;
-        }
-        self->counters.rejected++;
-        size = rosenbrock_next_size(size, *error);
-        if (size < 1e-15 + 4.0 * DBL_EPSILON * fabs(self->step_origin + offset)) {
-            kernel_fail(self, KERNEL_ERROR,
-                        "The step size vanished at t = %.9g s: the equations have no finite solution there, or the "
-                        "tolerance %g is below round-off; check inputs and parameters, or enlarge the tolerance.",
-                        self->step_origin + offset, self->value[MODEL.tolerance]);
-            return 0.0;
-        }
-    }
-}
-
-static void accept(kernel *self) {
-    const system_description *system = self->system;
-    memcpy(self->state, self->trial, (size_t)system->states * sizeof(double));
-    /* A stuck velocity is exactly zero: its slope is, but row exchanges in the factorisation leave round-off. */
-    for (int i = 0; i < system->frictions; ++i)
-        if (self->mode[i] == 0.0) self->state[system->friction[i].velocity] = 0.0;
-    self->counters.steps++;
-}
-
-/* Integrates from offset 0 to `size`; *reached is where it stopped. Returns OK, a warning, or an error. */
-static int integrate(kernel *self, double size, double *reached) {
-    int status = KERNEL_OK;
-    double offset = 0.0;
-    long long int trials = 0;
-    int switches = 0;
-    modes_refresh(self, 0.0);
-    if (self->recorder) record_until(self, 0.0, 0.0);
-    while (offset < size) {
-        const double remaining = size - offset;
-        const double proposed = self->now.proposed_step;
-        double wanted = proposed;
-        if (proposed > 0.5 * remaining) wanted = proposed < remaining ? 0.5 * remaining : remaining;
-        double margin = INFINITY, error = 0.0;
-        rosenbrock_linearise(self, offset);
-        if (!rosenbrock_make_consistent(self, offset, self->value[MODEL.tolerance]))
-            return kernel_fail(self, KERNEL_ERROR,
-                               "The algebraic equations have no solution near t = %.9g s; check inputs and parameters.",
-                               self->step_origin + offset);
-        double step = accepted_step(self, offset, wanted, &trials, &margin, &error);
-        if (step == 0.0) return KERNEL_ERROR;
-        const double next = rosenbrock_next_size(step, error);
-        /* A step cut short by the end of the interval says nothing against the longer one proposed before. */
-        self->now.proposed_step = step == wanted && wanted < proposed && next < proposed ? proposed : next;
-        const int crossing = margin < 0.0;
-        if (crossing) step = modes_locate(self, offset, step);
-        if (self->recorder) record_until(self, offset, step);
-        const double arrival = step == remaining ? size : offset + step;
-        accept(self);
-        offset = arrival;
-        if (crossing) {
-            self->now.ended = modes_switch(self, offset);
-            if (self->now.ended || self->stops_at_events) break;
-            if (++switches > MAXIMUM_SWITCHES)
-                return kernel_fail(self, KERNEL_ERROR,
-                                   "More than %d switches between sliding and sticking up to t = %.9g s: a friction "
-                                   "chatters; check inputs and parameters.",
-                                   MAXIMUM_SWITCHES, self->step_origin + offset);
-        }
-        if (modes_warn(self, offset)) status = KERNEL_WARNING;
-    }
-    *reached = offset;
-    return status;
-}
 
 void kernel_stop_at_events(kernel *self, int stops) { self->stops_at_events = stops; }
 
@@ -574,11 +512,11 @@ int kernel_step(kernel *self, double time, double size) {
     memcpy(self->backup, self->block, self->restored * sizeof(double));
 
     self->step_origin = time;
-    gather_inputs(self);
+    kernel_gather_inputs(self);
     double reached = size;
     status = integrate(self, size, &reached);
     if (status <= KERNEL_WARNING) {
-        compute_outputs(self, reached, self->state);
+        kernel_compute_outputs(self, reached, self->state);
         const char *bad = output_not_finite(self);
         if (bad)
             status = kernel_fail(self, KERNEL_ERROR, "The output %s is not a finite number at t = %.9g s.", bad,
@@ -586,6 +524,7 @@ int kernel_step(kernel *self, double time, double size) {
     }
     if (status > KERNEL_WARNING) { /* the last good state stays */
         self->now = before;
+        self->kept_ready = 0;
         memcpy(self->block, self->backup, self->restored * sizeof(double));
         return status;
     }
@@ -656,10 +595,10 @@ void kernel_counts(const kernel *self, long long int counts[6]) {
 int kernel_linearise(kernel *self, double *state, double *slope, double *jacobian) {
     if (!self->system) return kernel_fail(self, KERNEL_ERROR, "Initialise %s before its linearisation.", MODEL.name);
     const int n = self->system->states;
-    gather_inputs(self);
+    kernel_gather_inputs(self);
     self->step_origin = self->now.time;
-    rosenbrock_linearise(self, 0.0);
-    if (!rosenbrock_make_consistent(self, 0.0, 0.0))
+    rosenbrock_linearise(self, 0.0, self->state);
+    if (!algebraic_solve(self, 0.0, self->state, 0.0))
         return kernel_fail(self, KERNEL_ERROR,
                            "The algebraic equations have no solution near t = %.9g s; check inputs and parameters.",
                            self->now.time);
@@ -671,58 +610,19 @@ int kernel_linearise(kernel *self, double *state, double *slope, double *jacobia
     return KERNEL_OK;
 }
 
-/* Jacobian of the differential states when the algebraic ones follow: J_dd - J_da J_aa^-1 J_ad, column by column. */
-static int reduced_jacobian(kernel *self, double *jacobian) {
-    const system_description *system = self->system;
-    const int n = system->states, m = n - system->algebraics;
-    double *follow = self->stage[0];
-    if (!rosenbrock_factorise_algebraic(self)) return 0;
-    for (int j = 0, column = 0; j < n; ++j) {
-        if (self->differential[j] == 0.0) continue;
-        const double *entry = self->jacobian + self->place[j] * n;
-        for (int i = 0; i < system->algebraics; ++i) follow[i] = entry[self->place[system->algebraic[i]]];
-        rosenbrock_solve_algebraic(self, follow);
-        for (int i = 0, row = 0; i < n; ++i) {
-            if (self->differential[i] == 0.0) continue;
-            double value = entry[self->place[i]];
-            for (int k = 0; k < system->algebraics; ++k)
-                value -= self->jacobian[self->place[system->algebraic[k]] * n + self->place[i]] * follow[k];
-            jacobian[row++ * m + column] = value;
-        }
-        ++column;
-    }
-    return 1;
-}
-
-int kernel_slopes_at(kernel *self, double time, const double *place, double *slope, double *jacobian) {
-    if (!self->system) return kernel_fail(self, KERNEL_ERROR, "Initialise %s before its equations.", MODEL.name);
-    const int n = self->system->states;
-    for (int i = 0, k = 0; i < n; ++i)
-        if (self->differential[i] != 0.0) self->state[i] = place[k++];
-    self->step_origin = time;
-    gather_inputs(self);
-    rosenbrock_linearise(self, 0.0);
-    if (!rosenbrock_make_consistent(self, 0.0, SOLVED) || (jacobian && !reduced_jacobian(self, jacobian)))
-        return kernel_fail(self, KERNEL_ERROR, "The algebraic equations have no solution near t = %.9g s.", time);
-    for (int i = 0, k = 0; i < n; ++i)
-        if (self->differential[i] != 0.0) slope[k++] = self->slope[i];
-    self->now.outputs_stale = 1;
-    return KERNEL_OK;
-}
-
 int kernel_repeat_right_hand_side(kernel *self, long long int repeat) {
     if (!self->system) return KERNEL_ERROR;
-    gather_inputs(self);
+    kernel_gather_inputs(self);
     for (long long int i = 0; i < repeat; ++i)
-        kernel_evaluate(self, self->system->ode, 0.0, self->state, self->slope, NULL);
+        kernel_evaluate(self, self->system->ode, 0.0, self->state, self->slope);
     return KERNEL_OK;
 }
 
 int kernel_repeat_jacobian(kernel *self, long long int repeat) {
     if (!self->system) return KERNEL_ERROR;
-    gather_inputs(self);
+    kernel_gather_inputs(self);
     for (long long int i = 0; i < repeat; ++i)
-        kernel_evaluate(self, self->system->jacobian, 0.0, self->state, self->nonzero, self->time_slope);
+        rosenbrock_linearise(self, 0.0, self->state);
     return KERNEL_OK;
 }
 

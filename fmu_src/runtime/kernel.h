@@ -63,6 +63,7 @@ typedef struct {
     const char *name;
     int states, algebraics, nonzeros, inputs, parameters, derived, frictions, outputs;
     int tables, table_ranks, table_coefficients;
+    int limits;           /* states whose change within a step is limited */
     int ends, conditions; /* the conditions that end a run, and with those that only warn */
     const int *input_variable, *parameter_variable, *output_variable; /* indices into the model's variables */
     const int *state_variable;                                        /* the same; -1: an algebraic state */
@@ -72,10 +73,12 @@ typedef struct {
     /* For each pivot, the rows below it and the columns right of it that are not zero when it is their turn. */
     const int *below_start, *below, *right_start, *right;
     const int *algebraic; /* indices of the states that a residual instead of a derivative determines */
+    const int *limited;   /* indices of the states whose change within a step is limited */
     const friction_description *friction;
     const table_description *table;
     const char *const *sentence; /* of each condition; contains one %s for the time */
-    generated_function derive, start, ode, jacobian, output, drive, capacity, condition_margin; /* null: not needed */
+    /* null: not needed */
+    generated_function derive, start, ode, jacobian, output, drive, capacity, condition_margin, largest_change;
     generated_function output_along, residual_along; /* derivatives of outputs and of residuals along the seed */
     const generated_function *table_argument; /* one for each rank */
 } system_description;
@@ -84,7 +87,7 @@ typedef struct {
     const char *name, *guid;
     int variables, systems;
     int selector;  /* variable that chooses the system, counted from 1; -1: there is only one */
-    int tolerance; /* variable that holds the integration tolerance */
+    int tolerance, integration_method, integration_step; /* variables that every model has */
     const variable_description *variable;
     const system_description *system;
 } model_description;
@@ -95,6 +98,11 @@ extern const model_description MODEL;
 typedef struct {
     double time;
     double proposed_step;
+    double kept_time, kept_until, kept_size; /* of the kept Jacobian: when it was taken, how long it serves, its step */
+    double guard_said;           /* what the last warning about fixed steps was about; 0: none yet */
+    int kept_steps;              /* steps that the kept Jacobian has served; -1: there is none */
+    int pause;                   /* short steps before a Jacobian is kept again */
+    int guard_wait;              /* steps until the stability of an explicit method is looked at again */
     int system; /* -1 before initialisation */
     int ended;  /* 1 + index of the end condition that stopped the run; 0: running */
     int outputs_stale;
@@ -114,19 +122,39 @@ typedef struct {
 
 enum { MESSAGE_SIZE = 512, JOURNAL_SIZE = 4096 };
 
+/* Values of integration_method. */
+enum { METHOD_EXACT = 1, METHOD_REUSED = 2, METHOD_EXPLICIT = 3 };
+
+enum { KEPT_NOTHING, KEPT_JACOBIAN, KEPT_FACTORS };
+
+/* A matrix by columns and its LU factors, see linear.c. */
+typedef struct {
+    double *matrix, *packed;
+    int *pivot;
+    int size;
+    int exchanged; /* first pivot that was exchanged with another row */
+} factors;
+
+typedef struct rosenbrock_tableau rosenbrock_tableau;
+
 typedef struct kernel {
     kernel_snapshot now;
     const system_description *system;
     /* Restored by a rollback (the first `restored` doubles of `block`). */
     double *value, *input_rate, *last_rate, *state, *mode, *said, *derived;
+    double *kept_state, *kept_input, *kept_mode; /* where the kept Jacobian was taken */
     size_t restored;
     /* Not restored: work space of one step. */
     double *parameter, *input, *rate, *stage_input, *coefficient, *table_at;
-    double *trial, *slope, *time_slope, *nonzero, *jacobian, *matrix, *stage[6], *point, *ordered, *differential;
-    double *drive, *capacity, *margin, *output, *backup, *seed, *output_rate;
-    int *pivot, *place, *every; /* of the factorisation, see rosenbrock.c */
+    double *trial, *slope, *time_slope, *nonzero, *jacobian, *kept_jacobian, *stage[6], *point, *ordered, *differential;
+    double *between, *first_slope, *last_slope;
+    double *drive, *capacity, *margin, *output, *backup, *seed, *output_rate, *largest_change;
+    factors whole, algebraic, kept, kept_algebraic;
+    int *place, *every; /* of the states in the order of elimination; 0, 1, 2 ... */
+    int method;
+    int kept_ready;    /* what there is of the kept Jacobian besides its place */
+    int factors_serve; /* the factors `algebraic` are good enough for Newton's method */
     int stops_at_events;
-    int exchanged; /* first pivot that was exchanged with another row */
     char *warned; /* one flag per variable: "has no effect here" is said once */
     kernel_counters counters;
     kernel_recorder *recorder;
@@ -135,6 +163,7 @@ typedef struct kernel {
     char journal[JOURNAL_SIZE]; /* lines "status sentence", drained by the face */
     size_t journal_length;
     double *block;
+    int *places;
 } kernel;
 
 /* Public face, for fmi2.c and kernel.py. Status codes as above; the sentence is in kernel_message. */
@@ -169,10 +198,17 @@ KERNEL_EXPORT const char *kernel_variable_name(int variable);
 KERNEL_EXPORT int kernel_state_count(const kernel *self);
 /* State, right-hand side (n values each) and Jacobian (n x n, by rows), once the algebraic states are consistent. */
 KERNEL_EXPORT int kernel_linearise(kernel *self, double *state, double *slope, double *jacobian);
-/* The equations for methods that know no algebraic states: slopes of the differential states (m values) at a time and
- * place, the algebraic ones solved for, inputs and modes as they are; and their Jacobian (m x m, by rows) unless null.
- * Moves the kernel's state there. */
+/* The equations for other methods, which start where the kernel stands: time goes on from there, inputs along their
+ * ramps, modes as they are. Slopes of the differential states (m values) at a time and place, the algebraic states solved
+ * for, and their Jacobian (m x m, by rows) unless null; */
 KERNEL_EXPORT int kernel_slopes_at(kernel *self, double time, const double *place, double *slope, double *jacobian);
+/* the smallest margin of modes and end conditions there: a switch is where it turns negative; */
+KERNEL_EXPORT int kernel_margin_at(kernel *self, double time, const double *place, double *margin);
+/* slopes, and residuals of algebraic states, of all n states, and their Jacobian (n x n, by rows) unless null. */
+KERNEL_EXPORT int kernel_equations_at(kernel *self, double time, const double *state, double *slope, double *jacobian);
+/* The kernel goes there and switches what has crossed; with `crossed`, what is nearest to it, if it is on this side.
+ * `place` is what it is afterwards. */
+KERNEL_EXPORT int kernel_arrive(kernel *self, double time, double *place, int crossed);
 /* For benchmarks: call the right-hand side, the Jacobian or the step function `repeat` times at the present state. */
 KERNEL_EXPORT int kernel_repeat_right_hand_side(kernel *self, long long int repeat);
 KERNEL_EXPORT int kernel_repeat_jacobian(kernel *self, long long int repeat);
@@ -181,28 +217,56 @@ KERNEL_EXPORT int kernel_repeat_step(kernel *self, double time, double size, lon
 /* Inside the runtime. */
 int kernel_fail(kernel *self, int status, const char *format, ...);
 void kernel_note(kernel *self, int status, const char *format, ...);
-void kernel_evaluate(kernel *self, generated_function function, double offset, const double *state, double *first,
-                     double *second);
-void kernel_evaluate_again(kernel *self, generated_function function, double offset, const double *state, double *first,
-                           double *second);
+void kernel_gather_inputs(kernel *self);
+void kernel_compute_outputs(kernel *self, double offset, const double *state);
+/* Inputs and table pieces that hold `offset` seconds after the start of the step; and the table pieces alone. */
+void kernel_locate(kernel *self, double offset, const double *state);
+void kernel_look_up(kernel *self, double offset, const double *state);
+/* A generated function at a place: with the inputs and table pieces located before, or locating them; with one result. */
+void kernel_call(kernel *self, generated_function function, double offset, const double *state, double **result);
+void kernel_evaluate_again(kernel *self, generated_function function, double offset, const double *state, double *result);
+void kernel_evaluate(kernel *self, generated_function function, double offset, const double *state, double *result);
 void tables_look_up(const system_description *system, int rank, const double *argument, double *coefficient);
-/* One trial step of Rosenbrock type from `state` at `offset`; linearise first. Returns the error in units of the
- * tolerance; a value that is not <= 1, NaN included, means "reject". The new state is in self->trial. */
-void rosenbrock_linearise(kernel *self, double offset);
-/* Newton's method on the algebraic states, the others held, until their scaled change is below `tolerance` or
- * round-off; 0: no success. */
-int rosenbrock_make_consistent(kernel *self, double offset, double tolerance);
-/* Factors of the part of the Jacobian that belongs to the algebraic states, 0: it is singular; and a solution in place. */
-int rosenbrock_factorise_algebraic(kernel *self);
-void rosenbrock_solve_algebraic(const kernel *self, double *vector);
-double rosenbrock_try(kernel *self, double offset, double size);
-double rosenbrock_next_size(double size, double error);
+/* Linear equations: factors of M diagonal - J, in the order of the states; and of the algebraic part of J. 0: singular. */
+int linear_factorise_step(kernel *self, factors *of, const double *jacobian, double diagonal);
+void linear_solve_step(kernel *self, const factors *of, double *vector);
+int linear_factorise_algebraic(kernel *self, factors *of, const double *jacobian);
+void linear_solve_algebraic(const kernel *self, const factors *of, double *vector);
+/* Algebraic states, the others held, solved until their scaled change is below `tolerance` or round-off; all leave the
+ * slopes in self->slope, and 0 means no success. Newton's method from self->jacobian, which is that of `state`; */
+int algebraic_solve(kernel *self, double offset, double *state, double tolerance);
+/* with given factors throughout, the old values kept where that fails; */
+int algebraic_follow(kernel *self, const factors *of, double offset, double *state, double tolerance);
+/* with the last factors while they serve, and otherwise with new ones. */
+int algebraic_find(kernel *self, double offset, double *state, double tolerance);
+/* Jacobian without algebraic states at the present state, by rows. */
+int algebraic_reduce(kernel *self, double offset, double *jacobian);
+/* Rosenbrock methods. The error of a trial step is in units of the tolerance; a value that is not <= 1, NaN included,
+ * means "reject". The new state is in self->trial. */
+extern const rosenbrock_tableau RODAS, ROS34PW2;
+void rosenbrock_evaluate_jacobian(kernel *self, double offset, const double *state, double *jacobian);
+void rosenbrock_linearise(kernel *self, double offset, const double *state);
+int rosenbrock_factorise(kernel *self, const rosenbrock_tableau *method, factors *of, const double *jacobian, double size);
+double rosenbrock_step(kernel *self, const rosenbrock_tableau *method, const factors *of, double offset, double size);
+double rosenbrock_try(kernel *self, double offset, double size); /* with RODAS; linearise first */
+double rosenbrock_next_size(const rosenbrock_tableau *method, double size, double error);
 void rosenbrock_interpolate(const kernel *self, double fraction, double *state);
+/* With ROS34PW2: a step with the kept Jacobian, made anew when it is too old or the step fails. */
+double reuse_try(kernel *self, double offset, double size);
+/* Keeps the Jacobian of the present state until some time; whether it serves; and a step with it, as it is. */
+void reuse_remember(kernel *self, double offset, double until);
+int reuse_serves(const kernel *self, double offset);
+double reuse_short_step(kernel *self, double offset, double size);
+double runge_kutta_try(kernel *self, double offset, double size); /* its error is 0 or NaN */
+int runge_kutta_guard(kernel *self, double offset, double size);
+/* The step loop, and one trial step with the chosen method. */
+int integrate(kernel *self, double size, double *reached);
+double integrate_try(kernel *self, double offset, double size);
 /* Modes and end conditions. */
 void modes_refresh(kernel *self, double offset);
 double modes_margin(kernel *self, double offset, const double *state);
 double modes_locate(kernel *self, double offset, double size);
-int modes_switch(kernel *self, double offset);
+int modes_switch(kernel *self, double offset, double least);
 int modes_warn(kernel *self, double offset);
 
 #endif

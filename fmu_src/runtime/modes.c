@@ -22,10 +22,10 @@ static double direction_of(double velocity, double drive, double capacity) {
 /* The drive is asked for only where something is stuck or stands: it may cost as much as the whole right-hand side. */
 static void find_drive_and_capacity(kernel *self, double offset, const double *state) {
     const system_description *system = self->system;
-    kernel_evaluate(self, system->capacity, offset, state, self->capacity, NULL);
+    kernel_evaluate_again(self, system->capacity, offset, state, self->capacity);
     for (int i = 0; i < system->frictions; ++i)
         if (self->mode[i] == 0.0 || state[system->friction[i].velocity] == 0.0) {
-            kernel_evaluate_again(self, system->drive, offset, state, self->drive, NULL);
+            kernel_evaluate_again(self, system->drive, offset, state, self->drive);
             return;
         }
 }
@@ -33,6 +33,7 @@ static void find_drive_and_capacity(kernel *self, double offset, const double *s
 void modes_refresh(kernel *self, double offset) {
     const system_description *system = self->system;
     if (system->frictions == 0) return;
+    kernel_locate(self, offset, self->state);
     find_drive_and_capacity(self, offset, self->state);
     for (int i = 0; i < system->frictions; ++i) {
         const friction_description *friction = &system->friction[i];
@@ -50,6 +51,7 @@ void modes_refresh(kernel *self, double offset) {
 double modes_margin(kernel *self, double offset, const double *state) {
     const system_description *system = self->system;
     double smallest = INFINITY;
+    kernel_locate(self, offset, state);
     if (system->frictions) find_drive_and_capacity(self, offset, state);
     for (int i = 0; i < system->frictions; ++i) {
         const int velocity = system->friction[i].velocity;
@@ -61,7 +63,7 @@ double modes_margin(kernel *self, double offset, const double *state) {
             self->margin[i] = self->mode[i] * state[velocity] / system->nominal[velocity];
     }
     if (system->conditions)
-        kernel_evaluate(self, system->condition_margin, offset, state, self->margin + system->frictions, NULL);
+        kernel_evaluate_again(self, system->condition_margin, offset, state, self->margin + system->frictions);
     for (int i = 0; i < system->frictions + system->ends; ++i)
         if (!(self->margin[i] >= smallest)) smallest = self->margin[i];
     return smallest;
@@ -80,7 +82,7 @@ double modes_locate(kernel *self, double offset, double size) {
         const double down = right_weight * at_right, up = left_weight * at_left;
         double middle = right - down * (right - left) / (down - up);
         if (!(middle > left && middle < right)) middle = 0.5 * (left + right);
-        (void)rosenbrock_try(self, offset, middle);
+        (void)integrate_try(self, offset, middle);
         const double at_middle = modes_margin(self, offset + middle, self->trial);
         if (at_middle >= 0.0) {
             left = middle;
@@ -94,19 +96,20 @@ double modes_locate(kernel *self, double offset, double size) {
             left_weight *= 0.5;
         }
     }
-    (void)rosenbrock_try(self, offset, right);
+    (void)integrate_try(self, offset, right);
     return right;
 }
 
-/* After a located step, with the margins of the new state: switches what crossed. Returns 1 + index of an end condition
- * that was reached, else 0. */
-int modes_switch(kernel *self, double offset) {
+/* After a located step: switches what crossed, that is what has a margin below 0 or as small as `least`, which another
+ * method may find on this side of 0. Returns 1 + index of an end condition that was reached, else 0. */
+int modes_switch(kernel *self, double offset, double least) {
     const system_description *system = self->system;
     (void)modes_margin(self, offset, self->state);
     for (int i = 0; i < system->ends; ++i)
         if (!(self->margin[system->frictions + i] >= 0.0)) return 1 + i;
     for (int i = 0; i < system->frictions; ++i)
-        if (self->margin[i] < 0.0 && self->mode[i] != 0.0) self->state[system->friction[i].velocity] = 0.0;
+        if ((self->margin[i] < 0.0 || self->margin[i] == least) && self->mode[i] != 0.0)
+            self->state[system->friction[i].velocity] = 0.0;
     /* A stuck friction whose drive exceeds the capacity starts to slide in modes_refresh. */
     self->counters.events++;
     modes_refresh(self, offset);

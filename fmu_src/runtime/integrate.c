@@ -1,0 +1,240 @@
+/* The step loop: adaptive or fixed steps of the chosen method, located switches, records between the steps. */
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "kernel.h"
+
+static const long long int MAXIMUM_TRIALS = 5000000; /* of one kernel_step; a run that needs more is stuck */
+static const int MAXIMUM_SWITCHES = 10000;           /* of one kernel_step; more is chatter */
+/* A step that the host cuts below this share of what the accuracy allows is taken with a kept Jacobian, which serves as
+ * long as a step of the default method would have lasted. */
+static const double SHORT = 0.25;
+/* Its error, in units of the tolerance: of the stiff creep at walking pace a whole tolerance is some per cent. */
+static const double SHORT_ERROR = 0.3;
+/* Short steps that go to the default method after one with a kept Jacobian failed. */
+enum { PAUSE = 16 };
+
+double integrate_try(kernel *self, double offset, double size) {
+    switch (self->method) {
+        case METHOD_REUSED: return reuse_try(self, offset, size);
+        case METHOD_EXPLICIT: return runge_kutta_try(self, offset, size);
+        default: return rosenbrock_try(self, offset, size);
+    }
+}
+
+/* ---- between the steps ----------------------------------------------------------------------------------------- */
+
+/* Cubic through both ends and slopes of a step of a method without an extension of its own; algebraic states are solved
+ * for, from the straight line between their ends. */
+static void interpolate_by_slopes(kernel *self, double offset, double size, double fraction, double *state) {
+    const double other = 1.0 - fraction;
+    for (int i = 0; i < self->system->states; ++i) {
+        const double change = self->trial[i] - self->state[i];
+        const double bend = other * (size * self->first_slope[i] - change) - fraction * (size * self->last_slope[i] - change);
+        state[i] = self->state[i] + fraction * (change + self->differential[i] * other * bend);
+    }
+    (void)algebraic_find(self, offset + fraction * size, state, self->value[MODEL.tolerance]);
+}
+
+static void prepare_interpolation(kernel *self, double offset, double size) {
+    kernel_evaluate(self, self->system->ode, offset, self->state, self->first_slope);
+    kernel_evaluate(self, self->system->ode, offset + size, self->trial, self->last_slope);
+}
+
+static void record_until(kernel *self, double offset, double size) {
+    kernel_recorder *recorder = self->recorder;
+    const int own_extension = self->method == METHOD_EXACT;
+    int prepared = 0;
+    while (recorder->written < recorder->capacity) {
+        const double at = (double)recorder->written * recorder->interval;
+        if (at > (offset + size) * (1.0 + 4.0 * DBL_EPSILON)) return;
+        const double share = size > 0.0 ? (at - offset) / size : 0.0, fraction = share < 1.0 ? share : 1.0;
+        double *shown = size > 0.0 ? self->between : self->state;
+        if (size > 0.0 && own_extension) {
+            rosenbrock_interpolate(self, fraction, shown);
+        } else if (size > 0.0) {
+            if (!prepared) prepare_interpolation(self, offset, size);
+            prepared = 1;
+            interpolate_by_slopes(self, offset, size, fraction, shown);
+        }
+        kernel_compute_outputs(self, at, shown);
+        double *row = recorder->buffer + recorder->written * recorder->columns;
+        for (int i = 0; i < recorder->columns; ++i)
+            row[i] = self->value[recorder->variable[i]] + at * self->input_rate[recorder->variable[i]];
+        recorder->written++;
+    }
+}
+
+/* ---- one step --------------------------------------------------------------------------------------------------- */
+
+typedef struct {
+    double offset, remaining; /* since the start of the kernel_step, and to its end [s] */
+    double margin;            /* of the modes at the end of the step found; negative: a switch lies within it */
+    long long int trials;
+} progress;
+
+static int start_exact_step(kernel *self, double offset) {
+    rosenbrock_linearise(self, offset, self->state);
+    if (algebraic_solve(self, offset, self->state, self->value[MODEL.tolerance])) return 1;
+    kernel_fail(self, KERNEL_ERROR,
+                "The algebraic equations have no solution near t = %.9g s; check inputs and parameters.",
+                self->step_origin + offset);
+    return 0;
+}
+
+static int is_short(const kernel *self, const progress *now) {
+    return !self->recorder && now->remaining <= SHORT * self->now.proposed_step;
+}
+
+/* A step to the end of the interval with the kept Jacobian. Returns its length; 0: the default method must take it. */
+static double short_step(kernel *self, progress *now) {
+    if (!is_short(self, now) || !reuse_serves(self, now->offset)) return 0.0;
+    const double error = reuse_short_step(self, now->offset, now->remaining);
+    if (!(error <= SHORT_ERROR)) {
+        self->now.pause = PAUSE;
+        return 0.0;
+    }
+    now->margin = modes_margin(self, now->offset + now->remaining, self->trial);
+    return now->margin >= 0.0 ? now->remaining : 0.0;
+}
+
+/* Keeps the Jacobian of a short step for those that follow within the time `served`. */
+static void keep_jacobian(kernel *self, const progress *now, double served) {
+    if (!is_short(self, now)) return;
+    if (self->now.pause > 0)
+        self->now.pause--;
+    else
+        reuse_remember(self, now->offset, self->step_origin + now->offset + served);
+}
+
+/* Time until a limited state has changed as much as a step may change it. */
+static double longest_step(kernel *self, double offset) {
+    const system_description *system = self->system;
+    if (system->limits == 0) return INFINITY;
+    if (self->method != METHOD_EXACT) kernel_evaluate(self, system->ode, offset, self->state, self->slope);
+    kernel_evaluate(self, system->largest_change, offset, self->state, self->largest_change);
+    double haste = 0.0;
+    for (int i = 0; i < system->limits; ++i)
+        haste = fmax(haste, fabs(self->slope[system->limited[i]]) / self->largest_change[i]);
+    return haste > 0.0 ? 1.0 / haste : INFINITY;
+}
+
+/* A step that the error control accepts. Returns its length; 0 after a failure, with the sentence set. */
+static double adaptive_step(kernel *self, progress *now) {
+    const rosenbrock_tableau *method = self->method == METHOD_REUSED ? &ROS34PW2 : &RODAS;
+    const double proposed = self->now.proposed_step, remaining = now->remaining;
+    if (self->method == METHOD_EXACT && !start_exact_step(self, now->offset)) return 0.0;
+    const double longest = longest_step(self, now->offset);
+    double wanted = fmin(proposed, longest);
+    if (wanted > 0.5 * remaining) wanted = wanted < remaining ? 0.5 * remaining : remaining;
+    for (double size = wanted;;) {
+        const double time = self->step_origin + now->offset;
+        if (++now->trials > MAXIMUM_TRIALS) {
+            kernel_fail(self, KERNEL_ERROR, "No progress after %lld steps at t = %.9g s; enlarge the tolerance %g.",
+                        MAXIMUM_TRIALS, time, self->value[MODEL.tolerance]);
+            return 0.0;
+        }
+        double error = integrate_try(self, now->offset, size);
+        if (error <= 1.0) {
+            now->margin = modes_margin(self, now->offset + size, self->trial);
+            if (isnan(now->margin)) error = NAN;
+        }
+        const double next = rosenbrock_next_size(method, size, error);
+        if (error <= 1.0) {
+            /* A step cut short by the end of the interval says nothing against the longer one proposed before. */
+            const int cut = size == wanted && wanted < proposed && next < proposed;
+            self->now.proposed_step = cut ? proposed : next;
+            if (self->method == METHOD_EXACT) keep_jacobian(self, now, fmin(self->now.proposed_step, longest));
+            return size;
+        }
+        self->counters.rejected++;
+        size = next;
+        if (size < 1e-15 + 4.0 * DBL_EPSILON * fabs(time)) {
+            kernel_fail(self, KERNEL_ERROR,
+                        "The step size vanished at t = %.9g s: the equations have no finite solution there, or the "
+                        "tolerance %g is below round-off; check inputs and parameters, or enlarge the tolerance.",
+                        time, self->value[MODEL.tolerance]);
+            return 0.0;
+        }
+    }
+}
+
+/* Says when the local error of a fixed step exceeds the tolerance, and again when it is ten times what was said. */
+static int guard_error(kernel *self, double time, double size, double error) {
+    if (!(error > 1.0) || error < 10.0 * self->now.guard_said) return KERNEL_OK;
+    self->now.guard_said = error;
+    return kernel_fail(self, KERNEL_WARNING,
+                       "The local error of the fixed step of %.3g s is %.2g times the tolerance %g at t = %.6g s; "
+                       "shorten integration_step, or set it to 0 for steps chosen by the error.",
+                       size, error, self->value[MODEL.tolerance], time);
+}
+
+/* A step of integration_step seconds, right or wrong: what is wrong is said. Returns its length, 0 after a failure. */
+static double fixed_step(kernel *self, progress *now, int *status) {
+    const double fixed = self->value[MODEL.integration_step], time = self->step_origin + now->offset;
+    const double size = now->remaining <= fixed * (1.0 + 1e-6) ? now->remaining : fixed;
+    if (self->method == METHOD_EXACT && !start_exact_step(self, now->offset)) return 0.0;
+    if (self->method == METHOD_EXPLICIT && runge_kutta_guard(self, now->offset, size) != KERNEL_OK)
+        *status = KERNEL_WARNING;
+    const double error = integrate_try(self, now->offset, size);
+    now->margin = isfinite(error) ? modes_margin(self, now->offset + size, self->trial) : NAN;
+    if (isnan(now->margin)) {
+        kernel_fail(self, KERNEL_ERROR,
+                    "The fixed step of %.3g s finds no finite motion at t = %.9g s; shorten integration_step, or set it to "
+                    "0 for steps chosen by the error.",
+                    size, time);
+        return 0.0;
+    }
+    if (guard_error(self, time, size, error) != KERNEL_OK) *status = KERNEL_WARNING;
+    return size;
+}
+
+static double next_step(kernel *self, progress *now, int *status) {
+    if (self->value[MODEL.integration_step] > 0.0) return fixed_step(self, now, status);
+    const double cut = self->method == METHOD_EXACT ? short_step(self, now) : 0.0;
+    return cut > 0.0 ? cut : adaptive_step(self, now);
+}
+
+static void accept(kernel *self) {
+    const system_description *system = self->system;
+    memcpy(self->state, self->trial, (size_t)system->states * sizeof(double));
+    /* A stuck velocity is exactly zero: its slope is, but row exchanges in the factorisation leave round-off. */
+    for (int i = 0; i < system->frictions; ++i)
+        if (self->mode[i] == 0.0) self->state[system->friction[i].velocity] = 0.0;
+    if (self->now.kept_steps >= 0) self->now.kept_steps++;
+    self->counters.steps++;
+}
+
+/* ---- the loop --------------------------------------------------------------------------------------------------- */
+
+int integrate(kernel *self, double size, double *reached) {
+    int status = KERNEL_OK, switches = 0;
+    progress now = {0.0, size, INFINITY, 0};
+    self->factors_serve = 0;
+    modes_refresh(self, 0.0);
+    if (self->recorder) record_until(self, 0.0, 0.0);
+    while (now.offset < size) {
+        now.remaining = size - now.offset;
+        double step = next_step(self, &now, &status);
+        if (step == 0.0) return KERNEL_ERROR;
+        const int crossing = now.margin < 0.0;
+        if (crossing) step = modes_locate(self, now.offset, step);
+        if (self->recorder) record_until(self, now.offset, step);
+        const double arrival = step == now.remaining ? size : now.offset + step;
+        accept(self);
+        now.offset = arrival;
+        if (crossing) {
+            self->now.ended = modes_switch(self, now.offset, -INFINITY);
+            if (self->now.ended || self->stops_at_events) break;
+            if (++switches > MAXIMUM_SWITCHES)
+                return kernel_fail(self, KERNEL_ERROR,
+                                   "More than %d switches between sliding and sticking up to t = %.9g s: a friction "
+                                   "chatters; check inputs and parameters.",
+                                   MAXIMUM_SWITCHES, self->step_origin + now.offset);
+        }
+        if (modes_warn(self, now.offset)) status = KERNEL_WARNING;
+    }
+    *reached = now.offset;
+    return status;
+}

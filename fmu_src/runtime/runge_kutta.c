@@ -1,0 +1,71 @@
+/* The explicit Runge-Kutta method of order 4, with the algebraic states solved for in each stage. It has no error control,
+ * and above its stability limit the saturation of creep keeps it from blowing up: the guard says so instead. */
+#include <math.h>
+#include <string.h>
+
+#include "kernel.h"
+
+enum { STAGES = 4, CHECK_EVERY = 32, POWER_STEPS = 24, STEPS_SHOWN = 4 };
+static const double NODE[STAGES] = {0.0, 0.5, 0.5, 1.0}, WEIGHT[STAGES] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
+/* Where the method's stability region ends on the negative real axis; Hairer and Wanner 1996, section IV.2. */
+static const double STABILITY_LIMIT = 2.785293563405282;
+/* Scaled change of algebraic states, well below the error of the method. */
+static const double SOLVED = 1e-10;
+
+double runge_kutta_try(kernel *self, double offset, double size) {
+    const int n = self->system->states;
+    memcpy(self->trial, self->state, (size_t)n * sizeof(double));
+    memcpy(self->point, self->state, (size_t)n * sizeof(double));
+    for (int stage = 0; stage < STAGES; ++stage) {
+        double *slope = self->stage[stage];
+        if (stage > 0)
+            for (int i = 0; i < n; ++i)
+                if (self->differential[i] != 0.0)
+                    self->point[i] = self->state[i] + size * NODE[stage] * self->stage[stage - 1][i];
+        if (!algebraic_find(self, offset + NODE[stage] * size, self->point, SOLVED)) return NAN;
+        memcpy(slope, self->slope, (size_t)n * sizeof(double));
+        for (int i = 0; i < n; ++i) self->trial[i] += size * WEIGHT[stage] * self->differential[i] * slope[i];
+    }
+    for (int i = 0; i < n; ++i)
+        if (self->differential[i] == 0.0) self->trial[i] = self->point[i];
+    return algebraic_find(self, offset + size, self->trial, SOLVED) ? 0.0 : NAN;
+}
+
+/* Magnitude of the fastest eigenvalue [1/s], by the power method on the exact Jacobian without algebraic states; each
+ * state counts in its nominal value. */
+static double fastest_eigenvalue(kernel *self, double offset) {
+    const system_description *system = self->system;
+    const int m = system->states - system->algebraics;
+    double *jacobian = self->whole.packed, *vector = self->stage[1], *image = self->stage[2], *nominal = self->stage[3];
+    if (!algebraic_reduce(self, offset, jacobian)) return NAN;
+    for (int i = 0, k = 0; i < system->states; ++i)
+        if (self->differential[i] != 0.0) nominal[k++] = system->nominal[i];
+    for (int i = 0; i < m; ++i) vector[i] = 1.0;
+    double growth = 1.0;
+    for (int step = 0; step < POWER_STEPS; ++step) {
+        double largest = 0.0;
+        for (int i = 0; i < m; ++i) {
+            image[i] = 0.0;
+            for (int j = 0; j < m; ++j) image[i] += jacobian[i * m + j] * nominal[j] * vector[j];
+            image[i] /= nominal[i];
+            if (fabs(image[i]) > largest) largest = fabs(image[i]);
+        }
+        if (!(largest > 0.0)) return largest;
+        for (int i = 0; i < m; ++i) vector[i] = image[i] / largest;
+        if (step >= POWER_STEPS - STEPS_SHOWN) growth *= largest;
+    }
+    return pow(growth, 1.0 / STEPS_SHOWN);
+}
+
+int runge_kutta_guard(kernel *self, double offset, double size) {
+    if (self->now.guard_said > 0.0 || self->now.guard_wait-- > 0) return KERNEL_OK;
+    self->now.guard_wait = CHECK_EVERY - 1;
+    const double eigenvalue = fastest_eigenvalue(self, offset);
+    if (!(size * eigenvalue > STABILITY_LIMIT)) return KERNEL_OK;
+    self->now.guard_said = size * eigenvalue;
+    return kernel_fail(self, KERNEL_WARNING,
+                       "The explicit method is above its stability limit at t = %.6g s: the fastest eigenvalue, %.4g 1/s, "
+                       "allows steps up to %.3g s and the step is %.3g s; do not trust the motion from here on, shorten "
+                       "integration_step or choose integration_method 1.",
+                       self->step_origin + offset, eigenvalue, STABILITY_LIMIT / eigenvalue, size);
+}
