@@ -252,7 +252,7 @@ class System:
     def limit_change(self, state: str, largest: ca.SX) -> None:
         """Steps chosen by the error end before `state` has changed by `largest`, at its present rate.
 
-        For what the error of a step cannot tell: what would be stepped over, or a stiffness that changes with the state.
+        For what the error of a step cannot tell: what would be stepped over, a stiffness that changes with the state.
         """
         self.largest_changes.append((state, largest))
 
