@@ -12,6 +12,7 @@ from scenarios import (
     creep_forces,
     critical_speed,
     heavy_braking,
+    levels,
     lock_boundary,
     oracle,
     qr30,
@@ -44,5 +45,6 @@ SCENARIOS: list[Scenario] = [
     asymmetric_braking.SCENARIO,
     sensitivity.SCENARIO,
     oracle.SCENARIO,
+    levels.SCENARIO,
     speed.SCENARIO,
 ]
