@@ -12,6 +12,7 @@ from scenarios import (
     creep_forces,
     critical_speed,
     heavy_braking,
+    levels,
     lock_boundary,
     oracle,
     qr30,
@@ -45,6 +46,7 @@ SCENARIOS: list[Scenario] = [
     asymmetric_braking.SCENARIO,
     sensitivity.SCENARIO,
     oracle.SCENARIO,
+    levels.SCENARIO,
     speed.SCENARIO,
     speed_accuracy.SCENARIO,
 ]
