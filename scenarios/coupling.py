@@ -80,25 +80,26 @@ class Coupling:
     def advance(self, time: float, size: float) -> dict[Connection, tuple[float, float, float, float]]:
         """One macro step; for each connection the line that was its input and the line of its source, by their ends."""
         begin = {c: c[0][c[1]] for c in self.connections}
+        # Read before any slave moves: afterwards a source that went first would tell its rate at the end of the step.
+        known = {c: begin[c] + size * c[0].rate(c[1]) for c in begin} if self.master.extrapolated else begin
         used: dict[Connection, tuple[float, float]] = {}
         done: set[Slave] = set()
         for slave in self.slaves:
             for connection in self.connections:
                 if connection[2] is slave:
                     newest = connection[0] in done and self.master.method == GAUSS_SEIDEL
-                    used[connection] = self._feed(connection, begin[connection], newest, size)
+                    end = connection[0][connection[1]] if newest else known[connection]
+                    used[connection] = self._feed(connection, begin[connection], end, size)
             slave.step(time, size)
             done.add(slave)
         return {c: (*used[c], begin[c], c[0][c[1]]) for c in self.connections}
 
-    def _feed(self, connection: Connection, begin: float, newest: bool, size: float) -> tuple[float, float]:
-        """Sets an input for one step and returns its values at both ends."""
-        source, output, target, name = connection
+    def _feed(self, connection: Connection, begin: float, end: float, size: float) -> tuple[float, float]:
+        """Sets an input for one step, held or on its line, and returns its values at both ends."""
+        _, _, target, name = connection
         if not self.master.extrapolated:
-            value = source[output] if newest else begin
-            target.set(**{name: value})
-            return value, value
-        end = source[output] if newest else begin + size * source.rate(output)
+            target.set(**{name: end})
+            return end, end
         target.set(**{name: begin})
         target.set_rate(name, (end - begin) / size)
         return begin, end

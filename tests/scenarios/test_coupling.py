@@ -57,6 +57,18 @@ def test_error_of_the_coupling_falls_with_its_order(fmus: dict, master: Master, 
     assert slope == pytest.approx(order, abs=0.35)
 
 
+def test_jacobi_does_not_depend_on_the_order_of_the_slaves(fmus: dict) -> None:
+    """Every line begins with the rate at the start of the step, also of a slave that has gone already."""
+    found = []
+    for turned in (False, True):
+        with train(fmus) as (brake, bogie, connections):
+            slaves = [bogie, brake] if turned else [brake, bogie]
+            coupling = Coupling(slaves, connections, Master(JACOBI, extrapolated=True))
+            assert len(list(coupling.run(SECONDS, 0.05))) == 24
+            found.append(bogie.get(["distance", "speed", "rotation_2"]))
+    assert found[0] == found[1]
+
+
 def test_steps_are_chosen_by_the_coupling_error(fmus: dict) -> None:
     """A tighter tolerance makes more steps and a smaller error; steps that were too long are taken back."""
     exact, _ = distance(fmus, Master(GAUSS_SEIDEL, extrapolated=True), 2e-4)

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from matplotlib.figure import Figure
 
-from scenarios import oracle, qr30, report
+from scenarios import coupling_step, oracle, qr30, report
 from scenarios.__main__ import main
 from scenarios.catalogue import SCENARIOS
 from scenarios.creep_forces import EXACT
@@ -43,7 +43,13 @@ def short_oracle(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(oracle, "SCENES", short)
 
 
-@pytest.mark.usefixtures("short_oracle")
+@pytest.fixture
+def short_coupling(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Macro steps below 1 ms take most of the time and tell nothing that the others do not."""
+    monkeypatch.setattr(coupling_step, "STEPS", (1e-3, 2e-3, 5e-3, 1e-2, 2e-2, 2.5e-2, 5e-2, 6e-2, 7.5e-2, 1e-1))
+
+
+@pytest.mark.usefixtures("short_oracle", "short_coupling")
 @pytest.mark.parametrize("name", [scenario.name for scenario in SCENARIOS])
 def test_scenario_holds_and_leaves_table_data_and_picture(name: str, tmp_path: Path) -> None:
     assert main(["run", name, "--out", str(tmp_path)]) == 0
