@@ -20,6 +20,7 @@ from scenarios import (
     sensitivity,
     speed,
     speed_accuracy,
+    stability_atlas,
     traction_braking,
     wheelset_constant_speed,
     wheelset_skid,
@@ -51,4 +52,5 @@ SCENARIOS: list[Scenario] = [
     levels.SCENARIO,
     speed.SCENARIO,
     speed_accuracy.SCENARIO,
+    stability_atlas.SCENARIO,
 ]

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
-from scipy.integrate import solve_ivp
+from scipy.integrate import BDF, LSODA, RK45, OdeSolver, Radau
 
 from fmu_src.kernel import Kernel, KernelError
 from scenarios.six_scenes import Samples, Scene, system_of
@@ -99,62 +100,91 @@ def layout(fmu: str, level: int = 3) -> Layout:
     )
 
 
-# ---- SciPy -------------------------------------------------------------------------------------------------------
+# ---- SciPy ---------------------------------------------------------------------------------------------------------
+
+METHODS = {"RK45": RK45, "Radau": Radau, "BDF": BDF, "LSODA": LSODA}
+#: Rounds of bisection that locate a switch within a step: to its 2^-40th part.
+LOCATING_ROUNDS = 40
 
 
 class GivenUpError(Exception):
-    """A run took longer than its budget."""
+    """A run that cannot go on; the text says why."""
 
 
-def scipy(scene: Scene, method: str, tolerance: float, budget: float = BUDGET) -> Run:
-    """SciPy's solve_ivp between corners and switches; absolute tolerance in nominal values, as ours."""
-    kernel, form = scene.kernel(), layout(scene.fmu)
-    columns = [form.kept.index(name) for name in scene.read]
-    nominal, wanted = form.nominal[form.differential], scene.times()
-    place, rows = np.array(kernel.linearise().state)[form.differential], []
-    work = {"right_hand_sides": 0, "jacobians": 0}
-    begin = clock.perf_counter()
+@dataclass
+class _Equations:
+    """A kernel's equations as SciPy calls them, with a count and a deadline."""
 
-    def slopes(time: float, y: np.ndarray) -> np.ndarray:
-        work["right_hand_sides"] += 1
-        if clock.perf_counter() - begin > budget:
-            raise GivenUpError(f"given up after {budget:g} s at t = {time:.3g} s")
+    kernel: Kernel
+    deadline: float
+    right_hand_sides: int = 0
+    jacobians: int = 0
+    last_jacobian: np.ndarray = field(default_factory=lambda: np.zeros((0, 0)))
+
+    def slopes(self, time: float, y: np.ndarray) -> np.ndarray:
+        self.right_hand_sides += 1
+        if clock.perf_counter() > self.deadline:
+            raise GivenUpError(f"given up at t = {time:.3g} s after {self.kernel.counts['events']} switches")
         try:
-            return np.array(kernel.slopes_at(time, y.tolist()))
+            return np.array(self.kernel.slopes_at(time, y.tolist()))
         except KernelError:  # a trial value without contact: the method must shorten its step
             return np.full(y.size, np.nan)
 
-    def jacobian(time: float, y: np.ndarray) -> np.ndarray:
-        work["jacobians"] += 1
-        return np.array(kernel.jacobian_at(time, y.tolist()))
+    def jacobian(self, time: float, y: np.ndarray) -> np.ndarray:
+        self.jacobians += 1
+        with suppress(KernelError):  # the method must shorten its step, and may do so with the last one
+            self.last_jacobian = np.array(self.kernel.jacobian_at(time, y.tolist()))
+        return self.last_jacobian
 
-    def margin(time: float, y: np.ndarray) -> float:
-        return kernel.margin_at(time, y.tolist())
+    def crossed(self, time: float, y: np.ndarray) -> bool:
+        return self.kernel.margin_at(time, y.tolist()) < 0.0
 
-    margin.terminal, margin.direction = True, -1.0  # type: ignore[attr-defined]
-    implicit = {"jac": jacobian} if method in ("Radau", "BDF", "LSODA") else {}
+
+def scipy(scene: Scene, method: str, tolerance: float, budget: float = BUDGET) -> Run:
+    """SciPy's integrators between corners and switches; absolute tolerance in nominal values, as ours."""
+    kernel, form = scene.kernel(), layout(scene.fmu)
+    columns = [form.kept.index(name) for name in scene.read]
+    place = np.array(kernel.linearise().state)[form.differential]
+    begin = clock.perf_counter()
+    equations = _Equations(kernel, begin + budget)
+    options = {
+        "rtol": max(1e-3 * tolerance, 2.3e-14),
+        "atol": tolerance * form.nominal[form.differential],
+        "max_step": scene.longest_step,
+    }
+    if method != "RK45":
+        options["jac"] = equations.jacobian
+    rows = [place[columns]]
     try:
-        rows.append(place[columns])
         for start, end in scene.segments():
             scene.set_inputs(kernel, start, end)
-            at = start
-            while at < end and not kernel.ended:
-                chosen = wanted[(wanted > at + 1e-12) & (wanted <= end + 1e-12)]
-                found = solve_ivp(
-                    *(slopes, (at, end), place, method),
-                    t_eval=np.minimum(chosen, end),
-                    events=margin,
-                    rtol=max(1e-3 * tolerance, 2.3e-14),
-                    atol=tolerance * nominal,
-                    **implicit,
-                )
-                if not found.success:
-                    return failed(scene, clock.perf_counter() - begin, str(found.message), kernel)
-                rows += [y[columns] for y in np.reshape(found.y, (place.size, -1)).T]
-                at = float(found.t_events[0][0]) if found.status == 1 else end
-                ended_at = found.y_events[0][0] if found.status == 1 else None
-                last = ended_at if ended_at is not None else found.y[:, -1]
-                place = np.array(kernel.arrive(at, last, found.status == 1))
+            time = start
+            while time < end and not kernel.ended:
+                solver = METHODS[method](equations.slopes, time, place, end, **options)
+                time, place = _to_switch(solver, equations, scene, columns, rows)
     except (GivenUpError, KernelError) as error:
         return failed(scene, clock.perf_counter() - begin, str(error), kernel)
-    return finish(scene, np.array(rows), clock.perf_counter() - begin, work, kernel)
+    seconds = clock.perf_counter() - begin
+    work = {"right_hand_sides": equations.right_hand_sides, "jacobians": equations.jacobians}
+    return finish(scene, np.array(rows), seconds, work, kernel)
+
+
+def _to_switch(
+    solver: OdeSolver, equations: _Equations, scene: Scene, columns: list[int], rows: list[np.ndarray]
+) -> tuple[float, np.ndarray]:
+    """Steps to the next switch or the end; time and place from which to go on. Appends samples to `rows`."""
+    while solver.status == "running":
+        message = solver.step()
+        if solver.status == "failed":
+            raise GivenUpError(f"{message} at t = {solver.t:.4g} s")
+        between, before, after = solver.dense_output(), solver.t_old, solver.t
+        crossed = equations.crossed(after, solver.y)
+        if crossed:
+            for _ in range(LOCATING_ROUNDS):
+                middle = (before + after) / 2
+                before, after = (before, middle) if equations.crossed(middle, between(middle)) else (middle, after)
+        while len(rows) * scene.interval <= after + 1e-12:
+            rows.append(between(min(len(rows) * scene.interval, after))[columns])
+        if crossed:
+            return after, np.array(equations.kernel.arrive(after, between(after).tolist()))
+    return solver.t, np.array(equations.kernel.arrive(solver.t, solver.y.tolist()))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -36,6 +37,8 @@ class Scene:
     measure: Callable[[Samples], dict[str, float]]
     values: Mapping[str, float] = field(default_factory=dict)
     inputs: Mapping[str, History] = field(default_factory=dict)
+    #: Largest step of other methods [s]: half of a wave, which none may step over; ours know it by themselves.
+    longest_step: float = math.inf
 
     def kernel(self, **values: float) -> Kernel:
         """An initialised kernel at the start, at level 3 unless `values` say otherwise."""
@@ -138,6 +141,7 @@ HUNTING = Scene(
     ("lateral_1",),
     cycle_peak,
     values={"initial_speed": 30.0, "constant_speed": 1, "lateral_irregularity": 4e-3, "lateral_wave_number": 0.2},
+    longest_step=1 / (0.2 * 30.0),
 )
 FLANGE = Scene(
     "lateral wave with flange contact",
@@ -147,7 +151,8 @@ FLANGE = Scene(
     0.01,
     (*STOP, "lateral_1"),
     lateral_peak,
-    values={"initial_speed": 15.0, "lateral_irregularity": 0.025},
+    values={"initial_speed": 15.0, "lateral_irregularity": 0.025, "lateral_wave_number": 0.045},
+    longest_step=1 / (0.045 * 15.0),
 )
 ASYMMETRIC = Scene(
     "asymmetric shoes, rotating yaw torque",

@@ -202,9 +202,10 @@ def series_of(studies: list[Study]) -> Recording:
 
 
 def draw(studies: list[Study], against: str) -> Figure:
-    figure, grid = plt.subplots(3, 2, figsize=(11.0, 13.0), sharey=True)
+    lines = -(-len(studies) // 2)
+    figure, grid = plt.subplots(lines, 2, figsize=(11.0, 1.3 + 3.9 * lines), sharey=True, squeeze=False)
     handles: dict[str, Artist] = {}
-    for axis, one in zip(grid.ravel(), studies, strict=True):
+    for axis, one in zip(grid.ravel(), studies, strict=False):
         draw_scene(axis, one, against, handles)
     for axis in grid[-1]:
         axis.set_xlabel({"seconds": "wall time [s]", "right_hand_sides": "right-hand sides"}[against])

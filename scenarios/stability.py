@@ -1,4 +1,4 @@
-"""Stability of integration methods on the equations of motion: predicted from eigenvalues, and found by perturbation."""
+"""Stability of methods on the equations of motion: predicted from eigenvalues, and found by perturbation."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ EXPLICIT = {"Euler": amplification_of_euler, "RK4": amplification_of_rk4, "RK45"
 
 
 def largest_stable_step(eigenvalues: np.ndarray, amplification=amplification_of_rk4) -> float:  # type: ignore[no-untyped-def]
-    """Step [s] at which the first decaying mode begins to grow under the method; growing and still modes do not count."""
+    """Step [s] at which the first decaying mode begins to grow under the method; others do not count."""
     decaying = eigenvalues[eigenvalues.real < -STILL]
 
     def growth(size: float) -> float:
@@ -168,7 +168,9 @@ def fixed_kernel(
     return kernel
 
 
-def boundary(machine: Machine, speed: float, method: int = RUNGE_KUTTA, inputs: tuple[tuple[str, float], ...] = ()) -> float:
+def boundary(
+    machine: Machine, speed: float, method: int = RUNGE_KUTTA, inputs: tuple[tuple[str, float], ...] = ()
+) -> float:
     """Largest stable step found by bisection on the growth of a perturbation, to 0.2 % [s]."""
     low, high = 0.7 * limit(machine, speed, "RK4", inputs), 1.4 * limit(machine, speed, "RK4", inputs)
     while high / low > 1.002:

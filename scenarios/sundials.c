@@ -1,6 +1,7 @@
 /* CVODE and IDA of SUNDIALS 7 on a kernel's equations, without Python in between. CVODE takes them without algebraic
  * states, IDA with them; both with the exact Jacobian. Prototypes as in the SUNDIALS manual; the libraries come from the
  * wheel of scikit-SUNDAE, which brings no headers. */
+#include <math.h>
 #include <stdint.h>
 #include <string.h>
 #include <time.h>
@@ -23,6 +24,7 @@ extern object CVodeCreate(int multistep, object context);
 extern int CVodeInit(object memory, slope_function slope, double time, object place), CVodeSetUserData(object, void *);
 extern int CVodeSVtolerances(object, double relative, object absolute), CVodeSetLinearSolver(object, object, object);
 extern int CVodeSetJacFn(object, slope_jacobian), CVodeRootInit(object, int, root_function);
+extern int CVodeSetMaxStep(object, double), IDASetMaxStep(object, double);
 extern int CVodeSetMaxNumSteps(object, long int), CVode(object, double, object, double *, int);
 extern int CVodeGetNumSteps(object, long int *), CVodeGetDky(object, double, int, object);
 extern int CVodeSetStopTime(object, double), CVodeReInit(object, double, object);
@@ -53,7 +55,7 @@ typedef struct {
     int differentials;    /* of them */
     const int *chosen;    /* IDA: indices of the differential states */
     const double *inertia; /* IDA: 1 for a differential state, else 0 */
-    double time, end, interval, tolerance;
+    double time, end, interval, tolerance, longest_step;
     const double *nominal;
     double *place, *slope; /* where the run stands; IDA: the derivatives there */
     double *samples;       /* `capacity` rows of `size` */
@@ -181,6 +183,7 @@ void cvode_open(run *of) {
     CVodeSetJacFn(of->memory, cvode_jacobian);
     CVodeRootInit(of->memory, 1, cvode_root);
     CVodeSetMaxNumSteps(of->memory, MOST_STEPS);
+    if (isfinite(of->longest_step)) CVodeSetMaxStep(of->memory, of->longest_step);
 }
 
 /* Starts anew at of->place and of->time and goes to of->end or to a switch. Returns SUNDIALS's flag; negative: failed. */
@@ -239,6 +242,7 @@ void ida_open(run *of) {
     IDASetJacFn(of->memory, ida_jacobian);
     IDARootInit(of->memory, 1, ida_root);
     IDASetMaxNumSteps(of->memory, MOST_STEPS);
+    if (isfinite(of->longest_step)) IDASetMaxStep(of->memory, of->longest_step);
 }
 
 /* The same; of->slope holds the derivatives that belong to of->place. */

@@ -39,7 +39,7 @@ class Session(ctypes.Structure):
         ("differentials", ctypes.c_int),
         ("chosen", ctypes.POINTER(ctypes.c_int)),
         ("inertia", _pointer),
-        *((name, ctypes.c_double) for name in ("time", "end", "interval", "tolerance")),
+        *((name, ctypes.c_double) for name in ("time", "end", "interval", "tolerance", "longest_step")),
         *((name, _pointer) for name in ("nominal", "place", "slope", "samples")),
         ("written", ctypes.c_long),
         ("capacity", ctypes.c_long),
@@ -84,10 +84,10 @@ def _address(function: Callable[..., int]) -> int | None:
 
 
 class Integrator:
-    """CVODE or IDA on one kernel, from where the kernel stands; samples every `interval` s into `rows`."""
+    """CVODE or IDA on one kernel of a scene, from where the kernel stands; `samples` rows go into `rows`."""
 
-    def __init__(self, method: str, kernel: Kernel, fmu: str, tolerance: float, interval: float, samples: int) -> None:
-        form, functions = layout(fmu), kernel.library.functions
+    def __init__(self, method: str, kernel: Kernel, scene: Scene, tolerance: float, samples: int) -> None:
+        form, functions = layout(scene.fmu), kernel.library.functions
         self.kernel, self.whole, self.differential = kernel, method == "IDA", form.differential
         self._begin, self._advance, self._close = (
             getattr(driver(), f"{method.lower()}_{word}") for word in ("open", "advance", "close")
@@ -109,7 +109,8 @@ class Integrator:
             chosen=self._chosen.ctypes.data_as(ctypes.POINTER(ctypes.c_int)),
             inertia=self._inertia.ctypes.data_as(_pointer),
             time=kernel.time,
-            interval=interval,
+            interval=scene.interval,
+            longest_step=scene.longest_step,
             tolerance=tolerance,
             nominal=self._nominal.ctypes.data_as(_pointer),
             place=self._place.ctypes.data_as(_pointer),
@@ -155,7 +156,7 @@ class Integrator:
 def sundials(scene: Scene, method: str, tolerance: float, budget: float = BUDGET) -> Run:
     """CVODE ("CVODE") or IDA ("IDA") through a scene, anew at each corner of the inputs and each switch."""
     kernel, wanted = scene.kernel(), scene.times()
-    integrator = Integrator(method, kernel, scene.fmu, tolerance, scene.interval, wanted.size)
+    integrator = Integrator(method, kernel, scene, tolerance, wanted.size)
     begin = clock.perf_counter()
     integrator.session.deadline = clock.time() + budget
     try:
@@ -183,7 +184,7 @@ def hosted_seconds(method: str, step: float, tolerance: float) -> tuple[float, f
     Both loops run in C, so that neither pays for Python.
     """
     kernel = SMOOTH.kernel(tolerance=tolerance if method == "own" else 1e-6)
-    integrator = Integrator("CVODE", kernel, SMOOTH.fmu, tolerance, step, 0)
+    integrator = Integrator("CVODE", kernel, SMOOTH, tolerance, 0)
     functions, steps = kernel.library.functions, round(HOSTED / step)
     torque = TORQUE + SWING * np.sin(2 * np.pi * FREQUENCY * step * np.arange(steps))
     numbers = [kernel.library.index[f"brake_torque_{n}"] for n in (1, 2)]

@@ -1,0 +1,76 @@
+"""Claims of failure fail as predicted: explicit steps at their limit, and the guards that say so."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from scenarios.drift import drift
+from scenarios.fold import approach
+from scenarios.stability import (
+    MACHINES,
+    PLANAR,
+    RODAS,
+    RUNGE_KUTTA,
+    SPATIAL,
+    Machine,
+    amplification_of_rk4,
+    boundary,
+    growth_of_perturbation,
+    largest_stable_step,
+    limit,
+)
+
+SPEEDS = (0.01, 0.1, 1.0, 10.0, 25.0, 60.0)
+#: The stability function is exact for linear equations; creep bends by the square of the perturbation.
+GROWTH_BAND = 0.03
+#: Hairer and Wanner 1996, section IV.2: where RK4's region ends on the negative real and on the imaginary axis.
+NEGATIVE_AXIS, IMAGINARY_AXIS = 2.7852935634, 2.0**1.5
+
+
+@pytest.mark.parametrize("machine", MACHINES, ids=lambda machine: machine.name)
+@pytest.mark.parametrize("speed", SPEEDS)
+def test_explicit_steps_are_stable_below_the_predicted_limit_and_unstable_above(machine: Machine, speed: float) -> None:
+    step = limit(machine, speed)
+    for share in (0.9, 1.1):
+        grown = growth_of_perturbation(machine, speed, share * step, RUNGE_KUTTA)
+        assert grown.stable == (share < 1.0)
+        predicted = abs(amplification_of_rk4(-share * NEGATIVE_AXIS))
+        assert grown.factor == pytest.approx(predicted, rel=GROWTH_BAND)
+        warned = [line for line in grown.journal if "above its stability limit" in line]
+        assert bool(warned) == (share > 1.0)
+
+
+@pytest.mark.parametrize("machine", MACHINES, ids=lambda machine: machine.name)
+@pytest.mark.parametrize("speed", SPEEDS)
+def test_default_method_is_stable_far_above_that_limit(machine: Machine, speed: float) -> None:
+    for multiple in (1.1, 10.0, 100.0):
+        assert growth_of_perturbation(machine, speed, multiple * limit(machine, speed), RODAS).factor < 0.9
+
+
+def test_limit_is_that_of_the_stability_region_on_both_axes() -> None:
+    assert largest_stable_step(np.array([-10.0])) == pytest.approx(NEGATIVE_AXIS / 10.0, rel=1e-8)
+    weakly_damped = np.array([-1.0 + 1000.0j, -1.0 - 1000.0j])
+    assert largest_stable_step(weakly_damped) == pytest.approx(IMAGINARY_AXIS / 1000.0, rel=0.02)
+
+
+@pytest.mark.parametrize("machine", [SPATIAL, PLANAR], ids=lambda machine: machine.name)
+def test_boundary_found_by_bisection_is_the_predicted_one(machine: Machine) -> None:
+    for friction in (0.1, 0.3):
+        inputs = (("friction_1", friction), ("friction_2", friction))
+        found = boundary(machine, 25.0, RUNGE_KUTTA, inputs)
+        assert found == pytest.approx(limit(machine, 25.0, "RK4", inputs), rel=0.005)  # bisection to 0.2 %
+    lighter = (("frame_mass", 15e3),)
+    assert abs(found / limit(machine, 25.0, "RK4", lighter) - 1.0) > 0.1  # what the band must tell apart
+
+
+def test_constraints_drift_without_partitioning_and_not_with_it() -> None:
+    free, closed = (drift(partitioned, duration=0.02) for partitioned in (False, True))
+    assert free.residual[-1] > 1e-9
+    assert free.norm[-1] > 1e-9
+    assert max(closed.residual.max(), closed.norm.max()) < 1e-12
+
+
+def test_contact_is_lost_at_a_fold() -> None:
+    """The distance to a fold goes with the square root of the time to it."""
+    assert approach().exponent == pytest.approx(0.5, abs=0.03)
