@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 RUN := $(VENV)/bin/python
 
-.PHONY: demo test check equations clean
+.PHONY: demo test check charts equations clean
 
 demo: $(VENV)/demo-installed
 	$(RUN) build_fmu.py
@@ -25,7 +25,17 @@ $(VENV)/demo-installed: pyproject.toml | $(VENV)/bin/python
 	touch $@
 
 $(VENV)/test-installed: pyproject.toml | $(VENV)/bin/python
-	$(RUN) -m pip install --quiet --disable-pip-version-check -e ".[test,masters]"
+	$(RUN) -m pip install --quiet --disable-pip-version-check -e ".[test,masters,charts]"
+	touch $@ $(VENV)/demo-installed
+
+# Draws the pictures of docs/choosing.md anew, about five minutes, and puts what they measured into the text.
+CHARTS := speed-accuracy stability-atlas coupling-step levels
+charts: $(VENV)/charts-installed
+	for name in $(CHARTS); do $(RUN) -m scenarios run $$name || exit 1; done
+	$(RUN) docs/charts.py
+
+$(VENV)/charts-installed: pyproject.toml | $(VENV)/bin/python
+	$(RUN) -m pip install --quiet --disable-pip-version-check -e ".[charts]"
 	touch $@ $(VENV)/demo-installed
 
 equations: $(VENV)/demo-installed

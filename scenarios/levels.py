@@ -259,18 +259,19 @@ def error_rows(found: Findings) -> list[Row]:
     spin = "the spin of the 1:20 cone costs creep"
     slope = "not judged: the lock time has no bound on its slope at the boundary"
     friction = f"friction {adhesion_of_the_cone():.5f} times as large: what the cone adds to the adhesion limit"
+    where = {turning: ", no lock-up", late: f", from utilisation {TIME_BOUND_FROM} on", always: ""}
     asked = (
         ("planar", planar, "stop_distance", always, DISTANCE_BOUND, "locked or not"),
-        ("planar", planar, "lock_time_2", late, TIME_BOUND, f"from utilisation {TIME_BOUND_FROM} on"),
+        ("planar", planar, "lock_time_2", late, TIME_BOUND, "near the boundary it has no bound, see below"),
         ("planar", planar, "lock_time_2", always, None, slope),
-        ("planar", planar, "peak_slip_2", turning, None, f"where no wheelset locks; {spin}"),
+        ("planar", planar, "peak_slip_2", turning, None, spin),
         ("planar", planar, "load_transfer", always, None, ""),
         ("planar, adhesion of the cone", found.cone, "stop_distance", always, None, friction),
         ("planar, adhesion of the cone", found.cone, "lock_time_2", always, None, friction),
-        ("point", point, "stop_distance", turning, DISTANCE_BOUND, "where no wheelset locks"),
+        ("point", point, "stop_distance", turning, DISTANCE_BOUND, ""),
         ("point", point, "stop_distance", always, None, "misses the lock-up, so that it stops too early"),
         ("point", point, "lock_time_2", always, None, "where both levels lock it"),
-        ("point", point, "peak_slip_2", turning, None, "where no wheelset locks"),
+        ("point", point, "peak_slip_2", turning, None, ""),
         ("point", point, "load_transfer", always, None, "all of it: static loads"),
     )
     rows = []
@@ -278,7 +279,7 @@ def error_rows(found: Findings) -> list[Row]:
         words, unit = ERRORS[question]
         thesis = None if bound is None else 0.0
         largest = found.largest_error(stops, question, *span)
-        rows.append(Row(f"{name}: largest error of {words}", unit, thesis, largest, bound, SOURCE, note))
+        rows.append(Row(f"{name}: largest error of {words}{where[span]}", unit, thesis, largest, bound, SOURCE, note))
     return rows
 
 

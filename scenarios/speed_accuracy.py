@@ -16,14 +16,14 @@ from rbd_model.bogie import DEFAULT_TOLERANCE
 from rbd_model.parameters import tables_5_1_and_5_2
 from scenarios import sundials
 from scenarios.cosimulation import PATIENCE, Recording
-from scenarios.integrators import own
+from scenarios.integrators import Run, own
 from scenarios.oracle_cost import oracle_point
 from scenarios.plotting import plt
 from scenarios.report import Result, Row
 from scenarios.scenario import Options, Scenario
 from scenarios.six_scenes import ASYMMETRIC, SCENES, SMOOTH, STANDING, Scene
 from scenarios.speed import least
-from scenarios.work_precision import DEFAULT, OMITTED, PEERS, Point, Study, study, works
+from scenarios.work_precision import DEFAULT, OMITTED, PEERS, Point, Study, difference, study, works
 
 #: What a user asks for: relative error of peak lateral displacement, stop time and distance.
 WANTED = 1e-4
@@ -78,6 +78,12 @@ def scene_rows(one: Study) -> list[Row]:
         Row(f"{name}: error of the default", "1", 0.0, default.error, EXPECTED, source, "relative, the largest"),
         Row(f"{name}: time of the default", "ms", None, 1e3 * default.seconds, None, "measured now"),
     ]
+    for setting, word in ((1e-4, "at 1e-4"), (1e-5, "at 1e-5")):
+        for point in one.of(DEFAULT):
+            if point.setting == setting:
+                rows.append(Row(f"{name}: error of RODAS {word}", "1", None, point.error, None, source))
+                share = point.seconds / default.seconds
+                rows.append(Row(f"{name}: time {word} over the default's", "1", None, share, None, "measured now"))
     ours, other = one.fastest([DEFAULT], WANTED), one.fastest(PEERS, WANTED)
     if ours and other:
         words = f"{other.method} at {other.setting:g}: {1e3 * other.seconds:.1f} ms, error {other.error:.1e}"
@@ -92,6 +98,7 @@ def stop_rows() -> list[Row]:
     """The stop in one long step, its errors, and CVODE at about equal error."""
     exact = STOP.measure(own(STOP, tolerance=1e-11).samples)
     found = STOP.measure(own(STOP).samples)
+    other = min((sundials_stop() for _ in range(3)), key=lambda run: run.seconds) if sundials.is_installed() else None
     kernel = STOP.kernel()
     seconds = least(lambda: one_step(STOP)) - least(lambda: STOP.kernel())
     rows = [
@@ -107,6 +114,10 @@ def stop_rows() -> list[Row]:
         ),
         Row("22.9 s stop: error of distance", "m", 0.0, found["distance"] - exact["distance"], DISTANCE, "RODAS 1e-11"),
     ]
+    if other and other.samples:
+        error = difference(STOP.measure(other.samples), exact)
+        words = f"its error is {error:.1e}, ours {difference(found, exact):.1e}"
+        rows.append(Row("22.9 s stop: CVODE at 1e-5", "s", None, other.seconds, None, "measured now", words))
     kernel.step(0.0, 1e-3)
     count = 4000
     begin = clock.perf_counter()
@@ -122,6 +133,10 @@ def stop_rows() -> list[Row]:
         Row(f"{words}: error of the peak", "mm", 0.0, 1e3 * (peak - tight), 1e3 * PEAK, "RODAS 1e-9"),
     ]
     return rows
+
+
+def sundials_stop() -> Run:
+    return sundials.sundials(STOP, "CVODE", 1e-5)
 
 
 def one_step(scene: Scene) -> None:
@@ -159,7 +174,7 @@ def host_rows() -> list[Row]:
 def failures(studies: list[Study]) -> list[str]:
     """One sentence for each failure."""
     return [
-        f"{one.scene.name}, {point.method} at {point.setting:g}: {point.reason}."
+        f"{one.scene.name}, {point.method} at {point.setting:g}: {point.reason.rstrip('.')}."
         for one in studies
         for point in one.points
         if point.error is None and not point.reason.startswith("not tried")

@@ -153,7 +153,7 @@ class Integrator:
         self._close(ctypes.byref(self.session))
 
 
-def sundials(scene: Scene, method: str, tolerance: float, budget: float = BUDGET) -> Run:
+def sundials(scene: Scene, method: str, tolerance: float, budget: float = BUDGET / 2) -> Run:
     """CVODE ("CVODE") or IDA ("IDA") through a scene, anew at each corner of the inputs and each switch."""
     kernel, wanted = scene.kernel(), scene.times()
     integrator = Integrator(method, kernel, scene, tolerance, wanted.size)

@@ -28,7 +28,10 @@ double runge_kutta_try(kernel *self, double offset, double size) {
     }
     for (int i = 0; i < n; ++i)
         if (self->differential[i] == 0.0) self->trial[i] = self->point[i];
-    return algebraic_find(self, offset + size, self->trial, SOLVED) ? 0.0 : NAN;
+    if (!algebraic_find(self, offset + size, self->trial, SOLVED)) return NAN;
+    for (int i = 0; i < n; ++i)
+        if (!isfinite(self->trial[i])) return NAN;
+    return 0.0;
 }
 
 /* Magnitude of the fastest eigenvalue [1/s], by the power method on the exact Jacobian without algebraic states; each

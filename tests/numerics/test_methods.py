@@ -141,7 +141,7 @@ def test_failed_fixed_step_leaves_the_last_good_state(method: int) -> None:
     kernel = Kernel(small(write, tolerance=1e-2), integration_method=method, integration_step=0.1)
     kernel.advance(0.2)
     before = kernel["x"]
-    with pytest.raises(KernelError, match="finds no finite motion at t = .* shorten integration_step"):
+    with pytest.raises(KernelError, match=r"finds no finite motion at t = .* shorten integration_step"):
         kernel.advance(5.0)
     assert kernel.time == 0.2
     assert kernel["x"] == before
