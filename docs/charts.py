@@ -13,11 +13,14 @@ import json
 import re
 import shutil
 import sys
+import textwrap
 from pathlib import Path
 
 DOCS = Path(__file__).parent
 ROOT = DOCS.parent
 CHARTS = ("speed-accuracy", "stability-atlas", "coupling-step", "levels")
+#: Characters in a line of text.
+WIDTH = 118
 BEGIN, END = "<!-- charts: begin -->\n", "<!-- charts: end -->\n"
 
 
@@ -48,7 +51,25 @@ def filled(template: Path, values: dict[tuple[str, str], float]) -> str:
         scenario, quantity, form = (part.strip() for part in match.group(1).split("|"))
         return format(abs(values[scenario, quantity]), form)
 
-    return re.sub(r"\[\[([^\]]+)\]\]", number, template.read_text(encoding="utf-8"))
+    text = re.sub(r"\[\[([^\]]+)\]\]", number, template.read_text(encoding="utf-8"))
+    return "\n\n".join(wrapped(block) for block in text.rstrip("\n").split("\n\n")) + "\n"
+
+
+def wrapped(block: str) -> str:
+    """A paragraph or list with lines of even length; tables, headings and pictures as they are."""
+    if block.startswith(("|", "#", "!", "<")):
+        return block
+    items = re.split(r"\n(?=\* )", block)
+    return "\n".join(
+        textwrap.fill(
+            " ".join(item.split()),
+            WIDTH,
+            subsequent_indent="  " if item.startswith("* ") else "",
+            break_long_words=False,
+            break_on_hyphens=False,
+        )
+        for item in items
+    )
 
 
 def texts() -> dict[Path, str]:

@@ -91,6 +91,10 @@ def scene_rows(one: Study) -> list[Row]:
         rows.append(
             Row(f"{name}: best peer's time over ours, at {WANTED:g}", "1", None, ratio, None, "measured now", words)
         )
+        ratio = other.seconds / default.seconds
+        rows.append(
+            Row(f"{name}: best peer's time to {WANTED:g} over the default's", "1", None, ratio, None, "measured now")
+        )
     return rows
 
 

@@ -49,6 +49,12 @@ def test_equations_have_homes_and_tests_and_their_page_is_up_to_date() -> None:
     assert done.returncode == 0, done.stderr
 
 
+def test_numbers_of_the_pages_are_those_measured_beside_the_pictures() -> None:
+    """When this fails, run `make charts`, or `python docs/charts.py` after a change of the templates."""
+    done = subprocess.run([sys.executable, ROOT / "docs" / "charts.py", "--check"], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+
+
 THESIS = ROOT.parent / "shared" / "thesis.txt"
 
 
