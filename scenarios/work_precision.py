@@ -29,7 +29,8 @@ HOST_STEPS = (1e-4, 5e-4, 2.5e-3, 1e-2, 2.5e-2)
 OMITTED = (
     "Omitted: the FMUs beyond the smooth stop, as the kernel inside is the same; the point and the planar level in "
     "scenes that leave the plane; chapter 3 as printed beyond the first tenth of a second of the smooth stop (its time "
-    "is extended from there)."
+    "is extended from there). CVODE and IDA switch between sliding and sticking as ours does and start anew each time, "
+    "which they may do without end where a wheel comes to rest; with a friction made smooth for them they might not."
 )
 
 
