@@ -97,7 +97,7 @@ def air_rates(
 
     The heat Q that the walls take is the share of the rest that makes V dp/dt = n (R T_s m_in - R T m_out - p dV/dt),
     n the polytropic exponent: none at n = kappa, all of the compression at n = 1, where the air stays at the
-    temperature of the supply.
+    temperature of the supply. It is exchanged only while air flows: hot air that is held stays hot.
     """
     n, k = flow["polytropic_exponent"], HEAT_CAPACITY_RATIO
     absolute = pressure + flow["ambient_pressure"]
