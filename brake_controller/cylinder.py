@@ -1,27 +1,46 @@
-"""BrakeCylinder: pressure demand in, torque capacity of one wheelset out."""
+"""BrakeCylinder: pressure demand in, torque capacity of one wheelset out; pressure by a timed law or by flow of air."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import casadi as ca
+
+from brake_controller.air import GAS_CONSTANT
+from brake_controller.flow import air_rates, air_temperature, piston, spring_force, valve_flows
+from brake_controller.flow_parameters import FlowParameters
 from brake_controller.parameters import BrakeParameters, qr30
 from brake_controller.pneumatics import APPLY, VENT, pressure_rate, regulated_pressure
+from brake_controller.ready_sets import qr30_experiment
 from brake_controller.rigging import shoe_force, torque_capacity
-from brake_controller.shoe_friction import shoe_friction
-from fmu_src.system import Model, System, Variable, model_of
+from brake_controller.shoe_friction import EXAMPLE_TABLE, FrictionTable, shoe_friction, sliding_speed
+from fmu_src.system import Model, System, Variable, integration_variables
 
 #: Local error of 0.1 Pa per step at this tolerance.
 DEFAULT_TOLERANCE = 1e-6
-NOMINAL_PRESSURE = 1e5
+NOMINAL_PRESSURE, NOMINAL_MASS = 1e5, 1e-3
+#: Parameters that only the timed law has.
+TIMES = ("application_time", "release_time")
 
 
-def brake_cylinder_system(defaults: BrakeParameters) -> System:
-    """Pressure demand -> cylinder pressure -> shoe force -> torque capacity.
+@dataclass(frozen=True)
+class Brake:
+    """A brake under construction: the symbols that its equations share."""
 
-    Fail-safe: a demand that is lost (NaN), or never given, counts as the full supply, as the de-energised solenoid of
-    the experiment opens the line to the cylinders (section 6.3.9).
+    system: System
+    parameter: Mapping[str, ca.SX]
+    target: ca.SX
+    valve: ca.SX
+    angular_velocity: ca.SX
+
+
+def _begin(name: str, description: str, defaults: BrakeParameters, without: tuple[str, ...] = ()) -> Brake:
+    """Inputs and parameters. Fail-safe: a demand that is lost (NaN), or never given, counts as the full supply.
+
+    So does the de-energised solenoid of the experiment, which opens the line to the cylinders (section 6.3.9).
     """
-    system = System(
-        "BrakeCylinder", "Pneumatic brake cylinder, rigging and shoes of one wheelset, after Handoko (2006)"
-    )
+    system = System(name, description)
     full = defaults.supply_pressure
     demand = system.input(
         Variable(
@@ -38,7 +57,7 @@ def brake_cylinder_system(defaults: BrakeParameters) -> System:
     valve = system.input(
         Variable("valve", "input", "1", "0 apply (de-energised), 1 hold, 2 vent", APPLY, APPLY, VENT, "integer")
     )
-    system.input(
+    angular_velocity = system.input(
         Variable(
             "angular_velocity",
             "input",
@@ -47,16 +66,16 @@ def brake_cylinder_system(defaults: BrakeParameters) -> System:
             "depend on sliding speed; laws 0 and 1 do not",
         )
     )
-    p = {name: system.parameter(defaults.variable(name)) for name in defaults.values()}
+    p = {name: system.parameter(defaults.variable(name)) for name in defaults.values() if name not in without}
+    return Brake(system, p, regulated_pressure(demand, p["supply_pressure"]), valve, angular_velocity)
 
-    pressure = system.state("cylinder_pressure", "Pa", 0.0, NOMINAL_PRESSURE)
-    target = regulated_pressure(demand, p["supply_pressure"])
-    rate = pressure_rate(pressure, target, valve, p["application_time"], p["release_time"])
-    system.derivative("cylinder_pressure", rate)
 
-    area = p["force_per_pressure"] * p["wheelset_share"]
-    force = shoe_force(pressure, area, p["slack_adjuster_force"], p["rigging_efficiency"])
-    friction = shoe_friction(system, p["friction_law"], p["constant_shoe_friction"], force / p["shoes"])
+def _finish(brake: Brake, pressure: ca.SX, counter_force: ca.SX, table: FrictionTable) -> System:
+    """From cylinder pressure to the outputs; the counter-force acts at the shoes of this wheelset."""
+    system, p = brake.system, brake.parameter
+    force = shoe_force(pressure, _force_per_pressure(p), counter_force, p["rigging_efficiency"])
+    speed = sliding_speed(brake.angular_velocity, p["wheel_radius"])
+    friction = shoe_friction(system, p, force / p["shoes"], speed, table)
     torque = torque_capacity(friction, force, p["wheel_radius"])
     system.output(
         Variable("cylinder_pressure", "output", "Pa", "Pressure in the cylinder", display_unit="kPa"), pressure
@@ -67,6 +86,78 @@ def brake_cylinder_system(defaults: BrakeParameters) -> System:
     return system
 
 
-def brake_cylinder(defaults: BrakeParameters | None = None) -> Model:
-    """The brake cylinder as one FMU, by default that of the QR30 experiment at 180 kPa."""
-    return model_of(brake_cylinder_system(defaults or qr30()), DEFAULT_TOLERANCE)
+def _force_per_pressure(p: Mapping[str, ca.SX]) -> ca.SX:
+    """Of the shoes on this wheelset [N/Pa]."""
+    return p["force_per_pressure"] * p["wheelset_share"]
+
+
+def timed_brake(defaults: BrakeParameters, table: FrictionTable = EXAMPLE_TABLE) -> System:
+    """Pressure follows its demand with an application and a release time."""
+    brake = _begin("timed", "Cylinder pressure by application and release time", defaults)
+    p = brake.parameter
+    pressure = brake.system.state("cylinder_pressure", "Pa", 0.0, NOMINAL_PRESSURE)
+    rate = pressure_rate(pressure, brake.target, brake.valve, p["application_time"], p["release_time"])
+    brake.system.derivative("cylinder_pressure", rate)
+    return _finish(brake, pressure, p["slack_adjuster_force"], table)
+
+
+def flow_brake(defaults: BrakeParameters, air: FlowParameters, table: FrictionTable = EXAMPLE_TABLE) -> System:
+    """Pressure from the mass of air that flows through the restrictions, and from the travel of the piston."""
+    brake = _begin("flow", "Cylinder pressure by flow of air through restrictions", defaults, TIMES)
+    system, p = brake.system, brake.parameter
+    flow = {name: system.parameter(air.variable(name)) for name in air.values()}
+    empty = flow["ambient_pressure"] * piston(ca.SX(0), flow).volume / (GAS_CONSTANT * flow["air_temperature"])
+    pressure = system.state("cylinder_pressure", "Pa", 0.0, NOMINAL_PRESSURE)
+    mass = system.state("air_mass", "kg", empty, NOMINAL_MASS)
+
+    position = piston(pressure, flow)
+    temperature = air_temperature(pressure, mass, position, flow)
+    flows = valve_flows(pressure, temperature, brake.target, brake.valve, flow)
+    rates = air_rates(pressure, temperature, position, flows, flow)
+    system.derivative("cylinder_pressure", rates.pressure)
+    system.derivative("air_mass", flows[0] - flows[1])
+    for name, unit, observed in (
+        ("air_temperature_in_cylinder", "K", temperature),
+        ("piston_travel", "m", position.travel),
+        ("mass_flow_in", "kg/s", flows[0]),
+        ("mass_flow_out", "kg/s", flows[1]),
+        ("enthalpy_in", "W", rates.enthalpy_in),
+        ("enthalpy_out", "W", rates.enthalpy_out),
+        ("piston_work", "W", rates.piston_work),
+        ("heat_loss", "W", rates.heat_loss),
+    ):
+        system.observe(name, unit, observed)
+    counter_pressure = spring_force(position, flow) / flow["piston_area"]
+    return _finish(brake, pressure, p["slack_adjuster_force"] + _force_per_pressure(p) * counter_pressure, table)
+
+
+def brake_model(systems: tuple[System, ...]) -> Model:
+    """The systems, in the order of the parameter `pneumatics`, as one FMU."""
+    declared = {v.name: v for system in systems for v in system.variables}
+    of = {c: [v for v in declared.values() if v.causality == c] for c in ("input", "output", "parameter")}
+    pneumatics = Variable(
+        "pneumatics",
+        "parameter",
+        "1",
+        "Cylinder pressure: 1 by application and release time, 2 by flow of air through restrictions",
+        1.0,
+        1.0,
+        float(len(systems)),
+        kind="integer",
+    )
+    table = (*of["input"], *of["output"], pneumatics, *of["parameter"], *integration_variables(DEFAULT_TOLERANCE))
+    text = "Pneumatic brake cylinder, rigging and shoes of one wheelset, after Handoko (2006)"
+    return Model("BrakeCylinder", text, table, systems, selector="pneumatics")
+
+
+def brake_cylinder(
+    defaults: BrakeParameters | None = None,
+    air: FlowParameters | None = None,
+    table: FrictionTable = EXAMPLE_TABLE,
+) -> Model:
+    """The brake cylinder as one FMU, by default that of the QR30 experiment at 180 kPa.
+
+    table: shoe friction over sliding speed, for friction law 5.
+    """
+    rigging = defaults or qr30()
+    return brake_model((timed_brake(rigging, table), flow_brake(rigging, air or qr30_experiment().flow, table)))

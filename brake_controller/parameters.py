@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from brake_controller.experiment import APPLICATION_TIME, EXPERIMENT, FORCE_PER_PRESSURE, SHOES, SUPPLY_PRESSURE
-from brake_controller.shoe_friction import CONSTANT, MEASURED_AGAINST_FORCE
+from brake_controller.rigging import force_per_pressure
+from brake_controller.shoe_friction import CONSTANT, KARWATZKI, TABULATED
 from fmu_src.system import ParameterSet, quantity
+
+#: Fall of law 4 with sliding speed [s/m]. Assumed.
+FALLING_FRICTION_CONSTANT = 0.02
 
 
 @dataclass(frozen=True)
@@ -26,12 +31,16 @@ class BrakeParameters(ParameterSet):
     wheel_radius: float = quantity("m", "Radius at which the shoes rub (r_w)", 1e-3)
     friction_law: float = quantity(
         "1",
-        "Shoe friction: 0 constant, 1 measured against shoe force (chapter 7)",
+        "Shoe friction: 0 constant, 1 measured against shoe force (chapter 7), 2 cast iron (Karwatzki), 3 composite "
+        "(type K), 4 falling with speed (section 2.5.2), 5 table over speed",
         CONSTANT,
-        MEASURED_AGAINST_FORCE,
+        TABULATED,
         "integer",
     )
-    constant_shoe_friction: float = quantity("1", "Shoe friction coefficient of law 0 (mu_b)", 0.0, 2.0)
+    constant_shoe_friction: float = quantity(
+        "1", "Shoe friction coefficient of law 0, and of law 4 at rest (mu_b)", 0.0, 2.0
+    )
+    falling_friction_constant: float = quantity("s/m", "How fast law 4 falls with sliding speed (c_f)", 0.0)
 
 
 def qr30(pressure_kpa: int = 180) -> BrakeParameters:
@@ -40,7 +49,8 @@ def qr30(pressure_kpa: int = 180) -> BrakeParameters:
     Printed: application time 0.8 s (section 7.1), at most 350 kPa, 0.164 kN of normal force for each kPa over all four
     shoes (section 6.2.3), two shoes on the braked wheelset, wheel radius 0.398 m (Table 8.2), efficiency and shoe
     friction of each pressure (chapter 7).
-    Assumed: release as fast as application, no counter-force of the slack adjuster.
+    Assumed: release as fast as application, no counter-force of the slack adjuster; for law 4 a fall by half within
+    35 m/s, because section 2.5.2 gives no number.
     """
     if pressure_kpa not in EXPERIMENT:
         known = ", ".join(str(pressure) for pressure in EXPERIMENT)
@@ -58,4 +68,27 @@ def qr30(pressure_kpa: int = 180) -> BrakeParameters:
         wheel_radius=0.398,
         friction_law=CONSTANT,
         constant_shoe_friction=row.shoe_friction,
+        falling_friction_constant=FALLING_FRICTION_CONSTANT,
+    )
+
+
+def uic(pressure: float, piston_area: float, application_time: float, release_time: float) -> BrakeParameters:
+    """One wheelset of a two-axle bogie of a UIC freight wagon with double-sided cast-iron shoes; pressure in Pa.
+
+    Literature: rigging efficiency 0.95 (example of EN 14531), friction of cast iron (Karwatzki).
+    Assumed: one piston for each bogie with a rigging ratio of 6, eight shoes, wheels of 920 mm.
+    """
+    return BrakeParameters(
+        application_time=application_time,
+        release_time=release_time,
+        supply_pressure=pressure,
+        force_per_pressure=force_per_pressure(math.sqrt(4 * piston_area / math.pi), 6.0),
+        wheelset_share=0.5,
+        shoes=4.0,
+        slack_adjuster_force=0.0,
+        rigging_efficiency=0.95,
+        wheel_radius=0.46,
+        friction_law=KARWATZKI,
+        constant_shoe_friction=0.25,
+        falling_friction_constant=FALLING_FRICTION_CONSTANT,
     )

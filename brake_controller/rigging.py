@@ -13,8 +13,12 @@ def force_per_pressure(piston_diameter: float, rigging_ratio: float) -> float:
 
 
 def shoe_force(pressure: ca.SX, force_per_pressure: ca.SX, counter_force: ca.SX, efficiency: ca.SX) -> ca.SX:
-    """Effective normal force of the shoes F_Beff [N], eqs (2.4) and (2.6); never a pull."""
-    return efficiency * ca.fmax(force_per_pressure * pressure - counter_force, 0)
+    """Effective normal force of the shoes F_Beff [N], eqs (2.4) and (2.6); never a pull.
+
+    Not `fmax`, whose derivative at the corner is the mean of both sides: from an empty cylinder force can only grow.
+    """
+    force = force_per_pressure * pressure - counter_force
+    return efficiency * ca.if_else(force >= 0, force, 0)
 
 
 def torque_capacity(shoe_friction: ca.SX, shoe_force: ca.SX, wheel_radius: ca.SX) -> ca.SX:

@@ -1,24 +1,96 @@
-"""Friction between shoe and wheel tread. A further law is one more number and one more branch in `shoe_friction`."""
+"""Friction between shoe and wheel tread. A further law is one more number and one more line in `shoe_friction`."""
 
 from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import casadi as ca
 
 from brake_controller.experiment import EXPERIMENT, FORCE_PER_PRESSURE, SHOES
 from fmu_src.system import System, interpolation
 
-CONSTANT, MEASURED_AGAINST_FORCE = 0, 1
+#: Numbers of the laws, parameter `friction_law`.
+CONSTANT, MEASURED_AGAINST_FORCE, KARWATZKI, COMPOSITE, FALLING, TABULATED = range(6)
 
 #: Force of one shoe [N] and average shoe friction in the three cases of the experiment.
 MEASURED_FORCE = [1e3 * kpa * FORCE_PER_PRESSURE / SHOES * case.rigging_efficiency for kpa, case in EXPERIMENT.items()]
 MEASURED_FRICTION = [case.shoe_friction for case in EXPERIMENT.values()]
 
+KILOMETRES_PER_HOUR = 3.6
+#: Radius of the corner that the sliding speed |w| r has at rest [m/s].
+REST_SPEED = 0.01
+#: Composite shoes: friction at rest, its fall per km/h, and the speed from which on it is held [km/h].
+COMPOSITE_AT_REST, COMPOSITE_FALL, COMPOSITE_UP_TO = 0.3, 0.00081, 200.0
 
-def shoe_friction(system: System, law: ca.SX, constant: ca.SX, force_of_one_shoe: ca.SX) -> ca.SX:
-    """Shoe friction coefficient mu_b.
 
-    Law 0: constant. Law 1: straight lines through the three measured averages; below and above the measured forces the
-    end values are held, because nothing was measured there.
+@dataclass(frozen=True)
+class FrictionTable:
+    """Shoe friction over sliding speed [m/s], straight lines between the points, held outside; for law 5."""
+
+    speeds: Sequence[float]
+    frictions: Sequence[float]
+
+    def __post_init__(self) -> None:
+        if len(self.speeds) != len(self.frictions) or len(self.speeds) < 2:
+            raise ValueError("Give the table at least two speeds and as many frictions.")
+        if min(self.speeds) < 0.0 or min(self.frictions) < 0.0:
+            raise ValueError("Set speeds and frictions of the table to at least 0.")
+
+
+def sliding_speed(angular_velocity: ca.SX, wheel_radius: ca.SX) -> ca.SX:
+    """Speed of the tread under the shoe, r_w |w| [m/s], without a corner at rest: at most REST_SPEED too small."""
+    return ca.sqrt((wheel_radius * angular_velocity) ** 2 + REST_SPEED**2) - REST_SPEED
+
+
+def karwatzki(force_of_one_shoe: ca.SX, speed: ca.SX) -> ca.SX:
+    """Cast iron after Karwatzki; force in N, speed in m/s, the formula itself in kN and km/h.
+
+    mu = 0.60 (1.6 F + 100) / (8 F + 100) (V + 100) / (5 V + 100), with the rounded constants of a public train
+    simulator; the literature has 16 / g and 80 / g in place of 1.6 and 8, less than 1 % away up to 40 kN.
+    """
+    force, fast = force_of_one_shoe / 1e3, KILOMETRES_PER_HOUR * speed
+    return 0.60 * (1.6 * force + 100) / (8 * force + 100) * (fast + 100) / (5 * fast + 100)
+
+
+def composite(speed: ca.SX) -> ca.SX:
+    """Composite shoes of type K: 0.3 - 0.00081 V [km/h], speed in m/s.
+
+    A third party's fit without a literature source. Assumed: it is held from 200 km/h on.
+    """
+    return COMPOSITE_AT_REST - COMPOSITE_FALL * ca.fmin(KILOMETRES_PER_HOUR * speed, COMPOSITE_UP_TO)
+
+
+def falling(friction_at_rest: ca.SX, constant: ca.SX, speed: ca.SX) -> ca.SX:
+    """Friction that falls with sliding speed v_s [m/s], Barwell's formula of section 2.5.2: mu_0 exp(-c_f v_s).
+
+    Assumed: the exponential form. The thesis names the constant c_f [s/m], which depends on the material, but its
+    formula stands in the picture of Fig. 2.17 only.
+    """
+    return friction_at_rest * ca.exp(-constant * speed)
+
+
+#: Of law 5 unless another is given: Karwatzki at 20 kN, at 0, 10, 50 and 100 km/h.
+EXAMPLE_TABLE = FrictionTable([v / KILOMETRES_PER_HOUR for v in (0, 10, 50, 100)], [0.3046, 0.2234, 0.1305, 0.1015])
+
+
+def shoe_friction(
+    system: System, p: Mapping[str, ca.SX], force_of_one_shoe: ca.SX, speed: ca.SX, table: FrictionTable
+) -> ca.SX:
+    """Shoe friction coefficient mu_b; force of one shoe in N, sliding speed in m/s.
+
+    Law 1: straight lines through the three measured averages; below and above the measured forces the end values are
+    held, because nothing was measured there.
     """
     measured = system.table("measured_friction", *interpolation(MEASURED_FORCE, MEASURED_FRICTION), force_of_one_shoe)
-    return ca.if_else(law == MEASURED_AGAINST_FORCE, measured, constant)
+    constant = p["constant_shoe_friction"]
+    laws = {
+        MEASURED_AGAINST_FORCE: measured,
+        KARWATZKI: karwatzki(force_of_one_shoe, speed),
+        COMPOSITE: composite(speed),
+        FALLING: falling(constant, p["falling_friction_constant"], speed),
+        TABULATED: system.table("friction_over_speed", *interpolation(table.speeds, table.frictions), speed),
+    }
+    for law, friction in laws.items():
+        constant = ca.if_else(p["friction_law"] == law, friction, constant)
+    return constant

@@ -307,7 +307,7 @@ class System:
         )
         for name in names:
             observable = self.observables[name]
-            unit = "J" if observable.unit == "W" else f"{observable.unit}.s"
+            unit = {"W": "J", "kg/s": "kg"}.get(observable.unit, f"{observable.unit}.s")
             symbol = copy.state(f"integral_{name}", unit, 0.0, nominal=1e3)
             copy.derivative(f"integral_{name}", observable.expression)
             copy.output(Variable(f"integral_{name}", "output", unit, f"Time integral of {name}"), symbol)

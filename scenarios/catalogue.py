@@ -8,6 +8,7 @@ from scenarios import (
     bogie_lateral_under_torque,
     bogie_pitch,
     bogie_skid,
+    brake_timing,
     contact_geometry,
     coupling_step,
     creep_forces,
@@ -32,6 +33,7 @@ from scenarios.scenario import Scenario
 SCENARIOS: list[Scenario] = [
     *qr30.SCENARIOS,
     lock_boundary.SCENARIO,
+    brake_timing.SCENARIO,
     traction_braking.SCENARIO,
     heavy_braking.SCENARIO,
     contact_geometry.SCENARIO,

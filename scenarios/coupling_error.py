@@ -41,8 +41,7 @@ SURPLUS = {
     (GAUSS_SEIDEL, True): 1 / 12,
 }
 INITIAL_SPEED = 3.0
-#: The brake is lightly on at t = 0, a fifth of the full one, and goes to full. In an empty cylinder the torque has a
-#: corner, and the rate that the FMU tells there is the mean of both sides: half of what follows.
+#: The brake is lightly on at t = 0, a fifth of the full one, and goes to full.
 FIRST_SHARE = 0.2
 #: Time at which the speed is compared [s], and the speed at which the bogie has stopped [m/s].
 MIDWAY, AT_REST = 1.5, 0.05

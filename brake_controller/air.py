@@ -1,0 +1,65 @@
+"""Air: an ideal gas, and its flow through a restriction.
+
+Isentropic flow to the narrowest section, choked where the pressure behind it is below the critical share of the
+pressure before it; a discharge coefficient covers contraction and friction (any text on gas dynamics, and ISO 6358-1).
+"""
+
+from __future__ import annotations
+
+import math
+
+import casadi as ca
+
+#: Dry air: gas constant [J/(kg.K)] (ISO 2533) and ratio of the heat capacities (kappa).
+GAS_CONSTANT, HEAT_CAPACITY_RATIO = 287.05287, 1.4
+
+_K = HEAT_CAPACITY_RATIO
+#: Heat capacity at constant pressure [J/(kg.K)].
+HEAT_CAPACITY = GAS_CONSTANT * _K / (_K - 1)
+#: Pressure behind over pressure before the restriction below which the flow is choked: 0.528.
+CRITICAL_RATIO = (2 / (_K + 1)) ** (_K / (_K - 1))
+#: `flow_function` of a choked restriction: 0.685.
+CHOKED_FLOW = math.sqrt(_K) * (2 / (_K + 1)) ** ((_K + 1) / (2 * (_K - 1)))
+#: Relative pressure difference below which the root of the isentropic law, whose slope grows without bound, is replaced
+#: by a parabola of the same value and slope there. Real restrictions turn laminar near it.
+LAMINAR_DIFFERENCE = 1e-3
+
+
+def _isentropic(ratio: ca.SX | float) -> ca.SX:
+    """Flow function between the critical ratio and 1, without a limit on either side."""
+    return ca.sqrt(2 * _K / (_K - 1) * (ratio ** (2 / _K) - ratio ** ((_K + 1) / _K)))
+
+
+def _parabola() -> tuple[float, float]:
+    """Coefficients of the difference and of its square that join the isentropic law at LAMINAR_DIFFERENCE."""
+    r, d = 1 - LAMINAR_DIFFERENCE, LAMINAR_DIFFERENCE
+    value = float(_isentropic(r))
+    slope = _K / (_K - 1) * ((_K + 1) / _K * r ** (1 / _K) - 2 / _K * r ** (2 / _K - 1)) / value
+    return (2 * value - slope * d) / d, (slope * d - value) / d**2
+
+
+def flow_function(ratio: ca.SX) -> ca.SX:
+    """Mass flow over C_d A p / sqrt(R T), as a function of pressure behind over pressure before [1].
+
+    Differentiable: the parabola near 1 and the choked flow join the isentropic law with its slope; no flow backwards.
+    """
+    linear, square = _parabola()
+    difference = 1 - ratio
+    # Kept where the law holds, because the branches that are not taken are evaluated too.
+    inside = ca.fmin(ca.fmax(ratio, CRITICAL_RATIO), 1 - LAMINAR_DIFFERENCE)
+    near = difference * (linear + square * difference)
+    forward = ca.if_else(difference < LAMINAR_DIFFERENCE, near, _isentropic(inside))
+    return ca.if_else(difference > 0, forward, 0)
+
+
+def mass_flow(area: ca.SX, pressure: ca.SX, temperature: ca.SX, pressure_behind: ca.SX) -> ca.SX:
+    """Mass flow [kg/s] through a restriction of effective area C_d A [m2] from absolute pressure [Pa], temperature [K].
+
+    Nothing flows back where the pressure behind is the larger one.
+    """
+    return area * pressure / ca.sqrt(GAS_CONSTANT * temperature) * flow_function(pressure_behind / pressure)
+
+
+def effective_area(diameter: ca.SX, discharge_coefficient: ca.SX) -> ca.SX:
+    """C_d A of a round restriction [m2]."""
+    return discharge_coefficient * math.pi / 4 * diameter**2

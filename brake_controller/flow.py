@@ -1,0 +1,114 @@
+"""Brake cylinder filled and emptied by the flow of air: supply, restrictions and valve of section 6.3.9 (Fig. 6.25).
+
+The regulator keeps the demanded pressure before the application restriction; above the demand it opens the exhaust.
+The state of the air is its mass and its pressure. The piston stands where air and return spring balance, so that its
+inertia and friction, which matter within milliseconds, are left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import casadi as ca
+
+from brake_controller.air import GAS_CONSTANT, HEAT_CAPACITY, HEAT_CAPACITY_RATIO, effective_area, mass_flow
+from brake_controller.pneumatics import APPLY, VENT
+
+#: Travel over which the piston starts and the shoes come to bear [m]; the corners of the stroke are rounded by it.
+STROKE_BLEND = 2e-3
+#: Pressure above the demand at which the exhaust is fully open [Pa]. Assumed: relay valves work within a few kPa.
+REGULATING_BAND = 1e3
+
+#: Values of `FlowParameters` by name: numbers, or symbols of them.
+Values = Mapping[str, ca.SX]
+
+
+@dataclass(frozen=True)
+class Piston:
+    """Where the piston stands at a pressure: travel [m], how fast it grows with pressure [m/Pa], volume of air [m3]."""
+
+    travel: ca.SX
+    travel_per_pressure: ca.SX
+    volume: ca.SX
+
+
+def piston(pressure: ca.SX, flow: Values) -> Piston:
+    """The piston in balance with its return spring at a gauge pressure [Pa], from its rest to the touch of the shoes.
+
+    The travel is (p A - preload) / stiffness, limited to 0 and to the slack by two hyperbolas of width STROKE_BLEND.
+    """
+    free = (pressure * flow["piston_area"] - flow["spring_preload"]) / flow["spring_stiffness"]
+    past = free - flow["piston_slack"]
+    start, touch = ca.sqrt(free**2 + STROKE_BLEND**2), ca.sqrt(past**2 + STROKE_BLEND**2)
+    travel = (start - touch + flow["piston_slack"]) / 2
+    slope = (free / start - past / touch) / 2 * flow["piston_area"] / flow["spring_stiffness"]
+    return Piston(travel, slope, flow["dead_volume"] + flow["piston_area"] * travel)
+
+
+def spring_force(position: Piston, flow: Values) -> ca.SX:
+    """Force of the return spring, which the piston must overcome before the shoes press [N]."""
+    return flow["spring_preload"] + flow["spring_stiffness"] * position.travel
+
+
+def air_temperature(pressure: ca.SX, mass: ca.SX, position: Piston, flow: Values) -> ca.SX:
+    """T = p V / (m R), of the air in the cylinder [K]; gauge pressure [Pa], mass [kg]."""
+    return (pressure + flow["ambient_pressure"]) * position.volume / (mass * GAS_CONSTANT)
+
+
+def inflow(pressure: ca.SX, target: ca.SX, flow: Values) -> ca.SX:
+    """Mass flow from the regulator through the application restriction [kg/s]; gauge pressures [Pa]."""
+    area = effective_area(flow["application_orifice"], flow["discharge_coefficient"])
+    ambient = flow["ambient_pressure"]
+    return mass_flow(area, target + ambient, flow["air_temperature"], pressure + ambient)
+
+
+def outflow(pressure: ca.SX, temperature: ca.SX, orifice: ca.SX, flow: Values) -> ca.SX:
+    """Mass flow to the surroundings through an opening of a diameter [m] [kg/s]; gauge pressure [Pa]."""
+    area = effective_area(orifice, flow["discharge_coefficient"])
+    return mass_flow(area, pressure + flow["ambient_pressure"], temperature, flow["ambient_pressure"])
+
+
+def valve_flows(pressure: ca.SX, temperature: ca.SX, target: ca.SX, valve: ca.SX, flow: Values) -> tuple[ca.SX, ca.SX]:
+    """Mass flows into and out of the cylinder as the valve stands [kg/s]."""
+    opening = ca.fmax(ca.fmin((pressure - target) / REGULATING_BAND, 1), 0)
+    applied = valve == APPLY
+    release = opening * outflow(pressure, temperature, flow["release_orifice"], flow)
+    vent = outflow(pressure, temperature, flow["vent_orifice"], flow)
+    out = ca.if_else(applied, release, ca.if_else(valve == VENT, vent, 0))
+    return ca.if_else(applied, inflow(pressure, target, flow), 0), out
+
+
+@dataclass(frozen=True)
+class AirRates:
+    """Change of the air in the cylinder: pressure [Pa/s]; enthalpy in and out, work on the piston, heat out [W]."""
+
+    pressure: ca.SX
+    enthalpy_in: ca.SX
+    enthalpy_out: ca.SX
+    piston_work: ca.SX
+    heat_loss: ca.SX
+
+
+def air_rates(
+    pressure: ca.SX, temperature: ca.SX, position: Piston, flows: tuple[ca.SX, ca.SX], flow: Values
+) -> AirRates:
+    """First law for the air in the cylinder, an open system: dU/dt = H_in - H_out - p dV/dt - Q.
+
+    The heat Q that the walls take is the share of the rest that makes V dp/dt = n (R T_s m_in - R T m_out - p dV/dt),
+    n the polytropic exponent: none at n = kappa, all of the compression at n = 1, where the air stays at the
+    temperature of the supply. It is exchanged only while air flows: hot air that is held stays hot.
+    """
+    n, k = flow["polytropic_exponent"], HEAT_CAPACITY_RATIO
+    absolute = pressure + flow["ambient_pressure"]
+    flow_work = GAS_CONSTANT * (flow["air_temperature"] * flows[0] - temperature * flows[1])
+    growth = flow["piston_area"] * position.travel_per_pressure
+    rate = n * flow_work / (position.volume + n * absolute * growth)
+    work = absolute * growth * rate
+    return AirRates(
+        pressure=rate,
+        enthalpy_in=HEAT_CAPACITY * flow["air_temperature"] * flows[0],
+        enthalpy_out=HEAT_CAPACITY * temperature * flows[1],
+        piston_work=work,
+        heat_loss=(k - n) / (k - 1) * (flow_work - work),
+    )

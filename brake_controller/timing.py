@@ -1,0 +1,120 @@
+"""Application and release times of a cylinder filled by flow, and the restrictions that give wanted times.
+
+The equations of `flow`, integrated over pressure instead of time: a quadrature in place of a simulation. All flows are
+proportional to the area of their restriction, so a time is inverse to the area and the way back needs no search.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import casadi as ca
+from scipy.integrate import quad
+
+from brake_controller.air import GAS_CONSTANT
+from brake_controller.flow import air_rates, inflow, outflow, piston
+from brake_controller.flow_parameters import FlowParameters
+
+#: Of the demanded pressure, where an application counts as done and a release begins to count as one (section 2.4.2).
+APPLIED_SHARE, RELEASED_SHARE = 0.95, 0.05
+#: No flow; and the temperature of air that does not flow.
+NONE = ca.SX(0)
+
+
+def filling_time(flow: FlowParameters, target: float, pressure: float) -> float:
+    """Time from empty to a gauge pressure [s], the regulator at `target` [Pa]."""
+    p = ca.SX.sym("pressure")
+    values = _symbols(flow)
+    flows = (inflow(p, ca.SX(target), values), NONE)
+    rate = air_rates(p, NONE, piston(p, values), flows, values).pressure
+    return _integral(1 / rate, p, 0.0, pressure, flow)
+
+
+def emptying_time(flow: FlowParameters, orifice: float, start: float, end: float) -> float:
+    """Time from one gauge pressure to a lower one [s] through an opening [m], after the cylinder was filled to `start`.
+
+    The air that stays expands along its polytrope, T ~ p^((n - 1) / n), the piston's return included.
+    """
+    p = ca.SX.sym("pressure")
+    values, n = _symbols(flow), flow.polytropic_exponent
+    ratio = (p + flow.ambient_pressure) / (start + flow.ambient_pressure)
+    temperature = temperature_after_filling(flow, start) * ratio ** ((n - 1) / n)
+    out = outflow(p, temperature, ca.SX(orifice), values)
+    rate = air_rates(p, temperature, piston(p, values), (NONE, out), values).pressure
+    return _integral(1 / rate, p, start, end, flow)
+
+
+def temperature_after_filling(flow: FlowParameters, pressure: float) -> float:
+    """Temperature of the air when the cylinder has been filled from empty to a gauge pressure [K]."""
+    p = ca.SX.sym("pressure")
+    values = _symbols(flow)
+    empty, full = (float(piston(ca.SX(x), values).volume) for x in (0.0, pressure))
+    specific = GAS_CONSTANT * flow.air_temperature
+    # Per kilogram that enters: the pressure it adds.
+    per_mass = air_rates(p, NONE, piston(p, values), (ca.SX(1), NONE), values).pressure
+    mass = flow.ambient_pressure * empty / specific + _integral(1 / per_mass, p, 0.0, pressure, flow)
+    return (pressure + flow.ambient_pressure) * full / (mass * GAS_CONSTANT)
+
+
+def application_time(flow: FlowParameters, pressure: float) -> float:
+    """Time from 0 to 95 % of a demanded gauge pressure [s]."""
+    return filling_time(flow, pressure, APPLIED_SHARE * pressure)
+
+
+def release_time(flow: FlowParameters, pressure: float, end: float | None = None) -> float:
+    """Time from a gauge pressure to 5 % of it, or to `end` [Pa], through the exhaust [s]."""
+    return emptying_time(flow, flow.release_orifice, pressure, _end(pressure, end))
+
+
+def vent_time(flow: FlowParameters, pressure: float, end: float | None = None) -> float:
+    """As `release_time`, through the opening of the venting valve [s]."""
+    return emptying_time(flow, flow.vent_orifice, pressure, _end(pressure, end))
+
+
+def with_application_time(flow: FlowParameters, pressure: float, time: float) -> FlowParameters:
+    """The same cylinder with the application restriction that fills it to 95 % of `pressure` [Pa] in `time` [s]."""
+    return replace(flow, application_orifice=_scaled(flow.application_orifice, application_time(flow, pressure), time))
+
+
+def with_release_time(flow: FlowParameters, pressure: float, time: float, end: float | None = None) -> FlowParameters:
+    """The same cylinder with the exhaust that releases it from `pressure` to 5 % or `end` [Pa] in `time` [s].
+
+    The venting valve opens the same exhaust.
+    """
+    orifice = _scaled(flow.release_orifice, release_time(flow, pressure, end), time)
+    return replace(flow, release_orifice=orifice, vent_orifice=orifice)
+
+
+def with_vent_time(flow: FlowParameters, pressure: float, time: float, end: float | None = None) -> FlowParameters:
+    """The same cylinder with a valve that vents it from `pressure` to 5 % or `end` [Pa] in `time` [s]."""
+    return replace(flow, vent_orifice=_scaled(flow.vent_orifice, vent_time(flow, pressure, end), time))
+
+
+def _symbols(flow: FlowParameters) -> dict[str, ca.SX]:
+    return {name: ca.SX(value) for name, value in flow.values().items()}
+
+
+def _end(pressure: float, end: float | None) -> float:
+    return RELEASED_SHARE * pressure if end is None else end
+
+
+def _scaled(diameter: float, takes: float, wanted: float) -> float:
+    """Diameter [m] that takes the wanted time, to a tenth of a micrometre: the same start values on every machine."""
+    if not wanted > 0.0:
+        raise ValueError(f"Set the time to a value above 0 s: it was {wanted:g} s.")
+    return round(diameter * math.sqrt(takes / wanted), 7)
+
+
+def _integral(expression: ca.SX, p: ca.SX, start: float, end: float, flow: FlowParameters) -> float:
+    """Integral over gauge pressure [Pa], with care where the piston starts and where the shoes touch."""
+    integrand: Callable[[float], ca.DM] = ca.Function("integrand", [p], [expression])
+    touch = flow.spring_preload + flow.spring_stiffness * flow.piston_slack
+    corners = [force / flow.piston_area for force in (flow.spring_preload, touch)]
+    low, high = sorted((start, end))
+    marks = [low, *sorted(corner for corner in set(corners) if low < corner < high), high]
+    pieces = itertools.pairwise(marks)
+    total = sum(quad(lambda x: float(integrand(x)), *piece, limit=200, epsrel=1e-9)[0] for piece in pieces)
+    return float(total if end >= start else -total)
