@@ -13,7 +13,7 @@ from fmu_src.compile import build_library
 from fmu_src.kernel import Kernel, Library
 from fmu_src.system import model_of
 from rbd_model.adhesion import CONDITIONS, RailCondition, dry, even_rail, wet
-from rbd_model.bogie import DEFAULT_TOLERANCE
+from rbd_model.bogie import DEFAULT_TOLERANCE, levels
 from rbd_model.contact import ellipse_shape
 from rbd_model.contact_geometry import thesis_pair
 from rbd_model.creep import Reduction, kalker_coefficients, polach_force, polach_forces
@@ -219,6 +219,27 @@ def test_derivatives_are_finite_without_sliding(bogie: Library, level: int, spee
     kernel = Kernel(bogie, level=level, initial_speed=speed, patch_friction=0.5, **wet().values())
     kernel.initialise()
     assert np.all(np.isfinite(kernel.linearise().jacobian))
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_jacobian_is_exact_on_falling_friction_within_the_end_of_a_patch(bogie: Library, level: int) -> None:
+    """Against central differences, on a patch that grows over a kilometre while the wheels skid."""
+    patch = {"patch_start": -10.0, "patch_length": 2e3, "patch_blend": 1e3, "patch_friction": 0.2}
+    values = {"brake_torque_1": 60e3, "brake_torque_2": 60e3, "tolerance": 1e-9}
+    kernel = Kernel(bogie, level=level, **patch, **(wet().values() | values))
+    kernel.advance(0.05)
+    assert kernel["slip_1"] > 1.0
+    assert kernel["locked_1"] == 0.0
+    states = levels(BOGIE)[level - 1].states.values()
+    place = np.array(kernel.linearise().state)[[not state.algebraic for state in states]]
+    exact = np.array(kernel.jacobian_at(0.05, place))
+    for column in range(place.size):
+        shift = np.zeros(place.size)
+        shift[column] = 1e-6 * max(1e-2, abs(place[column]))
+        ahead, back = (np.array(kernel.slopes_at(0.05, place + sign * shift)) for sign in (1.0, -1.0))
+        difference = (ahead - back) / (2 * shift[column])
+        allowed = 1e-5 * max(1.0, np.abs(exact[:, column]).max()) + 1e-11 / shift[column]
+        assert np.abs(difference - exact[:, column]).max() < allowed
 
 
 # -- along the track ----------------------------------------------------------------------------------------------
