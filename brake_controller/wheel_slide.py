@@ -89,7 +89,7 @@ def common_protection() -> SlideProtectionParameters:
 
 @dataclass
 class _Wheel:
-    """What the protection knows of a wheelset: filtered speed [m/s] and acceleration [m/s2], and since when it vents."""
+    """What the protection knows of a wheelset: filtered speed [m/s] and acceleration [m/s2], since when it vents."""
 
     speed: float
     acceleration: float = 0.0
