@@ -74,14 +74,14 @@ class SlideProtectionParameters:
 def common_protection() -> SlideProtectionParameters:
     """Assumed throughout: thresholds as they are common in descriptions of such devices, tuned on the planar bogie."""
     return SlideProtectionParameters(
-        lower_slip=0.05,
-        upper_slip=0.10,
+        lower_slip=0.02,
+        upper_slip=0.05,
         least_slip=0.3,
-        lead_time=0.10,
+        lead_time=0.3,
         filter_time=0.02,
         first_deceleration=1.0,
         largest_deceleration=1.5,
-        synchronising_period=2.5,
+        synchronising_period=4.0,
         watchdog=5.0,
         slowest=0.25,
     )
