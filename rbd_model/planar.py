@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from fmu_src.system import System
+from rbd_model.adhesion import follow_patch
 from rbd_model.parameters import BogieParameters
 from rbd_model.wheelset import (
     NOMINAL_DISTANCE,
@@ -28,6 +29,7 @@ from rbd_model.wheelset import (
     add_wheelset,
     add_wheelset_outputs,
     centred_contact,
+    centred_load,
     follow_creep,
     start_bogie,
 )
@@ -49,8 +51,9 @@ ELEMENTS = 2
 
 @dataclass(frozen=True)
 class Axle:
-    """Suspension of one wheelset: forces on the sprung mass at the arm (x, z) from its centre, and energy."""
+    """One axle along the track, and its suspension: forces on the sprung mass at the arm (x, z) from its centre."""
 
+    distance: ca.SX
     forward_speed: ca.SX
     forward: ca.SX
     upward: ca.SX
@@ -67,6 +70,7 @@ def planar_bogie(defaults: BogieParameters) -> System:
     system.state("frame_distance", "m", 0.0, NOMINAL_DISTANCE)
     speed = system.state("frame_speed", "m/s", bogie.initial_speed, NOMINAL_SPEED)
     follow_creep(bogie, "frame_speed")
+    follow_patch(system, bogie.rail, "frame_distance")
     system.state("bounce", "m", 0.0, NOMINAL_TRAVEL)
     bounce_speed = system.state("bounce_speed", "m/s", 0.0, NOMINAL_TRAVEL_SPEED)
     system.state("pitch", "rad", 0.0, NOMINAL_TRAVEL)
@@ -76,7 +80,7 @@ def planar_bogie(defaults: BogieParameters) -> System:
     loads = [p["wheelset_mass"] * p["gravity"] + axle.upward for axle in axles]
     contact = centred_contact(bogie)
     wheelsets = [
-        add_wheelset(bogie, number, contact, axle.forward_speed, load)
+        add_wheelset(bogie, number, contact, axle.distance, axle.forward_speed, centred_load(load))
         for number, axle, load in zip((1, 2), axles, loads, strict=True)
     ]
 
@@ -136,7 +140,8 @@ def add_axle(bogie: Bogie, number: int) -> Axle:
     upward = preload - spring_z * rise - damper_z * rise_rate
     potential = spring_x * stretch_x**2 / 2 + spring_z * rise**2 / 2 - preload * rise
     damping_power = damper_x * stretch_x_rate**2 + damper_z * rise_rate**2
-    return Axle(speed + shift_speed, forward, upward, (arm_x, arm_z), potential, damping_power)
+    distance = system.states["frame_distance"].symbol + half + shift
+    return Axle(distance, speed + shift_speed, forward, upward, (arm_x, arm_z), potential, damping_power)
 
 
 def add_outputs(bogie: Bogie, axles: list[Axle], wheelsets: list[Wheelset], loads: list[ca.SX]) -> None:

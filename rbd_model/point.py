@@ -9,15 +9,18 @@ misjudges a lock-up near the limit.
 from __future__ import annotations
 
 from fmu_src.system import System
+from rbd_model.adhesion import follow_patch
 from rbd_model.parameters import BogieParameters
 from rbd_model.wheelset import (
     NOMINAL_DISTANCE,
     NOMINAL_SPEED,
     SPATIAL_INPUTS,
     WHEELSET_PARAMETERS,
+    CentredLoad,
     add_wheelset,
     add_wheelset_outputs,
     centred_contact,
+    centred_load,
     follow_creep,
     start_bogie,
 )
@@ -25,23 +28,26 @@ from rbd_model.wheelset import (
 
 def point_bogie(defaults: BogieParameters) -> System:
     """The two-wheelset bogie as eq. (2.8): distance, speed, and rotation and angular velocity of each wheelset."""
-    used = ("frame_mass", *WHEELSET_PARAMETERS)
+    used = ("frame_mass", "wheel_base", *WHEELSET_PARAMETERS)
     bogie = start_bogie("point", "Speed and wheel speeds, static loads", defaults, used, SPATIAL_INPUTS)
     system, p = bogie.system, bogie.parameter
-    system.state("distance", "m", 0.0, NOMINAL_DISTANCE)
+    distance = system.state("distance", "m", 0.0, NOMINAL_DISTANCE)
     speed = system.state("speed", "m/s", bogie.initial_speed, NOMINAL_SPEED)
 
     follow_creep(bogie, "speed")
+    follow_patch(system, bogie.rail, "distance")
     load = (p["wheelset_mass"] + p["frame_mass"] / 2) * p["gravity"]
-    contact = centred_contact(bogie)
-    wheelsets = [add_wheelset(bogie, number, contact, speed, load) for number in (1, 2)]
+    contact, static = centred_contact(bogie), centred_load(load)
+    static = CentredLoad(system.derived("wheel_load", static.wheel), system.derived("load_growth", static.growth))
+    places = {1: distance + p["wheel_base"] / 2, 2: distance - p["wheel_base"] / 2}
+    wheelsets = [add_wheelset(bogie, number, contact, place, speed, static) for number, place in places.items()]
     total_mass = p["frame_mass"] + 2 * p["wheelset_mass"]
     force = wheelsets[0].creep_force + wheelsets[1].creep_force + bogie.input["drawbar_force"]
     system.derivative("distance", speed)
     system.derivative("speed", force / total_mass)
 
     system.output(bogie.outputs["speed"], speed)
-    system.output(bogie.outputs["distance"], system.states["distance"].symbol)
+    system.output(bogie.outputs["distance"], distance)
     system.output(bogie.outputs["acceleration"], force / total_mass)
     for wheelset in wheelsets:
         add_wheelset_outputs(bogie, wheelset.rotation, speed, wheelset.creep_force, load)

@@ -14,6 +14,7 @@ import casadi as ca
 
 from fmu_src.system import System
 from rbd_model import variables
+from rbd_model.adhesion import follow_patch
 from rbd_model.contact_geometry import Pair
 from rbd_model.kinematics import Body
 from rbd_model.parameters import BogieParameters
@@ -36,6 +37,7 @@ def spatial_bogie(defaults: BogieParameters, pair: Pair, track: Track, numbers: 
     bogie = start_bogie("spatial", "3-D contact, hunting, derailment", defaults, used, absent)
     system, p = bogie.system, bogie.parameter
     frame = place_frame(bogie, pitches=len(numbers) > 1)
+    follow_patch(system, bogie.rail, "frame_distance")
     section = track(system)
 
     share = p["frame_mass"] * p["gravity"] / (2 * len(numbers))

@@ -22,11 +22,14 @@ from rbd_model.track import Section
 from rbd_model.wheelset import (
     NOMINAL_TRAVEL,
     NOMINAL_TRAVEL_SPEED,
+    SMALLEST_FRICTION,
+    SMALLEST_LOAD,
     Bogie,
     Rotation,
     add_rotation,
     add_rotation_states,
-    wheel_load_and_friction,
+    at_least,
+    rail_friction,
 )
 
 #: Scales of the error control: with tolerance 1e-7, 0.1 nm at the contact, 0.1 nrad of roll and 0.01 N.
@@ -36,6 +39,8 @@ NOMINAL_NORMAL_FORCE = 1e5
 #: Share of the rail head's curvature that is left when a tread contact counts as lost. The fold is where nothing is
 #: left; there the contact moves infinitely fast.
 FOLD_MARGIN = 0.02
+#: Smallest sliding speed that is told from none [m/s]; the falling friction is smooth through zero on this scale.
+SLIDING_FLOOR = 1e-9
 
 
 @dataclass(frozen=True)
@@ -107,7 +112,8 @@ def place_wheelset(
         system.algebraic(f"normal_{number}_{word}", "N", static_load, NOMINAL_NORMAL_FORCE) for word in SIDES.values()
     ]
 
-    track = section(number, system.states["frame_distance"].symbol + along + shift)
+    distance = system.states["frame_distance"].symbol + along + shift
+    track = section(number, distance)
     placement = Placement(yaw_roll(yaw, roll), lateral, p["wheel_radius"])
     contacts = [
         wheel_contact(system, f"{number}_{word}", pair, placement, side, position, track.lateral)
@@ -120,6 +126,7 @@ def place_wheelset(
 
     forward = system.states["frame_speed"].symbol + shift_speed
     system.limit_change("frame_distance", 1 / track.density)
+    friction = rail_friction(bogie, number, distance) * track.friction
     rows = constraint_rows(bogie, contacts, track)
     rise, roll_rate = dependent_velocities(rows, forward, lateral_speed, yaw_rate)
     coordinates = ca.vertcat(system.states["frame_distance"].symbol, lateral, yaw, roll)
@@ -131,7 +138,7 @@ def place_wheelset(
         ca.vertcat(roll_rate, omega, yaw_rate),
     )
     wheels = [
-        roll_wheel(bogie, number, body, contact, row, normal, track.friction, (coordinates, rates))
+        roll_wheel(bogie, body, contact, row, normal, friction, (coordinates, rates))
         for contact, row, normal in zip(contacts, rows, normals, strict=True)
     ]
     for name, derivative in (("shift", shift_speed), ("lateral", lateral_speed), ("yaw", rates[2])):
@@ -163,26 +170,30 @@ def dependent_velocities(rows: list[ca.SX], forward: ca.SX, sideways: ca.SX, yaw
 
 def roll_wheel(
     bogie: Bogie,
-    number: int,
     body: Body,
     contact: WheelContact,
     row: ca.SX,
     normal_force: ca.SX,
-    friction_factor: ca.SX,
+    friction: ca.SX,
     motion: tuple[ca.SX, ca.SX],
 ) -> Wheel:
-    """Creep of one wheel, eqs (3.89)-(3.105), and how its constraint changes; `motion`: coordinates and their rates."""
+    """Creep of one wheel, eqs (3.89)-(3.105), and how its constraint changes; `motion`: coordinates and their rates.
+
+    friction: the coefficient without sliding.
+    """
     p = bogie.parameter
-    load, friction = wheel_load_and_friction(bogie, number, normal_force, friction_factor)
-    logarithm, semi_axis = moving_ellipse(contact.curvature_along, contact.curvature_across, load, p["shear_modulus"])
-    stretch = ca.exp(logarithm / 2)
     sliding = body.axes.T @ body.velocity + ca.cross(body.own_rate, contact.arm)
     slides = ca.dot(sliding, contact.along), ca.dot(sliding, contact.sideways)
+    sliding_speed = ca.sqrt(slides[0] ** 2 + slides[1] ** 2 + SLIDING_FLOOR**2)
+    load = at_least(normal_force, SMALLEST_LOAD)
+    friction = at_least(friction * bogie.rail.remaining(sliding_speed), SMALLEST_FRICTION)
+    logarithm, semi_axis = moving_ellipse(contact.curvature_along, contact.curvature_across, load, p["shear_modulus"])
+    stretch = ca.exp(logarithm / 2)
     slowness = 1 / ca.sqrt(body.velocity[0] ** 2 + p["creepage_speed"] ** 2)
     creepages = (slides[0] * slowness, slides[1] * slowness, ca.dot(body.own_rate, contact.normal) * slowness)
     kalker = smooth_kalker_coefficients(logarithm)
     axes = (semi_axis * stretch, semi_axis / stretch)
-    along, sideways = polach_forces(creepages, load, friction, axes, p["shear_modulus"], kalker)
+    along, sideways = polach_forces(creepages, load, friction, axes, p["shear_modulus"], kalker, bogie.rail.reduction)
 
     coordinates, rates = motion
     bend = ca.jacobian(contact.slope_error, contact.position)

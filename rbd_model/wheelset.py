@@ -9,8 +9,9 @@ import casadi as ca
 
 from fmu_src.system import Friction, System, Variable
 from rbd_model import variables
+from rbd_model.adhesion import Rail, add_rail
 from rbd_model.contact import ellipse_shape
-from rbd_model.creep import creepage, kalker_coefficients, polach_force
+from rbd_model.creep import creepage, kalker_coefficients, saturated
 from rbd_model.parameters import BogieParameters
 
 #: Used where a trial step would ask for the contact of a wheel that carries nothing; a run ends before (wheel lift).
@@ -36,6 +37,7 @@ class Bogie:
     input: dict[str, ca.SX]
     outputs: dict[str, Variable]
     initial_speed: ca.SX
+    rail: Rail
 
 
 @dataclass(frozen=True)
@@ -67,12 +69,13 @@ def start_bogie(
     unused_inputs: Sequence[str] = (),
     speed: float = 25.0,
 ) -> Bogie:
-    """A System with the parameters named in `used` and all inputs but some."""
+    """A System with the parameters named in `used` and of the rail's friction, and all inputs but some."""
     system = System(name, description)
     initial = system.parameter(variables.initial_speed(speed))
     parameter = {field: system.parameter(defaults.variable(field)) for field in used}
     symbols = {name: system.input(row) for name, row in variables.inputs().items() if name not in unused_inputs}
-    return Bogie(system, parameter, symbols, variables.outputs(), initial)
+    rail = add_rail(system, [number for number in variables.WHEELSETS if f"friction_{number}" in symbols])
+    return Bogie(system, parameter, symbols, variables.outputs(), initial, rail)
 
 
 #: Inputs that only the spatial level has.
@@ -93,11 +96,17 @@ WHEELSET_PARAMETERS = (
 
 @dataclass(frozen=True)
 class CentredContact:
-    """Contact ellipse of a wheel that does not move sideways: semi-axes over N^(1/3) [m/N^(1/3)] and Kalker's c11."""
+    """Contact of a wheel that does not move sideways: G pi a b c11 / 4 of eq. (3.94) over N^(2/3) [N^(1/3)]."""
 
-    longitudinal: ca.SX
-    lateral: ca.SX
-    c11: ca.SX
+    stiffness: ca.SX
+
+
+@dataclass(frozen=True)
+class CentredLoad:
+    """Vertical force of one rail N [N], and N^(1/3), with which the semi-axes grow, eq. (3.87)."""
+
+    wheel: ca.SX
+    growth: ca.SX
 
 
 def follow_creep(bogie: Bogie, speed: str) -> None:
@@ -111,39 +120,50 @@ def follow_creep(bogie: Bogie, speed: str) -> None:
 
 
 def centred_contact(bogie: Bogie) -> CentredContact:
-    """Constants from the curvatures, computed once at the start."""
-    p, system = bogie.parameter, bogie.system
+    """Constant from the curvatures, computed once at the start."""
+    p = bogie.parameter
     shape = ellipse_shape(p["wheel_radius"], p["wheel_profile_curvature"], p["rail_head_radius"], p["shear_modulus"])
-    return CentredContact(
-        system.derived("semi_axis_longitudinal", shape.longitudinal),
-        system.derived("semi_axis_lateral", shape.lateral),
-        system.derived("c11", kalker_coefficients(shape.axis_ratio).c11),
-    )
+    c11 = kalker_coefficients(shape.axis_ratio).c11
+    stiffness = 0.25 * ca.pi * p["shear_modulus"] * shape.longitudinal * shape.lateral * c11
+    return CentredContact(bogie.system.derived("contact_stiffness", stiffness))
 
 
-def wheel_load_and_friction(bogie: Bogie, number: int, load: ca.SX, factor: ca.SX | float = 1.0) -> tuple[ca.SX, ca.SX]:
-    """Load [N] and friction coefficient of a wheel, both kept above zero for the creep laws."""
-    friction = bogie.input[f"friction_{number}"] * factor
-    return ca.fmax(load, SMALLEST_LOAD), ca.fmax(friction, SMALLEST_FRICTION)
+def centred_load(load: ca.SX) -> CentredLoad:
+    """Of an axle that carries `load` [N], kept above zero for the creep law."""
+    wheel = at_least(load / 2, SMALLEST_LOAD)
+    return CentredLoad(wheel, wheel ** (1 / 3))
+
+
+def rail_friction(bogie: Bogie, number: int, distance: ca.SX) -> ca.SX:
+    """Friction coefficient without sliding (mu0) under a wheelset at a distance [m] along the track."""
+    return bogie.input[f"friction_{number}"] * bogie.rail.factor(number, distance)
+
+
+def at_least(value: ca.SX, least: float) -> ca.SX:
+    """The larger of both; as a comparison, which costs less in C than fmax."""
+    return ca.if_else(value > least, value, least)
 
 
 def creep_force_of_wheelset(
-    bogie: Bogie, number: int, contact: CentredContact, load: ca.SX, sliding: ca.SX, forward: ca.SX
+    bogie: Bogie, friction: ca.SX, contact: CentredContact, load: CentredLoad, sliding: ca.SX, forward: ca.SX
 ) -> ca.SX:
-    """Longitudinal force of both rails on a wheelset that carries `load` [N] and slides at `sliding` [m/s]."""
-    wheel_load, friction = wheel_load_and_friction(bogie, number, load / 2)
-    growth = wheel_load ** (1 / 3)  # eq. (3.87): the semi-axes grow with the cube root of the load
-    semi_axes = (contact.longitudinal * growth, contact.lateral * growth)
-    xi = creepage(sliding, forward, bogie.parameter["creepage_speed"])
-    return 2 * polach_force(xi, wheel_load, friction, semi_axes, bogie.parameter["shear_modulus"], contact.c11)
+    """Longitudinal force of both rails on a wheelset that slides at `sliding` [m/s]; friction: without sliding."""
+    # The corner of the absolute value is not felt: without sliding the force does not depend on friction.
+    friction = at_least(friction * bogie.rail.remaining(ca.fabs(sliding)), SMALLEST_FRICTION)
+    # Eq. (3.94) with the creepage over sqrt(V^2 + v_eps^2). All divisors in one: they are what this costs.
+    divisor = friction * load.growth * ca.sqrt(forward**2 + bogie.parameter["creepage_speed"] ** 2)
+    return 2 * saturated(contact.stiffness * sliding / divisor, friction * load.wheel, bogie.rail.reduction)
 
 
-def add_wheelset(bogie: Bogie, number: int, contact: CentredContact, forward: ca.SX, load: ca.SX) -> Wheelset:
-    """A wheelset on a level rail. forward [m/s]: speed of its axle; load [N]: vertical force of both rails."""
+def add_wheelset(
+    bogie: Bogie, number: int, contact: CentredContact, distance: ca.SX, forward: ca.SX, load: CentredLoad
+) -> Wheelset:
+    """A wheelset on a level rail; distance [m], forward [m/s]: of its axle along the track."""
     omega = add_rotation_states(bogie, number)
     radius = bogie.parameter["wheel_radius"]
     sliding = forward - radius * omega
-    force = creep_force_of_wheelset(bogie, number, contact, load, sliding, forward)
+    friction = rail_friction(bogie, number, distance)
+    force = creep_force_of_wheelset(bogie, friction, contact, load, sliding, forward)
     return Wheelset(add_rotation(bogie, number, omega, -force * radius), force, sliding)
 
 

@@ -1,0 +1,151 @@
+"""Friction of the rail: how it falls with sliding speed, and how it changes along the track.
+
+mu = mu0 ((1 - A) exp(-B w) + A), with the sliding speed w [m/s], and the reduction factors k_A, k_S of Polach's creep
+law: O. Polach (2005), Creep forces in simulations of traction vehicles running on adhesion limit, Wear 258, 992-1000.
+mu0 are the inputs friction_1, friction_2. With the start values nothing falls and nothing changes along the track.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+
+from fmu_src.system import ParameterSet, System, quantity
+from rbd_model.creep import Reduction
+
+
+@dataclass(frozen=True)
+class FallingFriction(ParameterSet):
+    """Fall of the friction coefficient with sliding speed, and what contamination leaves of the creep law's slope."""
+
+    friction_ratio: float = quantity(
+        "1", "Friction at infinite over that at no sliding speed (A); 1: friction does not fall", 0.0, 1.0
+    )
+    friction_decay: float = quantity("s/m", "Decay of friction with sliding speed (B)", 0.0)
+    adhesion_reduction: float = quantity("1", "Reduction of the creep law in the area of adhesion (k_A)", 1e-3, 1.0)
+    slip_reduction: float = quantity("1", "Reduction of the creep law in the area of slip (k_S)", 1e-3, 1.0)
+
+
+@dataclass(frozen=True)
+class RailPatches(ParameterSet):
+    """Friction along the track: a patch such as leaves, and a rail cleaned by the first wheelset.
+
+    Distances are those of each wheelset from the middle of the bogie at the start, so that the leading one is first.
+    A patch shorter than two blends does not reach its factor.
+    """
+
+    cleaned_friction: float = quantity(
+        "1", "Factor on the friction of the trailing wheelset, whose rail the leading one has cleaned", 0.0
+    )
+    patch_friction: float = quantity("1", "Factor on friction within the patch; 1: there is none", 0.0)
+    patch_start: float = quantity("m", "Distance at which the patch begins")
+    patch_length: float = quantity("m", "Length of the patch", 1e-3)
+    patch_blend: float = quantity("m", "Length over which friction changes at each end of the patch, within it", 1e-3)
+
+
+@dataclass(frozen=True)
+class RailCondition:
+    """A named condition of the rail: mu0 of both wheelsets, and the law of its fall.
+
+    verified: the numbers were found in more than one source; otherwise check them before use.
+    """
+
+    friction: float
+    law: FallingFriction
+    verified: bool
+
+    def values(self) -> dict[str, float]:
+        """Inputs and parameters by name."""
+        return {"friction_1": self.friction, "friction_2": self.friction, **self.law.values()}
+
+
+def constant_friction() -> FallingFriction:
+    """Friction as in the thesis: it does not fall, and the creep law is that of Polach (1999)."""
+    return FallingFriction(friction_ratio=1.0, friction_decay=0.0, adhesion_reduction=1.0, slip_reduction=1.0)
+
+
+def even_rail() -> RailPatches:
+    """The same friction everywhere; the length of a patch of leaves and its blend are assumed."""
+    return RailPatches(
+        cleaned_friction=1.0,
+        patch_friction=1.0,
+        patch_start=50.0,
+        patch_length=50.0,
+        patch_blend=1.0,
+    )
+
+
+def dry() -> RailCondition:
+    """Polach (2005), Table 2, dry."""
+    return RailCondition(0.55, FallingFriction(0.40, 0.60, 1.00, 0.40), verified=True)
+
+
+def wet() -> RailCondition:
+    """Polach (2005), Table 2, wet."""
+    return RailCondition(0.30, FallingFriction(0.40, 0.20, 0.30, 0.10), verified=True)
+
+
+def low() -> RailCondition:
+    """Low adhesion. UNVERIFIED: the numbers are from secondary literature; check them before use."""
+    return RailCondition(0.06, FallingFriction(0.40, 0.20, 1.00, 0.40), verified=False)
+
+
+def very_low() -> RailCondition:
+    """Very low adhesion. UNVERIFIED: the numbers are from secondary literature; check them before use."""
+    return RailCondition(0.03, FallingFriction(0.40, 0.10, 1.00, 0.40), verified=False)
+
+
+#: The conditions by name.
+CONDITIONS = {"dry": dry, "wet": wet, "low": low, "very_low": very_low}
+
+
+@dataclass(frozen=True)
+class Rail:
+    """The symbols of the rail's friction while a System is being written; all but the parameters computed once."""
+
+    parameter: dict[str, ca.SX]
+    fall: ca.SX  # 1 - A
+    patch_change: ca.SX
+    patch_middle: ca.SX
+    per_blend: ca.SX
+
+    @property
+    def reduction(self) -> Reduction:
+        """What the rail's surface leaves of the creep law's gradient."""
+        return Reduction(self.parameter["adhesion_reduction"], self.parameter["slip_reduction"])
+
+    def remaining(self, sliding_speed: ca.SX) -> ca.SX:
+        """Share of mu0 that is left at a sliding speed w >= 0 [m/s]: (1 - A) exp(-B w) + A."""
+        decay, ratio = self.parameter["friction_decay"], self.parameter["friction_ratio"]
+        return self.fall * ca.exp(-decay * sliding_speed) + ratio
+
+    def factor(self, number: int, distance: ca.SX) -> ca.SX:
+        """Factor on mu0 under a wheelset at a distance [m]: that of the patch within it, and of the cleaned rail."""
+        inside = self.parameter["patch_length"] / 2 - ca.fabs(distance - self.patch_middle)
+        share = inside * self.per_blend
+        # From 0 to 1 and no further, in absolute values: they cost less than minimum and maximum.
+        share = (1 + ca.fabs(share) - ca.fabs(share - 1)) / 2
+        factor = 1 + self.patch_change * share**2 * (3 - 2 * share)
+        return factor * self.parameter["cleaned_friction"] if number == 2 else factor
+
+
+def add_rail(system: System, numbers: Sequence[int]) -> Rail:
+    """The rail under the wheelsets `numbers`; one that is alone finds no rail cleaned."""
+    variables = [law.variable(name) for law in (constant_friction(), even_rail()) for name in law.values()]
+    p = {v.name: system.parameter(v) for v in variables if v.name != "cleaned_friction" or 2 in numbers}
+    return Rail(
+        p,
+        system.derived("friction_fall", 1 - p["friction_ratio"]),
+        system.derived("patch_change", p["patch_friction"] - 1),
+        system.derived("patch_middle", p["patch_start"] + p["patch_length"] / 2),
+        system.derived("per_patch_blend", 1 / p["patch_blend"]),
+    )
+
+
+def follow_patch(system: System, rail: Rail, distance: str) -> None:
+    """No step may be longer than an end of the patch, which would be stepped over; `distance` is the state."""
+    p = rail.parameter
+    end = ca.fmin(p["patch_blend"], p["patch_length"] / 2)
+    system.limit_change(distance, ca.if_else(p["patch_friction"] == 1, ca.inf, end))
