@@ -20,8 +20,10 @@ APPLY, HOLD, VENT = 0, 1, 2
 COMMANDS = (APPLY, HOLD, VENT)
 #: Acceleration below which a wheel let go has caught up with the bogie [m/s2].
 ROLLING = 0.3
-#: Time after which a wheel let go is believed to roll, whether it was seen to speed up or not [s].
-LONGEST_RELEASE = 0.8
+#: Times of venting after which a wheel is believed to roll, where it was seen to speed up and where not [s].
+SHORTEST_RELEASE, LONGEST_RELEASE = 0.25, 0.8
+#: Time of braking without a command after which the wheels may show that the bogie slows faster than it did [s].
+FREELY_BRAKED = 0.3
 #: Time between two true speeds that gives a deceleration [s], and the least that is believed [m/s2].
 SHORTEST_BETWEEN, LEAST_DECELERATION = 0.5, 0.1
 
@@ -74,10 +76,10 @@ class SlideProtectionParameters:
 def common_protection() -> SlideProtectionParameters:
     """Assumed throughout: thresholds as they are common in descriptions of such devices, tuned on the planar bogie."""
     return SlideProtectionParameters(
-        lower_slip=0.02,
-        upper_slip=0.05,
+        lower_slip=0.05,
+        upper_slip=0.10,
         least_slip=0.3,
-        lead_time=0.3,
+        lead_time=0.2,
         filter_time=0.02,
         first_deceleration=1.0,
         largest_deceleration=1.5,
@@ -114,7 +116,6 @@ class SlideProtection:
     synchronised_at: float = 0.0
     synchronised_speed: float = 0.0
     released: int | None = None
-    released_at: float = -math.inf
     acted_at: float = -math.inf
 
     def step(self, time: float, wheel_speeds: Sequence[float]) -> list[int]:
@@ -140,12 +141,23 @@ class SlideProtection:
             wheel.speed += change
             wheel.acceleration += share * (change / size - wheel.acceleration)
         fastest = max(wheel.speed for wheel in self.wheels)
-        falls = self.parameters.largest_deceleration if self._is_quiet() else self.deceleration
+        falls = self._believed_deceleration()
         self.reference = max(fastest, self.reference - falls * size, 0.0)
-        if self.released is not None and self._has_caught_up(self.wheels[self.released]):
-            self._synchronise(self.wheels[self.released].speed)
+        caught_up = [wheel.speed for wheel in self.wheels if self._has_caught_up(wheel)]
+        if caught_up:
+            self._synchronise(max(caught_up))
         elif self._is_quiet() and self.reference == fastest:
             self._synchronise(fastest)
+
+    def _believed_deceleration(self) -> float:
+        """How fast the reference falls: as the bogie last did, or as the fastest wheel does while all are braked freely."""
+        assert self.time is not None
+        if self._is_quiet():
+            return self.parameters.largest_deceleration
+        if self.time - self.acted_at < FREELY_BRAKED:
+            return self.deceleration
+        fastest = max(self.wheels, key=lambda wheel: wheel.speed)
+        return max(self.deceleration, min(-fastest.acceleration, self.parameters.largest_deceleration))
 
     def _is_quiet(self) -> bool:
         """Whether the protection has had nothing to do for a while, so that the fastest wheel is believed to roll."""
@@ -153,11 +165,13 @@ class SlideProtection:
         return self.time - self.acted_at > self.parameters.synchronising_period
 
     def _has_caught_up(self, wheel: _Wheel) -> bool:
-        """A wheel let go speeds up until it rolls; one that never slid is believed after a while."""
+        """A wheel that is vented speeds up until it rolls; one that never slid is believed after a while."""
         assert self.time is not None
+        if wheel.vents_since is None:
+            return False
+        vented = self.time - wheel.vents_since
         wheel.speeds_up = wheel.speeds_up or wheel.acceleration > 2 * ROLLING
-        late = self.time - self.released_at > LONGEST_RELEASE
-        return wheel.acceleration < ROLLING and (wheel.speeds_up or late)
+        return wheel.acceleration < ROLLING and vented > (SHORTEST_RELEASE if wheel.speeds_up else LONGEST_RELEASE)
 
     def _synchronise(self, speed: float) -> None:
         """Takes the true speed, and from two of them the deceleration of the bogie."""
@@ -180,7 +194,7 @@ class SlideProtection:
         if command != VENT:
             wheel.vents_since = None
         elif wheel.vents_since is None:
-            wheel.vents_since = time
+            wheel.vents_since, wheel.speeds_up = time, False
         elif time - wheel.vents_since > p.watchdog:
             wheel.blocked_until = time + p.watchdog
             return APPLY
@@ -199,7 +213,6 @@ class SlideProtection:
         late = time - self.synchronised_at > self.parameters.synchronising_period
         if self.released is None and late and not self._is_quiet():
             self.released = max(range(len(self.wheels)), key=lambda one: self.wheels[one].speed)
-            self.released_at, self.wheels[self.released].speeds_up = time, False
         return self.released == number
 
 

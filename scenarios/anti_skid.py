@@ -18,10 +18,12 @@ from brake_controller.wheel_slide import SlideProtection, WheelSlideController
 from rbd_model.adhesion import FallingFriction, RailCondition, dry, low, wet
 from rbd_model.parameters import tables_5_1_and_5_2
 from scenarios.cosimulation import PATIENCE, Recording
+from scenarios.integrators import layout
 from scenarios.plotting import BOGIE, LEADING, THESIS, TRAILING, plt
 from scenarios.protected_stop import (
     APPLICATION_TIME,
     BRAKE_START,
+    NUMBERS,
     STANDING,
     Settings,
     Stop,
@@ -30,6 +32,7 @@ from scenarios.protected_stop import (
 )
 from scenarios.report import Result, Row
 from scenarios.scenario import Options, Scenario
+from scenarios.scene import prepare
 
 #: Friction of the low rail, with the fall of Polach's set for low adhesion, which is unverified (rbd_model/adhesion.py).
 LOW_FRICTION = 0.08
@@ -85,3 +88,33 @@ MODES: dict[str, Callable[[], WheelSlideController] | None] = {
 def adhesion(law: FallingFriction, friction: float, sliding: float) -> float:
     """Largest adhesion at a sliding speed [m/s] when the creep law is saturated: mu0 ((1 - A) exp(-B w) + A)."""
     return friction * ((1.0 - law.friction_ratio) * np.exp(-law.friction_decay * sliding) + law.friction_ratio)
+
+
+class PeakAdhesion:
+    """Largest deceleration that a rail can give [m/s2], from the bogie's own equations: the creep force at its best slip."""
+
+    #: Slip ratios that are tried.
+    SLIPS = np.geomspace(2e-3, 0.4, 28)
+
+    def __init__(self, rail: Mapping[str, float]) -> None:
+        self.kernel = prepare("bogie", level=2, initial_speed=25.0, **rail)
+        self.kernel.initialise()
+        self.form = layout("bogie", 2)
+        self.place = np.array(self.kernel.linearise().state)
+        p = tables_5_1_and_5_2()
+        self.radius, self.mass = p.wheel_radius, p.frame_mass + 2 * p.wheelset_mass
+
+    def at(self, distance: float, speed: float, slip: float) -> float:
+        """Deceleration [m/s2] with both wheelsets at a slip ratio."""
+        place = self.place.copy()
+        place[self.form.kept.index("frame_distance")] = distance
+        place[self.form.kept.index("frame_speed")] = speed
+        for number in NUMBERS:
+            place[self.form.kept.index(f"angular_velocity_{number}")] = (1.0 - slip) * speed / self.radius
+        self.kernel.arrive(self.kernel.time, place.tolist())
+        return -(self.kernel["creep_force_1"] + self.kernel["creep_force_2"]) / self.mass
+
+    def best(self, distance: float, speed: float) -> tuple[float, float]:
+        """Largest deceleration [m/s2], and the slip ratio at which it is reached."""
+        found = [self.at(distance, speed, slip) for slip in self.SLIPS]
+        return max(found), float(self.SLIPS[int(np.argmax(found))])

@@ -77,7 +77,7 @@ def test_reference_follows_the_true_speed_though_all_wheels_slide() -> None:
         errors.append(abs(protection.reference - true) / true)
         assert max(slips) < 0.2
     assert looks > 0
-    assert max(errors) < common_protection().upper_slip
+    assert max(errors) < 0.10
 
 
 def test_venting_ends_with_the_watchdog() -> None:
