@@ -150,7 +150,7 @@ class SlideProtection:
             self._synchronise(fastest)
 
     def _believed_deceleration(self) -> float:
-        """How fast the reference falls: as the bogie last did, or as the fastest wheel does while all are braked freely."""
+        """How fast the reference falls: as the bogie last did, or as the fastest wheel while all are braked freely."""
         assert self.time is not None
         if self._is_quiet():
             return self.parameters.largest_deceleration

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from scenarios import (
+    anti_skid,
     asymmetric_braking,
     bogie_irregularities,
     bogie_lateral_under_torque,
     bogie_pitch,
     bogie_skid,
     contact_geometry,
+    controller_prototype,
     coupling_step,
     creep_forces,
     critical_speed,
@@ -46,6 +48,8 @@ SCENARIOS: list[Scenario] = [
     bogie_lateral_under_torque.SCENARIO,
     bogie_skid.SCENARIO,
     asymmetric_braking.SCENARIO,
+    anti_skid.SCENARIO,
+    controller_prototype.SCENARIO,
     coupling_step.SCENARIO,
     sensitivity.SCENARIO,
     oracle.SCENARIO,

@@ -30,10 +30,14 @@ STANDING = 0.02
 
 @dataclass(frozen=True)
 class Settings:
-    """How a stop is run: speed [m/s], share of the full brake, controller's period and host step [s], encoder."""
+    """How a stop is run: speed [m/s], controller's period and host step [s], encoder, and the brake.
+
+    strength: torque over that of the full service brake; application_time [s] to 95 % of it.
+    """
 
     speed: float = 25.0
-    demand: float = 1.0
+    strength: float = 1.0
+    application_time: float = APPLICATION_TIME
     period: float = 5e-3
     host_step: float = 5e-3
     pulses: int = 10000
@@ -109,10 +113,11 @@ class Train:
         """All FMUs at the start of a stop."""
         parameters = {"level": 2.0, "initial_speed": settings.speed} | dict(rail)
         values = brake_values() | {
-            "application_time": APPLICATION_TIME,
+            "application_time": settings.application_time,
             "release_time": RELEASE_TIME,
             "tolerance": 1e-6,
         }
+        values["force_per_pressure"] *= settings.strength
         for slave, given in ((self.bogie, parameters), *((brake, values) for brake in self.brakes)):
             slave.restart(given)
 
@@ -155,7 +160,7 @@ class _Run:
             if not braking:
                 braking = time >= BRAKE_START
                 for brake in train.brakes:
-                    brake.set(pressure_demand=settings.demand * FULL_PRESSURE if braking else 0.0)
+                    brake.set(pressure_demand=FULL_PRESSURE if braking else 0.0)
             if number % every == 0:
                 speeds = self._speeds(encoders, time, turned)
                 if supervised and not self.failure:
