@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from scenarios import (
+    anti_skid,
     asymmetric_braking,
     bogie_irregularities,
     bogie_lateral_under_torque,
@@ -10,6 +11,7 @@ from scenarios import (
     bogie_skid,
     brake_timing,
     contact_geometry,
+    controller_prototype,
     coupling_step,
     creep_forces,
     critical_speed,
@@ -48,6 +50,8 @@ SCENARIOS: list[Scenario] = [
     bogie_lateral_under_torque.SCENARIO,
     bogie_skid.SCENARIO,
     asymmetric_braking.SCENARIO,
+    anti_skid.SCENARIO,
+    controller_prototype.SCENARIO,
     coupling_step.SCENARIO,
     sensitivity.SCENARIO,
     oracle.SCENARIO,

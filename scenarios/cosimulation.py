@@ -49,6 +49,7 @@ class Slave:
         self._saves, self._takes_rates = able.canGetAndSetFMUstate, able.canInterpolateInputs
         self._provides_rates = able.maxOutputDerivativeOrder > 0
         self._parameters = parameters
+        self._plans: dict[tuple[str, ...], list[tuple[Callable, list[int], list[int]]]] = {}
         self._folder = extract(str(path))
         self._logger = fmi2CallbackLoggerTYPE(self._listen)  # referenced here as long as the FMU may call it
         self._callbacks = fmi2CallbackFunctions()
@@ -96,13 +97,24 @@ class Slave:
         return self.get([name])[0]
 
     def get(self, names: Sequence[str]) -> list[float]:
-        found: dict[str, float] = {}
+        """Values of some variables, in their order; one call for each type."""
+        key = tuple(names)
+        found = [0.0] * len(key)
+        for getter, references, places in self._plans.get(key) or self._plan(key):
+            for place, value in zip(places, self._call(getter, references), strict=True):
+                found[place] = float(value)
+        return found
+
+    def _plan(self, names: tuple[str, ...]) -> list[tuple[Callable, list[int], list[int]]]:
+        """The calls that read some variables: function, value references, and their places among the names."""
+        plan = []
         for kind in ("Real", "Integer", "Boolean"):
-            group = [name for name in names if self._reference(name)[1] == kind]
-            if group:
-                references = [self._reference(name)[0] for name in group]
-                found |= dict(zip(group, self._call(getattr(self.fmu, f"get{kind}"), references), strict=True))
-        return [float(found[name]) for name in names]
+            places = [place for place, name in enumerate(names) if self._reference(name)[1] == kind]
+            if places:
+                references = [self._reference(names[place])[0] for place in places]
+                plan.append((getattr(self.fmu, f"get{kind}"), references, places))
+        self._plans[names] = plan
+        return plan
 
     def step(self, time: float, size: float) -> None:
         self._call(self.fmu.doStep, time, size)
