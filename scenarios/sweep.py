@@ -1,4 +1,15 @@
-"""The command `sweep`: a scenario's point function over a grid of its parameters, journal and table."""
+"""Runs one scenario at every combination of the given parameters, into one table.
+
+  python -m scenarios sweep levels --vary utilisation=0.5:1.3:9              nine evenly spaced values
+  python -m scenarios sweep levels --vary utilisation=0.5:1.3:9 --vary level=1,2,3 --jobs 2
+                                                                             27 points in two worker processes
+  python -m scenarios sweep levels --vary utilisation=0.5:1.3:9 --restart    forget the points of an earlier sweep
+  python -m scenarios sweep levels --vary utilisation=0.5:1.3:9 --scheduler tcp://127.0.0.1:8786
+                                                                             on a Dask cluster
+
+results/sweep-NAME/ has table.csv, table.parquet, summary.json, and journal.jsonl with each point that is done: after an
+interruption the same command goes on from there. Points that failed stay in the table with their reason.
+"""
 
 from __future__ import annotations
 
@@ -55,7 +66,13 @@ class Sweep:
 
 def add_command(commands: Any) -> None:
     """Adds `sweep` to the commands of the command line."""
-    parser = commands.add_parser("sweep", help="run one scenario over a grid of parameters")
+    parser = commands.add_parser(
+        "sweep",
+        help="run one scenario over a grid of parameters",
+        description=__doc__,
+        epilog=sweepable_text(),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
     parser.add_argument("name", help="a scenario that takes part in sweeps")
     parser.add_argument(
         "--vary",
@@ -68,6 +85,19 @@ def add_command(commands: Any) -> None:
     parser.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster, whose workers take the points")
     parser.add_argument("--restart", action="store_true", help="drop the points of an earlier sweep")
     parser.add_argument("--out", type=Path, default=Path("results"), help="folder of the results (default: results)")
+
+
+def sweepable_text() -> str:
+    """What can be varied, and what comes out."""
+    lines = []
+    for scenario in catalogue.SCENARIOS:
+        if scenario.sweep:
+            varied, found = (
+                ", ".join(f"{name} [{unit}]" for name, unit in units.items())
+                for units in (scenario.sweep.parameters, scenario.sweep.results)
+            )
+            lines.append(f"{scenario.name}\n  varies: {varied}\n  finds: {found}")
+    return "\n".join(lines)
 
 
 def sweep_of(chosen: argparse.Namespace) -> Sweep:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 from collections.abc import Iterator, Mapping
 from concurrent.futures import CancelledError
 from contextlib import contextmanager
@@ -18,6 +19,7 @@ from scenarios.sweep_points import (
     Outcomes,
     Point,
     SweepError,
+    outcome_of,
     outcomes_from,
     sources,
 )
@@ -37,6 +39,8 @@ def client_of(address: str) -> Iterator[Client]:
     except ImportError:
         raise BadInputError("--scheduler needs Dask: pip install 'bogie-braking[sweep]', or leave it out.") from None
     check_form(address)
+    for name in ("distributed", "distributed.client"):  # a lost scheduler gets our sentence, not its stack
+        logging.getLogger(name).setLevel(logging.CRITICAL)
     try:
         client = Client(address, timeout=PATIENCE, set_as_default=False)
     except OSError:
@@ -94,7 +98,7 @@ def on_cluster(client: Client, evaluate_point: Evaluate, points: Mapping[int, Po
     try:
         for number, future in outcomes_from(executor, evaluate_point, points, AHEAD * sum(client.nthreads().values())):
             try:
-                outcome = future.result()
+                outcome = outcome_of(future)
             except KilledWorker:
                 outcome = Outcome(failure="The workers of the cluster died of this point, one after the other.")
             yield number, outcome

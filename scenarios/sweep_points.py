@@ -20,6 +20,7 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import islice
 from pathlib import Path
+from pickle import PicklingError
 from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -103,6 +104,17 @@ def outcomes_from(
             yield under_way.pop(future), future
 
 
+def outcome_of(future: Future[Outcome]) -> Outcome:
+    """What became of a point that is done. Raises SweepError where no worker could begin with it."""
+    try:
+        return future.result()
+    except (PicklingError, AttributeError, ImportError, TypeError) as error:  # evaluate itself raises nothing
+        raise SweepError(
+            f"No worker can load the point function ({error}); it must stand at the top level of a file that workers "
+            "can import."
+        ) from error
+
+
 def leave_with_parent() -> None:
     """Ends this process when its parent is gone; a killed parent cannot say so, and the pool would wait for ever."""
     parent = multiprocessing.parent_process()
@@ -139,7 +151,7 @@ def in_processes(jobs: int, evaluate_point: Evaluate, points: Mapping[int, Point
         try:
             with process_pool(jobs) as executor:
                 for number, future in outcomes_from(executor, evaluate_point, dict(left), AHEAD * jobs):
-                    outcome = future.result()
+                    outcome = outcome_of(future)
                     del left[number]
                     yield number, outcome
         except BrokenProcessPool:
@@ -152,7 +164,7 @@ def alone(evaluate_point: Evaluate, point: Point) -> Outcome:
     """One point in a process of its own."""
     with process_pool(1) as executor:
         try:
-            return executor.submit(evaluate_point, point).result()
+            return outcome_of(executor.submit(evaluate_point, point))
         except BrokenProcessPool:
             return Outcome(failure="The worker process died, and once more when it had nothing but this point.")
 

@@ -57,13 +57,14 @@ def run(arguments: list[str]) -> int:
     from scenarios.scenario import Scenario, Sweepable
 
     def scenario(name: str, sweep: Sweepable) -> Scenario:
-        return Scenario(name, "for the tests", lambda options: None, sweep=sweep)  # type: ignore[arg-type, return-value]
+        return Scenario(name, "for the tests", lambda options: None, sweep=sweep)
 
     before = list(catalogue.SCENARIOS)
     catalogue.SCENARIOS += [
         scenario("cheap", Sweepable({"x": "m", "y": "s", "z": "1"}, {"product": "m.s", "ratio": "m/s"}, cheap)),
-        scenario("moody", Sweepable({"mood": "1"}, {"answer": "1"}, moody)),  # type: ignore[arg-type]
+        scenario("moody", Sweepable({"mood": "1"}, {"answer": "1"}, moody)),
         scenario("dies-once", Sweepable({"token": "1", "x": "m"}, {"square": "m2"}, dies_once)),
+        scenario("hidden", Sweepable({"x": "1"}, {"y": "1"}, lambda x=0.0: {"y": x})),
         scenario("ticks", Sweepable({"token": "1"}, {"done": "1"}, ticks)),
     ]
     try:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import inspect
 import json
-import logging
 import multiprocessing
 import os
 import pickle
@@ -166,6 +165,13 @@ def test_death_of_a_worker_costs_no_point(points: ModuleType, tmp_path: Path, to
     assert [row[2] for row in rows(tmp_path / "sweep-dies-once")[1:]] == ["0.0", "1.0", "4.0", "9.0", "16.0", "25.0"]
 
 
+def test_point_function_that_workers_cannot_load_ends_the_sweep(
+    points: ModuleType, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert points.run(["sweep", "hidden", "--vary", "x=1,2,3", "--jobs", "1", "--out", str(tmp_path)]) == 3
+    assert "it must stand at the top level of a file that workers can import." in capsys.readouterr().err
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="there is no fork server to start the command fast")
 def test_killed_at_random_times_and_resumed_gives_the_same_bytes(
     points: ModuleType, start: Callable[[list[str]], Any], tmp_path: Path
@@ -263,7 +269,6 @@ def test_journal_of_another_sweep_is_refused(
 def cluster() -> Iterator[Any]:
     """A scheduler and two workers on this machine, reached through TCP."""
     distributed = pytest.importorskip("distributed")
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)
     with distributed.LocalCluster(
         n_workers=2, threads_per_worker=1, processes=False, protocol="tcp", host="127.0.0.1", dashboard_address=None
     ) as made:
@@ -360,6 +365,14 @@ def test_bad_input_gets_one_sentence(
     assert sentence in shown
     assert shown.count("\n") == 1
     assert not out.exists()
+
+
+def test_help_opens_with_examples_and_names_what_can_be_varied(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit, match="0"):
+        main(["sweep", "--help"])
+    shown = capsys.readouterr().out
+    assert shown.index("python -m scenarios sweep levels --vary") < shown.index("options:")
+    assert all(f"{name} [{unit}]" in shown for s in SCENARIOS if s.sweep for name, unit in s.sweep.parameters.items())
 
 
 def test_file_in_place_of_the_folder_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
