@@ -25,7 +25,7 @@ $(VENV)/demo-installed: pyproject.toml | $(VENV)/bin/python
 	touch $@
 
 $(VENV)/test-installed: pyproject.toml | $(VENV)/bin/python
-	$(RUN) -m pip install --quiet --disable-pip-version-check -e ".[test,masters,charts]"
+	$(RUN) -m pip install --quiet --disable-pip-version-check -e ".[test,masters,charts,sweep]"
 	touch $@ $(VENV)/demo-installed
 
 # Draws the pictures of docs/choosing.md anew, about five minutes, and puts what they measured into the text.

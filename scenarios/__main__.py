@@ -6,37 +6,34 @@
   python -m scenarios run qr30-180kpa --step 0.0001              with another macro step
   python -m scenarios run qr30-180kpa --tolerance 1e-4           macro steps chosen by the error of the coupling
   python -m scenarios run qr30-180kpa --torque-csv measured.csv  with a measured history (time [s], torque [N.m])
+  python -m scenarios sweep bogie-heavy-braking --vary friction=0.1:0.3:11 --vary frame_height=0.4,0.8,1.2 --jobs 2
+                                                                 every combination, one table; interrupted, it resumes
+  python -m scenarios sweep levels --vary utilisation=0.5:1.3:81 --scheduler tcp://127.0.0.1:8786
+                                                                 on a Dask cluster
 
-Exit status: 0 all rows hold, 1 a row does not hold, 2 bad input, 3 a simulation failed.
+Exit status: 0 all rows hold (sweep: all points are good), 1 a row does not hold (a point failed), 2 bad input,
+3 a simulation (the sweep) failed or was interrupted.
 """
 
 from __future__ import annotations
 
 import argparse
-import difflib
 import math
 import sys
 from pathlib import Path
 
 from fmu_src.compile import CompilerError
 from fmu_src.kernel import KernelError
-from scenarios.catalogue import SCENARIOS
+from scenarios import sweep
+from scenarios.catalogue import SCENARIOS, find
 from scenarios.cosimulation import CosimulationError
 from scenarios.report import save, stopwatch, table
 from scenarios.scenario import BadInputError, Options, Scenario
+from scenarios.sweep_points import SweepError
 
 HOLDS, DOES_NOT_HOLD, BAD_INPUT, FAILED = range(4)
 #: The largest macro step that any scenario is meant for [s].
 LARGEST_STEP = 0.1
-
-
-def find(name: str) -> Scenario:
-    by_name = {scenario.name: scenario for scenario in SCENARIOS}
-    if name in by_name:
-        return by_name[name]
-    near = difflib.get_close_matches(name, by_name, 1)
-    advice = f"did you mean {near[0]}?" if near else "'python -m scenarios list' shows what there is."
-    raise BadInputError(f"There is no scenario {name}; {advice}")
 
 
 def check(scenario: Scenario, options: Options) -> None:
@@ -90,15 +87,18 @@ def main(arguments: list[str] | None = None) -> int:
     runner.add_argument(
         "--tolerance", type=float, metavar="ERROR", help="of the coupling in nominal values; chooses the macro steps"
     )
+    sweep.add_command(commands)
     chosen = parser.parse_args(arguments)
     if chosen.command == "list":
         return show_list()
     try:
+        if chosen.command == "sweep":
+            return HOLDS if sweep.run(chosen) else DOES_NOT_HOLD
         return run(chosen.name, Options(chosen.kind, chosen.step, chosen.torque_csv, chosen.tolerance), chosen.out)
     except BadInputError as error:
         print(error, file=sys.stderr)
         return BAD_INPUT
-    except (CosimulationError, CompilerError, KernelError) as error:
+    except (CosimulationError, CompilerError, KernelError, SweepError) as error:
         print(error, file=sys.stderr)
         return FAILED
     except OSError as error:

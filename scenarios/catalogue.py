@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import difflib
+
 from scenarios import (
     anti_skid,
     asymmetric_braking,
@@ -30,7 +32,7 @@ from scenarios import (
     wheelset_torque,
     wheelset_variable_speed,
 )
-from scenarios.scenario import Scenario
+from scenarios.scenario import BadInputError, Scenario
 
 SCENARIOS: list[Scenario] = [
     *qr30.SCENARIOS,
@@ -60,3 +62,13 @@ SCENARIOS: list[Scenario] = [
     speed_accuracy.SCENARIO,
     stability_atlas.SCENARIO,
 ]
+
+
+def find(name: str) -> Scenario:
+    """The scenario of this name. Raises BadInputError."""
+    by_name = {scenario.name: scenario for scenario in SCENARIOS}
+    if name in by_name:
+        return by_name[name]
+    near = difflib.get_close_matches(name, by_name, 1)
+    advice = f"did you mean {near[0]}?" if near else "'python -m scenarios list' shows what there is."
+    raise BadInputError(f"There is no scenario {name}; {advice}")

@@ -8,13 +8,18 @@ from matplotlib.figure import Figure
 from rbd_model.parameters import tables_5_1_and_5_2
 from scenarios.cosimulation import Recording
 from scenarios.coupling import couple
+from scenarios.levels import lock_time as located_lock_time
 from scenarios.plotting import BOGIE, LEADING, TRAILING, mark, panels
+from scenarios.qr30 import AT_REST
 from scenarios.report import Result, Row
-from scenarios.scenario import Options, Scenario, open_bogie
+from scenarios.scenario import Options, Scenario, Sweepable, open_bogie
+from scenarios.scene import prepare
 
 INITIAL_SPEED, TORQUE, BRAKE_TIME, DURATION = 25.0, 60e3, 4.0, 20.0
 #: Not printed for section 5.5; chapter 9 uses 0.3 with the same bogie.
 FRICTION = 0.3
+#: A bogie that is not at rest by then [s] has no stop distance; 25 m/s at 0.1 m/s2.
+LONGEST_STOP = 250.0
 RECORDED = ("speed", "angular_velocity_1", "angular_velocity_2", "axle_load_1", "axle_load_2", "locked_1", "locked_2")
 CASES = {"leading": (TORQUE, 0.0), "both": (TORQUE, TORQUE)}
 
@@ -124,6 +129,34 @@ def draw(planar: dict[str, Recording]) -> Figure:
     return figure
 
 
+def one_stop(
+    friction: float = FRICTION,
+    brake_torque_1: float = TORQUE,
+    brake_torque_2: float = TORQUE,
+    frame_height: float = tables_5_1_and_5_2().frame_height,
+    initial_speed: float = INITIAL_SPEED,
+) -> dict[str, float | None]:
+    """One stop at the planar level, braked from t = 0; no lock time for a wheelset that turns until rest."""
+    kernel = prepare("bogie", level=2, initial_speed=initial_speed, frame_height=frame_height)
+    kernel.set(friction_1=friction, friction_2=friction, brake_torque_1=brake_torque_1, brake_torque_2=brake_torque_2)
+    kernel.initialise()
+    rows = [(0.0, initial_speed)]
+    while kernel["speed"] > AT_REST:
+        if kernel.time >= LONGEST_STOP:
+            raise ValueError(f"The bogie still moves at {kernel['speed']:.3g} m/s after {LONGEST_STOP:g} s.")
+        table = kernel.record(1.0, 0.01, ("speed",))
+        rows += zip(table["time"], table["speed"], strict=True)
+    kernel.advance(1.0)  # the rest of the way, below AT_REST
+    series = Recording({"time": "s", "speed": "m/s"}, rows)
+    locks = {f"lock_time_{number}": located_lock_time(kernel, series, number) for number in (1, 2)}
+    return {**locks, "stop_distance": kernel["distance"]}
+
+
+SWEEP = Sweepable(
+    {"friction": "1", "brake_torque_1": "N.m", "brake_torque_2": "N.m", "frame_height": "m", "initial_speed": "m/s"},
+    {"lock_time_1": "s", "lock_time_2": "s", "stop_distance": "m"},
+    one_stop,
+)
 SCENARIO = Scenario(
-    "bogie-heavy-braking", "60 kN.m on the leading and on both wheelsets from 25 m/s (section 5.5)", run
+    "bogie-heavy-braking", "60 kN.m on the leading and on both wheelsets from 25 m/s (section 5.5)", run, sweep=SWEEP
 )

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import asdict, dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -26,7 +26,7 @@ from scenarios.cosimulation import PATIENCE, Recording
 from scenarios.plotting import BOGIE, LEADING, TRAILING, plt
 from scenarios.qr30 import AT_REST
 from scenarios.report import Result, Row
-from scenarios.scenario import Options, Scenario
+from scenarios.scenario import Options, Scenario, Sweepable
 from scenarios.scene import play, prepare
 from scenarios.speed import LEVELS, least
 
@@ -376,9 +376,22 @@ def draw_costs(axis: Axes, found: Findings) -> None:
     axis.set_title("cost of one stop at utilisation {} and {} [ms]".format(*COSTED))
 
 
+def one_stop(
+    utilisation: float = 1.0, level: float = 2.0, frame_height: float = tables_5_1_and_5_2().frame_height
+) -> dict[str, float | None]:
+    """What a stop answers at one adhesion utilisation."""
+    if not utilisation > 0.0:
+        raise ValueError(f"A stop needs an adhesion utilisation above 0: it was {utilisation:g}.")
+    if level not in LEVELS:
+        raise ValueError(f"There is no level {level:g}; take {', '.join(f'{n} ({LEVELS[n]})' for n in LEVELS)}.")
+    return asdict(stop(start(int(level), frame_height=frame_height), utilisation))
+
+
+SWEEP = Sweepable({"utilisation": "1", "level": "1", "frame_height": "m"}, UNITS, one_stop)
 SCENARIO = Scenario(
     "levels",
     "Point and planar level against the spatial one over adhesion utilisation, and their cost",
     run,
     frozenset(),
+    SWEEP,
 )

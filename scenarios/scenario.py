@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
 
@@ -40,13 +40,30 @@ class Options:
 
 
 @dataclass(frozen=True)
+class Sweepable:
+    """How a scenario takes part in sweeps: its parameters and results with their units, and one point of it.
+
+    run: takes parameters by name, those that are not varied keep its defaults, and returns every result; None for what
+    did not happen, such as a lock. It stands at the top level of its file, where worker processes find it.
+    """
+
+    parameters: Mapping[str, str]
+    results: Mapping[str, str]
+    run: Callable[..., Mapping[str, float | None]]
+
+
+@dataclass(frozen=True)
 class Scenario:
-    """One experiment: a name, what it shows, a function that runs it, and the options that it follows."""
+    """One experiment: a name, what it shows, a function that runs it, and the options that it follows.
+
+    sweep: None where there is nothing to vary.
+    """
 
     name: str
     summary: str
     run: Callable[[Options], Result]
     takes: frozenset[str] = frozenset({"kind", "step"})
+    sweep: Sweepable | None = None
 
 
 def open_bogie(options: Options, **parameters: float) -> Slave:

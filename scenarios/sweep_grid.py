@@ -1,0 +1,88 @@
+"""From --vary to a grid of points: every combination of the given values, the first parameter varying slowest."""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from fractions import Fraction
+from itertools import product
+
+from scenarios.scenario import BadInputError
+
+#: Values of each varied parameter, in the order of the command line.
+Grid = Mapping[str, Sequence[float]]
+LARGEST_GRID = 1_000_000
+FORMS = "write name=first:last:count or name=a,b,c"
+
+
+def grid_of(texts: Sequence[str], parameters: Mapping[str, str], scenario: str) -> Grid:
+    """The grid of all --vary of a command; `parameters` are those of the scenario. Raises BadInputError."""
+    if not texts:
+        raise BadInputError(f"Give at least one --vary: {FORMS}; {scenario} has {', '.join(parameters)}.")
+    grid: dict[str, list[float]] = {}
+    for text in texts:
+        name, equals, values = text.partition("=")
+        if not (name and equals):
+            raise BadInputError(f"--vary {text} cannot be read; {FORMS}.")
+        if name not in parameters:
+            near = difflib.get_close_matches(name, parameters, 1)
+            advice = f"did you mean {near[0]}?" if near else f"it has {', '.join(parameters)}."
+            raise BadInputError(f"{scenario} has no parameter {name} to vary; {advice}")
+        if name in grid:
+            raise BadInputError(f"Vary {name} once: --vary {text} is the second.")
+        grid[name] = values_of(text, values)
+    if size(grid) > LARGEST_GRID:
+        raise BadInputError(f"Give a grid of at most {LARGEST_GRID} points: this one has {size(grid)}.")
+    return grid
+
+
+def values_of(text: str, values: str) -> list[float]:
+    """Values of one --vary; `text` is the whole of it, for the sentence."""
+    if ":" not in values:
+        found = [number(text, part) for part in values.split(",")]
+        if len(set(found)) < len(found):
+            raise BadInputError(f"Give each value once: --vary {text} repeats one.")
+        return found
+    parts = values.split(":")
+    if len(parts) != 3:
+        raise BadInputError(f"--vary {text} cannot be read; {FORMS}.")
+    first, last = number(text, parts[0]), number(text, parts[1])
+    try:
+        count = int(parts[2])
+    except ValueError:
+        raise BadInputError(f"--vary {text} needs a whole number of values: it was '{parts[2]}'.") from None
+    if not 1 <= count <= LARGEST_GRID:
+        raise BadInputError(f"--vary {text} needs a count from 1 to {LARGEST_GRID}: it was {count}.")
+    if count > 1 and first == last:
+        raise BadInputError(f"Give each value once: --vary {text} begins where it ends.")
+    return evenly_spaced(first, last, count)
+
+
+def number(text: str, part: str) -> float:
+    """A finite number of one --vary."""
+    try:
+        found = float(part)
+    except ValueError:
+        raise BadInputError(f"--vary {text} cannot be read: '{part}' is not a number; {FORMS}.") from None
+    if not math.isfinite(found):
+        raise BadInputError(f"--vary {text} needs finite numbers: {part} is not.")
+    return found
+
+
+def evenly_spaced(first: float, last: float, count: int) -> list[float]:
+    """From first to last; the first alone for a count of 1."""
+    # As decimals, so that 0:0.3:4 holds 0.1 and 0.2 and not their neighbours.
+    begin, end = Fraction(repr(first)), Fraction(repr(last))
+    return [float(begin + (end - begin) * Fraction(i, max(1, count - 1))) for i in range(count)]
+
+
+def size(grid: Grid) -> int:
+    """Number of points."""
+    return math.prod(len(values) for values in grid.values())
+
+
+def points_of(grid: Grid) -> Iterator[dict[str, float]]:
+    """All points by parameter name, in the order of the table."""
+    for values in product(*grid.values()):
+        yield dict(zip(grid, values, strict=True))

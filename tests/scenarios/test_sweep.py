@@ -1,0 +1,410 @@
+"""Sweeps: the grid, the table, what a point may do, interruption at any time, a cluster, and bad input."""
+
+from __future__ import annotations
+
+import csv
+import inspect
+import json
+import multiprocessing
+import os
+import pickle
+import random
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+
+from scenarios.__main__ import main
+from scenarios.catalogue import SCENARIOS
+from scenarios.heavy_braking import CASES, brake, lock_time
+from scenarios.heavy_braking import one_stop as heavy_stop
+from scenarios.levels import one_stop as stop_of_levels
+from scenarios.scenario import Options
+from scenarios.sweep_grid import evenly_spaced
+from scenarios.sweep_table import FILES
+
+HERE, ROOT = Path(__file__).parent, Path(__file__).parents[2]
+#: 78 points.
+GRID = ["--vary", "x=0.03:0.15:13", "--vary", "y=0,1.5,-2", "--vary", "z=1e-3,7"]
+JOURNAL = "journal.jsonl"
+
+
+@pytest.fixture
+def points(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
+    """The cheap points, under a name that worker processes find."""
+    monkeypatch.syspath_prepend(str(HERE))
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(ROOT), str(HERE)]))
+    import cheap_points
+
+    return cheap_points
+
+
+@pytest.fixture
+def token(points: ModuleType) -> Iterator[int]:
+    """Number of a scratch file that is not there."""
+    number = random.SystemRandom().randrange(2**40)
+    yield number
+    points.scratch(number).unlink(missing_ok=True)
+
+
+def files(folder: Path) -> dict[str, bytes]:
+    return {name: (folder / name).read_bytes() for name in FILES if (folder / name).exists()}
+
+
+def rows(folder: Path) -> list[list[str]]:
+    with (folder / "table.csv").open(newline="", encoding="utf-8") as file:
+        return list(csv.reader(file))
+
+
+def journal_lines(out: Path) -> int:
+    """Whole lines in the journal so far, the head among them."""
+    path = out / "sweep-cheap" / JOURNAL
+    return path.read_bytes().count(b"\n") if path.exists() else 0
+
+
+def wait_for(condition: Callable[[], bool], seconds: float) -> None:
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "waited too long"
+        time.sleep(0.002)
+
+
+@pytest.fixture
+def start(points: ModuleType) -> Callable[[list[str]], Any]:
+    """Starts a command in a process of its own that has imported what takes long."""
+    forkserver = multiprocessing.get_context("forkserver")
+    forkserver.set_forkserver_preload(["scenarios.__main__"])
+
+    def process(arguments: list[str]) -> Any:
+        made = forkserver.Process(target=points.run, args=(arguments,))
+        made.start()
+        return made
+
+    return process
+
+
+def test_spacing_is_decimal() -> None:
+    assert evenly_spaced(0.03, 0.15, 13) == [
+        0.03,
+        0.04,
+        0.05,
+        0.06,
+        0.07,
+        0.08,
+        0.09,
+        0.1,
+        0.11,
+        0.12,
+        0.13,
+        0.14,
+        0.15,
+    ]
+    assert evenly_spaced(6.0, 1.0, 6) == [6.0, 5.0, 4.0, 3.0, 2.0, 1.0]
+    assert evenly_spaced(0.3, 0.9, 1) == [0.3]
+    assert evenly_spaced(-1e308, 1e308, 3) == [-1e308, 0.0, 1e308]
+
+
+def test_table_has_the_order_of_the_grid_units_and_all_digits(points: ModuleType, tmp_path: Path) -> None:
+    assert points.run(["sweep", "cheap", *GRID, "--jobs", "2", "--out", str(tmp_path)]) == 0
+    folder = tmp_path / "sweep-cheap"
+    head, *table = rows(folder)
+    assert head == ["x [m]", "y [s]", "z [1]", "product [m.s]", "ratio [m/s]", "failure"]
+    asked = [(x, y, z) for x in evenly_spaced(0.03, 0.15, 13) for y in (0.0, 1.5, -2.0) for z in (1e-3, 7.0)]
+    expected = [[x, y, z, x * y * z, x / y if y else "", ""] for x, y, z in asked]
+    assert table == [[cell if cell == "" else repr(cell) for cell in row] for row in expected]
+    summary = json.loads((folder / "summary.json").read_text())
+    assert summary["points"] == 78
+    assert summary["failed"] == 0
+    assert summary["vary"]["y"] == [0.0, 1.5, -2.0]
+    assert {"bogie-braking", "python", "sources"} <= set(summary["versions"])
+
+
+def test_parquet_is_the_csv_with_units_in_its_fields(points: ModuleType, tmp_path: Path) -> None:
+    parquet = pytest.importorskip("pyarrow.parquet")
+    assert points.run(["sweep", "cheap", "--vary", "y=0:1:3", "--jobs", "1", "--out", str(tmp_path)]) == 0
+    table = parquet.read_table(tmp_path / "sweep-cheap" / "table.parquet")
+    assert {f.name: (f.metadata or {}).get(b"unit") for f in table.schema} == {
+        **{"y": b"s", "product": b"m.s", "ratio": b"m/s"},
+        "failure": None,
+    }
+    columns = [[("" if v is None else repr(v)) for v in column] for column in table.to_pydict().values()]
+    assert [list(row) for row in zip(*columns, strict=True)] == rows(tmp_path / "sweep-cheap")[1:]
+
+
+def test_failed_points_stay_in_the_table_with_their_reason(
+    points: ModuleType, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arguments = ["sweep", "moody", "--vary", "mood=0,1,2,3,4,5,6,8,9", "--jobs", "2", "--out", str(tmp_path)]
+    assert points.run(arguments) == 1
+    assert "9 points, 7 failed.\nThe first that failed, at mood = 1.0: ValueError: The" in capsys.readouterr().out
+    _, *table = rows(tmp_path / "sweep-moody")
+    assert [(row[0], row[1]) for row in table if row[1]] == [("0.0", "0.0"), ("9.0", "9.0")]
+    reasons = {float(row[0]): row[2] for row in table if row[2]}
+    assert reasons == {
+        1.0: "ValueError: The spring is broken.",
+        2.0: "The point returned answer = nan, which is not a finite number.",
+        3.0: "ValueError: could not convert string to float: 'a word'",
+        4.0: "The point returned other; promised were answer.",
+        5.0: "The worker process died, and once more when it had nothing but this point.",
+        6.0: "SystemExit: 7",
+        8.0: "The point returned a float; results by name were promised.",
+    }
+    before = files(tmp_path / "sweep-moody")
+    assert points.run(arguments) == 1  # nothing is run again, and the status stays
+    assert "9 of 9 points are done already" in capsys.readouterr().out
+    assert files(tmp_path / "sweep-moody") == before
+
+
+def test_death_of_a_worker_costs_no_point(points: ModuleType, tmp_path: Path, token: int) -> None:
+    vary = ["--vary", f"token={token}", "--vary", "x=0:5:6"]
+    assert points.run(["sweep", "dies-once", *vary, "--jobs", "2", "--out", str(tmp_path)]) == 0
+    assert [row[2] for row in rows(tmp_path / "sweep-dies-once")[1:]] == ["0.0", "1.0", "4.0", "9.0", "16.0", "25.0"]
+
+
+def test_point_function_that_workers_cannot_load_ends_the_sweep(
+    points: ModuleType, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert points.run(["sweep", "hidden", "--vary", "x=1,2,3", "--jobs", "1", "--out", str(tmp_path)]) == 3
+    assert "it must stand at the top level of a file that workers can import." in capsys.readouterr().err
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there is no fork server to start the command fast")
+def test_killed_at_random_times_and_resumed_gives_the_same_bytes(
+    points: ModuleType, start: Callable[[list[str]], Any], tmp_path: Path
+) -> None:
+    assert points.run(["sweep", "cheap", *GRID, "--jobs", "2", "--out", str(tmp_path / "whole")]) == 0
+    arguments = ["sweep", "cheap", *GRID, "--jobs", "2", "--out", str(tmp_path / "parts")]
+    chance, seen = random.Random(78), [0]
+    while seen[-1] < 60:
+        process = start(arguments)
+        target = min(seen[-1] + chance.randrange(4, 16), 70)
+        wait_for(lambda: journal_lines(tmp_path / "parts") >= target or not process.is_alive(), 15.0)  # noqa: B023
+        time.sleep(chance.uniform(0.0, 0.01))
+        process.kill()
+        process.join()
+        process.close()
+        assert journal_lines(tmp_path / "parts") >= seen[-1]  # no finished point is lost
+        seen.append(journal_lines(tmp_path / "parts"))
+        with (tmp_path / "parts" / "sweep-cheap" / JOURNAL).open("ab") as file:
+            file.write(b'{"point": 77, "resul'[: chance.randrange(20)])  # what a kill within a write leaves
+    assert len(seen) > 4
+    assert points.run(arguments) == 0
+    assert files(tmp_path / "parts" / "sweep-cheap") == files(tmp_path / "whole" / "sweep-cheap")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there is no fork server to start the command fast")
+def test_workers_leave_with_a_killed_parent(
+    points: ModuleType, start: Callable[[list[str]], Any], tmp_path: Path, token: int
+) -> None:
+    process, file = start(["sweep", "ticks", "--vary", f"token={token}", "--out", str(tmp_path)]), points.scratch(token)
+    wait_for(file.exists, 15.0)
+    process.kill()
+    process.join()
+    process.close()
+    time.sleep(0.3)
+    size = file.stat().st_size
+    time.sleep(0.2)
+    assert file.stat().st_size == size
+
+
+def test_interruption_says_how_to_go_on(
+    points: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from scenarios.sweep_journal import Journal
+
+    add = Journal.add
+
+    def interrupted(journal: Journal, *arguments: Any) -> None:
+        add(journal, *arguments)
+        if len(journal.outcomes) == 2:
+            raise KeyboardInterrupt
+
+    arguments = ["sweep", "cheap", "--vary", "x=1:4:4", "--jobs", "1", "--out", str(tmp_path)]
+    monkeypatch.setattr(Journal, "add", interrupted)
+    assert points.run(arguments) == 3
+    assert capsys.readouterr().err == (
+        "sweep-cheap was interrupted with 2 of 4 points done; the same command goes on from there.\n"
+    )
+    assert not files(tmp_path / "sweep-cheap")
+    monkeypatch.undo()
+    monkeypatch.syspath_prepend(str(HERE))
+    assert points.run(arguments) == 0
+    assert "2 of 4 points are done already" in capsys.readouterr().out
+
+
+def test_journal_of_another_sweep_is_refused(
+    points: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = ["sweep", "cheap", "--jobs", "1", "--out", str(tmp_path)]
+    assert points.run([*command, "--vary", "x=1,2", "--vary", "y=1"]) == 0
+    path = tmp_path / "sweep-cheap" / JOURNAL
+    journal, table = path.read_bytes(), files(tmp_path / "sweep-cheap")
+    capsys.readouterr()
+    for vary, difference in (
+        (["x=1,3", "y=1"], "different: vary x (1.0, 2.0, now 1.0, 3.0). Begin anew with --restart"),
+        (["x=1,2"], "different: vary y (1.0, now absent); held y (absent, now 2.0)."),
+        (["y=1", "x=1,2"], "different: the order of vary (x, y, now y, x)."),
+    ):
+        assert points.run([*command, *(part for text in vary for part in ("--vary", text))]) == 2
+        assert difference in capsys.readouterr().err
+    monkeypatch.setattr("scenarios.sweep.sources", lambda: "other")
+    assert points.run([*command, "--vary", "x=1,2", "--vary", "y=1"]) == 2
+    assert "different: versions sources (" in capsys.readouterr().err
+    assert path.read_bytes() == journal
+    assert files(tmp_path / "sweep-cheap") == table
+    monkeypatch.undo()
+    monkeypatch.syspath_prepend(str(HERE))
+    path.write_bytes(journal + b"nonsense\n")
+    assert points.run([*command, "--vary", "x=1,2", "--vary", "y=1"]) == 2
+    assert "journal.jsonl, line 4 cannot be read; begin anew with --restart." in capsys.readouterr().err
+    assert points.run([*command, "--restart", "--vary", "x=1,3", "--vary", "y=1"]) == 0
+    assert [row[0] for row in rows(tmp_path / "sweep-cheap")[1:]] == ["1.0", "3.0"]
+
+
+@pytest.fixture(scope="module")
+def cluster() -> Iterator[Any]:
+    """A scheduler and two workers on this machine, reached through TCP."""
+    distributed = pytest.importorskip("distributed")
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, processes=False, protocol="tcp", host="127.0.0.1", dashboard_address=None
+    ) as made:
+        yield made
+
+
+def test_dask_cluster_gives_the_same_bytes(points: ModuleType, tmp_path: Path, cluster: Any) -> None:
+    assert points.run(["sweep", "cheap", *GRID, "--jobs", "2", "--out", str(tmp_path / "own")]) == 0
+    address = ["--scheduler", cluster.scheduler_address]
+    assert points.run(["sweep", "cheap", *GRID, *address, "--out", str(tmp_path / "dask")]) == 0
+    assert files(tmp_path / "dask" / "sweep-cheap") == files(tmp_path / "own" / "sweep-cheap")
+
+
+def test_failed_points_on_a_cluster(points: ModuleType, tmp_path: Path, cluster: Any) -> None:
+    command = ["sweep", "moody", "--vary", "mood=0,1,4", "--out", str(tmp_path)]
+    assert points.run([*command, "--scheduler", cluster.scheduler_address]) == 1
+    assert [row[2] for row in rows(tmp_path / "sweep-moody")[1:]] == [
+        "",
+        "ValueError: The spring is broken.",
+        "The point returned other; promised were answer.",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("address", "sentence"),
+    [
+        ("tcp://127.0.0.1:9", "No Dask scheduler answers at tcp://127.0.0.1:9 within 0.5 s; start one with"),
+        ("here", "here is no address of a Dask scheduler; write it as tcp://"),
+        ("abc://here:1", "abc://here:1 is no address of a Dask scheduler; write it as tcp://"),
+    ],
+)
+def test_cluster_out_of_reach_gets_one_sentence(
+    address: str, sentence: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("distributed")
+    monkeypatch.setattr("scenarios.sweep_cluster.PATIENCE", 0.5)
+    assert main(["sweep", "levels", "--vary", "level=1", "--scheduler", address, "--out", str(tmp_path / "out")]) == 2
+    assert sentence in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_without_the_extra_there_is_the_csv_and_a_sentence(
+    points: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name in ("pyarrow", "pyarrow.parquet", "distributed"):
+        monkeypatch.setitem(sys.modules, name, None)
+    command = ["sweep", "cheap", "--vary", "x=1", "--out", str(tmp_path)]
+    assert points.run([*command, "--scheduler", "tcp://127.0.0.1:9"]) == 2
+    assert "--scheduler needs Dask: pip install 'bogie-braking[sweep]'" in capsys.readouterr().err
+    assert points.run([*command, "--jobs", "1"]) == 0
+    assert "No table.parquet: pip install 'bogie-braking[sweep]'" in capsys.readouterr().out
+    assert set(files(tmp_path / "sweep-cheap")) == {"table.csv", "summary.json"}
+
+
+HEAVY = "bogie-heavy-braking"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["levles", "--vary", "level=1"], "There is no scenario levles; did you mean levels?"),
+        (["speed", "--vary", "level=1"], f"speed takes no part in sweeps; these do: {HEAVY}, levels."),
+        ([HEAVY], "Give at least one --vary: write name=first:last:count or name=a,b,c; bogie-heavy-braking has fric"),
+        ([HEAVY, "--vary", "frictoin=1"], f"{HEAVY} has no parameter frictoin to vary; did you mean friction?"),
+        ([HEAVY, "--vary", "zzz=1"], f"{HEAVY} has no parameter zzz to vary; it has friction, brake_torque_1"),
+        ([HEAVY, "--vary", "friction"], "--vary friction cannot be read; write name="),
+        ([HEAVY, "--vary", "=1"], "--vary =1 cannot be read; write name="),
+        ([HEAVY, "--vary", "friction="], "--vary friction= cannot be read: '' is not a number"),
+        ([HEAVY, "--vary", "friction=0.1,b"], "'b' is not a number"),
+        ([HEAVY, "--vary", "friction=0.1:0.2"], "--vary friction=0.1:0.2 cannot be read; write name="),
+        ([HEAVY, "--vary", "friction=0.1:0.2:3:4"], "cannot be read; write name="),
+        ([HEAVY, "--vary", "friction=0.1:0.2:2.5"], "needs a whole number of values: it was '2.5'."),
+        ([HEAVY, "--vary", "friction=0.1:0.2:0"], "needs a count from 1 to 1000000: it was 0."),
+        ([HEAVY, "--vary", "friction=0.1:0.2:9999999999"], "needs a count from 1 to 1000000: it was 9999999999."),
+        ([HEAVY, "--vary", "friction=0.1:nan:3"], "needs finite numbers: nan is not."),
+        ([HEAVY, "--vary", "friction=1,1e999"], "needs finite numbers: 1e999 is not."),
+        ([HEAVY, "--vary", "friction=1,1.0"], "Give each value once: --vary friction=1,1.0 repeats one."),
+        ([HEAVY, "--vary", "friction=1:1:2"], "Give each value once: --vary friction=1:1:2 begins where it ends."),
+        (
+            [HEAVY, "--vary", "friction=1", "--vary", "friction=2"],
+            "Vary friction once: --vary friction=2 is the second",
+        ),
+        ([HEAVY, "--vary", "friction=0:1:2000", "--vary", "frame_height=0:1:2000"], "a grid of at most 1000000 points"),
+        ([HEAVY, "--vary", "friction=1", "--jobs", "0"], "Give --jobs a value of at least 1: it was 0."),
+        ([HEAVY, "--vary", "friction=1", "--jobs", "-3"], "Give --jobs a value of at least 1: it was -3."),
+    ],
+)
+def test_bad_input_gets_one_sentence(
+    arguments: list[str], sentence: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    assert main(["sweep", *arguments, "--out", str(out)]) == 2
+    shown = capsys.readouterr().err
+    assert sentence in shown
+    assert shown.count("\n") == 1
+    assert not out.exists()
+
+
+def test_help_opens_with_examples_and_names_what_can_be_varied(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit, match="0"):
+        main(["sweep", "--help"])
+    shown = capsys.readouterr().out
+    assert shown.index("python -m scenarios sweep levels --vary") < shown.index("options:")
+    assert all(f"{name} [{unit}]" in shown for s in SCENARIOS if s.sweep for name, unit in s.sweep.parameters.items())
+
+
+def test_file_in_place_of_the_folder_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "sweep-levels").write_text("")
+    assert main(["sweep", "levels", "--vary", "level=1", "--out", str(tmp_path)]) == 2
+    assert "sweep-levels is a file; give --out a folder." in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("scenario", [s for s in SCENARIOS if s.sweep], ids=lambda s: s.name)
+def test_point_functions_keep_what_is_asked_of_them(scenario: Any) -> None:
+    sweep = scenario.sweep
+    assert pickle.loads(pickle.dumps(sweep.run)) is sweep.run
+    parameters = inspect.signature(sweep.run).parameters
+    assert set(parameters) == set(sweep.parameters)
+    assert all(isinstance(p.default, (int, float)) for p in parameters.values())
+    assert not set(sweep.parameters) & set(sweep.results)
+    assert "failure" not in {*sweep.parameters, *sweep.results}
+    assert set(sweep.run()) == set(sweep.results)
+
+
+def test_a_point_of_heavy_braking_is_its_scenario() -> None:
+    series, _, _ = brake(Options(step=1e-2), 2, CASES["both"])
+    point = heavy_stop()
+    for number in (1, 2):
+        assert point[f"lock_time_{number}"] == pytest.approx(lock_time(series, number), abs=0.0101)
+    assert heavy_stop(brake_torque_2=0.0)["lock_time_2"] is None
+    with pytest.raises(ValueError, match="The bogie still moves at 25 m/s after 250 s"):
+        heavy_stop(brake_torque_1=0.0, brake_torque_2=0.0)
+
+
+def test_a_point_of_levels_says_what_it_cannot_do() -> None:
+    with pytest.raises(ValueError, match="There is no level 4; take 1"):
+        stop_of_levels(level=4.0)
+    with pytest.raises(ValueError, match="above 0: it was -1"):
+        stop_of_levels(utilisation=-1.0)
