@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
@@ -11,9 +12,9 @@ FIXED_DATE = (1980, 1, 1, 0, 0, 0)
 
 
 def write_archive(path: Path, contents: Mapping[str, bytes]) -> None:
-    """Writes the archive in one go: a failed build leaves the old file."""
+    """Writes the archive in one go: a failed build leaves the old file, and processes do not write into each other's."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_name(path.name + ".partial")
+    partial = path.with_name(f"{path.name}.{os.getpid()}.partial")
     with zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
         for name in sorted(contents):
             entry = zipfile.ZipInfo(name, FIXED_DATE)

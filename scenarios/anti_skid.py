@@ -6,6 +6,7 @@ import time as clock
 from collections.abc import Callable, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from multiprocessing import get_context
 
 import numpy as np
@@ -31,7 +32,7 @@ from scenarios.protected_stop import (
     full_deceleration,
 )
 from scenarios.report import Result, Row
-from scenarios.scenario import Options, Scenario
+from scenarios.scenario import Options, Scenario, Sweepable
 from scenarios.scene import prepare
 
 #: Friction of the low rail, with the fall of Polach's set for low adhesion, unverified (rbd_model/adhesion.py).
@@ -238,7 +239,7 @@ def run(options: Options) -> Result:
     failures = [f"{rail}, {mode}: {stop.failure}" for (rail, mode), stop in found.stops.items() if stop.failure]
     remarks = [
         "Measures in the manner of EN 15595 (stopping distance, slip, lock, air), without any claim of conformity. "
-        "Ideal: the best slip at every instant, with the filling of the brake. Sets for low adhesion are unverified. Locked "
+        "Ideal: the best slip at every instant, as the brake fills. Sets for low adhesion are unverified. Locked "
         "wheels are those of a brake three times as strong, which is why they stop shorter on a dry rail.",
         *failures,
     ]
@@ -299,6 +300,54 @@ def draw_periods(found: Findings, axis: Axes) -> None:
     axis.legend(fontsize=8)
 
 
+# ---- sweeps -----------------------------------------------------------------------------------------------------------
+
+
+@lru_cache
+def own_train() -> Train:
+    """The FMUs of this process, kept between the points of a sweep."""
+    return Train()
+
+
+def one_point(
+    friction: float = LOW_FRICTION,
+    application_time: float = APPLICATION_TIME,
+    initial_speed: float = 25.0,
+    protected: float = 1.0,
+    period: float = 5e-3,
+    friction_ratio: float = low().law.friction_ratio,
+    friction_decay: float = low().law.friction_decay,
+) -> dict[str, float | None]:
+    """One stop on a rail with the fall of the low set unless given; `protected` 0: without a controller."""
+    condition = low_rail()
+    law = replace(condition.law, friction_ratio=friction_ratio, friction_decay=friction_decay)
+    rail = replace(condition, friction=friction, law=law).values()
+    settings = Settings(
+        speed=initial_speed, application_time=application_time, period=period, host_step=min(period, 5e-3)
+    )
+    stop = own_train().stop(rail, SlideProtection() if protected else None, settings)
+    return {
+        "stop_distance": stop.distance,
+        "stop_time": stop.time,
+        "longest_lock": stop.longest_lock(LOCK_ABOVE),
+        "share_in_band": stop.share_in_band(BAND, ABOVE),
+        "air": stop.air(),
+    }
+
+
+SWEEP = Sweepable(
+    {
+        "friction": "1",
+        "application_time": "s",
+        "initial_speed": "m/s",
+        "protected": "1",
+        "period": "s",
+        "friction_ratio": "1",
+        "friction_decay": "s/m",
+    },
+    {"stop_distance": "m", "stop_time": "s", "longest_lock": "s", "share_in_band": "1", "air": "kg"},
+    one_point,
+)
 SCENARIO = Scenario(
-    "anti-skid", "Wheel-slide protection on four rails, against locked wheels and the ideal", run, frozenset()
+    "anti-skid", "Wheel-slide protection on four rails, against locked wheels and the ideal", run, frozenset(), SWEEP
 )
