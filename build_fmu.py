@@ -5,6 +5,8 @@
   python build_fmu.py ssp                the system BogieBraking.ssp of both native FMUs
   python build_fmu.py --kind native      the native ones for FMI 2.0 only
   python build_fmu.py --platforms all    native FMUs for Linux (x86-64 and ARM), Windows and macOS, compiled with zig
+  python build_fmu.py --controller scenarios/own_controller.py:FixedSlip
+                                         WheelSlideProtection.fmu (pythonfmu) around a class of one's own
   python build_fmu.py --out elsewhere    another folder
   python build_fmu.py --describe         no FMUs: the table of variables as Markdown
 
@@ -24,13 +26,15 @@ from fmpy.validation import validate_fmu
 
 from brake_controller.cylinder import brake_cylinder
 from brake_controller.parameters import qr30
+from brake_controller.protection_fmu import wheel_slide_protection
 from fmu_src.codegen import generate, guid_of
 from fmu_src.compile import CompilerError
 from fmu_src.model_description import variable_table
 from fmu_src.native_fmu import PLATFORMS, PLATFORMS3, build_native_fmu, build_native_fmu3
 from fmu_src.python_fmu import build_python_fmu
 from fmu_src.ssp import Component, Connection, write_ssp
-from fmu_src.system import Model
+from fmu_src.step_fmu import build_step_fmu
+from fmu_src.system import Model, StepModel
 from rbd_model.bogie import bogie_dynamics, wheelset_dynamics
 from rbd_model.parameters import tables_8_1_and_8_2
 
@@ -139,6 +143,27 @@ def build(name: str, kind: str, out: Path, all_platforms: bool = False) -> list[
     return [f"{path}: {problem}" for problem in problems]
 
 
+def build_protection(out: Path = BUILD, controller: StepModel | None = None) -> Path:
+    """Writes OUT/python/WheelSlideProtection.fmu around a controller, by default the one that comes with the brake."""
+    step = controller or wheel_slide_protection()
+    path = out / "python" / f"{step.name}.fmu"
+    build_step_fmu(step, path)
+    return path
+
+
+def build_controller(text: str, out: Path) -> int:
+    """The FMU of FILE:CLASS; exit status 0, or 2 with a sentence."""
+    file, _, name = text.rpartition(":")
+    try:
+        path = build_protection(out, wheel_slide_protection(Path(file), name))
+    except (OSError, ValueError, ImportError, SyntaxError, NameError) as error:
+        print(f"{text} does not become an FMU: {error}", file=sys.stderr)
+        return 2
+    problems = validate_fmu(str(path))
+    print(f"{path}  {path.stat().st_size / 1000:.0f} kB  {problems or 'valid'}")
+    return 1 if problems else 0
+
+
 def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("model", nargs="?", default="all", choices=[*MODELS, "ssp", "all"])
@@ -150,12 +175,15 @@ def main(arguments: list[str] | None = None) -> int:
     )
     parser.add_argument("--out", type=Path, default=Path("build"), help="folder of the FMUs (default: build)")
     parser.add_argument("--platforms", choices=["own", "all"], default="own", help="of native FMUs (default: own)")
+    parser.add_argument("--controller", metavar="FILE:CLASS", help="only WheelSlideProtection.fmu, around this class")
     parser.add_argument("--describe", action="store_true", help="print the table of variables instead of building")
     chosen = parser.parse_args(arguments)
     names = {"all": list(MODELS), "ssp": ["bogie", "brake"]}.get(chosen.model, [chosen.model])
     if chosen.describe:
         print("\n".join(variable_table(MODELS[name]()) for name in names), end="")
         return 0
+    if chosen.controller:
+        return build_controller(chosen.controller, chosen.out)
     kinds = list(BUILDERS) if chosen.kind == "all" else [chosen.kind]
     if chosen.model == "ssp":
         kinds = ["native"]

@@ -12,7 +12,7 @@ FIXED_DATE = (1980, 1, 1, 0, 0, 0)
 
 
 def write_archive(path: Path, contents: Mapping[str, bytes]) -> None:
-    """Writes the archive in one go: a failed build leaves the old file, and processes do not write into each other's."""
+    """Writes the archive in one go: a failed build leaves the old file, and two processes do not meet in one."""
     path.parent.mkdir(parents=True, exist_ok=True)
     partial = path.with_name(f"{path.name}.{os.getpid()}.partial")
     with zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:

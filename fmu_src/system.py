@@ -394,7 +394,7 @@ class Model:
             for variable in system.variables:
                 if variable not in self.variables:
                     raise ValueError(f"Model {self.name}: {variable.name} of {system.name} differs from the table.")
-        if "tolerance" not in names:
+        if self.systems and "tolerance" not in names:
             raise ValueError(f"Model {self.name}: add integration_variables(...) to the table.")
 
     def _state_variables(self) -> list[Variable]:
@@ -421,3 +421,30 @@ def model_of(system: System, tolerance: float, **experiment: float) -> Model:
     """The FMU of a system that stands alone."""
     variables = (*system.variables, *integration_variables(tolerance))
     return Model(system.name, system.description, variables, (system,), **experiment)  # type: ignore[arg-type]
+
+
+@dataclass(frozen=True)
+class StepModel:
+    """What becomes an FMU around a Python object with `step(time, inputs) -> outputs`, where there are no equations.
+
+    sources: text of Python files that need nothing beyond Python and each other; `own` names the modules that they
+    import from each other. expression: makes the object, from names in the sources. safe: outputs before the first
+    answer and after a failure.
+    """
+
+    name: str
+    description: str
+    inputs: Sequence[Variable]
+    outputs: Sequence[Variable]
+    period: float
+    sources: Sequence[str]
+    own: Sequence[str]
+    expression: str
+    safe: Sequence[float]
+
+    @property
+    def model(self) -> Model:
+        """The table of variables, in the order of StepSlave."""
+        period = Variable("period", "parameter", "s", "Time between two answers", self.period, 1e-6, 1.0)
+        variables = (*self.inputs, period, *self.outputs)
+        return Model(self.name, self.description, variables, (), step_size=self.period)

@@ -204,6 +204,7 @@ def rows_of(found: Findings) -> list[Row]:
                 Row(f"{name}: stopping distance", "m", None, stop.distance, None, source),
                 Row(f"{name}: longest lock", "s", None, stop.longest_lock(LOCK_ABOVE), None, f"above {LOCK_ABOVE} m/s"),
                 Row(f"{name}: share in the slip band", "1", None, stop.share_in_band(BAND, ABOVE), None, "up to 0.3"),
+                Row(f"{name}: adhesion used", "1", None, ideal / stop.distance, None, "ideal over stopping distance"),
                 Row(f"{name}: air", "g", None, 1e3 * stop.air(), None, "both cylinders"),
             ]
     return rows + low_rows(found)
@@ -289,9 +290,9 @@ def draw_distances(found: Findings, axis: Axes) -> None:
 
 
 def draw_periods(found: Findings, axis: Axes) -> None:
-    for step, marker in zip(HOST_STEPS, "os^", strict=True):
+    for step, marker in zip(HOST_STEPS, "os^", strict=False):
         chosen = [(1e3 * period, stop.distance) for (period, size), stop in found.low.items() if size == step]
-        axis.plot(*zip(*chosen, strict=True), marker, color=LEADING, label=f"host step {1e3 * step:g} ms")
+        axis.plot(*np.reshape(chosen, (-1, 2)).T, marker, color=LEADING, label=f"host step {1e3 * step:g} ms")
     axis.axhline(found.ideal["low"], color=THESIS, label="ideal")
     axis.axhline(OVER_IDEAL * found.ideal["low"], color=THESIS, linestyle=":", label="15 % beyond it")
     axis.set_ylim(bottom=0.95 * found.ideal["low"])
@@ -300,7 +301,7 @@ def draw_periods(found: Findings, axis: Axes) -> None:
     axis.legend(fontsize=8)
 
 
-# ---- sweeps -----------------------------------------------------------------------------------------------------------
+# ---- sweeps ---------------------------------------------------------------------------------------------------------
 
 
 @lru_cache

@@ -2,36 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 from matplotlib.figure import Figure
 
-from brake_controller.wheel_slide import APPLY, HOLD, VENT, SlideProtection, WheelSlideController
+from brake_controller.wheel_slide import SlideProtection, WheelSlideController
 from rbd_model.parameters import tables_5_1_and_5_2
 from scenarios.anti_skid import ABOVE, BAND, LOCK_ABOVE, RAILS
+from scenarios.own_controller import FixedSlip
 from scenarios.plotting import BOGIE, LEADING, TRAILING, plt
 from scenarios.protected_stop import Settings, Stop, Train
 from scenarios.report import Result, Row
 from scenarios.scenario import Options, Scenario
-
-
-class FixedSlip:
-    """The whole controller: a reference that falls at 1 m/s2, and two fixed slips. It never looks at the true speed."""
-
-    def __init__(self) -> None:
-        self.time, self.reference = 0.0, 0.0
-
-    def step(self, time: float, wheel_speeds: Sequence[float]) -> list[int]:
-        self.reference = max(*wheel_speeds, self.reference - 1.0 * (time - self.time))
-        self.time = time
-        return [self.command(speed) for speed in wheel_speeds]
-
-    def command(self, speed: float) -> int:
-        sliding = self.reference - speed
-        if sliding > max(0.2 * self.reference, 0.5):
-            return VENT
-        return HOLD if sliding > max(0.1 * self.reference, 0.3) else APPLY
-
 
 CONTROLLERS: dict[str, Callable[[], WheelSlideController] | None] = {
     "none": None,

@@ -19,7 +19,7 @@ from scenarios.anti_skid import (
     SHARE,
     PeakAdhesion,
 )
-from scenarios.controller_prototype import FixedSlip
+from scenarios.own_controller import FixedSlip
 from scenarios.protected_stop import Settings, Train
 
 LOW = next(rail for rail in RAILS if rail.name == "low").values()

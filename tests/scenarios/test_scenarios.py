@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from matplotlib.figure import Figure
 
-from scenarios import coupling_step, oracle, qr30, report, six_scenes, speed_accuracy
+from scenarios import anti_skid, coupling_step, oracle, qr30, report, six_scenes, speed_accuracy
 from scenarios.__main__ import main
 from scenarios.catalogue import SCENARIOS
 from scenarios.creep_forces import EXACT
@@ -57,7 +57,15 @@ def short_study(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(speed_accuracy, "all_studies", partial(speed_accuracy.all_studies, True, chosen))
 
 
-@pytest.mark.usefixtures("short_oracle", "short_coupling", "short_study")
+@pytest.fixture
+def short_anti_skid(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fewer periods and a shorter count; tests/scenarios/test_anti_skid.py has the others."""
+    monkeypatch.setattr(anti_skid, "PERIODS", (5e-3,))
+    monkeypatch.setattr(anti_skid, "HOST_STEPS", (5e-3, 1e-2))
+    monkeypatch.setattr(anti_skid, "COUNTED", 2)
+
+
+@pytest.mark.usefixtures("short_oracle", "short_coupling", "short_study", "short_anti_skid")
 @pytest.mark.parametrize("name", [scenario.name for scenario in SCENARIOS])
 def test_scenario_holds_and_leaves_table_data_and_picture(name: str, tmp_path: Path) -> None:
     assert main(["run", name, "--out", str(tmp_path)]) == 0

@@ -1,0 +1,56 @@
+"""WheelSlideProtection: any wheel-slide controller as the content of an FMU. Names and texts only, FMI is elsewhere."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from brake_controller.wheel_slide import APPLY, VENT
+from fmu_src.system import StepModel, Variable
+
+#: Place of the protocol, the supervision and the protection that comes with the brake.
+PROTECTION = Path(__file__).parent / "wheel_slide.py"
+OWN_MODULE, OWN_CLASS = "brake_controller.wheel_slide", "SlideProtection"
+PERIOD = 5e-3
+WHEELSETS = ("leading", "trailing")
+
+
+def wheel_slide_protection(file: Path | None = None, name: str = OWN_CLASS) -> StepModel:
+    """The FMU of the class `name` in `file`, by default of the protection that comes with the brake.
+
+    The file may import from brake_controller.wheel_slide and from what the host's Python has; nothing else travels with
+    it. Raises ValueError where there is no such class.
+    """
+    sources = [PROTECTION.read_text(encoding="utf-8")]
+    if file is not None:
+        text = file.read_text(encoding="utf-8")
+        if f"class {name}" not in text:
+            raise ValueError(f"There is no class {name} in {file}; give --controller FILE:CLASS.")
+        sources.append(text)
+    inputs = [
+        Variable(f"wheel_speed_{number}", "input", "m/s", f"Circumferential speed of the {word} wheels")
+        for number, word in enumerate(WHEELSETS, 1)
+    ]
+    outputs = [
+        Variable(
+            f"valve_{number}",
+            "output",
+            "1",
+            f"Valve of the {word} cylinder: 0 apply, 1 hold, 2 vent",
+            APPLY,
+            APPLY,
+            VENT,
+            "integer",
+        )
+        for number, word in enumerate(WHEELSETS, 1)
+    ]
+    return StepModel(
+        "WheelSlideProtection",
+        f"Wheel-slide protection: {name}",
+        inputs,
+        outputs,
+        PERIOD,
+        sources,
+        [OWN_MODULE],
+        f"Supervised({name}(), {len(WHEELSETS)})",
+        [float(APPLY)] * len(WHEELSETS),
+    )

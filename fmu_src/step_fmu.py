@@ -1,0 +1,62 @@
+"""An FMU around any Python object with `step(time, inputs) -> outputs`, for hosts that have Python."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib
+import re
+import sys
+import tempfile
+import zipfile
+from collections.abc import Sequence
+from pathlib import Path
+
+from pythonfmu.builder import FmuBuilder
+
+from fmu_src.archive import write_archive
+from fmu_src.model_description import model_description
+from fmu_src.system import StepModel
+
+SLAVE = Path(__file__).parent / "step_slave.py"
+FUTURE = "from __future__ import annotations\n"
+
+
+def build_step_fmu(step: StepModel, path: Path) -> None:
+    """Writes the pythonfmu FMU. Raises whatever the sources raise when they are loaded."""
+    body = joined([*step.sources, SLAVE.read_text(encoding="utf-8")], step.own)
+    digest = hashlib.sha256((body + repr(step)).encode()).hexdigest()
+    guid = f"{{{digest[:8]}-{digest[8:12]}-{digest[12:16]}-{digest[16:20]}-{digest[20:32]}}}"
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        # The module's name holds the content's GUID: two versions of an FMU may live in one process.
+        script = folder / f"{step.name}_{digest[:8]}.py"
+        script.write_text(body + slave_class(step, guid), encoding="utf-8")
+        try:
+            packed = FmuBuilder.build_FMU(script, dest=folder / "out")
+        finally:
+            sys.path[:] = [entry for entry in sys.path if entry != str(folder)]
+            sys.modules.pop(script.stem, None)
+            importlib.invalidate_caches()
+        with zipfile.ZipFile(packed) as archive:
+            contents = {entry: archive.read(entry) for entry in archive.namelist()}
+    contents["modelDescription.xml"] = model_description(step.model, guid, native=False).encode()
+    write_archive(path, contents)
+
+
+def joined(sources: Sequence[str], own: Sequence[str]) -> str:
+    """One module from several, without the imports that they make from each other."""
+    text = "\n".join(source.replace(FUTURE, "") for source in sources)
+    for module in own:
+        text = re.sub(rf"^from {re.escape(module)} import (\([^)]*\)|[^\n]*)\n", "", text, flags=re.M)
+    return FUTURE + text
+
+
+def slave_class(step: StepModel, guid: str) -> str:
+    return (
+        f"\n\nclass {step.name}(StepSlave):\n"
+        f'    guid_of_content = "{guid}"\n'
+        f"    input_count = {len(step.inputs)}\n"
+        f"    safe = {list(step.safe)!r}\n"
+        f"    first_period = {step.period!r}\n\n"
+        f"    def make(self):\n        return {step.expression}\n"
+    )

@@ -1,0 +1,84 @@
+"""The slave class of an FMU around any Python object with `step(time, inputs) -> outputs`, such as a controller.
+
+`step_fmu.py` joins this file with the object's own into the one module that travels inside the FMU.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Protocol
+
+from pythonfmu import Fmi2Slave
+from pythonfmu.enums import Fmi2Status
+
+
+class Stepper(Protocol):
+    """What the FMU is made around."""
+
+    def step(self, time: float, inputs: Sequence[float]) -> Sequence[float]: ...
+
+
+class StepSlave(Fmi2Slave):
+    """Real inputs, then the parameter `period`, then outputs, numbered in this order.
+
+    The object is asked at the start of the first step that begins at or after each multiple of the period, and its
+    outputs hold in between. When it raises, the outputs go back to the safe ones, and this and every later step is
+    discarded with the sentence of the exception.
+    """
+
+    guid_of_content: str
+    input_count: int
+    safe: Sequence[float]
+    first_period: float
+
+    def __init__(self, **kwargs):  # type: ignore[no-untyped-def]
+        super().__init__(**kwargs)
+        self.guid = self.guid_of_content
+        self.values = [0.0] * self.input_count + [self.first_period, *self.safe]
+        self.stepper = self.make()
+        self.start_time, self.asked, self.failure = 0.0, 0, ""
+
+    def make(self) -> Stepper:
+        """A new object for this instance."""
+        raise NotImplementedError
+
+    def setup_experiment(
+        self, start_time: float, stop_time: float | None = None, tolerance: float | None = None
+    ) -> None:
+        self.start_time = start_time
+
+    def do_step(self, current_time: float, step_size: float) -> bool:
+        period = self.values[self.input_count]
+        if not (math.isfinite(period) and period > 0.0):
+            self.failure = f"Set period above 0 s: it was {period:g} s."
+        elif not self.failure and current_time - self.start_time >= self.asked * period - 1e-9:
+            self._ask(current_time, period)
+        if self.failure:
+            self.log(self.failure, Fmi2Status.error)
+        return not self.failure
+
+    def _ask(self, time: float, period: float) -> None:
+        self.asked = math.floor((time - self.start_time) / period + 1e-9) + 1
+        inputs = self.values[: self.input_count]
+        if not all(math.isfinite(value) for value in inputs):
+            self.values[self.input_count + 1 :] = self.safe
+            self.log(
+                f"An input is not a finite number at {time:.6g} s: the outputs are the safe ones.", Fmi2Status.warning
+            )
+            return
+        try:
+            self.values[self.input_count + 1 :] = [float(value) for value in self.stepper.step(time, inputs)]
+        except Exception as error:
+            self.values[self.input_count + 1 :] = self.safe
+            self.failure = str(error)
+
+    def get_real(self, vrs: list[int]) -> list[float]:
+        return [self.values[reference] for reference in vrs]
+
+    def get_integer(self, vrs: list[int]) -> list[int]:
+        return [int(value) for value in self.get_real(vrs)]
+
+    def set_real(self, vrs: list[int], values: list[float]) -> None:
+        for reference, value in zip(vrs, values, strict=True):
+            self.values[reference] = value

@@ -1,0 +1,116 @@
+"""FMUs around Python objects: the wheel-slide protection, a controller of one's own, and objects that fail."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+from fmpy import read_model_description
+from fmpy.validation import validate_fmu
+
+import build_fmu
+from brake_controller.protection_fmu import wheel_slide_protection
+from brake_controller.wheel_slide import APPLY, VENT, SlideProtection
+from scenarios.cosimulation import CosimulationError, Slave
+
+ROOT = Path(__file__).parents[2]
+PERIOD = 5e-3
+
+
+def protection(out: Path, file: Path | None = None, name: str = "SlideProtection") -> Path:
+    return build_fmu.build_protection(out, wheel_slide_protection(file, name))
+
+
+def test_protection_gives_the_commands_of_its_class(tmp_path: Path) -> None:
+    path = protection(tmp_path)
+    assert not validate_fmu(str(path))
+    assert read_model_description(str(path)).modelName == "WheelSlideProtection"
+    direct, seen = SlideProtection(), set()
+    with Slave(path) as slave:
+        slave.start(wheel_speed_1=20.0, wheel_speed_2=20.0)
+        for number in range(800):
+            time = number * PERIOD
+            speeds = [20.0 - 0.8 * time, (20.0 - 0.8 * time) * (1.0 - 0.2 * min(1.0, max(0.0, time - 1.0)))]
+            slave.set(wheel_speed_1=speeds[0], wheel_speed_2=speeds[1])
+            slave.step(time, PERIOD)
+            commands = [int(slave["valve_1"]), int(slave["valve_2"])]
+            assert commands == direct.step(time, speeds)
+            seen.update(commands)
+    assert {APPLY, VENT} <= seen
+
+
+def test_outputs_hold_between_the_periods(tmp_path: Path) -> None:
+    text = "class Counts:\n    n = 0\n    def step(self, t, v):\n        self.n += 1\n        return [self.n % 3, 0]\n"
+    file = tmp_path / "counts.py"
+    file.write_text(text)
+    with Slave(protection(tmp_path, file, "Counts"), period=0.01) as slave:
+        slave.start(wheel_speed_1=1.0, wheel_speed_2=1.0)
+        found = []
+        for number in range(50):
+            slave.step(number * 1e-3, 1e-3)
+            found.append(int(slave["valve_1"]))
+    assert found == [1] * 10 + [2] * 10 + [0] * 10 + [1] * 10 + [2] * 10
+
+
+@pytest.mark.parametrize(
+    ("body", "words"),
+    [
+        ("raise RuntimeError('lost its mind')", "lost its mind"),
+        ("return [5, 0]", "5"),
+        ("return None", "failed"),
+        ("\n        while True: pass", "gave no answer"),
+    ],
+)
+def test_failing_controller_leaves_the_brake_applied_and_ends_the_run_with_a_sentence(
+    tmp_path: Path, body: str, words: str
+) -> None:
+    file = tmp_path / "bad.py"
+    file.write_text(
+        f"class Bad:\n    def step(self, time, speeds):\n        if time < 0.1: return [2, 2]\n        {body}\n"
+    )
+    with Slave(protection(tmp_path, file, "Bad")) as slave:
+        slave.start(wheel_speed_1=10.0, wheel_speed_2=10.0)
+        for number in range(20):  # up to 0.1 s
+            slave.step(number * PERIOD, PERIOD)
+        assert slave["valve_1"] == VENT
+        with pytest.raises(CosimulationError, match=words) as failed:
+            slave.step(0.1, PERIOD)
+        assert "the brake stays applied" in str(failed.value)
+        assert slave.get(("valve_1", "valve_2")) == [APPLY, APPLY]
+
+
+def test_lost_sensor_applies_the_brake(tmp_path: Path) -> None:
+    file = tmp_path / "vents.py"
+    file.write_text("class Vents:\n    def step(self, time, speeds):\n        return [2, 2]\n")
+    with Slave(protection(tmp_path, file, "Vents")) as slave:
+        slave.start(wheel_speed_1=10.0, wheel_speed_2=10.0)
+        slave.step(0.0, PERIOD)
+        assert slave["valve_1"] == VENT
+        slave.set(wheel_speed_2=math.nan)
+        slave.step(PERIOD, PERIOD)
+        assert slave["valve_1"] == APPLY
+        assert any("not a finite number" in line for line in slave.messages)
+
+
+def test_one_command_makes_the_fmu_of_a_class(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    own = ROOT / "scenarios" / "own_controller.py"
+    assert build_fmu.main(["--controller", f"{own}:FixedSlip", "--out", str(tmp_path)]) == 0
+    assert "valid" in capsys.readouterr().out
+    with Slave(tmp_path / "python" / "WheelSlideProtection.fmu") as slave:
+        slave.start(wheel_speed_1=20.0, wheel_speed_2=10.0)
+        slave.step(0.0, PERIOD)
+        assert slave.get(("valve_1", "valve_2")) == [APPLY, VENT]
+
+
+@pytest.mark.parametrize("text", ["nowhere.py:Class", "no-class-at-all"])
+def test_a_class_that_is_not_there_is_refused_with_a_sentence(text: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert build_fmu.main(["--controller", text]) == 2
+    assert "does not become an FMU" in capsys.readouterr().err
+
+
+def test_a_file_without_the_class_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "empty.py"
+    file.write_text("")
+    assert build_fmu.main(["--controller", f"{file}:Mine"]) == 2
+    assert "There is no class Mine" in capsys.readouterr().err
