@@ -204,7 +204,7 @@ def rows_of(found: Findings) -> list[Row]:
                 Row(f"{name}: stopping distance", "m", None, stop.distance, None, source),
                 Row(f"{name}: longest lock", "s", None, stop.longest_lock(LOCK_ABOVE), None, f"above {LOCK_ABOVE} m/s"),
                 Row(f"{name}: share in the slip band", "1", None, stop.share_in_band(BAND, ABOVE), None, "up to 0.3"),
-                Row(f"{name}: adhesion used", "1", None, ideal / stop.distance, None, "ideal over stopping distance"),
+                Row(f"{name}: adhesion used", "1", None, found.ideal[rail.name] / stop.distance, None, "ideal over it"),
                 Row(f"{name}: air", "g", None, 1e3 * stop.air(), None, "both cylinders"),
             ]
     return rows + low_rows(found)
