@@ -187,8 +187,11 @@ def stops_with_fixed_steps(atlas: Atlas) -> None:
 
 
 def folds(atlas: Atlas) -> None:
-    """Speed at derailment over the tolerance, and how the distance to the fold shrinks towards it."""
-    for tolerance in (1e-3, 1e-4, 1e-5, 1e-6, 1e-7):
+    """Speed at derailment over the tolerance, and how the distance to the fold shrinks towards it.
+
+    Above the coarsest of these tolerances round-off decides whether a trial step finds the contact next to the fold.
+    """
+    for tolerance in (2e-4, 1e-4, 1e-5, 1e-6, 1e-7):
         kernel = DERAILING.kernel(tolerance=tolerance)
         derail(DERAILING, kernel)
         atlas.folds.append((tolerance, kernel["speed"]))
