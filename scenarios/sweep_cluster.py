@@ -19,7 +19,6 @@ from scenarios.sweep_points import (
     Outcomes,
     Point,
     SweepError,
-    outcome_of,
     outcomes_from,
     sources,
 )
@@ -98,7 +97,7 @@ def on_cluster(client: Client, evaluate_point: Evaluate, points: Mapping[int, Po
     try:
         for number, future in outcomes_from(executor, evaluate_point, points, AHEAD * sum(client.nthreads().values())):
             try:
-                outcome = outcome_of(future)
+                outcome = future.result()
             except KilledWorker:
                 outcome = Outcome(failure="The workers of the cluster died of this point, one after the other.")
             yield number, outcome

@@ -9,6 +9,7 @@ import hashlib
 import math
 import multiprocessing
 import os
+import pickle
 import signal
 import sys
 import threading
@@ -20,7 +21,6 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import islice
 from pathlib import Path
-from pickle import PicklingError
 from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -104,17 +104,6 @@ def outcomes_from(
             yield under_way.pop(future), future
 
 
-def outcome_of(future: Future[Outcome]) -> Outcome:
-    """What became of a point that is done. Raises SweepError where no worker could begin with it."""
-    try:
-        return future.result()
-    except (PicklingError, AttributeError, ImportError, TypeError) as error:  # evaluate itself raises nothing
-        raise SweepError(
-            f"No worker can load the point function ({error}); it must stand at the top level of a file that workers "
-            "can import."
-        ) from error
-
-
 def leave_with_parent() -> None:
     """Ends this process when its parent is gone; a killed parent cannot say so, and the pool would wait for ever."""
     parent = multiprocessing.parent_process()
@@ -151,7 +140,7 @@ def in_processes(jobs: int, evaluate_point: Evaluate, points: Mapping[int, Point
         try:
             with process_pool(jobs) as executor:
                 for number, future in outcomes_from(executor, evaluate_point, dict(left), AHEAD * jobs):
-                    outcome = outcome_of(future)
+                    outcome = future.result()
                     del left[number]
                     yield number, outcome
         except BrokenProcessPool:
@@ -164,11 +153,18 @@ def alone(evaluate_point: Evaluate, point: Point) -> Outcome:
     """One point in a process of its own."""
     with process_pool(1) as executor:
         try:
-            return outcome_of(executor.submit(evaluate_point, point))
+            return executor.submit(evaluate_point, point).result()
         except BrokenProcessPool:
             return Outcome(failure="The worker process died, and once more when it had nothing but this point.")
 
 
 def point_function(run: Callable[..., Mapping[str, float | None]], promised: Sequence[str]) -> Evaluate:
-    """One point as a function of its parameters alone, for any worker."""
+    """One point as a function of its parameters alone, for any worker. Raises SweepError where none could load it."""
+    try:
+        pickle.dumps(run)
+    except (pickle.PicklingError, AttributeError, TypeError) as error:
+        raise SweepError(
+            f"No worker can load the point function ({error}); it must stand at the top level of a file that workers "
+            "can import."
+        ) from error
     return partial(evaluate, run, tuple(promised))

@@ -270,7 +270,12 @@ def cluster() -> Iterator[Any]:
     """A scheduler and two workers on this machine, reached through TCP."""
     distributed = pytest.importorskip("distributed")
     with distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, processes=False, protocol="tcp", host="127.0.0.1", dashboard_address=None
+        n_workers=2,
+        threads_per_worker=1,
+        processes=False,
+        protocol="tcp",
+        host="127.0.0.1",
+        dashboard_address="127.0.0.1:0",  # any free port: another cluster may run on this machine
     ) as made:
         yield made
 
