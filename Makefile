@@ -10,7 +10,7 @@ demo: $(VENV)/demo-installed
 	$(RUN) -m scenarios run qr30-180kpa
 
 test: $(VENV)/test-installed check
-	$(RUN) -m pytest -n 2 --dist loadfile
+	$(RUN) -m pytest -n 2 --dist worksteal
 
 check: $(VENV)/test-installed
 	$(RUN) -m ruff check .

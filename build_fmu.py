@@ -37,11 +37,13 @@ from fmu_src.step_fmu import build_step_fmu
 from fmu_src.system import Model, StepModel
 from rbd_model.bogie import bogie_dynamics, wheelset_dynamics
 from rbd_model.parameters import tables_8_1_and_8_2
+from rbd_model.rail_recovery import rail_adhesion
 
 MODELS: dict[str, Callable[[], Model]] = {
     "bogie": bogie_dynamics,
     "wheelset": wheelset_dynamics,
     "brake": brake_cylinder,
+    "rail": rail_adhesion,
 }
 ROOT = Path(__file__).resolve().parent
 #: Where the FMUs of this checkout live.
@@ -51,6 +53,7 @@ PICTURES = {
     "BogieDynamics": "qr30-180kpa.png",
     "WheelsetDynamics": "wheelset-hunting.png",
     "BrakeCylinder": "qr30-180kpa.png",
+    "RailAdhesion": "qr30-180kpa.png",
 }
 
 

@@ -20,7 +20,7 @@ README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 def test_python_examples_run(fmus: dict, capsys: pytest.CaptureFixture[str]) -> None:
     blocks = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
-    assert len(blocks) == 2
+    assert len(blocks) == 3
     assert len([line for line in blocks[0].splitlines() if line]) == 8
     for code in blocks:
         for (_, kind), path in fmus.items():
@@ -30,6 +30,7 @@ def test_python_examples_run(fmus: dict, capsys: pytest.CaptureFixture[str]) -> 
     assert "Torque capacity at 180 kPa: 1248 N.m" in shown
     assert "Leading wheelset locked at 0." in shown
     assert "Speed after 10 s: " in shown
+    assert "low: " in shown
 
 
 @pytest.mark.parametrize("name", list(MODELS))

@@ -335,7 +335,7 @@ HEAVY = "bogie-heavy-braking"
     ("arguments", "sentence"),
     [
         (["levles", "--vary", "level=1"], "There is no scenario levles; did you mean levels?"),
-        (["speed", "--vary", "level=1"], f"speed takes no part in sweeps; these do: {HEAVY}, levels."),
+        (["speed", "--vary", "level=1"], f"speed takes no part in sweeps; these do: {HEAVY}, anti-skid, levels."),
         ([HEAVY], "Give at least one --vary: write name=first:last:count or name=a,b,c; bogie-heavy-braking has fric"),
         ([HEAVY, "--vary", "frictoin=1"], f"{HEAVY} has no parameter frictoin to vary; did you mean friction?"),
         ([HEAVY, "--vary", "zzz=1"], f"{HEAVY} has no parameter zzz to vary; it has friction, brake_torque_1"),
