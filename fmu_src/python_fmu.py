@@ -11,6 +11,7 @@ import shutil
 import sys
 import tempfile
 import zipfile
+from collections.abc import Sequence
 from pathlib import Path
 
 from pythonfmu.builder import FmuBuilder
@@ -35,16 +36,22 @@ def build_python_fmu(model: Model, path: Path) -> None:
         script.write_text(slave_module(model, guid))
         library = folder / f"kernel{library_suffix()}"
         shutil.copyfile(library_of(sources), library)
-        try:
-            packed = FmuBuilder.build_FMU(script, dest=folder / "out", project_files=[library])
-        finally:
-            sys.path[:] = [entry for entry in sys.path if entry != str(folder)]
-            sys.modules.pop(script.stem, None)
-            importlib.invalidate_caches()
-        with zipfile.ZipFile(packed) as archive:
-            contents = {entry: archive.read(entry) for entry in archive.namelist()}
+        contents = packed(script, [library])
     contents["modelDescription.xml"] = model_description(model, guid, native=False).encode()
     write_archive(path, contents)
+
+
+def packed(script: Path, files: Sequence[Path] = ()) -> dict[str, bytes]:
+    """What pythonfmu packs around the module `script`, by place in the archive; no trace stays in this process."""
+    folder = script.parent
+    try:
+        made = FmuBuilder.build_FMU(script, dest=folder / "out", project_files=list(files))
+    finally:
+        sys.path[:] = [entry for entry in sys.path if entry != str(folder)]
+        sys.modules.pop(script.stem, None)
+        importlib.invalidate_caches()
+    with zipfile.ZipFile(made) as archive:
+        return {entry: archive.read(entry) for entry in archive.namelist()}
 
 
 def slave_module(model: Model, guid: str) -> str:

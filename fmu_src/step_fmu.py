@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 import hashlib
-import importlib
 import re
-import sys
 import tempfile
-import zipfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from pythonfmu.builder import FmuBuilder
-
 from fmu_src.archive import write_archive
 from fmu_src.model_description import model_description
+from fmu_src.python_fmu import packed
 from fmu_src.system import StepModel
 
 SLAVE = Path(__file__).parent / "step_slave.py"
@@ -31,14 +27,7 @@ def build_step_fmu(step: StepModel, path: Path) -> None:
         # The module's name holds the content's GUID: two versions of an FMU may live in one process.
         script = folder / f"{step.name}_{digest[:8]}.py"
         script.write_text(body + slave_class(step, guid), encoding="utf-8")
-        try:
-            packed = FmuBuilder.build_FMU(script, dest=folder / "out")
-        finally:
-            sys.path[:] = [entry for entry in sys.path if entry != str(folder)]
-            sys.modules.pop(script.stem, None)
-            importlib.invalidate_caches()
-        with zipfile.ZipFile(packed) as archive:
-            contents = {entry: archive.read(entry) for entry in archive.namelist()}
+        contents = packed(script)
     contents["modelDescription.xml"] = model_description(step.model, guid, native=False).encode()
     write_archive(path, contents)
 
