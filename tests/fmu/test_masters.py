@@ -43,7 +43,7 @@ from libcosimpy.CosimObserver import CosimObserver
 execution = CosimExecution.from_ssp_file(sys.argv[1], step_size=1_000_000)
 observer = CosimObserver.create_last_value()
 execution.add_observer(observer)
-assert execution.step(1000)
+execution.step(1000)  # what it returns differs between versions; the values below tell
 bogie, brake = (execution.slave_index_from_instance_name(name) for name in ("bogie", "brake"))
 found = observer.last_real_values(bogie, [int(sys.argv[2])]) + observer.last_real_values(brake, [int(sys.argv[3])])
 print("ANSWER", json.dumps(list(found)))
