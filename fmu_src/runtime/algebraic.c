@@ -51,7 +51,7 @@ int algebraic_solve(kernel *self, double offset, double *state, double tolerance
 
 int algebraic_follow(kernel *self, const factors *of, double offset, double *state, double tolerance) {
     const int m = self->system->algebraics;
-    double *correction = self->ordered, *guess = self->ordered + m, before = INFINITY;
+    double *correction = self->ordered, *guess = correction + m, before = INFINITY;
     for (int i = 0; i < m; ++i) guess[i] = state[self->system->algebraic[i]];
     for (int count = 0; count < MAXIMUM_NEWTON_STEPS; ++count) {
         kernel_evaluate(self, self->system->ode, offset, state, self->slope);
@@ -75,11 +75,6 @@ int algebraic_find(kernel *self, double offset, double *state, double tolerance)
     rosenbrock_linearise(self, offset, state);
     self->factors_serve = algebraic_solve(self, offset, state, tolerance);
     return self->factors_serve;
-}
-
-void algebraic_place(kernel *self, const double *place) {
-    for (int i = 0, k = 0; i < self->system->states; ++i)
-        if (self->differential[i] != 0.0) self->state[i] = place[k++];
 }
 
 /* J_dd - J_da J_aa^-1 J_ad, column by column. */

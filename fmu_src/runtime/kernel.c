@@ -1,4 +1,4 @@
-/* Instances: the variable table, initialisation, and the adaptive step loop. */
+/* Instances: the variable table, initialisation, and a step from outside; its loop is in integrate.c. */
 #include "kernel.h"
 
 #include <float.h>
@@ -116,7 +116,7 @@ static size_t lay_out(kernel *self, double *block) {
     self->between = carve(block, &used, n);
     self->first_slope = carve(block, &used, n);
     self->last_slope = carve(block, &used, n);
-    self->ordered = carve(block, &used, n);
+    self->ordered = carve(block, &used, 2 * n);
     self->differential = carve(block, &used, n);
     self->drive = carve(block, &used, most.frictions);
     self->capacity = carve(block, &used, most.frictions);

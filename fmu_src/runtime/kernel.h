@@ -147,6 +147,7 @@ typedef struct kernel {
     /* Not restored: work space of one step. */
     double *parameter, *input, *rate, *stage_input, *coefficient, *table_at;
     double *trial, *slope, *time_slope, *nonzero, *jacobian, *kept_jacobian, *stage[6], *point, *ordered, *differential;
+    /* `ordered` has room for two vectors. */
     double *between, *first_slope, *last_slope;
     double *drive, *capacity, *margin, *output, *backup, *seed, *output_rate, *largest_change;
     factors whole, algebraic, kept, kept_algebraic;

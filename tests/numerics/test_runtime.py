@@ -223,6 +223,23 @@ def test_algebraic_states_follow_their_equations_and_the_order_stays_four() -> N
     assert errors[-1] < 1e-8
 
 
+@pytest.mark.parametrize(("method", "step"), [(2, 0.0), (2, 2e-3), (3, 2e-3)])
+def test_every_method_solves_for_more_algebraic_states_than_half(method: int, step: float) -> None:
+    """Three algebraic states beside two others: the chosen method, short host steps and records between the steps."""
+    angle = solve_ivp(
+        lambda t, a: [a[1], -9.81 * math.sin(a[0])], (0.0, 1.0), [math.asin(0.5), 0.0], "DOP853", rtol=1e-13, atol=1e-13
+    ).y[0, -1]
+    made = library(constrained_pendulum, tolerance=1e-8)
+    kernel = Kernel(made, integration_method=method, integration_step=step)
+    table = kernel.record(1.0, 0.01, ["x", "gap"])
+    assert kernel["x"] == pytest.approx(math.sin(angle), abs=1e-6)
+    assert np.abs(table["gap"]).max() < 1e-6
+    hosted = Kernel(made)
+    for _ in range(1000):
+        hosted.advance(1e-3)
+    assert hosted["x"] == pytest.approx(math.sin(angle), abs=1e-6)
+
+
 def test_start_and_a_jump_of_an_input_are_made_consistent() -> None:
     def write(system: System) -> None:
         level = system.input(real("level", "input", 4.0))

@@ -85,12 +85,12 @@ class Nonsense:
         return [7, 0] if time > 3.0 else [0, 0]
 
 
-@pytest.mark.parametrize(("controller", "words"), [(Raises(), "lost its mind"), (Nonsense(), r"\[7, 0\]")])
+@pytest.mark.parametrize(("controller", "words"), [(Raises(), "lost its mind"), (Nonsense(), "[7, 0]")])
 def test_brake_stays_applied_when_a_controller_fails(train: Train, controller: object, words: str) -> None:
     rail = {"friction_1": 0.3, "friction_2": 0.3}
     stop = train.stop(rail, controller)  # type: ignore[arg-type]
     assert "the brake stays applied" in stop.failure
-    assert np.any([word in stop.failure for word in (words, words.replace("\\", ""))])
+    assert words in stop.failure
     after = stop.series["time"] > 6.0
     assert np.all(stop.series["valve_1"][after] == 0.0)
     assert np.all(stop.series["pressure_1"][after] > 150e3)
