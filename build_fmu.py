@@ -5,7 +5,7 @@
   python build_fmu.py ssp                the system BogieBraking.ssp of both native FMUs
   python build_fmu.py --kind native      the native ones for FMI 2.0 only
   python build_fmu.py --platforms all    native FMUs for Linux (x86-64 and ARM), Windows and macOS, compiled with zig
-  python build_fmu.py --controller scenarios/own_controller.py:FixedSlip
+  python build_fmu.py --controller scenarios/bench/own_controller.py:FixedSlip
                                          WheelSlideProtection.fmu (pythonfmu) around a class of one's own
   python build_fmu.py --out elsewhere    another folder
   python build_fmu.py --describe         no FMUs: the table of variables as Markdown

@@ -24,12 +24,12 @@ from pathlib import Path
 
 from fmu_src.compile import CompilerError
 from fmu_src.kernel import KernelError
-from scenarios import sweep
 from scenarios.catalogue import SCENARIOS, find
-from scenarios.cosimulation import CosimulationError
-from scenarios.report import save, stopwatch, table
+from scenarios.cosimulation.slave import CosimulationError
+from scenarios.reporting.report import save, stopwatch, table
 from scenarios.scenario import BadInputError, Options, Scenario
-from scenarios.sweep_points import SweepError
+from scenarios.sweep import command as sweep
+from scenarios.sweep.points import SweepError
 
 HOLDS, DOES_NOT_HOLD, BAD_INPUT, FAILED = range(4)
 #: The largest macro step that any scenario is meant for [s].

@@ -4,36 +4,29 @@ from __future__ import annotations
 
 import difflib
 
-from scenarios import (
-    anti_skid,
+from scenarios.brakes import anti_skid, brake_timing, controller_prototype, uneven_brakes
+from scenarios.coupling import coupling_step
+from scenarios.numerics import levels, oracle, speed, speed_accuracy, stability_atlas
+from scenarios.scenario import BadInputError, Scenario
+from scenarios.thesis import (
     asymmetric_braking,
     bogie_irregularities,
     bogie_lateral_under_torque,
     bogie_pitch,
     bogie_skid,
-    brake_timing,
     contact_geometry,
-    controller_prototype,
-    coupling_step,
     creep_forces,
     critical_speed,
     heavy_braking,
-    levels,
     lock_boundary,
-    oracle,
     qr30,
     sensitivity,
-    speed,
-    speed_accuracy,
-    stability_atlas,
     traction_braking,
-    uneven_brakes,
     wheelset_constant_speed,
     wheelset_skid,
     wheelset_torque,
     wheelset_variable_speed,
 )
-from scenarios.scenario import BadInputError, Scenario
 
 SCENARIOS: list[Scenario] = [
     *qr30.SCENARIOS,

@@ -7,9 +7,9 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 
 from build_fmu import up_to_date
-from scenarios.cosimulation import Slave
-from scenarios.coupling import Master
-from scenarios.report import Result
+from scenarios.cosimulation.master import Master
+from scenarios.cosimulation.slave import Slave
+from scenarios.reporting.report import Result
 
 
 class BadInputError(ValueError):

@@ -14,7 +14,7 @@ from fmpy import read_model_description, simulate_fmu
 from fmpy.validation import validate_fmu
 
 from build_fmu import MODELS, main
-from scenarios.cosimulation import CosimulationError, Slave
+from scenarios.cosimulation.slave import CosimulationError, Slave
 
 #: Of FMI 2.0.
 KINDS = ["native", "python"]

@@ -12,11 +12,11 @@ from scipy.integrate import solve_ivp
 from fmu_src.compile import build_library
 from fmu_src.kernel import ERROR, Kernel, KernelError, Library
 from fmu_src.system import System, Variable, model_of
-from scenarios import sundials
-from scenarios.integrators import layout, own, scipy
-from scenarios.scene import prepare
-from scenarios.six_scenes import FLANGE, HUNTING, LOCK_UP, SCENES, SMOOTH, STANDING, Scene
-from scenarios.work_precision import difference
+from scenarios.bench.drive import prepare
+from scenarios.methods import sundials
+from scenarios.methods.integrators import layout, own, scipy
+from scenarios.methods.scenes import FLANGE, HUNTING, LOCK_UP, SCENES, SMOOTH, STANDING, Scene
+from scenarios.methods.work_precision import difference
 
 #: Issue band of the orders.
 ORDER_BAND = 0.2

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from scenarios.drift import drift
-from scenarios.fold import approach
-from scenarios.stability import (
+from scenarios.methods.drift import drift
+from scenarios.methods.fold import approach
+from scenarios.methods.stability import (
     MACHINES,
     PLANAR,
     RODAS,

@@ -10,7 +10,7 @@ from build_fmu import MODELS
 from fmu_src.compile import build_library
 from fmu_src.kernel import Kernel, Library
 from rbd_model.rail_recovery import SLOWEST, assumed_recovery
-from scenarios.scene import prepare
+from scenarios.bench.drive import prepare
 
 P = assumed_recovery()
 

@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 
 from brake_controller.wheel_slide import SlideProtection, common_protection
-from scenarios.anti_skid import (
+from scenarios.bench.own_controller import FixedSlip
+from scenarios.bench.protected_stop import Settings, Train
+from scenarios.brakes.anti_skid import (
     ABOVE,
     BAND,
     LOCK_ABOVE,
@@ -19,8 +21,6 @@ from scenarios.anti_skid import (
     SHARE,
     PeakAdhesion,
 )
-from scenarios.own_controller import FixedSlip
-from scenarios.protected_stop import Settings, Train
 
 LOW = next(rail for rail in RAILS if rail.name == "low").values()
 

@@ -6,8 +6,8 @@ import pytest
 
 from fmu_src.kernel import Kernel, Library
 from rbd_model.bogie import DEFAULT_TOLERANCE
-from scenarios import scene
 from scenarios.__main__ import find
+from scenarios.bench import drive as scene
 from scenarios.scenario import Options
 
 IN_SPACE = (

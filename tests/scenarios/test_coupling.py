@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from scenarios.__main__ import main
-from scenarios.cosimulation import CosimulationError, Slave
-from scenarios.coupling import GAUSS_SEIDEL, JACOBI, Coupling, Master, couple
+from scenarios.cosimulation.master import GAUSS_SEIDEL, JACOBI, Coupling, Master, couple
+from scenarios.cosimulation.slave import CosimulationError, Slave
 
 #: A full application by the measured law, in which the shoe friction falls with the force, and a stop behind it.
 SECONDS = 1.2

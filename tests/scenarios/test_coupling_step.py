@@ -9,11 +9,12 @@ from contextlib import closing
 import numpy as np
 import pytest
 
-from scenarios.braked_bogie import bogie_values
-from scenarios.cosimulation import Slave
-from scenarios.coupling import GAUSS_SEIDEL, JACOBI
-from scenarios.coupling_error import MASTERS, RATE, Stop, coupled_stop, error_on_paper, order, reference
-from scenarios.feedback_boundary import (
+from scenarios.bench.braked_bogie import bogie_values
+from scenarios.bench.drive import prepare
+from scenarios.cosimulation.master import GAUSS_SEIDEL, JACOBI
+from scenarios.cosimulation.slave import Slave
+from scenarios.macro_step.error import MASTERS, RATE, Stop, coupled_stop, error_on_paper, order, reference
+from scenarios.macro_step.feedback_boundary import (
     FEEDBACK,
     SETTLING,
     SPEED,
@@ -24,8 +25,7 @@ from scenarios.feedback_boundary import (
     boundary_on_paper,
     linear_bogie,
 )
-from scenarios.scene import prepare
-from scenarios.signed_torque import (
+from scenarios.macro_step.signed_torque import (
     capacity_stop,
     jump_at_rest,
     jump_in_skid,

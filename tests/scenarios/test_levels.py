@@ -12,9 +12,9 @@ from rbd_model.contact import ellipse_shape
 from rbd_model.contact_geometry import contact_at, thesis_pair
 from rbd_model.creep import kalker_coefficients, polach_forces
 from rbd_model.parameters import tables_5_1_and_5_2
-from scenarios import levels
-from scenarios.levels import FRICTION, Stop, brake, error, lock_boundary, start, stop
-from scenarios.scene import play
+from scenarios.bench.drive import play
+from scenarios.numerics import levels
+from scenarios.numerics.levels import FRICTION, Stop, brake, error, lock_boundary, start, stop
 
 POINT, PLANAR, SPATIAL = 1, 2, 3
 BOGIE = tables_5_1_and_5_2()

@@ -11,12 +11,17 @@ from pathlib import Path
 import pytest
 from matplotlib.figure import Figure
 
-from scenarios import anti_skid, coupling_step, oracle, qr30, report, six_scenes, speed_accuracy
 from scenarios.__main__ import main
+from scenarios.bench.torque_history import read_torque_history
+from scenarios.brakes import anti_skid
 from scenarios.catalogue import SCENARIOS
-from scenarios.creep_forces import EXACT
-from scenarios.report import Row
-from scenarios.torque_history import read_torque_history
+from scenarios.coupling import coupling_step
+from scenarios.methods import scenes as six_scenes
+from scenarios.numerics import oracle, speed_accuracy
+from scenarios.reporting import report
+from scenarios.reporting.report import Row
+from scenarios.thesis import qr30
+from scenarios.thesis.creep_forces import EXACT
 
 ANCHOR = Path(__file__).parents[3] / "shared" / "data" / "creep_anchor.csv"
 ROW_FIELDS = {

@@ -20,12 +20,12 @@ import pytest
 
 from scenarios.__main__ import main
 from scenarios.catalogue import SCENARIOS
-from scenarios.heavy_braking import CASES, brake, lock_time
-from scenarios.heavy_braking import one_stop as heavy_stop
-from scenarios.levels import one_stop as stop_of_levels
+from scenarios.numerics.levels import one_stop as stop_of_levels
 from scenarios.scenario import Options
-from scenarios.sweep_grid import evenly_spaced
-from scenarios.sweep_table import FILES
+from scenarios.sweep.grid import evenly_spaced
+from scenarios.sweep.table import FILES
+from scenarios.thesis.heavy_braking import CASES, brake, lock_time
+from scenarios.thesis.heavy_braking import one_stop as heavy_stop
 
 HERE, ROOT = Path(__file__).parent, Path(__file__).parents[2]
 #: 78 points.
@@ -214,7 +214,7 @@ def test_workers_leave_with_a_killed_parent(
 def test_interruption_says_how_to_go_on(
     points: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    from scenarios.sweep_journal import Journal
+    from scenarios.sweep.journal import Journal
 
     add = Journal.add
 

@@ -1,0 +1,1 @@
+"""The test bench: machines and drives that several scenarios share."""

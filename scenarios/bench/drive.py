@@ -1,0 +1,96 @@
+"""Runs one kernel through a history of inputs and records it; what the studies in space are made of."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from functools import lru_cache
+from itertools import pairwise
+
+import numpy as np
+
+from build_fmu import MODELS
+from fmu_src.compile import build_library
+from fmu_src.kernel import Kernel, Library
+from rbd_model.bogie import smallest_level
+from scenarios.cosimulation.recording import Recording
+
+#: Points (time [s], value) of an input; straight lines between them, held after the last, a jump at a repeated time.
+History = Sequence[tuple[float, float]]
+#: Times the length of a record that its spectrum is computed with.
+PADDING = 8
+
+
+@lru_cache
+def library(name: str) -> Library:
+    """The compiled kernel inside the FMU of this name."""
+    return Library(build_library(MODELS[name]()))
+
+
+@lru_cache
+def units(name: str) -> dict[str, str]:
+    return {variable.name: variable.unit for variable in MODELS[name]().variables}
+
+
+def prepare(name: str, **values: float) -> Kernel:
+    """A kernel with parameters and first inputs."""
+    return Kernel(library(name), **values)
+
+
+def bogie(driven: Iterable[str], read: Iterable[str], **values: float) -> Kernel:
+    """The bogie of chapter 5 at the least level that drives these inputs, has these values and answers what is read."""
+    return prepare("bogie", level=smallest_level((*driven, *values), read).level, **values)
+
+
+def play(
+    name: str, kernel: Kernel, duration: float, interval: float, record: Sequence[str], inputs: Mapping[str, History]
+) -> Recording:
+    """Records every `interval` s and at each corner of an input; ends where the run ends, with that instant last."""
+    corners = {time for history in inputs.values() for time, _ in history if 0.0 < time < duration}
+    edges = [0.0, *sorted(corners), duration]
+    kernel.set(**{key: history[0][1] for key, history in inputs.items()})
+    kernel.initialise()
+    rows = [[kernel.time, *(kernel[column] for column in record)]]
+    for begin, end in pairwise(edges):
+        for key, history in inputs.items():
+            first, last = value_at(history, begin, after=True), value_at(history, end, after=False)
+            kernel.set(**{key: first})
+            kernel.set_rate(**{key: (last - first) / (end - begin)})
+        table = kernel.record(end - begin, interval, record)
+        rows += [[time, *(table[column][i] for column in record)] for i, time in enumerate(table["time"]) if i > 0]
+        if kernel.time > rows[-1][0] + 1e-9:
+            rows.append([kernel.time, *(kernel[column] for column in record)])
+        if kernel.ended:
+            break
+    return Recording({"time": "s"} | {column: units(name)[column] for column in record}, rows)
+
+
+def value_at(history: History, time: float, after: bool) -> float:
+    """Value at a time; where it jumps, before or after the jump."""
+    times, values = np.array(history).T
+    found = np.searchsorted(times, time, "right" if after else "left")
+    if found == 0 or found == times.size:
+        return float(values[min(found, times.size - 1)])
+    share = (time - times[found - 1]) / (times[found] - times[found - 1])
+    return float(values[found - 1] + share * (values[found] - values[found - 1]))
+
+
+def peaks(values: np.ndarray) -> np.ndarray:
+    """Indices of the local maxima."""
+    inner = values[1:-1]
+    return 1 + np.flatnonzero((inner > values[:-2]) & (inner >= values[2:]))
+
+
+def period(time: np.ndarray, values: np.ndarray) -> float | None:
+    """Mean time between rising passages through zero [s]; None with fewer than two."""
+    rising = np.flatnonzero((values[:-1] < 0.0) & (values[1:] >= 0.0))
+    if rising.size < 2:
+        return None
+    share = -values[rising] / (values[rising + 1] - values[rising])
+    return float(np.diff(time[rising] + share * (time[rising + 1] - time[rising])).mean())
+
+
+def spectrum(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Frequencies [Hz] and power density [unit^2/Hz] of evenly sampled values, mean removed, padded to a fine grid."""
+    step, count = time[1] - time[0], values.size * PADDING
+    transform = np.fft.rfft((values - values.mean()) * np.hanning(values.size), count)
+    return np.fft.rfftfreq(count, step), np.abs(transform) ** 2 * 2 * step / np.sum(np.hanning(values.size) ** 2)

@@ -1,0 +1,260 @@
+"""Application and release of the ready brakes against the windows of the standards, timed and by flow of air.
+
+Beside them: the flow model against closed forms of gas dynamics, its balances, and what chapter 7 prints about force
+and friction of the shoes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from brake_controller.cylinder import TIMES
+from brake_controller.experiment import APPLICATION_TIME, EXPERIMENT
+from brake_controller.ready_sets import (
+    DUMP,
+    UIC_G,
+    UIC_P,
+    UIC_PRESSURE,
+    UIC_RELEASED,
+    ReadySet,
+    Timing,
+    Window,
+    qr30_experiment,
+    uic_g,
+    uic_p,
+    with_dump_valve,
+)
+from brake_controller.shoe_friction import (
+    COMPOSITE,
+    FALLING,
+    KARWATZKI,
+    KILOMETRES_PER_HOUR,
+    MEASURED_AGAINST_FORCE,
+)
+from brake_controller.timing import APPLIED_SHARE, RELEASED_SHARE
+from scenarios.bench.brake_air import balance_rows, closed_form_rows
+from scenarios.cosimulation.recording import Recording
+from scenarios.cosimulation.slave import Slave
+from scenarios.reporting.plots import BOGIE, LEADING, THESIS, THREE, TRAILING, plt
+from scenarios.reporting.report import Result, Row
+from scenarios.scenario import Options, Scenario, open_brake
+
+TIMED, FLOW = 1, 2
+KINDS = {TIMED: "timed", FLOW: "flow"}
+#: Recorded instants of each run.
+INSTANTS = 600
+#: Printed to a tenth of a second; the definition of a time by 95 % is ours [s].
+PRINTED_TIME = 0.01
+#: Normal force of one shoe of a new bogie [kN] and the share of it that was missing [%], by pressure [kPa]: sections
+#: 7.2.1, 7.3.1, 7.4.1.
+PRINTED_FORCE = {130: (5.33, 18), 150: (6.15, 19), 180: (7.38, 15)}
+#: Laws of shoe friction in the picture, and sliding speeds [km/h].
+LAWS = {KARWATZKI: "cast iron, Karwatzki", COMPOSITE: "composite, type K", FALLING: "falling with speed (assumed)"}
+SPEEDS = np.linspace(0.0, 120.0, 121)
+
+
+@dataclass(frozen=True)
+class Case:
+    """A brake that is applied, and released after `applied` [s] by demand or by the venting valve (`vents`)."""
+
+    name: str
+    ready: ReadySet
+    pressure: float
+    released: float
+    timing: Timing
+    applied: float
+    duration: float
+    source: str
+    vents: bool = False
+
+    @property
+    def kinds(self) -> tuple[int, ...]:
+        """The timed law has no valve of its own for venting."""
+        return (FLOW,) if self.vents else (TIMED, FLOW)
+
+
+def cases() -> list[Case]:
+    qr30_times = Timing(Window(APPLICATION_TIME, APPLICATION_TIME), Window(APPLICATION_TIME, APPLICATION_TIME))
+    uic = "UIC 543, secondary literature"
+    dump = Timing(UIC_P.application, DUMP)
+    return [
+        Case("QR30", qr30_experiment(180), 180e3, RELEASED_SHARE * 180e3, qr30_times, 1.6, 3.6, "section 7.1"),
+        Case("UIC P", uic_p(), UIC_PRESSURE, UIC_RELEASED, UIC_P, 8.0, 34.0, uic),
+        Case("UIC G", uic_g(), UIC_PRESSURE, UIC_RELEASED, UIC_G, 45.0, 125.0, f"{uic}; section 2.4.2"),
+        Case("dump valve", with_dump_valve(uic_p()), UIC_PRESSURE, UIC_RELEASED, dump, 8.0, 12.0, "assumed", True),
+    ]
+
+
+def values_of(ready: ReadySet, pneumatics: int) -> dict[str, float]:
+    """Parameters of one kind of pneumatics; the other kind's would have no effect."""
+    without = TIMES if pneumatics == FLOW else ready.flow.values()
+    return {"pneumatics": pneumatics} | {k: v for k, v in ready.values().items() if k not in without}
+
+
+def apply_and_release(brake: Slave, case: Case, pneumatics: int) -> tuple[np.ndarray, np.ndarray]:
+    """Times [s] and cylinder pressures [Pa]; the release falls on one of the instants."""
+    brake.restart(values_of(case.ready, pneumatics), pressure_demand=case.pressure)
+    step = case.duration / INSTANTS
+    pressures = [brake["cylinder_pressure"]]
+    for number in range(INSTANTS):
+        if number == round(case.applied / step):
+            brake.set(**({"valve": 2} if case.vents else {"pressure_demand": 0.0}))
+        brake.step(number * step, step)
+        pressures.append(brake["cylinder_pressure"])
+    return step * np.arange(INSTANTS + 1), np.array(pressures)
+
+
+def times_of(case: Case, time: np.ndarray, pressure: np.ndarray) -> tuple[float, float]:
+    """Application and release time [s], between the recorded instants on straight lines."""
+    begin = round(case.applied / case.duration * INSTANTS)
+    rising, falling = slice(0, begin + 1), slice(begin, None)
+    application = np.interp(APPLIED_SHARE * case.pressure, pressure[rising], time[rising])
+    release = np.interp(-case.released, -pressure[falling], time[falling]) - time[begin]
+    return float(application), float(release)
+
+
+def timing_rows(case: Case, kind: str, found: tuple[float, float]) -> list[Row]:
+    """The times of one run against their windows."""
+    rows = []
+    words = ("application to 95 %", f"{'vent' if case.vents else 'release'} to {case.released / 1e3:.0f} kPa")
+    for word, window, seconds in zip(words, (case.timing.application, case.timing.release), found, strict=True):
+        if case.vents and word is words[0]:
+            continue
+        printed = window.half_width == 0.0
+        if printed and word is not words[0]:
+            assumption, tolerance = "not judged: release is not printed, assumed as fast as application", None
+        else:
+            assumption, tolerance = f"{window.shortest:g} to {window.longest:g} s", window.half_width
+            if printed:
+                assumption, tolerance = "0-95 % definition, section 2.4.2", PRINTED_TIME
+        quantity = f"{case.name}, {kind}: {word}"
+        rows.append(Row(quantity, "s", window.middle, seconds, tolerance, case.source, assumption))
+    return rows
+
+
+def experiment_rows(brake: Slave) -> list[Row]:
+    """Force and friction of the shoes at the three pressures of the experiment, by flow."""
+    rows = []
+    for pressure, case in EXPERIMENT.items():
+        values = values_of(qr30_experiment(pressure), FLOW) | {"friction_law": MEASURED_AGAINST_FORCE}
+        brake.restart(values, pressure_demand=1e3 * pressure)
+        brake.step(0.0, 20.0)
+        specified, lost = PRINTED_FORCE[pressure]
+        source = f"sections 7.2.1, 7.3.1, 7.4.1: {specified} kN for a new bogie"
+        found = 100 * (1 - brake["shoe_force"] / 2e3 / specified)
+        text = f"{pressure} kPa: brake rod force under the new bogie's"
+        rows.append(Row(text, "%", lost, found, 0.5, source, "printed to 1 %; printed efficiency"))
+        low, high = case.lowest_shoe_friction, case.highest_shoe_friction
+        text, width = f"{pressure} kPa: shoe friction, law 1", (high - low) / 2
+        rows.append(Row(text, "1", (low + high) / 2, brake["shoe_friction"], width, f"measured: {low} to {high}"))
+    return rows
+
+
+def friction_over_speed(brake: Slave) -> dict[str, np.ndarray]:
+    """Laws of shoe friction over SPEEDS, with the shoes of the UIC brake fully applied."""
+    found = {}
+    ready = uic_p()
+    for law, label in LAWS.items():
+        brake.restart(values_of(ready, TIMED) | {"friction_law": law}, pressure_demand=UIC_PRESSURE)
+        brake.step(0.0, 30.0)
+        frictions = []
+        for speed in SPEEDS / KILOMETRES_PER_HOUR:
+            brake.set(angular_velocity=speed / ready.rigging.wheel_radius)
+            frictions.append(brake["shoe_friction"])
+        found[label] = np.array(frictions)
+    return found
+
+
+def run(options: Options) -> Result:
+    rows: list[Row] = []
+    series = Recording({"instant": "1"}, [[number] for number in range(INSTANTS + 1)])
+    seconds = 0.0
+    chosen = cases()
+    with open_brake(options) as brake:
+        for case in chosen:
+            for pneumatics in case.kinds:
+                time, pressure = apply_and_release(brake, case, pneumatics)
+                seconds += case.duration
+                rows += timing_rows(case, KINDS[pneumatics], times_of(case, time, pressure))
+                series.add(f"time ({case.name})", "s", time)
+                series.add(f"cylinder_pressure ({case.name}, {KINDS[pneumatics]})", "Pa", pressure)
+        rows += experiment_rows(brake)
+        frictions = friction_over_speed(brake)
+        guids = {brake.name: brake.guid}
+    rows += closed_form_rows() + balance_rows()
+    parameters = {case.name: case.ready.values() for case in chosen}
+    remarks = [restrictions(case) for case in chosen]
+    return Result(rows, series, lambda: draw(chosen, series, frictions), parameters, seconds, remarks, guids)
+
+
+def restrictions(case: Case) -> str:
+    flow = case.ready.flow
+    names = ("application", "release", "vent")
+    bores = (flow.application_orifice, flow.release_orifice, flow.vent_orifice)
+    sizes = ", ".join(f"{name} {1e3 * bore:.2f} mm" for name, bore in zip(names, bores, strict=True))
+    return f"{case.name}: restrictions {sizes}, found from the times."
+
+
+def draw(chosen: Sequence[Case], series: Recording, frictions: dict[str, np.ndarray]) -> Figure:
+    figure, grid = plt.subplots(2, 2, figsize=(10.0, 7.2))
+    by_name = {case.name: case for case in chosen}
+    for axis, name in zip(grid.flat, ("QR30", "UIC P", "UIC G"), strict=False):
+        _draw_pressures(axis, by_name[name], series)
+    dump = by_name["dump valve"]
+    begin = round(dump.applied / dump.duration * INSTANTS)
+    time, pressure = series["time (dump valve)"], series["cylinder_pressure (dump valve, flow)"] / 1e3
+    grid[0, 1].plot(time[begin:], pressure[begin:], color=BOGIE, linewidth=1.0, label="dump valve (assumed)")
+    for axis in (grid[0, 0], grid[0, 1], grid[1, 0]):
+        axis.legend(loc="upper right")
+    _draw_friction(grid[1, 1], frictions)
+    figure.suptitle("Brake cylinder: pressure by timed law and by flow of air; shoe friction", x=0.02, ha="left")
+    figure.set_layout_engine("constrained")
+    return figure
+
+
+def _draw_pressures(axis: Axes, case: Case, series: Recording) -> None:
+    for pneumatics, colour in ((TIMED, LEADING), (FLOW, TRAILING)):
+        pressure = series[f"cylinder_pressure ({case.name}, {KINDS[pneumatics]})"] / 1e3
+        axis.plot(series[f"time ({case.name})"], pressure, color=colour, label=KINDS[pneumatics])
+    allowed = (
+        (APPLIED_SHARE * case.pressure, case.timing.application, 0.0),
+        (case.released, case.timing.release, case.applied),
+    )
+    for number, (level, window, begin) in enumerate(allowed):
+        if window.half_width > 0.0:
+            label = "window of the standard" if number == 0 else None
+            ends = [begin + window.shortest, begin + window.longest]
+            axis.plot(ends, 2 * [level / 1e3], "|-", color=THESIS, linewidth=3, markersize=12, label=label)
+        elif number == 0:
+            axis.plot([window.middle], [level / 1e3], "o", color=THESIS, label="printed: 0.8 s")
+    axis.set_title(f"{case.name}: cylinder pressure [kPa]")
+    axis.set_xlabel("time [s]")
+    axis.set_ylim(0.0, 1.3 * case.pressure / 1e3)
+
+
+def _draw_friction(axis: Axes, frictions: dict[str, np.ndarray]) -> None:
+    for (label, friction), colour in zip(frictions.items(), THREE, strict=True):
+        axis.plot(SPEEDS, friction, color=colour, label=label)
+    for number, (pressure, case) in enumerate(EXPERIMENT.items()):
+        low, high = case.lowest_shoe_friction, case.highest_shoe_friction
+        words = "QR30, measured at 130, 150, 180 kPa, below 11 km/h" if number == 0 else None
+        place = 2 + 4 * number  # side by side: the speed of each trial is not printed
+        axis.plot([place] * 2, [low, high], "_-", color=THESIS, linewidth=2, label=words)
+        axis.annotate(f"{pressure}", (place, low), xytext=(0, -9), textcoords="offset points", ha="center", fontsize=7)
+    axis.set_title("shoe friction [1], UIC brake fully applied")
+    axis.set_xlabel("sliding speed [km/h]")
+    axis.set_ylim(0.0, 0.52)
+    axis.legend(loc="upper right")
+
+
+SCENARIO = Scenario(
+    "brake-timing",
+    "Application and release of ready brakes against the standards, timed and by flow of air",
+    run,
+    frozenset({"kind"}),
+)

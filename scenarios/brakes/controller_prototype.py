@@ -1,0 +1,67 @@
+"""A controller of one's own in a few lines, beside the protection that comes with the brake."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from matplotlib.figure import Figure
+
+from brake_controller.wheel_slide import SlideProtection, WheelSlideController
+from rbd_model.parameters import tables_5_1_and_5_2
+from scenarios.bench.own_controller import FixedSlip
+from scenarios.bench.protected_stop import Settings, Stop, Train
+from scenarios.brakes.anti_skid import ABOVE, BAND, LOCK_ABOVE, RAILS
+from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt
+from scenarios.reporting.report import Result, Row
+from scenarios.scenario import Options, Scenario
+
+CONTROLLERS: dict[str, Callable[[], WheelSlideController] | None] = {
+    "none": None,
+    "fixed slip": FixedSlip,
+    "protection": SlideProtection,
+}
+
+
+def run(options: Options) -> Result:
+    chosen = [rail for rail in RAILS if rail.name in ("low", "changing")]
+    with Train() as train:
+        stops = {
+            (rail.name, name): train.stop(rail.values(), make() if make else None, Settings())
+            for rail in chosen
+            for name, make in CONTROLLERS.items()
+        }
+    rows = []
+    for (rail, name), stop in stops.items():
+        what = f"{rail} rail, {name}"
+        rows += [
+            Row(f"{what}: stopping distance", "m", None, stop.distance, None, "25 m/s, full service"),
+            Row(f"{what}: longest lock", "s", None, stop.longest_lock(LOCK_ABOVE), None, f"above {LOCK_ABOVE:g} m/s"),
+            Row(f"{what}: share in the slip band", "1", None, stop.share_in_band(BAND, ABOVE), None, f"up to {BAND:g}"),
+            Row(f"{what}: air", "g", None, 1e3 * stop.air(), None, "both cylinders"),
+        ]
+    remark = "A controller is a class with step(time, wheel_speeds); `Train().stop(rail, YourClass())` tries it."
+    seconds = sum(stop.time for stop in stops.values())
+    series = stops["low", "fixed slip"].series
+    return Result(rows, series, lambda: draw(stops), tables_5_1_and_5_2().values(), seconds, [remark])
+
+
+def draw(stops: dict[tuple[str, str], Stop]) -> Figure:
+    figure, grid = plt.subplots(2, len(CONTROLLERS), figsize=(12.0, 6.5), sharey=True)
+    for axis, ((rail, name), stop) in zip(grid.ravel(), stops.items(), strict=True):
+        series = stop.series
+        axis.plot(series["time"], series["speed"], color=BOGIE, label="bogie")
+        for number, colour, word in ((1, LEADING, "leading wheels"), (2, TRAILING, "trailing wheels")):
+            axis.plot(series["time"], series[f"wheel_speed_{number}"], color=colour, linewidth=0.8, label=word)
+        axis.set_title(f"{rail} rail, {name}: {stop.distance:.0f} m")
+        axis.set_xlabel("time [s]")
+    for axis in grid[:, 0]:
+        axis.set_ylabel("speed [m/s]")
+    grid[0, 0].legend(fontsize=8)
+    figure.suptitle("A controller of one's own beside none and the protection of the brake", x=0.02, ha="left")
+    figure.set_layout_engine("constrained")
+    return figure
+
+
+SCENARIO = Scenario(
+    "controller-prototype", "A wheel-slide controller of one's own in under 40 lines, compared", run, frozenset()
+)

@@ -1,0 +1,234 @@
+"""Runs FMUs together: Jacobi or Gauss-Seidel, inputs held or going on, macro steps fixed or chosen by their error."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from tqdm import tqdm
+
+from scenarios.cosimulation.recording import Recording
+from scenarios.cosimulation.slave import CosimulationError, Slave
+from scenarios.reporting.progress import PATIENCE
+
+#: (source, output, target, input)
+Connection = tuple[Slave, str, Slave, str]
+#: A connected torque or force, and the slave and the speed on which it works.
+Bond = tuple[Connection, tuple[Slave, str]]
+
+JACOBI, GAUSS_SEIDEL = "jacobi", "gauss-seidel"
+#: Change of the macro step from one to the next, and the smallest one [s] before the master gives up.
+SHRINK, GROW, SAFETY, SMALLEST = 0.2, 2.0, 0.9, 1e-7
+
+
+@dataclass(frozen=True)
+class Master:
+    """How slaves are coupled.
+
+    method: all with the values at the start of a step (Jacobi), or one after the other, each with the newest values of
+    those before it (Gauss-Seidel). extrapolated: inputs go on within a step with the rate of their source, or on the
+    straight line to the value that is known already; else they are held. tolerance: of the coupling error of one step,
+    in nominal values of the outputs; None: the macro step is kept. The slaves must save their states for a tolerance.
+    """
+
+    method: str = GAUSS_SEIDEL
+    extrapolated: bool = False
+    tolerance: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.method not in (JACOBI, GAUSS_SEIDEL):
+            raise CosimulationError(f"Couple with {JACOBI} or {GAUSS_SEIDEL}: {self.method} was given.")
+        if self.tolerance is not None and not (math.isfinite(self.tolerance) and self.tolerance > 0.0):
+            raise CosimulationError(f"Give a coupling tolerance above 0: it was {self.tolerance:g}.")
+
+
+@dataclass
+class Account:
+    """What the coupling did: macro steps made and repeated, and their smallest and largest size [s].
+
+    energy [J]: what the inputs of the bonds gave beyond what their sources delivered, in total and without sign.
+    """
+
+    steps: int = 0
+    repeated: int = 0
+    smallest: float = math.inf
+    largest: float = 0.0
+    energy: float = 0.0
+    energy_moved: float = 0.0
+
+    def as_dict(self) -> dict[str, float]:
+        """For the summary of a scenario."""
+        return {
+            "macro_steps": self.steps,
+            "repeated_steps": self.repeated,
+            "smallest_step": self.smallest,
+            "largest_step": self.largest,
+            "coupling_energy": self.energy,
+            "coupling_energy_without_sign": self.energy_moved,
+        }
+
+
+@dataclass
+class Coupling:
+    """Slaves with their connections, on their way through time. `couple` is the short form."""
+
+    slaves: Sequence[Slave]
+    connections: Sequence[Connection]
+    master: Master = Master()
+    bonds: Sequence[Bond] = ()
+    account: Account = field(default_factory=Account)
+
+    def advance(self, time: float, size: float) -> dict[Connection, tuple[float, float, float, float]]:
+        """One macro step; for each connection the line that was its input and the line of its source, by their ends."""
+        begin = {c: c[0][c[1]] for c in self.connections}
+        # Read before any slave moves: afterwards a source that went first would tell its rate at the end of the step.
+        known = {c: begin[c] + size * c[0].rate(c[1]) for c in begin} if self.master.extrapolated else begin
+        used: dict[Connection, tuple[float, float]] = {}
+        done: set[Slave] = set()
+        for slave in self.slaves:
+            for connection in self.connections:
+                if connection[2] is slave:
+                    newest = connection[0] in done and self.master.method == GAUSS_SEIDEL
+                    end = connection[0][connection[1]] if newest else known[connection]
+                    used[connection] = self._feed(connection, begin[connection], end, size)
+            slave.step(time, size)
+            done.add(slave)
+        return {c: (*used[c], begin[c], c[0][c[1]]) for c in self.connections}
+
+    def _feed(self, connection: Connection, begin: float, end: float, size: float) -> tuple[float, float]:
+        """Sets an input for one step, held or on its line, and returns its values at both ends."""
+        _, _, target, name = connection
+        if not self.master.extrapolated:
+            target.set(**{name: end})
+            return end, end
+        target.set(**{name: begin})
+        target.set_rate(name, (end - begin) / size)
+        return begin, end
+
+    def error_of(self, lines: Mapping[Connection, tuple[float, float, float, float]]) -> float:
+        """Largest distance of an input from its source within the step, in nominal values."""
+        return max(
+            (
+                max(abs(a - begin), abs(b - end)) / connection[0].nominal(connection[1])
+                for connection, (a, b, begin, end) in lines.items()
+            ),
+            default=0.0,
+        )
+
+    def step(self, time: float, size: float) -> tuple[float, float]:
+        """One accepted macro step from `time`, at most `size` long: its length, and a proposal for the next one."""
+        tolerance = self.master.tolerance
+        while True:
+            flows = {bond: bond[1][0][bond[1][1]] for bond in self.bonds}
+            states = [] if tolerance is None else [slave.save() for slave in self.slaves]
+            try:
+                lines, error = self._try(time, size)
+                order = 2.0 if self.master.extrapolated else 1.0
+                factor = SAFETY * error ** (-1.0 / order) if error > 0.0 else GROW
+                proposed = size * min(GROW, max(SHRINK, factor))
+                if error <= 1.0:
+                    self._book(size, lines, flows)
+                    return size, proposed
+                if size <= SMALLEST:
+                    raise CosimulationError(
+                        f"The coupling error at {time:.6g} s stays above the tolerance {tolerance:g} with steps of "
+                        f"{size:.1e} s; enlarge the tolerance."
+                    )
+                for slave, state in zip(self.slaves, states, strict=True):
+                    slave.restore(state)
+                self.account.repeated += 1
+                size = max(SMALLEST, min(proposed, size / 2))
+            finally:
+                for slave, state in zip(self.slaves, states, strict=False):
+                    slave.forget(state)
+
+    def _try(self, time: float, size: float) -> tuple[dict[Connection, tuple[float, float, float, float]], float]:
+        """A macro step and its error in units of the tolerance; infinite where a slave refused a step too long.
+
+        A line may, for example, lead a capacity below zero.
+        """
+        tolerance = self.master.tolerance
+        try:
+            lines = self.advance(time, size)
+        except CosimulationError:
+            if tolerance is None or size <= SMALLEST:
+                raise
+            return {}, math.inf
+        return lines, self.error_of(lines) / tolerance if tolerance else 0.0
+
+    def _book(
+        self, size: float, lines: Mapping[Connection, tuple[float, float, float, float]], flows: Mapping[Bond, float]
+    ) -> None:
+        account = self.account
+        account.steps += 1
+        account.smallest, account.largest = min(account.smallest, size), max(account.largest, size)
+        for (connection, (slave, name)), flow in flows.items():
+            a, b, begin, end = lines[connection]
+            energy = size * ((a - begin) * flow + (b - end) * slave[name]) / 2
+            account.energy += energy
+            account.energy_moved += abs(energy)
+
+    def run(
+        self,
+        duration: float,
+        step: float,
+        drive: Callable[[float], None] | None = None,
+        instants: Sequence[float] = (),
+    ) -> Iterator[float]:
+        """Yields the time after each accepted step; with a tolerance, `instants` are times that no step may cross."""
+        if not (math.isfinite(step) and step > 0.0):
+            raise CosimulationError(f"Give a macro step above 0 s: it was {step:g} s.")
+        if self.master.tolerance is None:
+            for number in range(max(1, round(duration / step))):
+                if drive:
+                    drive(number * step)
+                self.step(number * step, step)
+                yield (number + 1) * step
+            return
+        time, size = 0.0, step
+        for edge in [*sorted(t for t in instants if 0.0 < t < duration), duration]:
+            while time < edge:
+                if drive:
+                    drive(time)
+                left = edge - time
+                whole = size >= left or left - size < SMALLEST
+                made, size = self.step(time, left if whole else size)
+                time = edge if whole and made == left else time + made
+                yield time
+            size = min(size, step)
+
+
+def couple(
+    slaves: Sequence[Slave],
+    connections: Sequence[Connection],
+    duration: float,
+    step: float,
+    record: Sequence[tuple[Slave, str]],
+    drive: Callable[[float], None] | None = None,
+    label: str = "",
+    coupling: Coupling | None = None,
+    instants: Sequence[float] = (),
+) -> Recording:
+    """Runs started slaves together from t = 0 and records outputs after every macro step.
+
+    In each step the slaves go in the given order, each with the newest outputs of the others, or as `coupling` says.
+    `drive(time)` may set inputs before each step. Raises CosimulationError.
+    """
+    coupling = coupling or Coupling(slaves, connections)
+    units = {name: slave.units[name] for slave, name in record}
+    by_slave = {slave: [name for owner, name in record if owner is slave] for slave in slaves}
+
+    def sample(time: float) -> list[float]:
+        values: list[float] = [time]
+        for slave in slaves:
+            values += slave.get(by_slave[slave])
+        return values
+
+    order = ["time"] + [name for slave in slaves for name in by_slave[slave]]
+    rows = [sample(0.0)]
+    with tqdm(total=duration, desc=label, delay=PATIENCE, leave=False, unit="s") as bar:
+        for time in coupling.run(duration, step, drive, instants):
+            rows.append(sample(time))
+            bar.update(time - rows[-2][0])
+    return Recording({"time": "s"} | {name: units[name] for name in order[1:]}, rows)

@@ -1,0 +1,1 @@
+"""What coupling FMUs costs."""

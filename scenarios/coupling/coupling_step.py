@@ -1,0 +1,148 @@
+"""What the macro step costs when brake and bogie are coupled: error, a torque that chatters, feedback that grows."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from scenarios.bench.braked_bogie import BOGIE, FULL_PRESSURE, FULL_TORQUE, brake_values
+from scenarios.cosimulation.master import GAUSS_SEIDEL, JACOBI
+from scenarios.cosimulation.recording import Recording
+from scenarios.macro_step import error as coupling_error
+from scenarios.macro_step import feedback_boundary, signed_torque
+from scenarios.macro_step.error import MASTERS
+from scenarios.macro_step.figure import draw
+from scenarios.macro_step.findings import Findings, find
+from scenarios.reporting.report import Result, Row
+from scenarios.scenario import Options, Scenario
+
+#: Macro steps [s], evenly on a logarithmic axis.
+STEPS = (1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 1e-2, 2e-2, 5e-2, 1e-1)
+#: Macro step of the rows that hold one step against paper [s]: the usual one.
+SHOWN = 1e-3
+#: Macro step of the rows that hold the size of the error against paper [s]; larger, because lines err so little.
+SIZED = 5e-3
+
+
+def error_rows(f: Findings, sized: float, shown: float) -> list[Row]:
+    """Orders, sizes, and what the usual master and macro step cost."""
+    reference = "reference: one system, SciPy's Radau at 1e-10"
+    rows = []
+    for name, master in MASTERS.items():
+        steps = sorted(f.errors[name])
+        slope = coupling_error.order(steps, [f.errors[name][step].distance for step in steps])
+        expected = 2.0 if master.extrapolated else 1.0
+        rows.append(Row(f"{name}: order of the stop distance", "1", expected, slope, 0.05, "theory", reference))
+    for name, master in MASTERS.items():
+        size = f.errors[name][sized].distance / coupling_error.error_on_paper(master, sized, f.stop).distance
+        source = f"theory: surplus of impulse, {1e3 * sized:g} ms"
+        following = "next term: h over the cylinder's lag"
+        rows.append(Row(f"{name}: error of distance over paper", "1", 1.0, size, 0.02, source, following))
+    name = "Gauss-Seidel, held"
+    error, paper = f.errors[name][shown], coupling_error.error_on_paper(MASTERS[name], shown, f.stop)
+    source = f"theory, macro step {1e3 * shown:g} ms"
+    for quantity, unit in (("time", "ms"), ("distance", "mm"), ("speed", "mm/s")):
+        expected, value = 1e3 * getattr(paper, quantity), 1e3 * getattr(error, quantity)
+        place = f"after {coupling_error.MIDWAY:g} s" if quantity == "speed" else f"until {coupling_error.AT_REST:g} m/s"
+        note = f"{place}; the suspension sways by some percent of the deceleration"
+        rows.append(Row(f"{name}: error of {quantity}", unit, expected, value, 0.03 * abs(expected), source, note))
+    return rows
+
+
+def chatter_rows(f: Findings, shown: float) -> list[Row]:
+    """Torque as a capacity stands; with sign it never does, and jumps as far as paper says."""
+    at = f"{1e3 * shown:g} ms"
+    standing = max(one.standing for one in (*f.stops.values(), *f.skids.values()))
+    rest = f.stops[shown].jump / signed_torque.jump_at_rest(shown)
+    skid = f.skids[shown].jump / signed_torque.jump_in_skid(shown)
+    width = f.width / signed_torque.width_on_paper(shown)
+    # A force on the wheels of this share of the brake's makes rises rarer and falls more frequent: 1 - share^2 is left
+    # of the jump. It takes tanh off its steepest place, where 1 - share^2 is left of the slope.
+    swaying = f.capacity.adhesion**2
+    sways = f"{at}; the suspension still sways with {f.capacity.adhesion:.2f} of the brake force"
+    return [
+        Row("capacity: wheels at rest, share of the time", "1", 1.0, f.capacity.standing, 0.0, "a brake holds", at),
+        Row("signed: wheels at rest, share of the time", "1", 0.0, standing, 0.0, "theory", "at most, all macro steps"),
+        Row("signed, at rest: jump over h T r/(J + m r2)", "1", 1.0, rest, swaying, "theory", sways),
+        Row("signed, skid: jump over h T r/J", "1", 1.0, skid, 0.02, "theory", f"{at}; creep force not quite constant"),
+        Row(
+            *("smoothed sign: least width over h T/2(J + m r2)", "1", 1.0, width),
+            *(swaying + signed_torque.WIDTH_RESOLUTION, "theory: linear", sways),
+        ),
+    ]
+
+
+def boundary_rows(f: Findings) -> list[Row]:
+    """The farthest of all macro steps, for each method."""
+    rows = []
+    for method, found in f.found.items():
+        ratios = [found[step] / f.paper[method][step] for step in found]
+        farthest = max(ratios, key=lambda ratio: abs(ratio - 1.0))
+        rows.append(
+            Row(
+                *(f"{method.title()}: boundary found over eigenvalues, farthest", "1", 1.0, farthest, 0.01),
+                "theory: exact sampling of the linearised bogie and brake",
+                f"all macro steps; bisection to {feedback_boundary.RESOLUTION}",
+            )
+        )
+    return rows
+
+
+def remarks(f: Findings, shown: float) -> list[str]:
+    least, largest = min(f.stops), max(f.stops)
+    jumps = f"{1e3 * f.stops[least].jump:.2g} mm/s at {1e3 * least:g} ms, {1e3 * f.stops[shown].jump:.2g} mm/s"
+    creep = BOGIE.wheel_radius * f.width * np.arctanh(0.5)
+    kpa = feedback_boundary.pressure_per_slip(f.plant) / 1e5
+    jacobi, gauss_seidel = f.found[JACOBI], f.found[GAUSS_SEIDEL]
+    return [
+        f"Signed torque: rims jump by {jumps} at {1e3 * shown:g} ms; at {1e3 * largest:g} ms the bogie rolls to and "
+        f"fro at up to {1e3 * f.stops[largest].speed:.0f} mm/s. With the capacity it stands, with "
+        f"{1e6 * f.capacity.speed:.1f} um/s of swaying left.",
+        f"Smoothed to tanh(w/w_eps), the sign stands at {1e3 * shown:g} ms from w_eps = {f.width:.3f} rad/s on; but "
+        f"pulled with half of the brake's torque, as on a gradient, the bogie then creeps at {1e3 * creep:.1f} mm/s.",
+        f"Feedback of slip: from {1e3 * least:g} to {1e3 * largest:g} ms the gain that grows falls from "
+        f"{jacobi[least]:.0f} to {jacobi[largest]:.2g} (Jacobi) and {gauss_seidel[least]:.0f} to "
+        f"{gauss_seidel[largest]:.2g} (Gauss-Seidel); at {1e3 * shown:g} ms Gauss-Seidel bears "
+        f"{gauss_seidel[shown] / jacobi[shown]:.1f} times as much. Gain 1 is {kpa:.0f} kPa per % of slip, creep in its "
+        "linear range. "
+        "Jacobi's limit drops above 65 ms, where the bogie's pitching (2 Hz) is what grows.",
+    ]
+
+
+def series_of(f: Findings) -> Recording:
+    steps = sorted(f.stops)
+    series = Recording({"macro_step": "s"}, [[step] for step in steps])
+
+    def add(name: str, unit: str, values: dict[float, float]) -> None:
+        series.add(name, unit, np.array([values.get(step, np.nan) for step in steps]))
+
+    for name, errors in f.errors.items():
+        for quantity, unit in (("time", "s"), ("distance", "m"), ("speed", "m/s")):
+            add(f"error of {quantity} ({name})", unit, {step: getattr(e, quantity) for step, e in errors.items()})
+    for place, chatters in (("at rest", f.stops), ("in a skid", f.skids)):
+        add(f"jump {place}", "m/s", {step: one.jump for step, one in chatters.items()})
+        add(f"largest speed backward {place}", "m/s", {step: one.backward for step, one in chatters.items()})
+    for method in f.found:
+        add(f"loop gain on paper ({method})", "1", f.paper[method])
+        add(f"loop gain found ({method})", "1", f.found[method])
+    return series
+
+
+def parameters() -> dict[str, Any]:
+    used = {"full_pressure": FULL_PRESSURE, "full_torque": FULL_TORQUE, "macro_steps": list(STEPS)}
+    feedback = {"feedback_speed": feedback_boundary.SPEED, "feedback_pressure": feedback_boundary.PRESSURE}
+    return BOGIE.values() | brake_values() | used | feedback | {"stop_speed": coupling_error.INITIAL_SPEED}
+
+
+def run(options: Options) -> Result:
+    found = find(STEPS, SHOWN)
+    rows = error_rows(found, SIZED, SHOWN) + chatter_rows(found, SHOWN) + boundary_rows(found)
+    return Result(
+        *(rows, series_of(found), lambda: draw(found), parameters(), 0.0, remarks(found, SHOWN), found.guids),
+    )
+
+
+SCENARIO = Scenario(
+    "coupling-step", "Error, chatter and stability of coupled brake and bogie over the macro step", run, frozenset()
+)

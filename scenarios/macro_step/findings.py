@@ -1,0 +1,76 @@
+"""All runs of the study of the macro step, with FMUs that are opened once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import closing
+from dataclasses import dataclass
+
+from tqdm import tqdm
+
+from scenarios.cosimulation.master import GAUSS_SEIDEL, JACOBI
+from scenarios.cosimulation.slave import Slave
+from scenarios.macro_step import error as coupling_error
+from scenarios.macro_step import signed_torque
+from scenarios.macro_step.error import MASTERS, Stop
+from scenarios.macro_step.feedback_boundary import ClosedLoop, Plant, boundary_on_paper, linear_bogie
+from scenarios.macro_step.signed_torque import Chatter
+from scenarios.reporting.progress import PATIENCE
+from scenarios.scenario import Options, open_bogie, open_brake
+
+#: Below, the error of the second order drowns in the solvers' own [s].
+FIRST_OF_LINES = 2e-4
+
+
+@dataclass(frozen=True)
+class Findings:
+    """By name and macro step [s]: errors of the stop, chatter of the signed torque, boundaries on paper and found."""
+
+    stop: Stop
+    errors: dict[str, dict[float, Stop]]
+    capacity: Chatter
+    stops: dict[float, Chatter]
+    skids: dict[float, Chatter]
+    width: float
+    plant: Plant
+    paper: dict[str, dict[float, float]]
+    found: dict[str, dict[float, float]]
+    guids: dict[str, str]
+
+
+def find(steps: Sequence[float], shown: float) -> Findings:
+    """Everything at these macro steps; what needs only one of them, at `shown`."""
+    options, plant, stop = Options(), linear_bogie(), coupling_error.reference()
+    with open_brake(options) as brake, open_bogie(options) as bogie:
+        brake.start()
+        bogie.start()
+        # The long steps first: a bar that starts fast and slows down is better than one that stands still.
+        bar = tqdm(sorted(steps, reverse=True), "coupling-step", delay=PATIENCE, leave=False, unit="macro step")
+        errors: dict[str, dict[float, Stop]] = {name: {} for name in MASTERS}
+        found: dict[str, dict[float, float]] = {JACOBI: {}, GAUSS_SEIDEL: {}}
+        stops, skids = {}, {}
+        for step in bar:
+            for name, error in errors_at(brake, bogie, stop, step).items():
+                errors[name][step] = error
+            stops[step] = signed_torque.signed_stop(bogie, step)
+            skids[step] = signed_torque.signed_skid(bogie, step)
+            with closing(ClosedLoop(brake, bogie, plant)) as loop:
+                for method in found:
+                    found[method][step] = loop.boundary(method, step)
+        return Findings(
+            *(stop, errors, signed_torque.capacity_stop(bogie, shown), stops, skids),
+            width=signed_torque.width_that_stands(bogie, shown),
+            plant=plant,
+            paper={method: {step: boundary_on_paper(plant, method, step) for step in steps} for method in found},
+            found=found,
+            guids={slave.name: slave.guid for slave in (brake, bogie)},
+        )
+
+
+def errors_at(brake: Slave, bogie: Slave, exact: Stop, step: float) -> dict[str, Stop]:
+    """Errors of the stop by master."""
+    return {
+        name: coupling_error.coupled_stop(brake, bogie, master, step).minus(exact)
+        for name, master in MASTERS.items()
+        if step >= FIRST_OF_LINES or not master.extrapolated
+    }

@@ -1,0 +1,131 @@
+"""The torque that must not cross the border: a brake torque with sign, from the wheel speed of the last macro step."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import bisect
+
+from scenarios.bench.braked_bogie import BOGIE, FULL_TORQUE, acceleration_per_torque, bogie_values
+from scenarios.cosimulation.master import couple
+from scenarios.cosimulation.recording import Recording
+from scenarios.cosimulation.slave import Slave
+
+WHEELSETS = (1, 2)
+RECORDED = ("speed", "angular_velocity_1", "angular_velocity_2", "creep_force_1", "creep_force_2")
+#: The stop from a walking pace [m/s]; then time in which the swaying in the suspension dies down, and time to look at
+#: [s], at least so many macro steps.
+STOP_SPEED, SWAYING, LOOK, LOOK_STEPS = 0.5, 2.0, 0.4, 30
+#: The skid: wet rail, on which the full brake locks the wheels at once.
+SKID_SPEED, SKID_FRICTION, SKID_SECONDS, SKID_STEPS = 10.0, 0.1, 1.5, 150
+#: Widths tried for a smoothed sign, over the one on paper, and how close the least one is found; with jumps below this
+#: share of those with a sharp sign the wheels stand, but for the swaying.
+WIDTHS, WIDTH_RESOLUTION, STANDING = (0.5, 2.0), 0.01, 0.05
+
+
+@dataclass(frozen=True)
+class Chatter:
+    """Jump of the wheels' rim speed in a macro step, largest speed of the bogie, largest rim speed backward [m/s].
+
+    The jump is the mean of the mean rise and the mean fall: what the torque alone does in a step, because a force that
+    stays (adhesion in a skid, a stretched suspension) adds to the one what it takes from the other.
+    standing: share of the time in which no wheelset turns, not by the last digit. adhesion: largest force of the rails,
+    over that of the brake; on wheels that stand it is the swaying suspension that they hold.
+    """
+
+    jump: float
+    speed: float
+    backward: float
+    standing: float
+    adhesion: float
+    series: Recording
+
+
+def judge(series: Recording, begin: float) -> Chatter:
+    """What the wheels do from a time [s] on."""
+    late = series["time"] >= begin
+    rims = BOGIE.wheel_radius * np.array([series[f"angular_velocity_{number}"][late] for number in WHEELSETS])
+    standing = (rims == 0.0).all(axis=0).mean()
+    force = max(np.abs(series[f"creep_force_{number}"][late]).max() for number in WHEELSETS)
+    change = np.diff(rims)
+    moved = bool(change.any())
+    jump = (change[change > 0.0].mean() - change[change < 0.0].mean()) / 2 if moved else 0.0
+    speed = np.abs(series["speed"][late]).max()
+    adhesion = force * BOGIE.wheel_radius / FULL_TORQUE
+    return Chatter(float(jump), float(speed), float(-rims.min()), float(standing), float(adhesion), series)
+
+
+def play_signed(bogie: Slave, duration: float, step: float, width: float = 0.0) -> Recording:
+    """Brake torques as traction torques against the rotation as it was at the start of each macro step.
+
+    width [rad/s]: the sign is smoothed to tanh(angular velocity / width); 0: not smoothed.
+    """
+
+    def drive(_: float) -> None:
+        turning = np.array(bogie.get([f"angular_velocity_{number}" for number in WHEELSETS]))
+        torques = -FULL_TORQUE * (np.tanh(turning / width) if width else np.sign(turning))
+        bogie.set(traction_torque_1=torques[0], traction_torque_2=torques[1])
+
+    return couple([bogie], [], duration, step, [(bogie, name) for name in RECORDED], drive)
+
+
+def stop_time() -> float:
+    return STOP_SPEED / (acceleration_per_torque() * FULL_TORQUE)
+
+
+def signed_stop(bogie: Slave, step: float, width: float = 0.0) -> Chatter:
+    """The stop with a signed torque, and what is left of the motion after it."""
+    bogie.restart(bogie_values(STOP_SPEED))
+    begin = stop_time() + SWAYING
+    return judge(play_signed(bogie, begin + max(LOOK, LOOK_STEPS * step), step, width), begin)
+
+
+def capacity_stop(bogie: Slave, step: float) -> Chatter:
+    """The same stop with the torque as a capacity."""
+    bogie.restart(bogie_values(STOP_SPEED), brake_torque_1=FULL_TORQUE, brake_torque_2=FULL_TORQUE)
+    begin = stop_time() + SWAYING
+    series = couple([bogie], [], begin + LOOK, step, [(bogie, name) for name in RECORDED])
+    return judge(series, begin)
+
+
+def signed_skid(bogie: Slave, step: float) -> Chatter:
+    """Wheels that should be locked while the bogie slides on; looked at over the second half."""
+    bogie.restart(bogie_values(SKID_SPEED), friction_1=SKID_FRICTION, friction_2=SKID_FRICTION)
+    duration = max(SKID_SECONDS, SKID_STEPS * step)
+    return judge(play_signed(bogie, duration, step), duration / 2)
+
+
+def width_that_stands(bogie: Slave, step: float) -> float:
+    """The least smoothing of the sign with which the bogie comes to rest, by bisection [rad/s]."""
+
+    def stands(factor: float) -> float:
+        found = signed_stop(bogie, step, factor * width_on_paper(step))
+        return 1.0 if found.jump < STANDING * jump_at_rest(step) else -1.0
+
+    return width_on_paper(step) * float(bisect(stands, *WIDTHS, xtol=WIDTH_RESOLUTION))
+
+
+def rolling_inertia() -> float:
+    """J + m r^2 of a wheelset that rolls [kg.m2]."""
+    return BOGIE.wheelset_pitch_inertia + BOGIE.wheelset_mass * BOGIE.wheel_radius**2
+
+
+def width_on_paper(step: float) -> float:
+    """h T / 2 (J + m r^2): with more, a torque T w/w_eps held over h takes less than twice the speed w [rad/s]."""
+    return step * FULL_TORQUE / (2 * rolling_inertia())
+
+
+def jump_at_rest(step: float) -> float:
+    """Rolling wheelset that the suspension does not hold, h T r / (J + m r^2): for h below its period [m/s]."""
+    return step * FULL_TORQUE * BOGIE.wheel_radius / rolling_inertia()
+
+
+def jump_of_whole_bogie(step: float) -> float:
+    """The bogie as one mass: for h above the periods of the suspension [m/s]."""
+    return step * FULL_TORQUE * acceleration_per_torque()
+
+
+def jump_in_skid(step: float) -> float:
+    """Wheelset that turns freely under the sliding bogie, h T r / J [m/s]."""
+    return step * FULL_TORQUE * BOGIE.wheel_radius / BOGIE.wheelset_pitch_inertia

@@ -1,0 +1,1 @@
+"""Integration methods beside each other on the same equations: scenes, peers, limits."""

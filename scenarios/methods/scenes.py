@@ -1,0 +1,178 @@
+"""Six scenes that stress different things, and what is read off each: the ground of the study of speed and accuracy."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+import numpy as np
+
+from fmu_src.kernel import Kernel
+from fmu_src.system import System
+from rbd_model.bogie import levels, wheelset_in_frame
+from rbd_model.parameters import tables_5_1_and_5_2
+from scenarios.bench.drive import History, prepare, value_at
+from scenarios.thesis.asymmetric_braking import BRAKE_START, BRAKE_TORQUE, YAW_TORQUE
+
+#: Samples of the measured states by name, times [s] included.
+Samples = Mapping[str, np.ndarray]
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A run: FMU, parameters, inputs, length [s], samples every `interval` s, and what is read off them.
+
+    Corners of the inputs lie on the samples. `read` are the states that `measure` needs; its values are all of order
+    1 m, 1 s or 1 mm and are compared relatively.
+    """
+
+    name: str
+    stress: str
+    fmu: str
+    duration: float
+    interval: float
+    read: tuple[str, ...]
+    measure: Callable[[Samples], dict[str, float]]
+    values: Mapping[str, float] = field(default_factory=dict)
+    inputs: Mapping[str, History] = field(default_factory=dict)
+    #: Largest step of other methods [s]: half of a wave, which none may step over; ours know it by themselves.
+    longest_step: float = math.inf
+
+    def kernel(self, **values: float) -> Kernel:
+        """An initialised kernel at the start, at level 3 unless `values` say otherwise."""
+        level = {"level": 3} if self.fmu == "bogie" else {}
+        kernel = prepare(self.fmu, **level | dict(self.values) | values)
+        kernel.set(**{name: history[0][1] for name, history in self.inputs.items()})
+        kernel.initialise()
+        return kernel
+
+    def segments(self) -> list[tuple[float, float]]:
+        """Times between the corners of the inputs [s]."""
+        corners = {time for history in self.inputs.values() for time, _ in history if 0.0 < time < self.duration}
+        return list(pairwise([0.0, *sorted(corners), self.duration]))
+
+    def set_inputs(self, kernel: Kernel, begin: float, end: float) -> None:
+        """Inputs as straight lines from `begin` to `end`."""
+        for name, history in self.inputs.items():
+            first, last = value_at(history, begin, after=True), value_at(history, end, after=False)
+            kernel.set(**{name: first})
+            kernel.set_rate(**{name: (last - first) / (end - begin)})
+
+    def times(self) -> np.ndarray:
+        return np.arange(round(self.duration / self.interval) + 1) * self.interval
+
+
+def system_of(fmu: str, level: int = 3) -> System:
+    """The equations of a kernel."""
+    return levels(tables_5_1_and_5_2())[level - 1] if fmu == "bogie" else wheelset_in_frame()
+
+
+def stopping(samples: Samples) -> dict[str, float]:
+    """Distance at the end [m]; time to stand [s], extended from the last samples above walking pace."""
+    time, speed = samples["time"], samples["frame_speed"]
+    last = int(np.flatnonzero(speed > WALKING)[-1])
+    deceleration = (speed[last - 1] - speed[last]) / (time[last] - time[last - 1])
+    return {
+        "distance": float(samples["frame_distance"][-1]),
+        "stop time": float(time[last] + speed[last] / deceleration),
+    }
+
+
+def moving(samples: Samples) -> dict[str, float]:
+    """Distance [m], speed [m/s] and turns of the leading wheelset [rad] at the end."""
+    names = {"distance": "frame_distance", "speed": "frame_speed", "rotation": "rotation_1"}
+    return {name: float(samples[state][-1]) for name, state in names.items()}
+
+
+def lateral_peak(samples: Samples) -> dict[str, float]:
+    """Largest lateral displacement of the leading wheelset [m], and the distance [m]."""
+    peak = float(np.abs(samples["lateral_1"]).max())
+    return {"peak lateral": peak, "distance": float(samples["frame_distance"][-1])}
+
+
+def cycle_peak(samples: Samples) -> dict[str, float]:
+    """Amplitude of the limit cycle: the largest lateral displacement in the last third [m]."""
+    late = samples["time"] >= samples["time"][-1] * 2 / 3
+    return {"peak lateral": float(np.abs(samples["lateral_1"][late]).max())}
+
+
+def peak_and_stop(samples: Samples) -> dict[str, float]:
+    return lateral_peak(samples) | stopping(samples)
+
+
+#: Speed from which a stop is extended to rest: near it, and still above the creep at rest [m/s].
+WALKING = 0.5
+FULL = 20e3
+
+
+def both(torque: History) -> dict[str, History]:
+    return {"brake_torque_1": torque, "brake_torque_2": torque}
+
+
+def asymmetric(error: int) -> dict[str, History]:
+    """Brake applied within 1 s, one shoe pressing too hard by `error` %, as in chapter 9."""
+    ramp = [(0.0, 0.0), (BRAKE_START, 0.0), (BRAKE_START + 1.0, 1.0)]
+    inputs = both([(time, BRAKE_TORQUE * share) for time, share in ramp])
+    return inputs | {"yaw_torque_1": [(time, YAW_TORQUE[error] * share) for time, share in ramp]}
+
+
+STOP = ("frame_distance", "frame_speed")
+SMOOTH = Scene(
+    "smooth stop", "nothing but stiff creep", "bogie", 16.5, 0.05, STOP, stopping, inputs=both([(0.0, FULL)])
+)
+LOCK_UP = Scene(
+    "lock-up and release",
+    "events, sliding",
+    "bogie",
+    6.0,
+    0.05,
+    (*STOP, "rotation_1"),
+    moving,
+    inputs={"brake_torque_1": [(0.0, 0.0), (0.5, 0.0), (1.0, 60e3), (3.0, 60e3), (3.5, 10e3)]},
+)
+HUNTING = Scene(
+    "hunting at 30 m/s",
+    "a limit cycle between the flanges",
+    "wheelset",
+    15.0,
+    0.01,
+    ("lateral_1",),
+    cycle_peak,
+    values={"initial_speed": 30.0, "constant_speed": 1, "lateral_irregularity": 4e-3, "lateral_wave_number": 0.2},
+    longest_step=1 / (0.2 * 30.0),
+)
+FLANGE = Scene(
+    "lateral wave with flange contact",
+    "a spring that comes and goes",
+    "bogie",
+    4.0,
+    0.01,
+    (*STOP, "lateral_1"),
+    lateral_peak,
+    values={"initial_speed": 15.0, "lateral_irregularity": 0.025, "lateral_wave_number": 0.045},
+    longest_step=1 / (0.045 * 15.0),
+)
+ASYMMETRIC = Scene(
+    "asymmetric shoes, rotating yaw torque",
+    "flange contact once in every turn",
+    "bogie",
+    18.0,
+    0.05,
+    (*STOP, "lateral_1"),
+    peak_and_stop,
+    values={"yaw_torque_rotates": 1, "wheel_lift_ends": 0},
+    inputs=asymmetric(25),
+)
+STANDING = Scene(
+    "stop and 10 s of rest",
+    "creep without bound on its stiffness",
+    "bogie",
+    27.0,
+    0.05,
+    STOP,
+    stopping,
+    inputs=both([(0.0, FULL)]),
+)
+SCENES = (SMOOTH, LOCK_UP, HUNTING, FLANGE, ASYMMETRIC, STANDING)

@@ -1,0 +1,182 @@
+"""Stability of methods on the equations of motion: predicted from eigenvalues, and found by perturbation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from scipy.optimize import brentq
+
+from fmu_src.kernel import Kernel
+from scenarios.bench.drive import prepare
+from scenarios.methods.integrators import layout
+
+#: Values of integration_method.
+RODAS, ROS34PW2, RUNGE_KUTTA = 1, 2, 3
+#: Time in which a start becomes a steady run [s].
+SETTLING = 0.3
+#: Steps over which a perturbation along the fastest mode grows or decays, by 60 at the most within 10 % of the limit.
+STEPS = 10
+#: Its size as a share of the speed: far below where creep saturates (0.3 %), far above the noise of the solution.
+PERTURBATION = 3e-6
+#: Difference of two runs that is noise of the solution, as a share of the speed.
+NOISE = 1e-11
+
+
+#: Light drag braking [N.m on each wheelset], balanced by the drawbar: the law of creep has no unique slope at rest.
+DRAG = 2e3
+
+
+@dataclass(frozen=True)
+class Machine:
+    """What is driven: an FMU's kernel with its parameters, and the wheelsets that drag."""
+
+    name: str
+    fmu: str
+    values: tuple[tuple[str, float], ...]
+    wheelsets: int = 2
+
+    @property
+    def drag(self) -> dict[str, float]:
+        """Inputs that hold a speed against the brakes."""
+        radius = prepare(self.fmu)["wheel_radius"]
+        torques = {f"brake_torque_{number}": DRAG for number in range(1, self.wheelsets + 1)}
+        return torques | {"drawbar_force": self.wheelsets * DRAG / radius}
+
+    @property
+    def level(self) -> int:
+        return int(dict(self.values).get("level", 3))
+
+
+SPATIAL = Machine("bogie, spatial", "bogie", (("level", 3),))
+PLANAR = Machine("bogie, planar", "bogie", (("level", 2),))
+WHEELSET = Machine("one wheelset in a frame", "wheelset", (), 1)
+MACHINES = (SPATIAL, PLANAR, WHEELSET)
+
+
+def amplification_of_rk4(z: complex | np.ndarray) -> complex | np.ndarray:
+    """Stability function of the classical Runge-Kutta method of order 4, R(z); Hairer and Wanner 1996, IV.2."""
+    return 1 + z + z**2 / 2 + z**3 / 6 + z**4 / 24
+
+
+def amplification_of_dopri5(z: complex | np.ndarray) -> complex | np.ndarray:
+    """Stability function of Dormand's and Prince's method of order 5, which RK45 advances; the same, IV.2."""
+    return 1 + z + z**2 / 2 + z**3 / 6 + z**4 / 24 + z**5 / 120 + z**6 / 600
+
+
+def amplification_of_euler(z: complex | np.ndarray) -> complex | np.ndarray:
+    """Stability function of the explicit Euler method."""
+    return 1 + z
+
+
+EXPLICIT = {"Euler": amplification_of_euler, "RK4": amplification_of_rk4, "RK45": amplification_of_dopri5}
+
+
+def largest_stable_step(eigenvalues: np.ndarray, amplification=amplification_of_rk4) -> float:  # type: ignore[no-untyped-def]
+    """Step [s] at which the first decaying mode begins to grow under the method; others do not count."""
+    decaying = eigenvalues[eigenvalues.real < -STILL]
+
+    def growth(size: float) -> float:
+        return float(np.abs(amplification(size * decaying)).max() - 1.0)
+
+    first = 0.1 / np.abs(decaying).max()
+    while growth(first) < 0.0:
+        first *= 1.02
+    return float(brentq(growth, first / 1.02, first, rtol=1e-10))
+
+
+#: Decay below which a mode counts as still [1/s]: distance and rotation, and the slow fall of the speed.
+STILL = 0.5
+
+
+def start_of(machine: Machine, inputs: tuple[tuple[str, float], ...]) -> dict[str, float]:
+    """Parameters and first inputs; `inputs` come before the machine's own."""
+    return dict(machine.values) | machine.drag | dict(inputs)
+
+
+@lru_cache(maxsize=256)
+def steady(machine: Machine, speed: float, inputs: tuple[tuple[str, float], ...] = ()) -> tuple[np.ndarray, np.ndarray]:
+    """Differential states of a steady run at a speed [m/s], and the exact Jacobian there, without algebraic states."""
+    kernel = prepare(machine.fmu, initial_speed=speed, tolerance=1e-10, **start_of(machine, inputs))
+    kernel.advance(SETTLING)
+    form = layout(machine.fmu, machine.level)
+    place = np.array(kernel.linearise().state)[form.differential]
+    return place, np.array(kernel.jacobian_at(kernel.time, place.tolist()))
+
+
+def limit(machine: Machine, speed: float, method: str = "RK4", inputs: tuple[tuple[str, float], ...] = ()) -> float:
+    """Predicted largest stable step of an explicit method [s]."""
+    return largest_stable_step(np.linalg.eigvals(steady(machine, speed, inputs)[1]), EXPLICIT[method])
+
+
+@dataclass(frozen=True)
+class Growth:
+    """How a perturbation grew in each step: measured, and what the log said."""
+
+    factor: float
+    journal: tuple[str, ...]
+
+    @property
+    def stable(self) -> bool:
+        return self.factor < 1.0
+
+
+def growth_of_perturbation(
+    machine: Machine, speed: float, step: float, method: int, inputs: tuple[tuple[str, float], ...] = ()
+) -> Growth:
+    """Two runs with fixed steps from a steady state and from beside it, along the fastest mode.
+
+    Returns the mean growth of their difference in each step, until it is lost in noise.
+    """
+    place, jacobian = steady(machine, speed, inputs)
+    form = layout(machine.fmu, machine.level)
+    turning = [form.kept.index(name) for name in form.kept if name.startswith("angular_velocity")]
+    fast = fastest_mode(jacobian)
+    moved = place + PERTURBATION * speed * fast / np.abs(fast[turning]).max()
+    kernels = [fixed_kernel(machine, start, speed, step, method, inputs) for start in (place, moved)]
+    sizes = [PERTURBATION * speed]
+    while len(sizes) <= STEPS and sizes[-1] > NOISE * speed:
+        for kernel in kernels:
+            kernel.step(kernel.time, step)
+        states = [np.array(kernel.linearise().state)[form.differential][turning] for kernel in kernels]
+        sizes.append(float(np.abs(states[1] - states[0]).max()))
+    journal = tuple(line for kernel in kernels for line in kernel.journal)
+    return Growth((sizes[-1] / sizes[0]) ** (1 / (len(sizes) - 1)), journal)
+
+
+def fastest_mode(jacobian: np.ndarray) -> np.ndarray:
+    """Real part of the eigenvector of the eigenvalue with the largest magnitude."""
+    values, vectors = np.linalg.eig(jacobian)
+    vector = vectors[:, np.argmax(np.abs(values))]
+    return np.real(vector / vector[np.argmax(np.abs(vector))])
+
+
+def fixed_kernel(
+    machine: Machine,
+    place: np.ndarray,
+    speed: float,
+    step: float,
+    method: int,
+    inputs: tuple[tuple[str, float], ...],
+) -> Kernel:
+    """A kernel with fixed steps that stands at a place."""
+    values = {"initial_speed": speed, "integration_method": method, "integration_step": step, "tolerance": 1e-2}
+    kernel = prepare(machine.fmu, **values, **start_of(machine, inputs))
+    kernel.initialise()
+    kernel.arrive(0.0, place.tolist())
+    return kernel
+
+
+def boundary(
+    machine: Machine, speed: float, method: int = RUNGE_KUTTA, inputs: tuple[tuple[str, float], ...] = ()
+) -> float:
+    """Largest stable step found by bisection on the growth of a perturbation, to 0.2 % [s]."""
+    low, high = 0.7 * limit(machine, speed, "RK4", inputs), 1.4 * limit(machine, speed, "RK4", inputs)
+    while high / low > 1.002:
+        middle = float(np.sqrt(low * high))
+        if growth_of_perturbation(machine, speed, middle, method, inputs).stable:
+            low = middle
+        else:
+            high = middle
+    return float(np.sqrt(low * high))

@@ -1,0 +1,196 @@
+"""The fast model beside chapter 3 as printed: the same three scenes in both, and what each costs."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from matplotlib.figure import Figure
+from tqdm import tqdm
+
+from rbd_model.contact_geometry import thesis_pair
+from rbd_model.parameters import tables_4_1_and_4_2, tables_5_1_and_5_2
+from rbd_model.thesis.kinematic_analysis import rolling
+from rbd_model.thesis.mechanism import FIRST_WHEELSET, Inputs, Mechanism, State
+from rbd_model.thesis.program import run as run_program
+from rbd_model.thesis.program import spin
+from rbd_model.track import derivatives_along, section_5_3
+from scenarios.bench.drive import play, prepare
+from scenarios.cosimulation.recording import Recording
+from scenarios.reporting.plots import BOGIE, TRAILING, plt
+from scenarios.reporting.progress import PATIENCE
+from scenarios.reporting.report import Result, Row
+from scenarios.scenario import Options, Scenario
+
+#: Steps of the oracle and samples [s]; Runge-Kutta is unstable above 0.99 ms at 15 m/s and 0.8 ms at 25 m/s.
+STEP, INTERVAL = 5e-4, 5e-3
+TOLERANCE = 1e-9
+
+
+@dataclass(frozen=True)
+class Scene:
+    """One comparison: the FMU and its number of wheelsets, start, track, constant inputs, and what is looked at."""
+
+    name: str
+    fmu: str
+    wheelsets: int
+    speed: float
+    duration: float
+    track: tuple[tuple[str, float], ...]
+    brake_torque: tuple[float, float]
+
+
+SCENES = (
+    Scene(
+        "one wheelset hunting at 15 m/s",
+        "wheelset",
+        1,
+        15.0,
+        1.0,
+        (("lateral_irregularity", 2e-3), ("lateral_wave_number", 0.2), ("irregularity_start", 1.0)),
+        (0.0, 0.0),
+    ),
+    Scene(
+        "bogie braked with 20 kN.m over a lateral wave",
+        "bogie",
+        2,
+        25.0,
+        0.8,
+        (("lateral_irregularity", 0.012), ("lateral_wave_number", 0.08), ("irregularity_start", 2.0)),
+        (20e3, 20e3),
+    ),
+    Scene(
+        "leading wheelset braked with 60 kN.m: skid",
+        "bogie",
+        2,
+        25.0,
+        0.6,
+        (("lateral_irregularity", 2e-3), ("lateral_wave_number", 0.2), ("irregularity_start", 1.0)),
+        (60e3, 0.0),
+    ),
+)
+RECORDED = ("lateral_1", "speed", "angular_velocity_1")
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Both models' series of one scene, and the seconds that each took."""
+
+    fast: Recording
+    printed: Recording
+    seconds: tuple[float, float]
+
+    def difference(self, name: str) -> float:
+        """Largest difference of a quantity over the scene."""
+        return float(np.abs(self.fast[name] - self.printed[name]).max())
+
+
+def by_kernel(scene: Scene) -> Recording:
+    inputs = {f"brake_torque_{n}": [(0.0, scene.brake_torque[n - 1])] for n in range(1, scene.wheelsets + 1)}
+    level = {"level": 3} if scene.fmu == "bogie" else {}
+    kernel = prepare(scene.fmu, initial_speed=scene.speed, tolerance=TOLERANCE, **level, **dict(scene.track))
+    return play(scene.fmu, kernel, scene.duration, INTERVAL, RECORDED, inputs)
+
+
+def by_chapter_3(scene: Scene) -> Recording:
+    """The oracle with exact contact ellipses and Kalker's table; lateral displacements from the track's centre."""
+    parameters = tables_4_1_and_4_2() if scene.wheelsets == 1 else tables_5_1_and_5_2()
+    track = derivatives_along(replace(section_5_3(), **dict(scene.track)))
+    mechanism = Mechanism(parameters, thesis_pair(), scene.wheelsets, track)
+    inputs = Inputs(brake_torque=scene.brake_torque)
+
+    def row(state: State) -> list[float]:
+        bodies = [mechanism.body(FIRST_WHEELSET + n) for n in range(scene.wheelsets)]
+        leading = state.q[bodies[0]]
+        speed = float(np.mean([state.q_rate[body][0] for body in bodies]))
+        return [state.time, leading[1] - track(float(leading[0]))[0, 0], speed, spin(mechanism, state, 0)]
+
+    state, every = rolling(mechanism, scene.speed), round(INTERVAL / STEP)
+    rows = [row(state)]
+    steps = run_program(mechanism, state, scene.duration, STEP, lambda time: inputs)
+    bar = tqdm(steps, scene.name, round(scene.duration / STEP), delay=PATIENCE, leave=False, unit="step")
+    for number, state in enumerate(bar, 1):
+        if number % every == 0:
+            rows.append(row(state))
+    return Recording({"time": "s", "lateral_1": "m", "speed": "m/s", "angular_velocity_1": "rad/s"}, rows)
+
+
+def timed(work: Callable[[Scene], Recording], scene: Scene) -> tuple[Recording, float]:
+    begin = time.perf_counter()
+    found = work(scene)
+    return found, time.perf_counter() - begin
+
+
+def compare(scene: Scene) -> Outcome:
+    by_kernel(scene)  # compiles and warms up
+    fast, fast_seconds = timed(by_kernel, scene)
+    printed, printed_seconds = timed(by_chapter_3, scene)
+    return Outcome(fast, printed, (fast_seconds, printed_seconds))
+
+
+def run(options: Options) -> Result:
+    outcomes = {scene: compare(scene) for scene in SCENES}
+    rows = []
+    for scene, outcome in outcomes.items():
+        source, cost = "chapter 3 as printed, not the thesis's figures", "measured now, once"
+        largest = 1e3 * float(np.abs(outcome.printed["lateral_1"]).max())
+        rows += [
+            Row(
+                f"{scene.name}: largest lateral shift",
+                "mm",
+                largest,
+                1e3 * float(np.abs(outcome.fast["lateral_1"]).max()),
+                0.005 * largest,
+                source,
+                "the fast model's polynomials for ellipse and Kalker's coefficients are within 0.5 %",
+            ),
+            Row(
+                f"{scene.name}: difference of lateral shift",
+                "mm",
+                0.0,
+                1e3 * outcome.difference("lateral_1"),
+                0.005 * largest,
+                source,
+            ),
+            Row(f"{scene.name}: difference of speed", "m/s", 0.0, outcome.difference("speed"), 1e-3, source),
+            Row(f"{scene.name}: time of the fast model", "s", None, outcome.seconds[0], None, cost),
+            Row(f"{scene.name}: time of chapter 3", "s", None, outcome.seconds[1], None, cost),
+        ]
+    longest = outcomes[SCENES[0]]
+    series = Recording({"time": "s"}, [[instant] for instant in longest.fast["time"]])
+    for number, outcome in enumerate(outcomes.values(), 1):
+        for word, one in (("fast", outcome.fast), ("chapter 3", outcome.printed)):
+            for name in RECORDED:
+                series.add_from(f"{name}, scene {number}, {word}", one, name)
+    remark = (
+        "The oracle has exact contact ellipses and Kalker's table with straight lines between its entries. With the "
+        "fast model's polynomials in their place the two agree to 1e-9 in accelerations and forces (tests/thesis)."
+    )
+    seconds = sum(scene.duration for scene in SCENES)
+    return Result(rows, series, lambda: draw(outcomes), {"step": STEP, "tolerance": TOLERANCE}, seconds, [remark])
+
+
+def draw(outcomes: dict[Scene, Outcome]) -> Figure:
+    figure, grid = plt.subplots(3, len(outcomes), sharex="col", figsize=(13.0, 8.0))
+    for column, (scene, outcome) in enumerate(outcomes.items()):
+        upper, middle, lower = grid[:, column]
+        for axis, name, factor in ((upper, "lateral_1", 1e3), (middle, "angular_velocity_1", 1.0)):
+            axis.plot(outcome.fast["time"], factor * outcome.fast[name], color=BOGIE, label="fast model")
+            axis.plot(outcome.printed["time"], factor * outcome.printed[name], "--", color=TRAILING, label="chapter 3")
+        upper.set_title(f"{scene.name}\nlateral displacement [mm]", fontsize=9)
+        middle.ticklabel_format(useOffset=False)
+        middle.set_title("angular velocity of the leading wheels [rad/s]", fontsize=9)
+        gap = np.abs(outcome.fast["lateral_1"] - outcome.printed["lateral_1"])
+        lower.semilogy(outcome.fast["time"], np.maximum(gap, 1e-12), color=BOGIE)
+        lower.set_title("difference of lateral displacement [m]", fontsize=9)
+        fast, printed = outcome.seconds
+        lower.set_xlabel(f"time [s]; computed in {fast:.3f} s and {printed:.0f} s")
+    grid[0, 0].legend(loc="upper left", fontsize=8)
+    figure.suptitle("The fast model and chapter 3 as printed", x=0.02, ha="left")
+    figure.set_layout_engine("constrained")
+    return figure
+
+
+SCENARIO = Scenario("oracle", "The fast model beside chapter 3 as printed, three scenes", run, frozenset())

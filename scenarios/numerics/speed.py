@@ -1,0 +1,179 @@
+"""How fast it is, measured on the spot: right-hand side, Jacobian, doStep, and a stop, for each level and kind."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from build_fmu import MODELS, up_to_date
+from fmu_src.compile import build_library, compiler
+from fmu_src.kernel import Kernel, Library
+from scenarios.cosimulation.recording import Recording
+from scenarios.cosimulation.slave import Slave
+from scenarios.methods import fmi_overhead
+from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt
+from scenarios.reporting.report import Result, Row
+from scenarios.scenario import Options, Scenario
+from scenarios.thesis.asymmetric_braking import run_all
+
+LEVELS = {1: "point", 2: "planar", 3: "spatial"}
+KINDS = ("native", "python")
+#: The stop: 25 m/s, 20 kN.m on both wheelsets, 22.9 s of simulated time (it stands from 16.9 s on).
+STOP_SECONDS, TORQUE = 22.9, 20e3
+HOST_STEP, HOST_STEPS = 1e-3, 5000
+REPEATS, CALLS = 7, 20000
+#: What the project wants to reach; printed beside the measurement, never tested by the clock.
+TARGETS = {"point": 10000.0, "planar": 2000.0, "spatial": 380.0}
+PYTHON_OVERHEAD_TARGET = 10.0
+
+
+@dataclass(frozen=True)
+class Timing:
+    """Microseconds, the least of several runs."""
+
+    what: str
+    level: str
+    kind: str
+    microseconds: float
+
+
+def least(action: Callable[[], object], repeats: int = REPEATS) -> float:
+    """Seconds of the fastest of several runs, after one to warm up."""
+    action()
+    seconds = []
+    for _ in range(repeats):
+        begin = time.perf_counter()
+        action()
+        seconds.append(time.perf_counter() - begin)
+    return min(seconds)
+
+
+def start_of(level: int) -> dict[str, float]:
+    return {"level": level, "initial_speed": 25.0}
+
+
+def kernel_timings(library: Library, level: int) -> list[Timing]:
+    name = LEVELS[level]
+    kernel = Kernel(library, **start_of(level), brake_torque_1=TORQUE, brake_torque_2=TORQUE)
+    kernel.advance(1.0)
+    moving = kernel.save()
+
+    def steps() -> None:
+        kernel.restore(moving)
+        kernel.repeat_step(HOST_STEP, HOST_STEPS)
+
+    right_hand_side = least(lambda: kernel.repeat_right_hand_side(CALLS)) / CALLS
+    jacobian = least(lambda: kernel.repeat_jacobian(CALLS)) / CALLS
+    return [
+        Timing("right-hand side", name, "C", 1e6 * right_hand_side),
+        Timing("Jacobian", name, "C", 1e6 * jacobian),
+        Timing("doStep of 1 ms", name, "C", 1e6 * least(steps) / HOST_STEPS),
+    ]
+
+
+def fmu_timings(kind: str, level: int) -> list[Timing]:
+    torques = {"brake_torque_1": TORQUE, "brake_torque_2": TORQUE}
+    with Slave(up_to_date("bogie", kind), **start_of(level)) as bogie:
+        bogie.start(**torques)
+        step = bogie.fmu.doStep
+
+        def measure(size: float, count: int) -> float:
+            best = np.inf
+            for _ in range(REPEATS + 1):
+                bogie.restart(start_of(level), **torques)
+                begin = time.perf_counter()
+                for number in range(count):
+                    step(number * size, size)
+                best = min(best, time.perf_counter() - begin)
+            return float(best)
+
+        host = 1e6 * measure(HOST_STEP, HOST_STEPS) / HOST_STEPS
+        stop = 1e6 * measure(STOP_SECONDS, 1)
+    name = LEVELS[level]
+    return [Timing("doStep of 1 ms", name, kind, host), Timing("22.9 s stop in one doStep", name, kind, stop)]
+
+
+def run(options: Options) -> Result:
+    model = MODELS["bogie"]()
+    library = Library(build_library(model))
+    timings = [timing for level in LEVELS for timing in kernel_timings(library, level)]
+    timings += [timing for level in LEVELS for kind in KINDS for timing in fmu_timings(kind, level)]
+    rows = [
+        Row(
+            f"{t.what}, {t.level}, {'from C' if t.kind == 'C' else t.kind + ' FMU through fmpy'}",
+            "us",
+            None,
+            t.microseconds,
+            None,
+            "measured now, least of several runs",
+        )
+        for t in timings
+    ]
+    found = {(t.what, t.level, t.kind): t.microseconds for t in timings}
+    for name in LEVELS.values():
+        for kind in KINDS:
+            times = STOP_SECONDS * 1e6 / found["22.9 s stop in one doStep", name, kind]
+            rows.append(
+                Row(
+                    f"times real time, 22.9 s stop, {name}, {kind} FMU",
+                    "1",
+                    None,
+                    times,
+                    None,
+                    f"measured now; to reach {TARGETS[name]:.0f}" if kind == "native" else "measured now",
+                )
+            )
+        extra = found["doStep of 1 ms", name, "python"] - found["doStep of 1 ms", name, "native"]
+        rows.append(
+            Row(
+                f"doStep of 1 ms, {name}: pythonfmu beyond native",
+                "us",
+                None,
+                extra,
+                None,
+                f"measured now; to stay below {PYTHON_OVERHEAD_TARGET:.0f}",
+            )
+        )
+    rows += fmi_overhead.rows(library)
+    begin = time.perf_counter()
+    cases = len(run_all())
+    seconds = time.perf_counter() - begin
+    rows.append(Row(f"chapter 9, {cases} cases with recording", "s", None, seconds, None, "measured now, once"))
+    stops = {level: stop_of(library, level) for level in LEVELS}
+    series = Recording({"time": "s"}, [[t] for t in stops[1]["time"]])
+    for level, name in LEVELS.items():
+        series.add(f"speed_{name}", "m/s", np.array(stops[level]["speed"]))
+    remark = f"Compiler: {' '.join(compiler()[-3:])}. Machines are noisy: compare within one run only."
+    parameters = {"brake_torque": TORQUE, "initial_speed": 25.0, "host_step": HOST_STEP, "runs": REPEATS}
+    return Result(rows, series, lambda: draw(timings), parameters, 0.0, [remark])
+
+
+def stop_of(library: Library, level: int) -> dict[str, list[float]]:
+    kernel = Kernel(library, **start_of(level), brake_torque_1=TORQUE, brake_torque_2=TORQUE)
+    return kernel.record(STOP_SECONDS, 0.1, ["speed"])
+
+
+def draw(timings: list[Timing]) -> Figure:
+    figure, axis = plt.subplots(figsize=(8.0, 4.6))
+    labels = [f"{t.what}, {t.kind if t.kind == 'C' else t.kind + ' FMU'}, {t.level}" for t in timings]
+    colours = [dict(zip(LEVELS.values(), (LEADING, TRAILING, BOGIE), strict=True))[t.level] for t in timings]
+    values = [t.microseconds for t in timings]
+    places = np.arange(len(values))[::-1]
+    axis.barh(places, values, color=colours)
+    axis.set_yticks(places, labels, fontsize=8)
+    axis.set_xscale("log")
+    axis.set_xlim(right=4 * max(values))
+    axis.set_xlabel("time of one call [us]")
+    axis.grid(axis="y", visible=False)
+    for place, value in zip(places, values, strict=True):
+        axis.annotate(f"{value:.4g}", (value, place), xytext=(3, -3), textcoords="offset points", fontsize=8)
+    figure.suptitle("What one call costs, measured on this machine", x=0.02, ha="left")
+    figure.set_layout_engine("constrained")
+    return figure
+
+
+SCENARIO = Scenario("speed", "Microseconds per call and times real time, for each level and FMU kind", run, frozenset())

@@ -1,0 +1,288 @@
+"""Speed against accuracy: six scenes by our methods and by those of others, on the same compiled equations."""
+
+from __future__ import annotations
+
+import time as clock
+from dataclasses import asdict, replace
+from functools import partial
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from tqdm import tqdm
+
+from rbd_model.bogie import DEFAULT_TOLERANCE
+from rbd_model.parameters import tables_5_1_and_5_2
+from scenarios.cosimulation.recording import Recording
+from scenarios.methods import sundials
+from scenarios.methods.integrators import own
+from scenarios.methods.oracle_cost import oracle_point
+from scenarios.methods.scenes import ASYMMETRIC, SCENES, SMOOTH, STANDING, Scene
+from scenarios.methods.work_precision import DEFAULT, OMITTED, PEERS, Point, Study, difference, study, works
+from scenarios.numerics.speed import least
+from scenarios.reporting.plots import plt
+from scenarios.reporting.progress import PATIENCE
+from scenarios.reporting.report import Result, Row
+from scenarios.scenario import Options, Scenario
+
+#: What a user asks for: relative error of peak lateral displacement, stop time and distance.
+WANTED = 1e-4
+#: Of the default tolerance itself: a tenth of what is asked for.
+EXPECTED = 1e-5
+#: The stop that the project measures itself by [s]: 20 kN.m on both wheelsets from 25 m/s.
+STOP = replace(STANDING, name="22.9 s stop", duration=22.9)
+#: Bands of that stop: 1 ms of 16.9 s, 1 mm of 211 m; and of the peak over flange contact: 0.01 mm of 1.57 mm.
+STOP_TIME, DISTANCE, PEAK = 1e-3, 1e-3, 1e-5
+HOST_STEPS = (1e-3, 5e-3, 1e-2)
+#: Style of each line: colour, marker, dashes. Ours are filled and thick, those of others open.
+STYLE = {
+    DEFAULT: ("#0072b2", "o", "-"),
+    "ROS34PW2": ("#56b4e9", "s", "-"),
+    "RODAS, fixed step": ("#0072b2", "o", ":"),
+    "ROS34PW2, fixed step": ("#56b4e9", "s", ":"),
+    "RK4, fixed step": ("#cc79a7", "^", ":"),
+    "RK45 (SciPy)": ("#cc79a7", "v", "--"),
+    "Radau (SciPy)": ("#999999", "D", "--"),
+    "BDF (SciPy)": ("#999999", "P", "--"),
+    "LSODA (SciPy)": ("#333333", "X", "--"),
+    "CVODE": ("#d55e00", "h", "--"),
+    "IDA": ("#e69f00", "p", "--"),
+    "level point": ("#009e73", "1", ""),
+    "level planar": ("#009e73", "2", ""),
+    "native FMU": ("#000000", "+", "-"),
+    "python FMU": ("#000000", "x", ":"),
+    "chapter 3 as printed": ("#009e73", "*", ""),
+}
+
+
+def all_studies(short: bool = False, scenes: tuple[Scene, ...] = SCENES) -> list[Study]:
+    """The studies of all scenes, with a bar; `short`: one setting of each method."""
+    total = sum(len(list(works(scene, short))) for scene in scenes)
+    with tqdm(total=total, desc="runs", delay=PATIENCE, leave=False, unit="run") as bar:
+
+        def done(scene: Scene, name: str) -> None:
+            bar.set_postfix_str(f"{scene.name}, {name}")
+            bar.update()
+
+        found = [study(scene, short, partial(done, scene)) for scene in scenes]
+    if not short and SMOOTH in scenes:
+        found[scenes.index(SMOOTH)].points.append(oracle_point())
+    return found
+
+
+def scene_rows(one: Study) -> list[Row]:
+    """The default's error at its own tolerance, judged; and who reaches the wanted error first, and by how much."""
+    name, source = one.scene.name, f"reference {one.references[0]}, uncertain by {one.uncertainty:.1e}"
+    default = one.at(DEFAULT, DEFAULT_TOLERANCE)
+    rows = [
+        Row(f"{name}: error of the default", "1", 0.0, default.error, EXPECTED, source, "relative, the largest"),
+        Row(f"{name}: time of the default", "ms", None, 1e3 * default.seconds, None, "measured now"),
+    ]
+    for setting, word in ((1e-4, "at 1e-4"), (1e-5, "at 1e-5")):
+        for point in one.of(DEFAULT):
+            if point.setting == setting:
+                rows.append(Row(f"{name}: error of RODAS {word}", "1", None, point.error, None, source))
+                share = point.seconds / default.seconds
+                rows.append(Row(f"{name}: time {word} over the default's", "1", None, share, None, "measured now"))
+    ours, other = one.fastest([DEFAULT], WANTED), one.fastest(PEERS, WANTED)
+    if ours and other:
+        words = f"{other.method} at {other.setting:g}: {1e3 * other.seconds:.1f} ms, error {other.error:.1e}"
+        ratio = other.seconds / ours.seconds
+        rows.append(
+            Row(f"{name}: best peer's time over ours, at {WANTED:g}", "1", None, ratio, None, "measured now", words)
+        )
+        ratio = other.seconds / default.seconds
+        rows.append(
+            Row(f"{name}: best peer's time to {WANTED:g} over the default's", "1", None, ratio, None, "measured now")
+        )
+    return rows
+
+
+def stop_rows() -> list[Row]:
+    """The stop in one long step, its errors, and CVODE at about equal error."""
+    exact = STOP.measure(own(STOP, tolerance=1e-11).samples)
+    found = STOP.measure(own(STOP).samples)
+    kernel = STOP.kernel()
+    seconds = least(lambda: one_step(STOP)) - least(lambda: STOP.kernel())
+    rows = [
+        Row("22.9 s stop in one doStep", "s", None, seconds, None, "measured now; to reach 0.03"),
+        Row("22.9 s stop: times real time", "1", None, STOP.duration / seconds, None, "measured now; to reach 760"),
+        Row(
+            "22.9 s stop: error of stop time",
+            "s",
+            0.0,
+            found["stop time"] - exact["stop time"],
+            STOP_TIME,
+            "RODAS 1e-11",
+        ),
+        Row("22.9 s stop: error of distance", "m", 0.0, found["distance"] - exact["distance"], DISTANCE, "RODAS 1e-11"),
+    ]
+    rows += sundials_stop_rows(exact, difference(found, exact))
+    kernel.step(0.0, 1e-3)
+    count = 4000
+    begin = clock.perf_counter()
+    kernel.repeat_step(1e-3, count)
+    host = (clock.perf_counter() - begin) / count
+    rows.append(Row("host step of 1 ms, spatial", "us", None, 1e6 * host, None, "measured now; to reach 20"))
+    flange = own(ASYMMETRIC)
+    peak = ASYMMETRIC.measure(flange.samples)["peak lateral"]
+    tight = ASYMMETRIC.measure(own(ASYMMETRIC, tolerance=1e-9).samples)["peak lateral"]
+    words = "flange contact and rotating yaw torque"
+    rows += [
+        Row(f"{words}: time", "s", None, flange.seconds, None, "measured now; to reach 0.2"),
+        Row(f"{words}: error of the peak", "mm", 0.0, 1e3 * (peak - tight), 1e3 * PEAK, "RODAS 1e-9"),
+    ]
+    return rows
+
+
+def sundials_stop_rows(exact: dict[str, float], ours: float) -> list[Row]:
+    """The fastest way of CVODE and IDA through the stop to an error of `EXPECTED`, at whichever tolerance passes."""
+    rows = []
+    for method in sundials.METHODS if sundials.is_installed() else ():
+        runs = [(sundials.sundials(STOP, method, value), value) for value in (1e-4, 1e-5, 1e-6, 1e-7) for _ in range(2)]
+        errors = [(run, value, difference(STOP.measure(run.samples), exact)) for run, value in runs if run.samples]
+        good = [(run.seconds, value, error) for run, value, error in errors if error <= EXPECTED]
+        if good:
+            seconds, value, error = min(good)
+            words = f"tolerance {value:g}, relative error {error:.1e}; ours {ours:.1e}"
+            rows.append(Row(f"22.9 s stop: {method}", "s", None, seconds, None, "measured now", words))
+    return rows
+
+
+def one_step(scene: Scene) -> None:
+    scene.kernel().step(0.0, scene.duration)
+
+
+def host_rows() -> list[Row]:
+    """Torque that changes at each host step: ours, and CVODE started anew at each, at the same tolerance and looser."""
+    rows = []
+    for step in HOST_STEPS:
+        exact = sundials.hosted_seconds("own", step, 1e-10)[1]
+        found = {}
+        for method, tolerance in (("own", DEFAULT_TOLERANCE), ("CVODE", DEFAULT_TOLERANCE), ("CVODE", 1e-3)):
+            runs = [sundials.hosted_seconds(method, step, tolerance) for _ in range(3)]
+            seconds, distance = min(runs)
+            words = f"tolerance {tolerance:g}, relative error of the distance {abs(distance / exact - 1):.1e}"
+            found[method, tolerance] = seconds
+            name = {"own": "default", "CVODE": "CVODE anew"}[method]
+            rows.append(
+                Row(
+                    f"new torque each {1e3 * step:g} ms: {name}, {tolerance:g}",
+                    "us",
+                    None,
+                    1e6 * seconds,
+                    None,
+                    "measured now, one host step",
+                    words,
+                )
+            )
+        ratio = min(found["CVODE", DEFAULT_TOLERANCE], found["CVODE", 1e-3]) / found["own", DEFAULT_TOLERANCE]
+        rows.append(Row(f"new torque each {1e3 * step:g} ms: CVODE over ours", "1", None, ratio, None, "measured now"))
+    return rows
+
+
+def failures(studies: list[Study]) -> list[str]:
+    """One sentence for each failure."""
+    return [
+        f"{one.scene.name}, {point.method} at {point.setting:g}: {point.reason.rstrip('.')}."
+        for one in studies
+        for point in one.points
+        if point.error is None and not point.reason.startswith("not tried")
+    ]
+
+
+def run(options: Options) -> Result:
+    begin = clock.perf_counter()
+    studies = all_studies()
+    rows = [row for one in studies for row in scene_rows(one)] + stop_rows()
+    if sundials.is_installed():
+        rows += host_rows()
+    remarks = [OMITTED, *failures(studies)]
+    if not sundials.is_installed():
+        remarks.insert(0, "CVODE and IDA are missing: install the extra 'charts' with Python 3.11 or later.")
+    parameters = tables_5_1_and_5_2().values() | {
+        "default_tolerance": DEFAULT_TOLERANCE,
+        "points": [asdict(point) | {"scene": one.scene.name} for one in studies for point in one.points],
+        "uncertainty": {one.scene.name: one.uncertainty for one in studies},
+    }
+    simulated = sum(one.scene.duration * len(one.points) for one in studies)
+    result = Result(rows, series_of(studies), lambda: draw(studies, "seconds"), parameters, simulated, remarks)
+    result.other_figures["right-hand-sides"] = lambda: draw(studies, "right_hand_sides")
+    result.parameters = dict(parameters) | {"study_seconds": clock.perf_counter() - begin}
+    return result
+
+
+def series_of(studies: list[Study]) -> Recording:
+    """All points as rows: number, setting, error (NaN: failed), seconds, right-hand sides; names are in the JSON."""
+    points = [(one, point) for one in studies for point in one.points]
+    series = Recording({"point": "1"}, [[number] for number in range(len(points))])
+    columns = {"setting": "1", "error": "1", "seconds": "s", "right_hand_sides": "1"}
+    for column, unit in columns.items():
+        values = [getattr(point, column) for _, point in points]
+        series.add(column, unit, np.array([np.nan if value is None else value for value in values], float))
+    return series
+
+
+# ---- the picture -------------------------------------------------------------------------------------------------
+
+
+def draw(studies: list[Study], against: str) -> Figure:
+    lines = -(-len(studies) // 2)
+    figure, grid = plt.subplots(lines, 2, figsize=(11.0, 1.3 + 3.9 * lines), sharey=True, squeeze=False)
+    handles: dict[str, Artist] = {}
+    for axis, one in zip(grid.ravel(), studies, strict=False):
+        draw_scene(axis, one, against, handles)
+    for axis in grid[-1]:
+        axis.set_xlabel({"seconds": "wall time [s]", "right_hand_sides": "right-hand sides"}[against])
+    for axis in grid[:, 0]:
+        axis.set_ylabel("relative error (top: failed)")
+    shown = [name for name in STYLE if name in handles]
+    figure.legend([handles[name] for name in shown], shown, loc="outside lower center", ncols=4, fontsize=9)
+    words = {"seconds": "wall time", "right_hand_sides": "right-hand sides"}[against]
+    figure.suptitle(f"Error against {words} on the same compiled equations; lower left is better", x=0.02, ha="left")
+    figure.set_layout_engine("constrained")
+    return figure
+
+
+#: Where failures are drawn, and the least error shown.
+FAILED, LEAST = 3.0, 1e-11
+
+
+def draw_scene(axis: Axes, one: Study, against: str, handles: dict[str, Artist]) -> None:
+    axis.set_title(f"{one.scene.name}: {one.scene.stress}")
+    axis.axhspan(LEAST, max(one.uncertainty, LEAST), color="#dddddd", zorder=0)
+    axis.axhline(WANTED, color="#999999", linewidth=0.8)
+    for name, (colour, marker, dashes) in STYLE.items():
+        points = [p for p in one.of(name) if getattr(p, against) > 0]
+        good = sorted((p for p in points if p.error is not None), key=lambda p: -p.setting)
+        bad = [p for p in points if p.error is None and not p.reason.startswith("not tried")]
+        if not points:
+            continue
+        mine = name in (DEFAULT, "ROS34PW2")
+        (line,) = axis.plot(
+            [getattr(p, against) for p in good],
+            [min(max(p.error or LEAST, LEAST), FAILED / 2) for p in good],
+            linestyle=dashes or "none",
+            marker=marker,
+            color=colour,
+            linewidth=2.2 if name == DEFAULT else 1.0,
+            markersize=6 if mine else 5,
+            markerfacecolor=colour if mine else "none",
+            zorder=3 if mine else 2,
+        )
+        axis.plot([getattr(p, against) for p in bad], [FAILED] * len(bad), marker, color=colour, markersize=5)
+        handles.setdefault(name, line)
+    mark_default(axis, one.at(DEFAULT, DEFAULT_TOLERANCE), against)
+    axis.set_xscale("log")
+    axis.set_yscale("log")
+    axis.set_ylim(LEAST, 2 * FAILED)
+
+
+def mark_default(axis: Axes, point: Point, against: str) -> None:
+    if point.error is None:
+        return
+    axis.plot(getattr(point, against), max(point.error, LEAST), "o", color="#0072b2", markersize=12, fillstyle="none")
+
+
+SCENARIO = Scenario("speed-accuracy", "Six scenes: error against wall time, our methods and others'", run, frozenset())

@@ -1,0 +1,507 @@
+"""Where integration methods fail, predicted and found: stable steps, silent errors, drift, rest and the fold."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import partial
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from tqdm import tqdm
+
+from fmu_src.kernel import Kernel, KernelError
+from rbd_model.parameters import tables_5_1_and_5_2
+from scenarios.bench.drive import prepare
+from scenarios.cosimulation.recording import Recording
+from scenarios.methods.drift import STEP as DRIFT_STEP
+from scenarios.methods.drift import Drift, drift
+from scenarios.methods.fold import DERAILING, Approach, approach, derail
+from scenarios.methods.integrators import layout
+from scenarios.methods.stability import (
+    EXPLICIT,
+    MACHINES,
+    RODAS,
+    ROS34PW2,
+    RUNGE_KUTTA,
+    SPATIAL,
+    amplification_of_rk4,
+    boundary,
+    growth_of_perturbation,
+    largest_stable_step,
+    limit,
+)
+from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, plt
+from scenarios.reporting.progress import PATIENCE
+from scenarios.reporting.report import Result, Row
+from scenarios.scenario import Options, Scenario
+
+NAMES = {RODAS: "RODAS", ROS34PW2: "ROS34PW2", RUNGE_KUTTA: "RK4"}
+COLOURS = {RODAS: LEADING, ROS34PW2: "#56b4e9", RUNGE_KUTTA: TRAILING}
+#: Speeds [m/s] of the theory, and those at which it is tried.
+SPEEDS = tuple(float(speed) for speed in np.geomspace(0.01, 60.0, 25))
+TRIED = (0.01, 0.1, 1.0, 10.0, 25.0, 60.0)
+#: The default method is tried at steps as long as these many limits of RK4.
+MULTIPLES = (2.0, 10.0, 100.0)
+#: Friction coefficients and shares of the sprung mass at 25 m/s.
+FRICTIONS = tuple(float(value) for value in np.linspace(0.05, 0.6, 12))
+LOADS = tuple(float(value) for value in np.linspace(0.25, 1.5, 11))
+SPEED_OF_LOADS = 25.0
+#: Agreement of the boundary found with the one predicted: bisection to 0.2 %, and creep that is not quite linear.
+BOUNDARY_BAND = 0.01
+#: Steps of the run over a lateral wave under braking [s].
+STEPS = (2e-4, 4e-4, 6e-4, 7e-4, 8e-4, 1e-3, 1.5e-3, 2e-3, 3e-3, 5e-3, 1e-2)
+WAVE = {"lateral_irregularity": 0.012, "lateral_wave_number": 0.08}
+BRAKED_SECONDS, INTERVAL, LIMITS_EVERY = 4.0, 5e-3, 20
+BRAKED = {"brake_torque_1": 20e3, "brake_torque_2": 20e3}
+#: Regularisation of the creepage at rest [m/s], and the drawbar force that a locked bogie is held against [N].
+CREEPAGE_SPEEDS = (1e-3, 3e-3, 1e-2, 3e-2, 1e-1)
+DRAWBAR = 20e3
+STOP_STEPS = (1e-4, 1e-3, 1e-2, 1e-1)
+
+
+@dataclass
+class Atlas:
+    """Everything measured, by panel; keys say what the numbers belong to."""
+
+    theory: dict[tuple[str, str], list[float]] = field(default_factory=dict)
+    found: dict[str, list[float]] = field(default_factory=dict)
+    default_growth: list[tuple[str, float, float, float]] = field(default_factory=list)
+    growth: list[tuple[str, float, float, float, float, bool]] = field(default_factory=list)
+    over: dict[str, tuple[list[float], list[float]]] = field(default_factory=dict)
+    silent: dict[int, list[tuple[float, float, bool]]] = field(default_factory=dict)
+    silent_limits: tuple[float, float] = (0.0, 0.0)
+    rest: list[tuple[float, float, float]] = field(default_factory=list)
+    stops: dict[int, list[tuple[float, float, str]]] = field(default_factory=dict)
+    drifts: dict[bool, Drift] = field(default_factory=dict)
+    folds: list[tuple[float, float]] = field(default_factory=list)
+    approach: Approach | None = None
+
+
+# ---- what is measured --------------------------------------------------------------------------------------------
+
+
+def boundaries(atlas: Atlas) -> None:
+    """The largest stable step over speed, by theory and by perturbation."""
+    for machine in MACHINES:
+        for method in EXPLICIT if machine is SPATIAL else ("RK4",):
+            atlas.theory[machine.name, method] = [limit(machine, speed, method) for speed in SPEEDS]
+        atlas.found[machine.name] = [boundary(machine, speed) for speed in TRIED]
+
+
+def growths(atlas: Atlas) -> None:
+    """RK4 at 0.9 and 1.1 of the predicted step; the default method at many times that step."""
+    for machine in MACHINES:
+        for speed in TRIED:
+            step = limit(machine, speed)
+            for share in (0.9, 1.1):
+                grown = growth_of_perturbation(machine, speed, share * step, RUNGE_KUTTA)
+                predicted = float(np.abs(amplification_of_rk4(-share * NEGATIVE_AXIS)))
+                warned = any("stability limit" in line for line in grown.journal)
+                atlas.growth.append((machine.name, speed, share, grown.factor, predicted, warned))
+            for multiple in MULTIPLES:
+                grown = growth_of_perturbation(machine, speed, multiple * step, RODAS)
+                atlas.default_growth.append((machine.name, speed, multiple * step, grown.factor))
+
+
+#: Where RK4's stability region ends on the negative real axis, on which the fastest modes lie.
+NEGATIVE_AXIS = 2.785293563405282
+
+
+def loads_and_frictions(atlas: Atlas) -> None:
+    """The limit at one speed over friction and over the load on the axles."""
+    mass = tables_5_1_and_5_2().frame_mass
+    kinds: dict[str, tuple[tuple[float, ...], Callable[[float], tuple[tuple[str, float], ...]]]] = {
+        "friction": (FRICTIONS, lambda value: (("friction_1", value), ("friction_2", value))),
+        "share of the sprung mass": (LOADS, lambda value: (("frame_mass", value * mass),)),
+    }
+    for name, (values, inputs) in kinds.items():
+        atlas.over[name] = (
+            [limit(SPATIAL, SPEED_OF_LOADS, "RK4", inputs(value)) for value in values],
+            [boundary(SPATIAL, SPEED_OF_LOADS, RUNGE_KUTTA, inputs(value)) for value in values[::3]],
+        )
+
+
+def silent_errors(atlas: Atlas) -> None:
+    """A braked run over a lateral wave with fixed steps: error of the lateral motion [m]; did the log warn?"""
+    exact, limits = exact_over_wave()
+    atlas.silent_limits = (min(limits), max(limits))
+    for method in NAMES:
+        atlas.silent[method] = []
+        for step in STEPS:
+            kernel, lateral = fixed_over_wave(method, step)
+            error = np.nan if lateral is None else float(np.abs(lateral - exact[: lateral.size]).max())
+            warned = any("limit" in line or "local error" in line for line in kernel.journal)
+            atlas.silent[method].append((step, error, warned))
+
+
+def exact_over_wave() -> tuple[np.ndarray, list[float]]:
+    """Lateral displacement [m] every `INTERVAL`, and RK4's predicted limit [s] at each `LIMITS_EVERY`-th of them."""
+    kernel = prepare("bogie", level=3, tolerance=1e-10, **WAVE, **BRAKED)
+    differential = layout("bogie").differential
+    kernel.initialise()
+    lateral, limits = [kernel["lateral_1"]], []
+    for number in range(1, round(BRAKED_SECONDS / INTERVAL) + 1):
+        kernel.advance(INTERVAL)
+        lateral.append(kernel["lateral_1"])
+        if number % LIMITS_EVERY == 0:
+            place = np.array(kernel.linearise().state)[differential]
+            eigenvalues = np.linalg.eigvals(np.array(kernel.jacobian_at(kernel.time, place.tolist())))
+            limits.append(largest_stable_step(eigenvalues))
+    return np.array(lateral), limits
+
+
+def fixed_over_wave(method: int, step: float) -> tuple[Kernel, np.ndarray | None]:
+    """The kernel and its lateral displacement [m], none where the run fails."""
+    values = {"integration_method": method, "integration_step": step, "tolerance": 1e-3}
+    kernel = prepare("bogie", level=3, **WAVE, **BRAKED, **values)
+    try:
+        return kernel, np.array(kernel.record(BRAKED_SECONDS, INTERVAL, ["lateral_1"])["lateral_1"])
+    except KernelError:
+        return kernel, None
+
+
+def rests(atlas: Atlas) -> None:
+    """A locked bogie held against a drawbar force: the speed at which it creeps; and the stop distance before that."""
+    for value in CREEPAGE_SPEEDS:
+        kernel = prepare("bogie", level=2, initial_speed=2.0, creepage_speed=value, tolerance=1e-9, **BRAKED)
+        kernel.advance(4.0)
+        distance = kernel["distance"]
+        kernel.set(drawbar_force=DRAWBAR, brake_torque_1=60e3, brake_torque_2=60e3)
+        kernel.advance(10.0)
+        atlas.rest.append((value, abs(kernel["speed"]), distance))
+
+
+def stops_with_fixed_steps(atlas: Atlas) -> None:
+    """A stop from 5 m/s at the point level and 4.6 s of rest: the speed that is left, or why the run failed."""
+    for method in NAMES:
+        atlas.stops[method] = []
+        for step in STOP_STEPS:
+            values = {"integration_method": method, "integration_step": step, "tolerance": 1e-2}
+            kernel = prepare("bogie", level=1, initial_speed=5.0, **BRAKED, **values)
+            try:
+                kernel.advance(8.0)
+                atlas.stops[method].append((step, abs(kernel["speed"]), ""))
+            except KernelError as error:
+                atlas.stops[method].append((step, np.nan, str(error)))
+
+
+def folds(atlas: Atlas) -> None:
+    """Speed at derailment over the tolerance, and how the distance to the fold shrinks towards it.
+
+    Above the coarsest of these tolerances round-off decides whether a trial step finds the contact next to the fold.
+    """
+    for tolerance in (2e-4, 1e-4, 1e-5, 1e-6, 1e-7):
+        kernel = DERAILING.kernel(tolerance=tolerance)
+        derail(DERAILING, kernel)
+        atlas.folds.append((tolerance, kernel["speed"]))
+    atlas.approach = approach()
+
+
+PARTS: tuple[Callable[[Atlas], None], ...] = (
+    boundaries,
+    growths,
+    loads_and_frictions,
+    silent_errors,
+    rests,
+    stops_with_fixed_steps,
+    folds,
+)
+
+
+def measure() -> Atlas:
+    atlas = Atlas()
+    parts = [*PARTS, *(partial(drifting, partitioned) for partitioned in (True, False))]
+    for part in tqdm(parts, "parts", delay=PATIENCE, leave=False, unit="part"):
+        part(atlas)
+    return atlas
+
+
+def drifting(partitioned: bool, atlas: Atlas) -> None:
+    atlas.drifts[partitioned] = drift(partitioned)
+
+
+# ---- the table ---------------------------------------------------------------------------------------------------
+
+
+def rows_of(atlas: Atlas) -> list[Row]:
+    theory = "eigenvalues of the exact Jacobian times the stability region"
+    rows = []
+    for machine in MACHINES:
+        predicted = [limit(machine, speed) for speed in TRIED]
+        ratios = [found / step for found, step in zip(atlas.found[machine.name], predicted, strict=True)]
+        worst = max(ratios, key=lambda ratio: abs(ratio - 1.0))
+        rows.append(
+            Row(
+                f"RK4, {machine.name}: largest stable step, found over predicted",
+                "1",
+                1.0,
+                worst,
+                BOUNDARY_BAND,
+                theory,
+            )
+        )
+        step = limit(machine, 25.0)
+        rows.append(Row(f"RK4, {machine.name}: limit at 25 m/s", "ms", None, 1e3 * step, None, theory))
+    for share, word in ((0.9, "largest"), (1.1, "least")):
+        chosen = [one for one in atlas.growth if one[2] == share]
+        pick = max if share < 1.0 else min
+        worst = pick(one[3] for one in chosen)
+        name = f"RK4 at {share:g} of the limit: {word} growth in a step"
+        rows.append(Row(name, "1", chosen[0][4], worst, 0.03 * chosen[0][4], "stability function"))
+        right = sum(one[5] == (share > 1.0) for one in chosen) / len(chosen)
+        words = "says so" if share > 1.0 else "is silent"
+        rows.append(
+            Row(f"RK4 at {share:g} of the limit: share of runs whose log {words}", "1", 1.0, right, 0.0, "guard")
+        )
+    growth = max(one[3] for one in atlas.default_growth)
+    rows.append(
+        Row("RODAS at 2 to 100 times that limit: largest growth in a step", "1", 0.5, growth, 0.5, "L-stable: below 1")
+    )
+    return rows + silent_rows(atlas) + rest_rows(atlas) + fold_rows(atlas) + drift_rows(atlas)
+
+
+def silent_rows(atlas: Atlas) -> list[Row]:
+    least, largest = atlas.silent_limits
+    rows = [
+        Row("RK4 over a wave, braked: least limit", "ms", None, 1e3 * least, None, "eigenvalues along the run"),
+        Row("RK4 over a wave, braked: largest limit", "ms", None, 1e3 * largest, None, "eigenvalues along the run"),
+    ]
+    for step in (7e-4, 1e-3):
+        error, warned = next((e, w) for s, e, w in atlas.silent[RUNGE_KUTTA] if s == step)
+        words = "the log says so" if warned else "the log is silent"
+        name = f"RK4 over a wave, step {1e3 * step:g} ms: error of the lateral motion"
+        rows.append(Row(name, "mm", None, 1e3 * error, None, "against RODAS 1e-10", words))
+    error = next(e for s, e, _ in atlas.silent[RODAS] if s == 1e-3)
+    rows.append(Row("RODAS with the same step of 1 ms", "mm", 0.0, 1e3 * error, 1e-3, "against RODAS 1e-10"))
+    return rows
+
+
+def rest_rows(atlas: Atlas) -> list[Row]:
+    values, creeps, _ = np.array(atlas.rest).T
+    slope = float(np.polyfit(np.log(values), np.log(creeps), 1)[0])
+    default = next(one for one in atlas.rest if one[0] == 1e-2)
+    least = atlas.rest[0]
+    rows = [
+        Row("creep at rest over its regularisation: slope", "1", 1.0, slope, 0.01, "viscous creep: proportional"),
+        Row("creep at rest, 20 kN, creepage speed 0.01 m/s", "um/s", None, 1e6 * default[1], None, ""),
+        Row(
+            "stop distance, creepage speed 0.01 m/s against 0.001 m/s",
+            "mm",
+            0.0,
+            1e3 * (default[2] - least[2]),
+            0.1,
+            "what the regularisation costs",
+        ),
+    ]
+    for method, name in NAMES.items():
+        good = [speed for _, speed, failure in atlas.stops[method] if not failure]
+        largest = max(good) if good else None
+        failed = len(atlas.stops[method]) - len(good)
+        words = (
+            f"{failed} of {len(atlas.stops[method])} runs ended with a sentence: friction chatters" if failed else ""
+        )
+        rows.append(
+            Row(
+                f"{name}, fixed steps 0.1-100 ms: speed left at rest",
+                "m/s",
+                None if failed else 0.0,
+                largest,
+                None if failed else 1e-9,
+                "false equilibria",
+                words,
+            )
+        )
+    return rows
+
+
+def fold_rows(atlas: Atlas) -> list[Row]:
+    assert atlas.approach is not None
+    speeds = [speed for _, speed in atlas.folds]
+    return [
+        Row(
+            "fold: curvature left over the time left, exponent",
+            "1",
+            0.5,
+            atlas.approach.exponent,
+            0.03,
+            "square root: a fold",
+        ),
+        Row("derailment of chapter 9: speed, default", "m/s", 6.1, speeds[3], 0.35, "Table 9.2; tolerance 1e-6"),
+        Row(
+            "derailment: spread over tolerances 1e-5 to 1e-7",
+            "m/s",
+            None,
+            float(np.ptp(speeds[2:])),
+            None,
+            "flange impacts before it are chaotic",
+        ),
+    ]
+
+
+def drift_rows(atlas: Atlas) -> list[Row]:
+    free, closed = atlas.drifts[False], atlas.drifts[True]
+    source = f"chapter 3, step {1e3 * DRIFT_STEP:g} ms, after {free.time[-1]:g} s"
+    return [
+        Row("constraints without partitioning: residual", "m", None, float(free.residual[-1]), None, source),
+        Row("constraints with partitioning: residual", "m", 0.0, float(closed.residual[-1]), 1e-12, source),
+        Row("Euler parameters without partitioning: norm less 1", "1", None, float(free.norm[-1]), None, source),
+        Row("Euler parameters with partitioning: norm less 1", "1", 0.0, float(closed.norm[-1]), 1e-12, source),
+    ]
+
+
+def run(options: Options) -> Result:
+    atlas = measure()
+    remarks = [
+        "RK4's limit is about 32 us for each m/s, 66 us for a single wheelset. Above it nothing blows up: creep "
+        "saturates, the axles shake, and what is slow still looks right; the log says that it is not.",
+        "RODAS and ROS34PW2 have no such limit. With fixed steps their error is what remains, and the log says when it "
+        "exceeds the tolerance.",
+        "At perfect rolling the law of creep has no unique slope (3.92): limits are taken under light braking.",
+    ]
+    parameters = tables_5_1_and_5_2().values() | {"speeds": SPEEDS, "steps": STEPS, "drawbar_force": DRAWBAR}
+    return Result(rows_of(atlas), series_of(atlas), lambda: draw(atlas), parameters, 0.0, remarks)
+
+
+def series_of(atlas: Atlas) -> Recording:
+    """Predicted largest stable steps over speed."""
+    series = Recording({"speed": "m/s"}, [[speed] for speed in SPEEDS])
+    for (machine, method), steps in atlas.theory.items():
+        series.add(f"largest stable step, {method}, {machine}", "s", np.array(steps))
+    return series
+
+
+# ---- the picture -------------------------------------------------------------------------------------------------
+
+
+def draw(atlas: Atlas) -> Figure:
+    figure, grid = plt.subplots(4, 2, figsize=(11.0, 15.0))
+    parts = (draw_limits, draw_growth, draw_loads, draw_silent, draw_rest, draw_stops, draw_drift, draw_fold)
+    for axis, part in zip(grid.ravel(), parts, strict=True):
+        part(axis, atlas)
+    figure.suptitle("Where integration methods fail: predicted (lines) and found (marks)", x=0.02, ha="left")
+    figure.set_layout_engine("constrained")
+    return figure
+
+
+def draw_limits(axis: Axes, atlas: Atlas) -> None:
+    colours = dict(zip((machine.name for machine in MACHINES), (LEADING, "#e69f00", THESIS), strict=True))
+    dashes = {"RK4": "-", "RK45": "--", "Euler": ":"}
+    for (machine, method), steps in atlas.theory.items():
+        axis.plot(SPEEDS, steps, dashes[method], color=colours[machine], label=f"{method}, {machine}", linewidth=1.2)
+    for machine, steps in atlas.found.items():
+        axis.plot(TRIED, steps, "o", color=colours[machine], markersize=5)
+    held = [
+        (speed, step) for name, speed, step, factor in atlas.default_growth if name == SPATIAL.name and factor < 1.0
+    ]
+    axis.plot(*zip(*held, strict=True), "^", color=BOGIE, markersize=4, label="RODAS, tried and stable")
+    logarithmic(axis, "speed [m/s]", "largest stable step [s]")
+    axis.set_title("Largest stable step of explicit methods over speed")
+    axis.legend(fontsize=7)
+
+
+def draw_growth(axis: Axes, atlas: Atlas) -> None:
+    shares = np.linspace(0.0, 1.3, 200)
+    axis.plot(
+        shares, np.abs(amplification_of_rk4(-shares * NEGATIVE_AXIS)), color=TRAILING, label="RK4, stability function"
+    )
+    for number, machine in enumerate(MACHINES):
+        chosen = [one for one in atlas.growth if one[0] == machine.name]
+        places = [one[2] + 0.012 * (number - 1) for one in chosen]
+        axis.plot(places, [one[3] for one in chosen], "sod"[number], markersize=5, label=f"RK4, {machine.name}")
+    axis.axhline(1.0, color="#999999", linewidth=0.8)
+    axis.set_xlabel("step over the predicted limit")
+    axis.set_ylabel("growth of a perturbation in a step")
+    axis.set_title("Growth at 0.9 and 1.1 of the limit, six speeds each")
+    axis.legend(fontsize=8)
+
+
+def draw_loads(axis: Axes, atlas: Atlas) -> None:
+    for (name, (theory, found)), values, colour in zip(
+        atlas.over.items(), (FRICTIONS, LOADS), (LEADING, TRAILING), strict=True
+    ):
+        axis.plot(values, 1e3 * np.array(theory), color=colour, label=f"over {name}")
+        axis.plot(values[::3], 1e3 * np.array(found), "o", color=colour, markersize=5)
+    axis.set_xlabel("friction coefficient, share of the sprung mass")
+    axis.set_ylabel("largest stable step of RK4 [ms]")
+    axis.set_title(f"The same over friction and load at {SPEED_OF_LOADS:g} m/s, light braking")
+    axis.legend(fontsize=8)
+
+
+def draw_silent(axis: Axes, atlas: Atlas) -> None:
+    for method, points in atlas.silent.items():
+        steps, errors, warned = (np.array(column) for column in zip(*points, strict=True))
+        axis.plot(1e3 * steps, 1e3 * errors, "-", color=COLOURS[method], label=NAMES[method], linewidth=1.2)
+        axis.plot(1e3 * steps[~warned], 1e3 * errors[~warned], "o", color=COLOURS[method], markersize=5)
+        axis.plot(1e3 * steps[warned], 1e3 * errors[warned], "x", color=COLOURS[method], markersize=7)
+    axis.axvspan(
+        *(1e3 * step for step in atlas.silent_limits), color=TRAILING, alpha=0.15, label="RK4's limit, 19-25 m/s"
+    )
+    axis.plot([], [], "x", color=BOGIE, label="the log says so")
+    logarithmic(axis, "fixed step [ms]", "error of the lateral motion [mm]")
+    axis.set_title("The silent error: over a lateral wave under braking")
+    axis.legend(fontsize=8)
+
+
+def draw_rest(axis: Axes, atlas: Atlas) -> None:
+    values, creeps, distances = np.array(atlas.rest).T
+    axis.plot(values, 1e6 * creeps[2] * values / values[2], color=LEADING, label="proportional")
+    axis.plot(values, 1e6 * creeps, "o", color=LEADING, label="creep at rest against 20 kN [um/s]")
+    axis.plot(
+        values[1:], 1e6 * np.abs(distances[1:] - distances[0]), "s-", color=TRAILING, label="change of the stop [um]"
+    )
+    logarithmic(axis, "creepage speed v_eps [m/s]", "creep [um/s], distance [um]")
+    axis.set_title("Rest: what the regularisation of creepage costs")
+    axis.legend(fontsize=8)
+
+
+def draw_stops(axis: Axes, atlas: Atlas) -> None:
+    floor = 1e-16
+    for method, points in atlas.stops.items():
+        good = [(step, max(speed, floor)) for step, speed, failure in points if not failure]
+        bad = [step for step, _, failure in points if failure]
+        if good:
+            axis.plot(*zip(*good, strict=True), "o-", color=COLOURS[method], label=NAMES[method])
+        if bad:
+            axis.plot(
+                bad, [1.0] * len(bad), "x", color=COLOURS[method], label=f"{NAMES[method]}: ended with a sentence"
+            )
+    logarithmic(axis, "fixed step [s]", "speed left at rest [m/s]")
+    axis.set_ylim(floor / 10, 10.0)
+    axis.set_title("Stop and 4.6 s of rest, point level: false equilibria?")
+    axis.legend(fontsize=8)
+
+
+def draw_drift(axis: Axes, atlas: Atlas) -> None:
+    for partitioned, one in atlas.drifts.items():
+        word, colour = ("with", LEADING) if partitioned else ("without", TRAILING)
+        axis.plot(one.time, np.maximum(one.residual, 1e-17), color=colour, label=f"{word} partitioning, constraints")
+        axis.plot(one.time, np.maximum(one.norm, 1e-17), ":", color=colour, label=f"{word}, Euler parameters")
+    axis.set_yscale("log")
+    axis.set_xlabel("time [s]")
+    axis.set_ylabel("residual [m], norm less 1")
+    axis.set_title("Chapter 3: drift of the constraints of a braked wheelset")
+    axis.legend(fontsize=8)
+
+
+def draw_fold(axis: Axes, atlas: Atlas) -> None:
+    assert atlas.approach is not None
+    one = atlas.approach
+    axis.plot(one.time_left, one.curvature, "o", color=LEADING, markersize=4, label="found")
+    axis.plot(one.time_left, one.fitted, color=TRAILING, label=f"power law, exponent {one.exponent:.3f}")
+    logarithmic(axis, "time left to the fold [s]", "share of the rail's curvature left")
+    axis.set_title("The fold at derailment: 75 % error, leading wheelset")
+    axis.legend(fontsize=8)
+
+
+def logarithmic(axis: Axes, x_label: str, y_label: str) -> None:
+    axis.set_xscale("log")
+    axis.set_yscale("log")
+    axis.set_xlabel(x_label)
+    axis.set_ylabel(y_label)
+
+
+SCENARIO = Scenario(
+    "stability-atlas", "Where methods fail: stable steps, silent errors, drift, rest, the fold", run, frozenset()
+)

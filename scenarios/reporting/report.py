@@ -1,0 +1,186 @@
+"""What a scenario leaves behind: a table of thesis against simulation, time series, a figure, one JSON."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+import platform
+import shutil
+import tempfile
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from fmu_src import __version__
+from scenarios.cosimulation.recording import Recording
+from scenarios.reporting.plots import plt
+
+
+@dataclass(frozen=True)
+class Row:
+    """One comparison. `tolerance` is in the unit of the quantity; without thesis or tolerance the row is not judged.
+
+    Where the thesis also prints VAMPIRE's value, the row holds between the two programs, tolerance added.
+    """
+
+    quantity: str
+    unit: str
+    thesis: float | None
+    simulated: float | None
+    tolerance: float | None
+    source: str
+    assumption: str = ""
+    vampire: float | None = None
+
+    @property
+    def deviation(self) -> float | None:
+        if self.thesis is None or self.simulated is None:
+            return None
+        return self.simulated - self.thesis
+
+    @property
+    def holds(self) -> bool | None:
+        if self.thesis is None or self.tolerance is None:
+            return None
+        if self.simulated is None:
+            return False
+        printed = [self.thesis, self.thesis if self.vampire is None else self.vampire]
+        return min(printed) - self.tolerance <= self.simulated <= max(printed) + self.tolerance
+
+    def as_dict(self) -> dict[str, Any]:
+        return {
+            "quantity": self.quantity,
+            "unit": self.unit,
+            "thesis": self.thesis,
+            "vampire": self.vampire,
+            "simulated": self.simulated,
+            "deviation": self.deviation,
+            "tolerance": self.tolerance,
+            "source": self.source,
+            "assumption": self.assumption,
+            "holds": self.holds,
+        }
+
+
+@dataclass
+class Result:
+    """Everything a scenario found. `simulated_seconds`: time simulated over all runs; 0 where that is not the point."""
+
+    rows: list[Row]
+    series: Recording
+    draw: Callable[[], Figure]
+    parameters: Mapping[str, Any]
+    simulated_seconds: float
+    remarks: list[str] = field(default_factory=list)
+    guids: Mapping[str, str] = field(default_factory=dict)
+    coupling: Mapping[str, float] = field(default_factory=dict)
+    #: Further figures by file name, beside figure.png.
+    other_figures: dict[str, Callable[[], Figure]] = field(default_factory=dict)
+
+    @property
+    def holds(self) -> bool:
+        return all(row.holds is not False for row in self.rows)
+
+
+def versions() -> dict[str, str]:
+    packages = ("casadi", "fmpy", "matplotlib", "numpy", "pythonfmu", "scipy", "ziglang")
+    return {"bogie-braking": __version__, "python": platform.python_version()} | {
+        name: version(name) for name in packages
+    }
+
+
+def save(result: Result, name: str, out: Path, wall_seconds: float) -> Path:
+    """Writes results/NAME in one move: a run that fails on the way leaves the folder as it was."""
+    out.mkdir(parents=True, exist_ok=True)
+    partial = Path(tempfile.mkdtemp(prefix=f".{name}-", dir=out))
+    try:
+        summary = {
+            "scenario": name,
+            "rows": [row.as_dict() for row in result.rows],
+            "remarks": result.remarks,
+            "parameters": dict(result.parameters),
+            "coupling": dict(result.coupling),
+            "versions": versions() | {"fmus": dict(result.guids)},
+            "wall_seconds": wall_seconds,
+            # null where nothing runs in time, or the time of single calls is what is measured
+            "times_real_time": result.simulated_seconds / wall_seconds or None,
+        }
+        (partial / "summary.json").write_text(json.dumps(summary, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+        _write_series(result.series, partial / "timeseries.csv")
+        for file, draw in {"figure": result.draw, **result.other_figures}.items():
+            figure = draw()
+            figure.savefig(partial / f"{file}.png", dpi=130)
+            plt.close(figure)
+        partial.chmod(0o755)
+        target = out / name
+        if target.exists():
+            shutil.rmtree(target)
+        partial.replace(target)
+        return target
+    except BaseException:
+        shutil.rmtree(partial, ignore_errors=True)
+        raise
+
+
+def _write_series(series: Recording, path: Path) -> None:
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow([f"{name} [{series.units[name]}]" for name in series.names])
+        for row in zip(*(series[name] for name in series.names), strict=True):
+            writer.writerow([f"{value:.10g}" for value in row])
+
+
+def number(value: float | None) -> str:
+    if value is None:
+        return "-"
+    if value == 0.0 or 1e-3 <= abs(value) < 1e6:
+        digits = max(0, 4 - (0 if value == 0.0 else math.floor(math.log10(abs(value)))) - 1)
+        return f"{value:.{min(digits, 6)}f}"
+    return f"{value:.3e}"
+
+
+VERDICTS = {True: "holds", False: "DOES NOT HOLD", None: "not judged"}
+
+
+def table(rows: Sequence[Row]) -> str:
+    """The rows as text, with units; the assumption of each row stands below it."""
+    heads = ["quantity", "unit", "thesis", "VAMPIRE", "simulated", "deviation", "tolerance", "verdict"]
+    lines = [
+        [
+            row.quantity,
+            row.unit,
+            number(row.thesis),
+            number(row.vampire),
+            number(row.simulated),
+            number(row.deviation),
+            number(row.tolerance),
+            VERDICTS[row.holds],
+        ]
+        for row in rows
+    ]
+    if all(row.vampire is None for row in rows):
+        heads, lines = heads[:3] + heads[4:], [line[:3] + line[4:] for line in lines]
+    widths = [max(len(line[i]) for line in [heads, *lines]) for i in range(len(heads))]
+
+    def text(line: Sequence[str]) -> str:
+        cells = [line[0].ljust(widths[0]), line[1].ljust(widths[1])]
+        cells += [cell.rjust(width) for cell, width in zip(line[2:-1], widths[2:-1], strict=True)]
+        return "  ".join([*cells, line[-1]]).rstrip()
+
+    shown = [text(heads), "-" * len(text(heads))]
+    for row, line in zip(rows, lines, strict=True):
+        shown.append(text(line))
+        note = "; ".join(part for part in (row.source, row.assumption) if part)
+        shown.append(f"    {note}")
+    return "\n".join(shown)
+
+
+def stopwatch() -> Callable[[], float]:
+    begin = time.perf_counter()
+    return lambda: time.perf_counter() - begin

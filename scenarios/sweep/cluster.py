@@ -1,0 +1,107 @@
+"""Evaluates points of a sweep on a Dask cluster."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Iterator, Mapping
+from concurrent.futures import CancelledError
+from contextlib import contextmanager
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from scenarios.scenario import BadInputError
+from scenarios.sweep.points import (
+    AHEAD,
+    Evaluate,
+    Evaluator,
+    Outcome,
+    Outcomes,
+    Point,
+    SweepError,
+    outcomes_from,
+    sources,
+)
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+#: Time in which a scheduler answers and has a worker [s].
+PATIENCE = 5.0
+
+
+@contextmanager
+def client_of(address: str) -> Iterator[Client]:
+    """A connection to a scheduler that has workers with the sources of this checkout. Raises BadInputError."""
+    try:
+        from distributed import Client
+    except ImportError:
+        raise BadInputError("--scheduler needs Dask: pip install 'bogie-braking[sweep]', or leave it out.") from None
+    check_form(address)
+    for name in ("distributed", "distributed.client"):  # a lost scheduler gets our sentence, not its stack
+        logging.getLogger(name).setLevel(logging.CRITICAL)
+    try:
+        client = Client(address, timeout=PATIENCE, set_as_default=False)
+    except OSError:
+        raise BadInputError(
+            f"No Dask scheduler answers at {address} within {PATIENCE:g} s; start one with 'dask scheduler', or leave "
+            "out --scheduler."
+        ) from None
+    with client:
+        try:
+            client.wait_for_workers(1, timeout=PATIENCE)
+        except (TimeoutError, asyncio.TimeoutError):  # two classes up to Python 3.10
+            raise BadInputError(
+                f"The Dask scheduler at {address} has no workers; start some with 'dask worker {address}'."
+            ) from None
+        check_sources(client)
+        yield client
+
+
+def check_form(address: str) -> None:
+    """Refuses what is no address; a client would try it, and try again."""
+    from distributed.comm.addressing import parse_address, parse_host_port
+    from distributed.comm.registry import get_backend
+
+    try:
+        scheme, place = parse_address(address)
+        get_backend(scheme)
+        parse_host_port(place)
+    except ValueError:
+        raise BadInputError(f"{address} is no address of a Dask scheduler; write it as tcp://127.0.0.1:8786.") from None
+
+
+def check_sources(client: Client) -> None:
+    """Refuses workers that would compute with other equations."""
+    answers: dict[str, Any] = client.run(sources, on_error="return")
+    own = sources()
+    for worker, answer in answers.items():
+        if answer != own:
+            raise BadInputError(
+                f"The Dask worker {worker} has other sources ({answer}) than this checkout ({own}); start it from here."
+            )
+
+
+@contextmanager
+def cluster(address: str) -> Iterator[Evaluator]:
+    """Outcomes of points from the workers of a scheduler. Raises BadInputError, before any point is run."""
+    with client_of(address) as client:
+        yield partial(on_cluster, client)
+
+
+def on_cluster(client: Client, evaluate_point: Evaluate, points: Mapping[int, Point]) -> Outcomes:
+    """Outcomes as they come; a point that as many workers die of as Dask allows has failed."""
+    from distributed.scheduler import KilledWorker
+
+    executor = client.get_executor()
+    try:
+        for number, future in outcomes_from(executor, evaluate_point, points, AHEAD * sum(client.nthreads().values())):
+            try:
+                outcome = future.result()
+            except KilledWorker:
+                outcome = Outcome(failure="The workers of the cluster died of this point, one after the other.")
+            yield number, outcome
+    except CancelledError:
+        raise SweepError("The Dask scheduler went away; the same command goes on when it is back.") from None
+    finally:
+        executor.shutdown(wait=False)

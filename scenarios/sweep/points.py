@@ -1,0 +1,170 @@
+"""Evaluates points of a sweep in worker processes or on a Dask cluster; whatever a point does, the sweep goes on.
+
+Light to import: every worker process does.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import multiprocessing
+import os
+import pickle
+import signal
+import sys
+import threading
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import partial
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parents[2]
+SOURCES = ("fmu_src", "rbd_model", "brake_controller", "scenarios")
+#: Points that each worker has before it, so that it need not wait for the next one.
+AHEAD = 2
+#: Windows cannot wait for more processes than that.
+MOST_JOBS = 61 if sys.platform == "win32" else sys.maxsize
+#: What building a kernel needs is not made for threads; a Dask worker may have several.
+ONE_AT_A_TIME = threading.Lock()
+
+Point = Mapping[str, float]
+
+
+class SweepError(RuntimeError):
+    """The sweep itself cannot go on; the text says why, and what to do."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of a point: its results (None: did not happen), or in a sentence why there are none."""
+
+    results: Mapping[str, float | None] | None = None
+    failure: str | None = None
+
+
+Evaluate = Callable[[Point], Outcome]
+#: Outcomes as they come, by the number of the point.
+Outcomes = Generator[tuple[int, Outcome], None, None]
+Evaluator = Callable[[Evaluate, Mapping[int, Point]], Outcomes]
+
+
+def evaluate(run: Callable[..., Mapping[str, float | None]], promised: Sequence[str], point: Point) -> Outcome:
+    """Runs one point; an error, or anything but the promised finite results, is its failure."""
+    try:
+        with ONE_AT_A_TIME:
+            found = run(**point)
+        return judge(found, promised)
+    except (Exception, SystemExit) as error:
+        return Outcome(failure=" ".join(f"{type(error).__name__}: {error}".split()))
+
+
+def judge(found: Any, promised: Sequence[str]) -> Outcome:
+    """The results as plain numbers, or what is wrong with them."""
+    if not isinstance(found, Mapping):
+        return Outcome(failure=f"The point returned a {type(found).__name__}; results by name were promised.")
+    if set(found) != set(promised):
+        names = ", ".join(map(str, found)) or "nothing"
+        return Outcome(failure=f"The point returned {names}; promised were {', '.join(promised)}.")
+    results: dict[str, float | None] = {}
+    for name in promised:
+        value = found[name]
+        results[name] = None if value is None else float(value)
+        if not math.isfinite(results[name] or 0.0):
+            return Outcome(failure=f"The point returned {name} = {value}, which is not a finite number.")
+    return Outcome(results)
+
+
+def sources() -> str:
+    """A digest of all equations, scenarios and C sources of this checkout: points of two of them share no table."""
+    digest = hashlib.sha256((ROOT / "build_fmu.py").read_bytes())
+    files = [path for folder in SOURCES for path in (ROOT / folder).rglob("*") if path.suffix in {".py", ".c", ".h"}]
+    for path in sorted(files, key=lambda path: path.relative_to(ROOT).as_posix()):
+        digest.update(path.relative_to(ROOT).as_posix().encode())
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def outcomes_from(
+    executor: Executor, evaluate_point: Evaluate, points: Mapping[int, Point], window: int
+) -> Iterator[tuple[int, Future[Outcome]]]:
+    """Points as they are done, by their number; at most `window` of them are under way."""
+    waiting = iter(points.items())
+    under_way: dict[Future[Outcome], int] = {}
+    while True:
+        for number, point in islice(waiting, window - len(under_way)):
+            under_way[executor.submit(evaluate_point, point)] = number
+        if not under_way:
+            return
+        for future in wait(under_way, return_when=FIRST_COMPLETED).done:
+            yield under_way.pop(future), future
+
+
+def leave_with_parent() -> None:
+    """Ends this process when its parent is gone; a killed parent cannot say so, and the pool would wait for ever."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
+
+
+def prepare_worker() -> None:
+    """Ctrl-C ends a worker without a word; the parent says what there is to say."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    threading.Thread(target=leave_with_parent, daemon=True).start()
+
+
+@contextmanager
+def process_pool(jobs: int) -> Iterator[ProcessPoolExecutor]:
+    """Worker processes that start afresh (spawn), on every system alike."""
+    spawn = multiprocessing.get_context("spawn")
+    executor = ProcessPoolExecutor(jobs, spawn, prepare_worker)
+    try:
+        yield executor
+    finally:
+        executor.shutdown(cancel_futures=True)
+
+
+def in_processes(jobs: int, evaluate_point: Evaluate, points: Mapping[int, Point]) -> Outcomes:
+    """Outcomes from worker processes of this machine.
+
+    When a worker dies, the points that were under way are repeated one by one: what kills its worker again has failed.
+    """
+    left = dict(points)
+    while left:
+        jobs = min(jobs, len(left), MOST_JOBS)
+        try:
+            with process_pool(jobs) as executor:
+                for number, future in outcomes_from(executor, evaluate_point, dict(left), AHEAD * jobs):
+                    outcome = future.result()
+                    del left[number]
+                    yield number, outcome
+        except BrokenProcessPool:
+            # Points go out in order, so those under way are the first that are left.
+            for number in list(left)[: AHEAD * jobs]:
+                yield number, alone(evaluate_point, left.pop(number))
+
+
+def alone(evaluate_point: Evaluate, point: Point) -> Outcome:
+    """One point in a process of its own."""
+    with process_pool(1) as executor:
+        try:
+            return executor.submit(evaluate_point, point).result()
+        except BrokenProcessPool:
+            return Outcome(failure="The worker process died, and once more when it had nothing but this point.")
+
+
+def point_function(run: Callable[..., Mapping[str, float | None]], promised: Sequence[str]) -> Evaluate:
+    """One point as a function of its parameters alone, for any worker. Raises SweepError where none could load it."""
+    try:
+        pickle.dumps(run)
+    except (pickle.PicklingError, AttributeError, TypeError) as error:
+        raise SweepError(
+            f"No worker can load the point function ({error}); it must stand at the top level of a file that workers "
+            "can import."
+        ) from error
+    return partial(evaluate, run, tuple(promised))

@@ -1,0 +1,78 @@
+"""The table of a sweep: CSV with units in its heads, Parquet with units in its fields, and one JSON beside them."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from scenarios.scenario import Sweepable
+from scenarios.sweep.points import Outcome, Point
+
+FILES = ("table.csv", "table.parquet", "summary.json")
+#: Name of the last column: why a point has no results.
+FAILURE = "failure"
+Rows = Sequence[tuple[Point, Outcome]]
+
+
+def write_table(folder: Path, sweepable: Sweepable, rows: Rows, summary: Mapping[str, Any]) -> list[str]:
+    """Writes the files and returns their names; without pyarrow there is no Parquet.
+
+    Rows come in the order of the grid and hold nothing but parameters and results: the same sweep gives the same bytes.
+    """
+    varied = list(rows[0][0])
+    units = {name: sweepable.parameters[name] for name in varied} | dict(sweepable.results)
+    columns = {name: [_value(name, *row) for row in rows] for name in units}
+    failures = [outcome.failure for _, outcome in rows]
+    contents = {"table.csv": _csv(units, columns, failures), "table.parquet": _parquet(units, columns, failures)}
+    contents["summary.json"] = (json.dumps(summary, indent=2, allow_nan=False) + "\n").encode()
+    written = {name: content for name, content in contents.items() if content is not None}
+    remove_table(folder)
+    for name, content in written.items():
+        partial = folder / f".{name}.{os.getpid()}"
+        partial.write_bytes(content)
+        partial.replace(folder / name)
+    return list(written)
+
+
+def remove_table(folder: Path) -> None:
+    """A table of an earlier sweep does not stay beside the journal of another."""
+    for name in FILES:
+        (folder / name).unlink(missing_ok=True)
+
+
+def _value(name: str, point: Point, outcome: Outcome) -> float | None:
+    return point[name] if name in point else (outcome.results or {}).get(name)
+
+
+def _csv(
+    units: Mapping[str, str], columns: Mapping[str, Sequence[float | None]], failures: Iterable[str | None]
+) -> bytes:
+    """Floats with all their digits (repr); an empty cell where there is no value."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow([*(f"{name} [{unit}]" for name, unit in units.items()), FAILURE])
+    for *values, failure in zip(*columns.values(), failures, strict=True):
+        writer.writerow([*("" if value is None else repr(value) for value in values), failure or ""])
+    return text.getvalue().encode()
+
+
+def _parquet(
+    units: Mapping[str, str], columns: Mapping[str, Sequence[float | None]], failures: Sequence[str | None]
+) -> bytes | None:
+    """Columns of doubles, each with its unit in the metadata of its field; None without pyarrow."""
+    try:
+        import pyarrow
+        import pyarrow.parquet
+    except ImportError:
+        return None
+    fields = [pyarrow.field(name, pyarrow.float64(), metadata={"unit": unit}) for name, unit in units.items()]
+    fields.append(pyarrow.field(FAILURE, pyarrow.string()))
+    table = pyarrow.table([*columns.values(), failures], schema=pyarrow.schema(fields))
+    sink = pyarrow.BufferOutputStream()
+    pyarrow.parquet.write_table(table, sink)
+    return bytes(sink.getvalue().to_pybytes())

@@ -1,0 +1,80 @@
+"""A lateral wave while torque drives or brakes the bogie, applied in 5 s or in 1 s (section 5.4.3)."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from rbd_model.parameters import tables_5_1_and_5_2
+from rbd_model.track import section_5_3
+from scenarios.bench.drive import bogie, play
+from scenarios.cosimulation.recording import Recording
+from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt
+from scenarios.reporting.report import Result, Row
+from scenarios.scenario import Options, Scenario
+
+TORQUE, HIGH_SPEED = 15e3, 20.0
+#: Ramp and, for braking, start of the torque [s]; the thesis's largest lateral shift [mm] where printed.
+CASES = {
+    "traction in 5 s": (5.0, 9.0),
+    "traction in 1 s": (1.0, None),
+    "braking in 5 s": (5.0, 10.5),
+    "braking in 1 s": (1.0, None),
+}
+BRAKE_START, DURATION, INTERVAL = 1.0, 26.0, 2e-3
+WAVE = {"lateral_irregularity": 0.025}
+RECORDED = ("speed", "lateral_1", "lateral_2", "distance")
+#: Times at which 20 m/s are reached under traction [s], Figs 5.31 and 5.35.
+REACHED = {"traction in 5 s": 20.5, "traction in 1 s": 18.2}
+
+
+def motion(name: str) -> Recording:
+    ramp = CASES[name][0]
+    traction = name.startswith("traction")
+    begin = 0.0 if traction else BRAKE_START
+    history = [(0.0, 0.0), (begin, 0.0), (begin + ramp, TORQUE)] if begin else [(0.0, 0.0), (ramp, TORQUE)]
+    kind = "traction_torque" if traction else "brake_torque"
+    inputs = {f"{kind}_{n}": history for n in (1, 2)}
+    kernel = bogie(inputs, RECORDED, initial_speed=0.01 if traction else HIGH_SPEED, **WAVE)
+    return play("bogie", kernel, DURATION, INTERVAL, RECORDED, inputs)
+
+
+def run(options: Options) -> Result:
+    runs = {name: motion(name) for name in CASES}
+    rows = []
+    for name, series in runs.items():
+        source = "section 5.4.3"
+        if name in REACHED:
+            found = series.first_time(series["speed"] >= HIGH_SPEED)
+            # Rolling, 20 m/s take 20 / 1.1092 s and half the ramp: 20.53 and 18.53 s. The second was printed as 18.2.
+            judged = 0.15 if name == "traction in 5 s" else None
+            rows.append(Row(f"{name}: 20 m/s reached at", "s", REACHED[name], found, judged, source))
+        shift = 1e3 * max(float(np.abs(series[f"lateral_{n}"]).max()) for n in (1, 2))
+        assumed = "where the wave lies is not printed: 5 m, as in section 5.3"
+        rows.append(Row(f"{name}: largest lateral shift", "mm", CASES[name][1], shift, None, source, assumed))
+    series = runs["traction in 5 s"]
+    for name in list(runs)[1:]:
+        series.add_from(f"lateral_1, {name}", runs[name], "lateral_1")
+    parameters = tables_5_1_and_5_2().values() | section_5_3().values() | WAVE | {"level": 3}
+    return Result(rows, series, lambda: draw(runs), parameters, DURATION * len(runs))
+
+
+def draw(runs: dict[str, Recording]) -> Figure:
+    figure, grid = plt.subplots(2, len(runs), sharex=True, sharey="row", figsize=(13.0, 6.0))
+    for column, (name, series) in enumerate(runs.items()):
+        upper, lower = grid[:, column]
+        upper.plot(series["time"], series["speed"], color=BOGIE)
+        upper.set_title(f"{name}: speed [m/s]", fontsize=9)
+        lower.plot(series["time"], 1e3 * series["lateral_1"], color=LEADING, label="leading")
+        lower.plot(series["time"], 1e3 * series["lateral_2"], color=TRAILING, label="trailing")
+        lower.set_title("lateral displacement [mm]", fontsize=9)
+        lower.set_xlabel("time [s]")
+    grid[1, 0].legend(loc="upper right")
+    figure.suptitle("A lateral wave under torque (Figs 5.31-5.43)", x=0.02, ha="left")
+    figure.set_layout_engine("constrained")
+    return figure
+
+
+SCENARIO = Scenario(
+    "bogie-lateral-under-torque", "A lateral wave while driven or braked (section 5.4.3)", run, frozenset()
+)

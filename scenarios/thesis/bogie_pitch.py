@@ -1,0 +1,74 @@
+"""The frame pitches when torque acts below its centre: nose up in traction, down in braking (section 5.4.2)."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from rbd_model.parameters import tables_5_1_and_5_2
+from scenarios.bench.drive import period, play, prepare
+from scenarios.cosimulation.recording import Recording
+from scenarios.reporting.plots import BOGIE, TRAILING, panels
+from scenarios.reporting.report import Result, Row
+from scenarios.scenario import Options, Scenario
+
+TORQUE = 15e3
+#: Fig. 5.24: traction grows over 5 s and ends at 20.5 s; braking grows from 25.5 s over 5 s and ends at 37 s.
+TRACTION = [(0.0, 0.0), (5.0, TORQUE), (20.5, TORQUE), (20.5, 0.0)]
+BRAKE = [(0.0, 0.0), (25.5, 0.0), (30.5, TORQUE), (37.0, TORQUE), (37.0, 0.0)]
+DURATION, INTERVAL = 40.0, 2e-3
+LEVELS = {2: "planar", 3: "spatial"}
+
+
+def motion(level: int) -> Recording:
+    kernel = prepare("bogie", level=level, initial_speed=0.01)
+    inputs = {f"traction_torque_{n}": TRACTION for n in (1, 2)} | {f"brake_torque_{n}": BRAKE for n in (1, 2)}
+    return play("bogie", kernel, DURATION, INTERVAL, ("speed", "pitch", "distance"), inputs)
+
+
+def mean_between(series: Recording, begin: float, end: float) -> float:
+    chosen = (series["time"] > begin) & (series["time"] < end)
+    return float(series["pitch"][chosen].mean())
+
+
+def run(options: Options) -> Result:
+    runs = {level: motion(level) for level in LEVELS}
+    series, source = runs[2], "section 5.4.2, Fig. 5.29"
+    ringing = (series["time"] > 20.51) & (series["time"] < 22.0)
+    rows = [
+        Row("pitch in traction", "mrad", None, 1e3 * mean_between(series, 15.0, 20.0), None, source, "negative"),
+        Row("pitch in braking", "mrad", None, 1e3 * mean_between(series, 33.0, 36.5), None, source, "positive"),
+        Row(
+            "period of the ringing after the release",
+            "s",
+            None,
+            period(series["time"][ringing], series["pitch"][ringing]),
+            None,
+            source,
+        ),
+        Row(
+            "largest difference of pitch, spatial - planar",
+            "mrad",
+            0.0,
+            1e3 * float(np.abs(runs[3]["pitch"] - series["pitch"]).max()),
+            0.01,
+            "levels against each other, not the thesis",
+        ),
+    ]
+    series.add_from("pitch, spatial", runs[3], "pitch")
+    remark = "Symmetric track and loads: the planar level is enough; the spatial one is run to show it."
+    parameters = tables_5_1_and_5_2().values()
+    return Result(rows, series, lambda: draw(series), parameters, DURATION * len(runs), [remark])
+
+
+def draw(series: Recording) -> Figure:
+    labels = ("speed [m/s]", "pitch of the frame [mrad], positive nose down")
+    figure, axes = panels("Traction, rolling, braking: the frame pitches (Fig. 5.29)", labels, 2.6)
+    axes[0].plot(series["time"], series["speed"], color=BOGIE)
+    axes[1].plot(series["time"], 1e3 * series["pitch"], color=BOGIE, label="planar")
+    axes[1].plot(series["time"], 1e3 * series["pitch, spatial"], color=TRAILING, linestyle="--", label="spatial")
+    axes[1].legend(loc="upper left")
+    return figure
+
+
+SCENARIO = Scenario("bogie-pitch", "Pitch of the frame under torque (section 5.4.2)", run, frozenset())

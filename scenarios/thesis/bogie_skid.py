@@ -1,0 +1,75 @@
+"""Heavy braking of the bogie behind a lateral wave: a locked wheelset no longer guides (section 5.5)."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from rbd_model.bogie import smallest_level
+from rbd_model.parameters import tables_5_1_and_5_2
+from scenarios.bench.drive import bogie, play
+from scenarios.cosimulation.recording import Recording
+from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, mark, plt
+from scenarios.reporting.report import Result, Row
+from scenarios.scenario import Options, Scenario
+
+TORQUE, APPLIED, SPEED = 60e3, 4.0, 25.0
+DURATION, INTERVAL = 14.0, 2e-3
+CASES = {"leading wheelset braked": (1,), "both wheelsets braked": (1, 2)}
+WAVE = {"lateral_irregularity": 0.025}
+RECORDED = (
+    *("speed", "angular_velocity_1", "angular_velocity_2"),
+    *("lateral_1", "lateral_2", "locked_1", "locked_2", "distance"),
+)
+
+
+def motion(braked: tuple[int, ...]) -> tuple[Recording, list[str]]:
+    history = [(0.0, 0.0), (APPLIED, 0.0), (APPLIED, TORQUE)]
+    inputs = {f"brake_torque_{n}": history for n in braked}
+    kernel = bogie(inputs, RECORDED, initial_speed=SPEED, **WAVE)
+    series = play("bogie", kernel, DURATION, INTERVAL, RECORDED, inputs)
+    return series, kernel.journal
+
+
+def run(options: Options) -> Result:
+    runs = {name: motion(braked) for name, braked in CASES.items()}
+    rows, remarks = [], []
+    for name, (series, journal) in runs.items():
+        remarks += [f"{name}: {line}" for line in journal]
+        for number in CASES[name]:
+            locked = series.first_time(series[f"locked_{number}"] > 0.5)
+            delay = None if locked is None else locked - APPLIED
+            rows.append(Row(f"{name}: lock of wheelset {number} after", "s", None, delay, None, "section 5.5, rapidly"))
+        before = series["time"] < APPLIED
+        for label, chosen in (("just before the brake", before & (series["time"] > APPLIED - 0.5)), ("after", ~before)):
+            shift = 1e3 * float(np.abs(series["lateral_1"][chosen]).max())
+            rows.append(Row(f"{name}: shift of wheelset 1 {label}", "mm", None, shift, None, "Figs 5.45, 5.47"))
+    first = runs["leading wheelset braked"][0]
+    choice = smallest_level(("brake_torque_1", *WAVE), RECORDED)
+    remarks.append(choice.reason)
+    parameters = tables_5_1_and_5_2().values() | WAVE | {"level": choice.level}
+    return Result(rows, first, lambda: draw(runs), parameters, DURATION * len(runs), remarks)
+
+
+def draw(runs: dict[str, tuple[Recording, list[str]]]) -> Figure:
+    figure, grid = plt.subplots(2, len(runs), sharex=True, figsize=(11.0, 6.0))
+    radius = tables_5_1_and_5_2().wheel_radius
+    for column, (name, (series, _)) in enumerate(runs.items()):
+        upper, lower = grid[:, column]
+        upper.plot(series["time"], series["speed"], color=BOGIE, label="bogie")
+        upper.plot(series["time"], radius * series["angular_velocity_1"], color=LEADING, label="leading wheels")
+        upper.plot(series["time"], radius * series["angular_velocity_2"], color=TRAILING, label="trailing wheels")
+        upper.set_title(f"{name}: speed and circumferential speeds [m/s]")
+        lower.plot(series["time"], 1e3 * series["lateral_1"], color=LEADING)
+        lower.plot(series["time"], 1e3 * series["lateral_2"], color=TRAILING)
+        lower.set_title("lateral displacement [mm]")
+        lower.set_xlabel("time [s]")
+        for axis in (upper, lower):
+            mark(axis, APPLIED, "brake")
+    grid[0, 0].legend(loc="lower left")
+    figure.suptitle("60 kN.m on one and on both wheelsets at 25 m/s (Figs 5.44-5.47)", x=0.02, ha="left")
+    figure.set_layout_engine("constrained")
+    return figure
+
+
+SCENARIO = Scenario("bogie-skid", "60 kN.m behind a lateral wave: skid in space (section 5.5)", run, frozenset())

@@ -1,0 +1,162 @@
+"""Heavy braking of the chapter 5 bogie, section 5.5, longitudinal part: 60 kN.m on one and on both wheelsets."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from rbd_model.parameters import tables_5_1_and_5_2
+from scenarios.bench.drive import prepare
+from scenarios.cosimulation.master import couple
+from scenarios.cosimulation.recording import Recording
+from scenarios.numerics.levels import lock_time as located_lock_time
+from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, mark, panels
+from scenarios.reporting.report import Result, Row
+from scenarios.scenario import Options, Scenario, Sweepable, open_bogie
+from scenarios.thesis.qr30 import AT_REST
+
+INITIAL_SPEED, TORQUE, BRAKE_TIME, DURATION = 25.0, 60e3, 4.0, 20.0
+#: Not printed for section 5.5; chapter 9 uses 0.3 with the same bogie.
+FRICTION = 0.3
+#: A bogie that is not at rest by then [s] has no stop distance; 25 m/s at 0.1 m/s2.
+LONGEST_STOP = 250.0
+RECORDED = ("speed", "angular_velocity_1", "angular_velocity_2", "axle_load_1", "axle_load_2", "locked_1", "locked_2")
+CASES = {"leading": (TORQUE, 0.0), "both": (TORQUE, TORQUE)}
+
+
+def brake(options: Options, level: int, torques: tuple[float, float]) -> tuple[Recording, list[str], str]:
+    """One run at 25 m/s with constant torques [N.m] from t = 4 s."""
+    with open_bogie(options, level=level, initial_speed=INITIAL_SPEED) as bogie:
+        bogie.start(friction_1=FRICTION, friction_2=FRICTION)
+
+        def drive(time: float) -> None:
+            on = time >= BRAKE_TIME - 1e-9
+            bogie.set(brake_torque_1=torques[0] * on, brake_torque_2=torques[1] * on)
+
+        record = [(bogie, name) for name in RECORDED]
+        series = couple([bogie], [], DURATION, options.macro_step(), record, drive, label=f"level {level}")
+        return series, list(bogie.messages), bogie.guid
+
+
+def lock_time(series: Recording, number: int) -> float | None:
+    """Seconds from the application of the brake to the first lock of a wheelset."""
+    time = series.first_time(series[f"locked_{number}"] > 0.5)
+    return None if time is None else time - BRAKE_TIME
+
+
+def later_by(first: float | None, second: float | None) -> float | None:
+    """Difference of two lock times [s]; None when one of the wheelsets did not lock."""
+    return None if first is None or second is None else second - first
+
+
+def run(options: Options) -> Result:
+    runs = {(level, case): brake(options, level, torque) for level in (2, 1) for case, torque in CASES.items()}
+    planar = {case: runs[2, case][0] for case in CASES}
+    point = {case: runs[1, case][0] for case in CASES}
+    late, early = lock_time(planar["both"], 1), lock_time(planar["both"], 2)
+    assumed = f"wheel-rail friction {FRICTION} and frame height {tables_5_1_and_5_2().frame_height} m are not printed"
+    rows = [
+        Row(
+            "leading wheelset braked alone: locks after",
+            "s",
+            0.5,
+            lock_time(planar["leading"], 1),
+            0.1,
+            "Fig. 5.44, about",
+            f"planar; {assumed}",
+        ),
+        Row(
+            "both braked: trailing wheelset locks after", "s", 0.2, early, 0.1, "Fig. 5.46, about", f"planar; {assumed}"
+        ),
+        Row(
+            "both braked: leading locks later by",
+            "s",
+            None,
+            later_by(early, late),
+            None,
+            "load moves forward",
+            "planar",
+        ),
+        Row(
+            "both braked: difference of the two lock times",
+            "s",
+            None,
+            later_by(lock_time(point["both"], 2), lock_time(point["both"], 1)),
+            None,
+            "static loads",
+            "point: both alike",
+        ),
+        Row(
+            "leading braked alone: locks after, point level",
+            "s",
+            None,
+            lock_time(point["leading"], 1),
+            None,
+            "static loads",
+            "point: too early, because the load that moves forward is missing",
+        ),
+    ]
+    series = planar["leading"]
+    for name in RECORDED:
+        series.add_from(f"{name} (both braked)", planar["both"], name)
+    remarks = [f"{case} braked, planar: {' '.join(m for m in runs[2, case][1])}" for case in CASES]
+    parameters = tables_5_1_and_5_2().values() | {"friction": FRICTION, "brake_torque": TORQUE}
+    guids = {"BogieDynamics": runs[2, "both"][2]}
+    return Result(rows, series, lambda: draw(planar), parameters, 4 * DURATION, remarks, guids)
+
+
+def draw(planar: dict[str, Recording]) -> Figure:
+    labels = (
+        "leading wheelset braked with 60 kN.m: speed and wheel speeds [m/s]",
+        "axle loads [kN]",
+        "both wheelsets braked with 60 kN.m: speed and wheel speeds [m/s]",
+        "axle loads [kN]",
+    )
+    figure, axes = panels("Skid under heavy braking: load moves forward, the trailing wheelset locks first", labels)
+    radius = tables_5_1_and_5_2().wheel_radius
+    for row, case in enumerate(CASES):
+        series, axis, loads = planar[case], axes[2 * row], axes[2 * row + 1]
+        time = series["time"]
+        axis.plot(time, series["speed"], color=BOGIE, label="bogie")
+        for number, colour, line, label in ((1, LEADING, "-", "leading"), (2, TRAILING, "--", "trailing")):
+            axis.plot(time, radius * series[f"angular_velocity_{number}"], line, color=colour, label=label)
+            loads.plot(time, series[f"axle_load_{number}"] / 1e3, color=colour)
+            locked = series.first_time(series[f"locked_{number}"] > 0.5)
+            if locked is not None and np.interp(locked, time, series["speed"]) > 1.0:
+                mark(axis, locked, "")
+        axis.legend(loc="lower left")
+        axis.set_xlim(3.0, 14.0)
+    return figure
+
+
+def one_stop(
+    friction: float = FRICTION,
+    brake_torque_1: float = TORQUE,
+    brake_torque_2: float = TORQUE,
+    frame_height: float = tables_5_1_and_5_2().frame_height,
+    initial_speed: float = INITIAL_SPEED,
+) -> dict[str, float | None]:
+    """One stop at the planar level, braked from t = 0; no lock time for a wheelset that turns until rest."""
+    kernel = prepare("bogie", level=2, initial_speed=initial_speed, frame_height=frame_height)
+    kernel.set(friction_1=friction, friction_2=friction, brake_torque_1=brake_torque_1, brake_torque_2=brake_torque_2)
+    kernel.initialise()
+    rows = [(0.0, initial_speed)]
+    while kernel["speed"] > AT_REST:
+        if kernel.time >= LONGEST_STOP:
+            raise ValueError(f"The bogie still moves at {kernel['speed']:.3g} m/s after {LONGEST_STOP:g} s.")
+        table = kernel.record(1.0, 0.01, ("speed",))
+        rows += zip(table["time"], table["speed"], strict=True)
+    kernel.advance(1.0)  # the rest of the way, below AT_REST
+    series = Recording({"time": "s", "speed": "m/s"}, rows)
+    locks = {f"lock_time_{number}": located_lock_time(kernel, series, number) for number in (1, 2)}
+    return {**locks, "stop_distance": kernel["distance"]}
+
+
+SWEEP = Sweepable(
+    {"friction": "1", "brake_torque_1": "N.m", "brake_torque_2": "N.m", "frame_height": "m", "initial_speed": "m/s"},
+    {"lock_time_1": "s", "lock_time_2": "s", "stop_distance": "m"},
+    one_stop,
+)
+SCENARIO = Scenario(
+    "bogie-heavy-braking", "60 kN.m on the leading and on both wheelsets from 25 m/s (section 5.5)", run, sweep=SWEEP
+)

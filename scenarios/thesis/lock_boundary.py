@@ -1,0 +1,162 @@
+"""Locked or rolling: the QR30 trailing wheelset over shoe friction and wheel-rail friction, for the three pressures."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+from scipy.optimize import bisect
+from tqdm import tqdm
+
+from brake_controller.experiment import EXPERIMENT
+from brake_controller.parameters import qr30
+from rbd_model.parameters import tables_8_1_and_8_2
+from scenarios.cosimulation.recording import Recording
+from scenarios.cosimulation.slave import Slave
+from scenarios.reporting.plots import BOGIE, THREE, single
+from scenarios.reporting.report import Result, Row
+from scenarios.scenario import Options, Scenario, open_bogie, open_brake
+from scenarios.thesis.qr30 import AT_REST, FRICTION, FRICTION_RANGE, bogie_parameters
+
+#: Many short runs: the torque of 0.8 s build-up needs no finer macro step [s].
+DEFAULT_STEP = 0.01
+LONGEST = 12.0
+FRICTIONS = np.linspace(0.12, 0.24, 13)
+SHOE_FRICTION_SPAN = (0.05, 0.9)
+RESOLUTION = 5e-4
+#: Skidding trials among the four of each pressure (sections 7.2 - 7.4).
+SKIDDED = {130: 0, 150: 2, 180: 4}
+#: Load of each wheel of the braked wheelset [N], section 7.4.2.
+PRINTED_WHEEL_LOAD = 8850.0
+
+
+def brake_until_lock_or_rest(
+    brake: Slave, bogie: Slave, pressure: int, shoe_friction: float, friction: float, step: float
+) -> tuple[bool, float]:
+    """Whether the trailing wheelset locks while the bogie still moves, and after how long [s]; braked from t = 0."""
+    brake.restart(qr30(pressure).values() | {"constant_shoe_friction": shoe_friction}, pressure_demand=1e3 * pressure)
+    bogie.restart(bogie_parameters(set(bogie.units), pressure), friction_1=friction, friction_2=friction)
+    for number in range(round(LONGEST / step)):
+        time = number * step
+        brake.step(time, step)
+        bogie.set(brake_torque_2=brake["brake_torque"])
+        bogie.step(time, step)
+        locked, speed = bogie.get(["locked_2", "speed"])
+        if speed < AT_REST or locked:
+            return bool(locked) and speed >= AT_REST, time + step
+    return False, LONGEST
+
+
+def boundary(brake: Slave, bogie: Slave, pressure: int, friction: float, step: float) -> tuple[float, float]:
+    """Shoe friction at which the wheelset just locks, to RESOLUTION, and the time simulated to find it [s]."""
+    seconds = 0.0
+
+    def sign(shoe_friction: float) -> float:
+        nonlocal seconds
+        locks, lasted = brake_until_lock_or_rest(brake, bogie, pressure, shoe_friction, friction, step)
+        seconds += lasted
+        return 1.0 if locks else -1.0
+
+    return float(bisect(sign, *SHOE_FRICTION_SPAN, xtol=RESOLUTION)), seconds
+
+
+def printed_range(pressure: int) -> tuple[float, float]:
+    """Lowest and highest shoe friction measured at a pressure [kPa]."""
+    case = EXPERIMENT[pressure]
+    return case.lowest_shoe_friction, case.highest_shoe_friction
+
+
+def locked_share(curve: np.ndarray, shoe_range: tuple[float, float]) -> float:
+    """Share of the rectangle of printed ranges (shoe friction x wheel-rail friction) that locks."""
+    low, high = shoe_range
+    grid = np.linspace(*FRICTION_RANGE, 201)
+    above = (high - np.clip(np.interp(grid, FRICTIONS, curve), low, high)) / (high - low)
+    return float(np.mean(above))
+
+
+def run(options: Options) -> Result:
+    curves: dict[int, np.ndarray] = {}
+    step = options.macro_step(DEFAULT_STEP)
+    with open_brake(options) as brake, open_bogie(options) as bogie:
+        points = tqdm([(p, f) for p in EXPERIMENT for f in FRICTIONS], desc="qr30-lock-boundary", leave=False)
+        found = [boundary(brake, bogie, pressure, friction, step) for pressure, friction in points]
+        for number, pressure in enumerate(EXPERIMENT):
+            limits = [limit for limit, _ in found[number * FRICTIONS.size : (number + 1) * FRICTIONS.size]]
+            curves[pressure] = np.array(limits)
+        # A skid well above the limit, for the adhesion that eq. (7.3) measures.
+        brake_until_lock_or_rest(brake, bogie, 180, 0.4, FRICTION, step)
+        adhesion = -bogie["creep_force_2"] * tables_8_1_and_8_2().wheel_radius
+        guids = {slave.name: slave.guid for slave in (brake, bogie)}
+    printed = FRICTION * tables_8_1_and_8_2().wheel_radius * 2 * PRINTED_WHEEL_LOAD
+    rows = [
+        Row(
+            "torque of the rail on the locked wheelset",
+            "N.m",
+            printed,
+            adhesion,
+            0.01 * printed,
+            "eq. (7.3)",
+            f"wheel-rail {FRICTION}; wheel load 8.85 kN is printed as approximate",
+        ),
+    ]
+    for pressure, curve in curves.items():
+        low, high = printed_range(pressure)
+        rows.append(
+            Row(
+                f"{pressure} kPa: share of the printed ranges that locks",
+                "1",
+                SKIDDED[pressure] / 4,
+                locked_share(curve, (low, high)),
+                None,
+                "share of the four trials that skidded",
+                f"shoe friction {low} to {high} and wheel-rail {FRICTION_RANGE[0]} to {FRICTION_RANGE[1]} taken as "
+                "equally likely; four trials are too few to judge",
+            )
+        )
+    remarks = []
+    for pressure, curve in curves.items():
+        limit, (low, high) = float(np.interp(FRICTION, FRICTIONS, curve)), printed_range(pressure)
+        place = "inside" if low <= limit <= high else "above" if limit > high else "below"
+        remarks.append(
+            f"{pressure} kPa, wheel-rail {FRICTION}: locks from shoe friction {limit:.3f}, {place} the printed range "
+            f"{low} to {high}."
+        )
+    units = {"wheel_rail_friction": "1"} | {f"shoe_friction_that_locks_{p}_kPa": "1" for p in curves}
+    series = Recording(units, np.column_stack([FRICTIONS, *curves.values()]).tolist())
+    parameters = tables_8_1_and_8_2().values() | {"macro_step": step, "resolution": RESOLUTION}
+    seconds = sum(lasted for _, lasted in found)
+    return Result(rows, series, lambda: draw(curves), parameters, seconds, remarks, guids)
+
+
+def draw(curves: dict[int, np.ndarray]) -> Figure:
+    figure, axis = single(
+        "QR30: where the trailing wheelset locks (above the line) and where it rolls (below)",
+        "wheel-rail friction [1]",
+        "shoe friction [1]",
+    )
+    for (pressure, curve), colour in zip(curves.items(), THREE, strict=True):
+        axis.plot(FRICTIONS, curve, color=colour, label=f"{pressure} kPa: locks above")
+        low, high = printed_range(pressure)
+        width = FRICTION_RANGE[1] - FRICTION_RANGE[0]
+        axis.add_patch(
+            Rectangle((FRICTION_RANGE[0], low), width, high - low, facecolor=colour, alpha=0.12, edgecolor=colour)
+        )
+        axis.plot([FRICTION], [EXPERIMENT[pressure].shoe_friction], "o", color=colour)
+        axis.annotate(
+            f"{pressure} kPa printed",
+            (FRICTION_RANGE[1], high),
+            xytext=(4, -9),
+            fontsize=8,
+            color=colour,
+            textcoords="offset points",
+        )
+    axis.axvline(FRICTION, color=BOGIE, linewidth=0.8, linestyle=":")
+    axis.set_ylim(0.1, 0.6)
+    axis.plot([], [], "o", color=BOGIE, label="printed averages")
+    axis.legend(loc="upper left")
+    return figure
+
+
+SCENARIO = Scenario(
+    "qr30-lock-boundary", "Locked or rolling over shoe friction and wheel-rail friction, three pressures", run
+)

@@ -1,0 +1,173 @@
+"""What the fitted and assumed values decide: critical speed, lateral peak and derailment over each of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.figure import Figure
+from tqdm import tqdm
+
+from rbd_model.bogie import wheelset_in_frame
+from rbd_model.linear import critical_speed
+from rbd_model.parameters import tables_4_1_and_4_2, tables_5_1_and_5_2
+from rbd_model.track import section_5_3
+from scenarios.bench.drive import bogie, play
+from scenarios.cosimulation.recording import Recording
+from scenarios.reporting.plots import LEADING, THESIS, plt
+from scenarios.reporting.progress import PATIENCE
+from scenarios.reporting.report import Result, Row
+from scenarios.scenario import Options, Scenario
+from scenarios.thesis.asymmetric_braking import BRAKE_START, BRAKE_TORQUE, DERAILED_AT, YAW_TORQUE
+from scenarios.thesis.critical_speed import RANGE, growth_by_eigenvalue
+
+TOLERANCE = 1e-5
+HALF_SPACING = "half spacing [m]"
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One picture: what is varied over which values, what is answered, the thesis's answer, and the value used."""
+
+    title: str
+    varied: str
+    values: np.ndarray
+    answer: Callable[[float], float]
+    unit: str
+    thesis: float
+    used: float
+
+
+def critical_over_spacing(half_spacing: float) -> float:
+    """Critical speed of the wheelset of chapter 4 [m/s]."""
+    system = wheelset_in_frame()
+    return critical_speed(lambda speed: growth_by_eigenvalue(system, speed, half_spacing), *RANGE)
+
+
+def lateral_peak(**values: float) -> float:
+    """Largest shift of the leading wheelset over the lateral wave at 15 m/s [mm]."""
+    read = ("lateral_1",)
+    scene = {"initial_speed": 15.0, "constant_speed": 1, "lateral_irregularity": 0.025, "tolerance": TOLERANCE}
+    kernel = bogie((), read, **scene | values)
+    return 1e3 * float(np.abs(play("bogie", kernel, 4.0, 2e-3, read, {})["lateral_1"]).max())
+
+
+def derailment_speed(**values: float) -> float:
+    """Speed at derailment, 75 % error on the leading wheelset, brake applied in 1 s [m/s]; 0: it stops on the rails."""
+    ramp = [(0.0, 0.0), (BRAKE_START, 0.0), (BRAKE_START + 1.0, 1.0)]
+    inputs = {f"brake_torque_{n}": [(t, BRAKE_TORQUE * x) for t, x in ramp] for n in (1, 2)}
+    inputs["yaw_torque_1"] = [(t, YAW_TORQUE[75] * x) for t, x in ramp]
+    reading = {"yaw_torque_rotates": 1, "wheel_lift_ends": 0, "tolerance": TOLERANCE}
+    kernel = bogie(inputs, ("speed", "derailed"), **reading | values)
+    play("bogie", kernel, 20.0, 0.1, ("speed",), inputs)
+    return kernel["speed"] if kernel["derailed"] else 0.0
+
+
+def panels() -> list[Panel]:
+    used, wheelset, track = tables_5_1_and_5_2(), tables_4_1_and_4_2(), section_5_3()
+
+    def peak_over(name: str) -> Callable[[float], float]:
+        return lambda value: lateral_peak(**{name: value})
+
+    def derailment_over(name: str) -> Callable[[float], float]:
+        return lambda value: derailment_speed(**{name: value})
+
+    stiffness = 10.0 ** np.linspace(6.5, 9.0, 6)
+    return [
+        Panel(
+            "chapter 4: critical speed",
+            HALF_SPACING,
+            np.linspace(0.30, 0.60, 7),
+            critical_over_spacing,
+            "m/s",
+            27.0,
+            wheelset.suspension_half_spacing,
+        ),
+        Panel(
+            "lateral peak over spacing",
+            HALF_SPACING,
+            np.linspace(0.55, 0.85, 7),
+            peak_over("suspension_half_spacing"),
+            "mm",
+            9.5,
+            used.suspension_half_spacing,
+        ),
+        Panel(
+            "lateral peak over flange stiffness",
+            "flange stiffness [N/m]",
+            stiffness,
+            peak_over("flange_stiffness"),
+            "mm",
+            9.5,
+            used.flange_stiffness,
+        ),
+        Panel(
+            "lateral peak over blend",
+            "blend of the wave [m]",
+            np.array([0.2, 0.5, 1.0, 2.0, 4.0]),
+            peak_over("irregularity_blend"),
+            "mm",
+            9.5,
+            track.irregularity_blend,
+        ),
+        Panel(
+            "derailment speed over spacing",
+            HALF_SPACING,
+            np.linspace(0.55, 0.85, 7),
+            derailment_over("suspension_half_spacing"),
+            "m/s",
+            DERAILED_AT[1.0],
+            used.suspension_half_spacing,
+        ),
+        Panel(
+            "derailment speed over height",
+            "frame height [m]",
+            np.linspace(0.4, 1.0, 7),
+            derailment_over("frame_height"),
+            "m/s",
+            DERAILED_AT[1.0],
+            used.frame_height,
+        ),
+    ]
+
+
+def run(options: Options) -> Result:
+    asked = [(panel, float(value)) for panel in panels() for value in panel.values]
+    answers: dict[str, list[float]] = {panel.title: [] for panel, _ in asked}
+    for panel, value in tqdm(asked, "values", delay=PATIENCE, leave=False, unit="value"):
+        answers[panel.title].append(panel.answer(value))
+    rows = []
+    for panel in panels():
+        source = f"{panel.varied} from {panel.values[0]:g} to {panel.values[-1]:g}; used {panel.used:g}"
+        for word, found in (("least", min(answers[panel.title])), ("largest", max(answers[panel.title]))):
+            rows.append(Row(f"{panel.title}: {word}", panel.unit, panel.thesis, found, None, source))
+    series = Recording({"panel": "1", "varied": "SI", "answer": "m/s or mm"}, table(answers))
+    return Result(rows, series, lambda: draw(answers), tables_5_1_and_5_2().values(), 0.0)
+
+
+def table(answers: dict[str, list[float]]) -> list[list[float]]:
+    """Rows (panel counted from 1, value, answer)."""
+    return [
+        [number, value, answer]
+        for number, panel in enumerate(panels(), 1)
+        for value, answer in zip(panel.values, answers[panel.title], strict=True)
+    ]
+
+
+def draw(answers: dict[str, list[float]]) -> Figure:
+    figure, grid = plt.subplots(2, 3, figsize=(12.0, 7.0))
+    for axis, panel in zip(grid.ravel(), panels(), strict=True):
+        axis.plot(panel.values, answers[panel.title], "o-", color=LEADING)
+        axis.axvline(panel.used, color="#999999", linewidth=0.8)
+        axis.axhline(panel.thesis, color=THESIS, linestyle="--", linewidth=1.0)
+        if "stiffness" in panel.varied:
+            axis.set_xscale("log")
+        axis.set_title(f"{panel.title} [{panel.unit}]")
+        axis.set_xlabel(panel.varied)
+    figure.suptitle("What fitted values decide; grey: used, green: thesis, 0 m/s: no derailment", x=0.02, ha="left")
+    figure.set_layout_engine("constrained")
+    return figure
+
+
+SCENARIO = Scenario("sensitivity", "What the fitted and assumed values decide", run, frozenset())

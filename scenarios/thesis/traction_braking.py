@@ -1,0 +1,152 @@
+"""Traction and braking torque in sequence, section 5.4.1, Figs 5.24-5.28."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from rbd_model.bogie import smallest_level
+from rbd_model.parameters import BogieParameters, tables_5_1_and_5_2
+from scenarios.cosimulation.master import couple
+from scenarios.cosimulation.recording import Recording
+from scenarios.cosimulation.slave import Slave
+from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, mark, panels
+from scenarios.reporting.report import Result, Row
+from scenarios.scenario import Options, Scenario, open_bogie
+
+DURATION = 40.0
+FULL_TORQUE = 15e3
+RAMP = 5.0
+COAST = 5.0
+INITIAL_SPEED, HIGH_SPEED, LOW_SPEED = 0.01, 20.0, 10.0
+
+
+@dataclass
+class TorqueSequence:
+    """Fig. 5.24: traction to 20 m/s, 5 s of rolling, braking to 10 m/s, rolling; the speed decides when to go on."""
+
+    bogie: Slave
+    switches: list[float] = field(default_factory=list)
+    torque: list[float] = field(default_factory=list)
+
+    def __call__(self, time: float) -> None:
+        speed = self.bogie["speed"]
+        if (len(self.switches) == 0 and speed >= HIGH_SPEED) or (len(self.switches) == 2 and speed <= LOW_SPEED):
+            self.switches.append(time)
+        if len(self.switches) == 1 and time >= self.switches[0] + COAST - 1e-9:
+            self.switches.append(time)
+        traction = FULL_TORQUE * min(time / RAMP, 1.0) if not self.switches else 0.0
+        brake = 0.0
+        if len(self.switches) == 2:
+            brake = FULL_TORQUE * min((time - self.switches[1]) / RAMP, 1.0)
+        self.torque.append(traction - brake)
+        self.bogie.set(
+            traction_torque_1=traction, traction_torque_2=traction, brake_torque_1=brake, brake_torque_2=brake
+        )
+
+
+def expected_acceleration(p: BogieParameters, torque: float) -> float:
+    """2 T/r / (M + 2 J/r^2): both wheelsets driven or braked with `torque` [N.m], rolling [m/s2]."""
+    mass = p.frame_mass + 2 * p.wheelset_mass
+    return 2 * torque / p.wheel_radius / (mass + 2 * p.wheelset_pitch_inertia / p.wheel_radius**2)
+
+
+def mean_where(values: np.ndarray, where: np.ndarray) -> float | None:
+    """Mean of the chosen values; None when none is chosen."""
+    return float(np.mean(values[where])) if where.any() else None
+
+
+RECORDED = (
+    "speed",
+    "distance",
+    "acceleration",
+    "angular_velocity_1",
+    "angular_velocity_2",
+    "axle_load_1",
+    "axle_load_2",
+    "pitch",
+)
+
+
+def run(options: Options) -> Result:
+    parameters = tables_5_1_and_5_2()
+    choice = smallest_level(("traction_torque_1", "brake_torque_1"), RECORDED)
+    with open_bogie(options, level=choice.level, initial_speed=INITIAL_SPEED) as bogie:
+        bogie.start()
+        sequence = TorqueSequence(bogie)
+        record = [(bogie, name) for name in RECORDED]
+        series = couple([bogie], [], DURATION, options.macro_step(), record, sequence, label="bogie-traction-braking")
+        guids = {bogie.name: bogie.guid}
+    series.add("torque", "N.m", np.array([*sequence.torque, sequence.torque[-1]]))
+    # Times of 20 m/s reached, brake applied, 10 m/s reached; None for what did not happen.
+    switches = [sequence.switches[i] if i < len(sequence.switches) else None for i in range(3)]
+    time, torque = series["time"], series["torque"]
+    pulling = (time > 10.0) & (torque >= FULL_TORQUE)
+    braking = (time > (switches[1] or DURATION) + RAMP + 2.0) & (torque <= -FULL_TORQUE)
+    expected = expected_acceleration(parameters, FULL_TORQUE)
+    source = "section 5.4.1"
+    settled = "mean while the torque is constant and the suspension has settled"
+    rows = [
+        Row(
+            "acceleration at 15 kN.m traction",
+            "m/s2",
+            1.109,
+            mean_where(series["acceleration"], pulling),
+            1.109e-3,
+            source,
+            settled,
+        ),
+        Row(
+            "acceleration at 15 kN.m braking",
+            "m/s2",
+            -1.109,
+            mean_where(series["acceleration"], braking),
+            1.109e-3,
+            source,
+            settled,
+        ),
+        Row("time at which 20 m/s is reached", "s", 20.5, switches[0], 0.1, source),
+        Row("distance after 40 s", "m", 496.0, float(series["distance"][-1]), 1.0, source),
+        Row("time at which 10 m/s is reached", "s", 37.0, switches[2], 0.1, source),
+    ]
+    remark = f"Rolling without slip, 2T/r / (M + 2J/r2) = {expected:.4f} m/s2."
+    used = parameters.values() | {"level": choice.level}
+    return Result(rows, series, lambda: draw(series, switches), used, DURATION, [remark, choice.reason], guids)
+
+
+def draw(series: Recording, switches: list[float | None]) -> Figure:
+    labels = (
+        "torque on each wheelset [kN.m], traction positive",
+        "speed [m/s]",
+        "acceleration [m/s2]",
+        "wheelset angular velocity [rad/s]",
+        "distance [m]",
+        "pitch of the frame [mrad], positive nose down",
+    )
+    figure, axes = panels(
+        "Traction, rolling, braking: speed is the answer, not the input (Figs 5.24-5.29)", labels, 1.5
+    )
+    time = series["time"]
+    axes[0].plot(time, series["torque"] / 1e3, color=BOGIE)
+    axes[1].plot(time, series["speed"], color=BOGIE)
+    axes[2].plot(time, series["acceleration"], color=BOGIE, linewidth=0.8)
+    axes[2].axhline(1.109, color=THESIS, linestyle="--", linewidth=1.0, label="thesis, 1.109 m/s2")
+    axes[2].axhline(-1.109, color=THESIS, linestyle="--", linewidth=1.0)
+    axes[2].set_ylim(-2.2, 2.2)  # the axles jerk for milliseconds when a torque vanishes at once; see timeseries.csv
+    axes[2].legend(loc="upper right")
+    axes[3].plot(time, series["angular_velocity_1"], color=LEADING, label="leading")
+    axes[3].plot(time, series["angular_velocity_2"], color=TRAILING, linestyle="--", label="trailing")
+    axes[3].legend(loc="lower right")
+    axes[4].plot(time, series["distance"], color=BOGIE)
+    axes[4].plot([40.0], [496.0], "o", color=THESIS, label="thesis, 496 m")
+    axes[4].legend(loc="upper left")
+    axes[5].plot(time, 1e3 * series["pitch"], color=BOGIE)
+    for axis in axes:
+        for moment in switches:
+            mark(axis, moment, "")
+    return figure
+
+
+SCENARIO = Scenario("bogie-traction-braking", "Traction to 20 m/s, rolling, braking to 10 m/s (section 5.4)", run)

@@ -1,0 +1,84 @@
+"""The wheelset of chapter 4 at constant speed: damped at 15 and 25 m/s, a limit cycle at 30 m/s (section 4.4)."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from rbd_model.parameters import tables_4_1_and_4_2
+from scenarios.bench.drive import period, play, prepare
+from scenarios.cosimulation.recording import Recording
+from scenarios.reporting.plots import LEADING, TRAILING, plt
+from scenarios.reporting.report import Result, Row
+from scenarios.scenario import Options, Scenario
+
+SPEEDS = (15.0, 25.0, 30.0)
+#: The disturbance: a short lateral wave of the track. Its size is not printed.
+WAVE = {"lateral_irregularity": 4e-3, "lateral_wave_number": 0.2}
+#: A start from which the growth is seen before the flange ends it.
+SMALL = {"lateral_irregularity": 1e-5}
+#: Long enough for the limit cycle; the figures show the first part.
+DURATION, SHOWN, INTERVAL = 120.0, 20.0, 5e-3
+#: Behind the disturbance, while the hunting is still well above its end [s].
+MEASURED = (3.0, 20.0)
+RECORDED = ("lateral_1", "frame_lateral", "distance")
+
+
+def motion_at(speed: float, **values: float) -> Recording:
+    kernel = prepare("wheelset", initial_speed=speed, constant_speed=1, **WAVE | values)
+    return play("wheelset", kernel, DURATION, INTERVAL, RECORDED, {})
+
+
+def hunting_period(series: Recording) -> float | None:
+    chosen = (series["time"] > MEASURED[0]) & (series["time"] < MEASURED[1])
+    return period(series["time"][chosen], series["lateral_1"][chosen])
+
+
+def largest(series: Recording, begin: float, end: float) -> float:
+    """Largest lateral shift in a window of time [m]."""
+    chosen = (series["time"] >= begin) & (series["time"] <= end)
+    return float(np.abs(series["lateral_1"][chosen]).max())
+
+
+def run(options: Options) -> Result:
+    runs = {speed: motion_at(speed) for speed in SPEEDS}
+    slow, fast = hunting_period(runs[15.0]), hunting_period(runs[25.0])
+    small, words = motion_at(30.0, **SMALL), f"from a wave of {1e6 * SMALL['lateral_irregularity']:g} um"
+    late = [largest(runs[30.0], begin, begin + 10.0) for begin in (90.0, 110.0)]
+    source, fitted = "section 4.4", "half spacing of the suspension fitted to the critical speed"
+    rows = [
+        Row("wavelength at 15 m/s", "m", 13.25, slow and 15.0 * slow, 0.15, source, fitted, vampire=14.0),
+        Row("frequency at 25 m/s", "Hz", 1.89, fast and 1 / fast, 0.04, source, fitted, vampire=1.79),
+        Row(f"30 m/s, {words}: growth in 10 s", "1", None, growth(small), None, source, "above 1: unstable"),
+        Row("limit cycle at 30 m/s", "mm", None, 1e3 * late[1], None, source, "bounded by the flange"),
+        Row("limit cycle: change over 20 s", "1", None, late[1] / late[0], None, source),
+    ]
+    series = runs[15.0]
+    for speed in (25.0, 30.0):
+        for name in ("lateral_1", "frame_lateral"):
+            series.add_from(f"{name} at {speed:g} m/s", runs[speed], name)
+    parameters = tables_4_1_and_4_2().values() | WAVE
+    return Result(rows, series, lambda: draw(runs), parameters, DURATION * len(runs))
+
+
+def growth(series: Recording) -> float:
+    """Ratio of the largest shifts of two windows 10 s apart, behind the disturbance."""
+    return largest(series, 25.0, 30.0) / largest(series, 15.0, 20.0)
+
+
+def draw(runs: dict[float, Recording]) -> Figure:
+    figure, grid = plt.subplots(len(runs) + 1, 1, figsize=(8.0, 9.0))
+    for axis, (speed, series) in zip(grid, runs.items(), strict=False):
+        shown = series["time"] < SHOWN
+        axis.plot(series["distance"][shown], 1e3 * series["lateral_1"][shown], color=LEADING, label="wheelset")
+        axis.plot(series["distance"][shown], 1e3 * series["frame_lateral"][shown], color=TRAILING, label="frame")
+        axis.set_title(f"lateral displacement at {speed:g} m/s [mm] over the distance [m]")
+    grid[0].legend(loc="upper right")
+    grid[-1].plot(runs[30.0]["time"], 1e3 * runs[30.0]["lateral_1"], color=LEADING, linewidth=0.4)
+    grid[-1].set_title("30 m/s to the limit cycle: lateral displacement [mm] over time [s]")
+    figure.suptitle("A wheelset at constant speed (Figs 4.9-4.18)", x=0.02, ha="left")
+    figure.set_layout_engine("constrained")
+    return figure
+
+
+SCENARIO = Scenario("wheelset-constant-speed", "Hunting at 15, 25 and 30 m/s (section 4.4)", run, frozenset())

@@ -1,0 +1,75 @@
+"""Heavy braking of the wheelset of chapter 4: it locks while the frame runs on, and drifts sideways (section 4.7)."""
+
+from __future__ import annotations
+
+from matplotlib.figure import Figure
+
+from rbd_model.parameters import tables_4_1_and_4_2
+from scenarios.bench.drive import play, prepare
+from scenarios.cosimulation.recording import Recording
+from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt
+from scenarios.reporting.report import Result, Row
+from scenarios.scenario import Options, Scenario
+
+TORQUE, APPLIED, SPEED = 25e3, 2.0, 25.0
+FRICTIONS = (0.3, 0.1)
+#: The disturbance is not printed.
+WAVE = {"lateral_irregularity": 4e-3, "lateral_wave_number": 0.2}
+DURATION, INTERVAL = 6.0, 2e-3
+RECORDED = ("speed", "angular_velocity_1", "locked_1", "lateral_1", "yaw_1")
+
+
+def motion(friction: float) -> Recording:
+    kernel = prepare("wheelset", initial_speed=SPEED, friction_1=friction, **WAVE)
+    history = [(0.0, 0.0), (APPLIED, 0.0), (APPLIED, TORQUE)]
+    return play("wheelset", kernel, DURATION, INTERVAL, RECORDED, {"brake_torque_1": history})
+
+
+def run(options: Options) -> Result:
+    runs = {friction: motion(friction) for friction in FRICTIONS}
+    rows = []
+    for friction, (printed, band, words) in zip(
+        FRICTIONS,
+        ((0.775, 0.225, "'about 1 sec'; 0.55 to 1.0"), (0.25, 0.25, "'less than a half second'")),
+        strict=True,
+    ):
+        series = runs[friction]
+        locked = series.first_time(series["locked_1"] > 0.5)
+        delay = None if locked is None else locked - APPLIED
+        name = f"friction {friction}: time from brake to lock"
+        rows.append(Row(name, "s", printed, delay, band, "section 4.7", f"{words}, as a band about its middle"))
+        speed = None if locked is None else float(series["speed"][series["time"] >= locked][0])
+        words = "'more than 20 m/s', of 25 m/s at the start, as a band about the middle"
+        judged = 2.5 if friction == FRICTIONS[0] else None
+        rows.append(Row(f"friction {friction}: speed at lock", "m/s", 22.5, speed, judged, "section 4.7", words))
+        shift = 1e3 * float(series["lateral_1"][-1])
+        rows.append(Row(f"friction {friction}: lateral shift at the end", "mm", None, shift, None, "Figs 4.28, 4.29"))
+    series = runs[FRICTIONS[0]]
+    for name in RECORDED:
+        series.add_from(f"{name}, friction {FRICTIONS[1]}", runs[FRICTIONS[1]], name)
+    return Result(rows, series, lambda: draw(runs), tables_4_1_and_4_2().values() | WAVE, DURATION * len(runs))
+
+
+def draw(runs: dict[float, Recording]) -> Figure:
+    figure, grid = plt.subplots(3, 2, sharex=True, figsize=(11.0, 7.0))
+    for column, (friction, series) in enumerate(runs.items()):
+        for axis, (name, title, scale, colour) in zip(
+            grid[:, column],
+            (
+                ("speed", "speed [m/s]", 1.0, BOGIE),
+                ("angular_velocity_1", "angular velocity [rad/s]", 1.0, TRAILING),
+                ("lateral_1", "lateral displacement [mm]", 1e3, LEADING),
+            ),
+            strict=True,
+        ):
+            axis.plot(series["time"], scale * series[name], color=colour)
+            axis.set_title(f"friction {friction}: {title}")
+        grid[-1, column].set_xlabel("time [s]")
+    figure.suptitle("25 kN.m on one wheelset: skid (Figs 4.28, 4.29)", x=0.02, ha="left")
+    figure.set_layout_engine("constrained")
+    return figure
+
+
+SCENARIO = Scenario(
+    "wheelset-skid", "25 kN.m lock the wheelset at friction 0.3 and 0.1 (section 4.7)", run, frozenset()
+)
