@@ -12,12 +12,14 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import fmpy
+import platformdirs
 
 from fmu_src.codegen import RUNTIME, RUNTIME_HEADERS, RUNTIME_SOURCES, generate
 from fmu_src.system import Model
 
-#: Where compiled kernels are kept between runs; named by the content of their sources and the compiler.
-CACHE = Path(__file__).resolve().parent.parent / "build" / "cache"
+#: Where compiled kernels and FMUs are kept between runs, in the user's folder for such things unless the environment
+#: names another; named by the content of their sources and the compiler.
+CACHE = Path(os.environ.get("BOGIE_BRAKING_CACHE") or platformdirs.user_cache_dir("bogie-braking", False))
 #: No contraction of a*b+c: compilers differ in nothing but the last bits of their mathematical library.
 FLAGS = (
     "-std=c11",

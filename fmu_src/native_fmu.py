@@ -54,7 +54,7 @@ def build_native_fmu(
     sources = generate(model)
     about = model_description(model, guid_of(sources), source_files=[*sources, *RUNTIME_SOURCES])
     binaries = _binaries(model, sources, platforms or [fmpy.platform], PLATFORMS if platforms else {})
-    page = {"documentation/index.html": documentation(model, ENDS2).encode()}
+    page = {"documentation/index.html": documentation(model, ENDS2, PICTURE in (extras or {})).encode()}
     write_archive(path, _contents(sources, about) | page | binaries | dict(extras or {}))
 
 
@@ -67,7 +67,7 @@ def build_native_fmu3(
     binaries = _binaries(model, sources, platforms or [fmpy.platform_tuple], PLATFORMS3 if platforms else {})
     names = [*sources, *RUNTIME_SOURCES]
     build = {"sources/buildDescription.xml": build_description(model, names).encode()}
-    page = {"documentation/index.html": documentation(model, ENDS3).encode()}
+    page = {"documentation/index.html": documentation(model, ENDS3, PICTURE in (extras or {})).encode()}
     write_archive(path, _contents(sources, about) | page | binaries | build | dict(extras or {}))
 
 
@@ -131,8 +131,12 @@ ENDS3 = (
 )
 
 
-def documentation(model: Model, ends: str) -> str:
-    """A page about the FMU: what it is, how a run `ends`, and its variables."""
+#: Place of the page's picture among the extras.
+PICTURE = "documentation/picture.png"
+
+
+def documentation(model: Model, ends: str, picture: bool = False) -> str:
+    """A page about the FMU: what it is, how a run `ends`, and its variables; with its picture where there is one."""
     rows = []
     for v in model.variables:
         start = "" if v.causality in ("output", "local") else f"{v.start:g}"
@@ -144,7 +148,7 @@ def documentation(model: Model, ends: str) -> str:
         "<style>body{font-family:sans-serif;max-width:60em;margin:2em auto}td,th{text-align:left;padding:0 .8em .2em 0}"
         "</style>\n"
         f"<h1>{model.name}</h1>\n<p>{html.escape(model.description)}.</p>\n"
-        '<p><img src="picture.png" alt="" style="max-width:100%"></p>\n'
-        f"<p>{ends}</p>\n"
+        + ('<p><img src="picture.png" alt="" style="max-width:100%"></p>\n' if picture else "")
+        + f"<p>{ends}</p>\n"
         f"<table><tr>{heads}</tr>\n" + "\n".join(rows) + "\n</table></html>\n"
     )

@@ -6,9 +6,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
 
-from build_fmu import up_to_date
 from scenarios.cosimulation.master import Master
 from scenarios.cosimulation.slave import Slave
+from scenarios.fmus.building import up_to_date
 from scenarios.reporting.report import Result
 
 

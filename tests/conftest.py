@@ -7,10 +7,11 @@ from pathlib import Path
 import pytest
 
 from brake_controller.cylinder import brake_cylinder
-from build_fmu import BUILDERS, MODELS, fmu_path
 from fmu_src.compile import build_library
 from fmu_src.kernel import Library
 from rbd_model.bogie import bogie_dynamics
+from scenarios.fmus.building import KINDS, write_fmu
+from scenarios.fmus.registry import FMUS
 
 
 @pytest.fixture(scope="session")
@@ -25,12 +26,6 @@ def brake() -> Library:
 
 @pytest.fixture(scope="session")
 def fmus(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, str], Path]:
-    """All four FMUs by (model, kind), built into a fresh folder."""
+    """All FMUs by (name, kind), built into a fresh folder."""
     out = tmp_path_factory.mktemp("fmus")
-    built = {}
-    for name, make in MODELS.items():
-        model = make()
-        for kind, build in BUILDERS.items():
-            built[name, kind] = fmu_path(model, kind, out)
-            build(model, built[name, kind])
-    return built
+    return {(name, kind): write_fmu(name, kind, out) for name in FMUS for kind in KINDS}

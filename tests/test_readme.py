@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from build_fmu import MODELS
 from fmu_src.model_description import variable_table
 from scenarios.catalogue import SCENARIOS
+from scenarios.fmus.registry import FMUS, model_of
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -33,10 +33,10 @@ def test_python_examples_run(fmus: dict, capsys: pytest.CaptureFixture[str]) -> 
     assert "low: " in shown
 
 
-@pytest.mark.parametrize("name", list(MODELS))
+@pytest.mark.parametrize("name", list(FMUS))
 def test_table_of_variables_is_that_of_the_equations(name: str) -> None:
     """When this fails, put the output of `python build_fmu.py --describe` into the README."""
-    assert variable_table(MODELS[name]()) in README
+    assert variable_table(model_of(name)) in README
 
 
 def test_every_scenario_is_named() -> None:

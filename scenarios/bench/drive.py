@@ -8,11 +8,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from build_fmu import MODELS
 from fmu_src.compile import build_library
 from fmu_src.kernel import Kernel, Library
 from rbd_model.bogie import smallest_level
 from scenarios.cosimulation.recording import Recording
+from scenarios.fmus.registry import model_of
 
 #: Points (time [s], value) of an input; straight lines between them, held after the last, a jump at a repeated time.
 History = Sequence[tuple[float, float]]
@@ -23,12 +23,12 @@ PADDING = 8
 @lru_cache
 def library(name: str) -> Library:
     """The compiled kernel inside the FMU of this name."""
-    return Library(build_library(MODELS[name]()))
+    return Library(build_library(model_of(name)))
 
 
 @lru_cache
 def units(name: str) -> dict[str, str]:
-    return {variable.name: variable.unit for variable in MODELS[name]().variables}
+    return {variable.name: variable.unit for variable in model_of(name).variables}
 
 
 def prepare(name: str, **values: float) -> Kernel:

@@ -11,11 +11,11 @@ import numpy as np
 
 from brake_controller.sensors import Encoder
 from brake_controller.wheel_slide import APPLY, ControllerError, Supervised, WheelSlideController
-from build_fmu import up_to_date
 from rbd_model.parameters import tables_5_1_and_5_2
 from scenarios.bench.braked_bogie import FULL_PRESSURE, FULL_TORQUE, brake_values
 from scenarios.cosimulation.recording import Recording
 from scenarios.cosimulation.slave import Slave
+from scenarios.fmus.building import up_to_date
 
 #: Wheelsets that are braked, each by its own cylinder.
 NUMBERS = (1, 2)

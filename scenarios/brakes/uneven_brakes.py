@@ -8,11 +8,11 @@ import numpy as np
 from matplotlib.figure import Figure
 from tqdm import tqdm
 
-from build_fmu import up_to_date
 from rbd_model.parameters import tables_5_1_and_5_2
 from scenarios.bench.braked_bogie import FULL_PRESSURE, brake_values
 from scenarios.cosimulation.recording import Recording
 from scenarios.cosimulation.slave import CosimulationError, Slave
+from scenarios.fmus.building import up_to_date
 from scenarios.reporting.plots import BOGIE, LEADING, THREE, TRAILING, plt
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row

@@ -9,10 +9,10 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from build_fmu import up_to_date
 from fmu_src.compile import compiler, library_suffix
 from fmu_src.kernel import Kernel, Library
 from scenarios.cosimulation.slave import CosimulationError, Slave
+from scenarios.fmus.building import up_to_date
 from scenarios.reporting.report import Row
 
 #: A host in C that makes `count` equal steps from time 0.

@@ -9,11 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.figure import Figure
 
-from build_fmu import MODELS, up_to_date
 from fmu_src.compile import build_library, compiler
 from fmu_src.kernel import Kernel, Library
 from scenarios.cosimulation.recording import Recording
 from scenarios.cosimulation.slave import Slave
+from scenarios.fmus.building import up_to_date
+from scenarios.fmus.registry import model_of
 from scenarios.methods import fmi_overhead
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt
 from scenarios.reporting.report import Result, Row
@@ -98,7 +99,7 @@ def fmu_timings(kind: str, level: int) -> list[Timing]:
 
 
 def run(options: Options) -> Result:
-    model = MODELS["bogie"]()
+    model = model_of("bogie")
     library = Library(build_library(model))
     timings = [timing for level in LEVELS for timing in kernel_timings(library, level)]
     timings += [timing for level in LEVELS for kind in KINDS for timing in fmu_timings(kind, level)]

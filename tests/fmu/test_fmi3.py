@@ -15,8 +15,9 @@ from fmpy.fmi1 import FMICallException
 from fmpy.fmi3 import FMU3Slave
 from fmpy.validation import validate_fmu
 
-from build_fmu import MODELS, build_native3
 from fmu_src.native_fmu import PLATFORMS3
+from scenarios.fmus.building import write_fmu
+from scenarios.fmus.registry import FMUS, model_of
 
 
 @contextmanager
@@ -47,12 +48,12 @@ def begin(fmu: FMU3Slave, refs: dict[str, int], level: int, **values: float) -> 
     fmu.exitInitializationMode()
 
 
-@pytest.mark.parametrize("name", list(MODELS))
+@pytest.mark.parametrize("name", list(FMUS))
 def test_fmpy_finds_no_problem(fmus: dict, name: str) -> None:
     assert validate_fmu(str(fmus[name, "fmi3"])) == []
     about = read_model_description(str(fmus[name, "fmi3"]))
     assert about.fmiVersion == "3.0"
-    assert {v.name for v in about.modelVariables} == {v.name for v in MODELS[name]().variables} | {"time"}
+    assert {v.name for v in about.modelVariables} == {v.name for v in model_of(name).variables} | {"time"}
 
 
 @pytest.mark.parametrize("name", ["bogie", "brake"])
@@ -149,8 +150,8 @@ def test_page_speaks_of_its_own_standard(fmus: dict) -> None:
 
 
 def test_one_archive_for_all_platforms_and_sources_that_are_listed(tmp_path: Path) -> None:
-    build_native3(MODELS["brake"](), tmp_path / "all.fmu", all_platforms=True)
-    with zipfile.ZipFile(tmp_path / "all.fmu") as archive:
+    path = write_fmu("brake", "fmi3", tmp_path, all_platforms=True)
+    with zipfile.ZipFile(path) as archive:
         names = archive.namelist()
         for platform, (_, suffix) in PLATFORMS3.items():
             assert f"binaries/{platform}/BrakeCylinder{suffix}" in names
@@ -158,4 +159,4 @@ def test_one_archive_for_all_platforms_and_sources_that_are_listed(tmp_path: Pat
         for part in text.split('<SourceFile name="')[1:]:
             assert f"sources/{part.split(chr(34))[0]}" in names
         assert "terminalsAndIcons/icon.png" in names
-    assert validate_fmu(str(tmp_path / "all.fmu")) == []
+    assert validate_fmu(str(path)) == []

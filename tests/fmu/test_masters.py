@@ -18,8 +18,9 @@ from fmpy import read_model_description
 from fmpy.ssp.simulation import simulate_ssp
 from fmpy.ssp.ssd import read_ssv
 
-from build_fmu import MODELS, build_system, fmu_path
 from fmu_src.ssp import Component, write_ssp
+from scenarios.fmus.building import build_system, fmu_path
+from scenarios.fmus.registry import FMUS
 
 #: The issue's band for the end speed [m/s].
 SPEED_BAND = 1e-6
@@ -55,7 +56,7 @@ def system(fmus: dict, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The system BogieBraking.ssp and, beside it, its contents."""
     out = tmp_path_factory.mktemp("system")
     for name in ("bogie", "brake"):
-        target = fmu_path(MODELS[name](), "native", out)
+        target = fmu_path(name, "native", out)
         target.parent.mkdir(exist_ok=True)
         shutil.copyfile(fmus[name, "native"], target)
     path = build_system(out)
@@ -109,7 +110,7 @@ def test_system_gives_the_same_speed_in_libcosim(system: Path, by_fmpy: tuple[fl
 @pytest.mark.skipif(
     importlib.util.find_spec("fmu_manipulation_toolbox") is None, reason="install the extra: pip install -e .[masters]"
 )
-@pytest.mark.parametrize("key", [(name, kind) for name in MODELS for kind in ("native", "python")])
+@pytest.mark.parametrize("key", [(name, kind) for name in FMUS for kind in ("native", "python")])
 def test_fmutool_finds_no_fault(fmus: dict, key: tuple[str, str]) -> None:
     tool = Path(sys.executable).parent / "fmutool"
     done = subprocess.run([tool, "-input", str(fmus[key]), "-check"], capture_output=True, text=True)

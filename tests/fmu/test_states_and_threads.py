@@ -14,15 +14,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from build_fmu import build_native
 from fmu_src import compile as compiling
 from fmu_src.kernel import Kernel, KernelError, Library
 from fmu_src.native_fmu import PLATFORMS, universal
 from fmu_src.system import state_variable
 from rbd_model.bogie import bogie_dynamics, levels
 from rbd_model.parameters import tables_5_1_and_5_2
+from scenarios.fmus.building import write_fmu
 
 HOST = Path(__file__).with_name("host.c")
+PACKAGES = ("fmu_src", "rbd_model", "brake_controller", "scenarios")
 #: Scenes over lock-up, flange contact with a turning yaw torque, and rest.
 SCENES = {
     "lock-up": {"level": 2, "initial_speed": 20.0, "brake_torque_1": 60e3, "brake_torque_2": 60e3},
@@ -227,7 +228,15 @@ def test_two_builds_on_two_paths_have_equal_bytes(fmus: dict, tmp_path: Path) ->
     for name in ("one", "another/place"):
         copy = tmp_path / name
         copy.mkdir(parents=True)
-        for part in ("fmu_src", "rbd_model", "brake_controller", "docs", "build_fmu.py", "LICENSE", "pyproject.toml"):
+        for part in (
+            "fmu_src",
+            "rbd_model",
+            "brake_controller",
+            "scenarios",
+            "build_fmu.py",
+            "LICENSE",
+            "pyproject.toml",
+        ):
             source = root / part
             if source.is_dir():
                 shutil.copytree(source, copy / part, ignore=shutil.ignore_patterns("__pycache__"))
@@ -241,15 +250,13 @@ def test_two_builds_on_two_paths_have_equal_bytes(fmus: dict, tmp_path: Path) ->
 
 def test_one_archive_for_all_platforms(tmp_path: Path) -> None:
     """Cross-compiled; each binary is of the kind that its folder asks for."""
-    from brake_controller.cylinder import brake_cylinder
-
-    build_native(brake_cylinder(), tmp_path / "all.fmu", all_platforms=True)
+    path = write_fmu("brake", "native", tmp_path, all_platforms=True)
     begins = {"linux64": b"\x7fELF", "aarch64-linux": b"\x7fELF", "win64": b"MZ", "darwin64": b"\xca\xfe\xba\xbe"}
-    with zipfile.ZipFile(tmp_path / "all.fmu") as archive:
+    with zipfile.ZipFile(path) as archive:
         for platform, (_, suffix) in PLATFORMS.items():
             assert archive.read(f"binaries/{platform}/BrakeCylinder{suffix}").startswith(begins[platform])
     machine = {"linux64": 0x3E, "aarch64-linux": 0xB7}
-    with zipfile.ZipFile(tmp_path / "all.fmu") as archive:
+    with zipfile.ZipFile(path) as archive:
         for platform, number in machine.items():
             binary = archive.read(f"binaries/{platform}/BrakeCylinder.so")
             assert int.from_bytes(binary[18:20], "little") == number

@@ -94,7 +94,7 @@ def test_lost_sensor_applies_the_brake(tmp_path: Path) -> None:
 
 
 def test_one_command_makes_the_fmu_of_a_class(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    own = ROOT / "scenarios" / "own_controller.py"
+    own = ROOT / "scenarios" / "bench" / "own_controller.py"
     assert build_fmu.main(["--controller", f"{own}:FixedSlip", "--out", str(tmp_path)]) == 0
     assert "valid" in capsys.readouterr().out
     with Slave(tmp_path / "python" / "WheelSlideProtection.fmu") as slave:

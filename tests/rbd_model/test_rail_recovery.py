@@ -6,18 +6,18 @@ import math
 
 import pytest
 
-from build_fmu import MODELS
 from fmu_src.compile import build_library
 from fmu_src.kernel import Kernel, Library
 from rbd_model.rail_recovery import SLOWEST, assumed_recovery
 from scenarios.bench.drive import prepare
+from scenarios.fmus.registry import model_of
 
 P = assumed_recovery()
 
 
 @pytest.fixture(scope="module")
 def rail() -> Library:
-    return Library(build_library(MODELS["rail"]()))
+    return Library(build_library(model_of("rail")))
 
 
 def slid(rail: Library, seconds: float, **inputs: float) -> Kernel:

@@ -1,0 +1,1 @@
+"""The FMUs of this project: their list, and how they are built."""

@@ -1,0 +1,155 @@
+"""Builds the FMUs of the registry, as files for people or, for scenarios, on demand into the cache of the user."""
+
+from __future__ import annotations
+
+import hashlib
+import sys
+import time
+from collections.abc import Sequence
+from importlib.metadata import PackageNotFoundError, distribution
+from pathlib import Path
+
+from fmpy.validation import validate_fmu
+
+import fmu_src
+from brake_controller.parameters import qr30
+from brake_controller.protection_fmu import wheel_slide_protection
+from fmu_src.codegen import generate, guid_of
+from fmu_src.compile import CACHE, CompilerError, compiler
+from fmu_src.native_fmu import PLATFORMS, PLATFORMS3, build_native_fmu, build_native_fmu3
+from fmu_src.python_fmu import build_python_fmu
+from fmu_src.ssp import Component, Connection, write_ssp
+from fmu_src.step_fmu import build_step_fmu
+from fmu_src.system import StepModel
+from rbd_model.parameters import tables_8_1_and_8_2
+from scenarios.fmus.registry import FMUS, model_of
+
+PICTURES = Path(__file__).parent / "pictures"
+#: Native for FMI 2.0 and for FMI 3.0, and pythonfmu, which has binaries of its own.
+NATIVE = ("native", "fmi3")
+KINDS = (*NATIVE, "python")
+
+
+def license_text() -> bytes:
+    """The license, from the checkout or from what pip has installed."""
+    beside = Path(fmu_src.__file__).parents[1] / "LICENSE"
+    if beside.exists():
+        return beside.read_bytes()
+    try:
+        files = distribution("bogie-braking").files or []
+    except PackageNotFoundError:
+        files = []
+    found = next((file for file in files if file.name == "LICENSE"), None)
+    if found is None:
+        raise CompilerError("The file LICENSE is missing from the installation; install the package again")
+    return Path(str(found.locate())).read_bytes()
+
+
+def extras(name: str, icon: str) -> dict[str, bytes]:
+    """What an archive holds besides the model: license, icon under this name, and the page's picture if it has one."""
+    files = {"documentation/licenses/license.txt": license_text(), icon: (PICTURES / "icon.png").read_bytes()}
+    picture = FMUS[name].picture
+    return files | ({"documentation/picture.png": (PICTURES / picture).read_bytes()} if picture else {})
+
+
+def fmu_path(name: str, kind: str, out: Path) -> Path:
+    """OUT/KIND/Model.fmu of an FMU of the registry."""
+    return out / kind / f"{model_of(name).name}.fmu"
+
+
+def write_fmu(name: str, kind: str, out: Path, all_platforms: bool = False) -> Path:
+    """Builds one FMU as OUT/KIND/Model.fmu; all_platforms: of a native one. Raises CompilerError, OSError."""
+    model, path = model_of(name), fmu_path(name, kind, out)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OSError(f"{path.parent} cannot be made, {error}; choose another folder with --out") from error
+    if kind == "native":
+        build_native_fmu(model, path, list(PLATFORMS) if all_platforms else [], extras(name, "model.png"))
+    elif kind == "fmi3":
+        platforms = list(PLATFORMS3) if all_platforms else []
+        build_native_fmu3(model, path, platforms, extras(name, "terminalsAndIcons/icon.png"))
+    else:
+        build_python_fmu(model, path)
+    return path
+
+
+def up_to_date(name: str, kind: str) -> Path:
+    """Path of an FMU in the cache of the user, built now unless it is there; equal content has one place."""
+    digest = hashlib.sha256(" ".join([guid_of(generate(model_of(name))), *compiler()]).encode())
+    for source in sorted(Path(fmu_src.__file__).parent.glob("*.py")):
+        digest.update(source.read_bytes())
+    out = CACHE / "fmus" / digest.hexdigest()[:24]
+    path = fmu_path(name, kind, out)
+    return path if path.exists() else write_fmu(name, kind, out)
+
+
+def announce(path: Path, seconds: float) -> list[str]:
+    """Validates an FMU with fmpy, prints its line, and the problems, which it returns."""
+    problems = validate_fmu(str(path))
+    verdict = "valid" if not problems else f"{len(problems)} problems"
+    print(f"{path}  {path.stat().st_size / 1000:.0f} kB  {seconds:.1f} s  {verdict}")
+    for problem in problems:
+        print(f"{path}: {problem}", file=sys.stderr)
+    return list(problems)
+
+
+def build_all(names: Sequence[str], kinds: Sequence[str], out: Path, all_platforms: bool) -> list[str]:
+    """Builds FMUs and the system of both native ones, a line each; the problems that fmpy finds."""
+    problems = []
+    for kind in kinds:
+        for name in names:
+            begin = time.perf_counter()
+            path = write_fmu(name, kind, out, all_platforms)
+            problems += announce(path, time.perf_counter() - begin)
+    if "native" in kinds and {"bogie", "brake"} <= set(names):
+        path = build_system(out)
+        print(f"{path}  {path.stat().st_size / 1000:.0f} kB")
+    return problems
+
+
+#: The system: the QR30 bogie of the experiment, its trailing wheelset braked by a cylinder at 180 kPa from the start.
+SYSTEM, EXPERIMENT = "BogieBraking", (5.0, 1e-3)
+
+
+def build_system(out: Path) -> Path:
+    """Writes OUT/BogieBraking.ssp: both native FMUs connected, with the parameters of the experiment."""
+    bogie, brake = (fmu_path(name, "native", out) for name in ("bogie", "brake"))
+    known = {variable.name for variable in model_of("bogie").variables}
+    parameters = {key: value for key, value in tables_8_1_and_8_2().values().items() if key in known}
+    parameters |= {"level": 2, "initial_speed": 2.9, "friction_1": 0.18, "friction_2": 0.18}
+    path = out / f"{SYSTEM}.ssp"
+    write_ssp(
+        path,
+        SYSTEM,
+        [
+            Component("brake", brake, qr30(180).values() | {"pressure_demand": 180e3}, ["cylinder_pressure"]),
+            Component("bogie", bogie, parameters, ["speed", "distance"]),
+        ],
+        [
+            Connection(("brake", "brake_torque"), ("bogie", "brake_torque_2")),
+            Connection(("bogie", "angular_velocity_2"), ("brake", "angular_velocity")),
+        ],
+        EXPERIMENT,
+    )
+    return path
+
+
+def build_protection(out: Path, controller: StepModel | None = None) -> Path:
+    """Writes OUT/python/NAME.fmu around a controller, by default the one that comes with the brake."""
+    step = controller or wheel_slide_protection()
+    path = out / "python" / f"{step.name}.fmu"
+    build_step_fmu(step, path)
+    return path
+
+
+def build_controller(text: str, out: Path) -> int:
+    """The FMU of FILE:CLASS; exit status 0, or 2 with a sentence."""
+    file, _, name = text.rpartition(":")
+    begin = time.perf_counter()
+    try:
+        path = build_protection(out, wheel_slide_protection(Path(file), name))
+    except (OSError, ValueError, ImportError, SyntaxError, NameError) as error:
+        print(f"{text} does not become an FMU: {error}", file=sys.stderr)
+        return 2
+    return 1 if announce(path, time.perf_counter() - begin) else 0

@@ -1,0 +1,33 @@
+"""All FMUs. A new one is a function that returns a `Model`, and one line in FMUS."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from brake_controller.cylinder import brake_cylinder
+from fmu_src.system import Model
+from rbd_model.bogie import bogie_dynamics, wheelset_dynamics
+from rbd_model.rail_recovery import rail_adhesion
+
+
+@dataclass(frozen=True)
+class Fmu:
+    """What becomes an FMU, and the picture on the page inside it, a file in pictures/ beside this one."""
+
+    model: Callable[[], Model]
+    picture: str | None = None
+
+
+#: By the name that the command line and the scenarios know.
+FMUS: dict[str, Fmu] = {
+    "bogie": Fmu(bogie_dynamics, "qr30-180kpa.png"),
+    "wheelset": Fmu(wheelset_dynamics, "wheelset-hunting.png"),
+    "brake": Fmu(brake_cylinder, "qr30-180kpa.png"),
+    "rail": Fmu(rail_adhesion),
+}
+
+
+def model_of(name: str) -> Model:
+    """The model behind an FMU of the list."""
+    return FMUS[name].model()
