@@ -15,7 +15,7 @@ WHEELSETS = ("leading", "trailing")
 
 
 def wheel_slide_protection(file: Path | None = None, name: str = OWN_CLASS) -> StepModel:
-    """The FMU of the class `name` in `file`, by default of the protection that comes with the brake.
+    """The FMU of the class `name` in `file`, and called like it; by default the protection that comes with the brake.
 
     The file may import from brake_controller.wheel_slide and from what the host's Python has; nothing else travels with
     it. Raises ValueError where there is no such class.
@@ -43,14 +43,16 @@ def wheel_slide_protection(file: Path | None = None, name: str = OWN_CLASS) -> S
         )
         for number, word in enumerate(WHEELSETS, 1)
     ]
+    # The class behind its own name, which may be that of the FMU.
+    sources.append(f"Chosen = {name}\n")
     return StepModel(
-        "WheelSlideProtection",
+        "WheelSlideProtection" if file is None else name,
         f"Wheel-slide protection: {name}",
         inputs,
         outputs,
         PERIOD,
         sources,
         [OWN_MODULE],
-        f"Supervised({name}(), {len(WHEELSETS)})",
+        f"Supervised(Chosen(), {len(WHEELSETS)})",
         [float(APPLY)] * len(WHEELSETS),
     )

@@ -3,30 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from contextlib import ExitStack
 from dataclasses import dataclass, field
-from types import TracebackType
 
 import numpy as np
 
 from brake_controller.sensors import Encoder
 from brake_controller.wheel_slide import APPLY, ControllerError, Supervised, WheelSlideController
 from rbd_model.parameters import tables_5_1_and_5_2
-from scenarios.bench.braked_bogie import FULL_PRESSURE, FULL_TORQUE, brake_values
+from scenarios.bench.braked_bogie import FULL_PRESSURE, FULL_TORQUE, NUMBERS, STANDING, BrakedBogie, brake_values
 from scenarios.cosimulation.recording import Recording
-from scenarios.cosimulation.slave import Slave
-from scenarios.fmus.building import up_to_date
 
-#: Wheelsets that are braked, each by its own cylinder.
-NUMBERS = (1, 2)
 #: Start of braking [s], and time [s] after which a run that still moves is ended.
 BRAKE_START, LONGEST = 1.0, 300.0
 #: Application and release of the cylinder with its dump valve [s]; assumed: common values of passenger stock.
 APPLICATION_TIME, RELEASE_TIME = 2.0, 0.6
 #: Volume of a cylinder [m3] (AAR, brake_data.csv of the sources) and gas constant times temperature of air [J/kg].
 CYLINDER_VOLUME, GAS = 10.3e-3, 287.0 * 293.0
-#: Speed at which the bogie counts as standing [m/s].
-STANDING = 0.02
 
 
 @dataclass(frozen=True)
@@ -46,7 +38,7 @@ class Settings:
 
 
 @dataclass(frozen=True)
-class Stop:
+class ProtectedStop:
     """What a stop came to. `failure`: the sentence of a controller that failed, whose brake stayed applied."""
 
     series: Recording
@@ -85,42 +77,16 @@ class Stop:
         return float(self.series["time"][1] - self.series["time"][0])
 
 
-class Train:
-    """The FMUs of a stop, loaded once for many: the bogie at the planar level and a brake for each wheelset."""
-
-    def __init__(self, kind: str = "native") -> None:
-        self._stack = ExitStack()
-        self.bogie = self._stack.enter_context(Slave(up_to_date("bogie", kind)))
-        self.brakes = [self._stack.enter_context(Slave(up_to_date("brake", kind))) for _ in NUMBERS]
-        self.radius = tables_5_1_and_5_2().wheel_radius
-
-    def __enter__(self) -> Train:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self._stack.close()
-
-    def stop(
-        self, rail: Mapping[str, float], controller: WheelSlideController | None, settings: Settings | None = None
-    ) -> Stop:
-        """A stop on a rail (inputs and parameters of the bogie); without a controller the valves stay applied."""
-        run = _Run(self, rail, controller, settings or Settings())
-        run.play()
-        return run.result()
-
-    def start(self, rail: Mapping[str, float], settings: Settings) -> None:
-        """All FMUs at the start of a stop."""
-        parameters = {"level": 2.0, "initial_speed": settings.speed} | dict(rail)
-        values = brake_values() | {
-            "application_time": settings.application_time,
-            "release_time": RELEASE_TIME,
-            "tolerance": 1e-6,
-        }
-        values["force_per_pressure"] *= settings.strength
-        for slave, given in ((self.bogie, parameters), *((brake, values) for brake in self.brakes)):
-            slave.restart(given)
+def protected_stop(
+    machine: BrakedBogie,
+    rail: Mapping[str, float],
+    controller: WheelSlideController | None,
+    settings: Settings | None = None,
+) -> ProtectedStop:
+    """A stop on a rail (inputs and parameters of the bogie); without a controller the valves stay applied."""
+    run = _Run(machine, rail, controller, settings or Settings())
+    run.play()
+    return ProtectedStop(Recording(COLUMNS, run.rows), run.distance, run.rows[-1][0], run.failure, dict(rail))
 
 
 COLUMNS = {"time": "s", "speed": "m/s"} | {
@@ -128,56 +94,67 @@ COLUMNS = {"time": "s", "speed": "m/s"} | {
     for number in NUMBERS
     for name, unit in (("wheel_speed", "m/s"), ("pressure", "Pa"), ("valve", "1"))
 }
-READ = ("speed", "distance", "rotation_1", "rotation_2", "angular_velocity_1", "angular_velocity_2")
+READ = ("speed", "rotation_1", "rotation_2", "angular_velocity_1", "angular_velocity_2")
 
 
 @dataclass
 class _Run:
-    """The loop of one stop."""
+    """One stop: what the controller and the record do at their period, while the master couples the FMUs."""
 
-    train: Train
+    machine: BrakedBogie
     rail: Mapping[str, float]
     controller: WheelSlideController | None
     settings: Settings
     rows: list[list[float]] = field(default_factory=list)
     commands: list[int] = field(default_factory=lambda: [APPLY] * len(NUMBERS))
-    pressures: list[float] = field(default_factory=lambda: [0.0] * len(NUMBERS))
     failure: str = ""
     distance: float = 0.0
 
+    def __post_init__(self) -> None:
+        settings = self.settings
+        self.supervised = Supervised(self.controller, len(NUMBERS)) if self.controller else None
+        self.encoders = [Encoder(settings.pulses, settings.jitter, number) for number in NUMBERS]
+        self.radius = tables_5_1_and_5_2().wheel_radius
+        self.machine.start(
+            {"level": 2.0, "initial_speed": settings.speed} | dict(self.rail), [brake_of(settings)] * len(NUMBERS)
+        )
+
     def play(self) -> None:
         """Host steps until the bogie stands; the controller is asked at its own period."""
-        train, settings = self.train, self.settings
-        train.start(self.rail, settings)
-        supervised = Supervised(self.controller, len(NUMBERS)) if self.controller else None
-        encoders = [Encoder(settings.pulses, settings.jitter, number) for number in NUMBERS]
+        machine, settings = self.machine, self.settings
         every = max(1, round(settings.period / settings.host_step))
-        braking = False
-        for number in range(round(LONGEST / settings.host_step)):
-            time = number * settings.host_step
-            speed, self.distance, *turned = train.bogie.get(READ)
+        number, braking = 0, False
+
+        def drive(time: float) -> None:
+            nonlocal number, braking
+            if not braking and time >= BRAKE_START:
+                braking = True
+                machine.demand(FULL_PRESSURE)
+            if number % every == 0:
+                self._control(time)
+            number += 1
+
+        for _ in machine.coupling().run(LONGEST, settings.host_step, drive):
+            speed, self.distance = machine.bogie.get(("speed", "distance"))
             if speed < STANDING:
                 return
-            if not braking:
-                braking = time >= BRAKE_START
-                for brake in train.brakes:
-                    brake.set(pressure_demand=FULL_PRESSURE if braking else 0.0)
-            if number % every == 0:
-                speeds = self._speeds(encoders, time, turned)
-                if supervised and not self.failure:
-                    self._ask(supervised, time, speeds)
-                self._record(time, speed, turned)
-            for wheelset, brake in enumerate(train.brakes):
-                brake.step(time, settings.host_step)
-                torque, self.pressures[wheelset] = brake.get(("brake_torque", "cylinder_pressure"))
-                train.bogie.set(**{f"brake_torque_{wheelset + 1}": torque})
-            train.bogie.step(time, settings.host_step)
 
-    def _speeds(self, encoders: Sequence[Encoder], time: float, turned: Sequence[float]) -> list[float]:
+    def _control(self, time: float) -> None:
+        """Asks the controller, and records."""
+        speed, *turned = self.machine.bogie.get(READ)
+        speeds = self._speeds(time, turned)
+        if self.supervised and not self.failure:
+            self._ask(self.supervised, time, speeds)
+        row = [time, speed]
+        for omega, brake, command in zip(turned[2:], self.machine.brakes, self.commands, strict=True):
+            row += [self.radius * omega, brake["cylinder_pressure"], command]
+        self.rows.append(row)
+
+    def _speeds(self, time: float, turned: Sequence[float]) -> list[float]:
         """Circumferential speeds as the encoders see them [m/s]; at the first look the true one."""
         found = [
-            self.train.radius * encoder.angular_velocity(time, rotation)
-            for encoder, rotation in zip(encoders, turned[:2], strict=True)
+            self.radius * encoder.angular_velocity(time, rotation)
+            for encoder, rotation in zip(self.encoders, turned[:2], strict=True)
         ]
         return [self.settings.speed] * len(found) if time == 0.0 else found
 
@@ -187,19 +164,21 @@ class _Run:
             commands = supervised.step(time, speeds)
         except ControllerError as error:
             self.failure, commands = str(error), [APPLY] * len(NUMBERS)
-        for brake, before, now in zip(self.train.brakes, self.commands, commands, strict=True):
+        for brake, before, now in zip(self.machine.brakes, self.commands, commands, strict=True):
             if now != before:
                 brake.set(valve=now)
         self.commands = commands
 
-    def _record(self, time: float, speed: float, turned: Sequence[float]) -> None:
-        row = [time, speed]
-        for omega, pressure, command in zip(turned[2:], self.pressures, self.commands, strict=True):
-            row += [self.train.radius * omega, pressure, command]
-        self.rows.append(row)
 
-    def result(self) -> Stop:
-        return Stop(Recording(COLUMNS, self.rows), self.distance, self.rows[-1][0], self.failure, dict(self.rail))
+def brake_of(settings: Settings) -> dict[str, float]:
+    """Parameters of each cylinder."""
+    values = brake_values() | {
+        "application_time": settings.application_time,
+        "release_time": RELEASE_TIME,
+        "tolerance": 1e-6,
+    }
+    values["force_per_pressure"] *= settings.strength
+    return values
 
 
 def full_deceleration() -> float:

@@ -16,31 +16,25 @@ from scipy.integrate import solve_ivp
 from tqdm import tqdm
 
 from brake_controller.wheel_slide import SlideProtection, WheelSlideController
-from rbd_model.adhesion import RailCondition, dry, low, wet
+from rbd_model.adhesion import low
 from rbd_model.parameters import tables_5_1_and_5_2
+from scenarios.bench.braked_bogie import NUMBERS, STANDING, BrakedBogie
 from scenarios.bench.drive import prepare
 from scenarios.bench.protected_stop import (
     APPLICATION_TIME,
     BRAKE_START,
-    NUMBERS,
-    STANDING,
+    ProtectedStop,
     Settings,
-    Stop,
-    Train,
     full_deceleration,
+    protected_stop,
 )
+from scenarios.bench.rails import ABOVE, BAND, LOCK_ABOVE, LOW_FRICTION, RAILS, RailCase, low_rail
 from scenarios.methods.integrators import layout
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, plt
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row
 from scenarios.scenario import Options, Scenario, Sweepable
 
-#: Friction of the low rail, with the fall of Polach's set for low adhesion, unverified (rbd_model/adhesion.py).
-LOW_FRICTION = 0.08
-#: Slip ratio up to which a wheel counts as protected, and speed [m/s] above which it is looked at.
-BAND, ABOVE = 0.30, 3.0
-#: Speed above which a lock counts [m/s].
-LOCK_ABOVE = 0.3
 #: What is asked of the protection on the low rail: longest lock [s], share of the time in the band, and the stopping
 #: distance over that of the ideal.
 LONGEST_LOCK, SHARE, OVER_IDEAL = 0.4, 0.8, 1.15
@@ -50,34 +44,6 @@ PERIODS, HOST_STEPS = (2e-3, 5e-3, 1e-2, 2e-2), (1e-3, 5e-3, 1e-2)
 COUNTED = 24
 
 
-@dataclass(frozen=True)
-class Rail:
-    """A rail: condition, and what changes along it (parameters of the bogie)."""
-
-    name: str
-    condition: RailCondition
-    changes: tuple[tuple[str, float], ...] = ()
-
-    def values(self) -> dict[str, float]:
-        return self.condition.values() | dict(self.changes)
-
-
-def low_rail() -> RailCondition:
-    """The law of Polach's low set with a friction of LOW_FRICTION."""
-    return RailCondition(LOW_FRICTION, low().law, verified=False)
-
-
-#: On the changing rail leaves lie on a wet rail from 60 to 160 m, and the leading wheels clean it a little.
-RAILS = (
-    Rail("dry", dry()),
-    Rail("wet", wet()),
-    Rail("low", low_rail()),
-    Rail(
-        "changing",
-        wet(),
-        (("patch_friction", 0.25), ("patch_start", 60.0), ("patch_length", 100.0), ("cleaned_friction", 1.1)),
-    ),
-)
 #: What stands between wheels and valves; "locked" brakes with full force at once.
 MODES: dict[str, Callable[[], WheelSlideController] | None] = {
     "unprotected": None,
@@ -139,34 +105,34 @@ def braking(time: float) -> float:
 class Findings:
     """Stops by rail and mode, ideal distances by rail [m], and low-rail stops by (period, host step)."""
 
-    stops: dict[tuple[str, str], Stop]
+    stops: dict[tuple[str, str], ProtectedStop]
     ideal: dict[str, float]
-    low: dict[tuple[float, float], Stop]
+    low: dict[tuple[float, float], ProtectedStop]
     stops_per_minute: float
 
 
 def measure() -> Findings:
-    stops: dict[tuple[str, str], Stop] = {}
-    low_stops: dict[tuple[float, float], Stop] = {}
+    stops: dict[tuple[str, str], ProtectedStop] = {}
+    low_stops: dict[tuple[float, float], ProtectedStop] = {}
     work = [(rail, mode) for rail in RAILS for mode in MODES]
     tries = [(period, step) for period in PERIODS for step in HOST_STEPS if step <= period]
-    with Train() as train, tqdm(total=len(work) + len(tries), delay=PATIENCE, leave=False, unit="stop") as bar:
+    with BrakedBogie() as machine, tqdm(total=len(work) + len(tries), delay=PATIENCE, leave=False, unit="stop") as bar:
         for rail, mode in work:
-            stops[rail.name, mode] = one_stop(train, rail, mode, Settings())
+            stops[rail.name, mode] = one_stop(machine, rail, mode, Settings())
             bar.update()
         for period, step in tries:
-            low_stops[period, step] = one_stop(train, RAILS[2], "protected", Settings(period=period, host_step=step))
+            low_stops[period, step] = one_stop(machine, RAILS[2], "protected", Settings(period=period, host_step=step))
             bar.update()
     ideal = {rail.name: PeakAdhesion(rail.values()).stopping_distance(Settings().speed) for rail in RAILS}
     return Findings(stops, ideal, low_stops, stops_per_minute())
 
 
-def one_stop(train: Train, rail: Rail, mode: str, settings: Settings) -> Stop:
+def one_stop(machine: BrakedBogie, rail: RailCase, mode: str, settings: Settings) -> ProtectedStop:
     """A stop in one of the MODES; locked wheels are those of a brake three times as strong that applies at once."""
     make = MODES[mode]
     if mode == "locked":
         settings = replace(settings, application_time=0.1, strength=3.0)
-    return train.stop(rail.values(), make() if make else None, settings)
+    return protected_stop(machine, rail.values(), make() if make else None, settings)
 
 
 def stops_per_minute(workers: int = 2) -> float:
@@ -180,9 +146,9 @@ def stops_per_minute(workers: int = 2) -> float:
 
 def count_stops(count: int) -> int:
     """Protected stops on the low rail, in a process of their own."""
-    with Train() as train:
+    with BrakedBogie() as machine:
         for _ in range(count):
-            one_stop(train, RAILS[2], "protected", Settings())
+            one_stop(machine, RAILS[2], "protected", Settings())
     return count
 
 
@@ -305,9 +271,9 @@ def draw_periods(found: Findings, axis: Axes) -> None:
 
 
 @lru_cache
-def own_train() -> Train:
+def own_machine() -> BrakedBogie:
     """The FMUs of this process, kept between the points of a sweep."""
-    return Train()
+    return BrakedBogie()
 
 
 def one_point(
@@ -326,7 +292,7 @@ def one_point(
     settings = Settings(
         speed=initial_speed, application_time=application_time, period=period, host_step=min(period, 5e-3)
     )
-    stop = own_train().stop(rail, SlideProtection() if protected else None, settings)
+    stop = protected_stop(own_machine(), rail, SlideProtection() if protected else None, settings)
     return {
         "stop_distance": stop.distance,
         "stop_time": stop.time,

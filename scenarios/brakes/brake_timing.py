@@ -38,6 +38,7 @@ from brake_controller.shoe_friction import (
 )
 from brake_controller.timing import APPLIED_SHARE, RELEASED_SHARE
 from scenarios.bench.brake_air import balance_rows, closed_form_rows
+from scenarios.cosimulation.master import couple
 from scenarios.cosimulation.recording import Recording
 from scenarios.cosimulation.slave import Slave
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, THREE, TRAILING, plt
@@ -100,13 +101,13 @@ def apply_and_release(brake: Slave, case: Case, pneumatics: int) -> tuple[np.nda
     """Times [s] and cylinder pressures [Pa]; the release falls on one of the instants."""
     brake.restart(values_of(case.ready, pneumatics), pressure_demand=case.pressure)
     step = case.duration / INSTANTS
-    pressures = [brake["cylinder_pressure"]]
-    for number in range(INSTANTS):
-        if number == round(case.applied / step):
+
+    def drive(time: float) -> None:
+        if round(time / step) == round(case.applied / step):
             brake.set(**({"valve": 2} if case.vents else {"pressure_demand": 0.0}))
-        brake.step(number * step, step)
-        pressures.append(brake["cylinder_pressure"])
-    return step * np.arange(INSTANTS + 1), np.array(pressures)
+
+    series = couple([brake], [], case.duration, step, [(brake, "cylinder_pressure")], drive)
+    return series["time"], series["cylinder_pressure"]
 
 
 def times_of(case: Case, time: np.ndarray, pressure: np.ndarray) -> tuple[float, float]:

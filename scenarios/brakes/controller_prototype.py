@@ -8,9 +8,10 @@ from matplotlib.figure import Figure
 
 from brake_controller.wheel_slide import SlideProtection, WheelSlideController
 from rbd_model.parameters import tables_5_1_and_5_2
+from scenarios.bench.braked_bogie import BrakedBogie
 from scenarios.bench.own_controller import FixedSlip
-from scenarios.bench.protected_stop import Settings, Stop, Train
-from scenarios.brakes.anti_skid import ABOVE, BAND, LOCK_ABOVE, RAILS
+from scenarios.bench.protected_stop import ProtectedStop, protected_stop
+from scenarios.bench.rails import ABOVE, BAND, LOCK_ABOVE, RAILS
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt
 from scenarios.reporting.report import Result, Row
 from scenarios.scenario import Options, Scenario
@@ -24,9 +25,9 @@ CONTROLLERS: dict[str, Callable[[], WheelSlideController] | None] = {
 
 def run(options: Options) -> Result:
     chosen = [rail for rail in RAILS if rail.name in ("low", "changing")]
-    with Train() as train:
+    with BrakedBogie() as machine:
         stops = {
-            (rail.name, name): train.stop(rail.values(), make() if make else None, Settings())
+            (rail.name, name): protected_stop(machine, rail.values(), make() if make else None)
             for rail in chosen
             for name, make in CONTROLLERS.items()
         }
@@ -39,13 +40,13 @@ def run(options: Options) -> Result:
             Row(f"{what}: share in the slip band", "1", None, stop.share_in_band(BAND, ABOVE), None, f"up to {BAND:g}"),
             Row(f"{what}: air", "g", None, 1e3 * stop.air(), None, "both cylinders"),
         ]
-    remark = "A controller is a class with step(time, wheel_speeds); `Train().stop(rail, YourClass())` tries it."
+    remark = "A controller is a class with step(time, wheel_speeds); `protected_stop` tries it."
     seconds = sum(stop.time for stop in stops.values())
     series = stops["low", "fixed slip"].series
     return Result(rows, series, lambda: draw(stops), tables_5_1_and_5_2().values(), seconds, [remark])
 
 
-def draw(stops: dict[tuple[str, str], Stop]) -> Figure:
+def draw(stops: dict[tuple[str, str], ProtectedStop]) -> Figure:
     figure, grid = plt.subplots(2, len(CONTROLLERS), figsize=(12.0, 6.5), sharey=True)
     for axis, ((rail, name), stop) in zip(grid.ravel(), stops.items(), strict=True):
         series = stop.series

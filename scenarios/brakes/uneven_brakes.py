@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,10 +10,10 @@ from matplotlib.figure import Figure
 from tqdm import tqdm
 
 from rbd_model.parameters import tables_5_1_and_5_2
-from scenarios.bench.braked_bogie import FULL_PRESSURE, brake_values
+from scenarios.bench.braked_bogie import FULL_PRESSURE, NUMBERS, STANDING, BrakedBogie, brake_values
+from scenarios.cosimulation.master import Connection
 from scenarios.cosimulation.recording import Recording
-from scenarios.cosimulation.slave import CosimulationError, Slave
-from scenarios.fmus.building import up_to_date
+from scenarios.cosimulation.slave import CosimulationError
 from scenarios.reporting.plots import BOGIE, LEADING, THREE, TRAILING, plt
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row
@@ -28,7 +29,6 @@ SHOE_FRICTION, SHOE_DISTANCE = 0.3, 1.12
 ERRORS: tuple[tuple[float, float], ...] = ((0.25, 0.0), (0.50, 0.0), (0.75, 0.0), (0.0, 0.25), (0.0, 0.50), (0.0, 0.75))
 #: To 95 % of the brake [s], about the shortest of chapter 9.
 APPLICATION_TIME = 1.0
-STANDING = 0.02
 #: Why one case of the thesis is not judged.
 CLOSE = "not judged: its printed shift ends 0.3 mm short of the loss of contact, and the cylinder fills by another law"
 READ = ("speed", "distance", "locked_1", "locked_2", "lateral_1", "lateral_2")
@@ -39,7 +39,7 @@ UNITS = {"time": "s", "speed": "m/s", "distance": "m", "locked_1": "1", "locked_
 
 
 @dataclass(frozen=True)
-class Stop:
+class UnevenStop:
     """A stop, and the sentence of its end where it did not come to rest."""
 
     series: Recording
@@ -71,64 +71,48 @@ def shoes() -> dict[str, float]:
     }
 
 
-class Bogie:
-    """A bogie at some level with a brake cylinder on each wheelset; loaded once, used for many stops."""
-
-    def __init__(self) -> None:
-        self.bogie = Slave(up_to_date("bogie", "native"))
-        self.brakes = [Slave(up_to_date("brake", "native")) for _ in (1, 2)]
-
-    def stop(self, values: dict[str, float], strength: tuple[float, float], errors: tuple[float, float]) -> Stop:
-        """Full brake at BRAKE_START; strength: of each cylinder's shoes; errors: of the shoes of each wheelset."""
-        self.bogie.restart({"initial_speed": SPEED} | values)
-        for brake, factor in zip(self.brakes, strength, strict=True):
-            brake.restart(shoes() | {"wheelset_share": 0.5 * factor}, pressure_demand=0.0)
-        rows: list[list[float]] = []
-        ended = ""
-        for number in range(round(LONGEST / STEP)):
-            time = number * STEP
-            rows.append([time, *self.bogie.get(READ)])
+def uneven_stop(
+    machine: BrakedBogie, values: Mapping[str, float], strength: tuple[float, float], errors: tuple[float, float]
+) -> UnevenStop:
+    """Full brake at BRAKE_START; strength: of each cylinder's shoes; errors: of the shoes of each wheelset."""
+    machine.start({"initial_speed": SPEED} | dict(values), [shoes() | {"wheelset_share": 0.5 * x} for x in strength])
+    yaw_torques = [
+        Connection(brake, "shoe_force", machine.bogie, f"yaw_torque_{number}", error * SHOE_DISTANCE)
+        for number, brake, error in zip(NUMBERS, machine.brakes, errors, strict=True)
+        if error
+    ]
+    rows, ended = [[0.0, *machine.bogie.get(READ)]], ""
+    try:
+        for time in machine.coupling(yaw_torques).run(
+            LONGEST, STEP, lambda time: machine.demand(FULL_PRESSURE if time >= BRAKE_START else 0.0)
+        ):
+            rows.append([time, *machine.bogie.get(READ)])
             if rows[-1][1] < STANDING:
                 break
-            try:
-                self._step(time, errors)
-            except CosimulationError as error:
-                ended = str(error)
-                break
-        return Stop(Recording(UNITS, rows), ended)
-
-    def _step(self, time: float, errors: tuple[float, float]) -> None:
-        for number, (brake, error) in enumerate(zip(self.brakes, errors, strict=True), 1):
-            brake.set(pressure_demand=FULL_PRESSURE if time >= BRAKE_START else 0.0)
-            brake.step(time, STEP)
-            torque, force = brake.get(("brake_torque", "shoe_force"))
-            self.bogie.set(**{f"brake_torque_{number}": torque})
-            if error:
-                self.bogie.set(**{f"yaw_torque_{number}": error * force * SHOE_DISTANCE})
-        self.bogie.step(time, STEP)
-
-    def close(self) -> None:
-        for slave in (self.bogie, *self.brakes):
-            slave.__exit__(None, None, None)
+    except CosimulationError as error:
+        ended = str(error)
+    return UnevenStop(Recording(UNITS, rows), ended)
 
 
-def measure() -> tuple[dict[float, Stop], dict[tuple[float, float], Stop]]:
+def measure() -> tuple[dict[float, UnevenStop], dict[tuple[float, float], UnevenStop]]:
     """Stops by share of the leading wheelset, planar; and by errors of the shoes, spatial."""
-    machine, uneven, asymmetric = Bogie(), {}, {}
-    with tqdm(total=len(SHARES) + len(ERRORS), delay=PATIENCE, leave=False, unit="stop") as bar:
+    uneven, asymmetric = {}, {}
+    with (
+        BrakedBogie() as machine,
+        tqdm(total=len(SHARES) + len(ERRORS), delay=PATIENCE, leave=False, unit="stop") as bar,
+    ):
         for share in SHARES:
             low = {"level": 2.0, "friction_1": FRICTION, "friction_2": FRICTION}
-            uneven[share] = machine.stop(low, (2 * share, 2 * (1 - share)), (0.0, 0.0))
+            uneven[share] = uneven_stop(machine, low, (2 * share, 2 * (1 - share)), (0.0, 0.0))
             bar.update()
         for errors in ERRORS:
             space = {"level": 3.0, "yaw_torque_rotates": 1, "wheel_lift_ends": 0}
-            asymmetric[errors] = machine.stop(space, (1.0, 1.0), errors)
+            asymmetric[errors] = uneven_stop(machine, space, (1.0, 1.0), errors)
             bar.update()
-    machine.close()
     return uneven, asymmetric
 
 
-def rows_of(uneven: dict[float, Stop], asymmetric: dict[tuple[float, float], Stop]) -> list[Row]:
+def rows_of(uneven: dict[float, UnevenStop], asymmetric: dict[tuple[float, float], UnevenStop]) -> list[Row]:
     rows = []
     source = f"planar, 25 m/s, friction {FRICTION:g}, the same torque in total"
     for share, stop in uneven.items():
@@ -164,7 +148,7 @@ def run(options: Options) -> Result:
     return Result(rows_of(uneven, asymmetric), series, lambda: draw(uneven, asymmetric), parameters, seconds, remarks)
 
 
-def draw(uneven: dict[float, Stop], asymmetric: dict[tuple[float, float], Stop]) -> Figure:
+def draw(uneven: dict[float, UnevenStop], asymmetric: dict[tuple[float, float], UnevenStop]) -> Figure:
     figure, grid = plt.subplots(1, 3, figsize=(13.0, 4.4))
     shares = [100 * share for share in uneven]
     grid[0].plot(shares, [stop.distance for stop in uneven.values()], "o-", color=BOGIE)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from tqdm import tqdm
 
@@ -12,8 +14,29 @@ from scenarios.cosimulation.recording import Recording
 from scenarios.cosimulation.slave import CosimulationError, Slave
 from scenarios.reporting.progress import PATIENCE
 
-#: (source, output, target, input)
-Connection = tuple[Slave, str, Slave, str]
+
+class Connection(NamedTuple):
+    """An output that becomes an input, times a factor."""
+
+    source: Slave
+    output: str
+    target: Slave
+    input: str
+    factor: float = 1.0
+
+    def value(self) -> float:
+        """What the source says now, in the unit of the input."""
+        return self.factor * self.source[self.output]
+
+    def rate(self) -> float:
+        """First derivative of `value` by time; 0 where the source provides none."""
+        return self.factor * self.source.rate(self.output)
+
+    def nominal(self) -> float:
+        """Typical size of `value`."""
+        return abs(self.factor) * self.source.nominal(self.output)
+
+
 #: A connected torque or force, and the slave and the speed on which it works.
 Bond = tuple[Connection, tuple[Slave, str]]
 
@@ -81,24 +104,24 @@ class Coupling:
 
     def advance(self, time: float, size: float) -> dict[Connection, tuple[float, float, float, float]]:
         """One macro step; for each connection the line that was its input and the line of its source, by their ends."""
-        begin = {c: c[0][c[1]] for c in self.connections}
+        begin = {c: c.value() for c in self.connections}
         # Read before any slave moves: afterwards a source that went first would tell its rate at the end of the step.
-        known = {c: begin[c] + size * c[0].rate(c[1]) for c in begin} if self.master.extrapolated else begin
+        known = {c: begin[c] + size * c.rate() for c in begin} if self.master.extrapolated else begin
         used: dict[Connection, tuple[float, float]] = {}
         done: set[Slave] = set()
         for slave in self.slaves:
             for connection in self.connections:
-                if connection[2] is slave:
-                    newest = connection[0] in done and self.master.method == GAUSS_SEIDEL
-                    end = connection[0][connection[1]] if newest else known[connection]
+                if connection.target is slave:
+                    newest = connection.source in done and self.master.method == GAUSS_SEIDEL
+                    end = connection.value() if newest else known[connection]
                     used[connection] = self._feed(connection, begin[connection], end, size)
             slave.step(time, size)
             done.add(slave)
-        return {c: (*used[c], begin[c], c[0][c[1]]) for c in self.connections}
+        return {c: (*used[c], begin[c], c.value()) for c in self.connections}
 
     def _feed(self, connection: Connection, begin: float, end: float, size: float) -> tuple[float, float]:
         """Sets an input for one step, held or on its line, and returns its values at both ends."""
-        _, _, target, name = connection
+        target, name = connection.target, connection.input
         if not self.master.extrapolated:
             target.set(**{name: end})
             return end, end
@@ -110,7 +133,7 @@ class Coupling:
         """Largest distance of an input from its source within the step, in nominal values."""
         return max(
             (
-                max(abs(a - begin), abs(b - end)) / connection[0].nominal(connection[1])
+                max(abs(a - begin), abs(b - end)) / connection.nominal()
                 for connection, (a, b, begin, end) in lines.items()
             ),
             default=0.0,
@@ -213,22 +236,36 @@ def couple(
     """Runs started slaves together from t = 0 and records outputs after every macro step.
 
     In each step the slaves go in the given order, each with the newest outputs of the others, or as `coupling` says.
-    `drive(time)` may set inputs before each step. Raises CosimulationError.
+    `drive(time)` may set inputs before each step. The columns are named as `column_names` says. Raises
+    CosimulationError.
     """
     coupling = coupling or Coupling(slaves, connections)
-    units = {name: slave.units[name] for slave, name in record}
     by_slave = {slave: [name for owner, name in record if owner is slave] for slave in slaves}
+    ordered = [(slave, name) for slave, names in by_slave.items() for name in names]
+    units = {column: slave.units[name] for column, (slave, name) in zip(column_names(ordered), ordered, strict=True)}
 
     def sample(time: float) -> list[float]:
         values: list[float] = [time]
-        for slave in slaves:
-            values += slave.get(by_slave[slave])
+        for slave, names in by_slave.items():
+            values += slave.get(names)
         return values
 
-    order = ["time"] + [name for slave in slaves for name in by_slave[slave]]
     rows = [sample(0.0)]
     with tqdm(total=duration, desc=label, delay=PATIENCE, leave=False, unit="s") as bar:
         for time in coupling.run(duration, step, drive, instants):
             rows.append(sample(time))
             bar.update(time - rows[-2][0])
-    return Recording({"time": "s"} | {name: units[name] for name in order[1:]}, rows)
+    return Recording({"time": "s"} | units, rows)
+
+
+def column_names(record: Sequence[tuple[Slave, str]]) -> list[str]:
+    """`output` where only one slave is asked for it, otherwise `instance.output`. Raises CosimulationError."""
+    asked = Counter(name for _, name in record)
+    names = [f"{slave.name}.{name}" if asked[name] > 1 else name for slave, name in record]
+    twice = [name for name, count in Counter(names).items() if count > 1 or name == "time"]
+    if twice:
+        raise CosimulationError(
+            f"Two columns would be called {twice[0]}: give each slave a name of its own, Slave(path, name), "
+            "and ask for each output once."
+        )
+    return names

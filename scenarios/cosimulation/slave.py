@@ -27,15 +27,17 @@ class CosimulationError(RuntimeError):
 class Slave:
     """One instance of an FMU, with variables by name. A context manager: it cleans up after itself.
 
+    instance: its name where several of one FMU are coupled; by default that of the model.
+
     >>> with Slave("build/native/BogieDynamics.fmu", initial_speed=25.0) as bogie:
     ...     bogie.start(brake_torque_1=20e3)
     ...     bogie.step(0.0, 0.01)
     ...     bogie["speed"]
     """
 
-    def __init__(self, path: str | Path, **parameters: float) -> None:
+    def __init__(self, path: str | Path, instance: str | None = None, /, **parameters: float) -> None:
         description = read_model_description(str(path))
-        self.name = description.modelName
+        self.name = instance or description.modelName
         self.guid = description.guid
         self.messages: list[str] = []
         self._variables = {v.name: (v.valueReference, TYPES[v.type]) for v in description.modelVariables}

@@ -53,15 +53,15 @@ RATE = TIME_CONSTANTS_TO_95_PERCENT / APPLICATION_TIME
 
 
 @dataclass(frozen=True)
-class Stop:
+class CoupledStop:
     """Time [s] and distance [m] until AT_REST, and the speed MIDWAY [m/s]; or the errors of these."""
 
     time: float
     distance: float
     speed: float
 
-    def minus(self, other: Stop) -> Stop:
-        return Stop(self.time - other.time, self.distance - other.distance, self.speed - other.speed)
+    def minus(self, other: CoupledStop) -> CoupledStop:
+        return CoupledStop(self.time - other.time, self.distance - other.distance, self.speed - other.speed)
 
 
 def torque_at(time: float) -> float:
@@ -73,7 +73,7 @@ def torque_rate_at(time: float) -> float:
     return RATE * (FULL_TORQUE - torque_at(time))
 
 
-def reference() -> Stop:
+def reference() -> CoupledStop:
     """The bogie's equations with the torque inside, in one system: SciPy's Radau with the exact Jacobian."""
     kernel = prepare("bogie", **bogie_values(INITIAL_SPEED))
     kernel.initialise()
@@ -108,10 +108,10 @@ def reference() -> Stop:
         atol=REFERENCE_TOLERANCE,
     )
     distance = mean_of_axles("frame_distance", "shift", found.y[:, -1])
-    return Stop(float(found.t[-1]), distance, mean_of_axles("frame_speed", "shift_speed", found.sol(MIDWAY)))
+    return CoupledStop(float(found.t[-1]), distance, mean_of_axles("frame_speed", "shift_speed", found.sol(MIDWAY)))
 
 
-def coupled_stop(brake: Slave, bogie: Slave, master: Master, step: float) -> Stop:
+def coupled_stop(brake: Slave, bogie: Slave, master: Master, step: float) -> CoupledStop:
     """The stop by coupled FMUs; the instant is found within its macro step, by going back and trying a part of it."""
     bogie.restart(bogie_values(INITIAL_SPEED))
     start_brake(brake, FIRST_SHARE * FULL_PRESSURE)
@@ -136,10 +136,10 @@ def coupled_stop(brake: Slave, bogie: Slave, master: Master, step: float) -> Sto
     part = float(brentq(left, 0.0, step, xtol=1e-12))
     left(part)
     bogie.forget(state)
-    return Stop(before + part, bogie["distance"], midway)
+    return CoupledStop(before + part, bogie["distance"], midway)
 
 
-def error_on_paper(master: Master, step: float, stop: Stop) -> Stop:
+def error_on_paper(master: Master, step: float, stop: CoupledStop) -> CoupledStop:
     """Leading term: the surplus of the torque's impulse, through the rolling bogie's mass."""
     factor = -acceleration_per_torque() * SURPLUS[master.method, master.extrapolated]
     end = stop.time
@@ -152,7 +152,7 @@ def error_on_paper(master: Master, step: float, stop: Stop) -> Stop:
         grown = [torque_at(time) - torque_at(0.0) for time in (MIDWAY, end)]
         area = end * (FULL_TORQUE - torque_at(0.0)) - (torque_at(end) - torque_at(0.0)) / RATE
     later = factor * grown[1] / (acceleration_per_torque() * torque_at(end))
-    return Stop(later, factor * area + AT_REST * later, factor * grown[0])
+    return CoupledStop(later, factor * area + AT_REST * later, factor * grown[0])
 
 
 def order(steps: Sequence[float], errors: Sequence[float]) -> float:

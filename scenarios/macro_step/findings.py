@@ -12,7 +12,7 @@ from scenarios.cosimulation.master import GAUSS_SEIDEL, JACOBI
 from scenarios.cosimulation.slave import Slave
 from scenarios.macro_step import error as coupling_error
 from scenarios.macro_step import signed_torque
-from scenarios.macro_step.error import MASTERS, Stop
+from scenarios.macro_step.error import MASTERS, CoupledStop
 from scenarios.macro_step.feedback_boundary import ClosedLoop, Plant, boundary_on_paper, linear_bogie
 from scenarios.macro_step.signed_torque import Chatter
 from scenarios.reporting.progress import PATIENCE
@@ -26,8 +26,8 @@ FIRST_OF_LINES = 2e-4
 class Findings:
     """By name and macro step [s]: errors of the stop, chatter of the signed torque, boundaries on paper and found."""
 
-    stop: Stop
-    errors: dict[str, dict[float, Stop]]
+    stop: CoupledStop
+    errors: dict[str, dict[float, CoupledStop]]
     capacity: Chatter
     stops: dict[float, Chatter]
     skids: dict[float, Chatter]
@@ -46,7 +46,7 @@ def find(steps: Sequence[float], shown: float) -> Findings:
         bogie.start()
         # The long steps first: a bar that starts fast and slows down is better than one that stands still.
         bar = tqdm(sorted(steps, reverse=True), "coupling-step", delay=PATIENCE, leave=False, unit="macro step")
-        errors: dict[str, dict[float, Stop]] = {name: {} for name in MASTERS}
+        errors: dict[str, dict[float, CoupledStop]] = {name: {} for name in MASTERS}
         found: dict[str, dict[float, float]] = {JACOBI: {}, GAUSS_SEIDEL: {}}
         stops, skids = {}, {}
         for step in bar:
@@ -67,7 +67,7 @@ def find(steps: Sequence[float], shown: float) -> Findings:
         )
 
 
-def errors_at(brake: Slave, bogie: Slave, exact: Stop, step: float) -> dict[str, Stop]:
+def errors_at(brake: Slave, bogie: Slave, exact: CoupledStop, step: float) -> dict[str, CoupledStop]:
     """Errors of the stop by master."""
     return {
         name: coupling_error.coupled_stop(brake, bogie, master, step).minus(exact)

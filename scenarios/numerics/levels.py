@@ -64,7 +64,7 @@ SOURCE = "levels against each other, not the thesis"
 
 
 @dataclass(frozen=True)
-class Stop:
+class Answers:
     """What a stop answers, in SI units; no lock time for a wheelset that turns until the bogie is at rest.
 
     load_transfer: the largest change of the leading axle load while braking.
@@ -78,7 +78,7 @@ class Stop:
     load_transfer: float
 
 
-UNITS = dict(zip((field.name for field in fields(Stop)), ("m", "s", "s", "m/s", "m/s", "N"), strict=True))
+UNITS = dict(zip((field.name for field in fields(Answers)), ("m", "s", "s", "m/s", "m/s", "N"), strict=True))
 #: Answers whose errors are shown: name in words, unit of the error (% of the spatial level's).
 ERRORS = {
     "stop_distance": ("stop distance", "m"),
@@ -127,16 +127,16 @@ def peak_slip(series: Recording, number: int, locked: float | None) -> float:
     return recorded if locked is None else max(recorded, float(np.interp(locked, series["time"], series["speed"])))
 
 
-def stop(kernel: Kernel, utilisation: float) -> Stop:
+def stop(kernel: Kernel, utilisation: float) -> Answers:
     """Brakes to rest; slip and load count while the bogie moves, not while it rocks afterwards."""
     series = brake(kernel, utilisation)
     leading, trailing = (lock_time(kernel, series, number) for number in (1, 2))
     slips = peak_slip(series, 1, leading), peak_slip(series, 2, trailing)
     load = series["axle_load_1"][series["speed"] > AT_REST]
-    return Stop(float(series["distance"][-1]), leading, trailing, *slips, float((load - load[0]).max()))
+    return Answers(float(series["distance"][-1]), leading, trailing, *slips, float((load - load[0]).max()))
 
 
-def sweep(utilisations: Sequence[float]) -> dict[str, list[Stop]]:
+def sweep(utilisations: Sequence[float]) -> dict[str, list[Answers]]:
     """Stops of each level."""
     asked = [(level, utilisation) for level in LEVELS for utilisation in utilisations]
     bar = tqdm(asked, "stops", delay=PATIENCE, leave=False, unit="stop")
@@ -172,12 +172,12 @@ def cost(level: int, utilisation: float) -> float:
     return least(once)
 
 
-def column(stops: Sequence[Stop], question: str) -> np.ndarray:
+def column(stops: Sequence[Answers], question: str) -> np.ndarray:
     """One answer of each stop; NaN where there is none."""
     return np.array([getattr(one, question) for one in stops], dtype=float)
 
 
-def error(stops: Sequence[Stop], spatial: Sequence[Stop], question: str) -> np.ndarray:
+def error(stops: Sequence[Answers], spatial: Sequence[Answers], question: str) -> np.ndarray:
     """Distance of each answer from the spatial level's, in the unit of ERRORS; NaN where one of them has none."""
     reference = column(spatial, question)
     distance = np.abs(column(stops, question) - reference)
@@ -192,12 +192,12 @@ class Findings:
     boundaries: of the leading and the trailing wheelset; costs: seconds by level and utilisation.
     """
 
-    stops: Mapping[str, Sequence[Stop]]
-    cone: Sequence[Stop]
+    stops: Mapping[str, Sequence[Answers]]
+    cone: Sequence[Answers]
     boundaries: Mapping[str, tuple[float | None, float | None]]
     costs: Mapping[str, Mapping[float, float]]
 
-    def largest_error(self, stops: Sequence[Stop], question: str, low: float = 0.0, high: float = math.inf) -> float:
+    def largest_error(self, stops: Sequence[Answers], question: str, low: float = 0.0, high: float = math.inf) -> float:
         """Over the utilisations from low to high."""
         chosen = (np.array(UTILISATIONS) >= low) & (np.array(UTILISATIONS) <= high)
         return float(np.nanmax(error(stops, self.stops["spatial"], question)[chosen]))

@@ -11,6 +11,7 @@ from tqdm import tqdm
 from brake_controller.experiment import EXPERIMENT
 from brake_controller.parameters import qr30
 from rbd_model.parameters import tables_8_1_and_8_2
+from scenarios.cosimulation.master import Connection, Coupling
 from scenarios.cosimulation.recording import Recording
 from scenarios.cosimulation.slave import Slave
 from scenarios.reporting.plots import BOGIE, THREE, single
@@ -36,14 +37,11 @@ def brake_until_lock_or_rest(
     """Whether the trailing wheelset locks while the bogie still moves, and after how long [s]; braked from t = 0."""
     brake.restart(qr30(pressure).values() | {"constant_shoe_friction": shoe_friction}, pressure_demand=1e3 * pressure)
     bogie.restart(bogie_parameters(set(bogie.units), pressure), friction_1=friction, friction_2=friction)
-    for number in range(round(LONGEST / step)):
-        time = number * step
-        brake.step(time, step)
-        bogie.set(brake_torque_2=brake["brake_torque"])
-        bogie.step(time, step)
+    coupling = Coupling([brake, bogie], [Connection(brake, "brake_torque", bogie, "brake_torque_2")])
+    for time in coupling.run(LONGEST, step):
         locked, speed = bogie.get(["locked_2", "speed"])
         if speed < AT_REST or locked:
-            return bool(locked) and speed >= AT_REST, time + step
+            return bool(locked) and speed >= AT_REST, time
     return False, LONGEST
 
 

@@ -93,9 +93,9 @@ def brake_by_pressure(options: Options, pressure: int, shoe_friction: float, fri
             brake.set(pressure_demand=1e3 * pressure if time >= BRAKE_TIME - 1e-9 else 0.0)
 
         record = [(brake, name) for name in OF_BRAKE] + [(bogie, name) for name in RECORDED]
-        connections: list[Connection] = [
-            (brake, "brake_torque", bogie, "brake_torque_2"),
-            (bogie, "angular_velocity_2", brake, "angular_velocity"),
+        connections = [
+            Connection(brake, "brake_torque", bogie, "brake_torque_2"),
+            Connection(bogie, "angular_velocity_2", brake, "angular_velocity"),
         ]
         torque = connections[0]
         coupling = Coupling([brake, bogie], connections, options.master(), [(torque, (bogie, "angular_velocity_2"))])

@@ -13,13 +13,14 @@ import build_fmu
 from brake_controller.protection_fmu import wheel_slide_protection
 from brake_controller.wheel_slide import APPLY, VENT, SlideProtection
 from scenarios.cosimulation.slave import CosimulationError, Slave
+from scenarios.fmus.building import build_protection
 
 ROOT = Path(__file__).parents[2]
 PERIOD = 5e-3
 
 
 def protection(out: Path, file: Path | None = None, name: str = "SlideProtection") -> Path:
-    return build_fmu.build_protection(out, wheel_slide_protection(file, name))
+    return build_protection(out, wheel_slide_protection(file, name))
 
 
 def test_protection_gives_the_commands_of_its_class(tmp_path: Path) -> None:
@@ -97,7 +98,7 @@ def test_one_command_makes_the_fmu_of_a_class(tmp_path: Path, capsys: pytest.Cap
     own = ROOT / "scenarios" / "bench" / "own_controller.py"
     assert build_fmu.main(["--controller", f"{own}:FixedSlip", "--out", str(tmp_path)]) == 0
     assert "valid" in capsys.readouterr().out
-    with Slave(tmp_path / "python" / "WheelSlideProtection.fmu") as slave:
+    with Slave(tmp_path / "python" / "FixedSlip.fmu") as slave:
         slave.start(wheel_speed_1=20.0, wheel_speed_2=10.0)
         slave.step(0.0, PERIOD)
         assert slave.get(("valve_1", "valve_2")) == [APPLY, VENT]

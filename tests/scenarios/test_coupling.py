@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from scenarios.__main__ import main
-from scenarios.cosimulation.master import GAUSS_SEIDEL, JACOBI, Coupling, Master, couple
+from scenarios.cosimulation.master import GAUSS_SEIDEL, JACOBI, Connection, Coupling, Master, couple
 from scenarios.cosimulation.slave import CosimulationError, Slave
 
 #: A full application by the measured law, in which the shoe friction falls with the force, and a stop behind it.
@@ -25,8 +25,8 @@ def train(fmus: dict, kind: str = "native") -> Iterator[tuple[Slave, Slave, list
         brake.start(pressure_demand=150e3)
         bogie.start()
         connections = [
-            (brake, "brake_torque", bogie, "brake_torque_2"),
-            (bogie, "angular_velocity_2", brake, "angular_velocity"),
+            Connection(brake, "brake_torque", bogie, "brake_torque_2"),
+            Connection(bogie, "angular_velocity_2", brake, "angular_velocity"),
         ]
         yield brake, bogie, connections
 
@@ -137,6 +137,42 @@ def test_tolerance_that_cannot_be_met_is_told(fmus: dict) -> None:
         coupling = Coupling([brake, bogie], connections, Master(JACOBI, tolerance=1e-15))
         with pytest.raises(CosimulationError, match="stays above the tolerance"):
             list(coupling.run(1.0, 0.01))
+
+
+def test_columns_of_two_slaves_with_outputs_of_one_name_are_told_apart(fmus: dict) -> None:
+    """Time stays the first column and rises; each cylinder's pressure stands under its own instance."""
+    path = fmus["brake", "native"]
+    with Slave(path, "front") as front, Slave(path, "rear") as rear:
+        front.start(pressure_demand=100e3)
+        rear.start(pressure_demand=200e3)
+        record = [(rear, "cylinder_pressure"), (front, "brake_torque"), (front, "cylinder_pressure")]
+        series = couple([front, rear], [], 5.0, 0.1, record)
+    assert series.names == ["time", "brake_torque", "front.cylinder_pressure", "rear.cylinder_pressure"]
+    assert np.all(np.diff(series["time"]) > 0.0)
+    assert series["front.cylinder_pressure"][-1] == pytest.approx(100e3, rel=1e-3)
+    assert series["rear.cylinder_pressure"][-1] == pytest.approx(200e3, rel=1e-3)
+
+
+def test_two_slaves_of_one_name_cannot_share_a_column(fmus: dict) -> None:
+    path = fmus["brake", "native"]
+    with Slave(path) as one, Slave(path) as other:
+        one.start()
+        other.start()
+        record = [(one, "brake_torque"), (other, "brake_torque")]
+        with pytest.raises(CosimulationError, match=r"Two columns would be called BrakeCylinder\.brake_torque: give"):
+            couple([one, other], [], 1.0, 0.1, record)
+
+
+def test_connection_multiplies_with_its_factor(fmus: dict) -> None:
+    """Twice the torque on the bogie slows it twice as much as the torque itself, while it rolls."""
+    slowed = []
+    for factor in (1.0, 2.0):
+        with train(fmus) as (brake, bogie, _):
+            connection = Connection(brake, "brake_torque", bogie, "brake_torque_2", factor)
+            for _ in Coupling([brake, bogie], [connection]).run(SECONDS, 0.01):
+                pass
+            slowed.append(10.0 - bogie["speed"])
+    assert slowed[1] == pytest.approx(2.0 * slowed[0], rel=1e-2)
 
 
 @pytest.mark.parametrize(("method", "tolerance"), [("leapfrog", None), (JACOBI, -1.0), (JACOBI, float("nan"))])

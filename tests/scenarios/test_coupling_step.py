@@ -13,7 +13,7 @@ from scenarios.bench.braked_bogie import bogie_values
 from scenarios.bench.drive import prepare
 from scenarios.cosimulation.master import GAUSS_SEIDEL, JACOBI
 from scenarios.cosimulation.slave import Slave
-from scenarios.macro_step.error import MASTERS, RATE, Stop, coupled_stop, error_on_paper, order, reference
+from scenarios.macro_step.error import MASTERS, RATE, CoupledStop, coupled_stop, error_on_paper, order, reference
 from scenarios.macro_step.feedback_boundary import (
     FEEDBACK,
     SETTLING,
@@ -52,7 +52,7 @@ def slaves(fmus: dict) -> Iterator[tuple[Slave, Slave]]:
 
 
 @pytest.fixture(scope="module")
-def exact() -> Stop:
+def exact() -> CoupledStop:
     return reference()
 
 
@@ -62,7 +62,9 @@ def plant() -> Plant:
 
 
 @pytest.mark.parametrize("name", list(MASTERS))
-def test_stop_errs_by_the_surplus_of_the_torques_impulse(slaves: tuple[Slave, Slave], exact: Stop, name: str) -> None:
+def test_stop_errs_by_the_surplus_of_the_torques_impulse(
+    slaves: tuple[Slave, Slave], exact: CoupledStop, name: str
+) -> None:
     """A torque held from the start of each step brakes half a step late; from its end, half a step early."""
     master, steps = MASTERS[name], (0.02, 0.01, 0.005)
     errors = [coupled_stop(*slaves, master, step).minus(exact).distance for step in steps]

@@ -14,7 +14,7 @@ from rbd_model.creep import kalker_coefficients, polach_forces
 from rbd_model.parameters import tables_5_1_and_5_2
 from scenarios.bench.drive import play
 from scenarios.numerics import levels
-from scenarios.numerics.levels import FRICTION, Stop, brake, error, lock_boundary, start, stop
+from scenarios.numerics.levels import FRICTION, Answers, brake, error, lock_boundary, start, stop
 
 POINT, PLANAR, SPATIAL = 1, 2, 3
 BOGIE = tables_5_1_and_5_2()
@@ -26,11 +26,11 @@ ROTARY = 2 * BOGIE.wheelset_pitch_inertia / (BOGIE.wheel_radius**2 * MASS)
 BOUNDARY_TOLERANCE = 1e-3
 
 
-def answers(level: int, utilisation: float, tolerance: float = levels.TOLERANCE, **values: float) -> Stop:
+def answers(level: int, utilisation: float, tolerance: float = levels.TOLERANCE, **values: float) -> Answers:
     return stop(start(level, tolerance, **values), utilisation)
 
 
-def off(stops: Stop, spatial: Stop, question: str) -> float:
+def off(stops: Answers, spatial: Answers, question: str) -> float:
     return float(error([stops], [spatial], question)[0])
 
 

@@ -1,0 +1,44 @@
+"""The rails on which wheel-slide protection is tried, and how a stop on them is judged."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from rbd_model.adhesion import RailCondition, dry, low, wet
+
+#: Friction of the low rail, with the fall of Polach's set for low adhesion, unverified (rbd_model/adhesion.py).
+LOW_FRICTION = 0.08
+#: Slip ratio up to which a wheel counts as protected, and speed [m/s] above which it is looked at.
+BAND, ABOVE = 0.30, 3.0
+#: Speed above which a lock counts [m/s].
+LOCK_ABOVE = 0.3
+
+
+@dataclass(frozen=True)
+class RailCase:
+    """A rail: condition, and what changes along it (parameters of the bogie)."""
+
+    name: str
+    condition: RailCondition
+    changes: tuple[tuple[str, float], ...] = ()
+
+    def values(self) -> dict[str, float]:
+        return self.condition.values() | dict(self.changes)
+
+
+def low_rail() -> RailCondition:
+    """The law of Polach's low set with a friction of LOW_FRICTION."""
+    return RailCondition(LOW_FRICTION, low().law, verified=False)
+
+
+#: On the changing rail leaves lie on a wet rail from 60 to 160 m, and the leading wheels clean it a little.
+RAILS = (
+    RailCase("dry", dry()),
+    RailCase("wet", wet()),
+    RailCase("low", low_rail()),
+    RailCase(
+        "changing",
+        wet(),
+        (("patch_friction", 0.25), ("patch_start", 60.0), ("patch_length", 100.0), ("cleaned_friction", 1.1)),
+    ),
+)
