@@ -13,7 +13,7 @@ from rbd_model.bogie import wheelset_in_frame
 from rbd_model.linear import critical_speed
 from rbd_model.parameters import tables_4_1_and_4_2, tables_5_1_and_5_2
 from rbd_model.track import section_5_3
-from scenarios.asymmetric_braking import BRAKE_START, BRAKE_TORQUE, DERAILED_AT, YAW_TORQUE
+from scenarios.asymmetric_shoes import BRAKE_START, BRAKE_TORQUE, DERAILED_AT, YAW_TORQUE
 from scenarios.cosimulation import PATIENCE, Recording
 from scenarios.critical_speed import RANGE, growth_by_eigenvalue
 from scenarios.plotting import LEADING, THESIS, plt

@@ -10,7 +10,7 @@ from tqdm import tqdm
 
 from build_fmu import up_to_date
 from rbd_model.parameters import tables_5_1_and_5_2
-from scenarios.asymmetric_braking import DERAILED_AT
+from scenarios.asymmetric_shoes import DERAILED_AT
 from scenarios.braked_bogie import FULL_PRESSURE, brake_values
 from scenarios.cosimulation import PATIENCE, CosimulationError, Recording, Slave
 from scenarios.plotting import BOGIE, LEADING, THREE, TRAILING, plt

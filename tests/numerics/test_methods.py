@@ -171,7 +171,9 @@ def test_stop_with_explicit_steps_above_their_limit_ends_in_a_sentence_whatever_
     assert ended.value.status == ERROR
 
 
-@pytest.mark.parametrize("values", [{}, {"integration_step": 1e-3}, {"integration_method": 2, "integration_step": 1e-3}])
+@pytest.mark.parametrize(
+    "values", [{}, {"integration_step": 1e-3}, {"integration_method": 2, "integration_step": 1e-3}]
+)
 def test_same_stop_with_an_implicit_method_comes_to_rest(values: dict[str, float]) -> None:
     kernel = stop_from_walking_pace(1e-3, **values)
     assert kernel.time == pytest.approx(2.0)
