@@ -1,4 +1,4 @@
-"""What a scenario is, and the FMUs that all of them use."""
+"""What a scenario is."""
 
 from __future__ import annotations
 
@@ -7,8 +7,6 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 
 from scenarios.cosimulation.master import Master
-from scenarios.cosimulation.slave import Slave
-from scenarios.fmus.building import up_to_date
 from scenarios.reporting.report import Result
 
 
@@ -64,16 +62,3 @@ class Scenario:
     run: Callable[[Options], Result]
     takes: frozenset[str] = frozenset({"kind", "step"})
     sweep: Sweepable | None = None
-
-
-def open_bogie(options: Options, **parameters: float) -> Slave:
-    return Slave(up_to_date("bogie", options.kind or "native"), **parameters)
-
-
-def open_brake(options: Options, **parameters: float) -> Slave:
-    return Slave(up_to_date("brake", options.kind or "native"), **parameters)
-
-
-def of_fmu(values: dict[str, float], slave_names: set[str]) -> dict[str, float]:
-    """The entries of a parameter set that the FMU has; a level does not need them all."""
-    return {name: value for name, value in values.items() if name in slave_names}

@@ -6,7 +6,7 @@
 #include "kernel.h"
 
 static const long long int MAXIMUM_TRIALS = 5000000; /* of one kernel_step; a run that needs more is stuck */
-static const int MAXIMUM_SWITCHES = 10000;           /* of one kernel_step; more is chatter */
+static const int MAXIMUM_SWITCHES = 1000;            /* beyond the steps that end without one; more is chatter */
 /* A step that the host cuts below this share of what the accuracy allows is taken with a kept Jacobian, which serves as
  * long as a step of the default method would have lasted. */
 static const double SHORT = 0.25;
@@ -208,8 +208,24 @@ static void accept(kernel *self) {
 
 /* ---- the loop --------------------------------------------------------------------------------------------------- */
 
+/* Whether steps end in a switch so often that the motion no longer goes on. The count outlives a kernel_step: at rest an
+ * explicit method switches thousands of times within each of a host's steps, and never comes to an end. */
+static int chatters(kernel *self, int crossing) {
+    if (crossing)
+        self->now.switches++;
+    else if (self->now.switches > 0)
+        self->now.switches--;
+    return self->now.switches > MAXIMUM_SWITCHES;
+}
+
+static const char *remedy_of_chatter(const kernel *self) {
+    return self->method == METHOD_EXPLICIT ? "above its stability limit an explicit method cannot come to rest, choose "
+                                             "integration_method 1"
+                                           : "check inputs and parameters";
+}
+
 int integrate(kernel *self, double size, double *reached) {
-    int status = KERNEL_OK, switches = 0;
+    int status = KERNEL_OK;
     progress now = {0.0, size, INFINITY, 0};
     self->factors_serve = 0;
     modes_refresh(self, 0.0);
@@ -224,14 +240,14 @@ int integrate(kernel *self, double size, double *reached) {
         const double arrival = step == now.remaining ? size : now.offset + step;
         accept(self);
         now.offset = arrival;
+        if (chatters(self, crossing))
+            return kernel_fail(self, KERNEL_ERROR,
+                               "More than %d switches between sliding and sticking with hardly a step between them up to "
+                               "t = %.9g s: a friction chatters; %s.",
+                               MAXIMUM_SWITCHES, self->step_origin + now.offset, remedy_of_chatter(self));
         if (crossing) {
             self->now.ended = modes_switch(self, now.offset, -INFINITY);
             if (self->now.ended || self->stops_at_events) break;
-            if (++switches > MAXIMUM_SWITCHES)
-                return kernel_fail(self, KERNEL_ERROR,
-                                   "More than %d switches between sliding and sticking up to t = %.9g s: a friction "
-                                   "chatters; check inputs and parameters.",
-                                   MAXIMUM_SWITCHES, self->step_origin + now.offset);
         }
         if (modes_warn(self, now.offset)) status = KERNEL_WARNING;
     }

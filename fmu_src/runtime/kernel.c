@@ -446,7 +446,7 @@ int kernel_initialise(kernel *self, double time) {
     self->now.time = self->step_origin = time;
     self->now.proposed_step = FIRST_STEP;
     self->now.kept_steps = -1;
-    self->now.pause = self->now.guard_wait = 0;
+    self->now.pause = self->now.guard_wait = self->now.switches = 0;
     self->now.guard_said = 0.0;
     kernel_gather_inputs(self);
     if (system->derive) kernel_call(self, system->derive, 0.0, self->state, &self->derived);

@@ -102,6 +102,7 @@ typedef struct {
     double guard_said;           /* what the last warning about fixed steps was about; 0: none yet */
     int kept_steps;              /* steps that the kept Jacobian has served; -1: there is none */
     int pause;                   /* short steps before a Jacobian is kept again */
+    int switches;                /* steps that ended in a switch, less those that did not */
     int guard_wait;              /* steps until the stability of an explicit method is looked at again */
     int system; /* -1 before initialisation */
     int ended;  /* 1 + index of the end condition that stopped the run; 0: running */

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
 from itertools import pairwise
@@ -16,6 +17,8 @@ from scenarios.fmus.registry import model_of
 
 #: Points (time [s], value) of an input; straight lines between them, held after the last, a jump at a repeated time.
 History = Sequence[tuple[float, float]]
+#: A wheelset that locks below this speed [m/s] has stopped with the bogie.
+AT_REST = 0.05
 #: Times the length of a record that its spectrum is computed with.
 PADDING = 8
 
@@ -94,3 +97,11 @@ def spectrum(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarr
     step, count = time[1] - time[0], values.size * PADDING
     transform = np.fft.rfft((values - values.mean()) * np.hanning(values.size), count)
     return np.fft.rfftfreq(count, step), np.abs(transform) ** 2 * 2 * step / np.sum(np.hanning(values.size) ** 2)
+
+
+def located_lock_time(kernel: Kernel, series: Recording, number: int) -> float | None:
+    """When a wheelset first locked while the bogie moved [s], as located by the kernel, to six digits."""
+    for time in re.findall(rf"Wheelset {number} locked at (\S+) s\.", " ".join(kernel.journal)):
+        if np.interp(float(time), series["time"], series["speed"]) > AT_REST:
+            return float(time)
+    return None

@@ -38,12 +38,13 @@ from brake_controller.shoe_friction import (
 )
 from brake_controller.timing import APPLIED_SHARE, RELEASED_SHARE
 from scenarios.bench.brake_air import balance_rows, closed_form_rows
+from scenarios.bench.open_fmus import open_brake
 from scenarios.cosimulation.master import couple
 from scenarios.cosimulation.recording import Recording
 from scenarios.cosimulation.slave import Slave
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, THREE, TRAILING, plt
 from scenarios.reporting.report import Result, Row
-from scenarios.scenario import Options, Scenario, open_brake
+from scenarios.scenario import Options, Scenario
 
 TIMED, FLOW = 1, 2
 KINDS = {TIMED: "timed", FLOW: "flow"}

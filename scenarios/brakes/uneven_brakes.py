@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from tqdm import tqdm
 
 from rbd_model.parameters import tables_5_1_and_5_2
+from scenarios.bench.asymmetric_shoes import DERAILED_AT
 from scenarios.bench.braked_bogie import FULL_PRESSURE, NUMBERS, STANDING, BrakedBogie, brake_values
 from scenarios.cosimulation.master import Connection
 from scenarios.cosimulation.recording import Recording
@@ -18,7 +19,6 @@ from scenarios.reporting.plots import BOGIE, LEADING, THREE, TRAILING, plt
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row
 from scenarios.scenario import Options, Scenario
-from scenarios.thesis.asymmetric_braking import DERAILED_AT
 
 SPEED, BRAKE_START, STEP, LONGEST = 25.0, 1.0, 5e-3, 60.0
 #: Share of the whole braking torque on the leading wheelset, and the wheel-rail friction on which it is tried.

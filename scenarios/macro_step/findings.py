@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from tqdm import tqdm
 
+from scenarios.bench.open_fmus import open_bogie, open_brake
 from scenarios.cosimulation.master import GAUSS_SEIDEL, JACOBI
 from scenarios.cosimulation.slave import Slave
 from scenarios.macro_step import error as coupling_error
@@ -16,7 +17,7 @@ from scenarios.macro_step.error import MASTERS, CoupledStop
 from scenarios.macro_step.feedback_boundary import ClosedLoop, Plant, boundary_on_paper, linear_bogie
 from scenarios.macro_step.signed_torque import Chatter
 from scenarios.reporting.progress import PATIENCE
-from scenarios.scenario import Options, open_bogie, open_brake
+from scenarios.scenario import Options
 
 #: Below, the error of the second order drowns in the solvers' own [s].
 FIRST_OF_LINES = 2e-4

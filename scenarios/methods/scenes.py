@@ -13,8 +13,8 @@ from fmu_src.kernel import Kernel
 from fmu_src.system import System
 from rbd_model.bogie import levels, wheelset_in_frame
 from rbd_model.parameters import tables_5_1_and_5_2
+from scenarios.bench.asymmetric_shoes import BRAKE_START, BRAKE_TORQUE, YAW_TORQUE
 from scenarios.bench.drive import History, prepare, value_at
-from scenarios.thesis.asymmetric_braking import BRAKE_START, BRAKE_TORQUE, YAW_TORQUE
 
 #: Samples of the measured states by name, times [s] included.
 Samples = Mapping[str, np.ndarray]

@@ -7,7 +7,6 @@ The rails are asked for 2 % less than that, because a part of the torque stops t
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from typing import Any
@@ -22,14 +21,13 @@ from fmu_src.kernel import Kernel
 from rbd_model.bogie import DEFAULT_TOLERANCE
 from rbd_model.contact_geometry import contact_at, thesis_pair
 from rbd_model.parameters import tables_5_1_and_5_2
-from scenarios.bench.drive import play, prepare
+from scenarios.bench.drive import AT_REST, located_lock_time, play, prepare
 from scenarios.cosimulation.recording import Recording
-from scenarios.numerics.speed import LEVELS, least
+from scenarios.methods.timing import LEVELS, least
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row
 from scenarios.scenario import Options, Scenario, Sweepable
-from scenarios.thesis.qr30 import AT_REST
 
 INITIAL_SPEED, FRICTION = 25.0, 0.3
 #: The brake torque grows from 0 on a straight line for so long [s]; the cylinder of the experiment takes 0.8 s.
@@ -113,14 +111,6 @@ def brake(kernel: Kernel, utilisation: float, interval: float = INTERVAL) -> Rec
     return play("bogie", kernel, duration(utilisation), interval, read, inputs)
 
 
-def lock_time(kernel: Kernel, series: Recording, number: int) -> float | None:
-    """When a wheelset first locked while the bogie moved [s], as located by the kernel, to six digits."""
-    for time in re.findall(rf"Wheelset {number} locked at (\S+) s\.", " ".join(kernel.journal)):
-        if np.interp(float(time), series["time"], series["speed"]) > AT_REST:
-            return float(time)
-    return None
-
-
 def peak_slip(series: Recording, number: int, locked: float | None) -> float:
     """Largest slip of a wheelset while the bogie moves [m/s]; where it locks, the speed at that time."""
     recorded = float(series[f"slip_{number}"][series["speed"] > AT_REST].max())
@@ -130,7 +120,7 @@ def peak_slip(series: Recording, number: int, locked: float | None) -> float:
 def stop(kernel: Kernel, utilisation: float) -> Answers:
     """Brakes to rest; slip and load count while the bogie moves, not while it rocks afterwards."""
     series = brake(kernel, utilisation)
-    leading, trailing = (lock_time(kernel, series, number) for number in (1, 2))
+    leading, trailing = (located_lock_time(kernel, series, number) for number in (1, 2))
     slips = peak_slip(series, 1, leading), peak_slip(series, 2, trailing)
     load = series["axle_load_1"][series["speed"] > AT_REST]
     return Answers(float(series["distance"][-1]), leading, trailing, *slips, float((load - load[0]).max()))
@@ -150,7 +140,7 @@ def lock_boundary(level: int, number: int, **values: float) -> float | None:
 
     def sign(utilisation: float) -> float:
         kernel = start(level, **values)
-        return -1.0 if lock_time(kernel, brake(kernel, utilisation), number) is None else 1.0
+        return -1.0 if located_lock_time(kernel, brake(kernel, utilisation), number) is None else 1.0
 
     low, high = min(UTILISATIONS), max(UTILISATIONS)
     return float(bisect(sign, low, high, xtol=RESOLUTION)) if sign(high) > 0.0 else None

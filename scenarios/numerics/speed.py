@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,17 +15,17 @@ from scenarios.cosimulation.slave import Slave
 from scenarios.fmus.building import up_to_date
 from scenarios.fmus.registry import model_of
 from scenarios.methods import fmi_overhead
+from scenarios.methods.timing import LEVELS, REPEATS, least
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt
 from scenarios.reporting.report import Result, Row
 from scenarios.scenario import Options, Scenario
 from scenarios.thesis.asymmetric_braking import run_all
 
-LEVELS = {1: "point", 2: "planar", 3: "spatial"}
 KINDS = ("native", "python")
 #: The stop: 25 m/s, 20 kN.m on both wheelsets, 22.9 s of simulated time (it stands from 16.9 s on).
 STOP_SECONDS, TORQUE = 22.9, 20e3
 HOST_STEP, HOST_STEPS = 1e-3, 5000
-REPEATS, CALLS = 7, 20000
+CALLS = 20000
 #: What the project wants to reach; printed beside the measurement, never tested by the clock.
 TARGETS = {"point": 10000.0, "planar": 2000.0, "spatial": 380.0}
 PYTHON_OVERHEAD_TARGET = 10.0
@@ -40,17 +39,6 @@ class Timing:
     level: str
     kind: str
     microseconds: float
-
-
-def least(action: Callable[[], object], repeats: int = REPEATS) -> float:
-    """Seconds of the fastest of several runs, after one to warm up."""
-    action()
-    seconds = []
-    for _ in range(repeats):
-        begin = time.perf_counter()
-        action()
-        seconds.append(time.perf_counter() - begin)
-    return min(seconds)
 
 
 def start_of(level: int) -> dict[str, float]:

@@ -19,8 +19,8 @@ from scenarios.methods import sundials
 from scenarios.methods.integrators import own
 from scenarios.methods.oracle_cost import oracle_point
 from scenarios.methods.scenes import ASYMMETRIC, SCENES, SMOOTH, STANDING, Scene
+from scenarios.methods.timing import least
 from scenarios.methods.work_precision import DEFAULT, OMITTED, PEERS, Point, Study, difference, study, works
-from scenarios.numerics.speed import least
 from scenarios.reporting.plots import plt
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row

@@ -11,47 +11,17 @@ from matplotlib.figure import Figure
 from tqdm import tqdm
 
 from rbd_model.parameters import tables_5_1_and_5_2
-from scenarios.bench.drive import bogie, library, play
+from scenarios.bench.asymmetric_shoes import APPLICATION_TIMES, DERAILED_AT, PEAKS, STOP_TIME, YAW_TORQUE, Case, brake
+from scenarios.bench.drive import library
 from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.plots import LEADING, THREE, TRAILING, plt
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row
 from scenarios.scenario import Options, Scenario
 
-BRAKE_TORQUE, BRAKE_START, SPEED = 20e3, 1.0, 25.0
-#: Yaw torque at full brake by error of the shoe forces [%], Tables 9.2 and 9.3.
-YAW_TORQUE = {25: 43.92e3, 50: 87.84e3, 75: 131.76e3}
-APPLICATION_TIMES = (10.0, 5.0, 1.0)
-#: Stop times [s] by application time; peak lateral shift [mm] of leading and trailing wheelset, in that order.
-STOP_TIME = {10.0: 22.9, 5.0: 20.4, 1.0: 18.3}
-PEAKS = {
-    (1, 25): ((2.4, 1.5), (2.5, 1.7), (2.5, 1.9)),
-    (1, 50): ((8.3, 6.1), (9.2, 6.5), (9.3, 7.3)),
-    (2, 25): ((1.6, 2.2), (1.7, 2.4), (1.7, 2.7)),
-    (2, 50): ((7.4, 5.6), (7.5, 5.9), (7.8, 6.2)),
-    (2, 75): ((10.9, 10.8), (11.1, 11.2), (11.2, 11.1)),
-}
-#: Speed at which the program of the thesis broke down [m/s].
-DERAILED_AT = {10.0: 5.9, 5.0: 6.1, 1.0: 6.1}
-STANDING, DURATION, INTERVAL = 0.01, 24.0, 2e-3
+STANDING, DURATION = 0.01, 24.0
 #: Enough for peaks within 1 % away from the flange; behind flange impacts the motion is chaotic, see the remark.
 TOLERANCE = 1e-5
-RECORDED = ("speed", "lateral_1", "lateral_2")
-
-
-@dataclass(frozen=True)
-class Case:
-    """One line of the tables; `rotates`: the yaw torque's axis turns with the wheelset."""
-
-    wheelset: int
-    error: int
-    application: float
-    rotates: bool
-
-    @property
-    def name(self) -> str:
-        place = {1: "leading", 2: "trailing"}[self.wheelset]
-        return f"{'rotating' if self.rotates else 'fixed'} axis, {place}, {self.error} %, {self.application:g} s"
 
 
 @dataclass(frozen=True)
@@ -69,13 +39,7 @@ CASES = [Case(*values) for values in product((1, 2), YAW_TORQUE, APPLICATION_TIM
 
 
 def run_case(case: Case, tolerance: float = TOLERANCE) -> Outcome:
-    full = BRAKE_START + case.application
-    brake = [(0.0, 0.0), (BRAKE_START, 0.0), (full, BRAKE_TORQUE)]
-    yaw = [(0.0, 0.0), (BRAKE_START, 0.0), (full, YAW_TORQUE[case.error])]
-    inputs = {"brake_torque_1": brake, "brake_torque_2": brake, f"yaw_torque_{case.wheelset}": yaw}
-    reading = {"yaw_torque_rotates": int(case.rotates), "wheel_lift_ends": 0}
-    kernel = bogie(inputs, RECORDED, initial_speed=SPEED, tolerance=tolerance, **reading)
-    series = play("bogie", kernel, DURATION, INTERVAL, RECORDED, inputs)
+    kernel, series = brake(case, DURATION, tolerance=tolerance)
     stop = series.first_time(series["speed"] < STANDING)
     moving = series["time"] <= (DURATION if stop is None else stop)
     peaks = [float(np.abs(series[f"lateral_{n}"][moving]).max()) for n in (1, 2)]

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from fmu_src.system import System
 from rbd_model.bogie import wheelset_in_frame
-from rbd_model.linear import Mode, critical_speed, oscillations
+from rbd_model.linear import Mode, critical_speed
 from rbd_model.parameters import tables_4_1_and_4_2
 from scenarios.bench.drive import peaks, play, prepare
+from scenarios.bench.hunting_wheelset import RANGE, growth_by_eigenvalue, modes_at
 from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.plots import LEADING, THESIS, TRAILING, plt
 from scenarios.reporting.report import Result, Row
@@ -17,25 +17,11 @@ from scenarios.scenario import Options, Scenario
 
 FITTED, PRINTED = tables_4_1_and_4_2().suspension_half_spacing, 0.35
 SPEEDS = np.arange(5.0, 45.1, 1.0)
-RANGE = (12.0, 44.0)
-#: Time until creepages have settled from the start with pure rolling [s].
-SETTLED = 1.0
 #: Small against the flange clearance, so that the motion is linear [m].
 DISTURBANCE = 1e-5
 #: Time of the disturbance and of the first modes, which decay faster than hunting grows; and end of the window [s].
 WINDOW = (8.0, 40.0)
 SAMPLE, TOLERANCE = 5e-3, 1e-9
-
-
-def modes_at(system: System, speed: float, half_spacing: float) -> list[Mode]:
-    """Oscillations of the wheelset about its steady run."""
-    kernel = prepare("wheelset", initial_speed=speed, constant_speed=1, suspension_half_spacing=half_spacing)
-    kernel.advance(SETTLED)
-    return oscillations(system, np.array(kernel.linearise().jacobian))
-
-
-def growth_by_eigenvalue(system: System, speed: float, half_spacing: float) -> float:
-    return max(mode.growth for mode in modes_at(system, speed, half_spacing))
 
 
 def growth_in_time(speed: float, half_spacing: float) -> float:

@@ -6,14 +6,13 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from rbd_model.parameters import tables_5_1_and_5_2
-from scenarios.bench.drive import prepare
+from scenarios.bench.drive import AT_REST, located_lock_time, prepare
+from scenarios.bench.open_fmus import open_bogie
 from scenarios.cosimulation.master import couple
 from scenarios.cosimulation.recording import Recording
-from scenarios.numerics.levels import lock_time as located_lock_time
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, mark, panels
 from scenarios.reporting.report import Result, Row
-from scenarios.scenario import Options, Scenario, Sweepable, open_bogie
-from scenarios.thesis.qr30 import AT_REST
+from scenarios.scenario import Options, Scenario, Sweepable
 
 INITIAL_SPEED, TORQUE, BRAKE_TIME, DURATION = 25.0, 60e3, 4.0, 20.0
 #: Not printed for section 5.5; chapter 9 uses 0.3 with the same bogie.

@@ -11,13 +11,15 @@ from tqdm import tqdm
 from brake_controller.experiment import EXPERIMENT
 from brake_controller.parameters import qr30
 from rbd_model.parameters import tables_8_1_and_8_2
+from scenarios.bench.drive import AT_REST
+from scenarios.bench.open_fmus import open_bogie, open_brake
+from scenarios.bench.qr30_bogie import FRICTION, FRICTION_RANGE, bogie_parameters
 from scenarios.cosimulation.master import Connection, Coupling
 from scenarios.cosimulation.recording import Recording
 from scenarios.cosimulation.slave import Slave
 from scenarios.reporting.plots import BOGIE, THREE, single
 from scenarios.reporting.report import Result, Row
-from scenarios.scenario import Options, Scenario, open_bogie, open_brake
-from scenarios.thesis.qr30 import AT_REST, FRICTION, FRICTION_RANGE, bogie_parameters
+from scenarios.scenario import Options, Scenario
 
 #: Many short runs: the torque of 0.8 s build-up needs no finer macro step [s].
 DEFAULT_STEP = 0.01

@@ -15,38 +15,23 @@ from matplotlib.figure import Figure
 
 from brake_controller.experiment import APPLICATION_TIME, EXPERIMENT
 from brake_controller.parameters import qr30
-from rbd_model.bogie import smallest_level
 from rbd_model.parameters import tables_8_1_and_8_2
+from scenarios.bench.drive import AT_REST
+from scenarios.bench.open_fmus import open_bogie, open_brake
+from scenarios.bench.qr30_bogie import FRICTION, RECORDED, bogie_parameters
 from scenarios.bench.torque_history import read_torque_history
 from scenarios.cosimulation.master import Connection, Coupling, couple
 from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, mark, panels
 from scenarios.reporting.report import Result, Row, number
-from scenarios.scenario import Options, Scenario, of_fmu, open_bogie, open_brake
+from scenarios.scenario import Options, Scenario
 
-#: Wheel-rail friction of the thesis's simulations (section 8.1) and its measured range (section 7.4.2).
-FRICTION, FRICTION_RANGE = 0.18, (0.15, 0.20)
-#: Initial speeds of the simulations [m/s] (sections 8.3.1 - 8.3.3).
-INITIAL_SPEED = {130: 3.0, 150: 2.5, 180: 2.9}
 #: Time of brake application [s]. Assumed: the thesis's figures begin about a second before.
 BRAKE_TIME = 1.0
 DURATION = 8.0
 #: Torque capacity [N.m] that locks the wheelset near the printed 1.8 m/s. Fitted, because the history is not printed.
 FITTED_TORQUE = 1800.0
-#: A wheelset that locks below this speed [m/s] has stopped with the bogie.
-AT_REST = 0.05
 
-RECORDED = (
-    "speed",
-    "distance",
-    "acceleration",
-    "angular_velocity_1",
-    "angular_velocity_2",
-    "slip_2",
-    "axle_load_2",
-    "creep_force_2",
-    "locked_2",
-)
 OF_BRAKE = ("cylinder_pressure", "shoe_force", "shoe_friction", "brake_torque")
 
 
@@ -63,11 +48,6 @@ class Run:
     deceleration: float | None
     guids: Mapping[str, str]
     coupling: Mapping[str, float] = field(default_factory=dict)
-
-
-def bogie_parameters(names: set[str], pressure: int) -> dict[str, float]:
-    level = smallest_level(("brake_torque_2",), RECORDED).level
-    return of_fmu(tables_8_1_and_8_2().values(), names) | {"level": level, "initial_speed": INITIAL_SPEED[pressure]}
 
 
 def _judge(series: Recording, guids: Mapping[str, str], applied: float) -> Run:

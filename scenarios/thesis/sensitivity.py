@@ -13,14 +13,14 @@ from rbd_model.bogie import wheelset_in_frame
 from rbd_model.linear import critical_speed
 from rbd_model.parameters import tables_4_1_and_4_2, tables_5_1_and_5_2
 from rbd_model.track import section_5_3
+from scenarios.bench.asymmetric_shoes import BRAKE_START, BRAKE_TORQUE, DERAILED_AT, YAW_TORQUE
 from scenarios.bench.drive import bogie, play
+from scenarios.bench.hunting_wheelset import RANGE, growth_by_eigenvalue
 from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.plots import LEADING, THESIS, plt
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row
 from scenarios.scenario import Options, Scenario
-from scenarios.thesis.asymmetric_braking import BRAKE_START, BRAKE_TORQUE, DERAILED_AT, YAW_TORQUE
-from scenarios.thesis.critical_speed import RANGE, growth_by_eigenvalue
 
 TOLERANCE = 1e-5
 HALF_SPACING = "half spacing [m]"

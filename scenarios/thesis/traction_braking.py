@@ -9,12 +9,13 @@ from matplotlib.figure import Figure
 
 from rbd_model.bogie import smallest_level
 from rbd_model.parameters import BogieParameters, tables_5_1_and_5_2
+from scenarios.bench.open_fmus import open_bogie
 from scenarios.cosimulation.master import couple
 from scenarios.cosimulation.recording import Recording
 from scenarios.cosimulation.slave import Slave
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, mark, panels
 from scenarios.reporting.report import Result, Row
-from scenarios.scenario import Options, Scenario, open_bogie
+from scenarios.scenario import Options, Scenario
 
 DURATION = 40.0
 FULL_TORQUE = 15e3

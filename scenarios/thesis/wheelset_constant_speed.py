@@ -6,32 +6,25 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from rbd_model.parameters import tables_4_1_and_4_2
-from scenarios.bench.drive import period, play, prepare
+from scenarios.bench.hunting_wheelset import (
+    FREQUENCY,
+    FREQUENCY_BAND,
+    WAVE,
+    WAVELENGTH,
+    WAVELENGTH_BAND,
+    hunt,
+    hunting_period,
+)
 from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.plots import LEADING, TRAILING, plt
 from scenarios.reporting.report import Result, Row
 from scenarios.scenario import Options, Scenario
 
 SPEEDS = (15.0, 25.0, 30.0)
-#: The disturbance: a short lateral wave of the track. Its size is not printed.
-WAVE = {"lateral_irregularity": 4e-3, "lateral_wave_number": 0.2}
 #: A start from which the growth is seen before the flange ends it.
 SMALL = {"lateral_irregularity": 1e-5}
 #: Long enough for the limit cycle; the figures show the first part.
-DURATION, SHOWN, INTERVAL = 120.0, 20.0, 5e-3
-#: Behind the disturbance, while the hunting is still well above its end [s].
-MEASURED = (3.0, 20.0)
-RECORDED = ("lateral_1", "frame_lateral", "distance")
-
-
-def motion_at(speed: float, **values: float) -> Recording:
-    kernel = prepare("wheelset", initial_speed=speed, constant_speed=1, **WAVE | values)
-    return play("wheelset", kernel, DURATION, INTERVAL, RECORDED, {})
-
-
-def hunting_period(series: Recording) -> float | None:
-    chosen = (series["time"] > MEASURED[0]) & (series["time"] < MEASURED[1])
-    return period(series["time"][chosen], series["lateral_1"][chosen])
+DURATION, SHOWN = 120.0, 20.0
 
 
 def largest(series: Recording, begin: float, end: float) -> float:
@@ -41,14 +34,32 @@ def largest(series: Recording, begin: float, end: float) -> float:
 
 
 def run(options: Options) -> Result:
-    runs = {speed: motion_at(speed) for speed in SPEEDS}
+    runs = {speed: hunt(speed, DURATION)[1] for speed in SPEEDS}
     slow, fast = hunting_period(runs[15.0]), hunting_period(runs[25.0])
-    small, words = motion_at(30.0, **SMALL), f"from a wave of {1e6 * SMALL['lateral_irregularity']:g} um"
+    small, words = hunt(30.0, DURATION, **SMALL)[1], f"from a wave of {1e6 * SMALL['lateral_irregularity']:g} um"
     late = [largest(runs[30.0], begin, begin + 10.0) for begin in (90.0, 110.0)]
     source, fitted = "section 4.4", "half spacing of the suspension fitted to the critical speed"
     rows = [
-        Row("wavelength at 15 m/s", "m", 13.25, slow and 15.0 * slow, 0.15, source, fitted, vampire=14.0),
-        Row("frequency at 25 m/s", "Hz", 1.89, fast and 1 / fast, 0.04, source, fitted, vampire=1.79),
+        Row(
+            "wavelength at 15 m/s",
+            "m",
+            WAVELENGTH[0],
+            slow and 15.0 * slow,
+            WAVELENGTH_BAND,
+            source,
+            fitted,
+            vampire=WAVELENGTH[1],
+        ),
+        Row(
+            "frequency at 25 m/s",
+            "Hz",
+            FREQUENCY[0],
+            fast and 1 / fast,
+            FREQUENCY_BAND,
+            source,
+            fitted,
+            vampire=FREQUENCY[1],
+        ),
         Row(f"30 m/s, {words}: growth in 10 s", "1", None, growth(small), None, source, "above 1: unstable"),
         Row("limit cycle at 30 m/s", "mm", None, 1e3 * late[1], None, source, "bounded by the flange"),
         Row("limit cycle: change over 20 s", "1", None, late[1] / late[0], None, source),

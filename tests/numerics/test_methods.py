@@ -147,6 +147,40 @@ def test_failed_fixed_step_leaves_the_last_good_state(method: int) -> None:
     assert kernel["x"] == before
 
 
+#: Switches of a stop that comes to an end: the 1000 of the runtime, and those before its steps end in nothing else.
+SWITCHES_OF_A_STOP = 2000
+
+
+def stop_from_walking_pace(host_step: float, **values: float) -> Kernel:
+    """Braked from 1 m/s, 2 s long, or until the switches tell that this has no end."""
+    kernel = prepare("bogie", level=2, initial_speed=1.0, brake_torque_1=20e3, brake_torque_2=20e3, **values)
+    kernel.initialise()
+    for number in range(round(2.0 / host_step)):
+        if kernel.counts["events"] > SWITCHES_OF_A_STOP:
+            break
+        kernel.step(number * host_step, host_step)
+    return kernel
+
+
+@pytest.mark.parametrize("host_step", [2.0, 1e-3, 1e-4])
+def test_stop_with_explicit_steps_above_their_limit_ends_in_a_sentence_whatever_the_host_step(host_step: float) -> None:
+    """At rest sliding and sticking take turns every microsecond; host steps of 1 ms each held a thousand of them."""
+    sentence = "a friction chatters; above its stability limit an explicit method cannot come to rest"
+    with pytest.raises(KernelError, match=sentence) as ended:
+        stop_from_walking_pace(host_step, integration_method=3, integration_step=1e-3, tolerance=1e-2)
+    assert ended.value.status == ERROR
+
+
+@pytest.mark.parametrize(
+    "values", [{}, {"integration_step": 1e-3}, {"integration_method": 2, "integration_step": 1e-3}]
+)
+def test_same_stop_with_an_implicit_method_comes_to_rest(values: dict[str, float]) -> None:
+    kernel = stop_from_walking_pace(1e-3, **values)
+    assert kernel.time == pytest.approx(2.0)
+    assert kernel["locked_1"] == kernel["locked_2"] == 1.0
+    assert kernel.counts["events"] < 10
+
+
 def test_wave_of_the_track_is_not_stepped_over() -> None:
     """A bogie that runs quietly has no error that would shorten a step before a wave far ahead."""
     peaks = []

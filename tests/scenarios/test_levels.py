@@ -12,7 +12,7 @@ from rbd_model.contact import ellipse_shape
 from rbd_model.contact_geometry import contact_at, thesis_pair
 from rbd_model.creep import kalker_coefficients, polach_forces
 from rbd_model.parameters import tables_5_1_and_5_2
-from scenarios.bench.drive import play
+from scenarios.bench.drive import located_lock_time, play
 from scenarios.numerics import levels
 from scenarios.numerics.levels import FRICTION, Answers, brake, error, lock_boundary, start, stop
 
@@ -149,7 +149,7 @@ def test_wheelset_that_stops_with_the_bogie_has_not_locked() -> None:
     kernel = start(PLANAR)
     series = brake(kernel, 0.5)
     assert any("Wheelset 2 locked at" in sentence for sentence in kernel.journal)
-    assert levels.lock_time(kernel, series, 2) is None
+    assert located_lock_time(kernel, series, 2) is None
     assert abs(series["speed"][-1]) < 1e-4
 
 
@@ -161,7 +161,7 @@ def test_bogie_is_at_rest_at_the_end_of_every_stop(level: int) -> None:
 
 def test_lock_time_is_located_and_not_sampled() -> None:
     coarse, fine = start(PLANAR), start(PLANAR)
-    found = [levels.lock_time(kernel, brake(kernel, 0.9, i), 2) for kernel, i in ((coarse, 0.05), (fine, 1e-3))]
+    found = [located_lock_time(kernel, brake(kernel, 0.9, i), 2) for kernel, i in ((coarse, 0.05), (fine, 1e-3))]
     assert found[0] == found[1]
 
 

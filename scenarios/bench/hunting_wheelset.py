@@ -1,0 +1,49 @@
+"""The wheelset of chapter 4 hunting at constant speed: the scene of section 4.4 and what is printed about it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fmu_src.kernel import Kernel
+from fmu_src.system import System
+from rbd_model.linear import Mode, oscillations
+from scenarios.bench.drive import period, play, prepare
+from scenarios.cosimulation.recording import Recording
+
+#: The disturbance: a short lateral wave of the track. Its size is not printed.
+WAVE = {"lateral_irregularity": 4e-3, "lateral_wave_number": 0.2}
+INTERVAL = 5e-3
+#: Behind the disturbance, while the hunting is still well above its end [s].
+MEASURED = (3.0, 20.0)
+#: What the thesis and VAMPIRE give, as printed: wavelength at 15 m/s [m], frequency at 25 m/s [Hz]; and how far from
+#: both another wheel may be.
+WAVELENGTH, WAVELENGTH_BAND = (13.25, 14.0), 0.15
+FREQUENCY, FREQUENCY_BAND = (1.89, 1.79), 0.04
+#: Speeds between which the critical one is sought [m/s].
+RANGE = (12.0, 44.0)
+#: Time until creepages have settled from the start with pure rolling [s].
+SETTLED = 1.0
+RECORDED = ("lateral_1", "frame_lateral", "distance")
+
+
+def hunt(speed: float, duration: float, **values: float) -> tuple[Kernel, Recording]:
+    """Disturbed at a constant speed [m/s]: where the run ended, and what it recorded."""
+    kernel = prepare("wheelset", initial_speed=speed, constant_speed=1, **WAVE | values)
+    return kernel, play("wheelset", kernel, duration, INTERVAL, RECORDED, {})
+
+
+def hunting_period(series: Recording) -> float | None:
+    chosen = (series["time"] > MEASURED[0]) & (series["time"] < MEASURED[1])
+    return period(series["time"][chosen], series["lateral_1"][chosen])
+
+
+def modes_at(system: System, speed: float, half_spacing: float) -> list[Mode]:
+    """Oscillations of the wheelset about its steady run."""
+    kernel = prepare("wheelset", initial_speed=speed, constant_speed=1, suspension_half_spacing=half_spacing)
+    kernel.advance(SETTLED)
+    return oscillations(system, np.array(kernel.linearise().jacobian))
+
+
+def growth_by_eigenvalue(system: System, speed: float, half_spacing: float) -> float:
+    """Growth of the least damped oscillation [1/s]."""
+    return max(mode.growth for mode in modes_at(system, speed, half_spacing))

@@ -1,0 +1,20 @@
+"""Wall time, the least of several runs: machines are noisy."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+LEVELS = {1: "point", 2: "planar", 3: "spatial"}
+REPEATS = 7
+
+
+def least(action: Callable[[], object], repeats: int = REPEATS) -> float:
+    """Seconds of the fastest of several runs, after one to warm up."""
+    action()
+    seconds = []
+    for _ in range(repeats):
+        begin = time.perf_counter()
+        action()
+        seconds.append(time.perf_counter() - begin)
+    return min(seconds)
