@@ -28,11 +28,8 @@ class Window:
 
     @property
     def middle(self) -> float:
+        """What a ready set aims at [s]."""
         return (self.shortest + self.longest) / 2
-
-    @property
-    def half_width(self) -> float:
-        return (self.longest - self.shortest) / 2
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@
   python -m scenarios run qr30-180kpa                            run one; results/qr30-180kpa/ has table, data, figure
   python -m scenarios run bogie-heavy-braking --kind python      with the pythonfmu FMUs
   python -m scenarios run qr30-180kpa --step 0.0001              with another macro step
-  python -m scenarios run qr30-180kpa --tolerance 1e-4           macro steps chosen by the error of the coupling
+  python -m scenarios run qr30-180kpa --coupling-tolerance 1e-4  macro steps chosen by the error of the coupling
   python -m scenarios run qr30-180kpa --torque-csv measured.csv  with a measured history (time [s], torque [N.m])
   python -m scenarios sweep bogie-heavy-braking --vary friction=0.1:0.3:11 --vary frame_height=0.4,0.8,1.2 --jobs 2
                                                                  every combination, one table; interrupted, it resumes
@@ -12,7 +12,7 @@
                                                                  on a Dask cluster
 
 Exit status: 0 all rows hold (sweep: all points are good), 1 a row does not hold (a point failed), 2 bad input,
-3 a simulation (the sweep) failed or was interrupted.
+3 a simulation (the sweep) failed, 130 interrupted (Ctrl-C): finished points of a sweep are kept, results as they were.
 """
 
 from __future__ import annotations
@@ -32,6 +32,8 @@ from scenarios.sweep import command as sweep
 from scenarios.sweep.points import SweepError
 
 HOLDS, DOES_NOT_HOLD, BAD_INPUT, FAILED = range(4)
+#: What a shell says of a program that Ctrl-C has ended.
+INTERRUPTED = 130
 #: The largest macro step that any scenario is meant for [s].
 LARGEST_STEP = 0.1
 
@@ -40,8 +42,9 @@ def check(scenario: Scenario, options: Options) -> None:
     step = options.macro_step()
     if not (math.isfinite(step) and 0.0 < step <= LARGEST_STEP):
         raise BadInputError(f"Give --step a value above 0 and up to {LARGEST_STEP} s: it was {step} s.")
-    if options.tolerance is not None and not (math.isfinite(options.tolerance) and options.tolerance > 0.0):
-        raise BadInputError(f"Give --tolerance a value above 0: it was {options.tolerance}.")
+    tolerance = options.coupling_tolerance
+    if tolerance is not None and not (math.isfinite(tolerance) and tolerance > 0.0):
+        raise BadInputError(f"Give --coupling-tolerance a value above 0: it was {tolerance}.")
     for name in sorted(options.given - scenario.takes):
         takers = ", ".join(one.name for one in SCENARIOS if name in one.takes)
         raise BadInputError(f"--{name.replace('_', '-')} has no effect on {scenario.name}; it belongs to {takers}.")
@@ -84,9 +87,8 @@ def main(arguments: list[str] | None = None) -> int:
     runner.add_argument(
         "--torque-csv", type=Path, metavar="FILE", help="time [s], torque [N.m] of the trailing wheelset"
     )
-    runner.add_argument(
-        "--tolerance", type=float, metavar="ERROR", help="of the coupling in nominal values; chooses the macro steps"
-    )
+    text = "error of one step in nominal values; chooses the macro steps"
+    runner.add_argument("--coupling-tolerance", type=float, metavar="ERROR", help=text)
     sweep.add_command(commands)
     chosen = parser.parse_args(arguments)
     if chosen.command == "list":
@@ -94,10 +96,15 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         if chosen.command == "sweep":
             return HOLDS if sweep.run(chosen) else DOES_NOT_HOLD
-        return run(chosen.name, Options(chosen.kind, chosen.step, chosen.torque_csv, chosen.tolerance), chosen.out)
+        options = Options(chosen.kind, chosen.step, chosen.torque_csv, chosen.coupling_tolerance)
+        return run(chosen.name, options, chosen.out)
     except BadInputError as error:
         print(error, file=sys.stderr)
         return BAD_INPUT
+    except KeyboardInterrupt as interrupt:
+        earlier = f"Interrupted; what {chosen.out} held before is as it was."
+        print(interrupt if interrupt.args else earlier, file=sys.stderr)
+        return INTERRUPTED
     except (CosimulationError, CompilerError, KernelError, SweepError) as error:
         print(error, file=sys.stderr)
         return FAILED

@@ -21,7 +21,7 @@ class Options:
     kind: str | None = None
     step: float | None = None
     torque_csv: Path | None = None
-    tolerance: float | None = None
+    coupling_tolerance: float | None = None
 
     @property
     def given(self) -> set[str]:
@@ -34,7 +34,7 @@ class Options:
 
     def master(self) -> Master:
         """Fixed macro steps with held inputs; with a tolerance, steps chosen by it and inputs that go on."""
-        return Master(extrapolated=self.tolerance is not None, tolerance=self.tolerance)
+        return Master(extrapolated=self.coupling_tolerance is not None, coupling_tolerance=self.coupling_tolerance)
 
 
 @dataclass(frozen=True)

@@ -39,6 +39,26 @@ def test_imports_run_one_way(package: str) -> None:
                 assert allowed, f"{path.relative_to(ROOT)} imports {name}"
 
 
+#: Rooms of scenarios/ that hold scenarios, one file each; the others are the machinery.
+SUBJECTS = ("thesis", "brakes", "numerics", "coupling")
+
+
+def test_no_scenario_imports_a_scenario() -> None:
+    for path in (ROOT / "scenarios").rglob("*.py"):
+        if path.name == "catalogue.py":
+            continue
+        for name in imported(path):
+            leans = any(name == f"scenarios.{room}" or name.startswith(f"scenarios.{room}.") for room in SUBJECTS)
+            assert not leans, f"{path.relative_to(ROOT)} imports {name}"
+
+
+def test_rooms_of_subjects_hold_nothing_but_scenarios() -> None:
+    catalogue = imported(ROOT / "scenarios" / "catalogue.py")
+    for room in SUBJECTS:
+        for path in (ROOT / "scenarios" / room).glob("[!_]*.py"):
+            assert f"scenarios.{room}.{path.stem}" in catalogue, path.relative_to(ROOT)
+
+
 def test_every_function_of_the_physics_says_what_it_is() -> None:
     for package in ("rbd_model", "brake_controller"):
         for path in (ROOT / package).rglob("*.py"):

@@ -19,7 +19,7 @@ from scenarios.bench.gas_dynamics import (
     choked_venting_time,
     unchoked_filling_time,
 )
-from scenarios.reporting.report import Row
+from scenarios.reporting.report import Row, near
 
 #: Asked of peaks and times.
 RELATIVE = 5e-3
@@ -83,13 +83,14 @@ def closed_form_rows() -> list[Row]:
         low = 1.01 * ambient / CRITICAL
         vent = choked_venting_time(vessel(flow, flow.vent_orifice), hot, start, low)
         peak = 1e3 * choked_mass_flow(opening.area, supply, temperature)
+        source = "closed form, constant volume"
         for text, unit, exact, found in (
             ("peak mass flow", "g/s", peak, 1e3 * max(filling["mass_flow_in"])),
             ("filling, choked part", "s", choked, crossing(filling, critical - ambient)),
             ("filling to 95 % of the absolute supply", "s", choked + unchoked, crossing(filling, full - ambient)),
             ("vent, choked part", "s", vent, crossing(venting, low - ambient) - venting["time"][0]),
         ):
-            rows.append(Row(f"{word}: {text}", unit, exact, found, RELATIVE * exact, "closed form, constant volume"))
+            rows.append(Row(f"{word}: {text}", unit, None, found, near(exact, RELATIVE * exact), source))
     return rows
 
 
@@ -117,6 +118,14 @@ def balance_rows() -> list[Row]:
     energy -= gathered["enthalpy_in"] - gathered["enthalpy_out"] - gathered["piston_work"] - gathered["heat_loss"]
     source, how = "conservation", f"exponent 1.2, tolerance {TIGHT:g}, over what went in"
     return [
-        Row("mass of air that is missing", "1", 0.0, mass / gathered["mass_flow_in"], BALANCE, source, how),
-        Row("energy of air that is missing", "1", 0.0, energy / gathered["enthalpy_in"], BALANCE, source, how),
+        Row("mass of air that is missing", "1", None, mass / gathered["mass_flow_in"], near(0.0, BALANCE), source, how),
+        Row(
+            "energy of air that is missing",
+            "1",
+            None,
+            energy / gathered["enthalpy_in"],
+            near(0.0, BALANCE),
+            source,
+            how,
+        ),
     ]

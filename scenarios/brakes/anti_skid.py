@@ -32,7 +32,7 @@ from scenarios.bench.rails import ABOVE, BAND, LOCK_ABOVE, LOW_FRICTION, RAILS, 
 from scenarios.methods.integrators import layout
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, plt
 from scenarios.reporting.progress import PATIENCE
-from scenarios.reporting.report import Result, Row
+from scenarios.reporting.report import Result, Row, at_least, at_most, between
 from scenarios.scenario import Options, Scenario, Sweepable
 
 #: What is asked of the protection on the low rail: longest lock [s], share of the time in the band, and the stopping
@@ -185,10 +185,10 @@ def low_rows(found: Findings) -> list[Row]:
     distance = max(stop.distance for stop in stops)
     words = "worst of controller periods 2-20 ms and host steps 1-10 ms"
     return [
-        Row("low: longest lock of all", "s", 0.0, lock, LONGEST_LOCK, words),
-        Row("low: least share in the slip band", "1", 1.0, share, 1.0 - SHARE, words),
-        Row("low: longest distance over the ideal", "1", 1.0, distance / ideal, OVER_IDEAL - 1.0, words),
-        Row("low: longest distance over that of locked wheels", "1", 0.5, distance / locked, 0.5, words),
+        Row("low: longest lock of all", "s", None, lock, at_most(LONGEST_LOCK), words),
+        Row("low: least share in the slip band", "1", None, share, at_least(SHARE), words),
+        Row("low: longest distance over the ideal", "1", None, distance / ideal, between(1.0, OVER_IDEAL), words),
+        Row("low: longest distance over that of locked wheels", "1", None, distance / locked, at_most(1.0), words),
         Row(
             "protected stops in a minute, two processes",
             "1",

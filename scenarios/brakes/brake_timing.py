@@ -43,7 +43,7 @@ from scenarios.cosimulation.master import couple
 from scenarios.cosimulation.recording import Recording
 from scenarios.cosimulation.slave import Slave
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, THREE, TRAILING, plt
-from scenarios.reporting.report import Result, Row
+from scenarios.reporting.report import Result, Row, between
 from scenarios.scenario import Options, Scenario
 
 TIMED, FLOW = 1, 2
@@ -127,15 +127,16 @@ def timing_rows(case: Case, kind: str, found: tuple[float, float]) -> list[Row]:
     for word, window, seconds in zip(words, (case.timing.application, case.timing.release), found, strict=True):
         if case.vents and word is words[0]:
             continue
-        printed = window.half_width == 0.0
-        if printed and word is not words[0]:
-            assumption, tolerance = "not judged: release is not printed, assumed as fast as application", None
+        quantity, printed = f"{case.name}, {kind}: {word}", window.shortest == window.longest
+        if not printed:
+            window_of_standard = between(window.shortest, window.longest)
+            rows.append(Row(quantity, "s", None, seconds, window_of_standard, case.source))
+        elif word is words[0]:
+            why = "0-95 % definition, section 2.4.2"
+            rows.append(Row(quantity, "s", window.middle, seconds, PRINTED_TIME, case.source, why))
         else:
-            assumption, tolerance = f"{window.shortest:g} to {window.longest:g} s", window.half_width
-            if printed:
-                assumption, tolerance = "0-95 % definition, section 2.4.2", PRINTED_TIME
-        quantity = f"{case.name}, {kind}: {word}"
-        rows.append(Row(quantity, "s", window.middle, seconds, tolerance, case.source, assumption))
+            why = "not judged: release is not printed, assumed as fast as application"
+            rows.append(Row(quantity, "s", None, seconds, None, case.source, why))
     return rows
 
 
@@ -152,8 +153,10 @@ def experiment_rows(brake: Slave) -> list[Row]:
         text = f"{pressure} kPa: brake rod force under the new bogie's"
         rows.append(Row(text, "%", lost, found, 0.5, source, "printed to 1 %; printed efficiency"))
         low, high = case.lowest_shoe_friction, case.highest_shoe_friction
-        text, width = f"{pressure} kPa: shoe friction, law 1", (high - low) / 2
-        rows.append(Row(text, "1", (low + high) / 2, brake["shoe_friction"], width, f"measured: {low} to {high}"))
+        text = f"{pressure} kPa: shoe friction, law 1"
+        rows.append(
+            Row(text, "1", case.shoe_friction, brake["shoe_friction"], between(low, high), "chapter 7, measured")
+        )
     return rows
 
 
@@ -228,7 +231,7 @@ def _draw_pressures(axis: Axes, case: Case, series: Recording) -> None:
         (case.released, case.timing.release, case.applied),
     )
     for number, (level, window, begin) in enumerate(allowed):
-        if window.half_width > 0.0:
+        if window.shortest < window.longest:
             label = "window of the standard" if number == 0 else None
             ends = [begin + window.shortest, begin + window.longest]
             axis.plot(ends, 2 * [level / 1e3], "|-", color=THESIS, linewidth=3, markersize=12, label=label)

@@ -51,19 +51,20 @@ class Master:
 
     method: all with the values at the start of a step (Jacobi), or one after the other, each with the newest values of
     those before it (Gauss-Seidel). extrapolated: inputs go on within a step with the rate of their source, or on the
-    straight line to the value that is known already; else they are held. tolerance: of the coupling error of one step,
-    in nominal values of the outputs; None: the macro step is kept. The slaves must save their states for a tolerance.
+    straight line to the value that is known already; else they are held. coupling_tolerance: of the error of one
+    step, in nominal values of the outputs; None: the macro step is kept. The slaves must save their states for it.
     """
 
     method: str = GAUSS_SEIDEL
     extrapolated: bool = False
-    tolerance: float | None = None
+    coupling_tolerance: float | None = None
 
     def __post_init__(self) -> None:
         if self.method not in (JACOBI, GAUSS_SEIDEL):
             raise CosimulationError(f"Couple with {JACOBI} or {GAUSS_SEIDEL}: {self.method} was given.")
-        if self.tolerance is not None and not (math.isfinite(self.tolerance) and self.tolerance > 0.0):
-            raise CosimulationError(f"Give a coupling tolerance above 0: it was {self.tolerance:g}.")
+        tolerance = self.coupling_tolerance
+        if tolerance is not None and not (math.isfinite(tolerance) and tolerance > 0.0):
+            raise CosimulationError(f"Give a coupling tolerance above 0: it was {tolerance:g}.")
 
 
 @dataclass
@@ -141,7 +142,7 @@ class Coupling:
 
     def step(self, time: float, size: float) -> tuple[float, float]:
         """One accepted macro step from `time`, at most `size` long: its length, and a proposal for the next one."""
-        tolerance = self.master.tolerance
+        tolerance = self.master.coupling_tolerance
         while True:
             flows = {bond: bond[1][0][bond[1][1]] for bond in self.bonds}
             states = [] if tolerance is None else [slave.save() for slave in self.slaves]
@@ -171,7 +172,7 @@ class Coupling:
 
         A line may, for example, lead a capacity below zero.
         """
-        tolerance = self.master.tolerance
+        tolerance = self.master.coupling_tolerance
         try:
             lines = self.advance(time, size)
         except CosimulationError:
@@ -202,7 +203,7 @@ class Coupling:
         """Yields the time after each accepted step; with a tolerance, `instants` are times that no step may cross."""
         if not (math.isfinite(step) and step > 0.0):
             raise CosimulationError(f"Give a macro step above 0 s: it was {step:g} s.")
-        if self.master.tolerance is None:
+        if self.master.coupling_tolerance is None:
             for number in range(max(1, round(duration / step))):
                 if drive:
                     drive(number * step)

@@ -14,7 +14,7 @@ from scenarios.macro_step import feedback_boundary, signed_torque
 from scenarios.macro_step.error import MASTERS
 from scenarios.macro_step.figure import draw
 from scenarios.macro_step.findings import Findings, find
-from scenarios.reporting.report import Result, Row
+from scenarios.reporting.report import Result, Row, at_least, at_most, near
 from scenarios.scenario import Options, Scenario
 
 #: Macro steps [s], evenly on a logarithmic axis.
@@ -33,12 +33,14 @@ def error_rows(f: Findings, sized: float, shown: float) -> list[Row]:
         steps = sorted(f.errors[name])
         slope = coupling_error.order(steps, [f.errors[name][step].distance for step in steps])
         expected = 2.0 if master.extrapolated else 1.0
-        rows.append(Row(f"{name}: order of the stop distance", "1", expected, slope, 0.05, "theory", reference))
+        rows.append(
+            Row(f"{name}: order of the stop distance", "1", None, slope, near(expected, 0.05), "theory", reference)
+        )
     for name, master in MASTERS.items():
         size = f.errors[name][sized].distance / coupling_error.error_on_paper(master, sized, f.stop).distance
         source = f"theory: surplus of impulse, {1e3 * sized:g} ms"
         following = "next term: h over the cylinder's lag"
-        rows.append(Row(f"{name}: error of distance over paper", "1", 1.0, size, 0.02, source, following))
+        rows.append(Row(f"{name}: error of distance over paper", "1", None, size, near(1.0, 0.02), source, following))
     name = "Gauss-Seidel, held"
     error, paper = f.errors[name][shown], coupling_error.error_on_paper(MASTERS[name], shown, f.stop)
     source = f"theory, macro step {1e3 * shown:g} ms"
@@ -46,7 +48,9 @@ def error_rows(f: Findings, sized: float, shown: float) -> list[Row]:
         expected, value = 1e3 * getattr(paper, quantity), 1e3 * getattr(error, quantity)
         place = f"after {coupling_error.MIDWAY:g} s" if quantity == "speed" else f"until {coupling_error.AT_REST:g} m/s"
         note = f"{place}; the suspension sways by some percent of the deceleration"
-        rows.append(Row(f"{name}: error of {quantity}", unit, expected, value, 0.03 * abs(expected), source, note))
+        rows.append(
+            Row(f"{name}: error of {quantity}", unit, None, value, near(expected, 0.03 * abs(expected)), source, note)
+        )
     return rows
 
 
@@ -62,13 +66,31 @@ def chatter_rows(f: Findings, shown: float) -> list[Row]:
     swaying = f.capacity.adhesion**2
     sways = f"{at}; the suspension still sways with {f.capacity.adhesion:.2f} of the brake force"
     return [
-        Row("capacity: wheels at rest, share of the time", "1", 1.0, f.capacity.standing, 0.0, "a brake holds", at),
-        Row("signed: wheels at rest, share of the time", "1", 0.0, standing, 0.0, "theory", "at most, all macro steps"),
-        Row("signed, at rest: jump over h T r/(J + m r2)", "1", 1.0, rest, swaying, "theory", sways),
-        Row("signed, skid: jump over h T r/J", "1", 1.0, skid, 0.02, "theory", f"{at}; creep force not quite constant"),
         Row(
-            *("smoothed sign: least width over h T/2(J + m r2)", "1", 1.0, width),
-            *(swaying + signed_torque.WIDTH_RESOLUTION, "theory: linear", sways),
+            "capacity: wheels at rest, share of the time",
+            "1",
+            None,
+            f.capacity.standing,
+            at_least(1.0),
+            "a brake holds",
+            at,
+        ),
+        Row(
+            "signed: wheels at rest, share of the time", "1", None, standing, at_most(0.0), "theory", "all macro steps"
+        ),
+        Row("signed, at rest: jump over h T r/(J + m r2)", "1", None, rest, near(1.0, swaying), "theory", sways),
+        Row(
+            "signed, skid: jump over h T r/J",
+            "1",
+            None,
+            skid,
+            near(1.0, 0.02),
+            "theory",
+            f"{at}; creep force not quite constant",
+        ),
+        Row(
+            *("smoothed sign: least width over h T/2(J + m r2)", "1", None, width),
+            *(near(1.0, swaying + signed_torque.WIDTH_RESOLUTION), "theory: linear", sways),
         ),
     ]
 
@@ -81,7 +103,7 @@ def boundary_rows(f: Findings) -> list[Row]:
         farthest = max(ratios, key=lambda ratio: abs(ratio - 1.0))
         rows.append(
             Row(
-                *(f"{method.title()}: boundary found over eigenvalues, farthest", "1", 1.0, farthest, 0.01),
+                *(f"{method.title()}: boundary found over eigenvalues, farthest", "1", None, farthest, near(1.0, 0.01)),
                 "theory: exact sampling of the linearised bogie and brake",
                 f"all macro steps; bisection to {feedback_boundary.RESOLUTION}",
             )

@@ -26,7 +26,7 @@ from scenarios.cosimulation.recording import Recording
 from scenarios.methods.timing import LEVELS, least
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt
 from scenarios.reporting.progress import PATIENCE
-from scenarios.reporting.report import Result, Row
+from scenarios.reporting.report import Result, Row, at_most, near
 from scenarios.scenario import Options, Scenario, Sweepable
 
 INITIAL_SPEED, FRICTION = 25.0, 0.3
@@ -238,7 +238,7 @@ def boundary_rows(found: Findings) -> list[Row]:
         "adhesion limit of a level rail and of a 1:20 cone",
     )
     share = adhesion_of_the_cone() - 1.0
-    rows.append(Row(quantity, "1", share * spatial, spatial - planar, BOUNDARY_TOLERANCE, SOURCE, why))
+    rows.append(Row(quantity, "1", None, spatial - planar, near(share * spatial, BOUNDARY_TOLERANCE), SOURCE, why))
     return rows
 
 
@@ -268,9 +268,8 @@ def error_rows(found: Findings) -> list[Row]:
     rows = []
     for name, stops, question, span, bound, note in asked:
         words, unit = ERRORS[question]
-        thesis = None if bound is None else 0.0
-        largest = found.largest_error(stops, question, *span)
-        rows.append(Row(f"{name}: largest error of {words}{where[span]}", unit, thesis, largest, bound, SOURCE, note))
+        largest, limit = found.largest_error(stops, question, *span), None if bound is None else at_most(bound)
+        rows.append(Row(f"{name}: largest error of {words}{where[span]}", unit, None, largest, limit, SOURCE, note))
     return rows
 
 

@@ -23,35 +23,83 @@ from scenarios.reporting.plots import plt
 
 
 @dataclass(frozen=True)
-class Row:
-    """One comparison. `tolerance` is in the unit of the quantity; without thesis or tolerance the row is not judged.
+class Bound:
+    """What is asked of a quantity whose value the thesis does not print, in its unit; `text` is for people."""
 
-    Where the thesis also prints VAMPIRE's value, the row holds between the two programs, tolerance added.
+    least: float
+    most: float
+    text: str
+
+
+def at_most(most: float) -> Bound:
+    """Not above a limit."""
+    return Bound(-math.inf, most, f"<= {number(most)}")
+
+
+def at_least(least: float) -> Bound:
+    """Not below a limit."""
+    return Bound(least, math.inf, f">= {number(least)}")
+
+
+def between(least: float, most: float) -> Bound:
+    """Within two limits."""
+    return Bound(least, most, f"{number(least)} to {number(most)}")
+
+
+def near(value: float, band: float) -> Bound:
+    """Within a band about a value that is not the thesis's: of theory, of another method, of another program."""
+    return Bound(value - band, value + band, f"{number(value)} +- {number(band)}")
+
+
+@dataclass(frozen=True)
+class Row:
+    """One comparison.
+
+    thesis: what it prints, and nothing else. asked: how far from that the value may be, in the unit of the quantity, or
+    a `Bound` where nothing is printed; None: the row is not judged. Where the thesis also prints VAMPIRE's value, the
+    row holds between the two programs, the band added.
     """
 
     quantity: str
     unit: str
     thesis: float | None
     simulated: float | None
-    tolerance: float | None
+    asked: float | Bound | None
     source: str
     assumption: str = ""
     vampire: float | None = None
 
     @property
     def deviation(self) -> float | None:
+        """From what the thesis prints."""
         if self.thesis is None or self.simulated is None:
             return None
         return self.simulated - self.thesis
 
     @property
     def holds(self) -> bool | None:
-        if self.thesis is None or self.tolerance is None:
+        """Whether the value is as asked; one that should be there and is not does not hold; None: not judged."""
+        limits = self.limits
+        if limits is None:
             return None
-        if self.simulated is None:
-            return False
+        return self.simulated is not None and limits[0] <= self.simulated <= limits[1]
+
+    @property
+    def limits(self) -> tuple[float, float] | None:
+        """Least and largest value that holds; None: not judged."""
+        if isinstance(self.asked, Bound):
+            return self.asked.least, self.asked.most
+        if self.thesis is None or self.asked is None:
+            return None
         printed = [self.thesis, self.thesis if self.vampire is None else self.vampire]
-        return min(printed) - self.tolerance <= self.simulated <= max(printed) + self.tolerance
+        return min(printed) - self.asked, max(printed) + self.asked
+
+    @property
+    def asked_text(self) -> str:
+        """What is asked, for people."""
+        if isinstance(self.asked, Bound):
+            return self.asked.text
+        return "-" if self.limits is None else f"+- {number(self.asked)}"
 
     def as_dict(self) -> dict[str, Any]:
         return {
@@ -61,7 +109,8 @@ class Row:
             "vampire": self.vampire,
             "simulated": self.simulated,
             "deviation": self.deviation,
-            "tolerance": self.tolerance,
+            "asked": self.asked_text,
+            "limits": None if self.limits is None else [x if math.isfinite(x) else None for x in self.limits],
             "source": self.source,
             "assumption": self.assumption,
             "holds": self.holds,
@@ -150,7 +199,7 @@ VERDICTS = {True: "holds", False: "DOES NOT HOLD", None: "not judged"}
 
 def table(rows: Sequence[Row]) -> str:
     """The rows as text, with units; the assumption of each row stands below it."""
-    heads = ["quantity", "unit", "thesis", "VAMPIRE", "simulated", "deviation", "tolerance", "verdict"]
+    heads = ["quantity", "unit", "thesis", "VAMPIRE", "simulated", "deviation", "asked", "verdict"]
     lines = [
         [
             row.quantity,
@@ -159,7 +208,7 @@ def table(rows: Sequence[Row]) -> str:
             number(row.vampire),
             number(row.simulated),
             number(row.deviation),
-            number(row.tolerance),
+            row.asked_text,
             VERDICTS[row.holds],
         ]
         for row in rows

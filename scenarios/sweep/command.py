@@ -32,7 +32,7 @@ from scenarios.scenario import BadInputError, Scenario, Sweepable
 from scenarios.sweep.cluster import cluster
 from scenarios.sweep.grid import Grid, grid_of, points_of
 from scenarios.sweep.journal import Journal
-from scenarios.sweep.points import Evaluator, SweepError, in_processes, point_function, sources
+from scenarios.sweep.points import Evaluator, in_processes, point_function, sources
 from scenarios.sweep.table import Rows, remove_table, write_table
 
 JOURNAL = "journal.jsonl"
@@ -123,7 +123,7 @@ def evaluator(chosen: argparse.Namespace) -> AbstractContextManager[Evaluator]:
 
 
 def finish(sweep: Sweep, journal: Journal, run_points: Evaluator) -> None:
-    """Runs the points that the journal does not have. Raises SweepError."""
+    """Runs the points that the journal does not have. Raises SweepError, and KeyboardInterrupt with a sentence."""
     points = sweep.points
     left = {number: point for number, point in enumerate(points) if number not in journal.outcomes}
     evaluate = point_function(sweep.sweepable.run, list(sweep.sweepable.results))
@@ -137,14 +137,14 @@ def finish(sweep: Sweep, journal: Journal, run_points: Evaluator) -> None:
                 journal.add(number, points[number], outcome)
                 bar.update()
     except KeyboardInterrupt:
-        raise SweepError(
+        raise KeyboardInterrupt(
             f"{name} was interrupted with {len(journal.outcomes)} of {len(points)} points done; the same command goes "
             "on from there."
         ) from None
 
 
 def run(chosen: argparse.Namespace) -> bool:
-    """Runs or resumes a sweep; whether all its points are good. Raises BadInputError and SweepError."""
+    """Runs or resumes a sweep; whether all its points are good. Raises BadInputError, SweepError, KeyboardInterrupt."""
     sweep = sweep_of(chosen)
     head, points = sweep.head(), sweep.points
     journal = Journal(sweep.folder / JOURNAL, head, len(points), chosen.restart)

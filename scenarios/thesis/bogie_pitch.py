@@ -9,7 +9,7 @@ from rbd_model.parameters import tables_5_1_and_5_2
 from scenarios.bench.drive import period, play, prepare
 from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.plots import BOGIE, TRAILING, panels
-from scenarios.reporting.report import Result, Row
+from scenarios.reporting.report import Result, Row, at_most
 from scenarios.scenario import Options, Scenario
 
 TORQUE = 15e3
@@ -49,9 +49,9 @@ def run(options: Options) -> Result:
         Row(
             "largest difference of pitch, spatial - planar",
             "mrad",
-            0.0,
+            None,
             1e3 * float(np.abs(runs[3]["pitch"] - series["pitch"]).max()),
-            0.01,
+            at_most(0.01),
             "levels against each other, not the thesis",
         ),
     ]

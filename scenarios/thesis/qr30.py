@@ -306,7 +306,7 @@ SCENARIOS = [
         f"qr30-{pressure}kpa",
         f"The experiment at {pressure} kPa: pressure -> torque -> speed, slip and lock (chapters 7, 8)",
         partial(run, pressure),
-        takes=frozenset({"kind", "step", "torque_csv", "tolerance"}),
+        takes=frozenset({"kind", "step", "torque_csv", "coupling_tolerance"}),
     )
     for pressure in EXPERIMENT
 ]

@@ -105,7 +105,7 @@ def test_stale_torque_brings_energy_into_the_coupling_and_smaller_steps_less(fmu
 
 def test_no_step_crosses_a_given_instant(fmus: dict) -> None:
     with train(fmus) as (brake, bogie, connections):
-        coupling = Coupling([brake, bogie], connections, Master(extrapolated=True, tolerance=1e-2))
+        coupling = Coupling([brake, bogie], connections, Master(extrapolated=True, coupling_tolerance=1e-2))
         times = list(coupling.run(SECONDS, 0.05, instants=[0.3333]))
     assert 0.3333 in times
     assert times[-1] == SECONDS
@@ -127,14 +127,14 @@ def test_line_that_leads_below_zero_shortens_the_step(fmus: dict) -> None:
 
 def test_fmu_that_cannot_save_its_state_is_refused_with_a_sentence(fmus: dict) -> None:
     with train(fmus, "python") as (brake, bogie, connections):
-        coupling = Coupling([brake, bogie], connections, Master(tolerance=1e-3))
+        coupling = Coupling([brake, bogie], connections, Master(coupling_tolerance=1e-3))
         with pytest.raises(CosimulationError, match="BrakeCylinder cannot save its state"):
             list(coupling.run(0.1, 0.01))
 
 
 def test_tolerance_that_cannot_be_met_is_told(fmus: dict) -> None:
     with train(fmus) as (brake, bogie, connections):
-        coupling = Coupling([brake, bogie], connections, Master(JACOBI, tolerance=1e-15))
+        coupling = Coupling([brake, bogie], connections, Master(JACOBI, coupling_tolerance=1e-15))
         with pytest.raises(CosimulationError, match="stays above the tolerance"):
             list(coupling.run(1.0, 0.01))
 
@@ -178,12 +178,12 @@ def test_connection_multiplies_with_its_factor(fmus: dict) -> None:
 @pytest.mark.parametrize(("method", "tolerance"), [("leapfrog", None), (JACOBI, -1.0), (JACOBI, float("nan"))])
 def test_bad_master_gets_a_sentence(method: str, tolerance: float | None) -> None:
     with pytest.raises(CosimulationError, match=r"Couple with jacobi or|Give a coupling tolerance above 0"):
-        Master(method, tolerance=tolerance)
+        Master(method, coupling_tolerance=tolerance)
 
 
 def test_scenario_chooses_its_macro_steps_by_tolerance(tmp_path, capsys: pytest.CaptureFixture[str]) -> None:  # type: ignore[no-untyped-def]
-    assert main(["run", "qr30-180kpa", "--tolerance", "1e-4", "--out", str(tmp_path)]) == 0
+    assert main(["run", "qr30-180kpa", "--coupling-tolerance", "1e-4", "--out", str(tmp_path)]) == 0
     coupling = json.loads((tmp_path / "qr30-180kpa" / "summary.json").read_text())["coupling"]
     assert coupling["macro_steps"] < 1000
-    assert main(["run", "qr30-180kpa", "--tolerance", "0", "--out", str(tmp_path)]) == 2
-    assert "Give --tolerance a value above 0" in capsys.readouterr().err
+    assert main(["run", "qr30-180kpa", "--coupling-tolerance", "0", "--out", str(tmp_path)]) == 2
+    assert "Give --coupling-tolerance a value above 0" in capsys.readouterr().err

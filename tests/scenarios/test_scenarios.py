@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import math
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -31,7 +32,8 @@ ROW_FIELDS = {
     "vampire",
     "simulated",
     "deviation",
-    "tolerance",
+    "asked",
+    "limits",
     "source",
     "assumption",
     "holds",
@@ -82,12 +84,12 @@ def test_scenario_holds_and_leaves_table_data_and_picture(name: str, tmp_path: P
     assert found["times_real_time"] is None or found["times_real_time"] > 1 or name == "oracle"
     for row in found["rows"]:
         assert set(row) == ROW_FIELDS
-        if row["thesis"] is not None and row["tolerance"] is not None:
-            printed = (row["thesis"], row["thesis"] if row["vampire"] is None else row["vampire"])
-            low, high = min(printed) - row["tolerance"], max(printed) + row["tolerance"]
-            assert row["holds"] == (low <= row["simulated"] <= high)
+        if row["limits"] is None:
+            assert (row["holds"], row["asked"]) == (None, "-")
         else:
-            assert row["holds"] is None
+            least, most = row["limits"]
+            low, high = -math.inf if least is None else least, math.inf if most is None else most
+            assert row["holds"] == (low <= row["simulated"] <= high)
     with (tmp_path / name / "timeseries.csv").open() as file:
         rows = list(csv.reader(file))
     assert all("[" in head for head in rows[0])
@@ -199,6 +201,23 @@ def test_failure_while_writing_leaves_the_old_results(
     assert [p.name for p in tmp_path.iterdir()] == [name]
 
 
+def test_interrupted_run_ends_with_a_sentence_and_leaves_the_old_results(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arguments = ["run", "creep-forces", "--out", str(tmp_path)]
+    assert main(arguments) == 0
+    before = (tmp_path / "creep-forces" / "summary.json").read_text()
+
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Figure, "savefig", interrupted)
+    assert main(arguments) == 130
+    assert capsys.readouterr().err == f"Interrupted; what {tmp_path} held before is as it was.\n"
+    assert (tmp_path / "creep-forces" / "summary.json").read_text() == before
+    assert [p.name for p in tmp_path.iterdir()] == ["creep-forces"]
+
+
 def test_file_in_place_of_the_results_folder_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "taken").write_text("")
     assert main(["run", "qr30-180kpa", "--out", str(tmp_path / "taken")]) == 2
@@ -217,6 +236,20 @@ def test_list_names_every_scenario(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["list"]) == 0
     shown = capsys.readouterr().out
     assert all(scenario.name in shown and scenario.summary in shown for scenario in SCENARIOS)
+
+
+def test_bounds_ask_without_a_number_in_the_column_of_the_thesis() -> None:
+    for asked, good, bad, text in (
+        (report.at_most(0.4), 0.4, 0.41, "<= 0.4000"),
+        (report.at_least(0.8), 0.8, 0.79, ">= 0.8000"),
+        (report.between(1.0, 2.0), 2.0, 2.1, "1.000 to 2.000"),
+        (report.near(1.0, 0.1), 0.91, 0.89, "1.000 +- 0.1000"),
+    ):
+        assert Row("q", "m", None, good, asked, "s").holds is True
+        assert Row("q", "m", None, bad, asked, "s").holds is False
+        assert Row("q", "m", None, math.nan, asked, "s").holds is False
+        assert Row("q", "m", None, None, asked, "s").holds is False
+        assert text in report.table([Row("q", "m", None, good, asked, "s")])
 
 
 def test_verdicts_are_computed() -> None:
