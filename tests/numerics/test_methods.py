@@ -12,13 +12,14 @@ from scipy.integrate import solve_ivp
 from fmu_src.compile import build_library
 from fmu_src.kernel import ERROR, Kernel, KernelError, Library
 from fmu_src.system import System, Variable, model_of
+from rbd_model.parameters import tables_4_1_and_4_2, tables_5_1_and_5_2
 from scenarios.bench.drive import prepare
 from scenarios.methods import sundials
 from scenarios.methods.integrators import layout, own, scipy
-from scenarios.methods.scenes import FLANGE, HUNTING, LOCK_UP, SCENES, SMOOTH, STANDING, Scene
+from scenarios.methods.scenes import LOCK_UP, SCENES, SMOOTH, Scene
 from scenarios.methods.work_precision import difference
 
-#: Issue band of the orders.
+#: Of the orders; the slope is fitted where errors are still above round-off.
 ORDER_BAND = 0.2
 ORDERS = {1: 4.0, 2: 3.0, 3: 4.0}
 
@@ -217,20 +218,19 @@ def test_recording_of_methods_without_an_extension_is_accurate_between_steps() -
 
 # ---- other methods on the same equations -----------------------------------------------------------------------------
 
-#: Error of the default at its own tolerance; what the issue asks for is ten times as much.
+#: Error of the default at its own tolerance, relative; a tenth of what the pictures of speed against accuracy aim at.
 DEFAULT_BAND = 1e-5
+#: A change of the wheel radius that must be seen in every scene, relative.
+SEEN = 1e-3
 
 
 @pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.name)
 def test_default_is_right_on_all_six_scenes_against_another_method(scene: Scene) -> None:
     exact = reference(scene)
     assert difference(scene.measure(own(scene).samples), exact) < DEFAULT_BAND
-    coarse = own(scene, tolerance=1e-2)
-    assert coarse.failure or difference(scene.measure(coarse.samples), exact) > DEFAULT_BAND or scene in ROBUST
-
-
-#: Scenes that even the coarsest tolerance follows.
-ROBUST = (SMOOTH, FLANGE, STANDING, HUNTING)
+    radius = (tables_5_1_and_5_2() if scene.fmu == "bogie" else tables_4_1_and_4_2()).wheel_radius
+    other = own(scene, wheel_radius=radius * (1.0 + SEEN))
+    assert other.failure or difference(scene.measure(other.samples), exact) > DEFAULT_BAND
 
 
 def reference(scene: Scene) -> dict[str, float]:

@@ -22,7 +22,7 @@ from rbd_model.track import Track, derivatives_along, irregular_track, section_5
 
 ENERGIES = ("kinetic_energy", "potential_energy")
 POWERS = ("brake_power", "creep_power", "damping_power")
-#: The issue's bands: energy relative to what is lost, gap of the constraints, mirrored answer.
+#: What round-off and the tolerance leave: energy relative to what is lost, gap of the constraints, mirrored answer.
 ENERGY_BAND, GAP_BAND, MIRROR_BAND = 1e-8, 1e-9, 1e-9
 
 
@@ -100,7 +100,7 @@ def test_straight_symmetric_stop_is_that_of_the_planar_level(bogie: Library) -> 
     assert max(abs(stops[1][1]), abs(stops[1][2])) < 1e-9
 
 
-#: Issue bands against a reference from another method.
+#: Against a reference from another method.
 STOP_TIME_BAND, STOP_DISTANCE_BAND = 1e-3, 10e-3
 
 
