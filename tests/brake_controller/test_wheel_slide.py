@@ -16,7 +16,6 @@ from brake_controller.wheel_slide import (
     VENT,
     ControllerError,
     SlideProtection,
-    SlideProtectionParameters,
     Supervised,
     common_protection,
 )
@@ -188,4 +187,3 @@ def test_controller_that_stalls_is_stopped() -> None:
 
 def test_a_good_controller_passes_unchanged() -> None:
     assert Supervised(Nonsense((0, 2)), 2).step(0.0, [1.0, 1.0]) == [APPLY, VENT]
-    assert isinstance(common_protection(), SlideProtectionParameters)

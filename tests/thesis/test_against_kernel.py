@@ -26,7 +26,7 @@ from thesis.correspondence import (
     state_of,
 )
 
-#: What two formulations of the same mechanics may differ by, relative to the largest acceleration of a kind and to the largest force.
+#: What two formulations may differ by, relative to the largest acceleration of a kind and to the largest force.
 ACCELERATION_BAND, FORCE_BAND = 1e-9, 1e-9
 #: In a state almost without acceleration [m/s2, rad/s2] round-off is the larger part: 2e-16 of a speed of 7 m/s as
 #: slip, times a creep stiffness of 1e7 N.s/m, times 0.425 m over 112 kg.m2, is 6e-11 rad/s2.
