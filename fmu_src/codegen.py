@@ -18,8 +18,18 @@ from fmu_src.system import Model, System, integration_variables, state_variable
 
 RUNTIME = Path(__file__).parent / "runtime"
 RUNTIME_SOURCES = (
-    "kernel.c",
+    "instance.c",
+    "variables.c",
+    "message.c",
+    "evaluate.c",
+    "initialise.c",
+    "step.c",
+    "saved.c",
+    "derivatives.c",
+    "other_methods.c",
+    "repeat.c",
     "integrate.c",
+    "locate.c",
     "rosenbrock.c",
     "reuse.c",
     "runge_kutta.c",
@@ -31,9 +41,9 @@ RUNTIME_SOURCES = (
     "fmi2.c",
     "fmi3.c",
 )
-RUNTIME_HEADERS = ("kernel.h", "face.h")
+RUNTIME_HEADERS = ("model.h", "kernel.h", "internal.h", "face.h")
 
-#: Functions of a system in the order of `system_description` in kernel.h.
+#: Functions of a system in the order of `system_description` in model.h.
 FUNCTIONS = (
     "derive",
     "start",
@@ -293,7 +303,7 @@ def _system_entry(system: System, made: dict[str, ca.Function]) -> str:
 
 
 def _description(model: Model, generated: Sequence[dict[str, ca.Function]]) -> str:
-    lines = ["#include <math.h>", '#include "kernel.h"', ""]
+    lines = ["#include <math.h>", '#include "model.h"', ""]
     for made in generated:
         for function in made.values():
             lines.append(f"int {function.name()}(const double **, double **, long long int *, double *, int);")

@@ -246,7 +246,7 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
     if (self->last_step == KERNEL_DISCARD) self->now = STOPPED;
     face_report(self, self->last_step);
     /* Reaching the end is a success where the host allows an early return; a step beyond it is not. */
-    const int success = self->last_step == KERNEL_DISCARD && first_end && self->machine->stops_at_events;
+    const int success = self->last_step == KERNEL_DISCARD && first_end && kernel_stops_at_events(self->machine);
     return success ? fmi3OK : (fmi3Status)self->last_step;
 }
 

@@ -9,7 +9,7 @@
  * M is 1 for states with a derivative and 0 for algebraic ones, whose f is a residual. */
 #include <math.h>
 
-#include "kernel.h"
+#include "internal.h"
 
 enum { MOST_STAGES = 6 };
 

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "kernel.h"
+#include "internal.h"
 
 enum { STAGES = 4, CHECK_EVERY = 32, POWER_STEPS = 24, STEPS_SHOWN = 4 };
 static const double NODE[STAGES] = {0.0, 0.5, 0.5, 1.0}, WEIGHT[STAGES] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
