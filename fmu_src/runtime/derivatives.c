@@ -85,21 +85,3 @@ int kernel_get_directional(kernel *self, int unknowns, const int *unknown, int k
     status = differentiate_outputs(self);
     return status == KERNEL_OK ? pick_derivatives(self, unknowns, unknown, result) : status;
 }
-
-int kernel_linearise(kernel *self, double *state, double *slope, double *jacobian) {
-    if (!self->system) return kernel_fail(self, KERNEL_ERROR, "Initialise %s before its linearisation.", MODEL.name);
-    const int n = self->system->states;
-    kernel_gather_inputs(self);
-    self->step_origin = self->now.time;
-    rosenbrock_linearise(self, 0.0, self->state);
-    if (!algebraic_solve(self, 0.0, self->state, 0.0))
-        return kernel_fail(self, KERNEL_ERROR,
-                           "The algebraic equations have no solution near t = %.9g s; check inputs and parameters.",
-                           self->now.time);
-    for (int i = 0; i < n; ++i) {
-        state[i] = self->state[i];
-        slope[i] = self->slope[i];
-        for (int j = 0; j < n; ++j) jacobian[i * n + j] = self->jacobian[self->place[j] * n + self->place[i]];
-    }
-    return KERNEL_OK;
-}

@@ -23,7 +23,7 @@ void kernel_enter_system(kernel *self) {
 
 int kernel_initialise(kernel *self, double time) {
     if (!isfinite(time)) return kernel_fail(self, KERNEL_ERROR, "Start at a finite time: %g was given.", time);
-    if (self->value[MODEL.integration_method] == METHOD_EXPLICIT && self->value[MODEL.integration_step] == 0.0)
+    if (self->value[MODEL.integration_method] == (double)METHOD_EXPLICIT && self->value[MODEL.integration_step] == 0.0)
         return kernel_fail(self, KERNEL_ERROR,
                            "Set integration_step above 0 s: integration_method %d, explicit, has no error control that "
                            "could choose its steps.",

@@ -87,13 +87,13 @@ static size_t lay_out(kernel *self, double *block) {
 }
 
 kernel *kernel_create(void) {
-    kernel *self = calloc(1, sizeof *self);
+    kernel *self = (kernel *)calloc(1, sizeof *self);
     if (!self) return NULL;
     const size_t doubles = lay_out(self, NULL);
-    self->block = calloc(doubles, sizeof(double));
+    self->block = (double *)calloc(doubles, sizeof(double));
     const size_t n = (size_t)largest_dimensions().states;
-    self->places = calloc(6 * n + 1, sizeof(int));
-    self->warned = calloc((size_t)MODEL.variables, 1);
+    self->places = (int *)calloc(6 * n + 1, sizeof(int));
+    self->warned = (char *)calloc((size_t)MODEL.variables, 1);
     if (!self->block || !self->places || !self->warned) {
         kernel_free(self);
         return NULL;
@@ -133,4 +133,3 @@ void kernel_reset(kernel *self) {
 double kernel_time(const kernel *self) { return self->now.time; }
 int kernel_ended(const kernel *self) { return self->now.ended; }
 int kernel_state_count(const kernel *self) { return self->system ? self->system->states : 0; }
-void kernel_counts(const kernel *self, kernel_counters *counts) { *counts = self->counters; }

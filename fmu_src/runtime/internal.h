@@ -74,66 +74,72 @@ struct kernel {
 };
 
 /* Sentences: into the journal; and kernel_message as well, for a status, which is returned. */
-void kernel_note(kernel *self, int status, const char *format, ...);
-int kernel_fail(kernel *self, int status, const char *format, ...);
+INSIDE void kernel_note(kernel *self, int status, const char *format, ...);
+INSIDE int kernel_fail(kernel *self, int status, const char *format, ...);
 /* Variables: a status, with the sentence. */
-int kernel_check_reference(kernel *self, int variable);
-int kernel_check_value(kernel *self, const variable_description *variable, double value, double kept);
-int kernel_warn_without_effect(kernel *self, int variable);
+INSIDE int kernel_check_reference(kernel *self, int variable);
+INSIDE int kernel_check_value(kernel *self, const variable_description *variable, double value, double kept);
+INSIDE int kernel_warn_without_effect(kernel *self, int variable);
 /* Sets what follows from the chosen system and the parameters and is not restored with them. */
-void kernel_enter_system(kernel *self);
-void kernel_gather_inputs(kernel *self);
-void kernel_compute_outputs(kernel *self, double offset, const double *state);
+INSIDE void kernel_enter_system(kernel *self);
+INSIDE void kernel_gather_inputs(kernel *self);
+INSIDE void kernel_compute_outputs(kernel *self, double offset, const double *state);
 /* First output that is not a finite number, or null. */
-const char *kernel_output_not_finite(const kernel *self);
+INSIDE const char *kernel_output_not_finite(const kernel *self);
 /* Inputs and table pieces that hold `offset` seconds after the start of the step; and the table pieces alone. */
-void kernel_locate(kernel *self, double offset, const double *state);
-void kernel_look_up(kernel *self, double offset, const double *state);
+INSIDE void kernel_locate(kernel *self, double offset, const double *state);
+INSIDE void kernel_look_up(kernel *self, double offset, const double *state);
 /* A generated function at a place: with the inputs and table pieces located before, or locating them; with one result. */
-void kernel_call(kernel *self, generated_function function, double offset, const double *state, double **result);
-void kernel_evaluate_again(kernel *self, generated_function function, double offset, const double *state, double *result);
-void kernel_evaluate(kernel *self, generated_function function, double offset, const double *state, double *result);
-void tables_look_up(const system_description *system, int rank, const double *argument, double *coefficient);
+INSIDE void kernel_call(kernel *self, generated_function function, double offset, const double *state, double **result);
+INSIDE void kernel_evaluate_again(kernel *self, generated_function function, double offset, const double *state,
+                                  double *result);
+INSIDE void kernel_evaluate(kernel *self, generated_function function, double offset, const double *state,
+                            double *result);
+INSIDE void tables_look_up(const system_description *system, int rank, const double *argument, double *coefficient);
 /* Linear equations: factors of M diagonal - J, in the order of the states; and of the algebraic part of J. 0: singular. */
-int linear_factorise_step(kernel *self, factors *of, const double *jacobian, double diagonal);
-void linear_solve_step(kernel *self, const factors *of, double *vector);
-int linear_factorise_algebraic(kernel *self, factors *of, const double *jacobian);
-void linear_solve_algebraic(const kernel *self, const factors *of, double *vector);
+INSIDE int linear_factorise_step(kernel *self, factors *of, const double *jacobian, double diagonal);
+INSIDE void linear_solve_step(kernel *self, const factors *of, double *vector);
+INSIDE int linear_factorise_algebraic(kernel *self, factors *of, const double *jacobian);
+INSIDE void linear_solve_algebraic(const kernel *self, const factors *of, double *vector);
 /* Algebraic states, the others held, solved until their scaled change is below `tolerance` or round-off; all leave the
  * slopes in self->slope, and 0 means no success. Newton's method from self->jacobian, which is that of `state`; */
-int algebraic_solve(kernel *self, double offset, double *state, double tolerance);
+INSIDE int algebraic_solve(kernel *self, double offset, double *state, double tolerance);
 /* with given factors throughout, the old values kept where that fails; */
-int algebraic_follow(kernel *self, const factors *of, double offset, double *state, double tolerance);
+INSIDE int algebraic_follow(kernel *self, const factors *of, double offset, double *state, double tolerance);
 /* with the last factors while they serve, and otherwise with new ones. */
-int algebraic_find(kernel *self, double offset, double *state, double tolerance);
+INSIDE int algebraic_find(kernel *self, double offset, double *state, double tolerance);
 /* Jacobian without algebraic states at the present state, by rows. */
-int algebraic_reduce(kernel *self, double offset, double *jacobian);
+INSIDE int algebraic_reduce(kernel *self, double offset, double *jacobian);
 /* Rosenbrock methods. The error of a trial step is in units of the tolerance; a value that is not <= 1, NaN included,
  * means "reject". The new state is in self->trial. */
+#ifndef ONE_UNIT /* there their definitions come first */
 extern const rosenbrock_tableau RODAS, ROS34PW2;
-void rosenbrock_evaluate_jacobian(kernel *self, double offset, const double *state, double *jacobian);
-void rosenbrock_linearise(kernel *self, double offset, const double *state);
-int rosenbrock_factorise(kernel *self, const rosenbrock_tableau *method, factors *of, const double *jacobian, double size);
-double rosenbrock_step(kernel *self, const rosenbrock_tableau *method, const factors *of, double offset, double size);
-double rosenbrock_try(kernel *self, double offset, double size); /* with RODAS; linearise first */
-double rosenbrock_next_size(const rosenbrock_tableau *method, double size, double error);
-void rosenbrock_interpolate(const kernel *self, double fraction, double *state);
+#endif
+INSIDE void rosenbrock_evaluate_jacobian(kernel *self, double offset, const double *state, double *jacobian);
+INSIDE void rosenbrock_linearise(kernel *self, double offset, const double *state);
+INSIDE int rosenbrock_factorise(kernel *self, const rosenbrock_tableau *method, factors *of, const double *jacobian,
+                                double size);
+INSIDE double rosenbrock_step(kernel *self, const rosenbrock_tableau *method, const factors *of, double offset,
+                              double size);
+INSIDE double rosenbrock_try(kernel *self, double offset, double size); /* with RODAS; linearise first */
+INSIDE double rosenbrock_next_size(const rosenbrock_tableau *method, double size, double error);
+INSIDE void rosenbrock_interpolate(const kernel *self, double fraction, double *state);
 /* With ROS34PW2: a step with the kept Jacobian, made anew when it is too old or the step fails. */
-double reuse_try(kernel *self, double offset, double size);
+INSIDE double reuse_try(kernel *self, double offset, double size);
 /* Keeps the Jacobian of the present state until some time; whether it serves; and a step with it, as it is. */
-void reuse_remember(kernel *self, double offset, double until);
-int reuse_serves(const kernel *self, double offset);
-double reuse_short_step(kernel *self, double offset, double size);
-double runge_kutta_try(kernel *self, double offset, double size); /* its error is 0 or NaN */
-int runge_kutta_guard(kernel *self, double offset, double size);
+INSIDE void reuse_remember(kernel *self, double offset, double until);
+INSIDE int reuse_serves(const kernel *self, double offset);
+INSIDE double reuse_short_step(kernel *self, double offset, double size);
+INSIDE double runge_kutta_try(kernel *self, double offset, double size); /* its error is 0 or NaN */
+INSIDE int runge_kutta_guard(kernel *self, double offset, double size);
 /* Modes and end conditions. */
-void modes_refresh(kernel *self, double offset);
-double modes_margin(kernel *self, double offset, const double *state);
-int modes_switch(kernel *self, double offset, double least);
-int modes_warn(kernel *self, double offset);
+INSIDE void modes_refresh(kernel *self, double offset);
+INSIDE double modes_margin(kernel *self, double offset, const double *state);
+INSIDE int modes_switch(kernel *self, double offset, double least);
+INSIDE int modes_warn(kernel *self, double offset);
 /* One trial step with the chosen method; the length at which it crosses a switch; and the loop over the steps. */
-double integrate_try(kernel *self, double offset, double size);
-double modes_locate(kernel *self, double offset, double size);
-int integrate(kernel *self, double size, double *reached);
+INSIDE double integrate_try(kernel *self, double offset, double size);
+INSIDE double modes_locate(kernel *self, double offset, double size);
+INSIDE int integrate(kernel *self, double size, double *reached);
 
 #endif

@@ -2,7 +2,7 @@
  *
  * The equations are generated C, the model is constant data (model.h), and everything that changes lives in one `kernel`
  * block, so that saving a state is a copy. There are no globals besides the constant MODEL, hence any number of instances
- * may run at once. This is what faces and kernel.py use; the inside is in internal.h. */
+ * may run at once. This is what a face uses; kernel.py uses studies.h as well. The inside is in internal.h. */
 #ifndef KERNEL_H
 #define KERNEL_H
 
@@ -10,7 +10,10 @@
 
 #include "model.h"
 
-#if defined(_WIN32)
+/* Seen from outside of the library for kernel.py, and of no FMU. */
+#if !defined(KERNEL_LIBRARY)
+#define KERNEL_EXPORT INSIDE
+#elif defined(_WIN32)
 #define KERNEL_EXPORT __declspec(dllexport)
 #else
 #define KERNEL_EXPORT __attribute__((visibility("default")))
@@ -28,7 +31,8 @@ typedef struct {
     long long int right_hand_sides, jacobians, factorisations, steps, rejected, events;
 } kernel_counters;
 
-/* Functions that return int return a status unless they say otherwise; the sentence is in kernel_message. */
+/* What returns int returns a status, a count or a truth; the sentence to a status is in the journal, where each line is a
+ * status, a blank and the sentence. Reading the journal empties it. */
 KERNEL_EXPORT kernel *kernel_create(void);
 KERNEL_EXPORT void kernel_free(kernel *self);
 KERNEL_EXPORT void kernel_reset(kernel *self);
@@ -46,35 +50,12 @@ KERNEL_EXPORT int kernel_step(kernel *self, double time, double size);
 /* Whether a step ends early, with OK, where a friction begins to stick or to slide; kernel_time tells where. */
 KERNEL_EXPORT void kernel_stop_at_events(kernel *self, int stops);
 KERNEL_EXPORT int kernel_stops_at_events(const kernel *self);
-KERNEL_EXPORT int kernel_record(kernel *self, double time, double size, double interval, int columns,
-                                const int *variable, double *buffer, long long int rows);
 KERNEL_EXPORT size_t kernel_state_size(const kernel *self);
 KERNEL_EXPORT void kernel_save(const kernel *self, void *bytes);
 KERNEL_EXPORT int kernel_restore(kernel *self, const void *bytes);
 KERNEL_EXPORT double kernel_time(const kernel *self);
 KERNEL_EXPORT int kernel_ended(const kernel *self);
-KERNEL_EXPORT const char *kernel_message(const kernel *self);
 KERNEL_EXPORT const char *kernel_journal(kernel *self);
-KERNEL_EXPORT void kernel_counts(const kernel *self, kernel_counters *counts);
-KERNEL_EXPORT int kernel_variable_count(void);
-KERNEL_EXPORT const char *kernel_variable_name(int variable);
 KERNEL_EXPORT int kernel_state_count(const kernel *self);
-/* State, right-hand side (n values each) and Jacobian (n x n, by rows), once the algebraic states are consistent. */
-KERNEL_EXPORT int kernel_linearise(kernel *self, double *state, double *slope, double *jacobian);
-/* The equations for other methods, which start where the kernel stands: time goes on from there, inputs along their
- * ramps, modes as they are. Slopes of the differential states (m values) at a time and place, the algebraic states solved
- * for, and their Jacobian (m x m, by rows) unless null; */
-KERNEL_EXPORT int kernel_slopes_at(kernel *self, double time, const double *place, double *slope, double *jacobian);
-/* the smallest margin of modes and end conditions there: a switch is where it turns negative; */
-KERNEL_EXPORT int kernel_margin_at(kernel *self, double time, const double *place, double *margin);
-/* slopes, and residuals of algebraic states, of all n states, and their Jacobian (n x n, by rows) unless null. */
-KERNEL_EXPORT int kernel_equations_at(kernel *self, double time, const double *state, double *slope, double *jacobian);
-/* The kernel goes there and switches what has crossed; with `crossed`, what is nearest to it, if it is on this side.
- * `place` is what it is afterwards. */
-KERNEL_EXPORT int kernel_arrive(kernel *self, double time, double *place, int crossed);
-/* For benchmarks: call the right-hand side, the Jacobian or the step function `repeat` times at the present state. */
-KERNEL_EXPORT int kernel_repeat_right_hand_side(kernel *self, long long int repeat);
-KERNEL_EXPORT int kernel_repeat_jacobian(kernel *self, long long int repeat);
-KERNEL_EXPORT int kernel_repeat_step(kernel *self, double time, double size, long long int repeat);
 
 #endif

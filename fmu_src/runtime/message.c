@@ -29,8 +29,6 @@ int kernel_fail(kernel *self, int status, const char *format, ...) {
     return status;
 }
 
-const char *kernel_message(const kernel *self) { return self->message; }
-
 const char *kernel_journal(kernel *self) {
     if (self->journal_length == 0) return "";
     self->journal_length = 0; /* the text stays until the next note */

@@ -2,6 +2,13 @@
 #ifndef MODEL_H
 #define MODEL_H
 
+/* Names that files share: known within the one unit that all.c makes of them, and otherwise between them. */
+#ifdef ONE_UNIT
+#define INSIDE static
+#else
+#define INSIDE
+#endif
+
 /* Arguments of every generated function, in this order. */
 enum {
     ARG_TIME,
@@ -77,6 +84,8 @@ typedef struct {
     const system_description *system;
 } model_description;
 
+#ifndef ONE_UNIT /* there the definition comes first */
 extern const model_description MODEL;
+#endif
 
 #endif

@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "internal.h"
+#include "studies.h"
 
 /* Scaled change of algebraic states below which another method sees no noise. */
 static const double SOLVED = 1e-13;

@@ -57,7 +57,7 @@ static double fastest_eigenvalue(kernel *self, double offset) {
         for (int i = 0; i < m; ++i) vector[i] = image[i] / largest;
         if (step >= POWER_STEPS - STEPS_SHOWN) growth *= largest;
     }
-    return pow(growth, 1.0 / STEPS_SHOWN);
+    return pow(growth, 1.0 / (double)STEPS_SHOWN);
 }
 
 int runge_kutta_guard(kernel *self, double offset, double size) {

@@ -65,13 +65,3 @@ int kernel_step(kernel *self, double time, double size) {
     snprintf(when, sizeof when, "%.6g", self->now.time);
     return kernel_fail(self, KERNEL_DISCARD, self->system->sentence[self->now.ended - 1], when);
 }
-
-int kernel_record(kernel *self, double time, double size, double interval, int columns, const int *variable,
-                  double *buffer, long long int rows) {
-    kernel_recorder recorder = {rows, 0, interval, columns, variable, buffer};
-    self->recorder = &recorder;
-    const int status = kernel_step(self, time, size);
-    self->recorder = NULL;
-    for (long long int i = recorder.written * columns; i < rows * columns; ++i) buffer[i] = NAN;
-    return status;
-}

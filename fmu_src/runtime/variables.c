@@ -5,12 +5,6 @@
 
 #include "internal.h"
 
-int kernel_variable_count(void) { return MODEL.variables; }
-
-const char *kernel_variable_name(int variable) {
-    return variable >= 0 && variable < MODEL.variables ? MODEL.variable[variable].name : "";
-}
-
 int kernel_check_reference(kernel *self, int variable) {
     if (variable >= 0 && variable < MODEL.variables) return KERNEL_OK;
     return kernel_fail(self, KERNEL_ERROR, "There is no variable number %d: %s has the numbers 0 to %d.", variable,

@@ -5,20 +5,25 @@ from __future__ import annotations
 import ctypes
 import re
 from collections.abc import Iterator
-from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
 
 from fmu_src import kernel
-from fmu_src.codegen import RUNTIME, RUNTIME_HEADERS, RUNTIME_SOURCES
+from fmu_src.codegen import RUNTIME, RUNTIME_HEADERS, RUNTIME_SOURCES, generate
+from rbd_model.bogie import bogie_dynamics
 
 #: Lines of a function that one screen shows.
 SCREEN = 60
 #: What only a face needs.
 OF_FACES = {"kernel_stop_at_events", "kernel_stops_at_events"}
-#: Types of kernel.h as Python passes them; an instance is an address, a saved state is bytes.
-NUMBERS = {"int": ctypes.c_int, "double": ctypes.c_double, "size_t": ctypes.c_size_t, "long long int": ctypes.c_longlong}
+#: Types of the headers as Python passes them; an instance is an address, a saved state is bytes.
+NUMBERS = {
+    "int": ctypes.c_int,
+    "double": ctypes.c_double,
+    "size_t": ctypes.c_size_t,
+    "long long int": ctypes.c_longlong,
+}
 POINTERS = {
     "kernel": ctypes.c_void_p,
     "void": ctypes.c_char_p,
@@ -45,6 +50,11 @@ def functions_of(path: Path) -> Iterator[tuple[str, int]]:
             yield " ".join(lines[begin : number + 1]).split("(")[0], number + 1 - begin
 
 
+@pytest.fixture(scope="module")
+def bogie_sources() -> dict[str, str]:
+    return generate(bogie_dynamics())
+
+
 FILES = [RUNTIME / name for name in RUNTIME_SOURCES]
 
 
@@ -53,16 +63,16 @@ def test_every_file_of_the_runtime_is_listed() -> None:
     assert set(RUNTIME_HEADERS) <= {path.name for path in RUNTIME.glob("*.h")}
 
 
-def test_calls_between_files_form_no_circle() -> None:
+def test_calls_run_from_later_files_to_earlier_ones() -> None:
+    """The order in which the files are listed; none calls one behind it, so that there is no circle."""
     heads = [(head, path.name) for path in FILES for head, _ in functions_of(path)]
     home = {head.split()[-1].lstrip("*"): name for head, name in heads if not head.startswith("static")}
     assert {"kernel_step", "integrate", "modes_margin", "fmi2DoStep", "face_get"} <= set(home)
-    called = {
-        path.name: {home[word] for word in re.findall(r"\w+(?=\()", code_of(path)) if word in home} - {path.name}
-        for path in FILES
-    }
-    order = list(TopologicalSorter(called).static_order())
-    assert order.index("piecewise.c") < order.index("integrate.c") < order.index("step.c") < order.index("fmi2.c")
+    for path in FILES:
+        for word in re.findall(r"\w+(?=\()", code_of(path)):
+            if word in home:
+                called = home[word]
+                assert RUNTIME_SOURCES.index(called) <= RUNTIME_SOURCES.index(path.name), f"{path.name} calls {word}"
 
 
 def test_faces_see_no_more_than_the_public_header() -> None:
@@ -85,10 +95,10 @@ def python_type(text: str) -> object:
 
 
 def declared() -> dict[str, tuple[object, list[object]]]:
-    """Result and arguments of the functions in kernel.h."""
+    """Result and arguments of the public functions."""
     found: dict[str, tuple[object, list[object]]] = {}
     pattern = r"KERNEL_EXPORT ([\w ]+?\**) ?\b(kernel_\w+)\(([^)]*)\);"
-    for result, name, arguments in re.findall(pattern, code_of(RUNTIME / "kernel.h")):
+    for result, name, arguments in re.findall(pattern, code_of(RUNTIME / "kernel.h") + code_of(RUNTIME / "studies.h")):
         each = [re.sub(r"\w+$", "", " ".join(part.split())) for part in arguments.split(",") if part != "void"]
         found[name] = (python_type(result), [python_type(part) for part in each])
     return found
@@ -107,3 +117,13 @@ def test_python_numbers_statuses_and_counters_as_the_header_does() -> None:
     assert statuses == {name: getattr(kernel, name) for name in ("OK", "WARNING", "DISCARD", "ERROR")}
     [fields] = re.findall(r"long long int ([\w, ]+);\s*\} kernel_counters;", text)
     assert tuple(fields.split(", ")) == kernel.COUNTERS
+
+
+def test_description_of_a_system_has_the_order_of_its_type(bogie_sources: dict[str, str]) -> None:
+    """The members are given by position: one that is out of place would be another one's value."""
+    [body] = re.findall(r"typedef struct \{([^}]*)\} system_description;", code_of(RUNTIME / "model.h"))
+    members = [name for line in body.split(";") for name in re.findall(r"\w+(?=,|$)", line.strip())]
+    entries = re.findall(r"^    \{(/\* name \*/ .*?)\}(?=,?$)", bogie_sources["model.c"], re.M | re.S)
+    assert len(entries) == 3
+    for entry in entries:
+        assert re.findall(r"/\* (\w+) \*/", entry) == members
