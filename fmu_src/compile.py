@@ -84,14 +84,16 @@ def objects_of(sources: Mapping[str, str], flags: Sequence[str], target: str | N
     for name in RUNTIME_HEADERS:
         digest.update((RUNTIME / name).read_bytes())
     kept = CACHE / digest.hexdigest()[:24]
+    objects = {name: Path(name).with_suffix(".o").name for name in sources}
     if not kept.exists():
         with tempfile.TemporaryDirectory() as name:
             folder = Path(name)
             for file, text in sources.items():
                 (folder / file).write_text(text)
-            run([*flags, f"-I{RUNTIME}", f"-I{FMI_HEADERS}", "-c", *sources], target, folder)
-            _keep(folder, [Path(file).with_suffix(".o").name for file in sources], kept)
-    return [kept / Path(file).with_suffix(".o").name for file in sources]
+            for file, made in objects.items():
+                run([*flags, f"-I{RUNTIME}", f"-I{FMI_HEADERS}", "-c", "-o", made, file], target, folder)
+            _keep(folder, list(objects.values()), kept)
+    return [kept / made for made in objects.values()]
 
 
 def _keep(folder: Path, names: Sequence[str], kept: Path) -> None:
@@ -115,8 +117,9 @@ def compile_library(
 ) -> None:
     """Compiles generated sources with the runtime to the shared library `output`. Raises CompilerError.
 
-    fmu: the binary of an FMU, which shows the functions of FMI alone; otherwise a library for kernel.py, which shows those
-    of kernel.h and studies.h. Either calls its own functions, also where the host has loaded others of the same names.
+    fmu: the binary of an FMU, which shows the functions of FMI alone; otherwise a library for kernel.py, which shows
+    those of kernel.h and studies.h. Either calls its own functions, also where the host has loaded others of the same
+    names.
     """
     if target and "windows" in target:
         flags = [flag for flag in flags if flag != "-fPIC"]

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import html
 import struct
+import textwrap
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -46,6 +47,8 @@ STANDARD_HEADERS = {
     2: ("fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),
     3: ("fmi3Functions.h", "fmi3FunctionTypes.h", "fmi3PlatformTypes.h"),
 }
+#: Programs that open an FMU or link it, with places for its names.
+HOSTS = Path(__file__).parent / "hosts"
 #: The one file to compile; it includes the others.
 ONE_UNIT = "all.c"
 
@@ -62,6 +65,7 @@ def build_native_fmu(
     about = model_description(model, guid_of(sources), source_files=[ONE_UNIT])
     binaries = _binaries(model, sources, platforms or [fmpy.platform], PLATFORMS if platforms else {})
     page = {"documentation/index.html": documentation(model, ENDS2).encode()}
+    page["documentation/host.c"] = host(model, guid_of(sources), 2).encode()
     write_archive(path, _contents(model, sources, about, 2) | page | binaries | dict(extras or {}))
 
 
@@ -74,6 +78,7 @@ def build_native_fmu3(
     binaries = _binaries(model, sources, platforms or [fmpy.platform_tuple], PLATFORMS3 if platforms else {})
     build = {"sources/buildDescription.xml": build_description(model).encode()}
     page = {"documentation/index.html": documentation(model, ENDS3).encode()}
+    page["documentation/host.c"] = host(model, guid_of(sources), 3).encode()
     write_archive(path, _contents(model, sources, about, 3) | page | binaries | build | dict(extras or {}))
 
 
@@ -90,8 +95,8 @@ def one_unit(model: Model, names: Sequence[str], version: int) -> str:
     # The model comes first: the others read it, and in one unit it is not declared before.
     files = sorted((name for name in names if name.endswith(".c")), key=lambda name: name != "model.c")
     return (
-        "/* The whole FMU in one unit of C99 or later, or C++. Only the functions of FMI are seen outside. Linked into a\n"
-        f" * program with others they get names of their own: -DFMI{version}_FUNCTION_PREFIX={model.name}_ */\n"
+        "/* The whole FMU in one unit of C99 or later, or C++. Only the functions of FMI are seen outside.\n"
+        f" * A program that links it with others names them apart: -DFMI{version}_FUNCTION_PREFIX={model.name}_ */\n"
         "#define ONE_UNIT\n"
         '#pragma GCC diagnostic ignored "-Wunused-function" /* each face leaves out what the other one needs */\n'
         + "".join(f'#include "{name}"\n' for name in files)
@@ -123,6 +128,21 @@ def build_description(model: Model) -> str:
         f'      <SourceFile name="{ONE_UNIT}"/>\n    </SourceFileSet>\n    <Library name="m"/>\n'
         "  </BuildConfiguration>\n</fmiBuildDescription>\n"
     )
+
+
+def host(model: Model, guid: str, version: int) -> str:
+    """A program in C that runs the FMU, its binary opened or its sources linked."""
+    listed = [(v, number) for number, v in enumerate(model.variables) if v.kind in ("real", "integer")]
+    lists = {}
+    for name, causalities in (("SETTABLE", ("parameter", "input")), ("OUTPUT", ("output",))):
+        entries = [f"{{\"{v.name}\",~{n},~'{v.kind[0]}'}}" for v, n in listed if v.causality in causalities]
+        lines = textwrap.fill(", ".join(entries), 118, initial_indent="    ", subsequent_indent="    ")
+        lists[name] = lines.replace("~", " ")
+    places = {"MODEL": model.name, "GUID": guid} | lists
+    text = (HOSTS / f"host{version}.c").read_text()
+    for place, value in places.items():
+        text = text.replace(f"@{place}@", value)
+    return text
 
 
 def universal(libraries: Mapping[str, bytes]) -> bytes:
@@ -164,5 +184,6 @@ def documentation(model: Model, ends: str) -> str:
         f"<h1>{model.name}</h1>\n<p>{html.escape(model.description)}.</p>\n"
         '<p><img src="picture.png" alt="" style="max-width:100%"></p>\n'
         f"<p>{ends}</p>\n"
+        '<p><a href="host.c">host.c</a> is a program that opens the binary, or links the sources.</p>\n'
         f"<table><tr>{heads}</tr>\n" + "\n".join(rows) + "\n</table></html>\n"
     )
