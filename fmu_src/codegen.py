@@ -17,23 +17,32 @@ from fmu_src.model_description import model_description
 from fmu_src.system import Model, System, integration_variables, state_variable
 
 RUNTIME = Path(__file__).parent / "runtime"
-RUNTIME_SOURCES = (
-    "kernel.c",
-    "integrate.c",
+#: Each calls only those before it; faces belong to FMUs, studies to the library for kernel.py.
+KERNEL_SOURCES = (
+    "message.c",
+    "piecewise.c",
+    "evaluate.c",
+    "variables.c",
+    "linear.c",
     "rosenbrock.c",
+    "algebraic.c",
     "reuse.c",
     "runge_kutta.c",
-    "algebraic.c",
-    "linear.c",
     "modes.c",
-    "piecewise.c",
-    "face.c",
-    "fmi2.c",
-    "fmi3.c",
+    "locate.c",
+    "integrate.c",
+    "initialise.c",
+    "derivatives.c",
+    "step.c",
+    "saved.c",
+    "instance.c",
 )
-RUNTIME_HEADERS = ("kernel.h", "face.h")
+FACE_SOURCES = ("face.c", "fmi2.c", "fmi3.c")
+STUDY_SOURCES = ("study.c", "other_methods.c")
+RUNTIME_SOURCES = (*KERNEL_SOURCES, *FACE_SOURCES, *STUDY_SOURCES)
+RUNTIME_HEADERS = ("model.h", "kernel.h", "internal.h", "studies.h", "face.h", "fmi2Functions.h")
 
-#: Functions of a system in the order of `system_description` in kernel.h.
+#: Functions of a system in the order of `system_description` in model.h.
 FUNCTIONS = (
     "derive",
     "start",
@@ -174,8 +183,20 @@ def _equations(generated: Sequence[dict[str, ca.Function]]) -> str:
         text = (Path(folder) / "equations.c").read_text()
     # CasADi's squares, absolute values and minima are functions; inlined, a right-hand side takes 5 to 14 % less.
     text = re.sub(r"^casadi_real (?=casadi_\w+\()", "static inline casadi_real ", text, flags=re.MULTILINE)
+    text = _without_questions(text, {function.name() for made in generated for function in made.values()})
     # The interface of CasADi has arguments that these functions do not use; everything else stays a warning.
     return '#pragma GCC diagnostic ignored "-Wunused-parameter"\n' + text
+
+
+def _without_questions(text: str, kept: set[str]) -> str:
+    """CasADi's C with the `kept` functions alone: not those about their arguments and sparsity, which the runtime never
+    asks; in plain linkage; and with one meaning in C and C++, which has no __STDC_VERSION__.
+    """
+    function = r"^(?!static)\w[\w* ]*?(\w+)\([^)]*\) ?\{(?:[^\n]*\}|.*?^\})\n+"
+    text = re.sub(function, lambda m: m[0] if m[1] in kept else "", text, flags=re.MULTILINE | re.DOTALL)
+    text = re.sub(r"^(static const casadi_int|#define) casadi_s\d+\b.*\n", "", text, flags=re.MULTILINE)
+    text = re.sub(r'#ifdef __cplusplus\n.*extern "C".*\n#endif\n', "", text)
+    return re.sub(r"/\* Pre-c99 .*\n#if .*\n.*\n#else\n(.*\n)#endif\n", r"\1", text)
 
 
 def _number(value: float) -> str:
@@ -247,6 +268,7 @@ def _system_arrays(model: Model, system: System) -> Iterable[str]:
 
 
 def _system_entry(system: System, made: dict[str, ca.Function]) -> str:
+    """A system_description, its members by position: C++ before 2020 knows no other way."""
     prefix = system.name
     outputs = [variable.name for variable in system.variables if variable.causality == "output"]
     counts = {
@@ -257,46 +279,44 @@ def _system_entry(system: System, made: dict[str, ca.Function]) -> str:
         "parameters": len(system.parameter_symbols),
         "derived": len(system.derived_symbols),
         "frictions": len(system.frictions),
+        "outputs": len(outputs),
         "tables": len(system.tables),
         "table_ranks": _table_ranks(system),
         "table_coefficients": sum(table.symbols.numel() for table in system.tables),
-        "outputs": len(outputs),
         "limits": len(system.largest_changes),
         "ends": len(system.end_conditions),
         "conditions": len(system.end_conditions) + len(system.warnings),
     }
-    fields = [f".name = {_text(system.name)}"]
-    fields += [f".{name} = {count}" for name, count in counts.items()]
-    for name, count in (
-        ("input_variable", "inputs"),
-        ("parameter_variable", "parameters"),
-        ("output_variable", "outputs"),
-        ("state_variable", "states"),
-        ("nominal", "states"),
-        ("order", "states"),
-        ("jacobian_place", "nonzeros"),
-        ("below_start", "states"),
-        ("below", "states"),
-        ("right_start", "states"),
-        ("right", "states"),
-        ("algebraic", "algebraics"),
-        ("limited", "limits"),
-        ("friction", "frictions"),
-        ("table", "tables"),
-        ("table_argument", "tables"),
-        ("sentence", "conditions"),
-    ):
-        if counts[count]:
-            fields.append(f".{name} = {prefix}_{name}")
-    fields += [f".{name} = {prefix}_{name}" for name in FUNCTIONS if name in made]
-    return "    {" + ",\n     ".join(fields) + "}"
+    arrays = {
+        "input_variable": "inputs",
+        "parameter_variable": "parameters",
+        "output_variable": "outputs",
+        "state_variable": "states",
+        "nominal": "states",
+        "order": "states",
+        "jacobian_place": "nonzeros",
+        "below_start": "states",
+        "below": "states",
+        "right_start": "states",
+        "right": "states",
+        "algebraic": "algebraics",
+        "limited": "limits",
+        "friction": "frictions",
+        "table": "tables",
+        "sentence": "conditions",
+    }
+    fields = {"name": _text(system.name)} | {name: str(count) for name, count in counts.items()}
+    fields |= {name: f"{prefix}_{name}" if counts[count] else "0" for name, count in arrays.items()}
+    fields |= {name: f"{prefix}_{name}" if name in made else "0" for name in FUNCTIONS}
+    fields["table_argument"] = f"{prefix}_table_argument" if counts["tables"] else "0"
+    return "    {" + ",\n     ".join(f"/* {name} */ {value}" for name, value in fields.items()) + "}"
 
 
 def _description(model: Model, generated: Sequence[dict[str, ca.Function]]) -> str:
-    lines = ["#include <math.h>", '#include "kernel.h"', ""]
+    lines = ["#include <math.h>", '#include "model.h"', ""]
     for made in generated:
         for function in made.values():
-            lines.append(f"int {function.name()}(const double **, double **, long long int *, double *, int);")
+            lines.append(f"INSIDE int {function.name()}(const double **, double **, long long int *, double *, int);")
     for system in model.systems:
         lines += [line for line in _system_arrays(model, system) if line]
     lines.append("static const variable_description VARIABLE[] = {")
@@ -312,7 +332,7 @@ def _description(model: Model, generated: Sequence[dict[str, ca.Function]]) -> s
     integration = ", ".join(str(model.index(variable.name)) for variable in integration_variables(1e-6))
     lines += [
         "};",
-        f"const model_description MODEL = {{{_text(model.name)}, {_text('@GUID@')}, {len(model.variables)}, "
+        f"INSIDE const model_description MODEL = {{{_text(model.name)}, {_text('@GUID@')}, {len(model.variables)}, "
         f"{len(model.systems)}, {selector}, {integration}, VARIABLE, SYSTEM}};",
         "",
     ]

@@ -14,7 +14,15 @@ from pathlib import Path
 import fmpy
 import platformdirs
 
-from fmu_src.codegen import RUNTIME, RUNTIME_HEADERS, RUNTIME_SOURCES, generate
+from fmu_src.codegen import (
+    FACE_SOURCES,
+    KERNEL_SOURCES,
+    RUNTIME,
+    RUNTIME_HEADERS,
+    RUNTIME_SOURCES,
+    STUDY_SOURCES,
+    generate,
+)
 from fmu_src.system import Model
 
 #: Where compiled kernels and FMUs are kept between runs, in the user's folder for such things unless the environment
@@ -59,47 +67,94 @@ def library_suffix() -> str:
     return {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 
 
+def run(command: Sequence[str], target: str | None, folder: Path) -> None:
+    """Runs a command of the compiler in a folder. Raises CompilerError."""
+    environment = os.environ | {
+        "ZIG_GLOBAL_CACHE_DIR": os.environ.get("ZIG_GLOBAL_CACHE_DIR", str(CACHE / "zig")),
+        "ZIG_LOCAL_CACHE_DIR": str(folder / "zig"),
+    }
+    done = subprocess.run([*compiler(target), *command], cwd=folder, env=environment, capture_output=True, text=True)
+    if done.returncode != 0:
+        raise CompilerError(f"The C compiler ({' '.join(compiler(target))}) failed:\n{done.stderr}")
+
+
+def objects_of(sources: Mapping[str, str], flags: Sequence[str], target: str | None = None) -> list[Path]:
+    """Object files of C files that include the runtime's headers, compiled now unless the cache has them."""
+    digest = hashlib.sha256("\n".join([*compiler(target), *flags]).encode())
+    for name in sorted(sources):
+        digest.update(sources[name].encode())
+    for name in RUNTIME_HEADERS:
+        digest.update((RUNTIME / name).read_bytes())
+    kept = CACHE / digest.hexdigest()[:24]
+    objects = {name: Path(name).with_suffix(".o").name for name in sources}
+    if not kept.exists():
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            for file, text in sources.items():
+                (folder / file).write_text(text)
+            for file, made in objects.items():
+                run([*flags, f"-I{RUNTIME}", f"-I{FMI_HEADERS}", "-c", "-o", made, file], target, folder)
+            _keep(folder, list(objects.values()), kept)
+    return [kept / made for made in objects.values()]
+
+
+def _keep(folder: Path, names: Sequence[str], kept: Path) -> None:
+    """Copies files into the cache as a folder that is there as a whole or not at all."""
+    partial = kept.with_name(f"{kept.name}.{os.getpid()}")
+    partial.mkdir(parents=True)
+    for name in names:
+        shutil.copyfile(folder / name, partial / name)
+    try:
+        partial.rename(kept)
+    except OSError:  # another process was faster
+        shutil.rmtree(partial)
+
+
 def compile_library(
-    sources: Mapping[str, str], output: Path, flags: Sequence[str] = FLAGS, target: str | None = None
+    sources: Mapping[str, str],
+    output: Path,
+    flags: Sequence[str] = FLAGS,
+    target: str | None = None,
+    fmu: bool = False,
 ) -> None:
-    """Compiles generated sources with the runtime to the shared library `output`. Raises CompilerError."""
+    """Compiles generated sources with the runtime to the shared library `output`. Raises CompilerError.
+
+    fmu: the binary of an FMU, which shows the functions of FMI alone; otherwise a library for kernel.py, which shows
+    those of kernel.h and studies.h. Either calls its own functions, also where the host has loaded others of the same
+    names.
+    """
     if target and "windows" in target:
         flags = [flag for flag in flags if flag != "-fPIC"]
+    names, shown = (FACE_SOURCES, []) if fmu else (STUDY_SOURCES, ["-DKERNEL_LIBRARY"])
+    runtime = {name: (RUNTIME / name).read_text() for name in (*KERNEL_SOURCES, *names)}
+    objects = objects_of(sources, [*flags, OPTIMISE_GENERATED], target)
+    objects += objects_of(runtime, [*flags, *shown, OPTIMISE_RUNTIME], target)
+    elf = "linux" in (target or sys.platform)
+    bound = ["-Wl,-Bsymbolic"] if elf else []  # the other formats bind inside by themselves
     with tempfile.TemporaryDirectory() as folder:
-        for name, text in sources.items():
-            (Path(folder) / name).write_text(text)
-        common = [*compiler(target), *flags, f"-I{RUNTIME}", f"-I{FMI_HEADERS}"]
-        runtime = [str(RUNTIME / name) for name in RUNTIME_SOURCES]
-        objects = {name: str(Path(name).with_suffix(".o")) for name in sources}
-        commands = [[*common, OPTIMISE_GENERATED, "-c", "-o", made, name] for name, made in objects.items()]
-        commands.append([*common, OPTIMISE_RUNTIME, "-shared", "-o", "library", *objects.values(), *runtime, "-lm"])
-        environment = os.environ | {
-            "ZIG_GLOBAL_CACHE_DIR": os.environ.get("ZIG_GLOBAL_CACHE_DIR", str(CACHE / "zig")),
-            "ZIG_LOCAL_CACHE_DIR": str(Path(folder) / "zig"),
-        }
-        for command in commands:
-            done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
-            if done.returncode != 0:
-                raise CompilerError(f"The C compiler ({' '.join(compiler(target))}) failed:\n{done.stderr}")
+        run([*flags, "-shared", *bound, "-o", "library", *map(str, objects), "-lm"], target, Path(folder))
         output.parent.mkdir(parents=True, exist_ok=True)
         partial = output.with_name(f"{output.name}.{os.getpid()}")
         shutil.copyfile(Path(folder) / "library", partial)
         partial.replace(output)
 
 
-def library_of(sources: Mapping[str, str], flags: Sequence[str] = FLAGS, target: str | None = None) -> Path:
-    """Path of the compiled library of these sources, compiled now unless the cache has it."""
-    digest = hashlib.sha256(" ".join([*compiler(target), *flags, OPTIMISE_GENERATED, OPTIMISE_RUNTIME]).encode())
+def library_of(
+    sources: Mapping[str, str], flags: Sequence[str] = FLAGS, target: str | None = None, fmu: bool = False
+) -> Path:
+    """Path of the compiled library of these sources, compiled now unless the cache has it; see compile_library."""
+    words = [*compiler(target), *flags, OPTIMISE_GENERATED, OPTIMISE_RUNTIME, str(fmu)]
+    digest = hashlib.sha256(" ".join(words).encode())
     for name in sorted(sources):
         digest.update(sources[name].encode())
     for name in (*RUNTIME_SOURCES, *RUNTIME_HEADERS):
         digest.update((RUNTIME / name).read_bytes())
     path = CACHE / f"{digest.hexdigest()[:24]}{library_suffix()}"
     if not path.exists():
-        compile_library(sources, path, flags, target)
+        compile_library(sources, path, flags, target, fmu)
     return path
 
 
 def build_library(model: Model) -> Path:
-    """Compiled kernel of a model."""
+    """Compiled kernel of a model, for kernel.py."""
     return library_of(generate(model))

@@ -7,13 +7,14 @@ from __future__ import annotations
 
 import html
 import struct
+import textwrap
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import fmpy
 
 from fmu_src.archive import write_archive
-from fmu_src.codegen import RUNTIME, RUNTIME_HEADERS, RUNTIME_SOURCES, generate, guid_of
+from fmu_src.codegen import KERNEL_SOURCES, RUNTIME, generate, guid_of
 from fmu_src.compile import FMI_HEADERS, library_of, library_suffix
 from fmu_src.model_description import model_description
 from fmu_src.model_description3 import model_description3
@@ -37,10 +38,19 @@ PLATFORMS3: dict[str, tuple[tuple[str, ...], str]] = {
 }
 #: Of Mach-O files: CPU type and subtype by target.
 MACHINES = {"x86_64-macos": (0x01000007, 3), "aarch64-macos": (0x0100000C, 0)}
-FMI_HEADER_FILES = (
-    *("fmi2Functions.h", "fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),
-    *("fmi3Functions.h", "fmi3FunctionTypes.h", "fmi3PlatformTypes.h"),
-)
+#: What sources/ hold besides the generated files, by version of FMI. FMPy's fmi2Functions.h is without the prefix.
+SOURCES = {
+    2: (*KERNEL_SOURCES, "face.c", "fmi2.c", "model.h", "kernel.h", "internal.h", "face.h", "fmi2Functions.h"),
+    3: (*KERNEL_SOURCES, "face.c", "fmi3.c", "model.h", "kernel.h", "internal.h", "face.h"),
+}
+STANDARD_HEADERS = {
+    2: ("fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),
+    3: ("fmi3Functions.h", "fmi3FunctionTypes.h", "fmi3PlatformTypes.h"),
+}
+#: Programs that open an FMU or link it, with places for its names.
+HOSTS = Path(__file__).parent / "hosts"
+#: The one file to compile; it includes the others.
+ONE_UNIT = "all.c"
 
 
 def build_native_fmu(
@@ -52,10 +62,11 @@ def build_native_fmu(
     more files by their names in the archive. Raises CompilerError.
     """
     sources = generate(model)
-    about = model_description(model, guid_of(sources), source_files=[*sources, *RUNTIME_SOURCES])
+    about = model_description(model, guid_of(sources), source_files=[ONE_UNIT])
     binaries = _binaries(model, sources, platforms or [fmpy.platform], PLATFORMS if platforms else {})
     page = {"documentation/index.html": documentation(model, ENDS2, PICTURE in (extras or {})).encode()}
-    write_archive(path, _contents(sources, about) | page | binaries | dict(extras or {}))
+    page["documentation/host.c"] = host(model, guid_of(sources), 2).encode()
+    write_archive(path, _contents(model, sources, about, 2) | page | binaries | dict(extras or {}))
 
 
 def build_native_fmu3(
@@ -65,19 +76,31 @@ def build_native_fmu3(
     sources = generate(model)
     about = model_description3(model, guid_of(sources))
     binaries = _binaries(model, sources, platforms or [fmpy.platform_tuple], PLATFORMS3 if platforms else {})
-    names = [*sources, *RUNTIME_SOURCES]
-    build = {"sources/buildDescription.xml": build_description(model, names).encode()}
+    build = {"sources/buildDescription.xml": build_description(model).encode()}
     page = {"documentation/index.html": documentation(model, ENDS3, PICTURE in (extras or {})).encode()}
-    write_archive(path, _contents(sources, about) | page | binaries | build | dict(extras or {}))
+    page["documentation/host.c"] = host(model, guid_of(sources), 3).encode()
+    write_archive(path, _contents(model, sources, about, 3) | page | binaries | build | dict(extras or {}))
 
 
-def _contents(sources: Mapping[str, str], about: str) -> dict[str, bytes]:
-    return {
-        "modelDescription.xml": about.encode(),
-        **{f"sources/{name}": text.encode() for name, text in sources.items()},
-        **{f"sources/{name}": (RUNTIME / name).read_bytes() for name in (*RUNTIME_SOURCES, *RUNTIME_HEADERS)},
-        **{f"sources/{name}": (FMI_HEADERS / name).read_bytes() for name in FMI_HEADER_FILES},
-    }
+def _contents(model: Model, sources: Mapping[str, str], about: str, version: int) -> dict[str, bytes]:
+    files = {name: text.encode() for name, text in sources.items()}
+    files |= {name: (RUNTIME / name).read_bytes() for name in SOURCES[version]}
+    files |= {name: (FMI_HEADERS / name).read_bytes() for name in STANDARD_HEADERS[version]}
+    files[ONE_UNIT] = one_unit(model, [*sources, *SOURCES[version]], version).encode()
+    return {"modelDescription.xml": about.encode()} | {f"sources/{name}": data for name, data in files.items()}
+
+
+def one_unit(model: Model, names: Sequence[str], version: int) -> str:
+    """C that makes one unit of the files, so that nothing but the functions of FMI has a name outside."""
+    # The model comes first: the others read it, and in one unit it is not declared before.
+    files = sorted((name for name in names if name.endswith(".c")), key=lambda name: name != "model.c")
+    return (
+        "/* The whole FMU in one unit of C99 or later, or C++. Only the functions of FMI are seen outside.\n"
+        f" * A program that links it with others names them apart: -DFMI{version}_FUNCTION_PREFIX={model.name}_ */\n"
+        "#define ONE_UNIT\n"
+        '#pragma GCC diagnostic ignored "-Wunused-function" /* each face leaves out what the other one needs */\n'
+        + "".join(f'#include "{name}"\n' for name in files)
+    )
 
 
 def _binaries(
@@ -90,21 +113,36 @@ def _binaries(
     found = {}
     for name in platforms:
         targets, suffix = known.get(name, ((), library_suffix()))
-        libraries = {target: library_of(sources, target=target).read_bytes() for target in targets}
-        libraries = libraries or {"own": library_of(sources).read_bytes()}
+        libraries = {target: library_of(sources, target=target, fmu=True).read_bytes() for target in targets}
+        libraries = libraries or {"own": library_of(sources, fmu=True).read_bytes()}
         binary = universal(libraries) if len(libraries) > 1 else next(iter(libraries.values()))
         found[f"binaries/{name}/{model.name}{suffix}"] = binary
     return found
 
 
-def build_description(model: Model, names: Sequence[str]) -> str:
+def build_description(model: Model) -> str:
     """How sources/ are compiled, FMI 3.0."""
-    files = "\n".join(f'      <SourceFile name="{name}"/>' for name in names)
     return (
         '<?xml version="1.0" encoding="UTF-8"?>\n<fmiBuildDescription fmiVersion="3.0">\n'
-        f'  <BuildConfiguration modelIdentifier="{model.name}">\n    <SourceFileSet language="C11">\n{files}\n'
-        '    </SourceFileSet>\n    <Library name="m"/>\n  </BuildConfiguration>\n</fmiBuildDescription>\n'
+        f'  <BuildConfiguration modelIdentifier="{model.name}">\n    <SourceFileSet language="C99">\n'
+        f'      <SourceFile name="{ONE_UNIT}"/>\n    </SourceFileSet>\n    <Library name="m"/>\n'
+        "  </BuildConfiguration>\n</fmiBuildDescription>\n"
     )
+
+
+def host(model: Model, guid: str, version: int) -> str:
+    """A program in C that runs the FMU, its binary opened or its sources linked."""
+    listed = [(v, number) for number, v in enumerate(model.variables) if v.kind in ("real", "integer")]
+    lists = {}
+    for name, causalities in (("SETTABLE", ("parameter", "input")), ("OUTPUT", ("output",))):
+        entries = [f"{{\"{v.name}\",~{n},~'{v.kind[0]}'}}" for v, n in listed if v.causality in causalities]
+        lines = textwrap.fill(", ".join(entries), 118, initial_indent="    ", subsequent_indent="    ")
+        lists[name] = lines.replace("~", " ")
+    places = {"MODEL": model.name, "GUID": guid} | lists
+    text = (HOSTS / f"host{version}.c").read_text()
+    for place, value in places.items():
+        text = text.replace(f"@{place}@", value)
+    return text
 
 
 def universal(libraries: Mapping[str, bytes]) -> bytes:
@@ -150,5 +188,6 @@ def documentation(model: Model, ends: str, picture: bool = False) -> str:
         f"<h1>{model.name}</h1>\n<p>{html.escape(model.description)}.</p>\n"
         + ('<p><img src="picture.png" alt="" style="max-width:100%"></p>\n' if picture else "")
         + f"<p>{ends}</p>\n"
+        '<p><a href="host.c">host.c</a> is a program that opens the binary, or links the sources.</p>\n'
         f"<table><tr>{heads}</tr>\n" + "\n".join(rows) + "\n</table></html>\n"
     )

@@ -18,7 +18,7 @@ import numpy as np
 Kind = Literal["real", "integer", "boolean"]
 Causality = Literal["parameter", "input", "output", "local"]
 
-#: Arguments of every generated function, in the order of the C runtime (kernel.h).
+#: Arguments of every generated function, in the order of the C runtime (model.h).
 ARGUMENTS = ("time", "states", "inputs", "input_rates", "parameters", "derived", "modes", "tables")
 
 

@@ -1,8 +1,7 @@
 /* Algebraic states: solved for where a step starts, and eliminated for methods and studies that know none. */
 #include <math.h>
-#include <string.h>
 
-#include "kernel.h"
+#include "internal.h"
 
 enum { MAXIMUM_NEWTON_STEPS = 20 };
 /* Scaled corrections of Newton's method below which no further progress is round-off and not divergence. */
@@ -11,8 +10,6 @@ static const double ROUND_OFF = 1e-9;
 static const double ROUND_OFF_FOLLOWING = 1e-11;
 /* A correction that shrinks less than this from one step to the next asks for a new Jacobian. */
 static const double SLOW = 0.1;
-/* Scaled change of algebraic states below which another method sees no noise. */
-static const double SOLVED = 1e-13;
 
 /* Solves for the correction of the algebraic states with the factors at hand; its largest entry in nominal values. */
 static double find_correction(kernel *self, const factors *of, double *correction) {
@@ -99,73 +96,4 @@ int algebraic_reduce(kernel *self, double offset, double *jacobian) {
         ++column;
     }
     return 1;
-}
-
-/* ---- the equations for other methods ---------------------------------------------------------------------------- */
-
-/* Takes the state to a place; *offset is its time since the kernel's own, from where ramps of inputs go on. */
-static int move_to(kernel *self, double time, const double *place, double *offset) {
-    if (!self->system) return kernel_fail(self, KERNEL_ERROR, "Initialise %s before its equations.", MODEL.name);
-    for (int i = 0, k = 0; i < self->system->states; ++i)
-        if (self->differential[i] != 0.0) self->state[i] = place[k++];
-    self->step_origin = self->now.time;
-    *offset = time - self->now.time;
-    self->now.outputs_stale = 1;
-    kernel_gather_inputs(self);
-    memcpy(self->trial, self->state, (size_t)self->system->states * sizeof(double));
-    if (algebraic_find(self, *offset, self->state, SOLVED)) return KERNEL_OK;
-    memcpy(self->state, self->trial, (size_t)self->system->states * sizeof(double));
-    return kernel_fail(self, KERNEL_ERROR, "The algebraic equations have no solution near t = %.9g s.", time);
-}
-
-static void copy_differential(const kernel *self, const double *all, double *some) {
-    for (int i = 0, k = 0; i < self->system->states; ++i)
-        if (self->differential[i] != 0.0) some[k++] = all[i];
-}
-
-int kernel_slopes_at(kernel *self, double time, const double *place, double *slope, double *jacobian) {
-    double offset;
-    const int status = move_to(self, time, place, &offset);
-    if (status != KERNEL_OK) return status;
-    copy_differential(self, self->slope, slope);
-    if (jacobian && !algebraic_reduce(self, offset, jacobian))
-        return kernel_fail(self, KERNEL_ERROR, "The equations have no Jacobian at t = %.9g s.", time);
-    return KERNEL_OK;
-}
-
-int kernel_equations_at(kernel *self, double time, const double *state, double *slope, double *jacobian) {
-    if (!self->system) return kernel_fail(self, KERNEL_ERROR, "Initialise %s before its equations.", MODEL.name);
-    const int n = self->system->states;
-    const double offset = time - self->now.time;
-    self->step_origin = self->now.time;
-    kernel_gather_inputs(self);
-    kernel_evaluate(self, self->system->ode, offset, state, slope);
-    self->counters.right_hand_sides++;
-    if (!jacobian) return KERNEL_OK;
-    rosenbrock_linearise(self, offset, state);
-    for (int i = 0; i < n; ++i)
-        for (int j = 0; j < n; ++j) jacobian[i * n + j] = self->jacobian[self->place[j] * n + self->place[i]];
-    return KERNEL_OK;
-}
-
-int kernel_margin_at(kernel *self, double time, const double *place, double *margin) {
-    double offset;
-    const int status = move_to(self, time, place, &offset);
-    if (status == KERNEL_OK) *margin = modes_margin(self, offset, self->state);
-    return status;
-}
-
-int kernel_arrive(kernel *self, double time, double *place, int crossed) {
-    double offset;
-    const int status = move_to(self, time, place, &offset);
-    if (status != KERNEL_OK) return status;
-    const double margin = modes_margin(self, offset, self->state);
-    if (margin < 0.0 || crossed) self->now.ended = modes_switch(self, offset, margin);
-    for (int i = 0; i < self->system->inputs; ++i) {
-        const int variable = self->system->input_variable[i];
-        self->value[variable] += offset * self->input_rate[variable];
-    }
-    self->now.time = time;
-    copy_differential(self, self->state, place);
-    return KERNEL_OK;
 }

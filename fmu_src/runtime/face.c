@@ -61,11 +61,11 @@ int face_log(component *self, int logging, size_t count, const char *const categ
 
 component *face_instantiate(const component *log, const char *name, const char *token, int logging) {
     if (!name) return NULL;
-    component *self = calloc(1, sizeof *self);
+    component *self = (component *)calloc(1, sizeof *self);
     if (!self) return NULL;
     *self = *log;
     self->logged = logging ? EVERYTHING : 0;
-    self->name = malloc(strlen(name) + 1);
+    self->name = (char *)malloc(strlen(name) + 1);
     if (self->name) strcpy(self->name, name);
     self->machine = kernel_create();
     self->now = INSTANTIATED;
@@ -146,7 +146,7 @@ size_t face_saved_size(const component *self) { return sizeof(saved_header) + ke
 
 /* FNV-1a, 64 bits. */
 static unsigned long long hash_of(unsigned long long hash, const void *bytes, size_t size) {
-    const unsigned char *byte = bytes;
+    const unsigned char *byte = (const unsigned char *)bytes;
     for (size_t i = 0; i < size; ++i) hash = (hash ^ byte[i]) * 1099511628211ull;
     return hash;
 }

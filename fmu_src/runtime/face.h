@@ -23,29 +23,29 @@ typedef struct component {
 } component;
 
 /* A new instance, or null after `tell` has said why. The caller fills in the fields of the log first. */
-component *face_instantiate(const component *log, const char *name, const char *token, int logging);
-void face_free(component *self);
-int face_log(component *self, int logging, size_t count, const char *const categories[]);
-int face_error(const component *self, const char *sentence);
+INSIDE component *face_instantiate(const component *log, const char *name, const char *token, int logging);
+INSIDE void face_free(component *self);
+INSIDE int face_log(component *self, int logging, size_t count, const char *const categories[]);
+INSIDE int face_error(const component *self, const char *sentence);
 /* Passes the kernel's journal on to the host and returns `status` unchanged. */
-int face_report(component *self, int status);
-int face_legal(const component *self, int phases, const char *function);
+INSIDE int face_report(component *self, int status);
+INSIDE int face_legal(const component *self, int phases, const char *function);
 /* What is asked for during initialisation belongs to the values set so far. */
-int face_initialise_if_asked(component *self);
-int face_get(component *self, unsigned reference, int kind, double *value);
-int face_set(component *self, unsigned reference, int kind, double value);
-int face_set_rate(component *self, unsigned reference, double rate);
-int face_terminate(component *self);
-int face_reset(component *self);
-size_t face_saved_size(const component *self);
-int face_save(component *self, void **state);
-int face_restore(component *self, const void *state);
-int face_serialise(component *self, const void *state, void *bytes, size_t size);
-int face_deserialise(component *self, const void *bytes, size_t size, void **state);
+INSIDE int face_initialise_if_asked(component *self);
+INSIDE int face_get(component *self, unsigned reference, int kind, double *value);
+INSIDE int face_set(component *self, unsigned reference, int kind, double value);
+INSIDE int face_set_rate(component *self, unsigned reference, double rate);
+INSIDE int face_terminate(component *self);
+INSIDE int face_reset(component *self);
+INSIDE size_t face_saved_size(const component *self);
+INSIDE int face_save(component *self, void **state);
+INSIDE int face_restore(component *self, const void *state);
+INSIDE int face_serialise(component *self, const void *state, void *bytes, size_t size);
+INSIDE int face_deserialise(component *self, const void *bytes, size_t size, void **state);
 
 /* STATUS is the type of the standard. */
-#define REQUIRE(instance, phases, function) \
-    component *self = instance;             \
+#define REQUIRE(instance, phases, function)  \
+    component *self = (component *)instance; \
     if (!face_legal(self, phases, function)) return (STATUS)KERNEL_ERROR
 
 #endif

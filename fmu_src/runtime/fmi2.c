@@ -1,5 +1,6 @@
 /* The FMI 2.0 co-simulation face of a kernel. */
 #include <stdlib.h>
+#include <string.h>
 
 #include "face.h"
 #include "fmi2Functions.h"
@@ -33,11 +34,13 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
     (void)fmuResourceLocation;
     (void)visible;
     if (!functions) return NULL;
-    const component log = {.name = (char *)instanceName,
-                           .standard = "FMI 2.0, section 4.2.4",
-                           .tell = tell,
-                           .logger = (void (*)(void))functions->logger,
-                           .environment = functions->componentEnvironment};
+    component log;
+    memset(&log, 0, sizeof log);
+    log.name = (char *)instanceName;
+    log.standard = "FMI 2.0, section 4.2.4";
+    log.tell = tell;
+    log.logger = (void (*)(void))functions->logger;
+    log.environment = functions->componentEnvironment;
     if (fmuType != fmi2CoSimulation) {
         if (instanceName && log.logger) (void)face_error(&log, "Only co-simulation is supported.");
         return NULL;
@@ -45,7 +48,7 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
     return face_instantiate(&log, instanceName, fmuGUID, loggingOn);
 }
 
-void fmi2FreeInstance(fmi2Component c) { face_free(c); }
+void fmi2FreeInstance(fmi2Component c) { face_free((component *)c); }
 
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fmi2Real tolerance, fmi2Real startTime,
                                fmi2Boolean stopTimeDefined, fmi2Real stopTime) {

@@ -2,6 +2,7 @@
  * the time. With earlyReturnAllowed a step ends where a wheelset locks or turns again, and where the run ends. */
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "face.h"
 #include "fmi3Functions.h"
@@ -29,11 +30,13 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
                                          fmi3IntermediateUpdateCallback intermediateUpdate) {
     (void)resourcePath, (void)visible, (void)eventModeUsed, (void)requiredIntermediateVariables;
     (void)nRequiredIntermediateVariables, (void)intermediateUpdate;
-    const component log = {.name = (char *)instanceName,
-                           .standard = "FMI 3.0, section 4.2.1",
-                           .tell = tell,
-                           .logger = (void (*)(void))logMessage,
-                           .environment = instanceEnvironment};
+    component log;
+    memset(&log, 0, sizeof log);
+    log.name = (char *)instanceName;
+    log.standard = "FMI 3.0, section 4.2.1";
+    log.tell = tell;
+    log.logger = (void (*)(void))logMessage;
+    log.environment = instanceEnvironment;
     component *self = face_instantiate(&log, instanceName, instantiationToken, loggingOn);
     if (self) kernel_stop_at_events(self->machine, earlyReturnAllowed);
     return self;
@@ -63,7 +66,7 @@ fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3Stri
     return only_co_simulation(logMessage, instanceEnvironment);
 }
 
-void fmi3FreeInstance(fmi3Instance instance) { face_free(instance); }
+void fmi3FreeInstance(fmi3Instance instance) { face_free((component *)instance); }
 
 fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean toleranceDefined, fmi3Float64 tolerance,
                                        fmi3Float64 startTime, fmi3Boolean stopTimeDefined, fmi3Float64 stopTime) {
@@ -246,7 +249,7 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
     if (self->last_step == KERNEL_DISCARD) self->now = STOPPED;
     face_report(self, self->last_step);
     /* Reaching the end is a success where the host allows an early return; a step beyond it is not. */
-    const int success = self->last_step == KERNEL_DISCARD && first_end && self->machine->stops_at_events;
+    const int success = self->last_step == KERNEL_DISCARD && first_end && kernel_stops_at_events(self->machine);
     return success ? fmi3OK : (fmi3Status)self->last_step;
 }
 

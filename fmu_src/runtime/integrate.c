@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "kernel.h"
+#include "internal.h"
 
 static const long long int MAXIMUM_TRIALS = 5000000; /* of one kernel_step; a run that needs more is stuck */
 static const int MAXIMUM_SWITCHES = 1000;            /* beyond the steps that end without one; more is chatter */
@@ -14,14 +14,6 @@ static const double SHORT = 0.25;
 static const double SHORT_ERROR = 0.3;
 /* Short steps that go to the default method after one with a kept Jacobian failed. */
 enum { PAUSE = 16 };
-
-double integrate_try(kernel *self, double offset, double size) {
-    switch (self->method) {
-        case METHOD_REUSED: return reuse_try(self, offset, size);
-        case METHOD_EXPLICIT: return runge_kutta_try(self, offset, size);
-        default: return rosenbrock_try(self, offset, size);
-    }
-}
 
 /* ---- between the steps ----------------------------------------------------------------------------------------- */
 

@@ -1,7 +1,7 @@
 /* Linear equations of a step: LU factors of I/(gamma h) - J, and of the part of J that belongs to the algebraic states. */
 #include <math.h>
 
-#include "kernel.h"
+#include "internal.h"
 
 /* Largest ratio of a column's entries to the diagonal one at which the diagonal still serves as the pivot. The rows have
  * different units, so only a diagonal that is next to nothing is refused. */

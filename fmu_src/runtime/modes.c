@@ -6,10 +6,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "kernel.h"
-
-enum { MAXIMUM_LOCATION_STEPS = 60 };
-static const double LOCATED = 1e-10; /* scaled margin at which a switch counts as located */
+#include "internal.h"
 
 static double direction_of(double velocity, double drive, double capacity) {
     if (capacity <= 0.0) return 1.0; /* no friction: the direction multiplies zero */
@@ -67,37 +64,6 @@ double modes_margin(kernel *self, double offset, const double *state) {
     for (int i = 0; i < system->frictions + system->ends; ++i)
         if (!(self->margin[i] >= smallest)) smallest = self->margin[i];
     return smallest;
-}
-
-/* Shortens a step that crosses a switch: returns the length at which the first margin has just turned negative.
- * Illinois variant of the secant rule; the step itself is repeated, so the state is that of the method, not of an
- * interpolation. It is the right end of the bracket that is kept. */
-double modes_locate(kernel *self, double offset, double size) {
-    double left = 0.0, right = size;
-    double at_left = modes_margin(self, offset, self->state);
-    double at_right = modes_margin(self, offset + size, self->trial);
-    double left_weight = 1.0, right_weight = 1.0;
-    if (!(at_left > 0.0)) at_left = 0.0;
-    for (int count = 0; count < MAXIMUM_LOCATION_STEPS && at_right < -LOCATED && right - left > 1e-12 * size; ++count) {
-        const double down = right_weight * at_right, up = left_weight * at_left;
-        double middle = right - down * (right - left) / (down - up);
-        if (!(middle > left && middle < right)) middle = 0.5 * (left + right);
-        (void)integrate_try(self, offset, middle);
-        const double at_middle = modes_margin(self, offset + middle, self->trial);
-        if (at_middle >= 0.0) {
-            left = middle;
-            at_left = at_middle;
-            left_weight = 1.0;
-            right_weight *= 0.5;
-        } else {
-            right = middle;
-            at_right = at_middle;
-            right_weight = 1.0;
-            left_weight *= 0.5;
-        }
-    }
-    (void)integrate_try(self, offset, right);
-    return right;
 }
 
 /* After a located step: switches what crossed, that is what has a margin below 0 or as small as `least`, which another

@@ -1,5 +1,5 @@
 /* Piecewise polynomials: the look-up stays outside the generated functions, which see coefficients only. */
-#include "kernel.h"
+#include "internal.h"
 
 static int piece_of(const table_description *table, double argument) {
     const double first = table->breakpoint[0], last = table->breakpoint[table->pieces];

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "kernel.h"
+#include "internal.h"
 
 enum { OLDEST = 10 }; /* accepted steps that one Jacobian serves where this is the chosen method */
 

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "kernel.h"
+#include "internal.h"
 
 enum { STAGES = 4, CHECK_EVERY = 32, POWER_STEPS = 24, STEPS_SHOWN = 4 };
 static const double NODE[STAGES] = {0.0, 0.5, 0.5, 1.0}, WEIGHT[STAGES] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
@@ -57,7 +57,7 @@ static double fastest_eigenvalue(kernel *self, double offset) {
         for (int i = 0; i < m; ++i) vector[i] = image[i] / largest;
         if (step >= POWER_STEPS - STEPS_SHOWN) growth *= largest;
     }
-    return pow(growth, 1.0 / STEPS_SHOWN);
+    return pow(growth, 1.0 / (double)STEPS_SHOWN);
 }
 
 int runge_kutta_guard(kernel *self, double offset, double size) {

@@ -1,0 +1,87 @@
+/* Derivatives of outputs, and the linearisation, at the present state. */
+#include <math.h>
+#include <string.h>
+
+#include "internal.h"
+
+/* Derivatives of all outputs along the seed (time, states, inputs), whose algebraic states follow from the residuals. */
+static int differentiate_outputs(kernel *self) {
+    const system_description *system = self->system;
+    double *follow = self->stage[0];
+    if (system->residual_along) {
+        for (int i = 0; i < system->algebraics; ++i) self->seed[1 + system->algebraic[i]] = 0.0;
+        kernel_evaluate(self, system->residual_along, 0.0, self->state, follow);
+        if (!linear_factorise_algebraic(self, &self->algebraic, self->jacobian))
+            return kernel_fail(self, KERNEL_ERROR, "The outputs have no derivatives at t = %.9g s.", self->now.time);
+        linear_solve_algebraic(self, &self->algebraic, follow);
+        for (int i = 0; i < system->algebraics; ++i) self->seed[1 + system->algebraic[i]] = -follow[i];
+    }
+    kernel_evaluate(self, system->output_along, 0.0, self->state, self->output_rate);
+    for (int i = 0; i < system->outputs; ++i)
+        if (!isfinite(self->output_rate[i]))
+            return kernel_fail(self, KERNEL_ERROR, "The output %s has no finite derivative at t = %.9g s.",
+                               MODEL.variable[system->output_variable[i]].name, self->now.time);
+    return KERNEL_OK;
+}
+
+/* Where the derivatives are taken, with an empty seed. */
+static int prepare_derivatives(kernel *self) {
+    if (!self->system)
+        return kernel_fail(self, KERNEL_ERROR, "Initialise %s before asking for derivatives.", MODEL.name);
+    kernel_gather_inputs(self);
+    self->step_origin = self->now.time;
+    rosenbrock_linearise(self, 0.0, self->state);
+    memset(self->seed, 0, (size_t)(1 + self->system->states + self->system->inputs) * sizeof(double));
+    return KERNEL_OK;
+}
+
+/* Copies the derivatives of some outputs; those that the system does not have are constant. */
+static int pick_derivatives(kernel *self, int count, const int *variable, double *result) {
+    for (int i = 0; i < count; ++i) {
+        const int status = kernel_check_reference(self, variable[i]);
+        if (status != KERNEL_OK) return status;
+        const variable_description *description = &MODEL.variable[variable[i]];
+        if (description->causality < CAUSALITY_OUTPUT || description->kind != KIND_REAL)
+            return kernel_fail(self, KERNEL_ERROR, "Only real outputs have derivatives; %s is none.", description->name);
+        result[i] = 0.0;
+        for (int j = 0; j < self->system->states; ++j)
+            if (self->system->state_variable[j] == variable[i]) result[i] = self->seed[1 + j];
+        for (int j = 0; j < self->system->outputs; ++j)
+            if (self->system->output_variable[j] == variable[i]) result[i] = self->output_rate[j];
+    }
+    return KERNEL_OK;
+}
+
+int kernel_get_rates(kernel *self, int count, const int *variable, double *rate) {
+    int status = prepare_derivatives(self);
+    if (status != KERNEL_OK) return status;
+    const system_description *system = self->system;
+    self->seed[0] = 1.0;
+    memcpy(self->seed + 1, self->slope, (size_t)system->states * sizeof(double));
+    for (int i = 0; i < system->inputs; ++i)
+        self->seed[1 + system->states + i] = self->last_rate[system->input_variable[i]];
+    status = differentiate_outputs(self);
+    return status == KERNEL_OK ? pick_derivatives(self, count, variable, rate) : status;
+}
+
+int kernel_get_directional(kernel *self, int unknowns, const int *unknown, int knowns, const int *known,
+                           const double *change, double *result) {
+    int status = prepare_derivatives(self);
+    if (status != KERNEL_OK) return status;
+    const system_description *system = self->system;
+    for (int i = 0; i < knowns; ++i) {
+        status = kernel_check_reference(self, known[i]);
+        if (status != KERNEL_OK) return status;
+        const variable_description *description = &MODEL.variable[known[i]];
+        const int taken = description->causality == CAUSALITY_INPUT || description->causality == CAUSALITY_LOCAL;
+        if (!taken || description->kind != KIND_REAL)
+            return kernel_fail(self, KERNEL_ERROR, "Derivatives are taken by real inputs and states; %s is none.",
+                               description->name);
+        for (int j = 0; j < system->states; ++j)
+            if (system->state_variable[j] == known[i]) self->seed[1 + j] += change[i];
+        for (int j = 0; j < system->inputs; ++j)
+            if (system->input_variable[j] == known[i]) self->seed[1 + system->states + j] += change[i];
+    }
+    status = differentiate_outputs(self);
+    return status == KERNEL_OK ? pick_derivatives(self, unknowns, unknown, result) : status;
+}

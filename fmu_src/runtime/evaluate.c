@@ -1,0 +1,57 @@
+/* Generated functions at a place: with inputs, table pieces and modes as they are there. */
+#include <math.h>
+
+#include "internal.h"
+
+/* Calls a generated function at `offset` seconds after the start of the step, with the inputs and table pieces that the
+ * call before it used: for a second function at the same place. */
+void kernel_call(kernel *self, generated_function function, double offset, const double *state, double **result) {
+    const double time = self->step_origin + offset;
+    const double *argument[ARG_COUNT] = {&time,         state,      self->stage_input, self->rate, self->parameter,
+                                         self->derived, self->mode, self->coefficient, self->seed};
+    function(argument, result, NULL, NULL, 0);
+}
+
+void kernel_look_up(kernel *self, double offset, const double *state) {
+    const system_description *system = self->system;
+    for (int rank = 0; rank < system->table_ranks; ++rank) {
+        kernel_call(self, system->table_argument[rank], offset, state, &self->table_at);
+        tables_look_up(system, rank, self->table_at, self->coefficient);
+    }
+}
+
+void kernel_locate(kernel *self, double offset, const double *state) {
+    for (int i = 0; i < self->system->inputs; ++i) self->stage_input[i] = self->input[i] + offset * self->rate[i];
+    kernel_look_up(self, offset, state);
+}
+
+void kernel_evaluate_again(kernel *self, generated_function function, double offset, const double *state, double *result) {
+    kernel_call(self, function, offset, state, &result);
+}
+
+void kernel_evaluate(kernel *self, generated_function function, double offset, const double *state, double *result) {
+    kernel_locate(self, offset, state);
+    kernel_call(self, function, offset, state, &result);
+}
+
+void kernel_gather_inputs(kernel *self) {
+    for (int i = 0; i < self->system->inputs; ++i) {
+        const int variable = self->system->input_variable[i];
+        self->input[i] = self->value[variable];
+        self->rate[i] = self->input_rate[variable];
+    }
+}
+
+void kernel_compute_outputs(kernel *self, double offset, const double *state) {
+    const system_description *system = self->system;
+    kernel_evaluate(self, system->output, offset, state, self->output);
+    for (int i = 0; i < system->outputs; ++i) self->value[system->output_variable[i]] = self->output[i];
+    for (int i = 0; i < system->states; ++i)
+        if (system->state_variable[i] >= 0) self->value[system->state_variable[i]] = state[i];
+}
+
+const char *kernel_output_not_finite(const kernel *self) {
+    for (int i = 0; i < self->system->outputs; ++i)
+        if (!isfinite(self->output[i])) return MODEL.variable[self->system->output_variable[i]].name;
+    return NULL;
+}

@@ -1,0 +1,70 @@
+/* From parameters to a consistent start. */
+#include <math.h>
+#include <string.h>
+
+#include "internal.h"
+
+static const double FIRST_STEP = 1e-4; /* s; the error control takes over after one step */
+
+void kernel_enter_system(kernel *self) {
+    const system_description *system = self->system = self->now.system < 0 ? NULL : &MODEL.system[self->now.system];
+    if (!system) return;
+    for (int i = 0; i < system->parameters; ++i) self->parameter[i] = self->value[system->parameter_variable[i]];
+    self->method = (int)self->value[MODEL.integration_method];
+    self->factors_serve = self->kept_ready = 0;
+    memset(self->jacobian, 0, (size_t)(system->states * system->states) * sizeof(double));
+    memset(self->kept_jacobian, 0, (size_t)(system->states * system->states) * sizeof(double));
+    for (int i = 0; i < system->states; ++i) {
+        self->differential[i] = 1.0;
+        self->place[system->order[i]] = i;
+    }
+    for (int i = 0; i < system->algebraics; ++i) self->differential[system->algebraic[i]] = 0.0;
+}
+
+int kernel_initialise(kernel *self, double time) {
+    if (!isfinite(time)) return kernel_fail(self, KERNEL_ERROR, "Start at a finite time: %g was given.", time);
+    if (self->value[MODEL.integration_method] == (double)METHOD_EXPLICIT && self->value[MODEL.integration_step] == 0.0)
+        return kernel_fail(self, KERNEL_ERROR,
+                           "Set integration_step above 0 s: integration_method %d, explicit, has no error control that "
+                           "could choose its steps.",
+                           METHOD_EXPLICIT);
+    const int chosen = MODEL.selector < 0 ? 0 : (int)self->value[MODEL.selector] - 1;
+    self->now.system = chosen;
+    kernel_enter_system(self);
+    const system_description *system = self->system;
+    self->now.time = self->step_origin = time;
+    self->now.proposed_step = FIRST_STEP;
+    self->now.kept_steps = -1;
+    self->now.pause = self->now.guard_wait = self->now.switches = 0;
+    self->now.guard_said = 0.0;
+    kernel_gather_inputs(self);
+    if (system->derive) kernel_call(self, system->derive, 0.0, self->state, &self->derived);
+    kernel_evaluate(self, system->start, 0.0, self->state, self->trial);
+    memcpy(self->state, self->trial, (size_t)system->states * sizeof(double));
+    for (int i = 0; i < system->frictions; ++i) self->mode[i] = 1.0;
+    for (int i = 0; i < system->conditions; ++i) self->said[i] = 0.0;
+    rosenbrock_linearise(self, 0.0, self->state);
+    const int solved = algebraic_solve(self, 0.0, self->state, self->value[MODEL.tolerance]);
+    modes_refresh(self, 0.0);
+    kernel_compute_outputs(self, 0.0, self->state);
+    const char *bad = kernel_output_not_finite(self);
+    if (bad || !solved) {
+        kernel_reopen(self);
+        return bad ? kernel_fail(self, KERNEL_ERROR,
+                                 "The output %s is not a finite number at the start; check the parameters it depends on.",
+                                 bad)
+                   : kernel_fail(self, KERNEL_ERROR,
+                                 "The equations have no consistent start at t = %.9g s; check inputs and parameters.",
+                                 time);
+    }
+    self->now.outputs_stale = 0;
+    for (int i = 0; i < MODEL.variables; ++i)
+        if (MODEL.variable[i].causality == CAUSALITY_INPUT) (void)kernel_warn_without_effect(self, i);
+    return KERNEL_OK;
+}
+
+/* Opens the parameters again, all values kept; initialise afterwards. */
+void kernel_reopen(kernel *self) {
+    self->system = NULL;
+    self->now.system = -1;
+}

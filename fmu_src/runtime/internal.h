@@ -1,0 +1,146 @@
+/* The inside of the kernel: what changes during a run, and what the files of the runtime ask of each other. */
+#ifndef INTERNAL_H
+#define INTERNAL_H
+
+#include "kernel.h"
+
+/* What a rollback restores besides the doubles. Plain data. */
+typedef struct {
+    double time;
+    double proposed_step;
+    double kept_time, kept_until, kept_size; /* of the kept Jacobian: when it was taken, how long it serves, its step */
+    double guard_said;           /* what the last warning about fixed steps was about; 0: none yet */
+    int kept_steps;              /* steps that the kept Jacobian has served; -1: there is none */
+    int pause;                   /* short steps before a Jacobian is kept again */
+    int switches;                /* steps that ended in a switch, less those that did not */
+    int guard_wait;              /* steps until the stability of an explicit method is looked at again */
+    int system; /* -1 before initialisation */
+    int ended;  /* 1 + index of the end condition that stopped the run; 0: running */
+    int outputs_stale;
+} kernel_snapshot;
+
+typedef struct {
+    long long int capacity, written;
+    double interval;
+    int columns;
+    const int *variable;
+    double *buffer;
+} kernel_recorder;
+
+enum { JOURNAL_SIZE = 4096 };
+
+/* Values of integration_method. */
+enum { METHOD_EXACT = 1, METHOD_REUSED = 2, METHOD_EXPLICIT = 3 };
+
+enum { KEPT_NOTHING, KEPT_JACOBIAN, KEPT_FACTORS };
+
+/* A matrix by columns and its LU factors, see linear.c. */
+typedef struct {
+    double *matrix, *packed;
+    int *pivot;
+    int size;
+    int exchanged; /* first pivot that was exchanged with another row */
+} factors;
+
+typedef struct rosenbrock_tableau rosenbrock_tableau;
+
+struct kernel {
+    kernel_snapshot now;
+    const system_description *system;
+    /* Restored by a rollback (the first `restored` doubles of `block`). */
+    double *value, *input_rate, *last_rate, *state, *mode, *said, *derived;
+    double *kept_state, *kept_input, *kept_mode; /* where the kept Jacobian was taken */
+    size_t restored;
+    /* Not restored: work space of one step. */
+    double *parameter, *input, *rate, *stage_input, *coefficient, *table_at;
+    double *trial, *slope, *time_slope, *nonzero, *jacobian, *kept_jacobian, *stage[6], *point, *ordered, *differential;
+    /* `ordered` has room for two vectors. */
+    double *between, *first_slope, *last_slope;
+    double *drive, *capacity, *margin, *output, *backup, *seed, *output_rate, *largest_change;
+    factors whole, algebraic, kept, kept_algebraic;
+    int *place, *every; /* of the states in the order of elimination; 0, 1, 2 ... */
+    int method;
+    int kept_ready;    /* what there is of the kept Jacobian besides its place */
+    int factors_serve; /* the factors `algebraic` are good enough for Newton's method */
+    int stops_at_events;
+    char *warned; /* one flag per variable: "has no effect here" is said once */
+    kernel_counters counters;
+    kernel_recorder *recorder;
+    double step_origin; /* time at the start of the current kernel_step; stages add an offset to it */
+    char message[MESSAGE_SIZE];
+    char journal[JOURNAL_SIZE]; /* lines "status sentence", drained by the face */
+    size_t journal_length;
+    double *block;
+    int *places;
+};
+
+/* Sentences: into the journal; and kernel_message as well, for a status, which is returned. */
+INSIDE void kernel_note(kernel *self, int status, const char *format, ...);
+INSIDE int kernel_fail(kernel *self, int status, const char *format, ...);
+/* Variables: a status, with the sentence. */
+INSIDE int kernel_check_reference(kernel *self, int variable);
+INSIDE int kernel_check_value(kernel *self, const variable_description *variable, double value, double kept);
+INSIDE int kernel_warn_without_effect(kernel *self, int variable);
+/* Sets what follows from the chosen system and the parameters and is not restored with them. */
+INSIDE void kernel_enter_system(kernel *self);
+INSIDE void kernel_gather_inputs(kernel *self);
+INSIDE void kernel_compute_outputs(kernel *self, double offset, const double *state);
+/* First output that is not a finite number, or null. */
+INSIDE const char *kernel_output_not_finite(const kernel *self);
+/* Inputs and table pieces that hold `offset` seconds after the start of the step; and the table pieces alone. */
+INSIDE void kernel_locate(kernel *self, double offset, const double *state);
+INSIDE void kernel_look_up(kernel *self, double offset, const double *state);
+/* A generated function at a place: with the inputs and table pieces located before, or locating them; with one result. */
+INSIDE void kernel_call(kernel *self, generated_function function, double offset, const double *state, double **result);
+INSIDE void kernel_evaluate_again(kernel *self, generated_function function, double offset, const double *state,
+                                  double *result);
+INSIDE void kernel_evaluate(kernel *self, generated_function function, double offset, const double *state,
+                            double *result);
+INSIDE void tables_look_up(const system_description *system, int rank, const double *argument, double *coefficient);
+/* Linear equations: factors of M diagonal - J, in the order of the states; and of the algebraic part of J. 0: singular. */
+INSIDE int linear_factorise_step(kernel *self, factors *of, const double *jacobian, double diagonal);
+INSIDE void linear_solve_step(kernel *self, const factors *of, double *vector);
+INSIDE int linear_factorise_algebraic(kernel *self, factors *of, const double *jacobian);
+INSIDE void linear_solve_algebraic(const kernel *self, const factors *of, double *vector);
+/* Algebraic states, the others held, solved until their scaled change is below `tolerance` or round-off; all leave the
+ * slopes in self->slope, and 0 means no success. Newton's method from self->jacobian, which is that of `state`; */
+INSIDE int algebraic_solve(kernel *self, double offset, double *state, double tolerance);
+/* with given factors throughout, the old values kept where that fails; */
+INSIDE int algebraic_follow(kernel *self, const factors *of, double offset, double *state, double tolerance);
+/* with the last factors while they serve, and otherwise with new ones. */
+INSIDE int algebraic_find(kernel *self, double offset, double *state, double tolerance);
+/* Jacobian without algebraic states at the present state, by rows. */
+INSIDE int algebraic_reduce(kernel *self, double offset, double *jacobian);
+/* Rosenbrock methods. The error of a trial step is in units of the tolerance; a value that is not <= 1, NaN included,
+ * means "reject". The new state is in self->trial. */
+#ifndef ONE_UNIT /* there their definitions come first */
+extern const rosenbrock_tableau RODAS, ROS34PW2;
+#endif
+INSIDE void rosenbrock_evaluate_jacobian(kernel *self, double offset, const double *state, double *jacobian);
+INSIDE void rosenbrock_linearise(kernel *self, double offset, const double *state);
+INSIDE int rosenbrock_factorise(kernel *self, const rosenbrock_tableau *method, factors *of, const double *jacobian,
+                                double size);
+INSIDE double rosenbrock_step(kernel *self, const rosenbrock_tableau *method, const factors *of, double offset,
+                              double size);
+INSIDE double rosenbrock_try(kernel *self, double offset, double size); /* with RODAS; linearise first */
+INSIDE double rosenbrock_next_size(const rosenbrock_tableau *method, double size, double error);
+INSIDE void rosenbrock_interpolate(const kernel *self, double fraction, double *state);
+/* With ROS34PW2: a step with the kept Jacobian, made anew when it is too old or the step fails. */
+INSIDE double reuse_try(kernel *self, double offset, double size);
+/* Keeps the Jacobian of the present state until some time; whether it serves; and a step with it, as it is. */
+INSIDE void reuse_remember(kernel *self, double offset, double until);
+INSIDE int reuse_serves(const kernel *self, double offset);
+INSIDE double reuse_short_step(kernel *self, double offset, double size);
+INSIDE double runge_kutta_try(kernel *self, double offset, double size); /* its error is 0 or NaN */
+INSIDE int runge_kutta_guard(kernel *self, double offset, double size);
+/* Modes and end conditions. */
+INSIDE void modes_refresh(kernel *self, double offset);
+INSIDE double modes_margin(kernel *self, double offset, const double *state);
+INSIDE int modes_switch(kernel *self, double offset, double least);
+INSIDE int modes_warn(kernel *self, double offset);
+/* One trial step with the chosen method; the length at which it crosses a switch; and the loop over the steps. */
+INSIDE double integrate_try(kernel *self, double offset, double size);
+INSIDE double modes_locate(kernel *self, double offset, double size);
+INSIDE int integrate(kernel *self, double size, double *reached);
+
+#endif

@@ -1,0 +1,91 @@
+/* A model as constant data: its variables, and for each system the generated functions and how to solve them. */
+#ifndef MODEL_H
+#define MODEL_H
+
+/* Names that files share: known within the one unit that all.c makes of them, and otherwise between them. */
+#ifdef ONE_UNIT
+#define INSIDE static
+#else
+#define INSIDE
+#endif
+
+/* Arguments of every generated function, in this order. */
+enum {
+    ARG_TIME,
+    ARG_STATES,
+    ARG_INPUTS,
+    ARG_INPUT_RATES,
+    ARG_PARAMETERS,
+    ARG_DERIVED,
+    ARG_MODES,
+    ARG_TABLES,
+    ARG_SEED, /* direction (time, states, inputs) of the derivatives along it; the other functions have no such argument */
+    ARG_COUNT
+};
+typedef int (*generated_function)(const double **argument, double **result, long long int *integer_work, double *work,
+                                  int memory);
+
+enum { KIND_REAL, KIND_INTEGER, KIND_BOOLEAN };
+enum { CAUSALITY_PARAMETER, CAUSALITY_INPUT, CAUSALITY_OUTPUT, CAUSALITY_LOCAL }; /* the last: a state */
+
+typedef struct {
+    const char *name;
+    const char *unit;
+    int kind, causality;
+    double start, minimum, maximum;
+    double when_lost; /* what the equations see when a NaN arrives; NaN: a NaN is refused */
+} variable_description;
+
+/* A piecewise polynomial. Piece i holds on [breakpoint[i], breakpoint[i+1]] and is a polynomial of `degree` in
+ * (argument - breakpoint[i]); outside the breakpoints the end value is held. */
+typedef struct {
+    int pieces, degree;
+    int rank; /* tables of rank 0 have arguments without tables; rank 1 needs values of rank 0, and so on */
+    const double *breakpoint;
+    const double *coefficient; /* pieces x (degree + 1), lowest power first */
+} table_description;
+
+/* Dry friction on one velocity state: sliding forward (+1), backward (-1) or stuck (0). */
+typedef struct {
+    const char *label, *stuck_word, *sliding_word;
+    int velocity; /* index of the state */
+} friction_description;
+
+typedef struct {
+    const char *name;
+    int states, algebraics, nonzeros, inputs, parameters, derived, frictions, outputs;
+    int tables, table_ranks, table_coefficients;
+    int limits;           /* states whose change within a step is limited */
+    int ends, conditions; /* the conditions that end a run, and with those that only warn */
+    const int *input_variable, *parameter_variable, *output_variable; /* indices into the model's variables */
+    const int *state_variable;                                        /* the same; -1: an algebraic state */
+    const double *nominal;                                            /* scale of each state, for the error control */
+    const int *order; /* of elimination: entry i is the state that comes i-th in the linear equations */
+    const int *jacobian_place; /* of each nonzero of the Jacobian in a matrix of that order, stored by columns */
+    /* For each pivot, the rows below it and the columns right of it that are not zero when it is their turn. */
+    const int *below_start, *below, *right_start, *right;
+    const int *algebraic; /* indices of the states that a residual instead of a derivative determines */
+    const int *limited;   /* indices of the states whose change within a step is limited */
+    const friction_description *friction;
+    const table_description *table;
+    const char *const *sentence; /* of each condition; contains one %s for the time */
+    /* null: not needed */
+    generated_function derive, start, ode, jacobian, output, drive, capacity, condition_margin, largest_change;
+    generated_function output_along, residual_along; /* derivatives of outputs and of residuals along the seed */
+    const generated_function *table_argument; /* one for each rank */
+} system_description;
+
+typedef struct {
+    const char *name, *guid;
+    int variables, systems;
+    int selector;  /* variable that chooses the system, counted from 1; -1: there is only one */
+    int tolerance, integration_method, integration_step; /* variables that every model has */
+    const variable_description *variable;
+    const system_description *system;
+} model_description;
+
+#ifndef ONE_UNIT /* there the definition comes first */
+extern const model_description MODEL;
+#endif
+
+#endif

@@ -1,0 +1,106 @@
+/* The table of variables: what may be set to what, and what is read. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "internal.h"
+
+int kernel_check_reference(kernel *self, int variable) {
+    if (variable >= 0 && variable < MODEL.variables) return KERNEL_OK;
+    return kernel_fail(self, KERNEL_ERROR, "There is no variable number %d: %s has the numbers 0 to %d.", variable,
+                       MODEL.name, MODEL.variables - 1);
+}
+
+/* Unit with a blank before it; nothing for pure numbers. */
+static const char *after_number(const variable_description *variable, char text[32]) {
+    const int pure = strcmp(variable->unit, "1") == 0;
+    snprintf(text, 32, "%s%s", pure ? "" : " ", pure ? "" : variable->unit);
+    return text;
+}
+
+int kernel_check_value(kernel *self, const variable_description *variable, double value, double kept) {
+    const char *name = variable->name;
+    char text[32];
+    const char *unit = after_number(variable, text);
+    if (!isfinite(value))
+        return kernel_fail(self, KERNEL_ERROR, "Set %s to a finite number: it was given %g, and %g%s stays in force.",
+                           name, value, kept, unit);
+    if (value < variable->minimum)
+        return kernel_fail(self, KERNEL_ERROR,
+                           "Set %s to at least %g%s: %g%s is below this limit, and %g%s stays in force.", name,
+                           variable->minimum, unit, value, unit, kept, unit);
+    if (value > variable->maximum)
+        return kernel_fail(self, KERNEL_ERROR,
+                           "Set %s to at most %g%s: %g%s is above this limit, and %g%s stays in force.", name,
+                           variable->maximum, unit, value, unit, kept, unit);
+    if (variable->kind == KIND_INTEGER && value != floor(value))
+        return kernel_fail(self, KERNEL_ERROR, "Set %s to a whole number: it was given %g, and %g stays in force.", name,
+                           value, kept);
+    return KERNEL_OK;
+}
+
+/* Says once that an input does nothing in the chosen system, so that it is not ignored in silence. */
+int kernel_warn_without_effect(kernel *self, int variable) {
+    if (!self->system || self->warned[variable] || self->value[variable] == MODEL.variable[variable].start)
+        return KERNEL_OK;
+    for (int i = 0; i < self->system->inputs; ++i)
+        if (self->system->input_variable[i] == variable) return KERNEL_OK;
+    self->warned[variable] = 1;
+    return kernel_fail(self, KERNEL_WARNING, "%s has no effect in the system \"%s\"; choose a level that contains it.",
+                       MODEL.variable[variable].name, self->system->name);
+}
+
+int kernel_set(kernel *self, int variable, double value) {
+    int status = kernel_check_reference(self, variable);
+    if (status != KERNEL_OK) return status;
+    const variable_description *description = &MODEL.variable[variable];
+    if (description->causality >= CAUSALITY_OUTPUT)
+        return kernel_fail(self, KERNEL_ERROR, "%s is %s and cannot be set; read it instead.", description->name,
+                           description->causality == CAUSALITY_OUTPUT ? "an output" : "a state");
+    if (description->causality == CAUSALITY_PARAMETER && self->system)
+        return kernel_fail(self, KERNEL_ERROR, "%s is a parameter and fixed once the run has begun; reset first.",
+                           description->name);
+    const int lost = isnan(value) && !isnan(description->when_lost);
+    if (lost) {
+        value = description->when_lost;
+    } else {
+        status = kernel_check_value(self, description, value, self->value[variable]);
+        if (status != KERNEL_OK) return status;
+    }
+    self->value[variable] = value;
+    self->input_rate[variable] = 0.0;
+    self->now.outputs_stale = 1;
+    if (lost)
+        return kernel_fail(self, KERNEL_WARNING, "The signal %s is lost (NaN): it counts as %g %s, the safe side.",
+                           description->name, value, description->unit);
+    return kernel_warn_without_effect(self, variable);
+}
+
+int kernel_set_rate(kernel *self, int variable, double rate) {
+    int status = kernel_check_reference(self, variable);
+    if (status != KERNEL_OK) return status;
+    const variable_description *description = &MODEL.variable[variable];
+    if (description->causality != CAUSALITY_INPUT || description->kind != KIND_REAL)
+        return kernel_fail(self, KERNEL_ERROR, "Only real inputs have a rate of change; %s is none.", description->name);
+    if (!isfinite(rate))
+        return kernel_fail(self, KERNEL_ERROR, "Set the rate of %s to a finite number: it was given %g.",
+                           description->name, rate);
+    self->input_rate[variable] = rate;
+    self->now.outputs_stale = 1;
+    return KERNEL_OK;
+}
+
+int kernel_get(kernel *self, int variable, double *value) {
+    int status = kernel_check_reference(self, variable);
+    if (status != KERNEL_OK) return status;
+    if (self->now.outputs_stale && self->system && MODEL.variable[variable].causality >= CAUSALITY_OUTPUT) {
+        kernel_gather_inputs(self);
+        self->step_origin = self->now.time;
+        kernel_compute_outputs(self, 0.0, self->state);
+        self->now.outputs_stale = 0;
+        const char *bad = kernel_output_not_finite(self);
+        if (bad) return kernel_fail(self, KERNEL_ERROR, "The output %s is not a finite number at these inputs.", bad);
+    }
+    *value = self->value[variable];
+    return KERNEL_OK;
+}

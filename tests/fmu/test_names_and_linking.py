@@ -1,0 +1,180 @@
+"""Several FMUs in one process: what their binaries show, and that each runs its own code, opened or linked."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+import zipfile
+from collections.abc import Mapping, Sequence
+from itertools import permutations
+from pathlib import Path
+
+import pytest
+
+from build_fmu import MODELS
+from fmu_src import compile as compiling
+from fmu_src.codegen import generate, guid_of
+from fmu_src.compile import build_library, compiler, library_of
+from fmu_src.system import Model
+from scenarios.cosimulation import Slave
+
+HERE = Path(__file__).parent
+ZIG = f"{sys.executable} -m ziglang cc -mcpu=baseline"
+#: Inputs and parameters that make each FMU do something, and what is asked for afterwards.
+SCENE = {
+    "bogie": {"brake_torque_1": 40e3, "friction_1": 0.2},
+    "brake": {"pressure_demand": 180e3},
+    "rail": {"speed": 10.0, "creep_force_1": -5e3, "slip_1": 2.0},
+}
+#: Of the experiment at 180 kPa after 3 s [N.m]: 0.164 N/Pa, half a bogie, efficiency, friction 0.25, radius 0.398 m.
+BRAKE_TORQUE = 180e3 * 0.164 * 0.5 * 0.85 * 0.25 * 0.398
+SETTLED = 1e-4  # share of the demand that is missing after 3 s of 0.8 s to 95 %: exp(-3 * 3 / 0.8)
+
+
+@pytest.fixture(scope="module")
+def models() -> dict[str, Model]:
+    return {name: MODELS[name]() for name in SCENE}
+
+
+@pytest.fixture(scope="module")
+def sources(models: dict[str, Model]) -> dict[str, dict[str, str]]:
+    return {name: generate(model) for name, model in models.items()}
+
+
+def build(parts: Sequence[str | Path], folder: Path) -> None:
+    done = subprocess.run([*compiler(), *map(str, parts)], cwd=folder, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+
+
+def archive(fmus: Mapping, name: str, version: int, folder: Path) -> Path:
+    """An FMU unpacked."""
+    target = folder / f"{name}{version}"
+    with zipfile.ZipFile(fmus[name, {2: "native", 3: "fmi3"}[version]]) as packed:
+        packed.extractall(target)
+    return target
+
+
+def outputs(model: Model) -> list[int]:
+    return [n for n, v in enumerate(model.variables) if v.causality == "output" and v.kind == "real"]
+
+
+def ask(host: Path, names: Mapping[str, str | Path], models: Mapping[str, Model], sources: Mapping) -> dict[str, str]:
+    """Values of each FMU's outputs, bit for bit, after the host ran them in the given order."""
+    command = [str(host)]
+    for key, name in names.items():
+        model = models[key]
+        values = ",".join(f"{model.index(variable)}={value!r}" for variable, value in SCENE[key].items())
+        asked = ",".join(map(str, outputs(model)))
+        command += [str(name), guid_of(sources[key]), values, asked]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0, f"{done.returncode} {done.stderr}"
+    return dict(zip(names, done.stdout.split("-\n"), strict=False))
+
+
+@pytest.fixture(scope="module")
+def opened(tmp_path_factory: pytest.TempPathFactory) -> dict[int, Path]:
+    """The host that opens libraries with global symbols, as hosts in Java do, by version of FMI."""
+    folder = tmp_path_factory.mktemp("opened")
+    flags = ["-Wall", "-Wextra", "-Werror", f"-I{compiling.FMI_HEADERS}", HERE / "together.c", "-ldl"]
+    for version in (2, 3):
+        build(["-O1", f"-DVERSION={version}", *flags, "-o", f"host{version}"], folder)
+    return {version: folder / f"host{version}" for version in (2, 3)}
+
+
+@pytest.mark.parametrize("cc", ["", ZIG], ids=["cc", "zig"])
+def test_global_symbols_of_one_fmu_do_not_reach_another(
+    opened: dict, models: dict, sources: dict, monkeypatch: pytest.MonkeyPatch, cc: str
+) -> None:
+    """In any order each FMU has the values that it has alone; a call across gives no brake torque, and OK."""
+    if cc:
+        monkeypatch.setenv("CC", cc)
+    libraries = {name: library_of(sources[name], fmu=True) for name in SCENE}
+    for version, host in opened.items():
+        alone = {name: ask(host, {name: libraries[name]}, models, sources)[name] for name in SCENE}
+        assert len(set(alone.values())) == len(SCENE)
+        torque = dict(line.split() for line in alone["brake"].splitlines())[str(models["brake"].index("brake_torque"))]
+        assert float.fromhex(torque) == pytest.approx(BRAKE_TORQUE, rel=SETTLED)
+        for order in permutations(SCENE):
+            assert ask(host, {name: libraries[name] for name in order}, models, sources) == alone, (version, order)
+
+
+def test_kernels_for_python_do_not_reach_each_other(models: dict) -> None:
+    """The library inside a pythonfmu FMU, in a process that has loaded another one's symbols before."""
+    first, second = build_library(models["bogie"]), build_library(models["brake"])
+    program = (
+        "import ctypes, sys\nfrom fmu_src.kernel import Kernel, Library\n"
+        "ctypes.CDLL(sys.argv[1], ctypes.RTLD_GLOBAL)\n"
+        "kernel = Kernel(Library(sys.argv[2]), pressure_demand=180e3)\n"
+        "kernel.advance(3.0)\nprint(kernel['brake_torque'])"
+    )
+    command = [sys.executable, "-c", program, str(first), str(second)]
+    done = subprocess.run(command, cwd=HERE.parents[1], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0, done.stderr
+    assert float(done.stdout) == pytest.approx(BRAKE_TORQUE, rel=SETTLED)
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_fmus_linked_into_one_program_give_the_values_of_their_binaries(
+    fmus: dict, opened: dict, models: dict, sources: dict, tmp_path: Path, version: int
+) -> None:
+    """Bogie, brake and rail, each all.c of its archive behind the prefix of the standard; bit for bit."""
+    linked: list[str | Path] = []
+    for name, model in models.items():
+        folder = archive(fmus, name, version, tmp_path) / "sources"
+        common = [*compiling.FLAGS, "-O1", f"-DFMI{version}_FUNCTION_PREFIX={model.name}_", f"-I{folder}", "-c"]
+        build([*common, folder / "all.c", "-o", f"{name}.o"], tmp_path)
+        build(
+            [*common, f"-DVERSION={version}", f"-DTABLE={model.name}", HERE / "table.c", "-o", f"{name}t.o"], tmp_path
+        )
+        linked += [f"{name}.o", f"{name}t.o"]
+    tables = " ".join(f"DO({model.name})" for model in models.values())
+    flags = ["-O1", f"-DVERSION={version}", f"-DLINKED(DO)={tables}", f"-I{compiling.FMI_HEADERS}"]
+    build([*flags, HERE / "together.c", *linked, "-ldl", "-lm", "-o", "together"], tmp_path)
+    found = ask(tmp_path / "together", {name: model.name for name, model in models.items()}, models, sources)
+    libraries = {name: library_of(sources[name], fmu=True) for name in SCENE}
+    assert found == ask(opened[version], libraries, models, sources)
+
+
+LANGUAGES = {"C99": ["-std=c99"], "C11": ["-std=c11"], "C++": ["-x", "c++"], "C++20": ["-x", "c++", "-std=c++20"]}
+
+
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_sources_compile_without_a_warning(fmus: dict, tmp_path: Path, version: int, language: str) -> None:
+    folder = archive(fmus, "brake", version, tmp_path) / "sources"
+    strict = ["-Wall", "-Wextra", "-Werror", "-c", "all.c", "-o", "all.o"]
+    build([*LANGUAGES[language], f"-DFMI{version}_FUNCTION_PREFIX=Other_", *strict], folder)
+    if not shutil.which("nm"):
+        pytest.skip("there is no nm that lists the names")
+    listed = subprocess.run(["nm", "-g", "--defined-only", folder / "all.o"], capture_output=True, text=True).stdout
+    strong = [line.split()[2] for line in listed.splitlines() if line.split()[1] != "W"]  # weak: inside <cmath>
+    assert f"Other_fmi{version}DoStep" in strong
+    assert [name for name in strong if not name.startswith(f"Other_fmi{version}")] == []
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_page_of_c_runs_the_fmu_opened_and_linked(fmus: dict, models: dict, tmp_path: Path, version: int) -> None:
+    """The program in documentation/, compiled as its first lines say, and FMPy agree to the last digit."""
+    folder = archive(fmus, "brake", version, tmp_path) / "documentation"
+    [library] = (folder.parent / "binaries").rglob("BrakeCylinder.*")
+    strict = ["-Wall", "-Wextra", "-Werror", "-I../sources", "host.c"]
+    build([*strict, "-ldl", "-o", "opening"], folder)
+    prefix = f"-DFMI{version}_FUNCTION_PREFIX=BrakeCylinder_"
+    build([*compiling.FLAGS, "-O1", prefix, *strict, "../sources/all.c", "-lm", "-o", "linking"], folder)
+    calls = [[folder / "opening", library], [folder / "linking"]]
+    opening, linking = (
+        subprocess.run([*call, "pressure_demand=180e3"], capture_output=True, text=True, check=True).stdout
+        for call in calls
+    )
+    with Slave(fmus["brake", "native"]) as brake:
+        brake.start(pressure_demand=180e3)
+        for n in range(100):
+            brake.step(n * 0.01, 0.01)
+        names = [models["brake"].variables[n].name for n in outputs(models["brake"])]
+        expected = {name: brake[name] for name in names}
+    assert {name: float(value) for name, value in (line.split() for line in opening.splitlines())} == expected
+    assert linking == opening
+    wrong = subprocess.run([folder / "linking", "presure=1"], capture_output=True, text=True)
+    assert wrong.returncode == 1
+    assert wrong.stderr == "presure=1 was refused with status 3.\n"

@@ -1,0 +1,129 @@
+"""The files of the C runtime: one direction of calls, functions that fit a screen, and the same interface in Python."""
+
+from __future__ import annotations
+
+import ctypes
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from fmu_src import kernel
+from fmu_src.codegen import RUNTIME, RUNTIME_HEADERS, RUNTIME_SOURCES, generate
+from rbd_model.bogie import bogie_dynamics
+
+#: Lines of a function that one screen shows.
+SCREEN = 60
+#: What only a face needs.
+OF_FACES = {"kernel_stop_at_events", "kernel_stops_at_events"}
+#: Types of the headers as Python passes them; an instance is an address, a saved state is bytes.
+NUMBERS = {
+    "int": ctypes.c_int,
+    "double": ctypes.c_double,
+    "size_t": ctypes.c_size_t,
+    "long long int": ctypes.c_longlong,
+}
+POINTERS = {
+    "kernel": ctypes.c_void_p,
+    "void": ctypes.c_char_p,
+    "char": ctypes.c_char_p,
+    "int": ctypes.POINTER(ctypes.c_int),
+    "double": ctypes.POINTER(ctypes.c_double),
+    "kernel_counters": ctypes.POINTER(ctypes.c_longlong),
+}
+
+
+def code_of(path: Path) -> str:
+    """Text without comments and strings."""
+    return re.sub(r'/\*.*?\*/|"(\\.|[^"\\])*"', "", path.read_text(), flags=re.DOTALL)
+
+
+def functions_of(path: Path) -> Iterator[tuple[str, int]]:
+    """Head and number of lines of each function of a file; all begin and end in the first column."""
+    lines = code_of(path).split("\n")
+    begin = 0
+    for number, line in enumerate(lines):
+        if re.match(r"\w[^;=]*\w\(", line):
+            begin = number
+        if line == "}" or re.match(r"\w[^;=]*\) \{.*\}$", line):
+            yield " ".join(lines[begin : number + 1]).split("(")[0], number + 1 - begin
+
+
+@pytest.fixture(scope="module")
+def bogie_sources() -> dict[str, str]:
+    return generate(bogie_dynamics())
+
+
+FILES = [RUNTIME / name for name in RUNTIME_SOURCES]
+
+
+def test_every_file_of_the_runtime_is_listed() -> None:
+    assert sorted(RUNTIME_SOURCES) == sorted(path.name for path in RUNTIME.glob("*.c"))
+    assert set(RUNTIME_HEADERS) <= {path.name for path in RUNTIME.glob("*.h")}
+
+
+def test_calls_run_from_later_files_to_earlier_ones() -> None:
+    """The order in which the files are listed; none calls one behind it, so that there is no circle."""
+    heads = [(head, path.name) for path in FILES for head, _ in functions_of(path)]
+    home = {head.split()[-1].lstrip("*"): name for head, name in heads if not head.startswith("static")}
+    assert {"kernel_step", "integrate", "modes_margin", "fmi2DoStep", "face_get"} <= set(home)
+    for path in FILES:
+        for word in re.findall(r"\w+(?=\()", code_of(path)):
+            if word in home:
+                called = home[word]
+                assert RUNTIME_SOURCES.index(called) <= RUNTIME_SOURCES.index(path.name), f"{path.name} calls {word}"
+
+
+def test_faces_see_no_more_than_the_public_header() -> None:
+    for name in ("face.h", "face.c", "fmi2.c", "fmi3.c"):
+        assert "internal.h" not in (RUNTIME / name).read_text()
+    assert "internal.h" not in (RUNTIME / "kernel.h").read_text().split("#define KERNEL_H")[1]
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
+def test_functions_fit_a_screen(path: Path) -> None:
+    sizes = dict(functions_of(path))
+    assert sizes
+    assert {name: size for name, size in sizes.items() if size > SCREEN} == {}
+
+
+def python_type(text: str) -> object:
+    """What Python passes for an argument or a result as kernel.h declares it, its name left out."""
+    words = text.replace("const ", "").strip()
+    return POINTERS[words[:-1].strip()] if words.endswith("*") else None if words == "void" else NUMBERS[words]
+
+
+def declared() -> dict[str, tuple[object, list[object]]]:
+    """Result and arguments of the public functions."""
+    found: dict[str, tuple[object, list[object]]] = {}
+    pattern = r"KERNEL_EXPORT ([\w ]+?\**) ?\b(kernel_\w+)\(([^)]*)\);"
+    for result, name, arguments in re.findall(pattern, code_of(RUNTIME / "kernel.h") + code_of(RUNTIME / "studies.h")):
+        each = [re.sub(r"\w+$", "", " ".join(part.split())) for part in arguments.split(",") if part != "void"]
+        found[name] = (python_type(result), [python_type(part) for part in each])
+    return found
+
+
+def test_python_calls_the_functions_as_the_header_declares_them() -> None:
+    assert {name: (result, list(arguments)) for name, (result, arguments) in kernel._SIGNATURES.items()} == {
+        name: types for name, types in declared().items() if name not in OF_FACES
+    }
+    assert set(declared()) >= OF_FACES
+
+
+def test_python_numbers_statuses_and_counters_as_the_header_does() -> None:
+    text = code_of(RUNTIME / "kernel.h")
+    statuses = {name: int(number) for name, number in re.findall(r"KERNEL_(\w+) = (\d)", text)}
+    assert statuses == {name: getattr(kernel, name) for name in ("OK", "WARNING", "DISCARD", "ERROR")}
+    [fields] = re.findall(r"long long int ([\w, ]+);\s*\} kernel_counters;", text)
+    assert tuple(fields.split(", ")) == kernel.COUNTERS
+
+
+def test_description_of_a_system_has_the_order_of_its_type(bogie_sources: dict[str, str]) -> None:
+    """The members are given by position: one that is out of place would be another one's value."""
+    [body] = re.findall(r"typedef struct \{([^}]*)\} system_description;", code_of(RUNTIME / "model.h"))
+    members = [name for line in body.split(";") for name in re.findall(r"\w+(?=,|$)", line.strip())]
+    entries = re.findall(r"^    \{(/\* name \*/ .*?)\}(?=,?$)", bogie_sources["model.c"], re.M | re.S)
+    assert len(entries) == 3
+    for entry in entries:
+        assert re.findall(r"/\* (\w+) \*/", entry) == members
