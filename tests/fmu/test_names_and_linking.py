@@ -12,12 +12,12 @@ from pathlib import Path
 
 import pytest
 
-from build_fmu import MODELS
 from fmu_src import compile as compiling
 from fmu_src.codegen import generate, guid_of
 from fmu_src.compile import build_library, compiler, library_of
 from fmu_src.system import Model
-from scenarios.cosimulation import Slave
+from scenarios.cosimulation.slave import Slave
+from scenarios.fmus.registry import model_of
 
 HERE = Path(__file__).parent
 ZIG = f"{sys.executable} -m ziglang cc -mcpu=baseline"
@@ -34,7 +34,7 @@ SETTLED = 1e-4  # share of the demand that is missing after 3 s of 0.8 s to 95 %
 
 @pytest.fixture(scope="module")
 def models() -> dict[str, Model]:
-    return {name: MODELS[name]() for name in SCENE}
+    return {name: model_of(name) for name in SCENE}
 
 
 @pytest.fixture(scope="module")
