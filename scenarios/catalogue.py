@@ -26,6 +26,7 @@ from scenarios import (
     speed,
     speed_accuracy,
     stability_atlas,
+    thesis_step,
     traction_braking,
     uneven_brakes,
     wheelset_constant_speed,
@@ -63,6 +64,7 @@ SCENARIOS: list[Scenario] = [
     speed.SCENARIO,
     speed_accuracy.SCENARIO,
     stability_atlas.SCENARIO,
+    thesis_step.SCENARIO,
 ]
 
 

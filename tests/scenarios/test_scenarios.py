@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from matplotlib.figure import Figure
 
-from scenarios import anti_skid, coupling_step, oracle, qr30, report, six_scenes, speed_accuracy
+from scenarios import anti_skid, coupling_step, oracle, qr30, report, six_scenes, speed_accuracy, thesis_step
 from scenarios.__main__ import main
 from scenarios.catalogue import SCENARIOS
 from scenarios.creep_forces import EXACT
@@ -65,7 +65,15 @@ def short_anti_skid(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(anti_skid, "COUNTED", 2)
 
 
-@pytest.mark.usefixtures("short_oracle", "short_coupling", "short_study", "short_anti_skid")
+@pytest.fixture
+def short_thesis_step(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two steps and four of the nine runs; the whole takes a minute and a half."""
+    chosen = [run for run in thesis_step.RUNS if run.speed == 15.0 or "shoes of the leading" in run.printed[0].quantity]
+    monkeypatch.setattr(thesis_step, "RUNS", chosen)
+    monkeypatch.setattr(thesis_step, "STEPS", (8e-4, thesis_step.CLOSER))
+
+
+@pytest.mark.usefixtures("short_oracle", "short_coupling", "short_study", "short_anti_skid", "short_thesis_step")
 @pytest.mark.parametrize("name", [scenario.name for scenario in SCENARIOS])
 def test_scenario_holds_and_leaves_table_data_and_picture(name: str, tmp_path: Path) -> None:
     assert main(["run", name, "--out", str(tmp_path)]) == 0
