@@ -1,4 +1,7 @@
-"""Printed numbers over the step of an explicit Runge-Kutta method, the thesis's own; its step is not printed."""
+"""Printed numbers over the fixed step of the classical Runge-Kutta method, as the thesis may have used it.
+
+It names the Runge-Kutta method (below (3.118), conclusion 2.1), and prints neither order nor step.
+"""
 
 from __future__ import annotations
 
@@ -271,16 +274,21 @@ def verdicts(found: Study) -> dict[str, list[str]]:
 def remarks_of(found: Study, names: Mapping[str, list[str]], below: float) -> list[str]:
     step = f"a step of {1e3 * CLOSER:g} ms"
     remarks = [f"Under {step} {words}: {'; '.join(which) or 'none'}." for words, which in names.items()]
-    chosen = SHOES[1, 50]
+    chosen, turned = SHOES[1, 50], SHOES[2, 25]
+    both = {one: " and ".join(f"{value:.1f}" for value in found[turned, one].values) for one in (CLOSER, None)}
+    printed = " and ".join(f"{one.thesis:.1f}" for one in turned.printed)
     scattered = ", ".join(f"{found[chosen, one].values[0]:.1f}" for one in STEPS)
     return [
         *remarks,
-        "The thesis integrates with an explicit Runge-Kutta method and does not print its step. Numbers of it that an "
-        "accurate solution misses are consistent with a step above the method's stability limit, where the motion "
-        "stays bounded and no table or figure shows the error: consistent with, not proven.",
-        f"Against it speaks that no one step gives all numbers, that some move away, and that below {CUT:g} m/s {step} "
-        f"lets the wheelset wander by {below:.1f} mm, which Table 9.2 does not have. Above the limit a number also "
-        f"depends on the step as chance has it: {chosen.printed[0].quantity} is {scattered} mm over the steps.",
+        "The thesis names a Runge-Kutta method and prints neither its order nor its step. Numbers of it that an "
+        "accurate solution misses are consistent with the classical method and a fixed step above its stability limit, "
+        "where the motion stays bounded and no table or figure shows the error: consistent with, not proven.",
+        "Against it speaks that the thesis's program is in MATLAB, whose own Runge-Kutta method chooses steps by the "
+        f"error; that no one step gives all numbers, and some move away; and that below {CUT:g} m/s {step} lets the "
+        f"wheelset wander by {below:.1f} mm, which Table 9.2 does not have. With the trailing wheelset's shoes at 25 % "
+        f"the leading and the trailing wheelset shift by {both[CLOSER]} mm where Table 9.3 has {printed} mm and an "
+        f"accurate solution {both[None]} mm. Above the limit a number also depends on the "
+        f"step as chance has it: {chosen.printed[0].quantity} is {scattered} mm over the steps.",
         f"A spectral peak is known to {GRID:.3f} Hz.",
     ]
 
