@@ -1,6 +1,6 @@
 """Printed numbers over the fixed step of the classical Runge-Kutta method, as the thesis may have used it.
 
-It names the Runge-Kutta method (below (3.118), conclusion 2.1), and prints neither order nor step.
+It names the Runge-Kutta method (below eq. 3.118, conclusion 2.1), and prints neither order nor step.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ UNCHANGED = 0.01
 def thesis_reading() -> dict[str, float]:
     """What the thesis does where this model's defaults may do otherwise: parameters of both kernels.
 
-    Torques act on the wheelsets alone (3.36), about an axis that turns with them; no wheel lifts.
+    Torques act on the wheelsets alone, as in eq. 3.36, about an axis that turns with them; no wheel lifts.
     """
     return {"torque_reaction": 0.0, "yaw_torque_rotates": 1.0, "wheel_lift_ends": 0.0}
 
