@@ -18,7 +18,7 @@ from pathlib import Path
 
 DOCS = Path(__file__).parent
 ROOT = DOCS.parent
-CHARTS = ("speed-accuracy", "stability-atlas", "coupling-step", "levels")
+CHARTS = ("speed-accuracy", "stability-atlas", "coupling-step", "levels", "thesis-step")
 #: Characters in a line of text.
 WIDTH = 118
 BEGIN, END = "<!-- charts: begin -->\n", "<!-- charts: end -->\n"

@@ -21,6 +21,7 @@ from scenarios.thesis import (
     lock_boundary,
     qr30,
     sensitivity,
+    thesis_step,
     traction_braking,
     wheelset_constant_speed,
     wheelset_skid,
@@ -56,6 +57,7 @@ SCENARIOS: list[Scenario] = [
     speed.SCENARIO,
     speed_accuracy.SCENARIO,
     stability_atlas.SCENARIO,
+    thesis_step.SCENARIO,
 ]
 
 

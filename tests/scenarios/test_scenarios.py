@@ -21,7 +21,7 @@ from scenarios.methods import scenes as six_scenes
 from scenarios.numerics import oracle, speed_accuracy
 from scenarios.reporting import report
 from scenarios.reporting.report import Row
-from scenarios.thesis import qr30
+from scenarios.thesis import qr30, thesis_step
 from scenarios.thesis.creep_forces import EXACT
 
 ANCHOR = Path(__file__).parents[3] / "shared" / "data" / "creep_anchor.csv"
@@ -72,7 +72,14 @@ def short_anti_skid(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(anti_skid, "COUNTED", 2)
 
 
-@pytest.mark.usefixtures("short_oracle", "short_coupling", "short_study", "short_anti_skid")
+@pytest.fixture
+def short_thesis_step(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two steps, and the stops alone; the whole takes a minute and a half."""
+    monkeypatch.setattr(thesis_step, "RUNS", tuple(thesis_step.SHOES.values()))
+    monkeypatch.setattr(thesis_step, "STEPS", (8e-4, thesis_step.CLOSER))
+
+
+@pytest.mark.usefixtures("short_oracle", "short_coupling", "short_study", "short_anti_skid", "short_thesis_step")
 @pytest.mark.parametrize("name", [scenario.name for scenario in SCENARIOS])
 def test_scenario_holds_and_leaves_table_data_and_picture(name: str, tmp_path: Path) -> None:
     assert main(["run", name, "--out", str(tmp_path)]) == 0

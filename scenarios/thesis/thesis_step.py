@@ -1,0 +1,359 @@
+"""Printed numbers over the fixed step of the classical Runge-Kutta method, as the thesis may have used it.
+
+It names the Runge-Kutta method (below eq. 3.118, conclusion 2.1), and prints neither order nor step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import partial
+from itertools import product
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from tqdm import tqdm
+
+from fmu_src.kernel import Kernel
+from rbd_model.parameters import tables_5_1_and_5_2
+from scenarios.bench import asymmetric_shoes, hunting_wheelset, irregularities
+from scenarios.bench.asymmetric_shoes import APPLICATION_TIMES, PEAKS, Case
+from scenarios.bench.drive import PADDING, library
+from scenarios.bench.irregularities import CROSS_LEVEL, HUNTING_PEAK, LATERAL, LATERAL_PEAK, WHEEL_LOAD
+from scenarios.cosimulation.recording import Recording
+from scenarios.methods.stability import RUNGE_KUTTA, Machine, limit
+from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, plt
+from scenarios.reporting.progress import PATIENCE
+from scenarios.reporting.report import Result, Row
+from scenarios.scenario import Options, Scenario
+
+#: Steps of the explicit method [s], and the one that is looked at more closely.
+STEPS = (3e-4, 5e-4, 7e-4, 8e-4, 9e-4, 1e-3, 1.1e-3, 1.2e-3)
+CLOSER = 1e-3
+#: Speed at which stops are cut [m/s]: the limit falls with the speed, and there every step exceeds it three times and
+#: more. How far one stop goes on below it, to show what comes then.
+CUT, BELOW = 3.0, 1.0
+#: Longest time that a stop with brakes applied in 1 s takes down to either [s], and length of a hunting wheelset's run.
+STOP, HUNT = 18.0, 20.0
+#: Distance of the frequencies of a spectrum [Hz]: a peak is not known better.
+GRID = 1.0 / (PADDING * irregularities.DURATION)
+#: A number counts as unchanged when it moves by less than this share.
+UNCHANGED = 0.01
+
+
+def thesis_reading() -> dict[str, float]:
+    """What the thesis does where this model's defaults may do otherwise: parameters of both kernels.
+
+    Torques act on the wheelsets alone, as in eq. 3.36, about an axis that turns with them; no wheel lifts.
+    """
+    return {"torque_reaction": 0.0, "yaw_torque_rotates": 1.0, "wheel_lift_ends": 0.0}
+
+
+def method(step: float | None) -> dict[str, float]:
+    """Parameters of the explicit method with a fixed step [s]; None: the default method, which is accurate."""
+    chosen = {} if step is None else {"integration_method": RUNGE_KUTTA, "integration_step": step}
+    return thesis_reading() | chosen
+
+
+@dataclass(frozen=True)
+class Printed:
+    """A number of the thesis, VAMPIRE's beside it where that is printed, and what another wheel may do to it."""
+
+    quantity: str
+    unit: str
+    thesis: float
+    source: str
+    vampire: float | None = None
+    band: float | None = None
+
+
+@dataclass(frozen=True)
+class Found:
+    """What one run came to: its numbers, whether the log says that the step exceeds the limit, and its length [s]."""
+
+    values: tuple[float, ...]
+    warned: bool
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Run:
+    """One scene: what it drives, at which speed it starts [m/s], what is printed about it, and how it is measured."""
+
+    fmu: str
+    speed: float
+    printed: tuple[Printed, ...]
+    measure: Callable[[Mapping[str, float]], tuple[Kernel, tuple[float, ...]]]
+
+    def found(self, step: float | None) -> Found:
+        kernel, values = self.measure(method(step))
+        warned = any("above its stability limit" in line for line in kernel.journal)
+        return Found(values, warned, kernel.time)
+
+    def limit(self) -> float:
+        """Largest stable step of the explicit method at the speed of the start [s]."""
+        level = {"level": 3.0} if self.fmu == "bogie" else {}
+        wheelsets = 2 if self.fmu == "bogie" else 1
+        return limit(Machine(self.fmu, self.fmu, tuple((level | thesis_reading()).items()), wheelsets), self.speed)
+
+
+# ---- what is measured --------------------------------------------------------------------------------------------
+
+
+def hunting(speed: float, values: Mapping[str, float]) -> tuple[Kernel, tuple[float, ...]]:
+    """Wavelength [m] at 15 m/s, frequency [Hz] at 25 m/s, as they are printed."""
+    kernel, series = hunting_wheelset.hunt(speed, HUNT, **values)
+    period = hunting_wheelset.hunting_period(series)
+    assert period is not None  # the wave of the track sets it hunting
+    return kernel, (speed * period if speed == 15.0 else 1 / period,)
+
+
+def lateral(speed: float, values: Mapping[str, float]) -> tuple[Kernel, tuple[float, ...]]:
+    """Spectral peak of the hunting [Hz] and, at 15 m/s, the largest shift of the leading wheelset [mm]."""
+    kernel, series = irregularities.travel(LATERAL, speed, **values)
+    shift = 1e3 * float(np.abs(series["lateral_1"]).max())
+    frequency = irregularities.kinematic_peak(series)
+    return kernel, (frequency, shift) if speed == 15.0 else (frequency,)
+
+
+def cross_level(speed: float, values: Mapping[str, float]) -> tuple[Kernel, tuple[float, ...]]:
+    """Largest wheel load of the leading wheelset [kN]."""
+    kernel, series = irregularities.travel(CROSS_LEVEL, speed, **values)
+    return kernel, (irregularities.largest_wheel_load(series),)
+
+
+def shift_between(series: Recording, fastest: float, slowest: float) -> tuple[float, ...]:
+    """Largest shift of both wheelsets [mm] between two speeds [m/s]."""
+    chosen = (series["speed"] <= fastest) & (series["speed"] >= slowest)
+    return tuple(1e3 * float(np.abs(series[f"lateral_{n}"][chosen]).max()) for n in (1, 2))
+
+
+def seconds_down_to(case: Case, speed: float) -> float:
+    """Time at which the accurate stop has come down to a speed [s]."""
+    _, series = asymmetric_shoes.brake(case, STOP, **method(None))
+    return float(series["time"][series["speed"] > speed][-1])
+
+
+def shoes(case: Case, values: Mapping[str, float]) -> tuple[Kernel, tuple[float, ...]]:
+    """Largest shift of both wheelsets [mm] down to the speed of the cut."""
+    kernel, series = asymmetric_shoes.brake(case, seconds_down_to(case, CUT), **values)
+    return kernel, shift_between(series, np.inf, CUT)
+
+
+def below_the_cut(case: Case, step: float | None) -> float:
+    """Largest shift of the leading wheelset [mm] from the speed of the cut on."""
+    _, series = asymmetric_shoes.brake(case, seconds_down_to(case, BELOW), **method(step))
+    return shift_between(series, CUT, BELOW)[0]
+
+
+def of_shoes(wheelset: int, error: int) -> Run:
+    case = Case(wheelset, error, 1.0, rotates=True)
+    peaks = PEAKS[wheelset, error][APPLICATION_TIMES.index(case.application)]
+    braked, source = {1: "leading", 2: "trailing"}[wheelset], f"Table 9.{wheelset + 1}"
+    printed = [
+        Printed(f"shoes of the {braked} wheelset, {error} %: peak shift of the {place} one", "mm", peak, source)
+        for place, peak in zip(("leading", "trailing"), peaks, strict=True)
+    ]
+    return Run("bogie", asymmetric_shoes.SPEED, tuple(printed), partial(shoes, case))
+
+
+def of_hunting(speed: float, quantity: str, unit: str, both: tuple[float, float], band: float) -> Run:
+    printed = Printed(f"wheelset, {speed:g} m/s: {quantity}", unit, both[0], "section 4.4", both[1], band)
+    return Run("wheelset", speed, (printed,), partial(hunting, speed))
+
+
+def of_lateral(speed: float) -> Run:
+    source, name = "section 5.3.1", f"lateral wave, {speed:g} m/s"
+    thesis, vampire = HUNTING_PEAK[speed]
+    printed = [Printed(f"{name}: spectral peak of the hunting", "Hz", thesis, source, vampire)]
+    if speed == 15.0:
+        printed.append(Printed(f"{name}: largest shift", "mm", LATERAL_PEAK[0], source, LATERAL_PEAK[1]))
+    return Run("bogie", speed, tuple(printed), partial(lateral, speed))
+
+
+def of_cross_level(speed: float) -> Run:
+    thesis, vampire = WHEEL_LOAD[speed]
+    printed = Printed(f"cross level, {speed:g} m/s: largest wheel load", "kN", thesis, "section 5.3.3", vampire)
+    return Run("bogie", speed, (printed,), partial(cross_level, speed))
+
+
+#: By braked wheelset and error of the shoe forces [%].
+SHOES = {(wheelset, error): of_shoes(wheelset, error) for wheelset, error in product((1, 2), (25, 50))}
+RUNS = (
+    of_hunting(15.0, "wavelength", "m", hunting_wheelset.WAVELENGTH, hunting_wheelset.WAVELENGTH_BAND),
+    of_hunting(25.0, "frequency", "Hz", hunting_wheelset.FREQUENCY, hunting_wheelset.FREQUENCY_BAND),
+    of_lateral(15.0),
+    of_lateral(25.0),
+    of_cross_level(25.0),
+    *SHOES.values(),
+)
+
+#: By run and step, None for the accurate solution.
+Study = dict[tuple[Run, float | None], Found]
+
+
+def study() -> Study:
+    """All runs with all steps; they share the compiled libraries and run beside each other."""
+    for name in ("bogie", "wheelset"):
+        library(name)  # compiled once, before the threads ask for them
+    asked = list(product(RUNS, (None, *STEPS)))
+    with ThreadPoolExecutor() as pool:
+        found = pool.map(lambda one: one[0].found(one[1]), asked)
+        bar = tqdm(found, "runs", len(asked), delay=PATIENCE, leave=False, unit="run")
+        return dict(zip(asked, bar, strict=True))
+
+
+# ---- the table ---------------------------------------------------------------------------------------------------
+
+
+def words_of(step: float | None) -> str:
+    return "accurate" if step is None else f"step {1e3 * step:g} ms"
+
+
+def numbers() -> list[tuple[Run, int, Printed]]:
+    """Every printed number with its run and its place there."""
+    return [(run, place, printed) for run in RUNS for place, printed in enumerate(run.printed)]
+
+
+def row_of(printed: Printed, step: float | None, value: float, warned: bool) -> Row:
+    log = "the log says: above the stability limit" if warned else "the log is silent"
+    return Row(
+        f"{printed.quantity}, {words_of(step)}",
+        printed.unit,
+        printed.thesis,
+        value,
+        printed.band,
+        printed.source,
+        "RODAS" if step is None else log,
+        printed.vampire,
+    )
+
+
+def rows_of(found: Study) -> list[Row]:
+    return [
+        row_of(printed, step, found[run, step].values[place], found[run, step].warned)
+        for run, place, printed in numbers()
+        for step in (None, *STEPS)
+    ]
+
+
+def limit_rows() -> list[Row]:
+    theory = "eigenvalues of the exact Jacobian times the stability region"
+    one_of_each = {(run.fmu, run.speed): run for run in RUNS}
+    return [
+        Row(f"{fmu}: limit of the step at {speed:g} m/s", "ms", None, 1e3 * run.limit(), None, theory)
+        for (fmu, speed), run in one_of_each.items()
+    ]
+
+
+def rows_below() -> list[Row]:
+    """What becomes of the first case of chapter 9 behind the cut."""
+    case, words = Case(1, 25, 1.0, rotates=True), "shoes of the leading wheelset, 25 %: its shift"
+    span = f"from {CUT:g} to {BELOW:g} m/s"
+    return [
+        Row(f"{words} {span}, {words_of(step)}", "mm", None, below_the_cut(case, step), None, "below the cut")
+        for step in (None, CLOSER)
+    ]
+
+
+def verdicts(found: Study) -> dict[str, list[str]]:
+    """The printed numbers by what the closer step does to their distance from the thesis."""
+    names: dict[str, list[str]] = {"nearer to the thesis": [], "farther from it": [], "unchanged": []}
+    for run, place, printed in numbers():
+        accurate, other = (found[run, step].values[place] for step in (None, CLOSER))
+        if abs(other / accurate - 1.0) < UNCHANGED:
+            names["unchanged"].append(printed.quantity)
+        elif abs(other - printed.thesis) < abs(accurate - printed.thesis):
+            names["nearer to the thesis"].append(printed.quantity)
+        else:
+            names["farther from it"].append(printed.quantity)
+    return names
+
+
+def remarks_of(found: Study, names: Mapping[str, list[str]], below: float) -> list[str]:
+    step = f"a step of {1e3 * CLOSER:g} ms"
+    remarks = [f"Under {step} {words}: {'; '.join(which) or 'none'}." for words, which in names.items()]
+    chosen, turned = SHOES[1, 50], SHOES[2, 25]
+    both = {one: " and ".join(f"{value:.1f}" for value in found[turned, one].values) for one in (CLOSER, None)}
+    printed = " and ".join(f"{one.thesis:.1f}" for one in turned.printed)
+    scattered = ", ".join(f"{found[chosen, one].values[0]:.1f}" for one in STEPS)
+    return [
+        *remarks,
+        "The thesis names a Runge-Kutta method and prints neither its order nor its step. Numbers of it that an "
+        "accurate solution misses are consistent with the classical method and a fixed step above its stability limit, "
+        "where the motion stays bounded and no table or figure shows the error: consistent with, not proven.",
+        "Against it speaks that the thesis's program is in MATLAB, whose own Runge-Kutta method chooses steps by the "
+        f"error; that no one step gives all numbers, and some move away; and that below {CUT:g} m/s {step} lets the "
+        f"wheelset wander by {below:.1f} mm, which Table 9.2 does not have. With the trailing wheelset's shoes at 25 % "
+        f"the leading and the trailing wheelset shift by {both[CLOSER]} mm where Table 9.3 has {printed} mm and an "
+        f"accurate solution {both[None]} mm. Above the limit a number also depends on the "
+        f"step as chance has it: {chosen.printed[0].quantity} is {scattered} mm over the steps.",
+        f"A spectral peak is known to {GRID:.3f} Hz.",
+    ]
+
+
+def run(options: Options) -> Result:
+    found, below = study(), rows_below()
+    names = verdicts(found)
+    counted = [
+        Row(f"numbers {words}, step {1e3 * CLOSER:g} ms", "1", None, len(which), None, f"of {len(numbers())}")
+        for words, which in names.items()
+    ]
+    rows = [*rows_of(found), *below, *limit_rows(), *counted]
+    seconds = sum(one.seconds for one in found.values())
+    parameters = tables_5_1_and_5_2().values() | thesis_reading() | {"level": 3, "steps": STEPS}
+    remarks = remarks_of(found, names, below[1].simulated or 0.0)
+    return Result(rows, table(found), lambda: draw(found), parameters, seconds, remarks)
+
+
+def table(found: Study) -> Recording:
+    """Every value by number, counted from 1, and step; step 0 stands for the accurate solution."""
+    lines = [
+        [count, step or 0.0, found[run, step].values[place], printed.thesis]
+        for count, (run, place, printed) in enumerate(numbers(), 1)
+        for step in (None, *STEPS)
+    ]
+    return Recording({"number": "1", "step": "s", "value": "as printed", "thesis": "as printed"}, lines)
+
+
+# ---- the figure --------------------------------------------------------------------------------------------------
+
+
+def draw(found: Study) -> Figure:
+    figure, grid = plt.subplots(3, 5, figsize=(16.0, 8.5), sharex=True)
+    axes = list(grid.ravel())
+    for axis, (run, place, printed) in zip(axes, numbers(), strict=False):
+        panel(axis, run, printed, {step: found[run, step].values[place] for step in (None, *STEPS)})
+    for axis in axes[len(numbers()) :]:
+        axis.set_axis_off()
+    handles, labels = axes[2].get_legend_handles_labels()
+    axes[-1].legend(handles, labels, loc="center")
+    for axis in grid[-1]:
+        axis.set_xlabel("step of RK4 [ms]")
+    title = (
+        "Printed numbers over the step of the explicit method; behind the grey line it is unstable from the start on"
+    )
+    figure.suptitle(title, x=0.02, ha="left")
+    figure.set_layout_engine("constrained")
+    return figure
+
+
+def panel(axis: Axes, run: Run, printed: Printed, values: Mapping[float | None, float]) -> None:
+    steps = [step for step in values if step is not None]
+    axis.plot([1e3 * step for step in steps], [values[step] for step in steps], "o-", color=TRAILING, label="RK4")
+    axis.axhline(values[None], color=LEADING, label="accurate")
+    axis.axhline(printed.thesis, color=THESIS, linestyle="--", label="thesis")
+    if printed.vampire is not None:
+        axis.axhline(printed.vampire, color=BOGIE, linestyle=":", label="VAMPIRE")
+    axis.axvline(1e3 * run.limit(), color="#999999", linewidth=0.8, label="stability limit at the first speed")
+    axis.set_title(f"{printed.quantity} [{printed.unit}]".replace(": ", ":\n"), fontsize=8)
+
+
+SCENARIO = Scenario(
+    "thesis-step",
+    "Printed numbers over the step of the thesis's Runge-Kutta method, which is not printed",
+    run,
+    frozenset(),
+)
