@@ -19,6 +19,7 @@ from fmu_src.system import Model, System, integration_variables, state_variable
 RUNTIME = Path(__file__).parent / "runtime"
 RUNTIME_SOURCES = (
     "kernel.c",
+    "experiment.c",
     "integrate.c",
     "rosenbrock.c",
     "reuse.c",

@@ -120,7 +120,7 @@ typedef struct {
     double *buffer;
 } kernel_recorder;
 
-enum { MESSAGE_SIZE = 512, JOURNAL_SIZE = 4096 };
+enum { MESSAGE_SIZE = 512, JOURNAL_SIZE = 4096, CLOCK_SIZE = 48 };
 
 /* Values of integration_method. */
 enum { METHOD_EXACT = 1, METHOD_REUSED = 2, METHOD_EXPLICIT = 3 };
@@ -155,7 +155,8 @@ typedef struct kernel {
     int method;
     int kept_ready;    /* what there is of the kept Jacobian besides its place */
     int factors_serve; /* the factors `algebraic` are good enough for Newton's method */
-    int stops_at_events;
+    int stops_at_events, whole_steps;
+    double stop_time; /* infinite: the host named none */
     char *warned; /* one flag per variable: "has no effect here" is said once */
     kernel_counters counters;
     kernel_recorder *recorder;
@@ -182,7 +183,11 @@ KERNEL_EXPORT int kernel_get_directional(kernel *self, int unknowns, const int *
 KERNEL_EXPORT int kernel_initialise(kernel *self, double time);
 KERNEL_EXPORT void kernel_reopen(kernel *self);
 KERNEL_EXPORT int kernel_step(kernel *self, double time, double size);
-/* Whether a step ends early, with OK, where a friction begins to stick or to slide; kernel_time tells where. */
+/* Before initialisation, what the host plans; null: it says nothing. A tolerance that does not serve is only warned of. */
+KERNEL_EXPORT int kernel_plan(kernel *self, const double *tolerance, double start, const double *stop);
+/* Whether a step ends early, with OK, where a friction begins to stick or to slide; kernel_time tells where. If not, a
+ * step within which the run ends is discarded, and the state is the one before it. Of a kernel that was told neither,
+ * the state is the one at the end of the run. */
 KERNEL_EXPORT void kernel_stop_at_events(kernel *self, int stops);
 KERNEL_EXPORT int kernel_record(kernel *self, double time, double size, double interval, int columns,
                                 const int *variable, double *buffer, long long int rows);
@@ -218,6 +223,12 @@ KERNEL_EXPORT int kernel_repeat_step(kernel *self, double time, double size, lon
 /* Inside the runtime. */
 int kernel_fail(kernel *self, int status, const char *format, ...);
 void kernel_note(kernel *self, int status, const char *format, ...);
+/* A time in seconds for a sentence, with so many digits, and more where it has more than three before the point. */
+const char *kernel_clock(double time, int digits, char text[CLOCK_SIZE]);
+/* Whether a step may begin and end there. */
+int kernel_check_times(kernel *self, double time, double size);
+/* Says that the run ended `reached` seconds into a step that is taken back; the journal was `heard` long before it. */
+int kernel_discard(kernel *self, size_t heard, double reached);
 void kernel_gather_inputs(kernel *self);
 void kernel_compute_outputs(kernel *self, double offset, const double *state);
 /* Inputs and table pieces that hold `offset` seconds after the start of the step; and the table pieces alone. */
