@@ -5,7 +5,6 @@ One binary serves FMI 2.0 and 3.0; the archives differ in modelDescription.xml a
 
 from __future__ import annotations
 
-import html
 import struct
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -17,6 +16,7 @@ from fmu_src.codegen import RUNTIME, RUNTIME_HEADERS, RUNTIME_SOURCES, generate,
 from fmu_src.compile import FMI_HEADERS, library_of, library_suffix
 from fmu_src.model_description import model_description
 from fmu_src.model_description3 import model_description3
+from fmu_src.pages import pages
 from fmu_src.system import Model
 
 #: Folder in binaries/ -> targets of zig, and suffix of the library. Two targets make one universal binary. The glibc is
@@ -54,8 +54,7 @@ def build_native_fmu(
     sources = generate(model)
     about = model_description(model, guid_of(sources), source_files=[*sources, *RUNTIME_SOURCES])
     binaries = _binaries(model, sources, platforms or [fmpy.platform], PLATFORMS if platforms else {})
-    page = {"documentation/index.html": documentation(model, ENDS2).encode()}
-    write_archive(path, _contents(sources, about) | page | binaries | dict(extras or {}))
+    write_archive(path, _contents(sources, about) | pages(model, "native") | binaries | dict(extras or {}))
 
 
 def build_native_fmu3(
@@ -67,8 +66,8 @@ def build_native_fmu3(
     binaries = _binaries(model, sources, platforms or [fmpy.platform_tuple], PLATFORMS3 if platforms else {})
     names = [*sources, *RUNTIME_SOURCES]
     build = {"sources/buildDescription.xml": build_description(model, names).encode()}
-    page = {"documentation/index.html": documentation(model, ENDS3).encode()}
-    write_archive(path, _contents(sources, about) | page | binaries | build | dict(extras or {}))
+    contents = _contents(sources, about) | pages(model, "fmi3") | build
+    write_archive(path, contents | binaries | dict(extras or {}))
 
 
 def _contents(sources: Mapping[str, str], about: str) -> dict[str, bytes]:
@@ -117,34 +116,3 @@ def universal(libraries: Mapping[str, bytes]) -> bytes:
         parts += padded
         offset += len(padded)
     return header + bytes(page - len(header)) + parts
-
-
-#: What the page says about steps that end the run.
-ENDS2 = (
-    "FMI 2.0 co-simulation. A step that reaches the end of the run (derailment, wheel lift) returns fmi2Discard "
-    "with a sentence; fmi2LastSuccessfulTime is the instant. Refused values return fmi2Error and keep the old one."
-)
-ENDS3 = (
-    "FMI 3.0 co-simulation. A step that reaches the end of the run (derailment, wheel lift) logs a sentence and "
-    "asks to terminate; it returns early with OK where that is allowed, and fmi3Discard where it is not. Refused "
-    "values return fmi3Error and keep the old one."
-)
-
-
-def documentation(model: Model, ends: str) -> str:
-    """A page about the FMU: what it is, how a run `ends`, and its variables."""
-    rows = []
-    for v in model.variables:
-        start = "" if v.causality in ("output", "local") else f"{v.start:g}"
-        cells = (f"<code>{v.name}</code>", v.causality, html.escape(v.unit), start, html.escape(v.description))
-        rows.append("<tr>" + "".join(f"<td>{cell}</td>" for cell in cells) + "</tr>")
-    heads = "".join(f"<th>{head}</th>" for head in ("name", "causality", "unit", "start", "meaning"))
-    return (
-        f'<!doctype html>\n<html lang="en"><meta charset="utf-8"><title>{model.name}</title>\n'
-        "<style>body{font-family:sans-serif;max-width:60em;margin:2em auto}td,th{text-align:left;padding:0 .8em .2em 0}"
-        "</style>\n"
-        f"<h1>{model.name}</h1>\n<p>{html.escape(model.description)}.</p>\n"
-        '<p><img src="picture.png" alt="" style="max-width:100%"></p>\n'
-        f"<p>{ends}</p>\n"
-        f"<table><tr>{heads}</tr>\n" + "\n".join(rows) + "\n</table></html>\n"
-    )
