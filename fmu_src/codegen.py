@@ -23,6 +23,7 @@ KERNEL_SOURCES = (
     "piecewise.c",
     "evaluate.c",
     "variables.c",
+    "experiment.c",
     "linear.c",
     "rosenbrock.c",
     "algebraic.c",

@@ -18,6 +18,10 @@ _SIGNATURES = {
     "kernel_set": (ctypes.c_int, [ctypes.c_void_p, ctypes.c_int, ctypes.c_double]),
     "kernel_set_rate": (ctypes.c_int, [ctypes.c_void_p, ctypes.c_int, ctypes.c_double]),
     "kernel_get": (ctypes.c_int, [ctypes.c_void_p, ctypes.c_int, ctypes.POINTER(ctypes.c_double)]),
+    "kernel_plan": (
+        ctypes.c_int,
+        [ctypes.c_void_p, ctypes.POINTER(ctypes.c_double), ctypes.c_double, ctypes.POINTER(ctypes.c_double)],
+    ),
     "kernel_initialise": (ctypes.c_int, [ctypes.c_void_p, ctypes.c_double]),
     "kernel_step": (ctypes.c_int, [ctypes.c_void_p, ctypes.c_double, ctypes.c_double]),
     "kernel_record": (
@@ -165,6 +169,14 @@ class Kernel:
     @property
     def ended(self) -> bool:
         return bool(self._call.kernel_ended(self._handle))
+
+    def plan(self, start: float, stop: float | None = None, tolerance: float | None = None) -> None:
+        """Before initialisation: no step will go past `stop` [s]; a tolerance that does not serve is warned of.
+
+        Raises KernelError for a stop before the start, the old one kept.
+        """
+        asked, end = (None if value is None else ctypes.byref(ctypes.c_double(value)) for value in (tolerance, stop))
+        self._check(self._call.kernel_plan(self._handle, asked, start, end))
 
     def initialise(self, time: float = 0.0) -> None:
         self._check(self._call.kernel_initialise(self._handle, time))

@@ -6,10 +6,9 @@ import math
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable
 
-import casadi as ca
-
 from fmu_src import __version__
-from fmu_src.system import Model, System, Variable
+from fmu_src.dependencies import start_dependencies, step_dependencies
+from fmu_src.system import Model, Variable
 
 #: Unit -> exponents of the SI base units.
 UNITS: dict[str, dict[str, int]] = {
@@ -118,6 +117,9 @@ def add_categories_and_experiment(root: ET.Element, model: Model) -> None:
     for name, description in LOG_CATEGORIES.items():
         ET.SubElement(categories, "Category", name=name, description=description)
     experiment = {"startTime": "0.0", "stopTime": repr(model.stop_time), "stepSize": repr(model.step_size)}
+    for variable in model.variables:
+        if variable.name == "tolerance":  # a model around an object with a step has none
+            experiment["tolerance"] = repr(variable.start)
     ET.SubElement(root, "DefaultExperiment", experiment)
 
 
@@ -185,35 +187,14 @@ def variable_table(model: Model) -> str:
     return "\n".join(lines) + "\n"
 
 
-def direct_inputs(system: System) -> dict[str, set[str]]:
-    """For each output the inputs that reach it without passing through a state."""
-    names = list(system.input_symbols)
-    inputs = ca.vertcat(*system.input_symbols.values())
-    found = {}
-    for output, expression in system.outputs.items():
-        columns = ca.jacobian_sparsity(expression, inputs).get_col() if names else []
-        found[output] = {names[column] for column in columns}
-    return found
-
-
-def reached_inputs(model: Model) -> dict[str, set[str]]:
-    """For each output the inputs that reach it directly in any of the systems."""
-    reached: dict[str, set[str]] = {}
-    for system in model.systems:
-        for output, names in direct_inputs(system).items():
-            reached.setdefault(output, set()).update(names)
-    return reached
-
-
 def _structure(root: ET.Element, model: Model) -> None:
-    reached = reached_inputs(model)
+    in_step, at_start = step_dependencies(model), start_dependencies(model)
     structure = ET.SubElement(root, "ModelStructure")
     outputs = ET.SubElement(structure, "Outputs")
     initial = ET.SubElement(structure, "InitialUnknowns")
     for number, variable in enumerate(model.variables, start=1):
         if variable.causality != "output":
             continue
-        known = sorted(model.index(name) + 1 for name in reached.get(variable.name, set()))
-        ET.SubElement(outputs, "Unknown", index=str(number), dependencies=" ".join(map(str, known)))
-        # Initial values may depend on all parameters and inputs: no list of dependencies.
-        ET.SubElement(initial, "Unknown", index=str(number))
+        for parent, dependencies in ((outputs, in_step), (initial, at_start)):
+            known = sorted(model.index(name) + 1 for name in dependencies[variable.name])
+            ET.SubElement(parent, "Unknown", index=str(number), dependencies=" ".join(map(str, known)))

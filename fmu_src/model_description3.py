@@ -6,12 +6,12 @@ import math
 import xml.etree.ElementTree as ET
 
 from fmu_src import __version__
+from fmu_src.dependencies import start_dependencies, step_dependencies
 from fmu_src.model_description import (
     NOMINAL,
     add_categories_and_experiment,
     add_units,
     number_text,
-    reached_inputs,
 )
 from fmu_src.system import Model, Variable
 
@@ -40,6 +40,7 @@ def model_description3(model: Model, token: str) -> str:
         canSerializeFMUState="true",
         providesDirectionalDerivatives="true",
         canHandleVariableCommunicationStepSize="true",
+        mightReturnEarlyFromDoStep="true",
         maxOutputDerivativeOrder="1",
     )
     add_units(root, (*model.variables, TIME))
@@ -81,12 +82,10 @@ def _attributes(reference: int, variable: Variable) -> dict[str, str]:
 
 
 def _structure(root: ET.Element, model: Model) -> None:
-    reached = reached_inputs(model)
     structure = ET.SubElement(root, "ModelStructure")
-    outputs = [variable.name for variable in model.variables if variable.causality == "output"]
-    for name in outputs:
-        known = sorted(model.index(source) for source in reached.get(name, set()))
-        reference = str(model.index(name))
-        ET.SubElement(structure, "Output", valueReference=reference, dependencies=" ".join(map(str, known)))
-    for name in outputs:
-        ET.SubElement(structure, "InitialUnknown", valueReference=str(model.index(name)))
+    for kind, dependencies in (("Output", step_dependencies(model)), ("InitialUnknown", start_dependencies(model))):
+        for variable in model.variables:
+            if variable.causality == "output":
+                known = sorted(model.index(source) for source in dependencies[variable.name])
+                reference = str(model.index(variable.name))
+                ET.SubElement(structure, kind, valueReference=reference, dependencies=" ".join(map(str, known)))

@@ -5,7 +5,6 @@ One binary serves FMI 2.0 and 3.0; the archives differ in modelDescription.xml a
 
 from __future__ import annotations
 
-import html
 import struct
 import textwrap
 from collections.abc import Mapping, Sequence
@@ -18,6 +17,7 @@ from fmu_src.codegen import KERNEL_SOURCES, RUNTIME, generate, guid_of
 from fmu_src.compile import FMI_HEADERS, library_of, library_suffix
 from fmu_src.model_description import model_description
 from fmu_src.model_description3 import model_description3
+from fmu_src.pages import PICTURE, pages
 from fmu_src.system import Model
 
 #: Folder in binaries/ -> targets of zig, and suffix of the library. Two targets make one universal binary. The glibc is
@@ -64,9 +64,8 @@ def build_native_fmu(
     sources = generate(model)
     about = model_description(model, guid_of(sources), source_files=[ONE_UNIT])
     binaries = _binaries(model, sources, platforms or [fmpy.platform], PLATFORMS if platforms else {})
-    page = {"documentation/index.html": documentation(model, ENDS2, PICTURE in (extras or {})).encode()}
-    page["documentation/host.c"] = host(model, guid_of(sources), 2).encode()
-    write_archive(path, _contents(model, sources, about, 2) | page | binaries | dict(extras or {}))
+    contents = _contents(model, sources, about, 2) | _documentation(model, sources, "native", extras)
+    write_archive(path, contents | binaries | dict(extras or {}))
 
 
 def build_native_fmu3(
@@ -77,9 +76,8 @@ def build_native_fmu3(
     about = model_description3(model, guid_of(sources))
     binaries = _binaries(model, sources, platforms or [fmpy.platform_tuple], PLATFORMS3 if platforms else {})
     build = {"sources/buildDescription.xml": build_description(model).encode()}
-    page = {"documentation/index.html": documentation(model, ENDS3, PICTURE in (extras or {})).encode()}
-    page["documentation/host.c"] = host(model, guid_of(sources), 3).encode()
-    write_archive(path, _contents(model, sources, about, 3) | page | binaries | build | dict(extras or {}))
+    contents = _contents(model, sources, about, 3) | _documentation(model, sources, "fmi3", extras)
+    write_archive(path, contents | build | binaries | dict(extras or {}))
 
 
 def _contents(model: Model, sources: Mapping[str, str], about: str, version: int) -> dict[str, bytes]:
@@ -88,6 +86,13 @@ def _contents(model: Model, sources: Mapping[str, str], about: str, version: int
     files |= {name: (FMI_HEADERS / name).read_bytes() for name in STANDARD_HEADERS[version]}
     files[ONE_UNIT] = one_unit(model, [*sources, *SOURCES[version]], version).encode()
     return {"modelDescription.xml": about.encode()} | {f"sources/{name}": data for name, data in files.items()}
+
+
+def _documentation(
+    model: Model, sources: Mapping[str, str], kind: str, extras: Mapping[str, bytes] | None
+) -> dict[str, bytes]:
+    page = host(model, guid_of(sources), 3 if kind == "fmi3" else 2).encode()
+    return pages(model, kind, PICTURE in (extras or {})) | {"documentation/host.c": page}
 
 
 def one_unit(model: Model, names: Sequence[str], version: int) -> str:
@@ -155,39 +160,3 @@ def universal(libraries: Mapping[str, bytes]) -> bytes:
         parts += padded
         offset += len(padded)
     return header + bytes(page - len(header)) + parts
-
-
-#: What the page says about steps that end the run.
-ENDS2 = (
-    "FMI 2.0 co-simulation. A step that reaches the end of the run (derailment, wheel lift) returns fmi2Discard "
-    "with a sentence; fmi2LastSuccessfulTime is the instant. Refused values return fmi2Error and keep the old one."
-)
-ENDS3 = (
-    "FMI 3.0 co-simulation. A step that reaches the end of the run (derailment, wheel lift) logs a sentence and "
-    "asks to terminate; it returns early with OK where that is allowed, and fmi3Discard where it is not. Refused "
-    "values return fmi3Error and keep the old one."
-)
-
-
-#: Place of the page's picture among the extras.
-PICTURE = "documentation/picture.png"
-
-
-def documentation(model: Model, ends: str, picture: bool = False) -> str:
-    """A page about the FMU: what it is, how a run `ends`, and its variables; with its picture where there is one."""
-    rows = []
-    for v in model.variables:
-        start = "" if v.causality in ("output", "local") else f"{v.start:g}"
-        cells = (f"<code>{v.name}</code>", v.causality, html.escape(v.unit), start, html.escape(v.description))
-        rows.append("<tr>" + "".join(f"<td>{cell}</td>" for cell in cells) + "</tr>")
-    heads = "".join(f"<th>{head}</th>" for head in ("name", "causality", "unit", "start", "meaning"))
-    return (
-        f'<!doctype html>\n<html lang="en"><meta charset="utf-8"><title>{model.name}</title>\n'
-        "<style>body{font-family:sans-serif;max-width:60em;margin:2em auto}td,th{text-align:left;padding:0 .8em .2em 0}"
-        "</style>\n"
-        f"<h1>{model.name}</h1>\n<p>{html.escape(model.description)}.</p>\n"
-        + ('<p><img src="picture.png" alt="" style="max-width:100%"></p>\n' if picture else "")
-        + f"<p>{ends}</p>\n"
-        '<p><a href="host.c">host.c</a> is a program that opens the binary, or links the sources.</p>\n'
-        f"<table><tr>{heads}</tr>\n" + "\n".join(rows) + "\n</table></html>\n"
-    )

@@ -20,6 +20,7 @@ from fmu_src.archive import write_archive
 from fmu_src.codegen import generate, guid_of
 from fmu_src.compile import library_of, library_suffix
 from fmu_src.model_description import model_description
+from fmu_src.pages import pages
 from fmu_src.system import Model
 
 HERE = Path(__file__).parent
@@ -38,7 +39,7 @@ def build_python_fmu(model: Model, path: Path) -> None:
         shutil.copyfile(library_of(sources), library)
         contents = packed(script, [library])
     contents["modelDescription.xml"] = model_description(model, guid, native=False).encode()
-    write_archive(path, contents)
+    write_archive(path, contents | pages(model, "python"))
 
 
 def packed(script: Path, files: Sequence[Path] = ()) -> dict[str, bytes]:

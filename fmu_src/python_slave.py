@@ -13,8 +13,8 @@ from pythonfmu.enums import Fmi2Status
 
 from fmu_src.kernel import DISCARD, Kernel, KernelError, Library
 
-#: Key, beside the value references, of a problem that belongs to no single variable.
-WHOLE = -1
+#: Keys, beside the value references, of a problem that belongs to no single variable, and of the experiment's.
+WHOLE, EXPERIMENT = -1, -2
 
 
 class KernelSlave(Fmi2Slave):
@@ -38,9 +38,14 @@ class KernelSlave(Fmi2Slave):
     def setup_experiment(
         self, start_time: float, stop_time: float | None = None, tolerance: float | None = None
     ) -> None:
+        try:
+            self.kernel.plan(start_time, stop_time, tolerance)
+        except KernelError as error:
+            self._remember(EXPERIMENT, error)
+            return
+        self.problems.pop(EXPERIMENT, None)
         self.start_time = start_time
-        if tolerance is not None:
-            self.set_real([self.kernel.library.index["tolerance"]], [tolerance])
+        self._tell(Fmi2Status.warning)
 
     def enter_initialization_mode(self) -> None:
         self.initialising = True
@@ -59,9 +64,7 @@ class KernelSlave(Fmi2Slave):
         except KernelError as error:
             self.log(str(error), Fmi2Status.discard if error.status == DISCARD else Fmi2Status.error)
             return False
-        for sentence in self.kernel.journal:
-            self.log(sentence, Fmi2Status.ok, "events")
-        self.kernel.journal.clear()
+        self._tell(Fmi2Status.ok)
         return True
 
     def get_real(self, vrs: list[int]) -> list[float]:
@@ -92,6 +95,11 @@ class KernelSlave(Fmi2Slave):
     set_integer = set_real
     set_boolean = set_real
 
+    def _tell(self, status: Fmi2Status) -> None:
+        for sentence in self.kernel.journal:
+            self.log(sentence, status, "events" if status == Fmi2Status.ok else None)
+        self.kernel.journal.clear()
+
     def _initialise(self) -> None:
         try:
             self.kernel.initialise(self.start_time)
@@ -100,5 +108,6 @@ class KernelSlave(Fmi2Slave):
             self._remember(WHOLE, error)
 
     def _remember(self, reference: int, error: KernelError) -> None:
+        self.kernel.journal[-1:] = []  # the same sentence; what is left is no error
         self.problems[reference] = str(error)
         self.log(str(error), Fmi2Status.error)

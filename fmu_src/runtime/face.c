@@ -5,13 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* By status. Errors and ended runs are always told. */
+/* By status. */
 static const char *const CATEGORY[] = {"events", "logStatusWarning", "logStatusDiscard", "logStatusError"};
-enum { CATEGORIES = 4, EVERYTHING = 15, ALWAYS_TOLD = 12 };
+enum { CATEGORIES = 4, EVERYTHING = 15 };
 
 static void say(const component *self, int status, const char *sentence) {
     const unsigned category = status <= KERNEL_ERROR ? (unsigned)status : (unsigned)KERNEL_ERROR;
-    if (self->logger && ((self->logged | ALWAYS_TOLD) & (1u << category)))
+    if (self->logger && ((self->logged | self->told) & (1u << category)))
         self->tell(self, status, CATEGORY[category], sentence);
 }
 
@@ -44,23 +44,36 @@ int face_legal(const component *self, int phases, const char *function) {
     return 0;
 }
 
+int face_missing(const component *self, size_t count, const void *one, const void *other) {
+    return count && (!one || !other) && face_error(self, "An array is missing: a null pointer was given for its values.");
+}
+
 int face_log(component *self, int logging, size_t count, const char *const categories[]) {
     if (count == 0) {
         self->logged = logging ? EVERYTHING : 0;
         return KERNEL_OK;
     }
+    if (face_missing(self, count, categories, categories)) return KERNEL_ERROR;
+    unsigned named = 0;
     for (size_t i = 0; i < count; ++i) {
         unsigned bit = 0;
         for (unsigned j = 0; j < CATEGORIES; ++j)
             if (categories[i] && strcmp(categories[i], CATEGORY[j]) == 0) bit = 1u << j;
         if (!bit) return face_error(self, "There is no such log category; modelDescription.xml lists them.");
-        self->logged = logging ? self->logged | bit : self->logged & ~bit;
+        named |= bit;
     }
+    self->logged = logging ? named : self->logged & ~named; /* to switch some on means: only these */
     return KERNEL_OK;
 }
 
 component *face_instantiate(const component *log, const char *name, const char *token, int logging) {
-    if (!name) return NULL;
+    if (!name) {
+        component nameless = *log;
+        nameless.name = (char *)"";
+        nameless.logged = logging ? EVERYTHING : 0;
+        (void)face_error(&nameless, "Give the instance a name.");
+        return NULL;
+    }
     component *self = (component *)calloc(1, sizeof *self);
     if (!self) return NULL;
     *self = *log;
@@ -95,7 +108,15 @@ int face_terminate(component *self) {
 int face_reset(component *self) {
     kernel_reset(self->machine);
     self->now = INSTANTIATED;
+    self->start_time = 0.0;
+    self->last_step = KERNEL_OK;
     return KERNEL_OK;
+}
+
+int face_plan(component *self, const double *tolerance, double start, const double *stop) {
+    const int status = kernel_plan(self->machine, tolerance, start, stop);
+    if (status <= KERNEL_WARNING) self->start_time = start;
+    return face_report(self, status);
 }
 
 /* ---- variables: every value is a double in the kernel; the type is only checked here ---- */
@@ -117,13 +138,25 @@ int face_initialise_if_asked(component *self) {
 
 int face_get(component *self, unsigned reference, int kind, double *value) {
     if (wrong_type(self, reference, kind)) return KERNEL_ERROR;
+    if (self->now == INSTANTIATED && MODEL.variable[reference].causality >= CAUSALITY_OUTPUT)
+        return face_error(self, "Outputs and states have values from the initialisation on; enter it first.");
     const int status = face_initialise_if_asked(self);
     if (status > KERNEL_WARNING) return status;
     return face_report(self, kernel_get(self->machine, (int)reference, value));
 }
 
-int face_set(component *self, unsigned reference, int kind, double value) {
-    if (wrong_type(self, reference, kind)) return KERNEL_ERROR;
+int face_fixed(component *self, size_t count, const unsigned *reference, int kind) {
+    for (size_t i = 0; i < count; ++i) {
+        if (wrong_type(self, reference[i], kind)) return 1;
+        const int causality = MODEL.variable[reference[i]].causality;
+        if (causality == CAUSALITY_INPUT || (causality == CAUSALITY_PARAMETER && self->now != STEPPING)) continue;
+        (void)face_report(self, kernel_set(self->machine, (int)reference[i], 0.0)); /* which says why not */
+        return 1;
+    }
+    return 0;
+}
+
+int face_set(component *self, unsigned reference, double value) {
     if (self->now == INITIALISING) kernel_reopen(self->machine);
     return face_report(self, kernel_set(self->machine, (int)reference, value));
 }
@@ -139,7 +172,7 @@ typedef struct {
     size_t size;
     unsigned long long checksum; /* of the kernel's bytes and the GUID: bytes that were changed on the way are refused */
     double start_time;
-    int now, last_step;
+    long long int now; /* without gaps: equal states have equal bytes */
 } saved_header;
 
 size_t face_saved_size(const component *self) { return sizeof(saved_header) + kernel_state_size(self->machine); }
@@ -155,7 +188,6 @@ static unsigned long long checksum(const component *self, saved_header header, c
     unsigned long long hash = hash_of(14695981039346656037ull, MODEL.guid, strlen(MODEL.guid));
     hash = hash_of(hash, &header.start_time, sizeof header.start_time);
     hash = hash_of(hash, &header.now, sizeof header.now);
-    hash = hash_of(hash, &header.last_step, sizeof header.last_step);
     return hash_of(hash, kernel_bytes, kernel_state_size(self->machine));
 }
 
@@ -170,9 +202,10 @@ static int is_saved(const component *self, const void *bytes, size_t size) {
 
 int face_save(component *self, void **state) {
     const size_t size = face_saved_size(self);
+    if (face_missing(self, 1, state, state)) return KERNEL_ERROR;
     if (!*state) *state = calloc(1, size);
     if (!*state) return face_error(self, "There is not enough memory for a saved state.");
-    saved_header header = {size, 0, self->start_time, (int)self->now, self->last_step};
+    saved_header header = {size, 0, self->start_time, (long long int)self->now};
     kernel_save(self->machine, (char *)*state + sizeof header);
     header.checksum = checksum(self, header, (char *)*state + sizeof header);
     memcpy(*state, &header, sizeof header);
@@ -186,13 +219,12 @@ int face_restore(component *self, const void *state) {
         return face_error(self, "The saved state belongs to another model, or its bytes were changed.");
     memcpy(&header, state, sizeof header);
     self->now = (phase)header.now;
-    self->last_step = header.last_step;
     self->start_time = header.start_time;
     return face_report(self, kernel_restore(self->machine, (const char *)state + sizeof header));
 }
 
 int face_serialise(component *self, const void *state, void *bytes, size_t size) {
-    if (!state || size < face_saved_size(self))
+    if (!state || !bytes || size < face_saved_size(self))
         return face_error(self, "The buffer is too small for the saved state.");
     memcpy(bytes, state, face_saved_size(self));
     return KERNEL_OK;
@@ -201,6 +233,7 @@ int face_serialise(component *self, const void *state, void *bytes, size_t size)
 int face_deserialise(component *self, const void *bytes, size_t size, void **state) {
     if (!is_saved(self, bytes, size))
         return face_error(self, "The serialised state belongs to another model, or its bytes were changed.");
+    if (face_missing(self, 1, state, state)) return KERNEL_ERROR;
     if (!*state) *state = malloc(face_saved_size(self));
     if (!*state) return face_error(self, "There is not enough memory for a saved state.");
     memcpy(*state, bytes, face_saved_size(self));

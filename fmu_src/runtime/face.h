@@ -12,6 +12,7 @@ typedef struct component {
     kernel *machine;
     phase now;
     unsigned logged; /* one bit for each category that the host wants to hear */
+    unsigned told;   /* those that it hears whether it wants to or not */
     int last_step;   /* status of the last step */
     double start_time;
     char *name;
@@ -22,6 +23,9 @@ typedef struct component {
     void *environment;
 } component;
 
+/* Bits of the categories of warnings and errors. */
+enum { WARNINGS = 1u << KERNEL_WARNING, ERRORS = 1u << KERNEL_ERROR };
+
 /* A new instance, or null after `tell` has said why. The caller fills in the fields of the log first. */
 INSIDE component *face_instantiate(const component *log, const char *name, const char *token, int logging);
 INSIDE void face_free(component *self);
@@ -30,10 +34,16 @@ INSIDE int face_error(const component *self, const char *sentence);
 /* Passes the kernel's journal on to the host and returns `status` unchanged. */
 INSIDE int face_report(component *self, int status);
 INSIDE int face_legal(const component *self, int phases, const char *function);
+/* Whether one of two arrays of `count` values is missing, which is then said. */
+INSIDE int face_missing(const component *self, size_t count, const void *one, const void *other);
+/* What the host says before initialisation; null: it says nothing. */
+INSIDE int face_plan(component *self, const double *tolerance, double start, const double *stop);
 /* What is asked for during initialisation belongs to the values set so far. */
 INSIDE int face_initialise_if_asked(component *self);
 INSIDE int face_get(component *self, unsigned reference, int kind, double *value);
-INSIDE int face_set(component *self, unsigned reference, int kind, double value);
+/* Whether one of the variables cannot be set now, which is then said: then none is set. */
+INSIDE int face_fixed(component *self, size_t count, const unsigned *reference, int kind);
+INSIDE int face_set(component *self, unsigned reference, double value);
 INSIDE int face_set_rate(component *self, unsigned reference, double rate);
 INSIDE int face_terminate(component *self);
 INSIDE int face_reset(component *self);

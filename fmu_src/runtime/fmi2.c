@@ -38,6 +38,7 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
     memset(&log, 0, sizeof log);
     log.name = (char *)instanceName;
     log.standard = "FMI 2.0, section 4.2.4";
+    log.told = WARNINGS | ERRORS; /* section 2.1.3: of these the host is always told */
     log.tell = tell;
     log.logger = (void (*)(void))functions->logger;
     log.environment = functions->componentEnvironment;
@@ -53,11 +54,8 @@ void fmi2FreeInstance(fmi2Component c) { face_free((component *)c); }
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fmi2Real tolerance, fmi2Real startTime,
                                fmi2Boolean stopTimeDefined, fmi2Real stopTime) {
     REQUIRE(c, INSTANTIATED, "fmi2SetupExperiment");
-    (void)stopTimeDefined;
-    (void)stopTime;
-    self->start_time = startTime;
-    if (!toleranceDefined) return fmi2OK;
-    return (fmi2Status)face_report(self, kernel_set(self->machine, MODEL.tolerance, tolerance));
+    return (fmi2Status)face_plan(self, toleranceDefined ? &tolerance : NULL, startTime,
+                                 stopTimeDefined ? &stopTime : NULL);
 }
 
 fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
@@ -86,6 +84,7 @@ fmi2Status fmi2Reset(fmi2Component c) {
 #define DEFINE_GET(function, type, kind)                                                                     \
     fmi2Status function(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, type value[]) {          \
         REQUIRE(c, ALWAYS, #function);                                                                       \
+        if (face_missing(self, nvr, vr, value)) return fmi2Error;                                            \
         int worst = KERNEL_OK;                                                                               \
         for (size_t i = 0; i < nvr; ++i) {                                                                   \
             double number = 0.0;                                                                             \
@@ -99,9 +98,11 @@ fmi2Status fmi2Reset(fmi2Component c) {
 #define DEFINE_SET(function, type, kind)                                                                     \
     fmi2Status function(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const type value[]) {    \
         REQUIRE(c, INSTANTIATED | INITIALISING | STEPPING, #function);                                       \
+        if (face_missing(self, nvr, vr, value)) return fmi2Error;                                            \
+        if (face_fixed(self, nvr, vr, kind)) return fmi2Error;                                               \
         int worst = KERNEL_OK;                                                                               \
         for (size_t i = 0; i < nvr; ++i) {                                                                   \
-            const int status = face_set(self, vr[i], kind, (double)value[i]);                                \
+            const int status = face_set(self, vr[i], (double)value[i]);                                      \
             if (status > worst) worst = status;                                                              \
         }                                                                                                    \
         return (fmi2Status)worst;                                                                            \
@@ -151,7 +152,7 @@ fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *FMUstate) {
 
 fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate FMUstate, size_t *size) {
     REQUIRE(c, ALWAYS, "fmi2SerializedFMUstateSize");
-    (void)FMUstate;
+    if (face_missing(self, 1, FMUstate, size)) return fmi2Error;
     *size = face_saved_size(self);
     return fmi2OK;
 }
@@ -170,7 +171,8 @@ fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size
 
 fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
                                        const fmi2Integer order[], const fmi2Real value[]) {
-    REQUIRE(c, INITIALISING | STEPPING, "fmi2SetRealInputDerivatives");
+    REQUIRE(c, INSTANTIATED | INITIALISING | STEPPING, "fmi2SetRealInputDerivatives");
+    if (face_missing(self, nvr, vr, value) || face_missing(self, nvr, order, order)) return fmi2Error;
     for (size_t i = 0; i < nvr; ++i) {
         if (order[i] != 1) return (fmi2Status)face_error(self, "Only first derivatives of inputs are used.");
         const int status = face_set_rate(self, vr[i], value[i]);
@@ -182,6 +184,7 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference
 fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
                                         const fmi2Integer order[], fmi2Real value[]) {
     REQUIRE(c, STEPPING | STOPPED | TERMINATED, "fmi2GetRealOutputDerivatives");
+    if (face_missing(self, nvr, vr, value) || face_missing(self, nvr, order, order)) return fmi2Error;
     for (size_t i = 0; i < nvr; ++i)
         if (order[i] != 1) return (fmi2Status)face_error(self, "Only first derivatives of outputs are provided.");
     return (fmi2Status)face_report(self, kernel_get_rates(self->machine, (int)nvr, (const int *)vr, value));
@@ -191,6 +194,8 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
                                         const fmi2ValueReference vKnown_ref[], size_t nKnown, const fmi2Real dvKnown[],
                                         fmi2Real dvUnknown[]) {
     REQUIRE(c, INITIALISING | STEPPING | STOPPED | TERMINATED, "fmi2GetDirectionalDerivative");
+    if (face_missing(self, nUnknown, vUnknown_ref, dvUnknown) || face_missing(self, nKnown, vKnown_ref, dvKnown))
+        return fmi2Error;
     const int status = face_initialise_if_asked(self);
     if (status > KERNEL_WARNING) return (fmi2Status)status;
     return (fmi2Status)face_report(
@@ -207,42 +212,35 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint, fmi2R
     return (fmi2Status)face_report(self, self->last_step);
 }
 
+/* Only a step that goes on in the background, which none does here, could be cancelled or asked about in advance. */
+enum { INITIALISED = STEPPING | STOPPED | TERMINATED };
+
 fmi2Status fmi2CancelStep(fmi2Component c) {
     REQUIRE(c, ALWAYS, "fmi2CancelStep");
     return (fmi2Status)face_error(self, "A step is never pending, so there is nothing to cancel.");
 }
 
-fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind s, fmi2Status *value) {
-    REQUIRE(c, ALWAYS, "fmi2GetStatus");
-    if (s != fmi2DoStepStatus) return fmi2Discard;
-    *value = (fmi2Status)self->last_step;
-    return fmi2OK;
-}
+#define DEFINE_STATUS(function, type, kind, answer)                                     \
+    fmi2Status function(fmi2Component c, const fmi2StatusKind s, type *value) {         \
+        REQUIRE(c, INITIALISED, #function);                                             \
+        if (s != (kind)) return fmi2Discard;                                            \
+        if (face_missing(self, 1, value, value)) return fmi2Error;                      \
+        *value = answer;                                                                \
+        return fmi2OK;                                                                  \
+    }
 
-fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind s, fmi2Real *value) {
-    REQUIRE(c, ALWAYS, "fmi2GetRealStatus");
-    if (s != fmi2LastSuccessfulTime) return fmi2Discard;
-    *value = kernel_time(self->machine);
-    return fmi2OK;
-}
+DEFINE_STATUS(fmi2GetStatus, fmi2Status, fmi2DoStepStatus, (fmi2Status)self->last_step)
+DEFINE_STATUS(fmi2GetRealStatus, fmi2Real, fmi2LastSuccessfulTime, kernel_time(self->machine))
+DEFINE_STATUS(fmi2GetBooleanStatus, fmi2Boolean, fmi2Terminated, kernel_ended(self->machine) != 0)
 
 fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind s, fmi2Integer *value) {
-    (void)c;
-    (void)s;
-    (void)value;
+    REQUIRE(c, INITIALISED, "fmi2GetIntegerStatus");
+    (void)s, (void)value;
     return fmi2Discard;
 }
 
-fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s, fmi2Boolean *value) {
-    REQUIRE(c, ALWAYS, "fmi2GetBooleanStatus");
-    if (s != fmi2Terminated) return fmi2Discard;
-    *value = kernel_ended(self->machine) != 0;
-    return fmi2OK;
-}
-
 fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind s, fmi2String *value) {
-    (void)c;
-    (void)s;
-    (void)value;
+    REQUIRE(c, INITIALISED, "fmi2GetStringStatus");
+    (void)s, (void)value;
     return fmi2Discard;
 }

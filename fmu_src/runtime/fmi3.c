@@ -1,6 +1,6 @@
 /* The FMI 3.0 co-simulation face of the same kernel. Value references are those of FMI 2.0; the one behind the last is
- * the time. With earlyReturnAllowed a step ends where a wheelset locks or turns again, and where the run ends. */
-#include <math.h>
+ * the time. With earlyReturnAllowed a step ends where a wheelset locks or turns again, and where the run ends; without it
+ * a step within which the run ends is discarded, and the instance stands where it stood before. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -8,6 +8,8 @@
 #include "fmi3Functions.h"
 
 #define STATUS fmi3Status
+
+static const char NO_EXCHANGE[] = "Only co-simulation is supported.";
 
 static void tell(const component *self, int status, const char *category, const char *sentence) {
     ((fmi3LogMessageCallback)self->logger)(self->environment, (fmi3Status)status, category, sentence);
@@ -21,6 +23,13 @@ fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean loggingOn, siz
     return (fmi3Status)face_log(self, loggingOn, nCategories, categories);
 }
 
+/* Says why there will be no instance, unless logging is off (section 2.3.1). */
+static fmi3Instance refuse(fmi3LogMessageCallback logMessage, fmi3InstanceEnvironment environment, int logging,
+                           const char *sentence) {
+    if (logMessage && logging) logMessage(environment, fmi3Error, "logStatusError", sentence);
+    return NULL;
+}
+
 fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String instantiationToken,
                                          fmi3String resourcePath, fmi3Boolean visible, fmi3Boolean loggingOn,
                                          fmi3Boolean eventModeUsed, fmi3Boolean earlyReturnAllowed,
@@ -28,7 +37,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
                                          size_t nRequiredIntermediateVariables,
                                          fmi3InstanceEnvironment instanceEnvironment, fmi3LogMessageCallback logMessage,
                                          fmi3IntermediateUpdateCallback intermediateUpdate) {
-    (void)resourcePath, (void)visible, (void)eventModeUsed, (void)requiredIntermediateVariables;
+    (void)resourcePath, (void)visible, (void)requiredIntermediateVariables;
     (void)nRequiredIntermediateVariables, (void)intermediateUpdate;
     component log;
     memset(&log, 0, sizeof log);
@@ -37,22 +46,20 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
     log.tell = tell;
     log.logger = (void (*)(void))logMessage;
     log.environment = instanceEnvironment;
+    if (eventModeUsed)
+        return refuse(logMessage, instanceEnvironment, loggingOn,
+                      "There is no event mode, as modelDescription.xml says; instantiate with eventModeUsed = false.");
     component *self = face_instantiate(&log, instanceName, instantiationToken, loggingOn);
     if (self) kernel_stop_at_events(self->machine, earlyReturnAllowed);
     return self;
-}
-
-static fmi3Instance only_co_simulation(fmi3LogMessageCallback logMessage, fmi3InstanceEnvironment environment) {
-    if (logMessage) logMessage(environment, fmi3Error, "logStatusError", "Only co-simulation is supported.");
-    return NULL;
 }
 
 fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String instantiationToken,
                                           fmi3String resourcePath, fmi3Boolean visible, fmi3Boolean loggingOn,
                                           fmi3InstanceEnvironment instanceEnvironment,
                                           fmi3LogMessageCallback logMessage) {
-    (void)instanceName, (void)instantiationToken, (void)resourcePath, (void)visible, (void)loggingOn;
-    return only_co_simulation(logMessage, instanceEnvironment);
+    (void)instanceName, (void)instantiationToken, (void)resourcePath, (void)visible;
+    return refuse(logMessage, instanceEnvironment, loggingOn, NO_EXCHANGE);
 }
 
 fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3String instantiationToken,
@@ -61,9 +68,9 @@ fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3Stri
                                                fmi3LogMessageCallback logMessage, fmi3ClockUpdateCallback clockUpdate,
                                                fmi3LockPreemptionCallback lockPreemption,
                                                fmi3UnlockPreemptionCallback unlockPreemption) {
-    (void)instanceName, (void)instantiationToken, (void)resourcePath, (void)visible, (void)loggingOn;
+    (void)instanceName, (void)instantiationToken, (void)resourcePath, (void)visible;
     (void)clockUpdate, (void)lockPreemption, (void)unlockPreemption;
-    return only_co_simulation(logMessage, instanceEnvironment);
+    return refuse(logMessage, instanceEnvironment, loggingOn, NO_EXCHANGE);
 }
 
 void fmi3FreeInstance(fmi3Instance instance) { face_free((component *)instance); }
@@ -71,12 +78,9 @@ void fmi3FreeInstance(fmi3Instance instance) { face_free((component *)instance);
 fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean toleranceDefined, fmi3Float64 tolerance,
                                        fmi3Float64 startTime, fmi3Boolean stopTimeDefined, fmi3Float64 stopTime) {
     REQUIRE(instance, INSTANTIATED, "fmi3EnterInitializationMode");
-    (void)stopTimeDefined, (void)stopTime;
     const int status =
-        toleranceDefined ? face_report(self, kernel_set(self->machine, MODEL.tolerance, tolerance)) : KERNEL_OK;
-    if (status > KERNEL_WARNING) return (fmi3Status)status;
-    self->start_time = startTime;
-    self->now = INITIALISING;
+        face_plan(self, toleranceDefined ? &tolerance : NULL, startTime, stopTimeDefined ? &stopTime : NULL);
+    if (status <= KERNEL_WARNING) self->now = INITIALISING;
     return (fmi3Status)status;
 }
 
@@ -103,6 +107,10 @@ static int sizes_differ(const component *self, size_t references, size_t values)
     return references != values && face_error(self, "Give one value for each value reference: there are no arrays.");
 }
 
+static int unusable(const component *self, const void *reference, size_t references, const void *value, size_t values) {
+    return sizes_differ(self, references, values) || face_missing(self, values, reference, value);
+}
+
 static int get(component *self, unsigned reference, int kind, double *value) {
     if (kind != KIND_REAL || reference != (unsigned)MODEL.variables) return face_get(self, reference, kind, value);
     *value = self->now & (INSTANTIATED | INITIALISING) ? self->start_time : kernel_time(self->machine);
@@ -113,7 +121,7 @@ static int get(component *self, unsigned reference, int kind, double *value) {
     fmi3Status function(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,   \
                         type values[], size_t nValues) {                                                              \
         REQUIRE(instance, ALWAYS, #function);                                                                         \
-        if (sizes_differ(self, nValueReferences, nValues)) return fmi3Error;                                          \
+        if (unusable(self, valueReferences, nValueReferences, values, nValues)) return fmi3Error;                     \
         int worst = KERNEL_OK;                                                                                        \
         for (size_t i = 0; i < nValues; ++i) {                                                                        \
             double number = 0.0;                                                                                      \
@@ -128,10 +136,11 @@ static int get(component *self, unsigned reference, int kind, double *value) {
     fmi3Status function(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,   \
                         const type values[], size_t nValues) {                                                        \
         REQUIRE(instance, INSTANTIATED | INITIALISING | STEPPING, #function);                                         \
-        if (sizes_differ(self, nValueReferences, nValues)) return fmi3Error;                                          \
+        if (unusable(self, valueReferences, nValueReferences, values, nValues)) return fmi3Error;                     \
+        if (face_fixed(self, nValues, valueReferences, kind)) return fmi3Error;                                       \
         int worst = KERNEL_OK;                                                                                        \
         for (size_t i = 0; i < nValues; ++i) {                                                                        \
-            const int status = face_set(self, valueReferences[i], kind, (double)values[i]);                           \
+            const int status = face_set(self, valueReferences[i], (double)values[i]);                                 \
             if (status > worst) worst = status;                                                                       \
         }                                                                                                             \
         return (fmi3Status)worst;                                                                                     \
@@ -192,7 +201,7 @@ fmi3Status fmi3FreeFMUState(fmi3Instance instance, fmi3FMUState *FMUState) {
 
 fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState FMUState, size_t *size) {
     REQUIRE(instance, ALWAYS, "fmi3SerializedFMUStateSize");
-    (void)FMUState;
+    if (face_missing(self, 1, FMUState, size)) return fmi3Error;
     *size = face_saved_size(self);
     return fmi3OK;
 }
@@ -215,7 +224,8 @@ fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueRe
                                         const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[],
                                         size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity) {
     REQUIRE(instance, INITIALISING | STEPPING | STOPPED | TERMINATED, "fmi3GetDirectionalDerivative");
-    if (sizes_differ(self, nUnknowns, nSensitivity) || sizes_differ(self, nKnowns, nSeed)) return fmi3Error;
+    if (unusable(self, unknowns, nUnknowns, sensitivity, nSensitivity)) return fmi3Error;
+    if (unusable(self, knowns, nKnowns, seed, nSeed)) return fmi3Error;
     const int status = face_initialise_if_asked(self);
     if (status > KERNEL_WARNING) return (fmi3Status)status;
     return (fmi3Status)face_report(
@@ -227,7 +237,8 @@ fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3ValueRefere
                                     size_t nValueReferences, const fmi3Int32 orders[], fmi3Float64 values[],
                                     size_t nValues) {
     REQUIRE(instance, STEPPING | STOPPED | TERMINATED, "fmi3GetOutputDerivatives");
-    if (sizes_differ(self, nValueReferences, nValues)) return fmi3Error;
+    if (unusable(self, valueReferences, nValueReferences, values, nValues)) return fmi3Error;
+    if (face_missing(self, nValues, orders, orders)) return fmi3Error;
     for (size_t i = 0; i < nValues; ++i)
         if (orders[i] != 1) return (fmi3Status)face_error(self, "Only first derivatives of outputs are provided.");
     return (fmi3Status)face_report(
@@ -239,18 +250,20 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
                       fmi3Boolean *terminateSimulation, fmi3Boolean *earlyReturn, fmi3Float64 *lastSuccessfulTime) {
     REQUIRE(instance, STEPPING | STOPPED, "fmi3DoStep");
     (void)noSetFMUStatePriorToCurrentPoint;
-    const int first_end = self->now == STEPPING;
-    self->last_step = kernel_step(self->machine, currentCommunicationPoint, communicationStepSize);
-    const double end = currentCommunicationPoint + communicationStepSize, time = kernel_time(self->machine);
-    *eventHandlingNeeded = fmi3False;
-    *terminateSimulation = kernel_ended(self->machine) != 0;
-    *lastSuccessfulTime = time;
-    *earlyReturn = self->last_step <= KERNEL_DISCARD && fabs(end - time) > 1e-9 * communicationStepSize;
-    if (self->last_step == KERNEL_DISCARD) self->now = STOPPED;
-    face_report(self, self->last_step);
-    /* Reaching the end is a success where the host allows an early return; a step beyond it is not. */
-    const int success = self->last_step == KERNEL_DISCARD && first_end && kernel_stops_at_events(self->machine);
-    return success ? fmi3OK : (fmi3Status)self->last_step;
+    const double end = currentCommunicationPoint + communicationStepSize;
+    *eventHandlingNeeded = *terminateSimulation = *earlyReturn = fmi3False;
+    *lastSuccessfulTime = kernel_time(self->machine);
+    if (self->now == STOPPED)
+        return (fmi3Status)face_error(self, "The run has ended, as terminateSimulation said; reset it to start again.");
+    self->last_step = face_report(
+        self, kernel_step(self->machine, currentCommunicationPoint, communicationStepSize));
+    const int ended = kernel_ended(self->machine) != 0;
+    if (ended) self->now = STOPPED, self->last_step = KERNEL_OK; /* to reach the end of the run is no failure */
+    if (self->last_step > KERNEL_WARNING) return (fmi3Status)self->last_step;
+    *terminateSimulation = ended;
+    *lastSuccessfulTime = kernel_time(self->machine);
+    *earlyReturn = *lastSuccessfulTime < end;
+    return (fmi3Status)self->last_step;
 }
 
 /* ---- what this FMU does not have ---- */
@@ -266,10 +279,16 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
         return (fmi3Status)face_error(self, what); \
     }
 
+/* Of a type that no variable has: to read or set none of them is no error. */
+#define DEFINE_EMPTY(function, what, ...)                                                                             \
+    fmi3Status function(fmi3Instance instance, const fmi3ValueReference a[], size_t references, __VA_ARGS__) {        \
+        REQUIRE(instance, ALWAYS, #function);                                                                         \
+        return references ? (fmi3Status)face_error(self, what) : fmi3OK;                                              \
+    }
+
 #pragma GCC diagnostic ignored "-Wunused-parameter"
 static const char NO_MODE[] = "There is no such mode: this FMU has neither events, clocks nor a configuration.";
 static const char NO_CLOCKS[] = "There are no clocks.";
-static const char NO_EXCHANGE[] = "Only co-simulation is supported.";
 
 DEFINE_ABSENT_PLAIN(fmi3EnterEventMode, NO_MODE)
 DEFINE_ABSENT_PLAIN(fmi3EnterConfigurationMode, NO_MODE)
@@ -279,12 +298,10 @@ DEFINE_ABSENT_PLAIN(fmi3EnterContinuousTimeMode, NO_EXCHANGE)
 DEFINE_ABSENT_PLAIN(fmi3EvaluateDiscreteStates, NO_MODE)
 DEFINE_ABSENT(fmi3UpdateDiscreteStates, NO_MODE, fmi3Boolean *a, fmi3Boolean *b, fmi3Boolean *c, fmi3Boolean *d,
               fmi3Boolean *e, fmi3Float64 *f)
-DEFINE_ABSENT(fmi3GetBinary, "There are no variables of type Binary.", const fmi3ValueReference a[], size_t b,
-              size_t c[], fmi3Binary d[], size_t e)
-DEFINE_ABSENT(fmi3SetBinary, "There are no variables of type Binary.", const fmi3ValueReference a[], size_t b,
-              const size_t c[], const fmi3Binary d[], size_t e)
-DEFINE_ABSENT(fmi3GetClock, NO_CLOCKS, const fmi3ValueReference a[], size_t b, fmi3Clock c[])
-DEFINE_ABSENT(fmi3SetClock, NO_CLOCKS, const fmi3ValueReference a[], size_t b, const fmi3Clock c[])
+DEFINE_EMPTY(fmi3GetBinary, "There are no variables of type Binary.", size_t b[], fmi3Binary c[], size_t d)
+DEFINE_EMPTY(fmi3SetBinary, "There are no variables of type Binary.", const size_t b[], const fmi3Binary c[], size_t d)
+DEFINE_EMPTY(fmi3GetClock, NO_CLOCKS, fmi3Clock b[])
+DEFINE_EMPTY(fmi3SetClock, NO_CLOCKS, const fmi3Clock b[])
 DEFINE_ABSENT(fmi3GetIntervalDecimal, NO_CLOCKS, const fmi3ValueReference a[], size_t b, fmi3Float64 c[],
               fmi3IntervalQualifier d[])
 DEFINE_ABSENT(fmi3GetIntervalFraction, NO_CLOCKS, const fmi3ValueReference a[], size_t b, fmi3UInt64 c[],

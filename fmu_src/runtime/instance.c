@@ -1,4 +1,5 @@
 /* An instance: its memory in one block, and small questions about it. */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -125,6 +126,7 @@ void kernel_reset(kernel *self) {
     memset(&self->counters, 0, sizeof self->counters);
     for (int i = 0; i < MODEL.variables; ++i) self->value[i] = MODEL.variable[i].start;
     self->now.system = -1;
+    self->stop_time = INFINITY;
     self->system = NULL;
     self->message[0] = self->journal[0] = '\0';
     self->journal_length = 0;

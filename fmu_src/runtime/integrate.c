@@ -142,7 +142,7 @@ static double adaptive_step(kernel *self, progress *now) {
         }
         self->counters.rejected++;
         size = next;
-        if (size < 1e-15 + 4.0 * DBL_EPSILON * fabs(time)) {
+        if (size < 1e-15 + 4.0 * DBL_EPSILON * now->offset) {
             kernel_fail(self, KERNEL_ERROR,
                         "The step size vanished at t = %.9g s: the equations have no finite solution there, or the "
                         "tolerance %g is below round-off; check inputs and parameters, or enlarge the tolerance.",

@@ -27,7 +27,7 @@ typedef struct {
     double *buffer;
 } kernel_recorder;
 
-enum { JOURNAL_SIZE = 4096 };
+enum { JOURNAL_SIZE = 4096, CLOCK_SIZE = 48 };
 
 /* Values of integration_method. */
 enum { METHOD_EXACT = 1, METHOD_REUSED = 2, METHOD_EXPLICIT = 3 };
@@ -62,7 +62,8 @@ struct kernel {
     int method;
     int kept_ready;    /* what there is of the kept Jacobian besides its place */
     int factors_serve; /* the factors `algebraic` are good enough for Newton's method */
-    int stops_at_events;
+    int stops_at_events, whole_steps;
+    double stop_time; /* infinite: the host named none */
     char *warned; /* one flag per variable: "has no effect here" is said once */
     kernel_counters counters;
     kernel_recorder *recorder;
@@ -77,10 +78,16 @@ struct kernel {
 /* Sentences: into the journal; and kernel_message as well, for a status, which is returned. */
 INSIDE void kernel_note(kernel *self, int status, const char *format, ...);
 INSIDE int kernel_fail(kernel *self, int status, const char *format, ...);
+/* A time in seconds for a sentence, with so many digits, and more where it has more than three before the point. */
+INSIDE const char *kernel_clock(double time, int digits, char text[CLOCK_SIZE]);
 /* Variables: a status, with the sentence. */
 INSIDE int kernel_check_reference(kernel *self, int variable);
 INSIDE int kernel_check_value(kernel *self, const variable_description *variable, double value, double kept);
 INSIDE int kernel_warn_without_effect(kernel *self, int variable);
+/* Whether a step may begin and end there. */
+INSIDE int kernel_check_times(kernel *self, double time, double size);
+/* Says that the run ended `reached` seconds into a step that is taken back; the journal was `heard` long before it. */
+INSIDE int kernel_discard(kernel *self, size_t heard, double reached);
 /* Sets what follows from the chosen system and the parameters and is not restored with them. */
 INSIDE void kernel_enter_system(kernel *self);
 INSIDE void kernel_gather_inputs(kernel *self);

@@ -47,9 +47,12 @@ KERNEL_EXPORT int kernel_get_directional(kernel *self, int unknowns, const int *
 KERNEL_EXPORT int kernel_initialise(kernel *self, double time);
 KERNEL_EXPORT void kernel_reopen(kernel *self);
 KERNEL_EXPORT int kernel_step(kernel *self, double time, double size);
-/* Whether a step ends early, with OK, where a friction begins to stick or to slide; kernel_time tells where. */
+/* Before initialisation, what the host plans; null: it says nothing. A tolerance that does not serve is only warned of. */
+KERNEL_EXPORT int kernel_plan(kernel *self, const double *tolerance, double start, const double *stop);
+/* Whether a step ends early, with OK, where a friction begins to stick or to slide; kernel_time tells where. If not, a
+ * step within which the run ends is discarded, and the state is the one before it. Of a kernel that was told neither,
+ * the state is the one at the end of the run. */
 KERNEL_EXPORT void kernel_stop_at_events(kernel *self, int stops);
-KERNEL_EXPORT int kernel_stops_at_events(const kernel *self);
 KERNEL_EXPORT size_t kernel_state_size(const kernel *self);
 KERNEL_EXPORT void kernel_save(const kernel *self, void *bytes);
 KERNEL_EXPORT int kernel_restore(kernel *self, const void *bytes);

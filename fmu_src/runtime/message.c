@@ -1,4 +1,5 @@
 /* Sentences: the last one, and the journal of all of them until a face drains it. */
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -27,6 +28,14 @@ int kernel_fail(kernel *self, int status, const char *format, ...) {
     va_end(arguments);
     kernel_note(self, status, "%s", self->message);
     return status;
+}
+
+/* Unix time has ten digits before the point: then three (of 6) or six (of 9) remain behind it. */
+const char *kernel_clock(double time, int digits, char text[CLOCK_SIZE]) {
+    const int before = fabs(time) >= 1e3 && fabs(time) < 1e18 ? 1 + (int)log10(fabs(time)) : 3;
+    const int all = before + digits - 3;
+    snprintf(text, CLOCK_SIZE, "%.*g", all < 24 ? all : 24, time);
+    return text;
 }
 
 const char *kernel_journal(kernel *self) {

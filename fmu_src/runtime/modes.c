@@ -4,7 +4,6 @@
  * zero sticks while the drive stays within the capacity, and a friction without capacity is no friction. Every switch is
  * located on the step length, so that the equations are smooth within a step. */
 #include <math.h>
-#include <stdio.h>
 
 #include "internal.h"
 
@@ -38,7 +37,9 @@ void modes_refresh(kernel *self, double offset) {
         self->mode[i] = direction_of(self->state[friction->velocity], self->drive[i], self->capacity[i]);
         if ((old == 0.0) != (self->mode[i] == 0.0)) {
             const char *word = self->mode[i] == 0.0 ? friction->stuck_word : friction->sliding_word;
-            kernel_note(self, KERNEL_OK, "%s %s at %.6g s.", friction->label, word, self->step_origin + offset);
+            char when[CLOCK_SIZE];
+            kernel_note(self, KERNEL_OK, "%s %s at %s s.", friction->label, word,
+                        kernel_clock(self->step_origin + offset, 6, when));
         }
     }
 }
@@ -88,9 +89,8 @@ int modes_warn(kernel *self, double offset) {
     int count = 0;
     for (int i = system->ends; i < system->conditions; ++i) {
         if (self->said[i] != 0.0 || self->margin[system->frictions + i] >= 0.0) continue;
-        char when[32];
-        snprintf(when, sizeof when, "%.6g", self->step_origin + offset);
-        (void)kernel_fail(self, KERNEL_WARNING, system->sentence[i], when);
+        char when[CLOCK_SIZE];
+        (void)kernel_fail(self, KERNEL_WARNING, system->sentence[i], kernel_clock(self->step_origin + offset, 6, when));
         self->said[i] = 1.0;
         ++count;
     }

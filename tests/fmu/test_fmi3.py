@@ -91,7 +91,7 @@ def test_step_goes_on_where_no_early_return_is_allowed(fmus: dict) -> None:
 
 @pytest.mark.parametrize("early", [True, False])
 def test_derailment_ends_the_simulation_with_its_sentence(fmus: dict, early: bool) -> None:
-    """With OK and a request to terminate where early return is allowed; as a step discarded where it is not."""
+    """With OK and a request to terminate where early return is allowed; where it is not, nothing has happened."""
     with open_fmi3(fmus["bogie", "fmi3"], early) as (fmu, refs, said):
         fmu.setInt32([refs["wheel_lift_ends"], refs["constant_speed"]], [0, 1])
         begin(fmu, refs, 3, initial_speed=10.0, flange_stiffness=1e6, yaw_torque_1=1.8e5)
@@ -104,10 +104,13 @@ def test_derailment_ends_the_simulation_with_its_sentence(fmus: dict, early: boo
             with pytest.raises(FMICallException):
                 fmu.doStep(0.0, 20.0)
             [time] = fmu.getFloat64([refs["time"]])
+            assert time == 0.0
         assert any("lost its tread contact" in line for line in said)
-        assert fmu.getBoolean([refs["derailed"]]) == [True]
+        assert fmu.getBoolean([refs["derailed"]]) == [early]
         with pytest.raises(FMICallException):  # beyond the end nothing goes on
-            fmu.doStep(time, 0.1)
+            fmu.doStep(time, 20.0)
+        if not early:
+            fmu.doStep(time, 0.01)  # but before it
 
 
 def test_saved_state_and_derivatives(fmus: dict) -> None:

@@ -16,7 +16,7 @@ from rbd_model.bogie import bogie_dynamics
 #: Lines of a function that one screen shows.
 SCREEN = 60
 #: What only a face needs.
-OF_FACES = {"kernel_stop_at_events", "kernel_stops_at_events"}
+OF_FACES = {"kernel_stop_at_events"}
 #: Types of the headers as Python passes them; an instance is an address, a saved state is bytes.
 NUMBERS = {
     "int": ctypes.c_int,

@@ -1,0 +1,193 @@
+"""What the FMUs keep of FMI 2.0 and 3.0 at the edges where importers differ, each with the test that holds it to it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Check:
+    """A rule. `of`: the function or element of the standard that it belongs to, by kind of FMU; where it is not, the
+    rule does not apply. `test`: name of a function in tests/fmu.
+    """
+
+    what: str
+    test: str
+    of: Mapping[str, str]
+
+
+def native(fmi2: str, fmi3: str) -> dict[str, str]:
+    return {"native": f"fmi2{fmi2}", "fmi3": f"fmi3{fmi3}"}
+
+
+def both(name: str) -> dict[str, str]:
+    return native(name, name)
+
+
+def everywhere(name: str) -> dict[str, str]:
+    return dict.fromkeys(("native", "fmi3", "python"), name)
+
+
+CHECKS = (
+    Check(
+        "FMPy's validation finds no problem",
+        "test_fmpy_finds_no_problem",
+        everywhere("modelDescription.xml"),
+    ),
+    Check(
+        "fmutool's check finds no fault",
+        "test_fmutool_finds_no_fault",
+        {"native": "modelDescription.xml", "python": "modelDescription.xml"},
+    ),
+    Check(
+        "Outputs depend at the start on the inputs and parameters that are listed, and on no others",
+        "test_values_at_the_start_depend_on_nothing_that_is_not_listed",
+        everywhere("ModelStructure"),
+    ),
+    Check(
+        "The default experiment has start, stop, step and tolerance",
+        "test_default_experiment_is_complete",
+        everywhere("DefaultExperiment"),
+    ),
+    Check(
+        "Early return is declared",
+        "test_fmi3_declares_that_it_may_return_early",
+        {"fmi3": "mightReturnEarlyFromDoStep"},
+    ),
+    Check(
+        "A step past the stop time is refused and changes nothing",
+        "test_no_step_goes_past_the_stop_time",
+        native("SetupExperiment", "EnterInitializationMode"),
+    ),
+    Check(
+        "A step past the stop time, or from a time that is none, is discarded with a sentence and changes nothing",
+        "test_pythonfmu_discards_steps_past_the_stop_time_with_the_same_sentence",
+        {"python": "fmi2SetupExperiment"},
+    ),
+    Check(
+        "A stop time before the start time is refused",
+        "test_stop_before_the_start_is_refused",
+        native("SetupExperiment", "EnterInitializationMode"),
+    ),
+    Check(
+        "With a stop time before the start time no step is made",
+        "test_pythonfmu_makes_no_step_of_a_run_that_stops_before_it_starts",
+        {"python": "fmi2SetupExperiment"},
+    ),
+    Check(
+        "A tolerance that does not serve is warned of, and the old one stays",
+        "test_tolerance_that_does_not_serve_is_warned_of",
+        native("SetupExperiment", "EnterInitializationMode"),
+    ),
+    Check(
+        "Round-off of start + n * step, or of steps added up, stops no run, also at Unix time",
+        "test_round_off_of_the_time_stops_no_run",
+        both("DoStep"),
+    ),
+    Check(
+        "A communication point that was already left is refused, also at Unix time",
+        "test_repeated_communication_point_is_refused",
+        both("DoStep"),
+    ),
+    Check(
+        "A communication point that is infinite or no number is refused and changes nothing",
+        "test_communication_point_that_is_no_time_is_refused",
+        both("DoStep"),
+    ),
+    Check(
+        "A step that is lost in the round-off of the time is refused",
+        "test_step_that_the_time_cannot_show_is_refused",
+        both("DoStep"),
+    ),
+    Check(
+        "A step within which the run ends is a Discard that tells the time reached, and asks to terminate",
+        "test_fmi2_discards_with_the_time_that_was_reached",
+        {"native": "fmi2DoStep"},
+    ),
+    Check(
+        "Without leave to return early a step within which the run ends is a Discard, and all is as before it",
+        "test_fmi3_discards_a_step_within_which_the_run_ends",
+        {"fmi3": "fmi3DoStep"},
+    ),
+    Check(
+        "With leave to return early the run ends with OK, a time and a request to terminate",
+        "test_fmi3_returns_early_with_ok_where_it_may",
+        {"fmi3": "fmi3DoStep"},
+    ),
+    Check(
+        "Warnings and errors are told always, the rest when logging is on",
+        "test_fmi2_tells_errors_and_warnings_always_and_the_rest_on_demand",
+        {"native": "loggingOn"},
+    ),
+    Check(
+        "Nothing is told when logging is off",
+        "test_fmi3_says_nothing_when_logging_is_off",
+        {"fmi3": "loggingOn"},
+    ),
+    Check(
+        "Categories that are switched on by name are the only ones",
+        "test_named_categories_are_the_only_ones",
+        both("SetDebugLogging"),
+    ),
+    Check(
+        "Event mode, which is not declared, is refused",
+        "test_event_mode_is_refused",
+        {"fmi3": "eventModeUsed"},
+    ),
+    Check(
+        "An instance without a name is refused",
+        "test_instance_without_a_name_is_refused_with_a_sentence",
+        native("Instantiate", "InstantiateCoSimulation"),
+    ),
+    Check(
+        "Calls out of order are refused and change nothing",
+        "test_calls_out_of_order_are_refused_and_change_nothing",
+        native(": state machine", ": state machine"),
+    ),
+    Check(
+        "Outputs have no values before the initialisation",
+        "test_outputs_have_no_values_before_the_initialisation",
+        native("GetReal", "GetFloat64"),
+    ),
+    Check(
+        "Parameters are fixed in step mode, and a call that names one sets nothing",
+        "test_fixed_parameter_is_refused_in_step_mode",
+        native("SetReal", "SetFloat64"),
+    ),
+    Check(
+        "No references need no arrays; a missing array is refused",
+        "test_no_references_need_no_arrays_and_references_do",
+        native("GetReal", "GetFloat64"),
+    ),
+    Check(
+        "Of types that no variable has, none can be asked for",
+        "test_types_that_no_variable_has_can_be_asked_for_none",
+        {"fmi3": "fmi3GetBinary, fmi3GetClock"},
+    ),
+    Check(
+        "No step is ever pending: there is nothing to cancel, and what only pending steps have is a Discard",
+        "test_fmi2_answers_questions_about_steps_once_there_may_be_some",
+        {"native": "fmi2CancelStep, fmi2GetStatus"},
+    ),
+    Check(
+        "A reset forgets values, times and the experiment",
+        "test_reset_forgets_the_experiment",
+        both("Reset"),
+    ),
+    Check(
+        "A state that is returned to goes on bit for bit",
+        "test_saved_state_of_the_native_fmu_is_bit_identical",
+        {"native": "fmi2SetFMUstate"},
+    ),
+    Check(
+        "A state that is returned to goes on bit for bit",
+        "test_saved_state_and_derivatives",
+        {"fmi3": "fmi3SetFMUState"},
+    ),
+    Check(
+        "Random calls in any order find no fault under sanitizers, and no number that is not finite comes with OK",
+        "test_random_calls_find_no_fault",
+        {"native": "all functions"},
+    ),
+)

@@ -1,0 +1,87 @@
+"""The pages inside an FMU: what it is and its variables, and what of the standards it keeps."""
+
+from __future__ import annotations
+
+import html
+
+from fmu_src.compliance import CHECKS
+from fmu_src.system import Model
+
+#: By kind of FMU, what the page says about steps that end the run and about refused values.
+ENDS = {
+    "native": (
+        "FMI 2.0 co-simulation. A step that reaches the end of the run (derailment, wheel lift) returns fmi2Discard "
+        "with a sentence; fmi2LastSuccessfulTime is the instant, and the values are those of it. Refused values return "
+        "fmi2Error and keep the old one."
+    ),
+    "fmi3": (
+        "FMI 3.0 co-simulation. A step that reaches the end of the run (derailment, wheel lift) logs a sentence and "
+        "asks to terminate; it returns early with OK where that is allowed. Where it is not, the step returns "
+        "fmi3Discard and all is as before it; shorter steps lead up to the end, whose time the sentence tells. Refused "
+        "values return fmi3Error and keep the old one. Nothing is logged when logging is off."
+    ),
+    "python": (
+        "FMI 2.0 co-simulation through pythonfmu, which needs Python on the host. A step that reaches the end of the "
+        "run (derailment, wheel lift) returns fmi2Discard with a sentence. A refused value keeps the old one, is told "
+        "with a sentence, and discards every step until that variable has a good value."
+    ),
+}
+STYLE = (
+    "<style>body{font-family:sans-serif;max-width:60em;margin:2em auto}td,th{text-align:left;padding:0 .8em .2em 0}"
+    "</style>\n"
+)
+
+
+#: Place of the page's picture in the archive.
+PICTURE = "documentation/picture.png"
+
+
+def pages(model: Model, kind: str, picture: bool = False) -> dict[str, bytes]:
+    """The pages of one `kind` of FMU (a key of ENDS), by their names in the archive."""
+    found = {"index": documentation(model, kind, picture), "compliance": compliance(model, kind)}
+    return {f"documentation/{name}.html": text.encode() for name, text in found.items()}
+
+
+def documentation(model: Model, kind: str, picture: bool = False) -> str:
+    """A page about the FMU: what it is, how a run ends, and its variables."""
+    rows = []
+    for v in model.variables:
+        start = "" if v.causality in ("output", "local") else f"{v.start:g}"
+        cells = (f"<code>{v.name}</code>", v.causality, html.escape(v.unit), start, html.escape(v.description))
+        rows.append("<tr>" + "".join(f"<td>{cell}</td>" for cell in cells) + "</tr>")
+    heads = "".join(f"<th>{head}</th>" for head in ("name", "causality", "unit", "start", "meaning"))
+    shown = '<p><img src="picture.png" alt="" style="max-width:100%"></p>\n' if picture else ""
+    host = "" if kind == "python" else ' <a href="host.c">A program that opens the binary, or links the sources.</a>'
+    return (
+        f'<!doctype html>\n<html lang="en"><meta charset="utf-8"><title>{model.name}</title>\n{STYLE}'
+        f"<h1>{model.name}</h1>\n<p>{html.escape(model.description)}.</p>\n{shown}"
+        f'<p>{ENDS[kind]} <a href="compliance.html">What of the standard is tested.</a>{host}</p>\n'
+        f"<table><tr>{heads}</tr>\n" + "\n".join(rows) + "\n</table></html>\n"
+    )
+
+
+def compliance(model: Model, kind: str) -> str:
+    """A page about what the FMU keeps of its standard, each with the test that holds it to it."""
+    rows = [
+        f"<tr><td>{check.of[kind]}</td><td>{html.escape(check.what)}</td><td><code>{check.test}</code></td></tr>"
+        for check in CHECKS
+        if kind in check.of
+    ]
+    return (
+        f'<!doctype html>\n<html lang="en"><meta charset="utf-8"><title>{model.name}: compliance</title>\n{STYLE}'
+        f"<h1>{model.name}: what of the standard is tested</h1>\n"
+        f"<p>FMI {'3.0' if kind == 'fmi3' else '2.0'} for co-simulation. The tests are in <code>tests/fmu</code> of "
+        "the project that made this FMU.</p>\n"
+        "<table><tr><th>of</th><th>what is kept</th><th>test</th></tr>\n" + "\n".join(rows) + "\n</table>\n"
+        f"{_answered_by_pythonfmu() if kind == 'python' else ''}</html>\n"
+    )
+
+
+def _answered_by_pythonfmu() -> str:
+    others = [html.escape(check.what) for check in CHECKS if "native" in check.of and "python" not in check.of]
+    return (
+        "<p>Between the host and this FMU stands pythonfmu, which answers by itself or has no such call. What follows "
+        "is tested of the native FMU and does not apply here:</p>\n<ul>"
+        + "\n".join(f"<li>{what}</li>" for what in others)
+        + "</ul>\n"
+    )

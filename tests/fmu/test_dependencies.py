@@ -1,0 +1,86 @@
+"""What outputs depend on at the start, tried out on the ready models: changing anything else changes nothing."""
+
+from __future__ import annotations
+
+import pytest
+from fmpy import read_model_description
+
+from fmu_src.compile import build_library
+from fmu_src.dependencies import start_dependencies
+from fmu_src.kernel import Kernel, KernelError, Library
+from fmu_src.model_description import NOMINAL
+from fmu_src.system import Model, Variable
+from scenarios.fmus.registry import FMUS, model_of
+
+#: Algebraic states are found to this tolerance; twice that, of an output's size, is no change.
+SOLVED = 1e-12
+UNCHANGED = 1e-9
+#: Starts at which inputs act, by model: in motion on an uneven track, and at rest, where the brake decides who sticks.
+STARTS: dict[str, list[dict[str, float]]] = {
+    "bogie": [
+        *({"level": level, "lateral_irregularity": 0.01, "yaw_torque_2": 1e3} for level in (1, 2, 3)),
+        *({"level": level, "initial_speed": 0.0, "traction_torque_1": 10.0, "drawbar_force": 50.0} for level in (1, 3)),
+    ],
+    "wheelset": [{"lateral_irregularity": 0.01}, {"initial_speed": 0.0, "brake_torque_1": 1.0}],
+    "brake": [{"friction_law": law, "pneumatics": 1 + law % 2, "angular_velocity": 5.0} for law in range(6)],
+    "rail": [{"speed": 10.0, "slip_1": 1.0, "creep_force_1": 1e3}],
+}
+#: Some that must act, or the starts above would show nothing.
+ACTING = {
+    "bogie": [("creep_force_1", "friction_1"), ("acceleration", "drawbar_force"), ("locked_1", "brake_torque_1")],
+    "wheelset": [("acceleration", "friction_1"), ("locked_1", "traction_torque_1"), ("axle_load_1", "cross_level")],
+    "brake": [("shoe_friction", "angular_velocity"), ("shoe_friction", "friction_law")],
+    "rail": [("friction_1", "degraded_friction")],
+}
+
+
+def at_start(library: Library, model: Model, values: dict[str, float]) -> dict[str, float]:
+    kernel = Kernel(library, tolerance=SOLVED, **values)
+    kernel.initialise()
+    return {v.name: kernel[v.name] for v in model.variables if v.causality == "output"}
+
+
+def changed(variable: Variable, value: float) -> float:
+    """Another value within the variable's limits."""
+    if variable.kind != "real":
+        return value + 1 if value < variable.maximum else value - 1
+    other = 1.1 * value + (0.05 * NOMINAL.get(variable.unit, 1.0) if value == 0.0 else 0.0)
+    return other if other <= variable.maximum else 0.9 * value
+
+
+def acting(library: Library, model: Model, start: dict[str, float]) -> set[tuple[str, str]]:
+    """Pairs of an output and what changes it at this start."""
+    found = set()
+    base = at_start(library, model, start)
+    for variable in model.variables:
+        if variable.causality not in ("input", "parameter") or variable.name in ("tolerance", model.selector):
+            continue
+        value = changed(variable, start.get(variable.name, variable.start))
+        try:
+            after = at_start(library, model, start | {variable.name: value})
+        except KernelError:  # geometry that does not fit together has no start at all
+            continue
+        for name, number in after.items():
+            if abs(number - base[name]) > UNCHANGED * max(abs(number), abs(base[name]), 1e-3):
+                found.add((name, variable.name))
+    return found
+
+
+@pytest.mark.parametrize("name", list(FMUS))
+def test_values_at_the_start_depend_on_nothing_that_is_not_listed(name: str) -> None:
+    model = model_of(name)
+    library = Library(build_library(model))
+    listed = start_dependencies(model)
+    found = set().union(*(acting(library, model, start) for start in STARTS[name]))
+    assert {pair for pair in found if pair[1] not in listed[pair[0]]} == set()
+    assert set(ACTING[name]) <= found
+
+
+def test_speed_at_the_start_is_the_initial_speed_whatever_brakes(fmus: dict) -> None:
+    """So an importer that couples brake and bogie sees no loop: no torque reaches what the brake listens to."""
+    for kind in ("native", "fmi3", "python"):
+        about = read_model_description(str(fmus["bogie", kind]))
+        found = {u.variable.name: {d.name for d in u.dependencies} for u in about.initialUnknowns}
+        assert found["speed"] == {"level", "initial_speed"}
+        assert found["angular_velocity_2"] == {"level", "initial_speed", "wheel_radius"}
+        assert "friction_1" in found["acceleration"]
