@@ -80,12 +80,7 @@ def run(command: Sequence[str], target: str | None, folder: Path) -> None:
 
 def objects_of(sources: Mapping[str, str], flags: Sequence[str], target: str | None = None) -> list[Path]:
     """Object files of C files that include the runtime's headers, compiled now unless the cache has them."""
-    digest = hashlib.sha256("\n".join([*compiler(target), *flags]).encode())
-    for name in sorted(sources):
-        digest.update(sources[name].encode())
-    for name in RUNTIME_HEADERS:
-        digest.update((RUNTIME / name).read_bytes())
-    kept = CACHE / digest.hexdigest()[:24]
+    kept = CACHE / _content([*compiler(target), *flags], sources, RUNTIME_HEADERS)
     objects = {name: Path(name).with_suffix(".o").name for name in sources}
     if not kept.exists():
         with tempfile.TemporaryDirectory() as name:
@@ -98,10 +93,20 @@ def objects_of(sources: Mapping[str, str], flags: Sequence[str], target: str | N
     return [kept / made for made in objects.values()]
 
 
+def _content(words: Sequence[str], sources: Mapping[str, str], runtime: Sequence[str]) -> str:
+    """A name in the cache for what a command makes of generated sources and files of the runtime."""
+    digest = hashlib.sha256("\n".join(words).encode())
+    for name in sorted(sources):
+        digest.update(sources[name].encode())
+    for name in runtime:
+        digest.update((RUNTIME / name).read_bytes())
+    return digest.hexdigest()[:24]
+
+
 def _keep(folder: Path, names: Sequence[str], kept: Path) -> None:
     """Copies files into the cache as a folder that is there as a whole or not at all."""
-    partial = kept.with_name(f"{kept.name}.{os.getpid()}")
-    partial.mkdir(parents=True)
+    kept.parent.mkdir(parents=True, exist_ok=True)
+    partial = Path(tempfile.mkdtemp(dir=kept.parent))
     for name in names:
         shutil.copyfile(folder / name, partial / name)
     try:
@@ -129,27 +134,27 @@ def compile_library(
     runtime = {name: (RUNTIME / name).read_text() for name in (*KERNEL_SOURCES, *names)}
     objects = objects_of(sources, [*flags, OPTIMISE_GENERATED], target)
     objects += objects_of(runtime, [*flags, *shown, OPTIMISE_RUNTIME], target)
-    elf = "linux" in (target or sys.platform)
-    bound = ["-Wl,-Bsymbolic"] if elf else []  # the other formats bind inside by themselves
     with tempfile.TemporaryDirectory() as folder:
-        run([*flags, "-shared", *bound, "-o", "library", *map(str, objects), "-lm"], target, Path(folder))
+        run([*_linking(flags, target), "-o", "library", *map(str, objects), "-lm"], target, Path(folder))
         output.parent.mkdir(parents=True, exist_ok=True)
         partial = output.with_name(f"{output.name}.{os.getpid()}")
         shutil.copyfile(Path(folder) / "library", partial)
         partial.replace(output)
 
 
+def _linking(flags: Sequence[str], target: str | None) -> list[str]:
+    """Flags that make a library of objects; without an optimisation zig would add what unoptimised code needs."""
+    elf = "linux" in (target or sys.platform)
+    bound = ["-Wl,-Bsymbolic"] if elf else []  # the other formats bind inside by themselves
+    return [*flags, OPTIMISE_RUNTIME, "-shared", *bound]
+
+
 def library_of(
     sources: Mapping[str, str], flags: Sequence[str] = FLAGS, target: str | None = None, fmu: bool = False
 ) -> Path:
     """Path of the compiled library of these sources, compiled now unless the cache has it; see compile_library."""
-    words = [*compiler(target), *flags, OPTIMISE_GENERATED, OPTIMISE_RUNTIME, str(fmu)]
-    digest = hashlib.sha256(" ".join(words).encode())
-    for name in sorted(sources):
-        digest.update(sources[name].encode())
-    for name in (*RUNTIME_SOURCES, *RUNTIME_HEADERS):
-        digest.update((RUNTIME / name).read_bytes())
-    path = CACHE / f"{digest.hexdigest()[:24]}{library_suffix()}"
+    words = [*compiler(target), *_linking(flags, target), OPTIMISE_GENERATED, str(fmu)]
+    path = CACHE / f"{_content(words, sources, (*RUNTIME_SOURCES, *RUNTIME_HEADERS))}{library_suffix()}"
     if not path.exists():
         compile_library(sources, path, flags, target, fmu)
     return path

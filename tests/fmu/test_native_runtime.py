@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
@@ -70,16 +71,42 @@ def test_random_calls_find_no_fault(objects: dict, tmp_path: Path) -> None:
         assert done.stderr == ""
 
 
-def test_machine_without_a_c_compiler_builds_with_zig(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("PATH", str(tmp_path))
-    monkeypatch.delenv("CC", raising=False)
-    assert compiling.compiler()[:3] == [sys.executable, "-m", "ziglang"]
+def decay() -> System:
     system = System("decay", "x' = -x")
     x = system.state("x", "1", 1.0, 1.0)
     system.derivative("x", -x)
     system.output(Variable("x", "output", "1", "x"), x)
+    return system
+
+
+def test_equations_are_compiled_once_for_the_fmu_and_for_studies(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Both libraries hold the same objects; and what the runtime is made of serves every model."""
+    compiled: list[str] = []
+    run_compiler = compiling.run
+
+    def count(command: Sequence[str], target: str | None, folder: Path) -> None:
+        compiled.extend(word for word in command if word.endswith(".c"))
+        run_compiler(command, target, folder)
+
+    monkeypatch.setattr(compiling, "run", count)
+    monkeypatch.setattr(compiling, "CACHE", tmp_path)
+    sources = generate(model_of(decay(), 1e-9))
+    made = [compiling.library_of(sources, fmu=fmu) for fmu in (True, False)]
+    assert made[0] != made[1]
+    assert compiled.count("equations.c") == 1
+    compiled.clear()
+    compiling.library_of(generate(model_of(decay(), 1e-8)))
+    assert sorted(compiled) == ["equations.c", "model.c"]
+
+
+def test_machine_without_a_c_compiler_builds_with_zig(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.delenv("CC", raising=False)
+    assert compiling.compiler()[:3] == [sys.executable, "-m", "ziglang"]
     target = tmp_path / f"decay{compiling.library_suffix()}"
-    compiling.compile_library(generate(model_of(system, 1e-9)), target)
+    compiling.compile_library(generate(model_of(decay(), 1e-9)), target)
     kernel = Kernel(Library(target))
     kernel.advance(1.0)
     assert kernel["x"] == pytest.approx(0.36787944, abs=1e-7)
