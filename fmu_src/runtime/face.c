@@ -69,7 +69,7 @@ int face_log(component *self, int logging, size_t count, const char *const categ
 component *face_instantiate(const component *log, const char *name, const char *token, int logging) {
     if (!name) {
         component nameless = *log;
-        nameless.name = "";
+        nameless.name = (char *)"";
         nameless.logged = logging ? EVERYTHING : 0;
         (void)face_error(&nameless, "Give the instance a name.");
         return NULL;
