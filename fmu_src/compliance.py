@@ -190,4 +190,9 @@ CHECKS = (
         "test_random_calls_find_no_fault",
         {"native": "all functions"},
     ),
+    Check(
+        "Random steps return early only with leave, never pass the stop time, and leave the state where they fail",
+        "test_random_steps_of_fmi3_keep_their_promises",
+        {"fmi3": "fmi3DoStep"},
+    ),
 )

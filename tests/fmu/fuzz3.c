@@ -1,0 +1,152 @@
+/* Hosts of FMI 3.0 that step at random, some with leave to return early, some silent: what a step promises is looked at
+ * after each. Usage: fuzz3 SEED STEPS. Exit status 1 when a promise is broken. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "fmi3Functions.h"
+#include "kernel.h"
+
+enum { INSTANCES = 4 };
+
+static unsigned long long random_state;
+static unsigned random_number(unsigned below) { /* xorshift64 */
+    random_state ^= random_state << 13;
+    random_state ^= random_state >> 7;
+    random_state ^= random_state << 17;
+    return (unsigned)(random_state >> 20) % below;
+}
+
+typedef struct {
+    fmi3Instance instance;
+    int early, logging, ended;
+    double time, stop;
+    unsigned char *bytes[2];
+} host;
+
+static long long outcome[4], early_returns = 0, ends = 0;
+static int broken = 0;
+
+static void promise(int kept, const char *what) {
+    if (kept) return;
+    if (++broken < 20) printf("broken: %s\n", what);
+}
+
+static void listen(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String category, fmi3String message) {
+    (void)status;
+    promise(((host *)environment)->logging, "nothing is logged when logging is off");
+    promise(category && strlen(message) > 10, "what is logged is a sentence");
+}
+
+/* The whole state, bit for bit. */
+static size_t look(host *h, int which) {
+    fmi3FMUState state = NULL;
+    size_t size = 0;
+    if (fmi3GetFMUState(h->instance, &state) != fmi3OK) exit(2);
+    if (fmi3SerializedFMUStateSize(h->instance, state, &size) != fmi3OK) exit(2);
+    if (!h->bytes[which]) h->bytes[which] = (unsigned char *)malloc(size);
+    if (!h->bytes[which] || fmi3SerializeFMUState(h->instance, state, h->bytes[which], size) != fmi3OK) exit(2);
+    (void)fmi3FreeFMUState(h->instance, &state);
+    return size;
+}
+
+static void begin(host *h) {
+    static const double starts[] = {0.0, 0.0, 5.0, 1.7e9};
+    h->time = starts[random_number(4)];
+    h->stop = random_number(2) ? h->time + 0.1 * random_number(40) : INFINITY;
+    h->ended = 0;
+    (void)fmi3Reset(h->instance);
+    const fmi3Status status = fmi3EnterInitializationMode(h->instance, random_number(2), random_number(2) ? 1e-4 : 2.0,
+                                                          h->time, isfinite(h->stop), h->stop);
+    promise(status <= fmi3Warning, "an experiment that is possible is taken");
+    promise(fmi3ExitInitializationMode(h->instance) == fmi3OK, "the initialisation succeeds");
+}
+
+static void set_inputs(const host *h) {
+    for (int i = 0; i < MODEL.variables; ++i) {
+        const fmi3ValueReference vr = (unsigned)i;
+        const double value = (random_number(2001) - 500.0) / 20.0;
+        if (MODEL.variable[i].causality == CAUSALITY_INPUT && random_number(2))
+            (void)fmi3SetFloat64(h->instance, &vr, 1, &value, 1);
+    }
+}
+
+static double any_size(void) {
+    static const double sizes[] = {0.0, -1.0, 1e-9, 1e-4, 1e-3, 1e-2, 0.1, 0.5, 3.0, 1e3};
+    const unsigned choice = random_number(12);
+    return choice < 10 ? sizes[choice] : choice == 10 ? NAN : INFINITY;
+}
+
+static double any_point(const host *h) {
+    switch (random_number(12)) {
+        case 0: return NAN;
+        case 1: return INFINITY;
+        case 2: return h->time + 0.1;
+        default: return h->time;
+    }
+}
+
+static void look_at_success(host *h, double end, fmi3Boolean ended, fmi3Boolean early, double reached) {
+    const fmi3ValueReference clock = (unsigned)MODEL.variables;
+    double time = NAN;
+    promise(fmi3GetFloat64(h->instance, &clock, 1, &time, 1) == fmi3OK && time == reached, "the time is the one reached");
+    promise(!early || h->early, "early return only with leave");
+    promise(early ? reached < end : reached == end, "a step that is not cut short reaches its end");
+    promise(reached <= h->stop + 1e-2 * (end - h->time), "no step goes past the stop time");
+    promise(reached > h->time, "time advances");
+    for (int i = 0; i < MODEL.variables; ++i) {
+        const fmi3ValueReference vr = (unsigned)i;
+        double value = 0.0;
+        if (MODEL.variable[i].causality == CAUSALITY_OUTPUT && MODEL.variable[i].kind == KIND_REAL)
+            promise(fmi3GetFloat64(h->instance, &vr, 1, &value, 1) == fmi3OK && isfinite(value), "outputs are finite");
+    }
+    h->time = reached;
+    h->ended = ended;
+    early_returns += early;
+    ends += ended;
+}
+
+static void step(host *h) {
+    const double size = any_size(), point = any_point(h);
+    fmi3Boolean events = fmi3True, ended = fmi3True, early = fmi3True;
+    double reached = NAN;
+    const size_t bytes = look(h, 0);
+    const fmi3Status status = fmi3DoStep(h->instance, point, size, fmi3True, &events, &ended, &early, &reached);
+    outcome[status]++;
+    promise(!events, "there are no events to handle");
+    promise(!h->ended || status == fmi3Error, "beyond the end nothing goes on");
+    if (status <= fmi3Warning) {
+        look_at_success(h, point + size, ended, early, reached);
+    } else {
+        promise(look(h, 1) == bytes && memcmp(h->bytes[0], h->bytes[1], bytes) == 0, "what fails leaves the state");
+        promise(!ended && !early && reached == h->time, "what fails asks for nothing");
+    }
+}
+
+int main(int argc, char **argv) {
+    if (argc != 3) return 2;
+    random_state = strtoull(argv[1], NULL, 10) * 2654435761u + 88172645463325252ull;
+    static host hosts[INSTANCES];
+    for (int i = 0; i < INSTANCES; ++i) {
+        hosts[i].early = i & 1, hosts[i].logging = i & 2;
+        hosts[i].instance = fmi3InstantiateCoSimulation("fuzz", MODEL.guid, NULL, fmi3False, i & 2, fmi3False, i & 1, NULL,
+                                                        0, &hosts[i], listen, NULL);
+        if (!hosts[i].instance) return 2;
+        begin(&hosts[i]);
+    }
+    const long long steps = atoll(argv[2]);
+    for (long long i = 0; i < steps; ++i) {
+        host *h = &hosts[random_number(INSTANCES)];
+        if (random_number(h->ended ? 3 : 30) == 0) begin(h);
+        set_inputs(h);
+        step(h);
+    }
+    for (int i = 0; i < INSTANCES; ++i) {
+        fmi3FreeInstance(hosts[i].instance);
+        free(hosts[i].bytes[0]), free(hosts[i].bytes[1]);
+    }
+    printf("%lld good, %lld discarded, %lld refused, %lld early, %lld ends, %d promises broken\n", outcome[0] + outcome[1],
+           outcome[2], outcome[3], early_returns, ends, broken);
+    return broken != 0;
+}
