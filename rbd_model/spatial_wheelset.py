@@ -39,6 +39,8 @@ NOMINAL_NORMAL_FORCE = 1e5
 #: Share of the rail head's curvature that is left when a tread contact counts as lost. The fold is where nothing is
 #: left; there the contact moves infinitely fast.
 FOLD_MARGIN = 0.02
+#: Distance from the end of a profile at which a contact counts as run off it [m]; beyond the end there is no contact.
+END_MARGIN = 1e-3
 #: Smallest sliding speed that is told from none [m/s]; the falling friction is smooth through zero on this scale.
 SLIDING_FLOOR = 1e-9
 
@@ -60,6 +62,14 @@ class Wheel:
     def load(self) -> ca.SX:
         """Vertical force of the rail [N]."""
         return self.normal_force * self.contact.across[1] - self.creep_sideways * self.contact.across[0]
+
+    @property
+    def derailed(self) -> tuple[tuple[ca.SX, str], ...]:
+        """What ends its contact: margins, negative when it is lost, and what the wheel has then done."""
+        return (
+            (self.curvature_left - FOLD_MARGIN, "lost its tread contact"),
+            (self.contact.inside / END_MARGIN - 1, "ran off the end of its tread or of the rail's head"),
+        )
 
 
 @dataclass(frozen=True)

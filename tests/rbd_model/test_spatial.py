@@ -18,6 +18,7 @@ from rbd_model.contact_geometry import thesis_pair
 from rbd_model.linear import critical_speed, oscillations
 from rbd_model.parameters import tables_4_1_and_4_2, tables_5_1_and_5_2
 from rbd_model.spatial import spatial_bogie
+from rbd_model.spatial_wheelset import END_MARGIN
 from rbd_model.track import Track, derivatives_along, irregular_track, section_5_3, track_from_file, track_from_points
 
 ENERGIES = ("kinetic_energy", "potential_energy")
@@ -185,6 +186,26 @@ def test_signs_follow_x_forward_y_left_z_up(bogie: Library) -> None:
     table = shifted.record(1.0, 0.01, ["distance", "lateral_1"])
     first = np.flatnonzero(np.abs(table["lateral_1"]) > 1e-4)[0]
     assert table["lateral_1"][first] < 0.0  # the track moves to the left, away from under the wheelset
+
+
+@pytest.mark.parametrize(("torque", "side"), [(10e3, "right"), (-10e3, "left"), (100e3, "right")])
+def test_wheelset_that_turns_ever_further_derails_where_its_wheel_falls_off_the_rail(
+    wheelset: Library, torque: float, side: str
+) -> None:
+    """A wheelset of chapter 4 that nothing turns back: yawed by 0.4 rad its wheels are 2 b (1 - cos yaw) closer.
+
+    The wheel on the far side then stands on the end of its tread, s = 55 mm from the nominal contact: (b + s) cos(yaw)
+    = b + lateral gives the yaw, but for the curved profiles and the contact's place before or behind the axle.
+    """
+    kernel = Kernel(wheelset, initial_speed=15.0, yaw_torque_1=torque)
+    sentence = rf"Derailed: the {side} wheel of wheelset 1 ran off the end of its tread or of the rail's head at \d\."
+    with pytest.raises(KernelError, match=sentence) as refusal:
+        kernel.advance(20.0)
+    assert refusal.value.status == DISCARD
+    assert kernel["derailed"] == 1.0
+    half = thesis_pair().rail_half_distance
+    narrowed = (half + abs(kernel["lateral_1"])) / (half + thesis_pair().wheel.limits[1] - END_MARGIN)
+    assert abs(kernel["yaw_1"]) == pytest.approx(np.arccos(narrowed), rel=0.1)
 
 
 def test_hunting_above_the_critical_speed_grows_to_a_bounded_cycle(wheelset: Library) -> None:
