@@ -36,6 +36,7 @@ def spatial_bogie(defaults: BogieParameters, pair: Pair, track: Track, numbers: 
     absent = [name for name in variables.inputs() if name.endswith("_2")] if 2 not in numbers else []
     bogie = start_bogie("spatial", "3-D contact, hunting, derailment", defaults, used, absent)
     system, p = bogie.system, bogie.parameter
+    p.update({offset.name: system.parameter(offset) for offset in variables.initial_offsets()})
     frame = place_frame(bogie, pitches=len(numbers) > 1)
     follow_patch(system, bogie.rail, "frame_distance")
     section = track(system)

@@ -111,13 +111,16 @@ def place_wheelset(
     system, p = bogie.system, bogie.parameter
     shift = system.state(f"shift_{number}", "m", 0.0, NOMINAL_TRAVEL)
     shift_speed = system.state(f"shift_speed_{number}", "m/s", 0.0, NOMINAL_TRAVEL_SPEED)
-    lateral = system.state(f"lateral_{number}", "m", 0.0, NOMINAL_TRAVEL)
+    lateral = system.state(f"lateral_{number}", "m", p["initial_lateral"], NOMINAL_TRAVEL)
     lateral_speed = system.state(f"lateral_speed_{number}", "m/s", 0.0, NOMINAL_TRAVEL_SPEED)
-    yaw = system.state(f"yaw_{number}", "rad", 0.0, NOMINAL_TRAVEL)
+    yaw = system.state(f"yaw_{number}", "rad", p["initial_yaw"], NOMINAL_TRAVEL)
     yaw_rate = system.state(f"yaw_rate_{number}", "rad/s", 0.0, NOMINAL_TRAVEL_SPEED)
     omega = add_rotation_states(bogie, number)
     roll = system.algebraic(f"roll_{number}", "rad", 0.0, NOMINAL_ROLL)
-    positions = [system.algebraic(f"contact_{number}_{word}", "m", 0.0, NOMINAL_CONTACT) for word in SIDES.values()]
+    positions = [
+        system.algebraic(f"contact_{number}_{word}", "m", -side * p["initial_lateral"], NOMINAL_CONTACT)
+        for side, word in SIDES.items()
+    ]
     normals = [
         system.algebraic(f"normal_{number}_{word}", "N", static_load, NOMINAL_NORMAL_FORCE) for word in SIDES.values()
     ]
@@ -217,8 +220,10 @@ def move_wheelset(bogie: Bogie, wheelset: SpatialWheelset, suspension: Load) -> 
     """Newton's and Euler's equations of a wheelset, eqs (3.25), (3.26), and the accelerations of its constraints.
 
     Differs from the thesis: about axes that yaw and roll with the wheelset, in which its inertia is constant. The yaw
-    torque acts about the vertical one of these; about one that turns with the wheelset's rotation as well when
-    yaw_torque_rotates is 1, which the body's matrix in place of the global one in (3.36) does.
+    torque acts about the upright one of these, as the couple of the shoe forces (9.1) does, which are square to the
+    axle; the vertical of the track, the other reading, is a roll (1e-3) away and would turn the axle by its sine. About
+    an axis that turns with the wheelset's rotation as well when yaw_torque_rotates is 1, which the body's matrix in
+    place of the global one in (3.36) does.
     """
     system, p, number = bogie.system, bogie.parameter, wheelset.number
     mass = p["wheelset_mass"]
