@@ -20,8 +20,8 @@ from fmu_src.system import Model, System, Variable, integration_variables
 #: Local error of 0.1 Pa per step at this tolerance.
 DEFAULT_TOLERANCE = 1e-6
 NOMINAL_PRESSURE, NOMINAL_MASS = 1e5, 1e-3
-#: Parameters that only the timed law has.
-TIMES = ("application_time", "release_time")
+#: Parameters that only the timed law has: its times, and what the piston's spring takes, which by flow follows from it.
+TIMES = ("application_time", "release_time", "touch_pressure")
 
 
 @dataclass(frozen=True)
@@ -70,10 +70,12 @@ def _begin(name: str, description: str, defaults: BrakeParameters, without: tupl
     return Brake(system, p, regulated_pressure(demand, p["supply_pressure"]), valve, angular_velocity)
 
 
-def _finish(brake: Brake, pressure: ca.SX, counter_force: ca.SX, table: FrictionTable) -> System:
-    """From cylinder pressure to the outputs; the counter-force acts at the shoes of this wheelset."""
+def _finish(brake: Brake, pressure: ca.SX, spring_pressure: ca.SX, table: FrictionTable) -> System:
+    """From cylinder pressure to the outputs; spring_pressure: what of it the return spring of the piston takes."""
     system, p = brake.system, brake.parameter
-    force = shoe_force(pressure, _force_per_pressure(p), counter_force, p["rigging_efficiency"])
+    per_pressure = p["force_per_pressure"] * p["wheelset_share"]
+    counter_force = p["slack_adjuster_force"] + per_pressure * spring_pressure
+    force = shoe_force(pressure, per_pressure, counter_force, p["rigging_efficiency"])
     speed = sliding_speed(brake.angular_velocity, p["wheel_radius"])
     friction = shoe_friction(system, p, force / p["shoes"], speed, table)
     torque = torque_capacity(friction, force, p["wheel_radius"])
@@ -86,11 +88,6 @@ def _finish(brake: Brake, pressure: ca.SX, counter_force: ca.SX, table: Friction
     return system
 
 
-def _force_per_pressure(p: Mapping[str, ca.SX]) -> ca.SX:
-    """Of the shoes on this wheelset [N/Pa]."""
-    return p["force_per_pressure"] * p["wheelset_share"]
-
-
 def timed_brake(defaults: BrakeParameters, table: FrictionTable = EXAMPLE_TABLE) -> System:
     """Pressure follows its demand with an application and a release time."""
     brake = _begin("timed", "Cylinder pressure by application and release time", defaults)
@@ -98,13 +95,13 @@ def timed_brake(defaults: BrakeParameters, table: FrictionTable = EXAMPLE_TABLE)
     pressure = brake.system.state("cylinder_pressure", "Pa", 0.0, NOMINAL_PRESSURE)
     rate = pressure_rate(pressure, brake.target, brake.valve, p["application_time"], p["release_time"])
     brake.system.derivative("cylinder_pressure", rate)
-    return _finish(brake, pressure, p["slack_adjuster_force"], table)
+    return _finish(brake, pressure, p["touch_pressure"], table)
 
 
 def flow_brake(defaults: BrakeParameters, air: FlowParameters, table: FrictionTable = EXAMPLE_TABLE) -> System:
     """Pressure from the mass of air that flows through the restrictions, and from the travel of the piston."""
     brake = _begin("flow", "Cylinder pressure by flow of air through restrictions", defaults, TIMES)
-    system, p = brake.system, brake.parameter
+    system = brake.system
     flow = {name: system.parameter(air.variable(name)) for name in air.values()}
     empty = flow["ambient_pressure"] * piston(ca.SX(0), flow).volume / (GAS_CONSTANT * flow["air_temperature"])
     pressure = system.state("cylinder_pressure", "Pa", 0.0, NOMINAL_PRESSURE)
@@ -127,8 +124,7 @@ def flow_brake(defaults: BrakeParameters, air: FlowParameters, table: FrictionTa
         ("heat_loss", "W", rates.heat_loss),
     ):
         system.observe(name, unit, observed)
-    counter_pressure = spring_force(position, flow) / flow["piston_area"]
-    return _finish(brake, pressure, p["slack_adjuster_force"] + _force_per_pressure(p) * counter_pressure, table)
+    return _finish(brake, pressure, spring_force(position, flow) / flow["piston_area"], table)
 
 
 def brake_model(systems: tuple[System, ...]) -> Model:

@@ -27,6 +27,9 @@ class BrakeParameters(ParameterSet):
     wheelset_share: float = quantity("1", "Share of the shoe force that acts on this wheelset", 0.0, 1.0)
     shoes: float = quantity("1", "Shoes on this wheelset, which share its force equally", 1.0, 16.0)
     slack_adjuster_force: float = quantity("N", "Counter-force of the slack adjuster at the shoes (F_R i_b)", 0.0)
+    touch_pressure: float = quantity(
+        "Pa", "Pressure at which the piston has brought the shoes to the wheel against its return spring", 0.0
+    )
     rigging_efficiency: float = quantity("1", "Effective over calculated shoe force (eta)", 0.0, 1.0)
     wheel_radius: float = quantity("m", "Radius at which the shoes rub (r_w)", 1e-3)
     friction_law: float = quantity(
@@ -48,7 +51,7 @@ def qr30(pressure_kpa: int = 180) -> BrakeParameters:
 
     Printed: application time 0.8 s (section 7.1), at most 350 kPa, 0.164 kN of normal force for each kPa over all four
     shoes (section 6.2.3), two shoes on the braked wheelset, wheel radius 0.398 m (Table 8.2), efficiency and shoe
-    friction of each pressure (chapter 7).
+    friction of each pressure (chapter 7); touch_pressure 0, as the efficiency counts the return spring.
     Assumed: release as fast as application, no counter-force of the slack adjuster; for law 4 a fall by half within
     35 m/s, because section 2.5.2 gives no number.
     """
@@ -64,6 +67,7 @@ def qr30(pressure_kpa: int = 180) -> BrakeParameters:
         wheelset_share=0.5,
         shoes=SHOES / 2,
         slack_adjuster_force=0.0,
+        touch_pressure=0.0,
         rigging_efficiency=row.rigging_efficiency,
         wheel_radius=0.398,
         friction_law=CONSTANT,
@@ -72,8 +76,12 @@ def qr30(pressure_kpa: int = 180) -> BrakeParameters:
     )
 
 
-def uic(pressure: float, piston_area: float, application_time: float, release_time: float) -> BrakeParameters:
-    """One wheelset of a two-axle bogie of a UIC freight wagon with double-sided cast-iron shoes; pressure in Pa.
+def uic(
+    pressure: float, piston_area: float, spring_force: float, application_time: float, release_time: float
+) -> BrakeParameters:
+    """One wheelset of a two-axle bogie of a UIC freight wagon with double-sided cast-iron shoes.
+
+    pressure [Pa]; piston_area [m2], spring_force [N]: of the cylinder, the spring as the shoes touch.
 
     Literature: rigging efficiency 0.95 (example of EN 14531), friction of cast iron (Karwatzki).
     Assumed: one piston for each bogie with a rigging ratio of 6, eight shoes, wheels of 920 mm.
@@ -86,6 +94,7 @@ def uic(pressure: float, piston_area: float, application_time: float, release_ti
         wheelset_share=0.5,
         shoes=4.0,
         slack_adjuster_force=0.0,
+        touch_pressure=spring_force / piston_area,
         rigging_efficiency=0.95,
         wheel_radius=0.46,
         friction_law=KARWATZKI,

@@ -49,7 +49,7 @@ DUMP = Window(0.4, 0.8)
 
 @dataclass(frozen=True)
 class ReadySet:
-    """A brake for both kinds of `pneumatics`."""
+    """A brake for both kinds of `pneumatics`, which end at the same shoe force."""
 
     rigging: BrakeParameters
     flow: FlowParameters
@@ -122,7 +122,7 @@ def _uic(timing: Timing) -> ReadySet:
     flow = with_release_time(flow, UIC_PRESSURE, release, UIC_RELEASED)
     # The timed law falls by a constant share per second; its release time counts to 5 %.
     to_five_percent = release * math.log(20.0) / math.log(UIC_PRESSURE / UIC_RELEASED)
-    return ReadySet(uic(UIC_PRESSURE, UIC_PISTON_AREA, application, to_five_percent), flow)
+    return ReadySet(uic(UIC_PRESSURE, UIC_PISTON_AREA, UIC_SPRING_FORCE, application, to_five_percent), flow)
 
 
 def uic_p() -> ReadySet:

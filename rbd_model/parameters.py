@@ -44,7 +44,7 @@ class BogieParameters(ParameterSet):
     flange_stiffness: float = quantity("N/m", "Lateral stiffness of the rail against a flange (k_y_rail)", 0.0)
     yaw_torque_rotates: float = quantity(
         "1",
-        "Yaw torque about the vertical (0), or about an axis that turns with the wheelset's rotation (1)",
+        "Yaw torque about the axis upright on the axle (0), or about one that turns with the wheelset's rotation (1)",
         0.0,
         1.0,
         "integer",

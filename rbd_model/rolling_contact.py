@@ -16,6 +16,7 @@ import casadi as ca
 
 from fmu_src.system import System
 from rbd_model.contact_geometry import Pair
+from rbd_model.profiles import Profile
 
 LEFT, RIGHT = 1, -1
 SIDES = {LEFT: "left", RIGHT: "right"}
@@ -44,6 +45,7 @@ class WheelContact:
     slope_error: ca.SX  # 0 where wheel and rail have a common normal
     curvature_along: ca.SX  # of the contact, A of eq. (3.83) [1/m]
     curvature_across: ca.SX  # B [1/m]
+    inside: ca.SX  # distance of the contact from the nearest end of either profile [m]
 
     @property
     def sideways(self) -> ca.SX:
@@ -91,4 +93,11 @@ def wheel_contact(
         -side * across[0] - rail_slope * across[1],
         unit / (2 * radius),
         (bend * unit**3 - rail_bend * rail_unit**3) / 2,
+        ca.fmin(_inside(pair.wheel, position), _inside(pair.rail, on_rail)),
     )
+
+
+def _inside(profile: Profile, y: ca.SX) -> ca.SX:
+    """Distance from the nearer end of a profile [m], negative beyond it."""
+    low, high = profile.limits
+    return ca.fmin(y - low, high - y)

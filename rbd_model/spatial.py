@@ -19,7 +19,7 @@ from rbd_model.contact_geometry import Pair
 from rbd_model.kinematics import Body
 from rbd_model.parameters import BogieParameters
 from rbd_model.rolling_contact import SIDES
-from rbd_model.spatial_wheelset import FOLD_MARGIN, Motion, SpatialWheelset, move_wheelset, place_wheelset
+from rbd_model.spatial_wheelset import Motion, SpatialWheelset, move_wheelset, place_wheelset
 from rbd_model.sprung_mass import hold_or_pull, move_frame, place_frame
 from rbd_model.suspension import Load, Suspension, suspend, total
 from rbd_model.track import Track
@@ -36,6 +36,7 @@ def spatial_bogie(defaults: BogieParameters, pair: Pair, track: Track, numbers: 
     absent = [name for name in variables.inputs() if name.endswith("_2")] if 2 not in numbers else []
     bogie = start_bogie("spatial", "3-D contact, hunting, derailment", defaults, used, absent)
     system, p = bogie.system, bogie.parameter
+    p.update({offset.name: system.parameter(offset) for offset in variables.initial_offsets()})
     frame = place_frame(bogie, pitches=len(numbers) > 1)
     follow_patch(system, bogie.rail, "frame_distance")
     section = track(system)
@@ -97,8 +98,8 @@ def add_outputs(bogie: Bogie, wheelsets: Sequence[SpatialWheelset], motions: Seq
         rows[f"yaw_{number}"] = value[f"yaw_{number}"]
         for wheel, side in zip(wheelset.wheels, SIDES.values(), strict=True):
             rows[f"wheel_load_{number}_{side}"] = wheel.load
-            lost = ca.if_else(wheel.curvature_left < FOLD_MARGIN, 1, 0)
-            rows["derailed"] = ca.fmax(rows["derailed"], lost)
+            for margin, _ in wheel.derailed:
+                rows["derailed"] = ca.fmax(rows["derailed"], margin < 0)
     for name, expression in rows.items():
         system.output(outputs[name], expression)
     for wheelset, motion in zip(wheelsets, motions, strict=True):
@@ -108,15 +109,13 @@ def add_outputs(bogie: Bogie, wheelsets: Sequence[SpatialWheelset], motions: Seq
 
 
 def add_ends(bogie: Bogie, wheelsets: Sequence[SpatialWheelset], share: ca.SX) -> None:
-    """Where the model ends: a tread contact reaches its fold (section 9.4.1), or a wheel carries nothing."""
+    """Where the model ends: a tread contact reaches its fold (section 9.4.1) or an end, or a wheel carries nothing."""
     system = bogie.system
     for wheelset in wheelsets:
         for wheel, side in zip(wheelset.wheels, SIDES.values(), strict=True):
             name = f"{side} wheel of wheelset {wheelset.number}"
-            system.end_when_negative(
-                wheel.curvature_left - FOLD_MARGIN,
-                f"Derailed: the {name} lost its tread contact at %s s; results up to there are kept.",
-            )
+            for margin, word in wheel.derailed:
+                system.end_when_negative(margin, f"Derailed: the {name} {word} at %s s; results up to there are kept.")
             load = wheel.normal_force / share
             ends = bogie.parameter["wheel_lift_ends"]
             system.end_when_negative(

@@ -39,6 +39,8 @@ NOMINAL_NORMAL_FORCE = 1e5
 #: Share of the rail head's curvature that is left when a tread contact counts as lost. The fold is where nothing is
 #: left; there the contact moves infinitely fast.
 FOLD_MARGIN = 0.02
+#: Distance from the end of a profile at which a contact counts as run off it [m]; beyond the end there is no contact.
+END_MARGIN = 1e-3
 #: Smallest sliding speed that is told from none [m/s]; the falling friction is smooth through zero on this scale.
 SLIDING_FLOOR = 1e-9
 
@@ -60,6 +62,14 @@ class Wheel:
     def load(self) -> ca.SX:
         """Vertical force of the rail [N]."""
         return self.normal_force * self.contact.across[1] - self.creep_sideways * self.contact.across[0]
+
+    @property
+    def derailed(self) -> tuple[tuple[ca.SX, str], ...]:
+        """What ends its contact: margins, negative when it is lost, and what the wheel has then done."""
+        return (
+            (self.curvature_left - FOLD_MARGIN, "lost its tread contact"),
+            (self.contact.inside / END_MARGIN - 1, "ran off the end of its tread or of the rail's head"),
+        )
 
 
 @dataclass(frozen=True)
@@ -101,13 +111,16 @@ def place_wheelset(
     system, p = bogie.system, bogie.parameter
     shift = system.state(f"shift_{number}", "m", 0.0, NOMINAL_TRAVEL)
     shift_speed = system.state(f"shift_speed_{number}", "m/s", 0.0, NOMINAL_TRAVEL_SPEED)
-    lateral = system.state(f"lateral_{number}", "m", 0.0, NOMINAL_TRAVEL)
+    lateral = system.state(f"lateral_{number}", "m", p["initial_lateral"], NOMINAL_TRAVEL)
     lateral_speed = system.state(f"lateral_speed_{number}", "m/s", 0.0, NOMINAL_TRAVEL_SPEED)
-    yaw = system.state(f"yaw_{number}", "rad", 0.0, NOMINAL_TRAVEL)
+    yaw = system.state(f"yaw_{number}", "rad", p["initial_yaw"], NOMINAL_TRAVEL)
     yaw_rate = system.state(f"yaw_rate_{number}", "rad/s", 0.0, NOMINAL_TRAVEL_SPEED)
     omega = add_rotation_states(bogie, number)
     roll = system.algebraic(f"roll_{number}", "rad", 0.0, NOMINAL_ROLL)
-    positions = [system.algebraic(f"contact_{number}_{word}", "m", 0.0, NOMINAL_CONTACT) for word in SIDES.values()]
+    positions = [
+        system.algebraic(f"contact_{number}_{word}", "m", -side * p["initial_lateral"], NOMINAL_CONTACT)
+        for side, word in SIDES.items()
+    ]
     normals = [
         system.algebraic(f"normal_{number}_{word}", "N", static_load, NOMINAL_NORMAL_FORCE) for word in SIDES.values()
     ]
@@ -207,8 +220,10 @@ def move_wheelset(bogie: Bogie, wheelset: SpatialWheelset, suspension: Load) -> 
     """Newton's and Euler's equations of a wheelset, eqs (3.25), (3.26), and the accelerations of its constraints.
 
     Differs from the thesis: about axes that yaw and roll with the wheelset, in which its inertia is constant. The yaw
-    torque acts about the vertical one of these; about one that turns with the wheelset's rotation as well when
-    yaw_torque_rotates is 1, which the body's matrix in place of the global one in (3.36) does.
+    torque acts about the upright one of these, as the couple of the shoe forces (9.1) does, which are square to the
+    axle; the vertical of the track, the other reading, is a roll (1e-3) away and would turn the axle by its sine. About
+    an axis that turns with the wheelset's rotation as well when yaw_torque_rotates is 1, which the body's matrix in
+    place of the global one in (3.36) does.
     """
     system, p, number = bogie.system, bogie.parameter, wheelset.number
     mass = p["wheelset_mass"]

@@ -35,7 +35,8 @@ def place_frame(bogie: Bogie, pitches: bool) -> Body:
         if name == "pitch" and not pitches:
             continue
         unit = "rad" if name in ANGLES else "m"
-        position[name] = system.state(name, unit, 0.0, NOMINAL_TRAVEL)
+        start = p["initial_lateral"] if name == "frame_lateral" else 0.0
+        position[name] = system.state(name, unit, start, NOMINAL_TRAVEL)
         rate = system.state(f"{name}_rate", f"{unit}/s", 0.0, NOMINAL_TRAVEL_SPEED)
         if name not in ANGLES:
             system.derivative(name, rate)

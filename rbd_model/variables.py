@@ -32,7 +32,8 @@ def inputs() -> dict[str, Variable]:
     for number, place in WHEELSETS.items():
         rows.append(_input(f"traction_torque_{number}", "N.m", f"Torque that drives the {place} wheelset forward"))
     for number, place in WHEELSETS.items():
-        rows.append(_input(f"yaw_torque_{number}", "N.m", f"Torque about the vertical on the {place} wheelset"))
+        text = f"Yaw torque on the {place} wheelset, about the axis upright on its axle, which rolls with it"
+        rows.append(_input(f"yaw_torque_{number}", "N.m", text))
     rows.append(_input("drawbar_force", "N", "Forward force on the sprung mass, at its centre"))
     for number, place in WHEELSETS.items():
         text = f"Wheel-rail friction coefficient under the {place} wheelset"
@@ -73,7 +74,7 @@ def outputs() -> dict[str, Variable]:
         _output("frame_lateral", "m", "Lateral displacement of the sprung mass"),
         _output("frame_roll", "rad", "Roll of the sprung mass", display_unit="deg"),
         _output("frame_yaw", "rad", "Yaw of the sprung mass", display_unit="deg"),
-        _output("derailed", "1", "A wheel has lost its tread contact", kind="boolean"),
+        _output("derailed", "1", "A wheel has lost its tread contact or run off it", kind="boolean"),
     ]
     return {row.name: row for row in rows}
 
@@ -82,4 +83,19 @@ def initial_speed(start: float) -> Variable:
     """Parameter: speed at the start, with the wheels rolling freely."""
     return Variable(
         "initial_speed", "parameter", "m/s", "Speed at the start, wheels rolling", start, display_unit="km/h"
+    )
+
+
+#: Largest offsets at the start: tread contact is lost at 11.5 mm (section 9.4.1) [m]; and a yaw of 3 degrees [rad].
+LARGEST_LATERAL, LARGEST_YAW = 0.010, 0.05
+
+
+def initial_offsets() -> tuple[Variable, Variable]:
+    """Parameters of the spatial level: where it starts beside the track's centre, with no speed but along it."""
+    lateral = "Lateral displacement at the start, wheelsets and sprung mass; beyond flange_clearance a flange presses"
+    return (
+        Variable("initial_lateral", "parameter", "m", lateral, 0.0, -LARGEST_LATERAL, LARGEST_LATERAL),
+        Variable(
+            "initial_yaw", "parameter", "rad", "Yaw of the wheelsets at the start", 0.0, -LARGEST_YAW, LARGEST_YAW
+        ),
     )

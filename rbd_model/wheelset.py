@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -17,6 +18,9 @@ from rbd_model.parameters import BogieParameters
 #: Used where a trial step would ask for the contact of a wheel that carries nothing; a run ends before (wheel lift).
 SMALLEST_LOAD = 1.0
 SMALLEST_FRICTION = 1e-9
+
+#: Longer over shorter semi-axis of a contact that a run may start with; where Kalker's table ends.
+MOST_SLENDER = 10.0
 
 #: Scales of the error control: with tolerance 1e-7, a local error of 1 um/s in speed.
 NOMINAL_SPEED = 10.0
@@ -120,10 +124,15 @@ def follow_creep(bogie: Bogie, speed: str) -> None:
 
 
 def centred_contact(bogie: Bogie) -> CentredContact:
-    """Constant from the curvatures, computed once at the start."""
+    """Constant from the curvatures, computed once at the start.
+
+    Not a number, so that a run is refused at its start, for an ellipse more slender than 1 : 10: on half-spaces, as
+    Hertz and Kalker have them, no wheel touches a rail like that.
+    """
     p = bogie.parameter
     shape = ellipse_shape(p["wheel_radius"], p["wheel_profile_curvature"], p["rail_head_radius"], p["shear_modulus"])
-    c11 = kalker_coefficients(shape.axis_ratio).c11
+    slender = ca.fmax(shape.axis_ratio, 1 / shape.axis_ratio) > MOST_SLENDER
+    c11 = ca.if_else(slender, math.nan, kalker_coefficients(shape.axis_ratio).c11)
     stiffness = 0.25 * ca.pi * p["shear_modulus"] * shape.longitudinal * shape.lateral * c11
     return CentredContact(bogie.system.derived("contact_stiffness", stiffness))
 

@@ -52,6 +52,8 @@ KINDS = {TIMED: "timed", FLOW: "flow"}
 INSTANTS = 600
 #: Printed to a tenth of a second; the definition of a time by 95 % is ours [s].
 PRINTED_TIME = 0.01
+#: When any of the brakes has been applied for long enough [s], and forces that count as the same [kN].
+FULLY_APPLIED, SAME_FORCE = 200.0, 0.01
 #: Normal force of one shoe of a new bogie [kN] and the share of it that was missing [%], by pressure [kPa]: sections
 #: 7.2.1, 7.3.1, 7.4.1.
 PRINTED_FORCE = {130: (5.33, 18), 150: (6.15, 19), 180: (7.38, 15)}
@@ -140,6 +142,17 @@ def timing_rows(case: Case, kind: str, found: tuple[float, float]) -> list[Row]:
     return rows
 
 
+def force_rows(brake: Slave, case: Case) -> list[Row]:
+    """Force of the shoes when the brake is fully applied, by flow against the timed law."""
+    forces = []
+    for pneumatics in case.kinds:
+        brake.restart(values_of(case.ready, pneumatics), pressure_demand=case.pressure)
+        brake.step(0.0, FULLY_APPLIED)
+        forces.append(brake["shoe_force"] / 1e3)
+    note = "the timed law's; the return spring counts in both"
+    return [Row(f"{case.name}: shoe force by flow", "kN", forces[0], forces[1], SAME_FORCE, "eq. (2.4)", note)]
+
+
 def experiment_rows(brake: Slave) -> list[Row]:
     """Force and friction of the shoes at the three pressures of the experiment, by flow."""
     rows = []
@@ -188,6 +201,7 @@ def run(options: Options) -> Result:
                 rows += timing_rows(case, KINDS[pneumatics], times_of(case, time, pressure))
                 series.add(f"time ({case.name})", "s", time)
                 series.add(f"cylinder_pressure ({case.name}, {KINDS[pneumatics]})", "Pa", pressure)
+            rows += [] if case.vents else force_rows(brake, case)
         rows += experiment_rows(brake)
         frictions = friction_over_speed(brake)
         guids = {brake.name: brake.guid}

@@ -44,7 +44,7 @@ def run(options: Options) -> Result:
             float(np.interp(COMPARED, AMPLITUDES, conicity["thesis"])),
             0.005,
             "section 4.4, from the wavelength (VAMPIRE 0.049)",
-            "cone 1:20; more than 0.05 because the wheelset rolls",
+            "cone 1:20; R gamma / b more because the wheelset rolls on crowns of R = 300 mm",
         ),
     ]
     series = Recording({"shift": "m"}, [[shift] for shift in SHIFTS])

@@ -174,6 +174,36 @@ def test_shoes_press_only_after_the_piston_has_taken_up_the_slack(brake: Library
     assert full["shoe_force"] != pytest.approx(per_pressure * UIC_PRESSURE, rel=1e-3)
 
 
+#: Of the full shoe force: integration's 1e-6 of the pressure.
+SPRING_ERROR = 1e-6
+
+
+@pytest.mark.parametrize("ready", [qr30_experiment(180), uic_p(), uic_g()], ids=["QR30", "UIC P", "UIC G"])
+@pytest.mark.parametrize("share", [0.02, 0.5, 1.0])
+def test_shoe_force_at_a_pressure_is_the_same_by_time_and_by_flow(
+    brake: Library, ready: ReadySet, share: float
+) -> None:
+    """Eq. (2.4): the return spring holds back 300 N of the thrust of a UIC cylinder in both; at 2 % it holds it all."""
+    demand = share * ready.rigging.supply_pressure
+    forces = []
+    for pneumatics in (TIMED, FLOW):
+        kernel = kernel_of(brake, ready, pneumatics, pressure_demand=demand)
+        kernel.advance(400.0)
+        assert kernel["cylinder_pressure"] == pytest.approx(demand, rel=1e-6)
+        forces.append(kernel["shoe_force"])
+    rigging = ready.rigging
+    full = rigging.force_per_pressure * rigging.wheelset_share * rigging.rigging_efficiency * rigging.supply_pressure
+    assert forces[0] == pytest.approx(forces[1], abs=SPRING_ERROR * full)
+    assert (forces[0] == 0.0) == (demand < rigging.touch_pressure)
+
+
+def test_fully_applied_uic_brake_presses_with_what_the_spring_leaves(brake: Library) -> None:
+    """0.95 x 6 / 2 x (380 kPa x 346 cm2 - 300 N) on one of two wheelsets: 36.6 kN, not 37.5."""
+    kernel = kernel_of(brake, uic_p(), TIMED, pressure_demand=UIC_PRESSURE)
+    kernel.advance(100.0)
+    assert kernel["shoe_force"] == pytest.approx(0.95 * 3 * (380e3 * 346e-4 - 300.0), rel=1e-6)
+
+
 def test_time_that_no_restriction_gives_is_refused() -> None:
     with pytest.raises(ValueError, match="Set the time to a value above 0 s: it was 0 s"):
         with_application_time(uic_p().flow, UIC_PRESSURE, 0.0)

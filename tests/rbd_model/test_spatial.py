@@ -14,16 +14,20 @@ from fmu_src.kernel import DISCARD, Kernel, KernelError, Library
 from fmu_src.system import model_of
 from rbd_model.bogie import bogie_dynamics, levels, smallest_level, wheelset_in_frame
 from rbd_model.contact import ellipse_fit, ellipse_shape, moving_ellipse
-from rbd_model.contact_geometry import thesis_pair
+from rbd_model.contact_geometry import contact_at, equivalent_conicity, thesis_pair
 from rbd_model.linear import critical_speed, oscillations
 from rbd_model.parameters import tables_4_1_and_4_2, tables_5_1_and_5_2
 from rbd_model.spatial import spatial_bogie
+from rbd_model.spatial_wheelset import END_MARGIN
 from rbd_model.track import Track, derivatives_along, irregular_track, section_5_3, track_from_file, track_from_points
+from rbd_model.variables import LARGEST_LATERAL, LARGEST_YAW
 
 ENERGIES = ("kinetic_energy", "potential_energy")
 POWERS = ("brake_power", "creep_power", "damping_power")
 #: What round-off and the tolerance leave: energy relative to what is lost, gap of the constraints, mirrored answer.
 ENERGY_BAND, GAP_BAND, MIRROR_BAND = 1e-8, 1e-9, 1e-9
+#: Wavelength of the kinematic wave; the profiles' splines make its conicity good to 1e-3, the creep at 1 m/s to less.
+KLINGEL_BAND = 1e-3
 
 
 @pytest.fixture(scope="module")
@@ -185,6 +189,84 @@ def test_signs_follow_x_forward_y_left_z_up(bogie: Library) -> None:
     table = shifted.record(1.0, 0.01, ["distance", "lateral_1"])
     first = np.flatnonzero(np.abs(table["lateral_1"]) > 1e-4)[0]
     assert table["lateral_1"][first] < 0.0  # the track moves to the left, away from under the wheelset
+
+
+@pytest.mark.parametrize(("torque", "side"), [(10e3, "right"), (-10e3, "left"), (100e3, "right")])
+def test_wheelset_that_turns_ever_further_derails_where_its_wheel_falls_off_the_rail(
+    wheelset: Library, torque: float, side: str
+) -> None:
+    """A wheelset of chapter 4 that nothing turns back: yawed by 0.4 rad its wheels are 2 b (1 - cos yaw) closer.
+
+    The wheel on the far side then stands on the end of its tread, s = 55 mm from the nominal contact: (b + s) cos(yaw)
+    = b + lateral gives the yaw, but for the curved profiles and the contact's place before or behind the axle.
+    """
+    kernel = Kernel(wheelset, initial_speed=15.0, yaw_torque_1=torque)
+    sentence = rf"Derailed: the {side} wheel of wheelset 1 ran off the end of its tread or of the rail's head at \d\."
+    with pytest.raises(KernelError, match=sentence) as refusal:
+        kernel.advance(20.0)
+    assert refusal.value.status == DISCARD
+    assert kernel["derailed"] == 1.0
+    half = thesis_pair().rail_half_distance
+    narrowed = (half + abs(kernel["lateral_1"])) / (half + thesis_pair().wheel.limits[1] - END_MARGIN)
+    assert abs(kernel["yaw_1"]) == pytest.approx(np.arccos(narrowed), rel=0.1)
+
+
+@pytest.mark.parametrize("yaw", [-LARGEST_YAW, 0.0, LARGEST_YAW])
+@pytest.mark.parametrize("lateral", [-LARGEST_LATERAL, 3e-3, LARGEST_LATERAL])
+def test_vehicle_starts_where_it_is_put_with_both_wheels_on_the_rails(
+    observed: Library, lateral: float, yaw: float
+) -> None:
+    kernel = Kernel(observed, initial_speed=5.0, initial_lateral=lateral, initial_yaw=yaw)
+    kernel.initialise()
+    assert [kernel[f"{name}_{n}"] for name in ("lateral", "yaw") for n in (1, 2)] == [lateral, lateral, yaw, yaw]
+    assert kernel["frame_lateral"] == lateral
+    assert kernel["largest_gap"] < GAP_BAND
+    assert kernel.rates(["lateral_1", "frame_lateral"]) == [0.0, 0.0]
+    kernel.advance(1e-2)
+
+
+@pytest.mark.parametrize("values", [{"initial_lateral": 0.011}, {"initial_yaw": -0.06}])
+def test_vehicle_that_would_start_beside_its_rails_is_refused(bogie: Library, values: dict[str, float]) -> None:
+    with pytest.raises(KernelError, match=r"Set initial_(lateral|yaw) to at (most|least) -?0\.0"):
+        spatial(bogie, **values)
+
+
+def test_wave_of_a_free_wheelset_that_starts_off_centre_is_klingels_with_the_equivalent_conicity(
+    wheelset: Library,
+) -> None:
+    """Eq. (2.1) at walking pace and without springs, dampers or flange; the conicity counts the roll."""
+    softest = {f"{axis}_stiffness": 1.0 for axis in ("longitudinal", "lateral")}
+    undamped = {f"{axis}_damping": 0.0 for axis in ("longitudinal", "lateral")}
+    free = softest | undamped | {"flange_stiffness": 0.0, "constant_speed": 1}
+    amplitude, pair = 3e-3, thesis_pair()
+    kernel = Kernel(wheelset, initial_speed=1.0, initial_lateral=amplitude, **free)
+    table = kernel.record(60.0, 0.05, ["distance", "lateral_1"])
+    distance, lateral = np.array(table["distance"]), np.array(table["lateral_1"])
+    before = np.flatnonzero((lateral[:-1] > 0.0) & (lateral[1:] <= 0.0))
+    share = lateral[before] / (lateral[before] - lateral[before + 1])
+    wavelength = np.diff(distance[before] + share * np.diff(distance)[before])
+    scale = pair.wheel_half_distance * pair.radius
+    conicity = float(equivalent_conicity(pair, np.array([amplitude]))[0])
+    assert wavelength == pytest.approx(2 * np.pi * np.sqrt(scale / conicity), rel=KLINGEL_BAND)
+    # Without the part of the motion that is the roll's, the wave would be shorter.
+    shift = contact_at(pair, amplitude).radius_difference / (2 * amplitude)
+    assert wavelength != pytest.approx(2 * np.pi * np.sqrt(scale / shift), rel=10 * KLINGEL_BAND)
+
+
+def test_yaw_torque_is_square_to_the_axle(observed: Library) -> None:
+    """Like the couple of shoe forces (9.1) it does not turn the wheels, however far the wheelset has rolled.
+
+    About the vertical of the track it would, by its sine times the torque.
+    """
+    kernel = Kernel(observed, initial_speed=5.0, initial_lateral=9e-3, constant_speed=1)
+    kernel.initialise()
+    found = []
+    for torque in (0.0, 50e3):
+        kernel.set(yaw_torque_1=torque)
+        found.append(kernel.rates(["angular_velocity_1"])[0])
+    assert found[0] == found[1]
+    kernel.advance(0.01)
+    assert kernel["yaw_1"] > 1e-4
 
 
 def test_hunting_above_the_critical_speed_grows_to_a_bounded_cycle(wheelset: Library) -> None:
