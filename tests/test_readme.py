@@ -45,14 +45,14 @@ def test_every_scenario_is_named() -> None:
 
 
 def test_equations_have_homes_and_tests_and_their_page_is_up_to_date() -> None:
-    """When this fails, run `make equations` and read what it says."""
-    done = subprocess.run([sys.executable, ROOT / "docs" / "equations.py", "--check"], capture_output=True, text=True)
+    """When this fails, run `make pages` and read what it says."""
+    done = subprocess.run([sys.executable, ROOT / "docs" / "generate" / "equations.py", "--check"], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
 
 
 def test_numbers_of_the_pages_are_those_measured_beside_the_pictures() -> None:
-    """When this fails, run `make charts`, or `python docs/charts.py` after a change of the templates."""
-    done = subprocess.run([sys.executable, ROOT / "docs" / "charts.py", "--check"], capture_output=True, text=True)
+    """When this fails, run `make charts`, or `make pages` after a change of the templates."""
+    done = subprocess.run([sys.executable, ROOT / "docs" / "generate" / "charts.py", "--check"], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
 
 
@@ -64,7 +64,7 @@ def test_numbers_of_equations_are_those_of_the_thesis() -> None:
     found: dict[int, int] = {}
     for chapter, number in re.findall(r"(?:\(|tag\{)(\d)\.(\d+)[)}]", THESIS.read_text(encoding="utf-8")):
         found[int(chapter)] = max(found.get(int(chapter), 0), int(number))
-    last = re.search(r"LAST = (\{.*\})", (ROOT / "docs" / "equations.py").read_text(encoding="utf-8"))
+    last = re.search(r"LAST = (\{.*\})", (ROOT / "docs" / "generate" / "equations.py").read_text(encoding="utf-8"))
     assert last
     numbered = ast.literal_eval(last.group(1))
     assert numbered == {chapter: found[chapter] for chapter in numbered}
