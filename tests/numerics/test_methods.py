@@ -18,7 +18,7 @@ from scenarios.methods.integrators import layout, own, scipy
 from scenarios.methods.scenes import FLANGE, HUNTING, LOCK_UP, SCENES, SMOOTH, STANDING, Scene
 from scenarios.methods.work_precision import difference
 
-#: Issue band of the orders.
+#: Band of docs/checking.md for the orders.
 ORDER_BAND = 0.2
 ORDERS = {1: 4.0, 2: 3.0, 3: 4.0}
 
@@ -217,7 +217,7 @@ def test_recording_of_methods_without_an_extension_is_accurate_between_steps() -
 
 # ---- other methods on the same equations -----------------------------------------------------------------------------
 
-#: Error of the default at its own tolerance; what the issue asks for is ten times as much.
+#: Band of docs/checking.md for the default at its own tolerance; an engineer reads off ten times as much.
 DEFAULT_BAND = 1e-5
 
 

@@ -21,7 +21,7 @@ from rbd_model.parameters import BogieParameters, tables_5_1_and_5_2, tables_8_1
 from rbd_model.planar import planar_bogie
 
 POINT, PLANAR = 1, 2
-#: Issue bands: acceleration 0.1 %, energy 1e-6 of what was lost.
+#: Bands of docs/checking.md: acceleration 0.1 %, energy 1e-6 of what was lost.
 ACCELERATION_BAND, ENERGY_BAND = 1e-3, 1e-6
 
 
@@ -195,7 +195,7 @@ def test_smallest_torque_that_locks_the_experiment_is_the_closed_form_one(bogie:
     while high - low > 1.0:
         middle = (low + high) / 2
         low, high = (low, middle) if locks(bogie, middle) else (middle, high)
-    assert 1330.0 < high < 1420.0  # the band of the issue
+    assert 1330.0 < high < 1420.0  # docs/checking.md
     assert high == pytest.approx(exact, rel=0.01)  # creep saturates slowly, and a late lock is at rest
 
 
@@ -341,7 +341,7 @@ def test_kernel_follows_another_method_through_a_skid() -> None:
     assert one["slip_2"] > 5.0  # it skids
 
 
-#: Issue bands for one stop through host steps of 0.1 to 30 ms.
+#: Bands of docs/checking.md for one stop through host steps of 0.1 to 30 ms.
 STOP_TIME_BAND, STOP_DISTANCE_BAND = 2e-3, 5e-3
 
 
