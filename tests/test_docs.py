@@ -21,6 +21,7 @@ ROOT = Path(__file__).parents[1]
 PAGES = ["README.md", "CHANGELOG.md", "EQUATIONS.md", *sorted(f"docs/{path.name}" for path in ROOT.glob("docs/*.md"))]
 #: Written when something is built or run, or named as an example.
 MADE = ("build/", "results/", "rbd_model/roller_rig.py")
+GENERATORS = ("charts", "equations", "variables", "catalogue")
 PACKAGES = ("fmu_src", "rbd_model", "brake_controller", "scenarios")
 #: A fenced block: its language and its text.
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
@@ -37,9 +38,9 @@ def blocks(page: str) -> list[tuple[str, str]]:
 @pytest.fixture
 def checkout(tmp_path: Path) -> Path:
     """A copy of what a newcomer has, to write into."""
-    for package in PACKAGES:
+    for package in (*PACKAGES, "docs", "tests"):
         shutil.copytree(ROOT / package, tmp_path / package, ignore=shutil.ignore_patterns("__pycache__"))
-    for name in ("build_fmu.py", "LICENSE"):
+    for name in ("build_fmu.py", "LICENSE", "README.md", "EQUATIONS.md"):
         shutil.copyfile(ROOT / name, tmp_path / name)
     return tmp_path
 
@@ -87,6 +88,9 @@ def test_a_newcomer_gets_from_equations_to_an_fmu_as_the_page_says(checkout: Pat
             same = doctest.OutputChecker().check_output(text, shown, doctest.ELLIPSIS)
             assert same, f"The page says\n{text}\nand there came\n{shown}"
     assert [kinds.count(kind) for kind in ("python", "diff", "sh", "text")] == [4, 1, 4, 4]
+    # What make pages does: the new system has its table, and the other pages can be written.
+    shown_by("\n".join(f"python docs/generate/{generator}.py" for generator in GENERATORS), checkout)
+    assert "## RollerRig\n" in (checkout / "docs" / "variables.md").read_text(encoding="utf-8")
 
 
 # -- what pages name -----------------------------------------------------------------------------------------------
@@ -188,7 +192,7 @@ def test_code_and_tests_cite_pages_that_are_here() -> None:
             assert set(cited) <= pages, f"{path.relative_to(ROOT)} cites {sorted(set(cited) - pages)}"
 
 
-@pytest.mark.parametrize("generator", ["charts", "equations", "variables", "catalogue"])
+@pytest.mark.parametrize("generator", GENERATORS)
 def test_generated_page_is_what_it_is_made_from(generator: str) -> None:
     """When this fails, run `make pages` and read what it says; after a change of methods or scenes `make charts`."""
     script = ROOT / "docs" / "generate" / f"{generator}.py"

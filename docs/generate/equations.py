@@ -78,7 +78,7 @@ def texts(path: Path) -> Iterator[tuple[str, str]]:
 def comments(source: str) -> list[tuple[int, str]]:
     """First line and text of each block of comments."""
     blocks: list[tuple[int, str]] = []
-    end = 0
+    end = -1
     for token in tokenize.generate_tokens(io.StringIO(source).readline):
         if token.type == tokenize.COMMENT:
             line, text = token.start[0], token.string.lstrip("#: ")
