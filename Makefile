@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 RUN := $(VENV)/bin/python
 
-.PHONY: demo test check charts equations clean
+.PHONY: demo test check charts pages clean
 
 demo: $(VENV)/demo-installed
 	$(RUN) build_fmu.py
@@ -32,14 +32,15 @@ $(VENV)/test-installed: pyproject.toml | $(VENV)/bin/python
 CHARTS := speed-accuracy stability-atlas coupling-step levels thesis-step
 charts: $(VENV)/charts-installed
 	for name in $(CHARTS); do $(RUN) -m scenarios run $$name || exit 1; done
-	$(RUN) docs/charts.py
+	$(RUN) docs/generate/charts.py --collect
 
 $(VENV)/charts-installed: pyproject.toml | $(VENV)/bin/python
 	$(RUN) -m pip install --quiet --disable-pip-version-check -e ".[charts]"
 	touch $@ $(VENV)/demo-installed
 
-equations: $(VENV)/demo-installed
-	$(RUN) docs/equations.py
+# Writes what is generated of the README, EQUATIONS.md and the pages in docs/ anew, from the code and docs/data/.
+pages: $(VENV)/demo-installed
+	for page in charts equations variables catalogue; do $(RUN) docs/generate/$$page.py || exit 1; done
 
 clean:
 	rm -rf $(VENV) build results

@@ -22,7 +22,7 @@ from fmu_src.ssp import Component, write_ssp
 from scenarios.fmus.building import build_system, fmu_path
 from scenarios.fmus.registry import FMUS
 
-#: What masters that step alike may differ by at the end [m/s].
+#: Band of docs/checking.md for the end speed [m/s].
 SPEED_BAND = 1e-6
 SECONDS, STEP = 1.0, 1e-3
 

@@ -19,7 +19,7 @@ from scenarios.methods.integrators import layout, own, scipy
 from scenarios.methods.scenes import LOCK_UP, SCENES, SMOOTH, Scene
 from scenarios.methods.work_precision import difference
 
-#: Of the orders; the slope is fitted where errors are still above round-off.
+#: Band of docs/checking.md for the orders.
 ORDER_BAND = 0.2
 ORDERS = {1: 4.0, 2: 3.0, 3: 4.0}
 
@@ -218,7 +218,7 @@ def test_recording_of_methods_without_an_extension_is_accurate_between_steps() -
 
 # ---- other methods on the same equations -----------------------------------------------------------------------------
 
-#: Error of the default at its own tolerance, relative; a tenth of what the pictures of speed against accuracy aim at.
+#: Band of docs/checking.md for the default at its own tolerance; an engineer reads off ten times as much.
 DEFAULT_BAND = 1e-5
 #: A change of the wheel radius that must be seen in every scene, relative.
 SEEN = 1e-3

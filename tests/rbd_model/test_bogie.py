@@ -21,7 +21,7 @@ from rbd_model.parameters import BogieParameters, tables_5_1_and_5_2, tables_8_1
 from rbd_model.planar import planar_bogie
 
 POINT, PLANAR = 1, 2
-#: Acceleration against the closed form 0.1 %, energy 1e-6 of what was lost.
+#: Bands of docs/checking.md: acceleration 0.1 %, energy 1e-6 of what was lost.
 ACCELERATION_BAND, ENERGY_BAND = 1e-3, 1e-6
 
 
@@ -340,7 +340,7 @@ def test_kernel_follows_another_method_through_a_skid() -> None:
     assert one["slip_2"] > 5.0  # it skids
 
 
-#: What may differ between runs of one stop through host steps of 0.1 to 30 ms.
+#: Bands of docs/checking.md for one stop through host steps of 0.1 to 30 ms.
 STOP_TIME_BAND, STOP_DISTANCE_BAND = 2e-3, 5e-3
 
 

@@ -24,7 +24,7 @@ from rbd_model.variables import LARGEST_LATERAL, LARGEST_YAW
 
 ENERGIES = ("kinetic_energy", "potential_energy")
 POWERS = ("brake_power", "creep_power", "damping_power")
-#: What round-off and the tolerance leave: energy relative to what is lost, gap of the constraints, mirrored answer.
+#: Bands of docs/checking.md: energy relative to what is lost, gap of the constraints, mirrored answer.
 ENERGY_BAND, GAP_BAND, MIRROR_BAND = 1e-8, 1e-9, 1e-9
 #: Wavelength of the kinematic wave; the profiles' splines make its conicity good to 1e-3, the creep at 1 m/s to less.
 KLINGEL_BAND = 1e-3
@@ -94,7 +94,7 @@ def test_mirrored_scene_gives_the_mirrored_answer(bogie: Library) -> None:
 
 
 def test_straight_symmetric_stop_is_that_of_the_planar_level(bogie: Library) -> None:
-    """0.15 m (DESIGN): the ellipse moves by micrometres only; measured 0.4 mm."""
+    """The ellipse moves by micrometres only; measured 0.4 mm."""
     stops = []
     for level in (2, 3):
         kernel = Kernel(bogie, level=level, brake_torque_1=20e3, brake_torque_2=20e3)
@@ -104,7 +104,7 @@ def test_straight_symmetric_stop_is_that_of_the_planar_level(bogie: Library) -> 
     assert max(abs(stops[1][1]), abs(stops[1][2])) < 1e-9
 
 
-#: Against a reference from another method.
+#: Bands of docs/checking.md against a reference from another method.
 STOP_TIME_BAND, STOP_DISTANCE_BAND = 1e-3, 10e-3
 
 
@@ -317,7 +317,7 @@ def test_wheelset_of_chapter_4_hunts_as_printed(wheelset: Library) -> None:
     assert 1.75 < hunting(25.0) < 1.92
     assert critical_speed(lambda v: growth(wheelset, v), 15.0, 40.0) == pytest.approx(27.0, abs=0.5)
     printed = critical_speed(lambda v: growth(wheelset, v, suspension_half_spacing=0.35), 15.0, 40.0)
-    assert printed == pytest.approx(22.5, abs=0.2)  # as DESIGN found: too low for the thesis's 27
+    assert printed == pytest.approx(22.5, abs=0.2)  # too low for the thesis's 27: docs/fitted.md
 
 
 def test_lateral_wave_of_chapter_5(bogie: Library) -> None:

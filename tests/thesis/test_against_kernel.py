@@ -26,7 +26,7 @@ from thesis.correspondence import (
     state_of,
 )
 
-#: What two formulations may differ by, relative to the largest acceleration of a kind and to the largest force.
+#: Bands of docs/checking.md, relative to the largest acceleration of a kind and to the largest force.
 ACCELERATION_BAND, FORCE_BAND = 1e-9, 1e-9
 #: In a state almost without acceleration [m/s2, rad/s2] round-off is the larger part: 2e-16 of a speed of 7 m/s as
 #: slip, times a creep stiffness of 1e7 N.s/m, times 0.425 m over 112 kg.m2, is 6e-11 rad/s2.
@@ -152,7 +152,7 @@ def test_a_missing_term_is_found(term: str, wheelsets: int, monkeypatch: pytest.
         assert np.median(worst) > ACCELERATION_BAND
 
 
-#: A second of motion by two methods [m, m/s], and the constraints [m, 1].
+#: Bands of docs/checking.md for a second of motion [m, m/s], and of the constraints [m, 1].
 LATERAL_BAND, SPEED_BAND, RESIDUAL_BAND = 1e-6, 1e-5, 1e-12
 
 

@@ -19,7 +19,7 @@ from rbd_model.thesis.kinematic_analysis import rolling
 from rbd_model.thesis.mechanism import Mechanism
 from rbd_model.thesis.surfaces import OffTheProfileError, profile_derivatives, rail_surface, wheel_surface
 
-#: Analytic derivatives against automatic ones.
+#: Band of docs/checking.md for derivatives by hand against automatic ones.
 DERIVATIVE_BAND = 1e-9
 IDENTITY_BAND = 1e-13
 

@@ -19,7 +19,7 @@ from rbd_model.thesis.program import run, spin, step
 from rbd_model.track import derivatives_along, section_5_3
 from thesis.correspondence import fitted_ellipse, machine
 
-#: Of the program: residual of the constraints [m, 1], norm of the Euler parameters, place of the fold [m].
+#: Bands of docs/checking.md: residual of the constraints [m, 1], norm of the Euler parameters, place of the fold [m].
 RESIDUAL_BAND, NORM_BAND, FOLD_BAND = 1e-12, 1e-12, 1e-4
 
 

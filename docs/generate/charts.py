@@ -1,10 +1,11 @@
 """Puts the pictures of `make charts` beside the text, and what they measured into it.
 
-  python docs/charts.py            pictures and JSON from results/ into docs/; the texts in docs/ and the README anew
-  python docs/charts.py --check    exit status 1 when the text does not hold the numbers of the JSON in docs/
+  python docs/generate/charts.py              the texts in docs/ and the README anew, from the JSON in docs/data/
+  python docs/generate/charts.py --collect    first the pictures and the JSON, from results/ to docs/
+  python docs/generate/charts.py --check      exit status 1 when a text does not hold the numbers of the JSON
 
-In the templates, `[[scenario | quantity | format]]` stands for what a scenario measured: `docs/choosing.md.in` becomes
-docs/choosing.md, and `docs/charts-in-readme.md.in` the part of the README between the two marks.
+In the templates here, `[[scenario | quantity | format]]` stands for what a scenario measured: choosing.md.in
+becomes docs/choosing.md; charts-in-readme.md.in, the part of the README between the two marks.
 """
 
 from __future__ import annotations
@@ -16,8 +17,9 @@ import sys
 import textwrap
 from pathlib import Path
 
-DOCS = Path(__file__).parent
-ROOT = DOCS.parent
+from pages import DOCS, ROOT, write_or_check
+
+HERE, DATA, PICTURES = DOCS / "generate", DOCS / "data", DOCS / "pictures"
 CHARTS = ("speed-accuracy", "stability-atlas", "coupling-step", "levels", "thesis-step")
 #: Characters in a line of text.
 WIDTH = 118
@@ -28,17 +30,17 @@ def collect() -> None:
     """Pictures and tables of the scenarios, from results/ to docs/; of the JSON what the text needs."""
     for name in CHARTS:
         folder = ROOT / "results" / name
-        shutil.copyfile(folder / "figure.png", DOCS / f"{name}.png")
+        shutil.copyfile(folder / "figure.png", PICTURES / f"{name}.png")
         summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
         kept = {key: summary[key] for key in ("scenario", "rows", "remarks", "versions", "wall_seconds")}
-        (DOCS / f"{name}.json").write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")
+        (DATA / f"{name}.json").write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")
 
 
 def measured() -> dict[tuple[str, str], float]:
-    """What the JSON in docs/ holds, by scenario and quantity."""
+    """What the JSON in docs/data/ holds, by scenario and quantity."""
     found = {}
     for name in CHARTS:
-        summary = json.loads((DOCS / f"{name}.json").read_text(encoding="utf-8"))
+        summary = json.loads((DATA / f"{name}.json").read_text(encoding="utf-8"))
         found[name, "wall_seconds"] = summary["wall_seconds"]
         found |= {(name, row["quantity"]): row["simulated"] for row in summary["rows"]}
     return found
@@ -78,23 +80,16 @@ def texts() -> dict[Path, str]:
     before, rest = readme.read_text(encoding="utf-8").split(BEGIN)
     after = rest.split(END)[1]
     return {
-        DOCS / "choosing.md": filled(DOCS / "choosing.md.in", values),
-        readme: before + BEGIN + filled(DOCS / "charts-in-readme.md.in", values) + END + after,
+        DOCS / "choosing.md": filled(HERE / "choosing.md.in", values),
+        readme: before + BEGIN + filled(HERE / "charts-in-readme.md.in", values) + END + after,
     }
 
 
-def main() -> int:
-    if "--check" not in sys.argv[1:]:
+def main(arguments: list[str]) -> int:
+    if "--collect" in arguments:
         collect()
-    wrong = [path for path, text in texts().items() if not path.exists() or path.read_text(encoding="utf-8") != text]
-    if "--check" in sys.argv[1:]:
-        for path in wrong:
-            print(f"{path.name} does not hold what was measured; run python docs/charts.py.", file=sys.stderr)
-        return 1 if wrong else 0
-    for path, text in texts().items():
-        path.write_text(text, encoding="utf-8")
-    return 0
+    return write_or_check(texts(), arguments)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main(sys.argv[1:]))

@@ -1,9 +1,10 @@
 """Writes EQUATIONS.md: where each equation of the thesis lives in the code, and which tests cover it.
 
-  python docs/equations.py            write EQUATIONS.md
-  python docs/equations.py --check    exit with 1 if it is not what the code says now
+  python docs/generate/equations.py            write EQUATIONS.md
+  python docs/generate/equations.py --check    exit with 1 if it is not what the code says now
 
-An equation is cited by its number in parentheses, in a doc string or a comment; "(3.82)-(3.88)" cites all between.
+An equation is cited by its number in parentheses, in a doc string or a comment; "(3.82)-(3.88)" cites all between. The
+page names the function or class around a citation and no line, so that it changes only where equations move.
 """
 
 from __future__ import annotations
@@ -17,7 +18,8 @@ from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
+from pages import ROOT, write_or_check
+
 PAGE = ROOT / "EQUATIONS.md"
 HOMES, TESTS = ("rbd_model", "brake_controller", "scenarios"), "tests"
 #: Number of the last equation of each chapter of the thesis.
@@ -44,39 +46,59 @@ def cited(text: str) -> set[Number]:
     return found
 
 
-def texts(path: Path) -> Iterator[tuple[int, str]]:
-    """Line and text of each comment block and doc string of a Python file."""
+def scopes(tree: ast.Module) -> list[tuple[int, int, str]]:
+    """First line, last line and name of each function and class of a file, an outer one before those within it."""
+    found: list[tuple[int, int, str]] = []
+
+    def visit(node: ast.AST, outer: str) -> None:
+        for child in ast.iter_child_nodes(node):
+            if isinstance(child, ast.ClassDef | ast.FunctionDef):
+                name = f"{outer}.{child.name}" if outer else child.name
+                found.append((child.lineno, child.end_lineno or child.lineno, name))
+                visit(child, name)
+
+    visit(tree, "")
+    return found
+
+
+def texts(path: Path) -> Iterator[tuple[str, str]]:
+    """Each doc string and comment block of a Python file, behind the name around it; "" for the file itself."""
     source = path.read_text(encoding="utf-8")
-    block: list[tuple[int, str]] = []
+    tree = ast.parse(source)
+    known = scopes(tree)
+    pieces = [(1, ast.get_docstring(tree) or "")]
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ClassDef | ast.FunctionDef):
+            pieces.append((node.lineno, ast.get_docstring(node) or ""))
+    pieces += comments(source)
+    for line, text in sorted(pieces):
+        yield next((name for first, last, name in reversed(known) if first <= line <= last), ""), text
+
+
+def comments(source: str) -> list[tuple[int, str]]:
+    """First line and text of each block of comments."""
+    blocks: list[tuple[int, str]] = []
+    end = -1
     for token in tokenize.generate_tokens(io.StringIO(source).readline):
         if token.type == tokenize.COMMENT:
-            if block and token.start[0] != block[-1][0] + 1:
-                yield block[0][0], " ".join(text for _, text in block)
-                block = []
-            block.append((token.start[0], token.string.lstrip("#: ")))
-    if block:
-        yield block[0][0], " ".join(text for _, text in block)
-    for node in ast.walk(ast.parse(source)):
-        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef) and ast.get_docstring(node):
-            line = 1 if isinstance(node, ast.Module) else node.lineno
-            yield line, ast.get_docstring(node) or ""
-
-
-def named_tests(path: Path) -> Iterator[tuple[str, int, int]]:
-    """Name, first and last line of each test of a file."""
-    for node in ast.parse(path.read_text(encoding="utf-8")).body:
-        if isinstance(node, ast.FunctionDef) and node.name.startswith("test_"):
-            yield node.name, node.lineno, node.end_lineno or node.lineno
+            line, text = token.start[0], token.string.lstrip("#: ")
+            if line == end + 1:
+                first, before = blocks.pop()
+                blocks.append((first, f"{before} {text}"))
+            else:
+                blocks.append((line, text))
+            end = line
+    return blocks
 
 
 def homes() -> dict[Number, list[str]]:
-    """Places in the code by equation, as file:line."""
+    """Places in the code by equation: the file, and the function or class where it is not the file as a whole."""
     found: dict[Number, list[str]] = defaultdict(list)
     for package in HOMES:
         for path in sorted((ROOT / package).rglob("*.py")):
-            for line, text in sorted(texts(path)):
+            for name, text in texts(path):
                 for number in sorted(cited(text)):
-                    found[number].append(f"{path.relative_to(ROOT).as_posix()}:{line}")
+                    found[number].append(path.relative_to(ROOT).as_posix() + (f": {name}" if name else ""))
     return found
 
 
@@ -84,12 +106,10 @@ def tests() -> dict[Number, list[str]]:
     """Tests by equation, as file::name."""
     found: dict[Number, list[str]] = defaultdict(list)
     for path in sorted((ROOT / TESTS).rglob("test_*.py")):
-        functions = list(named_tests(path))
-        for line, text in sorted(texts(path)):
-            for name, first, last in functions:
-                if first <= line <= last:
-                    for number in sorted(cited(text)):
-                        found[number].append(f"{path.relative_to(ROOT).as_posix()}::{name}")
+        for name, text in texts(path):
+            if name.startswith("test_"):
+                for number in sorted(cited(text)):
+                    found[number].append(f"{path.relative_to(ROOT).as_posix()}::{name}")
     return found
 
 
@@ -104,7 +124,7 @@ def complaints() -> list[str]:
     for number in EXPECTED:
         name = f"({number[0]}.{number[1]})"
         if number in known and number in REASONS:
-            wrong.append(f"{name} has a home: take it from REASONS in docs/equations.py.")
+            wrong.append(f"{name} has a home: take it from REASONS in docs/generate/equations.py.")
         elif number not in known and number not in REASONS:
             wrong.append(f"{name} has no home: cite it where it is written, or say in REASONS why it is not.")
         elif number in known and number not in covered:
@@ -119,7 +139,7 @@ def page() -> str:
         "# Equations",
         "",
         "Where each equation of sections 2.4, 2.5 and of chapters 3, 4, 5 of the thesis lives, and what tests it.",
-        "Written by `python docs/equations.py` from the citations in the code. The files of `rbd_model/thesis/` hold",
+        "Written by `docs/generate/equations.py` from the citations in the code. The files of `rbd_model/thesis/` hold",
         "chapter 3 as printed; deviations stand there under *Differs from the thesis*.",
         "",
         "| equation | code | tests |",
@@ -138,13 +158,7 @@ def main(arguments: list[str]) -> int:
     wrong = complaints()
     for sentence in wrong:
         print(sentence, file=sys.stderr)
-    if "--check" in arguments:
-        if not PAGE.exists() or PAGE.read_text(encoding="utf-8") != page():
-            print("EQUATIONS.md is not what the code says: run python docs/equations.py.", file=sys.stderr)
-            return 1
-    else:
-        PAGE.write_text(page(), encoding="utf-8")
-    return 1 if wrong else 0
+    return max(write_or_check({PAGE: page()}, arguments), 1 if wrong else 0)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,71 @@
+"""Writes docs/scenarios.md: every scenario by its room, from the catalogue. --check only compares."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from types import ModuleType
+
+from pages import DOCS, write_or_check
+
+from scenarios import catalogue
+from scenarios.scenario import Scenario
+
+PAGE = DOCS / "scenarios.md"
+HEAD = """# Scenarios
+
+Written by `docs/generate/catalogue.py` from `scenarios/catalogue.py`. `python -m scenarios run NAME` runs one,
+prints a table of what is expected (the thesis, a closed form, another method) against what was simulated, and
+leaves `summary.json`, `timeseries.csv` and `figure.png` in `results/NAME/`. The exit status is 1 when a row does not
+hold. Options, sweeps and macro steps: [running scenarios](running.md). What the pictures of `speed-accuracy`,
+`stability-atlas`, `coupling-step` and `levels` say: [choosing](choosing.md); that of `sensitivity`:
+[fitted](fitted.md).
+"""
+
+
+def modules() -> dict[str, list[ModuleType]]:
+    """The files that hold scenarios, by the room they are in."""
+    found: dict[str, list[ModuleType]] = {}
+    for module in vars(catalogue).values():
+        if isinstance(module, ModuleType) and scenarios_of(module):
+            found.setdefault(module.__name__.split(".")[1], []).append(module)
+    return found
+
+
+def scenarios_of(module: ModuleType) -> list[Scenario]:
+    """The scenarios of a file; none where it is not one of theirs."""
+    one = getattr(module, "SCENARIO", None)
+    return [one] if one else list(getattr(module, "SCENARIOS", []))
+
+
+def options(scenario: Scenario) -> str:
+    """What can be chosen on the command line, and varied in a sweep."""
+    given = ", ".join(f"`--{name.replace('_', '-')}`" for name in sorted(scenario.takes))
+    if scenario.sweep is None:
+        return given
+    varied = ", ".join(f"`{name}`" for name in scenario.sweep.parameters)
+    return f"{given}<br>" * bool(given) + f"sweep over {varied}"
+
+
+def table(files: list[ModuleType]) -> list[str]:
+    """The rows of one room: what a file says about itself, or of each of several scenarios in it what it says."""
+    lines = ["| scenario | what it shows | options |", "|---|---|---|"]
+    for module in files:
+        held = scenarios_of(module)
+        for scenario in held:
+            about = " ".join((module.__doc__ or "").split()) if len(held) == 1 else f"{scenario.summary}."
+            lines.append(f"| `{scenario.name}` | {about} | {options(scenario)} |")
+    return lines
+
+
+def page() -> str:
+    """The text of docs/scenarios.md."""
+    lines = [HEAD]
+    for room, files in modules().items():
+        about = (importlib.import_module(f"scenarios.{room}").__doc__ or "").strip()
+        lines += [f"## {room}", "", about, "", *table(files), ""]
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    sys.exit(write_or_check({PAGE: page()}, sys.argv[1:]))

@@ -1,0 +1,31 @@
+"""Writes docs/variables.md: the variables of every FMU, as tables from the equations. --check only compares."""
+
+from __future__ import annotations
+
+import sys
+
+from pages import DOCS, write_or_check
+
+from brake_controller.protection_fmu import wheel_slide_protection
+from fmu_src.model_description import variable_table
+from scenarios.fmus.registry import FMUS, model_of
+
+PAGE = DOCS / "variables.md"
+HEAD = """# Variables of the FMUs
+
+Written by `docs/generate/variables.py` from the equations; `python build_fmu.py --describe` prints the tables of its
+FMUs. SI units; display units (km/h, kPa, kN, deg) are for people only. 1 is the leading wheelset, 2 the trailing one.
+Parameters are fixed once a run has begun. Besides what stands here each native FMU has its states as local variables
+`state_...`, to read and to differentiate by.
+"""
+
+
+def page() -> str:
+    """The text of docs/variables.md."""
+    models = [*(model_of(name) for name in FMUS), wheel_slide_protection().model]
+    sections = [f"## {model.name}\n\n{model.description}.\n\n{variable_table(model)}" for model in models]
+    return "\n".join([HEAD, *sections])
+
+
+if __name__ == "__main__":
+    sys.exit(write_or_check({PAGE: page()}, sys.argv[1:]))

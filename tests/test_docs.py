@@ -1,0 +1,217 @@
+"""The pages are true: what they show runs and prints what they say, what they name exists, what is generated is new."""
+
+from __future__ import annotations
+
+import ast
+import doctest
+import functools
+import importlib
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from scenarios.catalogue import SCENARIOS
+
+ROOT = Path(__file__).parents[1]
+PAGES = ["README.md", "CHANGELOG.md", "EQUATIONS.md", *sorted(f"docs/{path.name}" for path in ROOT.glob("docs/*.md"))]
+#: Written when something is built or run, or named as an example.
+MADE = ("build/", "results/", "rbd_model/roller_rig.py")
+GENERATORS = ("charts", "equations", "variables", "catalogue")
+PACKAGES = ("fmu_src", "rbd_model", "brake_controller", "scenarios")
+#: A fenced block: its language and its text.
+BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+
+#: A file with its folder, and a name in it.
+PLACE = re.compile(r'(?<![\w/.*"])((?:[\w-]+/)+[\w-]+(?:\.\w+)+)(?::[ :](\w+(?:\.\w+)*)(?=[`|<\s]))?')
+
+
+def blocks(page: str) -> list[tuple[str, str]]:
+    """Language and text of the fenced blocks of a page."""
+    return BLOCK.findall((ROOT / page).read_text(encoding="utf-8"))
+
+
+@pytest.fixture
+def checkout(tmp_path: Path) -> Path:
+    """A copy of what a newcomer has, to write into."""
+    for package in (*PACKAGES, "docs", "tests"):
+        shutil.copytree(ROOT / package, tmp_path / package, ignore=shutil.ignore_patterns("__pycache__"))
+    for name in ("build_fmu.py", "LICENSE", "README.md", "EQUATIONS.md"):
+        shutil.copyfile(ROOT / name, tmp_path / name)
+    return tmp_path
+
+
+def apply(change: str, folder: Path, page: str) -> None:
+    """Puts the lines with + behind the line above them, in the file that the page names last before the block."""
+    before = page[: page.index(change)]
+    target = folder / re.findall(r"`([\w/]+\.py)`", before)[-1]
+    text, above = target.read_text(encoding="utf-8"), ""
+    for line in change.splitlines(keepends=True):
+        if line.startswith("+"):
+            assert text.count(above) == 1, above
+            text = text.replace(above, above + line[1:])
+        above = line[1:]
+    target.write_text(text, encoding="utf-8")
+
+
+def shown_by(commands: str, folder: Path) -> str:
+    """What the shell commands of a block print; each must succeed."""
+    shown = ""
+    for command in commands.splitlines():
+        program, *arguments = command.split()
+        assert program == "python", command
+        environment = os.environ | {"PYTHONPATH": str(folder), "COLUMNS": "200"}
+        done = subprocess.run(
+            [sys.executable, *arguments], cwd=folder, env=environment, capture_output=True, text=True, check=False
+        )
+        assert done.returncode == 0, f"{command}\n{done.stdout}{done.stderr}"
+        shown += done.stdout
+    return shown
+
+
+def test_a_newcomer_gets_from_equations_to_an_fmu_as_the_page_says(checkout: Path) -> None:
+    """Files are written, commands run and their output compared, from the top of the page to its end."""
+    page, shown, kinds = (ROOT / "docs/writing-a-system.md").read_text(encoding="utf-8"), "", []
+    for kind, text in blocks("docs/writing-a-system.md"):
+        kinds.append(kind)
+        if kind == "python":
+            (checkout / text.split()[1]).write_text(text, encoding="utf-8")
+        elif kind == "diff":
+            apply(text, checkout, page)
+        elif kind == "sh":
+            shown = shown_by(text, checkout)
+        else:
+            same = doctest.OutputChecker().check_output(text, shown, doctest.ELLIPSIS)
+            assert same, f"The page says\n{text}\nand there came\n{shown}"
+    assert [kinds.count(kind) for kind in ("python", "diff", "sh", "text")] == [4, 1, 4, 4]
+    # What make pages does: the new system has its table, and the other pages can be written.
+    shown_by("\n".join(f"python docs/generate/{generator}.py" for generator in GENERATORS), checkout)
+    assert "## RollerRig\n" in (checkout / "docs" / "variables.md").read_text(encoding="utf-8")
+
+
+# -- what pages name -----------------------------------------------------------------------------------------------
+
+
+def anchors(text: str) -> set[str]:
+    """Of the headings of a page, as GitHub makes them."""
+    heads = re.findall(r"^#+ (.*)$", text, re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", head.lower()).replace(" ", "-") for head in heads}
+
+
+def broken_links(page: str, text: str) -> list[str]:
+    """Relative links that lead nowhere, to a file or to a heading."""
+    broken = []
+    for link in re.findall(r"\]\(([^)\s]+)\)", text):
+        name, _, anchor = link.partition("#")
+        target = (ROOT / page).parent / name if name else ROOT / page
+        if link.startswith(("http://", "https://")):
+            continue
+        if not target.exists() or (anchor and anchor not in anchors(target.read_text(encoding="utf-8"))):
+            broken.append(link)
+    return broken
+
+
+@functools.cache
+def definitions(path: Path) -> set[str]:
+    """Names of the functions and classes of a Python file, those within others as Outer.inner."""
+    found, left = set(), [("", node) for node in ast.parse(path.read_text(encoding="utf-8")).body]
+    while left:
+        outer, node = left.pop()
+        if isinstance(node, ast.FunctionDef | ast.ClassDef):
+            found.add(outer + node.name)
+            left += [(f"{outer}{node.name}.", inner) for inner in node.body]
+    return found
+
+
+def unknown_places(text: str) -> list[str]:
+    """Files, and functions in files (`path.py: name`, path.py::name), that are not there; links are another matter."""
+    unknown = []
+    for name, inside in PLACE.findall(re.sub(r"\]\([^)]*\)", "]", text)):
+        path = ROOT / name
+        known = path.exists() and (not inside or path.suffix != ".py" or inside in definitions(path))
+        if not known and not name.startswith(MADE):
+            unknown.append(f"{name} {inside}".strip())
+    return unknown
+
+
+def exists_in_packages(dotted: str) -> bool:
+    """Whether a dotted name leads to a module of ours, or to something in one."""
+    module, _, name = dotted.rpartition(".")
+    try:
+        return hasattr(importlib.import_module(module), name)
+    except ModuleNotFoundError:
+        return False
+
+
+def unknown_names(text: str) -> list[str]:
+    """Dotted names of our packages, C functions, make targets and scenarios to run that do not exist."""
+    runtime = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "fmu_src/runtime").glob("*.[ch]"))
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    scenarios = {"NAME", *(scenario.name for scenario in SCENARIOS)}
+    dotted = re.findall(r"`((?:fmu_src|rbd_model|brake_controller|scenarios)\.[\w.]+)`", text)
+    unknown = [name for name in dotted if not exists_in_packages(name)]
+    unknown += [name for name in re.findall(r"`((?:kernel|face|fmi[23])_?\w+)`", text) if name not in runtime]
+    unknown += [name for name in re.findall(r"`make (\w+)`", text) if f"\n{name}:" not in makefile]
+    return unknown + [
+        name for name in re.findall(r"-m scenarios (?:run|sweep) ([\w-]+)", text) if name not in scenarios
+    ]
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_what_a_page_links_to_and_names_exists(page: str) -> None:
+    text = (ROOT / page).read_text(encoding="utf-8")
+    assert broken_links(page, text) == []
+    assert unknown_places(text) == []
+    assert unknown_names(text) == []
+
+
+def test_what_does_not_exist_is_found() -> None:
+    assert broken_links("docs/running.md", "[a](nowhere.md) [b](choosing.md#nowhere) [c](../README.md)") == [
+        "nowhere.md",
+        "choosing.md#nowhere",
+    ]
+    text = "`rbd_model/nowhere.py`, `rbd_model/point.py: nothing`, `rbd_model/point.py: point_bogie`, docs/none.md"
+    assert unknown_places(text) == ["rbd_model/nowhere.py", "rbd_model/point.py nothing", "docs/none.md"]
+    text = (
+        "`rbd_model.bogie.none` `rbd_model.bogie.smallest_level` `kernel_none` `make none` python -m scenarios run none"
+    )
+    assert unknown_names(text) == ["rbd_model.bogie.none", "kernel_none", "none", "none"]
+
+
+def test_code_and_tests_cite_pages_that_are_here() -> None:
+    """A document that does not travel with the code explains nothing."""
+    pages = {Path(page).name for page in PAGES}
+    sources = [path for package in (*PACKAGES, "tests", "docs/generate") for path in (ROOT / package).rglob("*.[pch]*")]
+    for path in [ROOT / "Makefile", ROOT / "build_fmu.py", *sources]:
+        if path.suffix in {".py", ".c", ".h", ""} and path != Path(__file__):
+            cited = re.findall(r"([\w-]+\.md)\b(?!\.in)", path.read_text(encoding="utf-8"))
+            assert set(cited) <= pages, f"{path.relative_to(ROOT)} cites {sorted(set(cited) - pages)}"
+
+
+@pytest.mark.parametrize("generator", GENERATORS)
+def test_generated_page_is_what_it_is_made_from(generator: str) -> None:
+    """When this fails, run `make pages` and read what it says; after a change of methods or scenes `make charts`."""
+    script = ROOT / "docs" / "generate" / f"{generator}.py"
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    done = subprocess.run([sys.executable, script, "--check"], env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+
+
+def test_options_of_the_commands_on_the_pages_are_known() -> None:
+    known = {}
+    for program in ("build_fmu.py", "-m scenarios run", "-m scenarios sweep"):
+        call = [sys.executable, *program.split(), "--help"]
+        known[program] = subprocess.run(call, cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    asked = 0
+    for page in PAGES:
+        for program, rest in re.findall(
+            r"python (build_fmu\.py|-m scenarios run|-m scenarios sweep)([^`\n]*)", (ROOT / page).read_text("utf-8")
+        ):
+            for option in re.findall(r"--[\w-]+", rest):
+                asked += 1
+                assert option in known[program], f"{page}: {program} has no {option}"
+    assert asked > 5
