@@ -144,8 +144,10 @@ def compile_library(
 
 def _linking(flags: Sequence[str], target: str | None) -> list[str]:
     """Flags that make a library of objects; without an optimisation zig would add what unoptimised code needs."""
-    elf = "linux" in (target or sys.platform)
-    bound = ["-Wl,-Bsymbolic"] if elf else []  # the other formats bind inside by themselves
+    place = target or sys.platform
+    bound = ["-Wl,-Bsymbolic"] if "linux" in place else []  # the other formats bind inside by themselves
+    if target and "windows" in target:
+        bound = ["-s"]  # with symbols for a debugger the file has a number that differs from build to build
     return [*flags, OPTIMISE_RUNTIME, "-shared", *bound]
 
 

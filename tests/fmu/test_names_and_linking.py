@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import subprocess
 import sys
@@ -15,9 +16,11 @@ import pytest
 from fmu_src import compile as compiling
 from fmu_src.codegen import generate, guid_of
 from fmu_src.compile import build_library, compiler, library_of
+from fmu_src.kernel import _SIGNATURES
 from fmu_src.system import Model
 from scenarios.cosimulation.slave import Slave
 from scenarios.fmus.registry import model_of
+from tests.fmu.exports import exports
 
 HERE = Path(__file__).parent
 ZIG = f"{sys.executable} -m ziglang cc -mcpu=baseline"
@@ -42,8 +45,29 @@ def sources(models: dict[str, Model]) -> dict[str, dict[str, str]]:
     return {name: generate(model) for name, model in models.items()}
 
 
-def build(parts: Sequence[str | Path], folder: Path) -> None:
-    done = subprocess.run([*compiler(), *map(str, parts)], cwd=folder, capture_output=True, text=True)
+@pytest.mark.parametrize("kind", ["native", "fmi3", "python"])
+@pytest.mark.parametrize("name", list(SCENE))
+def test_binary_shows_what_its_users_call_and_nothing_else(fmus: dict, name: str, kind: str) -> None:
+    """FMUs the functions of FMI; the library inside the pythonfmu FMU those that kernel.py calls."""
+    with zipfile.ZipFile(fmus[name, kind]) as packed:
+        place = "resources/kernel" if kind == "python" else "binaries/"
+        [library] = [entry for entry in packed.namelist() if entry.startswith(place)]
+        shown = exports(packed.read(library))
+    if kind == "python":
+        assert set(_SIGNATURES) <= shown
+        assert {one for one in shown if not one.startswith("kernel_")} == set()
+    else:
+        assert {"fmi2DoStep", "fmi3DoStep"} <= shown
+        assert {one for one in shown if not one.startswith(("fmi2", "fmi3"))} == set()
+
+
+def build(parts: Sequence[str | Path], folder: Path, command: Sequence[str] = ()) -> None:
+    environment = {
+        "ZIG_GLOBAL_CACHE_DIR": str(compiling.CACHE / "zig"),
+        "ZIG_LOCAL_CACHE_DIR": str(folder),
+    } | os.environ
+    call = [*(command or compiler()), *map(str, parts)]
+    done = subprocess.run(call, cwd=folder, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
 
 
@@ -114,29 +138,36 @@ def test_kernels_for_python_do_not_reach_each_other(models: dict) -> None:
     assert float(done.stdout) == pytest.approx(BRAKE_TORQUE, rel=SETTLED)
 
 
-@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize(("version", "names"), [(2, ["bogie", "brake", "rail"]), (3, ["brake", "rail"])])
 def test_fmus_linked_into_one_program_give_the_values_of_their_binaries(
-    fmus: dict, opened: dict, models: dict, sources: dict, tmp_path: Path, version: int
+    fmus: dict, opened: dict, models: dict, sources: dict, tmp_path: Path, version: int, names: list[str]
 ) -> None:
-    """Bogie, brake and rail, each all.c of its archive behind the prefix of the standard; bit for bit."""
+    """Each all.c of its archive behind the prefix of the standard; bit for bit."""
     linked: list[str | Path] = []
-    for name, model in models.items():
-        folder = archive(fmus, name, version, tmp_path) / "sources"
+    for name in names:
+        model, folder = models[name], archive(fmus, name, version, tmp_path) / "sources"
         common = [*compiling.FLAGS, "-O1", f"-DFMI{version}_FUNCTION_PREFIX={model.name}_", f"-I{folder}", "-c"]
         build([*common, folder / "all.c", "-o", f"{name}.o"], tmp_path)
         build(
             [*common, f"-DVERSION={version}", f"-DTABLE={model.name}", HERE / "table.c", "-o", f"{name}t.o"], tmp_path
         )
         linked += [f"{name}.o", f"{name}t.o"]
-    tables = " ".join(f"DO({model.name})" for model in models.values())
+    tables = " ".join(f"DO({models[name].name})" for name in names)
     flags = ["-O1", f"-DVERSION={version}", f"-DLINKED(DO)={tables}", f"-I{compiling.FMI_HEADERS}"]
     build([*flags, HERE / "together.c", *linked, "-ldl", "-lm", "-o", "together"], tmp_path)
-    found = ask(tmp_path / "together", {name: model.name for name, model in models.items()}, models, sources)
-    libraries = {name: library_of(sources[name], fmu=True) for name in SCENE}
+    found = ask(tmp_path / "together", {name: models[name].name for name in names}, models, sources)
+    libraries = {name: library_of(sources[name], fmu=True) for name in names}
     assert found == ask(opened[version], libraries, models, sources)
 
 
-LANGUAGES = {"C99": ["-std=c99"], "C11": ["-std=c11"], "C++": ["-x", "c++"], "C++20": ["-x", "c++", "-std=c++20"]}
+CC, ZIG_CPP = compiler(), [sys.executable, "-m", "ziglang", "c++"]
+LANGUAGES = {
+    "C99": [*CC, "-std=c99"],
+    "C11": [*CC, "-std=c11"],
+    "C++": [*CC, "-x", "c++"],
+    "C++20": [*CC, "-x", "c++", "-std=c++20"],
+    "C++ of zig": [*ZIG_CPP, "-x", "c++"],
+}
 
 
 @pytest.mark.parametrize("version", [2, 3])
@@ -144,7 +175,7 @@ LANGUAGES = {"C99": ["-std=c99"], "C11": ["-std=c11"], "C++": ["-x", "c++"], "C+
 def test_sources_compile_without_a_warning(fmus: dict, tmp_path: Path, version: int, language: str) -> None:
     folder = archive(fmus, "brake", version, tmp_path) / "sources"
     strict = ["-Wall", "-Wextra", "-Werror", "-c", "all.c", "-o", "all.o"]
-    build([*LANGUAGES[language], f"-DFMI{version}_FUNCTION_PREFIX=Other_", *strict], folder)
+    build([f"-DFMI{version}_FUNCTION_PREFIX=Other_", *strict], folder, LANGUAGES[language])
     if not shutil.which("nm"):
         pytest.skip("there is no nm that lists the names")
     listed = subprocess.run(["nm", "-g", "--defined-only", folder / "all.o"], capture_output=True, text=True).stdout

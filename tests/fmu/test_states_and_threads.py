@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 from fmu_src import compile as compiling
+from fmu_src.codegen import generate
 from fmu_src.kernel import Kernel, KernelError, Library
 from fmu_src.native_fmu import PLATFORMS, universal
 from fmu_src.system import state_variable
@@ -22,6 +23,7 @@ from rbd_model.bogie import bogie_dynamics, levels
 from rbd_model.parameters import tables_5_1_and_5_2
 from scenarios.cosimulation.slave import Slave
 from scenarios.fmus.building import write_fmu
+from scenarios.fmus.registry import model_of
 from tests.fmu.exports import exports
 
 HOST = Path(__file__).with_name("host.c")
@@ -272,6 +274,9 @@ def test_one_archive_for_all_platforms(tmp_path: Path) -> None:
             binary = archive.read(f"binaries/{platform}/BrakeCylinder.so")
             assert int.from_bytes(binary[18:20], "little") == number
             assert b"GLIBC_2.3" not in binary  # no symbol newer than that of the declared, old library
+        again = tmp_path / "again.dll"
+        compiling.compile_library(generate(model_of("brake")), again, target="x86_64-windows-gnu", fmu=True)
+        assert again.read_bytes() == archive.read("binaries/win64/BrakeCylinder.dll")
 
 
 def test_universal_binary_holds_both_parts_on_pages() -> None:
