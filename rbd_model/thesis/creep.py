@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
-import numpy as np
+import casadi as ca
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
 from rbd_model.contact import POISSON_RATIO
-from rbd_model.creep import C11, C22, C23
+from rbd_model.creep import kalker_coefficients
 
 
 @dataclass(frozen=True)
@@ -28,7 +29,7 @@ EllipseLaw = Callable[[float, float, float, float], Ellipse]
 
 
 def hertz_ellipse(a: float, b: float, normal_force: float, shear_modulus: float) -> Ellipse:
-    """Exact ellipse, eqs (3.82)-(3.88), with Kalker's coefficients linear between the entries of his table.
+    """Exact ellipse, eqs (3.82)-(3.88), with Kalker's coefficients between the entries of his table as everywhere.
 
     a, b: A and B. Differs from the thesis, which refers to de Pater for the ratio of the semi-axes: it follows from
     B / A = (E / g^2 - K) / (K - E), Johnson (1985), eq. 4.25. The angle (3.85) carries the same information and is
@@ -47,10 +48,16 @@ def hertz_ellipse(a: float, b: float, normal_force: float, shear_modulus: float)
     mean = (3 * normal_force * (1 - POISSON_RATIO) * rho * e / (4 * math.pi * shear_modulus * math.sqrt(g))) ** (1 / 3)
     axis_ratio = g if a >= b else 1.0 / g  # (3.86)
     along, across = mean * math.sqrt(axis_ratio), mean / math.sqrt(axis_ratio)  # (3.82)
-    coordinate = axis_ratio if axis_ratio <= 1.0 else 2.0 - 1.0 / axis_ratio
-    entries = 0.1 * np.arange(1, 20)
-    c11, c22, c23 = (float(np.interp(coordinate, entries, column)) for column in (C11, C22, C23))
+    c11, c22, c23 = (float(value) for value in kalker_function()(axis_ratio))
     return Ellipse(along, across, (c11, c22, c23))
+
+
+@lru_cache
+def kalker_function() -> ca.Function:
+    """Kalker's (c11, c22, c23) of an axis ratio, compiled once."""
+    ratio = ca.SX.sym("ratio")
+    kalker = kalker_coefficients(ratio)
+    return ca.Function("kalker", [ratio], [kalker.c11, kalker.c22, kalker.c23])
 
 
 def polach(
