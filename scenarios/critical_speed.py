@@ -15,7 +15,7 @@ from scenarios.report import Result, Row
 from scenarios.scenario import Options, Scenario
 from scenarios.scene import peaks, play, prepare
 
-FITTED, PRINTED = tables_4_1_and_4_2().suspension_half_spacing, 0.35
+FITTED, PRINTED = tables_4_1_and_4_2().longitudinal_half_spacing, 0.35
 SPEEDS = np.arange(5.0, 45.1, 1.0)
 RANGE = (12.0, 44.0)
 #: Time until creepages have settled from the start with pure rolling [s].
@@ -29,7 +29,7 @@ SAMPLE, TOLERANCE = 5e-3, 1e-9
 
 def modes_at(system: System, speed: float, half_spacing: float) -> list[Mode]:
     """Oscillations of the wheelset about its steady run."""
-    kernel = prepare("wheelset", initial_speed=speed, constant_speed=1, suspension_half_spacing=half_spacing)
+    kernel = prepare("wheelset", initial_speed=speed, constant_speed=1, longitudinal_half_spacing=half_spacing, vertical_half_spacing=half_spacing)
     kernel.advance(SETTLED)
     return oscillations(system, np.array(kernel.linearise().jacobian))
 
@@ -44,7 +44,7 @@ def growth_in_time(speed: float, half_spacing: float) -> float:
         "wheelset",
         initial_speed=speed,
         constant_speed=1,
-        suspension_half_spacing=half_spacing,
+        longitudinal_half_spacing=half_spacing, vertical_half_spacing=half_spacing,
         lateral_irregularity=DISTURBANCE,
         tolerance=TOLERANCE,
     )
