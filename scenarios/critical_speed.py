@@ -29,7 +29,13 @@ SAMPLE, TOLERANCE = 5e-3, 1e-9
 
 def modes_at(system: System, speed: float, half_spacing: float) -> list[Mode]:
     """Oscillations of the wheelset about its steady run."""
-    kernel = prepare("wheelset", initial_speed=speed, constant_speed=1, longitudinal_half_spacing=half_spacing, vertical_half_spacing=half_spacing)
+    kernel = prepare(
+        "wheelset",
+        initial_speed=speed,
+        constant_speed=1,
+        longitudinal_half_spacing=half_spacing,
+        vertical_half_spacing=half_spacing,
+    )
     kernel.advance(SETTLED)
     return oscillations(system, np.array(kernel.linearise().jacobian))
 
@@ -44,7 +50,8 @@ def growth_in_time(speed: float, half_spacing: float) -> float:
         "wheelset",
         initial_speed=speed,
         constant_speed=1,
-        longitudinal_half_spacing=half_spacing, vertical_half_spacing=half_spacing,
+        longitudinal_half_spacing=half_spacing,
+        vertical_half_spacing=half_spacing,
         lateral_irregularity=DISTURBANCE,
         tolerance=TOLERANCE,
     )

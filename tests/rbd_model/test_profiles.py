@@ -15,11 +15,22 @@ from rbd_model.contact_geometry import (
     equivalent_conicity,
     european_pair,
     flange_contact_shift,
+    flange_of,
     last_tread_contact,
     rolling_radius_difference,
     thesis_pair,
 )
-from rbd_model.profiles import Profile, from_points, rail_60kg, read_profile, wheel_cone_120, wheel_s1002
+from rbd_model.profiles import (
+    INCLINATION,
+    Profile,
+    from_points,
+    inclined,
+    rail_60kg,
+    rail_head,
+    read_profile,
+    wheel_cone_120,
+    wheel_s1002,
+)
 
 DATA = Path(__file__).parents[3] / "shared" / "data"
 with_data = pytest.mark.skipif(not DATA.exists(), reason="published tables lie beside the development checkout only")
@@ -112,6 +123,26 @@ def test_cone_without_roll_gives_its_own_conicity_and_with_roll_more() -> None:
     rolling = rolling_radius_difference(pair, shifts) / (2 * shifts)
     assert np.all((rolling > 0.052) & (rolling < 0.055))
     assert equivalent_conicity(pair, shifts) == pytest.approx(rolling, rel=5e-3)
+
+
+def test_flange_touches_where_the_gauge_face_is_as_steep() -> None:
+    """By the arcs of the rail and the sections of the wheels, not by their splines; a chord passes over ripples."""
+    for pair, angle in ((thesis_pair(), 70.3), (european_pair(), 70.0)):  # section 4.3; EN 13715
+        assert np.degrees(flange_of(pair).angle) == pytest.approx(angle, abs=0.05)
+    y, z = inclined(rail_head() * [-1, 1], INCLINATION).T
+    steepness = np.degrees(np.arctan(np.diff(z) / np.diff(y)))
+    assert flange_of(thesis_pair()).depth == pytest.approx(-np.interp(70.3, steepness, z[1:]), abs=0.1e-3)
+
+
+def test_wheelset_on_its_treads_rolls_with_its_shift() -> None:
+    """A cone on cylinders: contacts stay 2 b apart, so that the roll is conicity x shift over b less r x conicity.
+
+    The rails' heads are round: the contacts move with the roll, and the closed form is within 5 %.
+    """
+    pair = thesis_pair()
+    closed = INCLINATION / (pair.wheel_half_distance - INCLINATION * pair.radius)
+    assert flange_of(pair).roll_by_shift == pytest.approx(closed, rel=0.05)
+    assert contact_at(pair, 8e-3).roll == pytest.approx(8e-3 * flange_of(pair).roll_by_shift, rel=1e-3)
 
 
 def test_flange_contact_and_loss_of_tread_contact_are_where_the_thesis_says() -> None:
