@@ -51,8 +51,8 @@ def bogie_dynamics(defaults: BogieParameters | None = None) -> Model:
 
 
 #: Share of the adhesion that the brakes of the chapter 5 bogie may ask for while static loads give speed, distance and
-#: rotation to 0.2 %; from 0.79 on load transfer locks the trailing wheelset (scenario `levels`, friction 0.3).
-STATIC_LOADS_UP_TO = 0.7
+#: rotation to 0.2 %; from 0.70 on load transfer locks the trailing wheelset (scenario `levels`, friction 0.3).
+STATIC_LOADS_UP_TO = 0.6
 #: Outputs that the point level has, but that load transfer decides: slip and axle load at any torque, lock and creep
 #: force near the adhesion limit.
 DECIDED_BY_LOAD_TRANSFER = ("locked", "slip", "slip_ratio", "creep_force", "axle_load")

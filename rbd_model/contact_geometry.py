@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.optimize import brentq
@@ -139,6 +140,35 @@ def flange_contact_shift(pair: Pair, largest: float = 15e-3) -> float:
         if on_flange(shift + 0.5e-3) > 0.0:
             return float(brentq(on_flange, shift, shift + 0.5e-3, xtol=1e-6))
     return math.inf
+
+
+#: Chord over which a flange is as steep as its angle [m]; the spline's ripples at the flange's corners are shorter.
+FLANGE_CHORD = 1e-3
+#: Shift at which the roll of a wheelset on its treads is taken [m].
+SMALL_SHIFT = 1e-3
+
+
+@dataclass(frozen=True)
+class Flange:
+    """A wheel's flange on its rail: its angle [rad], how far below the rail's top they touch [m], and the roll of the
+    wheelset, which stands on its treads until then, by its shift [rad/m].
+    """
+
+    angle: float
+    depth: float
+    roll_by_shift: float
+
+
+@lru_cache
+def flange_of(pair: Pair) -> Flange:
+    """They touch where the rail's gauge face is as steep as the flange, beside a tread contact (section 9.4.1)."""
+    low, high = pair.wheel.limits
+    begin = np.arange(low, high - FLANGE_CHORD, GRID)
+    slope = float(np.max(pair.wheel.height(begin + FLANGE_CHORD) - pair.wheel.height(begin))) / FLANGE_CHORD
+    face = np.arange(pair.rail.limits[0], 0.0, GRID)
+    place = face[np.argmin(np.abs(pair.rail.height(face, 1) - slope))]
+    roll = contact_at(pair, SMALL_SHIFT).roll
+    return Flange(math.atan(slope), -float(pair.rail.height(place)), roll / SMALL_SHIFT)
 
 
 #: Half width and pitch of the search around the last tread contact, when it is followed [m].

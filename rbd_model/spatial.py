@@ -15,15 +15,15 @@ import casadi as ca
 from fmu_src.system import System
 from rbd_model import variables
 from rbd_model.adhesion import follow_patch
-from rbd_model.contact_geometry import Pair
+from rbd_model.contact_geometry import Pair, flange_of
 from rbd_model.kinematics import Body
 from rbd_model.parameters import BogieParameters
 from rbd_model.rolling_contact import SIDES
-from rbd_model.spatial_wheelset import Motion, SpatialWheelset, move_wheelset, place_wheelset
+from rbd_model.spatial_wheelset import Motion, SpatialWheelset, move_wheelset, nadal_limit, place_wheelset
 from rbd_model.sprung_mass import hold_or_pull, move_frame, place_frame
 from rbd_model.suspension import Load, Suspension, suspend, total
 from rbd_model.track import Track
-from rbd_model.wheelset import Bogie, add_wheelset_outputs, start_bogie
+from rbd_model.wheelset import SMALLEST_LOAD, Bogie, add_wheelset_outputs, at_least, start_bogie
 
 #: Fields of the parameter set that only the levels below need.
 UNUSED = ("wheel_profile_curvature",)
@@ -58,6 +58,7 @@ def spatial_bogie(defaults: BogieParameters, pair: Pair, track: Track, numbers: 
     add_outputs(bogie, wheelsets, motions)
     observe_energy(bogie, frame, wheelsets, suspensions, motions)
     add_ends(bogie, wheelsets, share)
+    warn_of_climbing(bogie, wheelsets, share, flange_of(pair).angle)
     return system
 
 
@@ -96,8 +97,10 @@ def add_outputs(bogie: Bogie, wheelsets: Sequence[SpatialWheelset], motions: Seq
         number = wheelset.number
         rows[f"lateral_{number}"] = wheelset.offset
         rows[f"yaw_{number}"] = value[f"yaw_{number}"]
-        for wheel, side in zip(wheelset.wheels, SIDES.values(), strict=True):
+        rows[f"flange_force_{number}"] = wheelset.flange.force
+        for wheel, push, side in zip(wheelset.wheels, wheelset.flange.push, SIDES.values(), strict=True):
             rows[f"wheel_load_{number}_{side}"] = wheel.load
+            rows[f"derailment_quotient_{number}_{side}"] = (wheel.thrust + push) / at_least(wheel.load, SMALLEST_LOAD)
             for margin, _ in wheel.derailed:
                 rows["derailed"] = ca.fmax(rows["derailed"], margin < 0)
     for name, expression in rows.items():
@@ -128,6 +131,21 @@ def add_ends(bogie: Bogie, wheelsets: Sequence[SpatialWheelset], share: ca.SX) -
             )
 
 
+def warn_of_climbing(bogie: Bogie, wheelsets: Sequence[SpatialWheelset], share: ca.SX, angle: float) -> None:
+    """Nadal's limit of Y/Q for a wheel whose flange touches; angle [rad]: of the flange.
+
+    As a margin of forces, which needs no load to divide by.
+    """
+    for wheelset in wheelsets:
+        for wheel, push, side in zip(wheelset.wheels, wheelset.flange.push, SIDES.values(), strict=True):
+            margin = nadal_limit(angle, wheel.friction) * wheel.load - wheel.thrust - push
+            bogie.system.warn_when_negative(
+                ca.if_else(push > 0, margin / share, 1),
+                f"Flange climb: Y/Q of the {side} wheel of wheelset {wheelset.number} rose above Nadal's limit for its "
+                "flange and friction at %s s; a real wheel may climb the rail from there on, this one stays on it.",
+            )
+
+
 def observe_energy(
     bogie: Bogie,
     frame: Body,
@@ -148,7 +166,7 @@ def observe_energy(
     for wheelset, suspension, motion in zip(wheelsets, suspensions, motions, strict=True):
         energy += kinetic(wheelset.body, "wheelset")
         potential += p["wheelset_mass"] * p["gravity"] * wheelset.body.position[2]
-        potential += suspension.potential + motion.flange_potential
+        potential += suspension.potential + wheelset.flange.potential
         # A torque that reacts on the sprung mass works on the difference of the two rotations.
         turned = ca.dot(wheelset.body.axes[:, 1], frame.rate)
         rotation = motion.rotation

@@ -7,13 +7,14 @@ normal forces from those of accelerations (3.71); roll and contact positions fro
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import casadi as ca
 
 from rbd_model.contact import moving_ellipse
-from rbd_model.contact_geometry import Pair
+from rbd_model.contact_geometry import Flange, Pair, flange_of
 from rbd_model.creep import polach_forces, smooth_kalker_coefficients
 from rbd_model.kinematics import Body, axes_rate, yaw_roll
 from rbd_model.rolling_contact import SIDES, Placement, WheelContact, wheel_contact
@@ -53,6 +54,7 @@ class Wheel:
     row: ca.SX
     row_rate: ca.SX
     curvature_left: ca.SX  # share of the rail head's curvature that keeps the contact; 0 at the fold
+    friction: ca.SX
     normal_force: ca.SX
     creep_along: ca.SX  # creep force on the wheel along the rail [N]
     creep_sideways: ca.SX  # and to the left
@@ -71,6 +73,29 @@ class Wheel:
             (self.contact.inside / END_MARGIN - 1, "ran off the end of its tread or of the rail's head"),
         )
 
+    @property
+    def thrust(self) -> ca.SX:
+        """Lateral force on the rail's head, away from the track's centre [N]."""
+        across = self.contact.across
+        return -self.contact.side * (self.normal_force * across[0] + self.creep_sideways * across[1])
+
+
+@dataclass(frozen=True)
+class FlangePush:
+    """Push of the rails on the flanges of the (left, right) wheel towards the track's centre [N], and what it stores.
+
+    moment [N.m]: about the wheelset's own forward axis; potential [J].
+    """
+
+    push: tuple[ca.SX, ca.SX]
+    moment: ca.SX
+    potential: ca.SX
+
+    @property
+    def force(self) -> ca.SX:
+        """On the wheelset, to the left [N]."""
+        return self.push[1] - self.push[0]
+
 
 @dataclass(frozen=True)
 class SpatialWheelset:
@@ -84,15 +109,15 @@ class SpatialWheelset:
     roll: ca.SX
     offset: ca.SX  # lateral displacement from the track's centre [m]
     wheels: tuple[Wheel, Wheel]
+    flange: FlangePush
 
 
 @dataclass(frozen=True)
 class Motion:
-    """What the forces do: longitudinal acceleration [m/s2], rotation, energy in the flange's spring [J], power [W]."""
+    """What the forces do: longitudinal acceleration [m/s2], rotation, power of the yaw torque [W]."""
 
     acceleration: ca.SX
     rotation: Rotation
-    flange_potential: ca.SX
     yaw_power: ca.SX
 
 
@@ -156,7 +181,9 @@ def place_wheelset(
     ]
     for name, derivative in (("shift", shift_speed), ("lateral", lateral_speed), ("yaw", rates[2])):
         system.derivative(f"{name}_{number}", derivative)
-    return SpatialWheelset(number, body, roll, lateral - track.lateral, (wheels[0], wheels[1]))
+    offset = lateral - track.lateral
+    pushed = push_flanges(bogie, flange_of(pair), offset, roll)
+    return SpatialWheelset(number, body, roll, offset, (wheels[0], wheels[1]), pushed)
 
 
 def constraint_rows(bogie: Bogie, contacts: list[WheelContact], track: Section) -> list[ca.SX]:
@@ -213,7 +240,8 @@ def roll_wheel(
     travel = -ca.jtimes(contact.slope_error, coordinates, rates) / bend
     row_rate = ca.jtimes(row, coordinates, rates) + ca.jtimes(row, contact.position, travel)
     power = -along * slides[0] - sideways * slides[1]
-    return Wheel(contact, row, row_rate, bend * p["rail_head_radius"], normal_force, along, sideways, power)
+    curvature_left = bend * p["rail_head_radius"]
+    return Wheel(contact, row, row_rate, curvature_left, friction, normal_force, along, sideways, power)
 
 
 def move_wheelset(bogie: Bogie, wheelset: SpatialWheelset, suspension: Load) -> Motion:
@@ -228,9 +256,8 @@ def move_wheelset(bogie: Bogie, wheelset: SpatialWheelset, suspension: Load) -> 
     system, p, number = bogie.system, bogie.parameter, wheelset.number
     mass = p["wheelset_mass"]
     inertia = ca.vertcat(*[p[f"wheelset_{name}_inertia"] for name in ("roll", "pitch", "yaw")])
-    flange_force, flange_potential = flange(bogie, wheelset.offset)
-    force = suspension.force + ca.vertcat(0, flange_force, -mass * p["gravity"])
-    moment = wheelset.body.axes.T @ suspension.moment
+    force = suspension.force + ca.vertcat(0, wheelset.flange.force, -mass * p["gravity"])
+    moment = wheelset.body.axes.T @ suspension.moment + ca.vertcat(wheelset.flange.moment, 0, 0)
     rate = wheelset.body.own_rate
     moment = moment - ca.cross(axes_rate(wheelset.roll, rate), inertia * rate)
     for wheel in wheelset.wheels:
@@ -254,11 +281,32 @@ def move_wheelset(bogie: Bogie, wheelset: SpatialWheelset, suspension: Load) -> 
     for wheel, word in zip(wheelset.wheels, SIDES.values(), strict=True):
         residual = ca.dot(wheel.row, accelerations) + ca.dot(wheel.row_rate, velocities)
         system.residual(f"normal_{number}_{word}", mass * residual)
-    return Motion(acceleration[0], rotation, flange_potential, ca.dot(yaw_torque, rate))
+    return Motion(acceleration[0], rotation, ca.dot(yaw_torque, rate))
 
 
-def flange(bogie: Bogie, offset: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """Lateral force of the rail on the flanges and its potential, eq. (3.106); on the wheelset's centre, as printed."""
-    clearance, stiffness = bogie.parameter["flange_clearance"], bogie.parameter["flange_stiffness"]
-    left, right = ca.fmax(offset - clearance, 0), ca.fmax(-offset - clearance, 0)
-    return stiffness * (right - left), stiffness * (left**2 + right**2) / 2
+def push_flanges(bogie: Bogie, geometry: Flange, offset: ca.SX, roll: ca.SX) -> FlangePush:
+    """Lateral push of the rails on the flanges, eq. (3.106), where they touch or, as printed, at the wheelset's centre.
+
+    offset [m]: of the wheelset's centre from that of the track.
+    Differs from the thesis with flange_at_rail 1: the force acts at the gauge face, a wheel radius and the flange's
+    depth below the axle, so that it presses the flanging wheel down and lifts the other one, each by force x arm over
+    the distance of the contacts; and what meets the rail is the displacement down there, to which the roll adds, so
+    that the spring gives back what it took. The clearance stays the displacement of a centre on level track. The
+    vertical part of a flange's force is missing here as it is in (3.106).
+    """
+    p = bogie.parameter
+    arm = p["flange_at_rail"] * (p["wheel_radius"] + geometry.depth)
+    displacement = offset + arm * ca.sin(roll)
+    clearance = p["flange_clearance"] * (1 + arm * geometry.roll_by_shift)
+    left, right = ca.fmax(displacement - clearance, 0), ca.fmax(-displacement - clearance, 0)
+    push = p["flange_stiffness"] * left, p["flange_stiffness"] * right
+    moment = (push[1] - push[0]) * arm * ca.cos(roll)
+    return FlangePush(push, moment, (push[0] * left + push[1] * right) / 2)
+
+
+def nadal_limit(angle: float, friction: ca.SX) -> ca.SX:
+    """Largest Y/Q of a wheel that does not climb on a flange with this angle [rad].
+
+    Nadal (1896), Annales des Mines 10: a flange that slides down carries Y and Q at its angle less that of friction.
+    """
+    return (math.tan(angle) - friction) / (1 + math.tan(angle) * friction)

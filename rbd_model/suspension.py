@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import casadi as ca
 
@@ -35,7 +36,9 @@ def suspend(
 ) -> Suspension:
     """Two elements, left and right, eqs (3.38), (3.41), (3.42), with a stiffness and a damping in each direction.
 
-    place [m]: of the axle in the frame's axes (x, z); preload [N]: static vertical force of one element.
+    place [m]: of the axle in the frame's axes (x, z); preload [N]: static vertical force of one element. The vertical
+    springs, which resist roll, may stand further apart than the level ones, which resist yaw; the lateral ones have no
+    arm across the track.
     Differs from the thesis, which prints (3.37) for an element along one line: three springs in the axes of the track,
     as its Tables 4.1 and 5.1 list them, each force at its own attachment point.
     """
@@ -44,13 +47,14 @@ def suspend(
     weight = ca.vertcat(0, 0, preload)
     nothing = ca.SX.zeros(3)
     force, wheelset_moment, frame_moment, potential, power = nothing, nothing, nothing, ca.SX(0), ca.SX(0)
-    for side in (1, -1):
-        across = side * parameter["suspension_half_spacing"]
+    springs = {"longitudinal": ca.DM([1, 1, 0]), "vertical": ca.DM([0, 0, 1])}
+    for side, (spacing, acting) in product((1, -1), springs.items()):
+        across = side * parameter[f"{spacing}_half_spacing"]
         wheelset_arm = wheelset.arm(ca.vertcat(0, across, 0))
         frame_arm = frame.arm(ca.vertcat(place[0], across, place[1]))
-        stretch = frame.position + frame_arm - wheelset.position - wheelset_arm
-        rate = frame.velocity_at(frame_arm) - wheelset.velocity_at(wheelset_arm)
-        pull = stiffness * stretch + damping * rate - weight  # on the wheelset
+        stretch = acting * (frame.position + frame_arm - wheelset.position - wheelset_arm)
+        rate = acting * (frame.velocity_at(frame_arm) - wheelset.velocity_at(wheelset_arm))
+        pull = stiffness * stretch + damping * rate - acting * weight  # on the wheelset
         force = force + pull
         wheelset_moment = wheelset_moment + ca.cross(wheelset_arm, pull)
         frame_moment = frame_moment - ca.cross(frame_arm, pull)

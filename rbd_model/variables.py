@@ -71,6 +71,19 @@ def outputs() -> dict[str, Variable]:
             for n, place in WHEELSETS.items()
             for side in ("left", "right")
         ],
+        *_pair(
+            "flange_force", "N", "Lateral force of the rails on the flanges of the {} wheelset, positive to the left"
+        ),
+        *[
+            _output(
+                f"derailment_quotient_{n}_{side}",
+                "1",
+                f"Y/Q of the {side} wheel, {place} wheelset: its lateral force on the rail, outwards and with the "
+                "flange's, over the vertical one",
+            )
+            for n, place in WHEELSETS.items()
+            for side in ("left", "right")
+        ],
         _output("frame_lateral", "m", "Lateral displacement of the sprung mass"),
         _output("frame_roll", "rad", "Roll of the sprung mass", display_unit="deg"),
         _output("frame_yaw", "rad", "Yaw of the sprung mass", display_unit="deg"),

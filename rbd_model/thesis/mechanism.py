@@ -10,7 +10,7 @@ import numpy as np
 from scipy.linalg.lapack import dgetrf, dgetrs
 
 from rbd_model.contact_geometry import Pair
-from rbd_model.parameters import BogieParameters
+from rbd_model.parameters import AS_PRINTED, BogieParameters
 from rbd_model.thesis.constraints import EQUATIONS, quadratic_terms, residual, sub_jacobian
 from rbd_model.thesis.creep import EllipseLaw, flange_force, hertz_ellipse, polach
 from rbd_model.thesis.euler import cross, mass_matrix, norm_error, quadratic_velocity
@@ -90,8 +90,8 @@ class Touch:
 class Mechanism:
     """One wheelset in a frame (wheelsets = 1, chapter 4), or the two-axle bogie (2, chapter 5).
 
-    speed [m/s]: held by a constraint when given, as for the comparison with VAMPIRE. Raises ValueError for a
-    torque_reaction: the thesis's torques act on the wheelsets alone (3.36).
+    speed [m/s]: held by a constraint when given, as for the comparison with VAMPIRE. Raises ValueError for what chapter
+    3 does not have: torques that react on the frame (3.36), a flange's force at the rail (3.106), two half spacings.
     """
 
     def __init__(
@@ -103,8 +103,14 @@ class Mechanism:
         speed: float | None = None,
         ellipse: EllipseLaw = hertz_ellipse,
     ) -> None:
-        if parameters.torque_reaction != 0.0:
-            raise ValueError(f"Set torque_reaction to 0: chapter 3 has none, it was {parameters.torque_reaction:g}.")
+        for name, value in AS_PRINTED.items():
+            if getattr(parameters, name) != value:
+                raise ValueError(f"Set {name} to {value:g}, as chapter 3 has it: it was {getattr(parameters, name):g}.")
+        if parameters.longitudinal_half_spacing != parameters.vertical_half_spacing:
+            raise ValueError(
+                f"Set vertical_half_spacing to longitudinal_half_spacing, {parameters.longitudinal_half_spacing:g} m: "
+                f"each element of chapter 3 has one place, it was {parameters.vertical_half_spacing:g} m."
+            )
         self.parameters, self.pair, self.irregularity, self.ellipse = parameters, pair, irregularity, ellipse
         self.wheelsets, self.speed = wheelsets, speed
         self.bodies = 3 + wheelsets
@@ -247,7 +253,7 @@ class Mechanism:
             offset = float(body.position[1] - self.irregularity(float(body.position[0]))[0, 0])
             total[1] += flange_force(offset, p.flange_clearance, p.flange_stiffness)
             for side in SIDES:
-                across = side * p.suspension_half_spacing
+                across = side * p.vertical_half_spacing
                 place, in_frame = (0.0, across, 0.0), (self.place(number), across, -p.frame_height)
                 pull, reaction = axle_box(body, np.array(place), frame, np.array(in_frame), self.suspension)
                 total += pull

@@ -7,6 +7,7 @@ import numpy as np
 from fmu_src.kernel import Kernel
 from fmu_src.system import System
 from rbd_model.linear import Mode, oscillations
+from rbd_model.parameters import AS_PRINTED
 from scenarios.bench.drive import period, play, prepare
 from scenarios.cosimulation.recording import Recording
 
@@ -27,8 +28,8 @@ RECORDED = ("lateral_1", "frame_lateral", "distance")
 
 
 def hunt(speed: float, duration: float, **values: float) -> tuple[Kernel, Recording]:
-    """Disturbed at a constant speed [m/s]: where the run ended, and what it recorded."""
-    kernel = prepare("wheelset", initial_speed=speed, constant_speed=1, **WAVE | values)
+    """Disturbed at a constant speed [m/s], in the thesis's reading: where the run ended, and what it recorded."""
+    kernel = prepare("wheelset", initial_speed=speed, constant_speed=1, **AS_PRINTED | WAVE | values)
     return kernel, play("wheelset", kernel, duration, INTERVAL, RECORDED, {})
 
 
@@ -39,7 +40,8 @@ def hunting_period(series: Recording) -> float | None:
 
 def modes_at(system: System, speed: float, half_spacing: float) -> list[Mode]:
     """Oscillations of the wheelset about its steady run."""
-    kernel = prepare("wheelset", initial_speed=speed, constant_speed=1, suspension_half_spacing=half_spacing)
+    springs = {"longitudinal_half_spacing": half_spacing, "vertical_half_spacing": half_spacing}
+    kernel = prepare("wheelset", initial_speed=speed, constant_speed=1, **springs)
     kernel.advance(SETTLED)
     return oscillations(system, np.array(kernel.linearise().jacobian))
 

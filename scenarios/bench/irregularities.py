@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fmu_src.kernel import Kernel
+from rbd_model.parameters import AS_PRINTED
 from rbd_model.track import section_5_3
 from scenarios.bench.drive import bogie, play, spectrum
 from scenarios.cosimulation.recording import Recording
@@ -55,9 +56,12 @@ CROSS_LEVEL = Irregularity(
 
 
 def travel(kind: Irregularity, speed: float, **values: float) -> tuple[Kernel, Recording]:
-    """Over one irregularity at a constant speed [m/s]: where the run ended, and what it recorded."""
+    """Over one irregularity at a constant speed [m/s], in the thesis's reading but for what `values` say: where the run
+    ended, and what it recorded.
+    """
     read = ("distance", *kind.shown)
-    kernel = bogie((), read, initial_speed=speed, constant_speed=1, **{kind.name: kind.amplitude} | values)
+    scene = AS_PRINTED | {"constant_speed": 1, kind.name: kind.amplitude} | values
+    kernel = bogie((), read, initial_speed=speed, **scene)
     return kernel, play("bogie", kernel, DURATION, INTERVAL, read, {})
 
 

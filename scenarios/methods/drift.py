@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rbd_model.contact_geometry import thesis_pair
-from rbd_model.parameters import tables_4_1_and_4_2
+from rbd_model.parameters import as_printed, tables_4_1_and_4_2
 from rbd_model.thesis.kinematic_analysis import rolling
 from rbd_model.thesis.mechanism import FIRST_WHEELSET, Inputs, Mechanism, State
 from rbd_model.thesis.program import STAGES, moved
@@ -42,7 +42,7 @@ def free_step(mechanism: Mechanism, state: State, size: float, inputs: Inputs) -
 
 def drift(partitioned: bool, step: float = STEP, duration: float = DURATION) -> Drift:
     """A braked wheelset with or without the partitioning that closes the constraints in each step."""
-    mechanism = Mechanism(tables_4_1_and_4_2(), thesis_pair(), 1, derivatives_along(section_5_3()))
+    mechanism = Mechanism(as_printed(tables_4_1_and_4_2()), thesis_pair(), 1, derivatives_along(section_5_3()))
     inputs, state, rows = Inputs(brake_torque=(TORQUE, 0.0)), rolling(mechanism, SPEED), []
     for _ in range(round(duration / step)):
         if partitioned:

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from tqdm import tqdm
 
 from rbd_model.contact_geometry import thesis_pair
-from rbd_model.parameters import tables_4_1_and_4_2, tables_5_1_and_5_2
+from rbd_model.parameters import AS_PRINTED, as_printed, tables_4_1_and_4_2, tables_5_1_and_5_2
 from rbd_model.thesis.kinematic_analysis import rolling
 from rbd_model.thesis.mechanism import FIRST_WHEELSET, Inputs, Mechanism, State
 from rbd_model.thesis.program import run as run_program
@@ -90,13 +90,15 @@ class Outcome:
 def by_kernel(scene: Scene) -> Recording:
     inputs = {f"brake_torque_{n}": [(0.0, scene.brake_torque[n - 1])] for n in range(1, scene.wheelsets + 1)}
     level = {"level": 3} if scene.fmu == "bogie" else {}
-    kernel = prepare(scene.fmu, initial_speed=scene.speed, tolerance=TOLERANCE, **level, **dict(scene.track))
+    kernel = prepare(
+        scene.fmu, initial_speed=scene.speed, tolerance=TOLERANCE, **level, **dict(scene.track), **AS_PRINTED
+    )
     return play(scene.fmu, kernel, scene.duration, INTERVAL, RECORDED, inputs)
 
 
 def by_chapter_3(scene: Scene) -> Recording:
     """The oracle with exact contact ellipses and Kalker's table; lateral displacements from the track's centre."""
-    parameters = tables_4_1_and_4_2() if scene.wheelsets == 1 else tables_5_1_and_5_2()
+    parameters = as_printed(tables_4_1_and_4_2() if scene.wheelsets == 1 else tables_5_1_and_5_2())
     track = derivatives_along(replace(section_5_3(), **dict(scene.track)))
     mechanism = Mechanism(parameters, thesis_pair(), scene.wheelsets, track)
     inputs = Inputs(brake_torque=scene.brake_torque)

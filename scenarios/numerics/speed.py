@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from fmu_src.compile import build_library, compiler
 from fmu_src.kernel import Kernel, Library
+from scenarios.bench.asymmetric_shoes import run_all
 from scenarios.cosimulation.recording import Recording
 from scenarios.cosimulation.slave import Slave
 from scenarios.fmus.building import up_to_date
@@ -19,7 +20,6 @@ from scenarios.methods.timing import LEVELS, REPEATS, least
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt
 from scenarios.reporting.report import Result, Row
 from scenarios.scenario import Options, Scenario
-from scenarios.thesis.asymmetric_braking import run_all
 
 KINDS = ("native", "python")
 #: The stop: 25 m/s, 20 kN.m on both wheelsets, 22.9 s of simulated time (it stands from 16.9 s on).

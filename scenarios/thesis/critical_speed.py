@@ -15,7 +15,7 @@ from scenarios.reporting.plots import LEADING, THESIS, TRAILING, plt
 from scenarios.reporting.report import Result, Row, near
 from scenarios.scenario import Options, Scenario
 
-FITTED, PRINTED = tables_4_1_and_4_2().suspension_half_spacing, 0.35
+FITTED, PRINTED = tables_4_1_and_4_2().longitudinal_half_spacing, 0.35
 SPEEDS = np.arange(5.0, 45.1, 1.0)
 #: Small against the flange clearance, so that the motion is linear [m].
 DISTURBANCE = 1e-5
@@ -30,7 +30,8 @@ def growth_in_time(speed: float, half_spacing: float) -> float:
         "wheelset",
         initial_speed=speed,
         constant_speed=1,
-        suspension_half_spacing=half_spacing,
+        longitudinal_half_spacing=half_spacing,
+        vertical_half_spacing=half_spacing,
         lateral_irregularity=DISTURBANCE,
         tolerance=TOLERANCE,
     )

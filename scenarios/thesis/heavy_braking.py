@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from rbd_model.parameters import tables_5_1_and_5_2
+from rbd_model.parameters import AS_PRINTED, as_printed, tables_5_1_and_5_2
 from scenarios.bench.drive import AT_REST, located_lock_time, prepare
 from scenarios.bench.open_fmus import open_bogie
 from scenarios.cosimulation.master import couple
@@ -20,12 +20,16 @@ FRICTION = 0.3
 #: A bogie that is not at rest by then [s] has no stop distance; 25 m/s at 0.1 m/s2.
 LONGEST_STOP = 250.0
 RECORDED = ("speed", "angular_velocity_1", "angular_velocity_2", "axle_load_1", "axle_load_2", "locked_1", "locked_2")
+BOGIE_DATA = tables_5_1_and_5_2()
+HUNG = "brakes hung in the frame, which (3.36) leaves out"
 CASES = {"leading": (TORQUE, 0.0), "both": (TORQUE, TORQUE)}
 
 
-def brake(options: Options, level: int, torques: tuple[float, float]) -> tuple[Recording, list[str], str]:
-    """One run at 25 m/s with constant torques [N.m] from t = 4 s."""
-    with open_bogie(options, level=level, initial_speed=INITIAL_SPEED) as bogie:
+def brake(
+    options: Options, level: int, torques: tuple[float, float], reaction: float = AS_PRINTED["torque_reaction"]
+) -> tuple[Recording, list[str], str]:
+    """One run at 25 m/s with constant torques [N.m] from t = 4 s; reaction: the share of them that the frame feels."""
+    with open_bogie(options, level=level, initial_speed=INITIAL_SPEED, torque_reaction=reaction) as bogie:
         bogie.start(friction_1=FRICTION, friction_2=FRICTION)
 
         def drive(time: float) -> None:
@@ -50,10 +54,11 @@ def later_by(first: float | None, second: float | None) -> float | None:
 
 def run(options: Options) -> Result:
     runs = {(level, case): brake(options, level, torque) for level in (2, 1) for case, torque in CASES.items()}
+    hung = {case: brake(options, 2, torque, BOGIE_DATA.torque_reaction)[0] for case, torque in CASES.items()}
     planar = {case: runs[2, case][0] for case in CASES}
     point = {case: runs[1, case][0] for case in CASES}
     late, early = lock_time(planar["both"], 1), lock_time(planar["both"], 2)
-    assumed = f"wheel-rail friction {FRICTION} and frame height {tables_5_1_and_5_2().frame_height} m are not printed"
+    assumed = f"wheel-rail friction {FRICTION} and frame height {BOGIE_DATA.frame_height} m are not printed"
     rows = [
         Row(
             "leading wheelset braked alone: locks after",
@@ -74,6 +79,24 @@ def run(options: Options) -> Result:
             later_by(early, late),
             None,
             "load moves forward",
+            "planar",
+        ),
+        Row(
+            "leading braked alone: locks after, brakes hung",
+            "s",
+            None,
+            lock_time(hung["leading"], 1),
+            None,
+            HUNG,
+            "planar",
+        ),
+        Row(
+            "both braked: trailing locks after, brakes hung",
+            "s",
+            None,
+            lock_time(hung["both"], 2),
+            None,
+            HUNG,
             "planar",
         ),
         Row(
@@ -99,9 +122,9 @@ def run(options: Options) -> Result:
     for name in RECORDED:
         series.add_from(f"{name} (both braked)", planar["both"], name)
     remarks = [f"{case} braked, planar: {' '.join(m for m in runs[2, case][1])}" for case in CASES]
-    parameters = tables_5_1_and_5_2().values() | {"friction": FRICTION, "brake_torque": TORQUE}
+    parameters = as_printed(BOGIE_DATA).values() | {"friction": FRICTION, "brake_torque": TORQUE}
     guids = {"BogieDynamics": runs[2, "both"][2]}
-    return Result(rows, series, lambda: draw(planar), parameters, 4 * DURATION, remarks, guids)
+    return Result(rows, series, lambda: draw(planar), parameters, 6 * DURATION, remarks, guids)
 
 
 def draw(planar: dict[str, Recording]) -> Figure:
@@ -112,7 +135,7 @@ def draw(planar: dict[str, Recording]) -> Figure:
         "axle loads [kN]",
     )
     figure, axes = panels("Skid under heavy braking: load moves forward, the trailing wheelset locks first", labels)
-    radius = tables_5_1_and_5_2().wheel_radius
+    radius = BOGIE_DATA.wheel_radius
     for row, case in enumerate(CASES):
         series, axis, loads = planar[case], axes[2 * row], axes[2 * row + 1]
         time = series["time"]
@@ -132,11 +155,13 @@ def one_stop(
     friction: float = FRICTION,
     brake_torque_1: float = TORQUE,
     brake_torque_2: float = TORQUE,
-    frame_height: float = tables_5_1_and_5_2().frame_height,
+    frame_height: float = BOGIE_DATA.frame_height,
     initial_speed: float = INITIAL_SPEED,
+    torque_reaction: float = BOGIE_DATA.torque_reaction,
 ) -> dict[str, float | None]:
     """One stop at the planar level, braked from t = 0; no lock time for a wheelset that turns until rest."""
-    kernel = prepare("bogie", level=2, initial_speed=initial_speed, frame_height=frame_height)
+    values = {"frame_height": frame_height, "torque_reaction": torque_reaction}
+    kernel = prepare("bogie", level=2, initial_speed=initial_speed, **values)
     kernel.set(friction_1=friction, friction_2=friction, brake_torque_1=brake_torque_1, brake_torque_2=brake_torque_2)
     kernel.initialise()
     rows = [(0.0, initial_speed)]
@@ -152,7 +177,14 @@ def one_stop(
 
 
 SWEEP = Sweepable(
-    {"friction": "1", "brake_torque_1": "N.m", "brake_torque_2": "N.m", "frame_height": "m", "initial_speed": "m/s"},
+    {
+        "friction": "1",
+        "brake_torque_1": "N.m",
+        "brake_torque_2": "N.m",
+        "frame_height": "m",
+        "initial_speed": "m/s",
+        "torque_reaction": "1",
+    },
     {"lock_time_1": "s", "lock_time_2": "s", "stop_distance": "m"},
     one_stop,
 )

@@ -10,7 +10,7 @@ from tqdm import tqdm
 
 from brake_controller.experiment import EXPERIMENT
 from brake_controller.parameters import qr30
-from rbd_model.parameters import tables_8_1_and_8_2
+from rbd_model.parameters import AS_PRINTED, tables_8_1_and_8_2
 from scenarios.bench.drive import AT_REST
 from scenarios.bench.open_fmus import open_bogie, open_brake
 from scenarios.bench.qr30_bogie import FRICTION, FRICTION_RANGE, bogie_parameters
@@ -27,6 +27,8 @@ LONGEST = 12.0
 FRICTIONS = np.linspace(0.12, 0.24, 13)
 SHOE_FRICTION_SPAN = (0.05, 0.9)
 RESOLUTION = 5e-4
+#: Share of the brake torque that reacts on the frame: as brakes hang, and as the thesis has it (3.36).
+HUNG, ALONE = tables_8_1_and_8_2().torque_reaction, AS_PRINTED["torque_reaction"]
 #: Skidding trials among the four of each pressure (sections 7.2 - 7.4).
 SKIDDED = {130: 0, 150: 2, 180: 4}
 #: Load of each wheel of the braked wheelset [N], section 7.4.2.
@@ -34,11 +36,18 @@ PRINTED_WHEEL_LOAD = 8850.0
 
 
 def brake_until_lock_or_rest(
-    brake: Slave, bogie: Slave, pressure: int, shoe_friction: float, friction: float, step: float
+    brake: Slave,
+    bogie: Slave,
+    pressure: int,
+    shoe_friction: float,
+    friction: float,
+    step: float,
+    reaction: float = HUNG,
 ) -> tuple[bool, float]:
     """Whether the trailing wheelset locks while the bogie still moves, and after how long [s]; braked from t = 0."""
     brake.restart(qr30(pressure).values() | {"constant_shoe_friction": shoe_friction}, pressure_demand=1e3 * pressure)
-    bogie.restart(bogie_parameters(set(bogie.units), pressure), friction_1=friction, friction_2=friction)
+    parameters = bogie_parameters(set(bogie.units), pressure) | {"torque_reaction": reaction}
+    bogie.restart(parameters, friction_1=friction, friction_2=friction)
     coupling = Coupling([brake, bogie], [Connection(brake, "brake_torque", bogie, "brake_torque_2")])
     for time in coupling.run(LONGEST, step):
         locked, speed = bogie.get(["locked_2", "speed"])
@@ -47,13 +56,15 @@ def brake_until_lock_or_rest(
     return False, LONGEST
 
 
-def boundary(brake: Slave, bogie: Slave, pressure: int, friction: float, step: float) -> tuple[float, float]:
+def boundary(
+    brake: Slave, bogie: Slave, pressure: int, friction: float, step: float, reaction: float = HUNG
+) -> tuple[float, float]:
     """Shoe friction at which the wheelset just locks, to RESOLUTION, and the time simulated to find it [s]."""
     seconds = 0.0
 
     def sign(shoe_friction: float) -> float:
         nonlocal seconds
-        locks, lasted = brake_until_lock_or_rest(brake, bogie, pressure, shoe_friction, friction, step)
+        locks, lasted = brake_until_lock_or_rest(brake, bogie, pressure, shoe_friction, friction, step, reaction)
         seconds += lasted
         return 1.0 if locks else -1.0
 
@@ -83,9 +94,12 @@ def run(options: Options) -> Result:
         for number, pressure in enumerate(EXPERIMENT):
             limits = [limit for limit, _ in found[number * FRICTIONS.size : (number + 1) * FRICTIONS.size]]
             curves[pressure] = np.array(limits)
+        alone = {pressure: boundary(brake, bogie, pressure, FRICTION, step, ALONE)[0] for pressure in EXPERIMENT}
         # A skid well above the limit, for the adhesion that eq. (7.3) measures.
-        brake_until_lock_or_rest(brake, bogie, 180, 0.4, FRICTION, step)
-        adhesion = -bogie["creep_force_2"] * tables_8_1_and_8_2().wheel_radius
+        adhesion = {}
+        for reaction in (ALONE, HUNG):
+            brake_until_lock_or_rest(brake, bogie, 180, 0.4, FRICTION, step, reaction)
+            adhesion[reaction] = -bogie["creep_force_2"] * tables_8_1_and_8_2().wheel_radius
         guids = {slave.name: slave.guid for slave in (brake, bogie)}
     printed = FRICTION * tables_8_1_and_8_2().wheel_radius * 2 * PRINTED_WHEEL_LOAD
     rows = [
@@ -93,10 +107,19 @@ def run(options: Options) -> Result:
             "torque of the rail on the locked wheelset",
             "N.m",
             printed,
-            adhesion,
+            adhesion[ALONE],
             0.01 * printed,
-            "eq. (7.3)",
-            f"wheel-rail {FRICTION}; wheel load 8.85 kN is printed as approximate",
+            "eq. (7.3), with the load at rest",
+            f"torque on the wheelset alone; wheel-rail {FRICTION}; wheel load 8.85 kN is printed as approximate",
+        ),
+        Row(
+            "torque of the rail on the locked wheelset, brake hung in the frame",
+            "N.m",
+            printed,
+            adhesion[HUNG],
+            None,
+            "eq. (7.3), with the load at rest",
+            f"the brake takes its torque over the wheel base off the load; wheel-rail {FRICTION}",
         ),
     ]
     for pressure, curve in curves.items():
@@ -119,7 +142,7 @@ def run(options: Options) -> Result:
         place = "inside" if low <= limit <= high else "above" if limit > high else "below"
         remarks.append(
             f"{pressure} kPa, wheel-rail {FRICTION}: locks from shoe friction {limit:.3f}, {place} the printed range "
-            f"{low} to {high}."
+            f"{low} to {high}; from {alone[pressure]:.3f} where the torque acts on the wheelset alone (3.36)."
         )
     units = {"wheel_rail_friction": "1"} | {f"shoe_friction_that_locks_{p}_kPa": "1" for p in curves}
     series = Recording(units, np.column_stack([FRICTIONS, *curves.values()]).tolist())

@@ -17,9 +17,9 @@ from matplotlib.figure import Figure
 from tqdm import tqdm
 
 from fmu_src.kernel import Kernel
-from rbd_model.parameters import tables_5_1_and_5_2
+from rbd_model.parameters import AS_PRINTED, tables_5_1_and_5_2
 from scenarios.bench import asymmetric_shoes, hunting_wheelset, irregularities
-from scenarios.bench.asymmetric_shoes import APPLICATION_TIMES, PEAKS, Case
+from scenarios.bench.asymmetric_shoes import APPLICATION_TIMES, AS_THESIS, PEAKS, Case
 from scenarios.bench.drive import PADDING, library
 from scenarios.bench.irregularities import CROSS_LEVEL, HUNTING_PEAK, LATERAL, LATERAL_PEAK, WHEEL_LOAD
 from scenarios.cosimulation.recording import Recording
@@ -48,7 +48,7 @@ def thesis_reading() -> dict[str, float]:
 
     Torques act on the wheelsets alone, as in eq. 3.36, about an axis that turns with them; no wheel lifts.
     """
-    return {"torque_reaction": 0.0, "yaw_torque_rotates": 1.0, "wheel_lift_ends": 0.0}
+    return AS_PRINTED | {"yaw_torque_rotates": 1.0, "wheel_lift_ends": 0.0}
 
 
 def method(step: float | None) -> dict[str, float]:
@@ -149,7 +149,7 @@ def below_the_cut(case: Case, step: float | None) -> float:
 
 
 def of_shoes(wheelset: int, error: int) -> Run:
-    case = Case(wheelset, error, 1.0, rotates=True)
+    case = Case(wheelset, error, 1.0, AS_THESIS)
     peaks = PEAKS[wheelset, error][APPLICATION_TIMES.index(case.application)]
     braked, source = {1: "leading", 2: "trailing"}[wheelset], f"Table 9.{wheelset + 1}"
     printed = [
@@ -250,7 +250,7 @@ def limit_rows() -> list[Row]:
 
 def rows_below() -> list[Row]:
     """What becomes of the first case of chapter 9 behind the cut."""
-    case, words = Case(1, 25, 1.0, rotates=True), "shoes of the leading wheelset, 25 %: its shift"
+    case, words = Case(1, 25, 1.0, AS_THESIS), "shoes of the leading wheelset, 25 %: its shift"
     span = f"from {CUT:g} to {BELOW:g} m/s"
     return [
         Row(f"{words} {span}, {words_of(step)}", "mm", None, below_the_cut(case, step), None, "below the cut")

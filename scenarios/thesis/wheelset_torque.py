@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from rbd_model.parameters import tables_4_1_and_4_2
+from rbd_model.parameters import AS_PRINTED, as_printed, tables_4_1_and_4_2
 from scenarios.bench.drive import play, prepare
 from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.plots import BOGIE, THESIS, panels
@@ -20,7 +20,7 @@ RECORDED = ("speed", "distance", "rotation_1", "angular_velocity_1", "accelerati
 
 def time_to_high_speed() -> float | None:
     """Time from 10 to 25 m/s with constant torque [s]."""
-    kernel = prepare("wheelset", initial_speed=LOW)
+    kernel = prepare("wheelset", initial_speed=LOW, **AS_PRINTED)
     series = play("wheelset", kernel, 20.0, 1e-3, ["speed"], {"traction_torque_1": [(0.0, TORQUE)]})
     return series.first_time(series["speed"] >= HIGH)
 
@@ -32,7 +32,9 @@ def run(options: Options) -> Result:
         "traction_torque_1": [(0.0, TORQUE), (end, TORQUE), (end, 0.0)],
         "brake_torque_1": [(0.0, 0.0), (BRAKE[0], 0.0), (BRAKE[0], TORQUE), (BRAKE[1], TORQUE), (BRAKE[1], 0.0)],
     }
-    series = play("wheelset", prepare("wheelset", initial_speed=LOW), DURATION, INTERVAL, RECORDED, inputs)
+    series = play(
+        "wheelset", prepare("wheelset", initial_speed=LOW, **AS_PRINTED), DURATION, INTERVAL, RECORDED, inputs
+    )
     turned, travelled = (
         float(np.diff(np.interp(BRAKE, series["time"], series[name]))[0]) for name in ("rotation_1", "distance")
     )
@@ -46,7 +48,7 @@ def run(options: Options) -> Result:
         Row("distance while braking", "m", 199.65, travelled, 0.004 * 199.65, source, assumed),
         Row("distance slipped while braking", "m", 0.10, slip, None, source, "difference of two numbers above"),
     ]
-    return Result(rows, series, lambda: draw(series), tables_4_1_and_4_2().values(), DURATION)
+    return Result(rows, series, lambda: draw(series), as_printed(tables_4_1_and_4_2()).values(), DURATION)
 
 
 def draw(series: Recording) -> Figure:

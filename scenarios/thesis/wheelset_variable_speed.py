@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from rbd_model.bogie import wheelset_in_frame
 from rbd_model.linear import critical_speed, oscillations
-from rbd_model.parameters import tables_4_1_and_4_2
+from rbd_model.parameters import AS_PRINTED, as_printed, tables_4_1_and_4_2
 from scenarios.bench.drive import peaks, play, prepare
 from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, plt
@@ -27,7 +27,7 @@ AROUND = 2.5
 
 def motion(kind: str, torque: float) -> Recording:
     history = [(0.0, 0.0), (APPLIED, 0.0), (APPLIED, torque)]
-    kernel = prepare("wheelset", initial_speed=START[kind], **WAVE)
+    kernel = prepare("wheelset", initial_speed=START[kind], **WAVE, **AS_PRINTED)
     return play("wheelset", kernel, DURATION[torque], INTERVAL, ["speed", "lateral_1"], {INPUT[kind]: history})
 
 
@@ -36,7 +36,7 @@ def critical_under(kind: str, torque: float) -> float:
     system = wheelset_in_frame()
 
     def growth(speed: float) -> float:
-        kernel = prepare("wheelset", initial_speed=speed, constant_speed=1, **{INPUT[kind]: torque})
+        kernel = prepare("wheelset", initial_speed=speed, constant_speed=1, **{INPUT[kind]: torque}, **AS_PRINTED)
         kernel.advance(3.0)
         return max(mode.growth for mode in oscillations(system, np.array(kernel.linearise().jacobian)))
 
@@ -86,7 +86,8 @@ def run(options: Options) -> Result:
         series.add_from(f"{name}, traction", shown["traction"], name)
     remark = "The torque itself moves the critical speed: braking stabilises, traction destabilises."
     seconds = sum(DURATION[torque] for _, torque in runs)
-    return Result(rows, series, lambda: draw(shown), tables_4_1_and_4_2().values() | WAVE, seconds, [remark])
+    parameters = as_printed(tables_4_1_and_4_2()).values() | WAVE
+    return Result(rows, series, lambda: draw(shown), parameters, seconds, [remark])
 
 
 def draw(runs: dict[str, Recording]) -> Figure:

@@ -16,16 +16,20 @@ from rbd_model.contact_geometry import (
     equivalent_conicity,
     european_pair,
     flange_contact_shift,
+    flange_of,
     gauge_face,
     last_tread_contact,
     rolling_radius_difference,
     thesis_pair,
 )
 from rbd_model.profiles import (
+    INCLINATION,
     Profile,
     from_points,
+    inclined,
     rail_60e1,
     rail_60kg,
+    rail_head,
     read_profile,
     wheel_cone_120,
     wheel_s1002,
@@ -185,6 +189,26 @@ def test_wave_of_a_rolling_cone_is_that_of_its_contacts_and_not_of_its_axle() ->
     assert wave == pytest.approx(0.05 * (1 + 0.3 * 0.05 / 0.57), rel=3e-3)
     assert np.all(wave < 0.98 * rolling_radius_difference(pair, amplitudes) / (2 * amplitudes))
     assert equivalent_conicity(pair, amplitudes, rolls=False) == pytest.approx(0.05, rel=1e-3)
+
+
+def test_flange_touches_where_the_gauge_face_is_as_steep() -> None:
+    """By the arcs of the rail and the sections of the wheels, not by their splines; a chord passes over ripples."""
+    for pair, angle in ((thesis_pair(), 70.3), (european_pair(), 70.0)):  # section 4.3; EN 13715
+        assert np.degrees(flange_of(pair).angle) == pytest.approx(angle, abs=0.05)
+    y, z = inclined(rail_head() * [-1, 1], INCLINATION).T
+    steepness = np.degrees(np.arctan(np.diff(z) / np.diff(y)))
+    assert flange_of(thesis_pair()).depth == pytest.approx(-np.interp(70.3, steepness, z[1:]), abs=0.1e-3)
+
+
+def test_wheelset_on_its_treads_rolls_with_its_shift() -> None:
+    """A cone on cylinders: contacts stay 2 b apart, so that the roll is conicity x shift over b less r x conicity.
+
+    The rails' heads are round: the contacts move with the roll, and the closed form is within 5 %.
+    """
+    pair = thesis_pair()
+    closed = INCLINATION / (pair.wheel_half_distance - INCLINATION * pair.radius)
+    assert flange_of(pair).roll_by_shift == pytest.approx(closed, rel=0.05)
+    assert contact_at(pair, 8e-3).roll == pytest.approx(8e-3 * flange_of(pair).roll_by_shift, rel=1e-3)
 
 
 def test_flange_contact_and_loss_of_tread_contact_are_where_the_thesis_says() -> None:

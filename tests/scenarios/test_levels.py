@@ -43,9 +43,13 @@ def test_static_loads_lock_both_wheelsets_where_brakes_outdo_adhesion_and_rotary
 
 
 def test_trailing_wheelset_locks_where_load_transfer_leaves_it_too_little_adhesion() -> None:
-    """Rigid bogie: load m a h / L leaves the trailing wheelset, which takes half of the braking force M a."""
+    """Rigid bogie: load m a h / L leaves the trailing wheelset, which takes half of the braking force M a.
+
+    So does the torque of both brakes over L, because they hang in the frame.
+    """
     share = BOGIE.frame_mass * BOGIE.frame_height / (MASS * BOGIE.wheel_base)
-    expected = (1.0 + ROTARY) / (1.0 + 2 * FRICTION * share)
+    hung = (1.0 + ROTARY) * BOGIE.wheel_radius / BOGIE.wheel_base
+    expected = (1.0 + ROTARY) / (1.0 + 2 * FRICTION * (share + hung))
     stiff = {f"{way}_stiffness": 100 * BOGIE.values()[f"{way}_stiffness"] for way in ("longitudinal", "vertical")}
     damped = {f"{way}_damping": 30 * BOGIE.values()[f"{way}_damping"] for way in ("longitudinal", "vertical")}
     rigid = lock_boundary(PLANAR, 2, **stiff, **damped)
@@ -104,11 +108,11 @@ def test_spin_of_the_cone_is_the_extra_creep_of_the_spatial_level() -> None:
     assert found != pytest.approx(creepage_for(demand, 0.9 * spin) / without, rel=SPIN_TOLERANCE)
 
 
-@pytest.mark.parametrize("utilisation", [0.3, 0.7, 0.9, 1.1])
+@pytest.mark.parametrize("utilisation", [0.3, 0.65, 0.9, 1.1])
 def test_planar_stop_and_lock_are_those_of_the_spatial_level(utilisation: float) -> None:
     spatial, planar = answers(SPATIAL, utilisation), answers(PLANAR, utilisation)
     assert off(planar, spatial, "stop_distance") < levels.DISTANCE_BOUND
-    assert (planar.lock_time_2 is None) == (spatial.lock_time_2 is None) == (utilisation < 0.79)
+    assert (planar.lock_time_2 is None) == (spatial.lock_time_2 is None) == (utilisation < 0.7)
     assert planar.lock_time_1 is None
     assert spatial.lock_time_1 is None
     if planar.lock_time_2 is not None:
@@ -120,7 +124,7 @@ def test_planar_stop_and_lock_are_those_of_the_spatial_level(utilisation: float)
 
 def test_no_bound_in_seconds_holds_at_the_edge_of_locking() -> None:
     """There the smallest difference of adhesion decides when a wheelset locks; the stop distance does not care."""
-    spatial, planar = answers(SPATIAL, 0.8), answers(PLANAR, 0.8)
+    spatial, planar = answers(SPATIAL, 0.71), answers(PLANAR, 0.71)
     assert off(planar, spatial, "lock_time_2") > 10 * levels.TIME_BOUND
     assert off(planar, spatial, "stop_distance") < levels.DISTANCE_BOUND
 
@@ -205,7 +209,7 @@ def test_smallest_level_takes_load_transfer_where_its_absence_is_seen() -> None:
 
 
 def test_point_level_misses_the_lock_up_between_the_two_boundaries(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(levels, "UTILISATIONS", (0.3, 0.7, 0.9, 1.1))
+    monkeypatch.setattr(levels, "UTILISATIONS", (0.3, 0.65, 0.9, 1.1))
     monkeypatch.setattr(levels, "COSTED", (1.0,))
     found = levels.measure()
     spatial, point = found.trailing_boundary("spatial"), found.trailing_boundary("point")

@@ -16,7 +16,7 @@ from rbd_model.bogie import levels, wheelset_in_frame
 from rbd_model.contact import moving_ellipse
 from rbd_model.contact_geometry import thesis_pair
 from rbd_model.creep import smooth_kalker_coefficients
-from rbd_model.parameters import BogieParameters, tables_4_1_and_4_2, tables_5_1_and_5_2
+from rbd_model.parameters import BogieParameters, as_printed, tables_4_1_and_4_2, tables_5_1_and_5_2
 from rbd_model.thesis.creep import Ellipse
 from rbd_model.thesis.euler import angular_velocity, cross, from_angles, g_bar
 from rbd_model.thesis.kinematic_analysis import Frame, Wheelset, centred, drive_to
@@ -56,9 +56,10 @@ class Machine:
 @lru_cache
 def machine(wheelsets: int) -> Machine:
     if wheelsets == 1:
-        parameters, system = tables_4_1_and_4_2(), wheelset_in_frame()
+        parameters = as_printed(tables_4_1_and_4_2())
+        system = wheelset_in_frame(parameters)
     else:
-        parameters = tables_5_1_and_5_2()
+        parameters = as_printed(tables_5_1_and_5_2())
         system = levels(parameters)[2]
     return Machine(wheelsets, parameters, system, Library(build_library(model_of(system, 1e-7))))
 

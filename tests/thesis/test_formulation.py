@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from rbd_model.contact import ellipse_shape
 from rbd_model.contact_geometry import thesis_pair
 from rbd_model.creep import Kalker, kalker_coefficients, polach_forces
-from rbd_model.parameters import tables_4_1_and_4_2, tables_5_1_and_5_2
+from rbd_model.parameters import as_printed, tables_4_1_and_4_2, tables_5_1_and_5_2
 from rbd_model.profiles import Profile
 from rbd_model.thesis import constraints, euler, forces
 from rbd_model.thesis.creep import Ellipse, flange_force, hertz_ellipse, polach
@@ -222,7 +222,7 @@ def test_profile_without_a_point_is_no_surface() -> None:
 def test_jacobian_of_the_system_is_the_change_of_its_constraints(wheelsets: int) -> None:
     """Eqs (3.59), (3.60), (3.66)-(3.68), central differences along admissible directions."""
     rng = np.random.default_rng(9)
-    parameters = tables_4_1_and_4_2() if wheelsets == 1 else tables_5_1_and_5_2()
+    parameters = as_printed(tables_4_1_and_4_2() if wheelsets == 1 else tables_5_1_and_5_2())
     mechanism = Mechanism(parameters, thesis_pair(), wheelsets, speed=15.0)
     state = rolling(Mechanism(parameters, thesis_pair(), wheelsets), 15.0)
     at, cut = np.concatenate([state.q, state.s]), mechanism.q_count

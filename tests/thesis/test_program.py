@@ -9,7 +9,7 @@ import pytest
 
 from fmu_src.kernel import Kernel, KernelError
 from rbd_model.contact_geometry import last_tread_contact, rolling_radius_difference, thesis_pair
-from rbd_model.parameters import tables_4_1_and_4_2, tables_5_1_and_5_2
+from rbd_model.parameters import as_printed, tables_4_1_and_4_2, tables_5_1_and_5_2
 from rbd_model.thesis import program
 from rbd_model.thesis.euler import norm_error
 from rbd_model.thesis.kinematic_analysis import Wheelset, centred, drive_to, frame_at_rest, rolling, rolling_radii
@@ -28,7 +28,7 @@ RESIDUAL_BAND, NORM_BAND, FOLD_BAND = 1e-12, 1e-12, 1e-4
 )
 def test_dimensions_are_those_printed(wheelsets: int, speed: float | None, size: int, free: int) -> None:
     """Sections 4.2 and 5.2, eqs (4.1), (4.2), (5.1), (5.2)."""
-    parameters = tables_4_1_and_4_2() if wheelsets == 1 else tables_5_1_and_5_2()
+    parameters = as_printed(tables_4_1_and_4_2() if wheelsets == 1 else tables_5_1_and_5_2())
     mechanism = Mechanism(parameters, thesis_pair(), wheelsets, speed=speed)
     assert mechanism.unknowns + mechanism.equations == size
     assert mechanism.degrees_of_freedom == free
@@ -40,16 +40,24 @@ def test_dimensions_are_those_printed(wheelsets: int, speed: float | None, size:
     assert (chosen.dependent.size, chosen.independent.size) == (mechanism.equations, free)
 
 
-def test_torque_reaction_is_refused_with_a_sentence() -> None:
-    with pytest.raises(ValueError, match=r"Set torque_reaction to 0: chapter 3 has none, it was 0\.5"):
-        Mechanism(replace(tables_5_1_and_5_2(), torque_reaction=0.5), thesis_pair(), 2)
+@pytest.mark.parametrize(
+    ("values", "sentence"),
+    [
+        ({"torque_reaction": 0.5}, r"Set torque_reaction to 0, as chapter 3 has it: it was 0\.5"),
+        ({"flange_at_rail": 1.0}, "Set flange_at_rail to 0, as chapter 3 has it: it was 1"),
+        ({"vertical_half_spacing": 0.9}, r"Set vertical_half_spacing to longitudinal_half_spacing, 0\.7 m: .* 0\.9 m"),
+    ],
+)
+def test_what_chapter_3_does_not_have_is_refused_with_a_sentence(values: dict[str, float], sentence: str) -> None:
+    with pytest.raises(ValueError, match=sentence):
+        Mechanism(replace(as_printed(tables_5_1_and_5_2()), **values), thesis_pair(), 2)
 
 
 def wheelset_on_a_wave() -> tuple[Mechanism, State]:
     track = derivatives_along(
         replace(section_5_3(), lateral_irregularity=2e-3, lateral_wave_number=0.2, irregularity_start=0.0)
     )
-    mechanism = Mechanism(tables_4_1_and_4_2(), thesis_pair(), 1, track)
+    mechanism = Mechanism(as_printed(tables_4_1_and_4_2()), thesis_pair(), 1, track)
     return mechanism, rolling(mechanism, 20.0)
 
 
@@ -91,8 +99,8 @@ def test_fixed_partition_fails_near_half_a_turn_and_a_new_one_passes() -> None:
 def test_held_speed_stays() -> None:
     """C_t of (3.67), (3.68): the frame moves with the speed that is asked for."""
     track = derivatives_along(replace(section_5_3(), vertical_irregularity=5e-3, irregularity_start=0.0))
-    mechanism = Mechanism(tables_4_1_and_4_2(), thesis_pair(), 1, track, speed=15.0)
-    begin = rolling(Mechanism(tables_4_1_and_4_2(), thesis_pair(), 1, track), 15.0)
+    mechanism = Mechanism(as_printed(tables_4_1_and_4_2()), thesis_pair(), 1, track, speed=15.0)
+    begin = rolling(Mechanism(as_printed(tables_4_1_and_4_2()), thesis_pair(), 1, track), 15.0)
     *_, state = run(mechanism, begin, 0.05, 1e-3, lambda time: Inputs(brake_torque=(3e3,)))
     frame = mechanism.body(mechanism.frame)
     assert state.q[frame][0] == pytest.approx(0.75, abs=1e-12)
@@ -104,7 +112,7 @@ def test_locked_wheelset_is_that_of_the_fast_model() -> None:
     fast = Kernel(machine(1).library, initial_speed=5.0, friction_1=0.1, brake_torque_1=25e3, tolerance=1e-9)
     table = fast.record(0.1, 1e-4, ["locked_1", "speed", "distance"])
     locked_at = table["time"][int(np.argmax(table["locked_1"]))]
-    mechanism = Mechanism(tables_4_1_and_4_2(), thesis_pair(), 1, ellipse=fitted_ellipse)
+    mechanism = Mechanism(as_printed(tables_4_1_and_4_2()), thesis_pair(), 1, ellipse=fitted_ellipse)
     inputs = Inputs(brake_torque=(25e3,), friction=(0.1,))
     states = list(run(mechanism, rolling(mechanism, 5.0), 0.1, 1e-4, lambda time: inputs))
     first = next(state for state in states if state.direction[0] == 0)
@@ -118,7 +126,7 @@ def test_locked_wheelset_is_that_of_the_fast_model() -> None:
 
 def test_first_of_two_wheelsets_that_stop_within_a_step_ends_it(monkeypatch: pytest.MonkeyPatch) -> None:
     """The step ends at the earlier stop, whichever wheelset makes it; here after 0.5 and 0.8 of the step."""
-    mechanism = Mechanism(tables_5_1_and_5_2(), thesis_pair(), 2)
+    mechanism = Mechanism(as_printed(tables_5_1_and_5_2()), thesis_pair(), 2)
     begin = rolling(mechanism, 3.0)
 
     def after(mechanism: Mechanism, state: State, size: float, drive: object) -> State:
@@ -133,7 +141,7 @@ def test_first_of_two_wheelsets_that_stop_within_a_step_ends_it(monkeypatch: pyt
 
 def test_weak_brake_lets_a_standing_wheelset_go() -> None:
     """A locked wheelset whose brake is reduced below what the rail asks for turns again."""
-    mechanism = Mechanism(tables_4_1_and_4_2(), thesis_pair(), 1)
+    mechanism = Mechanism(as_printed(tables_4_1_and_4_2()), thesis_pair(), 1)
     strong, weak = Inputs(brake_torque=(25e3,)), Inputs(brake_torque=(100.0,))
     *_, state = run(mechanism, rolling(mechanism, 3.0), 0.2, 2.5e-4, lambda time: strong if time < 0.15 else weak)
     assert state.direction[0] == 1
@@ -149,7 +157,7 @@ def shifted(mechanism: Mechanism, lateral: float, near: np.ndarray) -> State:
 
 def test_rolling_radius_difference_is_that_of_the_contact_search() -> None:
     """Fig. 4.8 by (3.79), (3.80), against a search over the contours for the first point to touch."""
-    mechanism = Mechanism(tables_4_1_and_4_2(), thesis_pair(), 1)
+    mechanism = Mechanism(as_printed(tables_4_1_and_4_2()), thesis_pair(), 1)
     shifts = np.array([0.0, 2e-3, 5e-3, 8e-3, -6e-3])
     searched = rolling_radius_difference(thesis_pair(), shifts)
     for shift, expected in zip(shifts, searched, strict=True):
@@ -159,7 +167,7 @@ def test_rolling_radius_difference_is_that_of_the_contact_search() -> None:
 
 def test_newton_raphson_diverges_where_the_fast_model_reports_the_fold() -> None:
     """Section 9.4.1: loss of tread contact, 11.5 mm; the shift at which no solution of (3.79) is found any more."""
-    mechanism = Mechanism(tables_4_1_and_4_2(), thesis_pair(), 1)
+    mechanism = Mechanism(as_printed(tables_4_1_and_4_2()), thesis_pair(), 1)
     reached = [(0.0, centred(mechanism))]
 
     def go_on() -> None:
