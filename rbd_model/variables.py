@@ -71,6 +71,10 @@ def outputs() -> dict[str, Variable]:
             for n, place in WHEELSETS.items()
             for side in ("left", "right")
         ],
+        _output("frame_lateral", "m", "Lateral displacement of the sprung mass"),
+        _output("frame_roll", "rad", "Roll of the sprung mass", display_unit="deg"),
+        _output("frame_yaw", "rad", "Yaw of the sprung mass", display_unit="deg"),
+        _output("derailed", "1", "A wheel has lost its tread contact or run off it", kind="boolean"),
         *_pair(
             "flange_force", "N", "Lateral force of the rails on the flanges of the {} wheelset, positive to the left"
         ),
@@ -84,10 +88,6 @@ def outputs() -> dict[str, Variable]:
             for n, place in WHEELSETS.items()
             for side in ("left", "right")
         ],
-        _output("frame_lateral", "m", "Lateral displacement of the sprung mass"),
-        _output("frame_roll", "rad", "Roll of the sprung mass", display_unit="deg"),
-        _output("frame_yaw", "rad", "Yaw of the sprung mass", display_unit="deg"),
-        _output("derailed", "1", "A wheel has lost its tread contact or run off it", kind="boolean"),
     ]
     return {row.name: row for row in rows}
 
