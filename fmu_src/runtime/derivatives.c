@@ -8,19 +8,21 @@
 static int differentiate_outputs(kernel *self) {
     const system_description *system = self->system;
     double *follow = self->stage[0];
+    char when[CLOCK_SIZE];
     if (system->residual_along) {
         for (int i = 0; i < system->algebraics; ++i) self->seed[1 + system->algebraic[i]] = 0.0;
         kernel_evaluate(self, system->residual_along, 0.0, self->state, follow);
         if (!linear_factorise_algebraic(self, &self->algebraic, self->jacobian))
-            return kernel_fail(self, KERNEL_ERROR, "The outputs have no derivatives at t = %.9g s.", self->now.time);
+            return kernel_fail(self, KERNEL_ERROR, "The outputs have no derivatives at t = %s s.",
+                               kernel_clock(self->now.time, 9, when));
         linear_solve_algebraic(self, &self->algebraic, follow);
         for (int i = 0; i < system->algebraics; ++i) self->seed[1 + system->algebraic[i]] = -follow[i];
     }
     kernel_evaluate(self, system->output_along, 0.0, self->state, self->output_rate);
     for (int i = 0; i < system->outputs; ++i)
         if (!isfinite(self->output_rate[i]))
-            return kernel_fail(self, KERNEL_ERROR, "The output %s has no finite derivative at t = %.9g s.",
-                               MODEL.variable[system->output_variable[i]].name, self->now.time);
+            return kernel_fail(self, KERNEL_ERROR, "The output %s has no finite derivative at t = %s s.",
+                               MODEL.variable[system->output_variable[i]].name, kernel_clock(self->now.time, 9, when));
     return KERNEL_OK;
 }
 

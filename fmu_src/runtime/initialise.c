@@ -49,13 +49,14 @@ int kernel_initialise(kernel *self, double time) {
     kernel_compute_outputs(self, 0.0, self->state);
     const char *bad = kernel_output_not_finite(self);
     if (bad || !solved) {
+        char when[CLOCK_SIZE];
         kernel_reopen(self);
         return bad ? kernel_fail(self, KERNEL_ERROR,
                                  "The output %s is not a finite number at the start; check the parameters it depends on.",
                                  bad)
                    : kernel_fail(self, KERNEL_ERROR,
-                                 "The equations have no consistent start at t = %.9g s; check inputs and parameters.",
-                                 time);
+                                 "The equations have no consistent start at t = %s s; check inputs and parameters.",
+                                 kernel_clock(time, 9, when));
     }
     self->now.outputs_stale = 0;
     for (int i = 0; i < MODEL.variables; ++i)

@@ -69,9 +69,9 @@ typedef struct {
 static int start_exact_step(kernel *self, double offset) {
     rosenbrock_linearise(self, offset, self->state);
     if (algebraic_solve(self, offset, self->state, self->value[MODEL.tolerance])) return 1;
-    kernel_fail(self, KERNEL_ERROR,
-                "The algebraic equations have no solution near t = %.9g s; check inputs and parameters.",
-                self->step_origin + offset);
+    char when[CLOCK_SIZE];
+    kernel_fail(self, KERNEL_ERROR, "The algebraic equations have no solution near t = %s s; check inputs and parameters.",
+                kernel_clock(self->step_origin + offset, 9, when));
     return 0;
 }
 
@@ -121,10 +121,11 @@ static double adaptive_step(kernel *self, progress *now) {
     double wanted = fmin(proposed, longest);
     if (wanted > 0.5 * remaining) wanted = wanted < remaining ? 0.5 * remaining : remaining;
     for (double size = wanted;;) {
+        char when[CLOCK_SIZE];
         const double time = self->step_origin + now->offset;
         if (++now->trials > MAXIMUM_TRIALS) {
-            kernel_fail(self, KERNEL_ERROR, "No progress after %lld steps at t = %.9g s; enlarge the tolerance %g.",
-                        MAXIMUM_TRIALS, time, self->value[MODEL.tolerance]);
+            kernel_fail(self, KERNEL_ERROR, "No progress after %lld steps at t = %s s; enlarge the tolerance %g.",
+                        MAXIMUM_TRIALS, kernel_clock(time, 9, when), self->value[MODEL.tolerance]);
             return 0.0;
         }
         double error = integrate_try(self, now->offset, size);
@@ -144,9 +145,9 @@ static double adaptive_step(kernel *self, progress *now) {
         size = next;
         if (size < 1e-15 + 4.0 * DBL_EPSILON * now->offset) {
             kernel_fail(self, KERNEL_ERROR,
-                        "The step size vanished at t = %.9g s: the equations have no finite solution there, or the "
+                        "The step size vanished at t = %s s: the equations have no finite solution there, or the "
                         "tolerance %g is below round-off; check inputs and parameters, or enlarge the tolerance.",
-                        time, self->value[MODEL.tolerance]);
+                        kernel_clock(time, 9, when), self->value[MODEL.tolerance]);
             return 0.0;
         }
     }
@@ -156,10 +157,11 @@ static double adaptive_step(kernel *self, progress *now) {
 static int guard_error(kernel *self, double time, double size, double error) {
     if (!(error > 1.0) || error < 10.0 * self->now.guard_said) return KERNEL_OK;
     self->now.guard_said = error;
+    char when[CLOCK_SIZE];
     return kernel_fail(self, KERNEL_WARNING,
-                       "The local error of the fixed step of %.3g s is %.2g times the tolerance %g at t = %.6g s; "
+                       "The local error of the fixed step of %.3g s is %.2g times the tolerance %g at t = %s s; "
                        "shorten integration_step, or set it to 0 for steps chosen by the error.",
-                       size, error, self->value[MODEL.tolerance], time);
+                       size, error, self->value[MODEL.tolerance], kernel_clock(time, 6, when));
 }
 
 /* A step of integration_step seconds, right or wrong: what is wrong is said. Returns its length, 0 after a failure. */
@@ -172,10 +174,11 @@ static double fixed_step(kernel *self, progress *now, int *status) {
     const double error = integrate_try(self, now->offset, size);
     now->margin = isfinite(error) ? modes_margin(self, now->offset + size, self->trial) : NAN;
     if (isnan(now->margin)) {
+        char when[CLOCK_SIZE];
         kernel_fail(self, KERNEL_ERROR,
-                    "The fixed step of %.3g s finds no finite motion at t = %.9g s; shorten integration_step, or set it to "
+                    "The fixed step of %.3g s finds no finite motion at t = %s s; shorten integration_step, or set it to "
                     "0 for steps chosen by the error.",
-                    size, time);
+                    size, kernel_clock(time, 9, when));
         return 0.0;
     }
     if (guard_error(self, time, size, error) != KERNEL_OK) *status = KERNEL_WARNING;
@@ -232,11 +235,14 @@ int integrate(kernel *self, double size, double *reached) {
         const double arrival = step == now.remaining ? size : now.offset + step;
         accept(self);
         now.offset = arrival;
-        if (chatters(self, crossing))
+        if (chatters(self, crossing)) {
+            char when[CLOCK_SIZE];
             return kernel_fail(self, KERNEL_ERROR,
                                "More than %d switches between sliding and sticking with hardly a step between them up to "
-                               "t = %.9g s: a friction chatters; %s.",
-                               MAXIMUM_SWITCHES, self->step_origin + now.offset, remedy_of_chatter(self));
+                               "t = %s s: a friction chatters; %s.",
+                               MAXIMUM_SWITCHES, kernel_clock(self->step_origin + now.offset, 9, when),
+                               remedy_of_chatter(self));
+        }
         if (crossing) {
             self->now.ended = modes_switch(self, now.offset, -INFINITY);
             if (self->now.ended || self->stops_at_events) break;

@@ -19,7 +19,9 @@ static int move_to(kernel *self, double time, const double *place, double *offse
     memcpy(self->trial, self->state, (size_t)self->system->states * sizeof(double));
     if (algebraic_find(self, *offset, self->state, SOLVED)) return KERNEL_OK;
     memcpy(self->state, self->trial, (size_t)self->system->states * sizeof(double));
-    return kernel_fail(self, KERNEL_ERROR, "The algebraic equations have no solution near t = %.9g s.", time);
+    char when[CLOCK_SIZE];
+    return kernel_fail(self, KERNEL_ERROR, "The algebraic equations have no solution near t = %s s.",
+                       kernel_clock(time, 9, when));
 }
 
 static void copy_differential(const kernel *self, const double *all, double *some) {
@@ -29,11 +31,12 @@ static void copy_differential(const kernel *self, const double *all, double *som
 
 int kernel_slopes_at(kernel *self, double time, const double *place, double *slope, double *jacobian) {
     double offset;
+    char when[CLOCK_SIZE];
     const int status = move_to(self, time, place, &offset);
     if (status != KERNEL_OK) return status;
     copy_differential(self, self->slope, slope);
     if (jacobian && !algebraic_reduce(self, offset, jacobian))
-        return kernel_fail(self, KERNEL_ERROR, "The equations have no Jacobian at t = %.9g s.", time);
+        return kernel_fail(self, KERNEL_ERROR, "The equations have no Jacobian at t = %s s.", kernel_clock(time, 9, when));
     return KERNEL_OK;
 }
 

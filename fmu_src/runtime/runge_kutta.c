@@ -66,9 +66,10 @@ int runge_kutta_guard(kernel *self, double offset, double size) {
     const double eigenvalue = fastest_eigenvalue(self, offset);
     if (!(size * eigenvalue > STABILITY_LIMIT)) return KERNEL_OK;
     self->now.guard_said = size * eigenvalue;
+    char when[CLOCK_SIZE];
     return kernel_fail(self, KERNEL_WARNING,
-                       "The explicit method is above its stability limit at t = %.6g s: the fastest eigenvalue, %.4g 1/s, "
+                       "The explicit method is above its stability limit at t = %s s: the fastest eigenvalue, %.4g 1/s, "
                        "allows steps up to %.3g s and the step is %.3g s; do not trust the motion from here on, shorten "
                        "integration_step or choose integration_method 1.",
-                       self->step_origin + offset, eigenvalue, STABILITY_LIMIT / eigenvalue, size);
+                       kernel_clock(self->step_origin + offset, 6, when), eigenvalue, STABILITY_LIMIT / eigenvalue, size);
 }

@@ -46,9 +46,10 @@ int kernel_step(kernel *self, double time, double size) {
     if (status <= KERNEL_WARNING) {
         kernel_compute_outputs(self, reached, self->state);
         const char *bad = kernel_output_not_finite(self);
+        char when[CLOCK_SIZE];
         if (bad)
-            status = kernel_fail(self, KERNEL_ERROR, "The output %s is not a finite number at t = %.9g s.", bad,
-                                 time + reached);
+            status = kernel_fail(self, KERNEL_ERROR, "The output %s is not a finite number at t = %s s.", bad,
+                                 kernel_clock(time + reached, 9, when));
     }
     if (status > KERNEL_WARNING) { /* the last good state stays */
         self->now = before;

@@ -28,10 +28,11 @@ int kernel_linearise(kernel *self, double *state, double *slope, double *jacobia
     kernel_gather_inputs(self);
     self->step_origin = self->now.time;
     rosenbrock_linearise(self, 0.0, self->state);
+    char when[CLOCK_SIZE];
     if (!algebraic_solve(self, 0.0, self->state, 0.0))
         return kernel_fail(self, KERNEL_ERROR,
-                           "The algebraic equations have no solution near t = %.9g s; check inputs and parameters.",
-                           self->now.time);
+                           "The algebraic equations have no solution near t = %s s; check inputs and parameters.",
+                           kernel_clock(self->now.time, 9, when));
     for (int i = 0; i < n; ++i) {
         state[i] = self->state[i];
         slope[i] = self->slope[i];
