@@ -27,8 +27,8 @@ from rbd_model.creep import (
 STEEL = 82e9
 #: Of pure longitudinal creepage, in share of mu N: Polach's own distance from the exact theory, docs/architecture.md.
 POLACH_BAND = 0.055
-#: Lies in a folder beside the development checkout only.
-ANCHOR = next(Path(__file__).parents[3].glob("*/data/creep_anchor.csv"), None)
+#: Forces by the exact theory; README.md beside it names the source.
+EXACT = Path(__file__).parents[1] / "data" / "creep" / "exact.csv"
 
 
 def axes(wheel_radius: float, wheel_curvature: float, rail_radius: float, load: float) -> tuple[float, float]:
@@ -185,22 +185,19 @@ def linearly_interpolated(ratio: float) -> Kalker:
     return Kalker(*(ca.SX(np.interp(coordinate, 0.1 * np.arange(1, 20), column)) for column in COLUMNS.values()))
 
 
-@pytest.mark.skipif(ANCHOR is None, reason="the published table lies beside the development checkout only")
 def test_forces_are_near_the_exact_theory_and_equal_to_polachs_law() -> None:
     """Without spin within Polach's distance from CONTACT; always within a newton of another evaluation of his law."""
-    assert ANCHOR
-    lines = [line for line in ANCHOR.read_text().splitlines() if not line.startswith("#")]
-    rows = list(csv.DictReader(lines))
+    rows = list(csv.DictReader(EXACT.read_text().splitlines()))
     assert len(rows) > 40
     for row in rows:
         value = {name: float(text) for name, text in row.items() if name != "tag"}
-        creepages = (value["xi_x"], value["xi_y"], value["spin_1_per_m"])
+        creepages = (value["longitudinal"], value["lateral"], value["spin_1_per_m"])
         a, b = value["a_mm"] / 1e3, value["b_mm"] / 1e3
-        case = {"load": value["N_N"], "friction": value["mu"]}
+        case = {"load": value["load_N"], "friction": value["friction"]}
         same_table = forces(creepages, a, b, linearly_interpolated(a / b), **case)
-        assert same_table == pytest.approx((value["Fx_polach_N"], value["Fy_polach_N"]), abs=1.0)
+        assert same_table == pytest.approx((value["polach_x_N"], value["polach_y_N"]), abs=1.0)
         ours = forces(creepages, a, b, **case)
-        pure = value["spin_1_per_m"] == 0 and 0 in (value["xi_x"], value["xi_y"])
+        pure = value["spin_1_per_m"] == 0 and 0 in (value["longitudinal"], value["lateral"])
         if pure:
-            off = np.hypot(ours[0] - value["Fx_contact61_N"], ours[1] - value["Fy_contact61_N"])
-            assert off < POLACH_BAND * value["mu"] * value["N_N"]
+            off = np.hypot(ours[0] - value["exact_x_N"], ours[1] - value["exact_y_N"])
+            assert off < POLACH_BAND * value["friction"] * value["load_N"]

@@ -40,16 +40,6 @@ from rbd_model.profiles import (
 REFERENCE = Path(__file__).parents[1] / "data" / "contact"
 #: Digits and sampling of the published contour of 60E1 [m].
 CONTOUR_ERROR = 0.01e-3
-#: One of the published tables; they lie in a folder beside the development checkout only.
-TABLE = next(Path(__file__).parents[3].glob("*/data/profile_MBench_S1002.csv"), None)
-with_data = pytest.mark.skipif(TABLE is None, reason="published tables lie beside the development checkout only")
-
-
-def published(name: str) -> np.ndarray:
-    """Rows of numbers of a published table."""
-    assert TABLE
-    lines = TABLE.with_name(name).read_text().splitlines()
-    return np.array([[float(x) for x in line.split(",")[:4]] for line in lines if line[0] in "-0123456789"])
 
 
 def test_crown_of_the_rail_has_its_radius_and_the_slope_of_the_cone() -> None:
@@ -85,10 +75,9 @@ def test_pieces_for_the_kernel_are_the_spline() -> None:
         assert value == pytest.approx(float(profile.height(np.array([y]))[0]), abs=1e-15)
 
 
-@with_data
 def test_s1002_is_the_published_contour() -> None:
     """Within 1 um on the tread; the knots round the corners of the flange root by up to 8 um."""
-    points = published("profile_MBench_S1002.csv")[:, :2] / 1e3
+    points = reference("mbench_s1002.csv") / 1e3
     y, z = -points[:, 0], -points[:, 1]
     deviation = np.abs(wheel_s1002().height(y) - z)
     assert deviation[(y > -0.034) & (y < 0.055)].max() < 1e-6
