@@ -94,12 +94,12 @@ def objects_of(sources: Mapping[str, str], flags: Sequence[str], target: str | N
 
 
 def _content(words: Sequence[str], sources: Mapping[str, str], runtime: Sequence[str]) -> str:
-    """A name in the cache for what a command makes of generated sources and files of the runtime."""
+    """A name in the cache for what a command, as given in this file, makes of generated sources and the runtime."""
     digest = hashlib.sha256("\n".join(words).encode())
     for name in sorted(sources):
         digest.update(sources[name].encode())
-    for name in runtime:
-        digest.update((RUNTIME / name).read_bytes())
+    for path in (*(RUNTIME / name for name in runtime), Path(__file__)):
+        digest.update(path.read_bytes())
     return digest.hexdigest()[:24]
 
 

@@ -143,6 +143,8 @@ extern "C" {
 #include <stdlib.h>
 
 /*
+Export and prefix as in fmi3Functions.h, with the names of FMI 2.0: the header in FMPy leaves them out.
+
 Allow override of FMI2_FUNCTION_PREFIX: If FMI2_OVERRIDE_FUNCTION_PREFIX
 is defined, then FMI2_ACTUAL_FUNCTION_PREFIX will be used, if defined,
 or no prefix if undefined. Otherwise FMI2_FUNCTION_PREFIX will be used,
