@@ -8,12 +8,13 @@ import numpy as np
 from scipy.optimize import curve_fit
 
 from fmu_src.kernel import Kernel, KernelError
+from rbd_model.parameters import AS_PRINTED
 from rbd_model.spatial_wheelset import FOLD_MARGIN
 from scenarios.methods.integrators import layout
 from scenarios.methods.scenes import ASYMMETRIC, Scene, asymmetric
 
-#: 75 % error of the shoes on the leading wheelset.
-DERAILING = replace(ASYMMETRIC, name="derailment", inputs=asymmetric(75))
+#: 75 % error of the shoes on the leading wheelset, as the thesis read its model: a flange pushed at the rail stays on.
+DERAILING = replace(ASYMMETRIC, name="derailment", inputs=asymmetric(75), values={**ASYMMETRIC.values, **AS_PRINTED})
 TOLERANCE = 1e-8
 #: Times before the end of the run at which the contact is looked at [s].
 TIMES_LEFT = np.geomspace(1e-4, 1e-6, 13)

@@ -126,7 +126,8 @@ def test_measured_torque_history_replaces_the_cylinder(tmp_path: Path, capsys: p
     history.write_text("time [s],torque [N.m]\n10.0,0\n10.8,1800\n16.0,1800\n")
     arguments = ["run", "qr30-180kpa", "--torque-csv", str(history), "--out", str(tmp_path)]
     assert main(arguments) == 0
-    assert "the trailing wheelset locked at 1.8" in capsys.readouterr().out
+    # The brake hangs in the frame; on the wheelset alone, as the thesis has it, this torque locks at 1.8 m/s.
+    assert "the trailing wheelset locked at 1.93 m/s" in capsys.readouterr().out
 
 
 def test_history_too_short_to_tell_a_deceleration_says_so(tmp_path: Path) -> None:
