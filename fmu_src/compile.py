@@ -131,9 +131,7 @@ def compile_library(
     if target and "windows" in target:
         flags = [flag for flag in flags if flag != "-fPIC"]
     names, shown = (FACE_SOURCES, []) if fmu else (STUDY_SOURCES, ["-DKERNEL_LIBRARY"])
-    runtime = {name: (RUNTIME / name).read_text() for name in names}
-    # The kernel is compiled as one file, once for all of its files and with calls between them inlined.
-    runtime["kernel.c"] = "".join(f'#line 1 "{name}"\n{(RUNTIME / name).read_text()}' for name in KERNEL_SOURCES)
+    runtime = {name: (RUNTIME / name).read_text() for name in (*KERNEL_SOURCES, *names)}
     objects = objects_of(sources, [*flags, OPTIMISE_GENERATED], target)
     objects += objects_of(runtime, [*flags, *shown, OPTIMISE_RUNTIME], target)
     with tempfile.TemporaryDirectory() as folder:
