@@ -36,6 +36,7 @@ def test_numbers_are_converged(name: str, monkeypatch: pytest.MonkeyPatch) -> No
             continue
         chaotic = name == "asymmetric-braking" and row.unit == "mm" and row.simulated > FLANGE
         low, high = row.limits or (0.0, 0.0)
-        floor = 0.01 * (high - low) / 2 if math.isfinite(high - low) else 0.0
+        band = (high - low) / 2 if math.isfinite(high - low) else abs(high if math.isfinite(high) else low)
+        floor = 0.01 * band
         allowed = max((CHAOTIC_BAND if chaotic else BAND) * abs(other.simulated), floor)
         assert abs(row.simulated - other.simulated) <= allowed, row.quantity

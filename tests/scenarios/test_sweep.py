@@ -18,6 +18,7 @@ from typing import Any
 
 import pytest
 
+from rbd_model.parameters import AS_PRINTED
 from scenarios.__main__ import main
 from scenarios.catalogue import SCENARIOS
 from scenarios.numerics.levels import one_stop as stop_of_levels
@@ -309,7 +310,7 @@ def test_cluster_out_of_reach_gets_one_sentence(
     address: str, sentence: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     pytest.importorskip("distributed")
-    monkeypatch.setattr("scenarios.sweep_cluster.PATIENCE", 0.5)
+    monkeypatch.setattr("scenarios.sweep.cluster.PATIENCE", 0.5)
     assert main(["sweep", "levels", "--vary", "level=1", "--scheduler", address, "--out", str(tmp_path / "out")]) == 2
     assert sentence in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
@@ -400,7 +401,7 @@ def test_point_functions_keep_what_is_asked_of_them(scenario: Any) -> None:
 
 def test_a_point_of_heavy_braking_is_its_scenario() -> None:
     series, _, _ = brake(Options(step=1e-2), 2, CASES["both"])
-    point = heavy_stop()
+    point = heavy_stop(torque_reaction=AS_PRINTED["torque_reaction"])
     for number in (1, 2):
         assert point[f"lock_time_{number}"] == pytest.approx(lock_time(series, number), abs=0.0101)
     assert heavy_stop(brake_torque_2=0.0)["lock_time_2"] is None
