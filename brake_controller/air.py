@@ -39,7 +39,7 @@ def _parabola() -> tuple[float, float]:
 
 
 def flow_function(ratio: ca.SX) -> ca.SX:
-    """Mass flow over C_d A p / sqrt(R T), as a function of pressure behind over pressure before [1].
+    """Mass flow over C_d A p / sqrt(R T), as a function of pressure behind over pressure before [1] (ISO 6358-1).
 
     Differentiable: the parabola near 1 and the choked flow join the isentropic law with its slope; no flow backwards.
     """
@@ -55,11 +55,12 @@ def flow_function(ratio: ca.SX) -> ca.SX:
 def mass_flow(area: ca.SX, pressure: ca.SX, temperature: ca.SX, pressure_behind: ca.SX) -> ca.SX:
     """Mass flow [kg/s] through a restriction of effective area C_d A [m2] from absolute pressure [Pa], temperature [K].
 
-    Nothing flows back where the pressure behind is the larger one.
+    Isentropic up to the narrowest section, and choked there as in ISO 6358-1. Nothing flows back where the pressure
+    behind is the larger one.
     """
     return area * pressure / ca.sqrt(GAS_CONSTANT * temperature) * flow_function(pressure_behind / pressure)
 
 
 def effective_area(diameter: ca.SX, discharge_coefficient: ca.SX) -> ca.SX:
-    """C_d A of a round restriction [m2]."""
+    """C_d A of a round restriction [m2]: the area that isentropic flow would need; diameter in m."""
     return discharge_coefficient * math.pi / 4 * diameter**2

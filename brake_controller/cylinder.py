@@ -89,7 +89,7 @@ def _finish(brake: Brake, pressure: ca.SX, spring_pressure: ca.SX, table: Fricti
 
 
 def timed_brake(defaults: BrakeParameters, table: FrictionTable = EXAMPLE_TABLE) -> System:
-    """Pressure follows its demand with an application and a release time."""
+    """Pressure follows its demand with an application and a release time, section 2.4.2."""
     brake = _begin("timed", "Cylinder pressure by application and release time", defaults)
     p = brake.parameter
     pressure = brake.system.state("cylinder_pressure", "Pa", 0.0, NOMINAL_PRESSURE)
@@ -99,7 +99,7 @@ def timed_brake(defaults: BrakeParameters, table: FrictionTable = EXAMPLE_TABLE)
 
 
 def flow_brake(defaults: BrakeParameters, air: FlowParameters, table: FrictionTable = EXAMPLE_TABLE) -> System:
-    """Pressure from the mass of air that flows through the restrictions, and from the travel of the piston."""
+    """Pressure from the air that flows through the restrictions (section 6.3.9), and from the travel of the piston."""
     brake = _begin("flow", "Cylinder pressure by flow of air through restrictions", defaults, TIMES)
     system = brake.system
     flow = {name: system.parameter(air.variable(name)) for name in air.values()}
@@ -151,7 +151,7 @@ def brake_cylinder(
     air: FlowParameters | None = None,
     table: FrictionTable = EXAMPLE_TABLE,
 ) -> Model:
-    """The brake cylinder as one FMU, by default that of the QR30 experiment at 180 kPa.
+    """The brake cylinder as one FMU, by default that of the QR30 experiment at 180 kPa (section 7.4).
 
     table: shoe friction over sliding speed, for friction law 5.
     """

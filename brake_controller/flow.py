@@ -36,7 +36,8 @@ class Piston:
 def piston(pressure: ca.SX, flow: Values) -> Piston:
     """The piston in balance with its return spring at a gauge pressure [Pa], from its rest to the touch of the shoes.
 
-    The travel is (p A - preload) / stiffness, limited to 0 and to the slack by two hyperbolas of width STROKE_BLEND.
+    The travel is (p A - preload) / stiffness, p A being the thrust (2.5), limited to 0 and to the slack by two
+    hyperbolas of width STROKE_BLEND.
     """
     free = (pressure * flow["piston_area"] - flow["spring_preload"]) / flow["spring_stiffness"]
     past = free - flow["piston_slack"]
@@ -47,30 +48,33 @@ def piston(pressure: ca.SX, flow: Values) -> Piston:
 
 
 def spring_force(position: Piston, flow: Values) -> ca.SX:
-    """Force of the return spring, which the piston must overcome before the shoes press [N]."""
+    """Force of the return spring [N], by Hooke's law, which the piston must overcome before the shoes press."""
     return flow["spring_preload"] + flow["spring_stiffness"] * position.travel
 
 
 def air_temperature(pressure: ca.SX, mass: ca.SX, position: Piston, flow: Values) -> ca.SX:
-    """T = p V / (m R), of the air in the cylinder [K]; gauge pressure [Pa], mass [kg]."""
+    """Temperature of the air in the cylinder [K], an ideal gas: T = p V / (m R); gauge pressure [Pa], mass [kg]."""
     return (pressure + flow["ambient_pressure"]) * position.volume / (mass * GAS_CONSTANT)
 
 
 def inflow(pressure: ca.SX, target: ca.SX, flow: Values) -> ca.SX:
-    """Mass flow from the regulator through the application restriction [kg/s]; gauge pressures [Pa]."""
+    """Mass flow from the regulator through the application restriction (section 6.3.9) [kg/s]; gauge pressures [Pa]."""
     area = effective_area(flow["application_orifice"], flow["discharge_coefficient"])
     ambient = flow["ambient_pressure"]
     return mass_flow(area, target + ambient, flow["air_temperature"], pressure + ambient)
 
 
 def outflow(pressure: ca.SX, temperature: ca.SX, orifice: ca.SX, flow: Values) -> ca.SX:
-    """Mass flow to the surroundings through an opening of a diameter [m] [kg/s]; gauge pressure [Pa]."""
+    """Mass flow [kg/s] to the surroundings through an opening of a diameter [m], isentropic; gauge pressure [Pa]."""
     area = effective_area(orifice, flow["discharge_coefficient"])
     return mass_flow(area, pressure + flow["ambient_pressure"], temperature, flow["ambient_pressure"])
 
 
 def valve_flows(pressure: ca.SX, temperature: ca.SX, target: ca.SX, valve: ca.SX, flow: Values) -> tuple[ca.SX, ca.SX]:
-    """Mass flows into and out of the cylinder as the valve stands [kg/s]."""
+    """Mass flows into and out of the cylinder [kg/s] as the valve stands; gauge pressures [Pa], temperature [K].
+
+    Differs from the thesis, whose solenoid valve applies when it is de-energised (section 6.3.9): it also holds, vents.
+    """
     opening = ca.fmax(ca.fmin((pressure - target) / REGULATING_BAND, 1), 0)
     applied = valve == APPLY
     release = opening * outflow(pressure, temperature, flow["release_orifice"], flow)

@@ -13,7 +13,7 @@ TIME_CONSTANTS_TO_95_PERCENT = math.log(20.0)
 
 
 def regulated_pressure(demand: ca.SX, supply_pressure: ca.SX) -> ca.SX:
-    """The regulator passes the demand on, up to the supply [Pa]."""
+    """The regulator of section 6.3.9 passes the demand on, up to the supply [Pa]."""
     return ca.fmin(demand, supply_pressure)
 
 

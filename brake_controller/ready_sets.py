@@ -126,15 +126,15 @@ def _uic(timing: Timing) -> ReadySet:
 
 
 def uic_p() -> ReadySet:
-    """UIC brake in position P (passenger): application in 3 to 5 s, release in 15 to 20 s."""
+    """UIC brake in position P (passenger), UIC 543: application in 3 to 5 s, release in 15 to 20 s."""
     return _uic(UIC_P)
 
 
 def uic_g() -> ReadySet:
-    """UIC brake in position G (freight): application in 18 to 30 s, release in 45 to 60 s."""
+    """UIC brake in position G (freight), section 2.4.2: application in 18 to 30 s, release in 45 to 60 s."""
     return _uic(UIC_G)
 
 
 def with_dump_valve(ready: ReadySet) -> ReadySet:
-    """The same brake with a fast valve for wheel-slide protection, open while `valve` is 2; its time is assumed."""
+    """The same brake with a fast valve for wheel-slide protection (EN 15595), open while `valve` is 2; time assumed."""
     return replace(ready, flow=with_vent_time(ready.flow, ready.rigging.supply_pressure, DUMP.middle, UIC_RELEASED))

@@ -39,15 +39,18 @@ class FrictionTable:
 
 
 def sliding_speed(angular_velocity: ca.SX, wheel_radius: ca.SX) -> ca.SX:
-    """Speed of the tread under the shoe, r_w |w| [m/s], without a corner at rest: at most REST_SPEED too small."""
+    """Speed of the tread under the shoe, r_w |w| [m/s], section 2.5.2.
+
+    Without a corner at rest: at most REST_SPEED too small.
+    """
     return ca.sqrt((wheel_radius * angular_velocity) ** 2 + REST_SPEED**2) - REST_SPEED
 
 
 def karwatzki(force_of_one_shoe: ca.SX, speed: ca.SX) -> ca.SX:
     """Cast iron after Karwatzki; force in N, speed in m/s, the formula itself in kN and km/h.
 
-    mu = 0.60 (1.6 F + 100) / (8 F + 100) (V + 100) / (5 V + 100), with the rounded constants of a public train
-    simulator; the literature has 16 / g and 80 / g in place of 1.6 and 8, less than 1 % away up to 40 kN.
+    mu = 0.60 (1.6 F + 100) / (8 F + 100) (V + 100) / (5 V + 100), with the rounded constants of the train
+    simulator MaSzyna; the literature has 16 / g and 80 / g in place of 1.6 and 8, less than 1 % away up to 40 kN.
     """
     force, fast = force_of_one_shoe / 1e3, KILOMETRES_PER_HOUR * speed
     return 0.60 * (1.6 * force + 100) / (8 * force + 100) * (fast + 100) / (5 * fast + 100)
@@ -56,7 +59,7 @@ def karwatzki(force_of_one_shoe: ca.SX, speed: ca.SX) -> ca.SX:
 def composite(speed: ca.SX) -> ca.SX:
     """Composite shoes of type K: 0.3 - 0.00081 V [km/h], speed in m/s.
 
-    A third party's fit without a literature source. Assumed: it is held from 200 km/h on.
+    A fit of the train simulator MaSzyna, which names no source of it. Assumed: it is held from 200 km/h on.
     """
     return COMPOSITE_AT_REST - COMPOSITE_FALL * ca.fmin(KILOMETRES_PER_HOUR * speed, COMPOSITE_UP_TO)
 
@@ -79,8 +82,8 @@ def shoe_friction(
 ) -> ca.SX:
     """Shoe friction coefficient mu_b; force of one shoe in N, sliding speed in m/s.
 
-    Law 1: straight lines through the three measured averages; below and above the measured forces the end values are
-    held, because nothing was measured there.
+    Law 1: straight lines through the three measured averages (section 7.5); below and above the measured forces the end
+    values are held, because nothing was measured there.
     """
     measured = system.table("measured_friction", *interpolation(MEASURED_FORCE, MEASURED_FRICTION), force_of_one_shoe)
     constant = p["constant_shoe_friction"]

@@ -25,7 +25,7 @@ NONE = ca.SX(0)
 
 
 def filling_time(flow: FlowParameters, target: float, pressure: float) -> float:
-    """Time from empty to a gauge pressure [s], the regulator at `target` [Pa]."""
+    """Time from empty to a gauge pressure [s], the regulator (section 6.3.9) at `target` [Pa]."""
     p = ca.SX.sym("pressure")
     values = _symbols(flow)
     flows = (inflow(p, ca.SX(target), values), NONE)
@@ -36,7 +36,7 @@ def filling_time(flow: FlowParameters, target: float, pressure: float) -> float:
 def emptying_time(flow: FlowParameters, orifice: float, start: float, end: float) -> float:
     """Time from one gauge pressure to a lower one [s] through an opening [m], after the cylinder was filled to `start`.
 
-    The air that stays expands along its polytrope, T ~ p^((n - 1) / n), the piston's return included.
+    The air that stays, an ideal gas, expands along its polytrope, T ~ p^((n - 1) / n), the piston's return included.
     """
     p = ca.SX.sym("pressure")
     values, n = _symbols(flow), flow.polytropic_exponent
@@ -48,7 +48,7 @@ def emptying_time(flow: FlowParameters, orifice: float, start: float, end: float
 
 
 def temperature_after_filling(flow: FlowParameters, pressure: float) -> float:
-    """Temperature of the air when the cylinder has been filled from empty to a gauge pressure [K]."""
+    """Temperature [K] of the air, an ideal gas, when the cylinder was filled from empty to a gauge pressure [Pa]."""
     p = ca.SX.sym("pressure")
     values = _symbols(flow)
     empty, full = (float(piston(ca.SX(x), values).volume) for x in (0.0, pressure))
@@ -60,36 +60,42 @@ def temperature_after_filling(flow: FlowParameters, pressure: float) -> float:
 
 
 def application_time(flow: FlowParameters, pressure: float) -> float:
-    """Time from 0 to 95 % of a demanded gauge pressure [s]."""
+    """Time from 0 to 95 % of a demanded gauge pressure [Pa], section 2.4.2 [s]."""
     return filling_time(flow, pressure, APPLIED_SHARE * pressure)
 
 
 def release_time(flow: FlowParameters, pressure: float, end: float | None = None) -> float:
-    """Time from a gauge pressure to 5 % of it, or to `end` [Pa], through the exhaust [s]."""
+    """Time from a gauge pressure [Pa] to 5 % of it, or to `end` [Pa], through the exhaust, section 2.4.2 [s]."""
     return emptying_time(flow, flow.release_orifice, pressure, _end(pressure, end))
 
 
 def vent_time(flow: FlowParameters, pressure: float, end: float | None = None) -> float:
-    """As `release_time`, through the opening of the venting valve [s]."""
+    """As `release_time`, through the opening of the venting valve, which wheel-slide protection has (EN 15595) [s]."""
     return emptying_time(flow, flow.vent_orifice, pressure, _end(pressure, end))
 
 
 def with_application_time(flow: FlowParameters, pressure: float, time: float) -> FlowParameters:
-    """The same cylinder with the application restriction that fills it to 95 % of `pressure` [Pa] in `time` [s]."""
+    """The same cylinder with the application restriction that fills it to 95 % of `pressure` [Pa] in `time` [s].
+
+    The restriction sets the time as in section 6.3.9. Raises ValueError for a time that is not above 0.
+    """
     return replace(flow, application_orifice=_scaled(flow.application_orifice, application_time(flow, pressure), time))
 
 
 def with_release_time(flow: FlowParameters, pressure: float, time: float, end: float | None = None) -> FlowParameters:
     """The same cylinder with the exhaust that releases it from `pressure` to 5 % or `end` [Pa] in `time` [s].
 
-    The venting valve opens the same exhaust.
+    Times as in section 2.4.2; the venting valve opens the same exhaust. Raises ValueError for one that is not above 0.
     """
     orifice = _scaled(flow.release_orifice, release_time(flow, pressure, end), time)
     return replace(flow, release_orifice=orifice, vent_orifice=orifice)
 
 
 def with_vent_time(flow: FlowParameters, pressure: float, time: float, end: float | None = None) -> FlowParameters:
-    """The same cylinder with a valve that vents it from `pressure` to 5 % or `end` [Pa] in `time` [s]."""
+    """The same cylinder with a valve that vents it from `pressure` to 5 % or `end` [Pa] in `time` [s].
+
+    For wheel-slide protection (EN 15595). Raises ValueError for a time that is not above 0.
+    """
     return replace(flow, vent_orifice=_scaled(flow.vent_orifice, vent_time(flow, pressure, end), time))
 
 

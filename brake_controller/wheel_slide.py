@@ -74,7 +74,10 @@ class SlideProtectionParameters:
 
 
 def common_protection() -> SlideProtectionParameters:
-    """Assumed throughout: thresholds as they are common in descriptions of such devices, tuned on the planar bogie."""
+    """Assumed throughout: thresholds as they are common in descriptions of such devices, tuned on the planar bogie.
+
+    The slip is that of (2.10), with the reference speed as that of the car.
+    """
     return SlideProtectionParameters(
         lower_slip=0.05,
         upper_slip=0.10,
@@ -119,6 +122,7 @@ class SlideProtection:
     acted_at: float = -math.inf
 
     def step(self, time: float, wheel_speeds: Sequence[float]) -> list[int]:
+        """Valve commands, as `WheelSlideController` has them."""
         if self.time is None:
             self._start(time, wheel_speeds)
         size = time - (self.time or 0.0)
@@ -276,6 +280,7 @@ class Supervised:
     patience: float = 1.0
 
     def step(self, time: float, wheel_speeds: Sequence[float]) -> list[int]:
+        """Valve commands of the controller. Raises ControllerError where it fails, is late or gives others."""
         name = type(self.controller).__name__
         try:
             answer = within(self.patience, lambda: list(self.controller.step(time, wheel_speeds)))

@@ -64,6 +64,7 @@ def compiler(target: str | None = None) -> list[str]:
 
 
 def library_suffix() -> str:
+    """Ending of a shared library's name on this machine, with its dot."""
     return {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 
 

@@ -84,6 +84,7 @@ def start_dependencies(model: Model) -> Mapping[str, set[str]]:
 
 
 def union(model: Model, of: Callable[[System], dict[str, set[str]]]) -> dict[str, set[str]]:
+    """For each output of a model the names that `of` finds in any of its systems."""
     found: dict[str, set[str]] = {v.name: set() for v in model.variables if v.causality == "output"}
     for system in model.systems:
         for output, names in of(system).items():

@@ -144,6 +144,7 @@ class Kernel:
             self.set_number(self.library.index[name], value)
 
     def set_number(self, variable: int, value: float) -> None:
+        """As `set`, one variable by its number in `Library.names`."""
         self._check(self._call.kernel_set(self._handle, variable, value))
 
     def set_rate(self, **rates: float) -> None:
@@ -155,19 +156,23 @@ class Kernel:
         return self.get_number(self.library.index[name])
 
     def get_number(self, variable: int) -> float:
+        """Value of a variable by its number in `Library.names`, in its unit. Raises KernelError."""
         self._check(self._call.kernel_get(self._handle, variable, ctypes.byref(self._number)))
         return self._number.value
 
     @property
     def time(self) -> float:
+        """Where the kernel stands [s]."""
         return float(self._call.kernel_time(self._handle))
 
     @property
     def initialised(self) -> bool:
+        """Whether `initialise` has been called since the last `reset` or `reopen`."""
         return bool(self._call.kernel_state_count(self._handle))
 
     @property
     def ended(self) -> bool:
+        """Whether a condition of the model has ended the run; no step goes further."""
         return bool(self._call.kernel_ended(self._handle))
 
     def plan(self, start: float, stop: float | None = None, tolerance: float | None = None) -> None:
@@ -179,6 +184,7 @@ class Kernel:
         self._check(self._call.kernel_plan(self._handle, asked, start, end))
 
     def initialise(self, time: float = 0.0) -> None:
+        """Computes the state at the start, time [s]; parameters are fixed from then on. Raises KernelError."""
         self._check(self._call.kernel_initialise(self._handle, time))
 
     def reset(self) -> None:
@@ -227,6 +233,7 @@ class Kernel:
         return buffer.raw
 
     def restore(self, state: bytes) -> None:
+        """Back to a state from `save` of the same model. Raises KernelError for what cannot be one, nothing changed."""
         self._check(self._call.kernel_restore(self._handle, state))
 
     @property
@@ -304,9 +311,11 @@ class Kernel:
         return (ctypes.c_int * len(numbers))(*numbers)
 
     def repeat_right_hand_side(self, repeat: int) -> None:
+        """`repeat` right-hand sides at the present state in one call, to measure what one costs."""
         self._check(self._call.kernel_repeat_right_hand_side(self._handle, repeat))
 
     def repeat_jacobian(self, repeat: int) -> None:
+        """`repeat` Jacobians at the present state in one call, to measure what one costs."""
         self._check(self._call.kernel_repeat_jacobian(self._handle, repeat))
 
     def repeat_step(self, size: float, repeat: int) -> None:

@@ -38,6 +38,7 @@ class KernelSlave(Fmi2Slave):
     def setup_experiment(
         self, start_time: float, stop_time: float | None = None, tolerance: float | None = None
     ) -> None:
+        """fmi2SetupExperiment; a value that is refused is logged and remembered."""
         try:
             self.kernel.plan(start_time, stop_time, tolerance)
         except KernelError as error:
@@ -48,13 +49,16 @@ class KernelSlave(Fmi2Slave):
         self._tell(Fmi2Status.warning)
 
     def enter_initialization_mode(self) -> None:
+        """fmi2EnterInitializationMode."""
         self.initialising = True
 
     def exit_initialization_mode(self) -> None:
+        """fmi2ExitInitializationMode; computes the state at the start."""
         self._initialise()
         self.initialising = False
 
     def do_step(self, current_time: float, step_size: float) -> bool:
+        """fmi2DoStep, times in s; False discards the step, and the log says why."""
         for sentence in self.problems.values():
             self.log(sentence, Fmi2Status.error)
         if self.problems:
@@ -68,6 +72,7 @@ class KernelSlave(Fmi2Slave):
         return True
 
     def get_real(self, vrs: list[int]) -> list[float]:
+        """fmi2GetReal; zeros, and a sentence in the log, where the kernel has no values."""
         if self.initialising and not self.kernel.initialised:
             self._initialise()
         try:
@@ -77,12 +82,15 @@ class KernelSlave(Fmi2Slave):
             return [0.0] * len(vrs)
 
     def get_integer(self, vrs: list[int]) -> list[int]:
+        """fmi2GetInteger, as `get_real`."""
         return [int(value) for value in self.get_real(vrs)]
 
     def get_boolean(self, vrs: list[int]) -> list[bool]:
+        """fmi2GetBoolean, as `get_real`."""
         return [bool(value) for value in self.get_real(vrs)]
 
     def set_real(self, vrs: list[int], values: list[float]) -> None:
+        """fmi2SetReal; a value that is refused is logged and remembered until a good one comes."""
         if self.initialising:
             self.kernel.reopen()
         for reference, value in zip(vrs, values, strict=True):

@@ -41,6 +41,7 @@ def joined(sources: Sequence[str], own: Sequence[str]) -> str:
 
 
 def slave_class(step: StepModel, guid: str) -> str:
+    """Text of the class that pythonfmu instantiates, named after the FMU."""
     return (
         f"\n\nclass {step.name}(StepSlave):\n"
         f'    guid_of_content = "{guid}"\n'

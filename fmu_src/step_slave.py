@@ -16,7 +16,9 @@ from pythonfmu.enums import Fmi2Status
 class Stepper(Protocol):
     """What the FMU is made around."""
 
-    def step(self, time: float, inputs: Sequence[float]) -> Sequence[float]: ...
+    def step(self, time: float, inputs: Sequence[float]) -> Sequence[float]:
+        """Outputs from inputs, in the order of the description; time in s. May raise."""
+        ...
 
 
 class StepSlave(Fmi2Slave):
@@ -46,9 +48,11 @@ class StepSlave(Fmi2Slave):
     def setup_experiment(
         self, start_time: float, stop_time: float | None = None, tolerance: float | None = None
     ) -> None:
+        """fmi2SetupExperiment, start time in s."""
         self.start_time = start_time
 
     def do_step(self, current_time: float, step_size: float) -> bool:
+        """fmi2DoStep, times in s; False discards the step, and the log says why."""
         period = self.values[self.input_count]
         if not (math.isfinite(period) and period > 0.0):
             self.failure = f"Set period above 0 s: it was {period:g} s."
@@ -74,11 +78,14 @@ class StepSlave(Fmi2Slave):
             self.failure = str(error)
 
     def get_real(self, vrs: list[int]) -> list[float]:
+        """fmi2GetReal."""
         return [self.values[reference] for reference in vrs]
 
     def get_integer(self, vrs: list[int]) -> list[int]:
+        """fmi2GetInteger."""
         return [int(value) for value in self.get_real(vrs)]
 
     def set_real(self, vrs: list[int], values: list[float]) -> None:
+        """fmi2SetReal."""
         for reference, value in zip(vrs, values, strict=True):
             self.values[reference] = value

@@ -240,6 +240,7 @@ class System:
     # -- equations ----------------------------------------------------------------------------------------------
 
     def derivative(self, state: str, expression: ca.SX) -> None:
+        """The equation of a state: its derivative by time, in its unit per second."""
         self.derivatives[state] = ca.SX(expression)
 
     def residual(self, algebraic: str, expression: ca.SX) -> None:
@@ -247,6 +248,7 @@ class System:
         self.derivatives[algebraic] = ca.SX(expression)
 
     def dry_friction(self, friction: Friction) -> None:
+        """A friction that sticks and slides; its direction is a symbol from `direction`."""
         self.frictions.append(friction)
 
     def limit_change(self, state: str, largest: ca.SX) -> None:
@@ -257,18 +259,22 @@ class System:
         self.largest_changes.append((state, largest))
 
     def output(self, variable: Variable, expression: ca.SX | float) -> None:
+        """An output and the expression it has at every instant. Raises ValueError for a variable that is none."""
         if variable.causality != "output":
             raise ValueError(f"{variable.name} is declared as {variable.causality}, not as output.")
         self.variables.append(variable)
         self.outputs[variable.name] = ca.SX(expression)
 
     def end_when_negative(self, margin: ca.SX, sentence: str) -> None:
+        """Ends the run where `margin` falls below 0, and says the sentence with the time [s] in place of its %s."""
         self.end_conditions.append(Condition(margin, sentence))
 
     def warn_when_negative(self, margin: ca.SX, sentence: str) -> None:
+        """As `end_when_negative`, but the run goes on; the sentence is said once."""
         self.warnings.append(Condition(margin, sentence))
 
     def observe(self, name: str, unit: str, expression: ca.SX) -> None:
+        """An expression for looks inside, which costs nothing in an FMU; see `with_integrals`."""
         self.observables[name] = Observable(unit, ca.SX(expression))
 
     # -- derived from the above -----------------------------------------------------------------------------------

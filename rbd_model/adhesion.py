@@ -67,7 +67,7 @@ def constant_friction() -> FallingFriction:
 
 
 def even_rail() -> RailPatches:
-    """The same friction everywhere; the length of a patch of leaves and its blend are assumed."""
+    """The same friction everywhere, as in section 4.4; the length of a patch of leaves and its blend are assumed."""
     return RailPatches(
         cleaned_friction=1.0,
         patch_friction=1.0,
@@ -88,12 +88,12 @@ def wet() -> RailCondition:
 
 
 def low() -> RailCondition:
-    """Low adhesion. UNVERIFIED: the numbers are from secondary literature; check them before use."""
+    """Low adhesion by the law of Polach (2005). UNVERIFIED: numbers from secondary literature; check before use."""
     return RailCondition(0.06, FallingFriction(0.40, 0.20, 1.00, 0.40), verified=False)
 
 
 def very_low() -> RailCondition:
-    """Very low adhesion. UNVERIFIED: the numbers are from secondary literature; check them before use."""
+    """Very low adhesion, same law, Polach (2005). UNVERIFIED: numbers from secondary literature; check before use."""
     return RailCondition(0.03, FallingFriction(0.40, 0.10, 1.00, 0.40), verified=False)
 
 
@@ -132,7 +132,10 @@ class Rail:
 
 
 def add_rail(system: System, numbers: Sequence[int]) -> Rail:
-    """The rail under the wheelsets `numbers`; one that is alone finds no rail cleaned."""
+    """The rail under the wheelsets `numbers`: falling friction, Polach (2005), and what varies along it, section 2.5.2.
+
+    A wheelset that is alone finds no rail cleaned.
+    """
     variables = [law.variable(name) for law in (constant_friction(), even_rail()) for name in law.values()]
     p = {v.name: system.parameter(v) for v in variables if v.name != "cleaned_friction" or 2 in numbers}
     return Rail(

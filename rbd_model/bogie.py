@@ -26,7 +26,7 @@ def levels(defaults: BogieParameters) -> tuple[System, ...]:
 
 
 def bogie_dynamics(defaults: BogieParameters | None = None) -> Model:
-    """The bogie as one FMU: brake torque capacity in; speed, angular velocity and slip out."""
+    """The bogie as one FMU, that of chapter 5 by default: brake torque capacity in; speed, rotation and slip out."""
     systems = levels(defaults or tables_5_1_and_5_2())
     level = Variable(
         "level",

@@ -52,7 +52,7 @@ def elliptic_integrals(minor_over_major: ca.SX) -> tuple[ca.SX, ca.SX]:
 def curvature_ratio(minor_over_major: ca.SX) -> ca.SX:
     """Ratio of the relative curvatures, larger to smaller, that gives this ellipse: (K - D) / (g^2 D).
 
-    Johnson (1985), Contact Mechanics, eq. 4.25; 1 for a circle.
+    Johnson (1985), Contact Mechanics, section 4.2, general profiles; 1 for a circle.
     """
     k, d = elliptic_integrals(minor_over_major)
     return (k - d) / (minor_over_major**2 * d)
@@ -109,7 +109,7 @@ class EllipseFit:
 
 @lru_cache
 def ellipse_fit() -> EllipseFit:
-    """Least squares through the exact integrals, so that a moving contact needs no iteration."""
+    """Least squares through the exact a/b of (3.86) and E of (3.87), so that a moving contact needs no iteration."""
     g = ca.SX.sym("g")
     k, d = elliptic_integrals(g)
     exact = ca.Function("exact", [g], [ca.log(curvature_ratio(g)), ca.log((k - (1 - g**2) * d) / ca.sqrt(g))])
@@ -130,10 +130,11 @@ def polynomial(coefficients: tuple[float, ...], x: ca.SX) -> ca.SX:
 
 
 def moving_ellipse(along: ca.SX, across: ca.SX, load: ca.SX, shear_modulus: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """ln(a/b) and semi-axis (a b)^(1/2) [m] of a contact whose curvatures A and B [1/m] change as it moves.
+    """ln(a/b) and semi-axis (a b)^(1/2) [m], eqs (3.82), (3.84), (3.87), of a contact that moves.
 
-    load [N]. Equal to `ellipse_shape` within the fit; beyond axis ratios of 10 the ratio stays, so that a contact that
-    loses its curvature (`across` near 0, or below in a trial step) remains finite.
+    along, across: the curvatures A and B [1/m], which change; load [N]. Equal to `ellipse_shape` within the fit; beyond
+    axis ratios of 10 the ratio stays, so that a contact that loses its curvature (`across` near 0, or below in a trial
+    step) remains finite.
     """
     fit = ellipse_fit()
     floor = along * np.exp(-fit.limit)

@@ -44,7 +44,7 @@ class Pair:
 
 
 def thesis_pair() -> Pair:
-    """Synthetic wheel on the 60 kg rail as in section 4.3: r0 = 0.425 m, contact points 1140 mm apart."""
+    """Synthetic wheel on the 60 kg rail: contact points 1140 mm apart (section 4.3), r0 = 0.425 m (section 4.4)."""
     return Pair(wheel_cone_120(), rail_60kg(), 0.425, 0.570, 0.570)
 
 
@@ -53,14 +53,14 @@ GAUGE_DEPTH, STANDARD_GAUGE = 14e-3, 1.435
 
 
 def gauge_face(rail: Profile) -> float:
-    """y of the gauge face, GAUGE_DEPTH below the highest point of the rail as it is laid [m]."""
+    """y of the gauge face, GAUGE_DEPTH below the highest point of the rail as it is laid (EN 13848-1) [m]."""
     y = np.linspace(*rail.limits, 100001)
     height = rail.height(y)
     return float(y[np.argmax(height > np.max(height) - GAUGE_DEPTH)])
 
 
 def european_pair() -> Pair:
-    """S1002 on 60E1 1:40, gauge 1435 mm, tape circles 1500 mm apart, r0 = 0.46 m.
+    """S1002 (EN 13715) on 60E1 (EN 13674-1) 1:40, gauge 1435 mm, tape circles 1500 mm apart, r0 = 0.46 m.
 
     The head is 72 mm wide where the gauge is measured, but inclined, its gauge face lies at y = -35.5 mm, not -36.
     """
@@ -118,7 +118,9 @@ def _contact(pair: Pair, shift: float, roll: float, search: tuple[np.ndarray, np
 
 
 def contact_at(pair: Pair, shift: float, rolls: bool = True) -> Contact:
-    """Contact of rigid profiles, wherever on the contour it is (one-sided: nothing penetrates); `shift` of the axle.
+    """Contact of rigid profiles, wherever on the contour it is (one-sided: nothing penetrates), section 4.3.
+
+    shift [m]: of the axle.
 
     Beyond the flange contact there is no balance: as the wheel climbs by dz, the roll moves its contact sideways by
     r/2b dz, more than the flange recedes, and the search ends on the flange's tip.
@@ -131,7 +133,10 @@ def contact_at(pair: Pair, shift: float, rolls: bool = True) -> Contact:
 
 
 def flange_contact_shift(pair: Pair, largest: float = 15e-3) -> float:
-    """Shift [m] at which the contact leaves the tread for the flange (angle above 30 degrees); infinite if it stays."""
+    """Shift [m] at which the contact leaves the tread for the flange, as in Fig. 4.8; infinite if it stays.
+
+    On the flange: angle above 30 degrees.
+    """
 
     def on_flange(shift: float) -> float:
         return 1.0 if max(contact_at(pair, shift).angle) > math.radians(30.0) else -1.0

@@ -58,7 +58,7 @@ def slender_coefficients(g: ca.SX) -> tuple[Kalker, Kalker]:
 
 
 def kalker_coefficients(axis_ratio: ca.SX) -> Kalker:
-    """Coefficients of an ellipse of any axis ratio a/b > 0, equal to the table at its points.
+    """Coefficients of an ellipse of any axis ratio a/b > 0, equal to Kalker (1990), table E.3, at its points.
 
     Times a factor linear in g = min(a/b, b/a), which is 1 at g = 0, the limits for slender ellipses follow the table
     between its points within 0.4 % (the coefficients themselves curve: 7 % at a/b = 7), and beyond it into the limits.
@@ -90,12 +90,12 @@ def _fit(column: tuple[float, ...]) -> tuple[float, ...]:
 
 
 def smooth_kalker_coefficients(logarithm: ca.SX) -> Kalker:
-    """Coefficients from ln(a/b), from 1/10 to 10, without corners, for a contact that moves."""
+    """Kalker (1990), table E.3, by ln(a/b) from 1/10 to 10, without corners, for a contact that moves."""
     return Kalker(*(ca.exp(polynomial(_fit(column), logarithm)) for column in (C11, C22, C23)))
 
 
 def creepage(sliding_speed: ca.SX, forward_speed: ca.SX, creepage_speed: ca.SX) -> ca.SX:
-    """Longitudinal creepage (xi_x): sliding speed over forward speed.
+    """Longitudinal creepage (xi_x), eq. (2.3): sliding speed over forward speed.
 
     Differs from the thesis: sqrt(V^2 + v_eps^2) instead of V, which is 0 at rest.
     """
@@ -137,7 +137,7 @@ def polach_force(
 
 
 def saturated(gradient: ca.SX, limit: ca.SX, reduction: Reduction = CLEAN) -> ca.SX:
-    """Creep force from the gradient of tangential stress (epsilon) and mu Q [N], eq. (3.97)."""
+    """Creep force from the gradient of tangential stress (phi) and mu Q [N], eq. (3.97)."""
     adhesion = reduction.adhesion * gradient
     return -2 / ca.pi * limit * (adhesion / (1 + adhesion**2) + ca.atan(reduction.slip * gradient))
 

@@ -1,6 +1,6 @@
 """Rotations and rigid bodies in space. x forward, y left, z up; a body is turned by Rz(yaw) Rx(roll) Ry(pitch).
 
-Differs from the thesis, which uses four Euler parameters (3.4): with the pitch last, a wheelset may turn without bound
+Differs from the thesis, which uses four Euler parameters (3.5): with the pitch last, a wheelset may turn without bound
 and its rotation never enters the geometry of the contact.
 """
 
@@ -12,7 +12,7 @@ import casadi as ca
 
 
 def yaw_roll(yaw: ca.SX, roll: ca.SX) -> ca.SX:
-    """Rotation matrix Rz(yaw) Rx(roll), from the axes that yaw and roll with a body to those of the track."""
+    """Rotation matrix Rz(yaw) Rx(roll), section 3.2.1: from axes that yaw and roll with a body to the track's."""
     c, s = ca.cos(yaw), ca.sin(yaw)
     about_z = ca.vertcat(ca.horzcat(c, -s, 0), ca.horzcat(s, c, 0), ca.horzcat(0, 0, 1))
     c, s = ca.cos(roll), ca.sin(roll)
@@ -20,7 +20,7 @@ def yaw_roll(yaw: ca.SX, roll: ca.SX) -> ca.SX:
 
 
 def pitch_rotation(pitch: ca.SX) -> ca.SX:
-    """Rotation matrix Ry(pitch)."""
+    """Rotation matrix Ry(pitch), section 3.2.1."""
     c, s = ca.cos(pitch), ca.sin(pitch)
     return ca.vertcat(ca.horzcat(c, 0, s), ca.horzcat(0, 1, 0), ca.horzcat(-s, 0, c))
 
@@ -28,7 +28,8 @@ def pitch_rotation(pitch: ca.SX) -> ca.SX:
 def axes_rate(roll: ca.SX, rate: ca.SX) -> ca.SX:
     """Angular velocity of the yaw-roll axes themselves, in these axes, of a body that turns with `rate` in them.
 
-    The body's pitch adds to the second component only, so the first and the third are those of the body.
+    As section 3.2.2, for these angles. The body's pitch adds to the second component only, so the first and the third
+    are those of the body.
     """
     return ca.vertcat(rate[0], rate[2] * ca.tan(roll), rate[2])
 
@@ -52,9 +53,9 @@ class Body:
         return self.axes @ self.own_rate
 
     def arm(self, place: ca.SX) -> ca.SX:
-        """From the centre to the place that has the coordinates `place` in the body's axes, eq. (3.12)."""
+        """From the centre to the place that has the coordinates `place` in the body's axes: A u of eq. (3.1)."""
         return self.axes @ place
 
     def velocity_at(self, arm: ca.SX) -> ca.SX:
-        """Velocity of the point at `arm` from the centre, eq. (3.13)."""
+        """Velocity of the point at `arm` from the centre, eq. (3.12)."""
         return self.velocity + ca.cross(self.rate, arm)

@@ -44,7 +44,10 @@ class Mode:
 
 
 def reduced_jacobian(system: System, jacobian: np.ndarray) -> tuple[list[str], np.ndarray]:
-    """Names of the remaining states and f_x - f_z g_z^-1 g_x; jacobian: shape (states, states), of all states."""
+    """Names of the remaining states and f_x - f_z g_z^-1 g_x, by the implicit function theorem.
+
+    jacobian: shape (states, states), of all states.
+    """
     states = list(system.states.values())
     kept = [i for i, s in enumerate(states) if not s.algebraic and s.name not in STEADY]
     algebraic = [i for i, s in enumerate(states) if s.algebraic]
@@ -56,7 +59,7 @@ def reduced_jacobian(system: System, jacobian: np.ndarray) -> tuple[list[str], n
 
 
 def oscillations(system: System, jacobian: np.ndarray) -> list[Mode]:
-    """Modes with a frequency above zero, the least damped first."""
+    """Modes with a frequency above zero, the least damped first; section 4.4 has theirs from simulated motions."""
     names, matrix = reduced_jacobian(system, jacobian)
     values, vectors = np.linalg.eig(matrix)
     found = []
@@ -68,7 +71,7 @@ def oscillations(system: System, jacobian: np.ndarray) -> list[Mode]:
 
 
 def critical_speed(growth: Callable[[float], float], low: float, high: float) -> float:
-    """Speed [m/s] between `low` and `high` at which `growth(speed)` [1/s] turns positive, to 1e-6 m/s.
+    """Speed [m/s] between `low` and `high` at which `growth(speed)` [1/s] turns positive, to 1e-6 m/s; section 4.4.
 
     Raises ValueError when it does not change its sign in between.
     """

@@ -79,7 +79,10 @@ class BogieParameters(ParameterSet):
 
 
 def as_printed(parameters: BogieParameters) -> BogieParameters:
-    """The same bogie in the thesis's reading of what reacts where."""
+    """The same bogie in the thesis's reading of what reacts where: AS_PRINTED.
+
+    Torques act on the wheelsets alone (section 9.2), the flange's force at the wheelset's centre (section 3.3.7).
+    """
     return replace(parameters, **AS_PRINTED)
 
 

@@ -63,7 +63,7 @@ class Axle:
 
 
 def planar_bogie(defaults: BogieParameters) -> System:
-    """The bogie in its vertical plane; see the module's text."""
+    """The bogie of section 5.2 in its vertical plane, by Newton's and Euler's equations; see the module's text."""
     used = (*PLANAR_PARAMETERS, *WHEELSET_PARAMETERS)
     bogie = start_bogie("planar", "Bounce, pitch, load transfer, suspension", defaults, used, SPATIAL_INPUTS)
     system, p = bogie.system, bogie.parameter
@@ -113,7 +113,7 @@ def planar_bogie(defaults: BogieParameters) -> System:
 
 
 def add_axle(bogie: Bogie, number: int) -> Axle:
-    """Suspension of wheelset 1 or 2: spring and damper, eq. (3.38), in level axes, attached below the centre of mass.
+    """Suspension of wheelset 1 or 2 in level axes, eqs (3.38), (3.41), attached below the centre of mass.
 
     The static load is a constant upward force at the attachment point, so that it turns with the frame.
     """
@@ -162,7 +162,7 @@ def add_outputs(bogie: Bogie, axles: list[Axle], wheelsets: list[Wheelset], load
 
 
 def observe_energy(bogie: Bogie, axles: list[Axle], wheelsets: list[Wheelset]) -> None:
-    """Energies [J] and powers lost [W] whose sum must not change while no traction or drawbar force acts."""
+    """Energies [J] and powers lost [W] (section 2.4); their sum stays while no traction or drawbar force acts."""
     system, p = bogie.system, bogie.parameter
     value = {name: state.symbol for name, state in system.states.items()}
     kinetic = p["frame_mass"] * (value["frame_speed"] ** 2 + value["bounce_speed"] ** 2) / 2

@@ -55,7 +55,10 @@ class Profile:
 
 
 def from_points(name: str, source: str, y: ArrayLike, z: ArrayLike) -> Profile:
-    """Least-squares quintic spline through points [m] with y increasing; knots every KNOT_DISTANCE."""
+    """Least-squares quintic spline through points [m] with y increasing, section 3.3.2; knots every KNOT_DISTANCE.
+
+    Raises ValueError for less than 20 points, for ones that are not finite and for a y that does not increase.
+    """
     y_array, z_array = np.asarray(y, float), np.asarray(z, float)
     if y_array.size < 20 or np.any(np.diff(y_array) <= 0.0) or not np.all(np.isfinite([y_array, z_array])):
         raise ValueError(f"Profile {name}: give at least 20 finite points whose y increases.")
@@ -79,7 +82,7 @@ JOINTS_60KG = (10.1e-3, 25.7e-3)
 def rail_head(joints: tuple[float, float]) -> np.ndarray:
     """Half a head of a 60 kg rail, three tangent arcs: rows (y, z), y from 0 outwards, z = 0 at the top [m].
 
-    R300 to the first of the joints, R80 to the second, R13 to the side.
+    R300 to the first of the joints, R80 to the second, R13 to the side: the arcs of 60E1 (EN 13674-1).
     """
     pieces = [np.zeros((1, 2))]
     slope_angle = 0.0
@@ -94,7 +97,10 @@ def rail_head(joints: tuple[float, float]) -> np.ndarray:
 
 
 def inclined(points: np.ndarray, inclination: float) -> np.ndarray:
-    """A contour turned towards the track centre by `inclination`, top again at the origin; rows (y, z)."""
+    """A contour turned towards the track centre by `inclination`, top again at the origin; rows (y, z).
+
+    So rails are laid (section 4.3).
+    """
     angle = np.arctan(inclination)
     y = points[:, 0] * np.cos(angle) - points[:, 1] * np.sin(angle)
     z = points[:, 0] * np.sin(angle) + points[:, 1] * np.cos(angle)
@@ -111,13 +117,13 @@ def _rail(name: str, joints: tuple[float, float], inclination: float) -> Profile
 
 @lru_cache
 def rail_60kg() -> Profile:
-    """60 kg rail head inclined 1:20. Stands for the AS 60 kg/m rail of the thesis, whose arcs are not public."""
+    """60 kg rail head inclined 1:20. Stands for the AS 60 kg/m rail of section 4.3, whose arcs are not public."""
     return _rail("60 kg rail, 1:20", JOINTS_60KG, INCLINATION)
 
 
 @lru_cache
 def rail_60e1() -> Profile:
-    """60E1 rail head inclined 1:40, as most of Europe lays it."""
+    """60E1 rail head (EN 13674-1) inclined 1:40, as most of Europe lays it."""
     return _rail("60E1, 1:40", JOINTS_60E1, 1 / 40)
 
 
@@ -172,14 +178,17 @@ FLANGE_LENGTH, FIELD_SIDE = 14e-3, 55e-3
 
 @lru_cache
 def wheel_cone_120() -> Profile:
-    """A cone 1:20 with transition arc, fillet and flange. Synthetic: stands for LW2, whose contour is not public."""
+    """A cone 1:20 with transition arc, fillet and flange. Synthetic: for LW2 of section 4.3, which is not public."""
     return from_points("synthetic wheel 1:20", "fitted to sections 4.3 and 9.4.1 of the thesis", *synthetic_wheel())
 
 
 def synthetic_wheel(
     transition_start: float = TRANSITION_START, fillet_start: float = FILLET_START, step: float = POINT_DISTANCE
 ) -> np.ndarray:
-    """Contour (y row, z row) of the synthetic wheel: cone, two concave arcs, flange; from the flange outwards [m]."""
+    """Contour (y row, z row) of the synthetic wheel: cone, two concave arcs, flange; from the flange outwards [m].
+
+    transition_start, fillet_start [m]: where the arcs begin, fitted to sections 4.3 and 9.4.1; step [m]: of the points.
+    """
     angle = np.arctan(INCLINATION)
     points = [np.array([[transition_start, transition_start * INCLINATION]])]
 
@@ -209,7 +218,8 @@ def read_profile(path: Path, kind: str) -> Profile:
 
     `kind` is "wheel" or "rail". Instruments differ in the direction of their axes, so a contour that lies upside down,
     and a wheel whose flange lies at positive y, is turned; a rail must have its gauge corner at negative y. Other lines
-    (MiniProf's NAME=VALUE) are passed over. Raises ValueError with the path and what is wrong.
+    (NAME=VALUE of the MiniProf, the instrument of section 6.3.5) are passed over. Raises ValueError with the path and
+    what is wrong.
     """
     rows = []
     for line in path.read_text(encoding="utf-8", errors="replace").splitlines():

@@ -71,7 +71,10 @@ def rail_between_axles(system: System, speed: ca.SX, cleaned: dict[int, ca.SX], 
 
 
 def rail_adhesion_system(defaults: RecoveryParameters) -> System:
-    """Energy of sliding per distance, e = |F w| / V, cleans a share 1 - exp(-e / e_0), which the wheel follows."""
+    """Energy of sliding per distance, e = |F w| / V, cleans a share 1 - exp(-e / e_0), which the wheel follows.
+
+    Section 2.5.2 says that the leading wheelset cleans the rail for those that follow. Assumed: how energy does it.
+    """
     system = System("RailAdhesion", "Wheel-rail friction that recovers with the energy of sliding")
     speed = system.input(Variable("speed", "input", "m/s", "Speed of the bogie; below 0 wheelset 2 leads"))
     p = {name: system.parameter(defaults.variable(name)) for name in defaults.values()}

@@ -62,9 +62,9 @@ class WheelContact:
 def wheel_contact(
     system: System, name: str, pair: Pair, placement: Placement, side: int, position: ca.SX, rail_shift: ca.SX
 ) -> WheelContact:
-    """Contact of a wheel at the position s on its profile; adds the tables of both profiles, named after `name`.
+    """Contact of a wheel (3.77) at the position s on its profile with a rail (3.78): eqs (3.54), (3.57), (3.83).
 
-    rail_shift [m]: lateral irregularity of the rail.
+    Adds the tables of both profiles, named after `name`. rail_shift [m]: lateral irregularity of the rail.
     """
     wheel, slope, bend = system.curve(f"wheel_{name}", *pair.wheel.pieces, position, 2)
     axes, radius = placement.axes, placement.wheel_radius - wheel

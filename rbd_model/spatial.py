@@ -63,21 +63,24 @@ def spatial_bogie(defaults: BogieParameters, pair: Pair, track: Track, numbers: 
 
 
 def place_under_frame(bogie: Bogie, number: int, count: int) -> ca.SX:
-    """Place of an axle along the sprung mass [m]; one alone is below its centre."""
+    """Place of an axle along the sprung mass [m], Fig. 5.1; one alone is below its centre, Fig. 4.1."""
     if count == 1:
         return ca.SX(0)
     return bogie.parameter["wheel_base"] * (0.5 if number == 1 else -0.5)
 
 
 def torque_reaction(bogie: Bogie, wheelset: SpatialWheelset, motion: Motion) -> Load:
-    """The share of brake and traction torque that reacts on the sprung mass, about the axle."""
+    """The share of brake and traction torque that reacts on the sprung mass, about the axle.
+
+    Differs from the thesis, which leaves it out (section 9.2): brakes and motors hang in the frame.
+    """
     torque = motion.rotation.brake_torque - motion.rotation.traction_torque
     axle = wheelset.body.axes[:, 1]
     return Load(ca.SX.zeros(3), bogie.parameter["torque_reaction"] * torque * axle)
 
 
 def add_outputs(bogie: Bogie, wheelsets: Sequence[SpatialWheelset], motions: Sequence[Motion]) -> None:
-    """Outputs; speed, distance and acceleration are those of the axles as at the planar level."""
+    """Outputs; speed, distance and acceleration are those of the axles (section 6.3.4) as at the planar level."""
     system, outputs, count = bogie.system, bogie.outputs, len(wheelsets)
     value = {name: state.symbol for name, state in system.states.items()}
     speed = ca.SX(sum(wheelset.body.velocity[0] for wheelset in wheelsets)) / count
@@ -132,7 +135,7 @@ def add_ends(bogie: Bogie, wheelsets: Sequence[SpatialWheelset], share: ca.SX) -
 
 
 def warn_of_climbing(bogie: Bogie, wheelsets: Sequence[SpatialWheelset], share: ca.SX, angle: float) -> None:
-    """Nadal's limit of Y/Q for a wheel whose flange touches; angle [rad]: of the flange.
+    """Limit of Y/Q after Nadal (1896) for a wheel whose flange touches; angle [rad]: of the flange.
 
     As a margin of forces, which needs no load to divide by.
     """
@@ -153,7 +156,7 @@ def observe_energy(
     suspensions: Sequence[Suspension],
     motions: Sequence[Motion],
 ) -> None:
-    """Energies [J] and powers lost [W] whose sum must not change while nothing drives; constraints do no work."""
+    """Energies [J] and powers lost [W] (section 2.4); their sum stays while nothing drives: constraints do no work."""
     system, p = bogie.system, bogie.parameter
 
     def kinetic(body: Body, name: str) -> ca.SX:

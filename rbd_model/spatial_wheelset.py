@@ -1,7 +1,7 @@
 """One wheelset in space: constraints, creep, flange, brake, and its equations of motion.
 
 Six velocities (v_x, v_y, v_z in the axes of the track; omega_x, omega_y, omega_z in those that yaw and roll with the
-wheelset) are bound by two contacts. v_z and omega_x follow from the constraints at the level of velocities (3.70), the
+wheelset) are bound by two contacts. v_z and omega_x follow from the constraints at the level of velocities (3.67), the
 normal forces from those of accelerations (3.71); roll and contact positions from the constraints themselves.
 """
 
@@ -129,7 +129,7 @@ def place_wheelset(
     section: Callable[[int, ca.SX], Section],
     static_load: ca.SX,
 ) -> SpatialWheelset:
-    """Declares the states of a wheelset whose place is `along` [m] from the sprung mass, and finds its contacts.
+    """Declares the states of a wheelset whose place is `along` [m] from the sprung mass; contacts by (3.54), (3.57).
 
     section: the track by wheelset and distance; static_load [N]: of one wheel, the guess for the normal forces.
     """
@@ -187,7 +187,7 @@ def place_wheelset(
 
 
 def constraint_rows(bogie: Bogie, contacts: list[WheelContact], track: Section) -> list[ca.SX]:
-    """Each contact's motion along its normal, linear in (v_x, v_y, v_z, omega_x, omega_z), eq. (3.70).
+    """Each contact's motion along its normal, linear in (v_x, v_y, v_z, omega_x, omega_z), eq. (3.67).
 
     The rails' section moves sideways and upwards as the wheelset moves along.
     """
@@ -201,7 +201,7 @@ def constraint_rows(bogie: Bogie, contacts: list[WheelContact], track: Section) 
 
 
 def dependent_velocities(rows: list[ca.SX], forward: ca.SX, sideways: ca.SX, yaw_rate: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """v_z and omega_x from the two constraints."""
+    """v_z [m/s] and omega_x [rad/s] from the two constraints: (3.115) solved for the dependent velocities."""
     left, right = (row[0] * forward + row[1] * sideways + row[4] * yaw_rate for row in rows)
     inverse = 1 / (rows[0][2] * rows[1][3] - rows[1][2] * rows[0][3])
     rise = inverse * (rows[0][3] * right - rows[1][3] * left)
@@ -245,13 +245,13 @@ def roll_wheel(
 
 
 def move_wheelset(bogie: Bogie, wheelset: SpatialWheelset, suspension: Load) -> Motion:
-    """Newton's and Euler's equations of a wheelset, eqs (3.25), (3.26), and the accelerations of its constraints.
+    """Newton's and Euler's equations of a wheelset, as (3.73), and the accelerations of its constraints, (3.71).
 
-    Differs from the thesis: about axes that yaw and roll with the wheelset, in which its inertia is constant. The yaw
-    torque acts about the upright one of these, as the couple of the shoe forces (9.1) does, which are square to the
-    axle; the vertical of the track, the other reading, is a roll (1e-3) away and would turn the axle by its sine. About
-    an axis that turns with the wheelset's rotation as well when yaw_torque_rotates is 1, which the body's matrix in
-    place of the global one in (3.36) does.
+    Differs from the thesis, which has Euler parameters: about axes that yaw and roll with the wheelset, in which its
+    inertia is constant. The yaw torque acts about the upright one of these, as the couple of the shoe forces (9.1)
+    does, which are square to the axle; the vertical of the track, the other reading, is a roll (1e-3) away and would
+    turn the axle by its sine. About an axis that turns with the wheelset's rotation as well when yaw_torque_rotates is
+    1, which the body's matrix in place of the global one in (3.36) does.
     """
     system, p, number = bogie.system, bogie.parameter, wheelset.number
     mass = p["wheelset_mass"]

@@ -20,7 +20,7 @@ ANGLES = {"frame_roll": 0, "pitch": 1, "frame_yaw": 2}
 
 
 def place_frame(bogie: Bogie, pitches: bool) -> Body:
-    """Declares the states of the sprung mass; its position is counted from itself along the track.
+    """Declares the states of the sprung mass (sections 4.2, 5.2); its position is counted from itself along the track.
 
     Angular velocities are in the axes of the body. With the pitch held, the mass still turns about its lateral axis as
     far as its yaw axis leans.
@@ -63,14 +63,17 @@ def place_frame(bogie: Bogie, pitches: bool) -> Body:
 
 
 def hold_or_pull(bogie: Bogie, force: ca.SX) -> None:
-    """Longitudinal acceleration of the sprung mass; none at constant speed, where something pulls as much as needed."""
+    """Longitudinal acceleration of the sprung mass, by Newton's second law; force [N]: of the suspension.
+
+    None at constant speed (sections 4.2, 5.2), where something pulls as much as needed.
+    """
     p = bogie.parameter
     acceleration = (1 - p["constant_speed"]) / p["frame_mass"] * (force + bogie.input["drawbar_force"])
     bogie.system.derivative("frame_speed", acceleration)
 
 
 def move_frame(bogie: Bogie, frame: Body, load: Load) -> None:
-    """Newton's and Euler's equations of the sprung mass, but for its longitudinal motion, eqs (3.25), (3.26)."""
+    """Newton's and Euler's equations of the sprung mass, but for its longitudinal motion: (3.73) in its own axes."""
     system, p = bogie.system, bogie.parameter
     lightness = 1 / p["frame_mass"]
     system.derivative("frame_lateral_rate", lightness * load.force[1])

@@ -64,7 +64,7 @@ def suspend(
 
 
 def total(loads: Sequence[Load]) -> Load:
-    """Sum of loads on one body."""
+    """Sum of loads on one body, eqs (3.35), (3.36)."""
     force, moment = ca.SX.zeros(3), ca.SX.zeros(3)
     for load in loads:
         force, moment = force + load.force, moment + load.moment

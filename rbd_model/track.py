@@ -73,7 +73,10 @@ Track = Callable[[System], Callable[[int, ca.SX], Section]]
 
 
 def blend(share: ca.SX) -> ca.SX:
-    """Step from 0 to 1 over 0 to 1 with two continuous derivatives, 10 s^3 - 15 s^4 + 6 s^5."""
+    """Step from 0 to 1 over 0 to 1 with two continuous derivatives, 10 s^3 - 15 s^4 + 6 s^5.
+
+    Assumed, for the ends of the waves of sections 5.3.1 and 5.3.2, which are printed with corners.
+    """
     s = ca.fmin(ca.fmax(share, 0), 1)
     return s**3 * (10 - 15 * s + 6 * s**2)
 
@@ -118,9 +121,10 @@ def irregular_track(defaults: TrackParameters) -> Track:
 
 
 def derivatives_along(parameters: TrackParameters) -> Callable[[float], np.ndarray]:
-    """The same track in plain numbers: at a distance [m], shape (3, 3), value and first and second derivative by row.
+    """The track with (5.3), (5.4) in plain numbers: at a distance [m], shape (3, 3).
 
-    Columns: lateral position of both rails, height of the left and of the right one [m].
+    Rows: value, first and second derivative. Columns: lateral position of both rails, height of the left and of the
+    right one [m].
     """
     system = System("track", "its parameters become numbers")
     distance = ca.SX.sym("distance")

@@ -114,7 +114,7 @@ class CentredLoad:
 
 
 def follow_creep(bogie: Bogie, speed: str) -> None:
-    """No step may change the state `speed` by more than half: the coefficient of creep goes with its reciprocal.
+    """No step may change the state `speed` by more than half: the creepage (2.3) goes with its reciprocal.
 
     The error of a step says nothing of that: at the end of a stop the creep is so stiff that it is solved for at once,
     but with a Jacobian of another speed the force comes out wrong.
@@ -124,7 +124,7 @@ def follow_creep(bogie: Bogie, speed: str) -> None:
 
 
 def centred_contact(bogie: Bogie) -> CentredContact:
-    """Constant from the curvatures, computed once at the start.
+    """Factor of (3.94), with the ellipse of `ellipse_shape`: constant from the curvatures, computed once at the start.
 
     Not a number, so that a run is refused at its start, for an ellipse more slender than 1 : 10: on half-spaces, as
     Hertz and Kalker have them, no wheel touches a rail like that.
@@ -138,13 +138,13 @@ def centred_contact(bogie: Bogie) -> CentredContact:
 
 
 def centred_load(load: ca.SX) -> CentredLoad:
-    """Of an axle that carries `load` [N], kept above zero for the creep law."""
+    """Of an axle that carries `load` [N], kept above zero for the creep law; growth as in (3.87)."""
     wheel = at_least(load / 2, SMALLEST_LOAD)
     return CentredLoad(wheel, wheel ** (1 / 3))
 
 
 def rail_friction(bogie: Bogie, number: int, distance: ca.SX) -> ca.SX:
-    """Friction coefficient without sliding (mu0) under a wheelset at a distance [m] along the track."""
+    """Friction coefficient without sliding, mu0 of Polach (2005), under a wheelset at a distance [m]."""
     return bogie.input[f"friction_{number}"] * bogie.rail.factor(number, distance)
 
 
@@ -156,7 +156,7 @@ def at_least(value: ca.SX, least: float) -> ca.SX:
 def creep_force_of_wheelset(
     bogie: Bogie, friction: ca.SX, contact: CentredContact, load: CentredLoad, sliding: ca.SX, forward: ca.SX
 ) -> ca.SX:
-    """Longitudinal force of both rails on a wheelset that slides at `sliding` [m/s]; friction: without sliding."""
+    """Longitudinal force of both rails on a wheelset that slides at `sliding` [m/s], (3.94), (3.97); friction: mu0."""
     # The corner of the absolute value is not felt: without sliding the force does not depend on friction.
     friction = at_least(friction * bogie.rail.remaining(ca.fabs(sliding)), SMALLEST_FRICTION)
     # Eq. (3.94) with the creepage over sqrt(V^2 + v_eps^2). All divisors in one: they are what this costs.
@@ -167,7 +167,7 @@ def creep_force_of_wheelset(
 def add_wheelset(
     bogie: Bogie, number: int, contact: CentredContact, distance: ca.SX, forward: ca.SX, load: CentredLoad
 ) -> Wheelset:
-    """A wheelset on a level rail; distance [m], forward [m/s]: of its axle along the track."""
+    """A wheelset on a level rail, eq. (2.8); distance [m], forward [m/s]: of its axle along the track."""
     omega = add_rotation_states(bogie, number)
     radius = bogie.parameter["wheel_radius"]
     sliding = forward - radius * omega
@@ -177,7 +177,7 @@ def add_wheelset(
 
 
 def add_rotation_states(bogie: Bogie, number: int) -> ca.SX:
-    """Declares the rotation of a wheelset and returns its angular velocity; at the start it rolls."""
+    """Declares the rotation of a wheelset and returns its angular velocity, omega of (2.8); at the start it rolls."""
     start = bogie.initial_speed / bogie.parameter["wheel_radius"]
     bogie.system.state(f"rotation_{number}", "rad", 0.0, NOMINAL_ROTATION)
     return bogie.system.state(f"angular_velocity_{number}", "rad/s", start, NOMINAL_ANGULAR_VELOCITY)

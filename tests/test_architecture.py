@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import re
 import subprocess
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import pytest
@@ -59,13 +60,66 @@ def test_rooms_of_subjects_hold_nothing_but_scenarios() -> None:
             assert f"scenarios.{room}.{path.stem}" in catalogue, path.relative_to(ROOT)
 
 
-def test_every_function_of_the_physics_says_what_it_is() -> None:
+Definition = ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef
+
+
+def public(path: Path) -> Iterator[tuple[str, Definition]]:
+    """Functions, classes and their methods whose names have no leading underscore, with the names of their classes."""
+
+    def within(body: Sequence[ast.stmt], outer: str) -> Iterator[tuple[str, Definition]]:
+        for node in body:
+            if isinstance(node, Definition) and not node.name.startswith("_"):
+                yield outer + node.name, node
+                if isinstance(node, ast.ClassDef):
+                    yield from within(node.body, f"{outer}{node.name}.")
+
+    yield from within(ast.parse(path.read_text(encoding="utf-8")).body, "")
+
+
+@pytest.mark.parametrize("package", ALLOWED)
+def test_every_public_function_method_and_class_says_what_it_is(package: str) -> None:
+    for path in (ROOT / package).rglob("*.py"):
+        for name, node in public(path):
+            assert ast.get_docstring(node), f"{path.relative_to(ROOT)}: {name} has no doc string; say what it is."
+
+
+#: An equation, a place in the thesis, a source with its year or a standard, or a principle by its name.
+CITATION = re.compile(
+    r"\([2-9]\.\d+|\b([Ss]ections?|chapter|Tables?|Figs?\.) \d"
+    r"|\b[A-Z][a-z]+ \(\d{4}\)|\b(EN|ISO|UIC) \d+|Karwatzki|MaSzyna"
+    r"|Newton's|Hooke's|implicit function theorem|First law|ideal gas|isentropic"
+)
+#: Functions without physics of their own, by file: they build FMUs, declare variables, read files, serve numerics.
+PLUMBING = {
+    "rbd_model/adhesion.py": {"follow_patch"},
+    "rbd_model/bogie.py": {"levels", "smallest_level", "names_of_levels"},
+    "rbd_model/contact.py": {"polynomial"},
+    "rbd_model/profiles.py": {"upright"},
+    "rbd_model/rail_recovery.py": {"rail_adhesion"},
+    "rbd_model/track.py": {"track_from_file", "track_from_points"},
+    "rbd_model/variables.py": {"inputs", "outputs", "initial_speed", "initial_offsets"},
+    "rbd_model/wheelset.py": {"start_bogie", "at_least"},
+    "brake_controller/cylinder.py": {"brake_model"},
+    "brake_controller/protection_fmu.py": {"wheel_slide_protection"},
+    "brake_controller/wheel_slide.py": {"within"},
+}
+
+
+def test_every_function_of_the_physics_cites_its_source() -> None:
+    """And what is listed as plumbing exists and cites nothing, so that the list stays short."""
+    silent: dict[str, set[str]] = {}
     for package in ("rbd_model", "brake_controller"):
         for path in (ROOT / package).rglob("*.py"):
-            for node in ast.parse(path.read_text(encoding="utf-8")).body:
-                if isinstance(node, ast.FunctionDef | ast.ClassDef) and not node.name.startswith("_"):
-                    needs_text = not node.name.startswith("add_")
-                    assert ast.get_docstring(node) or not needs_text, f"{path.name}: {node.name} has no doc string"
+            for name, node in public(path):
+                cites = CITATION.search(ast.get_docstring(node) or "")
+                if isinstance(node, ast.FunctionDef) and "." not in name and not cites:
+                    silent.setdefault(path.relative_to(ROOT).as_posix(), set()).add(name)
+    assert silent == PLUMBING, "Cite equation, section or source in the doc string, or list the function as plumbing."
+
+
+@pytest.mark.parametrize("text", ["", "Adds the tables of both profiles.", "section: the track by wheelset", "f(0.5)"])
+def test_no_citation_is_seen_where_there_is_none(text: str) -> None:
+    assert not CITATION.search(text)
 
 
 def tracked() -> list[Path]:

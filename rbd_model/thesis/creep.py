@@ -32,7 +32,7 @@ def hertz_ellipse(a: float, b: float, normal_force: float, shear_modulus: float)
     """Exact ellipse, eqs (3.82)-(3.88), with Kalker's coefficients between the entries of his table as everywhere.
 
     a, b: A and B. Differs from the thesis, which refers to de Pater for the ratio of the semi-axes: it follows from
-    B / A = (E / g^2 - K) / (K - E), Johnson (1985), eq. 4.25. The angle (3.85) carries the same information and is
+    B / A = (E / g^2 - K) / (K - E), Johnson (1985), section 4.2. The angle (3.85) carries the same information and is
     not needed.
     """
     ratio = max(a, b) / min(a, b)
@@ -54,7 +54,7 @@ def hertz_ellipse(a: float, b: float, normal_force: float, shear_modulus: float)
 
 @lru_cache
 def kalker_function() -> ca.Function:
-    """Kalker's (c11, c22, c23) of an axis ratio, compiled once."""
+    """Kalker's (c11, c22, c23) of an axis ratio, Kalker (1990), table E.3, compiled once."""
     ratio = ca.SX.sym("ratio")
     kalker = kalker_coefficients(ratio)
     return ca.Function("kalker", [ratio], [kalker.c11, kalker.c22, kalker.c23])

@@ -50,7 +50,7 @@ def of_moment(body: Motion, moment: np.ndarray) -> np.ndarray:
 
 
 def of_body_moment(body: Motion, moment: np.ndarray) -> np.ndarray:
-    """The same for a moment given in the axes of the body, which turn with it."""
+    """The same for a moment in the axes of the body, which turn with it: (3.36) with G bar."""
     return np.concatenate([np.zeros(3), body.g.T @ moment])
 
 

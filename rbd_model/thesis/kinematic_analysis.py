@@ -40,14 +40,14 @@ class Frame:
 
 
 def frame_at_rest(mechanism: Mechanism) -> Frame:
-    """The frame at its place on straight track."""
+    """The frame at its place on straight track, as section 3.3.3 holds it."""
     p = mechanism.parameters
     coordinates = np.array([0.0, 0.0, p.wheel_radius + p.frame_height, 1.0, 0.0, 0.0, 0.0])
     return Frame(coordinates, np.zeros(3), np.zeros(3))
 
 
 def centred(mechanism: Mechanism) -> np.ndarray:
-    """(q, s) of everything at its place, but for what the profiles leave to Newton-Raphson."""
+    """(q, s), the unknowns (3.80), of everything at its place, but for what the profiles leave to Newton-Raphson."""
     near = np.zeros(mechanism.unknowns)
     for number in range(mechanism.bodies):
         near[mechanism.body(number)][3] = 1.0
@@ -64,7 +64,7 @@ def centred(mechanism: Mechanism) -> np.ndarray:
 
 
 def rolling(mechanism: Mechanism, speed: float) -> State:
-    """Everything at its place on straight track and moving at `speed` [m/s], the wheels rolling."""
+    """Everything at its place on straight track and moving at `speed` [m/s], the wheels rolling (section 2.3.1)."""
     pitch_rate = speed / mechanism.parameters.wheel_radius
     wheelsets = [
         Wheelset(mechanism.place(number), speed=speed, pitch_rate=pitch_rate) for number in range(mechanism.wheelsets)
@@ -76,7 +76,7 @@ def rolling(mechanism: Mechanism, speed: float) -> State:
 def drive_to(
     mechanism: Mechanism, wheelsets: Sequence[Wheelset], frame: Frame, near: np.ndarray, time: float = 0.0
 ) -> State:
-    """The state with these driving constraints beside the system's own; near: (q, s) to begin with.
+    """The state with these driving constraints beside the system's own, eq. (3.79); near: (q, s) to begin with.
 
     The speed must be free. Raises NoSolutionError where no contact exists: the Newton-Raphson iteration diverges.
     """
@@ -104,7 +104,7 @@ def drive_to(
 def driving_constraints(
     mechanism: Mechanism, wheelsets: Sequence[Wheelset], frame: Frame, coordinates: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Errors and Jacobian of what is driven: place, lateral, yaw, pitch of each wheelset, and the frame."""
+    """Errors and Jacobian of what is driven (section 3.3.3): place, lateral, yaw, pitch of each wheelset, the frame."""
     errors, rows = [], []
 
     def hold(column: int, value: float) -> None:
@@ -136,7 +136,7 @@ def driving_constraints(
 def square_of_rates(
     mechanism: Mechanism, wheelsets: Sequence[Wheelset], jacobian: np.ndarray, coordinates: np.ndarray
 ) -> np.ndarray:
-    """The constraints' Jacobian and, below it, the rows that give the driven rates."""
+    """The constraints' Jacobian, as in (3.67), and, below it, the rows that give the driven rates."""
     rows = []
     for number, wheelset in enumerate(wheelsets):
         start = mechanism.body(FIRST_WHEELSET + number).start
@@ -157,7 +157,7 @@ def square_of_rates(
 
 
 def driven_rates(mechanism: Mechanism, wheelsets: Sequence[Wheelset], frame: Frame) -> np.ndarray:
-    """Right-hand side for the rates: zeros of the constraints, then what is driven."""
+    """Right-hand side for the rates: zeros of the constraints (3.67), then what is driven."""
     values = [0.0] * mechanism.equations
     for wheelset in wheelsets:
         values += [wheelset.speed, wheelset.lateral_speed, wheelset.yaw_rate, wheelset.pitch_rate]

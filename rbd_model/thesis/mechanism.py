@@ -29,7 +29,7 @@ Irregularity = Callable[[float], np.ndarray]
 
 
 def perfect_track(distance: float) -> np.ndarray:
-    """No irregularity."""
+    """No irregularity, as section 4.2 has it; shape (3, 3)."""
     return np.zeros((3, 3))
 
 
@@ -153,9 +153,11 @@ class Mechanism:
         return slice(PARAMETERS * contact, PARAMETERS * (contact + 1))
 
     def wheel_parameters(self, contact: int) -> slice:
+        """Where a contact's parameters on the wheel stand in s, eqs (4.2), (5.2)."""
         return self.rail_parameters(self.contacts + contact)
 
     def motions(self, q: np.ndarray, q_rate: np.ndarray) -> list[Motion]:
+        """Motions of all bodies from their coordinates and rates, shapes (q_count,)."""
         return [Motion.of(q[self.body(n)], q_rate[self.body(n)]) for n in range(self.bodies)]
 
     def touches(self, motions: Sequence[Motion], s: np.ndarray) -> list[Touch]:

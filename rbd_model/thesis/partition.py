@@ -90,7 +90,10 @@ def close_velocities(mechanism: Mechanism, rates: np.ndarray, jacobian: np.ndarr
 
 
 def closed_state(mechanism: Mechanism, near: State, partition: Partition) -> tuple[State, np.ndarray]:
-    """The state that meets all constraints with the independent coordinates and rates of `near`; and the Jacobian."""
+    """The state that meets all constraints with the independent coordinates and rates of `near`, section 3.4.
+
+    And the Jacobian, shape (equations, unknowns). Raises NoSolutionError.
+    """
     cut = mechanism.q_count
     coordinates, jacobian = close_positions(mechanism, near.time, np.concatenate([near.q, near.s]), partition)
     rates = close_velocities(mechanism, np.concatenate([near.q_rate, near.s_rate]), jacobian, partition)

@@ -43,7 +43,7 @@ def step(mechanism: Mechanism, state: State, size: float, drive: Drive, partitio
 
 
 def moved(state: State, size: float, rates: np.ndarray, accelerations: np.ndarray) -> State:
-    """The state `size` seconds later by the given rates and accelerations of (q, s), before constraints are met."""
+    """The state `size` seconds later by the rates and accelerations (3.118) of (q, s), before constraints are met."""
     cut = state.q.size
     return State(
         state.time + size,
@@ -68,13 +68,13 @@ def run(mechanism: Mechanism, state: State, duration: float, size: float, drive:
 
 
 def spin(mechanism: Mechanism, state: State, wheelset: int) -> float:
-    """Angular velocity of a wheelset about its axle [rad/s]."""
+    """Angular velocity of a wheelset about its axle [rad/s], by (3.13)."""
     body = mechanism.body(FIRST_WHEELSET + wheelset)
     return float(angular_velocity(state.q[body][3:], state.q_rate[body][3:])[1])
 
 
 def until_a_wheel_stops(mechanism: Mechanism, state: State, size: float, drive: Drive) -> State:
-    """A step, shortened by the secant rule to the instant at which a braked wheelset stops turning."""
+    """A step [s], shortened by the secant rule to the instant at which a braked wheelset locks (section 2.5.2)."""
     after = step(mechanism, state, size, drive)
     for number in range(mechanism.wheelsets):
         direction, reached = state.direction[number], after.time - state.time
@@ -93,7 +93,7 @@ def until_a_wheel_stops(mechanism: Mechanism, state: State, size: float, drive: 
 
 
 def switch_brakes(mechanism: Mechanism, state: State, inputs: Inputs) -> None:
-    """Locks wheelsets that stand and releases those whose brake cannot hold them; changes state.direction."""
+    """Locks wheelsets that stand (section 2.5.2), frees those whose brake cannot hold them; changes state.direction."""
     for number in range(mechanism.wheelsets):
         capacity = inputs.brake_torque[number] + mechanism.parameters.rolling_resistance_torque
         if state.direction[number] != 0 and (capacity <= 0.0 or abs(spin(mechanism, state, number)) > STOPPED):

@@ -30,7 +30,7 @@ def _pieces(profile: Profile) -> tuple[np.ndarray, np.ndarray]:
 
 
 def profile_derivatives(profile: Profile, y: float) -> np.ndarray:
-    """z, z', z'', z''' at y [m]; shape (4,)."""
+    """z, z', z'', z''' at y [m], section 3.3.2; shape (4,). Raises OffTheProfileError."""
     breakpoints, matrices = _pieces(profile)
     if not breakpoints[0] <= y <= breakpoints[-1]:
         raise OffTheProfileError(f"The contact at y = {1e3 * y:.3g} mm has left the profile {profile.name}.")
