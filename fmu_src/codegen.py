@@ -53,6 +53,7 @@ FUNCTIONS = (
     "drive",
     "capacity",
     "condition_margin",
+    "warning_margin",
     "largest_change",
     "output_along",
     "residual_along",
@@ -68,6 +69,7 @@ def functions(system: System) -> dict[str, ca.Function]:
     # Exact: d/dx, its structural nonzeros only, and along the given rates of the inputs d/dt.
     jacobian = ca.jacobian(ode, states)
     time_slope = ca.densify(ca.jacobian(ode, time) + ca.jtimes(ode, inputs, rates))
+    costly = any(warning.candidate is not None for warning in system.warnings)
     results: dict[str, list[ca.SX]] = {
         "derive": [ca.vertcat(*system.derived_expressions.values())],
         "start": [_start(system)],
@@ -76,7 +78,8 @@ def functions(system: System) -> dict[str, ca.Function]:
         "output": [ca.vertcat(*system.outputs.values())],
         "drive": [ca.vertcat(*[friction.drive for friction in system.frictions])],
         "capacity": [ca.vertcat(*[friction.capacity for friction in system.frictions])],
-        "condition_margin": [ca.vertcat(*[c.margin for c in (*system.end_conditions, *system.warnings)])],
+        "condition_margin": [ca.vertcat(*[c.first_look for c in (*system.end_conditions, *system.warnings)])],
+        "warning_margin": [ca.vertcat(*[c.margin for c in system.warnings])] if costly else [],
         "largest_change": [ca.vertcat(*[largest for _, largest in system.largest_changes])],
     }
     for rank in range(_table_ranks(system)):

@@ -130,11 +130,18 @@ class Friction:
 class Condition:
     """The run ends, or warns once, when `margin` (dimensionless, of order 1) turns negative.
 
-    `sentence` holds one %s, the time.
+    `sentence` holds one %s, the time. `candidate`: an expression that costs less and is negative wherever the margin
+    may be, which is computed only there; None: the margin itself.
     """
 
     margin: ca.SX
     sentence: str
+    candidate: ca.SX | None = None
+
+    @property
+    def first_look(self) -> ca.SX:
+        """What is computed at every step."""
+        return self.margin if self.candidate is None else self.candidate
 
 
 @dataclass(frozen=True)
@@ -269,9 +276,9 @@ class System:
         """Ends the run where `margin` falls below 0, and says the sentence with the time [s] in place of its %s."""
         self.end_conditions.append(Condition(margin, sentence))
 
-    def warn_when_negative(self, margin: ca.SX, sentence: str) -> None:
-        """As `end_when_negative`, but the run goes on; the sentence is said once."""
-        self.warnings.append(Condition(margin, sentence))
+    def warn_when_negative(self, margin: ca.SX, sentence: str, candidate: ca.SX | None = None) -> None:
+        """As `end_when_negative`, but the run goes on; the sentence is said once. `candidate`: see `Condition`."""
+        self.warnings.append(Condition(margin, sentence, candidate))
 
     def observe(self, name: str, unit: str, expression: ca.SX) -> None:
         """An expression for looks inside, which costs nothing in an FMU; see `with_integrals`."""

@@ -142,10 +142,12 @@ def warn_of_climbing(bogie: Bogie, wheelsets: Sequence[SpatialWheelset], share: 
     for wheelset in wheelsets:
         for wheel, push, side in zip(wheelset.wheels, wheelset.flange.push, SIDES.values(), strict=True):
             margin = nadal_limit(angle, wheel.friction) * wheel.load - wheel.thrust - push
+            # The creep forces in it cost as much as half of a right-hand side: only where the flange touches.
             bogie.system.warn_when_negative(
                 ca.if_else(push > 0, margin / share, 1),
                 f"Flange climb: Y/Q of the {side} wheel of wheelset {wheelset.number} rose above Nadal's limit for its "
                 "flange and friction at %s s; a real wheel may climb the rail from there on, this one stays on it.",
+                candidate=-push / share,
             )
 
 

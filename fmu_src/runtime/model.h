@@ -70,7 +70,10 @@ typedef struct {
     const table_description *table;
     const char *const *sentence; /* of each condition; contains one %s for the time */
     /* null: not needed */
-    generated_function derive, start, ode, jacobian, output, drive, capacity, condition_margin, largest_change;
+    generated_function derive, start, ode, jacobian, output, drive, capacity;
+    generated_function condition_margin; /* of all conditions; of costly warnings something that is negative where they are */
+    generated_function warning_margin;   /* of the warnings; null: condition_margin has them */
+    generated_function largest_change;
     generated_function output_along, residual_along; /* derivatives of outputs and of residuals along the seed */
     const generated_function *table_argument; /* one for each rank */
 } system_description;

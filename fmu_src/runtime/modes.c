@@ -83,12 +83,21 @@ int modes_switch(kernel *self, double offset, double least) {
     return 0;
 }
 
+/* Whether there is a warning to be said, by the margins as they stand. */
+static int is_to_warn(const kernel *self, int i) {
+    return self->said[i] == 0.0 && !(self->margin[self->system->frictions + i] >= 0.0);
+}
+
 /* Says once what only warns, from the margins of the state just reached. Returns the number of new warnings. */
 int modes_warn(kernel *self, double offset) {
     const system_description *system = self->system;
-    int count = 0;
-    for (int i = system->ends; i < system->conditions; ++i) {
-        if (self->said[i] != 0.0 || self->margin[system->frictions + i] >= 0.0) continue;
+    int count = 0, candidates = 0;
+    for (int i = system->ends; i < system->conditions; ++i) candidates += is_to_warn(self, i);
+    if (candidates && system->warning_margin)
+        kernel_evaluate(self, system->warning_margin, offset, self->state,
+                        self->margin + system->frictions + system->ends);
+    for (int i = system->ends; i < system->conditions && candidates; ++i) {
+        if (!is_to_warn(self, i)) continue;
         char when[CLOCK_SIZE];
         (void)kernel_fail(self, KERNEL_WARNING, system->sentence[i], kernel_clock(self->step_origin + offset, 6, when));
         self->said[i] = 1.0;

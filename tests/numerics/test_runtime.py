@@ -410,3 +410,23 @@ def test_step_from_another_time_is_refused() -> None:
     kernel.advance(1.0)
     with pytest.raises(KernelError, match="Step from t = 1 s"):
         kernel.step(3.0, 0.1)
+
+
+def test_candidate_of_a_warning_changes_nothing_of_what_is_said() -> None:
+    """The margin decides, where its candidate has turned negative before; without a candidate it is said then too."""
+
+    def write(system: System) -> None:
+        x = system.state("x", "s", 0.0, 1.0)
+        system.derivative("x", ca.SX(1.0))
+        system.limit_change("x", ca.SX(0.1))
+        system.warn_when_negative(3.0 - x, "Plain at %s s.")
+        system.warn_when_negative(3.0 - x, "Costly at %s s.", candidate=2.0 - x)
+        system.warn_when_negative(5.0 - x, "Never at %s s.", candidate=2.0 - x)
+        system.output(Variable("x", "output", "s", "x"), x)
+
+    kernel = Kernel(library(write))
+    kernel.advance(4.0)
+    said = {line.split(" at ")[0]: float(line.split(" at ")[1].split()[0]) for line in kernel.journal}
+    assert set(said) == {"Plain", "Costly"}
+    assert said["Plain"] == said["Costly"]
+    assert 3.0 < said["Plain"] < 3.2
