@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 RUN := $(VENV)/bin/python
 
-.PHONY: demo test check charts pages clean
+.PHONY: demo test test-fast check charts pages clean
 
 demo: $(VENV)/demo-installed
 	$(RUN) build_fmu.py
@@ -11,6 +11,10 @@ demo: $(VENV)/demo-installed
 
 test: $(VENV)/test-installed check
 	$(RUN) -m pytest -n 2 --dist worksteal
+
+# Physics and numerics without the FMUs: under a minute once the kernels are compiled.
+test-fast: $(VENV)/test-installed
+	$(RUN) -m pytest -n 2 --dist worksteal tests/rbd_model tests/brake_controller tests/numerics tests/test_architecture.py
 
 check: $(VENV)/test-installed
 	$(RUN) -m ruff check .
