@@ -52,72 +52,42 @@ def later_by(first: float | None, second: float | None) -> float | None:
     return None if first is None or second is None else second - first
 
 
+def printed_rows(planar: dict[str, Recording], hung: dict[str, Recording]) -> list[Row]:
+    """Lock times beside the figures, as printed and with brakes hung in the frame."""
+    late, early = lock_time(planar["both"], 1), lock_time(planar["both"], 2)
+    assumed = f"planar; wheel-rail friction {FRICTION} and frame height {BOGIE_DATA.frame_height} m are not printed"
+    alone, both = "leading wheelset braked alone: locks after", "both braked: trailing wheelset locks after"
+    later, forward = "both braked: leading locks later by", "load moves forward"
+    alone_hung, both_hung = (
+        "leading braked alone: locks after, brakes hung",
+        "both braked: trailing locks after, brakes hung",
+    )
+    return [
+        Row(alone, "s", 0.5, lock_time(planar["leading"], 1), 0.1, "Fig. 5.44, about", assumed),
+        Row(both, "s", 0.2, early, 0.1, "Fig. 5.46, about", assumed),
+        Row(later, "s", None, later_by(early, late), None, forward, "planar"),
+        Row(alone_hung, "s", None, lock_time(hung["leading"], 1), None, HUNG, "planar"),
+        Row(both_hung, "s", None, lock_time(hung["both"], 2), None, HUNG, "planar"),
+    ]
+
+
+def point_rows(point: dict[str, Recording]) -> list[Row]:
+    """What static loads make of it."""
+    apart, alone = "both braked: difference of the two lock times", "leading braked alone: locks after, point level"
+    later, source = later_by(lock_time(point["both"], 2), lock_time(point["both"], 1)), "static loads"
+    early = "point: too early, because the load that moves forward is missing"
+    return [
+        Row(apart, "s", None, later, None, source, "point: both alike"),
+        Row(alone, "s", None, lock_time(point["leading"], 1), None, source, early),
+    ]
+
+
 def run(options: Options) -> Result:
     runs = {(level, case): brake(options, level, torque) for level in (2, 1) for case, torque in CASES.items()}
     hung = {case: brake(options, 2, torque, BOGIE_DATA.torque_reaction)[0] for case, torque in CASES.items()}
     planar = {case: runs[2, case][0] for case in CASES}
     point = {case: runs[1, case][0] for case in CASES}
-    late, early = lock_time(planar["both"], 1), lock_time(planar["both"], 2)
-    assumed = f"wheel-rail friction {FRICTION} and frame height {BOGIE_DATA.frame_height} m are not printed"
-    rows = [
-        Row(
-            "leading wheelset braked alone: locks after",
-            "s",
-            0.5,
-            lock_time(planar["leading"], 1),
-            0.1,
-            "Fig. 5.44, about",
-            f"planar; {assumed}",
-        ),
-        Row(
-            "both braked: trailing wheelset locks after", "s", 0.2, early, 0.1, "Fig. 5.46, about", f"planar; {assumed}"
-        ),
-        Row(
-            "both braked: leading locks later by",
-            "s",
-            None,
-            later_by(early, late),
-            None,
-            "load moves forward",
-            "planar",
-        ),
-        Row(
-            "leading braked alone: locks after, brakes hung",
-            "s",
-            None,
-            lock_time(hung["leading"], 1),
-            None,
-            HUNG,
-            "planar",
-        ),
-        Row(
-            "both braked: trailing locks after, brakes hung",
-            "s",
-            None,
-            lock_time(hung["both"], 2),
-            None,
-            HUNG,
-            "planar",
-        ),
-        Row(
-            "both braked: difference of the two lock times",
-            "s",
-            None,
-            later_by(lock_time(point["both"], 2), lock_time(point["both"], 1)),
-            None,
-            "static loads",
-            "point: both alike",
-        ),
-        Row(
-            "leading braked alone: locks after, point level",
-            "s",
-            None,
-            lock_time(point["leading"], 1),
-            None,
-            "static loads",
-            "point: too early, because the load that moves forward is missing",
-        ),
-    ]
+    rows = printed_rows(planar, hung) + point_rows(point)
     series = planar["leading"]
     for name in RECORDED:
         series.add_from(f"{name} (both braked)", planar["both"], name)

@@ -19,7 +19,7 @@ from rbd_model.track import section_5_3
 from scenarios.bench.asymmetric_shoes import BRAKE_START, BRAKE_TORQUE, DERAILED_AT, YAW_TORQUE
 from scenarios.bench.drive import bogie, play
 from scenarios.bench.hunting_wheelset import RANGE, growth_by_eigenvalue
-from scenarios.bench.irregularities import CROSS_LEVEL, largest_wheel_load, travel
+from scenarios.bench.irregularities import CROSS_LEVEL, LATERAL_PEAK, WHEEL_LOAD, largest_wheel_load, travel
 from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.plots import LEADING, THESIS, plt
 from scenarios.reporting.progress import PATIENCE
@@ -28,6 +28,7 @@ from scenarios.scenario import Options, Scenario
 
 TOLERANCE = 1e-5
 HALF_SPACING = "half spacing [m]"
+SPACINGS = np.linspace(0.55, 0.85, 7)
 
 
 @dataclass(frozen=True)
@@ -83,96 +84,88 @@ HIGH = {"frame_height": 1.2}
 
 
 def panels() -> list[Panel]:
-    used, wheelset, track = tables_5_1_and_5_2(), tables_4_1_and_4_2(), section_5_3()
+    """All pictures: chapter 4, the wave of section 5.3.1, the derailments of chapter 9, and what raises wheel loads."""
+    wheelset, spacings = tables_4_1_and_4_2(), np.linspace(0.30, 0.60, 7)
+    used = wheelset.longitudinal_half_spacing
+    return [
+        Panel("chapter 4: critical speed", HALF_SPACING, spacings, critical_over_spacing, "m/s", 27.0, used),
+        *peak_panels(),
+        *derailment_panels(),
+        *high_panels(),
+    ]
 
-    def peak_over(name: str) -> Callable[[float], float]:
+
+def peak_panels() -> list[Panel]:
+    """Lateral peak over the wave of section 5.3.1."""
+    used, answer = tables_5_1_and_5_2(), ("mm", LATERAL_PEAK[0])
+    spacings, stiffnesses, blends = SPACINGS, 10.0 ** np.linspace(6.5, 9.0, 6), np.array([0.2, 0.5, 1.0, 2.0, 4.0])
+
+    def over(name: str) -> Callable[[float], float]:
         return lambda value: lateral_peak(**{name: value})
 
-    def derailment_over(name: str) -> Callable[[float], float]:
-        return lambda value: derailment_speed(**{name: value})
-
-    stiffness = 10.0 ** np.linspace(6.5, 9.0, 6)
     return [
         Panel(
-            "chapter 4: critical speed",
-            HALF_SPACING,
-            np.linspace(0.30, 0.60, 7),
-            critical_over_spacing,
-            "m/s",
-            27.0,
-            wheelset.longitudinal_half_spacing,
-        ),
-        Panel(
             "lateral peak over spacing",
-            HALF_SPACING,
-            np.linspace(0.55, 0.85, 7),
-            lambda value: lateral_peak(**spaced(value)),
-            "mm",
-            9.5,
-            used.longitudinal_half_spacing,
+            *(HALF_SPACING, spacings, lambda value: lateral_peak(**spaced(value)), *answer),
+            used=used.longitudinal_half_spacing,
         ),
         Panel(
             "lateral peak over flange stiffness",
-            "flange stiffness [N/m]",
-            stiffness,
-            peak_over("flange_stiffness"),
-            "mm",
-            9.5,
-            used.flange_stiffness,
+            *("flange stiffness [N/m]", stiffnesses, over("flange_stiffness"), *answer),
+            used=used.flange_stiffness,
         ),
         Panel(
             "lateral peak over blend",
-            "blend of the wave [m]",
-            np.array([0.2, 0.5, 1.0, 2.0, 4.0]),
-            peak_over("irregularity_blend"),
-            "mm",
-            9.5,
-            track.irregularity_blend,
+            *("blend of the wave [m]", blends, over("irregularity_blend"), *answer),
+            used=section_5_3().irregularity_blend,
         ),
+    ]
+
+
+def derailment_panels() -> list[Panel]:
+    """Speed at the derailment of chapter 9."""
+    used, answer = tables_5_1_and_5_2(), ("m/s", DERAILED_AT[1.0])
+
+    def over(name: str) -> Callable[[float], float]:
+        return lambda value: derailment_speed(**{name: value})
+
+    return [
         Panel(
             "derailment speed over spacing against yaw",
-            HALF_SPACING,
-            np.linspace(0.55, 0.85, 7),
-            derailment_over("longitudinal_half_spacing"),
-            "m/s",
-            DERAILED_AT[1.0],
-            used.longitudinal_half_spacing,
+            *(HALF_SPACING, SPACINGS, over("longitudinal_half_spacing"), *answer),
+            used=used.longitudinal_half_spacing,
         ),
         Panel(
             "derailment speed over height",
-            "frame height [m]",
-            np.linspace(0.4, 1.0, 7),
-            derailment_over("frame_height"),
-            "m/s",
-            DERAILED_AT[1.0],
-            used.frame_height,
+            *("frame height [m]", np.linspace(0.4, 1.0, 7), over("frame_height"), *answer),
+            used=used.frame_height,
         ),
+    ]
+
+
+def high_panels() -> list[Panel]:
+    """What brings the wheel load of section 5.3.3 near the printed one, and what that does to chapter 9."""
+    used, wide = tables_5_1_and_5_2(), np.linspace(0.6, 1.0, 5)
+    load = ("kN", WHEEL_LOAD[25.0][0])
+    return [
         Panel(
             "wheel load over spacing against roll, height 1.2 m",
-            HALF_SPACING,
-            np.linspace(0.6, 1.0, 5),
-            lambda value: wheel_load(vertical_half_spacing=value, **HIGH),
-            "kN",
-            243.0,
-            used.vertical_half_spacing,
+            *(HALF_SPACING, wide, lambda value: wheel_load(vertical_half_spacing=value, **HIGH), *load),
+            used=used.vertical_half_spacing,
         ),
         Panel(
             "the same, flange pushed at the rail",
-            HALF_SPACING,
-            np.linspace(0.6, 1.0, 5),
+            *(HALF_SPACING, wide),
             lambda value: wheel_load(vertical_half_spacing=value, flange_at_rail=1, **HIGH),
-            "kN",
-            243.0,
-            used.vertical_half_spacing,
+            *load,
+            used=used.vertical_half_spacing,
         ),
         Panel(
             "derailment speed over spacing against yaw, against roll 0.9 m, height 1.2 m",
-            HALF_SPACING,
-            np.linspace(0.55, 0.85, 7),
+            *(HALF_SPACING, SPACINGS),
             lambda value: derailment_speed(longitudinal_half_spacing=value, vertical_half_spacing=0.9, **HIGH),
-            "m/s",
-            DERAILED_AT[1.0],
-            used.longitudinal_half_spacing,
+            *("m/s", DERAILED_AT[1.0]),
+            used=used.longitudinal_half_spacing,
         ),
     ]
 
