@@ -275,7 +275,7 @@ def silent_rows(atlas: Atlas) -> list[Row]:
         Row("RK4 over a wave, braked: least limit", "ms", None, 1e3 * least, None, "eigenvalues along the run"),
         Row("RK4 over a wave, braked: largest limit", "ms", None, 1e3 * largest, None, "eigenvalues along the run"),
     ]
-    for step in (7e-4, 1e-3):
+    for step in (6e-4, 1e-3):
         error, warned = next((e, w) for s, e, w in atlas.silent[RUNGE_KUTTA] if s == step)
         words = "the log says so" if warned else "the log is silent"
         name = f"RK4 over a wave, step {1e3 * step:g} ms: error of the lateral motion"
