@@ -51,6 +51,17 @@ class CompilerError(RuntimeError):
     """The C compiler refused the sources; the message is its own."""
 
 
+def cache() -> Path:
+    """The folder of the cache, made where it is missing. Raises CompilerError."""
+    try:
+        CACHE.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise CompilerError(
+            f"The cache {CACHE} cannot be made ({error}); name another folder in the environment, BOGIE_BRAKING_CACHE."
+        ) from error
+    return CACHE
+
+
 def compiler(target: str | None = None) -> list[str]:
     """Command of the C compiler: $CC, or cc, gcc, clang from PATH, or zig from PyPI; zig for a `target` of it."""
     if target:
@@ -81,7 +92,7 @@ def run(command: Sequence[str], target: str | None, folder: Path) -> None:
 
 def objects_of(sources: Mapping[str, str], flags: Sequence[str], target: str | None = None) -> list[Path]:
     """Object files of C files that include the runtime's headers, compiled now unless the cache has them."""
-    kept = CACHE / _content([*compiler(target), *flags], sources, RUNTIME_HEADERS)
+    kept = cache() / _content([*compiler(target), *flags], sources, RUNTIME_HEADERS)
     objects = {name: Path(name).with_suffix(".o").name for name in sources}
     if not kept.exists():
         with tempfile.TemporaryDirectory() as name:
@@ -106,7 +117,6 @@ def _content(words: Sequence[str], sources: Mapping[str, str], runtime: Sequence
 
 def _keep(folder: Path, names: Sequence[str], kept: Path) -> None:
     """Copies files into the cache as a folder that is there as a whole or not at all."""
-    kept.parent.mkdir(parents=True, exist_ok=True)
     partial = Path(tempfile.mkdtemp(dir=kept.parent))
     for name in names:
         shutil.copyfile(folder / name, partial / name)
@@ -157,7 +167,7 @@ def library_of(
 ) -> Path:
     """Path of the compiled library of these sources, compiled now unless the cache has it; see compile_library."""
     words = [*compiler(target), *_linking(flags, target), OPTIMISE_GENERATED, str(fmu)]
-    path = CACHE / f"{_content(words, sources, (*RUNTIME_SOURCES, *RUNTIME_HEADERS))}{library_suffix()}"
+    path = cache() / f"{_content(words, sources, (*RUNTIME_SOURCES, *RUNTIME_HEADERS))}{library_suffix()}"
     if not path.exists():
         compile_library(sources, path, flags, target, fmu)
     return path

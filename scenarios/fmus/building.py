@@ -15,7 +15,7 @@ import fmu_src
 from brake_controller.parameters import qr30
 from brake_controller.protection_fmu import wheel_slide_protection
 from fmu_src.codegen import generate, guid_of
-from fmu_src.compile import CACHE, CompilerError, compiler
+from fmu_src.compile import CompilerError, cache, compiler
 from fmu_src.native_fmu import PLATFORMS, PLATFORMS3, build_native_fmu, build_native_fmu3
 from fmu_src.python_fmu import build_python_fmu
 from fmu_src.ssp import Component, Connection, write_ssp
@@ -79,7 +79,7 @@ def up_to_date(name: str, kind: str) -> Path:
     digest = hashlib.sha256(" ".join([guid_of(generate(model_of(name))), *compiler()]).encode())
     for source in sorted(Path(fmu_src.__file__).parent.glob("*.py")):
         digest.update(source.read_bytes())
-    out = CACHE / "fmus" / digest.hexdigest()[:24]
+    out = cache() / "fmus" / digest.hexdigest()[:24]
     path = fmu_path(name, kind, out)
     return path if path.exists() else write_fmu(name, kind, out)
 

@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fmu_src.compile import CACHE, CompilerError, compiler, library_suffix
+from fmu_src.compile import CompilerError, cache, compiler, library_suffix
 from fmu_src.kernel import Kernel, KernelError
 from scenarios.methods.integrators import BUDGET, Run, failed, finish, layout
 from scenarios.methods.scenes import SMOOTH, Scene
@@ -66,7 +66,7 @@ def driver() -> ctypes.CDLL:
     folder = Path(sksundae.__file__).parent.parent / "scikit_sundae.libs"
     libraries = [str(next(folder.glob(f"libsundials_{name}-*"))) for name in LIBRARIES]
     digest = hashlib.sha256(SOURCE.read_bytes() + " ".join([*compiler(), *FLAGS, *libraries]).encode()).hexdigest()
-    path = CACHE / f"sundials-{digest[:16]}{library_suffix()}"
+    path = cache() / f"sundials-{digest[:16]}{library_suffix()}"
     if not path.exists():
         path.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=path.parent) as place:

@@ -116,3 +116,17 @@ def test_refused_c_source_names_the_compiler_and_its_words(tmp_path: Path) -> No
     with pytest.raises(compiling.CompilerError, match=r"failed:\n.*error"):
         compiling.compile_library({"model.c": "int broken("}, tmp_path / "x")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_cache_that_cannot_be_made_gets_a_sentence(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from scenarios.__main__ import main
+
+    (tmp_path / "taken").write_text("")
+    monkeypatch.setattr(compiling, "CACHE", tmp_path / "taken" / "cache")
+    assert main(["run", "qr30-130kpa", "--out", str(tmp_path)]) == 3
+    shown = capsys.readouterr().err
+    assert "cannot be made" in shown
+    assert "name another folder in the environment, BOGIE_BRAKING_CACHE" in shown
+    assert shown.count("\n") == 1
