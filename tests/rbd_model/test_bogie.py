@@ -20,6 +20,7 @@ from rbd_model.bogie import DEFAULT_TOLERANCE
 from rbd_model.linear import oscillations
 from rbd_model.parameters import BogieParameters, tables_5_1_and_5_2, tables_8_1_and_8_2
 from rbd_model.planar import planar_bogie
+from scenarios.thesis.traction_braking import load_transfer
 
 POINT, PLANAR, SPATIAL = 1, 2, 3
 #: Bands of docs/checking.md: acceleration 0.1 %, energy 1e-6 of what was lost, load transfer 0.5 % beside moments about
@@ -124,17 +125,6 @@ def load_moved(one: Kernel) -> tuple[float, float, float]:
 MOTION = ("speed", "pitch")
 
 
-def moments_about_the_rail(p: BogieParameters, deceleration: float, pitch: float) -> float:
-    """Load [N] that moves forward so that all moments about the rail balance, whatever reacts on what inside.
-
-    Sprung mass and wheelsets push forward at their heights, the wheels turn more and more slowly, and the pitch carries
-    the weight of the sprung mass forward.
-    """
-    push = p.frame_mass * (p.wheel_radius + p.frame_height) + 2 * p.wheelset_mass * p.wheel_radius
-    push += 2 * p.wheelset_pitch_inertia / p.wheel_radius
-    return (push * deceleration + p.frame_mass * p.gravity * p.frame_height * pitch) / p.wheel_base
-
-
 @pytest.mark.parametrize("level", [PLANAR, SPATIAL])
 @pytest.mark.parametrize(("kind", "sign"), [("brake", 1.0), ("traction", -1.0)])
 def test_brakes_and_motors_in_the_frame_move_the_load_that_the_rails_ask_for(
@@ -148,7 +138,7 @@ def test_brakes_and_motors_in_the_frame_move_the_load_that_the_rails_ask_for(
         one = chapter_5(bogie, level, 20.0, **torques, torque_reaction=reaction)
         one.advance(8.0)
         moved, slowed, pitch = load_moved(one)
-        found[reaction] = moved / moments_about_the_rail(p, slowed, pitch)
+        found[reaction] = moved / load_transfer(p, slowed, pitch)
     assert sign * slowed == pytest.approx(1.1092, rel=ACCELERATION_BAND)
     assert found[1.0] == pytest.approx(1.0, abs=MOMENT_BAND)
     assert found[0.0] < 0.7
@@ -163,7 +153,7 @@ def test_load_transfer_on_a_stiff_suspension_is_that_of_rigid_bodies(bogie: Libr
     one = chapter_5(bogie, level, brake_torque_1=15e3, brake_torque_2=15e3, **stiff)
     one.advance(4.0)
     moved, slowed, _ = load_moved(one)
-    assert moved == pytest.approx(moments_about_the_rail(p, slowed, 0.0), rel=MOMENT_BAND)
+    assert moved == pytest.approx(load_transfer(p, slowed, 0.0), rel=MOMENT_BAND)
     assert moved == pytest.approx(49.7e3, rel=MOMENT_BAND)
 
 
@@ -177,7 +167,7 @@ def test_brake_of_the_experiment_unloads_the_wheelset_that_it_brakes(bogie: Libr
     one = qr30(bogie, level, 3.0, brake_torque_2=1200.0, rolling_resistance_torque=0.0)
     one.advance(0.7)
     moved, slowed, pitch = load_moved(one)
-    assert moved == pytest.approx(moments_about_the_rail(p, slowed, pitch), rel=MOMENT_BAND)
+    assert moved == pytest.approx(load_transfer(p, slowed, pitch), rel=MOMENT_BAND)
     assert moved == pytest.approx(1200.0 / p.wheel_base, rel=MOMENT_BAND)
 
 
