@@ -14,7 +14,7 @@ from pathlib import Path
 import casadi as ca
 
 from fmu_src.model_description import model_description
-from fmu_src.system import Model, System, integration_variables, state_variable
+from fmu_src.system import Call, Model, Part, System, integration_variables, state_variable
 
 RUNTIME = Path(__file__).parent / "runtime"
 #: Each calls only those before it; faces belong to FMUs, studies to the library for kernel.py.
@@ -61,14 +61,37 @@ FUNCTIONS = (
 KINDS = {"real": "KIND_REAL", "integer": "KIND_INTEGER", "boolean": "KIND_BOOLEAN"}
 
 
-def functions(system: System) -> dict[str, ca.Function]:
+@dataclass(frozen=True)
+class Generated:
+    """A function as the runtime calls it: `function` takes the arguments of the system and the results of its `calls`.
+
+    Its first results are what the calls of each rank are given; with `differentiated`, each call leaves its slopes
+    behind its results.
+    """
+
+    function: ca.Function
+    calls: list[Call]
+    differentiated: bool
+
+    @property
+    def ranks(self) -> int:
+        """How many results come before those of the function itself."""
+        return 1 + max((call.rank for call in self.calls), default=-1)
+
+    def sizes(self, call: Call) -> tuple[int, int]:
+        """Numbers that a call is given and that it leaves."""
+        left = call.results.numel() + (call.slopes.numel() if self.differentiated else 0)
+        return call.given.numel() + call.constants.numel(), left
+
+
+def functions(system: System) -> dict[str, Generated]:
     """The generated functions of a system; all take its `arguments`, those along a direction one more, the seed."""
     arguments = system.arguments
     time, states, inputs, rates = arguments[:4]
     ode = system.ode
     # Exact: d/dx, its structural nonzeros only, and along the given rates of the inputs d/dt.
-    jacobian = ca.jacobian(ode, states)
-    time_slope = ca.densify(ca.jacobian(ode, time) + ca.jtimes(ode, inputs, rates))
+    jacobian = system.jacobian(ode, states)
+    time_slope = ca.densify(system.along(ode, ca.vertcat(time, inputs), ca.vertcat(1, rates)))
     costly = any(warning.candidate is not None for warning in system.warnings)
     results: dict[str, list[ca.SX]] = {
         "derive": [ca.vertcat(*system.derived_expressions.values())],
@@ -89,8 +112,7 @@ def functions(system: System) -> dict[str, ca.Function]:
 
     def make(name: str, expressions: list[ca.SX], given: list[ca.SX]) -> None:
         if any(expression.numel() for expression in expressions):
-            simplified = ca.cse([ca.densify(expression) for expression in expressions])
-            made[name] = ca.Function(f"{system.name}_{name}", given, simplified)
+            made[name] = _function(system, name, [ca.densify(expression) for expression in expressions], given)
 
     for name, expressions in results.items():
         make(name, expressions, arguments)
@@ -98,8 +120,28 @@ def functions(system: System) -> dict[str, ca.Function]:
     seed = ca.SX.sym("seed", along.numel())
     residuals = ca.vertcat(*[system.derivatives[state.name] for state in system.states.values() if state.algebraic])
     for name, expression in (("output_along", results["output"][0]), ("residual_along", residuals)):
-        make(name, [ca.jtimes(expression, along, seed)] if expression.numel() else [], [*arguments, seed])
+        make(name, [system.along(expression, along, seed)] if expression.numel() else [], [*arguments, seed])
     return made
+
+
+def _function(system: System, name: str, expressions: list[ca.SX], given: list[ca.SX]) -> Generated:
+    """A function with the calls that its expressions need, in the order of their ranks."""
+    needed: list[Call] = []
+    users = ca.vertcat(*[ca.vec(expression) for expression in expressions])
+    for call in reversed(system.calls):
+        if ca.depends_on(users, ca.vertcat(call.results, call.slopes)):
+            needed.insert(0, call)
+            users = ca.vertcat(users, call.given, call.constants)
+    needed.sort(key=lambda call: call.rank)
+    differentiated = any(ca.depends_on(users, call.slopes) for call in needed)
+    left = [ca.vertcat(call.results, call.slopes) if differentiated else call.results for call in needed]
+    asked = [
+        ca.vertcat(*[ca.vertcat(call.given, call.constants) for call in needed if call.rank == rank])
+        for rank in range(1 + max((call.rank for call in needed), default=-1))
+    ]
+    simplified = ca.cse([*[ca.densify(one) for one in asked], *expressions])
+    taken = [*given, ca.vertcat(*left)] if needed else given
+    return Generated(ca.Function(f"{system.name}_{name}", taken, simplified), needed, differentiated)
 
 
 @dataclass(frozen=True)
@@ -119,7 +161,7 @@ class Elimination:
 
 def elimination(system: System) -> Elimination:
     """Symbolic factorisation of I/(gamma h) - J without exchanges, the pivot with the least work first (Markowitz)."""
-    pattern = ca.jacobian(system.ode, system.arguments[1]).sparsity()
+    pattern = system.jacobian(system.ode, system.arguments[1]).sparsity()
     count = len(system.states)
     row_states: list[set[int]] = [{state} for state in range(count)]
     triplets = list(zip(*pattern.get_triplet(), strict=True))
@@ -177,19 +219,83 @@ def content_guid(texts: Iterable[str]) -> str:
     return f"{{{h[:8]}-{h[8:12]}-{h[12:16]}-{h[16:20]}-{h[20:32]}}}"
 
 
-def _equations(generated: Sequence[dict[str, ca.Function]]) -> str:
+def _equations(generated: Sequence[dict[str, Generated]]) -> str:
     generator = ca.CodeGenerator("equations", {"with_export": False})
-    for made in generated:
-        for function in made.values():
-            generator.add(function)
+    every = [one for made in generated for one in made.values()]
+    parts = {call.part.name: call.part for one in every for call in one.calls}
+    shared = [function for part in parts.values() for function in _part_functions(part)]
+    for function in (*shared, *(one.function for one in every)):
+        generator.add(function)
     with tempfile.TemporaryDirectory() as folder:
         generator.generate(folder + "/")
         text = (Path(folder) / "equations.c").read_text()
     # CasADi's squares, absolute values and minima are functions; inlined, a right-hand side takes 5 to 14 % less.
     text = re.sub(r"^casadi_real (?=casadi_\w+\()", "static inline casadi_real ", text, flags=re.MULTILINE)
-    text = _without_questions(text, {function.name() for made in generated for function in made.values()})
+    text = _without_questions(text, {function.name() for function in (*shared, *(one.function for one in every))})
+    for function in shared:
+        text = re.sub(rf"^(?=int {function.name()}\()", "static ", text, flags=re.MULTILINE)
+    for one in every:
+        if one.calls:
+            text = _with_calls(text, one)
     # The interface of CasADi has arguments that these functions do not use; everything else stays a warning.
     return '#pragma GCC diagnostic ignored "-Wunused-parameter"\n' + text
+
+
+def _part_functions(part: Part) -> list[ca.Function]:
+    """A part's results, and its results followed by their slopes, of its arguments and constants in one vector."""
+    slopes = ca.jacobian(part.results, part.arguments).nz[:]
+    given = ca.SX.sym("given", part.arguments.numel() + part.constants.numel())
+    own = ca.vertcat(part.arguments, part.constants)
+    made = []
+    for suffix, wanted in (("", part.results), ("_with_slopes", ca.vertcat(part.results, slopes))):
+        expressions = ca.cse([ca.densify(ca.substitute(wanted, own, given))])
+        made.append(ca.Function(f"part_{part.name}{suffix}", [given], expressions))
+    return made
+
+
+def _with_calls(text: str, one: Generated) -> str:
+    """The C of a function in which each rank of calls stands behind the last number that it is given.
+
+    CasADi computes results in their order and reads arguments when they are first needed, so nothing that follows from
+    a call comes before it.
+    """
+    name = re.escape(one.function.name())
+    found = re.search(rf"^int {name}\(.*?\) ?\{{\n *return (\w+)\(", text, flags=re.MULTILINE)
+    assert found
+    begin = re.search(rf"^static int {found[1]}\(.*?\) ?\{{\n", text, flags=re.MULTILINE)
+    assert begin
+    end = text.index("\n}\n", begin.end())
+    body, last = text[begin.end() : end], one.function.n_in() - 1
+    body = re.sub(rf"arg\[{last}\]\? arg\[{last}\]\[(\d+)\] : 0", r"left[\1]", body)
+    body = re.sub(
+        r"(?:if \(res\[(\d+)\]!=0\) )res\[\d+\]\[(\d+)\]",
+        lambda m: (
+            f"given_{m[1]}[{m[2]}]"
+            if int(m[1]) < one.ranks
+            else f"if (res[{int(m[1]) - one.ranks}]!=0) res[{int(m[1]) - one.ranks}][{m[2]}]"
+        ),
+        body,
+    )
+    room = [f"  double given_{rank}[{one.function.numel_out(rank)}];" for rank in range(one.ranks)]
+    start = 0
+    for rank in range(one.ranks):
+        lines = [""]
+        offset = 0
+        for call in one.calls:
+            if call.rank != rank:
+                continue
+            taken, leaves = one.sizes(call)
+            suffix = "_with_slopes" if one.differentiated else ""
+            lines.append(
+                f"  {{const double *a[] = {{given_{rank} + {offset}}}; double *r[] = {{left + {start}}}; "
+                f"part_{call.part.name}{suffix}(a, r, 0, 0, 0);}}"
+            )
+            offset, start = offset + taken, start + leaves
+        place = body.rindex(f"given_{rank}[")
+        place = body.index(";", place) + 1
+        body = body[:place] + "\n".join(lines) + body[place:]
+    room.append(f"  double left[{start}];")
+    return text[: begin.end()] + "\n".join(room) + "\n" + body + text[end:]
 
 
 def _without_questions(text: str, kept: set[str]) -> str:
@@ -271,14 +377,14 @@ def _system_arrays(model: Model, system: System) -> Iterable[str]:
     yield _array("char *const", f"{prefix}_sentence", sentences)
 
 
-def _system_entry(system: System, made: dict[str, ca.Function]) -> str:
+def _system_entry(system: System, made: dict[str, Generated]) -> str:
     """A system_description, its members by position: C++ before 2020 knows no other way."""
     prefix = system.name
     outputs = [variable.name for variable in system.variables if variable.causality == "output"]
     counts = {
         "states": len(system.states),
         "algebraics": sum(state.algebraic for state in system.states.values()),
-        "nonzeros": made["jacobian"].nnz_out(0),
+        "nonzeros": made["jacobian"].function.nnz_out(made["jacobian"].ranks),
         "inputs": len(system.input_symbols),
         "parameters": len(system.parameter_symbols),
         "derived": len(system.derived_symbols),
@@ -316,11 +422,13 @@ def _system_entry(system: System, made: dict[str, ca.Function]) -> str:
     return "    {" + ",\n     ".join(f"/* {name} */ {value}" for name, value in fields.items()) + "}"
 
 
-def _description(model: Model, generated: Sequence[dict[str, ca.Function]]) -> str:
+def _description(model: Model, generated: Sequence[dict[str, Generated]]) -> str:
     lines = ["#include <math.h>", '#include "model.h"', ""]
     for made in generated:
-        for function in made.values():
-            lines.append(f"INSIDE int {function.name()}(const double **, double **, long long int *, double *, int);")
+        for one in made.values():
+            lines.append(
+                f"INSIDE int {one.function.name()}(const double **, double **, long long int *, double *, int);"
+            )
     for system in model.systems:
         lines += [line for line in _system_arrays(model, system) if line]
     lines.append("static const variable_description VARIABLE[] = {")

@@ -13,7 +13,8 @@ def direct_inputs(system: System) -> dict[str, set[str]]:
     """For each output the inputs that reach it without passing through a state."""
     names = list(system.input_symbols)
     inputs = ca.vertcat(*system.input_symbols.values())
-    return {output: {names[place] for place in places(system.outputs[output], inputs)} for output in system.outputs}
+    expanded = {output: system.expand(expression) for output, expression in system.outputs.items()}
+    return {output: {names[place] for place in places(expanded[output], inputs)} for output in expanded}
 
 
 def start_knowns(system: System) -> dict[str, set[str]]:
@@ -40,6 +41,7 @@ def start_equations(system: System) -> list[tuple[ca.SX, ca.SX]]:
     found = [(symbol, system.derived_expressions[name]) for name, symbol in system.derived_symbols.items()]
     found += [(state.symbol, state.start) for state in system.states.values() if not state.algebraic]
     found += [(table.symbols, table.argument) for table in system.tables]
+    found += [(call.results, ca.vertcat(call.given, call.constants)) for call in system.calls]
     for friction in system.frictions:
         velocity = system.states[friction.velocity].symbol
         found.append((friction.direction, ca.vertcat(velocity, friction.drive, friction.capacity)))

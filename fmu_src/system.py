@@ -110,6 +110,36 @@ class Table:
 
 
 @dataclass(frozen=True)
+class Part:
+    """A function that is generated once and called for each of what repeats, such as the wheels of a vehicle.
+
+    results: of `arguments`, by which it is differentiated, and of `constants`, by which it is not; column vectors.
+    """
+
+    name: str
+    arguments: ca.SX
+    constants: ca.SX
+    results: ca.SX
+
+
+@dataclass(frozen=True)
+class Call:
+    """A part at a place in the equations: what it is given, and symbols for its results and their derivatives.
+
+    `slopes` are the nonzeros of `slope`, the derivatives of the results by the arguments. Those of a lower `rank` are
+    called first.
+    """
+
+    part: Part
+    given: ca.SX
+    constants: ca.SX
+    results: ca.SX
+    slopes: ca.SX
+    slope: ca.SX
+    rank: int
+
+
+@dataclass(frozen=True)
 class Friction:
     """Dry friction on the velocity state `velocity`: `direction` is 1, -1 or, when stuck, 0.
 
@@ -173,6 +203,7 @@ class System:
     states: dict[str, State] = field(default_factory=dict)
     derivatives: dict[str, ca.SX] = field(default_factory=dict)
     tables: list[Table] = field(default_factory=list)
+    calls: list[Call] = field(default_factory=list)
     frictions: list[Friction] = field(default_factory=list)
     outputs: dict[str, ca.SX] = field(default_factory=dict)
     end_conditions: list[Condition] = field(default_factory=list)
@@ -240,6 +271,14 @@ class System:
             terms = [power * term for power, term in enumerate(terms)][1:]
         return values
 
+    def call(self, part: Part, given: ca.SX, constants: ca.SX) -> ca.SX:
+        """Results of a part, shape (results, 1); its code is shared by all calls, its derivatives are exact."""
+        pattern = ca.jacobian_sparsity(part.results, part.arguments)
+        results, slopes = ca.SX.sym(part.name, part.results.numel()), ca.SX.sym(f"d_{part.name}", pattern.nnz())
+        rank = 1 + max((c.rank for c in self.calls if ca.depends_on(given, c.results)), default=-1)
+        self.calls.append(Call(part, given, constants, results, slopes, ca.SX(pattern, slopes), rank))
+        return results
+
     def direction(self, name: str) -> ca.SX:
         """Symbol of the direction of a dry friction; declare the friction with `dry_friction` afterwards."""
         return ca.SX.sym(name)
@@ -300,6 +339,34 @@ class System:
             ca.vertcat(*[friction.direction for friction in self.frictions]),
             ca.vertcat(*[table.symbols for table in self.tables]),
         ]
+
+    def expand(self, expression: ca.SX) -> ca.SX:
+        """The same expression without calls of parts: their equations in the place of their results."""
+        for call in reversed(self.calls):
+            function = ca.Function(call.part.name, [call.part.arguments, call.part.constants], [call.part.results])
+            expression = ca.substitute(ca.SX(expression), call.results, function(call.given, call.constants))
+        return expression
+
+    def jacobian(self, expression: ca.SX, symbols: ca.SX) -> ca.SX:
+        """Derivatives of an expression by symbols, through the parts by the chain rule: of their `slope`."""
+        total = ca.jacobian(expression, symbols)
+        by_call: list[ca.SX] = []
+        for number, call in enumerate(self.calls):
+            inner = ca.jacobian(call.given, symbols)
+            for other, slopes in zip(self.calls[:number], by_call, strict=True):
+                inner = inner + ca.jacobian(call.given, other.results) @ slopes
+            by_call.append(call.slope @ inner)
+            total = total + ca.jacobian(expression, call.results) @ by_call[number]
+        return total
+
+    def along(self, expression: ca.SX, symbols: ca.SX, seed: ca.SX) -> ca.SX:
+        """Derivative of an expression along a direction of the symbols, through the parts by the chain rule."""
+        results = [call.results for call in self.calls]
+        rates: list[ca.SX] = []
+        for number, call in enumerate(self.calls):
+            before = ca.vertcat(symbols, *results[:number])
+            rates.append(call.slope @ ca.jtimes(call.given, before, ca.vertcat(seed, *rates)))
+        return ca.jtimes(expression, ca.vertcat(symbols, *results), ca.vertcat(seed, *rates))
 
     @property
     def ode(self) -> ca.SX:

@@ -7,7 +7,6 @@ mu0 are the inputs friction_1, friction_2. With the start values nothing falls a
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import casadi as ca
@@ -37,7 +36,7 @@ class RailPatches(ParameterSet):
     """
 
     cleaned_friction: float = quantity(
-        "1", "Factor on the friction of the trailing wheelset, whose rail the leading one has cleaned", 0.0
+        "1", "Factor on the friction under each wheelset, whose rail the one before it has cleaned", 0.0
     )
     patch_friction: float = quantity("1", "Factor on friction within the patch; 1: there is none", 0.0)
     patch_start: float = quantity("m", "Distance at which the patch begins")
@@ -102,24 +101,39 @@ CONDITIONS = {"dry": dry, "wet": wet, "low": low, "very_low": very_low}
 
 
 @dataclass(frozen=True)
+class Surface:
+    """The symbols of a rail's surface: A, B and 1 - A of its falling friction, and what it leaves of the gradient."""
+
+    ratio: ca.SX
+    decay: ca.SX
+    fall: ca.SX
+    adhesion: ca.SX
+    slip: ca.SX
+
+    @property
+    def symbols(self) -> ca.SX:
+        """All of them, shape (5, 1)."""
+        return ca.vertcat(self.ratio, self.decay, self.fall, self.adhesion, self.slip)
+
+    @property
+    def reduction(self) -> Reduction:
+        """What the surface leaves of the creep law's gradient."""
+        return Reduction(self.adhesion, self.slip)
+
+    def remaining(self, sliding_speed: ca.SX) -> ca.SX:
+        """Share of mu0 that is left at a sliding speed w >= 0 [m/s]: (1 - A) exp(-B w) + A."""
+        return self.fall * ca.exp(-self.decay * sliding_speed) + self.ratio
+
+
+@dataclass(frozen=True)
 class Rail:
     """The symbols of the rail's friction while a System is being written; all but the parameters computed once."""
 
     parameter: dict[str, ca.SX]
-    fall: ca.SX  # 1 - A
+    surface: Surface
     patch_change: ca.SX
     patch_middle: ca.SX
     per_blend: ca.SX
-
-    @property
-    def reduction(self) -> Reduction:
-        """What the rail's surface leaves of the creep law's gradient."""
-        return Reduction(self.parameter["adhesion_reduction"], self.parameter["slip_reduction"])
-
-    def remaining(self, sliding_speed: ca.SX) -> ca.SX:
-        """Share of mu0 that is left at a sliding speed w >= 0 [m/s]: (1 - A) exp(-B w) + A."""
-        decay, ratio = self.parameter["friction_decay"], self.parameter["friction_ratio"]
-        return self.fall * ca.exp(-decay * sliding_speed) + ratio
 
     def factor(self, number: int, distance: ca.SX) -> ca.SX:
         """Factor on mu0 under a wheelset at a distance [m]: that of the patch within it, and of the cleaned rail."""
@@ -128,19 +142,23 @@ class Rail:
         # From 0 to 1 and no further, in absolute values: they cost less than minimum and maximum.
         share = (1 + ca.fabs(share) - ca.fabs(share - 1)) / 2
         factor = 1 + self.patch_change * share**2 * (3 - 2 * share)
-        return factor * self.parameter["cleaned_friction"] if number == 2 else factor
+        for _ in range(1, number):
+            factor = factor * self.parameter["cleaned_friction"]
+        return factor
 
 
-def add_rail(system: System, numbers: Sequence[int]) -> Rail:
-    """The rail under the wheelsets `numbers`: falling friction, Polach (2005), and what varies along it, section 2.5.2.
+def add_rail(system: System, wheelsets: int) -> Rail:
+    """The rail under so many wheelsets: falling friction, Polach (2005), and what varies along it, section 2.5.2.
 
-    A wheelset that is alone finds no rail cleaned.
+    Each cleans it for the next; a wheelset that is alone finds no rail cleaned.
     """
     variables = [law.variable(name) for law in (constant_friction(), even_rail()) for name in law.values()]
-    p = {v.name: system.parameter(v) for v in variables if v.name != "cleaned_friction" or 2 in numbers}
+    p = {v.name: system.parameter(v) for v in variables if v.name != "cleaned_friction" or wheelsets > 1}
+    fall = system.derived("friction_fall", 1 - p["friction_ratio"])
+    law = p["friction_ratio"], p["friction_decay"], fall, p["adhesion_reduction"], p["slip_reduction"]
     return Rail(
         p,
-        system.derived("friction_fall", 1 - p["friction_ratio"]),
+        Surface(*law),
         system.derived("patch_change", p["patch_friction"] - 1),
         system.derived("patch_middle", p["patch_start"] + p["patch_length"] / 2),
         system.derived("per_patch_blend", 1 / p["patch_blend"]),

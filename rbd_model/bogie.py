@@ -6,28 +6,29 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 
-from fmu_src.system import Model, System, Variable, integration_variables, model_of
+from fmu_src.system import Model, System, Variable, integration_variables
 from rbd_model import variables
-from rbd_model.contact_geometry import thesis_pair
-from rbd_model.parameters import BogieParameters, tables_4_1_and_4_2, tables_5_1_and_5_2
-from rbd_model.planar import planar_bogie
-from rbd_model.point import point_bogie
-from rbd_model.spatial import spatial_bogie
+from rbd_model.parameters import BogieParameters
+from rbd_model.planar import planar_vehicle
+from rbd_model.point import point_vehicle
+from rbd_model.spatial import spatial_vehicle
 from rbd_model.track import irregular_track, section_5_3
+from rbd_model.vehicle import Vehicle
+from rbd_model.vehicles import passenger_coach, two_axle_bogie, wheelset_under_frame
 
 #: Local error per step in nominal values, chosen from the pictures of `speed-accuracy`: docs/choosing.md.
 DEFAULT_TOLERANCE = 1e-6
 
 
-def levels(defaults: BogieParameters) -> tuple[System, ...]:
+def levels(vehicle: Vehicle) -> tuple[System, ...]:
     """The systems in the order of the parameter `level`, the least first."""
-    spatial = spatial_bogie(defaults, thesis_pair(), irregular_track(section_5_3()))
-    return point_bogie(defaults), planar_bogie(defaults), spatial
+    spatial = spatial_vehicle(vehicle, irregular_track(section_5_3()))
+    return point_vehicle(vehicle), planar_vehicle(vehicle), spatial
 
 
-def bogie_dynamics(defaults: BogieParameters | None = None) -> Model:
-    """The bogie as one FMU, that of chapter 5 by default: brake torque capacity in; speed, rotation and slip out."""
-    systems = levels(defaults or tables_5_1_and_5_2())
+def model_of_levels(name: str, text: str, vehicle: Vehicle) -> Model:
+    """A vehicle at all levels as one FMU: inputs, outputs, level, parameters in the order of their set."""
+    systems = levels(vehicle)
     level = Variable(
         "level",
         "parameter",
@@ -38,16 +39,33 @@ def bogie_dynamics(defaults: BogieParameters | None = None) -> Model:
         float(len(systems)),
         kind="integer",
     )
-    parameters = {v.name: v for system in systems for v in system.variables if v.causality == "parameter"}
     table = (
-        *variables.inputs().values(),
-        *variables.outputs().values(),
+        *variables.inputs(vehicle).values(),
+        *variables.outputs(vehicle).values(),
         level,
-        *parameters.values(),
+        *parameters_of(vehicle, systems),
         *integration_variables(DEFAULT_TOLERANCE),
     )
+    return Model(name, text, table, systems, selector="level", stop_time=25.0)
+
+
+def parameters_of(vehicle: Vehicle, systems: Iterable[System]) -> list[Variable]:
+    """Parameters of all systems: those of the vehicle in the order of their set, after the speed at the start."""
+    found = {v.name: v for system in systems for v in system.variables if v.causality == "parameter"}
+    first = [variables.initial_speed(0.0).name, *vehicle.parameters.values()]
+    return [found[name] for name in sorted(found, key=lambda name: first.index(name) if name in first else len(first))]
+
+
+def bogie_dynamics(defaults: BogieParameters | None = None) -> Model:
+    """The bogie as one FMU, that of chapter 5 by default: brake torque capacity in; speed, rotation and slip out."""
     text = "Two-axle railway bogie under brake and traction torque, after Handoko (2006)"
-    return Model("BogieDynamics", text, table, systems, selector="level", stop_time=25.0)
+    return model_of_levels("BogieDynamics", text, two_axle_bogie(defaults))
+
+
+def vehicle_dynamics(vehicle: Vehicle | None = None) -> Model:
+    """A complete vehicle as one FMU, vehicle 1 of the Manchester benchmarks by default."""
+    text = "Four-axle railway vehicle under brake and traction torque: car body, two bogies, four wheelsets"
+    return model_of_levels("VehicleDynamics", text, vehicle or passenger_coach())
 
 
 #: Share of the adhesion that the brakes of the chapter 5 bogie may ask for while static loads give speed, distance and
@@ -94,15 +112,14 @@ def smallest_level(driven: Iterable[str], read: Iterable[str]) -> Choice:
 @lru_cache
 def names_of_levels() -> dict[str, set[str]]:
     """Names of the variables of each level, the least first; all are integrated with a tolerance."""
-    systems = levels(tables_5_1_and_5_2())
+    systems = levels(two_axle_bogie())
     common = {variable.name for variable in integration_variables(DEFAULT_TOLERANCE)}
     return {system.name: common | {variable.name for variable in system.variables} for system in systems}
 
 
 def wheelset_in_frame(defaults: BogieParameters | None = None) -> System:
     """The single wheelset in a frame of chapter 4, spatial, with the variables of wheelset 1."""
-    track = irregular_track(section_5_3())
-    system = spatial_bogie(defaults or tables_4_1_and_4_2(), thesis_pair(), track, numbers=(1,))
+    system = spatial_vehicle(wheelset_under_frame(defaults), irregular_track(section_5_3()))
     system.name = "WheelsetDynamics"
     system.description = "Railway wheelset in a frame under brake and traction torque, after Handoko (2006), chapter 4"
     return system
@@ -110,4 +127,12 @@ def wheelset_in_frame(defaults: BogieParameters | None = None) -> System:
 
 def wheelset_dynamics() -> Model:
     """The wheelset of chapter 4 as an FMU."""
-    return model_of(wheelset_in_frame(), DEFAULT_TOLERANCE)
+    system, vehicle = wheelset_in_frame(), wheelset_under_frame()
+    own = {variable.name for variable in system.variables}
+    faces = (*variables.inputs(vehicle).values(), *variables.outputs(vehicle).values())
+    table = (
+        *(variable for variable in faces if variable.name in own),
+        *parameters_of(vehicle, [system]),
+        *integration_variables(DEFAULT_TOLERANCE),
+    )
+    return Model(system.name, system.description, table, (system,))

@@ -48,6 +48,14 @@ def thesis_pair() -> Pair:
     return Pair(wheel_cone_120(), rail_60kg(), 0.425, 0.570, 0.570)
 
 
+def synthetic_pair() -> Pair:
+    """The same profiles on standard gauge: contact points 1.5 m apart, r0 = 0.46 m, as the Manchester vehicles have.
+
+    Assumed, in the place of S1002 on UIC 60, whose contact jumps: one point a wheel does not follow it.
+    """
+    return Pair(wheel_cone_120(), rail_60kg(), 0.460, 0.750, 0.750)
+
+
 #: Depth below the top of the rails at which the gauge is measured (EN 13848-1), and the standard gauge [m].
 GAUGE_DEPTH, STANDARD_GAUGE = 14e-3, 1.435
 

@@ -39,13 +39,14 @@ class Body:
     """A rigid body: position and velocity of its centre in the axes of the track, its own axes (columns), own rate.
 
     `position` may be counted from any point that moves along the track. `own_rate` is the angular velocity in the own
-    axes, which is how the equations of motion know it.
+    axes, which is how the equations of motion know it. angles: roll, pitch and yaw, those of a wheelset without pitch.
     """
 
     position: ca.SX
     velocity: ca.SX
     axes: ca.SX
     own_rate: ca.SX
+    angles: ca.SX
 
     @property
     def rate(self) -> ca.SX:
@@ -59,3 +60,13 @@ class Body:
     def velocity_at(self, arm: ca.SX) -> ca.SX:
         """Velocity of the point at `arm` from the centre, eq. (3.12)."""
         return self.velocity + ca.cross(self.rate, arm)
+
+    def axis_of(self, angle: int) -> ca.SX:
+        """Vector in the axes of the track whose product with the angular velocity is the rate of an angle, 0 to 2.
+
+        The inverse of section 3.2.2 for Rz(yaw) Rx(roll) Ry(pitch), row by row.
+        """
+        frame = yaw_roll(self.angles[2], self.angles[0])
+        level = ca.vertcat(-frame[1, 0], frame[0, 0], 0)
+        secant = 1 / ca.cos(self.angles[0])
+        return (frame[:, 0], level * secant, frame[:, 2] * secant)[angle]

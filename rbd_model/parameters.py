@@ -78,6 +78,35 @@ class BogieParameters(ParameterSet):
     gravity: float = quantity("m/s2", "Gravitational acceleration (g)", POSITIVE)
 
 
+@dataclass(frozen=True)
+class VehicleParameters(BogieParameters):
+    """A car body on two bogies; what `BogieParameters` calls the sprung mass is one bogie's frame.
+
+    Heights are above the wheelset axes. Secondary stiffness and damping are those of one side of one bogie.
+    """
+
+    body_mass: float = quantity("kg", "Car body, mass", POSITIVE)
+    body_roll_inertia: float = quantity("kg.m2", "Car body, moment of inertia about x (I_xx)", POSITIVE)
+    body_pitch_inertia: float = quantity("kg.m2", "Car body, moment of inertia about y (I_yy)", POSITIVE)
+    body_yaw_inertia: float = quantity("kg.m2", "Car body, moment of inertia about z (I_zz)", POSITIVE)
+    body_height: float = quantity("m", "Height of the car body's centre above the wheelset axes")
+    pivot_distance: float = quantity("m", "Distance between the two bogies' centres", POSITIVE)
+    secondary_half_spacing: float = quantity("m", "Half of the lateral distance of the secondary springs", POSITIVE)
+    secondary_height: float = quantity("m", "Height of the secondary springs above the wheelset axes")
+    secondary_longitudinal_stiffness: float = quantity("N/m", "Secondary suspension, longitudinal stiffness", POSITIVE)
+    secondary_lateral_stiffness: float = quantity("N/m", "Secondary suspension, lateral stiffness", POSITIVE)
+    secondary_vertical_stiffness: float = quantity("N/m", "Secondary suspension, vertical stiffness", POSITIVE)
+    secondary_longitudinal_damping: float = quantity("N.s/m", "Secondary suspension, longitudinal damping", 0.0)
+    secondary_lateral_damping: float = quantity("N.s/m", "Secondary suspension, lateral damping", 0.0)
+    secondary_vertical_damping: float = quantity("N.s/m", "Secondary suspension, vertical damping", 0.0)
+    secondary_bending_stiffness: float = quantity(
+        "N.m/rad", "Secondary suspension, stiffness against roll and pitch of one spring's ends", 0.0
+    )
+    anti_roll_stiffness: float = quantity("N.m/rad", "Anti-roll bar of one bogie", 0.0)
+    coupler_distance: float = quantity("m", "Distance between the couplers of both ends", POSITIVE)
+    coupler_height: float = quantity("m", "Height of the couplers above the wheelset axes")
+
+
 def as_printed(parameters: BogieParameters) -> BogieParameters:
     """The same bogie in the thesis's reading of what reacts where: AS_PRINTED.
 
@@ -193,4 +222,101 @@ def tables_8_1_and_8_2() -> BogieParameters:
             "wheel_radius": 0.398,
             "rolling_resistance_torque": 65.0,
         }
+    )
+
+
+def manchester_vehicle_1() -> VehicleParameters:
+    """Vehicle 1 of the Manchester benchmarks, a passenger coach; Iwnicki (1998), Vehicle System Dynamics 30, 295-313.
+
+    Printed there and found in public code that cites it: masses, inertias, spacings, wheel radius, heights of the
+    centres (1.8 and 0.6 m above the rail), springs, dampers, anti-roll bar, bending of the air springs. The vertical
+    primary stiffness is found as 1.220 and as 1.200 MN/m; here 1.220.
+    Assumed: height of the secondary springs 0.9 m above the rail, couplers 20 m apart and 1.0 m above the rail; wheels
+    and rails (`synthetic_pair`), flange and contact as in `tables_5_1_and_5_2`, no rolling resistance.
+    """
+    radius = 0.46
+    return VehicleParameters(
+        **tables_5_1_and_5_2().values()
+        | {
+            "frame_mass": 2615.0,
+            "frame_roll_inertia": 1722.0,
+            "frame_pitch_inertia": 1476.0,
+            "frame_yaw_inertia": 3067.0,
+            "frame_height": 0.6 - radius,
+            "wheelset_mass": 1813.0,
+            "wheelset_roll_inertia": 1120.0,
+            "wheelset_pitch_inertia": 112.0,
+            "wheelset_yaw_inertia": 1120.0,
+            "wheel_base": 2.56,
+            "longitudinal_half_spacing": 1.0,
+            "vertical_half_spacing": 1.0,
+            "wheel_radius": radius,
+            "longitudinal_stiffness": 31.391e6,
+            "lateral_stiffness": 3.884e6,
+            "vertical_stiffness": 1.220e6,
+            "longitudinal_damping": 15e3,
+            "lateral_damping": 2e3,
+            "vertical_damping": 4e3,
+        },
+        body_mass=32000.0,
+        body_roll_inertia=56800.0,
+        body_pitch_inertia=1.97e6,
+        body_yaw_inertia=1.97e6,
+        body_height=1.8 - radius,
+        pivot_distance=19.0,
+        secondary_half_spacing=1.0,
+        secondary_height=0.9 - radius,
+        secondary_longitudinal_stiffness=160e3,
+        secondary_lateral_stiffness=160e3,
+        secondary_vertical_stiffness=430e3,
+        secondary_longitudinal_damping=0.0,
+        secondary_lateral_damping=32e3,
+        secondary_vertical_damping=20e3,
+        secondary_bending_stiffness=10.5e3,
+        anti_roll_stiffness=940e3,
+        coupler_distance=20.0,
+        coupler_height=1.0 - radius,
+    )
+
+
+def coal_wagon() -> VehicleParameters:
+    """A coal wagon: two bogies of chapter 5 under a body, axle load about 306 kN.
+
+    Printed: Table 5.1 (primary springs and dampers), wheelset of Table 5.2, wheel base and radius, as in
+    `tables_5_1_and_5_2`.
+    Assumed: how the sprung mass of 60 t of each bogie divides into a frame of 2 t, with its inertias, and half a body
+    of 116 t, whose centre makes the height of the whole that fitted for chapter 5, 0.8 m; the body's inertias, those
+    of a box of 15 m x 2.9 m x 2.4 m; pivots 10.4 m apart; secondary springs as stiff as a centre bowl and side
+    bearers may be; couplers 15.5 m apart, 0.9 m above the rail.
+    """
+    chapter_5 = tables_5_1_and_5_2()
+    frame_height = 0.1
+    body = 2 * (chapter_5.frame_mass - 2000.0)
+    return VehicleParameters(
+        **chapter_5.values()
+        | {
+            "frame_mass": 2000.0,
+            "frame_roll_inertia": 1500.0,
+            "frame_pitch_inertia": 1500.0,
+            "frame_yaw_inertia": 2600.0,
+            "frame_height": frame_height,
+        },
+        body_mass=body,
+        body_roll_inertia=body * (2.9**2 + 2.4**2) / 12,
+        body_pitch_inertia=body * (15.0**2 + 2.4**2) / 12,
+        body_yaw_inertia=body * (15.0**2 + 2.9**2) / 12,
+        body_height=(2 * chapter_5.frame_mass * chapter_5.frame_height - 2 * 2000.0 * frame_height) / body,
+        pivot_distance=10.4,
+        secondary_half_spacing=0.7,
+        secondary_height=0.3,
+        secondary_longitudinal_stiffness=40e6,
+        secondary_lateral_stiffness=20e6,
+        secondary_vertical_stiffness=40e6,
+        secondary_longitudinal_damping=200e3,
+        secondary_lateral_damping=100e3,
+        secondary_vertical_damping=200e3,
+        secondary_bending_stiffness=0.0,
+        anti_roll_stiffness=0.0,
+        coupler_distance=15.5,
+        coupler_height=0.9 - chapter_5.wheel_radius,
     )

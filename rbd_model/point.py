@@ -1,54 +1,64 @@
-"""Level 1, `point`: one speed and two wheel speeds on static axle loads, eq. (2.8).
+"""Level 1, `point`: one speed and the wheel speeds on static axle loads, eq. (2.8).
 
 m dV/dt = -F_x,   F_z = m g,   J dw/dt = F_x r_w - T_B
 
-Good far from the adhesion limit; it does not know that braking moves load to the leading wheelset, and so misses or
+Good far from the adhesion limit; it does not know that braking moves load to the leading wheelsets, and so misses or
 misjudges a lock-up near the limit.
 """
 
 from __future__ import annotations
 
+import casadi as ca
+
 from fmu_src.system import System
 from rbd_model.adhesion import follow_patch
-from rbd_model.parameters import BogieParameters
+from rbd_model.assembly import Assembly, assemble
+from rbd_model.vehicle import Vehicle
 from rbd_model.wheelset import (
     NOMINAL_DISTANCE,
     NOMINAL_SPEED,
-    SPATIAL_INPUTS,
-    WHEELSET_PARAMETERS,
     CentredLoad,
-    add_wheelset,
+    Rolling,
     add_wheelset_outputs,
-    centred_contact,
     centred_load,
     follow_creep,
-    start_bogie,
+    roll_on_level_rail,
 )
 
 
-def point_bogie(defaults: BogieParameters) -> System:
-    """The two-wheelset bogie as eq. (2.8): distance, speed, and rotation and angular velocity of each wheelset."""
-    used = ("frame_mass", "wheel_base", *WHEELSET_PARAMETERS)
-    bogie = start_bogie("point", "Speed and wheel speeds, static loads", defaults, used, SPATIAL_INPUTS)
-    system, p = bogie.system, bogie.parameter
+def point_vehicle(vehicle: Vehicle) -> System:
+    """A vehicle as eq. (2.8): distance, speed, and rotation and angular velocity of each wheelset; masses add up."""
+    assembly = assemble("point", "Speed and wheel speeds, static loads", vehicle)
+    system = assembly.system
     distance = system.state("distance", "m", 0.0, NOMINAL_DISTANCE)
-    speed = system.state("speed", "m/s", bogie.initial_speed, NOMINAL_SPEED)
+    speed = system.state("speed", "m/s", assembly.initial_speed, NOMINAL_SPEED)
+    follow_creep(assembly, "speed")
+    follow_patch(system, assembly.rail, "distance")
 
-    follow_creep(bogie, "speed")
-    follow_patch(system, bogie.rail, "distance")
-    load = (p["wheelset_mass"] + p["frame_mass"] / 2) * p["gravity"]
-    contact, static = centred_contact(bogie), centred_load(load)
-    static = CentredLoad(system.derived("wheel_load", static.wheel), system.derived("load_growth", static.growth))
-    places = {1: distance + p["wheel_base"] / 2, 2: distance - p["wheel_base"] / 2}
-    wheelsets = [add_wheelset(bogie, number, contact, place, speed, static) for number, place in places.items()]
-    total_mass = p["frame_mass"] + 2 * p["wheelset_mass"]
-    force = wheelsets[0].creep_force + wheelsets[1].creep_force + bogie.input["drawbar_force"]
+    wheelsets = [roll_under_static_load(assembly, number) for number, _ in vehicle.numbered]
+    masses = [*(body.mass for body in vehicle.bodies), *(wheelset.mass for wheelset in vehicle.wheelsets)]
+    mass = system.derived("total_mass", ca.SX(sum(assembly.value(size) for size in masses)))
+    pulls = [assembly.input[pull.name] for pull in vehicle.pulls]
+    acceleration = ca.SX(sum([*(wheelset.creep_force for wheelset in wheelsets), *pulls])) / mass
     system.derivative("distance", speed)
-    system.derivative("speed", force / total_mass)
+    system.derivative("speed", acceleration)
 
-    system.output(bogie.outputs["speed"], speed)
-    system.output(bogie.outputs["distance"], distance)
-    system.output(bogie.outputs["acceleration"], force / total_mass)
+    system.output(assembly.outputs["speed"], speed)
+    system.output(assembly.outputs["distance"], distance)
+    system.output(assembly.outputs["acceleration"], acceleration)
     for wheelset in wheelsets:
-        add_wheelset_outputs(bogie, wheelset.rotation, speed, wheelset.creep_force, load)
+        add_wheelset_outputs(assembly, wheelset, speed)
     return system
+
+
+def roll_under_static_load(assembly: Assembly, number: int) -> Rolling:
+    """A wheelset at its place in the vehicle, second line of eq. (2.8)."""
+    system, data = assembly.system, assembly.vehicle.wheelsets[number - 1]
+    distance, speed = system.states["distance"].symbol, system.states["speed"].symbol
+    weight = assembly.value(data.mass) * assembly.parameter["gravity"] + assembly.resting_on(number)
+    axle_load = system.derived(f"static_load_{number}", weight)
+    load = centred_load(axle_load)
+    static = CentredLoad(
+        system.derived(f"wheel_load_{number}", load.wheel), system.derived(f"load_growth_{number}", load.growth)
+    )
+    return roll_on_level_rail(assembly, number, distance + assembly.value(data.along), speed, static, axle_load)

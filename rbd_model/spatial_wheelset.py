@@ -10,22 +10,27 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
 import casadi as ca
 
+from fmu_src.system import Part
+from rbd_model.adhesion import Surface
+from rbd_model.assembly import Assembly
+from rbd_model.bodies import add_shift, first_distance
+from rbd_model.connections import Load
 from rbd_model.contact import moving_ellipse
-from rbd_model.contact_geometry import Flange, Pair, flange_of
+from rbd_model.contact_geometry import Flange, flange_of
 from rbd_model.creep import polach_forces, smooth_kalker_coefficients
 from rbd_model.kinematics import Body, axes_rate, yaw_roll
 from rbd_model.rolling_contact import SIDES, Placement, WheelContact, wheel_contact
-from rbd_model.suspension import Load
 from rbd_model.track import Section
+from rbd_model.vehicle import Wheelset
 from rbd_model.wheelset import (
     NOMINAL_TRAVEL,
     NOMINAL_TRAVEL_SPEED,
     SMALLEST_FRICTION,
     SMALLEST_LOAD,
-    Bogie,
     Rotation,
     add_rotation,
     add_rotation_states,
@@ -99,12 +104,13 @@ class FlangePush:
 
 @dataclass(frozen=True)
 class SpatialWheelset:
-    """What a wheelset is and does before its forces are added up; `number` is 1 or 2, wheels are (left, right).
+    """What a wheelset is and does before its forces are added up; `number` is from 1, wheels are (left, right).
 
     The body's own axes are those that yaw and roll with the wheelset.
     """
 
     number: int
+    data: Wheelset
     body: Body
     roll: ca.SX
     offset: ca.SX  # lateral displacement from the track's centre [m]
@@ -121,77 +127,79 @@ class Motion:
     yaw_power: ca.SX
 
 
-def place_wheelset(
-    bogie: Bogie,
-    number: int,
-    along: ca.SX,
-    pair: Pair,
-    section: Callable[[int, ca.SX], Section],
-    static_load: ca.SX,
-) -> SpatialWheelset:
-    """Declares the states of a wheelset whose place is `along` [m] from the sprung mass; contacts by (3.54), (3.57).
+def place_wheelset(assembly: Assembly, number: int, section: Callable[[int, ca.SX], Section]) -> SpatialWheelset:
+    """Declares the states of a wheelset and finds its contacts, by (3.54), (3.57).
 
-    section: the track by wheelset and distance; static_load [N]: of one wheel, the guess for the normal forces.
+    section: the track by wheelset and distance. The static load is the guess for the normal forces.
     """
-    system, p = bogie.system, bogie.parameter
-    shift = system.state(f"shift_{number}", "m", 0.0, NOMINAL_TRAVEL)
-    shift_speed = system.state(f"shift_speed_{number}", "m/s", 0.0, NOMINAL_TRAVEL_SPEED)
+    system, p, data = assembly.system, assembly.parameter, assembly.vehicle.wheelsets[number - 1]
+    shift, forward = add_shift(assembly, f"shift_{number}", f"shift_speed_{number}")
     lateral = system.state(f"lateral_{number}", "m", p["initial_lateral"], NOMINAL_TRAVEL)
     lateral_speed = system.state(f"lateral_speed_{number}", "m/s", 0.0, NOMINAL_TRAVEL_SPEED)
     yaw = system.state(f"yaw_{number}", "rad", p["initial_yaw"], NOMINAL_TRAVEL)
     yaw_rate = system.state(f"yaw_rate_{number}", "rad/s", 0.0, NOMINAL_TRAVEL_SPEED)
-    omega = add_rotation_states(bogie, number)
+    omega = add_rotation_states(assembly, number)
     roll = system.algebraic(f"roll_{number}", "rad", 0.0, NOMINAL_ROLL)
     positions = [
         system.algebraic(f"contact_{number}_{word}", "m", -side * p["initial_lateral"], NOMINAL_CONTACT)
         for side, word in SIDES.items()
     ]
+    static_load = assembly.resting_on(number) / 2 + assembly.value(data.mass) * p["gravity"] / 2
     normals = [
         system.algebraic(f"normal_{number}_{word}", "N", static_load, NOMINAL_NORMAL_FORCE) for word in SIDES.values()
     ]
 
-    distance = system.states["frame_distance"].symbol + along + shift
+    along = assembly.value(data.along) + shift
+    distance = first_distance(assembly) + along
     track = section(number, distance)
-    placement = Placement(yaw_roll(yaw, roll), lateral, p["wheel_radius"])
+    axes = yaw_roll(yaw, roll)
     contacts = [
-        wheel_contact(system, f"{number}_{word}", pair, placement, side, position, track.lateral)
-        for (side, word), position in zip(SIDES.items(), positions, strict=True)
+        wheel_contact(
+            system,
+            f"{number}_{word}",
+            data.pair,
+            Placement(axes, lateral, assembly.value(radius)),
+            side,
+            position,
+            track.lateral,
+        )
+        for (side, word), radius, position in zip(SIDES.items(), data.radius, positions, strict=True)
     ]
     heights = [contacts[0].height + track.left, contacts[1].height + track.right]
     system.residual(f"roll_{number}", heights[1] - heights[0])
     for word, contact in zip(SIDES.values(), contacts, strict=True):
         system.residual(f"contact_{number}_{word}", contact.slope_error)
 
-    forward = system.states["frame_speed"].symbol + shift_speed
-    system.limit_change("frame_distance", 1 / track.density)
-    friction = rail_friction(bogie, number, distance) * track.friction
-    rows = constraint_rows(bogie, contacts, track)
+    system.limit_change(f"{assembly.vehicle.bodies[0].name}_distance", 1 / track.density)
+    friction = rail_friction(assembly, number, distance) * track.friction
+    rows = constraint_rows(assembly, contacts, track)
     rise, roll_rate = dependent_velocities(rows, forward, lateral_speed, yaw_rate)
-    coordinates = ca.vertcat(system.states["frame_distance"].symbol, lateral, yaw, roll)
+    coordinates = ca.vertcat(first_distance(assembly), lateral, yaw, roll)
     rates = ca.vertcat(forward, lateral_speed, yaw_rate / ca.cos(roll), roll_rate)
     body = Body(
-        ca.vertcat(along + shift, lateral, (heights[0] + heights[1]) / 2),
+        ca.vertcat(along, lateral, (heights[0] + heights[1]) / 2),
         ca.vertcat(forward, lateral_speed, rise),
-        placement.axes,
+        axes,
         ca.vertcat(roll_rate, omega, yaw_rate),
+        ca.vertcat(roll, 0, yaw),
     )
     wheels = [
-        roll_wheel(bogie, body, contact, row, normal, friction, (coordinates, rates))
+        roll_wheel(assembly, body, contact, row, normal, friction, (coordinates, rates))
         for contact, row, normal in zip(contacts, rows, normals, strict=True)
     ]
-    for name, derivative in (("shift", shift_speed), ("lateral", lateral_speed), ("yaw", rates[2])):
+    for name, derivative in (("lateral", lateral_speed), ("yaw", rates[2])):
         system.derivative(f"{name}_{number}", derivative)
     offset = lateral - track.lateral
-    pushed = push_flanges(bogie, flange_of(pair), offset, roll)
-    return SpatialWheelset(number, body, roll, offset, (wheels[0], wheels[1]), pushed)
+    pushed = push_flanges(assembly, data, flange_of(data.pair), offset, roll)
+    return SpatialWheelset(number, data, body, roll, offset, (wheels[0], wheels[1]), pushed)
 
 
-def constraint_rows(bogie: Bogie, contacts: list[WheelContact], track: Section) -> list[ca.SX]:
+def constraint_rows(assembly: Assembly, contacts: list[WheelContact], track: Section) -> list[ca.SX]:
     """Each contact's motion along its normal, linear in (v_x, v_y, v_z, omega_x, omega_z), eq. (3.67).
 
     The rails' section moves sideways and upwards as the wheelset moves along.
     """
-    distance = bogie.system.states["frame_distance"].symbol
+    distance = first_distance(assembly)
     rows = []
     for contact, height in zip(contacts, (track.left, track.right), strict=True):
         drift = ca.vertcat(ca.jacobian(track.lateral, distance), ca.jacobian(height, distance))
@@ -208,8 +216,30 @@ def dependent_velocities(rows: list[ca.SX], forward: ca.SX, sideways: ca.SX, yaw
     return rise, inverse * (rows[1][2] * left - rows[0][2] * right)
 
 
+@lru_cache
+def creep_of_wheel() -> Part:
+    """Creep forces of one wheel [N] and the friction that is left, eqs (3.82)-(3.105) and the law of `Surface`.
+
+    Of what it slides along and across [m/s], its spin [rad/s], the reciprocal of its speed [s/m], both curvatures
+    [1/m], normal force [N] and friction without sliding; constants: shear modulus [Pa] and surface.
+    """
+    given, constants = ca.SX.sym("given", 8), ca.SX.sym("constants", 6)
+    slide_x, slide_y, spin, slowness, along_rail, across_rail, normal_force, friction = ca.vertsplit(given)
+    modulus, *law = ca.vertsplit(constants)
+    surface = Surface(*law)
+    load = at_least(normal_force, SMALLEST_LOAD)
+    sliding_speed = ca.sqrt(slide_x**2 + slide_y**2 + SLIDING_FLOOR**2)
+    friction = at_least(friction * surface.remaining(sliding_speed), SMALLEST_FRICTION)
+    logarithm, semi_axis = moving_ellipse(along_rail, across_rail, load, modulus)
+    stretch = ca.exp(logarithm / 2)
+    creepages = (slide_x * slowness, slide_y * slowness, spin * slowness)
+    axes, kalker = (semi_axis * stretch, semi_axis / stretch), smooth_kalker_coefficients(logarithm)
+    forces = polach_forces(creepages, load, friction, axes, modulus, kalker, surface.reduction)
+    return Part("creep", given, constants, ca.vertcat(*forces, friction))
+
+
 def roll_wheel(
-    bogie: Bogie,
+    assembly: Assembly,
     body: Body,
     contact: WheelContact,
     row: ca.SX,
@@ -221,19 +251,15 @@ def roll_wheel(
 
     friction: the coefficient without sliding.
     """
-    p = bogie.parameter
+    p = assembly.parameter
     sliding = body.axes.T @ body.velocity + ca.cross(body.own_rate, contact.arm)
     slides = ca.dot(sliding, contact.along), ca.dot(sliding, contact.sideways)
-    sliding_speed = ca.sqrt(slides[0] ** 2 + slides[1] ** 2 + SLIDING_FLOOR**2)
-    load = at_least(normal_force, SMALLEST_LOAD)
-    friction = at_least(friction * bogie.rail.remaining(sliding_speed), SMALLEST_FRICTION)
-    logarithm, semi_axis = moving_ellipse(contact.curvature_along, contact.curvature_across, load, p["shear_modulus"])
-    stretch = ca.exp(logarithm / 2)
     slowness = 1 / ca.sqrt(body.velocity[0] ** 2 + p["creepage_speed"] ** 2)
-    creepages = (slides[0] * slowness, slides[1] * slowness, ca.dot(body.own_rate, contact.normal) * slowness)
-    kalker = smooth_kalker_coefficients(logarithm)
-    axes = (semi_axis * stretch, semi_axis / stretch)
-    along, sideways = polach_forces(creepages, load, friction, axes, p["shear_modulus"], kalker, bogie.rail.reduction)
+    spin = ca.dot(body.own_rate, contact.normal)
+    curvatures = contact.curvature_along, contact.curvature_across
+    given = ca.vertcat(*slides, spin, slowness, *curvatures, normal_force, friction)
+    constants = ca.vertcat(p["shear_modulus"], assembly.rail.surface.symbols)
+    along, sideways, friction = ca.vertsplit(assembly.system.call(creep_of_wheel(), given, constants))
 
     coordinates, rates = motion
     bend = ca.jacobian(contact.slope_error, contact.position)
@@ -244,18 +270,19 @@ def roll_wheel(
     return Wheel(contact, row, row_rate, curvature_left, friction, normal_force, along, sideways, power)
 
 
-def move_wheelset(bogie: Bogie, wheelset: SpatialWheelset, suspension: Load) -> Motion:
+def move_wheelset(assembly: Assembly, wheelset: SpatialWheelset, suspension: Load, first_acceleration: ca.SX) -> Motion:
     """Newton's and Euler's equations of a wheelset, as (3.73), and the accelerations of its constraints, (3.71).
 
+    first_acceleration [m/s2]: of the vehicle's first body along the track.
     Differs from the thesis, which has Euler parameters: about axes that yaw and roll with the wheelset, in which its
     inertia is constant. The yaw torque acts about the upright one of these, as the couple of the shoe forces (9.1)
     does, which are square to the axle; the vertical of the track, the other reading, is a roll (1e-3) away and would
     turn the axle by its sine. About an axis that turns with the wheelset's rotation as well when yaw_torque_rotates is
     1, which the body's matrix in place of the global one in (3.36) does.
     """
-    system, p, number = bogie.system, bogie.parameter, wheelset.number
-    mass = p["wheelset_mass"]
-    inertia = ca.vertcat(*[p[f"wheelset_{name}_inertia"] for name in ("roll", "pitch", "yaw")])
+    system, p, number = assembly.system, assembly.parameter, wheelset.number
+    mass = assembly.value(wheelset.data.mass)
+    inertia = ca.vertcat(*[assembly.value(size) for size in wheelset.data.inertia])
     force = suspension.force + ca.vertcat(0, wheelset.flange.force, -mass * p["gravity"])
     moment = wheelset.body.axes.T @ suspension.moment + ca.vertcat(wheelset.flange.moment, 0, 0)
     rate = wheelset.body.own_rate
@@ -267,13 +294,12 @@ def move_wheelset(bogie: Bogie, wheelset: SpatialWheelset, suspension: Load) -> 
         force = force + ca.vertcat(wheel.creep_along, across) + wheel.normal_force * row[:3]
         moment = moment + ca.cross(contact.arm, creep) + wheel.normal_force * contact.lever
     angle = p["yaw_torque_rotates"] * system.states[f"rotation_{number}"].symbol
-    yaw_torque = bogie.input[f"yaw_torque_{number}"] * ca.vertcat(ca.sin(angle), 0, ca.cos(angle))
+    yaw_torque = assembly.input[f"yaw_torque_{number}"] * ca.vertcat(ca.sin(angle), 0, ca.cos(angle))
 
     acceleration = (1 / mass) * force
     turning = (1 / inertia) * (moment + yaw_torque)
-    rotation = add_rotation(bogie, number, rate[1], moment[1])
-    frame_acceleration = system.derivatives["frame_speed"]
-    system.derivative(f"shift_speed_{number}", acceleration[0] - frame_acceleration)
+    rotation = add_rotation(assembly, number, rate[1], moment[1])
+    system.derivative(f"shift_speed_{number}", acceleration[0] - first_acceleration)
     system.derivative(f"lateral_speed_{number}", acceleration[1])
     system.derivative(f"yaw_rate_{number}", turning[2])
     velocities = ca.vertcat(wheelset.body.velocity, rate[0], rate[2])
@@ -284,7 +310,7 @@ def move_wheelset(bogie: Bogie, wheelset: SpatialWheelset, suspension: Load) -> 
     return Motion(acceleration[0], rotation, ca.dot(yaw_torque, rate))
 
 
-def push_flanges(bogie: Bogie, geometry: Flange, offset: ca.SX, roll: ca.SX) -> FlangePush:
+def push_flanges(assembly: Assembly, data: Wheelset, geometry: Flange, offset: ca.SX, roll: ca.SX) -> FlangePush:
     """Lateral push of the rails on the flanges, eq. (3.106), where they touch or, as printed, at the wheelset's centre.
 
     offset [m]: of the wheelset's centre from that of the track.
@@ -294,8 +320,8 @@ def push_flanges(bogie: Bogie, geometry: Flange, offset: ca.SX, roll: ca.SX) -> 
     that the spring gives back what it took. The clearance stays the displacement of a centre on level track. The
     vertical part of a flange's force is missing here as it is in (3.106).
     """
-    p = bogie.parameter
-    arm = p["flange_at_rail"] * (p["wheel_radius"] + geometry.depth)
+    p = assembly.parameter
+    arm = p["flange_at_rail"] * (assembly.radius(data) + geometry.depth)
     displacement = offset + arm * ca.sin(roll)
     clearance = p["flange_clearance"] * (1 + arm * geometry.roll_by_shift)
     left, right = ca.fmax(displacement - clearance, 0), ca.fmax(-displacement - clearance, 0)

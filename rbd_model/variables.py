@@ -1,12 +1,14 @@
-"""Inputs and outputs of BogieDynamics, the same at every level of detail. 1 = leading, 2 = trailing wheelset."""
+"""Inputs and outputs of a vehicle, the same at every level of detail. Wheelsets count from 1, the leading one."""
 
 from __future__ import annotations
 
 import math
 
 from fmu_src.system import Variable
+from rbd_model.vehicle import RigidBody, Vehicle
 
-WHEELSETS = {1: "leading", 2: "trailing"}
+#: What wheelsets are called, by how many there are.
+WORDS = {1: ("leading",), 2: ("leading", "trailing"), 3: ("leading", "middle", "trailing")}
 #: Above this the contact laws mean nothing; dry steel on steel stays below 0.8.
 HIGHEST_FRICTION = 2.0
 
@@ -16,10 +18,16 @@ def _input(name: str, unit: str, description: str, start: float = 0.0, minimum: 
     return Variable(name, "input", unit, description, start, minimum, maximum)
 
 
-def inputs() -> dict[str, Variable]:
+def words(vehicle: Vehicle) -> dict[int, str]:
+    """What each wheelset is called, by its number."""
+    count = len(vehicle.wheelsets)
+    return dict(enumerate(WORDS.get(count, tuple(f"{number}." for number in range(1, count + 1))), 1))
+
+
+def inputs(vehicle: Vehicle) -> dict[str, Variable]:
     """All inputs by name."""
-    rows = []
-    for number, place in WHEELSETS.items():
+    wheelsets, rows = words(vehicle), []
+    for number, place in wheelsets.items():
         rows.append(
             _input(
                 f"brake_torque_{number}",
@@ -29,13 +37,13 @@ def inputs() -> dict[str, Variable]:
                 minimum=0.0,
             )
         )
-    for number, place in WHEELSETS.items():
+    for number, place in wheelsets.items():
         rows.append(_input(f"traction_torque_{number}", "N.m", f"Torque that drives the {place} wheelset forward"))
-    for number, place in WHEELSETS.items():
+    for number, place in wheelsets.items():
         text = f"Yaw torque on the {place} wheelset, about the axis upright on its axle, which rolls with it"
         rows.append(_input(f"yaw_torque_{number}", "N.m", text))
-    rows.append(_input("drawbar_force", "N", "Forward force on the sprung mass, at its centre"))
-    for number, place in WHEELSETS.items():
+    rows += [_input(pull.name, "N", pull.text) for pull in vehicle.pulls]
+    for number, place in wheelsets.items():
         text = f"Wheel-rail friction coefficient under the {place} wheelset"
         rows.append(_input(f"friction_{number}", "1", text, start=0.3, minimum=0.0))
     return {row.name: row for row in rows}
@@ -45,37 +53,51 @@ def _output(name: str, unit: str, description: str, **more: str) -> Variable:
     return Variable(name, "output", unit, description, **more)  # type: ignore[arg-type]
 
 
-def _pair(name: str, unit: str, description: str, **more: str) -> list[Variable]:
-    return [_output(f"{name}_{n}", unit, description.format(place), **more) for n, place in WHEELSETS.items()]
+def _in_plane(body: RigidBody) -> list[Variable]:
+    return [
+        _output(body.variable("bounce"), "m", f"Vertical displacement of the {body.text} from rest, upwards"),
+        _output(body.variable("pitch"), "rad", f"Pitch of the {body.text}, positive nose down", display_unit="deg"),
+    ]
 
 
-def outputs() -> dict[str, Variable]:
+def _out_of_plane(body: RigidBody) -> list[Variable]:
+    return [
+        _output(body.variable("lateral"), "m", f"Lateral displacement of the {body.text}"),
+        _output(body.variable("roll"), "rad", f"Roll of the {body.text}", display_unit="deg"),
+        _output(body.variable("yaw"), "rad", f"Yaw of the {body.text}", display_unit="deg"),
+    ]
+
+
+def outputs(vehicle: Vehicle) -> dict[str, Variable]:
     """All outputs by name. Those of the second group are 0 below the spatial level."""
+    wheelsets = words(vehicle)
+    whole = "vehicle" if len(vehicle.bodies) > 1 else "bogie"
+
+    def each(name: str, unit: str, description: str, **more: str) -> list[Variable]:
+        return [_output(f"{name}_{n}", unit, description.format(place), **more) for n, place in wheelsets.items()]
+
     rows = [
-        _output("speed", "m/s", "Forward speed of the bogie at its axles", display_unit="km/h"),
+        _output("speed", "m/s", f"Forward speed of the {whole} at its axles", display_unit="km/h"),
         _output("distance", "m", "Distance travelled"),
-        _output("acceleration", "m/s2", "Forward acceleration of the bogie at its axles"),
-        *_pair("angular_velocity", "rad/s", "Angular velocity of the {} wheelset, positive when rolling forward"),
-        *_pair("rotation", "rad", "Rotation of the {} wheelset"),
-        *_pair("slip", "m/s", "Speed minus nominal wheel radius times angular velocity, {} wheelset"),
-        *_pair("slip_ratio", "1", "Slip over speed, {} wheelset: 0 rolling, 1 locked"),
-        *_pair("creep_force", "N", "Longitudinal creep force of the rails on the {} wheelset, positive forward"),
-        *_pair("axle_load", "N", "Vertical force of the rails on the {} wheelset", display_unit="kN"),
-        *_pair("locked", "1", "The {} wheelset is locked by its brake", kind="boolean"),
-        _output("bounce", "m", "Vertical displacement of the sprung mass from rest, upwards"),
-        _output("pitch", "rad", "Pitch of the sprung mass, positive nose down", display_unit="deg"),
-        *_pair("lateral", "m", "Lateral displacement of the {} wheelset from the track centre, to the left"),
-        *_pair("yaw", "rad", "Yaw of the {} wheelset", display_unit="deg"),
+        _output("acceleration", "m/s2", f"Forward acceleration of the {whole} at its axles"),
+        *each("angular_velocity", "rad/s", "Angular velocity of the {} wheelset, positive when rolling forward"),
+        *each("rotation", "rad", "Rotation of the {} wheelset"),
+        *each("slip", "m/s", "Speed minus nominal wheel radius times angular velocity, {} wheelset"),
+        *each("slip_ratio", "1", "Slip over speed, {} wheelset: 0 rolling, 1 locked"),
+        *each("creep_force", "N", "Longitudinal creep force of the rails on the {} wheelset, positive forward"),
+        *each("axle_load", "N", "Vertical force of the rails on the {} wheelset", display_unit="kN"),
+        *each("locked", "1", "The {} wheelset is locked by its brake", kind="boolean"),
+        *[row for body in vehicle.bodies for row in _in_plane(body)],
+        *each("lateral", "m", "Lateral displacement of the {} wheelset from the track centre, to the left"),
+        *each("yaw", "rad", "Yaw of the {} wheelset", display_unit="deg"),
         *[
             _output(f"wheel_load_{n}_{side}", "N", f"Vertical wheel load, {place} wheelset, {side}", display_unit="kN")
-            for n, place in WHEELSETS.items()
+            for n, place in wheelsets.items()
             for side in ("left", "right")
         ],
-        _output("frame_lateral", "m", "Lateral displacement of the sprung mass"),
-        _output("frame_roll", "rad", "Roll of the sprung mass", display_unit="deg"),
-        _output("frame_yaw", "rad", "Yaw of the sprung mass", display_unit="deg"),
+        *[row for body in vehicle.bodies for row in _out_of_plane(body)],
         _output("derailed", "1", "A wheel has lost its tread contact or run off it", kind="boolean"),
-        *_pair(
+        *each(
             "flange_force", "N", "Lateral force of the rails on the flanges of the {} wheelset, positive to the left"
         ),
         *[
@@ -85,7 +107,7 @@ def outputs() -> dict[str, Variable]:
                 f"Y/Q of the {side} wheel, {place} wheelset: its lateral force on the rail, outwards and with the "
                 "flange's, over the vertical one",
             )
-            for n, place in WHEELSETS.items()
+            for n, place in wheelsets.items()
             for side in ("left", "right")
         ],
     ]

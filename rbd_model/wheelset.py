@@ -1,19 +1,17 @@
-"""What every level of detail shares: the variables of a bogie, and one wheelset that rolls, skids or is locked."""
+"""What every level of detail shares: one wheelset that rolls, skids or is locked, on a level rail or in space."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import casadi as ca
 
-from fmu_src.system import Friction, System, Variable
-from rbd_model import variables
-from rbd_model.adhesion import Rail, add_rail
+from fmu_src.system import Friction
+from rbd_model.assembly import Assembly
 from rbd_model.contact import ellipse_shape
 from rbd_model.creep import creepage, kalker_coefficients, saturated
-from rbd_model.parameters import BogieParameters
+from rbd_model.vehicle import Wheelset
 
 #: Used where a trial step would ask for the contact of a wheel that carries nothing; a run ends before (wheel lift).
 SMALLEST_LOAD = 1.0
@@ -32,18 +30,6 @@ NOMINAL_TRAVEL = 0.01
 NOMINAL_TRAVEL_SPEED = 1.0
 
 
-@dataclass
-class Bogie:
-    """The symbols common to all levels while a System is being written."""
-
-    system: System
-    parameter: dict[str, ca.SX]
-    input: dict[str, ca.SX]
-    outputs: dict[str, Variable]
-    initial_speed: ca.SX
-    rail: Rail
-
-
 @dataclass(frozen=True)
 class Rotation:
     """Symbols of one wheelset that turns: velocity, torques of its brake with sign, and 0 where it is locked."""
@@ -54,48 +40,6 @@ class Rotation:
     brake_torque: ca.SX  # the brake's part of it
     traction_torque: ca.SX
     moving: ca.SX
-
-
-@dataclass(frozen=True)
-class Wheelset:
-    """One wheelset on a level rail."""
-
-    rotation: Rotation
-    creep_force: ca.SX
-    sliding_speed: ca.SX
-
-
-def start_bogie(
-    name: str,
-    description: str,
-    defaults: BogieParameters,
-    used: Sequence[str],
-    unused_inputs: Sequence[str] = (),
-    speed: float = 25.0,
-) -> Bogie:
-    """A System with the parameters named in `used` and of the rail's friction, and all inputs but some."""
-    system = System(name, description)
-    initial = system.parameter(variables.initial_speed(speed))
-    parameter = {field: system.parameter(defaults.variable(field)) for field in used}
-    symbols = {name: system.input(row) for name, row in variables.inputs().items() if name not in unused_inputs}
-    rail = add_rail(system, [number for number in variables.WHEELSETS if f"friction_{number}" in symbols])
-    return Bogie(system, parameter, symbols, variables.outputs(), initial, rail)
-
-
-#: Inputs that only the spatial level has.
-SPATIAL_INPUTS = ("yaw_torque_1", "yaw_torque_2")
-#: Parameters that a wheelset on a level rail needs.
-WHEELSET_PARAMETERS = (
-    "wheelset_mass",
-    "wheelset_pitch_inertia",
-    "wheel_radius",
-    "rolling_resistance_torque",
-    "wheel_profile_curvature",
-    "rail_head_radius",
-    "shear_modulus",
-    "creepage_speed",
-    "gravity",
-)
 
 
 @dataclass(frozen=True)
@@ -113,28 +57,32 @@ class CentredLoad:
     growth: ca.SX
 
 
-def follow_creep(bogie: Bogie, speed: str) -> None:
+def follow_creep(assembly: Assembly, speed: str) -> None:
     """No step may change the state `speed` by more than half: the creepage (2.3) goes with its reciprocal.
 
     The error of a step says nothing of that: at the end of a stop the creep is so stiff that it is solved for at once,
     but with a Jacobian of another speed the force comes out wrong.
     """
-    value, least = bogie.system.states[speed].symbol, bogie.parameter["creepage_speed"]
-    bogie.system.limit_change(speed, ca.sqrt(value**2 + least**2) / 2)
+    value, least = assembly.system.states[speed].symbol, assembly.parameter["creepage_speed"]
+    assembly.system.limit_change(speed, ca.sqrt(value**2 + least**2) / 2)
 
 
-def centred_contact(bogie: Bogie) -> CentredContact:
+def centred_contact(assembly: Assembly, wheelset: Wheelset) -> CentredContact:
     """Factor of (3.94), with the ellipse of `ellipse_shape`: constant from the curvatures, computed once at the start.
 
     Not a number, so that a run is refused at its start, for an ellipse more slender than 1 : 10: on half-spaces, as
     Hertz and Kalker have them, no wheel touches a rail like that.
     """
-    p = bogie.parameter
-    shape = ellipse_shape(p["wheel_radius"], p["wheel_profile_curvature"], p["rail_head_radius"], p["shear_modulus"])
-    slender = ca.fmax(shape.axis_ratio, 1 / shape.axis_ratio) > MOST_SLENDER
-    c11 = ca.if_else(slender, math.nan, kalker_coefficients(shape.axis_ratio).c11)
-    stiffness = 0.25 * ca.pi * p["shear_modulus"] * shape.longitudinal * shape.lateral * c11
-    return CentredContact(bogie.system.derived("contact_stiffness", stiffness))
+    p, radius = assembly.parameter, wheelset.mean_radius
+    same = next(number for number, other in assembly.vehicle.numbered if other.mean_radius == radius)
+    name = f"contact_stiffness_{same}"
+    if name not in assembly.system.derived_symbols:
+        curvatures = p["wheel_profile_curvature"], p["rail_head_radius"]
+        shape = ellipse_shape(assembly.value(radius), *curvatures, p["shear_modulus"])
+        slender = ca.fmax(shape.axis_ratio, 1 / shape.axis_ratio) > MOST_SLENDER
+        c11 = ca.if_else(slender, math.nan, kalker_coefficients(shape.axis_ratio).c11)
+        assembly.system.derived(name, 0.25 * ca.pi * p["shear_modulus"] * shape.longitudinal * shape.lateral * c11)
+    return CentredContact(assembly.system.derived_symbols[name])
 
 
 def centred_load(load: ca.SX) -> CentredLoad:
@@ -143,9 +91,9 @@ def centred_load(load: ca.SX) -> CentredLoad:
     return CentredLoad(wheel, wheel ** (1 / 3))
 
 
-def rail_friction(bogie: Bogie, number: int, distance: ca.SX) -> ca.SX:
+def rail_friction(assembly: Assembly, number: int, distance: ca.SX) -> ca.SX:
     """Friction coefficient without sliding, mu0 of Polach (2005), under a wheelset at a distance [m]."""
-    return bogie.input[f"friction_{number}"] * bogie.rail.factor(number, distance)
+    return assembly.input[f"friction_{number}"] * assembly.rail.factor(number, distance)
 
 
 def at_least(value: ca.SX, least: float) -> ca.SX:
@@ -154,70 +102,93 @@ def at_least(value: ca.SX, least: float) -> ca.SX:
 
 
 def creep_force_of_wheelset(
-    bogie: Bogie, friction: ca.SX, contact: CentredContact, load: CentredLoad, sliding: ca.SX, forward: ca.SX
+    assembly: Assembly, friction: ca.SX, contact: CentredContact, load: CentredLoad, sliding: ca.SX, forward: ca.SX
 ) -> ca.SX:
     """Longitudinal force of both rails on a wheelset that slides at `sliding` [m/s], (3.94), (3.97); friction: mu0."""
     # The corner of the absolute value is not felt: without sliding the force does not depend on friction.
-    friction = at_least(friction * bogie.rail.remaining(ca.fabs(sliding)), SMALLEST_FRICTION)
+    friction = at_least(friction * assembly.rail.surface.remaining(ca.fabs(sliding)), SMALLEST_FRICTION)
     # Eq. (3.94) with the creepage over sqrt(V^2 + v_eps^2). All divisors in one: they are what this costs.
-    divisor = friction * load.growth * ca.sqrt(forward**2 + bogie.parameter["creepage_speed"] ** 2)
-    return 2 * saturated(contact.stiffness * sliding / divisor, friction * load.wheel, bogie.rail.reduction)
+    divisor = friction * load.growth * ca.sqrt(forward**2 + assembly.parameter["creepage_speed"] ** 2)
+    return 2 * saturated(contact.stiffness * sliding / divisor, friction * load.wheel, assembly.rail.surface.reduction)
 
 
-def add_wheelset(
-    bogie: Bogie, number: int, contact: CentredContact, distance: ca.SX, forward: ca.SX, load: CentredLoad
-) -> Wheelset:
-    """A wheelset on a level rail, eq. (2.8); distance [m], forward [m/s]: of its axle along the track."""
-    omega = add_rotation_states(bogie, number)
-    radius = bogie.parameter["wheel_radius"]
+@dataclass(frozen=True)
+class Rolling:
+    """A wheelset that rolls, skids or is locked, as every level has it.
+
+    number: from 1. forward [m/s]: speed of its axle, axle: unit vector along it, in the axes of the track. creep_force,
+    load [N]: of both rails on it, along the track and upwards; creep_power [W]: what both take.
+    """
+
+    number: int
+    data: Wheelset
+    rotation: Rotation
+    forward: ca.SX
+    axle: ca.SX
+    creep_force: ca.SX
+    load: ca.SX
+    creep_power: ca.SX
+
+
+def roll_on_level_rail(
+    assembly: Assembly, number: int, distance: ca.SX, forward: ca.SX, load: CentredLoad, axle_load: ca.SX
+) -> Rolling:
+    """A wheelset on a level rail, eq. (2.8); it declares the states of its rotation.
+
+    distance [m], forward [m/s]: of its axle; load: of each wheel; axle_load [N]: of both.
+    """
+    data = assembly.vehicle.wheelsets[number - 1]
+    omega = add_rotation_states(assembly, number)
+    radius = assembly.radius(data)
     sliding = forward - radius * omega
-    friction = rail_friction(bogie, number, distance)
-    force = creep_force_of_wheelset(bogie, friction, contact, load, sliding, forward)
-    return Wheelset(add_rotation(bogie, number, omega, -force * radius), force, sliding)
+    friction = rail_friction(assembly, number, distance)
+    force = creep_force_of_wheelset(assembly, friction, centred_contact(assembly, data), load, sliding, forward)
+    rotation = add_rotation(assembly, number, omega, -force * radius)
+    return Rolling(number, data, rotation, forward, ca.SX([0, 1, 0]), force, axle_load, -force * sliding)
 
 
-def add_rotation_states(bogie: Bogie, number: int) -> ca.SX:
+def add_rotation_states(assembly: Assembly, number: int) -> ca.SX:
     """Declares the rotation of a wheelset and returns its angular velocity, omega of (2.8); at the start it rolls."""
-    start = bogie.initial_speed / bogie.parameter["wheel_radius"]
-    bogie.system.state(f"rotation_{number}", "rad", 0.0, NOMINAL_ROTATION)
-    return bogie.system.state(f"angular_velocity_{number}", "rad/s", start, NOMINAL_ANGULAR_VELOCITY)
+    start = assembly.initial_speed / assembly.radius(assembly.vehicle.wheelsets[number - 1])
+    assembly.system.state(f"rotation_{number}", "rad", 0.0, NOMINAL_ROTATION)
+    return assembly.system.state(f"angular_velocity_{number}", "rad/s", start, NOMINAL_ANGULAR_VELOCITY)
 
 
-def add_rotation(bogie: Bogie, number: int, omega: ca.SX, rail_torque: ca.SX) -> Rotation:
+def add_rotation(assembly: Assembly, number: int, omega: ca.SX, rail_torque: ca.SX) -> Rotation:
     """Rotation of one wheelset, third line of eq. (2.8): J dw/dt = F_x r - T_B, with traction and rolling resistance.
 
     rail_torque [N.m]: moment about the axle from the rails. The brake torque is a capacity: dry friction that opposes
     the rotation, or holds the wheelset locked while the rail cannot turn it.
     """
-    system, parameter = bogie.system, bogie.parameter
+    system = assembly.system
     direction = system.direction(f"direction_{number}")
-    brake = bogie.input[f"brake_torque_{number}"]
-    capacity = brake + parameter["rolling_resistance_torque"]
-    traction = bogie.input[f"traction_torque_{number}"]
+    brake = assembly.input[f"brake_torque_{number}"]
+    capacity = brake + assembly.parameter["rolling_resistance_torque"]
+    traction = assembly.input[f"traction_torque_{number}"]
     drive = traction + rail_torque
     # Sliding, the friction is the capacity; locked, it is whatever balances the drive, shared in proportion.
     moving = direction**2
     friction_torque = moving * direction * capacity + (1 - moving) * drive
-    velocity = f"angular_velocity_{number}"
+    velocity, inertia = f"angular_velocity_{number}", assembly.vehicle.wheelsets[number - 1].inertia[1]
     system.derivative(f"rotation_{number}", omega)
-    system.derivative(velocity, moving * (drive - direction * capacity) / parameter["wheelset_pitch_inertia"])
+    system.derivative(velocity, moving * (drive - direction * capacity) / assembly.value(inertia))
     system.dry_friction(Friction(f"Wheelset {number}", direction, velocity, drive, capacity, "locked", "turns again"))
     share = brake / ca.fmax(capacity, 1e-9)
     return Rotation(number, omega, friction_torque, share * friction_torque, traction, moving)
 
 
-def add_wheelset_outputs(bogie: Bogie, rotation: Rotation, speed: ca.SX, creep_force: ca.SX, load: ca.SX) -> None:
-    """Outputs of one wheelset; the slip ratio is (2.10), regularised as the creepage is."""
-    system, number = bogie.system, rotation.number
-    slip = speed - bogie.parameter["wheel_radius"] * rotation.angular_velocity
+def add_wheelset_outputs(assembly: Assembly, rolling: Rolling, speed: ca.SX) -> None:
+    """Outputs of one wheelset; the slip ratio is (2.10), regularised as the creepage is; speed [m/s]: the vehicle's."""
+    system, number, rotation = assembly.system, rolling.number, rolling.rotation
+    slip = speed - assembly.radius(rolling.data) * rotation.angular_velocity
     rows = {
         "angular_velocity": rotation.angular_velocity,
         "rotation": system.states[f"rotation_{number}"].symbol,
         "slip": slip,
-        "slip_ratio": creepage(slip, speed, bogie.parameter["creepage_speed"]),
-        "creep_force": creep_force,
-        "axle_load": load,
+        "slip_ratio": creepage(slip, speed, assembly.parameter["creepage_speed"]),
+        "creep_force": rolling.creep_force,
+        "axle_load": rolling.load,
         "locked": 1 - rotation.moving,
     }
     for name, expression in rows.items():
-        system.output(bogie.outputs[f"{name}_{number}"], expression)
+        system.output(assembly.outputs[f"{name}_{number}"], expression)

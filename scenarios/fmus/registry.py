@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from brake_controller.cylinder import brake_cylinder
 from fmu_src.system import Model
-from rbd_model.bogie import bogie_dynamics, wheelset_dynamics
+from rbd_model.bogie import bogie_dynamics, vehicle_dynamics, wheelset_dynamics
 from rbd_model.rail_recovery import rail_adhesion
 
 
@@ -22,6 +22,7 @@ class Fmu:
 #: By the name that the command line and the scenarios know.
 FMUS: dict[str, Fmu] = {
     "bogie": Fmu(bogie_dynamics, "qr30-180kpa.png"),
+    "vehicle": Fmu(vehicle_dynamics),
     "wheelset": Fmu(wheelset_dynamics, "wheelset-hunting.png"),
     "brake": Fmu(brake_cylinder, "qr30-180kpa.png"),
     "rail": Fmu(rail_adhesion),

@@ -12,7 +12,8 @@ from scipy.optimize import brentq
 
 from brake_controller.experiment import APPLICATION_TIME
 from brake_controller.pneumatics import TIME_CONSTANTS_TO_95_PERCENT
-from rbd_model.planar import planar_bogie
+from rbd_model.planar import planar_vehicle
+from rbd_model.vehicles import two_axle_bogie
 from scenarios.bench.braked_bogie import (
     BOGIE,
     FULL_PRESSURE,
@@ -78,7 +79,7 @@ def reference() -> CoupledStop:
     kernel = prepare("bogie", **bogie_values(INITIAL_SPEED))
     kernel.initialise()
     torques = [kernel.library.index[f"brake_torque_{wheelset}"] for wheelset in (1, 2)]
-    names = list(planar_bogie(BOGIE).states)
+    names = list(planar_vehicle(two_axle_bogie(BOGIE)).states)
 
     def mean_of_axles(frame: str, axle: str, y: np.ndarray) -> float:
         return float(y[names.index(frame)] + (y[names.index(f"{axle}_1")] + y[names.index(f"{axle}_2")]) / 2)

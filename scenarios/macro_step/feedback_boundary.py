@@ -19,7 +19,8 @@ from scipy.optimize import bisect, brentq
 from brake_controller.experiment import APPLICATION_TIME
 from brake_controller.pneumatics import TIME_CONSTANTS_TO_95_PERCENT
 from fmu_src.kernel import Kernel
-from rbd_model.planar import planar_bogie
+from rbd_model.planar import planar_vehicle
+from rbd_model.vehicles import two_axle_bogie
 from scenarios.bench.braked_bogie import (
     BOGIE,
     TORQUE_PER_PRESSURE,
@@ -71,7 +72,7 @@ def linear_bogie() -> Plant:
     """From the exact Jacobian of the kernel in the FMU. The torque enters the equations as a factor: b is exact too."""
     kernel = prepare("bogie", **bogie_values(SPEED), **STEADY)
     kernel.advance(SETTLING)
-    names, place = list(planar_bogie(BOGIE).states), kernel.linearise().state
+    names, place = list(planar_vehicle(two_axle_bogie(BOGIE)).states), kernel.linearise().state
     a = np.array(kernel.jacobian_at(kernel.time, place))
     b = _slopes(kernel, place, TORQUE + 1.0) - _slopes(kernel, place, TORQUE)
     c = np.array([kernel.directional([FEEDBACK], {f"state_{name}": 1.0})[0] for name in names])

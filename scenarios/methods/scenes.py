@@ -12,7 +12,7 @@ import numpy as np
 from fmu_src.kernel import Kernel
 from fmu_src.system import System
 from rbd_model.bogie import levels, wheelset_in_frame
-from rbd_model.parameters import tables_5_1_and_5_2
+from rbd_model.vehicles import two_axle_bogie
 from scenarios.bench.asymmetric_shoes import BRAKE_START, BRAKE_TORQUE, YAW_TORQUE
 from scenarios.bench.drive import History, prepare, value_at
 
@@ -66,7 +66,7 @@ class Scene:
 
 def system_of(fmu: str, level: int = 3) -> System:
     """The equations of a kernel."""
-    return levels(tables_5_1_and_5_2())[level - 1] if fmu == "bogie" else wheelset_in_frame()
+    return levels(two_axle_bogie())[level - 1] if fmu == "bogie" else wheelset_in_frame()
 
 
 def stopping(samples: Samples) -> dict[str, float]:

@@ -50,7 +50,7 @@ def advanced(place: list[float], seconds: float, **values: float) -> np.ndarray:
     kernel.initialise()
     kernel.arrive(0.0, place)
     kernel.advance(seconds)
-    return np.array([kernel[f"state_{name}"] for name in ("bounce_speed", "pitch_rate", "angular_velocity_1")])
+    return np.array([kernel[f"state_{name}"] for name in ("bounce_rate", "pitch_rate", "angular_velocity_1")])
 
 
 def test_w_method_keeps_its_order_with_a_jacobian_of_elsewhere() -> None:

@@ -16,12 +16,12 @@ from fmu_src.system import model_of
 from rbd_model.adhesion import CONDITIONS, RailCondition, dry, even_rail, wet
 from rbd_model.bogie import DEFAULT_TOLERANCE, levels
 from rbd_model.contact import ellipse_shape
-from rbd_model.contact_geometry import thesis_pair
 from rbd_model.creep import Reduction, kalker_coefficients, polach_force, polach_forces
 from rbd_model.parameters import tables_5_1_and_5_2
-from rbd_model.planar import planar_bogie
-from rbd_model.spatial import spatial_bogie
+from rbd_model.planar import planar_vehicle
+from rbd_model.spatial import spatial_vehicle
 from rbd_model.track import irregular_track, section_5_3
+from rbd_model.vehicles import two_axle_bogie
 
 BOGIE = tables_5_1_and_5_2()
 STEEL, SEMI_AXES = 82e9, (6e-3, 5e-3)
@@ -204,7 +204,9 @@ def test_default_tolerance_finds_the_lock_on_falling_friction(bogie: Library, to
 def test_lost_energy_equals_work_on_falling_friction(level: int) -> None:
     powers, energies = ["brake_power", "creep_power", "damping_power"], ["kinetic_energy", "potential_energy"]
     plain = (
-        planar_bogie(BOGIE) if level == PLANAR else spatial_bogie(BOGIE, thesis_pair(), irregular_track(section_5_3()))
+        planar_vehicle(two_axle_bogie(BOGIE))
+        if level == PLANAR
+        else spatial_vehicle(two_axle_bogie(BOGIE), irregular_track(section_5_3()))
     )
     library = Library(build_library(model_of(plain.with_integrals(powers).with_outputs(energies), DEFAULT_TOLERANCE)))
     patch = {"patch_start": 20.0, "patch_length": 10.0, "patch_friction": 0.3}
@@ -234,7 +236,7 @@ def test_jacobian_is_exact_on_falling_friction_within_the_end_of_a_patch(bogie: 
     kernel.advance(0.05)
     assert kernel["slip_1"] > 1.0
     assert kernel["locked_1"] == 0.0
-    states = levels(BOGIE)[level - 1].states.values()
+    states = levels(two_axle_bogie(BOGIE))[level - 1].states.values()
     place = np.array(kernel.linearise().state)[[not state.algebraic for state in states]]
     exact = np.array(kernel.jacobian_at(0.05, place))
     for column in range(place.size):

@@ -19,7 +19,8 @@ from fmu_src.system import model_of
 from rbd_model.bogie import DEFAULT_TOLERANCE
 from rbd_model.linear import oscillations
 from rbd_model.parameters import BogieParameters, tables_5_1_and_5_2, tables_8_1_and_8_2
-from rbd_model.planar import planar_bogie
+from rbd_model.planar import planar_vehicle
+from rbd_model.vehicles import two_axle_bogie
 from scenarios.thesis.traction_braking import load_transfer
 
 POINT, PLANAR, SPATIAL = 1, 2, 3
@@ -176,7 +177,8 @@ def test_bounce_frequency_is_that_of_mass_on_four_springs(bogie: Library) -> Non
     p = tables_5_1_and_5_2()
     kernel = Kernel(bogie, level=2)
     kernel.initialise()
-    frequencies = np.array([m.frequency for m in oscillations(planar_bogie(p), np.array(kernel.linearise().jacobian))])
+    modes = oscillations(planar_vehicle(two_axle_bogie(p)), np.array(kernel.linearise().jacobian))
+    frequencies = np.array([mode.frequency for mode in modes])
     natural = math.sqrt(4 * p.vertical_stiffness / p.frame_mass)
     damping = 4 * p.vertical_damping / (2 * p.frame_mass)
     expected = math.sqrt(natural**2 - damping**2) / (2 * math.pi)
@@ -343,7 +345,7 @@ def test_lost_energy_equals_brake_creep_and_damping_work(reaction: float, torque
     """Over skid, lock and rest; a creep work wrong by one part in a thousand does not close."""
     powers = ["brake_power", "creep_power", "damping_power"]
     energies = ["kinetic_energy", "potential_energy"]
-    system = planar_bogie(tables_5_1_and_5_2()).with_integrals(powers).with_outputs(energies)
+    system = planar_vehicle(two_axle_bogie()).with_integrals(powers).with_outputs(energies)
     library = Library(build_library(model_of(system, DEFAULT_TOLERANCE)))
     one = Kernel(library, brake_torque_1=torque, brake_torque_2=0.7 * torque, torque_reaction=reaction)
     one.initialise()
@@ -364,7 +366,7 @@ def test_undamped_rocking_keeps_its_energy() -> None:
     """
     energies = ["kinetic_energy", "potential_energy"]
     p = replace(tables_5_1_and_5_2(), longitudinal_damping=0.0, vertical_damping=0.0, torque_reaction=1.0)
-    system = planar_bogie(p).with_integrals(["creep_power"]).with_outputs(energies)
+    system = planar_vehicle(two_axle_bogie(p)).with_integrals(["creep_power"]).with_outputs(energies)
     library = Library(build_library(model_of(system, 1e-10)))
     one = Kernel(library, initial_speed=0.0, friction_1=0.0, friction_2=0.0)
     one.set(traction_torque_1=3e4, traction_torque_2=3e4)
@@ -379,7 +381,7 @@ def test_undamped_rocking_keeps_its_energy() -> None:
 
 def test_kernel_follows_another_method_through_a_skid() -> None:
     """SciPy's Radau on the symbolic equations, 100 times tighter, from 25 m/s with 45 kN.m while all wheels turn."""
-    system = planar_bogie(tables_5_1_and_5_2())
+    system = planar_vehicle(two_axle_bogie())
     made = functions(system)
     start = {v.name: v.start for v in system.variables}
     start |= {"brake_torque_1": 45e3, "brake_torque_2": 45e3}

@@ -18,12 +18,13 @@ from rbd_model.bogie import bogie_dynamics, levels, smallest_level, wheelset_in_
 from rbd_model.contact import ellipse_fit, ellipse_shape, moving_ellipse
 from rbd_model.contact_geometry import contact_at, equivalent_conicity, flange_of, thesis_pair
 from rbd_model.linear import critical_speed, oscillations
-from rbd_model.parameters import AS_PRINTED, tables_4_1_and_4_2, tables_5_1_and_5_2
+from rbd_model.parameters import AS_PRINTED, tables_5_1_and_5_2
 from rbd_model.rolling_contact import SIDES
-from rbd_model.spatial import spatial_bogie
+from rbd_model.spatial import spatial_vehicle
 from rbd_model.spatial_wheelset import END_MARGIN, nadal_limit
 from rbd_model.track import Track, derivatives_along, irregular_track, section_5_3, track_from_file, track_from_points
 from rbd_model.variables import LARGEST_LATERAL, LARGEST_YAW
+from rbd_model.vehicles import two_axle_bogie, wheelset_under_frame
 
 ENERGIES = ("kinetic_energy", "potential_energy")
 POWERS = ("brake_power", "creep_power", "damping_power")
@@ -41,7 +42,7 @@ def bogie() -> Library:
 @pytest.fixture(scope="module")
 def observed() -> Library:
     """The bogie of chapter 5 with its energies, powers and gap as outputs."""
-    system = spatial_bogie(tables_5_1_and_5_2(), thesis_pair(), irregular_track(section_5_3()))
+    system = spatial_vehicle(two_axle_bogie(), irregular_track(section_5_3()))
     return Library(
         build_library(model_of(system.with_integrals(POWERS).with_outputs((*ENERGIES, "largest_gap")), 1e-7))
     )
@@ -95,7 +96,7 @@ def test_flange_is_pushed_at_the_rail_or_at_the_axle(bogie: Library, at_rail: fl
     values = {"initial_speed": 15.0, "constant_speed": 1, "yaw_torque_1": 9e4, "flange_at_rail": at_rail}
     kernel = spatial(bogie, **values)
     kernel.advance(20.0)
-    state = dict(zip(levels(p)[2].states, kernel.linearise().state, strict=True))
+    state = dict(zip(levels(two_axle_bogie(p))[2].states, kernel.linearise().state, strict=True))
     moment = -p.frame_mass * p.gravity * kernel["frame_lateral"]
     for number, (side, word) in itertools.product((1, 2), SIDES.items()):
         position, lateral, roll = state[f"contact_{number}_{word}"], state[f"lateral_{number}"], state[f"roll_{number}"]
@@ -157,7 +158,7 @@ def test_flange_above_nadal_limit_warns_once_with_wheel_and_time(bogie: Library)
 def test_half_spacings_give_yaw_and_roll_each_its_stiffness(bogie: Library) -> None:
     """4 k b^2 over the sprung mass's inertia, longitudinal springs against yaw, vertical ones against roll."""
     p = tables_5_1_and_5_2()
-    names = list(levels(p)[2].states)
+    names = list(levels(two_axle_bogie(p))[2].states)
 
     def turning(name: str, **values: float) -> float:
         kernel = spatial(bogie, initial_speed=10.0, **values)
@@ -219,7 +220,7 @@ STOP_TIME_BAND, STOP_DISTANCE_BAND = 1e-3, 10e-3
 
 def test_stop_is_that_of_another_method(bogie: Library) -> None:
     """20 kN.m from 25 m/s to where both wheelsets stand, by SciPy's Radau, 100 times tighter than these bands."""
-    system = levels(tables_5_1_and_5_2())[2]
+    system = levels(two_axle_bogie())[2]
     names = [name for name, state in system.states.items() if not state.algebraic]
     peer = spatial(bogie, brake_torque_1=20e3, brake_torque_2=20e3)
     peer.initialise()
@@ -257,7 +258,7 @@ def test_equations_without_algebraic_states_have_their_exact_jacobian(bogie: Lib
     """By the implicit-function theorem, against central differences over a wave."""
     kernel = spatial(bogie, lateral_irregularity=0.01, tolerance=1e-10)
     kernel.advance(1.0)
-    states = levels(tables_5_1_and_5_2())[2].states.values()
+    states = levels(two_axle_bogie())[2].states.values()
     place = np.array(kernel.linearise().state)[[not state.algebraic for state in states]]
     exact = np.array(kernel.jacobian_at(1.0, place))
     for column in range(place.size):
@@ -490,7 +491,7 @@ def test_fitted_ellipse_is_the_exact_one() -> None:
 
 def wheelset_on(track: Track, **values: float) -> Kernel:
     """The wheelset of chapter 4 on another track."""
-    system = spatial_bogie(tables_4_1_and_4_2(), thesis_pair(), track, numbers=(1,))
+    system = spatial_vehicle(wheelset_under_frame(), track)
     return Kernel(Library(build_library(model_of(system, 1e-7))), **values)
 
 

@@ -22,6 +22,7 @@ from rbd_model.thesis.euler import angular_velocity, cross, from_angles, g_bar
 from rbd_model.thesis.kinematic_analysis import Frame, Wheelset, centred, drive_to
 from rbd_model.thesis.mechanism import FIRST_WHEELSET, Answer, Inputs, Mechanism, State
 from rbd_model.track import derivatives_along, section_5_3
+from rbd_model.vehicles import two_axle_bogie
 
 WORDS = ("right", "left")
 
@@ -60,7 +61,7 @@ def machine(wheelsets: int) -> Machine:
         system = wheelset_in_frame(parameters)
     else:
         parameters = as_printed(tables_5_1_and_5_2())
-        system = levels(parameters)[2]
+        system = levels(two_axle_bogie(parameters))[2]
     return Machine(wheelsets, parameters, system, Library(build_library(model_of(system, 1e-7))))
 
 

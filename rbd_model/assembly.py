@@ -1,0 +1,77 @@
+"""What every level of detail starts with: a System of a vehicle, whose symbols are declared when first asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import casadi as ca
+
+from fmu_src.system import System, Variable
+from rbd_model import variables
+from rbd_model.adhesion import Rail, add_rail
+from rbd_model.statics import Statics, statics
+from rbd_model.vehicle import Connection, Size, Vehicle, Wheelset, size_of, wheelset_name
+
+
+class Declared(dict[str, ca.SX]):
+    """Symbols by name; one that is not there yet is declared."""
+
+    def __init__(self, declare: Callable[[str], ca.SX]) -> None:
+        super().__init__()
+        self.declare = declare
+
+    def __missing__(self, name: str) -> ca.SX:
+        self[name] = self.declare(name)
+        return self[name]
+
+
+@dataclass
+class Assembly:
+    """The symbols of a vehicle while a level of detail writes its System."""
+
+    system: System
+    vehicle: Vehicle
+    parameter: Declared
+    input: Declared
+    outputs: dict[str, Variable]
+    initial_speed: ca.SX
+    rail: Rail
+    at_rest: Statics
+    #: Height of the wheelset axes in which positions are counted [m].
+    axle_height: ca.SX
+
+    def value(self, size: Size) -> ca.SX:
+        """A size of the vehicle's description."""
+        return size_of(size, self.parameter)
+
+    def preload(self, connection: Connection, side: str) -> ca.SX:
+        """Static vertical force of a single spring [N], computed once."""
+        name = f"{side}_preload"
+        if name not in self.system.derived_symbols:
+            self.system.derived(name, self.at_rest.preload[side])
+        return self.system.derived_symbols[name]
+
+    def resting_on(self, number: int) -> ca.SX:
+        """Static load that a wheelset carries without its own weight [N], computed once."""
+        name = f"carried_{number}"
+        if name not in self.system.derived_symbols:
+            self.system.derived(name, self.at_rest.on_wheelset[wheelset_name(number)])
+        return self.system.derived_symbols[name]
+
+    def radius(self, wheelset: Wheelset) -> ca.SX:
+        """Nominal rolling radius of a wheelset [m]."""
+        return self.value(wheelset.mean_radius)
+
+
+def assemble(level: str, description: str, vehicle: Vehicle, speed: float = 25.0) -> Assembly:
+    """A System with the parameters of the rail's friction; all other parameters and inputs come as they are needed."""
+    system = System(level, description)
+    initial = system.parameter(variables.initial_speed(speed))
+    rows = variables.inputs(vehicle)
+    offsets = {offset.name: offset for offset in variables.initial_offsets()}
+    parameter = Declared(lambda name: system.parameter(offsets.get(name) or vehicle.parameters.variable(name)))
+    inputs = Declared(lambda name: system.input(rows[name]))
+    rail = add_rail(system, len(vehicle.wheelsets))
+    at_rest = statics(vehicle, lambda size: size_of(size, parameter), parameter["gravity"])
+    return Assembly(system, vehicle, parameter, inputs, variables.outputs(vehicle), initial, rail, at_rest, ca.SX(0))

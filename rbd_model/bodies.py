@@ -1,0 +1,171 @@
+"""The bodies above the wheelsets: six degrees of freedom each, less those that are held."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+
+from rbd_model.assembly import Assembly
+from rbd_model.connections import Load
+from rbd_model.kinematics import Body, axes_rate, pitch_rotation, yaw_roll
+from rbd_model.vehicle import ANGLES, Motion, RigidBody
+from rbd_model.wheelset import (
+    NOMINAL_DISTANCE,
+    NOMINAL_SPEED,
+    NOMINAL_TRAVEL,
+    NOMINAL_TRAVEL_SPEED,
+    follow_creep,
+)
+
+
+@dataclass(frozen=True)
+class Turning:
+    """Angular velocity of a body of which angles may be held, in its own axes: `rate` is linear in `free`.
+
+    slope: for each of the three components how it follows those that are states; slope_rate: its change.
+    """
+
+    free: dict[str, int]  # angles that are not held, each with the component of the rate that is its state
+    rate: ca.SX
+    slope: ca.SX
+    slope_rate: ca.SX
+
+
+@dataclass(frozen=True)
+class MovingBody:
+    """A body of the vehicle with its symbols. `shift` [m] is its longitudinal displacement, 0 for the first body."""
+
+    data: RigidBody
+    body: Body
+    turning: Turning
+    shift: ca.SX
+
+
+def place_body(assembly: Assembly, data: RigidBody, held: frozenset[Motion] = frozenset()) -> MovingBody:
+    """Declares the states of a body (sections 4.2, 5.2); `held` adds to what its description holds.
+
+    The first body of a vehicle counts the distance; the longitudinal displacement of the others is counted from their
+    place in the vehicle that it carries along, as is every position. Angular velocities are in the axes of the body.
+    """
+    held = held | data.held
+    system = assembly.system
+    shift, speed = place_along(assembly, data)
+    position: dict[str, ca.SX] = {}
+    rates: dict[str, ca.SX] = {}
+    for motion in ("lateral", "bounce", *ANGLES):
+        if motion in held:
+            continue
+        name, unit = data.variable(motion), "rad" if motion in ANGLES else "m"
+        start = assembly.parameter["initial_lateral"] if motion == "lateral" else 0.0
+        position[motion] = system.state(name, unit, start, NOMINAL_TRAVEL)
+        rates[motion] = system.state(f"{name}_rate", f"{unit}/s", 0.0, NOMINAL_TRAVEL_SPEED)
+        if motion not in ANGLES:
+            system.derivative(name, rates[motion])
+    angles = ca.vertcat(*[position.get(angle, ca.SX(0)) for angle in ANGLES])
+    turning = turn(angles, rates)
+    height = assembly.axle_height + assembly.value(data.height) + position.get("bounce", 0)
+    body = Body(
+        ca.vertcat(assembly.value(data.along) + shift, position.get("lateral", 0), height),
+        ca.vertcat(speed, rates.get("lateral", 0), rates.get("bounce", 0)),
+        yaw_roll(angles[2], angles[0]) @ pitch_rotation(angles[1]),
+        turning.rate,
+        angles,
+    )
+    for angle, change in zip(ANGLES, angle_rates(angles, turning.rate), strict=True):
+        if angle in turning.free:
+            system.derivative(data.variable(angle), change)
+    return MovingBody(data, body, turning, shift)
+
+
+def place_along(assembly: Assembly, data: RigidBody) -> tuple[ca.SX, ca.SX]:
+    """Longitudinal displacement from the place in the vehicle [m] and speed [m/s], section 5.2."""
+    system, first = assembly.system, assembly.vehicle.bodies[0]
+    if data is not first:
+        return add_shift(assembly, f"{data.name}_shift")
+    system.state(f"{data.name}_distance", "m", 0.0, NOMINAL_DISTANCE)
+    speed = system.state(f"{data.name}_speed", "m/s", assembly.initial_speed, NOMINAL_SPEED)
+    follow_creep(assembly, f"{data.name}_speed")
+    system.derivative(f"{data.name}_distance", speed)
+    return ca.SX(0), speed
+
+
+def add_shift(assembly: Assembly, name: str, speed_name: str | None = None) -> tuple[ca.SX, ca.SX]:
+    """States of a longitudinal displacement from the place in the vehicle, section 5.2; it [m] and the speed [m/s]."""
+    system, speed_name = assembly.system, speed_name or f"{name}_speed"
+    shift = system.state(name, "m", 0.0, NOMINAL_TRAVEL)
+    shift_speed = system.state(speed_name, "m/s", 0.0, NOMINAL_TRAVEL_SPEED)
+    system.derivative(name, shift_speed)
+    return shift, first_speed(assembly) + shift_speed
+
+
+def first_distance(assembly: Assembly) -> ca.SX:
+    """Distance of the first body, from which positions are counted [m], section 5.2."""
+    return assembly.system.states[f"{assembly.vehicle.bodies[0].name}_distance"].symbol
+
+
+def first_speed(assembly: Assembly) -> ca.SX:
+    """Speed of the first body [m/s], section 5.2."""
+    return assembly.system.states[f"{assembly.vehicle.bodies[0].name}_speed"].symbol
+
+
+def angle_rates(angles: ca.SX, own_rate: ca.SX) -> Sequence[ca.SX]:
+    """Rates of roll, pitch and yaw from the angular velocity in the own axes, section 3.2.2."""
+    rate = pitch_rotation(angles[1]) @ own_rate  # in the yaw-roll axes
+    return rate[0], rate[1] - axes_rate(angles[0], rate)[1], rate[2] / ca.cos(angles[0])
+
+
+def turn(angles: ca.SX, rates: dict[str, ca.SX]) -> Turning:
+    """Angular velocity in the own axes from the rates that are states, by section 3.2.2 solved for the held angle.
+
+    With one angle held at 0 the body still turns about that own axis as far as the other two lean; what holds it has no
+    moment about their axes, so that it does no work. Held pitch: by tan(roll) of the rate about the third axis.
+    """
+    free = {angle: component for component, angle in enumerate(ANGLES) if angle in rates}
+    rate = ca.vertcat(*[rates.get(angle, ca.SX(0)) for angle in ANGLES])
+    # The component of the held angle, the one that it follows, and by which angle's tangent.
+    leaning: dict[tuple[str, ...], tuple[int, int, int, int]] = {
+        ("roll", "yaw"): (1, 2, 0, 1),
+        ("pitch", "yaw"): (0, 2, 1, -1),
+        ("roll", "pitch"): (2, 0, 1, 1),
+    }
+    slope, slope_rate, kept = ca.SX.zeros(3), ca.SX.zeros(3), tuple(free)
+    if kept in leaning:
+        component, other, angle, sign = leaning[kept]
+        slope[other] = sign * ca.tan(angles[angle])
+        rate[component] = slope[other] * rate[other]
+        slope_rate[other] = sign * (1 + slope[other] ** 2) * angle_rates(angles, rate)[angle]
+    return Turning(free, rate, slope, slope_rate)
+
+
+def move_body(assembly: Assembly, moving: MovingBody, load: Load, first_acceleration: ca.SX) -> None:
+    """Newton's and Euler's equations of a body: (3.73) in its own axes; first_acceleration [m/s2]: of the first one."""
+    system, data, body = assembly.system, moving.data, moving.body
+    lightness = 1 / assembly.value(data.mass)
+    if data is assembly.vehicle.bodies[0]:
+        system.derivative(f"{data.name}_speed", first_acceleration)
+    else:
+        system.derivative(f"{data.name}_shift_speed", lightness * load.force[0] - first_acceleration)
+    for motion, component, weight in (("lateral", 1, 0), ("bounce", 2, assembly.parameter["gravity"])):
+        rate = f"{data.variable(motion)}_rate"
+        if rate in system.states:
+            system.derivative(rate, lightness * load.force[component] - weight)
+    inertia = ca.vertcat(*[assembly.value(size) for size in data.inertia])
+    moment = body.axes.T @ load.moment - ca.cross(body.own_rate, inertia * body.own_rate)
+    for angle, acceleration in turning_accelerations(moving.turning, inertia, moment).items():
+        system.derivative(f"{data.variable(angle)}_rate", acceleration)
+
+
+def turning_accelerations(turning: Turning, inertia: ca.SX, moment: ca.SX) -> dict[str, ca.SX]:
+    """Rates of the free components of an angular velocity, Euler's equations; moment [N.m]: less the gyroscopic one.
+
+    A held angle's own axis adds its moment and its inertia to the component that it follows (section 4.2).
+    """
+    held = next((i for i, angle in enumerate(ANGLES) if angle not in turning.free), 0)
+    found = {}
+    for angle, component in turning.free.items():
+        slope, change = turning.slope[component], turning.slope_rate[component]
+        driving = moment[component] + slope * (moment[held] - inertia[held] * change * turning.rate[component])
+        found[angle] = driving / (inertia[component] + inertia[held] * slope**2)
+    return found

@@ -1,0 +1,306 @@
+"""A vehicle as data: bodies, wheelsets, connections. Nothing here is a symbol; a level of detail interprets it.
+
+x forward from the vehicle's centre, y to the left, z up from the wheelset axes; all places are those at rest. A size is
+a number, the name of a parameter, or a sum of such, so that one description serves all parameter sets of its kind.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import Any, Literal
+
+from fmu_src.system import ParameterSet
+from rbd_model.contact_geometry import Pair, thesis_pair
+
+DIRECTIONS = ("longitudinal", "lateral", "vertical")
+ANGLES = ("roll", "pitch", "yaw")
+#: Motions that a body may be without: a direction, but for the longitudinal one, or an angle.
+HOLDABLE = ("lateral", "bounce", *ANGLES)
+Motion = Literal["lateral", "bounce", "roll", "pitch", "yaw"]
+
+
+@dataclass(frozen=True)
+class Sum:
+    """A constant and parameters by name, each times a factor."""
+
+    terms: tuple[tuple[str, float], ...]
+    constant: float = 0.0
+
+    def __add__(self, other: Size) -> Sum:
+        other = as_sum(other)
+        return Sum(self.terms + other.terms, self.constant + other.constant)
+
+    def __mul__(self, factor: float) -> Sum:
+        return Sum(tuple((name, factor * own) for name, own in self.terms), factor * self.constant)
+
+    def __neg__(self) -> Sum:
+        return self * -1.0
+
+    def __sub__(self, other: Size) -> Sum:
+        return self + -as_sum(other)
+
+
+Size = float | str | Sum
+Place = tuple[Size, Size, Size]
+
+
+def as_sum(size: Size) -> Sum:
+    """The same size as a `Sum`."""
+    if isinstance(size, Sum):
+        return size
+    return Sum(((size, 1.0),)) if isinstance(size, str) else Sum((), float(size))
+
+
+def size_of(size: Size, parameters: Mapping[str, Any]) -> Any:
+    """A size with values, or symbols, of the parameters that it names."""
+    if isinstance(size, str):
+        return parameters[size]
+    if isinstance(size, Sum):
+        parts = [parameters[name] if factor == 1.0 else factor * parameters[name] for name, factor in size.terms]
+        return sum(parts, size.constant) if size.constant or not parts else sum(parts[1:], parts[0])
+    return float(size)
+
+
+@dataclass(frozen=True)
+class RigidBody:
+    """A body above the wheelsets: mass [kg], moments of inertia about its own x, y, z [kg.m2], place of its centre [m].
+
+    held: motions that something keeps at rest, as section 4.2 keeps a frame's pitch, without work. text: what it is
+    called in descriptions. Its variables begin with its name, but for those of the motions in `plain`.
+    """
+
+    name: str
+    text: str
+    mass: Size
+    inertia: tuple[Size, Size, Size]
+    along: Size = 0.0
+    height: Size = 0.0
+    held: frozenset[Motion] = frozenset()
+    plain: tuple[str, ...] = ()
+
+    def variable(self, motion: str) -> str:
+        """Name of a motion's variable."""
+        return motion if motion in self.plain else f"{self.name}_{motion}"
+
+
+@dataclass(frozen=True)
+class Wheelset:
+    """A wheelset: mass [kg], inertia about x, y, z [kg.m2], place of its axle along the vehicle, radii (left, right).
+
+    reacts_on: the body in which its brake and motor hang. The vehicle numbers its wheelsets from 1, the leading one.
+    """
+
+    along: Size
+    reacts_on: str
+    mass: Size = "wheelset_mass"
+    inertia: tuple[Size, Size, Size] = ("wheelset_roll_inertia", "wheelset_pitch_inertia", "wheelset_yaw_inertia")
+    radius: tuple[Size, Size] = ("wheel_radius", "wheel_radius")
+    pair: Pair = field(default_factory=thesis_pair, compare=False, repr=False)
+
+    @property
+    def mean_radius(self) -> Size:
+        """Nominal rolling radius of both wheels."""
+        left, right = self.radius
+        return left if left == right else (as_sum(left) + right) * 0.5
+
+
+def wheelset_name(number: int) -> str:
+    """How connections name a wheelset."""
+    return f"wheelset_{number}"
+
+
+@dataclass(frozen=True)
+class Connection:
+    """Between a point of one body and a point of another, which are one place at rest; `upper` rests on `lower`.
+
+    Ends are bodies by name, and wheelsets as wheelset_1, wheelset_2 ... On both sides: one at y and one at -y.
+    """
+
+    name: str
+    upper: str
+    lower: str
+    place: Place
+    both_sides: bool
+
+    def sides(self) -> Iterator[tuple[str, Place]]:
+        """Each single one: a name and its place."""
+        x, y, z = self.place
+        if not self.both_sides:
+            yield self.name, self.place
+        else:
+            yield f"{self.name}_left", (x, y, z)
+            yield f"{self.name}_right", (x, -as_sum(y), z)
+
+
+@dataclass(frozen=True)
+class Springs(Connection):
+    """Linear springs and dampers, each along one direction of the track: [N/m] and [N.s/m] for x, y, z.
+
+    One with a vertical stiffness carries its share of the weight of what rests on it.
+    """
+
+    stiffness: tuple[Size, Size, Size] = (0.0, 0.0, 0.0)
+    damping: tuple[Size, Size, Size] = (0.0, 0.0, 0.0)
+
+    @property
+    def carries(self) -> bool:
+        """Whether it has a preload."""
+        return self.stiffness[2] != 0.0
+
+
+@dataclass(frozen=True)
+class Torsion(Connection):
+    """A torsion spring and damper about one axis, such as an anti-roll bar: [N.m/rad] and [N.m.s/rad]."""
+
+    angle: str = "roll"
+    stiffness: Size = 0.0
+    damping: Size = 0.0
+
+
+@dataclass(frozen=True)
+class BumpStop(Connection):
+    """A piecewise linear force [N] over the travel [m] along one direction, the same both ways.
+
+    travel: increasing, the first the clearance, where the force is 0; the last slope goes on beyond the end.
+    """
+
+    direction: str = "lateral"
+    travel: tuple[float, ...] = ()
+    force: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True)
+class SeriesDamper(Connection):
+    """A spring [N/m] and a damper [N.s/m] one behind the other, along one direction."""
+
+    direction: str = "lateral"
+    stiffness: Size = 0.0
+    damping: Size = 0.0
+
+
+@dataclass(frozen=True)
+class FrictionSlider(Connection):
+    """Dry friction along one direction, with a true stuck state: a slider of some mass [kg] behind a spring [N/m].
+
+    Stuck, it is that spring alone. capacity [N]: a force, such as that of a prestressed friction wedge. The damper
+    [N.s/m] lies beside the spring.
+    """
+
+    direction: str = "vertical"
+    stiffness: Size = 0.0
+    damping: Size = 0.0
+    capacity: Size = 0.0
+    slider_mass: Size = 0.0
+
+
+@dataclass(frozen=True)
+class Pull:
+    """A longitudinal force from outside on a body [N], an input: forward positive, at a place of the vehicle."""
+
+    name: str
+    text: str
+    body: str
+    place: Place
+
+
+@dataclass(frozen=True)
+class Vehicle:
+    """Bodies, the first of which counts the distance; wheelsets, the leading one first; what connects them.
+
+    Raises ValueError with one sentence for what cannot be built: a connection to what is not there, a mass of 0, a body
+    that nothing carries, two wheelsets at one place.
+    """
+
+    name: str
+    parameters: ParameterSet
+    bodies: tuple[RigidBody, ...]
+    wheelsets: tuple[Wheelset, ...]
+    connections: tuple[Connection, ...]
+    pulls: tuple[Pull, ...] = ()
+
+    def __post_init__(self) -> None:
+        check(self)
+
+    @property
+    def numbered(self) -> list[tuple[int, Wheelset]]:
+        """Wheelsets with their numbers, from 1."""
+        return list(enumerate(self.wheelsets, 1))
+
+    @property
+    def carrying(self) -> list[Springs]:
+        """The connections that have a preload."""
+        return [one for one in self.connections if isinstance(one, Springs) and one.carries]
+
+
+def check(vehicle: Vehicle) -> None:
+    """Raises ValueError with a sentence for a vehicle that cannot be built."""
+    values = vehicle.parameters.values()
+    bodies = {body.name: body for body in vehicle.bodies}
+    ends = [*bodies, *(wheelset_name(number) for number, _ in vehicle.numbered)]
+    names = Counter([*ends, *(one.name for one in vehicle.connections), *(pull.name for pull in vehicle.pulls)])
+    for name, count in names.items():
+        if count > 1:
+            raise ValueError(f"Vehicle {vehicle.name}: {name} is there {count} times; give each part its own name.")
+    if not vehicle.bodies or not vehicle.wheelsets:
+        raise ValueError(f"Vehicle {vehicle.name}: give at least one body and one wheelset.")
+    for part, sizes in _masses(vehicle).items():
+        for what, size in sizes.items():
+            if not size_of(size, values) > 0.0:
+                raise ValueError(
+                    f"Vehicle {vehicle.name}: {part} has a {what} of {size_of(size, values):g}; it must be above 0."
+                )
+    for user, asked in _references(vehicle):
+        if asked not in ends:
+            raise ValueError(
+                f"Vehicle {vehicle.name}: {user} names {asked}, which is not there; there are {', '.join(ends)}."
+            )
+    _check_places(vehicle, values)
+    _check_supports(vehicle)
+
+
+def _masses(vehicle: Vehicle) -> dict[str, dict[str, Size]]:
+    parts: dict[str, RigidBody | Wheelset] = {body.name: body for body in vehicle.bodies}
+    parts |= {wheelset_name(number): wheelset for number, wheelset in vehicle.numbered}
+    return {
+        name: {"mass": part.mass, **{f"{angle} inertia": i for angle, i in zip(ANGLES, part.inertia, strict=True)}}
+        for name, part in parts.items()
+    }
+
+
+def _references(vehicle: Vehicle) -> Iterator[tuple[str, str]]:
+    for one in vehicle.connections:
+        yield f"the connection {one.name}", one.upper
+        yield f"the connection {one.name}", one.lower
+    for number, wheelset in vehicle.numbered:
+        yield f"{wheelset_name(number)}, which reacts on a body,", wheelset.reacts_on
+    for pull in vehicle.pulls:
+        yield f"the force {pull.name}", pull.body
+
+
+def _check_places(vehicle: Vehicle, values: Mapping[str, float]) -> None:
+    places = [size_of(wheelset.along, values) for wheelset in vehicle.wheelsets]
+    for number, (leading, trailing) in enumerate(pairwise(places), 1):
+        if not leading > trailing:
+            raise ValueError(
+                f"Vehicle {vehicle.name}: wheelset_{number + 1} is at {trailing:g} m, not behind wheelset_{number} at "
+                f"{leading:g} m; number the wheelsets from the front, each at its own place."
+            )
+
+
+def _check_supports(vehicle: Vehicle) -> None:
+    """Every body must rest, by others or at once, on a wheelset."""
+    resting = {wheelset_name(number) for number, _ in vehicle.numbered}
+    waiting = [body.name for body in vehicle.bodies if "bounce" not in body.held]
+    resting |= {body.name for body in vehicle.bodies} - set(waiting)
+    while waiting:
+        carried = [name for name in waiting if any(c.upper == name and c.lower in resting for c in vehicle.carrying)]
+        if not carried:
+            raise ValueError(
+                f"Vehicle {vehicle.name}: nothing carries {waiting[0]}; give it a connection with a vertical "
+                "stiffness whose upper end it is, and whose lower end rests on a wheelset."
+            )
+        resting |= set(carried)
+        waiting = [name for name in waiting if name not in carried]
