@@ -80,7 +80,7 @@ class Generated:
 
     def sizes(self, call: Call) -> tuple[int, int]:
         """Numbers that a call is given and that it leaves."""
-        left = call.results.numel() + (call.slopes.numel() if self.differentiated else 0)
+        left = call.symbols.numel() + (call.slopes.numel() if self.differentiated else 0)
         return call.given.numel() + call.constants.numel(), left
 
 
@@ -112,7 +112,8 @@ def functions(system: System) -> dict[str, Generated]:
 
     def make(name: str, expressions: list[ca.SX], given: list[ca.SX]) -> None:
         if any(expression.numel() for expression in expressions):
-            made[name] = _function(system, name, [ca.densify(expression) for expression in expressions], given)
+            plain = [ca.densify(system.without_waists(expression)) for expression in expressions]
+            made[name] = _function(system, name, plain, given)
 
     for name, expressions in results.items():
         make(name, expressions, arguments)
@@ -129,14 +130,16 @@ def _function(system: System, name: str, expressions: list[ca.SX], given: list[c
     needed: list[Call] = []
     users = ca.vertcat(*[ca.vec(expression) for expression in expressions])
     for call in reversed(system.calls):
-        if ca.depends_on(users, ca.vertcat(call.results, call.slopes)):
+        if ca.depends_on(users, ca.vertcat(call.symbols, call.slopes)):
             needed.insert(0, call)
-            users = ca.vertcat(users, call.given, call.constants)
+            users = ca.vertcat(users, system.without_waists(call.given), call.constants)
     needed.sort(key=lambda call: call.rank)
     differentiated = any(ca.depends_on(users, call.slopes) for call in needed)
-    left = [ca.vertcat(call.results, call.slopes) if differentiated else call.results for call in needed]
+    left = [ca.vertcat(call.symbols, call.slopes) if differentiated else call.symbols for call in needed]
     asked = [
-        ca.vertcat(*[ca.vertcat(call.given, call.constants) for call in needed if call.rank == rank])
+        ca.vertcat(
+            *[ca.vertcat(system.without_waists(call.given), call.constants) for call in needed if call.rank == rank]
+        )
         for rank in range(1 + max((call.rank for call in needed), default=-1))
     ]
     simplified = ca.cse([*[ca.densify(one) for one in asked], *expressions])
@@ -266,7 +269,7 @@ def _with_calls(text: str, one: Generated) -> str:
     assert begin
     end = text.index("\n}\n", begin.end())
     body, last = text[begin.end() : end], one.function.n_in() - 1
-    body = re.sub(rf"arg\[{last}\]\? arg\[{last}\]\[(\d+)\] : 0", r"left[\1]", body)
+    body = re.sub(rf"arg\[{last}\]\? arg\[{last}\]\[(\d+)\] : 0", r"left_\1", body)
     body = re.sub(
         r"(?:if \(res\[(\d+)\]!=0\) )res\[\d+\]\[(\d+)\]",
         lambda m: (
@@ -290,6 +293,8 @@ def _with_calls(text: str, one: Generated) -> str:
                 f"  {{const double *a[] = {{given_{rank} + {offset}}}; double *r[] = {{left + {start}}}; "
                 f"part_{call.part.name}{suffix}(a, r, 0, 0, 0);}}"
             )
+            names = ", ".join(f"left_{n} = left[{n}]" for n in range(start, start + leaves) if f"left_{n};" in body)
+            lines.append(f"  const double {names};")
             offset, start = offset + taken, start + leaves
         place = body.rindex(f"given_{rank}[")
         place = body.index(";", place) + 1

@@ -133,10 +133,28 @@ class Call:
     part: Part
     given: ca.SX
     constants: ca.SX
-    results: ca.SX
+    symbols: ca.SX
     slopes: ca.SX
     slope: ca.SX
     rank: int
+
+    @property
+    def values(self) -> ca.SX:
+        """The part's equations at this place."""
+        function = ca.Function(self.part.name, [self.part.arguments, self.part.constants], [self.part.results])
+        return ca.densify(function(self.given, self.constants))
+
+
+@dataclass(frozen=True)
+class Waist:
+    """Few numbers on the way from states to equations, through which derivatives are taken: see `System.narrow`.
+
+    `plain` are the same values without the symbols of other waists.
+    """
+
+    values: ca.SX
+    symbols: ca.SX
+    plain: ca.SX
 
 
 @dataclass(frozen=True)
@@ -188,6 +206,20 @@ def interpolation(breakpoints: Sequence[float], values: Sequence[float]) -> tupl
     return x, np.column_stack([y[:-1], np.diff(y) / np.diff(x)])
 
 
+def polynomials(piece: ca.SX, argument: ca.SX, order: int) -> list[ca.SX]:
+    """Value and derivatives up to `order` of a table's piece, (origin, c0, ..., c_degree), by Horner's rule."""
+    distance = argument - piece[0]
+    terms = [piece[1 + power] for power in range(piece.numel() - 1)]
+    values = []
+    for _ in range(order + 1):
+        value = terms[-1] if terms else ca.SX(0)
+        for term in terms[-2::-1]:
+            value = value * distance + term
+        values.append(value)
+        terms = [power * term for power, term in enumerate(terms)][1:]
+    return values
+
+
 @dataclass
 class System:
     """One machine at one level of detail. Build it by asking it for symbols, then give the equations back."""
@@ -203,7 +235,8 @@ class System:
     states: dict[str, State] = field(default_factory=dict)
     derivatives: dict[str, ca.SX] = field(default_factory=dict)
     tables: list[Table] = field(default_factory=list)
-    calls: list[Call] = field(default_factory=list)
+    #: In the order of their use: each may contain the symbols of those before it.
+    links: list[Call | Waist] = field(default_factory=list)
     frictions: list[Friction] = field(default_factory=list)
     outputs: dict[str, ca.SX] = field(default_factory=dict)
     end_conditions: list[Condition] = field(default_factory=list)
@@ -254,30 +287,36 @@ class System:
         self, name: str, breakpoints: np.ndarray, coefficients: np.ndarray, argument: ca.SX, order: int
     ) -> list[ca.SX]:
         """A table's value and its derivatives by the argument up to `order`."""
+        return polynomials(self.look_up(name, breakpoints, coefficients, argument), argument, order)
+
+    def look_up(self, name: str, breakpoints: np.ndarray, coefficients: np.ndarray, argument: ca.SX) -> ca.SX:
+        """Symbols of a table's piece at `argument`, for `polynomials`."""
         breakpoints, coefficients = np.asarray(breakpoints, float), np.asarray(coefficients, float)
         if np.any(np.diff(breakpoints) <= 0.0) or coefficients.shape[0] != breakpoints.size - 1:
             raise ValueError(f"Table {name}: give increasing breakpoints and one row of coefficients for each piece.")
         symbols = ca.SX.sym(name, coefficients.shape[1] + 1)
         rank = 1 + max((t.rank for t in self.tables if ca.depends_on(argument, t.symbols)), default=-1)
         self.tables.append(Table(name, breakpoints, coefficients, argument, symbols, rank))
-        distance = argument - symbols[0]
-        terms = [symbols[1 + power] for power in range(coefficients.shape[1])]
-        values = []
-        for _ in range(order + 1):
-            value = terms[-1] if terms else ca.SX(0)
-            for term in terms[-2::-1]:
-                value = value * distance + term
-            values.append(value)
-            terms = [power * term for power, term in enumerate(terms)][1:]
-        return values
+        return symbols
 
     def call(self, part: Part, given: ca.SX, constants: ca.SX) -> ca.SX:
         """Results of a part, shape (results, 1); its code is shared by all calls, its derivatives are exact."""
         pattern = ca.jacobian_sparsity(part.results, part.arguments)
-        results, slopes = ca.SX.sym(part.name, part.results.numel()), ca.SX.sym(f"d_{part.name}", pattern.nnz())
-        rank = 1 + max((c.rank for c in self.calls if ca.depends_on(given, c.results)), default=-1)
-        self.calls.append(Call(part, given, constants, results, slopes, ca.SX(pattern, slopes), rank))
-        return results
+        symbols, slopes = ca.SX.sym(part.name, part.results.numel()), ca.SX.sym(f"d_{part.name}", pattern.nnz())
+        needed = self.without_waists(given)
+        rank = 1 + max((call.rank for call in self.calls if ca.depends_on(needed, call.symbols)), default=-1)
+        self.links.append(Call(part, given, constants, symbols, slopes, ca.SX(pattern, slopes), rank))
+        return symbols
+
+    def narrow(self, values: ca.SX) -> ca.SX:
+        """Symbols for `values`, a column vector of few numbers between many states and long equations.
+
+        Only derivatives know the difference: they are taken up to here and from here on, and multiplied. A force that
+        enters many equations is differentiated once.
+        """
+        symbols = ca.SX.sym("waist", values.numel())
+        self.links.append(Waist(values, symbols, self.without_waists(values)))
+        return symbols
 
     def direction(self, name: str) -> ca.SX:
         """Symbol of the direction of a dry friction; declare the friction with `dry_friction` afterwards."""
@@ -340,33 +379,46 @@ class System:
             ca.vertcat(*[table.symbols for table in self.tables]),
         ]
 
+    @property
+    def calls(self) -> list[Call]:
+        """The links that are parts."""
+        return [link for link in self.links if isinstance(link, Call)]
+
+    def without_waists(self, expression: ca.SX) -> ca.SX:
+        """The same expression in the symbols of calls, and none of waists."""
+        waists = [link for link in self.links if isinstance(link, Waist)]
+        known = [ca.vertcat(*[getattr(waist, name) for waist in waists]) for name in ("symbols", "plain")]
+        return ca.substitute(ca.SX(expression), *known) if waists else ca.SX(expression)
+
     def expand(self, expression: ca.SX) -> ca.SX:
-        """The same expression without calls of parts: their equations in the place of their results."""
+        """The same expression in states, inputs and parameters alone: with the equations of all parts in their place."""
+        expression = self.without_waists(expression)
         for call in reversed(self.calls):
-            function = ca.Function(call.part.name, [call.part.arguments, call.part.constants], [call.part.results])
-            expression = ca.substitute(ca.SX(expression), call.results, function(call.given, call.constants))
+            if ca.depends_on(expression, call.symbols):
+                expression = self.without_waists(ca.substitute(expression, call.symbols, call.values))
         return expression
 
     def jacobian(self, expression: ca.SX, symbols: ca.SX) -> ca.SX:
-        """Derivatives of an expression by symbols, through the parts by the chain rule: of their `slope`."""
-        total = ca.jacobian(expression, symbols)
-        by_call: list[ca.SX] = []
-        for number, call in enumerate(self.calls):
-            inner = ca.jacobian(call.given, symbols)
-            for other, slopes in zip(self.calls[:number], by_call, strict=True):
-                inner = inner + ca.jacobian(call.given, other.results) @ slopes
-            by_call.append(call.slope @ inner)
-            total = total + ca.jacobian(expression, call.results) @ by_call[number]
-        return total
+        """Derivatives of an expression by symbols by the chain rule, link by link: each from those before it."""
+        known: list[tuple[ca.SX, ca.SX]] = [(symbols, ca.SX.eye(symbols.numel()))]
+
+        def slope_of(one: ca.SX) -> ca.SX:
+            parts = [ca.jacobian(one, inner) @ slope for inner, slope in known if ca.depends_on(one, inner)]
+            return sum(parts, ca.SX(one.numel(), symbols.numel()))
+
+        for link in self.links:
+            slope = link.slope @ slope_of(link.given) if isinstance(link, Call) else slope_of(link.values)
+            known.append((link.symbols, slope))
+        return self.without_waists(slope_of(expression))
 
     def along(self, expression: ca.SX, symbols: ca.SX, seed: ca.SX) -> ca.SX:
         """Derivative of an expression along a direction of the symbols, through the parts by the chain rule."""
-        results = [call.results for call in self.calls]
-        rates: list[ca.SX] = []
-        for number, call in enumerate(self.calls):
-            before = ca.vertcat(symbols, *results[:number])
-            rates.append(call.slope @ ca.jtimes(call.given, before, ca.vertcat(seed, *rates)))
-        return ca.jtimes(expression, ca.vertcat(symbols, *results), ca.vertcat(seed, *rates))
+        known, rates = [symbols], [seed]
+        for call in self.calls:
+            given = ca.jtimes(self.without_waists(call.given), ca.vertcat(*known), ca.vertcat(*rates))
+            known.append(call.symbols)
+            rates.append(call.slope @ given)
+        return ca.jtimes(self.without_waists(expression), ca.vertcat(*known), ca.vertcat(*rates))
 
     @property
     def ode(self) -> ca.SX:

@@ -12,7 +12,7 @@ from itertools import accumulate
 import casadi as ca
 import numpy as np
 
-from fmu_src.system import Friction
+from fmu_src.system import Friction, System
 from rbd_model.assembly import Assembly
 from rbd_model.kinematics import Body
 from rbd_model.vehicle import (
@@ -58,10 +58,18 @@ class Effect:
     power: ca.SX
 
 
+def narrow(system: System, force: ca.SX) -> ca.SX:
+    """The components of a force that there are, by which its loads are differentiated: of (3.41)."""
+    acting = [i for i in range(3) if not force[i].is_zero()]
+    force[acting] = system.narrow(force[acting])
+    return force
+
+
 @dataclass(frozen=True)
 class Stretch:
     """Upper end less lower end of a single connection: way [m] and rate [m/s], in the axes of the track, with arms."""
 
+    system: System
     ends: tuple[End, End]
     arms: tuple[ca.SX, ca.SX]
     way: ca.SX
@@ -69,6 +77,7 @@ class Stretch:
 
     def effect(self, pull: ca.SX, potential: ca.SX, power: ca.SX) -> Effect:
         """Of a force on the lower end [N], which pulls the upper one the other way: eqs (3.41), (3.42)."""
+        pull = narrow(self.system, pull)
         upper, lower = (
             (end.name, Load(sign * pull, sign * ca.cross(arm, pull)))
             for end, arm, sign in zip(self.ends, self.arms, (-1, 1), strict=True)
@@ -105,7 +114,7 @@ def stretch_of(assembly: Assembly, ends: tuple[End, End], place: Place) -> Stret
     (upper, lower), (upper_arm, lower_arm) = ends, arms
     way = upper.body.position + upper_arm - lower.body.position - lower_arm
     rate = upper.body.velocity_at(upper_arm) - lower.body.velocity_at(lower_arm)
-    return Stretch(ends, (upper_arm, lower_arm), way, rate)
+    return Stretch(assembly.system, ends, (upper_arm, lower_arm), way, rate)
 
 
 def springs(assembly: Assembly, connection: Springs, side: str, stretch: Stretch) -> Effect:

@@ -11,11 +11,13 @@ theta in closed form; that the rail's slope is the same is one equation for s; a
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import casadi as ca
 
-from fmu_src.system import System
+from fmu_src.system import Part, System, polynomials
 from rbd_model.contact_geometry import Pair
+from rbd_model.kinematics import yaw_roll
 from rbd_model.profiles import Profile
 
 LEFT, RIGHT = 1, -1
@@ -24,9 +26,10 @@ SIDES = {LEFT: "left", RIGHT: "right"}
 
 @dataclass(frozen=True)
 class Placement:
-    """Where a wheelset stands: its yaw-roll axes (3 x 3, columns in the axes of the track) and lateral position [m]."""
+    """Where a wheelset stands: yaw and roll [rad], lateral position over the rails [m], radius of the wheel [m]."""
 
-    axes: ca.SX
+    yaw: ca.SX
+    roll: ca.SX
     lateral: ca.SX
     wheel_radius: ca.SX
 
@@ -36,15 +39,17 @@ class WheelContact:
     """Geometry of one contact; vectors in the wheelset's yaw-roll axes, but for `across`."""
 
     side: int
-    position: ca.SX  # s [m]
     arm: ca.SX  # from the wheelset's centre to the contact point [m] (P)
     normal: ca.SX  # unit vector into the wheel
     along: ca.SX  # unit vector along the rail
     across: ca.SX  # the normal in the axes of the track, its y and z; along the rail it has no part
+    lever: ca.SX  # moment arms of the normal force about x and z [m]; it has none about the axle, which its line meets
     height: ca.SX  # height of the wheelset's centre over the rail's origin that leaves no gap [m]
     slope_error: ca.SX  # 0 where wheel and rail have a common normal
     curvature_along: ca.SX  # of the contact, A of eq. (3.83) [1/m]
     curvature_across: ca.SX  # B [1/m]
+    #: Derivatives of (across, lever, slope_error) by lateral position, yaw, roll and position s, shape (5, 4).
+    slopes: ca.SX
     inside: ca.SX  # distance of the contact from the nearest end of either profile [m]
 
     @property
@@ -53,21 +58,37 @@ class WheelContact:
         return ca.cross(self.normal, self.along)
 
     @property
-    def lever(self) -> ca.SX:
-        """Moment arms of the normal force [m]; it has none about the axle, which its line meets."""
-        moment = ca.cross(self.arm, self.normal)
-        return ca.vertcat(moment[0], 0, moment[2])
+    def bend(self) -> ca.SX:
+        """How the slope error changes with the position s [1/m]; 0 at the fold."""
+        return self.slopes[4, 3]
+
+    def rate(self, placement_rate: ca.SX) -> ca.SX:
+        """Rates of (across, lever) while lateral position, yaw and roll change; the contact moves as (3.57) asks."""
+        travel = -(self.slopes[4, :3] @ placement_rate) / self.bend
+        return self.slopes[:4, :] @ ca.vertcat(placement_rate, travel)
 
 
-def wheel_contact(
-    system: System, name: str, pair: Pair, placement: Placement, side: int, position: ca.SX, rail_shift: ca.SX
-) -> WheelContact:
-    """Contact of a wheel (3.77) at the position s on its profile with a rail (3.78): eqs (3.54), (3.57), (3.83).
+@dataclass(frozen=True)
+class Touch:
+    """A wheel and a rail in the terms of the part: where they are, and where the contact lies on the rail."""
 
-    Adds the tables of both profiles, named after `name`. rail_shift [m]: lateral irregularity of the rail.
+    arm: ca.SX
+    normal: ca.SX
+    along: ca.SX
+    across: ca.SX
+    on_rail: ca.SX
+    centre: ca.SX  # height of the contact over the wheelset's centre [m]
+    unit: ca.SX
+    radius: ca.SX
+
+
+def touch(placement: Placement, side: ca.SX, position: ca.SX, half: tuple[ca.SX, ca.SX], wheel: ca.SX) -> Touch:
+    """Contact point of a wheel (3.77) at the position s: the normal stands across the rail, from (3.54).
+
+    half [m]: half distances of the wheels' and of the rails' y = 0; wheel: the piece of its profile at s.
     """
-    wheel, slope, bend = system.curve(f"wheel_{name}", *pair.wheel.pieces, position, 2)
-    axes, radius = placement.axes, placement.wheel_radius - wheel
+    profile, slope = polynomials(wheel, position, 1)
+    axes, radius = yaw_roll(placement.yaw, placement.roll), placement.wheel_radius - profile
     along = axes[0, :].T
     # -sin(theta) t1 - side w' t2 + cos(theta) t3 = 0: the normal stands across the rail, whose direction is t.
     level = 1 / ca.sqrt(along[0] ** 2 + along[2] ** 2)
@@ -76,24 +97,61 @@ def wheel_contact(
     sine, cosine = level * (lead * along[0] + rest * along[2]), level * (rest * along[0] - lead * along[2])
     unit = 1 / ca.sqrt(1 + slope**2)
     normal = unit * ca.vertcat(-sine, -side * slope, cosine)
-    arm = ca.vertcat(radius * sine, side * (pair.wheel_half_distance + position), -radius * cosine)
-
+    arm = ca.vertcat(radius * sine, side * (half[0] + position), -radius * cosine)
     across, place = (axes @ normal)[1:], axes @ arm
-    on_rail = side * (placement.lateral + place[1] - rail_shift) - pair.rail_half_distance
-    rail, rail_slope, rail_bend = system.curve(f"rail_{name}", *pair.rail.pieces, on_rail, 2)
+    on_rail = side * (placement.lateral + place[1]) - half[1]
+    return Touch(arm, normal, along, across, on_rail, place[2], unit, radius)
+
+
+@lru_cache
+def contact_of_wheel(wheel_terms: int, rail_terms: int) -> Part:
+    """Geometry of one contact, eqs (3.54), (3.57), (3.83), of lateral position, yaw, roll and position on the wheel.
+
+    Constants: side, radius, half distances, pieces of both profiles with so many terms. Results: arm, normal, across,
+    lever, slope error, height, both curvatures, and `slopes` of a WheelContact.
+    """
+    given, constants = ca.SX.sym("given", 4), ca.SX.sym("constants", 4 + wheel_terms + rail_terms)
+    lateral, yaw, roll, position = ca.vertsplit(given)
+    side, radius, *half = ca.vertsplit(constants[:4])
+    wheel, rail = constants[4 : 4 + wheel_terms], constants[4 + wheel_terms :]
+    one = touch(Placement(yaw, roll, lateral, radius), side, position, (half[0], half[1]), wheel)
+    bend = polynomials(wheel, position, 2)[2]
+    height, rail_slope, rail_bend = polynomials(rail, one.on_rail, 2)
     rail_unit = 1 / ca.sqrt(1 + rail_slope**2)
+    moment = ca.cross(one.arm, one.normal)
+    moving = ca.vertcat(one.across, moment[0], moment[2], -side * one.across[0] - rail_slope * one.across[1])
+    curvatures = one.unit / (2 * one.radius), (bend * one.unit**3 - rail_bend * rail_unit**3) / 2
+    results = ca.vertcat(one.arm, one.normal, moving, height - one.centre, *curvatures)
+    return Part("contact", given, constants, ca.vertcat(results, ca.vec(ca.jacobian(moving, given))))
+
+
+def wheel_contact(
+    system: System, name: str, pair: Pair, placement: Placement, side: int, position: ca.SX
+) -> WheelContact:
+    """Contact of a wheel (3.77) at the position s on its profile with a rail (3.78): eqs (3.54), (3.57), (3.83).
+
+    Adds the tables of both profiles, named after `name`.
+    """
+    half = ca.SX(pair.wheel_half_distance), ca.SX(pair.rail_half_distance)
+    wheel = system.look_up(f"wheel_{name}", *pair.wheel.pieces, position)
+    one = touch(placement, ca.SX(side), position, half, wheel)
+    rail = system.look_up(f"rail_{name}", *pair.rail.pieces, one.on_rail)
+    given = ca.vertcat(placement.lateral, placement.yaw, placement.roll, position)
+    constants = ca.vertcat(side, placement.wheel_radius, *half, wheel, rail)
+    found = system.call(contact_of_wheel(wheel.numel(), rail.numel()), given, constants)
     return WheelContact(
         side,
-        position,
-        arm,
-        normal,
-        along,
-        across,
-        rail - place[2],
-        -side * across[0] - rail_slope * across[1],
-        unit / (2 * radius),
-        (bend * unit**3 - rail_bend * rail_unit**3) / 2,
-        ca.fmin(_inside(pair.wheel, position), _inside(pair.rail, on_rail)),
+        arm=found[0:3],
+        normal=found[3:6],
+        along=one.along,
+        across=found[6:8],
+        lever=found[8:10],
+        slope_error=found[10],
+        height=found[11],
+        curvature_along=found[12],
+        curvature_across=found[13],
+        slopes=ca.reshape(found[14:], 5, 4),
+        inside=ca.fmin(_inside(pair.wheel, position), _inside(pair.rail, one.on_rail)),
     )
 
 

@@ -152,19 +152,11 @@ def place_wheelset(assembly: Assembly, number: int, section: Callable[[int, ca.S
     along = assembly.value(data.along) + shift
     distance = first_distance(assembly) + along
     track = section(number, distance)
-    axes = yaw_roll(yaw, roll)
-    contacts = [
-        wheel_contact(
-            system,
-            f"{number}_{word}",
-            data.pair,
-            Placement(axes, lateral, assembly.value(radius)),
-            side,
-            position,
-            track.lateral,
-        )
-        for (side, word), radius, position in zip(SIDES.items(), data.radius, positions, strict=True)
-    ]
+    offset = lateral - track.lateral
+    contacts = []
+    for (side, word), radius, position in zip(SIDES.items(), data.radius, positions, strict=True):
+        placement = Placement(yaw, roll, offset, assembly.value(radius))
+        contacts.append(wheel_contact(system, f"{number}_{word}", data.pair, placement, side, position))
     heights = [contacts[0].height + track.left, contacts[1].height + track.right]
     system.residual(f"roll_{number}", heights[1] - heights[0])
     for word, contact in zip(SIDES.values(), contacts, strict=True):
@@ -172,40 +164,39 @@ def place_wheelset(assembly: Assembly, number: int, section: Callable[[int, ca.S
 
     system.limit_change(f"{assembly.vehicle.bodies[0].name}_distance", 1 / track.density)
     friction = rail_friction(assembly, number, distance) * track.friction
-    rows = constraint_rows(assembly, contacts, track)
+    rails = [ca.vertcat(track.lateral, rail) for rail in (track.left, track.right)]
+    drifts = [ca.jacobian(rail, first_distance(assembly)) for rail in rails]
+    rows = [constraint_row(contact, drift) for contact, drift in zip(contacts, drifts, strict=True)]
+    height = (heights[0] + heights[1]) / 2
     rise, roll_rate = dependent_velocities(rows, forward, lateral_speed, yaw_rate)
-    coordinates = ca.vertcat(first_distance(assembly), lateral, yaw, roll)
-    rates = ca.vertcat(forward, lateral_speed, yaw_rate / ca.cos(roll), roll_rate)
+    height, rise, roll_rate = ca.vertsplit(system.narrow(ca.vertcat(height, rise, roll_rate)))
     body = Body(
-        ca.vertcat(along, lateral, (heights[0] + heights[1]) / 2),
+        ca.vertcat(along, lateral, height),
         ca.vertcat(forward, lateral_speed, rise),
-        axes,
+        yaw_roll(yaw, roll),
         ca.vertcat(roll_rate, omega, yaw_rate),
         ca.vertcat(roll, 0, yaw),
     )
-    wheels = [
-        roll_wheel(assembly, body, contact, row, normal, friction, (coordinates, rates))
-        for contact, row, normal in zip(contacts, rows, normals, strict=True)
-    ]
-    for name, derivative in (("lateral", lateral_speed), ("yaw", rates[2])):
+    turning = ca.vertcat(yaw_rate / ca.cos(roll), roll_rate)
+    wheels = []
+    for contact, drift, normal in zip(contacts, drifts, normals, strict=True):
+        change = ca.jacobian(drift, first_distance(assembly)) * forward
+        moving = contact.rate(ca.vertcat(lateral_speed - drift[0] * forward, turning))
+        row_rate = ca.vertcat(-ca.dot(moving[:2], drift) - ca.dot(contact.across, change), moving)
+        row = constraint_row(contact, drift)
+        wheels.append(roll_wheel(assembly, body, contact, (row, row_rate), normal, friction))
+    for name, derivative in (("lateral", lateral_speed), ("yaw", turning[0])):
         system.derivative(f"{name}_{number}", derivative)
-    offset = lateral - track.lateral
     pushed = push_flanges(assembly, data, flange_of(data.pair), offset, roll)
     return SpatialWheelset(number, data, body, roll, offset, (wheels[0], wheels[1]), pushed)
 
 
-def constraint_rows(assembly: Assembly, contacts: list[WheelContact], track: Section) -> list[ca.SX]:
-    """Each contact's motion along its normal, linear in (v_x, v_y, v_z, omega_x, omega_z), eq. (3.67).
+def constraint_row(contact: WheelContact, drift: ca.SX) -> ca.SX:
+    """A contact's motion along its normal, linear in (v_x, v_y, v_z, omega_x, omega_z), eq. (3.67).
 
-    The rails' section moves sideways and upwards as the wheelset moves along.
+    drift: slopes of the rails' section, sideways and upwards, as the wheelset moves along.
     """
-    distance = first_distance(assembly)
-    rows = []
-    for contact, height in zip(contacts, (track.left, track.right), strict=True):
-        drift = ca.vertcat(ca.jacobian(track.lateral, distance), ca.jacobian(height, distance))
-        lever = contact.lever
-        rows.append(ca.vertcat(-ca.dot(contact.across, drift), contact.across, lever[0], lever[2]))
-    return rows
+    return ca.vertcat(-ca.dot(contact.across, drift), contact.across, contact.lever)
 
 
 def dependent_velocities(rows: list[ca.SX], forward: ca.SX, sideways: ca.SX, yaw_rate: ca.SX) -> tuple[ca.SX, ca.SX]:
@@ -242,12 +233,11 @@ def roll_wheel(
     assembly: Assembly,
     body: Body,
     contact: WheelContact,
-    row: ca.SX,
+    constraint: tuple[ca.SX, ca.SX],
     normal_force: ca.SX,
     friction: ca.SX,
-    motion: tuple[ca.SX, ca.SX],
 ) -> Wheel:
-    """Creep of one wheel, eqs (3.89)-(3.105), and how its constraint changes; `motion`: coordinates and their rates.
+    """Creep of one wheel, eqs (3.89)-(3.105); `constraint`: its row and the rate of that, for (3.71).
 
     friction: the coefficient without sliding.
     """
@@ -261,13 +251,9 @@ def roll_wheel(
     constants = ca.vertcat(p["shear_modulus"], assembly.rail.surface.symbols)
     along, sideways, friction = ca.vertsplit(assembly.system.call(creep_of_wheel(), given, constants))
 
-    coordinates, rates = motion
-    bend = ca.jacobian(contact.slope_error, contact.position)
-    travel = -ca.jtimes(contact.slope_error, coordinates, rates) / bend
-    row_rate = ca.jtimes(row, coordinates, rates) + ca.jtimes(row, contact.position, travel)
     power = -along * slides[0] - sideways * slides[1]
-    curvature_left = bend * p["rail_head_radius"]
-    return Wheel(contact, row, row_rate, curvature_left, friction, normal_force, along, sideways, power)
+    curvature_left = contact.bend * p["rail_head_radius"]
+    return Wheel(contact, *constraint, curvature_left, friction, normal_force, along, sideways, power)
 
 
 def move_wheelset(assembly: Assembly, wheelset: SpatialWheelset, suspension: Load, first_acceleration: ca.SX) -> Motion:
@@ -292,13 +278,18 @@ def move_wheelset(assembly: Assembly, wheelset: SpatialWheelset, suspension: Loa
         creep = wheel.creep_along * contact.along + wheel.creep_sideways * contact.sideways
         across = wheel.creep_sideways * ca.vertcat(contact.across[1], -contact.across[0])
         force = force + ca.vertcat(wheel.creep_along, across) + wheel.normal_force * row[:3]
-        moment = moment + ca.cross(contact.arm, creep) + wheel.normal_force * contact.lever
+        moment = (
+            moment
+            + ca.cross(contact.arm, creep)
+            + wheel.normal_force * ca.vertcat(contact.lever[0], 0, contact.lever[1])
+        )
     angle = p["yaw_torque_rotates"] * system.states[f"rotation_{number}"].symbol
     yaw_torque = assembly.input[f"yaw_torque_{number}"] * ca.vertcat(ca.sin(angle), 0, ca.cos(angle))
 
-    acceleration = (1 / mass) * force
     turning = (1 / inertia) * (moment + yaw_torque)
-    rotation = add_rotation(assembly, number, rate[1], moment[1])
+    every = system.narrow(ca.vertcat((1 / mass) * force, turning[0], moment[1], turning[2]))
+    acceleration, turning = every[:3], ca.vertcat(every[3], 0, every[5])
+    rotation = add_rotation(assembly, number, rate[1], every[4])
     system.derivative(f"shift_speed_{number}", acceleration[0] - first_acceleration)
     system.derivative(f"lateral_speed_{number}", acceleration[1])
     system.derivative(f"yaw_rate_{number}", turning[2])
@@ -306,7 +297,7 @@ def move_wheelset(assembly: Assembly, wheelset: SpatialWheelset, suspension: Loa
     accelerations = ca.vertcat(acceleration, turning[0], turning[2])
     for wheel, word in zip(wheelset.wheels, SIDES.values(), strict=True):
         residual = ca.dot(wheel.row, accelerations) + ca.dot(wheel.row_rate, velocities)
-        system.residual(f"normal_{number}_{word}", mass * residual)
+        system.residual(f"normal_{number}_{word}", system.narrow(mass * residual))
     return Motion(acceleration[0], rotation, ca.dot(yaw_torque, rate))
 
 
