@@ -391,7 +391,7 @@ class System:
         return ca.substitute(ca.SX(expression), *known) if waists else ca.SX(expression)
 
     def expand(self, expression: ca.SX) -> ca.SX:
-        """The same expression in states, inputs and parameters alone: with the equations of all parts in their place."""
+        """The same expression in states, inputs and parameters alone, the equations of all parts in their place."""
         expression = self.without_waists(expression)
         for call in reversed(self.calls):
             if ca.depends_on(expression, call.symbols):

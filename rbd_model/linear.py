@@ -14,8 +14,6 @@ from scipy.optimize import brentq
 
 from fmu_src.system import System
 
-#: States that say where the bogie is and how fast it goes, not how it moves about its steady run.
-STEADY = ("frame_distance", "frame_speed", "rotation_1", "rotation_2")
 #: Angular frequency above which an eigenvalue counts as an oscillation [rad/s].
 SLOWEST = 1e-3
 
@@ -43,13 +41,20 @@ class Mode:
         return float(-self.eigenvalue.real / abs(self.eigenvalue))
 
 
+def steady(system: System) -> set[str]:
+    """States that say where a vehicle is and how fast it goes, not how it moves about its steady run (section 4.4)."""
+    counted = next(name.removesuffix("distance") for name in system.states if name.endswith("distance"))
+    turned = {name for name in system.states if name.startswith("rotation_")}
+    return {f"{counted}distance", f"{counted}speed", *turned}
+
+
 def reduced_jacobian(system: System, jacobian: np.ndarray) -> tuple[list[str], np.ndarray]:
     """Names of the remaining states and f_x - f_z g_z^-1 g_x, by the implicit function theorem.
 
     jacobian: shape (states, states), of all states.
     """
-    states = list(system.states.values())
-    kept = [i for i, s in enumerate(states) if not s.algebraic and s.name not in STEADY]
+    states, left_out = list(system.states.values()), steady(system)
+    kept = [i for i, s in enumerate(states) if not s.algebraic and s.name not in left_out]
     algebraic = [i for i, s in enumerate(states) if s.algebraic]
     matrix = jacobian[np.ix_(kept, kept)]
     if algebraic:

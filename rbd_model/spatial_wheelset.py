@@ -245,7 +245,9 @@ def roll_wheel(
     sliding = body.axes.T @ body.velocity + ca.cross(body.own_rate, contact.arm)
     slides = ca.dot(sliding, contact.along), ca.dot(sliding, contact.sideways)
     slowness = 1 / ca.sqrt(body.velocity[0] ** 2 + p["creepage_speed"] ** 2)
-    spin = ca.dot(body.own_rate, contact.normal)
+    # Spin counts in axes that look ahead: rolling backwards, their lateral axis points to the right, and the force of
+    # spin with it, while that of lateral sliding opposes the sliding either way (Kalker 1990, section 1.3).
+    spin = ca.if_else(body.velocity[0] < 0, -1, 1) * ca.dot(body.own_rate, contact.normal)
     curvatures = contact.curvature_along, contact.curvature_across
     given = ca.vertcat(*slides, spin, slowness, *curvatures, normal_force, friction)
     constants = ca.vertcat(p["shear_modulus"], assembly.rail.surface.symbols)

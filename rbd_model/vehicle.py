@@ -237,37 +237,52 @@ class Vehicle:
 
 def check(vehicle: Vehicle) -> None:
     """Raises ValueError with a sentence for a vehicle that cannot be built."""
-    values = vehicle.parameters.values()
-    bodies = {body.name: body for body in vehicle.bodies}
-    ends = [*bodies, *(wheelset_name(number) for number, _ in vehicle.numbered)]
+    ends = [*(body.name for body in vehicle.bodies), *(wheelset_name(number) for number, _ in vehicle.numbered)]
     names = Counter([*ends, *(one.name for one in vehicle.connections), *(pull.name for pull in vehicle.pulls)])
     for name, count in names.items():
         if count > 1:
-            raise ValueError(f"Vehicle {vehicle.name}: {name} is there {count} times; give each part its own name.")
+            raise _refused(vehicle, f"{name} is there {count} times; give each part its own name")
     if not vehicle.bodies or not vehicle.wheelsets:
-        raise ValueError(f"Vehicle {vehicle.name}: give at least one body and one wheelset.")
-    for part, sizes in _masses(vehicle).items():
-        for what, size in sizes.items():
-            if not size_of(size, values) > 0.0:
-                raise ValueError(
-                    f"Vehicle {vehicle.name}: {part} has a {what} of {size_of(size, values):g}; it must be above 0."
-                )
+        raise _refused(vehicle, "give it at least one body and one wheelset")
     for user, asked in _references(vehicle):
         if asked not in ends:
-            raise ValueError(
-                f"Vehicle {vehicle.name}: {user} names {asked}, which is not there; there are {', '.join(ends)}."
-            )
-    _check_places(vehicle, values)
+            raise _refused(vehicle, f"{user} names {asked}, which is not there; there are {', '.join(ends)}")
+    for part, what, size in _sizes(vehicle):
+        value = _number(vehicle, part, size)
+        if what in POSITIVE_SIZES and not value > 0.0:
+            raise _refused(vehicle, f"{part} has a {what} of {value:g}; it must be above 0")
+    _check_places(vehicle)
     _check_supports(vehicle)
 
 
-def _masses(vehicle: Vehicle) -> dict[str, dict[str, Size]]:
+#: What must be above 0 of any body or wheelset.
+POSITIVE_SIZES = ("mass", *(f"{angle} inertia" for angle in ANGLES))
+
+
+def _refused(vehicle: Vehicle, sentence: str) -> ValueError:
+    return ValueError(f"Vehicle {vehicle.name}: {sentence}.")
+
+
+def _number(vehicle: Vehicle, part: str, size: Size) -> float:
+    try:
+        return float(size_of(size, vehicle.parameters.values()))
+    except KeyError as error:
+        raise _refused(vehicle, f"{part} asks for {error.args[0]}, which is no parameter of its set") from None
+
+
+def _sizes(vehicle: Vehicle) -> Iterator[tuple[str, str, Size]]:
+    """All sizes of a description: of which part, what, and the size."""
     parts: dict[str, RigidBody | Wheelset] = {body.name: body for body in vehicle.bodies}
     parts |= {wheelset_name(number): wheelset for number, wheelset in vehicle.numbered}
-    return {
-        name: {"mass": part.mass, **{f"{angle} inertia": i for angle, i in zip(ANGLES, part.inertia, strict=True)}}
-        for name, part in parts.items()
-    }
+    for name, part in parts.items():
+        yield from zip([name] * 4, POSITIVE_SIZES, (part.mass, *part.inertia), strict=True)
+        own = (part.height,) if isinstance(part, RigidBody) else part.radius
+        yield from ((name, "place", size) for size in (part.along, *own))
+    acting: list[Connection | Pull] = [*vehicle.connections, *vehicle.pulls]
+    for one in acting:
+        laws = (getattr(one, name, ()) for name in ("stiffness", "damping", "capacity", "slider_mass"))
+        sizes = [*one.place, *(size for law in laws for size in (law if isinstance(law, tuple) else (law,)))]
+        yield from ((one.name, "place or law", size) for size in sizes)
 
 
 def _references(vehicle: Vehicle) -> Iterator[tuple[str, str]]:
@@ -280,27 +295,42 @@ def _references(vehicle: Vehicle) -> Iterator[tuple[str, str]]:
         yield f"the force {pull.name}", pull.body
 
 
-def _check_places(vehicle: Vehicle, values: Mapping[str, float]) -> None:
-    places = [size_of(wheelset.along, values) for wheelset in vehicle.wheelsets]
+def _check_places(vehicle: Vehicle) -> None:
+    places = [_number(vehicle, "a wheelset", wheelset.along) for wheelset in vehicle.wheelsets]
     for number, (leading, trailing) in enumerate(pairwise(places), 1):
         if not leading > trailing:
-            raise ValueError(
-                f"Vehicle {vehicle.name}: wheelset_{number + 1} is at {trailing:g} m, not behind wheelset_{number} at "
-                f"{leading:g} m; number the wheelsets from the front, each at its own place."
+            sentence = (
+                f"wheelset_{number + 1} is at {trailing:g} m, not behind wheelset_{number} at {leading:g} m; number "
+                "the wheelsets from the front, each at its own place"
             )
+            raise _refused(vehicle, sentence)
 
 
 def _check_supports(vehicle: Vehicle) -> None:
-    """Every body must rest, by others or at once, on a wheelset."""
+    """Every body must rest, by others or at once, on a wheelset, and on springs that do not let it tip over."""
     resting = {wheelset_name(number) for number, _ in vehicle.numbered}
-    waiting = [body.name for body in vehicle.bodies if "bounce" not in body.held]
-    resting |= {body.name for body in vehicle.bodies} - set(waiting)
+    waiting = [body for body in vehicle.bodies if "bounce" not in body.held]
+    resting |= {body.name for body in vehicle.bodies if body not in waiting}
     while waiting:
-        carried = [name for name in waiting if any(c.upper == name and c.lower in resting for c in vehicle.carrying)]
+        carried = [b for b in waiting if any(c.upper == b.name and c.lower in resting for c in vehicle.carrying)]
         if not carried:
-            raise ValueError(
-                f"Vehicle {vehicle.name}: nothing carries {waiting[0]}; give it a connection with a vertical "
-                "stiffness whose upper end it is, and whose lower end rests on a wheelset."
+            sentence = (
+                f"nothing carries {waiting[0].name}; give it a connection with a vertical stiffness whose upper end it "
+                "is, and whose lower end rests on a wheelset"
             )
-        resting |= set(carried)
-        waiting = [name for name in waiting if name not in carried]
+            raise _refused(vehicle, sentence)
+        for body in carried:
+            _check_footing(vehicle, body)
+        resting |= {body.name for body in carried}
+        waiting = [body for body in waiting if body not in carried]
+
+
+def _check_footing(vehicle: Vehicle, body: RigidBody) -> None:
+    """Springs on one line let a body tip over that line."""
+    places = [p for c in vehicle.carrying if c.upper == body.name for _, p in c.sides()]
+    for angle, across, axis in (("roll", 1, "side to side"), ("pitch", 0, "front to back")):
+        values = {_number(vehicle, body.name, place[across]) for place in places}
+        if angle not in body.held and len(values) < 2:
+            raise _refused(
+                vehicle, f"the springs under {body.name} have no distance from {axis}; spread them, or hold its {angle}"
+            )

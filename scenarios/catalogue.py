@@ -28,6 +28,7 @@ from scenarios.thesis import (
     wheelset_torque,
     wheelset_variable_speed,
 )
+from scenarios.vehicles import vehicle_braking, vehicle_modes
 
 SCENARIOS: list[Scenario] = [
     *qr30.SCENARIOS,
@@ -50,6 +51,8 @@ SCENARIOS: list[Scenario] = [
     anti_skid.SCENARIO,
     controller_prototype.SCENARIO,
     uneven_brakes.SCENARIO,
+    vehicle_modes.SCENARIO,
+    vehicle_braking.SCENARIO,
     coupling_step.SCENARIO,
     sensitivity.SCENARIO,
     oracle.SCENARIO,

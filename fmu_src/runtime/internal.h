@@ -40,6 +40,7 @@ typedef struct {
     int *pivot;
     int size;
     int exchanged; /* first pivot that was exchanged with another row */
+    int outside;   /* entries that the system's lists do not name may be other than zero */
 } factors;
 
 typedef struct rosenbrock_tableau rosenbrock_tableau;

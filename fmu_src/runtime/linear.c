@@ -102,12 +102,32 @@ static void solve(const kernel *self, const factors *of, double *vector) {
     }
 }
 
+/* Minus the Jacobian; of a matrix that was factorised without an exchange only the entries that its factors have. */
+static void negate(const kernel *self, factors *of, const double *jacobian) {
+    const int n = of->size;
+    if (of->outside) {
+        for (int i = 0; i < n * n; ++i) of->matrix[i] = -jacobian[i];
+        return;
+    }
+    of->exchanged = n;
+    for (int pivot = 0; pivot < n; ++pivot) {
+        const list rows = below(self, of, pivot), columns = right_of(self, of, pivot);
+        const int head = pivot * n;
+        of->matrix[head + pivot] = -jacobian[head + pivot];
+        for (const int *row = rows.first; row < rows.end; ++row) of->matrix[head + *row] = -jacobian[head + *row];
+        for (const int *column = columns.first; column < columns.end; ++column)
+            of->matrix[*column * n + pivot] = -jacobian[*column * n + pivot];
+    }
+}
+
 int linear_factorise_step(kernel *self, factors *of, const double *jacobian, double diagonal) {
     const int n = of->size = self->system->states;
-    for (int i = 0; i < n * n; ++i) of->matrix[i] = -jacobian[i];
+    negate(self, of, jacobian);
     for (int i = 0; i < n; ++i) of->matrix[self->place[i] * (n + 1)] += diagonal * self->differential[i];
     self->counters.factorisations++;
-    if (!factorise(self, of, n)) return 0;
+    const int regular = factorise(self, of, n);
+    of->outside = of->exchanged < n;
+    if (!regular) return 0;
     pack(self, of);
     return 1;
 }

@@ -57,9 +57,9 @@ static int modes_are_the_kept_ones(const kernel *self) {
 }
 
 void reuse_remember(kernel *self, double offset, double until) {
-    const size_t entries = (size_t)(self->system->states * self->system->states);
+    const int *place = self->system->jacobian_place;
     remember_place(self, offset);
-    memcpy(self->kept_jacobian, self->jacobian, entries * sizeof(double));
+    for (int i = 0; i < self->system->nonzeros; ++i) self->kept_jacobian[place[i]] = self->jacobian[place[i]];
     self->kept_ready = KEPT_JACOBIAN;
     self->now.kept_until = until;
 }

@@ -1,0 +1,33 @@
+"""The complete vehicle of the FMU `vehicle`, and what rigid statics say of it."""
+
+from __future__ import annotations
+
+from rbd_model.parameters import VehicleParameters, manchester_vehicle_1
+
+COACH = manchester_vehicle_1()
+NUMBERS = (1, 2, 3, 4)
+
+
+def brakes(torque: float) -> dict[str, float]:
+    """The same torque capacity on all four wheelsets [N.m]."""
+    return {f"brake_torque_{number}": torque for number in NUMBERS}
+
+
+def rigid_axle_loads(p: VehicleParameters, deceleration: float, torque: float, reaction: float) -> list[float]:
+    """Axle loads [N] of a vehicle that slows without rocking, by statics with all moments about the rail.
+
+    deceleration [m/s2]; torque [N.m]: of the brake of each wheelset, of which the share `reaction` hangs in its frame.
+    Bogies pass on no moment at their pivots; what slows the body pulls at the height of the secondary springs.
+    """
+    pivot, base, radius = p.pivot_distance / 2, p.wheel_base / 2, p.wheel_radius
+    spring, body = p.secondary_height + radius, p.body_height + radius
+    inertial = p.body_mass * deceleration
+    moved = inertial * (body - spring) / (2 * pivot)
+    moment = inertial / 2 * spring + p.frame_mass * deceleration * (p.frame_height + radius)
+    moment += 2 * p.wheelset_mass * deceleration * radius + 2 * p.wheelset_pitch_inertia * deceleration / radius
+    moment -= 2 * (1 - reaction) * torque
+    loads = []
+    for sign in (1, -1):
+        axle = p.body_mass * p.gravity / 4 + sign * moved / 2 + (p.frame_mass / 2 + p.wheelset_mass) * p.gravity
+        loads += [axle + moment / (2 * base), axle - moment / (2 * base)]
+    return loads
