@@ -174,7 +174,7 @@ def test_what_does_not_exist_is_found() -> None:
         "nowhere.md",
         "choosing.md#nowhere",
     ]
-    text = "`rbd_model/nowhere.py`, `rbd_model/point.py: nothing`, `rbd_model/point.py: point_bogie`, docs/none.md"
+    text = "`rbd_model/nowhere.py`, `rbd_model/point.py: nothing`, `rbd_model/point.py: point_vehicle`, docs/none.md"
     assert unknown_places(text) == ["rbd_model/nowhere.py", "rbd_model/point.py nothing", "docs/none.md"]
     text = (
         "`rbd_model.bogie.none` `rbd_model.bogie.smallest_level` `kernel_none` `make none` python -m scenarios run none"

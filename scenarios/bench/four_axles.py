@@ -6,6 +6,8 @@ from rbd_model.parameters import VehicleParameters, manchester_vehicle_1
 
 COACH = manchester_vehicle_1()
 NUMBERS = (1, 2, 3, 4)
+#: Damping that the published data do not have, without which the body swings along the track on and on [N.s/m].
+ALONG_DAMPING = 60e3
 
 
 def brakes(torque: float) -> dict[str, float]:

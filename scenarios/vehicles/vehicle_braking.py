@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from scenarios.bench.drive import located_lock_time, play, prepare
-from scenarios.bench.four_axles import COACH, NUMBERS, brakes, rigid_axle_loads
+from scenarios.bench.four_axles import ALONG_DAMPING, COACH, NUMBERS, brakes, rigid_axle_loads
 from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.plots import panels
 from scenarios.reporting.report import Result, Row, near
@@ -18,8 +18,6 @@ SPEED, TORQUE, SETTLED, DURATION, INTERVAL = 50.0, 5e3, 14.0, 15.0, 0.01
 BAND = 1e-3
 #: Ramp up to torques that the rail cannot turn the wheels against, at this friction [N.m], [s], [1].
 RAMP, RAMP_TIME, FRICTION = 9e3, 30.0, 0.12
-#: Damping that the published data do not have, without which the body swings along the track on and on [N.s/m].
-ALONG_DAMPING = 60e3
 #: Bending of the air springs passes moments to the frames, which rigid statics do not tell.
 STATICS = {"secondary_bending_stiffness": 0.0, "secondary_longitudinal_damping": ALONG_DAMPING}
 LOADS = tuple(f"axle_load_{number}" for number in NUMBERS)

@@ -20,7 +20,7 @@ from fmu_src.kernel import Kernel, KernelError, Library
 from fmu_src.native_fmu import PLATFORMS, universal
 from fmu_src.system import state_variable
 from rbd_model.bogie import bogie_dynamics, levels
-from rbd_model.parameters import tables_5_1_and_5_2
+from rbd_model.vehicles import two_axle_bogie
 from scenarios.cosimulation.slave import Slave
 from scenarios.fmus.building import write_fmu
 from scenarios.fmus.registry import model_of
@@ -174,7 +174,7 @@ def test_derivatives_by_states_are_those_of_the_linearisation(bogie: Library, le
     assert kernel["state_angular_velocity_1"] == kernel["angular_velocity_1"]
     assert kernel.rates(["state_frame_distance"]) == pytest.approx([kernel["state_frame_speed"]])
     saved = kernel.save()
-    names = [state.name for state in levels(tables_5_1_and_5_2())[level - 1].states.values() if not state.algebraic]
+    names = [state.name for state in levels(two_axle_bogie())[level - 1].states.values() if not state.algebraic]
     found = [kernel.directional(["acceleration"], {state_variable(name): 1.0})[0] for name in names]
     assert kernel.save() == saved
     place = [kernel[state_variable(name)] for name in names]
