@@ -1,0 +1,97 @@
+"""Parts and waists change how equations are generated and differentiated, and nothing else."""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from fmu_src.codegen import functions
+from fmu_src.compile import build_library
+from fmu_src.dependencies import direct_inputs
+from fmu_src.kernel import Kernel, Library
+from fmu_src.system import Part, System, Variable, model_of
+
+#: Exact derivatives by two ways of the chain rule, and motions of the same equations: round-off.
+ROUND_OFF = 1e-12
+
+
+def hardening() -> Part:
+    """Force of a spring that hardens, and its square, of way and rate; the constant is how much."""
+    way, rate, hard = ca.SX.sym("way"), ca.SX.sym("rate"), ca.SX.sym("hard")
+    force = way + hard * way**3 + ca.sin(rate)
+    return Part("hardening", ca.vertcat(way, rate), hard, ca.vertcat(force, force**2))
+
+
+def two_masses(parts: bool) -> System:
+    """Two masses in a row; the second spring feels what the first one carries, so that its call is of rank 1."""
+    system = System("masses", "two masses on hardening springs")
+    push = system.input(Variable("push", "input", "N", "Force on the second mass"))
+    hard = system.parameter(Variable("hard", "parameter", "1", "Hardening", 0.3))
+    x = [system.state(f"x_{n}", "m", 0.1 * n, 1.0) for n in (1, 2)]
+    v = [system.state(f"v_{n}", "m/s", 0.2 * n, 1.0) for n in (1, 2)]
+    part = hardening()
+
+    def law(way: ca.SX, rate: ca.SX) -> ca.SX:
+        given = ca.vertcat(way, rate)
+        if parts:
+            return system.call(part, given, hard)
+        return ca.substitute(part.results, ca.vertcat(part.arguments, part.constants), ca.vertcat(given, hard))
+
+    first = law(x[0], v[0])
+    second = law(x[1] - x[0] + 0.1 * first[1], v[1] - v[0] + push)
+    pull = system.narrow(second[0] + 0.01 * second[1]) if parts else second[0] + 0.01 * second[1]
+    for n in (0, 1):
+        system.derivative(f"x_{n + 1}", v[n])
+    system.derivative("v_1", pull - first[0])
+    system.derivative("v_2", push - pull)
+    system.output(Variable("carried", "output", "N", "Force of the first spring"), first[0] * pull)
+    return system
+
+
+def kernels() -> list[Kernel]:
+    libraries = [Library(build_library(model_of(two_masses(parts), 1e-9))) for parts in (True, False)]
+    return [Kernel(library, push=0.5) for library in libraries]
+
+
+def test_equations_with_parts_are_those_without() -> None:
+    found = []
+    for kernel in kernels():
+        kernel.initialise()
+        found.append((np.array(kernel.linearise().jacobian), np.array(kernel.linearise().slope)))
+        kernel.advance(3.0)
+        found[-1] += (np.array([kernel["carried"], kernel["state_x_1"], kernel["state_v_2"]]),)
+    for one, other in zip(*found, strict=True):
+        assert np.abs(one - other).max() < ROUND_OFF * np.abs(other).max()
+    assert np.abs(found[0][0]).max() > 1.0
+
+
+def test_a_part_is_generated_once_and_called_in_the_order_of_its_ranks() -> None:
+    system = two_masses(parts=True)
+    assert [call.rank for call in system.calls] == [0, 1]
+    made = functions(system)["jacobian"]
+    assert made.differentiated
+    assert made.ranks == 2
+    assert len({call.part.name for call in made.calls}) == 1
+
+
+def test_outputs_depend_on_inputs_through_parts() -> None:
+    assert direct_inputs(two_masses(parts=True)) == direct_inputs(two_masses(parts=False)) == {"carried": {"push"}}
+
+
+def test_derivatives_along_a_direction_pass_through_parts() -> None:
+    """Finite differences of the output, beside the directional derivative of the compiled model."""
+    system, seed = two_masses(parts=True), ca.SX.sym("seed", 4)
+    states = system.arguments[1]
+    output = system.outputs["carried"]
+    exact = ca.jtimes(system.expand(output), states, seed)
+    through = system.along(output, states, seed)
+    for call in system.calls:
+        own = ca.jacobian(call.part.results, call.part.arguments)
+        at = ca.vertcat(call.part.arguments, call.part.constants), ca.vertcat(call.given, call.constants)
+        through = ca.substitute(through, call.slopes, ca.densify(ca.substitute(own, *at)).nz[:])
+    difference = ca.Function("d", [*system.arguments, seed], [system.expand(through) - exact, exact])
+    values = [ca.DM.ones(*difference.size_in(i)) * 0.3 for i in range(difference.n_in())]
+    error, size = (float(x) for x in difference(*values))
+    assert abs(error) < ROUND_OFF * abs(size)
+    assert size != pytest.approx(0.0)
