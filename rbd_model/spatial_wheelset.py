@@ -247,7 +247,9 @@ def roll_wheel(
     slowness = 1 / ca.sqrt(body.velocity[0] ** 2 + p["creepage_speed"] ** 2)
     # Spin counts in axes that look ahead: rolling backwards, their lateral axis points to the right, and the force of
     # spin with it, while that of lateral sliding opposes the sliding either way (Kalker 1990, section 1.3).
-    spin = ca.if_else(body.velocity[0] < 0, -1, 1) * ca.dot(body.own_rate, contact.normal)
+    # Over v_eps it changes from one to the other: a jump at rest would have no solution.
+    ahead = ca.fmax(ca.fmin(body.velocity[0] / p["creepage_speed"], 1), -1)
+    spin = ahead * ca.dot(body.own_rate, contact.normal)
     curvatures = contact.curvature_along, contact.curvature_across
     given = ca.vertcat(*slides, spin, slowness, *curvatures, normal_force, friction)
     constants = ca.vertcat(p["shear_modulus"], assembly.rail.surface.symbols)
