@@ -228,7 +228,7 @@ def tables_8_1_and_8_2() -> BogieParameters:
 def manchester_vehicle_1() -> VehicleParameters:
     """Vehicle 1 of the Manchester benchmarks, a passenger coach; Iwnicki (1998), Vehicle System Dynamics 30, 295-313.
 
-    Printed there and found in public code that cites it: masses, inertias, spacings, wheel radius, heights of the
+    As transcribed in public code that cites it: masses, inertias, spacings, wheel radius, heights of the
     centres (1.8 and 0.6 m above the rail), springs, dampers, anti-roll bar, bending of the air springs. The vertical
     primary stiffness is found as 1.220 and as 1.200 MN/m; here 1.220.
     Assumed: height of the secondary springs 0.9 m above the rail, couplers 20 m apart and 1.0 m above the rail; wheels

@@ -245,8 +245,8 @@ def roll_wheel(
     sliding = body.axes.T @ body.velocity + ca.cross(body.own_rate, contact.arm)
     slides = ca.dot(sliding, contact.along), ca.dot(sliding, contact.sideways)
     slowness = 1 / ca.sqrt(body.velocity[0] ** 2 + p["creepage_speed"] ** 2)
-    # Spin counts in axes that look ahead: rolling backwards, their lateral axis points to the right, and the force of
-    # spin with it, while that of lateral sliding opposes the sliding either way (Kalker 1990, section 1.3).
+    # Kalker's law is for axes that look ahead. Rolling backwards these are turned half round about the normal: the
+    # force of spin turns with them, while that of sliding opposes the sliding either way.
     # Over v_eps it changes from one to the other: a jump at rest would have no solution.
     ahead = ca.fmax(ca.fmin(body.velocity[0] / p["creepage_speed"], 1), -1)
     spin = ahead * ca.dot(body.own_rate, contact.normal)
