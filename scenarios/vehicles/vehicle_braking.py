@@ -64,7 +64,7 @@ def run(options: Options) -> Result:
     remarks = [f"Brakes {name}: {order(times)}." for name, (_, times) in ramps.items()]
     remarks.append(
         f"Assumed: {ALONG_DAMPING / 1e3:g} kN.s/m along the track on each side of the secondary suspension; the "
-        "published vehicle has none, and its body swings there at 0.8 Hz for the whole stop."
+        "published vehicle has none, and its body swings there at 1.26 Hz for the whole stop."
     )
     first = ramps["hung in the frame"][0]
     return Result(rows, first, lambda: draw(ramps), STATICS | {"torque": TORQUE}, 4 * DURATION, remarks)
