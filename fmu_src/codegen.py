@@ -136,12 +136,10 @@ def _function(system: System, name: str, expressions: list[ca.SX], given: list[c
     needed.sort(key=lambda call: call.rank)
     differentiated = any(ca.depends_on(users, call.slopes) for call in needed)
     left = [ca.vertcat(call.symbols, call.slopes) if differentiated else call.symbols for call in needed]
-    asked = [
-        ca.vertcat(
-            *[ca.vertcat(system.without_waists(call.given), call.constants) for call in needed if call.rank == rank]
-        )
-        for rank in range(1 + max((call.rank for call in needed), default=-1))
-    ]
+    given_to: dict[int, list[ca.SX]] = {}
+    for call in needed:
+        given_to.setdefault(call.rank, []).extend([system.without_waists(call.given), call.constants])
+    asked = [ca.vertcat(*one) for one in given_to.values()]
     simplified = ca.cse([*[ca.densify(one) for one in asked], *expressions])
     taken = [*given, ca.vertcat(*left)] if needed else given
     return Generated(ca.Function(f"{system.name}_{name}", taken, simplified), needed, differentiated)
@@ -226,6 +224,9 @@ def _equations(generated: Sequence[dict[str, Generated]]) -> str:
     generator = ca.CodeGenerator("equations", {"with_export": False})
     every = [one for made in generated for one in made.values()]
     parts = {call.part.name: call.part for one in every for call in one.calls}
+    different = {id(call.part) for one in every for call in one.calls}
+    if len(different) > len(parts):
+        raise ValueError(f"Two parts have one name among {', '.join(parts)}; give each part a name of its own.")
     shared = [function for part in parts.values() for function in _part_functions(part)]
     for function in (*shared, *(one.function for one in every)):
         generator.add(function)

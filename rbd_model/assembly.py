@@ -11,7 +11,7 @@ from fmu_src.system import System, Variable
 from rbd_model import variables
 from rbd_model.adhesion import Rail, add_rail
 from rbd_model.statics import Statics, statics
-from rbd_model.vehicle import Connection, Size, Vehicle, Wheelset, size_of, wheelset_name
+from rbd_model.vehicle import Size, Vehicle, Wheelset, size_of, wheelset_name
 
 
 class Declared(dict[str, ca.SX]):
@@ -45,7 +45,7 @@ class Assembly:
         """A size of the vehicle's description."""
         return size_of(size, self.parameter)
 
-    def preload(self, connection: Connection, side: str) -> ca.SX:
+    def preload(self, side: str) -> ca.SX:
         """Static vertical force of a single spring [N], computed once."""
         name = f"{side}_preload"
         if name not in self.system.derived_symbols:

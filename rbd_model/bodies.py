@@ -35,12 +35,11 @@ class Turning:
 
 @dataclass(frozen=True)
 class MovingBody:
-    """A body of the vehicle with its symbols. `shift` [m] is its longitudinal displacement, 0 for the first body."""
+    """A body of the vehicle with its symbols."""
 
     data: RigidBody
     body: Body
     turning: Turning
-    shift: ca.SX
 
 
 def place_body(assembly: Assembly, data: RigidBody, held: frozenset[Motion] = frozenset()) -> MovingBody:
@@ -76,7 +75,7 @@ def place_body(assembly: Assembly, data: RigidBody, held: frozenset[Motion] = fr
     for angle, change in zip(ANGLES, angle_rates(angles, turning.rate), strict=True):
         if angle in turning.free:
             system.derivative(data.variable(angle), change)
-    return MovingBody(data, body, turning, shift)
+    return MovingBody(data, body, turning)
 
 
 def place_along(assembly: Assembly, data: RigidBody) -> tuple[ca.SX, ca.SX]:

@@ -128,7 +128,7 @@ def springs(assembly: Assembly, connection: Springs, side: str, stretch: Stretch
         ca.vertcat(*[ca.SX(assembly.value(size)) for size in sizes])
         for sizes in (connection.stiffness, connection.damping)
     )
-    weight = ca.vertcat(0, 0, assembly.preload(connection, side) if connection.carries else 0)
+    weight = ca.vertcat(0, 0, assembly.preload(side) if connection.carries else 0)
     pull = stiffness * stretch.way + damping * stretch.rate - weight
     potential = ca.dot(stiffness, stretch.way**2) / 2 - ca.dot(weight, stretch.way)
     return stretch.effect(pull, potential, ca.dot(damping, stretch.rate**2))

@@ -122,7 +122,9 @@ def contact_of_wheel(wheel_terms: int, rail_terms: int) -> Part:
     moving = ca.vertcat(one.across, moment[0], moment[2], -side * one.across[0] - rail_slope * one.across[1])
     curvatures = one.unit / (2 * one.radius), (bend * one.unit**3 - rail_bend * rail_unit**3) / 2
     results = ca.vertcat(one.arm, one.normal, moving, height - one.centre, *curvatures)
-    return Part("contact", given, constants, ca.vertcat(results, ca.vec(ca.jacobian(moving, given))))
+    return Part(
+        f"contact_{wheel_terms}_{rail_terms}", given, constants, ca.vertcat(results, ca.vec(ca.jacobian(moving, given)))
+    )
 
 
 def wheel_contact(

@@ -51,8 +51,8 @@ def modes(level: int, **values: float) -> list[Mode]:
 
 def amplitude(mode: Mode, body: str, motion: str) -> complex:
     """Of a body's motion at the reach of the body, so that angles and displacements compare [m]."""
-    reach = {"roll": 1.0, "pitch": 9.5, "yaw": 9.5} if body == "body" else {"roll": 1.0, "pitch": 1.28, "yaw": 1.28}
-    return mode.shape.get(f"{body}_{motion}", 0.0) * reach.get(motion, 1.0)
+    reach = (COACH.pivot_distance if body == "body" else COACH.wheel_base) / 2
+    return mode.shape.get(f"{body}_{motion}", 0.0) * (reach if motion in ("pitch", "yaw") else 1.0)
 
 
 def name_of(mode: Mode) -> str:

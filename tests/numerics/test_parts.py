@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from functools import lru_cache
+
 import casadi as ca
 import numpy as np
 import pytest
 
-from fmu_src.codegen import functions
+from fmu_src.codegen import functions, generate
 from fmu_src.compile import build_library
 from fmu_src.dependencies import direct_inputs
 from fmu_src.kernel import Kernel, Library
@@ -16,6 +19,7 @@ from fmu_src.system import Part, System, Variable, model_of
 ROUND_OFF = 1e-12
 
 
+@lru_cache
 def hardening() -> Part:
     """Force of a spring that hardens, and its square, of way and rate; the constant is how much."""
     way, rate, hard = ca.SX.sym("way"), ca.SX.sym("rate"), ca.SX.sym("hard")
@@ -95,3 +99,15 @@ def test_derivatives_along_a_direction_pass_through_parts() -> None:
     error, size = (float(x) for x in difference(*values))
     assert abs(error) < ROUND_OFF * abs(size)
     assert size != pytest.approx(0.0)
+
+
+def test_two_parts_of_one_name_are_refused() -> None:
+    """The code of one would be called for both."""
+    system = two_masses(parts=True)
+    softer = replace(hardening(), results=2 * hardening().results)
+    softer_force = system.call(softer, system.arguments[1][:2], system.parameter_symbols["hard"])
+    system.derivative("v_1", softer_force[0] + system.calls[0].symbols[0])
+    with pytest.raises(
+        ValueError, match=r"Two parts have one name among hardening; give each part a name of its own\."
+    ):
+        generate(model_of(system, 1e-9))
