@@ -280,6 +280,7 @@ def _with_calls(text: str, one: Generated) -> str:
         ),
         body,
     )
+    used = set(re.findall(r"\bleft_\d+\b", body))
     room = [f"  double given_{rank}[{one.function.numel_out(rank)}];" for rank in range(one.ranks)]
     start = 0
     for rank in range(one.ranks):
@@ -294,7 +295,7 @@ def _with_calls(text: str, one: Generated) -> str:
                 f"  {{const double *a[] = {{given_{rank} + {offset}}}; double *r[] = {{left + {start}}}; "
                 f"part_{call.part.name}{suffix}(a, r, 0, 0, 0);}}"
             )
-            names = ", ".join(f"left_{n} = left[{n}]" for n in range(start, start + leaves) if f"left_{n};" in body)
+            names = ", ".join(f"left_{n} = left[{n}]" for n in range(start, start + leaves) if f"left_{n}" in used)
             lines.append(f"  const double {names};")
             offset, start = offset + taken, start + leaves
         place = body.rindex(f"given_{rank}[")
@@ -333,6 +334,7 @@ def _array(kind: str, name: str, values: Iterable[str]) -> str:
 
 
 def _system_arrays(model: Model, system: System) -> Iterable[str]:
+    """The constants of a system; what equal wheels have in common, the tables of their profile, is stored once."""
     prefix = system.name
     outputs = [variable.name for variable in system.variables if variable.causality == "output"]
     for suffix, names in (
@@ -364,19 +366,18 @@ def _system_arrays(model: Model, system: System) -> Iterable[str]:
             for f in system.frictions
         ],
     )
+    stored: dict[tuple[bytes, bytes], str] = {}
+    entries = []
     for table in system.tables:
-        name = f"{prefix}_{table.name}"
-        yield _array("double", f"{name}_breakpoint", map(_number, table.breakpoints))
-        yield _array("double", f"{name}_coefficient", map(_number, table.coefficients.ravel()))
-    yield _array(
-        "table_description",
-        f"{prefix}_table",
-        [
-            f"{{{table.coefficients.shape[0]}, {table.coefficients.shape[1] - 1}, {table.rank}, "
-            f"{prefix}_{table.name}_breakpoint, {prefix}_{table.name}_coefficient}}"
-            for table in system.tables
-        ],
-    )
+        content = table.breakpoints.tobytes(), table.coefficients.tobytes()
+        if content not in stored:
+            stored[content] = name = f"{prefix}_{table.name}"
+            yield _array("double", f"{name}_breakpoint", map(_number, table.breakpoints))
+            yield _array("double", f"{name}_coefficient", map(_number, table.coefficients.ravel()))
+        pieces, degree = table.coefficients.shape[0], table.coefficients.shape[1] - 1
+        name = stored[content]
+        entries.append(f"{{{pieces}, {degree}, {table.rank}, {name}_breakpoint, {name}_coefficient}}")
+    yield _array("table_description", f"{prefix}_table", entries)
     ranks = [f"{prefix}_table_argument_{rank}" for rank in range(_table_ranks(system))]
     yield _array("generated_function", f"{prefix}_table_argument", ranks)
     sentences = [_text(condition.sentence) for condition in (*system.end_conditions, *system.warnings)]

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
 from typing import Any, Literal
 
 import casadi as ca
@@ -544,7 +545,7 @@ class Model:
         """Value reference of a variable."""
         return self._indices[name]
 
-    @property
+    @cached_property
     def _indices(self) -> dict[str, int]:
         return {variable.name: number for number, variable in enumerate(self.variables)}
 

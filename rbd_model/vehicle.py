@@ -244,19 +244,23 @@ def check(vehicle: Vehicle) -> None:
             raise _refused(vehicle, f"{name} is there {count} times; give each part its own name")
     if not vehicle.bodies or not vehicle.wheelsets:
         raise _refused(vehicle, "give it at least one body and one wheelset")
-    for user, asked in _references(vehicle):
-        if asked not in ends:
-            raise _refused(vehicle, f"{user} names {asked}, which is not there; there are {', '.join(ends)}")
+    for user, asked, there in _references(vehicle, ends):
+        if asked not in there:
+            raise _refused(vehicle, f"{user} names {asked}, which is not there; there are {', '.join(there)}")
     for part, what, size in _sizes(vehicle):
         value = _number(vehicle, part, size)
         if what in POSITIVE_SIZES and not value > 0.0:
             raise _refused(vehicle, f"{part} has a {what} of {value:g}; it must be above 0")
+    for connection in vehicle.connections:
+        _check_law(vehicle, connection)
     _check_places(vehicle)
     _check_supports(vehicle)
 
 
-#: What must be above 0 of any body or wheelset.
-POSITIVE_SIZES = ("mass", *(f"{angle} inertia" for angle in ANGLES))
+#: Of any body or wheelset.
+INERTIAS = ("mass", *(f"{angle} inertia" for angle in ANGLES))
+#: What must be above 0: accelerations and rates are divided by it.
+POSITIVE_SIZES = (*INERTIAS, "series damping", "slider mass")
 
 
 def _refused(vehicle: Vehicle, sentence: str) -> ValueError:
@@ -275,24 +279,47 @@ def _sizes(vehicle: Vehicle) -> Iterator[tuple[str, str, Size]]:
     parts: dict[str, RigidBody | Wheelset] = {body.name: body for body in vehicle.bodies}
     parts |= {wheelset_name(number): wheelset for number, wheelset in vehicle.numbered}
     for name, part in parts.items():
-        yield from zip([name] * 4, POSITIVE_SIZES, (part.mass, *part.inertia), strict=True)
+        yield from zip([name] * 4, INERTIAS, (part.mass, *part.inertia), strict=True)
         own = (part.height,) if isinstance(part, RigidBody) else part.radius
         yield from ((name, "place", size) for size in (part.along, *own))
     acting: list[Connection | Pull] = [*vehicle.connections, *vehicle.pulls]
     for one in acting:
-        laws = (getattr(one, name, ()) for name in ("stiffness", "damping", "capacity", "slider_mass"))
+        laws = [getattr(one, name, ()) for name in ("stiffness", "damping", "capacity")]
         sizes = [*one.place, *(size for law in laws for size in (law if isinstance(law, tuple) else (law,)))]
         yield from ((one.name, "place or law", size) for size in sizes)
+        if isinstance(one, SeriesDamper):
+            yield one.name, "series damping", one.damping
+        if isinstance(one, FrictionSlider):
+            yield one.name, "slider mass", one.slider_mass
 
 
-def _references(vehicle: Vehicle) -> Iterator[tuple[str, str]]:
+def _references(vehicle: Vehicle, ends: list[str]) -> Iterator[tuple[str, str, list[str]]]:
+    """Who names which part, and the parts that may be meant."""
+    bodies = [body.name for body in vehicle.bodies]
     for one in vehicle.connections:
-        yield f"the connection {one.name}", one.upper
-        yield f"the connection {one.name}", one.lower
+        yield f"the connection {one.name}", one.upper, ends
+        yield f"the connection {one.name}", one.lower, ends
     for number, wheelset in vehicle.numbered:
-        yield f"{wheelset_name(number)}, which reacts on a body,", wheelset.reacts_on
+        yield f"{wheelset_name(number)}, which reacts on a body,", wheelset.reacts_on, bodies
     for pull in vehicle.pulls:
-        yield f"the force {pull.name}", pull.body
+        yield f"the force {pull.name}", pull.body, bodies
+
+
+def _check_law(vehicle: Vehicle, connection: Connection) -> None:
+    """Words that name no direction or angle, and the points of a bump stop."""
+    for word, known in (("direction", DIRECTIONS), ("angle", ANGLES)):
+        value = getattr(connection, word, known[0])
+        if value not in known:
+            raise _refused(vehicle, f"{connection.name} has the {word} {value}; give one of {', '.join(known)}")
+    if isinstance(connection, BumpStop):
+        travel, force = connection.travel, connection.force
+        rising = all(before < after for before, after in pairwise((0.0, *travel)))
+        if len(travel) != len(force) or len(travel) < 2 or not rising or force[0] != 0.0:
+            sentence = (
+                f"{connection.name} has the travel {travel} and the force {force}; give at least two points of both, "
+                "travel rising from above 0, the first with the force 0"
+            )
+            raise _refused(vehicle, sentence)
 
 
 def _check_places(vehicle: Vehicle) -> None:

@@ -77,9 +77,62 @@ def leaning_on_a_line() -> Vehicle:
     )
 
 
+def hung_from_its_axle() -> Vehicle:
+    """A brake that reacts on a wheelset, not on a body."""
+    first, second = two_axle_bogie().wheelsets
+    return bogie_with(wheelsets=(replace(first, reacts_on="wheelset_2"), second))
+
+
+def with_one(kind: type[Connection], **law: object) -> Vehicle:
+    good = two_axle_bogie()
+    one = kind("added", "frame", "wheelset_1", (0.0, 0.0, 0.0), False, **law)
+    return bogie_with(connections=(*good.connections, one))
+
+
+def damper_without_damping() -> Vehicle:
+    return with_one(SeriesDamper, stiffness=1e5)
+
+
+def slider_without_mass() -> Vehicle:
+    return with_one(FrictionSlider, stiffness=1e5, capacity=10.0)
+
+
+def stop_with_one_point() -> Vehicle:
+    return with_one(BumpStop, travel=(0.01,), force=(0.0,))
+
+
+def stop_with_a_force_too_many() -> Vehicle:
+    return with_one(BumpStop, travel=(0.01, 0.02), force=(0.0, 10.0, 20.0))
+
+
+def stop_that_goes_back() -> Vehicle:
+    return with_one(BumpStop, travel=(0.02, 0.01), force=(0.0, 10.0))
+
+
+def stop_that_begins_with_a_jump() -> Vehicle:
+    return with_one(BumpStop, travel=(0.01, 0.02), force=(5.0, 10.0))
+
+
+def spring_to_the_side() -> Vehicle:
+    return with_one(SeriesDamper, direction="sideways", stiffness=1e5, damping=1.0)
+
+
+def bar_about_no_axis() -> Vehicle:
+    return with_one(Torsion, angle="lateral", stiffness=1e5)
+
+
 @pytest.mark.parametrize(
     ("build", "words"),
     [
+        (hung_from_its_axle, ["wheelset_1, which reacts on a body, names wheelset_2", "there are frame"]),
+        (damper_without_damping, ["added has a series damping of 0", "above 0"]),
+        (slider_without_mass, ["added has a slider mass of 0", "above 0"]),
+        (stop_with_one_point, ["added has the travel (0.01,)", "at least two points"]),
+        (stop_with_a_force_too_many, ["added has the travel (0.01, 0.02)", "(0.0, 10.0, 20.0)"]),
+        (stop_that_goes_back, ["added has the travel (0.02, 0.01)", "rising"]),
+        (stop_that_begins_with_a_jump, ["added", "(5.0, 10.0)", "the first with the force 0"]),
+        (spring_to_the_side, ["added has the direction sideways", "longitudinal, lateral, vertical"]),
+        (bar_about_no_axis, ["added has the angle lateral", "roll, pitch, yaw"]),
         (connected_to_nothing, ["the connection bar names bolster, which is not there"]),
         (without_mass, ["frame has a mass of 0", "above 0"]),
         (in_the_air, ["nothing carries body"]),
