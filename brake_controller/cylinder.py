@@ -15,7 +15,7 @@ from brake_controller.pneumatics import APPLY, VENT, pressure_rate, regulated_pr
 from brake_controller.ready_sets import qr30_experiment
 from brake_controller.rigging import shoe_force, torque_capacity
 from brake_controller.shoe_friction import EXAMPLE_TABLE, FrictionTable, shoe_friction, sliding_speed
-from fmu_src.system import Model, System, Variable, integration_variables
+from fmu_src.system import Model, System, Variable, model_of_choices
 
 #: Local error of 0.1 Pa per step at this tolerance.
 DEFAULT_TOLERANCE = 1e-6
@@ -129,8 +129,6 @@ def flow_brake(defaults: BrakeParameters, air: FlowParameters, table: FrictionTa
 
 def brake_model(systems: tuple[System, ...]) -> Model:
     """The systems, in the order of the parameter `pneumatics`, as one FMU."""
-    declared = {v.name: v for system in systems for v in system.variables}
-    of = {c: [v for v in declared.values() if v.causality == c] for c in ("input", "output", "parameter")}
     pneumatics = Variable(
         "pneumatics",
         "parameter",
@@ -141,9 +139,8 @@ def brake_model(systems: tuple[System, ...]) -> Model:
         float(len(systems)),
         kind="integer",
     )
-    table = (*of["input"], *of["output"], pneumatics, *of["parameter"], *integration_variables(DEFAULT_TOLERANCE))
     text = "Pneumatic brake cylinder, rigging and shoes of one wheelset, after Handoko (2006)"
-    return Model("BrakeCylinder", text, table, systems, selector="pneumatics")
+    return model_of_choices("BrakeCylinder", text, systems, pneumatics, DEFAULT_TOLERANCE)
 
 
 def brake_cylinder(

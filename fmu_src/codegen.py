@@ -8,6 +8,7 @@ import re
 import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import accumulate
 from pathlib import Path
 
@@ -192,7 +193,12 @@ def _start(system: System) -> ca.SX:
 
 
 def generate(model: Model) -> dict[str, str]:
-    """C sources by file name: equations.c from CasADi and model.c, the description."""
+    """C sources by file name: equations.c from CasADi and model.c, the description; made once for each model."""
+    return dict(_sources(model))
+
+
+@lru_cache(maxsize=8)
+def _sources(model: Model) -> dict[str, str]:
     generated = [functions(system) for system in model.systems]
     sources = {"equations.c": _equations(generated)}
     description = _description(model, generated)

@@ -501,7 +501,7 @@ def state_variable(state: str) -> str:
     return f"state_{state}"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Model:
     """What becomes one FMU: its table of variables and the systems that serve it.
 
@@ -554,6 +554,18 @@ def model_of(system: System, tolerance: float, **experiment: float) -> Model:
     """The FMU of a system that stands alone."""
     variables = (*system.variables, *integration_variables(tolerance))
     return Model(system.name, system.description, variables, (system,), **experiment)  # type: ignore[arg-type]
+
+
+def model_of_choices(
+    name: str, description: str, systems: tuple[System, ...], selector: Variable, tolerance: float, **experiment: float
+) -> Model:
+    """Several systems as one FMU, counted by `selector`: their inputs, outputs and parameters, each once."""
+    declared = {v.name: v for system in systems for v in system.variables}
+    inputs, outputs, parameters = (
+        [v for v in declared.values() if v.causality == causality] for causality in ("input", "output", "parameter")
+    )
+    table = (*inputs, *outputs, selector, *parameters, *integration_variables(tolerance))
+    return Model(name, description, table, systems, selector=selector.name, **experiment)
 
 
 @dataclass(frozen=True)

@@ -46,7 +46,7 @@ class RailPatches(ParameterSet):
 
 @dataclass(frozen=True)
 class RailCondition:
-    """A named condition of the rail: mu0 of both wheelsets, and the law of its fall.
+    """A named condition of the rail: mu0 of all wheelsets, and the law of its fall.
 
     verified: the numbers were found in more than one source; otherwise check them before use.
     """
@@ -55,9 +55,9 @@ class RailCondition:
     law: FallingFriction
     verified: bool
 
-    def values(self) -> dict[str, float]:
+    def values(self, wheelsets: int = 2) -> dict[str, float]:
         """Inputs and parameters by name."""
-        return {"friction_1": self.friction, "friction_2": self.friction, **self.law.values()}
+        return {f"friction_{number}": self.friction for number in range(1, wheelsets + 1)} | self.law.values()
 
 
 def constant_friction() -> FallingFriction:

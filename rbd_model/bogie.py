@@ -29,16 +29,7 @@ def levels(vehicle: Vehicle) -> tuple[System, ...]:
 def model_of_levels(name: str, text: str, vehicle: Vehicle) -> Model:
     """A vehicle at all levels as one FMU: inputs, outputs, level, parameters in the order of their set."""
     systems = levels(vehicle)
-    level = Variable(
-        "level",
-        "parameter",
-        "1",
-        "Level of detail: 1 point, 2 planar, 3 spatial",
-        2.0,
-        1.0,
-        float(len(systems)),
-        kind="integer",
-    )
+    level = level_variable(len(systems))
     table = (
         *variables.inputs(vehicle).values(),
         *variables.outputs(vehicle).values(),
@@ -47,6 +38,12 @@ def model_of_levels(name: str, text: str, vehicle: Vehicle) -> Model:
         *integration_variables(DEFAULT_TOLERANCE),
     )
     return Model(name, text, table, systems, selector="level", stop_time=25.0)
+
+
+def level_variable(count: int) -> Variable:
+    """The parameter that chooses among `count` levels."""
+    text = "Level of detail: 1 point, 2 planar, 3 spatial"
+    return Variable("level", "parameter", "1", text, 2.0, 1.0, float(count), kind="integer")
 
 
 def parameters_of(vehicle: Vehicle, systems: Iterable[System]) -> list[Variable]:

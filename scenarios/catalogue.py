@@ -28,7 +28,7 @@ from scenarios.thesis import (
     wheelset_torque,
     wheelset_variable_speed,
 )
-from scenarios.vehicles import vehicle_braking, vehicle_modes
+from scenarios.vehicles import vehicle_anti_skid, vehicle_braking, vehicle_composed, vehicle_modes
 
 SCENARIOS: list[Scenario] = [
     *qr30.SCENARIOS,
@@ -53,6 +53,8 @@ SCENARIOS: list[Scenario] = [
     uneven_brakes.SCENARIO,
     vehicle_modes.SCENARIO,
     vehicle_braking.SCENARIO,
+    vehicle_anti_skid.SCENARIO,
+    vehicle_composed.SCENARIO,
     coupling_step.SCENARIO,
     sensitivity.SCENARIO,
     oracle.SCENARIO,

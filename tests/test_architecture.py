@@ -94,6 +94,7 @@ PLUMBING = {
     "rbd_model/adhesion.py": {"follow_patch"},
     "rbd_model/assembly.py": {"assemble"},
     "rbd_model/bogie.py": {
+        "level_variable",
         "levels",
         "model_of_levels",
         "names_of_levels",

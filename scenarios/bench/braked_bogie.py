@@ -1,16 +1,11 @@
-"""The bogie of chapter 5 with its brake: a cylinder on each wheelset, or one for both."""
+"""The bogie of chapter 5 with one brake for both wheelsets."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from contextlib import ExitStack
-from types import TracebackType
-
 from brake_controller.parameters import qr30
 from rbd_model.parameters import AS_PRINTED, tables_5_1_and_5_2
-from scenarios.cosimulation.master import Connection, Coupling
+from scenarios.cosimulation.master import Connection
 from scenarios.cosimulation.slave import Slave
-from scenarios.fmus.building import up_to_date
 
 BOGIE = tables_5_1_and_5_2()
 #: Pressure [Pa] and torque capacity on each wheelset [N.m] of the full brake, which slows the bogie at 1.48 m/s2.
@@ -61,45 +56,3 @@ def acceleration_per_torque() -> float:
     """Deceleration of the rolling bogie by the torque on each wheelset, 2/r / (M + 2 J/r^2) [m/s2/N.m]."""
     mass = BOGIE.frame_mass + 2 * BOGIE.wheelset_mass + 2 * BOGIE.wheelset_pitch_inertia / BOGIE.wheel_radius**2
     return 2 / BOGIE.wheel_radius / mass
-
-
-#: Wheelsets that are braked, each by its own cylinder.
-NUMBERS = (1, 2)
-#: Speed at which the bogie counts as standing [m/s].
-STANDING = 0.02
-
-
-class BrakedBogie:
-    """The FMUs of a bogie with a brake cylinder on each wheelset, loaded once for many stops. A context manager."""
-
-    def __init__(self, kind: str = "native") -> None:
-        self._stack = ExitStack()
-        self.bogie = self._stack.enter_context(Slave(up_to_date("bogie", kind)))
-        self.brakes = [self._stack.enter_context(Slave(up_to_date("brake", kind), f"brake_{n}")) for n in NUMBERS]
-
-    def __enter__(self) -> BrakedBogie:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self._stack.close()
-
-    def start(self, bogie: Mapping[str, float], brakes: Sequence[Mapping[str, float]]) -> None:
-        """Parameters of the bogie and of each cylinder, which is empty."""
-        self.bogie.restart(bogie)
-        for brake, values in zip(self.brakes, brakes, strict=True):
-            brake.restart(values, pressure_demand=0.0)
-
-    def demand(self, pressure: float) -> None:
-        """Asks both cylinders for a pressure [Pa]."""
-        for brake in self.brakes:
-            brake.set(pressure_demand=pressure)
-
-    def coupling(self, further: Sequence[Connection] = ()) -> Coupling:
-        """First the cylinders, then the bogie, each wheelset with the torque of its own; `further` connections."""
-        torques = [
-            Connection(brake, "brake_torque", self.bogie, f"brake_torque_{number}")
-            for number, brake in zip(NUMBERS, self.brakes, strict=True)
-        ]
-        return Coupling([*self.brakes, self.bogie], [*torques, *further])

@@ -16,14 +16,14 @@ LOCK_ABOVE = 0.3
 
 @dataclass(frozen=True)
 class RailCase:
-    """A rail: condition, and what changes along it (parameters of the bogie)."""
+    """A rail: condition, and what changes along it (parameters of bogie and vehicle)."""
 
     name: str
     condition: RailCondition
     changes: tuple[tuple[str, float], ...] = ()
 
-    def values(self) -> dict[str, float]:
-        return self.condition.values() | dict(self.changes)
+    def values(self, wheelsets: int = 2) -> dict[str, float]:
+        return self.condition.values(wheelsets) | dict(self.changes)
 
 
 def low_rail() -> RailCondition:

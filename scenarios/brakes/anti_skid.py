@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -12,24 +12,15 @@ from multiprocessing import get_context
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from scipy.integrate import solve_ivp
 from tqdm import tqdm
 
 from brake_controller.wheel_slide import SlideProtection, WheelSlideController
 from rbd_model.adhesion import low
 from rbd_model.parameters import tables_5_1_and_5_2
-from scenarios.bench.braked_bogie import NUMBERS, STANDING, BrakedBogie
-from scenarios.bench.drive import prepare
-from scenarios.bench.protected_stop import (
-    APPLICATION_TIME,
-    BRAKE_START,
-    ProtectedStop,
-    Settings,
-    full_deceleration,
-    protected_stop,
-)
+from scenarios.bench.braked_machine import APPLICATION_TIME, BrakedMachine, bogie
+from scenarios.bench.peak_adhesion import PeakAdhesion
+from scenarios.bench.protected_stop import ProtectedStop, Settings, protected_stop
 from scenarios.bench.rails import ABOVE, BAND, LOCK_ABOVE, LOW_FRICTION, RAILS, RailCase, low_rail
-from scenarios.methods.integrators import layout
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, plt
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row, at_least, at_most, between
@@ -52,55 +43,6 @@ MODES: dict[str, Callable[[], WheelSlideController] | None] = {
 }
 
 
-class PeakAdhesion:
-    """Largest deceleration that a rail can give, from the bogie's own equations: the creep force at its best slip."""
-
-    #: Slip ratios that are tried.
-    SLIPS = np.geomspace(2e-3, 0.4, 28)
-
-    def __init__(self, rail: Mapping[str, float]) -> None:
-        self.kernel = prepare("bogie", level=2, initial_speed=25.0, **rail)
-        self.kernel.initialise()
-        self.form = layout("bogie", 2)
-        self.place = np.array(self.kernel.linearise().state)
-        p = tables_5_1_and_5_2()
-        self.radius, self.mass = p.wheel_radius, p.frame_mass + 2 * p.wheelset_mass
-
-    def at(self, distance: float, speed: float, slip: float) -> float:
-        """Deceleration [m/s2] with both wheelsets at a slip ratio."""
-        place = self.place.copy()
-        place[self.form.kept.index("frame_distance")] = distance
-        place[self.form.kept.index("frame_speed")] = speed
-        for number in NUMBERS:
-            place[self.form.kept.index(f"angular_velocity_{number}")] = (1.0 - slip) * speed / self.radius
-        self.kernel.arrive(self.kernel.time, place.tolist())
-        return -(self.kernel["creep_force_1"] + self.kernel["creep_force_2"]) / self.mass
-
-    def best(self, distance: float, speed: float) -> tuple[float, float]:
-        """Largest deceleration [m/s2], and the slip ratio at which it is reached."""
-        found = [self.at(distance, speed, slip) for slip in self.SLIPS]
-        return max(found), float(self.SLIPS[int(np.argmax(found))])
-
-    def stopping_distance(self, speed: float) -> float:
-        """Distance [m] from `speed` with the best slip throughout, as soon as the brake has filled and no faster."""
-
-        def slope(time: float, state: np.ndarray) -> list[float]:
-            return [state[1], -min(braking(time), self.best(state[0], max(state[1], STANDING))[0])]
-
-        def stands(time: float, state: np.ndarray) -> float:
-            return float(state[1]) - STANDING
-
-        stands.terminal = True  # type: ignore[attr-defined]
-        found = solve_ivp(slope, (0.0, 300.0), [0.0, speed], events=stands, max_step=0.25, rtol=1e-3, atol=1e-2)
-        return float(found.y[0, -1])
-
-
-def braking(time: float) -> float:
-    """Deceleration that the filling brake allows [m/s2]."""
-    share = 1.0 - 20.0 ** (-max(0.0, time - BRAKE_START) / APPLICATION_TIME)
-    return share * full_deceleration()
-
-
 @dataclass(frozen=True)
 class Findings:
     """Stops by rail and mode, ideal distances by rail [m], and low-rail stops by (period, host step)."""
@@ -116,18 +58,21 @@ def measure() -> Findings:
     low_stops: dict[tuple[float, float], ProtectedStop] = {}
     work = [(rail, mode) for rail in RAILS for mode in MODES]
     tries = [(period, step) for period in PERIODS for step in HOST_STEPS if step <= period]
-    with BrakedBogie() as machine, tqdm(total=len(work) + len(tries), delay=PATIENCE, leave=False, unit="stop") as bar:
+    with (
+        BrakedMachine() as machine,
+        tqdm(total=len(work) + len(tries), delay=PATIENCE, leave=False, unit="stop") as bar,
+    ):
         for rail, mode in work:
             stops[rail.name, mode] = one_stop(machine, rail, mode, Settings())
             bar.update()
         for period, step in tries:
             low_stops[period, step] = one_stop(machine, RAILS[2], "protected", Settings(period=period, host_step=step))
             bar.update()
-    ideal = {rail.name: PeakAdhesion(rail.values()).stopping_distance(Settings().speed) for rail in RAILS}
+    ideal = {rail.name: PeakAdhesion(bogie(), rail.values()).stopping_distance(Settings().speed) for rail in RAILS}
     return Findings(stops, ideal, low_stops, stops_per_minute())
 
 
-def one_stop(machine: BrakedBogie, rail: RailCase, mode: str, settings: Settings) -> ProtectedStop:
+def one_stop(machine: BrakedMachine, rail: RailCase, mode: str, settings: Settings) -> ProtectedStop:
     """A stop in one of the MODES; locked wheels are those of a brake three times as strong that applies at once."""
     make = MODES[mode]
     if mode == "locked":
@@ -146,7 +91,7 @@ def stops_per_minute(workers: int = 2) -> float:
 
 def count_stops(count: int) -> int:
     """Protected stops on the low rail, in a process of their own."""
-    with BrakedBogie() as machine:
+    with BrakedMachine() as machine:
         for _ in range(count):
             one_stop(machine, RAILS[2], "protected", Settings())
     return count
@@ -271,9 +216,9 @@ def draw_periods(found: Findings, axis: Axes) -> None:
 
 
 @lru_cache
-def own_machine() -> BrakedBogie:
+def own_machine() -> BrakedMachine:
     """The FMUs of this process, kept between the points of a sweep."""
-    return BrakedBogie()
+    return BrakedMachine()
 
 
 def one_point(

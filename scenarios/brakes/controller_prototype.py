@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from brake_controller.wheel_slide import SlideProtection, WheelSlideController
 from rbd_model.parameters import tables_5_1_and_5_2
-from scenarios.bench.braked_bogie import BrakedBogie
+from scenarios.bench.braked_machine import BrakedMachine
 from scenarios.bench.own_controller import FixedSlip
 from scenarios.bench.protected_stop import ProtectedStop, protected_stop
 from scenarios.bench.rails import ABOVE, BAND, LOCK_ABOVE, RAILS
@@ -25,7 +25,7 @@ CONTROLLERS: dict[str, Callable[[], WheelSlideController] | None] = {
 
 def run(options: Options) -> Result:
     chosen = [rail for rail in RAILS if rail.name in ("low", "changing")]
-    with BrakedBogie() as machine:
+    with BrakedMachine() as machine:
         stops = {
             (rail.name, name): protected_stop(machine, rail.values(), make() if make else None)
             for rail in chosen

@@ -11,7 +11,8 @@ from tqdm import tqdm
 
 from rbd_model.parameters import AS_PRINTED, tables_5_1_and_5_2
 from scenarios.bench.asymmetric_shoes import DERAILED_AT
-from scenarios.bench.braked_bogie import FULL_PRESSURE, NUMBERS, STANDING, BrakedBogie, brake_values
+from scenarios.bench.braked_bogie import FULL_PRESSURE, brake_values
+from scenarios.bench.braked_machine import STANDING, BrakedMachine
 from scenarios.cosimulation.master import Connection
 from scenarios.cosimulation.recording import Recording
 from scenarios.cosimulation.slave import CosimulationError
@@ -74,21 +75,21 @@ def shoes() -> dict[str, float]:
 
 
 def uneven_stop(
-    machine: BrakedBogie, values: Mapping[str, float], strength: tuple[float, float], errors: tuple[float, float]
+    machine: BrakedMachine, values: Mapping[str, float], strength: tuple[float, float], errors: tuple[float, float]
 ) -> UnevenStop:
     """Full brake at BRAKE_START; strength: of each cylinder's shoes; errors: of the shoes of each wheelset."""
     machine.start({"initial_speed": SPEED} | dict(values), [shoes() | {"wheelset_share": 0.5 * x} for x in strength])
     yaw_torques = [
-        Connection(brake, "shoe_force", machine.bogie, f"yaw_torque_{number}", error * SHOE_DISTANCE)
-        for number, brake, error in zip(NUMBERS, machine.brakes, errors, strict=True)
+        Connection(brake, "shoe_force", machine.vehicle, f"yaw_torque_{number}", error * SHOE_DISTANCE)
+        for number, brake, error in zip(machine.machine.numbers, machine.brakes, errors, strict=True)
         if error
     ]
-    rows, ended = [[0.0, *machine.bogie.get(READ)]], ""
+    rows, ended = [[0.0, *machine.vehicle.get(READ)]], ""
     try:
         for time in machine.coupling(yaw_torques).run(
             LONGEST, STEP, lambda time: machine.demand(FULL_PRESSURE if time >= BRAKE_START else 0.0)
         ):
-            rows.append([time, *machine.bogie.get(READ)])
+            rows.append([time, *machine.vehicle.get(READ)])
             if rows[-1][1] < STANDING:
                 break
     except CosimulationError as error:
@@ -102,7 +103,7 @@ def measure() -> tuple[dict[float, UnevenStop], dict[tuple[float, float], Uneven
     """
     uneven, asymmetric = {}, {}
     count = len(SHARES) + len(ERRORS) + 1
-    with BrakedBogie() as machine, tqdm(total=count, delay=PATIENCE, leave=False, unit="stop") as bar:
+    with BrakedMachine() as machine, tqdm(total=count, delay=PATIENCE, leave=False, unit="stop") as bar:
         for share in SHARES:
             low = {"level": 2.0, "friction_1": FRICTION, "friction_2": FRICTION}
             uneven[share] = uneven_stop(machine, low, (2 * share, 2 * (1 - share)), (0.0, 0.0))

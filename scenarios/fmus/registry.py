@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
 from brake_controller.cylinder import brake_cylinder
 from fmu_src.system import Model
 from rbd_model.bogie import bogie_dynamics, vehicle_dynamics, wheelset_dynamics
 from rbd_model.rail_recovery import rail_adhesion
+from scenarios.fmus.braked_vehicle import braked_vehicle
 
 
 @dataclass(frozen=True)
@@ -23,12 +25,14 @@ class Fmu:
 FMUS: dict[str, Fmu] = {
     "bogie": Fmu(bogie_dynamics, "qr30-180kpa.png"),
     "vehicle": Fmu(vehicle_dynamics),
+    "braked-vehicle": Fmu(braked_vehicle),
     "wheelset": Fmu(wheelset_dynamics, "wheelset-hunting.png"),
     "brake": Fmu(brake_cylinder, "qr30-180kpa.png"),
     "rail": Fmu(rail_adhesion),
 }
 
 
+@lru_cache
 def model_of(name: str) -> Model:
-    """The model behind an FMU of the list."""
+    """The model behind an FMU of the list, written once in a process."""
     return FMUS[name].model()

@@ -14,6 +14,8 @@ from matplotlib.figure import Figure
 #: Leading, trailing, bogie, thesis; distinguishable without colour vision.
 LEADING, TRAILING, BOGIE, THESIS = "#0072b2", "#d55e00", "#333333", "#009e73"
 THREE = ("#0072b2", "#e69f00", "#d55e00")
+#: Wheelsets 1 to 4.
+FOUR = ("#0072b2", "#56b4e9", "#e69f00", "#d55e00")
 
 plt.rcParams.update(
     {

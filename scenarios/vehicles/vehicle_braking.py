@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from scenarios.bench.drive import located_lock_time, play, prepare
 from scenarios.bench.four_axles import ALONG_DAMPING, COACH, NUMBERS, brakes, rigid_axle_loads
 from scenarios.cosimulation.recording import Recording
-from scenarios.reporting.plots import panels
+from scenarios.reporting.plots import FOUR, panels
 from scenarios.reporting.report import Result, Row, near
 from scenarios.scenario import Options, Scenario
 
@@ -22,7 +22,6 @@ RAMP, RAMP_TIME, FRICTION = 9e3, 30.0, 0.12
 STATICS = {"secondary_bending_stiffness": 0.0, "secondary_longitudinal_damping": ALONG_DAMPING}
 LOADS = tuple(f"axle_load_{number}" for number in NUMBERS)
 REACTIONS = {"hung in the frame": 1.0, "on nothing": 0.0}
-COLOURS = ("#0072b2", "#56b4e9", "#e69f00", "#d55e00")
 
 
 def steady(reaction: float) -> tuple[Recording, list[float]]:
@@ -80,7 +79,7 @@ def draw(ramps: dict[str, tuple[Recording, dict[int, float | None]]]) -> Figure:
     titles = [title for name in ramps for title in (f"axle loads [kN], brakes {name}", "circumferential speeds [m/s]")]
     figure, axes = panels("Load transfer and lock order of four wheelsets", titles)
     for row, (series, times) in enumerate(ramps.values()):
-        for number, colour in zip(NUMBERS, COLOURS, strict=True):
+        for number, colour in zip(NUMBERS, FOUR, strict=True):
             label = f"wheelset {number}"
             axes[2 * row].plot(series["time"], series[f"axle_load_{number}"] / 1e3, color=colour, label=label)
             wheel = COACH.wheel_radius * series[f"angular_velocity_{number}"]

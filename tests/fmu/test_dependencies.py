@@ -22,6 +22,7 @@ STARTS: dict[str, list[dict[str, float]]] = {
         *({"level": level, "initial_speed": 0.0, "traction_torque_1": 10.0, "drawbar_force": 50.0} for level in (1, 3)),
     ],
     "vehicle": [{"level": 1, "coupler_force_front": 1e3}, {"level": 3, "initial_speed": 0.0, "brake_torque_2": 1.0}],
+    "braked-vehicle": [{"level": 2, "coupler_force_front": 1e3}],
     "wheelset": [{"lateral_irregularity": 0.01}, {"initial_speed": 0.0, "brake_torque_1": 1.0}],
     "brake": [{"friction_law": law, "pneumatics": 1 + law % 2, "angular_velocity": 5.0} for law in range(6)],
     "rail": [{"speed": 10.0, "slip_1": 1.0, "creep_force_1": 1e3}],
@@ -30,6 +31,7 @@ STARTS: dict[str, list[dict[str, float]]] = {
 ACTING = {
     "bogie": [("creep_force_1", "friction_1"), ("acceleration", "drawbar_force"), ("locked_1", "brake_torque_1")],
     "vehicle": [("acceleration", "coupler_force_front"), ("axle_load_4", "body_mass")],
+    "braked-vehicle": [("acceleration", "coupler_force_front"), ("shoe_friction_2", "constant_shoe_friction")],
     "wheelset": [("acceleration", "friction_1"), ("locked_1", "traction_torque_1"), ("axle_load_1", "cross_level")],
     "brake": [("shoe_friction", "angular_velocity"), ("shoe_friction", "friction_law")],
     "rail": [("friction_1", "degraded_friction")],

@@ -23,6 +23,7 @@ from scenarios.reporting import report
 from scenarios.reporting.report import Row
 from scenarios.thesis import qr30, thesis_step
 from scenarios.thesis.creep_forces import EXACT
+from scenarios.vehicles import vehicle_anti_skid, vehicle_composed
 
 PUBLISHED = Path(__file__).parents[1] / "data" / "creep" / "exact.csv"
 ROW_FIELDS = {
@@ -73,13 +74,22 @@ def short_anti_skid(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
+def short_vehicles(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Longer macro steps, whose orders are the same, and the rail that is cleaned."""
+    monkeypatch.setattr(vehicle_composed, "STEPS", (1e-3, 2e-3, 5e-3, 1e-2))
+    monkeypatch.setattr(vehicle_composed, "SHOWN", 1e-3)
+    monkeypatch.setattr(vehicle_anti_skid, "RAILS", vehicle_anti_skid.RAILS[1:])
+
+
+@pytest.fixture
 def short_thesis_step(monkeypatch: pytest.MonkeyPatch) -> None:
     """Two steps, and the stops alone; the whole takes a minute and a half."""
     monkeypatch.setattr(thesis_step, "RUNS", tuple(thesis_step.SHOES.values()))
     monkeypatch.setattr(thesis_step, "STEPS", (8e-4, thesis_step.CLOSER))
 
 
-@pytest.mark.usefixtures("short_oracle", "short_coupling", "short_study", "short_anti_skid", "short_thesis_step")
+@pytest.mark.usefixtures("short_oracle", "short_coupling", "short_study")
+@pytest.mark.usefixtures("short_anti_skid", "short_vehicles", "short_thesis_step")
 @pytest.mark.parametrize("name", [scenario.name for scenario in SCENARIOS])
 def test_scenario_holds_and_leaves_table_data_and_picture(name: str, tmp_path: Path) -> None:
     assert main(["run", name, "--out", str(tmp_path)]) == 0

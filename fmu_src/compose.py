@@ -1,0 +1,180 @@
+"""Systems that join into one: names in a scope of their own, and outputs that become inputs without a coupling's error.
+
+A connection is a link as those within a system: the symbol of the input stands for the expression of the output, and
+derivatives go through it by the chain rule. Nothing of the parts' equations is written anew.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import casadi as ca
+
+from fmu_src.system import Call, System, Table, Variable, Waist
+
+
+def scope(system: System, before: str = "", after: str = "", common: Collection[str] = ()) -> System:
+    """The same system with every name between `before` and `after`, but for the names in `common`.
+
+    Of variables, states, tables and observables; equations know symbols, not names, and stay as they are.
+    """
+
+    def named(name: str) -> str:
+        return name if name in common else f"{before}{name}{after}"
+
+    def keyed(entries: Mapping[str, Any]) -> dict[str, Any]:
+        return {named(name): entry for name, entry in entries.items()}
+
+    return replace(
+        system,
+        variables=[replace(variable, name=named(variable.name)) for variable in system.variables],
+        input_symbols=keyed(system.input_symbols),
+        parameter_symbols=keyed(system.parameter_symbols),
+        derived_symbols=keyed(system.derived_symbols),
+        derived_expressions=keyed(system.derived_expressions),
+        states={named(name): replace(state, name=named(name)) for name, state in system.states.items()},
+        derivatives=keyed(system.derivatives),
+        tables=[replace(table, name=named(table.name)) for table in system.tables],
+        frictions=[replace(friction, velocity=named(friction.velocity)) for friction in system.frictions],
+        outputs=keyed(system.outputs),
+        observables=keyed(system.observables),
+        largest_changes=[(named(name), largest) for name, largest in system.largest_changes],
+    )
+
+
+def compose(name: str, description: str, parts: Sequence[System], connections: Mapping[str, str]) -> System:
+    """One system of several, which share the time; connections: the output that each input becomes, by names.
+
+    Parameters of one name are one parameter, declared as in the first part that has it. Raises ValueError with one
+    sentence for other names that are there twice, for a connection to what is not there or is in another unit, and for
+    outputs and inputs that depend on each other in a ring without a state.
+    """
+    whole = System(name, description)
+    links = [link for part in parts for link in _links(whole, part)]
+    faces = {variable.name: variable for part in parts for variable in part.variables if variable.causality == "output"}
+    for target, source in connections.items():
+        links.append(_connected(name, parts, faces, target, source))
+    for part in parts:
+        _take(whole, part, connections)
+    _put_in_order(whole, links, [table for part in parts for table in part.tables])
+    return whole
+
+
+@dataclass(frozen=True)
+class _Link:
+    """A link that is not yet in its place; text: which connection it is, if it is one."""
+
+    link: Call | Waist
+    text: str = ""
+
+
+def _same(symbol: ca.SX, value: ca.SX, text: str = "") -> _Link:
+    return _Link(Waist(value, symbol, value), text)
+
+
+def _links(whole: System, part: System) -> Iterator[_Link]:
+    """Those of a part, its time, and the parameters that an earlier part has too. Adds its parameters to the whole."""
+    yield _same(part.time, whole.time)
+    declared = {variable.name: variable for variable in whole.variables}
+    for variable in part.variables:
+        if variable.causality != "parameter":
+            continue
+        symbol, known = part.parameter_symbols[variable.name], declared.get(variable.name)
+        if known is None:
+            whole.variables.append(variable)
+            whole.parameter_symbols[variable.name] = symbol
+        elif known.unit == variable.unit:
+            yield _same(symbol, whole.parameter_symbols[variable.name])
+        else:
+            raise ValueError(
+                f"{whole.name}: the parameter {variable.name} is in {known.unit} and, in {part.name}, in "
+                f"{variable.unit}; give one of them a scope."
+            )
+    yield from (_Link(link) for link in part.links)
+
+
+def _connected(name: str, parts: Sequence[System], outputs: Mapping[str, Variable], target: str, source: str) -> _Link:
+    """The link of one connection."""
+    inputs = {variable.name: variable for part in parts for variable in part.variables if variable.causality == "input"}
+    for asked, there, word in ((target, inputs, "input"), (source, outputs, "output")):
+        if asked not in there:
+            raise ValueError(f"{name}: no part has the {word} {asked}; there are {', '.join(there)}.")
+    if inputs[target].unit != outputs[source].unit:
+        units = f"{outputs[source].unit} and {inputs[target].unit}"
+        raise ValueError(f"{name}: {source} cannot become {target}, they are in {units}.")
+    symbol = next(part.input_symbols[target] for part in parts if target in part.input_symbols)
+    value = next(part.outputs[source] for part in parts if source in part.outputs)
+    return _same(symbol, value, f"{source} to {target}")
+
+
+def _take(whole: System, part: System, connections: Mapping[str, str]) -> None:
+    """Everything of a part but its links, tables and parameters."""
+
+    def add(kind: str, entries: Mapping[str, Any]) -> None:
+        known = getattr(whole, kind)
+        for twice in known.keys() & entries.keys():
+            raise ValueError(f"{whole.name}: {twice} is there twice among the {kind}; give each part a scope.")
+        known.update(entries)
+
+    add("input_symbols", {name: one for name, one in part.input_symbols.items() if name not in connections})
+    for kind in ("derived_symbols", "derived_expressions", "states", "derivatives", "outputs", "observables"):
+        add(kind, getattr(part, kind))
+    inside = [v for v in part.variables if v.causality == "input" and v.name in connections]
+    whole.variables += [v for v in part.variables if v.causality != "parameter" and v not in inside]
+    whole.frictions += part.frictions
+    whole.end_conditions += part.end_conditions
+    whole.warnings += part.warnings
+    whole.largest_changes += part.largest_changes
+
+
+def _put_in_order(whole: System, links: Sequence[_Link], tables: Sequence[Table]) -> None:
+    """Each link and table behind those that it needs, with its rank among its like."""
+    nodes: list[Call | Waist | Table] = [*(one.link for one in links), *tables]
+    needs = _needs([_needed_by(node) for node in nodes], [node.symbols for node in nodes])
+    place: dict[int, int] = {}
+    waiting = list(range(len(nodes)))
+    while waiting:
+        ready = [node for node in waiting if needs[node] <= place.keys()]
+        if not ready:
+            ring = ", ".join(links[node].text for node in waiting if node < len(links) and links[node].text)
+            raise ValueError(f"{whole.name}: {ring} depend on each other in a ring without a state; cut one of them.")
+        place |= {node: len(place) + number for number, node in enumerate(ready)}
+        waiting = [node for node in waiting if node not in place]
+    in_order = sorted(place, key=place.__getitem__)
+    calls, looked_up = (
+        _ranks(in_order, needs, {n for n in in_order if isinstance(nodes[n], kind)}) for kind in (Call, Table)
+    )
+    for number in in_order:
+        node = nodes[number]
+        if isinstance(node, Table):
+            whole.tables.append(replace(node, rank=looked_up[number]))
+        elif isinstance(node, Call):
+            whole.links.append(replace(node, rank=calls[number]))
+        else:
+            whole.links.append(replace(node, plain=whole.without_waists(node.values)))
+
+
+def _needed_by(node: Call | Waist | Table) -> ca.SX:
+    if isinstance(node, Table):
+        return node.argument
+    return ca.vertcat(node.given, node.constants) if isinstance(node, Call) else node.values
+
+
+def _needs(values: Sequence[ca.SX], symbols: Sequence[ca.SX]) -> list[set[int]]:
+    """For each value the numbers of those whose symbols are in it."""
+    rows, columns = ([i for i, one in enumerate(all_) for _ in range(one.numel())] for all_ in (values, symbols))
+    pattern = ca.jacobian_sparsity(ca.vertcat(*[ca.vec(one) for one in values]), ca.vertcat(*symbols))
+    needs: list[set[int]] = [set() for _ in values]
+    for row, column in zip(*pattern.get_triplet(), strict=True):
+        needs[rows[row]].add(columns[column])
+    return needs
+
+
+def _ranks(in_order: Sequence[int], needs: Sequence[set[int]], counted: set[int]) -> dict[int, int]:
+    """How many of those counted, at most, stand before each in a row of those that it needs."""
+    rank: dict[int, int] = {}
+    for node in in_order:
+        rank[node] = max((rank[one] + (one in counted) for one in needs[node]), default=0)
+    return rank

@@ -1,0 +1,62 @@
+"""The most that a rail can give: what a stop with the best slip at every instant would take."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from scenarios.bench.braked_machine import APPLICATION_TIME, STANDING, Machine
+from scenarios.bench.drive import prepare
+from scenarios.bench.protected_stop import BRAKE_START
+from scenarios.fmus.registry import model_of
+
+
+class PeakAdhesion:
+    """Largest deceleration that a rail can give, from a machine's own equations: the creep force at its best slip."""
+
+    #: Slip ratios that are tried.
+    SLIPS = np.geomspace(2e-3, 0.4, 28)
+
+    def __init__(self, machine: Machine, rail: Mapping[str, float]) -> None:
+        self.machine = machine
+        self.kernel = prepare(machine.fmu, **{**machine.values, "level": 2, "initial_speed": 25.0, **rail})
+        self.kernel.initialise()
+        planar = model_of(machine.fmu).systems[1]
+        self.states = list(planar.states)
+        self.place = np.array(self.kernel.linearise().state)
+
+    def at(self, distance: float, speed: float, slip: float) -> float:
+        """Deceleration [m/s2] with all wheelsets at a slip ratio, their loads those at rest."""
+        place, machine = self.place.copy(), self.machine
+        place[self.states.index(f"{machine.counted}_distance")] = distance
+        place[self.states.index(f"{machine.counted}_speed")] = speed
+        for number in machine.numbers:
+            rolling = speed / machine.parameters.wheel_radius
+            place[self.states.index(f"angular_velocity_{number}")] = (1.0 - slip) * rolling
+        self.kernel.arrive(self.kernel.time, place.tolist())
+        return -sum(self.kernel[f"creep_force_{number}"] for number in machine.numbers) / machine.mass
+
+    def best(self, distance: float, speed: float) -> tuple[float, float]:
+        """Largest deceleration [m/s2], and the slip ratio at which it is reached."""
+        found = [self.at(distance, speed, slip) for slip in self.SLIPS]
+        return max(found), float(self.SLIPS[int(np.argmax(found))])
+
+    def stopping_distance(self, speed: float) -> float:
+        """Distance [m] from `speed` with the best slip throughout, as soon as the brake has filled and no faster."""
+
+        def slope(time: float, state: np.ndarray) -> list[float]:
+            return [state[1], -min(self.braking(time), self.best(state[0], max(state[1], STANDING))[0])]
+
+        def stands(time: float, state: np.ndarray) -> float:
+            return float(state[1]) - STANDING
+
+        stands.terminal = True  # type: ignore[attr-defined]
+        found = solve_ivp(slope, (0.0, 300.0), [0.0, speed], events=stands, max_step=0.25, rtol=1e-3, atol=1e-2)
+        return float(found.y[0, -1])
+
+    def braking(self, time: float) -> float:
+        """Deceleration that the filling brake allows [m/s2]."""
+        share = 1.0 - 20.0 ** (-max(0.0, time - BRAKE_START) / APPLICATION_TIME)
+        return share * self.machine.full_deceleration

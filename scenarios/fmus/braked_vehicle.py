@@ -1,0 +1,52 @@
+"""BrakedVehicle: a complete vehicle and the brake cylinders of its wheelsets as one FMU, without a coupling's error."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from brake_controller.cylinder import timed_brake
+from brake_controller.parameters import BrakeParameters, qr30
+from fmu_src.compose import compose, scope
+from fmu_src.system import Model, System, model_of_choices
+from rbd_model.bogie import DEFAULT_TOLERANCE, level_variable, levels
+from rbd_model.vehicle import Vehicle
+from rbd_model.vehicles import passenger_coach
+
+#: Pressure [Pa] and torque capacity of one wheelset [N.m] of the coach's full brake, which slows it at 1.2 m/s2; times
+#: of its cylinder with a dump valve [s]. Assumed: the benchmark prints no brake.
+FULL_PRESSURE, FULL_TORQUE = 380e3, 6.4e3
+APPLICATION_TIME, RELEASE_TIME = 2.0, 0.6
+
+
+def coach_brake() -> BrakeParameters:
+    """The brake of one wheelset of the coach: rigging and shoes of `qr30` scaled to FULL_TORQUE. Assumed."""
+    brake, radius = qr30(), passenger_coach().parameters.values()["wheel_radius"]
+    shoe_torque = brake.wheelset_share * brake.rigging_efficiency * brake.constant_shoe_friction * radius
+    return replace(
+        brake,
+        supply_pressure=FULL_PRESSURE,
+        application_time=APPLICATION_TIME,
+        release_time=RELEASE_TIME,
+        wheel_radius=radius,
+        force_per_pressure=FULL_TORQUE / FULL_PRESSURE / shoe_torque,
+    )
+
+
+def with_brakes(system: System, vehicle: Vehicle, brake: Callable[[], System]) -> System:
+    """A vehicle at one level of detail with a brake on each wheelset; all brakes have the same parameters."""
+    cylinders = []
+    for number, _ in vehicle.numbered:
+        one = brake()
+        cylinders.append(scope(one, after=f"_{number}", common=list(one.parameter_symbols)))
+    faces = [f"{name}_{number}" for name in ("brake_torque", "angular_velocity") for number, _ in vehicle.numbered]
+    return compose(system.name, system.description, [system, *cylinders], {name: name for name in faces})
+
+
+def braked_vehicle(vehicle: Vehicle | None = None, brake: BrakeParameters | None = None) -> Model:
+    """Pressure demands and valves in; speed, wheel speeds and pressures out; by default the coach, its brake timed."""
+    whole, cylinder = vehicle or passenger_coach(), brake or coach_brake()
+    systems = tuple(with_brakes(system, whole, lambda: timed_brake(cylinder)) for system in levels(whole))
+    text = "Four-axle railway vehicle with a brake cylinder on each wheelset: pressure in, speed and slip out"
+    selector = level_variable(len(systems))
+    return model_of_choices("BrakedVehicle", text, systems, selector, DEFAULT_TOLERANCE, stop_time=25.0)

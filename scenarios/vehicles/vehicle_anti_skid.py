@@ -1,0 +1,127 @@
+"""Wheel-slide protection of a complete vehicle on low rails, which each wheelset cleans a little for the next."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.figure import Figure
+from tqdm import tqdm
+
+from brake_controller.wheel_slide import SlideProtection
+from scenarios.bench.braked_machine import BrakedMachine, coach
+from scenarios.bench.four_axles import NUMBERS
+from scenarios.bench.peak_adhesion import PeakAdhesion
+from scenarios.bench.protected_stop import BRAKE_START, ProtectedStop, Settings, protected_stop
+from scenarios.bench.rails import ABOVE, BAND, LOCK_ABOVE, RailCase, low_rail
+from scenarios.reporting.plots import BOGIE, FOUR, plt
+from scenarios.reporting.progress import PATIENCE
+from scenarios.reporting.report import Result, Row, at_least, at_most, between
+from scenarios.scenario import Options, Scenario
+
+#: Factor on the friction under each wheelset, whose rail the one before it has cleaned. Assumed.
+CLEANED = 1.1
+RAILS = (RailCase("low", low_rail()), RailCase("low, cleaned", low_rail(), (("cleaned_friction", CLEANED),)))
+#: Part of that factor that must be seen from one wheelset to the next in the adhesion that they use.
+HALF_OF_IT = 0.5
+#: What is asked of the protection: longest lock [s], and the stopping distance over that of the ideal.
+LONGEST_LOCK, OVER_IDEAL = 0.4, 1.15
+
+
+@dataclass(frozen=True)
+class Findings:
+    """Stops by rail, protected and not, and ideal distances by rail [m]."""
+
+    protected: dict[str, ProtectedStop]
+    unprotected: dict[str, ProtectedStop]
+    ideal: dict[str, float]
+
+
+def measure() -> Findings:
+    protected, unprotected, ideal = {}, {}, {}
+    with BrakedMachine(coach()) as machine, tqdm(total=2 * len(RAILS), delay=PATIENCE, leave=False, unit="stop") as bar:
+        for rail in RAILS:
+            values = rail.values(len(NUMBERS))
+            protected[rail.name] = protected_stop(machine, values, SlideProtection(), Settings())
+            bar.update()
+            unprotected[rail.name] = protected_stop(machine, values, None, Settings())
+            bar.update()
+            ideal[rail.name] = PeakAdhesion(coach(), values).stopping_distance(Settings().speed)
+    return Findings(protected, unprotected, ideal)
+
+
+def used_adhesion(stop: ProtectedStop) -> list[float]:
+    """Mean of braking force over axle load of each wheelset, while the brake was full and the vehicle ran."""
+    chosen = (stop.series["time"] > 2 * BRAKE_START) & (stop.series["speed"] > ABOVE)
+    return [float(stop.series[f"adhesion_{number}"][chosen].mean()) for number in stop.numbers]
+
+
+def rows_of(found: Findings) -> list[Row]:
+    rows = []
+    source = "planar vehicle, 25 m/s, full brake, four cylinders, four encoders, one controller"
+    for name, stop in found.protected.items():
+        ideal, free = found.ideal[name], found.unprotected[name]
+        distance = between(1.0, OVER_IDEAL)
+        rows += [
+            Row(f"{name}: ideal stopping distance", "m", None, ideal, None, "best slip of all wheels at every instant"),
+            Row(f"{name}: stopping distance", "m", None, stop.distance, None, source),
+            Row(
+                f"{name}: distance over the ideal", "1", None, stop.distance / ideal, distance, "as asked of the bogie"
+            ),
+            Row(
+                *(f"{name}: longest lock", "s", None, stop.longest_lock(LOCK_ABOVE), at_most(LONGEST_LOCK)),
+                f"above {LOCK_ABOVE} m/s",
+            ),
+            Row(f"{name}: share in the slip band", "1", None, stop.share_in_band(BAND, ABOVE), None, f"up to {BAND:g}"),
+            Row(f"{name}: air", "g", None, 1e3 * stop.air(), None, "all cylinders"),
+            Row(f"{name}, unprotected: stopping distance", "m", None, free.distance, None, source),
+            Row(f"{name}, unprotected: longest lock", "s", None, free.longest_lock(LOCK_ABOVE), None, ""),
+        ]
+    used = used_adhesion(found.protected["low, cleaned"])
+    for number, share in zip(NUMBERS, used, strict=True):
+        label = f"low, cleaned: mean adhesion that wheelset {number} used"
+        rows.append(Row(label, "1", None, share, None, "braking force over axle load"))
+    rise = float(np.diff(used).min())
+    label = "low, cleaned: least rise of adhesion from one wheelset to the next"
+    asked = at_least(HALF_OF_IT * (CLEANED - 1.0) * used[0])
+    rows.append(Row(label, "1", None, rise, asked, "leading wheelsets meet the dirtier rail", "half of the factor"))
+    return rows
+
+
+def run(options: Options) -> Result:
+    found = measure()
+    failures = [f"{name}: {stop.failure}" for name, stop in found.protected.items() if stop.failure]
+    remarks = [
+        f"Assumed: each wheelset raises the friction for the next by {100 * (CLEANED - 1):.0f} %; the low rail is that "
+        "of `anti-skid`, from an unverified set. Ideal: the best slip at every instant under the loads at rest.",
+        *failures,
+    ]
+    stops = (*found.protected.values(), *found.unprotected.values())
+    parameters = dict(coach().brake) | {"rails": {rail.name: rail.values(len(NUMBERS)) for rail in RAILS}}
+    series = found.protected["low, cleaned"].series
+    return Result(rows_of(found), series, lambda: draw(found), parameters, sum(stop.time for stop in stops), remarks)
+
+
+def draw(found: Findings) -> Figure:
+    figure, grid = plt.subplots(2, 2, figsize=(11.0, 7.0), sharex="col")
+    for column, (name, stop) in enumerate(found.protected.items()):
+        series = stop.series
+        top, bottom = grid[0, column], grid[1, column]
+        top.plot(series["time"], series["speed"], color=BOGIE, label="vehicle")
+        for number, colour in zip(NUMBERS, FOUR, strict=True):
+            style = {"color": colour, "linewidth": 0.8, "label": f"wheelset {number}"}
+            top.plot(series["time"], series[f"wheel_speed_{number}"], **style)
+            bottom.plot(series["time"], series[f"pressure_{number}"] / 1e3, **style)
+        distances = f"{stop.distance:.0f} m, ideal {found.ideal[name]:.0f} m"
+        top.set_title(f"{name}: speeds [m/s], {distances}, unprotected {found.unprotected[name].distance:.0f} m")
+        bottom.set_title(f"{name}: cylinder pressures [kPa]")
+        bottom.set_xlabel("time [s]")
+    grid[0, 0].legend(fontsize=8)
+    figure.suptitle("Wheel-slide protection of four wheelsets on a low rail", x=0.02, ha="left")
+    figure.set_layout_engine("constrained")
+    return figure
+
+
+SCENARIO = Scenario(
+    "vehicle-anti-skid", "Wheel-slide protection of four wheelsets, each of which cleans the rail", run, frozenset()
+)

@@ -1,0 +1,182 @@
+"""Vehicle and brakes as one FMU or as five that a master couples: what each costs, and what the coupling errs."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from tqdm import tqdm
+
+from scenarios.bench.braked_machine import BrakedMachine, coach
+from scenarios.cosimulation.master import Coupling, Master
+from scenarios.cosimulation.recording import Recording
+from scenarios.cosimulation.slave import Slave
+from scenarios.fmus.building import up_to_date
+from scenarios.reporting.plots import LEADING, THESIS, TRAILING, plt
+from scenarios.reporting.progress import PATIENCE
+from scenarios.reporting.report import Result, Row, at_most, near
+from scenarios.scenario import Options, Scenario
+
+#: Full brake from this speed [m/s] at t = 0, looked at after so long [s]: the brake is full by 95 %.
+SPEED, DURATION = 25.0, 2.0
+#: Macro steps [s].
+STEPS = (1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 1e-2, 2e-2)
+#: Macro step of the rows [s], and what the distance may be off there, relative.
+SHOWN, ALLOWED = 1e-4, 1e-6
+#: Of all FMUs; their own errors are far below the coupling's. Default: what a host gets that sets nothing.
+TIGHT, DEFAULT = 1e-10, 1e-6
+MASTERS = {"held": Master(), "lines": Master(extrapolated=True)}
+ORDERS = {"held": 1.0, "lines": 2.0}
+#: Of the slopes, over steps whose next term of the series is a few percent.
+ORDER_BAND = 0.1
+
+
+@dataclass(frozen=True)
+class Braking:
+    """Distance [m] after DURATION, and time that it took [s]."""
+
+    distance: float
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Findings:
+    """Runs by macro step: coupled, by master; composed, by tolerance; and the distance of reference [m]."""
+
+    coupled: dict[str, dict[float, Braking]]
+    composed: dict[float, dict[float, Braking]]
+    reference: float
+
+    def error(self, run: Braking) -> float:
+        """Of the distance, relative."""
+        return abs(run.distance / self.reference - 1.0)
+
+
+def composed(slave: Slave, tolerance: float, step: float) -> Braking:
+    """One FMU, one call each step."""
+    machine = coach()
+    demands = {f"pressure_demand_{number}": machine.full_pressure for number in machine.numbers}
+    values = {"level": 2.0, "initial_speed": SPEED, "tolerance": tolerance}
+    slave.restart({**machine.values, **values}, **demands)
+    begin = clock.perf_counter()
+    for number in range(round(DURATION / step)):
+        slave.step(number * step, step)
+    return Braking(slave["distance"], clock.perf_counter() - begin)
+
+
+def coupled(machine: BrakedMachine, master: Master, step: float) -> Braking:
+    """Five FMUs: the torques of the cylinders to the vehicle, wheel speeds back."""
+    brake = {**machine.machine.brake, "tolerance": TIGHT}
+    machine.start({"level": 2.0, "initial_speed": SPEED, "tolerance": TIGHT}, [brake] * len(machine.brakes))
+    machine.demand(machine.machine.full_pressure)
+    coupling = machine.coupling()
+    coupling = Coupling(coupling.slaves, coupling.connections, master)
+    begin = clock.perf_counter()
+    for _ in coupling.run(DURATION, step):
+        pass
+    return Braking(machine.vehicle["distance"], clock.perf_counter() - begin)
+
+
+def measure() -> Findings:
+    with ExitStack() as stack:
+        one = stack.enter_context(Slave(up_to_date("braked-vehicle", "native")))
+        five = stack.enter_context(BrakedMachine(coach()))
+        count = len(STEPS) * (len(MASTERS) + 2)
+        bar = stack.enter_context(tqdm(total=count, delay=PATIENCE, leave=False, unit="run"))
+
+        def each(runs: Iterator[tuple[float, Braking]]) -> dict[float, Braking]:
+            found = {}
+            for step, run in runs:
+                found[step] = run
+                bar.update()
+            return found
+
+        return Findings(
+            {name: each((s, coupled(five, master, s)) for s in STEPS) for name, master in MASTERS.items()},
+            {tolerance: each((s, composed(one, tolerance, s)) for s in STEPS) for tolerance in (TIGHT, DEFAULT)},
+            composed(one, TIGHT / 100, DURATION).distance,
+        )
+
+
+def order(errors: Mapping[float, float]) -> float:
+    """Slope of the error over the macro step, both as logarithms."""
+    return float(np.polyfit(np.log(list(errors)), np.log(list(errors.values())), 1)[0])
+
+
+def rows_of(found: Findings) -> list[Row]:
+    source = "difference of BrakedVehicle.fmu and its parts coupled"
+    rows = []
+    for name, runs in found.coupled.items():
+        errors = {step: found.error(run) for step, run in runs.items()}
+        rows.append(Row(f"coupled, {name}: order", "1", None, order(errors), near(ORDERS[name], ORDER_BAND), "theory"))
+        asked = at_most(ALLOWED) if name == "lines" else None
+        label = f"coupled, {name}: error of distance at {1e3 * SHOWN:g} ms"
+        rows.append(Row(label, "1", None, errors[SHOWN], asked, source))
+    worst = max(found.error(run) for run in found.composed[TIGHT].values())
+    rows.append(Row("one FMU: largest error of distance", "1", None, worst, at_most(1e-9), "any step: no coupling"))
+    lost = max(found.error(run) for run in found.composed[DEFAULT].values())
+    rows.append(Row("one FMU, default tolerance: the same", "1", None, lost, at_most(ALLOWED), "any step"))
+    for step in (1e-3, 1e-2):
+        ratio = found.coupled["held"][step].seconds / found.composed[TIGHT][step].seconds
+        label = f"cost of coupling at {1e3 * step:g} ms over that of one FMU"
+        rows.append(Row(label, "1", None, ratio, None, f"measured now, tolerance {TIGHT:g}"))
+    return rows
+
+
+def run(options: Options) -> Result:
+    found = measure()
+    names = [*(f"coupled_{name}" for name in MASTERS), "one_fmu", "one_fmu_default"]
+    columns = [*found.coupled.values(), *found.composed.values()]
+    table = [
+        [step, *(value for runs in columns for value in (found.error(runs[step]), runs[step].seconds / DURATION))]
+        for step in STEPS
+    ]
+    units = {f"{name}_{what}": "1" for name in names for what in ("error", "cost")}
+    remarks = [
+        "Planar level, timed cylinders, dry rail, full brake. Held: the torque of the end of each step, so the vehicle "
+        "gets half a step of its growth too early; lines: the chord of the torque within the step. Coupled FMUs run at "
+        f"the tolerance {TIGHT:g}, so that the coupling's error is what is seen."
+    ]
+    series = Recording({"macro_step": "s"} | units, table)
+    return Result(rows_of(found), series, lambda: draw(found), dict(coach().brake), DURATION, remarks)
+
+
+def draw(found: Findings) -> Figure:
+    figure, axes = plt.subplots(1, 2, figsize=(11.0, 4.8), sharey=True)
+    curves = [
+        ("coupled, held", found.coupled["held"], TRAILING, "o"),
+        ("coupled, lines", found.coupled["lines"], LEADING, "s"),
+        ("one FMU, default tolerance", found.composed[DEFAULT], THESIS, "^"),
+        (f"one FMU, tolerance {TIGHT:g}", found.composed[TIGHT], "#333333", "v"),
+    ]
+    for name, runs, colour, marker in curves:
+        steps = np.array(list(runs))
+        errors = np.maximum([found.error(one) for one in runs.values()], 1e-14)
+        cost = 1e3 * np.array([one.seconds for one in runs.values()]) / DURATION
+        style = {"color": colour, "marker": marker, "markersize": 4.0, "linewidth": 1.0}
+        axes[0].plot(1e3 * steps, errors, label=name, **style)
+        axes[1].plot(cost, errors, **style)
+    finish(axes[0], "error of distance [1] over the macro step", "macro step [ms]")
+    finish(axes[1], "error over cost", "time to compute one second through fmpy [ms]")
+    axes[0].legend(fontsize=8)
+    figure.suptitle("A vehicle with four brake cylinders: one FMU, or five coupled", x=0.02, ha="left")
+    figure.set_layout_engine("constrained")
+    return figure
+
+
+def finish(axis: Axes, title: str, label: str) -> None:
+    axis.set_xscale("log")
+    axis.set_yscale("log")
+    axis.xaxis.set_major_formatter("{x:g}")
+    axis.set_title(title)
+    axis.set_xlabel(label)
+
+
+SCENARIO = Scenario(
+    "vehicle-composed", "Vehicle and brakes as one FMU or as five coupled: error against cost", run, frozenset()
+)
