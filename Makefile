@@ -3,6 +3,9 @@ PYTHON ?= python3
 VENV := .venv
 RUN := $(VENV)/bin/python
 
+# Matrices here are small: two processes with two threads of BLAS each take three times as long as with one each.
+export OPENBLAS_NUM_THREADS ?= 1
+
 .PHONY: demo test test-fast check charts pages clean
 
 demo: $(VENV)/demo-installed

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -75,41 +75,52 @@ DECIDED_BY_LOAD_TRANSFER = ("locked", "slip", "slip_ratio", "creep_force", "axle
 
 @dataclass(frozen=True)
 class Choice:
-    """A level of detail and, in a sentence, why none below it is enough."""
+    """One bogie or, `whole`, the complete vehicle; a level of detail; and why nothing less is enough."""
 
     level: int
     reason: str
+    whole: bool = False
 
 
 def smallest_level(driven: Iterable[str], read: Iterable[str]) -> Choice:
-    """The least level that answers a scene: `driven` are the inputs and parameters that it changes, `read` the outputs.
+    """The least model that answers a scene: `driven` are the inputs and parameters that it changes, `read` the outputs.
 
+    One bogie (BogieDynamics, of a vehicle with `one_bogie_of`) where it has all names, else the complete vehicle.
     Raises ValueError for a name that no level has.
     """
-    names = names_of_levels()
     needed = [*driven, *read]
+    beyond = [name for name in needed if not has(names_of_levels(False), name)]
+    names = names_of_levels(bool(beyond))
     for name in needed:
-        if not any(name in own for own in names.values()):
-            raise ValueError(f"BogieDynamics has no variable {name}; build_fmu.py --describe lists them.")
+        if not has(names, name):
+            asked = "" if name == beyond[0] else f", which {beyond[0]} asks for,"
+            raise ValueError(f"VehicleDynamics{asked} has no variable {name}; build_fmu.py --describe lists them.")
     reason = (
         "speed and rotation far from the adhesion limit need no more than static loads "
         f"(up to {STATIC_LOADS_UP_TO} of it for the bogie of chapter 5)."
     )
     level = 1
     for name in needed:
-        family = name.removesuffix("_1").removesuffix("_2")
+        family = name.rstrip("1234").removesuffix("_")
         own = next(number for number, (_, known) in enumerate(names.items(), 1) if name in known)
         own = max(own, 2) if family in DECIDED_BY_LOAD_TRANSFER else own
         if own > level:
             why = {2: "load transfer decides it, or a motion in the plane", 3: "it belongs to motions out of the plane"}
             level, reason = own, f"{name} asks for level {own}, {list(names)[own - 1]}: {why[own]}."
+    if beyond:
+        return Choice(level, f"{beyond[0]} belongs to the complete vehicle; {reason}", whole=True)
     return Choice(level, reason)
 
 
+def has(names: Mapping[str, set[str]], name: str) -> bool:
+    """Whether any level has a variable."""
+    return any(name in own for own in names.values())
+
+
 @lru_cache
-def names_of_levels() -> dict[str, set[str]]:
-    """Names of the variables of each level, the least first; all are integrated with a tolerance."""
-    systems = levels(two_axle_bogie())
+def names_of_levels(whole: bool) -> dict[str, set[str]]:
+    """Names of the variables of each level of one bogie or the vehicle, the least first; all have a tolerance."""
+    systems = levels(passenger_coach() if whole else two_axle_bogie())
     common = {variable.name for variable in integration_variables(DEFAULT_TOLERANCE)}
     return {system.name: common | {variable.name for variable in system.variables} for system in systems}
 

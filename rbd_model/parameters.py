@@ -6,7 +6,7 @@ what was fitted and what was assumed.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 from fmu_src.system import ParameterSet, quantity
 
@@ -277,6 +277,31 @@ def manchester_vehicle_1() -> VehicleParameters:
         coupler_distance=20.0,
         coupler_height=1.0 - radius,
     )
+
+
+def one_bogie_of(vehicle: VehicleParameters) -> BogieParameters:
+    """One bogie of a vehicle under half its body, as the sprung mass of section 5.2, for scenes about braking.
+
+    The body's inertia force pulls at the height of the secondary springs, by Newton's third law; so the sprung mass has
+    its centre where frame and half a body there have theirs. Left out: the load that moves between the bogies, the
+    secondary springs, and that the body cannot pitch with a bogie; `vehicle-or-bogie` shows what that costs.
+    """
+    own = BogieParameters(**{name: value for name, value in vehicle.values().items() if name in BOGIE_NAMES})
+    mass = vehicle.frame_mass + vehicle.body_mass / 2
+    height = (vehicle.frame_mass * vehicle.frame_height + vehicle.body_mass / 2 * vehicle.secondary_height) / mass
+    arms = vehicle.frame_height - height, vehicle.secondary_height - height
+    pitch = vehicle.frame_mass * arms[0] ** 2 + vehicle.body_mass / 2 * arms[1] ** 2
+    return replace(
+        own,
+        frame_mass=mass,
+        frame_height=height,
+        frame_roll_inertia=vehicle.frame_roll_inertia + vehicle.body_roll_inertia / 2,
+        frame_pitch_inertia=vehicle.frame_pitch_inertia + pitch,
+    )
+
+
+#: Names that bogies have; vehicles have more.
+BOGIE_NAMES = frozenset(item.name for item in fields(BogieParameters))
 
 
 def coal_wagon() -> VehicleParameters:

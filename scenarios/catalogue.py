@@ -28,7 +28,14 @@ from scenarios.thesis import (
     wheelset_torque,
     wheelset_variable_speed,
 )
-from scenarios.vehicles import vehicle_anti_skid, vehicle_braking, vehicle_composed, vehicle_modes
+from scenarios.vehicles import (
+    vehicle_anti_skid,
+    vehicle_braking,
+    vehicle_composed,
+    vehicle_hunting,
+    vehicle_modes,
+    vehicle_or_bogie,
+)
 
 SCENARIOS: list[Scenario] = [
     *qr30.SCENARIOS,
@@ -52,9 +59,11 @@ SCENARIOS: list[Scenario] = [
     controller_prototype.SCENARIO,
     uneven_brakes.SCENARIO,
     vehicle_modes.SCENARIO,
+    vehicle_hunting.SCENARIO,
     vehicle_braking.SCENARIO,
     vehicle_anti_skid.SCENARIO,
     vehicle_composed.SCENARIO,
+    vehicle_or_bogie.SCENARIO,
     coupling_step.SCENARIO,
     sensitivity.SCENARIO,
     oracle.SCENARIO,

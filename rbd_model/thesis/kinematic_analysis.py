@@ -32,18 +32,22 @@ class Wheelset:
 
 @dataclass(frozen=True)
 class Frame:
-    """Where the frame is driven to: its seven coordinates, velocity [m/s] and angular velocity in its axes [rad/s]."""
+    """Where a body above the wheelsets is driven to: its seven coordinates, velocity [m/s] and angular velocity in its
+    axes [rad/s].
+    """
 
     coordinates: np.ndarray
     velocity: np.ndarray
     omega: np.ndarray
 
 
-def frame_at_rest(mechanism: Mechanism) -> Frame:
-    """The frame at its place on straight track, as section 3.3.3 holds it."""
-    p = mechanism.parameters
-    coordinates = np.array([0.0, 0.0, p.wheel_radius + p.frame_height, 1.0, 0.0, 0.0, 0.0])
-    return Frame(coordinates, np.zeros(3), np.zeros(3))
+def frames_at_rest(mechanism: Mechanism) -> list[Frame]:
+    """The bodies above the wheelsets at their places on straight track, as section 3.3.3 holds them."""
+    radius = mechanism.parameters.wheel_radius
+    return [
+        Frame(np.array([body.along, 0.0, radius + body.height, 1.0, 0.0, 0.0, 0.0]), np.zeros(3), np.zeros(3))
+        for body in mechanism.layout.upper
+    ]
 
 
 def centred(mechanism: Mechanism) -> np.ndarray:
@@ -51,7 +55,8 @@ def centred(mechanism: Mechanism) -> np.ndarray:
     near = np.zeros(mechanism.unknowns)
     for number in range(mechanism.bodies):
         near[mechanism.body(number)][3] = 1.0
-    near[mechanism.body(mechanism.frame)] = frame_at_rest(mechanism).coordinates
+    for number, frame in enumerate(frames_at_rest(mechanism), mechanism.frame):
+        near[mechanism.body(number)] = frame.coordinates
     for number in range(mechanism.wheelsets):
         near[mechanism.body(FIRST_WHEELSET + number)][:3] = (
             mechanism.place(number),
@@ -69,12 +74,12 @@ def rolling(mechanism: Mechanism, speed: float) -> State:
     wheelsets = [
         Wheelset(mechanism.place(number), speed=speed, pitch_rate=pitch_rate) for number in range(mechanism.wheelsets)
     ]
-    frame = replace(frame_at_rest(mechanism), velocity=np.array([speed, 0.0, 0.0]))
-    return drive_to(mechanism, wheelsets, frame, centred(mechanism))
+    frames = [replace(frame, velocity=np.array([speed, 0.0, 0.0])) for frame in frames_at_rest(mechanism)]
+    return drive_to(mechanism, wheelsets, frames, centred(mechanism))
 
 
 def drive_to(
-    mechanism: Mechanism, wheelsets: Sequence[Wheelset], frame: Frame, near: np.ndarray, time: float = 0.0
+    mechanism: Mechanism, wheelsets: Sequence[Wheelset], frames: Sequence[Frame], near: np.ndarray, time: float = 0.0
 ) -> State:
     """The state with these driving constraints beside the system's own, eq. (3.79); near: (q, s) to begin with.
 
@@ -86,13 +91,14 @@ def drive_to(
             c, jacobian = mechanism.constraints(time, found[:cut], found[cut:])
         except OffTheProfileError:
             break
-        errors, rows = driving_constraints(mechanism, wheelsets, frame, found)
+        errors, rows = driving_constraints(mechanism, wheelsets, frames, found)
         error, square = np.concatenate([c, errors]), np.vstack([jacobian, rows])
         if float(np.sqrt(error @ error)) < CLOSED:
             rates = np.linalg.solve(
-                square_of_rates(mechanism, wheelsets, jacobian, found), driven_rates(mechanism, wheelsets, frame)
+                square_of_rates(mechanism, wheelsets, jacobian, found), driven_rates(mechanism, wheelsets, frames)
             )
-            return State(time, found[:cut], found[cut:], rates[:cut], rates[cut:])
+            turning = [1] * mechanism.wheelsets
+            return State(time, found[:cut], found[cut:], rates[:cut], rates[cut:], turning)
         try:
             found = found - np.linalg.solve(square, error)
         except np.linalg.LinAlgError:
@@ -102,7 +108,7 @@ def drive_to(
 
 
 def driving_constraints(
-    mechanism: Mechanism, wheelsets: Sequence[Wheelset], frame: Frame, coordinates: np.ndarray
+    mechanism: Mechanism, wheelsets: Sequence[Wheelset], frames: Sequence[Frame], coordinates: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Errors and Jacobian of what is driven (section 3.3.3): place, lateral, yaw, pitch of each wheelset, the frame."""
     errors, rows = [], []
@@ -127,9 +133,10 @@ def driving_constraints(
         ahead = np.array([math.cos(wheelset.yaw), math.sin(wheelset.yaw), 0.0])
         level(start, ahead, np.array([0.0, 1.0, 0.0]))
         level(start, ahead, np.array([-math.sin(wheelset.pitch), 0.0, math.cos(wheelset.pitch)]))
-    start = mechanism.body(mechanism.frame).start
-    for i in (0, 1, 2, 4, *((5,) if mechanism.wheelsets > 1 else ()), 6):
-        hold(start + i, float(frame.coordinates[i]))
+    for number, frame in enumerate(frames, mechanism.frame):
+        start = mechanism.body(number).start
+        for i in (0, 1, 2, 4, *(() if mechanism.layout.level else (5,)), 6):
+            hold(start + i, float(frame.coordinates[i]))
     return np.array(errors), np.array(rows)
 
 
@@ -146,23 +153,25 @@ def square_of_rates(
             row = np.zeros(mechanism.unknowns)
             row[start + 3 : start + 7] = axis @ g
             rows.append(row)
-    start = mechanism.body(mechanism.frame).start
-    rows += [np.eye(1, mechanism.unknowns, start + i)[0] for i in (0, 1, 2)]
-    g = g_bar(coordinates[start + 3 : start + 7])
-    for i in (0, 1, 2) if mechanism.wheelsets > 1 else (0, 2):
-        row = np.zeros(mechanism.unknowns)
-        row[start + 3 : start + 7] = g[i]
-        rows.append(row)
+    for number in range(mechanism.frame, mechanism.bodies):
+        start = mechanism.body(number).start
+        rows += [np.eye(1, mechanism.unknowns, start + i)[0] for i in (0, 1, 2)]
+        g = g_bar(coordinates[start + 3 : start + 7])
+        for i in (0, 2) if mechanism.layout.level else (0, 1, 2):
+            row = np.zeros(mechanism.unknowns)
+            row[start + 3 : start + 7] = g[i]
+            rows.append(row)
     return np.vstack([jacobian, *rows])
 
 
-def driven_rates(mechanism: Mechanism, wheelsets: Sequence[Wheelset], frame: Frame) -> np.ndarray:
+def driven_rates(mechanism: Mechanism, wheelsets: Sequence[Wheelset], frames: Sequence[Frame]) -> np.ndarray:
     """Right-hand side for the rates: zeros of the constraints (3.67), then what is driven."""
     values = [0.0] * mechanism.equations
     for wheelset in wheelsets:
         values += [wheelset.speed, wheelset.lateral_speed, wheelset.yaw_rate, wheelset.pitch_rate]
-    omega = frame.omega if mechanism.wheelsets > 1 else frame.omega[[0, 2]]
-    return np.array([*values, *frame.velocity, *omega])
+    for frame in frames:
+        values += [*frame.velocity, *(frame.omega[[0, 2]] if mechanism.layout.level else frame.omega)]
+    return np.array(values)
 
 
 def rolling_radii(mechanism: Mechanism, state: State, wheelset: int = 0) -> tuple[float, float]:

@@ -1,4 +1,4 @@
-"""The systems of sections 4.2 and 5.2: bodies, coordinates, constraints, forces, and the augmented equations (3.75)."""
+"""The systems of sections 4.2, 5.2 and chapter 10: coordinates, constraints, forces, augmented equations (3.75)."""
 
 from __future__ import annotations
 
@@ -10,14 +10,16 @@ import numpy as np
 from scipy.linalg.lapack import dgetrf, dgetrs
 
 from rbd_model.contact_geometry import Pair
-from rbd_model.parameters import AS_PRINTED, BogieParameters
+from rbd_model.parameters import AS_PRINTED, BogieParameters, VehicleParameters
 from rbd_model.thesis.constraints import EQUATIONS, quadratic_terms, residual, sub_jacobian
 from rbd_model.thesis.creep import EllipseLaw, flange_force, hertz_ellipse, polach
 from rbd_model.thesis.euler import cross, mass_matrix, norm_error, quadratic_velocity
 from rbd_model.thesis.forces import Motion, axle_box, of_body_moment, of_force
+from rbd_model.thesis.layout import bogie_layout, inertia, vehicle_layout
 from rbd_model.thesis.surfaces import RailSurface, Surface, rail_surface, wheel_surface
 
-#: Bodies in the order of (4.1), (5.1): right rail, left rail, wheelsets, frame; contacts: right, left of each wheelset.
+#: Bodies in the order of (4.1), (5.1): right rail, left rail, wheelsets, what is above; contacts: right, then left, of
+#: each wheelset.
 RIGHT_RAIL, LEFT_RAIL, FIRST_WHEELSET = range(3)
 SIDES = (-1, 1)
 COORDINATES, PARAMETERS = 7, 2
@@ -88,7 +90,7 @@ class Touch:
 
 
 class Mechanism:
-    """One wheelset in a frame (wheelsets = 1, chapter 4), or the two-axle bogie (2, chapter 5).
+    """One wheelset in a frame (wheelsets = 1, chapter 4), the two-axle bogie (2, chapter 5), or the vehicle (4).
 
     speed [m/s]: held by a constraint when given, as for the comparison with VAMPIRE. Raises ValueError for what chapter
     3 does not have: torques that react on the frame (3.36), a flange's force at the rail (3.106), two half spacings.
@@ -113,23 +115,20 @@ class Mechanism:
             )
         self.parameters, self.pair, self.irregularity, self.ellipse = parameters, pair, irregularity, ellipse
         self.wheelsets, self.speed = wheelsets, speed
-        self.bodies = 3 + wheelsets
-        self.frame = self.bodies - 1
+        if isinstance(parameters, VehicleParameters):
+            self.layout = vehicle_layout(parameters)
+        else:
+            self.layout = bogie_layout(parameters, wheelsets)
+        self.frame = FIRST_WHEELSET + wheelsets
+        self.bodies = self.frame + len(self.layout.upper)
         self.contacts = 2 * wheelsets
         self.q_count, self.s_count = COORDINATES * self.bodies, 2 * PARAMETERS * self.contacts
         self.unknowns = self.q_count + self.s_count
         # Euler parameters (3.6), contacts, six for each rail on the ground, the frame's pitch in chapter 4, the speed.
-        self.equations = self.bodies + EQUATIONS * self.contacts + 12 + (wheelsets == 1) + (speed is not None)
-        p = parameters
-        names = ("roll", "pitch", "yaw")
-        self.wheelset_inertia = np.array([getattr(p, f"wheelset_{name}_inertia") for name in names])
-        self.frame_inertia = np.array([getattr(p, f"frame_{name}_inertia") for name in names])
-        directions = ("longitudinal", "lateral", "vertical")
-        share = p.frame_mass * p.gravity / (2 * wheelsets)
-        stiffness = np.array([getattr(p, f"{name}_stiffness") for name in directions])
-        damping = np.array([getattr(p, f"{name}_damping") for name in directions])
-        self.suspension = (stiffness, damping, share)
-        self.normal_guess = np.full(self.contacts, share + p.wheelset_mass * p.gravity / 2)
+        self.equations = self.bodies + EQUATIONS * self.contacts + 12 + self.layout.level + (speed is not None)
+        self.wheelset_inertia = inertia(parameters, "wheelset")
+        carried = sum(body.mass for body in self.layout.upper) + wheelsets * parameters.wheelset_mass
+        self.normal_guess = np.full(self.contacts, carried * parameters.gravity / self.contacts)
 
     @property
     def degrees_of_freedom(self) -> int:
@@ -137,10 +136,8 @@ class Mechanism:
         return self.unknowns - self.equations
 
     def place(self, wheelset: int) -> float:
-        """Place of a wheelset along the frame [m]; one alone is below its centre."""
-        if self.wheelsets == 1:
-            return 0.0
-        return self.parameters.wheel_base * (0.5 if wheelset == 0 else -0.5)
+        """Place of a wheelset along the vehicle [m]; one alone is below the frame's centre."""
+        return self.layout.wheelsets[wheelset]
 
     # -- coordinates ---------------------------------------------------------------------------------------------
 
@@ -205,7 +202,7 @@ class Mechanism:
             jacobian[range(row, row + 6), held] = 1.0
             row += 6
         frame = motions[self.frame]
-        if self.wheelsets == 1:  # the frame's longitudinal axis stays level: no pitch, section 4.2
+        if self.layout.level:  # the frame's longitudinal axis stays level: no pitch, section 4.2
             c[row] = frame.axes[2, 0]
             jacobian[row, self.body(self.frame)][3:] = -cross(frame.axes[2], np.array([1.0, 0.0, 0.0])) @ frame.g
             row += 1
@@ -233,7 +230,7 @@ class Mechanism:
                 touch.wheel_body, touch.rail_body, touch.wheel, touch.rail, rates
             )
             row += EQUATIONS
-        if self.wheelsets == 1:
+        if self.layout.level:
             frame, x = motions[self.frame], np.array([1.0, 0.0, 0.0])
             out[row + 12] = -float(frame.axes[2] @ cross(frame.omega, cross(frame.omega, x)))
         return out
@@ -244,26 +241,36 @@ class Mechanism:
         """Q_e + Q_v of (3.73), (3.76) without creep forces, shape (q_count,)."""
         p = self.parameters
         q = np.zeros(self.q_count)
-        frame = motions[self.frame]
-        of_frame = quadratic_velocity(self.frame_inertia, frame.theta_rate, frame.omega)
-        of_frame[0] += inputs.drawbar_force
-        of_frame[2] -= p.frame_mass * p.gravity
+        for number, upper in enumerate(self.layout.upper, self.frame):
+            body = motions[number]
+            total = quadratic_velocity(upper.inertia, body.theta_rate, body.omega)
+            total[2] -= upper.mass * p.gravity
+            q[self.body(number)] = total
+        q[self.body(self.frame)][0] += inputs.drawbar_force
         for number in range(self.wheelsets):
             body = motions[FIRST_WHEELSET + number]
             total = quadratic_velocity(self.wheelset_inertia, body.theta_rate, body.omega)
             total[2] -= p.wheelset_mass * p.gravity
             offset = float(body.position[1] - self.irregularity(float(body.position[0]))[0, 0])
             total[1] += flange_force(offset, p.flange_clearance, p.flange_stiffness)
-            for side in SIDES:
-                across = side * p.vertical_half_spacing
-                place, in_frame = (0.0, across, 0.0), (self.place(number), across, -p.frame_height)
-                pull, reaction = axle_box(body, np.array(place), frame, np.array(in_frame), self.suspension)
-                total += pull
-                of_frame += reaction
             total += self.torques(number, state, inputs, body)
             q[self.body(FIRST_WHEELSET + number)] = total
-        q[self.body(self.frame)] = of_frame
+        self.suspend(q, motions)
         return q
+
+    def suspend(self, q: np.ndarray, motions: Sequence[Motion]) -> None:
+        """Adds the generalised forces of all suspension elements, (3.33), (3.34)."""
+        for element in self.layout.elements:
+            number = FIRST_WHEELSET + element.lower if element.on_wheelset else self.frame + element.lower
+            below = np.array([self.place(element.lower), 0.0, 0.0])
+            lower = below if element.on_wheelset else self.layout.upper[element.lower].centre
+            upper = self.layout.upper[element.upper].centre
+            pull, reaction = axle_box(
+                *(motions[number], element.place - lower, motions[self.frame + element.upper], element.place - upper),
+                (element.stiffness, element.damping, element.load),
+            )
+            q[self.body(number)] += pull
+            q[self.body(self.frame + element.upper)] += reaction
 
     def torques(self, number: int, state: State, inputs: Inputs, body: Motion) -> np.ndarray:
         """Brake, traction, rolling resistance and yaw torque on a wheelset, eq. (3.36).
@@ -322,8 +329,8 @@ class Mechanism:
         locked = [n for n in range(self.wheelsets) if state.direction[n] == 0]
         size = self.unknowns + self.equations + len(locked)
         matrix = np.zeros((size, size), order="F")
-        inertias = [self.wheelset_inertia] * self.wheelsets + [self.frame_inertia]
-        masses = [self.parameters.wheelset_mass] * self.wheelsets + [self.parameters.frame_mass]
+        inertias = [self.wheelset_inertia] * self.wheelsets + [body.inertia for body in self.layout.upper]
+        masses = [self.parameters.wheelset_mass] * self.wheelsets + [body.mass for body in self.layout.upper]
         matrix[: self.q_count, : self.q_count] = self.mass_matrix(motions, masses, inertias)
         rows = slice(self.unknowns, self.unknowns + self.equations)
         matrix[rows, : self.unknowns] = jacobian
@@ -353,9 +360,9 @@ class Mechanism:
         """M of (3.73). The rails stand on the ground: any mass serves, here 1 kg and 1 kg.m2."""
         matrix = np.zeros((self.q_count, self.q_count))
         every = [1.0, 1.0, *masses], [np.ones(3), np.ones(3), *inertias]
-        for number, (body, mass, inertia) in enumerate(zip(motions, *every, strict=True)):
+        for number, (body, mass, moments) in enumerate(zip(motions, *every, strict=True)):
             columns = self.body(number)
-            matrix[columns, columns] = mass_matrix(mass, inertia, body.theta)
+            matrix[columns, columns] = mass_matrix(mass, moments, body.theta)
         return matrix
 
     def _balance(

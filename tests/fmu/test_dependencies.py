@@ -22,7 +22,7 @@ STARTS: dict[str, list[dict[str, float]]] = {
         *({"level": level, "initial_speed": 0.0, "traction_torque_1": 10.0, "drawbar_force": 50.0} for level in (1, 3)),
     ],
     "vehicle": [{"level": 1, "coupler_force_front": 1e3}, {"level": 3, "initial_speed": 0.0, "brake_torque_2": 1.0}],
-    "braked-vehicle": [{"level": 2, "coupler_force_front": 1e3}],
+    "braked-vehicle": [{"level": 1, "coupler_force_front": 1e3}],
     "wheelset": [{"lateral_irregularity": 0.01}, {"initial_speed": 0.0, "brake_torque_1": 1.0}],
     "brake": [{"friction_law": law, "pneumatics": 1 + law % 2, "angular_velocity": 5.0} for law in range(6)],
     "rail": [{"speed": 10.0, "slip_1": 1.0, "creep_force_1": 1e3}],

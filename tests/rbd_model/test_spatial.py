@@ -549,14 +549,25 @@ def test_wave_and_plateau_are_those_printed() -> None:
         (["yaw_torque_1"], ["speed"], 3, "yaw_torque_1 asks for level 3, spatial"),
         (["lateral_irregularity"], ["speed"], 3, "lateral_irregularity"),
         ([], ["derailed"], 3, "derailed"),
+        (["brake_torque_3"], ["speed"], 1, "brake_torque_3 belongs to the complete vehicle; speed and rotation"),
+        (["brake_torque_1"], ["axle_load_1", "front_frame_pitch"], 2, "front_frame_pitch belongs to the complete"),
+        (["brake_torque_4"], ["body_roll"], 3, "vehicle; body_roll asks for level 3"),
     ],
 )
 def test_smallest_level_says_why(driven: list[str], read: list[str], level: int, word: str) -> None:
     choice = smallest_level(driven, read)
     assert choice.level == level
     assert word in choice.reason
+    assert choice.whole == ("complete vehicle" in choice.reason)
 
 
-def test_smallest_level_refuses_names_that_do_not_exist() -> None:
-    with pytest.raises(ValueError, match="no variable speeed"):
-        smallest_level([], ["speeed"])
+@pytest.mark.parametrize(
+    ("read", "words"),
+    [
+        (["speeed"], "VehicleDynamics.* has no variable speeed"),
+        (["body_roll", "pitch"], "body_roll .* no variable pitch"),
+    ],
+)
+def test_smallest_level_refuses_names_that_do_not_exist(read: list[str], words: str) -> None:
+    with pytest.raises(ValueError, match=words):
+        smallest_level([], read)

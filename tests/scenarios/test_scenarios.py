@@ -9,6 +9,7 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
+import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
@@ -23,7 +24,7 @@ from scenarios.reporting import report
 from scenarios.reporting.report import Row
 from scenarios.thesis import qr30, thesis_step
 from scenarios.thesis.creep_forces import EXACT
-from scenarios.vehicles import vehicle_anti_skid, vehicle_composed
+from scenarios.vehicles import vehicle_anti_skid, vehicle_composed, vehicle_hunting
 
 PUBLISHED = Path(__file__).parents[1] / "data" / "creep" / "exact.csv"
 ROW_FIELDS = {
@@ -76,8 +77,9 @@ def short_anti_skid(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture
 def short_vehicles(monkeypatch: pytest.MonkeyPatch) -> None:
     """Longer macro steps, whose orders are the same, and the rail that is cleaned."""
-    monkeypatch.setattr(vehicle_composed, "STEPS", (1e-3, 2e-3, 5e-3, 1e-2))
-    monkeypatch.setattr(vehicle_composed, "SHOWN", 1e-3)
+    monkeypatch.setattr(vehicle_composed, "STEPS", tuple(1e-3 * n for n in (2, 2.5, 4, 5, 8, 10, 12.5, 16, 20, 25)))
+    monkeypatch.setattr(vehicle_composed, "SHOWN", 2e-3)
+    monkeypatch.setattr(vehicle_hunting, "SPEEDS", np.arange(10.0, 111.0, 10.0))
     monkeypatch.setattr(vehicle_anti_skid, "RAILS", vehicle_anti_skid.RAILS[1:])
 
 

@@ -14,15 +14,23 @@ from fmu_src.kernel import DISCARD, Kernel, KernelError, Library
 from fmu_src.system import System, model_of
 from rbd_model.bogie import levels, wheelset_in_frame
 from rbd_model.contact import moving_ellipse
-from rbd_model.contact_geometry import thesis_pair
+from rbd_model.contact_geometry import Pair, synthetic_pair, thesis_pair
 from rbd_model.creep import smooth_kalker_coefficients
-from rbd_model.parameters import BogieParameters, as_printed, tables_4_1_and_4_2, tables_5_1_and_5_2
+from rbd_model.parameters import (
+    BogieParameters,
+    as_printed,
+    manchester_vehicle_1,
+    tables_4_1_and_4_2,
+    tables_5_1_and_5_2,
+)
+from rbd_model.spatial import spatial_vehicle
 from rbd_model.thesis.creep import Ellipse
 from rbd_model.thesis.euler import angular_velocity, cross, from_angles, g_bar
 from rbd_model.thesis.kinematic_analysis import Frame, Wheelset, centred, drive_to
 from rbd_model.thesis.mechanism import FIRST_WHEELSET, Answer, Inputs, Mechanism, State
-from rbd_model.track import derivatives_along, section_5_3
-from rbd_model.vehicles import two_axle_bogie
+from rbd_model.track import derivatives_along, irregular_track, section_5_3
+from rbd_model.vehicle import Springs
+from rbd_model.vehicles import passenger_coach, two_axle_bogie
 
 WORDS = ("right", "left")
 
@@ -46,10 +54,12 @@ def fitted_ellipse(a: float, b: float, normal_force: float, shear_modulus: float
 
 @dataclass(frozen=True)
 class Machine:
-    """One of the two systems: equations and compiled kernel of the fast model, and its parameters."""
+    """One of the three systems: equations and compiled kernel of the fast model, and its parameters."""
 
     wheelsets: int
     parameters: BogieParameters
+    pair: Pair
+    bodies: tuple[str, ...]
     system: System
     library: Library
 
@@ -59,10 +69,19 @@ def machine(wheelsets: int) -> Machine:
     if wheelsets == 1:
         parameters = as_printed(tables_4_1_and_4_2())
         system = wheelset_in_frame(parameters)
-    else:
+    elif wheelsets == 2:
         parameters = as_printed(tables_5_1_and_5_2())
         system = levels(two_axle_bogie(parameters))[2]
-    return Machine(wheelsets, parameters, system, Library(build_library(model_of(system, 1e-7))))
+    else:
+        parameters = as_printed(manchester_vehicle_1())
+        coach = passenger_coach()
+        springs = tuple(one for one in coach.connections if isinstance(one, Springs))
+        vehicle = replace(coach, parameters=parameters, connections=springs)
+        system = spatial_vehicle(vehicle, irregular_track(section_5_3()))
+    whole = wheelsets == 4
+    bodies = ("body", "front_frame", "rear_frame") if whole else ("frame",)
+    pair = synthetic_pair() if whole else thesis_pair()
+    return Machine(wheelsets, parameters, pair, bodies, system, Library(build_library(model_of(system, 1e-7))))
 
 
 @dataclass(frozen=True)
@@ -100,7 +119,7 @@ def mechanism_of(of: Machine, scene: Mapping[str, float]) -> Mechanism:
     irregular = {name: value for name, value in scene.items() if name in track.values()}
     return Mechanism(
         replace(of.parameters, **own),
-        thesis_pair(),
+        of.pair,
         of.wheelsets,
         derivatives_along(replace(track, **irregular)),
         ellipse=fitted_ellipse,
@@ -109,30 +128,51 @@ def mechanism_of(of: Machine, scene: Mapping[str, float]) -> Mechanism:
 
 def inputs_of(scene: Mapping[str, float]) -> Inputs:
     rows = {"brake_torque": 0.0, "traction_torque": 0.0, "yaw_torque": 0.0, "friction": 0.3}
-    return Inputs(*[[scene.get(f"{name}_{n}", default) for n in (1, 2)] for name, default in rows.items()])
+    return Inputs(*[[scene.get(f"{name}_{n}", default) for n in (1, 2, 3, 4)] for name, default in rows.items()])
+
+
+def motion_of(of: Machine, body: str, motion: str) -> str:
+    """Name of a body's motion in the fast model."""
+    return motion if of.wheelsets < 4 and motion.startswith(("bounce", "pitch")) else f"{body}_{motion}"
+
+
+def frames_of(snapshot: Snapshot, mechanism: Mechanism) -> list[Frame]:
+    """Where the bodies above the wheelsets are, and how they move."""
+    v, of, found = snapshot.value, snapshot.machine, []
+    first = of.bodies[0]
+    for body, data in zip(of.bodies, mechanism.layout.upper, strict=True):
+
+        def value(motion: str, body: str = body) -> float:
+            return v.get(motion_of(of, body, motion), 0.0)
+
+        own = ("shift", "shift_speed") if body != first else ("none", "none")
+        distance, speed = v[f"{first}_distance"] + data.along + value(own[0]), v[f"{first}_speed"] + value(own[1])
+        height = mechanism.parameters.wheel_radius + data.height + value("bounce")
+        theta = from_angles(value("yaw"), value("roll"), value("pitch"))
+        found.append(
+            Frame(
+                np.concatenate([[distance, value("lateral"), height], theta]),
+                np.array([speed, value("lateral_rate"), value("bounce_rate")]),
+                np.array([value("roll_rate"), value("pitch_rate"), value("yaw_rate")]),
+            )
+        )
+    return found
 
 
 def state_of(snapshot: Snapshot, mechanism: Mechanism) -> State:
     """The same state in the coordinates of chapter 3."""
-    v, p = snapshot.value, mechanism.parameters
-    frame = Frame(
-        np.concatenate(
-            [
-                [v["frame_distance"], v["frame_lateral"], p.wheel_radius + p.frame_height + v["bounce"]],
-                from_angles(v["frame_yaw"], v["frame_roll"], v.get("pitch", 0.0)),
-            ]
-        ),
-        np.array([v["frame_speed"], v["frame_lateral_rate"], v["bounce_rate"]]),
-        np.array([v["frame_roll_rate"], v.get("pitch_rate", 0.0), v["frame_yaw_rate"]]),
-    )
+    v = snapshot.value
+    frames = frames_of(snapshot, mechanism)
     near = centred(mechanism)
-    near[mechanism.body(mechanism.frame)] = frame.coordinates
+    for number, frame in enumerate(frames, mechanism.frame):
+        near[mechanism.body(number)] = frame.coordinates
+    first = snapshot.machine.bodies[0]
     driven = []
     for number in range(1, mechanism.wheelsets + 1):
         one = Wheelset(
-            v["frame_distance"] + mechanism.place(number - 1) + v[f"shift_{number}"],
+            v[f"{first}_distance"] + mechanism.place(number - 1) + v[f"shift_{number}"],
             *(v[f"{name}_{number}"] for name in ("lateral", "yaw", "rotation")),
-            v["frame_speed"] + v[f"shift_speed_{number}"],
+            v[f"{first}_speed"] + v[f"shift_speed_{number}"],
             *(v[f"{name}_{number}"] for name in ("lateral_speed", "yaw_rate", "angular_velocity")),
         )
         driven.append(one)
@@ -144,21 +184,23 @@ def state_of(snapshot: Snapshot, mechanism: Mechanism) -> State:
             s = near[mechanism.q_count :]
             s[mechanism.rail_parameters(contact)][0] = one.distance
             s[mechanism.wheel_parameters(contact)] = one.pitch, v[f"contact_{number}_{word}"]
-    state = drive_to(mechanism, driven, frame, near)
+    state = drive_to(mechanism, driven, frames, near)
     state.direction = [0 if locked else 1 for locked in snapshot.locked]
     return state
 
 
-def accelerations_of(state: State, answer: Answer, mechanism: Mechanism) -> dict[str, float]:
-    """Accelerations by the names of the fast model's states, but absolute ones for the axles [m/s2, rad/s2]."""
+def accelerations_of(of: Machine, state: State, answer: Answer, mechanism: Mechanism) -> dict[str, float]:
+    """Accelerations by the names of the fast model's states, but absolute ones along the track [m/s2, rad/s2]."""
     out = {}
-    body = mechanism.body(mechanism.frame)
-    alpha = g_bar(state.q[body][3:]) @ answer.q_second[body][3:]
-    names = ("frame_speed", "frame_lateral_rate", "bounce_rate")
-    out |= dict(zip(names, answer.q_second[body][:3], strict=True))
-    out |= {"frame_roll_rate": alpha[0], "frame_yaw_rate": alpha[2]}
-    if mechanism.wheelsets > 1:
-        out["pitch_rate"] = alpha[1]
+    for number, name in enumerate(of.bodies, mechanism.frame):
+        body = mechanism.body(number)
+        alpha = g_bar(state.q[body][3:]) @ answer.q_second[body][3:]
+        rates = ("lateral_rate", "bounce_rate", "roll_rate", "pitch_rate", "yaw_rate")
+        out[f"along_{name}"] = answer.q_second[body][0]
+        names = [motion_of(of, name, rate) for rate in rates]
+        out |= dict(zip(names, (*answer.q_second[body][1:3], *alpha), strict=True))
+    if mechanism.layout.level:
+        del out["pitch_rate"]
     for number in range(1, mechanism.wheelsets + 1):
         body = mechanism.body(FIRST_WHEELSET + number - 1)
         theta, second = state.q[body][3:], answer.q_second[body]
@@ -185,13 +227,12 @@ def in_yaw_roll_axes(theta: np.ndarray, omega: np.ndarray, alpha: np.ndarray) ->
 
 def slopes_of(snapshot: Snapshot) -> dict[str, float]:
     """The fast model's accelerations under the names of `accelerations_of`."""
-    out = {name: value for name, value in snapshot.slope.items() if name in KEPT}
-    for number in range(1, snapshot.machine.wheelsets + 1):
-        out[f"axle_{number}"] = snapshot.slope["frame_speed"] + snapshot.slope[f"shift_speed_{number}"]
-    return out
-
-
-KEPT = {
-    *("frame_speed", "frame_lateral_rate", "bounce_rate", "frame_roll_rate", "frame_yaw_rate", "pitch_rate"),
-    *(f"{name}_{n}" for name in ("lateral_speed", "yaw_rate", "angular_velocity") for n in (1, 2)),
-}
+    of = snapshot.machine
+    first = snapshot.slope[f"{of.bodies[0]}_speed"]
+    rates = ("lateral_rate", "bounce_rate", "roll_rate", "pitch_rate", "yaw_rate")
+    kept = {motion_of(of, body, rate) for body in of.bodies for rate in rates}
+    numbers = range(1, of.wheelsets + 1)
+    kept |= {f"{name}_{n}" for name in ("lateral_speed", "yaw_rate", "angular_velocity") for n in numbers}
+    out = {name: value for name, value in snapshot.slope.items() if name in kept}
+    out |= {f"axle_{n}": first + snapshot.slope[f"shift_speed_{n}"] for n in numbers}
+    return out | {f"along_{body}": first + snapshot.slope.get(f"{body}_shift_speed", 0.0) for body in of.bodies}

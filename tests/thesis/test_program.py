@@ -12,7 +12,7 @@ from rbd_model.contact_geometry import last_tread_contact, rolling_radius_differ
 from rbd_model.parameters import as_printed, tables_4_1_and_4_2, tables_5_1_and_5_2
 from rbd_model.thesis import program
 from rbd_model.thesis.euler import norm_error
-from rbd_model.thesis.kinematic_analysis import Wheelset, centred, drive_to, frame_at_rest, rolling, rolling_radii
+from rbd_model.thesis.kinematic_analysis import Wheelset, centred, drive_to, frames_at_rest, rolling, rolling_radii
 from rbd_model.thesis.mechanism import FIRST_WHEELSET, Inputs, Mechanism, State
 from rbd_model.thesis.partition import NoSolutionError, choose
 from rbd_model.thesis.program import run, spin, step
@@ -152,7 +152,7 @@ def test_weak_brake_lets_a_standing_wheelset_go() -> None:
 
 
 def shifted(mechanism: Mechanism, lateral: float, near: np.ndarray) -> State:
-    return drive_to(mechanism, [Wheelset(lateral=lateral)], frame_at_rest(mechanism), near)
+    return drive_to(mechanism, [Wheelset(lateral=lateral)], frames_at_rest(mechanism), near)
 
 
 def test_rolling_radius_difference_is_that_of_the_contact_search() -> None:

@@ -1,0 +1,219 @@
+"""Where a vehicle hunts: its body at middle speeds when the dampers are gone, its bogies at high ones."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.figure import Figure
+from scipy.linalg import eig
+from tqdm import tqdm
+
+from fmu_src.kernel import Kernel
+from rbd_model.linear import Mode, critical_speed, oscillations, reduced_jacobian
+from scenarios.bench.drive import prepare
+from scenarios.bench.four_axles import COACH, NUMBERS
+from scenarios.cosimulation.recording import Recording
+from scenarios.fmus.registry import model_of
+from scenarios.reporting.plots import LEADING, THESIS, TRAILING, plt
+from scenarios.reporting.progress import PATIENCE
+from scenarios.reporting.report import Result, Row, near
+from scenarios.scenario import Options, Scenario
+
+SPATIAL = 3
+#: Speeds of the picture [m/s].
+SPEEDS = np.arange(5.0, 111.0, 3.0)
+#: A mode that moves body or wheelsets across the track has at least this part of its energy there.
+ACROSS = 0.5
+#: From the start until creepages have settled [s].
+SETTLED = 1.0
+#: Small against the flange clearance, so that the motion is linear [m]; the run that shows its growth, and its samples,
+#: begin when the wave is behind the vehicle [s].
+DISTURBANCE, BEGIN, LENGTH, INTERVAL = 1e-5, 6.0, 8.0, 0.05
+TOLERANCE = 1e-9
+#: Rolling resistance of each wheelset [N.m], that of section 8.3: without any creep the creep law has no unique slope.
+DRAG = 65.0
+#: Two methods on the same equations; of the speed, relative.
+BAND = 2e-3
+
+
+@dataclass(frozen=True)
+class Case:
+    """A vehicle, where it is expected to begin hunting [m/s], and whether its body hunts or its bogies."""
+
+    name: str
+    values: Mapping[str, float]
+    between: tuple[float, float]
+    body: bool
+
+
+CASES = (
+    Case("as published", {}, (70.0, 110.0), body=False),
+    Case("lateral dampers failed", {"secondary_lateral_damping": 0.0}, (22.0, 32.0), body=True),
+)
+
+
+def run_at(case: Case, speed: float, **more: float) -> Kernel:
+    """The vehicle at a constant speed."""
+    values = {**case.values, **more, "level": SPATIAL, "tolerance": TOLERANCE}
+    values["rolling_resistance_torque"] = DRAG
+    return prepare("vehicle", **values, initial_speed=speed, constant_speed=1)
+
+
+def energies(mode: Mode) -> dict[str, float]:
+    """Parts of a mode's kinetic energy, up to one factor: of the body, frames and wheelsets across the track."""
+    p, shape = COACH, mode.shape
+
+    def of(mass: float, roll: float, yaw: float, names: tuple[str, str, str]) -> float:
+        sizes = zip((mass, roll, yaw), names, strict=True)
+        return sum(size * abs(shape.get(name, 0.0)) ** 2 for size, name in sizes)
+
+    def moving(body: str) -> tuple[str, str, str]:
+        return f"{body}_lateral", f"{body}_roll", f"{body}_yaw"
+
+    frames = (
+        of(p.frame_mass, p.frame_roll_inertia, p.frame_yaw_inertia, moving(f"{b}_frame")) for b in ("front", "rear")
+    )
+    wheelsets = (of(p.wheelset_mass, 0.0, p.wheelset_yaw_inertia, (f"lateral_{n}", "", f"yaw_{n}")) for n in NUMBERS)
+    along = sum(
+        mass * (abs(shape.get(f"{name}_shift", 0.0)) ** 2 + abs(shape.get(f"{name}_bounce", 0.0)) ** 2)
+        + inertia * abs(shape.get(f"{name}_pitch", 0.0)) ** 2
+        for name, mass, inertia in (
+            ("body", p.body_mass, p.body_pitch_inertia),
+            ("front_frame", p.frame_mass, p.frame_pitch_inertia),
+            ("rear_frame", p.frame_mass, p.frame_pitch_inertia),
+        )
+    )
+    body = of(p.body_mass, p.body_roll_inertia, p.body_yaw_inertia, moving("body"))
+    return {"body": body, "frames": sum(frames), "wheelsets": sum(wheelsets), "along": along}
+
+
+def body_share(mode: Mode) -> float | None:
+    """Share of the body in the energy of a motion across the track; None for motions in the vehicle's plane."""
+    parts = energies(mode)
+    across = parts["body"] + parts["frames"] + parts["wheelsets"]
+    return float(parts["body"] / across) if across > ACROSS * (across + parts["along"]) else None
+
+
+def hunting(case: Case, speed: float, body: bool) -> Mode | None:
+    """The least stable motion across the track in which the body has more than half of the energy, or less."""
+    kernel = run_at(case, speed)
+    kernel.advance(SETTLED)
+    found = oscillations(model_of("vehicle").systems[SPATIAL - 1], np.array(kernel.linearise().jacobian))
+    shares = [(mode, body_share(mode)) for mode in found]
+    chosen = [mode for mode, share in shares if share is not None and (share > 0.5) == body]
+    return max(chosen, key=lambda mode: mode.growth, default=None)
+
+
+def growth(case: Case, speed: float) -> float:
+    """Of the motion that is expected to hunt [1/s]."""
+    mode = hunting(case, speed, case.body)
+    return mode.growth if mode else -np.inf
+
+
+def growth_in_time(case: Case, speed: float) -> float:
+    """Of the same motion in a run behind a small wave of the track [1/s].
+
+    Its amplitude is what the left eigenvector sees of the state: all other motions are orthogonal to that.
+    """
+    mode = hunting(case, speed, case.body)
+    assert mode is not None
+    system = model_of("vehicle").systems[SPATIAL - 1]
+    steady, kernel = (
+        run_at(case, speed, lateral_irregularity=size, lateral_wave_number=mode.frequency / speed)
+        for size in (0.0, DISTURBANCE)
+    )
+    for one in (steady, kernel):
+        one.advance(BEGIN)
+    names, matrix = reduced_jacobian(system, np.array(steady.linearise().jacobian))
+    values, left, _ = eig(matrix, left=True)
+    seen = left[:, np.argmin(np.abs(values - mode.eigenvalue))].conj()
+    places = [list(system.states).index(name) for name in names]
+    sizes = []
+    for _ in range(round(LENGTH / INTERVAL)):
+        states = []
+        for one in (steady, kernel):
+            one.advance(INTERVAL)
+            states.append(np.array(one.linearise().state)[places])
+        sizes.append(abs(seen @ (states[1] - states[0])))
+    return float(np.polyfit(INTERVAL * np.arange(len(sizes)), np.log(sizes), 1)[0])
+
+
+@dataclass(frozen=True)
+class Onset:
+    """Critical speed by eigenvalues and in time [m/s], and the motion there."""
+
+    by_eigenvalues: float
+    in_time: float
+    mode: Mode
+
+
+def onset(case: Case) -> Onset:
+    speed = critical_speed(lambda v: growth(case, v), *case.between)
+    around = np.array([0.995, 1.005]) * speed
+    slopes = [growth_in_time(case, float(v)) for v in around]
+    in_time = float(around[0] - slopes[0] * (around[1] - around[0]) / (slopes[1] - slopes[0]))
+    mode = hunting(case, speed, case.body)
+    assert mode is not None
+    return Onset(speed, in_time, mode)
+
+
+def rows_of(onsets: Mapping[str, Onset]) -> list[Row]:
+    rows = []
+    for case in CASES:
+        found = onsets[case.name]
+        share = body_share(found.mode)
+        what = "body" if case.body else "bogie"
+        ratio = found.in_time / found.by_eigenvalues
+        rows += [
+            Row(f"{case.name}: {what} hunting from, by eigenvalues", "m/s", None, found.by_eigenvalues, None, ""),
+            Row(f"{case.name}: the same in time", "m/s", None, found.in_time, None, "growth just below and above it"),
+            Row(f"{case.name}: in time over eigenvalues", "1", None, ratio, near(1.0, BAND), "two methods"),
+            Row(f"{case.name}: frequency", "Hz", None, found.mode.frequency, None, ""),
+            Row(f"{case.name}: wavelength", "m", None, found.by_eigenvalues / found.mode.frequency, None, ""),
+            Row(f"{case.name}: share of the body in the energy", "1", None, share, None, "tells which of both it is"),
+        ]
+    return rows
+
+
+def run(options: Options) -> Result:
+    onsets = {case.name: onset(case) for case in tqdm(CASES, delay=PATIENCE, leave=False, unit="case")}
+    series = Recording({"speed": "m/s"}, [[float(speed)] for speed in SPEEDS])
+    points = [(case, body, speed) for case in CASES for body in (True, False) for speed in SPEEDS]
+    growths: dict[tuple[str, bool], list[float]] = {}
+    for case, body, speed in tqdm(points, delay=PATIENCE, leave=False, unit="speed"):
+        mode = hunting(case, float(speed), body)
+        growths.setdefault((case.name, body), []).append(mode.growth if mode else np.nan)
+    for (name, body), values in growths.items():
+        series.add(f"growth, {'body' if body else 'bogies'}, {name}", "1/s", np.array(values))
+    remarks = [
+        "Body hunting: guidance by conical wheels shakes the body where its frequency meets one of the body's own, and "
+        "only dampers keep it down. Bogie hunting: frames and wheelsets at three times that frequency. On the "
+        "synthetic profiles (conicity about 0.05); worn wheels hunt earlier.",
+        f"With a rolling resistance of {DRAG:g} N.m a wheelset: without any creep Polach's law has no unique slope.",
+    ]
+    return Result(rows_of(onsets), series, lambda: draw(onsets, series), COACH.values(), 0.0, remarks)
+
+
+def draw(onsets: Mapping[str, Onset], series: Recording) -> Figure:
+    figure, axes = plt.subplots(1, 2, figsize=(11.0, 4.6), sharey=True)
+    for axis, case in zip(axes, CASES, strict=True):
+        for word, colour in (("body", TRAILING), ("bogies", LEADING)):
+            axis.plot(series["speed"], series[f"growth, {word}, {case.name}"], color=colour, label=word)
+        axis.axhline(0.0, color="#999999", linewidth=0.8)
+        found = onsets[case.name]
+        label = f"critical: {found.by_eigenvalues:.1f} m/s, in time {found.in_time:.1f} m/s"
+        axis.axvline(found.by_eigenvalues, color=THESIS, linestyle="--", label=label)
+        axis.set_title(f"{case.name}: growth of the least stable motion [1/s]")
+        axis.set_xlabel("speed [m/s]")
+        axis.set_ylim(-1.6, 1.2)
+        axis.legend(fontsize=8, loc="lower left")
+    figure.suptitle("Hunting of vehicle 1 of the Manchester benchmarks: body and bogies", x=0.02, ha="left")
+    figure.set_layout_engine("constrained")
+    return figure
+
+
+SCENARIO = Scenario(
+    "vehicle-hunting", "Critical speeds of a vehicle: hunting of its body and of its bogies", run, frozenset()
+)

@@ -1,0 +1,233 @@
+"""One bogie under half a body, or the complete vehicle: what the half errs in, and what each costs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from tqdm import tqdm
+
+from fmu_src.kernel import Kernel
+from rbd_model.parameters import one_bogie_of
+from scenarios.bench.drive import located_lock_time, play, prepare
+from scenarios.bench.four_axles import ALONG_DAMPING, COACH, NUMBERS, brakes, rigid_axle_loads
+from scenarios.cosimulation.recording import Recording
+from scenarios.methods.timing import LEVELS, least
+from scenarios.reporting.plots import FOUR, LEADING, THREE, TRAILING, plt
+from scenarios.reporting.progress import PATIENCE
+from scenarios.reporting.report import Result, Row, at_most, near
+from scenarios.scenario import Options, Scenario
+
+SPEED, PLANAR = 30.0, 2
+#: Torque of each brake grows over so long [s]; then the vehicle is looked at for so long, and settled from then on.
+RAMP, DURATION, SETTLED, INTERVAL = 1.0, 8.0, 6.0, 0.02
+#: Wheel-rail friction, and torques as shares of what it bears under static loads.
+FRICTIONS, SHARES = (0.05, 0.10, 0.20), (0.2, 0.4, 0.6, 0.8, 0.9, 0.95)
+#: Between these shares lies the one that just locks a wheelset before rest; it is enclosed so far. The torque grows
+#: over so long [s], so that nothing rocks.
+LOWEST, HIGHEST, RESOLUTION, SLOW_RAMP = 0.5, 1.1, 5e-4, 6.0
+#: Of what rigid statics expect: the vehicle leans a little. The whole and the half differ by more.
+BAND = 2e-3
+#: What is asked of one bogie: error of the distance, relative, while no wheel locks.
+DISTANCE = 1e-3
+WHOLE = "vehicle"
+ONE = "bogie"
+VALUES: dict[str, dict[str, float]] = {
+    WHOLE: {"secondary_longitudinal_damping": ALONG_DAMPING, "secondary_bending_stiffness": 0.0},
+    ONE: dict(one_bogie_of(COACH).values()),
+}
+OWN = {WHOLE: NUMBERS, ONE: NUMBERS[:2]}
+#: Which wheelsets of the vehicle one of the bogie stands for.
+STANDS_FOR = {1: (1, 3), 2: (2, 4)}
+
+
+def static_torque(friction: float) -> float:
+    """Of a wheelset's brake that uses all of the friction under its load at rest [N.m]."""
+    return friction * rigid_axle_loads(COACH, 0.0, 0.0, 1.0)[0] * COACH.wheel_radius
+
+
+def start(name: str, friction: float, level: int = PLANAR) -> Kernel:
+    """One bogie or the vehicle at a level, not yet braked."""
+    frictions = {f"friction_{number}": friction for number in OWN[name]}
+    return prepare(name, **{**VALUES[name], **frictions, "level": level, "initial_speed": SPEED})
+
+
+def brake(name: str, friction: float, share: float, ramp: float, duration: float) -> tuple[Kernel, Recording]:
+    """All brakes to a share of the static torque."""
+    kernel, torque = start(name, friction), share * static_torque(friction)
+    read = ("speed", "distance", "acceleration", *(f"axle_load_{n}" for n in OWN[name]))
+    inputs = {key: [(0.0, 0.0), (ramp, torque)] for key in brakes(torque) if int(key[-1]) in OWN[name]}
+    return kernel, play(name, kernel, duration, INTERVAL, read, inputs)
+
+
+@dataclass(frozen=True)
+class Difference:
+    """One bogie against the vehicle: distance, relative; load transfer, share that is missing; deceleration [m/s2]."""
+
+    distance: float
+    missing: float
+    deceleration: float
+
+
+def differ(friction: float, share: float) -> Difference:
+    """Both braked alike."""
+    series = {name: brake(name, friction, share, RAMP, DURATION)[1] for name in OWN}
+    late = series[WHOLE]["time"] > SETTLED
+
+    def transfer(name: str, number: int) -> float:
+        load = series[name][f"axle_load_{number}"]
+        return float(load[late[: load.size]].mean() - load[0])
+
+    farthest = max(abs(transfer(WHOLE, n) - transfer(ONE, 1)) for n in STANDS_FOR[1])
+    distance = float(series[ONE]["distance"][-1] / series[WHOLE]["distance"][-1] - 1.0)
+    deceleration = -float(series[WHOLE]["acceleration"][late].mean())
+    return Difference(distance, farthest / abs(transfer(ONE, 1)), deceleration)
+
+
+def first_lock(name: str, friction: float) -> tuple[int, float]:
+    """Which wheelset locks first, and the least share of the static torque at which it does before rest."""
+    low, high, first = LOWEST, HIGHEST, 0
+    while high - low > RESOLUTION:
+        share = (low + high) / 2
+        kernel, series = brake(name, friction, share, SLOW_RAMP, SLOW_RAMP + SPEED / (0.4 * friction * COACH.gravity))
+        times = {number: located_lock_time(kernel, series, number) for number in OWN[name]}
+        locked = {time: number for number, time in times.items() if time is not None}
+        if locked:
+            high, first = share, locked[min(locked)]
+        else:
+            low = share
+    return first, high
+
+
+def rigid_lock(friction: float, whole: bool) -> float:
+    """Share of the static torque at which rigid statics lock the lightest wheelset; the others still roll."""
+    low, high = 0.0, HIGHEST
+    for _ in range(50):
+        share = (low + high) / 2
+        torque = share * static_torque(friction)
+        mass = COACH.body_mass + 2 * COACH.frame_mass + 4 * COACH.wheelset_mass
+        rolling = mass + 4 * COACH.wheelset_pitch_inertia / COACH.wheel_radius**2
+        deceleration = 4 * torque / COACH.wheel_radius / rolling
+        loads = rigid_axle_loads(COACH, deceleration, torque, 1.0)
+        lightest = loads[3] if whole else (loads[1] + loads[3]) / 2
+        creep = (torque - COACH.wheelset_pitch_inertia * deceleration / COACH.wheel_radius) / COACH.wheel_radius
+        low, high = (share, high) if creep < friction * lightest else (low, share)
+    return low
+
+
+def moved_between_bogies() -> float:
+    """Load that rigid statics move from bogie to bogie, over that within a bogie."""
+    loads = rigid_axle_loads(COACH, 1.0, static_torque(1.0 / COACH.gravity), 1.0)
+    return (loads[0] - loads[2]) / (loads[0] - loads[1])
+
+
+def cost(name: str, level: int) -> float:
+    """Seconds to compute a braking of DURATION."""
+
+    def once() -> None:
+        kernel = start(name, FRICTIONS[-1], level)
+        kernel.set(**{key: 0.5 * static_torque(FRICTIONS[-1]) for key in brakes(1.0) if int(key[-1]) in OWN[name]})
+        kernel.initialise()
+        kernel.advance(DURATION)
+
+    return least(once, 3)
+
+
+@dataclass(frozen=True)
+class Findings:
+    """Differences by (friction, share), first locks by (name, friction), costs by (name, level) [s]."""
+
+    differences: dict[tuple[float, float], Difference]
+    locks: dict[tuple[str, float], tuple[int, float]]
+    costs: dict[tuple[str, int], float]
+
+
+def measure() -> Findings:
+    points = [(friction, share) for friction in FRICTIONS for share in SHARES]
+    differences = {point: differ(*point) for point in tqdm(points, delay=PATIENCE, leave=False, unit="point")}
+    locks = {(name, friction): first_lock(name, friction) for name in OWN for friction in FRICTIONS}
+    return Findings(differences, locks, {(name, level): cost(name, level) for name in OWN for level in LEVELS})
+
+
+def rows_of(found: Findings) -> list[Row]:
+    rolling = [one for (_, share), one in found.differences.items() if share < 0.9]
+    rows = [
+        Row(
+            *("one bogie: error of the distance, largest", "1", None, max(abs(one.distance) for one in rolling)),
+            *(at_most(DISTANCE), "complete vehicle", "torques up to 0.8 of the static limit"),
+        ),
+        Row(
+            *("one bogie: share of load transfer that it leaves out", "1", None),
+            *(max(one.missing for one in rolling), near(moved_between_bogies(), BAND), "rigid statics"),
+        ),
+    ]
+    for friction in FRICTIONS:
+        for name in OWN:
+            number, share = found.locks[name, friction]
+            expected = rigid_lock(friction, name == WHOLE)
+            what = f"friction {friction:g}, {name}: share of the static torque that locks wheelset {number}"
+            rows.append(Row(what, "1", None, share, near(expected, BAND), "rigid statics, Coulomb friction"))
+    for (name, level), seconds in found.costs.items():
+        what = f"{name}, {LEVELS[level]}: {DURATION:g} s of braking"
+        rows.append(Row(what, "ms", None, 1e3 * seconds, None, "measured now, least of several runs"))
+    return rows
+
+
+def run(options: Options) -> Result:
+    found = measure()
+    columns = {"friction": "1", "share": "1", "deceleration": "m/s2", "distance_error": "1", "missing_transfer": "1"}
+    table = [[f, s, d.deceleration, d.distance, d.missing] for (f, s), d in found.differences.items()]
+    series = Recording({"point": "1"} | columns, [[number, *row] for number, row in enumerate(table)])
+    remarks = [
+        "One bogie: BogieDynamics with `one_bogie_of`, half the body on the frame at the height of the secondary "
+        "springs. It tells speed, distance and rotation as the vehicle does; it knows no load that moves between the "
+        "bogies, so that its trailing wheelset locks a little later than the vehicle's last one. Hunting and all that "
+        "the secondary suspension decides ask for the vehicle.",
+        f"Assumed: {ALONG_DAMPING / 1e3:g} kN.s/m along the track on each side of the secondary suspension.",
+    ]
+    return Result(rows_of(found), series, lambda: draw(found), dict(VALUES[ONE]), len(table) * 2 * DURATION, remarks)
+
+
+def draw(found: Findings) -> Figure:
+    figure, axes = plt.subplots(1, 3, figsize=(13.0, 4.4))
+    for friction, colour in zip(FRICTIONS, THREE, strict=True):
+        chosen = {share: one for (mu, share), one in found.differences.items() if mu == friction}
+        decelerations = [one.deceleration for one in chosen.values()]
+        style = {"color": colour, "marker": "o", "markersize": 4.0, "linewidth": 1.0, "label": f"friction {friction:g}"}
+        axes[0].plot(decelerations, [1e6 * abs(one.distance) for one in chosen.values()], **style)
+    axes[0].set_title("one bogie: error of distance [1e-6]")
+    axes[0].set_xlabel("deceleration [m/s2]")
+    axes[0].legend(fontsize=8)
+    draw_locks(axes[1], found.locks)
+    draw_costs(axes[2], found.costs)
+    figure.suptitle("One bogie or the complete vehicle", x=0.02, ha="left")
+    figure.set_layout_engine("constrained")
+    return figure
+
+
+def draw_locks(axis: Axes, locks: Mapping[tuple[str, float], tuple[int, float]]) -> None:
+    fine = np.linspace(FRICTIONS[0], FRICTIONS[-1], 30)
+    for name, colour in ((WHOLE, TRAILING), (ONE, LEADING)):
+        axis.plot(fine, [rigid_lock(friction, name == WHOLE) for friction in fine], color=colour, linewidth=1.0)
+        axis.plot(FRICTIONS, [locks[name, friction][1] for friction in FRICTIONS], "o", color=colour, label=name)
+    axis.set_title("first lock: torque over the static limit [1]; lines: rigid statics")
+    axis.set_xlabel("wheel-rail friction [1]")
+    axis.legend(fontsize=8)
+
+
+def draw_costs(axis: Axes, costs: Mapping[tuple[str, int], float]) -> None:
+    for offset, (name, colour) in enumerate(((ONE, FOUR[0]), (WHOLE, FOUR[3]))):
+        values = [1e3 * costs[name, level] for level in LEVELS]
+        axis.bar(np.arange(len(LEVELS)) + 0.35 * (offset - 0.5), values, 0.33, color=colour, label=name)
+    axis.set_xticks(range(len(LEVELS)), list(LEVELS.values()))
+    axis.set_yscale("log")
+    axis.set_title(f"time to compute {DURATION:g} s of braking [ms]")
+    axis.legend(fontsize=8)
+
+
+SCENARIO = Scenario(
+    "vehicle-or-bogie", "One bogie under half a body against the complete vehicle: error and cost", run, frozenset()
+)
