@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -89,10 +89,10 @@ def smallest_level(driven: Iterable[str], read: Iterable[str]) -> Choice:
     Raises ValueError for a name that no level has.
     """
     needed = [*driven, *read]
-    beyond = [name for name in needed if not has(names_of_levels(False), name)]
+    beyond = [name for name in needed if name not in set().union(*names_of_levels(False).values())]
     names = names_of_levels(bool(beyond))
     for name in needed:
-        if not has(names, name):
+        if name not in set().union(*names.values()):
             asked = "" if name == beyond[0] else f", which {beyond[0]} asks for,"
             raise ValueError(f"VehicleDynamics{asked} has no variable {name}; build_fmu.py --describe lists them.")
     reason = (
@@ -110,11 +110,6 @@ def smallest_level(driven: Iterable[str], read: Iterable[str]) -> Choice:
     if beyond:
         return Choice(level, f"{beyond[0]} belongs to the complete vehicle; {reason}", whole=True)
     return Choice(level, reason)
-
-
-def has(names: Mapping[str, set[str]], name: str) -> bool:
-    """Whether any level has a variable."""
-    return any(name in own for own in names.values())
 
 
 @lru_cache

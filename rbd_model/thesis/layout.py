@@ -28,6 +28,7 @@ class Upper:
 
     @property
     def centre(self) -> np.ndarray:
+        """Place of the centre at rest, shape (3,) [m], from which (3.1) counts places."""
         return np.array([self.along, 0.0, self.height])
 
 
