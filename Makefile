@@ -9,7 +9,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 .PHONY: demo test test-fast check charts pages clean
 
 demo: $(VENV)/demo-installed
-	$(RUN) build_fmu.py
+	$(RUN) build_fmu.py ssp
 	$(RUN) -m scenarios run qr30-180kpa
 
 test: $(VENV)/test-installed check

@@ -14,7 +14,7 @@ from rbd_model.point import point_vehicle
 from rbd_model.spatial import spatial_vehicle
 from rbd_model.track import irregular_track, section_5_3
 from rbd_model.vehicle import Vehicle
-from rbd_model.vehicles import passenger_coach, two_axle_bogie, wheelset_under_frame
+from rbd_model.vehicles import loaded_coal_wagon, passenger_coach, two_axle_bogie, wheelset_under_frame
 
 #: Local error per step in nominal values, chosen from the pictures of `speed-accuracy`: docs/choosing.md.
 DEFAULT_TOLERANCE = 1e-6
@@ -61,8 +61,14 @@ def bogie_dynamics(defaults: BogieParameters | None = None) -> Model:
 
 def vehicle_dynamics(vehicle: Vehicle | None = None) -> Model:
     """A complete vehicle as one FMU, vehicle 1 of the Manchester benchmarks by default."""
+    whole = vehicle or passenger_coach()
     text = "Four-axle railway vehicle under brake and traction torque: car body, two bogies, four wheelsets"
-    return model_of_levels("VehicleDynamics", text, vehicle or passenger_coach())
+    return model_of_levels(whole.name, text, whole)
+
+
+def coal_wagon_dynamics() -> Model:
+    """The coal wagon of two bogies of chapter 5 as an FMU."""
+    return vehicle_dynamics(loaded_coal_wagon())
 
 
 #: Share of the adhesion that the brakes of the chapter 5 bogie may ask for while static loads give speed, distance and

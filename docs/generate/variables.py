@@ -8,6 +8,7 @@ from pages import DOCS, write_or_check
 
 from brake_controller.protection_fmu import wheel_slide_protection
 from fmu_src.model_description import variable_table
+from fmu_src.system import Model
 from scenarios.fmus.registry import FMUS, model_of
 
 PAGE = DOCS / "variables.md"
@@ -20,10 +21,20 @@ Parameters are fixed once a run has begun. Besides what stands here each native 
 """
 
 
+def section(model: Model, alike: str | None) -> str:
+    """Of one FMU; one that is like another has its variables, with other start values."""
+    table = variable_table(model)
+    if alike:
+        table = (
+            f"Its variables are those of {model_of(alike).name}; `build_fmu.py --describe` shows its start values.\n"
+        )
+    return f"## {model.name}\n\n{model.description}.\n\n{table}"
+
+
 def page() -> str:
     """The text of docs/variables.md."""
-    models = [*(model_of(name) for name in FMUS), wheel_slide_protection().model]
-    sections = [f"## {model.name}\n\n{model.description}.\n\n{variable_table(model)}" for model in models]
+    sections = [section(model_of(name), fmu.alike) for name, fmu in FMUS.items()]
+    sections.append(section(wheel_slide_protection().model, None))
     return "\n".join([HEAD, *sections])
 
 

@@ -8,28 +8,36 @@ from functools import lru_cache
 
 from brake_controller.cylinder import brake_cylinder
 from fmu_src.system import Model
-from rbd_model.bogie import bogie_dynamics, vehicle_dynamics, wheelset_dynamics
+from rbd_model.bogie import bogie_dynamics, coal_wagon_dynamics, vehicle_dynamics, wheelset_dynamics
 from rbd_model.rail_recovery import rail_adhesion
 from scenarios.fmus.braked_vehicle import braked_vehicle
 
 
 @dataclass(frozen=True)
 class Fmu:
-    """What becomes an FMU, and the picture on the page inside it, a file in pictures/ beside this one."""
+    """What becomes an FMU, and the picture on the page inside it, a file in pictures/ beside this one.
+
+    alike: the FMU whose equations and variables it has, with other numbers.
+    """
 
     model: Callable[[], Model]
     picture: str | None = None
+    alike: str | None = None
 
 
 #: By the name that the command line and the scenarios know.
 FMUS: dict[str, Fmu] = {
     "bogie": Fmu(bogie_dynamics, "qr30-180kpa.png"),
     "vehicle": Fmu(vehicle_dynamics),
+    "coal-wagon": Fmu(coal_wagon_dynamics, alike="vehicle"),
     "braked-vehicle": Fmu(braked_vehicle),
     "wheelset": Fmu(wheelset_dynamics, "wheelset-hunting.png"),
     "brake": Fmu(brake_cylinder, "qr30-180kpa.png"),
     "rail": Fmu(rail_adhesion),
 }
+
+#: Those with equations of their own; the others have the same ones with other numbers.
+DIFFERENT = [name for name, fmu in FMUS.items() if fmu.alike is None]
 
 
 @lru_cache
