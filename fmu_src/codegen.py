@@ -25,6 +25,7 @@ KERNEL_SOURCES = (
     "evaluate.c",
     "variables.c",
     "experiment.c",
+    "sparse.c",
     "linear.c",
     "rosenbrock.c",
     "algebraic.c",
@@ -59,6 +60,8 @@ FUNCTIONS = (
     "output_along",
     "residual_along",
 )
+#: Of an entry in the packed factors, an unsigned short in C.
+LARGEST_PLACE = 65535
 KINDS = {"real": "KIND_REAL", "integer": "KIND_INTEGER", "boolean": "KIND_BOOLEAN"}
 
 
@@ -339,6 +342,31 @@ def _array(kind: str, name: str, values: Iterable[str]) -> str:
     return f"static const {kind} {name}[] = {{{', '.join(entries)}}};" if entries else ""
 
 
+def _factor_arrays(prefix: str, solving: Elimination) -> Iterable[str]:
+    """Where the entries of the factors lie, packed as model.h says, and which of them each pivot changes."""
+    count = len(solving.order)
+    lower = [(row, pivot) for pivot, rows in enumerate(solving.below) for row in rows]
+    right = [(pivot, column) for pivot, columns in enumerate(solving.right) for column in columns]
+    upper = sorted(right, key=lambda entry: (-entry[1], entry[0]))
+    packed = [*((pivot, pivot) for pivot in range(count)), *lower, *upper]
+    place = {entry: number for number, entry in enumerate(packed)}
+    if len(packed) > LARGEST_PLACE:
+        raise ValueError(
+            f"{prefix}: its factors have {len(packed)} entries, {LARGEST_PLACE} at most; split the system."
+        )
+    for name, lists in (("below", solving.below), ("right", solving.right)):
+        yield _array("int", f"{prefix}_{name}_start", map(str, [0, *accumulate(map(len, lists))]))
+    for name, entries in (("lower", lower), ("upper", upper)):
+        yield _array(
+            "factor_entry", f"{prefix}_{name}", [*(f"{{{row}, {column}}}" for row, column in entries), "{0, 0}"]
+        )
+    yield _array("int", f"{prefix}_factor_place", [str(column * count + row) for row, column in packed])
+    yield _array("unsigned short", f"{prefix}_right_place", [*(str(place[entry]) for entry in right), "0"])
+    pivots = zip(solving.below, solving.right, strict=True)
+    targets = [str(place[row, column]) for rows, columns in pivots for column in columns for row in rows]
+    yield _array("unsigned short", f"{prefix}_target", [*targets, "0"])
+
+
 def _system_arrays(model: Model, system: System) -> Iterable[str]:
     """The constants of a system; what equal wheels have in common, the tables of their profile, is stored once."""
     prefix = system.name
@@ -355,10 +383,7 @@ def _system_arrays(model: Model, system: System) -> Iterable[str]:
     solving = elimination(system)
     yield _array("int", f"{prefix}_order", map(str, solving.order))
     yield _array("int", f"{prefix}_jacobian_place", map(str, solving.jacobian_place))
-    for name, lists in (("below", solving.below), ("right", solving.right)):
-        starts = [0, *accumulate(len(entries) for entries in lists)]
-        yield _array("int", f"{prefix}_{name}_start", map(str, starts))
-        yield _array("int", f"{prefix}_{name}", [*(str(entry) for entries in lists for entry in entries), "0"])
+    yield from _factor_arrays(prefix, solving)
     position = {name: number for number, name in enumerate(system.states)}
     limited = [position[name] for name, _ in system.largest_changes]
     yield _array("int", f"{prefix}_limited", map(str, limited))
@@ -419,9 +444,12 @@ def _system_entry(system: System, made: dict[str, Generated]) -> str:
         "order": "states",
         "jacobian_place": "nonzeros",
         "below_start": "states",
-        "below": "states",
         "right_start": "states",
-        "right": "states",
+        "lower": "states",
+        "upper": "states",
+        "factor_place": "states",
+        "right_place": "states",
+        "target": "states",
         "algebraic": "algebraics",
         "limited": "limits",
         "friction": "frictions",

@@ -16,7 +16,7 @@ static double find_correction(kernel *self, const factors *of, double *correctio
     const int m = self->system->algebraics;
     const int *algebraic = self->system->algebraic;
     for (int i = 0; i < m; ++i) correction[i] = -self->slope[algebraic[i]];
-    linear_solve_algebraic(self, of, correction);
+    linear_solve_algebraic(of, correction);
     double largest = 0.0;
     for (int i = 0; i < m; ++i) {
         const double scaled = fabs(correction[i]) / self->system->nominal[algebraic[i]];
@@ -85,7 +85,7 @@ int algebraic_reduce(kernel *self, double offset, double *jacobian) {
         if (self->differential[j] == 0.0) continue;
         const double *entry = self->jacobian + self->place[j] * n;
         for (int i = 0; i < system->algebraics; ++i) follow[i] = entry[self->place[system->algebraic[i]]];
-        linear_solve_algebraic(self, &self->algebraic, follow);
+        linear_solve_algebraic(&self->algebraic, follow);
         for (int i = 0, row = 0; i < n; ++i) {
             if (self->differential[i] == 0.0) continue;
             double value = entry[self->place[i]];

@@ -15,7 +15,7 @@ static int differentiate_outputs(kernel *self) {
         if (!linear_factorise_algebraic(self, &self->algebraic, self->jacobian))
             return kernel_fail(self, KERNEL_ERROR, "The outputs have no derivatives at t = %s s.",
                                kernel_clock(self->now.time, 9, when));
-        linear_solve_algebraic(self, &self->algebraic, follow);
+        linear_solve_algebraic(&self->algebraic, follow);
         for (int i = 0; i < system->algebraics; ++i) self->seed[1 + system->algebraic[i]] = -follow[i];
     }
     kernel_evaluate(self, system->output_along, 0.0, self->state, self->output_rate);

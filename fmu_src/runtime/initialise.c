@@ -12,7 +12,6 @@ void kernel_enter_system(kernel *self) {
     for (int i = 0; i < system->parameters; ++i) self->parameter[i] = self->value[system->parameter_variable[i]];
     self->method = (int)self->value[MODEL.integration_method];
     self->factors_serve = self->kept_ready = 0;
-    self->whole.outside = self->kept.outside = 1;
     memset(self->jacobian, 0, (size_t)(system->states * system->states) * sizeof(double));
     memset(self->kept_jacobian, 0, (size_t)(system->states * system->states) * sizeof(double));
     for (int i = 0; i < system->states; ++i) {

@@ -68,7 +68,7 @@ static size_t lay_out(kernel *self, double *block) {
     for (int i = 0; i < 4; ++i) {
         const int size = i % 2 ? most.algebraics : n;
         four[i]->matrix = carve(block, &used, size * size);
-        four[i]->packed = carve(block, &used, size * size);
+        four[i]->packed = carve(block, &used, i % 2 ? 0 : size * size);
     }
     for (int i = 0; i < 6; ++i) self->stage[i] = carve(block, &used, n);
     self->point = carve(block, &used, n);
@@ -93,7 +93,7 @@ kernel *kernel_create(void) {
     const size_t doubles = lay_out(self, NULL);
     self->block = (double *)calloc(doubles, sizeof(double));
     const size_t n = (size_t)largest_dimensions().states;
-    self->places = (int *)calloc(6 * n + 1, sizeof(int));
+    self->places = (int *)calloc(5 * n + 1, sizeof(int));
     self->warned = (char *)calloc((size_t)MODEL.variables, 1);
     if (!self->block || !self->places || !self->warned) {
         kernel_free(self);
@@ -101,12 +101,10 @@ kernel *kernel_create(void) {
     }
     lay_out(self, self->block);
     self->place = self->places;
-    self->every = self->places + n;
-    self->whole.pivot = self->places + 2 * n;
-    self->algebraic.pivot = self->places + 3 * n;
-    self->kept.pivot = self->places + 4 * n;
-    self->kept_algebraic.pivot = self->places + 5 * n;
-    for (size_t i = 0; i < n; ++i) self->every[i] = (int)i;
+    self->whole.pivot = self->places + n;
+    self->algebraic.pivot = self->places + 2 * n;
+    self->kept.pivot = self->places + 3 * n;
+    self->kept_algebraic.pivot = self->places + 4 * n;
     kernel_reset(self);
     return self;
 }

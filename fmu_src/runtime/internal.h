@@ -34,13 +34,12 @@ enum { METHOD_EXACT = 1, METHOD_REUSED = 2, METHOD_EXPLICIT = 3 };
 
 enum { KEPT_NOTHING, KEPT_JACOBIAN, KEPT_FACTORS };
 
-/* A matrix by columns and its LU factors, see linear.c. */
+/* LU factors: of a matrix by columns, in place, with exchanges (linear.c), or packed and without (sparse.c). */
 typedef struct {
     double *matrix, *packed;
     int *pivot;
     int size;
-    int exchanged; /* first pivot that was exchanged with another row */
-    int outside;   /* entries that the system's lists do not name may be other than zero */
+    int sparse; /* the packed ones hold */
 } factors;
 
 typedef struct rosenbrock_tableau rosenbrock_tableau;
@@ -59,7 +58,7 @@ struct kernel {
     double *between, *first_slope, *last_slope;
     double *drive, *capacity, *margin, *output, *backup, *seed, *output_rate, *largest_change;
     factors whole, algebraic, kept, kept_algebraic;
-    int *place, *every; /* of the states in the order of elimination; 0, 1, 2 ... */
+    int *place; /* of the states in the order of elimination */
     int method;
     int kept_ready;    /* what there is of the kept Jacobian besides its place */
     int factors_serve; /* the factors `algebraic` are good enough for Newton's method */
@@ -109,7 +108,13 @@ INSIDE void tables_look_up(const system_description *system, int rank, const dou
 INSIDE int linear_factorise_step(kernel *self, factors *of, const double *jacobian, double diagonal);
 INSIDE void linear_solve_step(kernel *self, const factors *of, double *vector);
 INSIDE int linear_factorise_algebraic(kernel *self, factors *of, const double *jacobian);
-INSIDE void linear_solve_algebraic(const kernel *self, const factors *of, double *vector);
+INSIDE void linear_solve_algebraic(const factors *of, double *vector);
+/* The first two without exchanges; 0: a pivot is next to nothing. */
+#ifndef ONE_UNIT /* there the definition comes first */
+extern const double PIVOT_RATIO;
+#endif
+INSIDE int sparse_factorise(const kernel *self, factors *of, const double *jacobian, double diagonal);
+INSIDE void sparse_solve(const kernel *self, const factors *of, double *vector);
 /* Algebraic states, the others held, solved until their scaled change is below `tolerance` or round-off; all leave the
  * slopes in self->slope, and 0 means no success. Newton's method from self->jacobian, which is that of `state`; */
 INSIDE int algebraic_solve(kernel *self, double offset, double *state, double tolerance);

@@ -51,6 +51,11 @@ typedef struct {
     int velocity; /* index of the state */
 } friction_description;
 
+/* An entry of the factors of a step's matrix. */
+typedef struct {
+    unsigned short row, column;
+} factor_entry;
+
 typedef struct {
     const char *name;
     int states, algebraics, nonzeros, inputs, parameters, derived, frictions, outputs;
@@ -62,8 +67,12 @@ typedef struct {
     const double *nominal;                                            /* scale of each state, for the error control */
     const int *order; /* of elimination: entry i is the state that comes i-th in the linear equations */
     const int *jacobian_place; /* of each nonzero of the Jacobian in a matrix of that order, stored by columns */
-    /* For each pivot, the rows below it and the columns right of it that are not zero when it is their turn. */
-    const int *below_start, *below, *right_start, *right;
+    /* Factors, packed: diagonal; entries below it by columns; entries right of it by columns from the last one on. */
+    const int *below_start, *right_start; /* of each pivot, and all: entries below it, and right of it */
+    const factor_entry *lower, *upper;
+    const int *factor_place;           /* of each packed entry in a matrix of that order, stored by columns */
+    const unsigned short *right_place; /* packed places of the entries right of each pivot */
+    const unsigned short *target;      /* packed places that each pivot changes, entry right of it by entry */
     const int *algebraic; /* indices of the states that a residual instead of a derivative determines */
     const int *limited;   /* indices of the states whose change within a step is limited */
     const friction_description *friction;
