@@ -6,7 +6,7 @@ RUN := $(VENV)/bin/python
 # Matrices here are small: two processes with two threads of BLAS each take three times as long as with one each.
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: demo test test-fast check charts pages clean
+.PHONY: demo test test-fast test-long check charts pages clean
 
 demo: $(VENV)/demo-installed
 	$(RUN) build_fmu.py ssp
@@ -18,6 +18,10 @@ test: $(VENV)/test-installed check
 # Physics and numerics without the FMUs: under a minute once the kernels are compiled.
 test-fast: $(VENV)/test-installed
 	$(RUN) -m pytest -n 2 --dist worksteal tests/rbd_model tests/brake_controller tests/numerics tests/test_architecture.py
+
+# What the other tests show in part: binaries for all platforms.
+test-long: $(VENV)/test-installed
+	$(RUN) -m pytest -n 2 -m long
 
 check: $(VENV)/test-installed
 	$(RUN) -m ruff check .

@@ -19,7 +19,7 @@ from scenarios.brakes import anti_skid
 from scenarios.catalogue import SCENARIOS
 from scenarios.coupling import coupling_step
 from scenarios.methods import scenes as six_scenes
-from scenarios.numerics import oracle, speed_accuracy
+from scenarios.numerics import oracle, speed, speed_accuracy, stability_atlas
 from scenarios.reporting import report
 from scenarios.reporting.report import Row
 from scenarios.thesis import qr30, thesis_step
@@ -75,6 +75,15 @@ def short_anti_skid(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
+def short_measurements(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is measured for people is measured twice at most, and stability at fewer speeds, frictions and loads."""
+    monkeypatch.setattr(speed, "REPEATS", 2)
+    monkeypatch.setattr(stability_atlas, "SPEEDS", tuple(np.geomspace(0.01, 60.0, 11).tolist()))
+    monkeypatch.setattr(stability_atlas, "FRICTIONS", tuple(np.linspace(0.05, 0.6, 5).tolist()))
+    monkeypatch.setattr(stability_atlas, "LOADS", tuple(np.linspace(0.25, 1.5, 6).tolist()))
+
+
+@pytest.fixture
 def short_vehicles(monkeypatch: pytest.MonkeyPatch) -> None:
     """Longer macro steps, whose orders are the same, and the rail that is cleaned."""
     monkeypatch.setattr(vehicle_composed, "STEPS", tuple(1e-3 * n for n in (2, 2.5, 4, 5, 8, 10, 12.5, 16, 20, 25)))
@@ -91,7 +100,7 @@ def short_thesis_step(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("short_oracle", "short_coupling", "short_study")
-@pytest.mark.usefixtures("short_anti_skid", "short_vehicles", "short_thesis_step")
+@pytest.mark.usefixtures("short_anti_skid", "short_measurements", "short_vehicles", "short_thesis_step")
 @pytest.mark.parametrize("name", [scenario.name for scenario in SCENARIOS])
 def test_scenario_holds_and_leaves_table_data_and_picture(name: str, tmp_path: Path) -> None:
     assert main(["run", name, "--out", str(tmp_path)]) == 0

@@ -97,7 +97,7 @@ class Snapshot:
 
 def reach(of: Machine, scene: Mapping[str, float], seconds: float) -> Snapshot | None:
     """Runs the fast model to a state; None where the run ended before."""
-    kernel = Kernel(of.library, tolerance=1e-9, **scene)
+    kernel = Kernel(of.library, tolerance=1e-7, **scene)
     try:
         kernel.advance(seconds)
     except KernelError as error:
