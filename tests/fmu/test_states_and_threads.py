@@ -258,9 +258,9 @@ def test_two_builds_on_two_paths_have_equal_bytes(fmus: dict, tmp_path: Path) ->
     assert copies[0] == copies[1] == fmus["brake", "native"].read_bytes()
 
 
-#: On a new machine zig compiles the C library of each platform first, which takes half a minute.
+#: On a new machine zig compiles the C library of Windows first, which takes two minutes.
 SOME = [
-    pytest.param(["win64", "aarch64-linux"], id="two"),
+    pytest.param(["darwin64", "aarch64-linux"], id="two"),
     pytest.param(list(PLATFORMS), id="all", marks=pytest.mark.long),
 ]
 
@@ -288,9 +288,11 @@ def test_one_archive_for_several_platforms(
             binary = archive.read(f"binaries/{platform}/BrakeCylinder.so")
             assert int.from_bytes(binary[18:20], "little") == number
             assert b"GLIBC_2.3" not in binary  # no symbol newer than that of the declared, old library
-        again = tmp_path / "again.dll"
-        compiling.compile_library(generate(model_of("brake")), again, target="x86_64-windows-gnu", fmu=True)
-        assert again.read_bytes() == archive.read("binaries/win64/BrakeCylinder.dll")
+        name = next(name for name in ("win64", "aarch64-linux") if name in platforms)
+        (target,), suffix = PLATFORMS[name]
+        again = tmp_path / f"again{suffix}"
+        compiling.compile_library(generate(model_of("brake")), again, target=target, fmu=True)
+        assert again.read_bytes() == archive.read(f"binaries/{name}/BrakeCylinder{suffix}")
 
 
 def test_universal_binary_holds_both_parts_on_pages() -> None:
