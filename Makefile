@@ -15,7 +15,7 @@ demo: $(VENV)/demo-installed
 test: $(VENV)/test-installed check
 	$(RUN) -m pytest -n 2 --dist worksteal
 
-# Physics and numerics without the FMUs: under a minute once the kernels are compiled.
+# Physics and numerics without the FMUs: about a minute once the kernels are compiled.
 test-fast: $(VENV)/test-installed
 	$(RUN) -m pytest -n 2 --dist worksteal tests/rbd_model tests/brake_controller tests/numerics tests/test_architecture.py
 

@@ -93,8 +93,10 @@ def test_kalkers_coefficients_between_the_points_of_his_table_lie_on_a_smooth_cu
     """A cubic through ln c over ln(a/b), and the polynomials for a moving contact, against the factor on the limits."""
     ratios = np.exp(np.linspace(np.log(0.1), np.log(10.0), 301))
     cubic = CubicSpline(np.log(TABLE_RATIOS), np.log(COLUMNS[name]))
-    found = np.array([float(getattr(kalker_coefficients(ca.SX(x)), name)) for x in ratios])
-    moving = np.array([float(getattr(smooth_kalker_coefficients(ca.SX(np.log(x))), name)) for x in ratios])
+    ratio = ca.SX.sym("ratio")
+    laws = kalker_coefficients(ratio), smooth_kalker_coefficients(ca.log(ratio))
+    both = ca.Function("both", [ratio], [getattr(law, name) for law in laws])
+    found, moving = (np.array(one).ravel() for one in both.map(ratios.size)(ratios))
     assert found == pytest.approx(np.exp(cubic(np.log(ratios))), rel=BETWEEN_POINTS)
     assert moving == pytest.approx(found, rel=BETWEEN_POINTS)
     at_points = [float(getattr(kalker_coefficients(ca.SX(x)), name)) for x in TABLE_RATIOS]
