@@ -6,7 +6,7 @@ derivatives go through it by the chain rule. Nothing of the parts' equations is 
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -18,7 +18,8 @@ from fmu_src.system import Call, System, Table, Variable, Waist
 def scope(system: System, before: str = "", after: str = "", common: Collection[str] = ()) -> System:
     """The same system with every name between `before` and `after`, but for the names in `common`.
 
-    Of variables, states, tables and observables; equations know symbols, not names, and stay as they are.
+    Of variables, states, tables and observables; equations know symbols, not names, and stay as they are. So do the
+    sentences of frictions and conditions.
     """
 
     def named(name: str) -> str:
@@ -52,7 +53,9 @@ def compose(name: str, description: str, parts: Sequence[System], connections: M
     outputs and inputs that depend on each other in a ring without a state.
     """
     whole = System(name, description)
-    links = [link for part in parts for link in _links(whole, part)]
+    links = [_Link(link) for part in parts for link in part.links]
+    for part in parts:
+        links += [_same(part.time, whole.time), *_share_parameters(whole, part)]
     faces = {variable.name: variable for part in parts for variable in part.variables if variable.causality == "output"}
     for target, source in connections.items():
         links.append(_connected(name, parts, faces, target, source))
@@ -74,9 +77,9 @@ def _same(symbol: ca.SX, value: ca.SX, text: str = "") -> _Link:
     return _Link(Waist(value, symbol, value), text)
 
 
-def _links(whole: System, part: System) -> Iterator[_Link]:
-    """Those of a part, its time, and the parameters that an earlier part has too. Adds its parameters to the whole."""
-    yield _same(part.time, whole.time)
+def _share_parameters(whole: System, part: System) -> list[_Link]:
+    """Adds the parameters of a part to the whole; those that an earlier part has too are linked to that part's."""
+    shared = []
     declared = {variable.name: variable for variable in whole.variables}
     for variable in part.variables:
         if variable.causality != "parameter":
@@ -86,13 +89,13 @@ def _links(whole: System, part: System) -> Iterator[_Link]:
             whole.variables.append(variable)
             whole.parameter_symbols[variable.name] = symbol
         elif known.unit == variable.unit:
-            yield _same(symbol, whole.parameter_symbols[variable.name])
+            shared.append(_same(symbol, whole.parameter_symbols[variable.name]))
         else:
             raise ValueError(
                 f"{whole.name}: the parameter {variable.name} is in {known.unit} and, in {part.name}, in "
                 f"{variable.unit}; give one of them a scope."
             )
-    yield from (_Link(link) for link in part.links)
+    return shared
 
 
 def _connected(name: str, parts: Sequence[System], outputs: Mapping[str, Variable], target: str, source: str) -> _Link:

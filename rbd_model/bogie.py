@@ -95,7 +95,8 @@ def smallest_level(driven: Iterable[str], read: Iterable[str]) -> Choice:
     Raises ValueError for a name that no level has.
     """
     needed = [*driven, *read]
-    beyond = [name for name in needed if name not in set().union(*names_of_levels(False).values())]
+    of_one_bogie: set[str] = set().union(*names_of_levels(False).values())
+    beyond = [name for name in needed if name not in of_one_bogie]
     names = names_of_levels(bool(beyond))
     for name in needed:
         if name not in set().union(*names.values()):

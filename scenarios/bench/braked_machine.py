@@ -38,12 +38,11 @@ class Machine:
     brake: Mapping[str, float]
     values: Mapping[str, float]
 
-    @property
-    def full_deceleration(self) -> float:
-        """Of the full brake on a dry rail [m/s2], the wheelsets' rotation included."""
+    def deceleration(self, torque: float) -> float:
+        """On a dry rail with this torque on each wheelset [N.m], whose rotation is included [m/s2]."""
         p, count = self.parameters, len(self.numbers)
         rolling = self.mass + count * p.wheelset_pitch_inertia / p.wheel_radius**2
-        return count * self.full_torque / p.wheel_radius / rolling
+        return count * torque / p.wheel_radius / rolling
 
     def brake_with(self, application_time: float = APPLICATION_TIME, strength: float = 1.0) -> dict[str, float]:
         """Parameters of each cylinder; strength: torque over that of the full brake."""

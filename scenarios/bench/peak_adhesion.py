@@ -59,4 +59,4 @@ class PeakAdhesion:
     def braking(self, time: float) -> float:
         """Deceleration that the filling brake allows [m/s2]."""
         share = 1.0 - 20.0 ** (-max(0.0, time - BRAKE_START) / APPLICATION_TIME)
-        return share * self.machine.full_deceleration
+        return share * self.machine.deceleration(self.machine.full_torque)

@@ -20,15 +20,23 @@ from rbd_model.parameters import tables_5_1_and_5_2
 from scenarios.bench.braked_machine import APPLICATION_TIME, BrakedMachine, bogie
 from scenarios.bench.peak_adhesion import PeakAdhesion
 from scenarios.bench.protected_stop import ProtectedStop, Settings, protected_stop
-from scenarios.bench.rails import ABOVE, BAND, LOCK_ABOVE, LOW_FRICTION, RAILS, RailCase, low_rail
+from scenarios.bench.rails import (
+    ABOVE,
+    BAND,
+    LOCK_ABOVE,
+    LONGEST_LOCK,
+    LOW_FRICTION,
+    OVER_IDEAL,
+    RAILS,
+    SHARE,
+    RailCase,
+    low_rail,
+)
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, plt
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row, at_least, at_most, between
 from scenarios.scenario import Options, Scenario, Sweepable
 
-#: What is asked of the protection on the low rail: longest lock [s], share of the time in the band, and the stopping
-#: distance over that of the ideal.
-LONGEST_LOCK, SHARE, OVER_IDEAL = 0.4, 0.8, 1.15
 #: Controller periods and host steps on which the low rail is tried again [s].
 PERIODS, HOST_STEPS = (2e-3, 5e-3, 1e-2, 2e-2), (1e-3, 5e-3, 1e-2)
 #: Runs of the measurement of speed.

@@ -13,7 +13,7 @@ from scenarios.bench.braked_machine import BrakedMachine, coach
 from scenarios.bench.four_axles import NUMBERS
 from scenarios.bench.peak_adhesion import PeakAdhesion
 from scenarios.bench.protected_stop import BRAKE_START, ProtectedStop, Settings, protected_stop
-from scenarios.bench.rails import ABOVE, BAND, LOCK_ABOVE, RailCase, low_rail
+from scenarios.bench.rails import ABOVE, BAND, LOCK_ABOVE, LONGEST_LOCK, OVER_IDEAL, RailCase, low_rail
 from scenarios.reporting.plots import BOGIE, FOUR, plt
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row, at_least, at_most, between
@@ -24,8 +24,6 @@ CLEANED = 1.1
 RAILS = (RailCase("low", low_rail()), RailCase("low, cleaned", low_rail(), (("cleaned_friction", CLEANED),)))
 #: Part of that factor that must be seen from one wheelset to the next in the adhesion that they use.
 HALF_OF_IT = 0.5
-#: What is asked of the protection: longest lock [s], and the stopping distance over that of the ideal.
-LONGEST_LOCK, OVER_IDEAL = 0.4, 1.15
 
 
 @dataclass(frozen=True)

@@ -189,7 +189,7 @@ def run(options: Options) -> Result:
         series.add(f"growth, {'body' if body else 'bogies'}, {name}", "1/s", np.array(values))
     remarks = [
         "Body hunting: guidance by conical wheels shakes the body where its frequency meets one of the body's own, and "
-        "only dampers keep it down. Bogie hunting: frames and wheelsets at three times that frequency. On the "
+        "only dampers keep it down. Bogie hunting: frames and wheelsets, several times as fast. On the "
         "synthetic profiles (conicity about 0.05); worn wheels hunt earlier.",
         f"With a rolling resistance of {DRAG:g} N.m a wheelset: without any creep Polach's law has no unique slope.",
     ]

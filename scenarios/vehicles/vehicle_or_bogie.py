@@ -12,11 +12,12 @@ from tqdm import tqdm
 
 from fmu_src.kernel import Kernel
 from rbd_model.parameters import one_bogie_of
+from scenarios.bench.braked_machine import coach
 from scenarios.bench.drive import located_lock_time, play, prepare
-from scenarios.bench.four_axles import ALONG_DAMPING, COACH, NUMBERS, brakes, rigid_axle_loads
+from scenarios.bench.four_axles import ALONG_DAMPING, COACH, NUMBERS, rigid_axle_loads
 from scenarios.cosimulation.recording import Recording
 from scenarios.methods.timing import LEVELS, least
-from scenarios.reporting.plots import FOUR, LEADING, THREE, TRAILING, plt
+from scenarios.reporting.plots import LEADING, THREE, TRAILING, plt
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row, at_most, near
 from scenarios.scenario import Options, Scenario
@@ -40,8 +41,8 @@ VALUES: dict[str, dict[str, float]] = {
     ONE: dict(one_bogie_of(COACH).values()),
 }
 OWN = {WHOLE: NUMBERS, ONE: NUMBERS[:2]}
-#: Which wheelsets of the vehicle one of the bogie stands for.
-STANDS_FOR = {1: (1, 3), 2: (2, 4)}
+#: Wheelsets of the vehicle for which the leading one of the bogie stands.
+LEADERS = (1, 3)
 
 
 def static_torque(friction: float) -> float:
@@ -59,7 +60,7 @@ def brake(name: str, friction: float, share: float, ramp: float, duration: float
     """All brakes to a share of the static torque."""
     kernel, torque = start(name, friction), share * static_torque(friction)
     read = ("speed", "distance", "acceleration", *(f"axle_load_{n}" for n in OWN[name]))
-    inputs = {key: [(0.0, 0.0), (ramp, torque)] for key in brakes(torque) if int(key[-1]) in OWN[name]}
+    inputs = {f"brake_torque_{n}": [(0.0, 0.0), (ramp, torque)] for n in OWN[name]}
     return kernel, play(name, kernel, duration, INTERVAL, read, inputs)
 
 
@@ -81,7 +82,7 @@ def differ(friction: float, share: float) -> Difference:
         load = series[name][f"axle_load_{number}"]
         return float(load[late[: load.size]].mean() - load[0])
 
-    farthest = max(abs(transfer(WHOLE, n) - transfer(ONE, 1)) for n in STANDS_FOR[1])
+    farthest = max(abs(transfer(WHOLE, n) - transfer(ONE, 1)) for n in LEADERS)
     distance = float(series[ONE]["distance"][-1] / series[WHOLE]["distance"][-1] - 1.0)
     deceleration = -float(series[WHOLE]["acceleration"][late].mean())
     return Difference(distance, farthest / abs(transfer(ONE, 1)), deceleration)
@@ -108,9 +109,7 @@ def rigid_lock(friction: float, whole: bool) -> float:
     for _ in range(50):
         share = (low + high) / 2
         torque = share * static_torque(friction)
-        mass = COACH.body_mass + 2 * COACH.frame_mass + 4 * COACH.wheelset_mass
-        rolling = mass + 4 * COACH.wheelset_pitch_inertia / COACH.wheel_radius**2
-        deceleration = 4 * torque / COACH.wheel_radius / rolling
+        deceleration = coach().deceleration(torque)
         loads = rigid_axle_loads(COACH, deceleration, torque, 1.0)
         lightest = loads[3] if whole else (loads[1] + loads[3]) / 2
         creep = (torque - COACH.wheelset_pitch_inertia * deceleration / COACH.wheel_radius) / COACH.wheel_radius
@@ -129,7 +128,7 @@ def cost(name: str, level: int) -> float:
 
     def once() -> None:
         kernel = start(name, FRICTIONS[-1], level)
-        kernel.set(**{key: 0.5 * static_torque(FRICTIONS[-1]) for key in brakes(1.0) if int(key[-1]) in OWN[name]})
+        kernel.set(**{f"brake_torque_{n}": 0.5 * static_torque(FRICTIONS[-1]) for n in OWN[name]})
         kernel.initialise()
         kernel.advance(DURATION)
 
@@ -219,7 +218,7 @@ def draw_locks(axis: Axes, locks: Mapping[tuple[str, float], tuple[int, float]])
 
 
 def draw_costs(axis: Axes, costs: Mapping[tuple[str, int], float]) -> None:
-    for offset, (name, colour) in enumerate(((ONE, FOUR[0]), (WHOLE, FOUR[3]))):
+    for offset, (name, colour) in enumerate(((ONE, LEADING), (WHOLE, TRAILING))):
         values = [1e3 * costs[name, level] for level in LEVELS]
         axis.bar(np.arange(len(LEVELS)) + 0.35 * (offset - 0.5), values, 0.33, color=colour, label=name)
     axis.set_xticks(range(len(LEVELS)), list(LEVELS.values()))

@@ -13,8 +13,7 @@ from scenarios.bench.braked_machine import BrakedMachine, bogie
 from scenarios.bench.own_controller import FixedSlip
 from scenarios.bench.peak_adhesion import PeakAdhesion
 from scenarios.bench.protected_stop import Settings, protected_stop
-from scenarios.bench.rails import ABOVE, BAND, LOCK_ABOVE, RAILS
-from scenarios.brakes.anti_skid import LONGEST_LOCK, OVER_IDEAL, SHARE
+from scenarios.bench.rails import ABOVE, BAND, LOCK_ABOVE, LONGEST_LOCK, OVER_IDEAL, RAILS, SHARE
 
 LOW = next(rail for rail in RAILS if rail.name == "low").values()
 

@@ -100,15 +100,14 @@ def test_accelerations_and_normal_forces_are_those_of_chapter_3(wheelsets: int) 
 
 
 def test_random_states_contain_what_they_are_meant_to() -> None:
-    every = [*snapshots(1), *snapshots(2)]
-    assert len(every) >= 100
-    clearance = every[0].machine.parameters.flange_clearance
-    flanges = [s for s in every if offset(s) > clearance]
-    assert len(flanges) >= 10
-    assert sum(any(s.locked) for s in every) >= 5
-    assert sum(s.scene["yaw_torque_rotates"] > 0.5 for s in every) >= 30
-    assert max(abs(s.value["roll_1"]) for s in every) > 1e-3
-    assert max(abs(s.value["yaw_1"]) for s in every) > 5e-3
+    for every, least in (([*snapshots(1), *snapshots(2)], 100), (snapshots(4), 50)):
+        assert len(every) >= least
+        flanges = [s for s in every if offset(s) > s.machine.parameters.flange_clearance]
+        assert len(flanges) >= 10
+        assert sum(any(s.locked) for s in every) >= 5
+        assert sum(s.scene["yaw_torque_rotates"] > 0.5 for s in every) >= 30
+        assert max(abs(s.value["roll_1"]) for s in every) > 1e-3
+        assert max(abs(s.value["yaw_1"]) for s in every) > 5e-3
 
 
 def offset(snapshot: Snapshot) -> float:
@@ -117,7 +116,7 @@ def offset(snapshot: Snapshot) -> float:
     v = snapshot.value
     found = []
     for n in range(1, snapshot.machine.wheelsets + 1):
-        distance = v["frame_distance"] + oracle.place(n - 1) + v[f"shift_{n}"]
+        distance = v[f"{snapshot.machine.bodies[0]}_distance"] + oracle.place(n - 1) + v[f"shift_{n}"]
         found.append(abs(v[f"lateral_{n}"] - oracle.irregularity(distance)[0, 0]))
     return max(found)
 
