@@ -478,7 +478,7 @@ def integration_variables(tolerance: float) -> tuple[Variable, Variable, Variabl
             "integration_method",
             "parameter",
             "1",
-            "1 Rosenbrock (RODAS, order 4); 2 Rosenbrock with a reused Jacobian (ROS34PW2, order 3); "
+            "1 Rosenbrock (RODAS5P, order 5); 2 Rosenbrock with a reused Jacobian (ROS34PW2, order 3); "
             "3 explicit Runge-Kutta (order 4)",
             start=1.0,
             minimum=1.0,

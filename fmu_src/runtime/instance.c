@@ -70,7 +70,7 @@ static size_t lay_out(kernel *self, double *block) {
         four[i]->matrix = carve(block, &used, size * size);
         four[i]->packed = carve(block, &used, i % 2 ? 0 : size * size);
     }
-    for (int i = 0; i < 6; ++i) self->stage[i] = carve(block, &used, n);
+    for (int i = 0; i < MOST_STAGES; ++i) self->stage[i] = carve(block, &used, n);
     self->point = carve(block, &used, n);
     self->between = carve(block, &used, n);
     self->first_slope = carve(block, &used, n);

@@ -114,7 +114,7 @@ static double longest_step(kernel *self, double offset) {
 
 /* A step that the error control accepts. Returns its length; 0 after a failure, with the sentence set. */
 static double adaptive_step(kernel *self, progress *now) {
-    const rosenbrock_tableau *method = self->method == METHOD_REUSED ? &ROS34PW2 : &RODAS;
+    const rosenbrock_tableau *method = self->method == METHOD_REUSED ? &ROS34PW2 : &RODAS5P;
     const double proposed = self->now.proposed_step, remaining = now->remaining;
     if (self->method == METHOD_EXACT && !start_exact_step(self, now->offset)) return 0.0;
     const double longest = longest_step(self, now->offset);
@@ -138,7 +138,7 @@ static double adaptive_step(kernel *self, progress *now) {
             /* A step cut short by the end of the interval says nothing against the longer one proposed before. */
             const int cut = size == wanted && wanted < proposed && next < proposed;
             self->now.proposed_step = cut ? proposed : next;
-            if (self->method == METHOD_EXACT) keep_jacobian(self, now, fmin(self->now.proposed_step, longest));
+            if (self->method == METHOD_EXACT) keep_jacobian(self, now, fmin(rosenbrock_allowed_size(method, size, error), longest));
             return size;
         }
         self->counters.rejected++;

@@ -27,7 +27,7 @@ typedef struct {
     double *buffer;
 } kernel_recorder;
 
-enum { JOURNAL_SIZE = 4096, CLOCK_SIZE = 48 };
+enum { JOURNAL_SIZE = 4096, CLOCK_SIZE = 48, MOST_STAGES = 8 };
 
 /* Values of integration_method. */
 enum { METHOD_EXACT = 1, METHOD_REUSED = 2, METHOD_EXPLICIT = 3 };
@@ -53,7 +53,7 @@ struct kernel {
     size_t restored;
     /* Not restored: work space of one step. */
     double *parameter, *input, *rate, *stage_input, *coefficient, *table_at;
-    double *trial, *slope, *time_slope, *nonzero, *jacobian, *kept_jacobian, *stage[6], *point, *ordered, *differential;
+    double *trial, *slope, *time_slope, *nonzero, *jacobian, *kept_jacobian, *stage[MOST_STAGES], *point, *ordered, *differential;
     /* `ordered` has room for two vectors. */
     double *between, *first_slope, *last_slope;
     double *drive, *capacity, *margin, *output, *backup, *seed, *output_rate, *largest_change;
@@ -127,7 +127,7 @@ INSIDE int algebraic_reduce(kernel *self, double offset, double *jacobian);
 /* Rosenbrock methods. The error of a trial step is in units of the tolerance; a value that is not <= 1, NaN included,
  * means "reject". The new state is in self->trial. */
 #ifndef ONE_UNIT /* there their definitions come first */
-extern const rosenbrock_tableau RODAS, ROS34PW2;
+extern const rosenbrock_tableau RODAS5P, ROS34PW2;
 #endif
 INSIDE void rosenbrock_evaluate_jacobian(kernel *self, double offset, const double *state, double *jacobian);
 INSIDE void rosenbrock_linearise(kernel *self, double offset, const double *state);
@@ -135,7 +135,9 @@ INSIDE int rosenbrock_factorise(kernel *self, const rosenbrock_tableau *method, 
                                 double size);
 INSIDE double rosenbrock_step(kernel *self, const rosenbrock_tableau *method, const factors *of, double offset,
                               double size);
-INSIDE double rosenbrock_try(kernel *self, double offset, double size); /* with RODAS; linearise first */
+INSIDE double rosenbrock_try(kernel *self, double offset, double size); /* with RODAS5P; linearise first */
+/* The step whose error would be about the tolerance, and as much of it as one step may differ from the one before. */
+INSIDE double rosenbrock_allowed_size(const rosenbrock_tableau *method, double size, double error);
 INSIDE double rosenbrock_next_size(const rosenbrock_tableau *method, double size, double error);
 INSIDE void rosenbrock_interpolate(const kernel *self, double fraction, double *state);
 /* With ROS34PW2: a step with the kept Jacobian, made anew when it is too old or the step fails. */

@@ -13,7 +13,7 @@ from scenarios.bench.drive import prepare
 from scenarios.methods.integrators import layout
 
 #: Values of integration_method.
-RODAS, ROS34PW2, RUNGE_KUTTA = 1, 2, 3
+RODAS5P, ROS34PW2, RUNGE_KUTTA = 1, 2, 3
 #: Time in which a start becomes a steady run [s].
 SETTLING = 0.3
 #: Steps over which a perturbation along the fastest mode grows or decays, by 60 at the most within 10 % of the limit.

@@ -21,7 +21,7 @@ REPEATED, MOST_REPEATS = 0.5, 5
 GROWING = ("RK4, fixed step", "RK45 (SciPy)")
 #: The reference's tolerance, and that of the second reference which tells how sure it is.
 REFERENCE, SECOND_REFERENCE = 1e-10, 1e-11
-DEFAULT = "default: RODAS"
+DEFAULT = "default: RODAS5P"
 #: Methods of others, which the default is measured against.
 PEERS = ("RK45 (SciPy)", "Radau (SciPy)", "BDF (SciPy)", "LSODA (SciPy)", "CVODE", "IDA")
 #: Host steps of the FMUs [s].
@@ -80,7 +80,7 @@ def refer(scene: Scene) -> tuple[dict[str, float], float, tuple[str, str]]:
     if first.failure or second.failure:
         raise RuntimeError(f"{scene.name} has no reference: {first.failure or second.failure}")
     measures = scene.measure(first.samples)
-    words = ("CVODE 1e-10" if with_sundials else "Radau 1e-9", "RODAS 1e-11")
+    words = ("CVODE 1e-10" if with_sundials else "Radau 1e-9", "RODAS5P 1e-11")
     return measures, difference(scene.measure(second.samples), measures), words
 
 
@@ -108,7 +108,7 @@ def works(scene: Scene, short: bool) -> Iterator[Work]:
     for value in every:
         yield DEFAULT, value, lambda value=value: own(scene, tolerance=value)  # type: ignore[misc]
         yield "ROS34PW2", value, lambda value=value: own(scene, tolerance=value, integration_method=2)  # type: ignore[misc]
-    fixed = {"RODAS, fixed step": 1, "ROS34PW2, fixed step": 2, "RK4, fixed step": 3}
+    fixed = {"RODAS5P, fixed step": 1, "ROS34PW2, fixed step": 2, "RK4, fixed step": 3}
     for name, method in fixed.items():
         steps = (1e-2, 3e-3, 1e-3) if method < 3 else (1e-3, 5e-4, 2e-4)
         for step in steps[-1:] if short else steps:

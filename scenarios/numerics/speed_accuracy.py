@@ -39,7 +39,7 @@ HOST_STEPS = (1e-3, 5e-3, 1e-2)
 STYLE = {
     DEFAULT: ("#0072b2", "o", "-"),
     "ROS34PW2": ("#56b4e9", "s", "-"),
-    "RODAS, fixed step": ("#0072b2", "o", ":"),
+    "RODAS5P, fixed step": ("#0072b2", "o", ":"),
     "ROS34PW2, fixed step": ("#56b4e9", "s", ":"),
     "RK4, fixed step": ("#cc79a7", "^", ":"),
     "RK45 (SciPy)": ("#cc79a7", "v", "--"),
@@ -90,7 +90,7 @@ def scene_rows(one: Study) -> list[Row]:
     for setting, word in ((1e-4, "at 1e-4"), (1e-5, "at 1e-5")):
         for point in one.of(DEFAULT):
             if point.setting == setting:
-                rows.append(Row(f"{name}: error of RODAS {word}", "1", None, point.error, None, source))
+                rows.append(Row(f"{name}: error of RODAS5P {word}", "1", None, point.error, None, source))
                 share = point.seconds / default.seconds
                 rows.append(Row(f"{name}: time {word} over the default's", "1", None, share, None, "measured now"))
     ours, other = one.fastest([DEFAULT], WANTED), one.fastest(PEERS, WANTED)
@@ -122,7 +122,7 @@ def stop_rows() -> list[Row]:
             None,
             found["stop time"] - exact["stop time"],
             near(0.0, STOP_TIME),
-            "RODAS 1e-11",
+            "RODAS5P 1e-11",
         ),
         Row(
             "22.9 s stop: error of distance",
@@ -130,7 +130,7 @@ def stop_rows() -> list[Row]:
             None,
             found["distance"] - exact["distance"],
             near(0.0, DISTANCE),
-            "RODAS 1e-11",
+            "RODAS5P 1e-11",
         ),
     ]
     rows += sundials_stop_rows(exact, difference(found, exact))
@@ -146,7 +146,7 @@ def stop_rows() -> list[Row]:
     words = "flange contact and rotating yaw torque"
     rows += [
         Row(f"{words}: time", "s", None, flange.seconds, None, "measured now; to reach 0.2"),
-        Row(f"{words}: error of the peak", "mm", None, 1e3 * (peak - tight), near(0.0, 1e3 * PEAK), "RODAS 1e-9"),
+        Row(f"{words}: error of the peak", "mm", None, 1e3 * (peak - tight), near(0.0, 1e3 * PEAK), "RODAS5P 1e-9"),
     ]
     return rows
 

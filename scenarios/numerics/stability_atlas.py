@@ -22,7 +22,7 @@ from scenarios.methods.integrators import layout
 from scenarios.methods.stability import (
     EXPLICIT,
     MACHINES,
-    RODAS,
+    RODAS5P,
     ROS34PW2,
     RUNGE_KUTTA,
     SPATIAL,
@@ -37,8 +37,8 @@ from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row, at_least, at_most, near
 from scenarios.scenario import Options, Scenario
 
-NAMES = {RODAS: "RODAS", ROS34PW2: "ROS34PW2", RUNGE_KUTTA: "RK4"}
-COLOURS = {RODAS: LEADING, ROS34PW2: "#56b4e9", RUNGE_KUTTA: TRAILING}
+NAMES = {RODAS5P: "RODAS5P", ROS34PW2: "ROS34PW2", RUNGE_KUTTA: "RK4"}
+COLOURS = {RODAS5P: LEADING, ROS34PW2: "#56b4e9", RUNGE_KUTTA: TRAILING}
 #: Speeds [m/s] of the theory, and those at which it is tried.
 SPEEDS = tuple(float(speed) for speed in np.geomspace(0.01, 60.0, 25))
 TRIED = (0.01, 0.1, 1.0, 10.0, 25.0, 60.0)
@@ -101,7 +101,7 @@ def growths(atlas: Atlas) -> None:
                 warned = any("stability limit" in line for line in grown.journal)
                 atlas.growth.append((machine.name, speed, share, grown.factor, predicted, warned))
             for multiple in MULTIPLES:
-                grown = growth_of_perturbation(machine, speed, multiple * step, RODAS)
+                grown = growth_of_perturbation(machine, speed, multiple * step, RODAS5P)
                 atlas.default_growth.append((machine.name, speed, multiple * step, grown.factor))
 
 
@@ -264,7 +264,7 @@ def rows_of(atlas: Atlas) -> list[Row]:
         )
     growth = max(one[3] for one in atlas.default_growth)
     rows.append(
-        Row("RODAS at 2 to 100 times that limit: largest growth in a step", "1", None, growth, at_most(1.0), "L-stable")
+        Row("RODAS5P at 2 to 100 times that limit: largest growth in a step", "1", None, growth, at_most(1.0), "L-stable")
     )
     return rows + silent_rows(atlas) + rest_rows(atlas) + fold_rows(atlas) + drift_rows(atlas)
 
@@ -279,9 +279,9 @@ def silent_rows(atlas: Atlas) -> list[Row]:
         error, warned = next((e, w) for s, e, w in atlas.silent[RUNGE_KUTTA] if s == step)
         words = "the log says so" if warned else "the log is silent"
         name = f"RK4 over a wave, step {1e3 * step:g} ms: error of the lateral motion"
-        rows.append(Row(name, "mm", None, 1e3 * error, None, "against RODAS 1e-10", words))
-    error = next(e for s, e, _ in atlas.silent[RODAS] if s == 1e-3)
-    rows.append(Row("RODAS with the same step of 1 ms", "mm", None, 1e3 * error, at_most(1e-3), "against RODAS 1e-10"))
+        rows.append(Row(name, "mm", None, 1e3 * error, None, "against RODAS5P 1e-10", words))
+    error = next(e for s, e, _ in atlas.silent[RODAS5P] if s == 1e-3)
+    rows.append(Row("RODAS5P with the same step of 1 ms", "mm", None, 1e3 * error, at_most(1e-3), "against RODAS5P 1e-10"))
     return rows
 
 
@@ -377,7 +377,7 @@ def run(options: Options) -> Result:
     remarks = [
         "RK4's limit is about 32 us for each m/s, 66 us for a single wheelset. Above it nothing blows up: creep "
         "saturates, the axles shake, and what is slow still looks right; the log says that it is not.",
-        "RODAS and ROS34PW2 have no such limit. With fixed steps their error is what remains, and the log says when it "
+        "RODAS5P and ROS34PW2 have no such limit. With fixed steps their error is what remains, and the log says when it "
         "exceeds the tolerance.",
         "At perfect rolling the law of creep has no unique slope (3.92): limits are taken under light braking.",
     ]
@@ -416,7 +416,7 @@ def draw_limits(axis: Axes, atlas: Atlas) -> None:
     held = [
         (speed, step) for name, speed, step, factor in atlas.default_growth if name == SPATIAL.name and factor < 1.0
     ]
-    axis.plot(*zip(*held, strict=True), "^", color=BOGIE, markersize=4, label="RODAS, tried and stable")
+    axis.plot(*zip(*held, strict=True), "^", color=BOGIE, markersize=4, label="RODAS5P, tried and stable")
     logarithmic(axis, "speed [m/s]", "largest stable step [s]")
     axis.set_title("Largest stable step of explicit methods over speed")
     axis.legend(fontsize=7)

@@ -226,7 +226,7 @@ def row_of(printed: Printed, step: float | None, value: float, warned: bool) -> 
         value,
         printed.band,
         printed.source,
-        "RODAS" if step is None else log,
+        "RODAS5P" if step is None else log,
         printed.vampire,
     )
 

@@ -15,8 +15,8 @@ from fmu_src.compile import build_library
 from fmu_src.kernel import DISCARD, ERROR, Kernel, KernelError, Library
 from fmu_src.system import Friction, System, Variable, interpolation, model_of
 
-#: Theory: RODAS (Hairer and Wanner 1996, VI.4), ROS34PW2 with any matrix (Rang and Angermann 2005), Runge-Kutta.
-ORDERS, ORDER_BAND = {1: 4.0, 2: 3.0, 3: 4.0}, 0.2
+#: Theory: RODAS5P (Steinebach 2023), ROS34PW2 with any matrix (Rang and Angermann 2005), Runge-Kutta.
+ORDERS, ORDER_BAND = {1: 5.0, 2: 3.0, 3: 4.0}, 0.2
 
 
 def real(name: str, causality: str, start: float = 0.0, **more: float) -> Variable:

@@ -10,7 +10,7 @@ from scenarios.methods.fold import approach
 from scenarios.methods.stability import (
     MACHINES,
     PLANAR,
-    RODAS,
+    RODAS5P,
     RUNGE_KUTTA,
     SPATIAL,
     Machine,
@@ -45,7 +45,7 @@ def test_explicit_steps_are_stable_below_the_predicted_limit_and_unstable_above(
 @pytest.mark.parametrize("speed", SPEEDS)
 def test_default_method_is_stable_far_above_that_limit(machine: Machine, speed: float) -> None:
     for multiple in (1.1, 10.0, 100.0):
-        assert growth_of_perturbation(machine, speed, multiple * limit(machine, speed), RODAS).factor < 0.9
+        assert growth_of_perturbation(machine, speed, multiple * limit(machine, speed), RODAS5P).factor < 0.9
 
 
 def test_limit_is_that_of_the_stability_region_on_both_axes() -> None:

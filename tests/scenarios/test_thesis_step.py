@@ -7,7 +7,7 @@ import pytest
 
 from scenarios.thesis.thesis_step import GRID, RUNS, Run, thesis_reading
 
-#: Below the limit: RK4 at 0.4 ms and RODAS at its default tolerance of 1e-6 agree to 1e-7 on the largest shift.
+#: Below the limit: RK4 at 0.4 ms and RODAS5P at its default tolerance of 1e-6 agree to 1e-7 on the largest shift.
 BELOW_BAND = 1e-6
 #: Classical Runge-Kutta is of order 4; the slope of three errors that span a factor of 5.
 ORDER, ORDER_BAND = 4.0, 0.1
