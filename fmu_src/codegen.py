@@ -9,11 +9,11 @@ import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import accumulate
 from pathlib import Path
 
 import casadi as ca
 
+from fmu_src.elimination import Elimination, elimination, elimination_source
 from fmu_src.model_description import model_description
 from fmu_src.system import Call, Model, Part, System, integration_variables, state_variable
 
@@ -60,8 +60,6 @@ FUNCTIONS = (
     "output_along",
     "residual_along",
 )
-#: Of an entry in the packed factors, an unsigned short in C.
-LARGEST_PLACE = 65535
 KINDS = {"real": "KIND_REAL", "integer": "KIND_INTEGER", "boolean": "KIND_BOOLEAN"}
 
 
@@ -149,44 +147,6 @@ def _function(system: System, name: str, expressions: list[ca.SX], given: list[c
     return Generated(ca.Function(f"{system.name}_{name}", taken, simplified), needed, differentiated)
 
 
-@dataclass(frozen=True)
-class Elimination:
-    """How the linear equations of a step are solved: numbers of states and of places in a dense matrix.
-
-    order: the states, so that the factors stay sparse; jacobian_place: of each nonzero of
-    the Jacobian in a matrix of that order, stored by columns; below, right: for each pivot, the rows below it and the
-    columns right of it that are not zero when it is their turn.
-    """
-
-    order: list[int]
-    jacobian_place: list[int]
-    below: list[list[int]]
-    right: list[list[int]]
-
-
-def elimination(system: System) -> Elimination:
-    """Symbolic factorisation of I/(gamma h) - J without exchanges, the pivot with the least work first (Markowitz)."""
-    pattern = system.jacobian(system.ode, system.arguments[1]).sparsity()
-    count = len(system.states)
-    row_states: list[set[int]] = [{state} for state in range(count)]
-    triplets = list(zip(*pattern.get_triplet(), strict=True))
-    for i, j in triplets:
-        row_states[i].add(j)
-    left, order, lists = set(range(count)), [], []
-    while left:
-        users = {state: {row for row in left if state in row_states[row]} - {state} for state in left}
-        pivot = min(left, key=lambda state: (len(users[state]) * (len(row_states[state] & left) - 1), state))
-        left.remove(pivot)
-        order.append(pivot)
-        lists.append((users[pivot], row_states[pivot] & left))
-        for row in users[pivot]:
-            row_states[row] |= row_states[pivot] & left
-    position = {state: place for place, state in enumerate(order)}
-    places = [position[j] * count + position[i] for i, j in triplets]
-    below, right = ([sorted(position[state] for state in one[side]) for one in lists] for side in (0, 1))
-    return Elimination(order, places, below, right)
-
-
 def _table_ranks(system: System) -> int:
     return 1 + max((table.rank for table in system.tables), default=-1)
 
@@ -203,8 +163,9 @@ def generate(model: Model) -> dict[str, str]:
 @lru_cache(maxsize=8)
 def _sources(model: Model) -> dict[str, str]:
     generated = [functions(system) for system in model.systems]
-    sources = {"equations.c": _equations(generated)}
-    description = _description(model, generated)
+    solving = {system.name: elimination(system) for system in model.systems}
+    sources = {"equations.c": _equations(generated), "elimination.c": elimination_source(solving)}
+    description = _description(model, generated, solving)
     # The GUID is a function of everything a host can see: equations, description, texts and units.
     guid = content_guid([*sources.values(), description, model_description(model, "")])
     sources["model.c"] = description.replace("@GUID@", guid)
@@ -342,32 +303,7 @@ def _array(kind: str, name: str, values: Iterable[str]) -> str:
     return f"static const {kind} {name}[] = {{{', '.join(entries)}}};" if entries else ""
 
 
-def _factor_arrays(prefix: str, solving: Elimination) -> Iterable[str]:
-    """Where the entries of the factors lie, packed as model.h says, and which of them each pivot changes."""
-    count = len(solving.order)
-    lower = [(row, pivot) for pivot, rows in enumerate(solving.below) for row in rows]
-    right = [(pivot, column) for pivot, columns in enumerate(solving.right) for column in columns]
-    upper = sorted(right, key=lambda entry: (-entry[1], entry[0]))
-    packed = [*((pivot, pivot) for pivot in range(count)), *lower, *upper]
-    place = {entry: number for number, entry in enumerate(packed)}
-    if len(packed) > LARGEST_PLACE:
-        raise ValueError(
-            f"{prefix}: its factors have {len(packed)} entries, {LARGEST_PLACE} at most; split the system."
-        )
-    for name, lists in (("below", solving.below), ("right", solving.right)):
-        yield _array("int", f"{prefix}_{name}_start", map(str, [0, *accumulate(map(len, lists))]))
-    for name, entries in (("lower", lower), ("upper", upper)):
-        yield _array(
-            "factor_entry", f"{prefix}_{name}", [*(f"{{{row}, {column}}}" for row, column in entries), "{0, 0}"]
-        )
-    yield _array("int", f"{prefix}_factor_place", [str(column * count + row) for row, column in packed])
-    yield _array("unsigned short", f"{prefix}_right_place", [*(str(place[entry]) for entry in right), "0"])
-    pivots = zip(solving.below, solving.right, strict=True)
-    targets = [str(place[row, column]) for rows, columns in pivots for column in columns for row in rows]
-    yield _array("unsigned short", f"{prefix}_target", [*targets, "0"])
-
-
-def _system_arrays(model: Model, system: System) -> Iterable[str]:
+def _system_arrays(model: Model, system: System, solving: Elimination) -> Iterable[str]:
     """The constants of a system; what equal wheels have in common, the tables of their profile, is stored once."""
     prefix = system.name
     outputs = [variable.name for variable in system.variables if variable.causality == "output"]
@@ -380,10 +316,10 @@ def _system_arrays(model: Model, system: System) -> Iterable[str]:
     shown = [-1 if s.algebraic else model.index(state_variable(s.name)) for s in system.states.values()]
     yield _array("int", f"{prefix}_state_variable", map(str, shown))
     yield _array("double", f"{prefix}_nominal", [_number(state.nominal) for state in system.states.values()])
-    solving = elimination(system)
     yield _array("int", f"{prefix}_order", map(str, solving.order))
     yield _array("int", f"{prefix}_jacobian_place", map(str, solving.jacobian_place))
-    yield from _factor_arrays(prefix, solving)
+    places = (str(column * len(solving.order) + row) for row, column in solving.place)
+    yield _array("int", f"{prefix}_factor_place", places)
     position = {name: number for number, name in enumerate(system.states)}
     limited = [position[name] for name, _ in system.largest_changes]
     yield _array("int", f"{prefix}_limited", map(str, limited))
@@ -415,7 +351,7 @@ def _system_arrays(model: Model, system: System) -> Iterable[str]:
     yield _array("char *const", f"{prefix}_sentence", sentences)
 
 
-def _system_entry(system: System, made: dict[str, Generated]) -> str:
+def _system_entry(system: System, made: dict[str, Generated], solving: Elimination) -> str:
     """A system_description, its members by position: C++ before 2020 knows no other way."""
     prefix = system.name
     outputs = [variable.name for variable in system.variables if variable.causality == "output"]
@@ -423,6 +359,8 @@ def _system_entry(system: System, made: dict[str, Generated]) -> str:
         "states": len(system.states),
         "algebraics": sum(state.algebraic for state in system.states.values()),
         "nonzeros": made["jacobian"].function.nnz_out(made["jacobian"].ranks),
+        "factors": len(solving.place),
+        "lower_factors": solving.lower,
         "inputs": len(system.input_symbols),
         "parameters": len(system.parameter_symbols),
         "derived": len(system.derived_symbols),
@@ -443,13 +381,7 @@ def _system_entry(system: System, made: dict[str, Generated]) -> str:
         "nominal": "states",
         "order": "states",
         "jacobian_place": "nonzeros",
-        "below_start": "states",
-        "right_start": "states",
-        "lower": "states",
-        "upper": "states",
-        "factor_place": "states",
-        "right_place": "states",
-        "target": "states",
+        "factor_place": "factors",
         "algebraic": "algebraics",
         "limited": "limits",
         "friction": "frictions",
@@ -459,11 +391,12 @@ def _system_entry(system: System, made: dict[str, Generated]) -> str:
     fields = {"name": _text(system.name)} | {name: str(count) for name, count in counts.items()}
     fields |= {name: f"{prefix}_{name}" if counts[count] else "0" for name, count in arrays.items()}
     fields |= {name: f"{prefix}_{name}" if name in made else "0" for name in FUNCTIONS}
+    fields |= {name: f"{prefix}_{name}" for name in ("factorise", "substitute")}
     fields["table_argument"] = f"{prefix}_table_argument" if counts["tables"] else "0"
     return "    {" + ",\n     ".join(f"/* {name} */ {value}" for name, value in fields.items()) + "}"
 
 
-def _description(model: Model, generated: Sequence[dict[str, Generated]]) -> str:
+def _description(model: Model, generated: Sequence[dict[str, Generated]], solving: Mapping[str, Elimination]) -> str:
     lines = ["#include <math.h>", '#include "model.h"', ""]
     for made in generated:
         for one in made.values():
@@ -471,7 +404,9 @@ def _description(model: Model, generated: Sequence[dict[str, Generated]]) -> str
                 f"INSIDE int {one.function.name()}(const double **, double **, long long int *, double *, int);"
             )
     for system in model.systems:
-        lines += [line for line in _system_arrays(model, system) if line]
+        lines.append(f"INSIDE void {system.name}_factorise(double *);")
+        lines.append(f"INSIDE void {system.name}_substitute(const double *, double *);")
+        lines += [line for line in _system_arrays(model, system, solving[system.name]) if line]
     lines.append("static const variable_description VARIABLE[] = {")
     for v in model.variables:
         lost = math.nan if v.when_lost is None else v.when_lost
@@ -480,7 +415,8 @@ def _description(model: Model, generated: Sequence[dict[str, Generated]]) -> str
             f"    {{{_text(v.name)}, {_text(v.unit)}, {KINDS[v.kind]}, CAUSALITY_{v.causality.upper()}, {numbers}}},"
         )
     lines += ["};", "static const system_description SYSTEM[] = {"]
-    lines.append(",\n".join(_system_entry(s, made) for s, made in zip(model.systems, generated, strict=True)))
+    systems = zip(model.systems, generated, strict=True)
+    lines.append(",\n".join(_system_entry(s, made, solving[s.name]) for s, made in systems))
     selector = model.index(model.selector) if model.selector else -1
     integration = ", ".join(str(model.index(variable.name)) for variable in integration_variables(1e-6))
     lines += [

@@ -109,12 +109,11 @@ INSIDE int linear_factorise_step(kernel *self, factors *of, const double *jacobi
 INSIDE void linear_solve_step(kernel *self, const factors *of, double *vector);
 INSIDE int linear_factorise_algebraic(kernel *self, factors *of, const double *jacobian);
 INSIDE void linear_solve_algebraic(const factors *of, double *vector);
-/* The first two without exchanges; 0: a pivot is next to nothing. */
+/* The first without exchanges; 0: a pivot is next to nothing. */
 #ifndef ONE_UNIT /* there the definition comes first */
 extern const double PIVOT_RATIO;
 #endif
 INSIDE int sparse_factorise(const kernel *self, factors *of, const double *jacobian, double diagonal);
-INSIDE void sparse_solve(const kernel *self, const factors *of, double *vector);
 /* Algebraic states, the others held, solved until their scaled change is below `tolerance` or round-off; all leave the
  * slopes in self->slope, and 0 means no success. Newton's method from self->jacobian, which is that of `state`; */
 INSIDE int algebraic_solve(kernel *self, double offset, double *state, double tolerance);

@@ -65,11 +65,12 @@ int linear_factorise_step(kernel *self, factors *of, const double *jacobian, dou
 void linear_solve_step(kernel *self, const factors *of, double *vector) {
     const int n = self->system->states;
     const int *order = self->system->order;
+    if (of->sparse) {
+        self->system->substitute(of->packed, vector);
+        return;
+    }
     for (int i = 0; i < n; ++i) self->ordered[i] = vector[order[i]];
-    if (of->sparse)
-        sparse_solve(self, of, self->ordered);
-    else
-        solve(of, self->ordered);
+    solve(of, self->ordered);
     for (int i = 0; i < n; ++i) vector[order[i]] = self->ordered[i];
 }
 

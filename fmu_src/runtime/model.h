@@ -24,6 +24,8 @@ enum {
 };
 typedef int (*generated_function)(const double **argument, double **result, long long int *integer_work, double *work,
                                   int memory);
+typedef void (*generated_factors)(double *entry);
+typedef void (*generated_solution)(const double *entry, double *vector);
 
 enum { KIND_REAL, KIND_INTEGER, KIND_BOOLEAN };
 enum { CAUSALITY_PARAMETER, CAUSALITY_INPUT, CAUSALITY_OUTPUT, CAUSALITY_LOCAL }; /* the last: a state */
@@ -51,14 +53,11 @@ typedef struct {
     int velocity; /* index of the state */
 } friction_description;
 
-/* An entry of the factors of a step's matrix. */
-typedef struct {
-    unsigned short row, column;
-} factor_entry;
-
 typedef struct {
     const char *name;
-    int states, algebraics, nonzeros, inputs, parameters, derived, frictions, outputs;
+    int states, algebraics, nonzeros;
+    int factors, lower_factors; /* entries of a step's factors, and of those below the diagonal */
+    int inputs, parameters, derived, frictions, outputs;
     int tables, table_ranks, table_coefficients;
     int limits;           /* states whose change within a step is limited */
     int ends, conditions; /* the conditions that end a run, and with those that only warn */
@@ -67,12 +66,7 @@ typedef struct {
     const double *nominal;                                            /* scale of each state, for the error control */
     const int *order; /* of elimination: entry i is the state that comes i-th in the linear equations */
     const int *jacobian_place; /* of each nonzero of the Jacobian in a matrix of that order, stored by columns */
-    /* Factors, packed: diagonal; entries below it by columns; entries right of it by columns from the last one on. */
-    const int *below_start, *right_start; /* of each pivot, and all: entries below it, and right of it */
-    const factor_entry *lower, *upper;
-    const int *factor_place;           /* of each packed entry in a matrix of that order, stored by columns */
-    const unsigned short *right_place; /* packed places of the entries right of each pivot */
-    const unsigned short *target;      /* packed places that each pivot changes, entry right of it by entry */
+    const int *factor_place; /* of each entry of the factors, packed, in a matrix of that order, stored by columns */
     const int *algebraic; /* indices of the states that a residual instead of a derivative determines */
     const int *limited;   /* indices of the states whose change within a step is limited */
     const friction_description *friction;
@@ -84,6 +78,10 @@ typedef struct {
     generated_function warning_margin;   /* of the warnings; null: condition_margin has them */
     generated_function largest_change;
     generated_function output_along, residual_along; /* derivatives of outputs and of residuals along the seed */
+    /* Of the packed entries of a step's matrix, the diagonal first, those below it next: its factors, the diagonal
+     * inverted; and the solution in place of a vector in the order of the states. */
+    generated_factors factorise;
+    generated_solution substitute;
     const generated_function *table_argument; /* one for each rank */
 } system_description;
 

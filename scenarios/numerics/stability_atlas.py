@@ -264,7 +264,14 @@ def rows_of(atlas: Atlas) -> list[Row]:
         )
     growth = max(one[3] for one in atlas.default_growth)
     rows.append(
-        Row("RODAS5P at 2 to 100 times that limit: largest growth in a step", "1", None, growth, at_most(1.0), "L-stable")
+        Row(
+            "RODAS5P at 2 to 100 times that limit: largest growth in a step",
+            "1",
+            None,
+            growth,
+            at_most(1.0),
+            "L-stable",
+        )
     )
     return rows + silent_rows(atlas) + rest_rows(atlas) + fold_rows(atlas) + drift_rows(atlas)
 
@@ -281,7 +288,9 @@ def silent_rows(atlas: Atlas) -> list[Row]:
         name = f"RK4 over a wave, step {1e3 * step:g} ms: error of the lateral motion"
         rows.append(Row(name, "mm", None, 1e3 * error, None, "against RODAS5P 1e-10", words))
     error = next(e for s, e, _ in atlas.silent[RODAS5P] if s == 1e-3)
-    rows.append(Row("RODAS5P with the same step of 1 ms", "mm", None, 1e3 * error, at_most(1e-3), "against RODAS5P 1e-10"))
+    rows.append(
+        Row("RODAS5P with the same step of 1 ms", "mm", None, 1e3 * error, at_most(1e-3), "against RODAS5P 1e-10")
+    )
     return rows
 
 
@@ -377,8 +386,8 @@ def run(options: Options) -> Result:
     remarks = [
         "RK4's limit is about 32 us for each m/s, 66 us for a single wheelset. Above it nothing blows up: creep "
         "saturates, the axles shake, and what is slow still looks right; the log says that it is not.",
-        "RODAS5P and ROS34PW2 have no such limit. With fixed steps their error is what remains, and the log says when it "
-        "exceeds the tolerance.",
+        "RODAS5P and ROS34PW2 have no such limit. With fixed steps their error is what remains, and the log says when "
+        "it exceeds the tolerance.",
         "At perfect rolling the law of creep has no unique slope (3.92): limits are taken under light braking.",
     ]
     parameters = tables_5_1_and_5_2().values() | {"speeds": SPEEDS, "steps": STEPS, "drawbar_force": DRAWBAR}

@@ -6,9 +6,10 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from fmu_src.codegen import elimination, functions
+from fmu_src.codegen import functions
 from fmu_src.compile import build_library
 from fmu_src.compose import compose, scope
+from fmu_src.elimination import elimination
 from fmu_src.kernel import Kernel, Library
 from fmu_src.system import Part, System, Variable, interpolation, model_of
 from rbd_model.planar import planar_vehicle

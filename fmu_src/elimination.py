@@ -1,0 +1,130 @@
+"""How the linear equations of a step are solved: Gaussian elimination as C without a loop or a search.
+
+Which entries of I/(gamma h) - J are not zero is known beforehand, and so is every multiplication of its factors. In the
+order that fills least they are written one behind another, each entry with all that it loses at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+from fmu_src.system import System
+
+#: Products that are added up before they are taken from a value.
+TOGETHER = 4
+
+
+@dataclass(frozen=True)
+class Elimination:
+    """Numbers of states and of places in a dense matrix, and what elimination in the given order fills.
+
+    order: the states, so that the factors stay sparse; jacobian_place: of each nonzero of the Jacobian in a matrix of
+    that order, stored by columns; below, right: for each pivot, the rows below it and the columns right of it that are
+    not zero when it is their turn.
+    """
+
+    order: list[int]
+    jacobian_place: list[int]
+    below: list[list[int]]
+    right: list[list[int]]
+
+    @cached_property
+    def place(self) -> dict[tuple[int, int], int]:
+        """Where each entry (row, column) of the factors is stored: the diagonal, below it by rows, above it by rows."""
+        count = len(self.order)
+        lower = sorted((row, pivot) for pivot, rows in enumerate(self.below) for row in rows)
+        upper = [(pivot, column) for pivot, columns in enumerate(self.right) for column in columns]
+        packed = [*((pivot, pivot) for pivot in range(count)), *lower, *upper]
+        return {entry: number for number, entry in enumerate(packed)}
+
+    @property
+    def lower(self) -> int:
+        """How many entries are below the diagonal."""
+        return sum(map(len, self.below))
+
+    def factors(self) -> Iterator[str]:
+        """C that turns `entry`, the packed matrix, into L U = A: L below the diagonal, 1 / U on it, U above it."""
+        left_of, above = _pivots(self.below), _pivots(self.right)
+
+        def reduced(row: int, column: int) -> str:
+            lost = sorted(left_of[row] & above[column])
+            products = [f"e[{self.place[row, pivot]}] * e[{self.place[pivot, column]}]" for pivot in lost]
+            return _less(f"e[{self.place[row, column]}]", products)
+
+        for pivot in range(len(self.order)):
+            diagonal = self.place[pivot, pivot]
+            yield f"e[{diagonal}] = 1.0 / ({reduced(pivot, pivot)});"
+            for column in self.right[pivot]:
+                text = reduced(pivot, column)
+                if " - " in text:
+                    yield f"e[{self.place[pivot, column]}] = {text};"
+            for row in self.below[pivot]:
+                yield f"e[{self.place[row, pivot]}] = ({reduced(row, pivot)}) * e[{diagonal}];"
+
+    def substitution(self) -> Iterator[str]:
+        """C that solves L U x = v in place; `v` is in the order of the states."""
+        count, left_of = len(self.order), _pivots(self.below)
+
+        def less(row: int, columns: Iterable[int]) -> str:
+            products = [f"e[{self.place[row, column]}] * v[{self.order[column]}]" for column in columns]
+            return _less(f"v[{self.order[row]}]", products)
+
+        for row in range(count):
+            if left_of[row]:
+                yield f"v[{self.order[row]}] = {less(row, sorted(left_of[row]))};"
+        for row in reversed(range(count)):
+            yield f"v[{self.order[row]}] = ({less(row, reversed(self.right[row]))}) * e[{row}];"
+
+
+def _less(value: str, products: list[str]) -> str:
+    """C of a value less products, those known first before the others, some at a time: sums that need not wait for one
+    another. A processor has several additions under way.
+    """
+    sums = [products[start : start + TOGETHER] for start in range(0, len(products), TOGETHER)]
+    return value + "".join(f" - ({' + '.join(one)})" for one in sums)
+
+
+def _pivots(lists: list[list[int]]) -> list[set[int]]:
+    """For each row or column the pivots that have it in their lists."""
+    found: list[set[int]] = [set() for _ in lists]
+    for pivot, members in enumerate(lists):
+        for member in members:
+            found[member].add(pivot)
+    return found
+
+
+def elimination(system: System) -> Elimination:
+    """Symbolic factorisation of I/(gamma h) - J without exchanges, the pivot with the least work first (Markowitz)."""
+    pattern = system.jacobian(system.ode, system.arguments[1]).sparsity()
+    count = len(system.states)
+    row_states: list[set[int]] = [{state} for state in range(count)]
+    triplets = list(zip(*pattern.get_triplet(), strict=True))
+    for i, j in triplets:
+        row_states[i].add(j)
+    left, order, lists = set(range(count)), [], []
+    while left:
+        users = {state: {row for row in left if state in row_states[row]} - {state} for state in left}
+        pivot = min(left, key=lambda state: (len(users[state]) * (len(row_states[state] & left) - 1), state))
+        left.remove(pivot)
+        order.append(pivot)
+        lists.append((users[pivot], row_states[pivot] & left))
+        for row in users[pivot]:
+            row_states[row] |= row_states[pivot] & left
+    position = {state: place for place, state in enumerate(order)}
+    places = [position[j] * count + position[i] for i, j in triplets]
+    below, right = ([sorted(position[state] for state in one[side]) for one in lists] for side in (0, 1))
+    return Elimination(order, places, below, right)
+
+
+def elimination_source(systems: dict[str, Elimination]) -> str:
+    """C of the functions NAME_factorise(entry) and NAME_substitute(entry, vector) of each system."""
+    lines = ['#pragma GCC diagnostic ignored "-Wunused-parameter"', '#include "model.h"', ""]
+    for name, solving in systems.items():
+        for head, body in (
+            ("factorise(double *e)", solving.factors()),
+            ("substitute(const double *e, double *v)", solving.substitution()),
+        ):
+            lines += [f"INSIDE void {name}_{head} {{", *(f"    {line}" for line in body), "}", ""]
+    return "\n".join(lines)
