@@ -12,7 +12,8 @@ from typing import Any
 
 import casadi as ca
 
-from fmu_src.system import Call, System, Table, Variable, Waist
+from fmu_src.chain import Call, Waist
+from fmu_src.system import System, Table, Variable
 
 
 def scope(system: System, before: str = "", after: str = "", common: Collection[str] = ()) -> System:

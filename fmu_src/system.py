@@ -16,6 +16,8 @@ from typing import Any, Literal
 import casadi as ca
 import numpy as np
 
+from fmu_src.chain import Chain
+
 Kind = Literal["real", "integer", "boolean"]
 Causality = Literal["parameter", "input", "output", "local"]
 
@@ -111,54 +113,6 @@ class Table:
 
 
 @dataclass(frozen=True)
-class Part:
-    """A function that is generated once and called for each of what repeats, such as the wheels of a vehicle.
-
-    results: of `arguments`, by which it is differentiated, and of `constants`, by which it is not; column vectors.
-    """
-
-    name: str
-    arguments: ca.SX
-    constants: ca.SX
-    results: ca.SX
-
-
-@dataclass(frozen=True)
-class Call:
-    """A part at a place in the equations: what it is given, and symbols for its results and their derivatives.
-
-    `slopes` are the nonzeros of `slope`, the derivatives of the results by the arguments. Those of a lower `rank` are
-    called first.
-    """
-
-    part: Part
-    given: ca.SX
-    constants: ca.SX
-    symbols: ca.SX
-    slopes: ca.SX
-    slope: ca.SX
-    rank: int
-
-    @property
-    def values(self) -> ca.SX:
-        """The part's equations at this place."""
-        function = ca.Function(self.part.name, [self.part.arguments, self.part.constants], [self.part.results])
-        return ca.densify(function(self.given, self.constants))
-
-
-@dataclass(frozen=True)
-class Waist:
-    """Few numbers on the way from states to equations, through which derivatives are taken: see `System.narrow`.
-
-    `plain` are the same values without the symbols of other waists.
-    """
-
-    values: ca.SX
-    symbols: ca.SX
-    plain: ca.SX
-
-
-@dataclass(frozen=True)
 class Friction:
     """Dry friction on the velocity state `velocity`: `direction` is 1, -1 or, when stuck, 0.
 
@@ -222,7 +176,7 @@ def polynomials(piece: ca.SX, argument: ca.SX, order: int) -> list[ca.SX]:
 
 
 @dataclass
-class System:
+class System(Chain):
     """One machine at one level of detail. Build it by asking it for symbols, then give the equations back."""
 
     name: str
@@ -236,8 +190,6 @@ class System:
     states: dict[str, State] = field(default_factory=dict)
     derivatives: dict[str, ca.SX] = field(default_factory=dict)
     tables: list[Table] = field(default_factory=list)
-    #: In the order of their use: each may contain the symbols of those before it.
-    links: list[Call | Waist] = field(default_factory=list)
     frictions: list[Friction] = field(default_factory=list)
     outputs: dict[str, ca.SX] = field(default_factory=dict)
     end_conditions: list[Condition] = field(default_factory=list)
@@ -300,25 +252,6 @@ class System:
         self.tables.append(Table(name, breakpoints, coefficients, argument, symbols, rank))
         return symbols
 
-    def call(self, part: Part, given: ca.SX, constants: ca.SX) -> ca.SX:
-        """Results of a part, shape (results, 1); its code is shared by all calls, its derivatives are exact."""
-        pattern = ca.jacobian_sparsity(part.results, part.arguments)
-        symbols, slopes = ca.SX.sym(part.name, part.results.numel()), ca.SX.sym(f"d_{part.name}", pattern.nnz())
-        needed = self.without_waists(given)
-        rank = 1 + max((call.rank for call in self.calls if ca.depends_on(needed, call.symbols)), default=-1)
-        self.links.append(Call(part, given, constants, symbols, slopes, ca.SX(pattern, slopes), rank))
-        return symbols
-
-    def narrow(self, values: ca.SX) -> ca.SX:
-        """Symbols for `values`, a column vector of few numbers between many states and long equations.
-
-        Only derivatives know the difference: they are taken up to here and from here on, and multiplied. A force that
-        enters many equations is differentiated once.
-        """
-        symbols = ca.SX.sym("waist", values.numel())
-        self.links.append(Waist(values, symbols, self.without_waists(values)))
-        return symbols
-
     def direction(self, name: str) -> ca.SX:
         """Symbol of the direction of a dry friction; declare the friction with `dry_friction` afterwards."""
         return ca.SX.sym(name)
@@ -379,47 +312,6 @@ class System:
             ca.vertcat(*[friction.direction for friction in self.frictions]),
             ca.vertcat(*[table.symbols for table in self.tables]),
         ]
-
-    @property
-    def calls(self) -> list[Call]:
-        """The links that are parts."""
-        return [link for link in self.links if isinstance(link, Call)]
-
-    def without_waists(self, expression: ca.SX) -> ca.SX:
-        """The same expression in the symbols of calls, and none of waists."""
-        waists = [link for link in self.links if isinstance(link, Waist)]
-        known = [ca.vertcat(*[getattr(waist, name) for waist in waists]) for name in ("symbols", "plain")]
-        return ca.substitute(ca.SX(expression), *known) if waists else ca.SX(expression)
-
-    def expand(self, expression: ca.SX) -> ca.SX:
-        """The same expression in states, inputs and parameters alone, the equations of all parts in their place."""
-        expression = self.without_waists(expression)
-        for call in reversed(self.calls):
-            if ca.depends_on(expression, call.symbols):
-                expression = self.without_waists(ca.substitute(expression, call.symbols, call.values))
-        return expression
-
-    def jacobian(self, expression: ca.SX, symbols: ca.SX) -> ca.SX:
-        """Derivatives of an expression by symbols by the chain rule, link by link: each from those before it."""
-        known: list[tuple[ca.SX, ca.SX]] = [(symbols, ca.SX.eye(symbols.numel()))]
-
-        def slope_of(one: ca.SX) -> ca.SX:
-            parts = [ca.jacobian(one, inner) @ slope for inner, slope in known if ca.depends_on(one, inner)]
-            return sum(parts, ca.SX(one.numel(), symbols.numel()))
-
-        for link in self.links:
-            slope = link.slope @ slope_of(link.given) if isinstance(link, Call) else slope_of(link.values)
-            known.append((link.symbols, slope))
-        return self.without_waists(slope_of(expression))
-
-    def along(self, expression: ca.SX, symbols: ca.SX, seed: ca.SX) -> ca.SX:
-        """Derivative of an expression along a direction of the symbols, through the parts by the chain rule."""
-        known, rates = [symbols], [seed]
-        for call in self.calls:
-            given = ca.jtimes(self.without_waists(call.given), ca.vertcat(*known), ca.vertcat(*rates))
-            known.append(call.symbols)
-            rates.append(call.slope @ given)
-        return ca.jtimes(self.without_waists(expression), ca.vertcat(*known), ca.vertcat(*rates))
 
     @property
     def ode(self) -> ca.SX:

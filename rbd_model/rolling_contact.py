@@ -15,7 +15,8 @@ from functools import lru_cache
 
 import casadi as ca
 
-from fmu_src.system import Part, System, polynomials
+from fmu_src.chain import Part
+from fmu_src.system import System, polynomials
 from rbd_model.contact_geometry import Pair
 from rbd_model.kinematics import yaw_roll
 from rbd_model.profiles import Profile

@@ -14,7 +14,7 @@ from functools import lru_cache
 
 import casadi as ca
 
-from fmu_src.system import Part
+from fmu_src.chain import Part
 from rbd_model.adhesion import Surface
 from rbd_model.assembly import Assembly
 from rbd_model.bodies import add_shift, first_distance

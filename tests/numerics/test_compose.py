@@ -6,12 +6,13 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from fmu_src.chain import Part
 from fmu_src.codegen import functions
 from fmu_src.compile import build_library
 from fmu_src.compose import compose, scope
 from fmu_src.elimination import elimination
 from fmu_src.kernel import Kernel, Library
-from fmu_src.system import Part, System, Variable, interpolation, model_of
+from fmu_src.system import System, Variable, interpolation, model_of
 from rbd_model.planar import planar_vehicle
 from rbd_model.vehicles import passenger_coach
 from scenarios.fmus.braked_vehicle import coach_brake, timed_brake, with_brakes

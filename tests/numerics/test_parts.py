@@ -9,11 +9,12 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from fmu_src.chain import Part
 from fmu_src.codegen import functions, generate
 from fmu_src.compile import build_library
 from fmu_src.dependencies import direct_inputs
 from fmu_src.kernel import Kernel, Library
-from fmu_src.system import Part, System, Variable, model_of
+from fmu_src.system import System, Variable, model_of
 
 #: Exact derivatives by two ways of the chain rule, and motions of the same equations: round-off.
 ROUND_OFF = 1e-12

@@ -1,0 +1,139 @@
+"""Equations as links of a chain: parts that are generated once and called where they repeat, and narrow places.
+
+Derivatives are taken from link to link and multiplied, which costs less than differentiating what lies behind them at
+once; and what repeats is differentiated once, for all the places where it stands.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import casadi as ca
+
+
+@dataclass(frozen=True)
+class Part:
+    """A function that is generated once and called for each of what repeats, such as the wheelsets of a vehicle.
+
+    results: of `arguments`, by which it is differentiated, and of `constants`, by which it is not; column vectors. What
+    it calls itself, and its waists, are the links of its `chain`.
+    """
+
+    name: str
+    arguments: ca.SX
+    constants: ca.SX
+    results: ca.SX
+    chain: Chain = field(default_factory=lambda: Chain())
+
+    @cached_property
+    def slope(self) -> ca.SX:
+        """Derivatives of the results by the arguments, shape (results, arguments), structural nonzeros only."""
+        return self.chain.jacobian(self.results, self.arguments)
+
+    @cached_property
+    def function(self) -> ca.Function:
+        """The results of arguments and constants, with the equations of all that it calls in their place."""
+        whole = self.chain.expand(self.results)
+        return ca.Function(self.name, [self.arguments, self.constants], [ca.densify(whole)])
+
+
+@dataclass(frozen=True)
+class Call:
+    """A part at a place in the equations: what it is given, and symbols for its results and their derivatives.
+
+    `slopes` are the nonzeros of `slope`, the derivatives of the results by the arguments. Those of a lower `rank` are
+    called first.
+    """
+
+    part: Part
+    given: ca.SX
+    constants: ca.SX
+    symbols: ca.SX
+    slopes: ca.SX
+    slope: ca.SX
+    rank: int
+
+    @property
+    def values(self) -> ca.SX:
+        """The part's equations at this place."""
+        return self.part.function(self.given, self.constants)
+
+
+@dataclass(frozen=True)
+class Waist:
+    """Few numbers on the way from states to equations, through which derivatives are taken: see `Chain.narrow`.
+
+    `plain` are the same values without the symbols of other waists.
+    """
+
+    values: ca.SX
+    symbols: ca.SX
+    plain: ca.SX
+
+
+@dataclass
+class Chain:
+    """Links in the order of their use: each may contain the symbols of those before it."""
+
+    links: list[Call | Waist] = field(default_factory=list, kw_only=True)
+
+    def call(self, part: Part, given: ca.SX, constants: ca.SX) -> ca.SX:
+        """Results of a part, shape (results, 1); its code is shared by all calls, its derivatives are exact."""
+        pattern = part.slope.sparsity()
+        symbols, slopes = ca.SX.sym(part.name, part.results.numel()), ca.SX.sym(f"d_{part.name}", pattern.nnz())
+        needed = self.without_waists(given)
+        rank = 1 + max((call.rank for call in self.calls if ca.depends_on(needed, call.symbols)), default=-1)
+        self.links.append(Call(part, given, constants, symbols, slopes, ca.SX(pattern, slopes), rank))
+        return symbols
+
+    def narrow(self, values: ca.SX) -> ca.SX:
+        """Symbols for `values`, a column vector of few numbers between many states and long equations.
+
+        Only derivatives know the difference: they are taken up to here and from here on, and multiplied. A force that
+        enters many equations is differentiated once.
+        """
+        symbols = ca.SX.sym("waist", values.numel())
+        self.links.append(Waist(values, symbols, self.without_waists(values)))
+        return symbols
+
+    @property
+    def calls(self) -> list[Call]:
+        """The links that are parts."""
+        return [link for link in self.links if isinstance(link, Call)]
+
+    def without_waists(self, expression: ca.SX) -> ca.SX:
+        """The same expression in the symbols of calls, and none of waists."""
+        waists = [link for link in self.links if isinstance(link, Waist)]
+        known = [ca.vertcat(*[getattr(waist, name) for waist in waists]) for name in ("symbols", "plain")]
+        return ca.substitute(ca.SX(expression), *known) if waists else ca.SX(expression)
+
+    def expand(self, expression: ca.SX) -> ca.SX:
+        """The same expression without symbols of links, the equations of all parts in their place."""
+        expression = self.without_waists(expression)
+        for call in reversed(self.calls):
+            if ca.depends_on(expression, call.symbols):
+                expression = self.without_waists(ca.substitute(expression, call.symbols, call.values))
+        return expression
+
+    def jacobian(self, expression: ca.SX, symbols: ca.SX) -> ca.SX:
+        """Derivatives of an expression by symbols by the chain rule, link by link: each from those before it."""
+        known: list[tuple[ca.SX, ca.SX]] = [(symbols, ca.SX.eye(symbols.numel()))]
+
+        def slope_of(one: ca.SX) -> ca.SX:
+            parts = [ca.jacobian(one, inner) @ slope for inner, slope in known if ca.depends_on(one, inner)]
+            return sum(parts, ca.SX(one.numel(), symbols.numel()))
+
+        for link in self.links:
+            slope = link.slope @ slope_of(link.given) if isinstance(link, Call) else slope_of(link.values)
+            known.append((link.symbols, slope))
+        return self.without_waists(slope_of(expression))
+
+    def along(self, expression: ca.SX, symbols: ca.SX, seed: ca.SX) -> ca.SX:
+        """Derivative of an expression along a direction of the symbols, through the parts by the chain rule."""
+        known, rates = [symbols], [seed]
+        for call in self.calls:
+            given = ca.jtimes(self.without_waists(call.given), ca.vertcat(*known), ca.vertcat(*rates))
+            known.append(call.symbols)
+            rates.append(call.slope @ given)
+        return ca.jtimes(self.without_waists(expression), ca.vertcat(*known), ca.vertcat(*rates))
