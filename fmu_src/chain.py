@@ -6,8 +6,10 @@ once; and what repeats is differentiated once, for all the places where it stand
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cached_property
+from itertools import pairwise
+from typing import Any, TypeVar
 
 import casadi as ca
 
@@ -17,7 +19,7 @@ class Part:
     """A function that is generated once and called for each of what repeats, such as the wheelsets of a vehicle.
 
     results: of `arguments`, by which it is differentiated, and of `constants`, by which it is not; column vectors. What
-    it calls itself, and its waists, are the links of its `chain`.
+    it calls itself, and its waists, are the links of its `chain`; they are written into it.
     """
 
     name: str
@@ -33,9 +35,9 @@ class Part:
 
     @cached_property
     def function(self) -> ca.Function:
-        """The results of arguments and constants, with the equations of all that it calls in their place."""
-        whole = self.chain.expand(self.results)
-        return ca.Function(self.name, [self.arguments, self.constants], [ca.densify(whole)])
+        """The results, and the nonzeros of their slopes, of arguments and constants."""
+        both = ca.cse([ca.densify(self.chain.expand(one)) for one in (self.results, self.slope.nz[:])])
+        return ca.Function(self.name, [self.arguments, self.constants], both)
 
 
 @dataclass(frozen=True)
@@ -56,8 +58,14 @@ class Call:
 
     @property
     def values(self) -> ca.SX:
-        """The part's equations at this place."""
-        return self.part.function(self.given, self.constants)
+        """The results at this place, in what the part is given."""
+        return self.written_out[: self.symbols.numel()]
+
+    @cached_property
+    def written_out(self) -> ca.SX:
+        """The part's equations at this place, in place of `symbols` and `slopes`."""
+        results, slopes = self.part.function(self.given, self.constants)
+        return ca.vertcat(results, slopes)
 
 
 @dataclass(frozen=True)
@@ -72,11 +80,28 @@ class Waist:
     plain: ca.SX
 
 
+@dataclass(frozen=True)
+class Known:
+    """Constants of a part that change with `given` all the same, as `slope` says, shape (symbols, given).
+
+    A sine that several parts need is so computed once.
+    """
+
+    given: ca.SX
+    symbols: ca.SX
+    slope: ca.SX
+
+
+Link = Call | Waist
+
+
 @dataclass
 class Chain:
     """Links in the order of their use: each may contain the symbols of those before it."""
 
-    links: list[Call | Waist] = field(default_factory=list, kw_only=True)
+    links: list[Link] = field(default_factory=list, kw_only=True)
+    #: Of a part alone.
+    following: list[Known] = field(default_factory=list, kw_only=True)
 
     def call(self, part: Part, given: ca.SX, constants: ca.SX) -> ca.SX:
         """Results of a part, shape (results, 1); its code is shared by all calls, its derivatives are exact."""
@@ -97,6 +122,10 @@ class Chain:
         self.links.append(Waist(values, symbols, self.without_waists(values)))
         return symbols
 
+    def know(self, symbols: ca.SX, given: ca.SX, slope: ca.SX) -> None:
+        """Declares how constants of a part change with its arguments; see `Known`."""
+        self.following.append(Known(given, symbols, slope))
+
     @property
     def calls(self) -> list[Call]:
         """The links that are parts."""
@@ -112,22 +141,41 @@ class Chain:
         """The same expression without symbols of links, the equations of all parts in their place."""
         expression = self.without_waists(expression)
         for call in reversed(self.calls):
-            if ca.depends_on(expression, call.symbols):
-                expression = self.without_waists(ca.substitute(expression, call.symbols, call.values))
+            own = ca.vertcat(call.symbols, call.slopes)
+            if ca.depends_on(expression, own):
+                expression = self.without_waists(ca.substitute(expression, own, call.written_out))
         return expression
 
     def jacobian(self, expression: ca.SX, symbols: ca.SX) -> ca.SX:
         """Derivatives of an expression by symbols by the chain rule, link by link: each from those before it."""
-        known: list[tuple[ca.SX, ca.SX]] = [(symbols, ca.SX.eye(symbols.numel()))]
+        known: list[tuple[ca.SX, ca.SX]] = []
 
         def slope_of(one: ca.SX) -> ca.SX:
             parts = [ca.jacobian(one, inner) @ slope for inner, slope in known if ca.depends_on(one, inner)]
-            return sum(parts, ca.SX(one.numel(), symbols.numel()))
+            return sum(parts, self._own_slope(one, symbols))
 
-        for link in self.links:
+        for link in self._needed_by(expression):
             slope = link.slope @ slope_of(link.given) if isinstance(link, Call) else slope_of(link.values)
             known.append((link.symbols, slope))
         return self.without_waists(slope_of(expression))
+
+    def _own_slope(self, one: ca.SX, symbols: ca.SX) -> ca.SX:
+        """Derivatives by symbols and by the constants that change with them, in one run along each symbol."""
+        if not self.following:
+            return ca.jacobian(one, symbols)
+        together = ca.vertcat(symbols, *[known.symbols for known in self.following])
+        along = [known.slope @ ca.jacobian(known.given, symbols) for known in self.following]
+        return ca.sparsify(ca.jtimes(one, together, ca.densify(ca.vertcat(ca.SX.eye(symbols.numel()), *along))))
+
+    def _needed_by(self, expression: ca.SX) -> list[Link]:
+        """The links on the way from symbols to an expression, in their order."""
+        found: list[Link] = []
+        users = ca.vec(expression)
+        for link in reversed(self.links):
+            if ca.depends_on(users, link.symbols):
+                found.insert(0, link)
+                users = ca.vertcat(users, link.values if isinstance(link, Waist) else link.given)
+        return found
 
     def along(self, expression: ca.SX, symbols: ca.SX, seed: ca.SX) -> ca.SX:
         """Derivative of an expression along a direction of the symbols, through the parts by the chain rule."""
@@ -137,3 +185,36 @@ class Chain:
             known.append(call.symbols)
             rates.append(call.slope @ given)
         return ca.jtimes(self.without_waists(expression), ca.vertcat(*known), ca.vertcat(*rates))
+
+
+def rows(count: int) -> Any:
+    """A field of a `Bundle`: a column vector of so many rows."""
+    return field(metadata={"rows": count})
+
+
+AnyBundle = TypeVar("AnyBundle", bound="Bundle")
+
+
+@dataclass(frozen=True)
+class Bundle:
+    """Column vectors under their names, which a part takes or leaves as one vector; the fields are made by `rows`."""
+
+    @property
+    def vector(self) -> ca.SX:
+        """All of them, one below the other."""
+        return ca.vertcat(*[getattr(self, item.name) for item in fields(self)])
+
+    @classmethod
+    def of(cls: type[AnyBundle], vector: ca.SX) -> AnyBundle:
+        """The bundle of a vector."""
+        ends = [0]
+        for item in fields(cls):
+            ends.append(ends[-1] + item.metadata["rows"])
+        if vector.numel() != ends[-1]:
+            raise ValueError(f"{cls.__name__}: give {ends[-1]} rows; there were {vector.numel()}.")
+        return cls(*[vector[start:end] for start, end in pairwise(ends)])
+
+    @classmethod
+    def symbols(cls: type[AnyBundle], name: str) -> AnyBundle:
+        """A bundle of new symbols."""
+        return cls.of(ca.SX.sym(name, sum(item.metadata["rows"] for item in fields(cls))))

@@ -194,55 +194,45 @@ def content_guid(texts: Iterable[str]) -> str:
 def _equations(generated: Sequence[dict[str, Generated]]) -> str:
     """C of all functions, those of the parts before those that call them."""
     own = [one for made in generated for one in made.values()]
-    parts = _parts_of(call.part for one in own for call in one.calls)
+    parts = list({id(call.part): call.part for one in own for call in one.calls}.values())
     names = [part.name for part in parts]
     if len(set(names)) < len(names):
         raise ValueError(
             f"Two parts have one name among {', '.join(dict.fromkeys(names))}; give each part a name of its own."
         )
-    shared = [one for part in parts for one in _part_functions(part)]
-    every = [*shared, *own]
+    wanted = {(call.part.name, one.differentiated) for one in own for call in one.calls}
+    shared = [
+        _part_function(part, slopes) for part in parts for slopes in (False, True) if (part.name, slopes) in wanted
+    ]
+    every = [*shared, *(one.function for one in own)]
     generator = ca.CodeGenerator("equations", {"with_export": False})
-    for one in every:
-        generator.add(one.function)
+    for function in every:
+        generator.add(function)
     with tempfile.TemporaryDirectory() as folder:
         generator.generate(folder + "/")
         text = (Path(folder) / "equations.c").read_text()
     # CasADi's squares, absolute values and minima are functions; inlined, a right-hand side takes 5 to 14 % less.
     text = re.sub(r"^casadi_real (?=casadi_\w+\()", "static inline casadi_real ", text, flags=re.MULTILINE)
-    text = _without_questions(text, {one.function.name() for one in every})
-    for one in every:
+    text = _without_questions(text, {function.name() for function in every})
+    for function in shared:
+        text = re.sub(rf"^(?=int {function.name()}\()", "static ", text, flags=re.MULTILINE)
+    for one in own:
         if one.calls:
             text = _with_calls(text, one)
-    text = _parts_first(text, [one.function.name() for one in shared])
     # The interface of CasADi has arguments that these functions do not use; everything else stays a warning.
     return '#pragma GCC diagnostic ignored "-Wunused-parameter"\n' + text
 
 
-def _parts_of(called: Iterable[Part]) -> list[Part]:
-    """Each part once, those that it calls before it."""
-    found: dict[int, Part] = {}
-    for part in called:
-        if id(part) not in found:
-            for inner in (*_parts_of(call.part for call in part.chain.calls), part):
-                found[id(inner)] = inner
-    return list(found.values())
-
-
-def _part_functions(part: Part) -> tuple[Generated, Generated]:
-    """A part's results, and its results followed by the nonzeros of their slopes, of its arguments and constants."""
-    results = part.chain.without_waists(part.results)
+def _part_function(part: Part, slopes: bool) -> ca.Function:
+    """A part's results of its arguments and constants, and with `slopes` the nonzeros of these behind them."""
     given = [part.arguments, part.constants]
-    plain = _function(part.chain, f"part_{part.name}", [ca.densify(results)], given)
-    both = ca.densify(ca.vertcat(results, part.slope.nz[:]))
-    return plain, _function(part.chain, f"part_{part.name}_with_slopes", [both], given)
+    results, nonzeros = part.function(*given)
+    name = _name_of(part, slopes)
+    return ca.Function(name, given, ca.cse([ca.vertcat(results, nonzeros) if slopes else results]))
 
 
-def _parts_first(text: str, names: Iterable[str]) -> str:
-    """The C with its parts known inside alone: they stand before what calls them."""
-    for name in names:
-        text = re.sub(rf"^(?=int {name}\()", "static ", text, flags=re.MULTILINE)
-    return text
+def _name_of(part: Part, slopes: bool) -> str:
+    return f"part_{part.name}_with_slopes" if slopes else f"part_{part.name}"
 
 
 def _with_calls(text: str, one: Generated) -> str:
@@ -278,11 +268,10 @@ def _with_calls(text: str, one: Generated) -> str:
             if call.rank != rank:
                 continue
             taken, leaves = one.sizes(call)
-            suffix = "_with_slopes" if one.differentiated else ""
             lines.append(
                 f"  {{const double *a[] = {{given_{rank} + {offset}, given_{rank} + {offset + call.given.numel()}}}; "
                 f"double *r[] = {{left + {start}}}; "
-                f"part_{call.part.name}{suffix}(a, r, 0, 0, 0);}}"
+                f"{_name_of(call.part, one.differentiated)}(a, r, 0, 0, 0);}}"
             )
             names = ", ".join(f"left_{n} = left[{n}]" for n in range(start, start + leaves) if f"left_{n}" in used)
             lines.append(f"  const double {names};")

@@ -41,7 +41,8 @@ def start_equations(system: System) -> list[tuple[ca.SX, ca.SX]]:
     found = [(symbol, system.derived_expressions[name]) for name, symbol in system.derived_symbols.items()]
     found += [(state.symbol, state.start) for state in system.states.values() if not state.algebraic]
     found += [(table.symbols, table.argument) for table in system.tables]
-    found += [(link.symbols, link.values) for link in system.links]
+    for link in system.links:
+        found += zip(ca.vertsplit(link.symbols), ca.vertsplit(link.values), strict=True)
     for friction in system.frictions:
         velocity = system.states[friction.velocity].symbol
         found.append((friction.direction, ca.vertcat(velocity, friction.drive, friction.capacity)))

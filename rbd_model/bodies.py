@@ -112,7 +112,8 @@ def first_speed(assembly: Assembly) -> ca.SX:
 def angle_rates(angles: ca.SX, own_rate: ca.SX) -> Sequence[ca.SX]:
     """Rates of roll, pitch and yaw from the angular velocity in the own axes, section 3.2.2."""
     rate = pitch_rotation(angles[1]) @ own_rate  # in the yaw-roll axes
-    return rate[0], rate[1] - axes_rate(angles[0], rate)[1], rate[2] / ca.cos(angles[0])
+    tangent = ca.sin(angles[0]) / ca.cos(angles[0])
+    return rate[0], rate[1] - axes_rate(tangent, rate)[1], rate[2] / ca.cos(angles[0])
 
 
 def turn(angles: ca.SX, rates: dict[str, ca.SX]) -> Turning:

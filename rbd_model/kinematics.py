@@ -13,9 +13,19 @@ import casadi as ca
 
 def yaw_roll(yaw: ca.SX, roll: ca.SX) -> ca.SX:
     """Rotation matrix Rz(yaw) Rx(roll), section 3.2.1: from axes that yaw and roll with a body to the track's."""
-    c, s = ca.cos(yaw), ca.sin(yaw)
+    return turned_by(direction_cosines(yaw, roll))
+
+
+def direction_cosines(yaw: ca.SX, roll: ca.SX) -> ca.SX:
+    """Cosine and sine of yaw, cosine and sine of roll, of which the matrix of section 3.2.1 consists."""
+    return ca.vertcat(ca.cos(yaw), ca.sin(yaw), ca.cos(roll), ca.sin(roll))
+
+
+def turned_by(cosines: ca.SX) -> ca.SX:
+    """Rz(yaw) Rx(roll) of their `direction_cosines`, section 3.2.1."""
+    c, s = cosines[0], cosines[1]
     about_z = ca.vertcat(ca.horzcat(c, -s, 0), ca.horzcat(s, c, 0), ca.horzcat(0, 0, 1))
-    c, s = ca.cos(roll), ca.sin(roll)
+    c, s = cosines[2], cosines[3]
     return about_z @ ca.vertcat(ca.horzcat(1, 0, 0), ca.horzcat(0, c, -s), ca.horzcat(0, s, c))
 
 
@@ -25,13 +35,13 @@ def pitch_rotation(pitch: ca.SX) -> ca.SX:
     return ca.vertcat(ca.horzcat(c, 0, s), ca.horzcat(0, 1, 0), ca.horzcat(-s, 0, c))
 
 
-def axes_rate(roll: ca.SX, rate: ca.SX) -> ca.SX:
+def axes_rate(tangent: ca.SX, rate: ca.SX) -> ca.SX:
     """Angular velocity of the yaw-roll axes themselves, in these axes, of a body that turns with `rate` in them.
 
-    As section 3.2.2, for these angles. The body's pitch adds to the second component only, so the first and the third
-    are those of the body.
+    As section 3.2.2, for these angles; tangent: of the roll. The body's pitch adds to the second component only, so the
+    first and the third are those of the body.
     """
-    return ca.vertcat(rate[0], rate[2] * ca.tan(roll), rate[2])
+    return ca.vertcat(rate[0], rate[2] * tangent, rate[2])
 
 
 @dataclass(frozen=True)

@@ -10,16 +10,15 @@ theta in closed form; that the rail's slope is the same is one equation for s; a
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import casadi as ca
 
-from fmu_src.chain import Part
+from fmu_src.chain import Chain, Part
 from fmu_src.system import System, polynomials
 from rbd_model.contact_geometry import Pair
-from rbd_model.kinematics import yaw_roll
-from rbd_model.profiles import Profile
+from rbd_model.kinematics import turned_by
 
 LEFT, RIGHT = 1, -1
 SIDES = {LEFT: "left", RIGHT: "right"}
@@ -27,19 +26,34 @@ SIDES = {LEFT: "left", RIGHT: "right"}
 
 @dataclass(frozen=True)
 class Placement:
-    """Where a wheelset stands: yaw and roll [rad], lateral position over the rails [m], radius of the wheel [m]."""
+    """Where a wheelset stands: yaw and roll [rad], their `direction_cosines`, lateral position over the rails [m]."""
 
     yaw: ca.SX
     roll: ca.SX
+    cosines: ca.SX
     lateral: ca.SX
-    wheel_radius: ca.SX
+
+
+@dataclass(frozen=True)
+class Wheel:
+    """A wheel on its rail: side, radius [m], half distances of the wheels' and of the rails' y = 0 [m]."""
+
+    side: ca.SX
+    radius: ca.SX
+    wheel_half_distance: ca.SX
+    rail_half_distance: ca.SX
+
+    @property
+    def vector(self) -> ca.SX:
+        """All of it, shape (4, 1)."""
+        return ca.vertcat(self.side, self.radius, self.wheel_half_distance, self.rail_half_distance)
 
 
 @dataclass(frozen=True)
 class WheelContact:
     """Geometry of one contact; vectors in the wheelset's yaw-roll axes, but for `across`."""
 
-    side: int
+    side: ca.SX
     arm: ca.SX  # from the wheelset's centre to the contact point [m] (P)
     normal: ca.SX  # unit vector into the wheel
     along: ca.SX  # unit vector along the rail
@@ -51,7 +65,7 @@ class WheelContact:
     curvature_across: ca.SX  # B [1/m]
     #: Derivatives of (across, lever, slope_error) by lateral position, yaw, roll and position s, shape (5, 4).
     slopes: ca.SX
-    inside: ca.SX  # distance of the contact from the nearest end of either profile [m]
+    on_rail: ca.SX  # position on the rail's profile [m]
 
     @property
     def sideways(self) -> ca.SX:
@@ -83,24 +97,24 @@ class Touch:
     radius: ca.SX
 
 
-def touch(placement: Placement, side: ca.SX, position: ca.SX, half: tuple[ca.SX, ca.SX], wheel: ca.SX) -> Touch:
+def touch(placement: Placement, on: Wheel, position: ca.SX, piece: ca.SX) -> Touch:
     """Contact point of a wheel (3.77) at the position s: the normal stands across the rail, from (3.54).
 
-    half [m]: half distances of the wheels' and of the rails' y = 0; wheel: the piece of its profile at s.
+    piece: of the wheel's profile at s.
     """
-    profile, slope = polynomials(wheel, position, 1)
-    axes, radius = yaw_roll(placement.yaw, placement.roll), placement.wheel_radius - profile
+    profile, slope = polynomials(piece, position, 1)
+    axes, radius = turned_by(placement.cosines), on.radius - profile
     along = axes[0, :].T
     # -sin(theta) t1 - side w' t2 + cos(theta) t3 = 0: the normal stands across the rail, whose direction is t.
     level = 1 / ca.sqrt(along[0] ** 2 + along[2] ** 2)
-    lead = -side * slope * along[1] * level
+    lead = -on.side * slope * along[1] * level
     rest = ca.sqrt(1 - lead**2)
     sine, cosine = level * (lead * along[0] + rest * along[2]), level * (rest * along[0] - lead * along[2])
     unit = 1 / ca.sqrt(1 + slope**2)
-    normal = unit * ca.vertcat(-sine, -side * slope, cosine)
-    arm = ca.vertcat(radius * sine, side * (half[0] + position), -radius * cosine)
+    normal = unit * ca.vertcat(-sine, -on.side * slope, cosine)
+    arm = ca.vertcat(radius * sine, on.side * (on.wheel_half_distance + position), -radius * cosine)
     across, place = (axes @ normal)[1:], axes @ arm
-    on_rail = side * (placement.lateral + place[1]) - half[1]
+    on_rail = on.side * (placement.lateral + place[1]) - on.rail_half_distance
     return Touch(arm, normal, along, across, on_rail, place[2], unit, radius)
 
 
@@ -108,57 +122,86 @@ def touch(placement: Placement, side: ca.SX, position: ca.SX, half: tuple[ca.SX,
 def contact_of_wheel(wheel_terms: int, rail_terms: int) -> Part:
     """Geometry of one contact, eqs (3.54), (3.57), (3.83), of lateral position, yaw, roll and position on the wheel.
 
-    Constants: side, radius, half distances, pieces of both profiles with so many terms. Results: arm, normal, across,
-    lever, slope error, height, both curvatures, and `slopes` of a WheelContact.
+    Constants: direction cosines, the wheel, pieces of both profiles with so many terms. Results: arm, normal, across,
+    lever, slope error, height, both curvatures, position on the rail, and `slopes` of a WheelContact.
     """
-    given, constants = ca.SX.sym("given", 4), ca.SX.sym("constants", 4 + wheel_terms + rail_terms)
+    given, constants = ca.SX.sym("given", 4), ca.SX.sym("constants", 8 + wheel_terms + rail_terms)
     lateral, yaw, roll, position = ca.vertsplit(given)
-    side, radius, *half = ca.vertsplit(constants[:4])
-    wheel, rail = constants[4 : 4 + wheel_terms], constants[4 + wheel_terms :]
-    one = touch(Placement(yaw, roll, lateral, radius), side, position, (half[0], half[1]), wheel)
+    cosines, on = constants[:4], Wheel(*ca.vertsplit(constants[4:8]))
+    wheel, rail = constants[8 : 8 + wheel_terms], constants[8 + wheel_terms :]
+    chain = Chain()
+    turning = ca.vertcat(-cosines[1], cosines[0], -cosines[3], cosines[2])
+    chain.know(cosines, given[1:3], ca.horzcat(ca.vertcat(turning[:2], 0, 0), ca.vertcat(0, 0, turning[2:])))
+    one = touch(Placement(yaw, roll, cosines, lateral), on, position, wheel)
     bend = polynomials(wheel, position, 2)[2]
     height, rail_slope, rail_bend = polynomials(rail, one.on_rail, 2)
     rail_unit = 1 / ca.sqrt(1 + rail_slope**2)
     moment = ca.cross(one.arm, one.normal)
-    moving = ca.vertcat(one.across, moment[0], moment[2], -side * one.across[0] - rail_slope * one.across[1])
+    moving = ca.vertcat(one.across, moment[0], moment[2], -on.side * one.across[0] - rail_slope * one.across[1])
     curvatures = one.unit / (2 * one.radius), (bend * one.unit**3 - rail_bend * rail_unit**3) / 2
-    results = ca.vertcat(one.arm, one.normal, moving, height - one.centre, *curvatures)
-    return Part(
-        f"contact_{wheel_terms}_{rail_terms}", given, constants, ca.vertcat(results, ca.vec(ca.jacobian(moving, given)))
-    )
+    results = ca.vertcat(one.arm, one.normal, moving, height - one.centre, *curvatures, one.on_rail)
+    slopes = ca.vec(ca.densify(chain.jacobian(moving, given)))
+    return Part(f"contact_{wheel_terms}_{rail_terms}", given, constants, ca.vertcat(results, slopes), chain)
 
 
-def wheel_contact(
-    system: System, name: str, pair: Pair, placement: Placement, side: int, position: ca.SX
-) -> WheelContact:
-    """Contact of a wheel (3.77) at the position s on its profile with a rail (3.78): eqs (3.54), (3.57), (3.83).
+@lru_cache
+def end_of_contact(wheel_terms: int, rail_terms: int) -> Part:
+    """What of `contact_of_wheel` tells where a contact ends: its bend (3.57) and its place on the rail [m]."""
+    whole = contact_of_wheel(wheel_terms, rail_terms)
+    return replace(whole, name=f"end_of_{whole.name}", results=whole.results[[BEND, ON_RAIL]])
 
-    Adds the tables of both profiles, named after `name`.
-    """
-    half = ca.SX(pair.wheel_half_distance), ca.SX(pair.rail_half_distance)
+
+#: Places in the results of `contact_of_wheel`.
+ON_RAIL, SLOPES, BEND = 14, 15, 34
+
+
+@dataclass(frozen=True)
+class Pieces:
+    """The pieces of both profiles where a wheel touches its rail."""
+
+    wheel: ca.SX
+    rail: ca.SX
+
+    @property
+    def vector(self) -> ca.SX:
+        """Both, one below the other."""
+        return ca.vertcat(self.wheel, self.rail)
+
+
+def look_up_profiles(system: System, name: str, pair: Pair, placement: Placement, on: Wheel, position: ca.SX) -> Pieces:
+    """Pieces of both profiles at the position s on the wheel (3.77), (3.78); adds their tables, named after `name`."""
     wheel = system.look_up(f"wheel_{name}", *pair.wheel.pieces, position)
-    one = touch(placement, ca.SX(side), position, half, wheel)
-    rail = system.look_up(f"rail_{name}", *pair.rail.pieces, one.on_rail)
+    on_rail = touch(placement, on, position, wheel).on_rail
+    return Pieces(wheel, system.look_up(f"rail_{name}", *pair.rail.pieces, on_rail))
+
+
+def given_to_contact(placement: Placement, on: Wheel, position: ca.SX, pieces: Pieces) -> tuple[ca.SX, ca.SX]:
+    """Arguments and constants of `contact_of_wheel` at the position s on the profile, (3.77)."""
     given = ca.vertcat(placement.lateral, placement.yaw, placement.roll, position)
-    constants = ca.vertcat(side, placement.wheel_radius, *half, wheel, rail)
-    found = system.call(contact_of_wheel(wheel.numel(), rail.numel()), given, constants)
+    return given, ca.vertcat(placement.cosines, on.vector, pieces.vector)
+
+
+def wheel_contact(chain: Chain, placement: Placement, on: Wheel, position: ca.SX, pieces: Pieces) -> WheelContact:
+    """Contact of a wheel (3.77) at the position s on its profile with a rail (3.78): eqs (3.54), (3.57), (3.83)."""
+    part = contact_of_wheel(pieces.wheel.numel(), pieces.rail.numel())
+    found = chain.call(part, *given_to_contact(placement, on, position, pieces))
     return WheelContact(
-        side,
+        on.side,
         arm=found[0:3],
         normal=found[3:6],
-        along=one.along,
+        along=turned_by(placement.cosines)[0, :].T,
         across=found[6:8],
         lever=found[8:10],
         slope_error=found[10],
         height=found[11],
         curvature_along=found[12],
         curvature_across=found[13],
-        slopes=ca.reshape(found[14:], 5, 4),
-        inside=ca.fmin(_inside(pair.wheel, position), _inside(pair.rail, one.on_rail)),
+        slopes=ca.reshape(found[SLOPES:], 5, 4),
+        on_rail=found[ON_RAIL],
     )
 
 
-def _inside(profile: Profile, y: ca.SX) -> ca.SX:
-    """Distance from the nearer end of a profile [m], negative beyond it."""
-    low, high = profile.limits
-    return ca.fmin(y - low, high - y)
+def inside(pair: Pair, position: ca.SX, on_rail: ca.SX) -> ca.SX:
+    """Distance of a contact from the nearest end of either profile [m], negative beyond it."""
+    (low, high), (first, last) = pair.wheel.limits, pair.rail.limits
+    return ca.fmin(ca.fmin(position - low, high - position), ca.fmin(on_rail - first, last - on_rail))

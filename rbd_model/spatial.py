@@ -19,7 +19,8 @@ from rbd_model.bodies import place_body
 from rbd_model.contact_geometry import flange_of
 from rbd_model.motion import add_common_outputs, kinetic_energy, loads_of, move_bodies, observe_energy, react
 from rbd_model.rolling_contact import SIDES
-from rbd_model.spatial_wheelset import Motion, SpatialWheelset, move_wheelset, nadal_limit, place_wheelset
+from rbd_model.rolling_wheelset import nadal_limit
+from rbd_model.spatial_wheelset import ENDINGS, Motion, SpatialWheelset, move_wheelset, place_wheelset
 from rbd_model.track import Track
 from rbd_model.vehicle import Vehicle, wheelset_name
 from rbd_model.wheelset import SMALLEST_LOAD, Rolling, at_least
@@ -60,10 +61,8 @@ def spatial_vehicle(vehicle: Vehicle, track: Track) -> System:
 
 def rolling_of(wheelset: SpatialWheelset, motion: Motion) -> Rolling:
     """A wheelset in space as every level has it: sums of its two wheels, (3.35)."""
-    along, load, power = (
-        ca.SX(sum(getattr(wheel, name) for wheel in wheelset.wheels)) for name in ("creep_along", "load", "creep_power")
-    )
-    body = wheelset.body
+    body, rolled = wheelset.body, wheelset.rolled
+    along, load, power = (ca.sum1(both) for both in (rolled.creep_along, rolled.loads, rolled.creep_powers))
     return Rolling(
         wheelset.number, wheelset.data, motion.rotation, body.velocity[0], body.axes[:, 1], along, load, power
     )
@@ -76,13 +75,13 @@ def add_outputs(assembly: Assembly, wheelsets: Sequence[SpatialWheelset]) -> Non
     for wheelset in wheelsets:
         number = wheelset.number
         rows[f"lateral_{number}"] = wheelset.offset
-        rows[f"yaw_{number}"] = system.states[f"yaw_{number}"].symbol
+        rows[f"yaw_{number}"] = wheelset.yaw
         rows[f"flange_force_{number}"] = wheelset.flange.force
-        for wheel, push, side in zip(wheelset.wheels, wheelset.flange.push, SIDES.values(), strict=True):
-            rows[f"wheel_load_{number}_{side}"] = wheel.load
-            rows[f"derailment_quotient_{number}_{side}"] = (wheel.thrust + push) / at_least(wheel.load, SMALLEST_LOAD)
-            for margin, _ in wheel.derailed:
-                rows["derailed"] = ca.fmax(rows["derailed"], margin < 0)
+        for index, side in enumerate(SIDES.values()):
+            load, thrust = wheelset.rolled.loads[index], wheelset.rolled.thrusts[index] + wheelset.flange.push[index]
+            rows[f"wheel_load_{number}_{side}"] = load
+            rows[f"derailment_quotient_{number}_{side}"] = thrust / at_least(load, SMALLEST_LOAD)
+            rows["derailed"] = ca.fmax(rows["derailed"], ca.mmin(wheelset.lost[index]) < 0)
     for name, expression in rows.items():
         system.output(assembly.outputs[name], expression)
 
@@ -92,11 +91,11 @@ def add_ends(assembly: Assembly, wheelsets: Sequence[SpatialWheelset]) -> None:
     system = assembly.system
     for wheelset in wheelsets:
         share = assembly.resting_on(wheelset.number) / 2
-        for wheel, side in zip(wheelset.wheels, SIDES.values(), strict=True):
+        for index, side in enumerate(SIDES.values()):
             name = f"{side} wheel of wheelset {wheelset.number}"
-            for margin, word in wheel.derailed:
+            for margin, word in zip(ca.vertsplit(wheelset.ends[index]), ENDINGS, strict=True):
                 system.end_when_negative(margin, f"Derailed: the {name} {word} at %s s; results up to there are kept.")
-            load = wheel.normal_force / share
+            load = wheelset.normal_forces[index] / share
             ends = assembly.parameter["wheel_lift_ends"]
             system.end_when_negative(
                 ca.if_else(ends, load, 1),
@@ -115,8 +114,9 @@ def warn_of_climbing(assembly: Assembly, wheelsets: Sequence[SpatialWheelset]) -
     """
     for wheelset in wheelsets:
         share, angle = assembly.resting_on(wheelset.number) / 2, flange_of(wheelset.data.pair).angle
-        for wheel, push, side in zip(wheelset.wheels, wheelset.flange.push, SIDES.values(), strict=True):
-            margin = nadal_limit(angle, wheel.friction) * wheel.load - wheel.thrust - push
+        for index, (push, side) in enumerate(zip(wheelset.flange.push, SIDES.values(), strict=True)):
+            rolled = wheelset.rolled
+            margin = nadal_limit(angle, rolled.frictions[index]) * rolled.loads[index] - rolled.thrusts[index] - push
             # The creep forces in it cost as much as half of a right-hand side: only where the flange touches.
             assembly.system.warn_when_negative(
                 ca.if_else(push > 0, margin / share, 1),

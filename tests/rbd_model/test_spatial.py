@@ -20,8 +20,9 @@ from rbd_model.contact_geometry import contact_at, equivalent_conicity, flange_o
 from rbd_model.linear import critical_speed, oscillations
 from rbd_model.parameters import AS_PRINTED, tables_5_1_and_5_2
 from rbd_model.rolling_contact import SIDES
+from rbd_model.rolling_wheelset import nadal_limit
 from rbd_model.spatial import spatial_vehicle
-from rbd_model.spatial_wheelset import END_MARGIN, nadal_limit
+from rbd_model.spatial_wheelset import END_MARGIN
 from rbd_model.track import Track, derivatives_along, irregular_track, section_5_3, track_from_file, track_from_points
 from rbd_model.variables import LARGEST_LATERAL, LARGEST_YAW
 from rbd_model.vehicles import two_axle_bogie, wheelset_under_frame
