@@ -40,6 +40,9 @@ class Assembly:
     at_rest: Statics
     #: Height of the wheelset axes in which positions are counted [m].
     axle_height: ca.SX
+    #: Distance [m] and speed [m/s] of the first body, from which all other places along the track are counted.
+    distance: ca.SX
+    speed: ca.SX
 
     def value(self, size: Size) -> ca.SX:
         """A size of the vehicle's description."""
@@ -74,4 +77,6 @@ def assemble(level: str, description: str, vehicle: Vehicle, speed: float = 25.0
     inputs = Declared(lambda name: system.input(rows[name]))
     rail = add_rail(system, len(vehicle.wheelsets))
     at_rest = statics(vehicle, lambda size: size_of(size, parameter), parameter["gravity"])
-    return Assembly(system, vehicle, parameter, inputs, variables.outputs(vehicle), initial, rail, at_rest, ca.SX(0))
+    return Assembly(
+        system, vehicle, parameter, inputs, variables.outputs(vehicle), initial, rail, at_rest, *[ca.SX(0)] * 3
+    )

@@ -83,11 +83,11 @@ def place_along(assembly: Assembly, data: RigidBody) -> tuple[ca.SX, ca.SX]:
     system, first = assembly.system, assembly.vehicle.bodies[0]
     if data is not first:
         return add_shift(assembly, f"{data.name}_shift")
-    system.state(f"{data.name}_distance", "m", 0.0, NOMINAL_DISTANCE)
-    speed = system.state(f"{data.name}_speed", "m/s", assembly.initial_speed, NOMINAL_SPEED)
-    follow_creep(assembly, f"{data.name}_speed")
-    system.derivative(f"{data.name}_distance", speed)
-    return ca.SX(0), speed
+    assembly.distance = system.state(f"{data.name}_distance", "m", 0.0, NOMINAL_DISTANCE)
+    assembly.speed = system.state(f"{data.name}_speed", "m/s", assembly.initial_speed, NOMINAL_SPEED)
+    follow_creep(assembly, f"{data.name}_speed", assembly.speed)
+    system.derivative(f"{data.name}_distance", assembly.speed)
+    return ca.SX(0), assembly.speed
 
 
 def add_shift(assembly: Assembly, name: str, speed_name: str | None = None) -> tuple[ca.SX, ca.SX]:
@@ -96,17 +96,7 @@ def add_shift(assembly: Assembly, name: str, speed_name: str | None = None) -> t
     shift = system.state(name, "m", 0.0, NOMINAL_TRAVEL)
     shift_speed = system.state(speed_name, "m/s", 0.0, NOMINAL_TRAVEL_SPEED)
     system.derivative(name, shift_speed)
-    return shift, first_speed(assembly) + shift_speed
-
-
-def first_distance(assembly: Assembly) -> ca.SX:
-    """Distance of the first body, from which positions are counted [m], section 5.2."""
-    return assembly.system.states[f"{assembly.vehicle.bodies[0].name}_distance"].symbol
-
-
-def first_speed(assembly: Assembly) -> ca.SX:
-    """Speed of the first body [m/s], section 5.2."""
-    return assembly.system.states[f"{assembly.vehicle.bodies[0].name}_speed"].symbol
+    return shift, assembly.speed + shift_speed
 
 
 def angle_rates(angles: ca.SX, own_rate: ca.SX) -> Sequence[ca.SX]:

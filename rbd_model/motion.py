@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import casadi as ca
 
 from rbd_model.assembly import Assembly
-from rbd_model.bodies import MovingBody, first_distance, move_body
+from rbd_model.bodies import MovingBody, move_body
 from rbd_model.connections import Effect, End, Load, connect, total
 from rbd_model.kinematics import Body
 from rbd_model.vehicle import ANGLES, RigidBody, Wheelset, wheelset_name
@@ -82,7 +82,7 @@ def add_common_outputs(
     speed = ca.SX(sum(wheelset.forward for wheelset in wheelsets)) / count
     shifts = sum(system.states[f"shift_{wheelset.number}"].symbol for wheelset in wheelsets) / count
     system.output(outputs["speed"], speed)
-    system.output(outputs["distance"], first_distance(assembly) + shifts)
+    system.output(outputs["distance"], assembly.distance + shifts)
     system.output(outputs["acceleration"], ca.SX(sum(accelerations)) / count)
     for moving in bodies:
         for motion in ("lateral", "bounce", *ANGLES):

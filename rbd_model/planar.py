@@ -15,7 +15,7 @@ import casadi as ca
 from fmu_src.system import System
 from rbd_model.adhesion import follow_patch
 from rbd_model.assembly import Assembly, assemble
-from rbd_model.bodies import add_shift, first_distance, place_body
+from rbd_model.bodies import add_shift, place_body
 from rbd_model.kinematics import Body
 from rbd_model.motion import add_common_outputs, loads_of, move_bodies, observe_energy, react
 from rbd_model.vehicle import Motion, Vehicle, wheelset_name
@@ -37,7 +37,7 @@ def planar_vehicle(vehicle: Vehicle) -> System:
     for number, data in vehicle.numbered:
         carried = -loads.on(wheelset_name(number)).force[2]
         axle_load = assembly.value(data.mass) * p["gravity"] + carried
-        distance, forward = first_distance(assembly) + axles[number].position[0], axles[number].velocity[0]
+        distance, forward = assembly.distance + axles[number].position[0], axles[number].velocity[0]
         wheelsets.append(roll_on_level_rail(assembly, number, distance, forward, centred_load(axle_load), axle_load))
     react(assembly, wheelsets, loads)
     first = vehicle.bodies[0]

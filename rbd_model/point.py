@@ -30,9 +30,9 @@ def point_vehicle(vehicle: Vehicle) -> System:
     """A vehicle as eq. (2.8): distance, speed, and rotation and angular velocity of each wheelset; masses add up."""
     assembly = assemble("point", "Speed and wheel speeds, static loads", vehicle)
     system = assembly.system
-    distance = system.state("distance", "m", 0.0, NOMINAL_DISTANCE)
-    speed = system.state("speed", "m/s", assembly.initial_speed, NOMINAL_SPEED)
-    follow_creep(assembly, "speed")
+    assembly.distance = distance = system.state("distance", "m", 0.0, NOMINAL_DISTANCE)
+    assembly.speed = speed = system.state("speed", "m/s", assembly.initial_speed, NOMINAL_SPEED)
+    follow_creep(assembly, "speed", speed)
     follow_patch(system, assembly.rail, "distance")
 
     wheelsets = [roll_under_static_load(assembly, number) for number, _ in vehicle.numbered]
@@ -54,11 +54,12 @@ def point_vehicle(vehicle: Vehicle) -> System:
 def roll_under_static_load(assembly: Assembly, number: int) -> Rolling:
     """A wheelset at its place in the vehicle, second line of eq. (2.8)."""
     system, data = assembly.system, assembly.vehicle.wheelsets[number - 1]
-    distance, speed = system.states["distance"].symbol, system.states["speed"].symbol
     weight = assembly.value(data.mass) * assembly.parameter["gravity"] + assembly.resting_on(number)
     axle_load = system.derived(f"static_load_{number}", weight)
     load = centred_load(axle_load)
     static = CentredLoad(
         system.derived(f"wheel_load_{number}", load.wheel), system.derived(f"load_growth_{number}", load.growth)
     )
-    return roll_on_level_rail(assembly, number, distance + assembly.value(data.along), speed, static, axle_load)
+    return roll_on_level_rail(
+        assembly, number, assembly.distance + assembly.value(data.along), assembly.speed, static, axle_load
+    )

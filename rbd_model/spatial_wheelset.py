@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from rbd_model.assembly import Assembly
-from rbd_model.bodies import add_shift, first_distance
+from rbd_model.bodies import add_shift
 from rbd_model.connections import Load
 from rbd_model.contact_geometry import flange_of
 from rbd_model.kinematics import Body, turned_by
@@ -56,6 +56,7 @@ class SpatialWheelset:
     number: int
     data: Wheelset
     body: Body
+    rotated: ca.SX  # angle that it has turned by [rad]
     yaw: ca.SX
     offset: ca.SX  # lateral displacement from the track's centre [m]
     normal_forces: ca.SX
@@ -85,14 +86,14 @@ def place_wheelset(assembly: Assembly, number: int, section: Callable[[int, ca.S
     sideways = system.state(f"lateral_speed_{number}", "m/s", 0.0, NOMINAL_TRAVEL_SPEED)
     yaw = system.state(f"yaw_{number}", "rad", assembly.parameter["initial_yaw"], NOMINAL_TRAVEL)
     yaw_rate = system.state(f"yaw_rate_{number}", "rad/s", 0.0, NOMINAL_TRAVEL_SPEED)
-    omega = add_rotation_states(assembly, number)
+    rotated, omega = add_rotation_states(assembly, number)
     roll = system.algebraic(f"roll_{number}", "rad", 0.0, NOMINAL_ROLL)
     along = assembly.value(data.along) + shift
-    distance = first_distance(assembly) + along
+    distance = assembly.distance + along
     track = section(number, distance)
     system.limit_change(f"{assembly.vehicle.bodies[0].name}_distance", 1 / track.density)
     rails = ca.vertcat(track.lateral, track.left, track.right)
-    slopes = ca.jacobian(rails, first_distance(assembly))
+    slopes = ca.jacobian(rails, assembly.distance)
     state = RollingState(
         forward,
         sideways,
@@ -105,7 +106,7 @@ def place_wheelset(assembly: Assembly, number: int, section: Callable[[int, ca.S
         lateral - track.lateral,
         rails[1:],
         slopes,
-        ca.jacobian(slopes, first_distance(assembly)),
+        ca.jacobian(slopes, assembly.distance),
         rail_friction(assembly, number, distance) * track.friction,
     )
     fixed = rolling_constants(assembly, data)
@@ -136,7 +137,7 @@ def place_wheelset(assembly: Assembly, number: int, section: Callable[[int, ca.S
         lost.append(margins(assembly, data, rolled.bends[i], position, rolled.on_rails[i]))
     flange = push_flanges(fixed, state.offset, state.placement.cosines)
     normal_forces = state.normal_forces
-    return SpatialWheelset(number, data, body, yaw, state.offset, normal_forces, rolled, flange, ends, lost)
+    return SpatialWheelset(number, data, body, rotated, yaw, state.offset, normal_forces, rolled, flange, ends, lost)
 
 
 def add_contact_positions(assembly: Assembly, number: int) -> ca.SX:
@@ -214,13 +215,13 @@ def move_wheelset(assembly: Assembly, wheelset: SpatialWheelset, suspension: Loa
     """
     system, p, number, body = assembly.system, assembly.parameter, wheelset.number, wheelset.body
     mass, inertia = assembly.value(wheelset.data.mass), [assembly.value(size) for size in wheelset.data.inertia]
-    angle = p["yaw_torque_rotates"] * system.states[f"rotation_{number}"].symbol
+    angle = p["yaw_torque_rotates"] * wheelset.rotated
     yaw_torque = assembly.input[f"yaw_torque_{number}"] * ca.vertcat(ca.sin(angle), 0, ca.cos(angle))
     moment = body.axes.T @ suspension.moment + yaw_torque
     turning = ca.vertcat(moment[0] / inertia[0], moment[1], moment[2] / inertia[2])
     push = system.narrow(ca.vertcat((1 / mass) * suspension.force, turning))
     acceleration, turning = wheelset.rolled.acceleration + push[:3], wheelset.rolled.turning + push[3:]
-    rotation = add_rotation(assembly, number, body.own_rate[1], turning[1])
+    rotation = add_rotation(assembly, number, (wheelset.rotated, body.own_rate[1]), turning[1])
     system.derivative(f"shift_speed_{number}", acceleration[0] - first_acceleration)
     system.derivative(f"lateral_speed_{number}", acceleration[1])
     system.derivative(f"yaw_rate_{number}", turning[2])

@@ -32,9 +32,10 @@ NOMINAL_TRAVEL_SPEED = 1.0
 
 @dataclass(frozen=True)
 class Rotation:
-    """Symbols of one wheelset that turns: velocity, torques of its brake with sign, and 0 where it is locked."""
+    """Symbols of one wheelset that turns: angle, velocity, torques of its brake with sign, and 0 where it is locked."""
 
     number: int
+    angle: ca.SX
     angular_velocity: ca.SX
     friction_torque: ca.SX  # brake and rolling resistance
     brake_torque: ca.SX  # the brake's part of it
@@ -57,14 +58,13 @@ class CentredLoad:
     growth: ca.SX
 
 
-def follow_creep(assembly: Assembly, speed: str) -> None:
-    """No step may change the state `speed` by more than half: the creepage (2.3) goes with its reciprocal.
+def follow_creep(assembly: Assembly, name: str, speed: ca.SX) -> None:
+    """No step may change a speed, the state `name`, by more than half: the creepage (2.3) goes with its reciprocal.
 
     The error of a step says nothing of that: at the end of a stop the creep is so stiff that it is solved for at once,
     but with a Jacobian of another speed the force comes out wrong.
     """
-    value, least = assembly.system.states[speed].symbol, assembly.parameter["creepage_speed"]
-    assembly.system.limit_change(speed, ca.sqrt(value**2 + least**2) / 2)
+    assembly.system.limit_change(name, ca.sqrt(speed**2 + assembly.parameter["creepage_speed"] ** 2) / 2)
 
 
 def centred_contact(assembly: Assembly, wheelset: Wheelset) -> CentredContact:
@@ -138,29 +138,31 @@ def roll_on_level_rail(
     distance [m], forward [m/s]: of its axle; load: of each wheel; axle_load [N]: of both.
     """
     data = assembly.vehicle.wheelsets[number - 1]
-    omega = add_rotation_states(assembly, number)
+    rotated, omega = add_rotation_states(assembly, number)
     radius = assembly.radius(data)
     sliding = forward - radius * omega
     friction = rail_friction(assembly, number, distance)
     force = creep_force_of_wheelset(assembly, friction, centred_contact(assembly, data), load, sliding, forward)
-    rotation = add_rotation(assembly, number, omega, -force * radius)
+    rotation = add_rotation(assembly, number, (rotated, omega), -force * radius)
     return Rolling(number, data, rotation, forward, ca.SX([0, 1, 0]), force, axle_load, -force * sliding)
 
 
-def add_rotation_states(assembly: Assembly, number: int) -> ca.SX:
-    """Declares the rotation of a wheelset and returns its angular velocity, omega of (2.8); at the start it rolls."""
+def add_rotation_states(assembly: Assembly, number: int) -> tuple[ca.SX, ca.SX]:
+    """Declares the rotation [rad] of a wheelset and its angular velocity, omega of (2.8); at the start it rolls."""
     start = assembly.initial_speed / assembly.radius(assembly.vehicle.wheelsets[number - 1])
-    assembly.system.state(f"rotation_{number}", "rad", 0.0, NOMINAL_ROTATION)
-    return assembly.system.state(f"angular_velocity_{number}", "rad/s", start, NOMINAL_ANGULAR_VELOCITY)
+    rotated = assembly.system.state(f"rotation_{number}", "rad", 0.0, NOMINAL_ROTATION)
+    return rotated, assembly.system.state(f"angular_velocity_{number}", "rad/s", start, NOMINAL_ANGULAR_VELOCITY)
 
 
-def add_rotation(assembly: Assembly, number: int, omega: ca.SX, rail_torque: ca.SX) -> Rotation:
+def add_rotation(assembly: Assembly, number: int, turned: tuple[ca.SX, ca.SX], rail_torque: ca.SX) -> Rotation:
     """Rotation of one wheelset, third line of eq. (2.8): J dw/dt = F_x r - T_B, with traction and rolling resistance.
 
-    rail_torque [N.m]: moment about the axle from the rails. The brake torque is a capacity: dry friction that opposes
-    the rotation, or holds the wheelset locked while the rail cannot turn it.
+    turned: its rotation [rad] and angular velocity [rad/s]; rail_torque [N.m]: moment about the axle from the rails. The
+    brake torque is a capacity: dry friction that opposes the rotation, or holds the wheelset locked while the rail cannot
+    turn it.
     """
     system = assembly.system
+    rotated, omega = turned
     direction = system.direction(f"direction_{number}")
     brake = assembly.input[f"brake_torque_{number}"]
     capacity = brake + assembly.parameter["rolling_resistance_torque"]
@@ -174,7 +176,7 @@ def add_rotation(assembly: Assembly, number: int, omega: ca.SX, rail_torque: ca.
     system.derivative(velocity, moving * (drive - direction * capacity) / assembly.value(inertia))
     system.dry_friction(Friction(f"Wheelset {number}", direction, velocity, drive, capacity, "locked", "turns again"))
     share = brake / ca.fmax(capacity, 1e-9)
-    return Rotation(number, omega, friction_torque, share * friction_torque, traction, moving)
+    return Rotation(number, rotated, omega, friction_torque, share * friction_torque, traction, moving)
 
 
 def add_wheelset_outputs(assembly: Assembly, rolling: Rolling, speed: ca.SX) -> None:
@@ -183,7 +185,7 @@ def add_wheelset_outputs(assembly: Assembly, rolling: Rolling, speed: ca.SX) -> 
     slip = speed - assembly.radius(rolling.data) * rotation.angular_velocity
     rows = {
         "angular_velocity": rotation.angular_velocity,
-        "rotation": system.states[f"rotation_{number}"].symbol,
+        "rotation": rotation.angle,
         "slip": slip,
         "slip_ratio": creepage(slip, speed, assembly.parameter["creepage_speed"]),
         "creep_force": rolling.creep_force,
