@@ -157,9 +157,9 @@ def add_rotation_states(assembly: Assembly, number: int) -> tuple[ca.SX, ca.SX]:
 def add_rotation(assembly: Assembly, number: int, turned: tuple[ca.SX, ca.SX], rail_torque: ca.SX) -> Rotation:
     """Rotation of one wheelset, third line of eq. (2.8): J dw/dt = F_x r - T_B, with traction and rolling resistance.
 
-    turned: its rotation [rad] and angular velocity [rad/s]; rail_torque [N.m]: moment about the axle from the rails. The
-    brake torque is a capacity: dry friction that opposes the rotation, or holds the wheelset locked while the rail cannot
-    turn it.
+    turned: its rotation [rad] and angular velocity [rad/s]; rail_torque [N.m]: moment about the axle from the rails.
+    The brake torque is a capacity: dry friction that opposes the rotation, or holds the wheelset locked while the rail
+    cannot turn it.
     """
     system = assembly.system
     rotated, omega = turned
