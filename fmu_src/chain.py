@@ -6,12 +6,14 @@ once; and what repeats is differentiated once, for all the places where it stand
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from itertools import pairwise
 from typing import Any, TypeVar
 
 import casadi as ca
+import numpy as np
 
 
 @dataclass(frozen=True)
@@ -36,8 +38,8 @@ class Part:
     @cached_property
     def function(self) -> ca.Function:
         """The results, and the nonzeros of their slopes, of arguments and constants."""
-        both = ca.cse([ca.densify(self.chain.expand(one)) for one in (self.results, self.slope.nz[:])])
-        return ca.Function(self.name, [self.arguments, self.constants], both)
+        both = [ca.densify(self.chain.expand(one)) for one in (self.results, self.slope.nz[:])]
+        return shared(self.name, [self.arguments, self.constants], both)
 
 
 @dataclass(frozen=True)
@@ -185,6 +187,30 @@ class Chain:
             known.append(call.symbols)
             rates.append(call.slope @ given)
         return ca.jtimes(self.without_waists(expression), ca.vertcat(*known), ca.vertcat(*rates))
+
+
+def shared(name: str, given: Sequence[ca.SX], results: Sequence[ca.SX]) -> ca.Function:
+    """A function in which equal expressions are computed once.
+
+    CasADi 3.8 finds them, but has put a wrong symbol in place of a sum that it simplified at the same time, as of
+    (x + y) - y. So nothing is simplified meanwhile, and what comes out is held against what went in. Raises ValueError
+    where they differ.
+    """
+    ca.GlobalOptions.setSimplificationOnTheFly(False)
+    try:
+        function = ca.Function(name, given, ca.cse(list(results)))
+    finally:
+        ca.GlobalOptions.setSimplificationOnTheFly(True)
+    plain, random = ca.Function(name, given, results), np.random.default_rng(len(results))
+    at = [random.uniform(0.1, 1.0, one.numel()) for one in given]
+    for one, other in zip(function.call(at), plain.call(at), strict=True):
+        if not np.allclose(np.array(one), np.array(other), rtol=SAME, atol=SAME, equal_nan=True):
+            raise ValueError(f"{name}: equal expressions were not found rightly; use another version of CasADi.")
+    return function
+
+
+#: Results of the same operations, up to the order in which a processor of another kind might do them.
+SAME = 1e-9
 
 
 def rows(count: int) -> Any:

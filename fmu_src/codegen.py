@@ -13,7 +13,7 @@ from pathlib import Path
 
 import casadi as ca
 
-from fmu_src.chain import Call, Chain, Part
+from fmu_src.chain import Call, Chain, Part, shared
 from fmu_src.elimination import Elimination, elimination, elimination_source
 from fmu_src.model_description import model_description
 from fmu_src.system import Model, System, integration_variables, state_variable
@@ -143,9 +143,9 @@ def _function(chain: Chain, name: str, expressions: list[ca.SX], given: list[ca.
     for call in needed:
         given_to.setdefault(call.rank, []).extend([chain.without_waists(call.given), call.constants])
     asked = [ca.vertcat(*one) for one in given_to.values()]
-    simplified = ca.cse([*[ca.densify(one) for one in asked], *expressions])
+    results = [*[ca.densify(one) for one in asked], *expressions]
     taken = [*given, ca.vertcat(*left)] if needed else given
-    return Generated(ca.Function(name, taken, simplified), needed, differentiated)
+    return Generated(shared(name, taken, results), needed, differentiated)
 
 
 def _table_ranks(system: System) -> int:
@@ -201,10 +201,10 @@ def _equations(generated: Sequence[dict[str, Generated]]) -> str:
             f"Two parts have one name among {', '.join(dict.fromkeys(names))}; give each part a name of its own."
         )
     wanted = {(call.part.name, one.differentiated) for one in own for call in one.calls}
-    shared = [
+    inside = [
         _part_function(part, slopes) for part in parts for slopes in (False, True) if (part.name, slopes) in wanted
     ]
-    every = [*shared, *(one.function for one in own)]
+    every = [*inside, *(one.function for one in own)]
     generator = ca.CodeGenerator("equations", {"with_export": False})
     for function in every:
         generator.add(function)
@@ -214,7 +214,7 @@ def _equations(generated: Sequence[dict[str, Generated]]) -> str:
     # CasADi's squares, absolute values and minima are functions; inlined, a right-hand side takes 5 to 14 % less.
     text = re.sub(r"^casadi_real (?=casadi_\w+\()", "static inline casadi_real ", text, flags=re.MULTILINE)
     text = _without_questions(text, {function.name() for function in every})
-    for function in shared:
+    for function in inside:
         text = re.sub(rf"^(?=int {function.name()}\()", "static ", text, flags=re.MULTILINE)
     for one in own:
         if one.calls:
@@ -228,7 +228,7 @@ def _part_function(part: Part, slopes: bool) -> ca.Function:
     given = [part.arguments, part.constants]
     results, nonzeros = part.function(*given)
     name = _name_of(part, slopes)
-    return ca.Function(name, given, ca.cse([ca.vertcat(results, nonzeros) if slopes else results]))
+    return shared(name, given, [ca.vertcat(results, nonzeros) if slopes else results])
 
 
 def _name_of(part: Part, slopes: bool) -> str:

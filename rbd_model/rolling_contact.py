@@ -202,6 +202,6 @@ def wheel_contact(chain: Chain, placement: Placement, on: Wheel, position: ca.SX
 
 
 def inside(pair: Pair, position: ca.SX, on_rail: ca.SX) -> ca.SX:
-    """Distance of a contact from the nearest end of either profile [m], negative beyond it."""
+    """Distance of a contact from the nearest end of either profile (section 9.4.1) [m], negative beyond it."""
     (low, high), (first, last) = pair.wheel.limits, pair.rail.limits
     return ca.fmin(ca.fmin(position - low, high - position), ca.fmin(on_rail - first, last - on_rail))

@@ -269,7 +269,7 @@ def push_flanges(fixed: RollingConstants, offset: ca.SX, cosines: ca.SX) -> Flan
 
 @lru_cache
 def rolling_wheelset(wheel_terms: int, rail_terms: int) -> Part:
-    """A `RolledMotion` of a `RollingState`: all that is between two rails and a suspension.
+    """A `RolledMotion` of a `RollingState`, (3.67), (3.71), (3.73): all that is between two rails and a suspension.
 
     Constants: `RollingConstants`, then the pieces of both profiles with so many terms, left wheel first.
     """

@@ -195,7 +195,7 @@ ENDINGS = ("lost its tread contact", "ran off the end of its tread or of the rai
 
 
 def margins(assembly: Assembly, data: Wheelset, bend: ca.SX, position: ca.SX, on_rail: ca.SX) -> ca.SX:
-    """What is left of a wheel's contact until it ends as ENDINGS say; negative where it has.
+    """What is left of a wheel's contact until it ends as ENDINGS say (section 9.4.1); negative where it has.
 
     bend [1/m]: of the contact, see `WheelContact`; position, on_rail [m]: its places on both profiles.
     """

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import casadi as ca
 import numpy as np
 import pytest
 
-from fmu_src.chain import Part
+from fmu_src.chain import Bundle, Chain, Part, rows, shared
 from fmu_src.codegen import functions, generate
 from fmu_src.compile import build_library
 from fmu_src.dependencies import direct_inputs
@@ -100,6 +100,51 @@ def test_derivatives_along_a_direction_pass_through_parts() -> None:
     error, size = (float(x) for x in difference(*values))
     assert abs(error) < ROUND_OFF * abs(size)
     assert size != pytest.approx(0.0)
+
+
+@lru_cache
+def bob() -> Part:
+    """Place of a pendulum's bob by its angle, whose cosine and sine it is given; a part that it calls is its length."""
+    angle, pull, cosines, hard = (ca.SX.sym(name, count) for name, count in (("a", 1), ("p", 1), ("c", 2), ("h", 1)))
+    chain = Chain()
+    chain.know(cosines, angle, ca.vertcat(-cosines[1], cosines[0]))
+    length = 1 + chain.narrow(chain.call(hardening(), ca.vertcat(pull, pull * angle), hard)[0])
+    return Part("bob", ca.vertcat(angle, pull), ca.vertcat(cosines, hard), length * cosines, chain)
+
+
+def test_a_part_may_call_a_part_and_be_given_what_changes_with_its_arguments() -> None:
+    """Its slopes against those of the same equations written out."""
+    angle, pull, hard = (ca.SX.sym(name) for name in ("angle", "pull", "hard"))
+    given, constants = ca.vertcat(angle, pull), ca.vertcat(ca.cos(angle), ca.sin(angle), hard)
+    results, slopes = bob().function(given, constants)
+    way, rate = pull, pull * angle
+    plain = (1 + way + hard * way**3 + ca.sin(rate)) * ca.vertcat(ca.cos(angle), ca.sin(angle))
+    difference = ca.vertcat(results - plain, slopes - ca.jacobian(plain, given).nz[:])
+    found = np.array(ca.Function("d", [given, hard], [difference])([0.7, 0.4], 0.3)).ravel()
+    assert found.shape == (6,)
+    assert np.abs(found).max() < ROUND_OFF
+
+
+def test_equal_expressions_are_computed_once_and_a_wrong_one_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    x = ca.SX.sym("x", 3)
+    results = [ca.vertcat(ca.sin(x[0] * x[1]) + x[2], ca.sin(x[0] * x[1]) - x[2])]
+    assert shared("twice", [x], results).n_instructions() < ca.Function("twice", [x], results).n_instructions()
+    monkeypatch.setattr(ca, "cse", lambda expressions: [expressions[0] + 1e-6 * x[0]])
+    with pytest.raises(ValueError, match=r"twice: equal expressions were not found rightly; use another version"):
+        shared("twice", [x], results)
+
+
+def test_bundle_takes_vectors_apart_and_puts_them_together() -> None:
+    @dataclass(frozen=True)
+    class Two(Bundle):
+        place: ca.SX = rows(2)
+        force: ca.SX = rows(1)
+
+    vector = ca.SX.sym("v", 3)
+    assert ca.is_equal(Two.of(vector).vector, vector)
+    assert Two.symbols("two").force.numel() == 1
+    with pytest.raises(ValueError, match=r"Two: give 3 rows; there were 4\."):
+        Two.of(ca.SX.sym("v", 4))
 
 
 def test_two_parts_of_one_name_are_refused() -> None:
