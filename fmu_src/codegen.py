@@ -329,8 +329,8 @@ def _system_arrays(model: Model, system: System, solving: Elimination) -> Iterab
     places = (str(column * len(solving.order) + row) for row, column in solving.place)
     yield _array("int", f"{prefix}_factor_place", places)
     position = {name: number for number, name in enumerate(system.states)}
-    limited = [position[name] for name, _ in system.largest_changes]
-    yield _array("int", f"{prefix}_limited", map(str, limited))
+    limited = [[position[name] for name in names] for names, _ in system.largest_changes]
+    yield _array("limited_change", f"{prefix}_limited", [f"{{{one[0]}, {[*one, -1][1]}}}" for one in limited])
     algebraic = [number for number, state in enumerate(system.states.values()) if state.algebraic]
     yield _array("int", f"{prefix}_algebraic", map(str, algebraic))
     yield _array(

@@ -42,7 +42,7 @@ def scope(system: System, before: str = "", after: str = "", common: Collection[
         frictions=[replace(friction, velocity=named(friction.velocity)) for friction in system.frictions],
         outputs=keyed(system.outputs),
         observables=keyed(system.observables),
-        largest_changes=[(named(name), largest) for name, largest in system.largest_changes],
+        largest_changes=[(tuple(map(named, names)), largest) for names, largest in system.largest_changes],
     )
 
 

@@ -195,8 +195,8 @@ class System(Chain):
     end_conditions: list[Condition] = field(default_factory=list)
     warnings: list[Condition] = field(default_factory=list)
     observables: dict[str, Observable] = field(default_factory=dict)
-    #: Names of states, and by how much each may change within a step that is chosen by the error.
-    largest_changes: list[tuple[str, ca.SX]] = field(default_factory=list)
+    #: Names of one or two states, and by how much their sum may change within a step that is chosen by the error.
+    largest_changes: list[tuple[tuple[str, ...], ca.SX]] = field(default_factory=list)
 
     # -- symbols ------------------------------------------------------------------------------------------------
 
@@ -270,12 +270,12 @@ class System(Chain):
         """A friction that sticks and slides; its direction is a symbol from `direction`."""
         self.frictions.append(friction)
 
-    def limit_change(self, state: str, largest: ca.SX) -> None:
-        """Steps chosen by the error end before `state` has changed by `largest`, at its present rate.
+    def limit_change(self, largest: ca.SX, *states: str) -> None:
+        """Steps chosen by the error end before a state, or the sum of two, has changed by `largest` at its rate.
 
         For what the error of a step cannot tell: what would be stepped over, a stiffness that changes with the state.
         """
-        self.largest_changes.append((state, largest))
+        self.largest_changes.append((states, largest))
 
     def output(self, variable: Variable, expression: ca.SX | float) -> None:
         """An output and the expression it has at every instant. Raises ValueError for a variable that is none."""

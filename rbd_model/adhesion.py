@@ -169,4 +169,4 @@ def follow_patch(system: System, rail: Rail, distance: str) -> None:
     """No step may be longer than an end of the patch, which would be stepped over; `distance` is the state."""
     p = rail.parameter
     end = ca.fmin(p["patch_blend"], p["patch_length"] / 2)
-    system.limit_change(distance, ca.if_else(p["patch_friction"] == 1, ca.inf, end))
+    system.limit_change(ca.if_else(p["patch_friction"] == 1, ca.inf, end), distance)

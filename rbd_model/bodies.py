@@ -85,7 +85,6 @@ def place_along(assembly: Assembly, data: RigidBody) -> tuple[ca.SX, ca.SX]:
         return add_shift(assembly, f"{data.name}_shift")
     assembly.distance = system.state(f"{data.name}_distance", "m", 0.0, NOMINAL_DISTANCE)
     assembly.speed = system.state(f"{data.name}_speed", "m/s", assembly.initial_speed, NOMINAL_SPEED)
-    follow_creep(assembly, f"{data.name}_speed", assembly.speed)
     system.derivative(f"{data.name}_distance", assembly.speed)
     return ca.SX(0), assembly.speed
 
@@ -97,6 +96,14 @@ def add_shift(assembly: Assembly, name: str, speed_name: str | None = None) -> t
     shift_speed = system.state(speed_name, "m/s", 0.0, NOMINAL_TRAVEL_SPEED)
     system.derivative(name, shift_speed)
     return shift, assembly.speed + shift_speed
+
+
+def add_axle_shift(assembly: Assembly, number: int) -> tuple[ca.SX, ca.SX]:
+    """The same for an axle, whose creep the steps must follow."""
+    names = f"shift_{number}", f"shift_speed_{number}"
+    shift, speed = add_shift(assembly, *names)
+    follow_creep(assembly, speed, f"{assembly.vehicle.bodies[0].name}_speed", names[1])
+    return shift, speed
 
 
 def angle_rates(angles: ca.SX, own_rate: ca.SX) -> Sequence[ca.SX]:

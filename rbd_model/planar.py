@@ -15,7 +15,7 @@ import casadi as ca
 from fmu_src.system import System
 from rbd_model.adhesion import follow_patch
 from rbd_model.assembly import Assembly, assemble
-from rbd_model.bodies import add_shift, place_body
+from rbd_model.bodies import add_axle_shift, place_body
 from rbd_model.kinematics import Body
 from rbd_model.motion import add_common_outputs, loads_of, move_bodies, observe_energy, react
 from rbd_model.vehicle import Motion, Vehicle, wheelset_name
@@ -65,7 +65,7 @@ def planar_vehicle(vehicle: Vehicle) -> System:
 
 def place_axle(assembly: Assembly, number: int) -> Body:
     """A wheelset that moves along the track only, as a body that connections pull at; section 5.2."""
-    shift, speed = add_shift(assembly, f"shift_{number}", f"shift_speed_{number}")
+    shift, speed = add_axle_shift(assembly, number)
     along = assembly.value(assembly.vehicle.wheelsets[number - 1].along)
     none = ca.SX.zeros(3)
     return Body(ca.vertcat(along + shift, 0, 0), ca.vertcat(speed, 0, 0), ca.SX.eye(3), none, none)

@@ -32,7 +32,7 @@ def point_vehicle(vehicle: Vehicle) -> System:
     system = assembly.system
     assembly.distance = distance = system.state("distance", "m", 0.0, NOMINAL_DISTANCE)
     assembly.speed = speed = system.state("speed", "m/s", assembly.initial_speed, NOMINAL_SPEED)
-    follow_creep(assembly, "speed", speed)
+    follow_creep(assembly, speed, "speed")
     follow_patch(system, assembly.rail, "distance")
 
     wheelsets = [roll_under_static_load(assembly, number) for number, _ in vehicle.numbered]

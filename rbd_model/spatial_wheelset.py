@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from rbd_model.assembly import Assembly
-from rbd_model.bodies import add_shift
+from rbd_model.bodies import add_axle_shift
 from rbd_model.connections import Load
 from rbd_model.contact_geometry import flange_of
 from rbd_model.kinematics import Body, turned_by
@@ -81,7 +81,7 @@ def place_wheelset(assembly: Assembly, number: int, section: Callable[[int, ca.S
     section: the track by wheelset and distance. The static load is the guess for the normal forces.
     """
     system, data = assembly.system, assembly.vehicle.wheelsets[number - 1]
-    shift, forward = add_shift(assembly, f"shift_{number}", f"shift_speed_{number}")
+    shift, forward = add_axle_shift(assembly, number)
     lateral = system.state(f"lateral_{number}", "m", assembly.parameter["initial_lateral"], NOMINAL_TRAVEL)
     sideways = system.state(f"lateral_speed_{number}", "m/s", 0.0, NOMINAL_TRAVEL_SPEED)
     yaw = system.state(f"yaw_{number}", "rad", assembly.parameter["initial_yaw"], NOMINAL_TRAVEL)
@@ -91,7 +91,7 @@ def place_wheelset(assembly: Assembly, number: int, section: Callable[[int, ca.S
     along = assembly.value(data.along) + shift
     distance = assembly.distance + along
     track = section(number, distance)
-    system.limit_change(f"{assembly.vehicle.bodies[0].name}_distance", 1 / track.density)
+    system.limit_change(1 / track.density, f"{assembly.vehicle.bodies[0].name}_distance")
     rails = ca.vertcat(track.lateral, track.left, track.right)
     slopes = ca.jacobian(rails, assembly.distance)
     state = RollingState(

@@ -17,6 +17,9 @@ from rbd_model.vehicle import Wheelset
 SMALLEST_LOAD = 1.0
 SMALLEST_FRICTION = 1e-9
 
+#: Creepage at which wheels of any load begin to slide as a whole; its order of magnitude, from (3.92) and (3.94).
+BENDING = 0.01
+
 #: Longer over shorter semi-axis of a contact that a run may start with; where Kalker's table ends.
 MOST_SLENDER = 10.0
 
@@ -58,13 +61,16 @@ class CentredLoad:
     growth: ca.SX
 
 
-def follow_creep(assembly: Assembly, name: str, speed: ca.SX) -> None:
-    """No step may change a speed, the state `name`, by more than half: the creepage (2.3) goes with its reciprocal.
+def follow_creep(assembly: Assembly, speed: ca.SX, *states: str) -> None:
+    """No step may change the speed of an axle, the sum of these states, by more than half: the creepage (2.3) goes with
+    its reciprocal.
 
-    The error of a step says nothing of that: at the end of a stop the creep is so stiff that it is solved for at once,
-    but with a Jacobian of another speed the force comes out wrong.
+    Nor, near rest, by more than half of what bends the creep curve there, BENDING of the creepage's smallest speed. The
+    error of a step says nothing of that: at the end of a stop the creep is so stiff that it is solved for at once, but
+    with a Jacobian of another speed the force comes out wrong, and a wheelset that has just locked breaks free.
     """
-    assembly.system.limit_change(name, ca.sqrt(speed**2 + assembly.parameter["creepage_speed"] ** 2) / 2)
+    least = BENDING * assembly.parameter["creepage_speed"]
+    assembly.system.limit_change(ca.sqrt(speed**2 + least**2) / 2, *states)
 
 
 def centred_contact(assembly: Assembly, wheelset: Wheelset) -> CentredContact:

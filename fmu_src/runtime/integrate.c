@@ -100,15 +100,18 @@ static void keep_jacobian(kernel *self, const progress *now, double served) {
         reuse_remember(self, now->offset, self->step_origin + now->offset + served);
 }
 
-/* Time until a limited state has changed as much as a step may change it. */
+/* Time until something limited has changed as much as a step may change it. */
 static double longest_step(kernel *self, double offset) {
     const system_description *system = self->system;
     if (system->limits == 0) return INFINITY;
     if (self->method != METHOD_EXACT) kernel_evaluate(self, system->ode, offset, self->state, self->slope);
     kernel_evaluate(self, system->largest_change, offset, self->state, self->largest_change);
     double haste = 0.0;
-    for (int i = 0; i < system->limits; ++i)
-        haste = fmax(haste, fabs(self->slope[system->limited[i]]) / self->largest_change[i]);
+    for (int i = 0; i < system->limits; ++i) {
+        const limited_change *of = &system->limited[i];
+        const double rate = self->slope[of->state] + (of->other < 0 ? 0.0 : self->slope[of->other]);
+        haste = fmax(haste, fabs(rate) / self->largest_change[i]);
+    }
     return haste > 0.0 ? 1.0 / haste : INFINITY;
 }
 

@@ -53,13 +53,18 @@ typedef struct {
     int velocity; /* index of the state */
 } friction_description;
 
+/* A state, or the sum of two, whose change within a step is limited. */
+typedef struct {
+    int state, other; /* indices; -1: there is no other */
+} limited_change;
+
 typedef struct {
     const char *name;
     int states, algebraics, nonzeros;
     int factors, lower_factors; /* entries of a step's factors, and of those below the diagonal */
     int inputs, parameters, derived, frictions, outputs;
     int tables, table_ranks, table_coefficients;
-    int limits;           /* states whose change within a step is limited */
+    int limits;           /* what may not change too far within a step */
     int ends, conditions; /* the conditions that end a run, and with those that only warn */
     const int *input_variable, *parameter_variable, *output_variable; /* indices into the model's variables */
     const int *state_variable;                                        /* the same; -1: an algebraic state */
@@ -68,7 +73,7 @@ typedef struct {
     const int *jacobian_place; /* of each nonzero of the Jacobian in a matrix of that order, stored by columns */
     const int *factor_place; /* of each entry of the factors, packed, in a matrix of that order, stored by columns */
     const int *algebraic; /* indices of the states that a residual instead of a derivative determines */
-    const int *limited;   /* indices of the states whose change within a step is limited */
+    const limited_change *limited;
     const friction_description *friction;
     const table_description *table;
     const char *const *sentence; /* of each condition; contains one %s for the time */

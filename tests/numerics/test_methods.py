@@ -198,7 +198,7 @@ def test_step_ends_before_a_limited_state_has_changed_too_far() -> None:
     def write(system: System) -> None:
         x = system.state("x", "m", 0.0, 1.0)
         system.derivative("x", ca.SX(2.0))
-        system.limit_change("x", ca.SX(0.5))
+        system.limit_change(ca.SX(0.5), "x")
         system.output(Variable("x", "output", "m", "x"), x)
 
     kernel = Kernel(small(write, tolerance=1e-2))

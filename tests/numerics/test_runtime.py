@@ -418,7 +418,7 @@ def test_candidate_of_a_warning_changes_nothing_of_what_is_said() -> None:
     def write(system: System) -> None:
         x = system.state("x", "s", 0.0, 1.0)
         system.derivative("x", ca.SX(1.0))
-        system.limit_change("x", ca.SX(0.1))
+        system.limit_change(ca.SX(0.1), "x")
         system.warn_when_negative(3.0 - x, "Plain at %s s.")
         system.warn_when_negative(3.0 - x, "Costly at %s s.", candidate=2.0 - x)
         system.warn_when_negative(5.0 - x, "Never at %s s.", candidate=2.0 - x)
