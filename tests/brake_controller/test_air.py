@@ -26,7 +26,7 @@ from fmu_src.kernel import Kernel, Library
 #: Asked of the flow model against closed forms.
 CLOSED_FORM = 5e-3
 #: Asked of the balances; the integrator's own error at TIGHT is ten times smaller.
-BALANCE, TIGHT = 1e-9, 1e-11
+BALANCE, TIGHT = 1e-9, 1e-12
 #: Of the temperature at the default tolerance, 1e-6 of each state's nominal value in each of some hundred steps.
 DRIFT = 1e-4
 KAPPA = 1.4
