@@ -115,6 +115,21 @@ static double longest_step(kernel *self, double offset) {
     return haste > 0.0 ? 1.0 / haste : INFINITY;
 }
 
+typedef struct {
+    double size, error;
+} trial;
+
+/* After a second rejected trial the size at which the error of both comes down to the tolerance: behind a jump it falls
+ * with a lower power of the size than theory has. */
+static double size_by_trials(trial *last, double size, double error) {
+    const trial before = *last;
+    last->size = size;
+    last->error = error;
+    if (!(before.size > size && before.error > error)) return INFINITY;
+    const double power = log(before.error / error) / log(before.size / size);
+    return fmax(0.9 * size * pow(error, -1.0 / power), 0.1 * size);
+}
+
 /* A step that the error control accepts. Returns its length; 0 after a failure, with the sentence set. */
 static double adaptive_step(kernel *self, progress *now) {
     const rosenbrock_tableau *method = self->method == METHOD_REUSED ? &ROS34PW2 : &RODAS5P;
@@ -123,6 +138,7 @@ static double adaptive_step(kernel *self, progress *now) {
     const double longest = longest_step(self, now->offset);
     double wanted = fmin(proposed, longest);
     if (wanted > 0.5 * remaining) wanted = wanted < remaining ? 0.5 * remaining : remaining;
+    trial last = {0.0, 0.0};
     for (double size = wanted;;) {
         char when[CLOCK_SIZE];
         const double time = self->step_origin + now->offset;
@@ -145,7 +161,7 @@ static double adaptive_step(kernel *self, progress *now) {
             return size;
         }
         self->counters.rejected++;
-        size = next;
+        size = fmin(next, size_by_trials(&last, size, error));
         if (size < 1e-15 + 4.0 * DBL_EPSILON * now->offset) {
             kernel_fail(self, KERNEL_ERROR,
                         "The step size vanished at t = %s s: the equations have no finite solution there, or the "
