@@ -99,7 +99,7 @@ def add_shift(assembly: Assembly, name: str, speed_name: str | None = None) -> t
 
 
 def add_axle_shift(assembly: Assembly, number: int) -> tuple[ca.SX, ca.SX]:
-    """The same for an axle, whose creep the steps must follow."""
+    """The same for an axle (section 5.2), whose creep the steps must follow."""
     names = f"shift_{number}", f"shift_speed_{number}"
     shift, speed = add_shift(assembly, *names)
     follow_creep(assembly, speed, f"{assembly.vehicle.bodies[0].name}_speed", names[1])

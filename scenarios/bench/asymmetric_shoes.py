@@ -33,7 +33,7 @@ PEAKS = {
 DERAILED_AT = {10.0: 5.9, 5.0: 6.1, 1.0: 6.1}
 STANDING, DURATION, INTERVAL = 0.01, 24.0, 2e-3
 #: Enough for peaks within 1 % away from the flange; behind flange impacts the motion is chaotic.
-TOLERANCE = 1e-5
+TOLERANCE = 1e-6
 RECORDED = ("speed", "lateral_1", "lateral_2")
 SAID = ("Wheel lift", "Flange climb", "Derailed")
 
