@@ -15,6 +15,9 @@ from fmu_src.system import System
 #: Products that are added up before they are taken from a value.
 TOGETHER = 4
 
+#: Lines of one C function: a compiler takes more than twice as long for twice as many.
+LONGEST = 150
+
 
 @dataclass(frozen=True)
 class Elimination:
@@ -122,9 +125,13 @@ def elimination_source(systems: dict[str, Elimination]) -> str:
     """C of the functions NAME_factorise(entry) and NAME_substitute(entry, vector) of each system."""
     lines = ['#pragma GCC diagnostic ignored "-Wunused-parameter"', '#include "model.h"', ""]
     for name, solving in systems.items():
-        for head, body in (
-            ("factorise(double *e)", solving.factors()),
-            ("substitute(const double *e, double *v)", solving.substitution()),
+        for task, taken, given, body in (
+            ("factorise", "double *e", "e", list(solving.factors())),
+            ("substitute", "const double *e, double *v", "e, v", list(solving.substitution())),
         ):
-            lines += [f"INSIDE void {name}_{head} {{", *(f"    {line}" for line in body), "}", ""]
+            pieces = [body[start : start + LONGEST] for start in range(0, len(body), LONGEST)]
+            for number, piece in enumerate(pieces):
+                lines += [f"static void {name}_{task}_{number}({taken}) {{", *(f"    {line}" for line in piece), "}"]
+            calls = [f"    {name}_{task}_{number}({given});" for number in range(len(pieces))]
+            lines += [f"INSIDE void {name}_{task}({taken}) {{", *calls, "}", ""]
     return "\n".join(lines)
