@@ -7,6 +7,7 @@ mu0 are the inputs friction_1, friction_2. With the start values nothing falls a
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import casadi as ca
@@ -165,8 +166,14 @@ def add_rail(system: System, wheelsets: int) -> Rail:
     )
 
 
-def follow_patch(system: System, rail: Rail, distance: str) -> None:
-    """No step may be longer than an end of the patch, which would be stepped over; `distance` is the state."""
+def follow_patch(system: System, rail: Rail, distance: str, places: Sequence[ca.SX]) -> None:
+    """No step may pass over an end of the patch, nor over more than half of one: of section 2.5.2.
+
+    distance: the state that carries all places along; places [m]: of the wheelsets.
+    """
     p = rail.parameter
     end = ca.fmin(p["patch_blend"], p["patch_length"] / 2)
-    system.limit_change(ca.if_else(p["patch_friction"] == 1, ca.inf, end), distance)
+    # From each wheelset to the nearer end of the patch; below 0 within it.
+    ways = [ca.fabs(ca.fabs(place - rail.patch_middle) - (p["patch_length"] - end) / 2) - end / 2 for place in places]
+    largest = end / 2 + ca.fmax(ca.mmin(ca.vertcat(*ways)), 0)
+    system.limit_change(ca.if_else(p["patch_friction"] == 1, ca.inf, largest), distance)

@@ -29,8 +29,9 @@ def planar_vehicle(vehicle: Vehicle) -> System:
     assembly = assemble("planar", "Bounce, pitch, load transfer, suspension", vehicle)
     system, p = assembly.system, assembly.parameter
     bodies = [place_body(assembly, data, OUT_OF_PLANE) for data in vehicle.bodies]
-    follow_patch(system, assembly.rail, f"{vehicle.bodies[0].name}_distance")
     axles = {number: place_axle(assembly, number) for number, _ in vehicle.numbered}
+    places = [assembly.distance + axle.position[0] for axle in axles.values()]
+    follow_patch(system, assembly.rail, f"{vehicle.bodies[0].name}_distance", places)
     loads = loads_of(assembly, bodies, axles)
 
     wheelsets = []

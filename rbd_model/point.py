@@ -33,7 +33,8 @@ def point_vehicle(vehicle: Vehicle) -> System:
     assembly.distance = distance = system.state("distance", "m", 0.0, NOMINAL_DISTANCE)
     assembly.speed = speed = system.state("speed", "m/s", assembly.initial_speed, NOMINAL_SPEED)
     follow_creep(assembly, speed, "speed")
-    follow_patch(system, assembly.rail, "distance")
+    places = [distance + assembly.value(data.along) for data in vehicle.wheelsets]
+    follow_patch(system, assembly.rail, "distance", places)
 
     wheelsets = [roll_under_static_load(assembly, number) for number, _ in vehicle.numbered]
     masses = [*(body.mass for body in vehicle.bodies), *(wheelset.mass for wheelset in vehicle.wheelsets)]

@@ -131,7 +131,7 @@ def contact_of_wheel(wheel_terms: int, rail_terms: int) -> Part:
     wheel, rail = constants[8 : 8 + wheel_terms], constants[8 + wheel_terms :]
     chain = Chain()
     turning = ca.vertcat(-cosines[1], cosines[0], -cosines[3], cosines[2])
-    chain.know(cosines, given[1:3], ca.horzcat(ca.vertcat(turning[:2], 0, 0), ca.vertcat(0, 0, turning[2:])))
+    chain.follow(cosines, given[1:3], ca.horzcat(ca.vertcat(turning[:2], 0, 0), ca.vertcat(0, 0, turning[2:])))
     one = touch(Placement(yaw, roll, cosines, lateral), on, position, wheel)
     bend = polynomials(wheel, position, 2)[2]
     height, rail_slope, rail_bend = polynomials(rail, one.on_rail, 2)

@@ -175,10 +175,8 @@ def meet_rails(chain: Chain, state: RollingState, fixed: RollingConstants, piece
         moving = contact.rate(ca.vertcat(state.sideways - state.slopes[0] * state.forward, turning))
         bending = ca.dot(contact.across, bends[i] * state.forward)
         row_rate = ca.vertcat(-ca.dot(moving[:2], drifts[i]) - bending, moving)
-        creep = roll_wheel(
-            chain, state, fixed, contact, axes.T @ velocity + ca.cross(own_rate, contact.arm), own_rate, i
-        )
-        wheels.append(RollingWheel(contact, row[i], row_rate, *creep))
+        sliding = axes.T @ velocity + ca.cross(own_rate, contact.arm)
+        wheels.append(roll_wheel(chain, state, fixed, i, contact, (row[i], row_rate), (sliding, own_rate)))
     flange = push_flanges(fixed, state.offset, placement.cosines)
     return OnRails(height, heights[1] - heights[0], velocity, axes, own_rate, tuple(wheels), flange)
 
@@ -225,15 +223,16 @@ def roll_wheel(
     chain: Chain,
     state: RollingState,
     fixed: RollingConstants,
-    contact: WheelContact,
-    sliding: ca.SX,
-    own_rate: ca.SX,
     index: int,
-) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX, ca.SX]:
-    """Creep of one wheel, eqs (3.89)-(3.105): friction, normal force, creep forces along and sideways, their power.
+    contact: WheelContact,
+    constraint: tuple[ca.SX, ca.SX],
+    moving: tuple[ca.SX, ca.SX],
+) -> RollingWheel:
+    """The left (0) or the right wheel with its creep, eqs (3.89)-(3.105); `constraint`: its row and the rate of that.
 
-    sliding [m/s], own_rate [rad/s]: of the wheel at its contact, in the wheelset's own axes.
+    moving: velocity where it touches [m/s] and angular velocity [rad/s], in the wheelset's own axes.
     """
+    sliding, own_rate = moving
     slides = ca.dot(sliding, contact.along), ca.dot(sliding, contact.sideways)
     slowness = 1 / ca.sqrt(state.forward**2 + fixed.creepage_speed**2)
     # Kalker's law is for axes that look ahead. Rolling backwards these are turned half round about the normal: the
@@ -246,7 +245,8 @@ def roll_wheel(
     given = ca.vertcat(*slides, spin, slowness, *curvatures, normal_force, state.friction)
     constants = ca.vertcat(fixed.shear_modulus, fixed.surface)
     along, sideways, friction = ca.vertsplit(chain.call(creep_of_wheel(), given, constants))
-    return friction, normal_force, along, sideways, -along * slides[0] - sideways * slides[1]
+    power = -along * slides[0] - sideways * slides[1]
+    return RollingWheel(contact, *constraint, friction, normal_force, along, sideways, power)
 
 
 def push_flanges(fixed: RollingConstants, offset: ca.SX, cosines: ca.SX) -> FlangePush:

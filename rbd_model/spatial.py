@@ -32,9 +32,10 @@ def spatial_vehicle(vehicle: Vehicle, track: Track) -> System:
     system, p, first = assembly.system, assembly.parameter, vehicle.bodies[0]
     assembly.axle_height = assembly.radius(vehicle.wheelsets[0])
     bodies = [place_body(assembly, data) for data in vehicle.bodies]
-    follow_patch(system, assembly.rail, f"{first.name}_distance")
     section = track(system)
     wheelsets = [place_wheelset(assembly, number, section) for number, _ in vehicle.numbered]
+    places = [assembly.distance + wheelset.body.position[0] for wheelset in wheelsets]
+    follow_patch(system, assembly.rail, f"{first.name}_distance", places)
     loads = loads_of(assembly, bodies, {wheelset.number: wheelset.body for wheelset in wheelsets})
 
     # None at constant speed (sections 4.2, 5.2), where something pulls as much as needed.

@@ -5,7 +5,7 @@ What the rails do to it is in `rolling_wheelset`; suspension, brake and yaw torq
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import casadi as ca
@@ -126,18 +126,26 @@ def place_wheelset(assembly: Assembly, number: int, section: Callable[[int, ca.S
     system.residual(f"roll_{number}", rolled.gap)
     for index, word in enumerate(SIDES.values()):
         system.residual(f"contact_{number}_{word}", rolled.slope_errors[index])
-    positions, ends, lost = ca.vertsplit(state.positions), [], []
-    for i, (piece, position) in enumerate(zip(pieces, positions, strict=True)):
-        # Once more by itself: whether a contact ends must be told without what it costs to find its forces.
-        end = end_of_contact(piece.wheel.numel(), piece.rail.numel())
-        bend, on_rail = ca.vertsplit(
-            system.call(end, *given_to_contact(state.placement, fixed.wheel(i), position, piece))
-        )
-        ends.append(margins(assembly, data, bend, position, on_rail))
-        lost.append(margins(assembly, data, rolled.bends[i], position, rolled.on_rails[i]))
+    ends = ends_alone(assembly, data, state, fixed, pieces)
+    known = zip(*map(ca.vertsplit, (rolled.bends, state.positions, rolled.on_rails)), strict=True)
+    lost = [margins(assembly, data, *one) for one in known]
     flange = push_flanges(fixed, state.offset, state.placement.cosines)
     normal_forces = state.normal_forces
     return SpatialWheelset(number, data, body, rotated, yaw, state.offset, normal_forces, rolled, flange, ends, lost)
+
+
+def ends_alone(
+    assembly: Assembly, data: Wheelset, state: RollingState, fixed: RollingConstants, pieces: Sequence[Pieces]
+) -> list[ca.SX]:
+    """The `margins` of both wheels (section 9.4.1), told without what it costs to find their forces."""
+    found = []
+    for index, piece in enumerate(pieces):
+        part = end_of_contact(piece.wheel.numel(), piece.rail.numel())
+        position = state.positions[index]
+        given = given_to_contact(state.placement, fixed.wheel(index), position, piece)
+        bend, on_rail = ca.vertsplit(assembly.system.call(part, *given))
+        found.append(margins(assembly, data, bend, position, on_rail))
+    return found
 
 
 def add_contact_positions(assembly: Assembly, number: int) -> ca.SX:

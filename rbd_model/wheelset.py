@@ -62,8 +62,7 @@ class CentredLoad:
 
 
 def follow_creep(assembly: Assembly, speed: ca.SX, *states: str) -> None:
-    """No step may change the speed of an axle, the sum of these states, by more than half: the creepage (2.3) goes with
-    its reciprocal.
+    """No step may change an axle's speed, the sum of the states, by more than half: (2.3) goes with its reciprocal.
 
     Nor, near rest, by more than half of what bends the creep curve there, BENDING of the creepage's smallest speed. The
     error of a step says nothing of that: at the end of a stop the creep is so stiff that it is solved for at once, but

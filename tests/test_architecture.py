@@ -91,7 +91,6 @@ CITATION = re.compile(
 )
 #: Functions without physics of their own, by file: they build FMUs, declare variables, read files, serve numerics.
 PLUMBING = {
-    "rbd_model/adhesion.py": {"follow_patch"},
     "rbd_model/assembly.py": {"assemble"},
     "rbd_model/bogie.py": {
         "level_variable",

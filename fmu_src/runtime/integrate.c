@@ -8,7 +8,7 @@
 static const long long int MAXIMUM_TRIALS = 5000000; /* of one kernel_step; a run that needs more is stuck */
 static const int MAXIMUM_SWITCHES = 1000;            /* beyond the steps that end without one; more is chatter */
 /* A step that the host cuts below this share of what the accuracy allows is taken with a kept Jacobian, which serves as
- * long as a step of the default method would have lasted. */
+ * long as the error of the step that took it would have allowed. */
 static const double SHORT = 0.25;
 /* Its error, in units of the tolerance: of the stiff creep at walking pace a whole tolerance is some per cent. */
 static const double SHORT_ERROR = 0.3;
@@ -117,17 +117,14 @@ static double longest_step(kernel *self, double offset) {
 
 typedef struct {
     double size, error;
-} trial;
+} rejected_trial;
 
-/* After a second rejected trial the size at which the error of both comes down to the tolerance: behind a jump it falls
- * with a lower power of the size than theory has. */
-static double size_by_trials(trial *last, double size, double error) {
-    const trial before = *last;
-    last->size = size;
-    last->error = error;
-    if (!(before.size > size && before.error > error)) return INFINITY;
-    const double power = log(before.error / error) / log(before.size / size);
-    return fmax(0.9 * size * pow(error, -1.0 / power), 0.1 * size);
+/* The size at which the error of two rejected trials comes down to the tolerance, not below a tenth of the last: behind a
+ * jump it falls with a lower power of the size than theory has. Infinite where the two do not tell. */
+static double size_by_trials(rejected_trial before, rejected_trial last) {
+    if (!(before.size > last.size && before.error > last.error)) return INFINITY;
+    const double power = log(before.error / last.error) / log(before.size / last.size);
+    return last.size * fmax(0.9 * pow(last.error, -1.0 / power), 0.1);
 }
 
 /* A step that the error control accepts. Returns its length; 0 after a failure, with the sentence set. */
@@ -138,7 +135,7 @@ static double adaptive_step(kernel *self, progress *now) {
     const double longest = longest_step(self, now->offset);
     double wanted = fmin(proposed, longest);
     if (wanted > 0.5 * remaining) wanted = wanted < remaining ? 0.5 * remaining : remaining;
-    trial last = {0.0, 0.0};
+    rejected_trial before = {0.0, 0.0};
     for (double size = wanted;;) {
         char when[CLOCK_SIZE];
         const double time = self->step_origin + now->offset;
@@ -157,11 +154,14 @@ static double adaptive_step(kernel *self, progress *now) {
             /* A step cut short by the end of the interval says nothing against the longer one proposed before. */
             const int cut = size == wanted && wanted < proposed && next < proposed;
             self->now.proposed_step = cut ? proposed : next;
-            if (self->method == METHOD_EXACT) keep_jacobian(self, now, fmin(rosenbrock_allowed_size(method, size, error), longest));
+            if (self->method == METHOD_EXACT)
+                keep_jacobian(self, now, fmin(rosenbrock_allowed_size(method, size, error), longest));
             return size;
         }
         self->counters.rejected++;
-        size = fmin(next, size_by_trials(&last, size, error));
+        const rejected_trial last = {size, error};
+        size = fmin(next, size_by_trials(before, last));
+        before = last;
         if (size < 1e-15 + 4.0 * DBL_EPSILON * now->offset) {
             kernel_fail(self, KERNEL_ERROR,
                         "The step size vanished at t = %s s: the equations have no finite solution there, or the "

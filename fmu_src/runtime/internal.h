@@ -53,7 +53,8 @@ struct kernel {
     size_t restored;
     /* Not restored: work space of one step. */
     double *parameter, *input, *rate, *stage_input, *coefficient, *table_at;
-    double *trial, *slope, *time_slope, *nonzero, *jacobian, *kept_jacobian, *stage[MOST_STAGES], *point, *ordered, *differential;
+    double *trial, *slope, *time_slope, *nonzero, *jacobian, *kept_jacobian, *stage[MOST_STAGES], *point, *ordered;
+    double *differential;
     /* `ordered` has room for two vectors. */
     double *between, *first_slope, *last_slope;
     double *drive, *capacity, *margin, *output, *backup, *seed, *output_rate, *largest_change;

@@ -264,3 +264,27 @@ def test_run_beyond_its_budget_is_a_failure_with_a_reason() -> None:
     run = scipy(SMOOTH, "RK45", 1e-6, 0.2)
     assert not run.samples
     assert "given up at t = " in run.failure
+
+
+@pytest.mark.parametrize("level", [1, 2, 3])
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-5, 1e-4])
+def test_a_stop_comes_to_rest_with_loose_tolerances_too(level: int, tolerance: float) -> None:
+    """At rest creep is so stiff that the error of a step does not see it: wheelsets must not break free again."""
+    kernel = prepare(
+        "bogie", level=level, tolerance=tolerance, initial_speed=25.0, brake_torque_1=25e3, brake_torque_2=25e3
+    )
+    kernel.advance(30.0)
+    assert kernel["locked_1"] == kernel["locked_2"] == 1.0
+    assert abs(kernel["speed"]) < 10.0 * tolerance
+    assert len(kernel.journal) < 10
+    assert kernel.counts["steps"] < 1000
+
+
+def test_steps_behind_a_jump_are_found_with_few_trials() -> None:
+    """Torque that jumps at each host step of 10 ms: by the method's order alone it would be nearly four."""
+    kernel, count = prepare("bogie", level=3, initial_speed=25.0), 200
+    kernel.initialise()
+    for number in range(count):
+        kernel.set(brake_torque_1=1e4 + 2e3 * (number % 5), brake_torque_2=1e4 + 2e3 * (number % 3))
+        kernel.step(number * 0.01, 0.01)
+    assert kernel.counts["rejected"] < 2.5 * count

@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from fmu_src.chain import Bundle, Chain, Part, rows, shared
+from fmu_src.chain import Bundle, Chain, Part, differ, rows, shared
 from fmu_src.codegen import functions, generate
 from fmu_src.compile import build_library
 from fmu_src.dependencies import direct_inputs
@@ -107,7 +107,7 @@ def bob() -> Part:
     """Place of a pendulum's bob by its angle, whose cosine and sine it is given; a part that it calls is its length."""
     angle, pull, cosines, hard = (ca.SX.sym(name, count) for name, count in (("a", 1), ("p", 1), ("c", 2), ("h", 1)))
     chain = Chain()
-    chain.know(cosines, angle, ca.vertcat(-cosines[1], cosines[0]))
+    chain.follow(cosines, angle, ca.vertcat(-cosines[1], cosines[0]))
     length = 1 + chain.narrow(chain.call(hardening(), ca.vertcat(pull, pull * angle), hard)[0])
     return Part("bob", ca.vertcat(angle, pull), ca.vertcat(cosines, hard), length * cosines, chain)
 
@@ -132,6 +132,14 @@ def test_equal_expressions_are_computed_once_and_a_wrong_one_is_refused(monkeypa
     monkeypatch.setattr(ca, "cse", lambda expressions: [expressions[0] + 1e-6 * x[0]])
     with pytest.raises(ValueError, match=r"twice: equal expressions were not found rightly; use another version"):
         shared("twice", [x], results)
+
+
+def test_functions_are_compared_where_they_are_numbers() -> None:
+    """Most places give no number; the difference shows where there is one."""
+    x = ca.SX.sym("x")
+    one, other = (ca.Function("f", [x], [ca.log(x - 0.9) + 1e-6 * by * x]) for by in (0, 1))
+    assert differ(one, other)
+    assert not differ(one, one)
 
 
 def test_bundle_takes_vectors_apart_and_puts_them_together() -> None:
