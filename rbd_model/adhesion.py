@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from fmu_src.system import ParameterSet, System, quantity
-from rbd_model.creep import Reduction
+from rbd_model.contact.creep.law import Reduction
 
 
 @dataclass(frozen=True)

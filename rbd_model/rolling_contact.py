@@ -17,7 +17,7 @@ import casadi as ca
 
 from fmu_src.chain import Chain, Part
 from fmu_src.system import System, polynomials
-from rbd_model.contact_geometry import Pair
+from rbd_model.contact.geometry import Pair
 from rbd_model.kinematics import turned_by
 
 LEFT, RIGHT = 1, -1

@@ -18,8 +18,10 @@ import casadi as ca
 
 from fmu_src.chain import Bundle, Chain, Part, rows
 from rbd_model.adhesion import Surface
-from rbd_model.contact import moving_ellipse
-from rbd_model.creep import polach_forces, smooth_kalker_coefficients
+from rbd_model.contact.creep.kalker import smooth_kalker_coefficients
+from rbd_model.contact.creep.law import ContactPatch
+from rbd_model.contact.creep.polach import polach
+from rbd_model.contact.hertz import moving_ellipse
 from rbd_model.kinematics import axes_rate, direction_cosines, turned_by
 from rbd_model.rolling_contact import SIDES, Pieces, Placement, Wheel, WheelContact, wheel_contact
 from rbd_model.wheelset import SMALLEST_FRICTION, SMALLEST_LOAD, at_least
@@ -215,7 +217,7 @@ def creep_of_wheel() -> Part:
     stretch = ca.exp(logarithm / 2)
     creepages = (slide_x * slowness, slide_y * slowness, spin * slowness)
     axes, kalker = (semi_axis * stretch, semi_axis / stretch), smooth_kalker_coefficients(logarithm)
-    forces = polach_forces(creepages, load, friction, axes, modulus, kalker, surface.reduction)
+    forces = polach(ContactPatch(creepages, load, friction, axes, modulus, kalker, surface.reduction))
     return Part("creep", given, constants, ca.vertcat(*forces, friction))
 
 

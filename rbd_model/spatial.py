@@ -16,7 +16,7 @@ from fmu_src.system import System
 from rbd_model.adhesion import follow_patch
 from rbd_model.assembly import Assembly, assemble
 from rbd_model.bodies import place_body
-from rbd_model.contact_geometry import flange_of
+from rbd_model.contact.geometry import flange_of
 from rbd_model.motion import add_common_outputs, kinetic_energy, loads_of, move_bodies, observe_energy, react
 from rbd_model.rolling_contact import SIDES
 from rbd_model.rolling_wheelset import nadal_limit

@@ -13,7 +13,7 @@ import casadi as ca
 from rbd_model.assembly import Assembly
 from rbd_model.bodies import add_axle_shift
 from rbd_model.connections import Load
-from rbd_model.contact_geometry import flange_of
+from rbd_model.contact.geometry import flange_of
 from rbd_model.kinematics import Body, turned_by
 from rbd_model.rolling_contact import SIDES, Pieces, end_of_contact, given_to_contact, inside, look_up_profiles
 from rbd_model.rolling_wheelset import (

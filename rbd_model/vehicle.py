@@ -13,7 +13,7 @@ from itertools import pairwise
 from typing import Any, Literal
 
 from fmu_src.system import ParameterSet
-from rbd_model.contact_geometry import Pair, thesis_pair
+from rbd_model.contact.geometry import Pair, thesis_pair
 
 DIRECTIONS = ("longitudinal", "lateral", "vertical")
 ANGLES = ("roll", "pitch", "yaw")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rbd_model.contact_geometry import Pair, synthetic_pair, thesis_pair
+from rbd_model.contact.geometry import Pair, synthetic_pair, thesis_pair
 from rbd_model.parameters import (
     BogieParameters,
     VehicleParameters,

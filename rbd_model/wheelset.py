@@ -9,8 +9,10 @@ import casadi as ca
 
 from fmu_src.system import Friction
 from rbd_model.assembly import Assembly
-from rbd_model.contact import ellipse_shape
-from rbd_model.creep import creepage, kalker_coefficients, saturated
+from rbd_model.contact.creep.kalker import kalker_coefficients
+from rbd_model.contact.creep.law import creepage
+from rbd_model.contact.creep.polach import saturated
+from rbd_model.contact.hertz import ellipse_shape
 from rbd_model.vehicle import Wheelset
 
 #: Used where a trial step would ask for the contact of a wheel that carries nothing; a run ends before (wheel lift).

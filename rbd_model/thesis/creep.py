@@ -11,8 +11,8 @@ import casadi as ca
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
-from rbd_model.contact import POISSON_RATIO
-from rbd_model.creep import kalker_coefficients
+from rbd_model.contact.creep.kalker import kalker_coefficients
+from rbd_model.contact.hertz import POISSON_RATIO
 
 
 @dataclass(frozen=True)

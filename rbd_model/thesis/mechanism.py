@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.linalg.lapack import dgetrf, dgetrs
 
-from rbd_model.contact_geometry import Pair
+from rbd_model.contact.geometry import Pair
 from rbd_model.parameters import AS_PRINTED, BogieParameters, VehicleParameters
 from rbd_model.thesis.constraints import EQUATIONS, quadratic_terms, residual, sub_jacobian
 from rbd_model.thesis.creep import EllipseLaw, flange_force, hertz_ellipse, polach

@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from rbd_model.profiles import DEGREE, Profile
+from rbd_model.contact.profiles import DEGREE, Profile
 
 #: Third derivatives enter Q_d (3.72), so the profiles are quintic splines (section 3.3.2).
 ORDERS = 4

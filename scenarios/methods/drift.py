@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rbd_model.contact_geometry import thesis_pair
+from rbd_model.contact.geometry import thesis_pair
 from rbd_model.parameters import as_printed, tables_4_1_and_4_2
 from rbd_model.thesis.kinematic_analysis import rolling
 from rbd_model.thesis.mechanism import FIRST_WHEELSET, Inputs, Mechanism, State

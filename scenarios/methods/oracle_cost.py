@@ -6,7 +6,7 @@ import time as clock
 
 import numpy as np
 
-from rbd_model.contact_geometry import thesis_pair
+from rbd_model.contact.geometry import thesis_pair
 from rbd_model.parameters import AS_PRINTED, as_printed, tables_5_1_and_5_2
 from rbd_model.thesis.kinematic_analysis import rolling
 from rbd_model.thesis.mechanism import FIRST_WHEELSET, Inputs, Mechanism

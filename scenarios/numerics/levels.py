@@ -19,7 +19,7 @@ from tqdm import tqdm
 
 from fmu_src.kernel import Kernel
 from rbd_model.bogie import DEFAULT_TOLERANCE
-from rbd_model.contact_geometry import contact_at, thesis_pair
+from rbd_model.contact.geometry import contact_at, thesis_pair
 from rbd_model.parameters import tables_5_1_and_5_2
 from scenarios.bench.drive import AT_REST, located_lock_time, play, prepare
 from scenarios.cosimulation.recording import Recording

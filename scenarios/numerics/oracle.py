@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from tqdm import tqdm
 
-from rbd_model.contact_geometry import thesis_pair
+from rbd_model.contact.geometry import thesis_pair
 from rbd_model.parameters import AS_PRINTED, as_printed, tables_4_1_and_4_2, tables_5_1_and_5_2
 from rbd_model.thesis.kinematic_analysis import rolling
 from rbd_model.thesis.mechanism import FIRST_WHEELSET, Inputs, Mechanism, State

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from tqdm import tqdm
 
-from rbd_model.contact_geometry import (
+from rbd_model.contact.geometry import (
     Pair,
     contact_at,
     equivalent_conicity,

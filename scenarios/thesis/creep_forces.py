@@ -6,7 +6,9 @@ import casadi as ca
 import numpy as np
 from matplotlib.figure import Figure
 
-from rbd_model.creep import kalker_coefficients, polach_forces
+from rbd_model.contact.creep.kalker import kalker_coefficients
+from rbd_model.contact.creep.law import ContactPatch
+from rbd_model.contact.creep.polach import polach
 from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.plots import BOGIE, LEADING, THREE, plt
 from scenarios.reporting.report import Result, Row, at_most
@@ -51,7 +53,7 @@ def forces(creepages: np.ndarray) -> np.ndarray:
     axes = (ca.SX(SEMI_AXES[0]), ca.SX(SEMI_AXES[1]))
     kalker = kalker_coefficients(axes[0] / axes[1])
     parts = (symbols[0], symbols[1], symbols[2])
-    law = polach_forces(parts, ca.SX(LOAD), ca.SX(FRICTION), axes, ca.SX(SHEAR_MODULUS), kalker)
+    law = polach(ContactPatch(parts, ca.SX(LOAD), ca.SX(FRICTION), axes, ca.SX(SHEAR_MODULUS), kalker))
     return np.array(ca.Function("law", [symbols], [ca.vertcat(*law)]).map(len(creepages))(creepages.T)).T
 
 

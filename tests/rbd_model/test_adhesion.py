@@ -15,8 +15,10 @@ from fmu_src.kernel import Kernel, Library
 from fmu_src.system import model_of
 from rbd_model.adhesion import CONDITIONS, RailCondition, dry, even_rail, wet
 from rbd_model.bogie import DEFAULT_TOLERANCE, levels
-from rbd_model.contact import ellipse_shape
-from rbd_model.creep import Reduction, kalker_coefficients, polach_force, polach_forces
+from rbd_model.contact.creep.kalker import kalker_coefficients
+from rbd_model.contact.creep.law import ContactPatch, Reduction
+from rbd_model.contact.creep.polach import polach, polach_force
+from rbd_model.contact.hertz import ellipse_shape
 from rbd_model.parameters import tables_5_1_and_5_2
 from rbd_model.planar import planar_vehicle
 from rbd_model.spatial import spatial_vehicle
@@ -78,7 +80,7 @@ def test_creep_force_is_that_of_polach_2005(name: str, creepage: float) -> None:
     found = polach_force(ca.SX(creepage), *arguments, ca.SX(c11), reduction(condition))
     assert float(found) == pytest.approx(-friction * load * utilised(condition, gradient), rel=1e-12)
     kalker = kalker_coefficients(ca.SX(1.2))
-    both = polach_forces((ca.SX(creepage), ca.SX(0), ca.SX(0)), *arguments, kalker, reduction(condition))
+    both = polach(ContactPatch((ca.SX(creepage), ca.SX(0), ca.SX(0)), *arguments, kalker, reduction(condition)))
     assert float(both[0]) == pytest.approx(float(found), rel=1e-9)
 
 
@@ -90,7 +92,7 @@ def test_small_creepages_give_kalkers_slopes_times_the_mean_reduction() -> None:
     for axis, (size, slope) in enumerate(zip((1e-7, 1e-7, 1e-5), slopes, strict=True)):
         creepages = tuple(ca.SX(size if number == axis else 0) for number in range(3))
         law = (ca.SX(75e3), ca.SX(0.3), SEMI_AXES, ca.SX(STEEL), kalker, reduction(wet()))
-        found = polach_forces((creepages[0], creepages[1], creepages[2]), *law)
+        found = polach(ContactPatch((creepages[0], creepages[1], creepages[2]), *law))
         assert float(found[min(axis, 1)]) == pytest.approx(-mean * STEEL * slope * size, rel=1e-4)
 
 

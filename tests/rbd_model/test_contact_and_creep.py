@@ -12,17 +12,10 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
-from rbd_model.contact import POISSON_RATIO, ellipse_shape
-from rbd_model.creep import (
-    C11,
-    C22,
-    C23,
-    Kalker,
-    kalker_coefficients,
-    polach_force,
-    polach_forces,
-    smooth_kalker_coefficients,
-)
+from rbd_model.contact.creep.kalker import C11, C22, C23, Kalker, kalker_coefficients, smooth_kalker_coefficients
+from rbd_model.contact.creep.law import ContactPatch
+from rbd_model.contact.creep.polach import polach, polach_force
+from rbd_model.contact.hertz import POISSON_RATIO, ellipse_shape
 
 STEEL = 82e9
 #: Of pure longitudinal creepage, in share of mu N: Polach's own distance from the exact theory, docs/architecture.md.
@@ -152,7 +145,7 @@ def forces(
     load, friction = more.get("load", 80e3), more.get("friction", 0.3)
     symbols = (ca.SX(creepages[0]), ca.SX(creepages[1]), ca.SX(creepages[2]))
     kalker = kalker or kalker_coefficients(ca.SX(a / b))
-    found = polach_forces(symbols, ca.SX(load), ca.SX(friction), (ca.SX(a), ca.SX(b)), ca.SX(STEEL), kalker)
+    found = polach(ContactPatch(symbols, ca.SX(load), ca.SX(friction), (ca.SX(a), ca.SX(b)), ca.SX(STEEL), kalker))
     return float(found[0]), float(found[1])
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rbd_model.contact_geometry import (
+from rbd_model.contact.geometry import (
     STANDARD_GAUGE,
     Contact,
     Pair,
@@ -22,7 +22,7 @@ from rbd_model.contact_geometry import (
     rolling_radius_difference,
     thesis_pair,
 )
-from rbd_model.profiles import (
+from rbd_model.contact.profiles import (
     INCLINATION,
     JOINTS_60KG,
     Profile,

@@ -15,8 +15,8 @@ from fmu_src.compile import build_library
 from fmu_src.kernel import DISCARD, Kernel, KernelError, Library
 from fmu_src.system import model_of
 from rbd_model.bogie import bogie_dynamics, levels, smallest_level, wheelset_in_frame
-from rbd_model.contact import ellipse_fit, ellipse_shape, moving_ellipse
-from rbd_model.contact_geometry import contact_at, equivalent_conicity, flange_of, thesis_pair
+from rbd_model.contact.geometry import contact_at, equivalent_conicity, flange_of, thesis_pair
+from rbd_model.contact.hertz import ellipse_fit, ellipse_shape, moving_ellipse
 from rbd_model.linear import critical_speed, oscillations
 from rbd_model.parameters import AS_PRINTED, tables_5_1_and_5_2
 from rbd_model.rolling_contact import SIDES

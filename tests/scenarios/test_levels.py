@@ -8,9 +8,11 @@ import pytest
 from scipy.optimize import brentq
 
 from rbd_model.bogie import DECIDED_BY_LOAD_TRANSFER, STATIC_LOADS_UP_TO
-from rbd_model.contact import ellipse_shape
-from rbd_model.contact_geometry import contact_at, thesis_pair
-from rbd_model.creep import kalker_coefficients, polach_forces
+from rbd_model.contact.creep.kalker import kalker_coefficients
+from rbd_model.contact.creep.law import ContactPatch
+from rbd_model.contact.creep.polach import polach
+from rbd_model.contact.geometry import contact_at, thesis_pair
+from rbd_model.contact.hertz import ellipse_shape
 from rbd_model.parameters import tables_5_1_and_5_2
 from scenarios.bench.drive import located_lock_time, play
 from scenarios.numerics import levels
@@ -87,7 +89,7 @@ def creepage_for(demand: float, spin: float) -> float:
     axes = (shape.longitudinal * load ** (1 / 3), shape.lateral * load ** (1 / 3))
     creepage = ca.SX.sym("creepage")
     parts, kalker = (creepage, ca.SX(0), ca.SX(spin)), kalker_coefficients(shape.axis_ratio)
-    force = polach_forces(parts, ca.SX(load), ca.SX(FRICTION), axes, ca.SX(BOGIE.shear_modulus), kalker)[0]
+    force = polach(ContactPatch(parts, ca.SX(load), ca.SX(FRICTION), axes, ca.SX(BOGIE.shear_modulus), kalker))[0]
     law = ca.Function("law", [creepage], [force / (FRICTION * load)])
     return float(brentq(lambda value: float(law(value)) + demand, 1e-6, 0.05))
 

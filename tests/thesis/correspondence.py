@@ -13,9 +13,9 @@ from fmu_src.compile import build_library
 from fmu_src.kernel import DISCARD, Kernel, KernelError, Library
 from fmu_src.system import System, model_of
 from rbd_model.bogie import levels, wheelset_in_frame
-from rbd_model.contact import moving_ellipse
-from rbd_model.contact_geometry import Pair, synthetic_pair, thesis_pair
-from rbd_model.creep import smooth_kalker_coefficients
+from rbd_model.contact.creep.kalker import smooth_kalker_coefficients
+from rbd_model.contact.geometry import Pair, synthetic_pair, thesis_pair
+from rbd_model.contact.hertz import moving_ellipse
 from rbd_model.parameters import (
     BogieParameters,
     as_printed,

@@ -7,11 +7,13 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from rbd_model.contact import ellipse_shape
-from rbd_model.contact_geometry import thesis_pair
-from rbd_model.creep import Kalker, kalker_coefficients, polach_forces
+from rbd_model.contact.creep.kalker import Kalker, kalker_coefficients
+from rbd_model.contact.creep.law import ContactPatch
+from rbd_model.contact.creep.polach import polach as polach_forces
+from rbd_model.contact.geometry import thesis_pair
+from rbd_model.contact.hertz import ellipse_shape
+from rbd_model.contact.profiles import Profile
 from rbd_model.parameters import as_printed, tables_4_1_and_4_2, tables_5_1_and_5_2
-from rbd_model.profiles import Profile
 from rbd_model.thesis import constraints, euler, forces
 from rbd_model.thesis.creep import Ellipse, flange_force, hertz_ellipse, polach
 from rbd_model.thesis.forces import Motion
@@ -260,7 +262,7 @@ def test_creep_forces_as_printed_are_those_of_the_fast_model() -> None:
         size = 10.0 ** rng.uniform(-6, -1)
         x, y, spin = size * rng.normal(), size * rng.normal(), 100 * size * rng.normal()
         found = polach((x, y, spin), 1.5e5, 0.3, ellipse, 82e9)
-        other = polach_forces((x, y, spin), 1.5e5, 0.3, (6e-3, 5e-3), 82e9, Kalker(*ellipse.kalker))
+        other = polach_forces(ContactPatch((x, y, spin), 1.5e5, 0.3, (6e-3, 5e-3), 82e9, Kalker(*ellipse.kalker)))
         assert found == pytest.approx([float(value) for value in other], rel=1e-9, abs=1e-5)
 
 

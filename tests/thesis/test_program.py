@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fmu_src.kernel import Kernel, KernelError
-from rbd_model.contact_geometry import last_tread_contact, rolling_radius_difference, thesis_pair
+from rbd_model.contact.geometry import last_tread_contact, rolling_radius_difference, thesis_pair
 from rbd_model.parameters import as_printed, tables_4_1_and_4_2, tables_5_1_and_5_2
 from rbd_model.thesis import program
 from rbd_model.thesis.euler import norm_error

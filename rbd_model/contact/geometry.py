@@ -13,7 +13,7 @@ from functools import lru_cache
 import numpy as np
 from scipy.optimize import brentq
 
-from rbd_model.profiles import Profile, rail_60e1, rail_60kg, wheel_cone_120, wheel_s1002
+from rbd_model.contact.profiles import Profile, rail_60e1, rail_60kg, wheel_cone_120, wheel_s1002
 
 #: Pitch of the search grid on the contour [m]; a parabola through three points refines it to better than 1 um.
 GRID = 0.02e-3

@@ -1,0 +1,1 @@
+"""Creep laws, one file each; `law` says what a law is given and gives."""

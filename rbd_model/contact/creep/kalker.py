@@ -1,0 +1,94 @@
+"""Kalker's creepage and spin coefficients of a contact ellipse, the linear limit of every creep law."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import casadi as ca
+import numpy as np
+
+from rbd_model.contact.hertz import POISSON_RATIO, polynomial
+
+#: Kalker's coefficients at Poisson's ratio 0.25: Kalker (1990), Three-Dimensional Elastic Bodies in Rolling Contact,
+#: table E.3, for a/b = 0.1 ... 1.0 and then b/a = 0.9 ... 0.1.
+C11 = (
+    *(3.31, 3.37, 3.44, 3.53, 3.62, 3.72, 3.81, 3.91, 4.01, 4.12),
+    *(4.22, 4.36, 4.54, 4.78, 5.10, 5.57, 6.34, 7.78, 11.7),
+)
+C22 = (
+    *(2.52, 2.63, 2.75, 2.88, 3.01, 3.14, 3.28, 3.41, 3.54, 3.67),
+    *(3.81, 3.99, 4.21, 4.50, 4.90, 5.48, 6.40, 8.14, 12.8),
+)
+C23 = (
+    *(0.473, 0.603, 0.715, 0.823, 0.929, 1.03, 1.14, 1.25, 1.36, 1.47),
+    *(1.59, 1.75, 1.95, 2.23, 2.62, 3.24, 4.32, 6.63, 14.6),
+)
+
+
+@dataclass(frozen=True)
+class Kalker:
+    """Kalker's coefficients of a contact ellipse: longitudinal, lateral, lateral from spin."""
+
+    c11: ca.SX
+    c22: ca.SX
+    c23: ca.SX
+
+
+def slender_coefficients(g: ca.SX) -> tuple[Kalker, Kalker]:
+    """Limits for slender ellipses, g = min(a/b, b/a) -> 0: of those with a < b, and of those with a > b.
+
+    Kalker (1990), table E.3, its rows of g -> 0.
+    """
+    nu = POISSON_RATIO
+    across = Kalker(
+        ca.SX(math.pi**2 / (4 * (1 - nu))),
+        ca.SX(math.pi**2 / 4),
+        math.pi * ca.sqrt(g) / (3 * (1 - nu)) * (1 + nu * (ca.log(16 / g) - 5)),
+    )
+    size, rest = ca.log(16 / g**2), 3 - math.log(4)
+    first, second = size - 2 * nu, (1 - nu) * size + 2 * nu
+    along = Kalker(
+        2 * math.pi / (first * g) * (1 + rest / first),
+        2 * math.pi / (second * g) * (1 + (1 - nu) * rest / second),
+        2 * math.pi / (3 * g**1.5 * ((1 - nu) * size - 2 + 4 * nu)),
+    )
+    return across, along
+
+
+def kalker_coefficients(axis_ratio: ca.SX) -> Kalker:
+    """Coefficients of an ellipse of any axis ratio a/b > 0, equal to Kalker (1990), table E.3, at its points.
+
+    Times a factor linear in g = min(a/b, b/a), which is 1 at g = 0, the limits for slender ellipses follow the table
+    between its points within 0.4 % (the coefficients themselves curve: 7 % at a/b = 7), and beyond it into the limits.
+    """
+    g = ca.fmin(axis_ratio, 1 / axis_ratio)
+    points = [0.1 * i for i in range(11)]
+    limits = slender_coefficients(g)
+    at_points = [slender_coefficients(ca.SX(point)) for point in points[1:]]
+
+    def value(name: str, column: tuple[float, ...]) -> ca.SX:
+        sides = []
+        for side, part in enumerate((column[:10], column[:8:-1])):
+            at_point = [float(getattr(limit[side], name)) for limit in at_points]
+            factors = [1.0, *(c / limit for c, limit in zip(part, at_point, strict=True))]
+            sides.append(getattr(limits[side], name) * ca.pw_lin(g, points, factors))
+        return ca.if_else(axis_ratio <= 1, *sides)
+
+    return Kalker(value("c11", C11), value("c22", C22), value("c23", C23))
+
+
+#: Degree of the polynomials below; within 0.5 % of the table, which has three digits, and between its points.
+FIT_DEGREE = 5
+
+
+@lru_cache
+def _fit(column: tuple[float, ...]) -> tuple[float, ...]:
+    ratios = np.array([*range(1, 11), *(100 / i for i in range(9, 0, -1))]) / 10
+    return tuple(np.polynomial.polynomial.polyfit(np.log(ratios), np.log(column), FIT_DEGREE).tolist())
+
+
+def smooth_kalker_coefficients(logarithm: ca.SX) -> Kalker:
+    """Kalker (1990), table E.3, by ln(a/b) from 1/10 to 10, without corners, for a contact that moves."""
+    return Kalker(*(ca.exp(polynomial(_fit(column), logarithm)) for column in (C11, C22, C23)))

@@ -1,0 +1,59 @@
+"""What a creep law is: a function from a `ContactPatch` to the creep forces (F_x, F_y) on the wheel.
+
+Each law is one file beside this one; a user's own is one function, given to a level as `Contact.creep_law`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import casadi as ca
+
+from rbd_model.contact.creep.kalker import Kalker
+
+
+def creepage(sliding_speed: ca.SX, forward_speed: ca.SX, creepage_speed: ca.SX) -> ca.SX:
+    """Longitudinal creepage (xi_x), eq. (2.3): sliding speed over forward speed.
+
+    Differs from the thesis: sqrt(V^2 + v_eps^2) instead of V, which is 0 at rest.
+    """
+    return sliding_speed / ca.sqrt(forward_speed**2 + creepage_speed**2)
+
+
+@dataclass(frozen=True)
+class Reduction:
+    """What a contaminated surface leaves of the gradient, Polach (2005): in the areas of adhesion (k_A), slip (k_S)."""
+
+    adhesion: ca.SX | float = 1.0
+    slip: ca.SX | float = 1.0
+
+
+#: Clean surfaces, the law of 1999.
+CLEAN = Reduction()
+
+
+@dataclass(frozen=True)
+class ContactPatch:
+    """What a creep law is told of a patch: an ellipse that rolls and slides, eqs (3.87), (3.89)-(3.91).
+
+    creepages: longitudinal, lateral [1] and spin [1/m], of the wheel against the rail; axes look ahead, to the left and
+    into the wheel. load [N]; friction: coefficient at the sliding speed of the whole patch; semi_axes [m]: along and
+    across; shear_modulus [Pa]. friction_at: coefficient by sliding speed [m/s], and rolling_speed [m/s], for laws in
+    which it differs within the patch; without them it is the same everywhere.
+    """
+
+    creepages: tuple[ca.SX, ca.SX, ca.SX]
+    load: ca.SX
+    friction: ca.SX
+    semi_axes: tuple[ca.SX, ca.SX]
+    shear_modulus: ca.SX
+    kalker: Kalker
+    reduction: Reduction = CLEAN
+    friction_at: Callable[[ca.SX], ca.SX] | None = None
+    rolling_speed: ca.SX | float = 1.0
+
+
+#: Creep forces (F_x, F_y) [N] on the wheel of a patch; for small creepages F_x = -G a b c11 xi_x and
+#: F_y = -G a b c22 xi_y - G (a b)^1.5 c23 xi_s (Kalker), for large ones of the size of friction times load.
+CreepLaw = Callable[[ContactPatch], tuple[ca.SX, ca.SX]]
