@@ -47,7 +47,7 @@ class Call:
     """A part at a place in the equations: what it is given, and symbols for its results and their derivatives.
 
     `slopes` are the nonzeros of `slope`, the derivatives of the results by the arguments. Those of a lower `rank` are
-    called first.
+    called first. `when`: the part is called where this is above 0; elsewhere its results are 0.
     """
 
     part: Part
@@ -57,6 +57,12 @@ class Call:
     slopes: ca.SX
     slope: ca.SX
     rank: int
+    when: ca.SX
+
+    @property
+    def taken(self) -> ca.SX:
+        """All that must be known before the call: arguments, constants, and `when` where it is no number."""
+        return ca.vertcat(self.given, self.constants, *([] if self.when.is_constant() else [self.when]))
 
     @property
     def values(self) -> ca.SX:
@@ -67,7 +73,8 @@ class Call:
     def written_out(self) -> ca.SX:
         """The part's equations at this place, in place of `symbols` and `slopes`."""
         results, slopes = self.part.function(self.given, self.constants)
-        return ca.vertcat(results, slopes)
+        both = ca.vertcat(results, slopes)
+        return both if self.when.is_constant() else ca.if_else(self.when > 0, both, 0)
 
 
 @dataclass(frozen=True)
@@ -105,13 +112,17 @@ class Chain:
     #: Of a part alone.
     following: list[Following] = field(default_factory=list, kw_only=True)
 
-    def call(self, part: Part, given: ca.SX, constants: ca.SX) -> ca.SX:
-        """Results of a part, shape (results, 1); its code is shared by all calls, its derivatives are exact."""
+    def call(self, part: Part, given: ca.SX, constants: ca.SX, when: ca.SX | float = 1.0) -> ca.SX:
+        """Results of a part, shape (results, 1); its code is shared by all calls, its derivatives are exact.
+
+        when: above 0 where the part is needed; elsewhere its results are 0 without what it costs to find that. They
+        must be 0 already where it changes its sign.
+        """
         pattern = part.slope.sparsity()
         symbols, slopes = ca.SX.sym(part.name, part.results.numel()), ca.SX.sym(f"d_{part.name}", pattern.nnz())
-        needed = self.without_waists(given)
+        needed = self.without_waists(ca.vertcat(given, when))
         rank = 1 + max((call.rank for call in self.calls if ca.depends_on(needed, call.symbols)), default=-1)
-        self.links.append(Call(part, given, constants, symbols, slopes, ca.SX(pattern, slopes), rank))
+        self.links.append(Call(part, given, constants, symbols, slopes, ca.SX(pattern, slopes), rank, ca.SX(when)))
         return symbols
 
     def narrow(self, values: ca.SX) -> ca.SX:

@@ -84,7 +84,7 @@ class Generated:
     def sizes(self, call: Call) -> tuple[int, int]:
         """Numbers that a call is given and that it leaves."""
         left = call.symbols.numel() + (call.slopes.numel() if self.differentiated else 0)
-        return call.given.numel() + call.constants.numel(), left
+        return call.taken.numel(), left
 
 
 def functions(system: System) -> dict[str, Generated]:
@@ -135,13 +135,13 @@ def _function(chain: Chain, name: str, expressions: list[ca.SX], given: list[ca.
     for call in reversed(chain.calls):
         if ca.depends_on(users, ca.vertcat(call.symbols, call.slopes)):
             needed.insert(0, call)
-            users = ca.vertcat(users, chain.without_waists(call.given), call.constants)
+            users = ca.vertcat(users, chain.without_waists(call.taken))
     needed.sort(key=lambda call: call.rank)
     differentiated = any(ca.depends_on(users, call.slopes) for call in needed)
     left = [ca.vertcat(call.symbols, call.slopes) if differentiated else call.symbols for call in needed]
     given_to: dict[int, list[ca.SX]] = {}
     for call in needed:
-        given_to.setdefault(call.rank, []).extend([chain.without_waists(call.given), call.constants])
+        given_to.setdefault(call.rank, []).append(chain.without_waists(call.taken))
     asked = [ca.vertcat(*one) for one in given_to.values()]
     results = [*[ca.densify(one) for one in asked], *expressions]
     taken = [*given, ca.vertcat(*left)] if needed else given
@@ -268,9 +268,15 @@ def _with_calls(text: str, one: Generated) -> str:
             if call.rank != rank:
                 continue
             taken, leaves = one.sizes(call)
+            when = ""
+            if not call.when.is_constant():
+                # Cleared before: a call that is left out leaves 0.
+                when = (
+                    f"for (int i = 0; i < {leaves}; ++i) r[0][i] = 0.0; if (given_{rank}[{offset + taken - 1}] > 0.0) "
+                )
             lines.append(
                 f"  {{const double *a[] = {{given_{rank} + {offset}, given_{rank} + {offset + call.given.numel()}}}; "
-                f"double *r[] = {{left + {start}}}; "
+                f"double *r[] = {{left + {start}}}; {when}"
                 f"{_name_of(call.part, one.differentiated)}(a, r, 0, 0, 0);}}"
             )
             names = ", ".join(f"left_{n} = left[{n}]" for n in range(start, start + leaves) if f"left_{n}" in used)

@@ -74,6 +74,9 @@ class BogieParameters(ParameterSet):
     wheel_profile_curvature: float = quantity("1/m", "Curvature of the wheel tread across the track (1/rho_y^w)")
     rail_head_radius: float = quantity("m", "Radius of the rail head across the track (rho_y^r)", POSITIVE)
     shear_modulus: float = quantity("Pa", "Shear modulus of wheel and rail (G)", POSITIVE)
+    contact_damping: float = quantity(
+        "s/m", "Damping of an elastic contact, share of its force by the speed at which it is pressed", 0.0
+    )
     creepage_speed: float = quantity("m/s", "Speed that keeps the creepage finite at rest (v_eps)", 1e-4)
     gravity: float = quantity("m/s2", "Gravitational acceleration (g)", POSITIVE)
 
@@ -191,6 +194,7 @@ def tables_5_1_and_5_2() -> BogieParameters:
         wheel_profile_curvature=0.0,
         rail_head_radius=0.3,
         shear_modulus=82e9,
+        contact_damping=1.0,
         creepage_speed=0.01,
         gravity=9.81,
     )

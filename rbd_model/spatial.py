@@ -8,7 +8,8 @@ Positions along the track are counted from the vehicle's place; `shift` is that 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import casadi as ca
 
@@ -16,24 +17,45 @@ from fmu_src.system import System
 from rbd_model.adhesion import follow_patch
 from rbd_model.assembly import Assembly, assemble
 from rbd_model.bodies import place_body
-from rbd_model.contact.geometry import flange_of
+from rbd_model.contact.depth import ONE_RIGID_CONTACT, Contact
+from rbd_model.endings import watch_patches, watch_rigid
 from rbd_model.motion import add_common_outputs, kinetic_energy, loads_of, move_bodies, observe_energy, react
+from rbd_model.patched_wheelset import PatchedWheelset, move_on_patches, place_on_patches
 from rbd_model.rolling_contact import SIDES
-from rbd_model.rolling_wheelset import nadal_limit
-from rbd_model.spatial_wheelset import ENDINGS, Motion, SpatialWheelset, move_wheelset, place_wheelset
+from rbd_model.spatial_wheelset import Motion, SpatialWheelset, move_wheelset, place_wheelset
 from rbd_model.track import Track
 from rbd_model.vehicle import Vehicle, wheelset_name
 from rbd_model.wheelset import SMALLEST_LOAD, Rolling, at_least
 
+WheelsetInSpace = SpatialWheelset | PatchedWheelset
 
-def spatial_vehicle(vehicle: Vehicle, track: Track) -> System:
+
+@dataclass(frozen=True)
+class Standing:
+    """What a depth of contact brings: a wheelset on its rails, its equations of motion, and where they end."""
+
+    name: str
+    place: Callable[..., WheelsetInSpace]
+    move: Callable[..., Motion]
+    watch: Callable[..., None]
+
+
+#: By the depth of contact.
+STANDING = {
+    1: Standing("spatial", place_wheelset, move_wheelset, watch_rigid),
+    2: Standing("spatial_patches", place_on_patches, move_on_patches, watch_patches),
+}
+
+
+def spatial_vehicle(vehicle: Vehicle, track: Track, contact: Contact = ONE_RIGID_CONTACT) -> System:
     """A vehicle in space on a track: the bogie of chapter 5, the wheelset in a frame of chapter 4, a wagon."""
-    assembly = assemble("spatial", "3-D contact, hunting, derailment", vehicle)
+    standing = STANDING[contact.depth]
+    assembly = assemble(standing.name, "3-D contact, hunting, derailment", vehicle)
     system, p, first = assembly.system, assembly.parameter, vehicle.bodies[0]
     assembly.axle_height = assembly.radius(vehicle.wheelsets[0])
     bodies = [place_body(assembly, data) for data in vehicle.bodies]
     section = track(system)
-    wheelsets = [place_wheelset(assembly, number, section) for number, _ in vehicle.numbered]
+    wheelsets = [standing.place(assembly, number, section) for number, _ in vehicle.numbered]
     places = [assembly.distance + wheelset.body.position[0] for wheelset in wheelsets]
     follow_patch(system, assembly.rail, f"{first.name}_distance", places)
     loads = loads_of(assembly, bodies, {wheelset.number: wheelset.body for wheelset in wheelsets})
@@ -42,7 +64,7 @@ def spatial_vehicle(vehicle: Vehicle, track: Track) -> System:
     share = (1 - p["constant_speed"]) / assembly.value(first.mass)
     first_acceleration = share * loads.on(first.name).force[0]
     motions = [
-        move_wheelset(assembly, wheelset, loads.on(wheelset_name(wheelset.number)), first_acceleration)
+        standing.move(assembly, wheelset, loads.on(wheelset_name(wheelset.number)), first_acceleration)
         for wheelset in wheelsets
     ]
     rolling = [rolling_of(wheelset, motion) for wheelset, motion in zip(wheelsets, motions, strict=True)]
@@ -53,23 +75,20 @@ def spatial_vehicle(vehicle: Vehicle, track: Track) -> System:
     add_outputs(assembly, wheelsets)
     further = own_energies(assembly, wheelsets, motions)
     observe_energy(assembly, bodies, rolling, loads.effects, further)
-    gaps = [system.derivatives[f"roll_{wheelset.number}"] for wheelset in wheelsets]
-    system.observe("largest_gap", "m", ca.mmax(ca.fabs(ca.vertcat(*gaps))))
-    add_ends(assembly, wheelsets)
-    warn_of_climbing(assembly, wheelsets)
+    standing.watch(assembly, wheelsets)
     return system
 
 
-def rolling_of(wheelset: SpatialWheelset, motion: Motion) -> Rolling:
+def rolling_of(wheelset: WheelsetInSpace, motion: Motion) -> Rolling:
     """A wheelset in space as every level has it: sums of its two wheels, (3.35)."""
-    body, rolled = wheelset.body, wheelset.rolled
-    along, load, power = (ca.sum1(both) for both in (rolled.creep_along, rolled.loads, rolled.creep_powers))
+    body, (creep_along, creep_power) = wheelset.body, wheelset.creep
+    along, load, power = (ca.sum1(both) for both in (creep_along, wheelset.loads, creep_power))
     return Rolling(
         wheelset.number, wheelset.data, motion.rotation, body.velocity[0], body.axes[:, 1], along, load, power
     )
 
 
-def add_outputs(assembly: Assembly, wheelsets: Sequence[SpatialWheelset]) -> None:
+def add_outputs(assembly: Assembly, wheelsets: Sequence[WheelsetInSpace]) -> None:
     """Outputs that only this level has; the derailment quotient is that of section 9.4.1."""
     system = assembly.system
     rows: dict[str, ca.SX] = {"derailed": ca.SX(0)}
@@ -77,9 +96,9 @@ def add_outputs(assembly: Assembly, wheelsets: Sequence[SpatialWheelset]) -> Non
         number = wheelset.number
         rows[f"lateral_{number}"] = wheelset.offset
         rows[f"yaw_{number}"] = wheelset.yaw
-        rows[f"flange_force_{number}"] = wheelset.flange.force
+        rows[f"flange_force_{number}"] = wheelset.flange_force
         for index, side in enumerate(SIDES.values()):
-            load, thrust = wheelset.rolled.loads[index], wheelset.rolled.thrusts[index] + wheelset.flange.push[index]
+            load, thrust = wheelset.loads[index], wheelset.thrusts[index]
             rows[f"wheel_load_{number}_{side}"] = load
             rows[f"derailment_quotient_{number}_{side}"] = thrust / at_least(load, SMALLEST_LOAD)
             rows["derailed"] = ca.fmax(rows["derailed"], ca.mmin(wheelset.lost[index]) < 0)
@@ -87,54 +106,16 @@ def add_outputs(assembly: Assembly, wheelsets: Sequence[SpatialWheelset]) -> Non
         system.output(assembly.outputs[name], expression)
 
 
-def add_ends(assembly: Assembly, wheelsets: Sequence[SpatialWheelset]) -> None:
-    """Where the model ends: a tread contact reaches its fold (section 9.4.1) or an end, or a wheel carries nothing."""
-    system = assembly.system
-    for wheelset in wheelsets:
-        share = assembly.resting_on(wheelset.number) / 2
-        for index, side in enumerate(SIDES.values()):
-            name = f"{side} wheel of wheelset {wheelset.number}"
-            for margin, word in zip(ca.vertsplit(wheelset.ends[index]), ENDINGS, strict=True):
-                system.end_when_negative(margin, f"Derailed: the {name} {word} at %s s; results up to there are kept.")
-            load = wheelset.normal_forces[index] / share
-            ends = assembly.parameter["wheel_lift_ends"]
-            system.end_when_negative(
-                ca.if_else(ends, load, 1),
-                f"Wheel lift: the {name} carried no load at %s s; results up to there are kept.",
-            )
-            system.warn_when_negative(
-                ca.if_else(ends, 1, load),
-                f"Wheel lift: the {name} carried no load at %s s; from there on the rail pulls it down where needed.",
-            )
-
-
-def warn_of_climbing(assembly: Assembly, wheelsets: Sequence[SpatialWheelset]) -> None:
-    """Limit of Y/Q after Nadal (1896) for a wheel whose flange touches.
-
-    As a margin of forces, which needs no load to divide by.
-    """
-    for wheelset in wheelsets:
-        share, angle = assembly.resting_on(wheelset.number) / 2, flange_of(wheelset.data.pair).angle
-        for index, (push, side) in enumerate(zip(wheelset.flange.push, SIDES.values(), strict=True)):
-            rolled = wheelset.rolled
-            margin = nadal_limit(angle, rolled.frictions[index]) * rolled.loads[index] - rolled.thrusts[index] - push
-            # The creep forces in it cost as much as half of a right-hand side: only where the flange touches.
-            assembly.system.warn_when_negative(
-                ca.if_else(push > 0, margin / share, 1),
-                f"Flange climb: Y/Q of the {side} wheel of wheelset {wheelset.number} rose above Nadal's limit for its "
-                "flange and friction at %s s; a real wheel may climb the rail from there on, this one stays on it.",
-                candidate=-push / share,
-            )
-
-
 def own_energies(
-    assembly: Assembly, wheelsets: Sequence[SpatialWheelset], motions: Sequence[Motion]
+    assembly: Assembly, wheelsets: Sequence[WheelsetInSpace], motions: Sequence[Motion]
 ) -> dict[str, ca.SX]:
     """Energies of the wheelsets themselves [J] and power of the yaw torques [W], for section 2.4."""
-    kinetic, potential, brake = ca.SX(0), ca.SX(0), ca.SX(0)
+    kinetic, potential, brake, damping = ca.SX(0), ca.SX(0), ca.SX(0), ca.SX(0)
     for wheelset, motion in zip(wheelsets, motions, strict=True):
         kinetic += kinetic_energy(assembly, wheelset.data, wheelset.body)
         weight = assembly.value(wheelset.data.mass) * assembly.parameter["gravity"]
-        potential += weight * wheelset.body.position[2] + wheelset.flange.potential
+        potential += weight * wheelset.body.position[2] + wheelset.stored
         brake -= motion.yaw_power
-    return {"kinetic_energy": kinetic, "potential_energy": potential, "brake_power": brake}
+        damping += wheelset.damping_power
+    own = {"kinetic_energy": kinetic, "potential_energy": potential, "brake_power": brake}
+    return own | {"damping_power": damping}

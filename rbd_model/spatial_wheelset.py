@@ -65,6 +65,36 @@ class SpatialWheelset:
     ends: list[ca.SX]  # the `margins` of each wheel, from its geometry alone
     lost: list[ca.SX]  # the same, from what is known when its forces are
 
+    @property
+    def loads(self) -> ca.SX:
+        """Vertical forces of the rails [N]."""
+        return self.rolled.loads
+
+    @property
+    def thrusts(self) -> ca.SX:
+        """Lateral forces on the rails' heads, away from the track's centre [N]."""
+        return self.rolled.thrusts + ca.vertcat(*self.flange.push)
+
+    @property
+    def flange_force(self) -> ca.SX:
+        """Lateral force of the rails on the flanges, to the left [N]."""
+        return self.flange.force
+
+    @property
+    def creep(self) -> tuple[ca.SX, ca.SX]:
+        """Creep forces along the rails [N] and what all creep forces take [W]."""
+        return self.rolled.creep_along, self.rolled.creep_powers
+
+    @property
+    def stored(self) -> ca.SX:
+        """Energy in the contacts [J]."""
+        return self.flange.potential
+
+    @property
+    def damping_power(self) -> ca.SX:
+        """What the contacts lose as they are pressed [W]."""
+        return ca.SX(0)
+
 
 @dataclass(frozen=True)
 class Motion:
@@ -75,11 +105,26 @@ class Motion:
     yaw_power: ca.SX
 
 
-def place_wheelset(assembly: Assembly, number: int, section: Callable[[int, ca.SX], Section]) -> SpatialWheelset:
-    """Declares the states of a wheelset and lets it meet its rails, by (3.54), (3.57) and (3.67).
+@dataclass(frozen=True)
+class OnTrack:
+    """The states of a wheelset that do not depend on how it touches its rails, and the track under it."""
 
-    section: the track by wheelset and distance. The static load is the guess for the normal forces.
-    """
+    along: ca.SX  # from the vehicle's place [m]
+    forward: ca.SX
+    lateral: ca.SX
+    sideways: ca.SX
+    yaw: ca.SX
+    yaw_rate: ca.SX
+    rotated: ca.SX
+    angular_velocity: ca.SX
+    offset: ca.SX  # lateral displacement from the track's centre [m]
+    heights: ca.SX  # of the (left, right) rail [m]
+    slopes: ca.SX  # along the track, of its lateral position and of the heights [1]
+    friction: ca.SX
+
+
+def follow_track(assembly: Assembly, number: int, section: Callable[[int, ca.SX], Section]) -> OnTrack:
+    """Declares the states of a wheelset along and across the track (section 5.2) and looks at the track there."""
     system, data = assembly.system, assembly.vehicle.wheelsets[number - 1]
     shift, forward = add_axle_shift(assembly, number)
     lateral = system.state(f"lateral_{number}", "m", assembly.parameter["initial_lateral"], NOMINAL_TRAVEL)
@@ -87,27 +132,40 @@ def place_wheelset(assembly: Assembly, number: int, section: Callable[[int, ca.S
     yaw = system.state(f"yaw_{number}", "rad", assembly.parameter["initial_yaw"], NOMINAL_TRAVEL)
     yaw_rate = system.state(f"yaw_rate_{number}", "rad/s", 0.0, NOMINAL_TRAVEL_SPEED)
     rotated, omega = add_rotation_states(assembly, number)
-    roll = system.algebraic(f"roll_{number}", "rad", 0.0, NOMINAL_ROLL)
     along = assembly.value(data.along) + shift
     distance = assembly.distance + along
     track = section(number, distance)
     system.limit_change(1 / track.density, f"{assembly.vehicle.bodies[0].name}_distance")
     rails = ca.vertcat(track.lateral, track.left, track.right)
     slopes = ca.jacobian(rails, assembly.distance)
+    friction = rail_friction(assembly, number, distance) * track.friction
+    offset = lateral - track.lateral
+    motion = forward, lateral, sideways, yaw, yaw_rate, rotated, omega
+    return OnTrack(along, *motion, offset, rails[1:], slopes, friction)
+
+
+def place_wheelset(assembly: Assembly, number: int, section: Callable[[int, ca.SX], Section]) -> SpatialWheelset:
+    """Declares the states of a wheelset and lets it meet its rails, by (3.54), (3.57) and (3.67).
+
+    section: the track by wheelset and distance. The static load is the guess for the normal forces.
+    """
+    system, data = assembly.system, assembly.vehicle.wheelsets[number - 1]
+    on = follow_track(assembly, number, section)
+    roll = system.algebraic(f"roll_{number}", "rad", 0.0, NOMINAL_ROLL)
     state = RollingState(
-        forward,
-        sideways,
-        yaw,
-        yaw_rate,
-        omega,
+        on.forward,
+        on.sideways,
+        on.yaw,
+        on.yaw_rate,
+        on.angular_velocity,
         roll,
         add_contact_positions(assembly, number),
         add_normal_forces(assembly, number),
-        lateral - track.lateral,
-        rails[1:],
-        slopes,
-        ca.jacobian(slopes, assembly.distance),
-        rail_friction(assembly, number, distance) * track.friction,
+        on.offset,
+        on.heights,
+        on.slopes,
+        ca.jacobian(on.slopes, assembly.distance),
+        on.friction,
     )
     fixed = rolling_constants(assembly, data)
     pieces = look_up_pieces(assembly, number, state, fixed)
@@ -115,14 +173,14 @@ def place_wheelset(assembly: Assembly, number: int, section: Callable[[int, ca.S
     constants = ca.vertcat(fixed.vector, *[piece.vector for piece in pieces])
     rolled = RolledMotion.of(system.call(part, state.vector, constants))
     body = Body(
-        ca.vertcat(along, lateral, rolled.height),
-        ca.vertcat(forward, sideways, rolled.rise),
+        ca.vertcat(on.along, on.lateral, rolled.height),
+        ca.vertcat(on.forward, on.sideways, rolled.rise),
         turned_by(state.placement.cosines),
-        ca.vertcat(rolled.roll_rate, omega, yaw_rate),
-        ca.vertcat(roll, 0, yaw),
+        ca.vertcat(rolled.roll_rate, on.angular_velocity, on.yaw_rate),
+        ca.vertcat(roll, 0, on.yaw),
     )
-    system.derivative(f"lateral_{number}", sideways)
-    system.derivative(f"yaw_{number}", yaw_rate / ca.cos(roll))
+    system.derivative(f"lateral_{number}", on.sideways)
+    system.derivative(f"yaw_{number}", on.yaw_rate / ca.cos(roll))
     system.residual(f"roll_{number}", rolled.gap)
     for index, word in enumerate(SIDES.values()):
         system.residual(f"contact_{number}_{word}", rolled.slope_errors[index])
@@ -130,8 +188,9 @@ def place_wheelset(assembly: Assembly, number: int, section: Callable[[int, ca.S
     known = zip(*map(ca.vertsplit, (rolled.bends, state.positions, rolled.on_rails)), strict=True)
     lost = [margins(assembly, data, *one) for one in known]
     flange = push_flanges(fixed, state.offset, state.placement.cosines)
-    normal_forces = state.normal_forces
-    return SpatialWheelset(number, data, body, rotated, yaw, state.offset, normal_forces, rolled, flange, ends, lost)
+    return SpatialWheelset(
+        number, data, body, on.rotated, on.yaw, state.offset, state.normal_forces, rolled, flange, ends, lost
+    )
 
 
 def ends_alone(
@@ -212,19 +271,27 @@ def margins(assembly: Assembly, data: Wheelset, bend: ca.SX, position: ca.SX, on
     return ca.vertcat(curvature_left - FOLD_MARGIN, inside(data.pair, position, on_rail) / END_MARGIN - 1)
 
 
+def yaw_torque_of(assembly: Assembly, number: int, rotated: ca.SX) -> ca.SX:
+    """Yaw torque in the axes that yaw and roll with a wheelset [N.m]; rotated: the angle that it has turned by.
+
+    It acts about their upright axis, as the couple of the shoe forces (9.1) does, which are square to the axle; the
+    vertical of the track, the other reading, is a roll (1e-3) away and would turn the axle by its sine. About an axis
+    that turns with the wheelset's rotation as well when yaw_torque_rotates is 1, which the body's matrix in place of
+    the global one in (3.36) does.
+    """
+    angle = assembly.parameter["yaw_torque_rotates"] * rotated
+    return assembly.input[f"yaw_torque_{number}"] * ca.vertcat(ca.sin(angle), 0, ca.cos(angle))
+
+
 def move_wheelset(assembly: Assembly, wheelset: SpatialWheelset, suspension: Load, first_acceleration: ca.SX) -> Motion:
     """Equations of motion of a wheelset, as (3.73), and the accelerations of its constraints, (3.71).
 
     To what the rails do comes what the suspension does. first_acceleration [m/s2]: of the vehicle's first body along
-    the track. The yaw torque acts about the upright axis of those that yaw and roll, as the couple of the shoe forces
-    (9.1) does, which are square to the axle; the vertical of the track, the other reading, is a roll (1e-3) away and
-    would turn the axle by its sine. About an axis that turns with the wheelset's rotation as well when
-    yaw_torque_rotates is 1, which the body's matrix in place of the global one in (3.36) does.
+    the track.
     """
-    system, p, number, body = assembly.system, assembly.parameter, wheelset.number, wheelset.body
+    system, number, body = assembly.system, wheelset.number, wheelset.body
     mass, inertia = assembly.value(wheelset.data.mass), [assembly.value(size) for size in wheelset.data.inertia]
-    angle = p["yaw_torque_rotates"] * wheelset.rotated
-    yaw_torque = assembly.input[f"yaw_torque_{number}"] * ca.vertcat(ca.sin(angle), 0, ca.cos(angle))
+    yaw_torque = yaw_torque_of(assembly, number, wheelset.rotated)
     moment = body.axes.T @ suspension.moment + yaw_torque
     turning = ca.vertcat(moment[0] / inertia[0], moment[1], moment[2] / inertia[2])
     push = system.narrow(ca.vertcat((1 / mass) * suspension.force, turning))

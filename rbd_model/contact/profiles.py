@@ -172,7 +172,7 @@ S1002_C = (
 #: of the fillet to the flange contact at 9.5 mm (sections 4.3, 9.4.1). Assumed: the radii and the flange angle. A fold
 #: needs a transition arc of less than the crown's 300 mm; less than 200 mm would touch the rail's shoulder early.
 TRANSITION_START, TRANSITION_RADIUS = -12.34e-3, 0.200
-FILLET_START, FILLET_RADIUS, FLANGE_ANGLE = -33.6e-3, 14.0e-3, np.radians(70.3)
+FILLET_START, FILLET_RADIUS, FLANGE_ANGLE = -32.94e-3, 14.0e-3, np.radians(70.3)
 FLANGE_LENGTH, FIELD_SIDE = 14e-3, 55e-3
 
 

@@ -1,0 +1,66 @@
+"""Elastic contact after Hertz: the normal force of two bodies that approach each other, unilateral, with damping."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import casadi as ca
+import numpy as np
+
+from rbd_model.contact.hertz import POISSON_RATIO, curvature_ratio, elliptic_integrals, polynomial
+
+#: Range of ln(a/b) of the fit and its terms: a wheel's straight flange on a gauge corner of 13 mm comes to 3.
+FIT_RANGE, FIT_POINTS, FIT_TERMS = 4.0, 400, 7
+#: Approach that is told from none [m]: below it the force is that of 0.1 uN, where a root has a slope.
+SMALLEST_APPROACH = 1e-12
+
+
+@dataclass(frozen=True)
+class StiffnessFit:
+    """A polynomial in q = ln(B/A), |q| <= limit: ln of N / (G / (1 - nu)) times ((A + B) / delta^3)^(1/2)."""
+
+    limit: float
+    terms: tuple[float, ...]
+
+
+@lru_cache
+def stiffness_fit() -> StiffnessFit:
+    """Least squares through the exact force of Johnson (1985), section 4.2, eqs (4.24)-(4.26) there.
+
+    delta = 3 N K / (2 pi a E*), a b^2 = 3 N E / (2 pi E* (A + B)), with a >= b, g = b/a, so that N is
+    (2 pi / 3) E* (delta / K)^1.5 (E / (g^2 (A + B)))^0.5; E* = G / (1 - nu) of two equal bodies.
+    """
+    g = ca.SX.sym("g")
+    k, d = elliptic_integrals(g)
+    e = k - (1 - g**2) * d
+    size = 2 * ca.pi / 3 * ca.sqrt(e / k**3) / g
+    exact = ca.Function("exact", [g], [ca.log(curvature_ratio(g)), ca.log(size)])
+    q, logarithm = (np.array(one).ravel() for one in exact(np.exp(-np.linspace(0.0, FIT_RANGE, FIT_POINTS))[None, :]))
+    even = np.column_stack([q ** (2 * i) for i in range(FIT_TERMS)])
+    terms = np.linalg.lstsq(even, logarithm, rcond=None)[0]
+    return StiffnessFit(float(q[-1]), tuple(terms.tolist()))
+
+
+def elastic_force(approach: ca.SX, along: ca.SX, across: ca.SX, shear_modulus: ca.SX) -> ca.SX:
+    """Normal force N [N] of Hertz' contact by its approach [m], K delta^1.5; none where the bodies are apart.
+
+    along, across: the curvatures A and B of (3.83) [1/m]; Johnson (1985), section 4.2. Beyond the fit's range of B/A
+    the ratio stays, so that a contact without curvature remains finite.
+    """
+    fit = stiffness_fit()
+    floor = along * np.exp(-fit.limit)
+    across = ca.if_else(across > floor, across, floor)
+    q = ca.fmin(ca.log(across / along), fit.limit)
+    pressed = ca.if_else(approach > SMALLEST_APPROACH, approach, SMALLEST_APPROACH)
+    stiffness = ca.exp(polynomial(fit.terms, q**2)) / ca.sqrt(along + across)
+    return shear_modulus / (1 - POISSON_RATIO) * stiffness * pressed * ca.sqrt(pressed)
+
+
+def damped(force: ca.SX, closing: ca.SX, damping: ca.SX) -> ca.SX:
+    """Force with what damps it, Hunt and Crossley (1975): N (1 + damping x closing), never a pull.
+
+    closing [m/s]: speed at which the bodies approach; damping [s/m].
+    """
+    factor = 1 + damping * closing
+    return force * ca.if_else(factor > 0, factor, 0)

@@ -1,0 +1,177 @@
+"""Patches of a wheel on its rail: parts of its profile that each touch for themselves, such as tread and flange.
+
+Rigid profiles, no yaw, no roll. Along a patch the distance of wheel and rail is taken square to its `Direction`, so
+that there is a nearest point wherever the wheel stands: over the rail for the tread, from the side for the flange.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+from scipy.optimize import brentq
+
+from rbd_model.contact.geometry import LEFT, RIGHT, ROLL_LIMIT, Pair
+from rbd_model.contact.profiles import Profile, from_points
+
+#: How much further from the rail than the rest of the wheel a part may be to be looked at, and which jumps count [m].
+RELEVANT, JUMP = 0.3e-3, 1e-3
+#: A part that bears on less slope is described along the track's own level [rad]; one on more of it is a flange.
+TREAD_SLOPE = math.radians(20.0)
+#: Largest angle between a rail's contour and the direction along which it is described [rad].
+STEEPEST = math.radians(75.0)
+#: Pitch of the search for nearest points and of the table of what is found [m].
+SEARCH_PITCH, TABLE_PITCH = 0.02e-3, 0.1e-3
+#: How far wheel and rail may be moved against each other along the patch [m].
+REACH = 20e-3
+#: Pitch of the points through which a turned rail is laid [m].
+TURNED_PITCH = 0.02e-3
+
+
+@dataclass(frozen=True)
+class Patch:
+    """A part of a wheel's profile and of its rail's that touch each other.
+
+    direction [rad]: slope of the line along which both are described; limits [m]: of the wheel's part; rail: the
+    contour of the rail in axes along and square to that line; nearest: breakpoints and coefficients of the position on
+    the wheel [m] that is nearest to the rail, by how far the wheel's y = 0 lies along the line from the rail's.
+    """
+
+    direction: float
+    limits: tuple[float, float]
+    rail: Profile
+    nearest: tuple[np.ndarray, np.ndarray]
+
+
+@lru_cache
+def patches_of(pair: Pair) -> tuple[Patch, ...]:
+    """The patches of a wheel, from the field side to the flange (section 9.4.1): where contact would jump, they part.
+
+    Over shifts of the wheel against its rail the nearest point of each part is followed; where it jumps while the part
+    is as near as the rest of the wheel to within RELEVANT, the part is cut at the ridge between both places. So each
+    patch's own nearest point moves without jumps, and several may bear at once.
+    """
+    s = np.arange(pair.wheel.limits[0] + SEARCH_PITCH, pair.wheel.limits[1] - SEARCH_PITCH, SEARCH_PITCH)
+    gaps = [gap_of(pair, s, offset) for offset in np.arange(-REACH, REACH, TABLE_PITCH)]
+    parts, whole = [], [(0, s.size)]
+    while whole:
+        first, last = whole.pop()
+        cut = ridge(s, gaps, first, last)
+        if cut is None:
+            parts.append((first, last))
+        else:
+            whole += [(first, cut), (cut, last)]
+    parts.sort(reverse=True)
+    return tuple(patch(pair, direction_of_part(pair, s, gaps, *part), (s[part[0]], s[part[1] - 1])) for part in parts)
+
+
+def gap_of(pair: Pair, s: np.ndarray, offset: float) -> np.ndarray:
+    """Height of the wheel's contour over the rail's at the positions s (3.77), (3.78); infinite beside the rail."""
+    gap = pair.wheel.height(s) - pair.rail.height(s + offset)
+    return np.where(np.isfinite(gap), gap, np.inf)
+
+
+def ridge(s: np.ndarray, gaps: list[np.ndarray], first: int, last: int) -> int | None:
+    """Where to cut a part of the wheel whose nearest point (section 9.4.1) jumps: at the highest point jumped over."""
+    before: int | None = None
+    for gap in gaps:
+        own = gap[first:last]
+        here = int(np.argmin(own))
+        near = own[here] < np.min(gap) + RELEVANT and 0 < here < own.size - 1
+        if near and before is not None and abs(s[here] - s[before]) > JUMP:
+            low, high = sorted((here, before))
+            return first + low + int(np.argmax(own[low:high]))
+        before = here if near else None
+    return None
+
+
+def direction_of_part(pair: Pair, s: np.ndarray, gaps: list[np.ndarray], first: int, last: int) -> float:
+    """Slope of the wheel in the middle of where a part bears [rad]; 0 for a tread, which lies over its rail (3.77)."""
+    bearing = []
+    for gap in gaps:
+        here = first + int(np.argmin(gap[first:last]))
+        if gap[here] < np.min(gap) + RELEVANT and first < here < last - 1:
+            bearing.append(math.atan(float(pair.wheel.height(s[here], 1))))
+    middle = (min(bearing) + max(bearing)) / 2 if bearing else 0.0
+    return 0.0 if abs(middle) < TREAD_SLOPE else middle
+
+
+def patch(pair: Pair, direction: float, limits: tuple[float, float]) -> Patch:
+    """One patch between `limits` of the wheel's profile, described along `direction` (section 3.3.2)."""
+    rail = turned(pair.rail, direction)
+    s = np.arange(limits[0] + SEARCH_PITCH, limits[1] - SEARCH_PITCH, SEARCH_PITCH)
+    along, square = in_direction(s, pair.wheel.height(s), direction)
+    offsets = np.arange(-REACH, REACH, TABLE_PITCH)
+    found = np.full(offsets.size, np.nan)
+    for i, offset in enumerate(offsets):
+        gap = square - rail.height(along + offset)
+        if np.any(np.isfinite(gap)):
+            found[i] = s[np.nanargmin(gap)]
+    known = np.isfinite(found)
+    curve = PchipInterpolator(offsets[known], found[known])
+    return Patch(direction, limits, rail, (curve.x, curve.c[::-1].T))
+
+
+def in_direction(y: np.ndarray, z: np.ndarray, direction: float) -> tuple[np.ndarray, np.ndarray]:
+    """Coordinates of points (y, z) [m] along a line of that slope [rad] and square to it, upwards (section 3.3.2)."""
+    cosine, sine = math.cos(direction), math.sin(direction)
+    return cosine * y + sine * z, cosine * z - sine * y
+
+
+def turned(rail: Profile, direction: float) -> Profile:
+    """The contour of a rail in axes along `direction` (section 3.3.2), as far as it is nowhere too steep in them."""
+    if direction == 0.0:
+        return rail
+    y = np.arange(rail.limits[0], rail.limits[1], TURNED_PITCH)
+    off = np.abs(np.arctan(rail.height(y, 1)) - direction) < STEEPEST
+    first = int(np.argmax(off))
+    last = first + (int(np.argmin(off[first:])) or off.size - first)
+    along, square = in_direction(y[first:last], rail.height(y[first:last]), direction)
+    return from_points(f"{rail.name} along {math.degrees(direction):.0f} degrees", rail.source, along, square)
+
+
+@dataclass(frozen=True)
+class Stand:
+    """A wheelset on its treads: height of its centre over the rails' origins [m], roll, places (left, right) [m]."""
+
+    height: float
+    roll: float
+    position: tuple[float, float]
+
+
+def stand_on_treads(pair: Pair, shift: float) -> Stand:
+    """Rigid contact of both treads, whatever the flanges do, at a shift of the axle [m], section 4.3."""
+    limits = patches_of(pair)[0].limits
+    s = np.arange(limits[0], limits[1], SEARCH_PITCH)
+
+    def gaps(roll: float) -> list[np.ndarray]:
+        return [pair.gap(side, shift, roll, s) for side in (LEFT, RIGHT)]
+
+    def difference(roll: float) -> float:
+        left, right = gaps(roll)
+        return float(np.min(left) - np.min(right))
+
+    roll = float(brentq(difference, -ROLL_LIMIT, ROLL_LIMIT, xtol=1e-14))
+    found = gaps(roll)
+    left, right = (float(s[np.argmin(gap)]) for gap in found)
+    return Stand(-float(np.min(found[0])), roll, (left, right))
+
+
+#: Largest shift at which a flange is looked for [m].
+FURTHEST = 15e-3
+
+
+@lru_cache
+def flange_shift(pair: Pair) -> float:
+    """Shift of the axle at which a flange meets its rail while both treads bear [m], Fig. 4.8; infinite if none."""
+    flange = patches_of(pair)[-1]
+    s = np.arange(*flange.limits, SEARCH_PITCH)
+
+    def room(shift: float) -> float:
+        stand = stand_on_treads(pair, shift)
+        return float(np.min(pair.gap(LEFT, shift, stand.roll, s))) + stand.height
+
+    return float(brentq(room, 0.0, FURTHEST, xtol=1e-7)) if room(FURTHEST) < 0.0 else math.inf

@@ -1,0 +1,91 @@
+"""Where a run in space ends, and what is said of wheels that climb or lift (section 9.4.1)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import casadi as ca
+
+from rbd_model.assembly import Assembly
+from rbd_model.contact.geometry import flange_of
+from rbd_model.patched_wheelset import PatchedWheelset
+from rbd_model.rolling_contact import SIDES
+from rbd_model.rolling_wheelset import nadal_limit
+from rbd_model.spatial_wheelset import ENDINGS, SpatialWheelset
+
+
+def watch_rigid(assembly: Assembly, wheelsets: Sequence[SpatialWheelset]) -> None:
+    """Ends and warnings of rigid contacts (section 9.4.1), and an observable of how well their constraints hold."""
+    system = assembly.system
+    gaps = [system.derivatives[f"roll_{wheelset.number}"] for wheelset in wheelsets]
+    system.observe("largest_gap", "m", ca.mmax(ca.fabs(ca.vertcat(*gaps))))
+    add_ends(assembly, wheelsets)
+    warn_of_climbing(assembly, wheelsets)
+
+
+def add_ends(assembly: Assembly, wheelsets: Sequence[SpatialWheelset]) -> None:
+    """Where the model ends: a tread contact reaches its fold (section 9.4.1) or an end, or a wheel carries nothing."""
+    system = assembly.system
+    for wheelset in wheelsets:
+        share = assembly.resting_on(wheelset.number) / 2
+        for index, side in enumerate(SIDES.values()):
+            name = f"{side} wheel of wheelset {wheelset.number}"
+            for margin, word in zip(ca.vertsplit(wheelset.ends[index]), ENDINGS, strict=True):
+                system.end_when_negative(margin, f"Derailed: the {name} {word} at %s s; results up to there are kept.")
+            load = wheelset.normal_forces[index] / share
+            ends = assembly.parameter["wheel_lift_ends"]
+            system.end_when_negative(
+                ca.if_else(ends, load, 1),
+                f"Wheel lift: the {name} carried no load at %s s; results up to there are kept.",
+            )
+            system.warn_when_negative(
+                ca.if_else(ends, 1, load),
+                f"Wheel lift: the {name} carried no load at %s s; from there on the rail pulls it down where needed.",
+            )
+
+
+def warn_of_climbing(assembly: Assembly, wheelsets: Sequence[SpatialWheelset]) -> None:
+    """Limit of Y/Q after Nadal (1896) for a wheel whose flange touches.
+
+    As a margin of forces, which needs no load to divide by.
+    """
+    for wheelset in wheelsets:
+        share, angle = assembly.resting_on(wheelset.number) / 2, flange_of(wheelset.data.pair).angle
+        for index, (push, side) in enumerate(zip(wheelset.flange.push, SIDES.values(), strict=True)):
+            rolled = wheelset.rolled
+            margin = nadal_limit(angle, rolled.frictions[index]) * rolled.loads[index] - rolled.thrusts[index] - push
+            # The creep forces in it cost as much as half of a right-hand side: only where the flange touches.
+            assembly.system.warn_when_negative(
+                ca.if_else(push > 0, margin / share, 1),
+                f"Flange climb: Y/Q of the {side} wheel of wheelset {wheelset.number} rose above Nadal's limit for its "
+                "flange and friction at %s s; a real wheel may climb the rail from there on, this one stays on it.",
+                candidate=-push / share,
+            )
+
+
+#: What a wheel on patches has done at its end, in the order of its `lost`.
+PATCH_ENDINGS = ("ran off the end of its tread or of the rail's head", "climbed over its flange")
+#: Approach by which margins of patches are counted [m]: that of a loaded tread.
+COUNTED = 1e-4
+
+
+def watch_patches(assembly: Assembly, wheelsets: Sequence[PatchedWheelset]) -> None:
+    """A wheel that runs off its profile ends the run; one that climbs or lifts goes on, and is told of (section 9.4.1).
+
+    It climbs while its flange bears on the rail and its tread does not, and is lifted while neither does.
+    """
+    system = assembly.system
+    for wheelset in wheelsets:
+        for index, side in enumerate(SIDES.values()):
+            name = f"{side} wheel of wheelset {wheelset.number}"
+            found = list(zip(wheelset.nearest[index], wheelset.flanges, strict=True))
+            for margin, word in zip(ca.vertsplit(wheelset.lost[index]), PATCH_ENDINGS, strict=True):
+                system.end_when_negative(margin, f"Derailed: the {name} {word} at %s s; results up to there are kept.")
+            tread, flange = (
+                ca.mmax(ca.vertcat(*[near.approach for near, own in found if own == kind])) / COUNTED
+                for kind in (False, True)
+            )
+            climbing = f"Flange climb: the {name} left its tread and climbed on its flange at %s s."
+            system.warn_when_negative(ca.if_else(flange > 0, tread, 1), climbing)
+            lifted = f"Wheel lift: the {name} carried no load at %s s, and came off its rail."
+            system.warn_when_negative(ca.if_else(flange > 0, 1, tread), lifted)

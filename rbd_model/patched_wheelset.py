@@ -1,0 +1,270 @@
+"""One wheelset on elastic patches at its place in a vehicle: its states, track and suspension around its part."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from rbd_model.assembly import Assembly
+from rbd_model.connections import Load
+from rbd_model.contact.elastic import elastic_force
+from rbd_model.contact.geometry import Pair
+from rbd_model.contact.patches import TREAD_SLOPE, patches_of, stand_on_treads
+from rbd_model.kinematics import Body, axes_rate, direction_cosines, turned_by
+from rbd_model.pressing_patch import PatchConstants, PatchState, Press, pressing_patch
+from rbd_model.rolling_contact import SIDES, Placement, Wheel
+from rbd_model.spatial_wheelset import NOMINAL_ROLL, Motion, OnTrack, follow_track, yaw_torque_of
+from rbd_model.touching_patch import Nearest, direction_of, look_up_patch
+from rbd_model.track import Section
+from rbd_model.variables import LARGEST_LATERAL
+from rbd_model.vehicle import Wheelset
+from rbd_model.wheelset import NOMINAL_TRAVEL_SPEED, add_rotation
+
+#: How far a patch may be from its rail and still be looked at [m]: more than its nearest point without yaw errs by.
+NEAR = 0.5e-3
+#: Scales of the error control: with tolerance 1e-6, 1 nm of an approach that is 0.1 mm under load.
+NOMINAL_RISE = 1e-3
+#: Distance from the end of a profile at which a patch counts as run off it [m].
+END_MARGIN = 1e-3
+#: Pitch of the table of how a wheelset stands on its treads [m].
+STAND_PITCH = 0.25e-3
+
+
+@dataclass(frozen=True)
+class PatchedWheelset:
+    """What a wheelset is and does before its suspension's forces are added up; see `SpatialWheelset`.
+
+    pressed: what each patch does, by wheel (left, right) and in the order of `patches_of`; nearest: where they are
+    nearest to their rails. acceleration [m/s2], turning: what all patches and the weight make of it, moments over
+    inertia about x and z [rad/s2], between them that about the axle [N.m].
+    """
+
+    number: int
+    data: Wheelset
+    body: Body
+    rotated: ca.SX
+    yaw: ca.SX
+    offset: ca.SX
+    pressed: list[list[Press]]
+    nearest: list[list[Nearest]]
+    acceleration: ca.SX
+    turning: ca.SX
+
+    def of_wheels(self, value: Callable[[Press], ca.SX]) -> ca.SX:
+        """A value of the patches, summed up for the (left, right) wheel."""
+        return ca.vertcat(*[sum((value(patch) for patch in wheel), ca.SX(0)) for wheel in self.pressed])
+
+    @property
+    def flanges(self) -> list[bool]:
+        """Which of a wheel's patches belong to its flange."""
+        return [patch.direction >= TREAD_SLOPE for patch in patches_of(self.data.pair)]
+
+    @property
+    def lost(self) -> list[ca.SX]:
+        """What is left of each wheel's tread and flange until they have run off their ends [1], see `room_left`."""
+        return [room_left(self.data.pair, wheel) / END_MARGIN - 1 for wheel in self.nearest]
+
+    @property
+    def loads(self) -> ca.SX:
+        """Vertical forces of the rails [N]."""
+        return self.of_wheels(lambda patch: patch.force[2])
+
+    @property
+    def thrusts(self) -> ca.SX:
+        """Lateral forces on the rails' heads, away from the track's centre [N]."""
+        return -ca.vertcat(*SIDES) * self.of_wheels(lambda patch: patch.force[1])
+
+    @property
+    def flange_force(self) -> ca.SX:
+        """Lateral force of the rails on the flanges, to the left [N]."""
+        every = [one for wheel in self.pressed for one, flange in zip(wheel, self.flanges, strict=True) if flange]
+        return sum((one.force[1] for one in every), ca.SX(0))
+
+    @property
+    def creep(self) -> tuple[ca.SX, ca.SX]:
+        """Creep forces along the rails [N] and what all creep forces take [W]."""
+        return self.of_wheels(lambda patch: patch.creep_along), self.of_wheels(lambda patch: patch.creep_power)
+
+    @property
+    def stored(self) -> ca.SX:
+        """Energy in the contacts [J]."""
+        return ca.sum1(self.of_wheels(lambda patch: patch.stored))
+
+    @property
+    def damping_power(self) -> ca.SX:
+        """What the contacts lose as they are pressed [W]."""
+        return ca.sum1(self.of_wheels(lambda patch: patch.damping_power))
+
+
+@dataclass(frozen=True)
+class Standing:
+    """How a wheelset stands: on the track, with its height over it [m], its roll and their rates."""
+
+    on: OnTrack
+    height: ca.SX
+    rise: ca.SX
+    roll: ca.SX
+    roll_rate: ca.SX
+    cosines: ca.SX
+
+    @property
+    def placement(self) -> Placement:
+        """Where it stands."""
+        return Placement(self.on.yaw, self.roll, self.cosines, self.on.offset)
+
+
+def place_on_patches(assembly: Assembly, number: int, section: Callable[[int, ca.SX], Section]) -> PatchedWheelset:
+    """Declares the states of a wheelset and lets its patches meet the rails, by (3.54), (3.57) and Hertz."""
+    system, data = assembly.system, assembly.vehicle.wheelsets[number - 1]
+    on = follow_track(assembly, number, section)
+    rise, roll = stand_at_start(assembly, number)
+    height = assembly.radius(data) + system.state(f"rise_{number}", "m", rise, NOMINAL_RISE)
+    rising = system.state(f"rise_speed_{number}", "m/s", 0.0, NOMINAL_TRAVEL_SPEED)
+    roll = system.state(f"roll_{number}", "rad", roll, NOMINAL_ROLL)
+    roll_rate = system.state(f"roll_rate_{number}", "rad/s", 0.0, NOMINAL_TRAVEL_SPEED)
+    standing = Standing(on, height, rising, roll, roll_rate, direction_cosines(on.yaw, roll))
+    body = Body(
+        ca.vertcat(on.along, on.lateral, height),
+        ca.vertcat(on.forward, on.sideways, rising),
+        turned_by(standing.cosines),
+        ca.vertcat(roll_rate, on.angular_velocity, on.yaw_rate),
+        ca.vertcat(roll, 0, on.yaw),
+    )
+    system.derivative(f"lateral_{number}", on.sideways)
+    system.derivative(f"yaw_{number}", on.yaw_rate / ca.cos(roll))
+    system.derivative(f"rise_{number}", rising)
+    system.derivative(f"roll_{number}", roll_rate)
+    pressed: list[list[Press]] = []
+    nearest: list[list[Nearest]] = []
+    for index, word in enumerate(SIDES.values()):
+        found = [
+            press_patch(assembly, f"{number}_{word}", (number, index, n), standing)
+            for n in range(len(patches_of(data.pair)))
+        ]
+        pressed.append([patch for patch, _ in found])
+        nearest.append([near for _, near in found])
+    acceleration, turning = stand_freely(assembly, data, body, [patch for wheel in pressed for patch in wheel])
+    return PatchedWheelset(number, data, body, on.rotated, on.yaw, on.offset, pressed, nearest, acceleration, turning)
+
+
+def press_patch(
+    assembly: Assembly, name: str, which: tuple[int, int, int], standing: Standing
+) -> tuple[Press, Nearest]:
+    """What a patch does, and where it is nearest to its rail, (3.77), (3.78).
+
+    which: number of the wheelset, wheel (0: left) and place in `patches_of`. name: of its wheel.
+    """
+    number, index, place = which
+    system, p, on, data = assembly.system, assembly.parameter, standing.on, assembly.vehicle.wheelsets[number - 1]
+    side, pair = list(SIDES)[index], data.pair
+    patch = patches_of(pair)[place]
+    wheel = Wheel(
+        ca.SX(side), assembly.value(data.radius[index]), ca.SX(pair.wheel_half_distance), ca.SX(pair.rail_half_distance)
+    )
+    height = standing.height - on.heights[index]
+    at = standing.placement, wheel, height
+    nearest = look_up_patch(system, f"{place}_{name}", patch, pair.wheel, at)
+    state = PatchState(
+        on.forward,
+        on.sideways,
+        standing.rise,
+        standing.roll_rate,
+        on.angular_velocity,
+        on.yaw_rate,
+        on.offset,
+        height,
+        on.yaw,
+        standing.roll,
+        nearest.position,
+        ca.vertcat(on.slopes[0], on.slopes[1 + index]),
+        on.friction,
+    )
+    fixed = PatchConstants(
+        standing.cosines,
+        wheel.vector,
+        ca.SX(direction_of(patch)),
+        p["creepage_speed"],
+        p["shear_modulus"],
+        assembly.rail.surface.symbols,
+        p["contact_damping"],
+    )
+    part = pressing_patch(nearest.pieces.wheel.numel(), nearest.pieces.rail.numel())
+    # The first, a tread, bears nearly always; the others seldom.
+    near = 1.0 if place == 0 else nearest.approach + NEAR
+    pressed = Press.of(system.call(part, state.vector, ca.vertcat(fixed.vector, nearest.pieces.vector), near))
+    return pressed, nearest
+
+
+def stand_freely(assembly: Assembly, data: Wheelset, body: Body, pressed: Sequence[Press]) -> tuple[ca.SX, ca.SX]:
+    """Newton's and Euler's equations of a wheelset on its patches without suspension, as (3.73): see PatchedWheelset.
+
+    In axes that yaw and roll with it, in which its inertia is constant.
+    """
+    mass, inertia = assembly.value(data.mass), [assembly.value(size) for size in data.inertia]
+    force = sum((patch.force for patch in pressed), ca.vertcat(0, 0, -mass * assembly.parameter["gravity"]))
+    rate, roll = body.own_rate, body.angles[0]
+    gyroscopic = ca.cross(axes_rate(ca.tan(roll), rate), ca.vertcat(*inertia) * rate)
+    moment = sum((patch.moment for patch in pressed), -gyroscopic)
+    moved = ca.vertcat((1 / mass) * force, moment[0] / inertia[0], moment[1], moment[2] / inertia[2])
+    acceleration, turning = ca.vertsplit(assembly.system.narrow(moved), 3)
+    return acceleration, turning
+
+
+def room_left(pair: Pair, nearest: Sequence[Nearest]) -> ca.SX:
+    """Distances of a wheel's tread and flange from where they end [m] (section 9.4.1).
+
+    That of the tread: from the field side and from both ends of the rail; that of the flange: from its tip.
+    """
+    (low, high), (first, last) = pair.wheel.limits, pair.rail.limits
+    tread, flange = nearest[0], nearest[-1]
+    on_tread = ca.fmin(high - tread.position, ca.fmin(tread.on_rail - first, last - tread.on_rail))
+    return ca.vertcat(on_tread, flange.position - low)
+
+
+def stand_at_start(assembly: Assembly, number: int) -> tuple[ca.SX, ca.SX]:
+    """Rise [m] and roll [rad] of a wheelset at the start, on its treads under the static load (section 4.3).
+
+    By its lateral displacement, from a table; the approach is that of a centred wheelset.
+    """
+    system, data = assembly.system, assembly.vehicle.wheelsets[number - 1]
+    weight = assembly.value(data.mass) * assembly.parameter["gravity"]
+    load = assembly.resting_on(number) / 2 + weight / 2
+    stand = stand_on_treads(data.pair, 0.0)
+    profile, place = data.pair.wheel, stand.position[0]
+    depth, slope, bend = (float(profile.height(np.array(place), n)) for n in range(3))
+    across = float(bend - data.pair.rail.height(np.array(place), 2)) / (1 + slope**2) ** 1.5 / 2
+    along = 1 / (2 * (assembly.radius(data) - depth) * math.sqrt(1 + slope**2))
+    unit = 1e-3
+    stiffness = elastic_force(ca.SX(unit), along, ca.SX(across), assembly.parameter["shear_modulus"]) / unit**1.5
+    approach = (load * math.sqrt(1 + slope**2) / stiffness) ** (2 / 3)
+    shifts = np.arange(-LARGEST_LATERAL, LARGEST_LATERAL + STAND_PITCH / 2, STAND_PITCH).tolist()
+    stands = [stand_on_treads(data.pair, shift) for shift in shifts]
+    lateral = assembly.parameter["initial_lateral"]
+    rise = ca.pw_lin(lateral, shifts, [one.height - stand.height for one in stands])
+    roll = ca.pw_lin(lateral, shifts, [one.roll for one in stands])
+    start = stand.height - data.pair.radius + rise - approach * math.sqrt(1 + slope**2)
+    return system.derived(f"standing_rise_{number}", start), system.derived(f"standing_roll_{number}", roll)
+
+
+def move_on_patches(
+    assembly: Assembly, wheelset: PatchedWheelset, suspension: Load, first_acceleration: ca.SX
+) -> Motion:
+    """Equations of motion of a wheelset, as (3.73): to what the rails do comes what the suspension does."""
+    system, number, body = assembly.system, wheelset.number, wheelset.body
+    mass, inertia = assembly.value(wheelset.data.mass), [assembly.value(size) for size in wheelset.data.inertia]
+    yaw_torque = yaw_torque_of(assembly, number, wheelset.rotated)
+    moment = body.axes.T @ suspension.moment + yaw_torque
+    turning = ca.vertcat(moment[0] / inertia[0], moment[1], moment[2] / inertia[2])
+    push = system.narrow(ca.vertcat((1 / mass) * suspension.force, turning))
+    acceleration, turning = wheelset.acceleration + push[:3], wheelset.turning + push[3:]
+    rotation = add_rotation(assembly, number, (wheelset.rotated, body.own_rate[1]), turning[1])
+    system.derivative(f"shift_speed_{number}", acceleration[0] - first_acceleration)
+    system.derivative(f"lateral_speed_{number}", acceleration[1])
+    system.derivative(f"rise_speed_{number}", acceleration[2])
+    system.derivative(f"roll_rate_{number}", turning[0])
+    system.derivative(f"yaw_rate_{number}", turning[2])
+    return Motion(acceleration[0], rotation, ca.dot(yaw_torque, body.own_rate))

@@ -1,0 +1,123 @@
+"""What one patch of a wheel does: the rail's normal force and the creep forces, by how it is pressed and how it slides.
+
+A patch is one part: generated once, called for each patch of each wheel of a vehicle, and only where it may touch.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import casadi as ca
+
+from fmu_src.chain import Bundle, Chain, Part, rows
+from rbd_model.contact.elastic import damped, elastic_force
+from rbd_model.kinematics import turned_by
+from rbd_model.rolling_contact import Pieces
+from rbd_model.rolling_wheelset import creep_of_wheel
+from rbd_model.touching_patch import TouchingPatch, follow_cosines, patch_of_wheel
+from rbd_model.wheelset import SMALLEST_LOAD, at_least
+
+
+@dataclass(frozen=True)
+class PatchState(Bundle):
+    """How a wheelset stands and moves, with what a patch of one of its wheels feels of the rail there."""
+
+    forward: ca.SX = rows(1)  # v_x [m/s]
+    sideways: ca.SX = rows(1)  # v_y [m/s]
+    rise: ca.SX = rows(1)  # v_z [m/s]
+    roll_rate: ca.SX = rows(1)  # omega_x [rad/s]
+    angular_velocity: ca.SX = rows(1)  # omega_y [rad/s]
+    yaw_rate: ca.SX = rows(1)  # omega_z [rad/s]
+    offset: ca.SX = rows(1)  # lateral displacement from the track's centre [m]
+    height: ca.SX = rows(1)  # of the wheelset's centre over the rail [m]
+    yaw: ca.SX = rows(1)  # [rad]
+    roll: ca.SX = rows(1)  # [rad]
+    nearest: ca.SX = rows(1)  # position on the wheel's profile without yaw and roll [m]
+    slopes: ca.SX = rows(2)  # along the track, of its lateral position and of the rail's height [1]
+    friction: ca.SX = rows(1)  # without sliding [1]
+
+
+@dataclass(frozen=True)
+class PatchConstants(Bundle):
+    """What a patch is given and not differentiated by; the cosines are those of `direction_cosines`."""
+
+    cosines: ca.SX = rows(4)
+    wheel: ca.SX = rows(4)  # `Wheel`
+    direction: ca.SX = rows(2)  # cosine and sine
+    creepage_speed: ca.SX = rows(1)  # [m/s]
+    shear_modulus: ca.SX = rows(1)  # [Pa]
+    surface: ca.SX = rows(5)
+    damping: ca.SX = rows(1)  # of the contact [s/m]
+
+
+@dataclass(frozen=True)
+class Press(Bundle):
+    """What one patch does to its wheelset: force in the axes of the track, moment in the wheelset's own."""
+
+    force: ca.SX = rows(3)  # [N]
+    moment: ca.SX = rows(3)  # [N.m]
+    creep_along: ca.SX = rows(1)  # creep force along the rail [N]
+    creep_power: ca.SX = rows(1)  # what both creep forces take [W]
+    approach: ca.SX = rows(1)  # [m]
+    damping_power: ca.SX = rows(1)  # what the contact loses as it is pressed [W]
+    stored: ca.SX = rows(1)  # its energy [J]
+
+
+@lru_cache
+def pressing_patch(wheel_terms: int, rail_terms: int) -> Part:
+    """A `Press` of a `PatchState`, (3.82)-(3.105) with Hertz' force by the approach; constants: with the pieces."""
+    state, fixed, chain = PatchState.symbols("state"), PatchConstants.symbols("constants"), Chain()
+    pieces = Pieces(ca.SX.sym("wheel", wheel_terms), ca.SX.sym("rail", rail_terms))
+    turning = ca.vertcat(state.yaw, state.roll)
+    follow_cosines(chain, fixed.cosines, turning)
+    patch = find_patch(chain, state, fixed, pieces)
+    results = press(chain, state, fixed, patch).vector
+    constants = ca.vertcat(fixed.vector, pieces.vector)
+    return Part(f"press_{wheel_terms}_{rail_terms}", state.vector, constants, results, chain)
+
+
+def find_patch(chain: Chain, state: PatchState, fixed: PatchConstants, pieces: Pieces) -> TouchingPatch:
+    """Where it touches or would touch, (3.54), (3.57)."""
+    given = ca.vertcat(state.offset, state.height, state.yaw, state.roll, state.nearest)
+    constants = ca.vertcat(fixed.cosines, fixed.wheel, fixed.direction, pieces.vector)
+    part = patch_of_wheel(pieces.wheel.numel(), pieces.rail.numel())
+    return TouchingPatch.of(chain.call(part, given, constants))
+
+
+def press(chain: Chain, state: PatchState, fixed: PatchConstants, patch: TouchingPatch) -> Press:
+    """Normal force by the approach (Hertz, as Johnson (1985) has it), creep forces by (3.89)-(3.105), their moments."""
+    axes = turned_by(fixed.cosines)
+    along = axes[0, :].T
+    sideways = ca.cross(patch.normal, along)
+    own_rate = ca.vertcat(state.roll_rate, state.angular_velocity, state.yaw_rate)
+    velocity = ca.vertcat(state.forward, state.sideways, state.rise)
+    sliding = axes.T @ velocity + ca.cross(own_rate, patch.arm)
+    # The rail's section moves sideways and upwards as the wheelset moves along.
+    drift = ca.dot(patch.across, state.slopes)
+    closing = state.forward * drift - ca.dot(patch.normal, sliding)
+    curvatures = patch.curvature_along, patch.curvature_across
+    elastic = elastic_force(patch.approach, *curvatures, fixed.shear_modulus)
+    normal = damped(elastic, closing, fixed.damping)
+
+    slides = ca.dot(sliding, along), ca.dot(sliding, sideways)
+    slowness = 1 / ca.sqrt(state.forward**2 + fixed.creepage_speed**2)
+    # Backwards Kalker's axes are turned half round, as in `roll_wheel`.
+    ahead = ca.fmax(ca.fmin(state.forward / fixed.creepage_speed, 1), -1)
+    spin = ahead * ca.dot(own_rate, patch.normal)
+    given = ca.vertcat(*slides, spin, slowness, *curvatures, normal, state.friction)
+    creep = chain.call(creep_of_wheel(), given, ca.vertcat(fixed.shear_modulus, fixed.surface))
+    # The law knows no load below the smallest; without any there is no creep force.
+    share = normal / at_least(normal, SMALLEST_LOAD)
+    ahead_force, side_force = share * creep[0], share * creep[1]
+    own = ahead_force * along + side_force * sideways + normal * patch.normal
+    across = normal * patch.across + side_force * ca.vertcat(patch.across[1], -patch.across[0])
+    return Press(
+        ca.vertcat(ahead_force - drift * normal, across),
+        ca.cross(patch.arm, own),
+        ahead_force,
+        -ahead_force * slides[0] - side_force * slides[1],
+        patch.approach,
+        (normal - elastic) * closing,
+        0.4 * elastic * ca.fmax(patch.approach, 0),
+    )

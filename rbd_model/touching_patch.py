@@ -1,0 +1,147 @@
+"""One patch of a wheel on its rail in space: its nearest point, how far it presses into the rail, and with which shape.
+
+As `rolling_contact`, but wheel and rail may be apart or pressed into each other, and along a `Patch` their distance is
+taken square to its direction. The nearest point of rigid profiles, without yaw and roll, comes from a table; one step
+of Newton's method from there finds the common normal, eqs (3.54), (3.57), where the wheel yaws and rolls.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import casadi as ca
+
+from fmu_src.chain import Bundle, Chain, Part, rows
+from fmu_src.system import System, polynomials
+from rbd_model.contact.patches import Patch
+from rbd_model.contact.profiles import KNOT_DISTANCE, Profile
+from rbd_model.kinematics import turned_by
+from rbd_model.rolling_contact import Pieces, Placement, Touch, Wheel, touch
+
+#: Least sum of the curvatures of wheel and rail across the track with which a common normal is looked for [1/m], and
+#: how far from the nearest point of the table [m]: half of a profile's piece, beyond which its polynomial means little.
+LEAST_CURVATURE, LARGEST_STEP = 0.5, KNOT_DISTANCE / 2
+
+
+@dataclass(frozen=True)
+class TouchingPatch(Bundle):
+    """Where a patch touches or would touch; vectors in the wheelset's yaw-roll axes, but for `across`."""
+
+    arm: ca.SX = rows(3)  # from the wheelset's centre to the nearest point of the wheel [m] (P)
+    normal: ca.SX = rows(3)  # unit vector into the wheel
+    across: ca.SX = rows(2)  # the normal in the axes of the track, its y and z
+    approach: ca.SX = rows(1)  # by which the bodies press into each other [m]; negative where they are apart
+    curvature_along: ca.SX = rows(1)  # A of eq. (3.83) [1/m]
+    curvature_across: ca.SX = rows(1)  # B [1/m]
+    position: ca.SX = rows(1)  # on the wheel's profile [m]
+
+
+@dataclass(frozen=True)
+class Meeting:
+    """Wheel and rail square to a patch's direction: their distance [m], and what of the common normal is missing."""
+
+    gap: ca.SX
+    mismatch: ca.SX  # sine of the angle between the normals
+    uprightness: ca.SX  # of the wheel's normal in the patch's axes
+    curvature: ca.SX  # of wheel and rail together, 2 B [1/m]
+
+
+def along_and_square(one: Touch, height: ca.SX, direction: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """Coordinates of a point of the wheel (3.77) from the rail's origin along the patch's direction and square to it.
+
+    height [m]: of the wheelset's centre over the rail; direction: its cosine and sine.
+    """
+    up = height + one.centre
+    return direction[0] * one.on_rail + direction[1] * up, direction[0] * up - direction[1] * one.on_rail
+
+
+def meet(one: Touch, on: Wheel, height: ca.SX, direction: ca.SX, bend: ca.SX, rail: ca.SX) -> Meeting:
+    """Distance and normals of the wheel's point and of the rail beside it, as (3.54); bend: of the wheel's profile."""
+    along, square = along_and_square(one, height, direction)
+    value, slope, rail_bend = polynomials(rail, along, 2)
+    unit = 1 / ca.sqrt(1 + slope**2)
+    outward = on.side * one.across[0]
+    leaning = direction[0] * outward + direction[1] * one.across[1]
+    upright = direction[0] * one.across[1] - direction[1] * outward
+    curvature = bend * one.unit**3 - rail_bend * unit**3
+    return Meeting(square - value, unit * (leaning + slope * upright), upright, curvature)
+
+
+def follow_cosines(chain: Chain, cosines: ca.SX, turned: ca.SX) -> None:
+    """Tells a part how the `direction_cosines` (section 3.2.1) that it is given follow yaw and roll, its arguments."""
+    change = ca.vertcat(-cosines[1], cosines[0], -cosines[3], cosines[2])
+    chain.follow(cosines, turned, ca.horzcat(ca.vertcat(change[:2], 0, 0), ca.vertcat(0, 0, change[2:])))
+
+
+@lru_cache
+def patch_of_wheel(wheel_terms: int, rail_terms: int) -> Part:
+    """A `TouchingPatch` of lateral position, height, yaw, roll and the nearest point of the table, (3.54), (3.83).
+
+    Constants: direction cosines, the wheel, direction of the patch, pieces of both profiles with so many terms.
+    """
+    given, constants = ca.SX.sym("given", 5), ca.SX.sym("constants", 10 + wheel_terms + rail_terms)
+    lateral, height, yaw, roll, guess = ca.vertsplit(given)
+    cosines, on, direction = constants[:4], Wheel(*ca.vertsplit(constants[4:8])), constants[8:10]
+    wheel, rail = constants[10 : 10 + wheel_terms], constants[10 + wheel_terms :]
+    chain = Chain()
+    follow_cosines(chain, cosines, given[2:4])
+    placement = Placement(yaw, roll, cosines, lateral)
+
+    def at(position: ca.SX) -> tuple[Touch, Meeting]:
+        one = touch(placement, on, position, wheel)
+        return one, meet(one, on, height, direction, polynomials(wheel, position, 2)[2], rail)
+
+    first, nearly = at(guess)
+    step = nearly.mismatch * first.unit / ca.fmax(nearly.curvature, LEAST_CURVATURE)
+    position = guess + ca.fmax(ca.fmin(step, LARGEST_STEP), -LARGEST_STEP)
+    one, meeting = at(position)
+    approach = -meeting.gap * meeting.uprightness
+    shape = one.unit / (2 * one.radius), meeting.curvature / 2
+    results = TouchingPatch(one.arm, one.normal, one.across, approach, *shape, position)
+    return Part(f"patch_{wheel_terms}_{rail_terms}", given, constants, results.vector, chain)
+
+
+def offset_along(patch: Patch, placement: Placement, on: Wheel, height: ca.SX) -> ca.SX:
+    """How far the wheel's profile lies along the patch's direction from the rail's (3.1) [m], the table's argument."""
+    origin = turned_by(placement.cosines) @ ca.vertcat(0, on.side * on.wheel_half_distance, -on.radius)
+    outward = on.side * (placement.lateral + origin[1]) - on.rail_half_distance
+    cosine, sine = direction_of(patch)
+    return cosine * outward + sine * (height + origin[2])
+
+
+def direction_of(patch: Patch) -> tuple[float, float]:
+    """Cosine and sine of the slope along which a patch is described (section 3.3.2)."""
+    return float(ca.cos(patch.direction)), float(ca.sin(patch.direction))
+
+
+@dataclass(frozen=True)
+class Nearest:
+    """The point of a patch that is nearest to its rail without yaw and roll, (3.77), (3.78).
+
+    approach [m]: what it says of the approach, at least micrometres below the true one: enough to tell who touches.
+    """
+
+    position: ca.SX
+    pieces: Pieces
+    on_rail: ca.SX  # position on the rail's profile [m]
+    approach: ca.SX
+
+
+def look_up_patch(
+    system: System, name: str, patch: Patch, wheel: Profile, at: tuple[Placement, Wheel, ca.SX]
+) -> Nearest:
+    """Nearest point of a patch and pieces of both profiles there (3.77), (3.78).
+
+    at: where the wheelset stands, its wheel, and its height over the rail. Adds the tables, named after `name`.
+    """
+    placement, on, height = at
+    direction = ca.SX(direction_of(patch))
+    guess = system.table(f"nearest_{name}", *patch.nearest, offset_along(patch, *at))
+    piece = system.look_up(f"wheel_{name}", *wheel.pieces, guess)
+    one = touch(placement, on, guess, piece)
+    along, square = along_and_square(one, height, direction)
+    rail = system.look_up(f"rail_{name}", *patch.rail.pieces, along)
+    above = square - polynomials(rail, along, 0)[0]
+    upright = direction[0] * one.across[1] - direction[1] * on.side * one.across[0]
+    return Nearest(guess, Pieces(piece, rail), one.on_rail, -above * upright)
