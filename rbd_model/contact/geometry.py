@@ -33,14 +33,22 @@ class Side:
     rail_half_distance: float
 
     def gap(self, side: int, shift: float, roll: float, s: np.ndarray) -> np.ndarray:
-        """Height of the wheel contour over the rail at the positions s, up to the height of the axle."""
-        outward = self.wheel_half_distance + s
-        below = self.radius - self.wheel.height(s)
+        """Height of the wheel contour over the rail at the positions s, up to the height of the axle.
+
+        Infinite beside the rail.
+        """
+        gap = np.full(s.shape, np.inf)
+        # Only what can lie over the rail is computed: the roll moves no point of the wheel sideways by more than this.
+        aside, (low, high) = 2 * self.radius * abs(math.sin(roll)), self.rail.limits
+        across = (self.wheel_half_distance + s) * math.cos(roll) + side * shift - self.rail_half_distance
+        near = (across >= low - aside - GRID) & (across <= high + aside + GRID)
+        outward = self.wheel_half_distance + s[near]
+        below = self.radius - self.wheel.height(s[near])
         lateral = side * outward * math.cos(roll) + below * math.sin(roll)
         height = side * outward * math.sin(roll) - below * math.cos(roll)
-        on_rail = side * (lateral + shift) - self.rail_half_distance
-        gap = height - self.rail.height(on_rail)
-        return np.where(np.isnan(gap), np.inf, gap)
+        over = height - self.rail.height(side * (lateral + shift) - self.rail_half_distance)
+        gap[near] = np.where(np.isnan(over), np.inf, over)
+        return gap
 
 
 @dataclass(frozen=True)
