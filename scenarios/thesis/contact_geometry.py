@@ -215,7 +215,7 @@ def draw_files(sides: Sides, series: Recording, conicity: Recording, centre: flo
     inside = (series["shift"] > -flanges[1]) & (series["shift"] < flanges[0])
     difference = 1e3 * series["radius_difference"]
     grid[1, 0].plot(shift, difference, color=LEADING)
-    limit = 1.3 * np.max(np.abs(difference[inside]))
+    limit = max(0.1, 1.3 * np.max(np.abs(difference[inside])))
     grid[1, 0].set_ylim(-limit, limit)
     grid[1, 0].axhline(0.0, color="#999999", linewidth=0.8)
     mark(grid[1, 0], 1e3 * centre, "equal radii")
