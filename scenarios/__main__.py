@@ -6,6 +6,8 @@
   python -m scenarios run qr30-180kpa --step 0.0001              with another macro step
   python -m scenarios run qr30-180kpa --coupling-tolerance 1e-4  macro steps chosen by the error of the coupling
   python -m scenarios run qr30-180kpa --torque-csv measured.csv  with a measured history (time [s], torque [N.m])
+  python -m scenarios run contact-geometry --wheel left.csv right.csv --rail 60e1.csv --diameter 920 918
+                                                                 equivalent conicity (EN 15302) of profiles of yours
   python -m scenarios sweep bogie-heavy-braking --vary friction=0.1:0.3:11 --vary frame_height=0.4,0.8,1.2 --jobs 2
                                                                  every combination, one table; interrupted, it resumes
   python -m scenarios sweep levels --vary utilisation=0.5:1.3:81 --scheduler tcp://127.0.0.1:8786
@@ -20,7 +22,9 @@ from __future__ import annotations
 import argparse
 import math
 import sys
+from dataclasses import fields
 from pathlib import Path
+from typing import Any
 
 from fmu_src.compile import CompilerError
 from fmu_src.kernel import KernelError
@@ -73,6 +77,27 @@ def show_list() -> int:
     return HOLDS
 
 
+PROFILES = """Equivalent conicity (EN 15302), rolling radii and contact angles of wheels on rails from files: lines of
+y, z in mm, y = 0 of a wheel on its tape circle, 70 mm from the flange's back. One file or diameter is for both sides,
+two are left and right: run contact-geometry --wheel new.csv worn.csv --rail 60e1.csv --diameter 920 918"""
+
+
+def add_profiles(runner: argparse.ArgumentParser) -> None:
+    group = runner.add_argument_group("profiles of yours, for contact-geometry", PROFILES)
+    sides: dict[str, Any] = {"nargs": "+", "action": "extend"}
+    group.add_argument("--wheel", type=Path, metavar="FILE", help="profile of both wheels, or left and right", **sides)
+    group.add_argument("--rail", type=Path, metavar="FILE", help="profile of both rails, or left and right", **sides)
+    text = "at the tape circle, of both wheels, or left and right (default: 920)"
+    group.add_argument("--diameter", type=float, metavar="MM", help=text, **sides)
+    text = "lays the rails by their gauge faces, 14 mm below the top (default: y = 0 of their files 1500 mm apart)"
+    group.add_argument("--gauge", type=float, metavar="MM", help=text)
+    group.add_argument(
+        "--flange-back", type=float, metavar="MM", help="between the backs of the flanges (default: 1360)"
+    )
+    text = "inclines rails that stand upright in their files by 1:N (default: they lie as in the files)"
+    group.add_argument("--inclination", type=float, metavar="N", help=text)
+
+
 def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         prog="python -m scenarios", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
@@ -89,6 +114,7 @@ def main(arguments: list[str] | None = None) -> int:
     )
     text = "error of one step in nominal values; chooses the macro steps"
     runner.add_argument("--coupling-tolerance", type=float, metavar="ERROR", help=text)
+    add_profiles(runner)
     sweep.add_command(commands)
     chosen = parser.parse_args(arguments)
     if chosen.command == "list":
@@ -96,7 +122,7 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         if chosen.command == "sweep":
             return HOLDS if sweep.run(chosen) else DOES_NOT_HOLD
-        options = Options(chosen.kind, chosen.step, chosen.torque_csv, chosen.coupling_tolerance)
+        options = Options(**{item.name: getattr(chosen, item.name) for item in fields(Options)})
         return run(chosen.name, options, chosen.out)
     except BadInputError as error:
         print(error, file=sys.stderr)

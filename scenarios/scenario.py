@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 
@@ -22,6 +22,12 @@ class Options:
     step: float | None = None
     torque_csv: Path | None = None
     coupling_tolerance: float | None = None
+    wheel: Sequence[Path] | None = None
+    rail: Sequence[Path] | None = None
+    diameter: Sequence[float] | None = None
+    gauge: float | None = None
+    flange_back: float | None = None
+    inclination: float | None = None
 
     @property
     def given(self) -> set[str]:

@@ -213,13 +213,15 @@ def synthetic_wheel(
     return np.concatenate([tread, *points])[::-1].T
 
 
-def read_profile(path: Path, kind: str) -> Profile:
+def read_profile(path: Path, kind: str, inclination: float = 0.0) -> Profile:
     """A measured contour: lines that begin with two numbers, y and z [mm], as in two-column text or MiniProf files.
 
     `kind` is "wheel" or "rail". Instruments differ in the direction of their axes, so a contour that lies upside down,
-    and a wheel whose flange lies at positive y, is turned; a rail must have its gauge corner at negative y. Other lines
-    (NAME=VALUE of the MiniProf, the instrument of section 6.3.5) are passed over. Raises ValueError with the path and
-    what is wrong.
+    and a wheel whose flange lies at positive y, is turned; a rail must have its gauge corner at negative y, and is laid
+    with `inclination` where it stands upright in the file. Other lines (NAME=VALUE of the MiniProf, the instrument of
+    section 6.3.5) are passed over, and so is what lies under an overhang, as of the head of a rail. Noise is smoothed
+    by the spline alone (`from_points`): EN 15302 leaves the way open and judges by the conicity. Raises ValueError with
+    the path and what is wrong.
     """
     rows = []
     for line in path.read_text(encoding="utf-8", errors="replace").splitlines():
@@ -230,11 +232,22 @@ def read_profile(path: Path, kind: str) -> Profile:
             continue  # headers, remarks and empty lines
     if len(rows) < 20:
         raise ValueError(f"{path} has {len(rows)} points; a {kind} profile needs at least 20 lines of y, z in mm.")
-    points = upright(np.array(rows)[:, :2] / 1e3, kind)
-    order = np.argsort(points[:, 0], kind="stable")
-    points = points[order]
-    rising = np.concatenate([[True], np.diff(points[:, 0]) > 0.0])
-    return from_points(f"{kind} {path.stem}", str(path.name), *points[rising].T)
+    points = np.array(rows) / 1e3
+    if not np.all(np.isfinite(points)):
+        raise ValueError(f"{path} has points that are not finite; give y and z in mm.")
+    points = inclined(upright(points, kind), inclination)
+    start = int(np.argmax(points[:, 1]) if kind == "rail" else np.argmin(np.abs(points[:, 0])))
+    if points[0, 0] > points[-1, 0]:
+        points, start = points[::-1], len(points) - 1 - start
+    left, right = points[: start + 1][::-1] * [-1, 1], points[start:]
+    points = np.concatenate([_without_overhang(left)[:0:-1] * [-1, 1], _without_overhang(right)])
+    return from_points(f"{kind} {path.stem}", str(path.name), *points.T)
+
+
+def _without_overhang(points: np.ndarray) -> np.ndarray:
+    """Those rows (y, z) whose y is larger than all before."""
+    y = points[:, 0]
+    return points[np.concatenate([[True], y[1:] > np.maximum.accumulate(y)[:-1]])]
 
 
 def upright(points: np.ndarray, kind: str) -> np.ndarray:

@@ -131,6 +131,8 @@ class Result:
     coupling: Mapping[str, float] = field(default_factory=dict)
     #: Further figures by file name, beside figure.png.
     other_figures: dict[str, Callable[[], Figure]] = field(default_factory=dict)
+    #: Further tables by file name, beside timeseries.csv.
+    other_series: dict[str, Recording] = field(default_factory=dict)
 
     @property
     def holds(self) -> bool:
@@ -161,7 +163,8 @@ def save(result: Result, name: str, out: Path, wall_seconds: float) -> Path:
             "times_real_time": result.simulated_seconds / wall_seconds or None,
         }
         (partial / "summary.json").write_text(json.dumps(summary, indent=2, allow_nan=False) + "\n", encoding="utf-8")
-        _write_series(result.series, partial / "timeseries.csv")
+        for file, series in {"timeseries": result.series, **result.other_series}.items():
+            _write_series(series, partial / f"{file}.csv")
         for file, draw in {"figure": result.draw, **result.other_figures}.items():
             figure = draw()
             figure.savefig(partial / f"{file}.png", dpi=130)

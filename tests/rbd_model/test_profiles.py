@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import math
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +13,11 @@ import pytest
 from rbd_model.contact.geometry import (
     STANDARD_GAUGE,
     Contact,
+    Guidance,
     Pair,
+    Side,
+    Sides,
+    centred_shift,
     contact_at,
     equivalent_conicity,
     european_pair,
@@ -89,13 +95,20 @@ def reference(name: str) -> np.ndarray:
     return np.loadtxt(REFERENCE / name, delimiter=",", skiprows=1)
 
 
+@lru_cache
 def en_15302_profile(name: str) -> Profile:
     return from_points(name, "EN 15302", *(reference(f"en15302_{name}.csv") / 1e3).T)
 
 
+def en_15302_side(wheel: str, radius: float = 0.46) -> Side:
+    """One of the standard's wheels on its rail, tape circles 1500 mm apart."""
+    return Side(en_15302_profile(f"RUIC519{wheel}"), en_15302_profile("SUIC519A"), radius, 0.75, 0.75)
+
+
 def en_15302_pair(wheel: str) -> Pair:
-    """One of the standard's wheels on its rail: tape circles 1500 mm apart, r0 = 460 mm."""
-    return Pair(en_15302_profile(f"RUIC519{wheel}"), en_15302_profile("SUIC519A"), 0.46, 0.75, 0.75)
+    """Two of the standard's wheels, r0 = 460 mm."""
+    side = en_15302_side(wheel)
+    return Pair(side.wheel, side.rail, side.radius, side.wheel_half_distance, side.rail_half_distance)
 
 
 def en_15302_conicity(case: str) -> np.ndarray:
@@ -114,6 +127,152 @@ def test_equivalent_conicity_is_that_of_en_15302_at_every_amplitude(wheel: str, 
     assert np.median(np.abs(found - value)) < 0.005
     # A fifth more leaves the limits.
     assert not np.all((1.2 * found <= upper) & (1.2 * found >= lower))
+
+
+#: Cases of annex E whose sides differ: wheel and radius [m] of the left and of the right one.
+UNEQUAL = {
+    "E5": (("A", 0.459), ("A", 0.460)),
+    "E6": (("B", 0.459), ("B", 0.460)),
+    "E7": (("H", 0.459), ("H", 0.460)),
+    "E8": (("I", 0.459), ("I", 0.460)),
+    "E9": (("B", 0.460), ("A", 0.460)),
+}
+
+
+@pytest.mark.parametrize("case", UNEQUAL)
+def test_conicity_of_unequal_sides_is_that_of_en_15302_at_every_amplitude(case: str) -> None:
+    """Wheels of 918 and 920 mm, or of two profiles, on one axle: within the limits about the shifted centre."""
+    amplitude, value, upper, lower = en_15302_conicity(case)
+    left, right = UNEQUAL[case]
+    found = equivalent_conicity(Sides(en_15302_side(*left), en_15302_side(*right)), amplitude / 1e3, rolls=False)
+    assert amplitude.size == 66
+    assert np.all((found <= upper) & (found >= lower))
+    assert np.median(np.abs(found - value)) < 0.005
+    # The same wheels on equal radii, or A alone, leave the limits.
+    equal = equivalent_conicity(en_15302_pair(right[0]), amplitude / 1e3, rolls=False)
+    assert not np.all((equal <= upper) & (equal >= lower))
+
+
+def test_published_radius_difference_of_wheels_of_918_and_920_mm_vanishes_where_ours_does() -> None:
+    """Annex E, case E5: Dr is -0.0376 mm at 2.7 mm and 0.0465 mm at 2.6 mm to the side of the smaller wheel."""
+    published = 2.6e-3 + 0.1e-3 * 0.046522 / (0.046522 + 0.037631)
+    smaller_left = Sides(en_15302_side("A", 0.459), en_15302_side("A", 0.460))
+    assert centred_shift(smaller_left, rolls=False) == pytest.approx(published, abs=0.02e-3)
+
+
+def on_needle(name: str, y: np.ndarray, z: np.ndarray, radius: float = 0.46) -> Side:
+    """A wheel on an arc of 10 mm, which it touches at nearly the same place wherever it is."""
+    needle = from_points("needle", "R10", (u := np.linspace(-9e-3, 9e-3, 900)), np.sqrt(0.01**2 - u**2) - 0.01)
+    return Side(from_points(name, "closed form", y, z), needle, radius, 0.75, 0.75)
+
+
+def cone(slope: float, radius: float = 0.46) -> Side:
+    return on_needle("cone", (y := np.linspace(-0.06, 0.06, 600)), slope * y, radius)
+
+
+@pytest.mark.parametrize(("difference", "rolls"), [(1e-3, False), (-0.4e-3, True)])
+def test_cones_of_unequal_radius_run_off_the_middle_with_the_conicity_of_the_cone(
+    difference: float, rolls: bool
+) -> None:
+    """Towards the smaller wheel by (dr / 2) / gamma, where 2 gamma y is dr; on equal radii the axle is level again.
+
+    There the wave is that of equal cones: gamma (1 + R gamma / b) where it rolls.
+    """
+    slope = 1 / 20
+    pair = Sides(cone(slope, 0.46 - difference / 2), cone(slope, 0.46 + difference / 2))
+    assert centred_shift(pair, rolls) == pytest.approx(difference / 2 / slope, rel=2e-4)
+    found = equivalent_conicity(pair, np.array([1e-3, 3e-3, 7e-3]), rolls, points=20)
+    assert found == pytest.approx(slope * (1 + 0.01 * slope / 0.75 * rolls), rel=2e-4)
+
+
+def test_cones_of_unequal_slope_and_radius_have_the_mean_conicity_about_the_shift_of_equal_radii() -> None:
+    """Dr = (gamma_l + gamma_r) y + dr + R (gamma_l^2 - gamma_r^2): they touch R gamma off the top of the arc."""
+    left, right = 1 / 20, 1 / 40
+    for difference in (0.0, 0.5e-3):
+        pair = Sides(cone(left), cone(right, 0.46 + difference))
+        centre = (difference - 0.01 * (left**2 - right**2)) / (left + right)
+        assert centred_shift(pair, rolls=False) == pytest.approx(centre, rel=2e-3)
+        found = equivalent_conicity(pair, np.array([1e-3, 7e-3]), rolls=False, points=20)
+        assert found == pytest.approx((left + right) / 2, rel=2e-4)
+
+
+def test_wave_is_made_of_its_two_half_waves() -> None:
+    """Dr = 2 g y to the left, 2 h y to the right: half waves of pi sqrt(b r0 / g) and pi sqrt(b r0 / h).
+
+    Both ends have the same S, g y^2 and h y^2, so that the wave lies to the side that is softer.
+    """
+    left, right = 1 / 10, 1 / 40
+    y = np.linspace(-0.02, 0.02, 401)
+    slope = np.where(y > 0.0, left, right)
+    along = Guidance(y, y, 2 * slope * y, slope * y**2)
+    closed = (0.5 / math.sqrt(left) + 0.5 / math.sqrt(right)) ** -2
+    assert closed < 0.8 * (left + right) / 2
+    for amplitude in (1e-3, 8e-3):
+        # Phases are counted from the middle of the wave, where Dr has no corner: 1e-5 is their midpoint rule's.
+        assert along.conicity(amplitude) == pytest.approx(closed, rel=1e-5)
+        assert along.middle(amplitude) == pytest.approx(-amplitude / 3, rel=1e-9)
+
+
+#: Two searches on a grid, one the mirror image of the other: parabolas refine it to better than 1 um.
+MIRROR = 1e-6
+
+
+@pytest.mark.parametrize("case", ["E5", "E9"])
+def test_wheelset_turned_round_runs_off_the_middle_to_the_other_side_with_the_same_conicity(case: str) -> None:
+    pair = Sides(*(en_15302_side(*one) for one in UNEQUAL[case]))
+    amplitudes, points = np.array([1e-3, 3e-3, 7e-3]), 30
+    assert centred_shift(pair, False) == pytest.approx(-centred_shift(pair.mirrored, False), abs=MIRROR)
+    assert abs(centred_shift(pair, False)) > 500 * MIRROR
+    found = equivalent_conicity(pair, amplitudes, False, points)
+    assert found == pytest.approx(equivalent_conicity(pair.mirrored, amplitudes, False, points), rel=5e-3)
+    left, right = contact_at(pair, 2e-3), contact_at(pair.mirrored, -2e-3)
+    assert left.radius == pytest.approx(right.radius[::-1], abs=1e-9)
+    assert left.roll == pytest.approx(-right.roll, abs=1e-10)
+
+
+def test_sides_that_are_equal_are_a_pair() -> None:
+    pair, side = en_15302_pair("A"), en_15302_side("A")
+    amplitudes = np.array([1e-3, 5e-3])
+    assert (pair.left, pair.right) == (side, side)
+    found = equivalent_conicity(Sides(side, side), amplitudes, False, 40)
+    assert found == pytest.approx(equivalent_conicity(pair, amplitudes, False, 40), rel=1e-12)
+    # Nor does a difference that is nearly none change more than the grid of the search.
+    nearly = Sides(en_15302_side("A", 0.46 + 1e-8), side)
+    assert equivalent_conicity(nearly, amplitudes, False, 40) == pytest.approx(found, rel=2e-3)
+
+
+def test_every_two_of_the_reference_wheels_of_918_and_920_mm_have_a_conicity() -> None:
+    """No NaN and nothing driven outwards, also with wheels I, which nothing guides near the middle (E4)."""
+    amplitudes = np.linspace(1e-3, 7e-3, 7)
+    of_two_radii = [((left, 0.459), (right, 0.460)) for left, right in itertools.product("ABHI", "ABHI")]
+    of_one = [((left, 0.460), (right, 0.460)) for left, right in itertools.combinations("ABHI", 2)]
+    for left, right in of_two_radii + of_one:
+        pair = Sides(en_15302_side(*left), en_15302_side(*right))
+        found = equivalent_conicity(pair, amplitudes, rolls=False, points=8)
+        assert np.all((found > 0.01) & (found < 1.0)), (left, right)
+
+
+def test_unequal_hollow_wheels_have_a_conicity_where_the_radius_difference_turns() -> None:
+    """Dr = 2 c (y^3 / w^2 - y) + dr: driven outwards about the zero near the middle, held beyond sqrt(2) w."""
+    slope, turn = 1e-3, 2e-3
+    y = np.linspace(-0.04, 0.04, 1600)
+    near = np.clip(y, -8e-3, 8e-3)
+    hollow = slope * (near**3 / turn**2 - near)
+    pair = Sides(on_needle("hollow", y, hollow, 0.46 + 0.2e-6), on_needle("hollow", y, hollow))
+    found = equivalent_conicity(pair, np.array([0.5e-3, 1e-3, 2e-3, 3e-3, 5e-3]), rolls=False)
+    assert np.all(found[:2] < 0.0)
+    assert 0.0 < found[3] < found[4]
+    assert np.all(np.isfinite(found))
+
+
+def test_wheels_that_nowhere_roll_on_equal_radii_are_refused() -> None:
+    with pytest.raises(ValueError, match="the wheels nowhere roll on equal radii: they differ by -10 mm there"):
+        centred_shift(Sides(cone(1 / 20, 0.45), cone(1 / 20)), rolls=False)
+
+
+def test_wheel_beside_its_rail_is_refused() -> None:
+    with pytest.raises(ValueError, match="a wheel stands beside its rail"):
+        contact_at(Pair(cone(1 / 20).wheel, rail_60kg(), 0.46, 0.75, 0.9), 0.0, rolls=False)
 
 
 def test_conicity_of_a_cone_the_wrong_way_round_is_minus_its_slope() -> None:

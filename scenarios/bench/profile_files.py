@@ -1,0 +1,112 @@
+"""A wheelset on its track from files of profiles, one for each side or one for both (EN 15302)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TypeVar
+
+import numpy as np
+
+from rbd_model.contact.geometry import GAUGE_DEPTH, Side, Sides, gauge_face
+from rbd_model.contact.profiles import Profile, read_profile
+from scenarios.scenario import BadInputError, Options
+
+#: Diameter of the wheels and distance of the flanges' backs where none is given, and distance of the nominal contact,
+#: the tape circle, from the back [mm] (EN 13715, EN 15302).
+DIAMETER, FLANGE_BACK, TAPE_CIRCLE = 920.0, 1360.0, 70.0
+#: Distance of the rails' y = 0 where no gauge is given [mm]: so EN 15302 lays its reference rails.
+RAILS_APART = 1500.0
+#: How far a profile reaches at least to both sides of y = 0 [mm]; less, and it has lost its tread or is in metres.
+LEAST_REACH = 20.0
+
+Given = TypeVar("Given")
+
+
+def sides_from_files(options: Options) -> Sides:
+    """The wheelset and track that the options describe. Raises BadInputError."""
+    if not options.wheel or not options.rail:
+        missing = "--rail" if options.wheel else "--wheel"
+        raise BadInputError(f"Give {missing} FILE too: conicity needs a wheel on a rail, and there is no {missing}.")
+    lean = 0.0 if options.inclination is None else 1 / within("--inclination", options.inclination, "", 5.0, 1000.0)
+    wheels, rails = profiles("--wheel", options.wheel), profiles("--rail", options.rail, lean)
+    diameters = left_and_right("--diameter", options.diameter or [DIAMETER])
+    given = FLANGE_BACK if options.flange_back is None else options.flange_back
+    backs = within("--flange-back", given, " mm", 500.0, 2000.0)
+    left, right = (
+        Side(
+            wheel,
+            rail,
+            # The diameter is that of the tape circle, wherever the file has its z = 0.
+            within("--diameter", diameter, " mm", 200.0, 2000.0) / 2e3 + float(wheel.height(np.array(0.0))),
+            (backs / 2 + TAPE_CIRCLE) / 1e3,
+            half_distance(rail, options.gauge),
+        )
+        for wheel, rail, diameter in zip(wheels, rails, diameters, strict=True)
+    )
+    return Sides(left, right)
+
+
+def left_and_right(option: str, given: Sequence[Given]) -> tuple[Given, Given]:
+    """Two values, or one for both sides."""
+    if len(given) > 2:
+        raise BadInputError(f"Give {option} once for both sides or twice, left and right: there were {len(given)}.")
+    return given[0], given[-1]
+
+
+def within(option: str, value: float, unit: str, least: float, most: float) -> float:
+    if not (math.isfinite(value) and least <= value <= most):
+        raise BadInputError(f"Give {option} a value from {least:g} to {most:g}{unit}: it was {value:g}{unit}.")
+    return value
+
+
+def profiles(option: str, paths: Sequence[Path], inclination: float = 0.0) -> tuple[Profile, Profile]:
+    """Of the left and of the right side; the same one where it is one file."""
+    left, right = left_and_right(option, paths)
+    read = {path: profile(path, option.removeprefix("--"), inclination) for path in {left: None, right: None}}
+    return read[left], read[right]
+
+
+def profile(path: Path, kind: str, inclination: float = 0.0) -> Profile:
+    try:
+        found = read_profile(path, kind, inclination)
+    except OSError as error:
+        raise BadInputError(f"{path} cannot be read ({error.strerror}); give a text file with y, z in mm.") from error
+    except ValueError as error:
+        raise BadInputError(str(error)) from error
+    low, high = (1e3 * limit for limit in found.limits)
+    if low > -LEAST_REACH or high < LEAST_REACH:
+        origin = "the tape circle, 70 mm from the flange's back" if kind == "wheel" else "the middle of the head"
+        raise BadInputError(
+            f"{path} reaches from y = {low:.4g} to {high:.4g} mm; a {kind} profile needs {LEAST_REACH:g} mm to both"
+            f" sides of y = 0, {origin}. Give y and z in mm, from there."
+        )
+    return found
+
+
+def half_distance(rail: Profile, gauge: float | None) -> float:
+    """From the middle of the track to the rail's y = 0 [m]."""
+    if gauge is None:
+        return RAILS_APART / 2e3
+    half = within("--gauge", gauge, " mm", 500.0, 2000.0) / 2e3
+    if not reaches_gauge_depth(rail):
+        raise BadInputError(
+            f"{rail.source} ends at y = {1e3 * rail.limits[0]:.4g} mm, less than {1e3 * GAUGE_DEPTH:g} mm below its"
+            " top, where the gauge is measured: leave --gauge out, or give its gauge face too, at negative y."
+        )
+    return half - gauge_face(rail)
+
+
+def reaches_gauge_depth(rail: Profile) -> bool:
+    """Whether the profile has its gauge face (EN 13848-1)."""
+    height = rail.height(np.linspace(*rail.limits, 10001))
+    return bool(height[0] < np.max(height) - GAUGE_DEPTH)
+
+
+def gauge_of(sides: Sides) -> float | None:
+    """Between the gauge faces [m]; None where a rail has none."""
+    both = (sides.left, sides.right)
+    if not all(reaches_gauge_depth(side.rail) for side in both):
+        return None
+    return sum(side.rail_half_distance + gauge_face(side.rail) for side in both)

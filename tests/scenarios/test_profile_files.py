@@ -1,0 +1,156 @@
+"""Profiles from files on the command line: the cases of EN 15302 come out, and bad input gets one sentence."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rbd_model.contact.geometry import contact_at, gauge_face
+from rbd_model.contact.profiles import JOINTS_60KG, rail_60kg, rail_head
+from scenarios.__main__ import main
+from scenarios.bench.profile_files import sides_from_files
+from scenarios.scenario import Options
+from scenarios.thesis import contact_geometry
+
+REFERENCE = Path(__file__).parents[1] / "data" / "contact"
+RAIL = REFERENCE / "en15302_SUIC519A.csv"
+
+
+def wheel(letter: str) -> Path:
+    return REFERENCE / f"en15302_RUIC519{letter}.csv"
+
+
+def en_15302(case: str) -> np.ndarray:
+    """Columns amplitude [mm], tan(gamma_e), its upper and lower limit, of one case."""
+    lines = (REFERENCE / "en15302_conicity.csv").read_text().splitlines()
+    return np.array([[float(x) for x in line.split(",")[1:]] for line in lines if line.startswith(case)]).T
+
+
+@pytest.fixture
+def few_shifts(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fewer rows of the table of contacts, which is not what is compared."""
+    monkeypatch.setattr(contact_geometry, "FILE_SHIFTS", np.linspace(-8e-3, 8e-3, 17))
+
+
+@pytest.mark.usefixtures("few_shifts")
+@pytest.mark.parametrize(
+    ("case", "wheels", "diameters"),
+    [("E1", "A", []), ("E2", "B", []), ("E3", "H", []), ("E5", "A", ["918", "920"])],
+)
+def test_conicity_of_files_is_that_of_en_15302_at_every_amplitude(
+    case: str, wheels: str, diameters: list[str], tmp_path: Path
+) -> None:
+    arguments = ["--wheel", *(str(wheel(letter)) for letter in wheels), "--rail", str(RAIL)]
+    arguments += ["--diameter", *diameters] if diameters else []
+    assert main(["run", "contact-geometry", *arguments, "--out", str(tmp_path)]) == 0
+    folder = tmp_path / "contact-geometry"
+    assert {path.name for path in folder.iterdir()} == {"figure.png", "summary.json", "timeseries.csv", "conicity.csv"}
+    amplitude, found = np.loadtxt(folder / "conicity.csv", delimiter=",", skiprows=1).T
+    asked, _, upper, lower = en_15302(case)
+    assert 1e3 * amplitude == pytest.approx(asked)
+    assert np.all((found <= upper) & (found >= lower))
+    with (folder / "timeseries.csv").open() as file:
+        heads, *rows = csv.reader(file)
+    assert {"shift [m]", "radius_difference [m]", "contact_angle_left [rad]", "position_on_rail_right [m]"} <= set(
+        heads
+    )
+    assert np.all(np.isfinite(np.array(rows, float)))
+    shown = {row["quantity"]: row["simulated"] for row in json.loads((folder / "summary.json").read_text())["rows"]}
+    assert shown["equivalent conicity at 3 mm"] == pytest.approx(float(np.interp(3e-3, amplitude, found)))
+
+
+def test_option_given_twice_is_left_and_right_as_two_files_are(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    start = ["run", "contact-geometry", "--out", str(tmp_path), "--rail", str(RAIL), str(RAIL), str(RAIL)]
+    assert main([*start, "--wheel", str(wheel("A"))]) == 2
+    assert "Give --rail once for both sides or twice, left and right: there were 3." in capsys.readouterr().err
+    assert main([*start[:6], "--wheel", str(wheel("A")), "--wheel", str(wheel("B")), "--wheel", str(wheel("B"))]) == 2
+    assert "Give --wheel once for both sides or twice, left and right: there were 3." in capsys.readouterr().err
+
+
+def test_diameter_is_that_of_the_tape_circle_wherever_the_file_has_its_zero(tmp_path: Path) -> None:
+    y, z = np.loadtxt(wheel("A"), delimiter=",", skiprows=1).T
+    raised = tmp_path / "raised.csv"
+    raised.write_text("# a remark\ny;z\n" + "\n".join(f"{a:.4f};{b + 30:.5f}" for a, b in zip(y, z, strict=True)))
+    sides = sides_from_files(Options(wheel=[wheel("A"), raised], rail=[RAIL], diameter=[920.0, 918.0]))
+    contact = contact_at(sides, 0.0, rolls=False)
+    assert contact.radius_difference == pytest.approx(1e-3, abs=1e-7)
+
+
+def test_gauge_and_distance_of_the_flanges_place_rails_and_wheels() -> None:
+    sides = sides_from_files(Options(wheel=[wheel("A")], rail=[RAIL], gauge=1440.0, flange_back=1358.0))
+    assert sides.left == sides.right
+    assert 2 * (sides.left.rail_half_distance + gauge_face(sides.left.rail)) == pytest.approx(1.440)
+    assert 2 * sides.left.wheel_half_distance == pytest.approx(1.358 + 2 * 0.070)
+
+
+def test_rail_that_stands_upright_in_its_file_is_laid_inclined_without_what_overhangs(tmp_path: Path) -> None:
+    half = 1e3 * rail_head(JOINTS_60KG)
+    head = np.concatenate([half[:0:-1] * [-1, 1], half])
+    path = tmp_path / "upright.csv"
+    path.write_text("\n".join(f"{y:.6f}, {z:.6f}" for y, z in head))
+    rail = sides_from_files(Options(wheel=[wheel("A")], rail=[path], inclination=20.0)).left.rail
+    on_head = np.linspace(-0.030, 0.030, 100)
+    assert np.abs(rail.height(on_head) - rail_60kg().height(on_head)).max() < 1e-6
+    assert rail.limits[0] == pytest.approx(rail_60kg().limits[0], abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["--wheel", "A"], "Give --rail FILE too"),
+        (["--diameter", "920"], "Give --wheel FILE too"),
+        (["--wheel", "A", "--rail", "missing.csv"], "missing.csv cannot be read (No such file or directory); give a"),
+        (["--wheel", "README", "--rail", "RAIL"], "README.md has 0 points; a wheel profile needs at least 20 lines"),
+        (
+            ["--wheel", "A", "--rail", "RAIL", "--gauge", "1.435"],
+            "Give --gauge a value from 500 to 2000 mm: it was 1.4",
+        ),
+        (
+            ["--wheel", "A", "--rail", "RAIL", "--gauge", "nan"],
+            "Give --gauge a value from 500 to 2000 mm: it was nan mm",
+        ),
+        (
+            ["--wheel", "A", "--rail", "RAIL", "--gauge", "1400"],
+            "a wheel stands on its flange or an end of a profile",
+        ),
+        (
+            ["--wheel", "A", "--rail", "RAIL", "--gauge", "1628"],
+            "a wheel stands on its flange or an end of a profile",
+        ),
+        (["--wheel", "A", "--rail", "RAIL", "--gauge", "1700"], "to the left a wheel stands beside its rail"),
+        (["--wheel", "A", "--rail", "RAIL", "--flange-back", "0"], "Give --flange-back a value from 500 to 2000 mm"),
+        (["--wheel", "A", "--rail", "RAIL", "--diameter", "0.92"], "Give --diameter a value from 200 to 2000 mm"),
+        (["--wheel", "A", "--rail", "RAIL", "--diameter", "920", "800"], "the wheels nowhere roll on equal radii"),
+        (["--wheel", "A", "--rail", "RAIL", "--inclination", "0.05"], "Give --inclination a value from 5 to 1000"),
+        (["--wheel", "A", "--rail", "METRES"], "metres.csv reaches from y = -0.03"),
+        (
+            ["--wheel", "A", "--rail", "SHORT", "--gauge", "1435"],
+            "short.csv ends at y = -24.99 mm, less than 14 mm below",
+        ),
+        (["--wheel", "A", "--rail", "NAN"], "nan.csv has points that are not finite; give y and z in mm."),
+        (["--step", "0.01"], "--step has no effect on contact-geometry"),
+    ],
+)
+def test_bad_profiles_get_one_sentence(
+    arguments: list[str], sentence: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    y, z = np.loadtxt(RAIL, delimiter=",", skiprows=1).T
+    for name, points in (
+        ("metres", np.column_stack([y, z]) / 1e3),
+        ("short", np.column_stack([y, z])[y >= -25.0]),
+        ("nan", np.column_stack([y, np.where(y > 30.0, np.nan, z)])),
+    ):
+        np.savetxt(tmp_path / f"{name}.csv", points, delimiter=",")
+    known = {"A": wheel("A"), "RAIL": RAIL, "README": REFERENCE / "README.md"}
+    known |= {name.upper(): tmp_path / f"{name}.csv" for name in ("metres", "short", "nan")}
+    given = [str(known.get(argument, argument)) for argument in arguments]
+    out = tmp_path / "out"
+    assert main(["run", "contact-geometry", *given, "--out", str(out)]) == 2
+    shown = capsys.readouterr().err
+    assert sentence in shown
+    assert shown.count("\n") == 1
+    assert not out.exists()
