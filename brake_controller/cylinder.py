@@ -140,7 +140,9 @@ def brake_model(systems: tuple[System, ...]) -> Model:
         kind="integer",
     )
     text = "Pneumatic brake cylinder, rigging and shoes of one wheelset, after Handoko (2006)"
-    return model_of_choices("BrakeCylinder", text, systems, pneumatics, DEFAULT_TOLERANCE)
+    return model_of_choices(
+        "BrakeCylinder", text, systems, (pneumatics,), tuple(range(len(systems))), DEFAULT_TOLERANCE
+    )
 
 
 def brake_cylinder(

@@ -431,12 +431,17 @@ def _description(model: Model, generated: Sequence[dict[str, Generated]], solvin
     lines += ["};", "static const system_description SYSTEM[] = {"]
     systems = zip(model.systems, generated, strict=True)
     lines.append(",\n".join(_system_entry(s, made, solving[s.name]) for s, made in systems))
-    selector = model.index(model.selector) if model.selector else -1
+    chosen_by = [model.index(name) for name in model.selectors]
+    lines.insert(2, f"static const int CHOICE[] = {{{', '.join(map(str, model.choice))}}};")
+    if chosen_by:
+        values = [str(int(model.variables[index].maximum)) for index in chosen_by]
+        lines.insert(2, _array("int", "SELECTOR", map(str, chosen_by)) + "\n" + _array("int", "SELECTABLE", values))
     integration = ", ".join(str(model.index(variable.name)) for variable in integration_variables(1e-6))
     lines += [
         "};",
         f"INSIDE const model_description MODEL = {{{_text(model.name)}, {_text('@GUID@')}, {len(model.variables)}, "
-        f"{len(model.systems)}, {selector}, {integration}, VARIABLE, SYSTEM}};",
+        f"{len(model.systems)}, {len(chosen_by)}, {'SELECTOR, SELECTABLE' if chosen_by else '0, 0'}, CHOICE, "
+        f"{integration}, VARIABLE, SYSTEM}};",
         "",
     ]
     return "\n".join(lines)

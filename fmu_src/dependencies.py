@@ -80,9 +80,8 @@ def step_dependencies(model: Model) -> Mapping[str, set[str]]:
 def start_dependencies(model: Model) -> Mapping[str, set[str]]:
     """For each output of a model what it depends on at the start in any of its systems, and what chooses among them."""
     found = union(model, start_knowns)
-    if model.selector:
-        for names in found.values():
-            names.add(model.selector)
+    for names in found.values():
+        names |= set(model.selectors)
     return found
 
 

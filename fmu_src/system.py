@@ -397,15 +397,17 @@ def state_variable(state: str) -> str:
 class Model:
     """What becomes one FMU: its table of variables and the systems that serve it.
 
-    `selector` is an integer parameter that counts the systems from 1; outputs that the chosen system does not have are
-    0. `step_size` and `stop_time` are the default experiment.
+    selectors: integer parameters, each counted from 1, that choose a system together: `choice` has its place for each
+    combination of them, the last selector running first. Outputs that the chosen system does not have are 0.
+    `step_size` and `stop_time` are the default experiment.
     """
 
     name: str
     description: str
     variables: tuple[Variable, ...]
     systems: tuple[System, ...]
-    selector: str | None = None
+    selectors: tuple[str, ...] = ()
+    choice: tuple[int, ...] = (0,)
     step_size: float = 1e-3
     stop_time: float = 10.0
 
@@ -419,6 +421,9 @@ class Model:
             for variable in system.variables:
                 if variable not in self.variables:
                     raise ValueError(f"Model {self.name}: {variable.name} of {system.name} differs from the table.")
+        combinations = math.prod(int(v.maximum) for v in self.variables if v.name in self.selectors)
+        if self.systems and (len(self.choice) != combinations or max(self.choice) >= len(self.systems)):
+            raise ValueError(f"Model {self.name}: give a system for each of {combinations} choices.")
         if self.systems and "tolerance" not in names:
             raise ValueError(f"Model {self.name}: add integration_variables(...) to the table.")
 
@@ -449,15 +454,22 @@ def model_of(system: System, tolerance: float, **experiment: float) -> Model:
 
 
 def model_of_choices(
-    name: str, description: str, systems: tuple[System, ...], selector: Variable, tolerance: float, **experiment: float
+    name: str,
+    description: str,
+    systems: tuple[System, ...],
+    selectors: Sequence[Variable],
+    choice: tuple[int, ...],
+    tolerance: float,
+    **experiment: float,
 ) -> Model:
-    """Several systems as one FMU, counted by `selector`: their inputs, outputs and parameters, each once."""
+    """Several systems as one FMU, chosen as `Model` says: their inputs, outputs and parameters, each once."""
     declared = {v.name: v for system in systems for v in system.variables}
     inputs, outputs, parameters = (
         [v for v in declared.values() if v.causality == causality] for causality in ("input", "output", "parameter")
     )
-    table = (*inputs, *outputs, selector, *parameters, *integration_variables(tolerance))
-    return Model(name, description, table, systems, selector=selector.name, **experiment)
+    table = (*inputs, *outputs, *selectors, *parameters, *integration_variables(tolerance))
+    names = tuple(selector.name for selector in selectors)
+    return Model(name, description, table, systems, names, choice, **experiment)
 
 
 @dataclass(frozen=True)

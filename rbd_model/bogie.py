@@ -8,6 +8,7 @@ from functools import lru_cache
 
 from fmu_src.system import Model, System, Variable, integration_variables
 from rbd_model import variables
+from rbd_model.contact.depth import DEPTHS, Contact
 from rbd_model.parameters import BogieParameters
 from rbd_model.planar import planar_vehicle
 from rbd_model.point import point_vehicle
@@ -20,30 +21,39 @@ from rbd_model.vehicles import loaded_coal_wagon, passenger_coach, two_axle_bogi
 DEFAULT_TOLERANCE = 1e-6
 
 
+#: Which of the systems of `levels` serves, by level and, the last number running first, by depth of contact.
+CHOICE = (0, 0, 1, 1, 2, 3)
+
+
 def levels(vehicle: Vehicle) -> tuple[System, ...]:
-    """The systems in the order of the parameter `level`, the least first."""
-    spatial = spatial_vehicle(vehicle, irregular_track(section_5_3()))
-    return point_vehicle(vehicle), planar_vehicle(vehicle), spatial
+    """The systems in the order of the parameter `level`, the least first; the last one by depth of contact."""
+    track = irregular_track(section_5_3())
+    spatial = [spatial_vehicle(vehicle, track, Contact(depth)) for depth in DEPTHS]
+    return point_vehicle(vehicle), planar_vehicle(vehicle), *spatial
 
 
 def model_of_levels(name: str, text: str, vehicle: Vehicle) -> Model:
     """A vehicle at all levels as one FMU: inputs, outputs, level, parameters in the order of their set."""
     systems = levels(vehicle)
-    level = level_variable(len(systems))
+    chosen_by = selectors()
     table = (
         *variables.inputs(vehicle).values(),
         *variables.outputs(vehicle).values(),
-        level,
+        *chosen_by,
         *parameters_of(vehicle, systems),
         *integration_variables(DEFAULT_TOLERANCE),
     )
-    return Model(name, text, table, systems, selector="level", stop_time=25.0)
+    return Model(name, text, table, systems, tuple(one.name for one in chosen_by), CHOICE, stop_time=25.0)
 
 
-def level_variable(count: int) -> Variable:
-    """The parameter that chooses among `count` levels."""
-    text = "Level of detail: 1 point, 2 planar, 3 spatial"
-    return Variable("level", "parameter", "1", text, 2.0, 1.0, float(count), kind="integer")
+def selectors() -> tuple[Variable, Variable]:
+    """The parameters that choose the level of detail and, in space, the depth of contact."""
+    level = "Level of detail: 1 point, 2 planar, 3 spatial"
+    depth = "Depth of contact at level 3: " + "; ".join(f"{number} {text}" for number, text in DEPTHS.items())
+    return (
+        Variable("level", "parameter", "1", level, 2.0, 1.0, 3.0, kind="integer"),
+        Variable("contact_depth", "parameter", "1", depth, 1.0, 1.0, float(len(DEPTHS)), kind="integer"),
+    )
 
 
 def parameters_of(vehicle: Vehicle, systems: Iterable[System]) -> list[Variable]:
@@ -77,15 +87,18 @@ STATIC_LOADS_UP_TO = 0.6
 #: Outputs that the point level has, but that load transfer decides: slip and axle load at any torque, lock and creep
 #: force near the adhesion limit.
 DECIDED_BY_LOAD_TRANSFER = ("locked", "slip", "slip_ratio", "creep_force", "axle_load")
+#: Outputs that a flange with its own place, force and creep decides.
+DECIDED_BY_FLANGE = ("flange_force", "derailment_quotient")
 
 
 @dataclass(frozen=True)
 class Choice:
-    """One bogie or, `whole`, the complete vehicle; a level of detail; and why nothing less is enough."""
+    """One bogie or, `whole`, the complete vehicle; a level of detail and, in space, a depth of contact; and why."""
 
     level: int
     reason: str
     whole: bool = False
+    depth: int = 1
 
 
 def smallest_level(driven: Iterable[str], read: Iterable[str]) -> Choice:
@@ -106,17 +119,27 @@ def smallest_level(driven: Iterable[str], read: Iterable[str]) -> Choice:
         "speed and rotation far from the adhesion limit need no more than static loads "
         f"(up to {STATIC_LOADS_UP_TO} of it for the bogie of chapter 5)."
     )
-    level = 1
+    level = depth = 1
     for name in needed:
-        family = name.rstrip("1234").removesuffix("_")
-        own = next(number for number, (_, known) in enumerate(names.items(), 1) if name in known)
+        family = family_of(name)
+        own = next(min(number, 3) for number, (_, known) in enumerate(names.items(), 1) if name in known)
         own = max(own, 2) if family in DECIDED_BY_LOAD_TRANSFER else own
         if own > level:
             why = {2: "load transfer decides it, or a motion in the plane", 3: "it belongs to motions out of the plane"}
             level, reason = own, f"{name} asks for level {own}, {list(names)[own - 1]}: {why[own]}."
+        if depth == 1 and (family in DECIDED_BY_FLANGE or name not in set().union(*list(names.values())[:3])):
+            depth, reason = (
+                2,
+                f"{reason} {name} asks for contact depth 2: the flange has its own place, force and creep.",
+            )
     if beyond:
-        return Choice(level, f"{beyond[0]} belongs to the complete vehicle; {reason}", whole=True)
-    return Choice(level, reason)
+        return Choice(level, f"{beyond[0]} belongs to the complete vehicle; {reason}", True, depth)
+    return Choice(level, reason, depth=depth)
+
+
+def family_of(name: str) -> str:
+    """What a variable is, without the number of its wheelset and the side of its wheel."""
+    return name.removesuffix("_left").removesuffix("_right").rstrip("1234").removesuffix("_")
 
 
 @lru_cache

@@ -11,8 +11,10 @@ import numpy as np
 
 from rbd_model.assembly import Assembly
 from rbd_model.connections import Load
+from rbd_model.contact.creep.kalker import smooth_kalker_coefficients
 from rbd_model.contact.elastic import elastic_force
 from rbd_model.contact.geometry import Pair
+from rbd_model.contact.hertz import moving_ellipse
 from rbd_model.contact.patches import TREAD_SLOPE, patches_of, stand_on_treads
 from rbd_model.kinematics import Body, axes_rate, direction_cosines, turned_by
 from rbd_model.pressing_patch import PatchConstants, PatchState, Press, pressing_patch
@@ -30,6 +32,8 @@ NEAR = 0.5e-3
 NOMINAL_RISE = 1e-3
 #: Distance from the end of a profile at which a patch counts as run off it [m].
 END_MARGIN = 1e-3
+#: Any approach at which a contact's stiffness is asked for [m].
+UNIT_APPROACH = 1e-3
 #: Pitch of the table of how a wheelset stands on its treads [m].
 STAND_PITCH = 0.25e-3
 
@@ -121,14 +125,17 @@ def place_on_patches(assembly: Assembly, number: int, section: Callable[[int, ca
     """Declares the states of a wheelset and lets its patches meet the rails, by (3.54), (3.57) and Hertz."""
     system, data = assembly.system, assembly.vehicle.wheelsets[number - 1]
     on = follow_track(assembly, number, section)
-    rise, roll = stand_at_start(assembly, number)
-    height = assembly.radius(data) + system.state(f"rise_{number}", "m", rise, NOMINAL_RISE)
+    rise, roll = stand_at_start(data.pair, assembly.parameter["initial_lateral"])
+    # Counted from where it stands at rest, as the bodies that it carries are.
+    risen = system.state(f"rise_{number}", "m", rise, NOMINAL_RISE)
+    sunk = system.derived(f"sinking_{number}", sinking(assembly, number))
+    height = assembly.radius(data) + stand_on_treads(data.pair, 0.0).height - data.pair.radius + risen - sunk
     rising = system.state(f"rise_speed_{number}", "m/s", 0.0, NOMINAL_TRAVEL_SPEED)
     roll = system.state(f"roll_{number}", "rad", roll, NOMINAL_ROLL)
     roll_rate = system.state(f"roll_rate_{number}", "rad/s", 0.0, NOMINAL_TRAVEL_SPEED)
     standing = Standing(on, height, rising, roll, roll_rate, direction_cosines(on.yaw, roll))
     body = Body(
-        ca.vertcat(on.along, on.lateral, height),
+        ca.vertcat(on.along, on.lateral, assembly.radius(data) + risen),
         ca.vertcat(on.forward, on.sideways, rising),
         turned_by(standing.cosines),
         ca.vertcat(roll_rate, on.angular_velocity, on.yaw_rate),
@@ -225,29 +232,32 @@ def room_left(pair: Pair, nearest: Sequence[Nearest]) -> ca.SX:
     return ca.vertcat(on_tread, flange.position - low)
 
 
-def stand_at_start(assembly: Assembly, number: int) -> tuple[ca.SX, ca.SX]:
-    """Rise [m] and roll [rad] of a wheelset at the start, on its treads under the static load (section 4.3).
+def stand_at_start(pair: Pair, lateral: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """Rise [m] and roll [rad] of a wheelset that starts beside the track's centre, on its treads (section 4.3)."""
+    shifts = np.arange(-LARGEST_LATERAL, LARGEST_LATERAL + STAND_PITCH / 2, STAND_PITCH).tolist()
+    stands, middle = [stand_on_treads(pair, shift) for shift in shifts], stand_on_treads(pair, 0.0)
+    rise = ca.pw_lin(lateral, shifts, [one.height - middle.height for one in stands])
+    return rise, ca.pw_lin(lateral, shifts, [one.roll for one in stands])
 
-    By its lateral displacement, from a table; the approach is that of a centred wheelset.
+
+def sinking(assembly: Assembly, number: int) -> ca.SX:
+    """How far a centred wheelset presses itself into its rails under the static load [m]: Hertz, Johnson (1985).
+
+    The load is carried by the normal force and, on a cone, by the lateral creep force of spin (3.99), which for a
+    rolling wheel is in proportion to it.
     """
-    system, data = assembly.system, assembly.vehicle.wheelsets[number - 1]
+    data, modulus = assembly.vehicle.wheelsets[number - 1], assembly.parameter["shear_modulus"]
     weight = assembly.value(data.mass) * assembly.parameter["gravity"]
     load = assembly.resting_on(number) / 2 + weight / 2
-    stand = stand_on_treads(data.pair, 0.0)
-    profile, place = data.pair.wheel, stand.position[0]
-    depth, slope, bend = (float(profile.height(np.array(place), n)) for n in range(3))
-    across = float(bend - data.pair.rail.height(np.array(place), 2)) / (1 + slope**2) ** 1.5 / 2
-    along = 1 / (2 * (assembly.radius(data) - depth) * math.sqrt(1 + slope**2))
-    unit = 1e-3
-    stiffness = elastic_force(ca.SX(unit), along, ca.SX(across), assembly.parameter["shear_modulus"]) / unit**1.5
-    approach = (load * math.sqrt(1 + slope**2) / stiffness) ** (2 / 3)
-    shifts = np.arange(-LARGEST_LATERAL, LARGEST_LATERAL + STAND_PITCH / 2, STAND_PITCH).tolist()
-    stands = [stand_on_treads(data.pair, shift) for shift in shifts]
-    lateral = assembly.parameter["initial_lateral"]
-    rise = ca.pw_lin(lateral, shifts, [one.height - stand.height for one in stands])
-    roll = ca.pw_lin(lateral, shifts, [one.roll for one in stands])
-    start = stand.height - data.pair.radius + rise - approach * math.sqrt(1 + slope**2)
-    return system.derived(f"standing_rise_{number}", start), system.derived(f"standing_roll_{number}", roll)
+    pair, place = data.pair, np.array(stand_on_treads(data.pair, 0.0).position[0])
+    depth, slope, bend = (float(pair.wheel.height(place, n)) for n in range(3))
+    secant, radius = math.sqrt(1 + slope**2), assembly.radius(data) - depth
+    shape = 1 / (2 * radius * secant), ca.SX((bend - float(pair.rail.height(place, 2))) / (2 * secant**3))
+    logarithm, semi_axis = moving_ellipse(*shape, ca.SX(1.0), modulus)
+    of_spin = modulus * smooth_kalker_coefficients(logarithm).c23 * semi_axis**3 * slope / (secant * radius)
+    normal = load * secant / (1 + of_spin * slope)
+    stiffness = elastic_force(ca.SX(UNIT_APPROACH), *shape, modulus) / UNIT_APPROACH**1.5
+    return secant * (normal / stiffness) ** (2 / 3)
 
 
 def move_on_patches(

@@ -93,11 +93,12 @@ CITATION = re.compile(
 PLUMBING = {
     "rbd_model/assembly.py": {"assemble"},
     "rbd_model/bogie.py": {
-        "level_variable",
         "levels",
         "model_of_levels",
         "names_of_levels",
+        "family_of",
         "parameters_of",
+        "selectors",
         "smallest_level",
         "vehicle_dynamics",
     },

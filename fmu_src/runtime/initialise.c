@@ -28,8 +28,10 @@ int kernel_initialise(kernel *self, double time) {
                            "Set integration_step above 0 s: integration_method %d, explicit, has no error control that "
                            "could choose its steps.",
                            METHOD_EXPLICIT);
-    const int chosen = MODEL.selector < 0 ? 0 : (int)self->value[MODEL.selector] - 1;
-    self->now.system = chosen;
+    int combination = 0;
+    for (int i = 0; i < MODEL.selectors; ++i)
+        combination = combination * MODEL.selectable[i] + (int)self->value[MODEL.selector[i]] - 1;
+    self->now.system = MODEL.choice[combination];
     kernel_enter_system(self);
     const system_description *system = self->system;
     self->now.time = self->step_origin = time;

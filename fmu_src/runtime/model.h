@@ -93,7 +93,10 @@ typedef struct {
 typedef struct {
     const char *name, *guid;
     int variables, systems;
-    int selector;  /* variable that chooses the system, counted from 1; -1: there is only one */
+    /* Variables that choose the system together, each counted from 1 up to its number of values, and the place of the
+     * system for each combination, the last selector running first. */
+    int selectors;
+    const int *selector, *selectable, *choice;
     int tolerance, integration_method, integration_step; /* variables that every model has */
     const variable_description *variable;
     const system_description *system;

@@ -18,8 +18,9 @@ from rbd_model.contact.profiles import Profile, rail_60e1, rail_60kg, wheel_cone
 #: Pitch of the search grid on the contour [m]; a parabola through three points refines it to better than 1 um.
 GRID = 0.02e-3
 LEFT, RIGHT = 1, -1
-#: Largest roll that the search allows [rad]; a wheel that has climbed its flange rolls the wheelset by 0.03.
-ROLL_LIMIT = 0.05
+#: Rolls within which the balance is looked for, one after the other [rad]: a wheelset on its treads rolls by 0.001, and
+#: one that has climbed its flange, which balances too, by 0.03.
+ROLL_LIMITS = (0.002, 0.004, 0.008, 0.016, 0.05)
 
 
 @dataclass(frozen=True)
@@ -181,7 +182,8 @@ def _touch(pair: Sides, shift: float, search: Search) -> tuple[Contact, bool]:
         left, right = _both(pair, shift, roll, search)
         return left[0] - right[0]
 
-    roll = float(brentq(difference, -ROLL_LIMIT, ROLL_LIMIT, xtol=1e-14))
+    within = next((limit for limit in ROLL_LIMITS if difference(-limit) * difference(limit) <= 0.0), ROLL_LIMITS[-1])
+    roll = float(brentq(difference, -within, within, xtol=1e-14))
     return _contact(pair, shift, roll, search)
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
-from rbd_model.contact.geometry import LEFT, RIGHT, ROLL_LIMIT, Pair
+from rbd_model.contact.geometry import LEFT, RIGHT, ROLL_LIMITS, Pair
 from rbd_model.contact.profiles import Profile, from_points
 
 #: How much further from the rail than the rest of the wheel a part may be to be looked at, and which jumps count [m].
@@ -144,34 +144,17 @@ class Stand:
 
 def stand_on_treads(pair: Pair, shift: float) -> Stand:
     """Rigid contact of both treads, whatever the flanges do, at a shift of the axle [m], section 4.3."""
-    limits = patches_of(pair)[0].limits
-    s = np.arange(limits[0], limits[1], SEARCH_PITCH)
+    treads = [patch.limits for patch in patches_of(pair) if patch.direction < TREAD_SLOPE]
+    s = np.arange(min(low for low, _ in treads), max(high for _, high in treads), SEARCH_PITCH)
 
     def gaps(roll: float) -> list[np.ndarray]:
-        return [pair.gap(side, shift, roll, s) for side in (LEFT, RIGHT)]
+        return [pair.left.gap(side, shift, roll, s) for side in (LEFT, RIGHT)]
 
     def difference(roll: float) -> float:
         left, right = gaps(roll)
         return float(np.min(left) - np.min(right))
 
-    roll = float(brentq(difference, -ROLL_LIMIT, ROLL_LIMIT, xtol=1e-14))
+    roll = float(brentq(difference, -ROLL_LIMITS[-1], ROLL_LIMITS[-1], xtol=1e-14))
     found = gaps(roll)
     left, right = (float(s[np.argmin(gap)]) for gap in found)
     return Stand(-float(np.min(found[0])), roll, (left, right))
-
-
-#: Largest shift at which a flange is looked for [m].
-FURTHEST = 15e-3
-
-
-@lru_cache
-def flange_shift(pair: Pair) -> float:
-    """Shift of the axle at which a flange meets its rail while both treads bear [m], Fig. 4.8; infinite if none."""
-    flange = patches_of(pair)[-1]
-    s = np.arange(*flange.limits, SEARCH_PITCH)
-
-    def room(shift: float) -> float:
-        stand = stand_on_treads(pair, shift)
-        return float(np.min(pair.gap(LEFT, shift, stand.roll, s))) + stand.height
-
-    return float(brentq(room, 0.0, FURTHEST, xtol=1e-7)) if room(FURTHEST) < 0.0 else math.inf

@@ -9,7 +9,7 @@ from brake_controller.cylinder import timed_brake
 from brake_controller.parameters import BrakeParameters, qr30
 from fmu_src.compose import compose, scope
 from fmu_src.system import Model, System, model_of_choices
-from rbd_model.bogie import DEFAULT_TOLERANCE, level_variable, levels
+from rbd_model.bogie import CHOICE, DEFAULT_TOLERANCE, levels, selectors
 from rbd_model.vehicle import Vehicle
 from rbd_model.vehicles import passenger_coach
 
@@ -48,5 +48,4 @@ def braked_vehicle(vehicle: Vehicle | None = None, brake: BrakeParameters | None
     whole, cylinder = vehicle or passenger_coach(), brake or coach_brake()
     systems = tuple(with_brakes(system, whole, lambda: timed_brake(cylinder)) for system in levels(whole))
     text = "Four-axle railway vehicle with a brake cylinder on each wheelset: pressure in, speed and slip out"
-    selector = level_variable(len(systems))
-    return model_of_choices("BrakedVehicle", text, systems, selector, DEFAULT_TOLERANCE, stop_time=25.0)
+    return model_of_choices("BrakedVehicle", text, systems, selectors(), CHOICE, DEFAULT_TOLERANCE, stop_time=25.0)

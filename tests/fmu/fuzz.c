@@ -153,9 +153,11 @@ static void change_phase(slot *s, fmi2Component c) {
         default: /* the legal way, so that steps happen */
             count(fmi2Reset(c));
             count(fmi2SetupExperiment(c, fmi2False, 0.0, 0.0, fmi2False, 0.0));
-            const fmi2ValueReference selector = (unsigned)(MODEL.selector < 0 ? 0 : MODEL.selector);
-            const int level = 1 + (int)random_number((unsigned)MODEL.systems);
-            if (MODEL.selector >= 0) count(fmi2SetInteger(c, &selector, 1, &level));
+            for (int i = 0; i < MODEL.selectors; ++i) {
+                const fmi2ValueReference selector = (unsigned)MODEL.selector[i];
+                const int chosen = 1 + (int)random_number((unsigned)MODEL.selectable[i]);
+                count(fmi2SetInteger(c, &selector, 1, &chosen));
+            }
             count(fmi2EnterInitializationMode(c));
             count(fmi2ExitInitializationMode(c));
     }

@@ -57,7 +57,7 @@ def acting(library: Library, model: Model, start: dict[str, float]) -> set[tuple
     found = set()
     base = at_start(library, model, start)
     for variable in model.variables:
-        if variable.causality not in ("input", "parameter") or variable.name in ("tolerance", model.selector):
+        if variable.causality not in ("input", "parameter") or variable.name in ("tolerance", *model.selectors):
             continue
         value = changed(variable, start.get(variable.name, variable.start))
         try:
