@@ -144,7 +144,13 @@ def summed(grid: Cells, limit: ca.SX, marched: Marched) -> tuple[ca.SX, ca.SX]:
     return -limit * x, -limit * y
 
 
-def march(grid: Cells, rigid: Rigid, offset: float, half_length: float) -> list[tuple[ca.SX, ca.SX]]:
+#: Share of the friction that is left in a cell; of its y/b and x/a.
+Left = Callable[[float, float], ca.SX]
+
+
+def march(
+    grid: Cells, rigid: Rigid, offset: float, half_length: float, left: Left | None = None
+) -> list[tuple[ca.SX, ca.SX]]:
     """Stresses of one strip from its leading edge on: grown by the rigid slip, cut to the bound, Kalker (1982), eq. 12.
 
     Where nothing slips the stress is that of the integral at each centre; the sum is Kalker's.
@@ -153,12 +159,8 @@ def march(grid: Cells, rigid: Rigid, offset: float, half_length: float) -> list[
     x, y, stresses = ca.SX(0), ca.SX(0), []
     for centre, (step, middle) in zip(grid.centres, grid.steps, strict=True):
         x, y = x + step * along, y + step * sideways + step * middle * rigid.spin
-        share = cut(ca.sqrt(x**2 + y**2 + STRESS_FLOOR**2), 1 - centre**2)
+        bound = (1 - centre**2) * (left(offset, half_length * centre) if left else 1)
+        share = bound / ca.fmax(ca.sqrt(x**2 + y**2 + STRESS_FLOOR**2), bound)
         x, y = share * x, share * y
         stresses.append((x, y))
     return stresses
-
-
-def cut(size: ca.SX, bound: ca.SX | float) -> ca.SX:
-    """Factor that brings a stress of some size down to its bound, or leaves it: Kalker (1982), eq. 12."""
-    return bound / ca.fmax(size, bound)

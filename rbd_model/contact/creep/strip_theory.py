@@ -131,7 +131,7 @@ def strip_theory(count: int) -> CreepLaw:
         for offset, half_length, weight in zip(grid.offsets, grid.half_lengths, grid.weights, strict=True):
             area = adhesion(sticking.along(offset), sticking.y, sticking.spin, half_length)
             steps = list(turning_slip(area, sliding, offset, half_length, count))
-            force = adhesive_force(area, half_length, sum(bound for bound, _, _ in steps))
+            force = adhesive_force(area, half_length, sum((bound for bound, _, _ in steps), ca.SX(0)))
             x += weight * (force[0] + sum(bound * along for bound, along, _ in steps))
             y += weight * (force[1] + sum(bound * sideways for bound, _, sideways in steps))
         return -1.5 / ca.pi * limit * x, -1.5 / ca.pi * limit * y
