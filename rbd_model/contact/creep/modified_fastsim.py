@@ -26,9 +26,9 @@ class SlopeReduction:
     epsilon was found from a curve computed with CONTACT's modified FASTSIM: without it forces are 17 % of mu N off.
     """
 
-    initial: float
-    final: float
-    decay: float
+    initial: ca.SX | float
+    final: ca.SX | float
+    decay: ca.SX | float
 
     def at(self, patch: ContactPatch, friction: ca.SX) -> ca.SX:
         """Share of the slopes at the creepages of a patch; spin has no part in epsilon."""
@@ -59,7 +59,7 @@ def modified_fastsim(count: int, reduction: SlopeReduction) -> CreepLaw:
             return fall(sliding_speed(patch, offset, place)) / friction
 
         chosen = None if fall is None else left
-        return summed(grid, limit, lambda *strip: march(grid, rigid, *strip, left=chosen))
+        return summed(grid, limit, lambda offset, length: march(grid, rigid, offset, length, chosen))
 
     return law
 

@@ -67,13 +67,14 @@ def adhesive_slip(patch: ContactPatch, limit: ca.SX, creepage_share: float) -> R
 
 @dataclass(frozen=True)
 class Adhesion:
-    """Area of adhesion at the leading edge of a strip: half the length of the slip behind it, and scaled slips there.
+    """Area of adhesion at the leading edge of a strip, whose rigid slip is (x, y) and, of Kalker's psi, spin.
 
-    slip: over a, at most the strip's half length, where nothing sticks; x, y: creepages with the longitudinal part of
-    spin; spin: of Kalker's psi.
+    slip: half the length of the slip behind it over a, at most the strip's half length, where nothing sticks; root: the
+    same by strip theory, also beyond psi = 1, where less sticks.
     """
 
     slip: ca.SX
+    root: ca.SX
     x: ca.SX
     y: ca.SX
     spin: ca.SX
@@ -81,24 +82,27 @@ class Adhesion:
     @property
     def direction(self) -> tuple[ca.SX, ca.SX]:
         """Of the stress where slip begins, Kalker (1967): that of (x, y + psi d)."""
-        turned = self.y + self.spin * self.slip
-        per_size = 1 / ca.sqrt(self.x**2 + turned**2 + FLOOR**2)
-        return per_size * self.x, per_size * turned
+        with_spin = self.y + self.spin * self.slip
+        per_size = 1 / ca.sqrt(self.x**2 + with_spin**2 + FLOOR**2)
+        return per_size * self.x, per_size * with_spin
 
 
 def adhesion(x: ca.SX, y: ca.SX, spin: ca.SX, half_length: float) -> Adhesion:
     """Where a strip sticks: x^2 + (y + psi d)^2 = d^2 for half the length d of its slip, Kalker (1967), section 4.
 
-    Each root in the form without a difference. Beyond psi = 1, where strip theory ends, the root that remains goes on,
-    and the area of adhesion is at most that which the bound allows at the leading edge, (2/(1 + psi))^2 of the strip.
+    Each root in the form without a difference. Differs from the source, which ends at psi = 1: beyond, the root that
+    remains goes on, and the length of adhesion, over the strip's, is at most (2 k.k'/k'^2)^2 with the factors k and k'
+    of both ellipses, where the stress at the leading edge would leave the bound; 0 where there is no root.
     """
     root = ca.sqrt(ca.fmax(y**2 + (1 - spin**2) * x**2, 0) + FLOOR**2)
     product = y * spin
     with_spin = (root + product) / ca.fmax(1 - spin**2, FLOOR)
     against = (x**2 + y**2 + FLOOR**2) / (root + ca.fabs(product))
-    slip = ca.if_else(product > 0, with_spin, against)
-    least = half_length * (1 - ca.fmin(1, 4 / (1 + ca.fabs(spin)) ** 2))
-    return Adhesion(ca.fmin(ca.fmax(slip, least), half_length), x, y, spin)
+    root = ca.fmin(ca.if_else(product > 0, with_spin, against), half_length)
+    remaining = 1 - spin * (y / root + spin)
+    share = 2 * ca.fmax(remaining, 0) / ca.fmax(2 * remaining - 1 + spin**2, FLOOR)
+    slip = ca.fmax(root, half_length * (1 - ca.fmin(share, 1) ** 2))
+    return Adhesion(slip, root, x, y, spin)
 
 
 def adhesive_force(area: Adhesion, half_length: float, slipping: ca.SX) -> tuple[ca.SX, ca.SX]:
@@ -106,7 +110,7 @@ def adhesive_force(area: Adhesion, half_length: float, slipping: ca.SX) -> tuple
 
     slipping: the sum of the bound over the area of slip. Written so that nothing cancels where slip vanishes.
     """
-    from_creepage = ca.pi / 2 * (2 * half_length - area.slip) - slipping / area.slip
+    from_creepage = (ca.pi / 2 * area.slip * (2 * half_length - area.slip) - slipping) / area.root
     from_spin = area.spin * (math.pi / 2 * half_length**2 - slipping)
     return from_creepage * area.x, from_creepage * area.y + from_spin
 
