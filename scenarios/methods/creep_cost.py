@@ -101,4 +101,4 @@ def compiled(function: ca.Function) -> Callable[..., None]:
         repeat = ctypes.CDLL(str(folder / library)).repeat
     repeat.restype = None
     repeat.argtypes = [*[ctypes.c_int] * 3, *[ctypes.c_void_p] * 2]
-    return repeat  # type: ignore[no-any-return]
+    return repeat

@@ -13,10 +13,10 @@ ROUNDEST = 1 - 1e-6
 
 
 def slopes(axis_ratio: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """pi/Phi and pi/Psi, which stand in place of Kalker's c11 and c22, Vermeulen and Johnson (1964), eqs 33-36.
+    """pi/Phi and pi/Psi, which stand in place of Kalker's c11 and c22, Vermeulen and Johnson (1964).
 
     With the elliptic integrals B, C, D of e^2 = 1 - g^2, g = min(a/b, b/a). For a circle pi/Phi = 16/(4 - 3 nu) and
-    pi/Psi = 16/(4 - nu): 17 % above Kalker's.
+    pi/Psi = 16/(4 - nu): 19 % and 16 % above Kalker's.
     """
     nu = POISSON_RATIO
     g = ca.fmin(ca.fmin(axis_ratio, 1 / axis_ratio), ROUNDEST)
@@ -29,7 +29,7 @@ def slopes(axis_ratio: ca.SX) -> tuple[ca.SX, ca.SX]:
 
 
 def johnson_vermeulen(patch: ContactPatch) -> tuple[ca.SX, ca.SX]:
-    """Creep forces (F_x, F_y) [N] without spin, Vermeulen and Johnson (1964), eqs 43-44.
+    """Creep forces (F_x, F_y) [N] without spin, Vermeulen and Johnson (1964).
 
     Spin has no part in this law. Its ellipse of adhesion touches that of contact in one point, so that there is slip at
     the leading edge, against the sliding: for small creepages it is stiffer than Kalker's theory.

@@ -8,7 +8,7 @@ from rbd_model.contact.creep.law import ContactPatch
 
 
 def kalker_linear(patch: ContactPatch) -> tuple[ca.SX, ca.SX]:
-    """Creep forces (F_x, F_y) [N], Kalker (1967), On the rolling contact of two elastic bodies, section 4.3.
+    """Creep forces (F_x, F_y) [N], Kalker (1967), On the rolling contact of two elastic bodies.
 
     F_x = -G a b c11 xi_x, F_y = -G a b c22 xi_y - G (a b)^1.5 c23 xi_s. Grows without bound: right while the forces are
     a small part of friction times load, wrong beyond.

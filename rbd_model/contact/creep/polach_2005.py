@@ -14,7 +14,7 @@ SLIDING_FLOOR = 1e-12
 
 
 def polach_2005(patch: ContactPatch) -> tuple[ca.SX, ca.SX]:
-    """Creep forces (F_x, F_y) [N], Polach (2005), Creep forces in simulations of traction vehicles, Wear 258, eqs 6-13.
+    """Creep forces (F_x, F_y) [N], Polach (2005), Creep forces in simulations of traction vehicles, Wear 258.
 
     The law of 1999 with the patch's reduction (k_A, k_S), and the friction `friction_at` the sliding speed of the whole
     patch, without spin. The same friction is found by a wheelset that hands over its own, as in `creep_of_wheel`.

@@ -88,7 +88,7 @@ class Adhesion:
 
 
 def adhesion(x: ca.SX, y: ca.SX, spin: ca.SX, half_length: float) -> Adhesion:
-    """Where a strip sticks: x^2 + (y + psi d)^2 = d^2 for half the length d of its slip, Kalker (1967), section 4.
+    """Where a strip sticks: x^2 + (y + psi d)^2 = d^2 for half the length d of its slip, Kalker (1967).
 
     Each root in the form without a difference. Differs from the source, which ends at psi = 1: beyond, the root that
     remains goes on, and the length of adhesion, over the strip's, is at most (2 k.k'/k'^2)^2 with the factors k and k'
@@ -148,7 +148,8 @@ def turning_slip(
 ) -> Iterator[tuple[ca.SX, ca.SX, ca.SX]]:
     """Bound times length [over p_0 a], and direction (x, y), of each step over the area of slip, from adhesion back.
 
-    x = d cos(angle) - (half_length - d), equal angles, at whose middles the bound is summed: exact where all slips.
+    Kalker (1982), for x = d cos(angle) - (half_length - d) and equal angles, at whose middles the bound is summed: exact
+    where all slips.
     """
     along = sliding.along(offset)
     step = math.pi / count
