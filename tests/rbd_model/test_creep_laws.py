@@ -386,7 +386,8 @@ def test_an_odd_number_of_strips_is_refused() -> None:
 # -- the exact theory -----------------------------------------------------------------------------------------------
 
 #: Distance from the exact theory in % of mu N that is asked on each row: of pure creepage, of all. None: not asked.
-#: FASTSIM's is its own with a parabolic bound: 3.7 and 6.3 in the limit of its cells.
+#: FASTSIM's is its own with a parabolic bound: 3.7 and 6.3 in the limit of its cells. Those of strip theory fall to 4.4
+#: with their number; FaStrip's 3.9 is helped by its cells, of which 40 x 40 give 5.2.
 ASKED: dict[str, tuple[CreepLaw, float, float | None]] = {
     "polach": (polach, 5.5, None),
     "shen_hedrick_elkins": (shen_hedrick_elkins, 5.5, None),

@@ -45,7 +45,7 @@ class Cells:
 
 @lru_cache
 def cells(count: int) -> Cells:
-    """The cells of Kalker (1982), eq. 16, with strips at equal angles.
+    """The cells of Kalker (1982), with strips at equal angles.
 
     Equal angles integrate the cos^4 of bound and spin exactly from 3 strips on; equal cells the parabola of both up to
     the same factor, which is divided out.
@@ -62,7 +62,7 @@ def cells(count: int) -> Cells:
         tuple(half_lengths.tolist()),
         tuple((strip_weights / strip_weights.sum()).tolist()),
         tuple(centres.tolist()),
-        tuple((1 / cell_weights.sum() * np.ones(count)).tolist()),
+        (float(1 / cell_weights.sum()),) * count,
         float(found / (16 / (3 * math.pi))),
     )
 
@@ -90,7 +90,7 @@ class Rigid:
 
 
 def flexibilities(patch: ContactPatch) -> tuple[ca.SX, ca.SX, ca.SX]:
-    """L_1, L_2, L_3 [m/Pa] from c11, c22, c23: Kalker (1982), eq. 9, so that FASTSIM has the limits of his theory."""
+    """L_1, L_2, L_3 [m/Pa] from c11, c22, c23: Kalker (1982), so that FASTSIM has the limits of his theory."""
     a, b = patch.semi_axes
     kalker, modulus = patch.kalker, patch.shear_modulus
     return (
@@ -101,7 +101,7 @@ def flexibilities(patch: ContactPatch) -> tuple[ca.SX, ca.SX, ca.SX]:
 
 
 def rigid_slip(patch: ContactPatch, limit: ca.SX, creepage_share: float) -> Rigid:
-    """What decides of a patch, Kalker (1982), eq. 10, with the parabolic bound mu p_0 = 2 mu N / (pi a b).
+    """What decides of a patch, Kalker (1982), with the parabolic bound mu p_0 = 2 mu N / (pi a b).
 
     limit [N]: mu N; creepage_share: see `Cells`.
     """
@@ -135,7 +135,7 @@ Marched = Callable[[float, float], list[tuple[ca.SX, ca.SX]]]
 
 
 def summed(grid: Cells, limit: ca.SX, marched: Marched) -> tuple[ca.SX, ca.SX]:
-    """Forces (F_x, F_y) [N] of the stresses of all strips, Kalker (1982), eq. 17."""
+    """Forces (F_x, F_y) [N] of the stresses of all strips, Kalker (1982)."""
     x, y = ca.SX(0), ca.SX(0)
     for offset, half_length, weight in zip(grid.offsets, grid.half_lengths, grid.strip_weights, strict=True):
         stresses = marched(offset, half_length)
@@ -151,7 +151,7 @@ Left = Callable[[float, float], ca.SX]
 def march(
     grid: Cells, rigid: Rigid, offset: float, half_length: float, left: Left | None = None
 ) -> list[tuple[ca.SX, ca.SX]]:
-    """Stresses of one strip from its leading edge on: grown by the rigid slip, cut to the bound, Kalker (1982), eq. 12.
+    """Stresses of one strip from its leading edge on: grown by the rigid slip, cut to the bound, Kalker (1982).
 
     Where nothing slips the stress is that of the integral at each centre; the sum is Kalker's.
     """

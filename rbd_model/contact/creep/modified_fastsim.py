@@ -23,7 +23,7 @@ class SlopeReduction:
 
     Spiryagin, Polach and Cole (2013): epsilon is Polach's gradient of the stress in the area of adhesion, with slopes
     that k_0 has reduced; initial: k_0, without slip; final: alpha, of k_0, where all slips; decay: beta. That k_0 is in
-    epsilon was found from a curve computed with CONTACT's modified FASTSIM: without it forces are 17 % of mu N off.
+    epsilon was found from a curve computed with CONTACT's modified FASTSIM: without it forces are 16 % of mu N off.
     """
 
     initial: ca.SX | float
@@ -65,7 +65,7 @@ def modified_fastsim(count: int, reduction: SlopeReduction) -> CreepLaw:
 
 
 def sliding_speed(patch: ContactPatch, offset: float, place: float) -> ca.SX:
-    """Speed of rigid sliding [m/s] at y/b = offset and x/a = place, Kalker (1982), eq. 1."""
+    """Speed of rigid sliding [m/s] at y/b = offset and x/a = place, Kalker (1982)."""
     x, y, spin = patch.creepages
     a, b = patch.semi_axes
     along, sideways = x - offset * b * spin, y + place * a * spin

@@ -14,7 +14,7 @@ FORCE_FLOOR = 1e-12
 def saturated_share(size: ca.SX) -> ca.SX:
     """Saturated over linear force, where the latter is `size` times mu N: 1 - s/3 + s^2/27 up to 3, then 1/s.
 
-    Vermeulen and Johnson (1964), eq. 44: the cubic is 1 - (1 - s/3)^3 over s.
+    Vermeulen and Johnson (1964): the cubic is 1 - (1 - s/3)^3 over s.
     """
     within = ca.fmin(size, 3)
     return (1 - within / 3 + within**2 / 27) * within / size

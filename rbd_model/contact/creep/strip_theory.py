@@ -120,8 +120,9 @@ def strip_theory(count: int) -> CreepLaw:
 
     After Kalker (1967), A strip theory for rolling with slip and spin, and Sichani, Enblom and Berg (2016). Differs
     from their FaStrip: the direction of slip starts from that of the stress at the end of adhesion instead of the
-    leading edge of FASTSIM, and L_1 is that of all longitudinal slip, that of spin too. No constants are fitted. Of
-    second order in 1/count.
+    leading edge of FASTSIM, and L_1 is that of all longitudinal slip, that of spin too. No constant is fitted; but L_1
+    was preferred to Kalker's L_3 there with exact forces in sight: of 45 cases one is 6.4 % of mu N off with L_3, all
+    are within 5 with L_1. Of second order in 1/count.
     """
     grid = strips(count)
 
@@ -148,8 +149,8 @@ def turning_slip(
 ) -> Iterator[tuple[ca.SX, ca.SX, ca.SX]]:
     """Bound times length [over p_0 a], and direction (x, y), of each step over the area of slip, from adhesion back.
 
-    Kalker (1982), for x = d cos(angle) - (half_length - d) and equal angles, at whose middles the bound is summed: exact
-    where all slips.
+    Kalker (1982), for x = d cos(angle) - (half_length - d) and equal angles, whose sum of the bound is exact where all
+    slips.
     """
     along = sliding.along(offset)
     step = math.pi / count
@@ -172,7 +173,7 @@ def turning_slip(
 def turned(direction: tuple[ca.SX, ca.SX], slip: tuple[ca.SX, ca.SX], reach: ca.SX) -> tuple[ca.SX, ca.SX]:
     """Direction of the stress after a way at its bound under a rigid slip: it turns towards the slip.
 
-    FASTSIM's equation, Kalker (1982), eq. 11, for a stress of given size leaves of the half angle's tangent between
+    FASTSIM's equation, Kalker (1982), for a stress of given size leaves of the half angle's tangent between
     both its e^(-|slip| reach)-th part; e^-r is written as 1/(1 + r + r^2/2 + r^3/6), which no length of the way upsets.
     """
     size = ca.sqrt(slip[0] ** 2 + slip[1] ** 2 + FLOOR**2)
