@@ -203,23 +203,23 @@ def test_more_creepage_gives_no_less_force_without_spin(name: str) -> None:
 
 @pytest.mark.parametrize("name", ALL)
 def test_creep_takes_energy_and_never_more_than_friction_allows_on_1e5_patches(name: str) -> None:
-    """Without spin F . sliding <= 0. With it a law would have to give its moment; without one theory guarantees this:
+    """Without spin, on every other patch, F . sliding <= 0. With it a law would have to give its moment, and none does.
 
-    the moment about the normal is at most that of full rotation, 3 pi/16 mu N max(a, b), so that the creepages may give
+    What theory guarantees without it: the moment about the normal is at most that of full rotation, 3 pi/16 mu N max(a, b), so that the creepages may give
     back at most what that takes. And the force is at most mu N.
     """
     points = random_points(100_000)
+    points[::2, 2] = 0
     x, y, spin, load, friction, a, b = points.T
     limit = friction * load
-    with_spin = forces(ALL[name], points)
-    assert np.isfinite(with_spin).all()
+    found = forces(ALL[name], points)
+    assert np.isfinite(found).all()
+    given = found[:, 0] * x + found[:, 1] * y
+    assert (given[::2] <= 0).all()
     if name != "kalker_linear":  # it has no bound
-        given = with_spin[:, 0] * x + with_spin[:, 1] * y
         most = 3 * np.pi / 16 * limit * np.maximum(a, b) * np.abs(spin)
         assert (given <= most * (1 + ROUND_OFF)).all()
-        assert (np.hypot(*with_spin.T) <= limit * (1 + ROUND_OFF)).all()
-    without = forces(ALL[name], points * [1, 1, 0, 1, 1, 1, 1])
-    assert (without[:, 0] * x + without[:, 1] * y <= 0).all()
+        assert (np.hypot(*found.T) <= limit * (1 + ROUND_OFF)).all()
 
 
 DEGENERATE = np.array(
@@ -264,7 +264,7 @@ def test_forces_change_without_jumps(name: str) -> None:
     ends = np.array([at(0.0, -0.002, 0.2), at(0.0, -0.002, 3.0), at(0.002, 0.001, 3.0), at(0.01, 0.02, -1.0), at()])
     for begin, end in pairwise(ends):
         largest = []
-        for count in (50, 5000):
+        for count in (20, 2000):
             way = np.linspace(0, 1, count + 1)[:, None]
             found = forces(SATURATING[name], begin + way * (end - begin)) / (0.3 * 80e3)
             largest.append(np.hypot(*np.diff(found, axis=0).T).max())
@@ -372,9 +372,9 @@ def test_fastsim_is_kalkers_to_their_common_limit() -> None:
 
 
 def test_strip_theory_converges_with_order_two_and_fastrip_with_order_one() -> None:
-    finest = forces(strip_theory(32), MIXED)
-    errors = [size(forces(strip_theory(count), MIXED) - finest) for count in (4, 16)]
-    assert math.log2(errors[0] / errors[1]) / 2 == pytest.approx(2.0, abs=ORDERS)
+    finest = forces(strip_theory(24), MIXED)
+    errors = [size(forces(strip_theory(count), MIXED) - finest) for count in (4, 12)]
+    assert math.log(errors[0] / errors[1], 3) == pytest.approx(2.0, abs=ORDERS)
     assert order(fastrip, (4, 8, 16)) == pytest.approx(1.0, abs=ORDERS)
 
 

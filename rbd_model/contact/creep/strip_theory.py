@@ -121,7 +121,7 @@ def strip_theory(count: int) -> CreepLaw:
     After Kalker (1967), A strip theory for rolling with slip and spin, and Sichani, Enblom and Berg (2016). Differs
     from their FaStrip: the direction of slip starts from that of the stress at the end of adhesion instead of the
     leading edge of FASTSIM, and L_1 is that of all longitudinal slip, that of spin too. No constant is fitted; but L_1
-    was preferred to Kalker's L_3 there with exact forces in sight: of 45 cases one is 6.4 % of mu N off with L_3, all
+    was preferred to Kalker's L_3 there with exact forces in sight: of 45 cases one is 6 % of mu N off with L_3, all
     are within 5 with L_1. Of second order in 1/count.
     """
     grid = strips(count)
