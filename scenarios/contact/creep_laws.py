@@ -238,7 +238,7 @@ def draw_kind(axis: Axes, points: Mapping[str, tuple[float, float]]) -> None:
     axis.set_yscale("log")
     axis.set_ylim(0.5, 1.6 * TOP)
     axis.text(
-        0.99, EVERYWHERE * 1.06, f"above {EVERYWHERE:g} %", transform=axis.get_yaxis_transform(), ha="left", fontsize=7
+        0.01, EVERYWHERE * 1.06, f"above {EVERYWHERE:g} %", transform=axis.get_yaxis_transform(), ha="left", fontsize=7
     )
 
 

@@ -205,8 +205,8 @@ def test_more_creepage_gives_no_less_force_without_spin(name: str) -> None:
 def test_creep_takes_energy_and_never_more_than_friction_allows_on_1e5_patches(name: str) -> None:
     """Without spin, on every other patch, F . sliding <= 0. With it a law would have to give its moment, and none does.
 
-    What theory guarantees without it: the moment about the normal is at most that of full rotation, 3 pi/16 mu N max(a, b), so that the creepages may give
-    back at most what that takes. And the force is at most mu N.
+    What theory guarantees without it: the moment about the normal is at most that of full rotation, 3 pi/16 mu N
+    max(a, b), so that the creepages may give back at most what that takes. And the force is at most mu N.
     """
     points = random_points(100_000)
     points[::2, 2] = 0
