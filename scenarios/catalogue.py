@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 
 from scenarios.brakes import anti_skid, brake_timing, controller_prototype, uneven_brakes
+from scenarios.contact import creep_laws
 from scenarios.coupling import coupling_step
 from scenarios.numerics import levels, oracle, speed, speed_accuracy, stability_atlas
 from scenarios.scenario import BadInputError, Scenario
@@ -64,6 +65,7 @@ SCENARIOS: list[Scenario] = [
     vehicle_anti_skid.SCENARIO,
     vehicle_composed.SCENARIO,
     vehicle_or_bogie.SCENARIO,
+    creep_laws.SCENARIO,
     coupling_step.SCENARIO,
     sensitivity.SCENARIO,
     oracle.SCENARIO,

@@ -17,6 +17,7 @@ from scenarios.__main__ import main
 from scenarios.bench.torque_history import read_torque_history
 from scenarios.brakes import anti_skid
 from scenarios.catalogue import SCENARIOS
+from scenarios.contact import creep_laws
 from scenarios.coupling import coupling_step
 from scenarios.methods import scenes as six_scenes
 from scenarios.numerics import oracle, speed, speed_accuracy, stability_atlas
@@ -99,8 +100,15 @@ def short_thesis_step(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(thesis_step, "STEPS", (8e-4, thesis_step.CLOSER))
 
 
+@pytest.fixture
+def short_laws(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The laws that compile in a second; tests/rbd_model/test_creep_laws.py asks of the others what this one does."""
+    chosen = ("Kalker, linear", "Shen, Hedrick, Elkins", "Polach", "FASTSIM 5 x 5")
+    monkeypatch.setattr(creep_laws, "LAWS", {name: creep_laws.LAWS[name] for name in chosen})
+
+
 @pytest.mark.usefixtures("short_oracle", "short_coupling", "short_study")
-@pytest.mark.usefixtures("short_anti_skid", "short_measurements", "short_vehicles", "short_thesis_step")
+@pytest.mark.usefixtures("short_anti_skid", "short_measurements", "short_vehicles", "short_thesis_step", "short_laws")
 @pytest.mark.parametrize("name", [scenario.name for scenario in SCENARIOS])
 def test_scenario_holds_and_leaves_table_data_and_picture(name: str, tmp_path: Path) -> None:
     assert main(["run", name, "--out", str(tmp_path)]) == 0

@@ -1,0 +1,44 @@
+"""Vermeulen and Johnson (1964): creepage without spin, with an ellipse of adhesion within the ellipse of contact."""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from rbd_model.contact.creep.law import ContactPatch
+from rbd_model.contact.creep.shen_hedrick_elkins import FORCE_FLOOR, saturated_share
+from rbd_model.contact.hertz import POISSON_RATIO, elliptic_integrals
+
+#: Circles are taken as ellipses of this axis ratio, since the integral C below is 0/0 for them; C is wrong by as much.
+ROUNDEST = 1 - 1e-6
+
+
+def slopes(axis_ratio: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """pi/Phi and pi/Psi, which stand in place of Kalker's c11 and c22, Vermeulen and Johnson (1964).
+
+    With the elliptic integrals B, C, D of e^2 = 1 - g^2, g = min(a/b, b/a). For a circle pi/Phi = 16/(4 - 3 nu) and
+    pi/Psi = 16/(4 - nu): 19 % and 16 % above Kalker's.
+    """
+    nu = POISSON_RATIO
+    g = ca.fmin(ca.fmin(axis_ratio, 1 / axis_ratio), ROUNDEST)
+    k, d = elliptic_integrals(g)
+    b, c = k - d, (2 * d - k) / (1 - g**2)
+    across = b - nu * (d - c), b - nu * g**2 * c
+    along = g * (d - nu * (d - c)), g * (d - nu * c)
+    phi, psi = (ca.if_else(axis_ratio <= 1, *pair) for pair in zip(across, along, strict=True))
+    return ca.pi / phi, ca.pi / psi
+
+
+def johnson_vermeulen(patch: ContactPatch) -> tuple[ca.SX, ca.SX]:
+    """Creep forces (F_x, F_y) [N] without spin, Vermeulen and Johnson (1964).
+
+    Spin has no part in this law. Its ellipse of adhesion touches that of contact in one point, so that there is slip at
+    the leading edge, against the sliding: for small creepages it is stiffer than Kalker's theory.
+    """
+    x, y, _ = patch.creepages
+    a, b = patch.semi_axes
+    limit = patch.friction * patch.load
+    first, second = slopes(a / b)
+    stiffness = patch.shear_modulus * a * b
+    along, sideways = stiffness * first * x, stiffness * second * y
+    share = saturated_share(ca.sqrt((along / limit) ** 2 + (sideways / limit) ** 2 + FORCE_FLOOR**2))
+    return -share * along, -share * sideways

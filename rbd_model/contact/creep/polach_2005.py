@@ -1,0 +1,26 @@
+"""Polach's creep forces (2005): contaminated surfaces, and friction that falls with the sliding of the patch."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import casadi as ca
+
+from rbd_model.contact.creep.law import ContactPatch
+from rbd_model.contact.creep.polach import polach
+
+#: Smallest sliding, over the speed of rolling, that is told from none.
+SLIDING_FLOOR = 1e-12
+
+
+def polach_2005(patch: ContactPatch) -> tuple[ca.SX, ca.SX]:
+    """Creep forces (F_x, F_y) [N], Polach (2005), Creep forces in simulations of traction vehicles, Wear 258.
+
+    The law of 1999 with the patch's reduction (k_A, k_S), and the friction `friction_at` the sliding speed of the whole
+    patch, without spin. The same friction is found by a wheelset that hands over its own, as in `creep_of_wheel`.
+    """
+    if patch.friction_at is None:
+        return polach(patch)
+    x, y, _ = patch.creepages
+    sliding = ca.sqrt(x**2 + y**2 + SLIDING_FLOOR**2)
+    return polach(replace(patch, friction=patch.friction_at(patch.rolling_speed * sliding)))

@@ -1,0 +1,1 @@
+"""Laws of wheel on rail against exact theory."""

@@ -1,0 +1,104 @@
+"""What a creep law costs as compiled C: value, and value with exact derivatives, at the points of a table."""
+
+from __future__ import annotations
+
+import ctypes
+import re
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import casadi as ca
+import numpy as np
+
+from fmu_src.chain import shared
+from fmu_src.compile import FLAGS, OPTIMISE_RUNTIME, library_suffix, objects_of, run
+from rbd_model.contact.creep.kalker import Kalker, kalker_coefficients
+from rbd_model.contact.creep.law import ContactPatch, CreepLaw
+
+#: Of a point: creepages (xi_x, xi_y [1], xi_s [1/m]), load [N], friction, semi-axes a, b [m].
+COLUMNS = 7
+#: The derivatives that a vehicle asks for are by the first four: creepages and load.
+DIFFERENTIATED = 4
+#: Shear modulus of steel [Pa].
+SHEAR_MODULUS = 82e9
+#: Calls per measurement; the least of so many measurements counts.
+CALLS, REPEATS = 40_000, 5
+
+#: Calls a function at one point after the other, so that the compiler cannot foresee any.
+REPEAT = """
+__attribute__((visibility("default")))
+void repeat(int calls, int points, int columns, const double *given, double *found) {
+    static double work[%d];
+    double *results[] = {found};
+    for (int call = 0; call < calls; call++) {
+        const double *arguments[] = {given + call %% points * columns};
+        law(arguments, results, 0, work, 0);
+    }
+}
+"""
+
+
+def symbols() -> ca.SX:
+    """A point with Kalker's coefficients behind it, which a vehicle gets from elsewhere."""
+    return ca.SX.sym("point", COLUMNS + 3)
+
+
+def forces(law: CreepLaw, point: ca.SX) -> ca.SX:
+    """(F_x, F_y) [N] of a law at a point of `symbols`."""
+    creepages, kalker = (point[0], point[1], point[2]), Kalker(point[7], point[8], point[9])
+    patch = ContactPatch(creepages, point[3], point[4], (point[5], point[6]), ca.SX(SHEAR_MODULUS), kalker)
+    return ca.vertcat(*law(patch))
+
+
+def with_coefficients(points: np.ndarray) -> np.ndarray:
+    """The points with Kalker's coefficients of their ellipses, Poisson's ratio 0.25."""
+    ratio = ca.SX.sym("ratio")
+    kalker = kalker_coefficients(ratio)
+    table = ca.Function("kalker", [ratio], [ca.vertcat(kalker.c11, kalker.c22, kalker.c23)])
+    return np.column_stack([points, np.array(table.map(len(points))(points[:, 5] / points[:, 6])).T])
+
+
+def values(law: CreepLaw, points: np.ndarray) -> np.ndarray:
+    """Forces (F_x, F_y) [N] by rows of points."""
+    point = symbols()
+    function = ca.Function("law", [point], [forces(law, point)])
+    return np.array(function.map(len(points))(with_coefficients(points).T)).T
+
+
+def cost(law: CreepLaw, points: np.ndarray, derivatives: bool) -> float:
+    """Seconds of one call, on average over the points, the least of several measurements."""
+    point = symbols()
+    result = forces(law, point)
+    if derivatives:
+        result = ca.vertcat(result, ca.vec(ca.densify(ca.jacobian(result, point)[:, :DIFFERENTIATED])))
+    function = shared("law", [point], [result])
+    given = np.ascontiguousarray(with_coefficients(points))
+    found = np.zeros(result.numel())
+    repeat = compiled(function)
+    seconds = []
+    for _ in range(REPEATS):
+        begin = time.perf_counter()
+        repeat(CALLS, len(given), given.shape[1], given.ctypes.data, found.ctypes.data)
+        seconds.append((time.perf_counter() - begin) / CALLS)
+    return min(seconds)
+
+
+def compiled(function: ca.Function) -> Callable[..., None]:
+    """`repeat` of C as the project makes it of its own equations, optimised as its runtime is."""
+    generator = ca.CodeGenerator("law", {"with_export": False})
+    generator.add(function)
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        generator.generate(name + "/")
+        text = (folder / "law.c").read_text()
+        text = re.sub(r"^casadi_real (?=casadi_\w+\()", "static inline casadi_real ", text, flags=re.MULTILINE)
+        text = f'#pragma GCC diagnostic ignored "-Wunused-parameter"\n{text}{REPEAT % max(1, function.sz_w())}'
+        objects = objects_of({"law.c": text}, [*FLAGS, OPTIMISE_RUNTIME])
+        library = f"law{library_suffix()}"
+        run([*FLAGS, OPTIMISE_RUNTIME, "-shared", "-o", library, *map(str, objects), "-lm"], None, folder)
+        repeat = ctypes.CDLL(str(folder / library)).repeat
+    repeat.restype = None
+    repeat.argtypes = [*[ctypes.c_int] * 3, *[ctypes.c_void_p] * 2]
+    return repeat
