@@ -10,6 +10,7 @@ import casadi as ca
 from fmu_src.system import System, Variable
 from rbd_model import variables
 from rbd_model.adhesion import Rail, add_rail
+from rbd_model.contact.depth import ONE_RIGID_CONTACT, Contact
 from rbd_model.statics import Statics, statics
 from rbd_model.vehicle import Size, Vehicle, Wheelset, size_of, wheelset_name
 
@@ -43,6 +44,8 @@ class Assembly:
     #: Distance [m] and speed [m/s] of the first body, from which all other places along the track are counted.
     distance: ca.SX
     speed: ca.SX
+    #: How wheels touch rails in space.
+    contact: Contact = ONE_RIGID_CONTACT
 
     def value(self, size: Size) -> ca.SX:
         """A size of the vehicle's description."""
@@ -77,6 +80,17 @@ def assemble(level: str, description: str, vehicle: Vehicle, speed: float = 25.0
     inputs = Declared(lambda name: system.input(rows[name]))
     rail = add_rail(system, len(vehicle.wheelsets))
     at_rest = statics(vehicle, lambda size: size_of(size, parameter), parameter["gravity"])
+    zero = ca.SX(0)
     return Assembly(
-        system, vehicle, parameter, inputs, variables.outputs(vehicle), initial, rail, at_rest, *[ca.SX(0)] * 3
+        system,
+        vehicle,
+        parameter,
+        inputs,
+        variables.outputs(vehicle),
+        initial,
+        rail,
+        at_rest,
+        ca.SX(0),
+        ca.SX(0),
+        ca.SX(0),
     )

@@ -199,7 +199,7 @@ def press_patch(
         assembly.rail.surface.symbols,
         p["contact_damping"],
     )
-    part = pressing_patch(nearest.pieces.wheel.numel(), nearest.pieces.rail.numel())
+    part = pressing_patch(nearest.pieces.wheel.numel(), nearest.pieces.rail.numel(), assembly.contact.creep_law)
     # The first, a tread, bears nearly always; the others seldom.
     near = 1.0 if place == 0 else nearest.approach + NEAR
     pressed = Press.of(system.call(part, state.vector, ca.vertcat(fixed.vector, nearest.pieces.vector), near))

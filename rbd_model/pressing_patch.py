@@ -11,10 +11,11 @@ from functools import lru_cache
 import casadi as ca
 
 from fmu_src.chain import Bundle, Chain, Part, rows
+from rbd_model.contact.creep.law import CreepLaw
 from rbd_model.contact.elastic import damped, elastic_force
+from rbd_model.creep_of_wheel import creep_of_wheel
 from rbd_model.kinematics import turned_by
 from rbd_model.rolling_contact import Pieces
-from rbd_model.rolling_wheelset import creep_of_wheel
 from rbd_model.touching_patch import TouchingPatch, follow_cosines, patch_of_wheel
 from rbd_model.wheelset import SMALLEST_LOAD, at_least
 
@@ -65,14 +66,14 @@ class Press(Bundle):
 
 
 @lru_cache
-def pressing_patch(wheel_terms: int, rail_terms: int) -> Part:
+def pressing_patch(wheel_terms: int, rail_terms: int, creep_law: CreepLaw) -> Part:
     """A `Press` of a `PatchState`, (3.82)-(3.105) with Hertz' force by the approach; constants: with the pieces."""
     state, fixed, chain = PatchState.symbols("state"), PatchConstants.symbols("constants"), Chain()
     pieces = Pieces(ca.SX.sym("wheel", wheel_terms), ca.SX.sym("rail", rail_terms))
     turning = ca.vertcat(state.yaw, state.roll)
     follow_cosines(chain, fixed.cosines, turning)
     patch = find_patch(chain, state, fixed, pieces)
-    results = press(chain, state, fixed, patch).vector
+    results = press(chain, state, fixed, patch, creep_law).vector
     constants = ca.vertcat(fixed.vector, pieces.vector)
     return Part(f"press_{wheel_terms}_{rail_terms}", state.vector, constants, results, chain)
 
@@ -85,7 +86,7 @@ def find_patch(chain: Chain, state: PatchState, fixed: PatchConstants, pieces: P
     return TouchingPatch.of(chain.call(part, given, constants))
 
 
-def press(chain: Chain, state: PatchState, fixed: PatchConstants, patch: TouchingPatch) -> Press:
+def press(chain: Chain, state: PatchState, fixed: PatchConstants, patch: TouchingPatch, creep_law: CreepLaw) -> Press:
     """Normal force by the approach (Hertz, as Johnson (1985) has it), creep forces by (3.89)-(3.105), their moments."""
     axes = turned_by(fixed.cosines)
     along = axes[0, :].T
@@ -106,7 +107,7 @@ def press(chain: Chain, state: PatchState, fixed: PatchConstants, patch: Touchin
     ahead = ca.fmax(ca.fmin(state.forward / fixed.creepage_speed, 1), -1)
     spin = ahead * ca.dot(own_rate, patch.normal)
     given = ca.vertcat(*slides, spin, slowness, *curvatures, normal, state.friction)
-    creep = chain.call(creep_of_wheel(), given, ca.vertcat(fixed.shear_modulus, fixed.surface))
+    creep = chain.call(creep_of_wheel(creep_law), given, ca.vertcat(fixed.shear_modulus, fixed.surface))
     # The law knows no load below the smallest; without any there is no creep force.
     share = normal / at_least(normal, SMALLEST_LOAD)
     ahead_force, side_force = share * creep[0], share * creep[1]

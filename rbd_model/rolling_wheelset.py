@@ -17,17 +17,10 @@ from functools import lru_cache
 import casadi as ca
 
 from fmu_src.chain import Bundle, Chain, Part, rows
-from rbd_model.adhesion import Surface
-from rbd_model.contact.creep.kalker import smooth_kalker_coefficients
-from rbd_model.contact.creep.law import ContactPatch
-from rbd_model.contact.creep.polach import polach
-from rbd_model.contact.hertz import moving_ellipse
+from rbd_model.contact.creep.law import CreepLaw
+from rbd_model.creep_of_wheel import creep_of_wheel
 from rbd_model.kinematics import axes_rate, direction_cosines, turned_by
 from rbd_model.rolling_contact import SIDES, Pieces, Placement, Wheel, WheelContact, wheel_contact
-from rbd_model.wheelset import SMALLEST_FRICTION, SMALLEST_LOAD, at_least
-
-#: Smallest sliding speed that is told from none [m/s]; the falling friction is smooth through zero on this scale.
-SLIDING_FLOOR = 1e-9
 
 
 @dataclass(frozen=True)
@@ -156,7 +149,9 @@ class OnRails:
     flange: FlangePush
 
 
-def meet_rails(chain: Chain, state: RollingState, fixed: RollingConstants, pieces: Sequence[Pieces]) -> OnRails:
+def meet_rails(
+    chain: Chain, state: RollingState, fixed: RollingConstants, pieces: Sequence[Pieces], creep_law: CreepLaw
+) -> OnRails:
     """Contacts of a wheelset and what acts there, by (3.54), (3.57), (3.67) and (3.82)-(3.106)."""
     placement = state.placement
     contacts = [
@@ -178,7 +173,8 @@ def meet_rails(chain: Chain, state: RollingState, fixed: RollingConstants, piece
         bending = ca.dot(contact.across, bends[i] * state.forward)
         row_rate = ca.vertcat(-ca.dot(moving[:2], drifts[i]) - bending, moving)
         sliding = axes.T @ velocity + ca.cross(own_rate, contact.arm)
-        wheels.append(roll_wheel(chain, state, fixed, i, contact, (row[i], row_rate), (sliding, own_rate)))
+        moved = sliding, own_rate
+        wheels.append(roll_wheel(chain, state, fixed, i, contact, (row[i], row_rate), moved, creep_law))
     flange = push_flanges(fixed, state.offset, placement.cosines)
     return OnRails(height, heights[1] - heights[0], velocity, axes, own_rate, tuple(wheels), flange)
 
@@ -199,28 +195,6 @@ def dependent_velocities(row: Sequence[ca.SX], forward: ca.SX, sideways: ca.SX, 
     return rise, inverse * (row[1][2] * left - row[0][2] * right)
 
 
-@lru_cache
-def creep_of_wheel() -> Part:
-    """Creep forces of one wheel [N] and the friction that is left, eqs (3.82)-(3.105) and the law of `Surface`.
-
-    Of what it slides along and across [m/s], its spin [rad/s], the reciprocal of its speed [s/m], both curvatures
-    [1/m], normal force [N] and friction without sliding; constants: shear modulus [Pa] and surface.
-    """
-    given, constants = ca.SX.sym("given", 8), ca.SX.sym("constants", 6)
-    slide_x, slide_y, spin, slowness, along_rail, across_rail, normal_force, friction = ca.vertsplit(given)
-    modulus, *law = ca.vertsplit(constants)
-    surface = Surface(*law)
-    load = at_least(normal_force, SMALLEST_LOAD)
-    sliding_speed = ca.sqrt(slide_x**2 + slide_y**2 + SLIDING_FLOOR**2)
-    friction = at_least(friction * surface.remaining(sliding_speed), SMALLEST_FRICTION)
-    logarithm, semi_axis = moving_ellipse(along_rail, across_rail, load, modulus)
-    stretch = ca.exp(logarithm / 2)
-    creepages = (slide_x * slowness, slide_y * slowness, spin * slowness)
-    axes, kalker = (semi_axis * stretch, semi_axis / stretch), smooth_kalker_coefficients(logarithm)
-    forces = polach(ContactPatch(creepages, load, friction, axes, modulus, kalker, surface.reduction))
-    return Part("creep", given, constants, ca.vertcat(*forces, friction))
-
-
 def roll_wheel(
     chain: Chain,
     state: RollingState,
@@ -229,6 +203,7 @@ def roll_wheel(
     contact: WheelContact,
     constraint: tuple[ca.SX, ca.SX],
     moving: tuple[ca.SX, ca.SX],
+    creep_law: CreepLaw,
 ) -> RollingWheel:
     """The left (0) or the right wheel with its creep, eqs (3.89)-(3.105); `constraint`: its row and the rate of that.
 
@@ -246,7 +221,7 @@ def roll_wheel(
     normal_force = state.normal_forces[index]
     given = ca.vertcat(*slides, spin, slowness, *curvatures, normal_force, state.friction)
     constants = ca.vertcat(fixed.shear_modulus, fixed.surface)
-    along, sideways, friction = ca.vertsplit(chain.call(creep_of_wheel(), given, constants))
+    along, sideways, friction = ca.vertsplit(chain.call(creep_of_wheel(creep_law), given, constants))
     power = -along * slides[0] - sideways * slides[1]
     return RollingWheel(contact, *constraint, friction, normal_force, along, sideways, power)
 
@@ -270,14 +245,14 @@ def push_flanges(fixed: RollingConstants, offset: ca.SX, cosines: ca.SX) -> Flan
 
 
 @lru_cache
-def rolling_wheelset(wheel_terms: int, rail_terms: int) -> Part:
+def rolling_wheelset(wheel_terms: int, rail_terms: int, creep_law: CreepLaw) -> Part:
     """A `RolledMotion` of a `RollingState`, (3.67), (3.71), (3.73): all that is between two rails and a suspension.
 
     Constants: `RollingConstants`, then the pieces of both profiles with so many terms, left wheel first.
     """
     state, fixed, chain = RollingState.symbols("state"), RollingConstants.symbols("constants"), Chain()
     pieces = [Pieces(ca.SX.sym("wheel", wheel_terms), ca.SX.sym("rail", rail_terms)) for _ in SIDES]
-    results = roll_freely(chain, meet_rails(chain, state, fixed, pieces), fixed).vector
+    results = roll_freely(chain, meet_rails(chain, state, fixed, pieces, creep_law), fixed).vector
     constants = ca.vertcat(fixed.vector, *[piece.vector for piece in pieces])
     return Part(f"wheelset_{wheel_terms}_{rail_terms}", state.vector, constants, results, chain)
 

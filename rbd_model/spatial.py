@@ -52,6 +52,7 @@ def spatial_vehicle(vehicle: Vehicle, track: Track, contact: Contact = ONE_RIGID
     standing = STANDING[contact.depth]
     assembly = assemble(standing.name, "3-D contact, hunting, derailment", vehicle)
     system, p, first = assembly.system, assembly.parameter, vehicle.bodies[0]
+    assembly.contact = contact
     assembly.axle_height = assembly.radius(vehicle.wheelsets[0])
     bodies = [place_body(assembly, data) for data in vehicle.bodies]
     section = track(system)

@@ -169,7 +169,7 @@ def place_wheelset(assembly: Assembly, number: int, section: Callable[[int, ca.S
     )
     fixed = rolling_constants(assembly, data)
     pieces = look_up_pieces(assembly, number, state, fixed)
-    part = rolling_wheelset(pieces[0].wheel.numel(), pieces[0].rail.numel())
+    part = rolling_wheelset(pieces[0].wheel.numel(), pieces[0].rail.numel(), assembly.contact.creep_law)
     constants = ca.vertcat(fixed.vector, *[piece.vector for piece in pieces])
     rolled = RolledMotion.of(system.call(part, state.vector, constants))
     body = Body(

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from rbd_model.contact.creep.law import CreepLaw
+from rbd_model.contact.creep.polach import polach
+
 #: Depths by their number: what the parameter contact_depth chooses.
 DEPTHS = {
     1: "one rigid contact a wheel, the flange a spring as printed (3.106)",
@@ -13,9 +16,10 @@ DEPTHS = {
 
 @dataclass(frozen=True)
 class Contact:
-    """How wheels touch rails: `depth`, a key of DEPTHS. Raises ValueError for another."""
+    """How wheels touch rails: `depth`, a key of DEPTHS, and the creep law. Raises ValueError for another depth."""
 
     depth: int = 1
+    creep_law: CreepLaw = polach
 
     def __post_init__(self) -> None:
         if self.depth not in DEPTHS:

@@ -1,0 +1,44 @@
+"""Creep of one patch in space: its ellipse, its friction and the creep law that was chosen."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import casadi as ca
+
+from fmu_src.chain import Part
+from rbd_model.adhesion import Surface
+from rbd_model.contact.creep.kalker import smooth_kalker_coefficients
+from rbd_model.contact.creep.law import ContactPatch, CreepLaw
+from rbd_model.contact.hertz import moving_ellipse
+from rbd_model.wheelset import SMALLEST_FRICTION, SMALLEST_LOAD, at_least
+
+#: Smallest sliding speed that is told from none [m/s]; the falling friction is smooth through zero on this scale.
+SLIDING_FLOOR = 1e-9
+
+
+@lru_cache
+def creep_of_wheel(creep_law: CreepLaw) -> Part:
+    """Creep forces of one patch [N] and the friction that is left, eqs (3.82)-(3.105) and the law of `Surface`.
+
+    Of what it slides along and across [m/s], its spin [rad/s], the reciprocal of its speed [s/m], both curvatures
+    [1/m], normal force [N] and friction without sliding; constants: shear modulus [Pa] and surface.
+    """
+    given, constants = ca.SX.sym("given", 8), ca.SX.sym("constants", 6)
+    slide_x, slide_y, spin, slowness, along_rail, across_rail, normal_force, friction = ca.vertsplit(given)
+    modulus, *law = ca.vertsplit(constants)
+    surface = Surface(*law)
+    load = at_least(normal_force, SMALLEST_LOAD)
+    sliding_speed = ca.sqrt(slide_x**2 + slide_y**2 + SLIDING_FLOOR**2)
+
+    def friction_at(speed: ca.SX) -> ca.SX:
+        return at_least(friction * surface.remaining(speed), SMALLEST_FRICTION)
+
+    left = friction_at(sliding_speed)
+    logarithm, semi_axis = moving_ellipse(along_rail, across_rail, load, modulus)
+    stretch = ca.exp(logarithm / 2)
+    creepages = (slide_x * slowness, slide_y * slowness, spin * slowness)
+    axes, kalker = (semi_axis * stretch, semi_axis / stretch), smooth_kalker_coefficients(logarithm)
+    surroundings = surface.reduction, friction_at, 1 / slowness
+    forces = creep_law(ContactPatch(creepages, load, left, axes, modulus, kalker, *surroundings))
+    return Part("creep", given, constants, ca.vertcat(*forces, left))
