@@ -13,7 +13,6 @@ import math
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
-from scipy.optimize import brentq
 
 from rbd_model.contact.geometry import Pair
 
@@ -105,8 +104,8 @@ def strips_at(pair: Pair, stand: Stand, on_wheel: np.ndarray) -> Strips:
     )
 
 
-#: Strips of the search over the whole wheel, and of a closer look into a valley that it found.
-SEARCH, CLOSER = 200, 65
+#: Strips of the search over the whole wheel, of a closer look into a valley that it found, and around its lowest strip.
+SEARCH, CLOSER, CLOSEST = 200, 65, 9
 #: What the search leaves out at the ends of the contour [m].
 MARGIN = 0.5e-3
 
@@ -159,19 +158,16 @@ def _valley(pair: Pair, stand: Stand, on_wheel: np.ndarray) -> Valley:
     """The valley in a closer look: where the slopes are the same, (3.57), and where the gap becomes 0."""
     gap = strips_at(pair, stand, on_wheel).gap
     i = int(np.argmin(gap))
-    around = np.clip([i - 1, i + 1], 0, gap.size - 1)
-    tilt = [_tilt(pair, stand, on_wheel[k]) for k in around]
-    deepest = on_wheel[i]
-    if tilt[0] < 0.0 < tilt[1]:
-        deepest = brentq(lambda s: _tilt(pair, stand, s), *on_wheel[around], xtol=1e-9)
+    around = np.linspace(on_wheel[max(i - 1, 0)], on_wheel[min(i + 1, gap.size - 1)], CLOSEST)
+    strips = strips_at(pair, stand, around)
+    tilt = np.tan(strips.angle) - pair.rail.height(strips.on_rail, 1)
+    k = int(np.argmin(strips.gap))
+    k -= int(tilt[k] > 0.0)
+    deepest = around[max(k, 0)]
+    if 0 <= k < CLOSEST - 1 and tilt[k] <= 0.0 < tilt[k + 1]:
+        deepest -= tilt[k] / (tilt[k + 1] - tilt[k]) * (around[1] - around[0])
     lowest = float(strips_at(pair, stand, np.array([deepest])).gap[0])
     return Valley(_crossing(on_wheel, gap, i, -1), float(deepest), _crossing(on_wheel, gap, i, 1), lowest)
-
-
-def _tilt(pair: Pair, stand: Stand, on_wheel: float) -> float:
-    """Slope of the wheel's outline over that of the rail; 0 where the distance is smallest."""
-    strip = strips_at(pair, stand, np.array([on_wheel]))
-    return float(np.tan(strip.angle[0]) - pair.rail.height(strip.on_rail, 1)[0])
 
 
 def _crossing(on_wheel: np.ndarray, gap: np.ndarray, i: int, step: int) -> float:

@@ -17,7 +17,7 @@ from scipy.optimize import brentq
 
 from rbd_model.contact.distance import Stand, Strips, touching_height
 from rbd_model.contact.geometry import Pair
-from rbd_model.contact.normal import Patch, Steel, patches
+from rbd_model.contact.normal import ROUNDS, Patch, Steel, patches
 from rbd_model.contact.strip_creep import Creepages, creep_forces
 
 
@@ -34,9 +34,7 @@ class Motion:
 
 def motion_of(side: int, velocity: tuple[float, float, float], rotation: tuple[float, float, float]) -> Motion:
     """The motion in the track's axes of section 3.2 (ahead, left, up), seen from the LEFT or the RIGHT wheel."""
-    return Motion(
-        (velocity[0], side * velocity[1], velocity[2]), (side * rotation[0], rotation[1], side * rotation[2])
-    )
+    return Motion((velocity[0], side * velocity[1], velocity[2]), (side * rotation[0], rotation[1], side * rotation[2]))
 
 
 def rolling(stand: Stand, speed: float, pitch_rate: float) -> Motion:
@@ -71,22 +69,22 @@ class Pressed:
         """On the wheel, ahead, outwards and up [N]; each strip's in its own tangent plane."""
         sine, cosine = np.sin(self.patch.strips.angle), np.cos(self.patch.strips.angle)
         (ahead, aside), loads = self.creep, self.patch.loads
-        return np.array(
-            [np.sum(ahead), np.sum(cosine * aside - sine * loads), np.sum(sine * aside + cosine * loads)]
-        )
+        return np.array([np.sum(ahead), np.sum(cosine * aside - sine * loads), np.sum(sine * aside + cosine * loads)])
 
 
 CreepagesOf = Callable[[Strips], Creepages]
 
 
-def pressed(pair: Pair, stand: Stand, steel: Steel, friction: float, creepages: CreepagesOf) -> list[Pressed]:
+def pressed(
+    pair: Pair, stand: Stand, steel: Steel, friction: float, creepages: CreepagesOf, rounds: int = ROUNDS
+) -> list[Pressed]:
     """All patches of a wheel with their forces, Kalker (1982); none where it hangs over its rail.
 
-    creepages: of given strips, such as `creepages_of` with a motion.
+    creepages: of given strips, such as `creepages_of` with a motion. rounds: as `patches` has them.
     """
     return [
         Pressed(patch, creep_forces(patch, creepages(patch.strips), steel, friction))
-        for patch in patches(pair, stand, steel)
+        for patch in patches(pair, stand, steel, rounds)
     ]
 
 
@@ -100,13 +98,19 @@ FIRST_APPROACH, APPROACH_TOLERANCE = 20e-6, 1e-11
 
 
 def under_load(
-    pair: Pair, stand: Stand, steel: Steel, friction: float, creepages: CreepagesOf, load: float
+    pair: Pair,
+    stand: Stand,
+    steel: Steel,
+    friction: float,
+    creepages: CreepagesOf,
+    load: float,
+    rounds: int = ROUNDS,
 ) -> tuple[Stand, list[Pressed]]:
     """The stand's height, and the patches, at which the vertical force on the wheel is the load [N]: Newton's law."""
     top = touching_height(pair, stand)
 
     def excess(approach: float) -> float:
-        return float(total(pressed(pair, at(approach), steel, friction, creepages))[2]) - load
+        return float(total(pressed(pair, at(approach), steel, friction, creepages, rounds))[2]) - load
 
     def at(approach: float) -> Stand:
         return replace(stand, height=top - approach)
@@ -115,7 +119,7 @@ def under_load(
     while excess(enough) < 0.0:
         enough *= 2
     found = at(float(brentq(excess, 0.0, enough, xtol=APPROACH_TOLERANCE)))
-    return found, pressed(pair, found, steel, friction, creepages)
+    return found, pressed(pair, found, steel, friction, creepages, rounds)
 
 
 @dataclass(frozen=True)
