@@ -1,4 +1,4 @@
-"""Undeformed distance of a wheel over its rail, strip by strip across the profile, and the valleys in which they touch.
+"""Undeformed distance of a wheel over its rail, strip by strip across the profile, and the areas in which they overlap.
 
 Seen from one wheel: x ahead, y outwards (to the field side), z up; the right wheel is the mirror image of a left one.
 Strips run along the rail. The wheel is a surface of revolution, so that along each strip there is one place where it
@@ -54,10 +54,9 @@ class Strips:
     curvature: np.ndarray
     stretch: np.ndarray
 
-    @property
-    def without_first(self) -> Strips:
-        """All but the first strip."""
-        return Strips(*(getattr(self, item.name)[..., 1:] for item in fields(self)))
+    def part(self, which: slice) -> Strips:
+        """Some of the strips."""
+        return Strips(*(getattr(self, item.name)[..., which] for item in fields(self)))
 
     @property
     def distance(self) -> np.ndarray:
@@ -104,77 +103,63 @@ def strips_at(pair: Pair, stand: Stand, on_wheel: np.ndarray) -> Strips:
     )
 
 
-#: Strips of the search over the whole wheel, of a closer look into a valley that it found, and around its lowest strip.
-SEARCH, CLOSER, CLOSEST = 200, 65, 9
+#: Strips of the search over the whole wheel, and of a closer look at what it found.
+SEARCH, CLOSER = 200, 65
 #: What the search leaves out at the ends of the contour [m].
 MARGIN = 0.5e-3
 
 
-@dataclass(frozen=True)
-class Valley:
-    """Where the distance has a minimum: its position on the wheel, where it ends to both sides [m], smallest gap [m].
-
-    It ends where wheel and rail no longer overlap, or at the ridge to the next valley.
-    """
-
-    first: float
-    deepest: float
-    last: float
-    gap: float
-
-
-def valleys(pair: Pair, stand: Stand) -> list[Valley]:
-    """All valleys in which wheel and rail overlap, from the flange outwards: minima of the gap, eq. (3.77)."""
-    return [valley for valley in _minima(pair, stand) if valley.gap < 0.0]
-
-
-def touching_height(pair: Pair, stand: Stand) -> float:
-    """Height of the wheelset's centre [m] at which this wheel begins to touch, eq. (3.77); the stand's is not used."""
-    lifted = replace(stand, height=2 * pair.radius)
-    return lifted.height - min(valley.gap for valley in _minima(pair, lifted))
-
-
-def _minima(pair: Pair, stand: Stand) -> list[Valley]:
-    low, high = pair.wheel.limits
-    on_wheel = np.linspace(low + MARGIN, high - MARGIN, SEARCH)
-    gap = strips_at(pair, stand, on_wheel).gap
-    inner = np.arange(1, SEARCH - 1)
+def areas(pair: Pair, stand: Stand) -> list[tuple[float, float]]:
+    """Where on the wheel it overlaps the rail [m], from the flange outwards: where the gap by (3.77) is negative."""
+    on_wheel, gap = _searched(pair, stand)
     found = []
-    for i in inner[(gap[inner] <= gap[inner - 1]) & (gap[inner] < gap[inner + 1])]:
-        closer = np.linspace(on_wheel[_end(gap, i, -1)], on_wheel[_end(gap, i, 1)], CLOSER)
-        found.append(_valley(pair, stand, closer))
+    for first, last in _candidates(gap):
+        closer = np.linspace(on_wheel[first], on_wheel[last], CLOSER)
+        inside = strips_at(pair, stand, closer).gap
+        below = np.flatnonzero(inside < 0.0)
+        if below.size:
+            found.append((_crossing(closer, inside, below[0], -1), _crossing(closer, inside, below[-1], 1)))
     return found
 
 
-def _end(gap: np.ndarray, i: int, step: int) -> int:
-    """The first strip from the minimum at `i` on that does not overlap, or the ridge."""
-    j = i + step
-    while 0 < j < gap.size - 1 and gap[j] < 0.0 and gap[j + step] >= gap[j]:
-        j += step
-    return j
+def _searched(pair: Pair, stand: Stand) -> tuple[np.ndarray, np.ndarray]:
+    low, high = pair.wheel.limits
+    on_wheel = np.linspace(low + MARGIN, high - MARGIN, SEARCH)
+    return on_wheel, strips_at(pair, stand, on_wheel).gap
 
 
-def _valley(pair: Pair, stand: Stand, on_wheel: np.ndarray) -> Valley:
-    """The valley in a closer look: where the slopes are the same, (3.57), and where the gap becomes 0."""
-    gap = strips_at(pair, stand, on_wheel).gap
-    i = int(np.argmin(gap))
-    around = np.linspace(on_wheel[max(i - 1, 0)], on_wheel[min(i + 1, gap.size - 1)], CLOSEST)
-    strips = strips_at(pair, stand, around)
-    tilt = np.tan(strips.angle) - pair.rail.height(strips.on_rail, 1)
-    k = int(np.argmin(strips.gap))
-    k -= int(tilt[k] > 0.0)
-    deepest = around[max(k, 0)]
-    if 0 <= k < CLOSEST - 1 and tilt[k] <= 0.0 < tilt[k + 1]:
-        deepest -= tilt[k] / (tilt[k + 1] - tilt[k]) * (around[1] - around[0])
-    lowest = float(strips_at(pair, stand, np.array([deepest])).gap[0])
-    return Valley(_crossing(on_wheel, gap, i, -1), float(deepest), _crossing(on_wheel, gap, i, 1), lowest)
+def _candidates(gap: np.ndarray) -> list[tuple[int, int]]:
+    """First and last strip around each run of negative gaps, and around each minimum that may be negative between."""
+    inner = np.arange(1, gap.size - 1)
+    lowest = (gap[inner] <= gap[inner - 1]) & (gap[inner] < gap[inner + 1])
+    runs = np.flatnonzero(np.diff(np.concatenate([[False], gap[inner] < 0.0, [False]]).astype(int)))
+    found = [(int(begin), int(end) + 1) for begin, end in runs.reshape(-1, 2)]
+    return sorted([*found, *((int(i) - 1, int(i) + 1) for i in inner[lowest & (gap[inner] >= 0.0)])])
 
 
 def _crossing(on_wheel: np.ndarray, gap: np.ndarray, i: int, step: int) -> float:
-    """Where the gap becomes 0 from `i` on, or the end."""
-    last = gap.size - 1 if step > 0 else 0
-    while i != last and gap[i + step] < 0.0:
-        i += step
-    if i == last or not gap[i] < 0.0 or not np.isfinite(gap[i + step]):
-        return float(on_wheel[i if i == last else i + step])
-    return float(on_wheel[i] + step * (on_wheel[1] - on_wheel[0]) * gap[i] / (gap[i] - gap[i + step]))
+    """Where the gap becomes 0 between the strip `i` and the next one, or there where the rail ends."""
+    j = i + step
+    if not 0 <= j < gap.size or not np.isfinite(gap[j]):
+        return float(on_wheel[i])
+    return float(on_wheel[i] + (on_wheel[j] - on_wheel[i]) * gap[i] / (gap[i] - gap[j]))
+
+
+def touching(pair: Pair, stand: Stand) -> tuple[float, float]:
+    """Height of the wheelset's centre at which this wheel begins to touch, and where on the wheel [m], eq. (3.77).
+
+    The height of the stand is not used.
+    """
+    lifted = replace(stand, height=2 * pair.radius)
+    on_wheel, gap = _searched(pair, lifted)
+    found = []
+    for first, last in _candidates(gap):
+        place = np.array([on_wheel[first], on_wheel[last]])
+        for _ in range(2):
+            place = np.linspace(place[0], place[-1], CLOSER)
+            gap = strips_at(pair, lifted, place).gap
+            i = int(np.clip(np.argmin(gap), 1, CLOSER - 2))
+            place = place[i - 1 : i + 2]
+        found.append((float(gap[i]), float(place[1])))
+    lowest, where = min(found)
+    return lifted.height - lowest, where

@@ -1,10 +1,10 @@
 """A wheel on its rail by strips: several patches of any shape from the undeformed distance, each with its creep forces.
 
 Three parts that know little of each other: `distance` (where), `normal` (how hard), `strip_creep` (which creep forces).
-Reference and study tool in NumPy. In generated C nothing iterates: 200 strips search the wheel, one table look-up of each
-profile a strip; two steps of Newton refine each valley and its ends; 32 strips a valley give half lengths and pressures
-with three look-ups of a table; FASTSIM marches over them. The height of the wheelset is then a coordinate of the motion,
-and only this module, which is given a load, looks for it.
+Reference and study tool in NumPy. In C: 200 strips search the wheel, with one look-up in the table of each profile a
+strip; secants refine the ends of each area of overlap; 24 strips an area carry loads, of which some 16 touch: a
+few solutions of so many linear equations, begun with those that touched before; FASTSIM marches over them. The height
+of the wheelset is then a coordinate of the motion; only here, where a load is given, is it looked for.
 """
 
 from __future__ import annotations
@@ -15,15 +15,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import brentq
 
-from rbd_model.contact.distance import Stand, Strips, touching_height
+from rbd_model.contact.distance import Stand, Strips, touching
 from rbd_model.contact.geometry import Pair
-from rbd_model.contact.normal import ROUNDS, Patch, Steel, patches
+from rbd_model.contact.normal import Patch, Steel, patches
 from rbd_model.contact.strip_creep import Creepages, creep_forces
 
 
 @dataclass(frozen=True)
 class Motion:
-    """Of a wheelset, in the axes of its wheel's stand: velocity of its centre [m/s], ahead above 0, and rotation [rad/s].
+    """Of a wheelset, in the axes of the stand: velocity of its centre [m/s], ahead above 0, and rotation [rad/s].
 
     Rotation about an axis counts as in right-handed axes of a left wheel; the right one is its mirror image.
     """
@@ -76,15 +76,15 @@ CreepagesOf = Callable[[Strips], Creepages]
 
 
 def pressed(
-    pair: Pair, stand: Stand, steel: Steel, friction: float, creepages: CreepagesOf, rounds: int = ROUNDS
+    pair: Pair, stand: Stand, steel: Steel, friction: float, creepages: CreepagesOf, apart: bool = False
 ) -> list[Pressed]:
     """All patches of a wheel with their forces, Kalker (1982); none where it hangs over its rail.
 
-    creepages: of given strips, such as `creepages_of` with a motion. rounds: as `patches` has them.
+    creepages: of given strips, such as `creepages_of` with a motion. apart: as `patches` has it.
     """
     return [
         Pressed(patch, creep_forces(patch, creepages(patch.strips), steel, friction))
-        for patch in patches(pair, stand, steel, rounds)
+        for patch in patches(pair, stand, steel, apart)
     ]
 
 
@@ -104,13 +104,13 @@ def under_load(
     friction: float,
     creepages: CreepagesOf,
     load: float,
-    rounds: int = ROUNDS,
+    apart: bool = False,
 ) -> tuple[Stand, list[Pressed]]:
     """The stand's height, and the patches, at which the vertical force on the wheel is the load [N]: Newton's law."""
-    top = touching_height(pair, stand)
+    top, _ = touching(pair, stand)
 
     def excess(approach: float) -> float:
-        return float(total(pressed(pair, at(approach), steel, friction, creepages, rounds))[2]) - load
+        return float(total(pressed(pair, at(approach), steel, friction, creepages, apart))[2]) - load
 
     def at(approach: float) -> Stand:
         return replace(stand, height=top - approach)
@@ -119,12 +119,12 @@ def under_load(
     while excess(enough) < 0.0:
         enough *= 2
     found = at(float(brentq(excess, 0.0, enough, xtol=APPROACH_TOLERANCE)))
-    return found, pressed(pair, found, steel, friction, creepages, rounds)
+    return found, pressed(pair, found, steel, friction, creepages, apart)
 
 
 @dataclass(frozen=True)
 class Place:
-    """One place for all patches of a wheel: positions on rail and wheel, along the rail from the axle [m], angle [rad]."""
+    """One place for all patches of a wheel: on rail and wheel, along the rail from the axle [m], angle [rad]."""
 
     on_rail: float
     on_wheel: float

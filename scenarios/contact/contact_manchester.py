@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
@@ -19,7 +19,7 @@ from tqdm import tqdm
 from rbd_model.contact.creep.kalker import smooth_kalker_coefficients
 from rbd_model.contact.creep.law import ContactPatch
 from rbd_model.contact.creep.polach import polach
-from rbd_model.contact.distance import LEFT, RIGHT, Stand, Strips, stand_of, strips_at, touching_height, valleys
+from rbd_model.contact.distance import LEFT, RIGHT, Stand, Strips, stand_of, strips_at, touching
 from rbd_model.contact.geometry import STANDARD_GAUGE, Pair
 from rbd_model.contact.hertz import moving_ellipse
 from rbd_model.contact.normal import Steel, patches
@@ -95,9 +95,8 @@ def case(name: str, shift: float) -> tuple[Stand, Motion]:
 def depth_1(stand: Stand, motion: Motion) -> Found:
     """One ellipse where the rigid profiles touch, Hertz and Polach: the contact of the level `spatial`."""
     pair = manchester_pair()
-    lifted = replace(stand, height=touching_height(pair, stand) - 1e-9)
-    lowest = min(valleys(pair, lifted), key=lambda valley: valley.gap)
-    strip = strips_at(pair, lifted, np.array([lowest.deepest]))
+    _, place = touching(pair, stand)
+    strip = strips_at(pair, stand, np.array([place]))
     angle, creepages = float(strip.angle[0]), creepages_of(strip, motion)
     sliding = (creepages.ahead[0], creepages.aside[0], creepages.spin[0])
     curvatures = float(strip.curvature[0]), curvature_across(pair, strip)
@@ -195,10 +194,10 @@ def apart() -> list[Row]:
     """The split of the load where patches are kept apart, as some programs do: none lowers the rail under another."""
     pair = manchester_pair()
     stand, motion = case("right", APART_SHIFT)
-    held, _ = under_load(pair, stand, STEEL, FRICTION, lambda s: creepages_of(s, motion), LOAD, rounds=0)
+    held, _ = under_load(pair, stand, STEEL, FRICTION, lambda s: creepages_of(s, motion), LOAD, apart=True)
     rows = []
-    for (place, load), patch in zip(APART, patches(pair, held, STEEL, rounds=0), strict=True):
-        off = float(patch.centre(patch.strips.on_rail)) - place
+    for (place, load), patch in zip(APART, patches(pair, held, STEEL, apart=True), strict=True):
+        off = patch.centre(patch.strips.on_rail) - place
         note = f"{patch.load:.0f} N, exact {load:.0f} N; {1e3 * off:+.2f} mm from its place"
         quantity = f"depth 3 at 5 mm, kept apart: miss of the load at y = {1e3 * place:.2f} mm"
         miss = 100 * abs(patch.load / load - 1)
