@@ -43,7 +43,7 @@ class Steel:
 
     @property
     def plane_modulus(self) -> float:
-        """E* = G / (1 - nu) of two equal bodies [Pa], Johnson (1985), eq. (4.23)."""
+        """E* = G / (1 - nu) of two equal bodies [Pa], Johnson (1985), section 4.2."""
         return self.shear_modulus / (1 - self.poisson_ratio)
 
 
@@ -131,7 +131,7 @@ def patches(pair: Pair, stand: Stand, steel: Steel, apart: bool = False) -> list
 
 
 def lowering_of(away: np.ndarray, half_length: np.ndarray) -> np.ndarray:
-    """How far 1 N on a strip lowers both surfaces beside it, times E* [1/m]; Johnson (1985), eq. (3.22).
+    """How far 1 N on a strip lowers both surfaces beside it, times E* [1/m]; Johnson (1985), section 3.2.
 
     The load is spread along the strip as half an ellipse; far away it acts like a point force, 1 / (pi r).
     """

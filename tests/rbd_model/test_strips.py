@@ -58,7 +58,7 @@ def test_crowned_bodies_press_as_hertz_says(rail_radius: float) -> None:
 
 
 def test_table_of_ellipses_is_round_where_the_curvatures_are_equal() -> None:
-    """A sphere: approach a^2 / R, which is 2 A a^2, p = 2 E* a / (pi R), 4 / pi A a E*; Johnson (1985), (4.22-24)."""
+    """A sphere: approach a^2 / R, which is 2 A a^2, p = 2 E* a / (pi R), 4 / pi A a E*; Johnson (1985), section 4.2."""
     table = ellipses()
     found = [math.exp(np.interp(0.0, table.axis_ratio, row)) for row in (table.alpha, table.kappa)]
     assert found == pytest.approx([2.0, 4 / math.pi], rel=1e-5)
