@@ -148,7 +148,7 @@ def _crossing(on_wheel: np.ndarray, gap: np.ndarray, i: int, step: int) -> float
 def touching(pair: Pair, stand: Stand) -> tuple[float, float]:
     """Height of the wheelset's centre at which this wheel begins to touch, and where on the wheel [m], eq. (3.77).
 
-    The height of the stand is not used.
+    The height of the stand is not used. Raises ValueError where the nearest place is an end of wheel or rail.
     """
     lifted = replace(stand, height=2 * pair.radius)
     on_wheel, gap = _searched(pair, lifted)
@@ -161,5 +161,7 @@ def touching(pair: Pair, stand: Stand) -> tuple[float, float]:
             i = int(np.clip(np.argmin(gap), 1, CLOSER - 2))
             place = place[i - 1 : i + 2]
         found.append((float(gap[i]), float(place[1])))
+    if not found:
+        raise ValueError(f"{pair.wheel.name} on {pair.rail.name} at {stand} touches at an end of its contour only.")
     lowest, where = min(found)
     return lifted.height - lowest, where

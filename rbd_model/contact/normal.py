@@ -82,6 +82,8 @@ STRIPS = 24
 ROUNDS = 2
 #: Share of the approach that gives a strip a length where Hertz has none, in case it is loaded after all.
 IDLE = 0.1
+#: An overlap that is none [m].
+ROUND_OFF = 1e-14
 #: Slenderest ellipse of the table, and its points.
 SLENDEREST, TABLE_POINTS = 1e-3, 400
 
@@ -181,7 +183,7 @@ def length_alone(overlap: np.ndarray, breadth: np.ndarray, curvature: np.ndarray
     With the approach d and the distance f = d - overlap it is a^2 = (d - beta f) / (alpha A), d = beta B b^2; B such
     that d = B y^2 where the area ends.
     """
-    deepest, half = float(np.max(overlap)), float(np.sum(breadth)) / 2
+    deepest, half = max(float(np.max(overlap)), ROUND_OFF), float(np.sum(breadth)) / 2
     along = float(np.mean(curvature))
     table = ellipses()
     ratio = math.log(deepest / (half**2 * along))

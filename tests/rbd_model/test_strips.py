@@ -187,6 +187,11 @@ def test_wheel_that_hangs_over_its_rail_is_not_pressed() -> None:
     assert total(pressed(pair, lifted, STEEL, 0.3, lambda s: creepages_of(s, motion))).tolist() == [0.0, 0.0, 0.0]
 
 
+def test_wheel_that_leaves_its_rail_at_an_end_of_its_contour_is_refused() -> None:
+    with pytest.raises(ValueError, match="touches at an end of its contour only"):
+        touching(manchester.manchester_pair(), stand_of(RIGHT, 0.0, 0.0, 0.9, 0.0))
+
+
 def test_yaw_to_the_other_side_moves_the_contact_as_far_behind_the_axle() -> None:
     pair = manchester.manchester_pair()
     found = []
