@@ -21,7 +21,7 @@ import numpy as np
 from rbd_model.contact.creep.kalker import C11, C22, C23
 from rbd_model.contact.normal import TINY, Patch, Steel
 
-#: Cells along each strip; with 128 no force changes by more than 2 % of mu N.
+#: Cells along each strip; with 128 no creep force changes by more than 1 % of mu N.
 CELLS = 16
 #: ln(a/b) of the columns of Kalker's table.
 LOGARITHMS = np.log([*(i / 10 for i in range(1, 11)), *(10 / i for i in range(9, 0, -1))])
