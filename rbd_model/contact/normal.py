@@ -76,7 +76,7 @@ class Patch:
         return float(values @ self.loads / self.load)
 
 
-#: Strips across each area of overlap; the contact has about two thirds of them. With 64 no load changes by more than 1 %.
+#: Strips across each area of overlap; about two thirds of them touch. With 64 no load changes by more than 1 %.
 STRIPS = 24
 #: How often lengths follow loads and loads lengths; more rounds change no load by more than 1.1 %.
 ROUNDS = 2
