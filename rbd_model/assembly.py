@@ -90,7 +90,7 @@ def assemble(level: str, description: str, vehicle: Vehicle, speed: float = 25.0
         initial,
         rail,
         at_rest,
-        ca.SX(0),
-        ca.SX(0),
-        ca.SX(0),
+        axle_height=zero,
+        distance=zero,
+        speed=zero,
     )

@@ -26,7 +26,7 @@ class StiffnessFit:
 
 @lru_cache
 def stiffness_fit() -> StiffnessFit:
-    """Least squares through the exact force of Johnson (1985), section 4.2, eqs (4.24)-(4.26) there.
+    """Least squares through the exact force of Johnson (1985), section 4.2.
 
     delta = 3 N K / (2 pi a E*), a b^2 = 3 N E / (2 pi E* (A + B)), with a >= b, g = b/a, so that N is
     (2 pi / 3) E* (delta / K)^1.5 (E / (g^2 (A + B)))^0.5; E* = G / (1 - nu) of two equal bodies.

@@ -1,1 +1,1 @@
-"""Laws of wheel on rail against exact theory."""
+"""Where wheel and rail touch, how hard, and with which creep forces: depths of contact against exact theory."""

@@ -1,0 +1,139 @@
+"""A wheel on its rail by strips: several patches of any shape from the undeformed distance, each with its creep forces.
+
+Three parts that know little of each other: `distance` (where), `normal` (how hard), `strip_creep` (which creep forces).
+Reference and study tool in NumPy. In C: 200 strips search the wheel, with one look-up in the table of each profile a
+strip; secants refine the ends of each area of overlap; 24 strips an area carry loads, of which some 16 touch: a
+few solutions of so many linear equations, begun with those that touched before; FASTSIM marches over them. The height
+of the wheelset is then a coordinate of the motion; only here, where a load is given, is it looked for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.optimize import brentq
+
+from rbd_model.contact.distance import Stand, Strips, touching
+from rbd_model.contact.geometry import Pair
+from rbd_model.contact.normal import Patch, Steel, patches
+from rbd_model.contact.strip_creep import Creepages, creep_forces
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Of a wheelset, in the axes of the stand: velocity of its centre [m/s], ahead above 0, and rotation [rad/s].
+
+    Rotation about an axis counts as in right-handed axes of a left wheel; the right one is its mirror image.
+    """
+
+    velocity: tuple[float, float, float]
+    rotation: tuple[float, float, float]
+
+
+def motion_of(side: int, velocity: tuple[float, float, float], rotation: tuple[float, float, float]) -> Motion:
+    """The motion in the track's axes of section 3.2 (ahead, left, up), seen from the LEFT or the RIGHT wheel."""
+    return Motion((velocity[0], side * velocity[1], velocity[2]), (side * rotation[0], rotation[1], side * rotation[2]))
+
+
+def rolling(stand: Stand, speed: float, pitch_rate: float) -> Motion:
+    """Straight ahead, turning about its axle alone, whose direction is that of section 3.2's yaw and roll."""
+    sin_yaw, cos_yaw = np.sin(stand.yaw), np.cos(stand.yaw)
+    axle = (-sin_yaw * np.cos(stand.roll), cos_yaw * np.cos(stand.roll), np.sin(stand.roll))
+    return Motion((speed, 0.0, 0.0), (pitch_rate * axle[0], pitch_rate * axle[1], pitch_rate * axle[2]))
+
+
+def creepages_of(strips: Strips, motion: Motion) -> Creepages:
+    """Velocity of the wheel's surface over the speed, at each strip along its own tangent plane, eqs (2.3), (3.89)."""
+    speed = motion.velocity[0]
+    sliding = np.array(motion.velocity)[:, None] + np.cross(motion.rotation, strips.arm.T).T
+    sine, cosine = np.sin(strips.angle), np.cos(strips.angle)
+    _, about_side, about_up = motion.rotation
+    return Creepages(
+        sliding[0] / speed,
+        (cosine * sliding[1] + sine * sliding[2]) / speed,
+        (cosine * about_up - sine * about_side) / speed,
+    )
+
+
+@dataclass(frozen=True)
+class Pressed:
+    """A patch with the creep forces on the wheel, ahead and to the side, of each of its strips [N], shape (2, n)."""
+
+    patch: Patch
+    creep: np.ndarray
+
+    @property
+    def force(self) -> np.ndarray:
+        """On the wheel, ahead, outwards and up [N]; each strip's in its own tangent plane."""
+        sine, cosine = np.sin(self.patch.strips.angle), np.cos(self.patch.strips.angle)
+        (ahead, aside), loads = self.creep, self.patch.loads
+        return np.array([np.sum(ahead), np.sum(cosine * aside - sine * loads), np.sum(sine * aside + cosine * loads)])
+
+
+CreepagesOf = Callable[[Strips], Creepages]
+
+
+def pressed(
+    pair: Pair, stand: Stand, steel: Steel, friction: float, creepages: CreepagesOf, apart: bool = False
+) -> list[Pressed]:
+    """All patches of a wheel with their forces, Kalker (1982); none where it hangs over its rail.
+
+    creepages: of given strips, such as `creepages_of` with a motion. apart: as `patches` has it.
+    """
+    return [
+        Pressed(patch, creep_forces(patch, creepages(patch.strips), steel, friction))
+        for patch in patches(pair, stand, steel, apart)
+    ]
+
+
+def total(contacts: list[Pressed]) -> np.ndarray:
+    """Force on the wheel, ahead, outwards and up [N]: Newton's sum over the patches."""
+    return np.sum([contact.force for contact in contacts] or np.zeros((1, 3)), axis=0)
+
+
+#: Approach with which the search for a load begins, doubled until it is enough, and how well it is found [m].
+FIRST_APPROACH, APPROACH_TOLERANCE = 20e-6, 1e-11
+
+
+def under_load(
+    pair: Pair,
+    stand: Stand,
+    steel: Steel,
+    friction: float,
+    creepages: CreepagesOf,
+    load: float,
+    apart: bool = False,
+) -> tuple[Stand, list[Pressed]]:
+    """The stand's height, and the patches, at which the vertical force on the wheel is the load [N]: Newton's law."""
+    top, _ = touching(pair, stand)
+
+    def excess(approach: float) -> float:
+        return float(total(pressed(pair, at(approach), steel, friction, creepages, apart))[2]) - load
+
+    def at(approach: float) -> Stand:
+        return replace(stand, height=top - approach)
+
+    enough = FIRST_APPROACH
+    while excess(enough) < 0.0:
+        enough *= 2
+    found = at(float(brentq(excess, 0.0, enough, xtol=APPROACH_TOLERANCE)))
+    return found, pressed(pair, found, steel, friction, creepages, apart)
+
+
+@dataclass(frozen=True)
+class Place:
+    """One place for all patches of a wheel: on rail and wheel, along the rail from the axle [m], angle [rad]."""
+
+    on_rail: float
+    on_wheel: float
+    along: float
+    angle: float
+
+
+def place_of(contacts: list[Pressed]) -> Place:
+    """Centre of the squared overlap of the undeformed surfaces, the contact's place in Vollebregt (2020)."""
+    weights = np.concatenate([contact.patch.overlap for contact in contacts])
+    columns = [(s.on_rail, s.on_wheel, s.arm[0], s.angle) for s in (contact.patch.strips for contact in contacts)]
+    return Place(*(float(np.average(np.concatenate(c), weights=weights)) for c in zip(*columns, strict=True)))
