@@ -12,7 +12,7 @@ from rbd_model.assembly import Assembly
 from rbd_model.bodies import MovingBody, move_body
 from rbd_model.connections import Effect, End, Load, connect, total
 from rbd_model.kinematics import Body
-from rbd_model.vehicle import ANGLES, RigidBody, Wheelset, wheelset_name
+from rbd_model.vehicle import ANGLES, DIRECTIONS, RigidBody, Wheelset, wheelset_name
 from rbd_model.wheelset import Rolling, add_wheelset_outputs
 
 
@@ -49,7 +49,7 @@ def loads_of(assembly: Assembly, bodies: Sequence[MovingBody], axles: Mapping[in
     for pull in vehicle.pulls:
         end = ends[pull.body]
         place = ca.vertcat(*[ca.SX(assembly.value(size)) for size in pull.place])
-        force = ca.vertcat(assembly.input[pull.name], 0, 0)
+        force = ca.vertcat(*[assembly.input[pull.name] if pull.direction == along else 0 for along in DIRECTIONS])
         loads.of[pull.body].append(Load(force, ca.cross(end.body.arm(place - end.centre), force)))
     return loads
 

@@ -103,11 +103,16 @@ def patch_of_wheel(wheel_terms: int, rail_terms: int) -> Part:
 
 
 def offset_along(patch: Patch, placement: Placement, on: Wheel, height: ca.SX) -> ca.SX:
-    """How far the wheel's profile lies along the patch's direction from the rail's (3.1) [m], the table's argument."""
+    """How far the wheel's profile lies along the patch's direction from the rail's (3.1) [m], the table's argument.
+
+    A wheel that yaws touches ahead of or behind its axle where it is steep: with the slope tan(g) of the direction by
+    r tan(g) yaw, (3.54), which moves its outline outwards by r tan(g) yaw^2 and up by half of r tan(g)^2 yaw^2.
+    """
     origin = turned_by(placement.cosines) @ ca.vertcat(0, on.side * on.wheel_half_distance, -on.radius)
     outward = on.side * (placement.lateral + origin[1]) - on.rail_half_distance
     cosine, sine = direction_of(patch)
-    return cosine * outward + sine * (height + origin[2])
+    yawed = on.radius * sine * (1 + (sine / cosine) ** 2 / 2) * placement.yaw**2
+    return cosine * outward + sine * (height + origin[2]) + yawed
 
 
 def direction_of(patch: Patch) -> tuple[float, float]:

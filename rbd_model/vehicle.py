@@ -198,12 +198,13 @@ class FrictionSlider(Connection):
 
 @dataclass(frozen=True)
 class Pull:
-    """A longitudinal force from outside on a body [N], an input: forward positive, at a place of the vehicle."""
+    """A force from outside on a body or wheelset [N], an input, along one direction of the track, at a place."""
 
     name: str
     text: str
     body: str
     place: Place
+    direction: str = "longitudinal"
 
 
 @dataclass(frozen=True)
@@ -302,7 +303,8 @@ def _references(vehicle: Vehicle, ends: list[str]) -> Iterator[tuple[str, str, l
     for number, wheelset in vehicle.numbered:
         yield f"{wheelset_name(number)}, which reacts on a body,", wheelset.reacts_on, bodies
     for pull in vehicle.pulls:
-        yield f"the force {pull.name}", pull.body, bodies
+        yield f"the force {pull.name}", pull.body, ends
+        yield f"the force {pull.name}, which has a direction,", pull.direction, list(DIRECTIONS)
 
 
 def _check_law(vehicle: Vehicle, connection: Connection) -> None:

@@ -183,11 +183,15 @@ def wheel_cone_120() -> Profile:
 
 
 def synthetic_wheel(
-    transition_start: float = TRANSITION_START, fillet_start: float = FILLET_START, step: float = POINT_DISTANCE
+    transition_start: float = TRANSITION_START,
+    fillet_start: float = FILLET_START,
+    step: float = POINT_DISTANCE,
+    flange_angle: float = FLANGE_ANGLE,
 ) -> np.ndarray:
     """Contour (y row, z row) of the synthetic wheel: cone, two concave arcs, flange; from the flange outwards [m].
 
-    transition_start, fillet_start [m]: where the arcs begin, fitted to sections 4.3 and 9.4.1; step [m]: of the points.
+    transition_start, fillet_start [m]: where the arcs begin, fitted to sections 4.3 and 9.4.1; step [m]: of the points;
+    flange_angle [rad].
     """
     angle = np.arctan(INCLINATION)
     points = [np.array([[transition_start, transition_start * INCLINATION]])]
@@ -205,9 +209,9 @@ def synthetic_wheel(
         angle = end_angle
 
     add_arc(TRANSITION_RADIUS, np.arcsin(np.sin(angle) + (transition_start - fillet_start) / TRANSITION_RADIUS))
-    add_arc(FILLET_RADIUS, FLANGE_ANGLE)
+    add_arc(FILLET_RADIUS, flange_angle)
     along = np.arange(step, FLANGE_LENGTH, step)[:, None]
-    points.append(points[-1][-1] - along * np.array([np.cos(FLANGE_ANGLE), np.sin(FLANGE_ANGLE)]))
+    points.append(points[-1][-1] - along * np.array([np.cos(flange_angle), np.sin(flange_angle)]))
     cone = np.arange(FIELD_SIDE, transition_start + step / 2, -step)
     tread = np.column_stack([cone, cone * INCLINATION])
     return np.concatenate([tread, *points])[::-1].T

@@ -1,0 +1,97 @@
+"""A wheelset that is pushed sideways against its rail, at the height of the rail, until it climbs."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from fmu_src.compile import build_library
+from fmu_src.kernel import Kernel, KernelError, Library
+from fmu_src.system import model_of
+from rbd_model.bogie import DEFAULT_TOLERANCE
+from rbd_model.contact.creep.law import CreepLaw
+from rbd_model.contact.depth import Contact
+from rbd_model.contact.geometry import Pair
+from rbd_model.contact.profiles import from_points, rail_60kg, synthetic_wheel
+from rbd_model.parameters import tables_5_1_and_5_2
+from rbd_model.spatial import spatial_vehicle
+from rbd_model.track import irregular_track, section_5_3
+from rbd_model.vehicle import Pull, Vehicle, Wheelset
+from rbd_model.vehicles import axle_box_springs, sprung_mass
+
+#: The wheelset of chapter 5 under 10 t; its springs hold the yaw and leave it free sideways, where a damper makes the
+#: push a slow one. All assumed.
+GUIDED = {
+    "frame_mass": 10e3,
+    "longitudinal_stiffness": 1e9,
+    "longitudinal_damping": 1e6,
+    "lateral_stiffness": 1e3,
+    "lateral_damping": 2e5,
+    "constant_speed": 1.0,
+}
+YAW_STIFFNESS = 2 * GUIDED["longitudinal_stiffness"] * tables_5_1_and_5_2().longitudinal_half_spacing ** 2
+HELD = frozenset({"lateral", "roll", "pitch", "yaw"})
+#: Speed [m/s]; where the wheelset starts [m]; how fast the push grows [N/s], and how often its effect is noted [s].
+SPEED, START, GROWTH, INTERVAL = 1.0, 7.5e-3, 10e3, 0.01
+#: Push at the start over friction [N]: less than what both wheels' creep brings, so that the flange comes slowly.
+FIRST_PUSH = -27e3
+#: The push acts this far below the axle [m], at the height of the flange's contact: it shifts no load.
+BELOW = 0.42
+
+
+@lru_cache
+def climbing_wheelset(flange_angle: float, creep_law: CreepLaw) -> Library:
+    """The wheelset with the synthetic profile and this flange angle [rad], at contact depth 2."""
+    points = synthetic_wheel(flange_angle=flange_angle)
+    wheel = from_points(f"synthetic wheel, flange {math.degrees(flange_angle):g} degrees", "as wheel_cone_120", *points)
+    pair = Pair(wheel, rail_60kg(), 0.425, 0.570, 0.570)
+    vehicle = Vehicle(
+        "ClimbingWheelset",
+        replace(tables_5_1_and_5_2(), **GUIDED),
+        (
+            sprung_mass(
+                "frame", "frame", held=frozenset({"lateral", "roll", "pitch", "yaw"}), plain=("bounce", "pitch")
+            ),
+        ),
+        (Wheelset(0.0, "frame", pair=pair),),
+        axle_box_springs("frame", 1, 0.0),
+        (Pull("lateral_push", "Lateral force on the wheelset", "wheelset_1", (0.0, 0.0, -BELOW), "lateral"),),
+    )
+    system = spatial_vehicle(vehicle, irregular_track(section_5_3()), Contact(2, creep_law))
+    return Library(build_library(model_of(system, DEFAULT_TOLERANCE)))
+
+
+@dataclass(frozen=True)
+class Climb:
+    """A push until the flange is climbed over: Y/Q of the left wheel, its rise [m], and the last sentence."""
+
+    quotient: np.ndarray
+    rise: np.ndarray
+    sentence: str
+    steps: int
+
+    def limit(self, low: float, high: float) -> float:
+        """Y/Q while the wheel rises between two heights [m]; not a number where it never did."""
+        chosen = self.quotient[(self.rise > low) & (self.rise < high)]
+        return float(np.median(chosen)) if chosen.size else math.nan
+
+
+def push(library: Library, friction: float, yaw: float) -> Climb:
+    """Pushes to the left, ever more, with an angle of attack `yaw` [rad], until the run ends."""
+    kernel = Kernel(library, initial_speed=SPEED, friction_1=friction, initial_lateral=START, initial_yaw=yaw)
+    kernel.set(yaw_torque_1=YAW_STIFFNESS * yaw)
+    pushed, noted = FIRST_PUSH * friction, []
+    while not kernel.ended:
+        kernel.set(lateral_push=pushed)
+        kernel.set_rate(lateral_push=GROWTH)
+        try:
+            kernel.advance(INTERVAL)
+        except KernelError:
+            break
+        pushed += GROWTH * INTERVAL
+        noted.append((kernel["derailment_quotient_1_left"], kernel["state_rise_1"]))
+    quotient, rise = np.array(noted).T
+    return Climb(quotient, rise, kernel.journal[-1], kernel.counts["steps"])
