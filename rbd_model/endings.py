@@ -89,3 +89,30 @@ def watch_patches(assembly: Assembly, wheelsets: Sequence[PatchedWheelset]) -> N
             system.warn_when_negative(ca.if_else(flange > 0, tread, 1), climbing)
             lifted = f"Wheel lift: the {name} carried no load at %s s, and came off its rail."
             system.warn_when_negative(ca.if_else(flange > 0, 1, tread), lifted)
+
+
+#: EN 14363:2016, running safety: limit of Y/Q of a guiding wheel, and of the sum of both Y by the static load of the
+#: axle P0: 10 kN and a third of it, for a vehicle in its ordinary state.
+QUOTIENT_LIMIT, GUIDING_LIMIT, GUIDING_SHARE = 0.8, 10e3, 1 / 3
+
+
+def warn_of_limits(assembly: Assembly, wheelsets: Sequence[SpatialWheelset | PatchedWheelset]) -> None:
+    """Limits of EN 14363 (2016) as warnings, where running_safety_warnings asks for them.
+
+    Of instantaneous values: the standard takes them over 2 m of track and in percentiles, which are milder.
+    """
+    system, asked = assembly.system, assembly.parameter["running_safety_warnings"] - 0.5
+    for wheelset in wheelsets:
+        number = wheelset.number
+        weight = assembly.value(wheelset.data.mass) * assembly.parameter["gravity"]
+        static = assembly.resting_on(number) + weight
+        for index, side in enumerate(SIDES.values()):
+            margin = QUOTIENT_LIMIT * wheelset.loads[index] - wheelset.thrusts[index]
+            sentence = f"EN 14363: Y/Q of the {side} wheel of wheelset {number} rose above {QUOTIENT_LIMIT} at %s s."
+            system.warn_when_negative(ca.if_else(asked > 0, margin / static, 1), sentence, candidate=-asked)
+        guiding = wheelset.thrusts[1] - wheelset.thrusts[0]
+        room = GUIDING_LIMIT + GUIDING_SHARE * static - ca.fabs(guiding)
+        sentence = (
+            f"EN 14363: the guiding forces of wheelset {number} rose above 10 kN and a third of its load at %s s."
+        )
+        system.warn_when_negative(ca.if_else(asked > 0, room / static, 1), sentence, candidate=-asked)

@@ -71,6 +71,9 @@ class BogieParameters(ParameterSet):
         1.0,
         "integer",
     )
+    running_safety_warnings: float = quantity(
+        "1", "Warn where limits of EN 14363 on Y/Q and guiding forces are passed (1), or not (0)", 0.0, 1.0, "integer"
+    )
     wheel_profile_curvature: float = quantity("1/m", "Curvature of the wheel tread across the track (1/rho_y^w)")
     rail_head_radius: float = quantity("m", "Radius of the rail head across the track (rho_y^r)", POSITIVE)
     shear_modulus: float = quantity("Pa", "Shear modulus of wheel and rail (G)", POSITIVE)
@@ -159,9 +162,9 @@ def tables_5_1_and_5_2() -> BogieParameters:
     Both half spacings 0.7 m, to the derailments of chapter 9. flange_stiffness 1e8 N/m, to lateral peaks of 9.5 to
     10 mm (section 5.3.1).
     Switches: torque_reaction, flange_at_rail, yaw_torque_rotates, constant_speed and wheel_lift_ends are on, on, off,
-    off and on, the physical readings; AS_PRINTED has the thesis's of the first two.
-    Assumed: rail head radius 300 mm (60 kg rail), conical tread, steel with G = 82 GPa, g = 9.81 m/s2, creepage_speed;
-    no rolling resistance.
+    off and on, the physical readings; AS_PRINTED has the thesis's of the first two; running_safety_warnings is off.
+    Assumed: contact_damping 1 s/m, 7 % of the critical damping of a wheelset on its rails; rail head radius 300 mm
+    (60 kg rail), conical tread, steel with G = 82 GPa, g = 9.81 m/s2, creepage_speed; no rolling resistance.
     """
     return BogieParameters(
         frame_mass=60000.0,
@@ -191,6 +194,7 @@ def tables_5_1_and_5_2() -> BogieParameters:
         yaw_torque_rotates=0.0,
         constant_speed=0.0,
         wheel_lift_ends=1.0,
+        running_safety_warnings=0.0,
         wheel_profile_curvature=0.0,
         rail_head_radius=0.3,
         shear_modulus=82e9,

@@ -110,6 +110,16 @@ def outputs(vehicle: Vehicle) -> dict[str, Variable]:
             for n, place in wheelsets.items()
             for side in ("left", "right")
         ],
+        *[
+            _output(
+                f"lateral_force_{n}_{side}",
+                "N",
+                f"Y of the {side} wheel, {place} wheelset: its lateral force on the rail, outwards",
+            )
+            for n, place in wheelsets.items()
+            for side in ("left", "right")
+        ],
+        *each("guiding_force", "N", "Sum of the lateral forces of both rails on the {} wheelset, positive to the left"),
     ]
     return {row.name: row for row in rows}
 

@@ -170,3 +170,15 @@ def test_jacobian_of_patches_is_that_of_differences_in_tread_and_flange_contact(
         forward, backward = (np.array(kernel.slopes_at(kernel.time, state + sign * direction)) for sign in (1, -1))
         along = jacobian @ direction
         assert np.abs((forward - backward) / 2 - along).max() < 1e-4 * np.abs(along).max()
+
+
+@pytest.mark.parametrize("asked", [0.0, 1.0])
+def test_limits_of_en_14363_are_told_where_they_are_asked_for(patched: Library, asked: float) -> None:
+    """A yaw torque swings wheelset 1 against its rail: the impact passes 0.8 and 10 kN + P0 / 3."""
+    kernel = Kernel(patched, running_safety_warnings=asked, yaw_torque_1=100e3, brake_torque_1=20e3)
+    kernel.advance(0.5)
+    told = [sentence for sentence in kernel.journal if sentence.startswith("EN 14363")]
+    left, right = kernel["lateral_force_1_left"], kernel["lateral_force_1_right"]
+    assert kernel["guiding_force_1"] == pytest.approx(right - left)
+    assert kernel["derailment_quotient_1_left"] == pytest.approx(left / kernel["wheel_load_1_left"])
+    assert len(told) == 2 * asked, kernel.journal
