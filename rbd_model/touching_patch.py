@@ -1,8 +1,8 @@
 """One patch of a wheel on its rail in space: its nearest point, how far it presses into the rail, and with which shape.
 
 As `rolling_contact`, but wheel and rail may be apart or pressed into each other, and along a `Patch` their distance is
-taken square to its direction. The nearest point of rigid profiles, without yaw and roll, comes from a table; one step
-of Newton's method from there finds the common normal, eqs (3.54), (3.57), where the wheel yaws and rolls.
+taken square to its direction. The nearest point of rigid profiles, without yaw, comes from a table; one step of
+Newton's method from there finds the common normal, eqs (3.54), (3.57), where the wheel yaws.
 """
 
 from __future__ import annotations
@@ -105,14 +105,16 @@ def patch_of_wheel(wheel_terms: int, rail_terms: int) -> Part:
 def offset_along(patch: Patch, placement: Placement, on: Wheel, height: ca.SX) -> ca.SX:
     """How far the wheel's profile lies along the patch's direction from the rail's (3.1) [m], the table's argument.
 
-    A wheel that yaws touches ahead of or behind its axle where it is steep: with the slope tan(g) of the direction by
+    As if the wheelset neither rolled nor yawed. Seen from the wheel, a roll moves the rail's arc as its centre moves. A
+    wheel that yaws touches ahead of or behind its axle where it is steep: with the slope tan(g) of the direction by
     r tan(g) yaw, (3.54), which moves its outline outwards by r tan(g) yaw^2 and up by half of r tan(g)^2 yaw^2.
     """
     origin = turned_by(placement.cosines) @ ca.vertcat(0, on.side * on.wheel_half_distance, -on.radius)
     outward = on.side * (placement.lateral + origin[1]) - on.rail_half_distance
     cosine, sine = direction_of(patch)
+    rolled = patch.radius * on.side * placement.cosines[3]
     yawed = on.radius * sine * (1 + (sine / cosine) ** 2 / 2) * placement.yaw**2
-    return cosine * outward + sine * (height + origin[2]) + yawed
+    return cosine * outward + sine * (height + origin[2]) + rolled + yawed
 
 
 def direction_of(patch: Patch) -> tuple[float, float]:
@@ -122,7 +124,7 @@ def direction_of(patch: Patch) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class Nearest:
-    """The point of a patch that is nearest to its rail without yaw and roll, (3.77), (3.78).
+    """The point of a patch that is nearest to its rail without yaw, (3.77), (3.78).
 
     approach [m]: what it says of the approach, at least micrometres below the true one: enough to tell who touches.
     """

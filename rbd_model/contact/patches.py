@@ -25,6 +25,8 @@ TREAD_SLOPE = math.radians(20.0)
 STEEPEST = math.radians(75.0)
 #: Pitch of the search for nearest points and of the table of what is found [m].
 SEARCH_PITCH, TABLE_PITCH = 0.02e-3, 0.1e-3
+#: Least curvature of a rail's contour [1/m]: flatter than any head is where it bears.
+LEAST_BEND = 1.0
 #: How far wheel and rail may be moved against each other along the patch [m].
 REACH = 20e-3
 #: Pitch of the points through which a turned rail is laid [m].
@@ -38,9 +40,12 @@ class Patch:
     direction [rad]: slope of the line along which both are described; limits [m]: of the wheel's part; rail: the
     contour of the rail in axes along and square to that line; nearest: breakpoints and coefficients of the position on
     the wheel [m] that is nearest to the rail, by how far the wheel's y = 0 lies along the line from the rail's.
+    radius [m]: of the rail's contour where the part bears. A roll leaves that arc as it is and only moves the wheel
+    along it, about its centre.
     """
 
     direction: float
+    radius: float
     limits: tuple[float, float]
     rail: Profile
     nearest: tuple[np.ndarray, np.ndarray]
@@ -55,7 +60,7 @@ def patches_of(pair: Pair) -> tuple[Patch, ...]:
     patch's own nearest point moves without jumps, and several may bear at once.
     """
     s = np.arange(pair.wheel.limits[0] + SEARCH_PITCH, pair.wheel.limits[1] - SEARCH_PITCH, SEARCH_PITCH)
-    gaps = [gap_of(pair, s, offset) for offset in np.arange(-REACH, REACH, TABLE_PITCH)]
+    gaps = [gap_of(pair, s, offset) for offset in offsets_of(pair)]
     parts, whole = [], [(0, s.size)]
     while whole:
         first, last = whole.pop()
@@ -65,7 +70,17 @@ def patches_of(pair: Pair) -> tuple[Patch, ...]:
         else:
             whole += [(first, cut), (cut, last)]
     parts.sort(reverse=True)
-    return tuple(patch(pair, direction_of_part(pair, s, gaps, *part), (s[part[0]], s[part[1] - 1])) for part in parts)
+    return tuple(patch(pair, s, gaps, *part) for part in parts)
+
+
+def offsets_of(pair: Pair) -> np.ndarray:
+    """How far the wheel's y = 0 is looked at from the rail's [m] (3.77).
+
+    Profiles may be given from any origin: REACH is counted from where a centred wheelset has them as well.
+    """
+    centred = (pair.wheel_half_distance - pair.rail_half_distance) / TABLE_PITCH
+    first, last = math.floor(min(centred, 0.0)) * TABLE_PITCH, math.ceil(max(centred, 0.0)) * TABLE_PITCH
+    return np.arange(first - REACH, last + REACH, TABLE_PITCH)
 
 
 def gap_of(pair: Pair, s: np.ndarray, offset: float) -> np.ndarray:
@@ -88,31 +103,42 @@ def ridge(s: np.ndarray, gaps: list[np.ndarray], first: int, last: int) -> int |
     return None
 
 
-def direction_of_part(pair: Pair, s: np.ndarray, gaps: list[np.ndarray], first: int, last: int) -> float:
-    """Slope of the wheel in the middle of where a part bears [rad]; 0 for a tread, which lies over its rail (3.77)."""
-    bearing = []
-    for gap in gaps:
+def bearing(
+    pair: Pair, s: np.ndarray, gaps: list[np.ndarray], first: int, last: int
+) -> tuple[list[float], list[float]]:
+    """Slopes of the wheel [rad] and curvatures of the rail [1/m] (3.83) where a part is nearest and bears."""
+    slopes, bends = [], []
+    for offset, gap in zip(offsets_of(pair), gaps, strict=True):
         here = first + int(np.argmin(gap[first:last]))
         if gap[here] < np.min(gap) + RELEVANT and first < here < last - 1:
-            bearing.append(math.atan(float(pair.wheel.height(s[here], 1))))
-    middle = (min(bearing) + max(bearing)) / 2 if bearing else 0.0
-    return 0.0 if abs(middle) < TREAD_SLOPE else middle
+            slopes.append(math.atan(float(pair.wheel.height(s[here], 1))))
+            slope, bend = (float(pair.rail.height(s[here] + offset, n)) for n in (1, 2))
+            bends.append(-bend / (1 + slope**2) ** 1.5)
+    return slopes, bends
 
 
-def patch(pair: Pair, direction: float, limits: tuple[float, float]) -> Patch:
-    """One patch between `limits` of the wheel's profile, described along `direction` (section 3.3.2)."""
+def patch(pair: Pair, s: np.ndarray, gaps: list[np.ndarray], first: int, last: int) -> Patch:
+    """One patch of the points `first` to `last` of the wheel's profile (section 3.3.2).
+
+    Described along the slope of the wheel in the middle of where it bears; level for a tread, which lies over its rail.
+    """
+    slopes, bends = bearing(pair, s, gaps, first, last)
+    middle = (min(slopes) + max(slopes)) / 2 if slopes else 0.0
+    direction = 0.0 if abs(middle) < TREAD_SLOPE else middle
+    limits = float(s[first]), float(s[last - 1])
+    radius = 1 / max(float(np.median(bends)), LEAST_BEND) if bends else 0.0
     rail = turned(pair.rail, direction)
-    s = np.arange(limits[0] + SEARCH_PITCH, limits[1] - SEARCH_PITCH, SEARCH_PITCH)
-    along, square = in_direction(s, pair.wheel.height(s), direction)
-    offsets = np.arange(-REACH, REACH, TABLE_PITCH)
+    inside = np.arange(limits[0] + SEARCH_PITCH, limits[1] - SEARCH_PITCH, SEARCH_PITCH)
+    along, square = in_direction(inside, pair.wheel.height(inside), direction)
+    offsets = offsets_of(pair)
     found = np.full(offsets.size, np.nan)
     for i, offset in enumerate(offsets):
         gap = square - rail.height(along + offset)
         if np.any(np.isfinite(gap)):
-            found[i] = s[np.nanargmin(gap)]
+            found[i] = inside[np.nanargmin(gap)]
     known = np.isfinite(found)
     curve = PchipInterpolator(offsets[known], found[known])
-    return Patch(direction, limits, rail, (curve.x, curve.c[::-1].T))
+    return Patch(direction, radius, limits, rail, (curve.x, curve.c[::-1].T))
 
 
 def in_direction(y: np.ndarray, z: np.ndarray, direction: float) -> tuple[np.ndarray, np.ndarray]:

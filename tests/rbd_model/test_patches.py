@@ -13,6 +13,7 @@ from fmu_src.compile import build_library
 from fmu_src.kernel import Kernel, Library
 from fmu_src.system import model_of
 from rbd_model.contact.depth import DEPTHS, Contact
+from rbd_model.contact.distance import touching
 from rbd_model.contact.elastic import damped, elastic_force
 from rbd_model.contact.geometry import european_pair, synthetic_pair, thesis_pair
 from rbd_model.contact.hertz import POISSON_RATIO
@@ -20,6 +21,7 @@ from rbd_model.contact.patches import patches_of, stand_on_treads
 from rbd_model.spatial import spatial_vehicle
 from rbd_model.track import irregular_track, section_5_3
 from rbd_model.vehicles import two_axle_bogie
+from scenarios.contact import contact_manchester as manchester
 
 STEEL = 82e9
 #: Of the polynomial through Hertz' force; a hundred times smaller than what Hertz' theory itself leaves out at a rail.
@@ -30,6 +32,8 @@ POWERS = ("brake_power", "creep_power", "damping_power")
 ENERGY_BAND = 1e-6
 #: Between an elastic and a rigid tread: the approach, 0.13 mm, over what the wheelset moves sideways, some mm.
 DEPTH_BAND = 0.02
+#: Between the nearest point of rigid profiles by Newton's method and by a search [m]: the pitch of that search.
+PLACE_BAND = 0.02e-3
 #: Load of a wheel of the chapter 5 bogie [N]; how far from rest it starts: spin takes a little less than in proportion.
 STATIC_LOAD, AT_REST = (60000 / 2 + 1200) * 9.81 / 2, 1e-4
 
@@ -75,6 +79,23 @@ def test_wheel_s1002_has_more_patches_and_none_of_them_jumps() -> None:
         steps = np.abs(np.diff(nearest))[inside[1:] & inside[:-1]]
         assert steps.size > 10
         assert steps.max() < 2e-3
+
+
+def test_each_patch_of_s1002_bears_on_one_arc_of_its_rail() -> None:
+    """R300, R80 and R13 of 60E1 (EN 13674-1): about their centres a roll turns the rail as a wheel sees it."""
+    radii = [patch.radius for patch in patches_of(european_pair())]
+    assert radii == pytest.approx([0.300, 0.080, 0.013, 0.013], rel=0.01)
+
+
+@pytest.mark.parametrize("shift", [3.0, 7.0, 10.0])
+def test_patch_presses_where_the_rigid_wheelset_touches_that_rolls(shift: float) -> None:
+    """The left wheel while the right one climbs, up to 11 mrad: that alone moves the nearest point by 2 mm."""
+    stand, motion = manchester.case("left", shift)
+    _, place = touching(manchester.manchester_pair(), stand)
+    pressed = max(manchester.bearings(stand, motion), key=lambda one: one.load)
+    assert pressed.on_wheel == pytest.approx(place, abs=PLACE_BAND)
+    # The benchmark's wheelset yaws as well; the vertical force is the load.
+    assert pressed.up == pytest.approx(manchester.LOAD, rel=1e-6)
 
 
 def test_wheelset_stands_on_its_treads_beyond_the_flanges_contact_too() -> None:
