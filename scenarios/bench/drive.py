@@ -40,8 +40,12 @@ def prepare(name: str, **values: float) -> Kernel:
 
 
 def bogie(driven: Iterable[str], read: Iterable[str], **values: float) -> Kernel:
-    """The bogie of chapter 5 at the least level that drives these inputs, has these values and answers what is read."""
-    return prepare("bogie", level=smallest_level((*driven, *values), read).level, **values)
+    """The bogie of chapter 5 at the least level that drives these inputs, has these values and answers what is read.
+
+    With one rigid contact a wheel unless `values` have another `contact_depth`.
+    """
+    asked = (name for name in values if name != "contact_depth")
+    return prepare("bogie", level=smallest_level((*driven, *asked), read).level, **values)
 
 
 def play(

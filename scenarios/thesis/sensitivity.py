@@ -1,12 +1,14 @@
 """What the fitted and assumed values decide: critical speed, lateral peak, derailment and wheel load over each.
 
-In the thesis's reading of what reacts where, but for one picture.
+In the thesis's reading of what reacts where, but for one picture; two beside contact depth 2, whose flange has its own
+place and force, and three about what is assumed there.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -16,12 +18,22 @@ from rbd_model.bogie import wheelset_in_frame
 from rbd_model.linear import critical_speed
 from rbd_model.parameters import AS_PRINTED, as_printed, tables_4_1_and_4_2, tables_5_1_and_5_2
 from rbd_model.track import section_5_3
-from scenarios.bench.asymmetric_shoes import BRAKE_START, BRAKE_TORQUE, DERAILED_AT, YAW_TORQUE
+from scenarios.bench.asymmetric_shoes import (
+    AS_THESIS,
+    BRAKE_START,
+    BRAKE_TORQUE,
+    DERAILED_AT,
+    LOADS,
+    ON_PATCHES,
+    YAW_TORQUE,
+    Case,
+    brake,
+)
 from scenarios.bench.drive import bogie, play
 from scenarios.bench.hunting_wheelset import RANGE, growth_by_eigenvalue
 from scenarios.bench.irregularities import CROSS_LEVEL, LATERAL_PEAK, WHEEL_LOAD, largest_wheel_load, travel
 from scenarios.cosimulation.recording import Recording
-from scenarios.reporting.plots import LEADING, THESIS, plt
+from scenarios.reporting.plots import LEADING, THESIS, TRAILING, plt
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row
 from scenarios.scenario import Options, Scenario
@@ -33,15 +45,24 @@ SPACINGS = np.linspace(0.55, 0.85, 7)
 
 @dataclass(frozen=True)
 class Panel:
-    """One picture: what is varied over which values, what is answered, the thesis's answer, and the value used."""
+    """One picture: what is varied over which values, what is answered, the thesis's answer, and the value used.
+
+    on_patches: the same at contact depth 2, where both are shown.
+    """
 
     title: str
     varied: str
     values: np.ndarray
     answer: Callable[[float], float]
     unit: str
-    thesis: float
+    thesis: float | None
     used: float
+    on_patches: Callable[[float], float] | None = None
+
+    @property
+    def lines(self) -> dict[str, Callable[[float], float]]:
+        """What is answered, by what stands behind the title in the table."""
+        return {"": self.answer} | ({} if self.on_patches is None else {", contact depth 2": self.on_patches})
 
 
 def critical_over_spacing(half_spacing: float) -> float:
@@ -74,6 +95,15 @@ def wheel_load(**values: float) -> float:
     return largest_wheel_load(travel(CROSS_LEVEL, 25.0, tolerance=TOLERANCE, **values)[1])
 
 
+@lru_cache
+def stop_on_patches(damping: float) -> tuple[float, float]:
+    """At contact depth 2 speed at derailment [m/s], as `derailment_speed`, and largest load of all wheels [kN]."""
+    case = Case(1, 75, 1.0, ON_PATCHES[AS_THESIS])
+    kernel, series = brake(case, 20.0, contact_damping=damping, tolerance=TOLERANCE)
+    load = max(float(series[name].max()) for name in LOADS)
+    return kernel["speed"] if kernel["derailed"] else 0.0, 1e-3 * load
+
+
 def spaced(half_spacing: float) -> dict[str, float]:
     """All springs at one half spacing [m]."""
     return {"longitudinal_half_spacing": half_spacing, "vertical_half_spacing": half_spacing}
@@ -92,6 +122,7 @@ def panels() -> list[Panel]:
         *peak_panels(),
         *derailment_panels(),
         *high_panels(),
+        *patch_panels(),
     ]
 
 
@@ -108,6 +139,7 @@ def peak_panels() -> list[Panel]:
             "lateral peak over spacing",
             *(HALF_SPACING, spacings, lambda value: lateral_peak(**spaced(value)), *answer),
             used=used.longitudinal_half_spacing,
+            on_patches=lambda value: lateral_peak(contact_depth=2, **spaced(value)),
         ),
         Panel(
             "lateral peak over flange stiffness",
@@ -159,6 +191,7 @@ def high_panels() -> list[Panel]:
             lambda value: wheel_load(vertical_half_spacing=value, flange_at_rail=1, **HIGH),
             *load,
             used=used.vertical_half_spacing,
+            on_patches=lambda value: wheel_load(vertical_half_spacing=value, contact_depth=2, **HIGH),
         ),
         Panel(
             "derailment speed over spacing against yaw, against roll 0.9 m, height 1.2 m",
@@ -170,40 +203,76 @@ def high_panels() -> list[Panel]:
     ]
 
 
+def patch_panels() -> list[Panel]:
+    """What the damping of an elastic contact decides, which is assumed; the printed model has none to compare."""
+    used = tables_5_1_and_5_2().contact_damping
+    over = "contact damping [s/m]", used * np.array([0.5, 1.0, 2.0])
+    return [
+        Panel(
+            "lateral peak at contact depth 2",
+            *over,
+            lambda value: lateral_peak(contact_depth=2, contact_damping=value),
+            *("mm", LATERAL_PEAK[0]),
+            used=used,
+        ),
+        Panel(
+            "derailment speed at contact depth 2",
+            *over,
+            lambda value: stop_on_patches(value)[0],
+            *("m/s", DERAILED_AT[1.0]),
+            used=used,
+        ),
+        Panel("largest wheel load of that stop", *over, lambda value: stop_on_patches(value)[1], "kN", None, used=used),
+    ]
+
+
 def run(options: Options) -> Result:
-    asked = [(panel, float(value)) for panel in panels() for value in panel.values]
-    answers: dict[str, list[float]] = {panel.title: [] for panel, _ in asked}
-    for panel, value in tqdm(asked, "values", delay=PATIENCE, leave=False, unit="value"):
-        answers[panel.title].append(panel.answer(value))
+    asked = [
+        (f"{panel.title}{word}", answer, float(value))
+        for panel in panels()
+        for word, answer in panel.lines.items()
+        for value in panel.values
+    ]
+    answers: dict[str, list[float]] = {name: [] for name, _, _ in asked}
+    for name, answer, value in tqdm(asked, "values", delay=PATIENCE, leave=False, unit="value"):
+        answers[name].append(answer(value))
     rows = []
-    for panel in panels():
+    for panel, name in [(one, f"{one.title}{word}") for one in panels() for word in one.lines]:
         source = f"{panel.varied} from {panel.values[0]:g} to {panel.values[-1]:g}; used {panel.used:g}"
-        for word, found in (("least", min(answers[panel.title])), ("largest", max(answers[panel.title]))):
-            rows.append(Row(f"{panel.title}: {word}", panel.unit, panel.thesis, found, None, source))
+        for word, found in (("least", min(answers[name])), ("largest", max(answers[name]))):
+            rows.append(Row(f"{name}: {word}", panel.unit, panel.thesis, found, None, source))
     series = Recording({"panel": "1", "varied": "SI", "answer": "m/s, mm or kN"}, table(answers))
     return Result(rows, series, lambda: draw(answers), as_printed(tables_5_1_and_5_2()).values(), 0.0)
 
 
 def table(answers: dict[str, list[float]]) -> list[list[float]]:
-    """Rows (panel counted from 1, value, answer)."""
+    """Rows (panel counted from 1, a half more at contact depth 2 beside it; value, answer)."""
     return [
-        [number, value, answer]
+        [number + line / 2, value, answer]
         for number, panel in enumerate(panels(), 1)
-        for value, answer in zip(panel.values, answers[panel.title], strict=True)
+        for line, word in enumerate(panel.lines)
+        for value, answer in zip(panel.values, answers[f"{panel.title}{word}"], strict=True)
     ]
 
 
 def draw(answers: dict[str, list[float]]) -> Figure:
-    figure, grid = plt.subplots(3, 3, figsize=(12.0, 10.0))
+    figure, grid = plt.subplots(4, 3, figsize=(12.0, 13.0))
     for axis, panel in zip(grid.ravel(), panels(), strict=True):
-        axis.plot(panel.values, answers[panel.title], "o-", color=LEADING)
+        for word, style in zip(panel.lines, ("o-", "s--"), strict=False):
+            colour = TRAILING if word else LEADING
+            axis.plot(panel.values, answers[f"{panel.title}{word}"], style, color=colour)
         axis.axvline(panel.used, color="#999999", linewidth=0.8)
-        axis.axhline(panel.thesis, color=THESIS, linestyle="--", linewidth=1.0)
+        if panel.thesis is not None:
+            axis.axhline(panel.thesis, color=THESIS, linestyle="--", linewidth=1.0)
         if "stiffness" in panel.varied:
             axis.set_xscale("log")
         axis.set_title(f"{panel.title} [{panel.unit}]", fontsize=9, wrap=True)
         axis.set_xlabel(panel.varied)
-    figure.suptitle("What fitted values decide; grey: used, green: thesis, 0 m/s: no derailment", x=0.02, ha="left")
+    figure.suptitle(
+        "What fitted values decide; grey: used, green: thesis, 0 m/s: no derailment; orange, last row: contact depth 2",
+        x=0.02,
+        ha="left",
+    )
     figure.set_layout_engine("constrained")
     return figure
 

@@ -10,6 +10,7 @@ from fmu_src.kernel import Kernel, Library
 from rbd_model.bogie import DEFAULT_TOLERANCE
 from scenarios.__main__ import find
 from scenarios.bench import drive as scene
+from scenarios.reporting.report import Row
 from scenarios.scenario import Options
 
 IN_SPACE = (
@@ -17,12 +18,23 @@ IN_SPACE = (
     *("bogie-lateral", "bogie-vertical", "bogie-crosslevel", "bogie-pitch", "bogie-lateral-under-torque", "bogie-skid"),
     "asymmetric-braking",
 )
-#: Behind flange impacts (peaks beyond the clearance) the motion is chaotic; the spread found is up to 5 %.
-BAND, CHAOTIC_BAND, FLANGE = 0.01, 0.06, 9.5
+#: Behind flange impacts (peaks beyond the clearance) the motion is chaotic; the spread found is up to 5 %. On elastic
+#: patches it is not, but where wheels come off their rails: there the spread found is 9 %.
+BAND, CHAOTIC_BAND, LIFTING_BAND, FLANGE = 0.01, 0.06, 0.12, 9.5
+ON_PATCHES, LIFTING = "contact depth 2", "rotating axis, contact depth 2, trailing, 75 %"
 
 
 def tighter(library: Library, **values: float) -> Kernel:
     return Kernel(library, **values | {"tolerance": values.get("tolerance", DEFAULT_TOLERANCE) / 10})
+
+
+def band_of(row: Row) -> float:
+    """What a ten times tighter tolerance may change of a row of asymmetric braking, as a share."""
+    if row.unit != "mm" or row.simulated is None or row.simulated <= FLANGE:
+        return BAND
+    if LIFTING in row.quantity:
+        return LIFTING_BAND
+    return BAND if ON_PATCHES in row.quantity else CHAOTIC_BAND
 
 
 @pytest.mark.parametrize("name", IN_SPACE)
@@ -34,9 +46,9 @@ def test_numbers_are_converged(name: str, monkeypatch: pytest.MonkeyPatch) -> No
         assert (row.simulated is None) == (other.simulated is None), row.quantity
         if row.simulated is None or other.simulated is None:
             continue
-        chaotic = name == "asymmetric-braking" and row.unit == "mm" and row.simulated > FLANGE
+        share = band_of(row) if name == "asymmetric-braking" else BAND
         low, high = row.limits or (0.0, 0.0)
         band = (high - low) / 2 if math.isfinite(high - low) else abs(high if math.isfinite(high) else low)
         floor = 0.01 * band
-        allowed = max((CHAOTIC_BAND if chaotic else BAND) * abs(other.simulated), floor)
+        allowed = max(share * abs(other.simulated), floor)
         assert abs(row.simulated - other.simulated) <= allowed, row.quantity
