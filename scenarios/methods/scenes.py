@@ -11,10 +11,10 @@ import numpy as np
 
 from fmu_src.kernel import Kernel
 from fmu_src.system import System
-from rbd_model.bogie import levels, wheelset_in_frame
-from rbd_model.vehicles import two_axle_bogie
+from rbd_model.contact.depth import DEPTHS
 from scenarios.bench.asymmetric_shoes import BRAKE_START, BRAKE_TORQUE, YAW_TORQUE
 from scenarios.bench.drive import History, prepare, value_at
+from scenarios.fmus.registry import model_of
 
 #: Samples of the measured states by name, times [s] included.
 Samples = Mapping[str, np.ndarray]
@@ -64,9 +64,10 @@ class Scene:
         return np.arange(round(self.duration / self.interval) + 1) * self.interval
 
 
-def system_of(fmu: str, level: int = 3) -> System:
+def system_of(fmu: str, level: int = 3, contact_depth: int = 1) -> System:
     """The equations of a kernel."""
-    return levels(two_axle_bogie())[level - 1] if fmu == "bogie" else wheelset_in_frame()
+    model = model_of(fmu)
+    return model.systems[model.choice[(level - 1) * len(DEPTHS) + contact_depth - 1] if model.selectors else 0]
 
 
 def stopping(samples: Samples) -> dict[str, float]:
