@@ -1,10 +1,10 @@
-"""Six scenes that stress different things, and what is read off each: the ground of the study of speed and accuracy."""
+"""Six scenes that stress different things, one of them at contact depth 2 too, and what is read off each."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
@@ -154,6 +154,12 @@ FLANGE = Scene(
     lateral_peak,
     values={"initial_speed": 15.0, "lateral_irregularity": 0.025, "lateral_wave_number": 0.045},
     longest_step=1 / (0.045 * 15.0),
+)
+ON_PATCHES = replace(
+    FLANGE,
+    name="the same wave on patches",
+    stress="contact depth 2",
+    values={**FLANGE.values, "contact_depth": 2},
 )
 ASYMMETRIC = Scene(
     "asymmetric shoes, rotating yaw torque",

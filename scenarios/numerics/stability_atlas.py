@@ -392,7 +392,7 @@ def run(options: Options) -> Result:
         "saturates, the axles shake, and what is slow still looks right; the log says that it is not.",
         "RODAS5P and ROS34PW2 have no such limit. With fixed steps their error is what remains, and the log says when "
         "it exceeds the tolerance.",
-        "On patches, contact depth 2, the limit is the same where creep is the fastest; at high speed it is that of the "
+        "On patches, contact depth 2, the limit is the same where creep is the fastest; at 60 m/s it is that of the "
         "wheelsets, which bounce on their contacts.",
         "At perfect rolling the law of creep has no unique slope (3.92): limits are taken under light braking.",
     ]
