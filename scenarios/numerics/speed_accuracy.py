@@ -1,4 +1,4 @@
-"""Speed against accuracy: six scenes, one at contact depth 2 too, by our methods and others' on the same equations."""
+"""Speed against accuracy: six scenes and one at contact depth 2, by our methods and others' on the same equations."""
 
 from __future__ import annotations
 
