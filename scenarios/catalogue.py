@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 
 from scenarios.brakes import anti_skid, brake_timing, controller_prototype, uneven_brakes
-from scenarios.contact import contact_manchester, creep_laws, flange_climb
+from scenarios.contact import contact_depth, contact_manchester, creep_laws, flange_climb
 from scenarios.coupling import coupling_step
 from scenarios.numerics import levels, oracle, speed, speed_accuracy, stability_atlas
 from scenarios.scenario import BadInputError, Scenario
@@ -47,6 +47,7 @@ SCENARIOS: list[Scenario] = [
     contact_geometry.SCENARIO,
     creep_forces.SCENARIO,
     contact_manchester.SCENARIO,
+    contact_depth.SCENARIO,
     flange_climb.SCENARIO,
     wheelset_constant_speed.SCENARIO,
     wheelset_torque.SCENARIO,

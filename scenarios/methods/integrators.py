@@ -91,13 +91,18 @@ class Layout:
 
 
 @lru_cache
-def layout(fmu: str, level: int = 3) -> Layout:
-    states = system_of(fmu, level).states.values()
+def layout(fmu: str, level: int = 3, contact_depth: int = 1) -> Layout:
+    states = system_of(fmu, level, contact_depth).states.values()
     return Layout(
         [state.name for state in states],
         np.array([not state.algebraic for state in states]),
         np.array([state.nominal for state in states]),
     )
+
+
+def layout_of(scene: Scene) -> Layout:
+    """That of the equations of a scene."""
+    return layout(scene.fmu, contact_depth=int(scene.values.get("contact_depth", 1)))
 
 
 # ---- SciPy ---------------------------------------------------------------------------------------------------------
@@ -142,7 +147,7 @@ class _Equations:
 
 def scipy(scene: Scene, method: str, tolerance: float, budget: float = BUDGET) -> Run:
     """SciPy's integrators between corners and switches; absolute tolerance in nominal values, as ours."""
-    kernel, form = scene.kernel(), layout(scene.fmu)
+    kernel, form = scene.kernel(), layout_of(scene)
     columns = [form.kept.index(name) for name in scene.read]
     place = np.array(kernel.linearise().state)[form.differential]
     begin = clock.perf_counter()

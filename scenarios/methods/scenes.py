@@ -1,20 +1,20 @@
-"""Six scenes that stress different things, and what is read off each: the ground of the study of speed and accuracy."""
+"""Six scenes that stress different things, one more at contact depth 2, and what is read off each."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
 
 from fmu_src.kernel import Kernel
 from fmu_src.system import System
-from rbd_model.bogie import levels, wheelset_in_frame
-from rbd_model.vehicles import two_axle_bogie
+from rbd_model.contact.depth import DEPTHS
 from scenarios.bench.asymmetric_shoes import BRAKE_START, BRAKE_TORQUE, YAW_TORQUE
 from scenarios.bench.drive import History, prepare, value_at
+from scenarios.fmus.registry import model_of
 
 #: Samples of the measured states by name, times [s] included.
 Samples = Mapping[str, np.ndarray]
@@ -64,9 +64,10 @@ class Scene:
         return np.arange(round(self.duration / self.interval) + 1) * self.interval
 
 
-def system_of(fmu: str, level: int = 3) -> System:
+def system_of(fmu: str, level: int = 3, contact_depth: int = 1) -> System:
     """The equations of a kernel."""
-    return levels(two_axle_bogie())[level - 1] if fmu == "bogie" else wheelset_in_frame()
+    model = model_of(fmu)
+    return model.systems[model.choice[(level - 1) * len(DEPTHS) + contact_depth - 1] if model.selectors else 0]
 
 
 def stopping(samples: Samples) -> dict[str, float]:
@@ -164,6 +165,12 @@ ASYMMETRIC = Scene(
     peak_and_stop,
     values={"yaw_torque_rotates": 1, "wheel_lift_ends": 0},
     inputs=asymmetric(25),
+)
+ON_PATCHES = replace(
+    ASYMMETRIC,
+    name="asymmetric shoes, fixed yaw torque, on patches",
+    stress="a flange that bears, contact depth 2",
+    values={"contact_depth": 2},
 )
 STANDING = Scene(
     "stop and 10 s of rest",

@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 from fmu_src.kernel import Kernel
 from scenarios.bench.drive import prepare
-from scenarios.methods.integrators import layout
+from scenarios.methods.integrators import Layout, layout
 
 #: Values of integration_method.
 RODAS5P, ROS34PW2, RUNGE_KUTTA = 1, 2, 3
@@ -45,14 +45,19 @@ class Machine:
         return torques | {"drawbar_force": self.wheelsets * DRAG / radius}
 
     @property
-    def level(self) -> int:
-        return int(dict(self.values).get("level", 3))
+    def form(self) -> Layout:
+        """Places of its states."""
+        values = dict(self.values)
+        return layout(self.fmu, int(values.get("level", 3)), int(values.get("contact_depth", 1)))
 
 
 SPATIAL = Machine("bogie, spatial", "bogie", (("level", 3),))
 PLANAR = Machine("bogie, planar", "bogie", (("level", 2),))
 WHEELSET = Machine("one wheelset in a frame", "wheelset", (), 1)
+#: Those whose fastest mode is creep at every speed, so that it decays without oscillating.
 MACHINES = (SPATIAL, PLANAR, WHEELSET)
+#: At contact depth 2 the wheelsets bounce on their contacts, which limits explicit steps where creep is slow.
+PATCHES = Machine("bogie, patches", "bogie", (("level", 3), ("contact_depth", 2)))
 
 
 def amplification_of_rk4(z: complex | np.ndarray) -> complex | np.ndarray:
@@ -100,7 +105,7 @@ def steady(machine: Machine, speed: float, inputs: tuple[tuple[str, float], ...]
     """Differential states of a steady run at a speed [m/s], and the exact Jacobian there, without algebraic states."""
     kernel = prepare(machine.fmu, initial_speed=speed, tolerance=1e-10, **start_of(machine, inputs))
     kernel.advance(SETTLING)
-    form = layout(machine.fmu, machine.level)
+    form = machine.form
     place = np.array(kernel.linearise().state)[form.differential]
     return place, np.array(kernel.jacobian_at(kernel.time, place.tolist()))
 
@@ -130,7 +135,7 @@ def growth_of_perturbation(
     Returns the mean growth of their difference in each step, until it is lost in noise.
     """
     place, jacobian = steady(machine, speed, inputs)
-    form = layout(machine.fmu, machine.level)
+    form = machine.form
     turning = [form.kept.index(name) for name in form.kept if name.startswith("angular_velocity")]
     fast = fastest_mode(jacobian)
     moved = place + PERTURBATION * speed * fast / np.abs(fast[turning]).max()

@@ -18,7 +18,7 @@ import numpy as np
 
 from fmu_src.compile import CompilerError, cache, compiler, library_suffix
 from fmu_src.kernel import Kernel, KernelError
-from scenarios.methods.integrators import BUDGET, Run, failed, finish, layout
+from scenarios.methods.integrators import BUDGET, Run, failed, finish, layout_of
 from scenarios.methods.scenes import SMOOTH, Scene
 
 SOURCE = Path(__file__).parent / "sundials.c"
@@ -87,7 +87,7 @@ class Integrator:
     """CVODE or IDA on one kernel of a scene, from where the kernel stands; `samples` rows go into `rows`."""
 
     def __init__(self, method: str, kernel: Kernel, scene: Scene, tolerance: float, samples: int) -> None:
-        form, functions = layout(scene.fmu), kernel.library.functions
+        form, functions = layout_of(scene), kernel.library.functions
         self.kernel, self.whole, self.differential = kernel, method == "IDA", form.differential
         self._begin, self._advance, self._close = (
             getattr(driver(), f"{method.lower()}_{word}") for word in ("open", "advance", "close")

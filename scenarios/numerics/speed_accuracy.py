@@ -1,4 +1,4 @@
-"""Speed against accuracy: six scenes by our methods and by those of others, on the same compiled equations."""
+"""Speed against accuracy: six scenes and one at contact depth 2, by our methods and others' on the same equations."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from scenarios.cosimulation.recording import Recording
 from scenarios.methods import sundials
 from scenarios.methods.integrators import own
 from scenarios.methods.oracle_cost import oracle_point
-from scenarios.methods.scenes import ASYMMETRIC, SCENES, SMOOTH, STANDING, Scene
+from scenarios.methods.scenes import ASYMMETRIC, ON_PATCHES, SCENES, SMOOTH, STANDING, Scene
 from scenarios.methods.timing import least
 from scenarios.methods.work_precision import DEFAULT, OMITTED, PEERS, Point, Study, difference, study, works
 from scenarios.reporting.plots import plt
@@ -56,7 +56,7 @@ STYLE = {
 }
 
 
-def all_studies(short: bool = False, scenes: tuple[Scene, ...] = SCENES) -> list[Study]:
+def all_studies(short: bool = False, scenes: tuple[Scene, ...] = (*SCENES, ON_PATCHES)) -> list[Study]:
     """The studies of all scenes, with a bar; `short`: one setting of each method."""
     total = sum(len(list(works(scene, short))) for scene in scenes)
     with tqdm(total=total, desc="runs", delay=PATIENCE, leave=False, unit="run") as bar:
@@ -248,6 +248,8 @@ def draw(studies: list[Study], against: str) -> Figure:
     handles: dict[str, Artist] = {}
     for axis, one in zip(grid.ravel(), studies, strict=False):
         draw_scene(axis, one, against, handles)
+    for axis in grid.ravel()[len(studies) :]:
+        axis.set_axis_off()
     for axis in grid[-1]:
         axis.set_xlabel({"seconds": "wall time [s]", "right_hand_sides": "right-hand sides"}[against])
     for axis in grid[:, 0]:

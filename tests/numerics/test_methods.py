@@ -16,7 +16,7 @@ from rbd_model.parameters import tables_4_1_and_4_2, tables_5_1_and_5_2
 from scenarios.bench.drive import prepare
 from scenarios.methods import sundials
 from scenarios.methods.integrators import layout, own, scipy
-from scenarios.methods.scenes import LOCK_UP, SCENES, SMOOTH, Scene
+from scenarios.methods.scenes import LOCK_UP, ON_PATCHES, SCENES, SMOOTH, Scene
 from scenarios.methods.work_precision import difference
 
 #: Band of docs/checking.md for the orders.
@@ -224,8 +224,8 @@ DEFAULT_BAND = 1e-5
 SEEN = 1e-3
 
 
-@pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.name)
-def test_default_is_right_on_all_six_scenes_against_another_method(scene: Scene) -> None:
+@pytest.mark.parametrize("scene", [*SCENES, ON_PATCHES], ids=lambda scene: scene.name)
+def test_default_is_right_on_all_scenes_against_another_method(scene: Scene) -> None:
     exact = reference(scene)
     assert difference(scene.measure(own(scene).samples), exact) < DEFAULT_BAND
     radius = (tables_5_1_and_5_2() if scene.fmu == "bogie" else tables_4_1_and_4_2()).wheel_radius

@@ -9,6 +9,7 @@ from scenarios.methods.drift import drift
 from scenarios.methods.fold import approach
 from scenarios.methods.stability import (
     MACHINES,
+    PATCHES,
     PLANAR,
     RODAS5P,
     RUNGE_KUTTA,
@@ -54,7 +55,7 @@ def test_limit_is_that_of_the_stability_region_on_both_axes() -> None:
     assert largest_stable_step(weakly_damped) == pytest.approx(IMAGINARY_AXIS / 1000.0, rel=0.02)
 
 
-@pytest.mark.parametrize("machine", [SPATIAL, PLANAR], ids=lambda machine: machine.name)
+@pytest.mark.parametrize("machine", [SPATIAL, PLANAR, PATCHES], ids=lambda machine: machine.name)
 def test_boundary_found_by_bisection_is_the_predicted_one(machine: Machine) -> None:
     for friction in (0.1, 0.3):
         inputs = (("friction_1", friction), ("friction_2", friction))
@@ -62,6 +63,13 @@ def test_boundary_found_by_bisection_is_the_predicted_one(machine: Machine) -> N
         assert found == pytest.approx(limit(machine, 25.0, "RK4", inputs), rel=0.005)  # bisection to 0.2 %
     lighter = (("frame_mass", 15e3),)
     assert abs(found / limit(machine, 25.0, "RK4", lighter) - 1.0) > 0.1  # what the band must tell apart
+
+
+def test_bouncing_on_elastic_contacts_limits_explicit_steps_at_high_speed() -> None:
+    """Where creep is the fastest both depths have one limit; at 60 m/s a vibration is, on the imaginary side."""
+    assert limit(PATCHES, 10.0) == pytest.approx(limit(SPATIAL, 10.0), rel=1e-3)
+    assert limit(PATCHES, 60.0) < 0.99 * limit(SPATIAL, 60.0)
+    assert boundary(PATCHES, 60.0) == pytest.approx(limit(PATCHES, 60.0), rel=0.01)  # of scenario stability-atlas
 
 
 def test_constraints_drift_without_partitioning_and_not_with_it() -> None:

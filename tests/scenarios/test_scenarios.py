@@ -17,7 +17,7 @@ from scenarios.__main__ import main
 from scenarios.bench.torque_history import read_torque_history
 from scenarios.brakes import anti_skid
 from scenarios.catalogue import SCENARIOS
-from scenarios.contact import creep_laws
+from scenarios.contact import contact_depth, creep_laws
 from scenarios.coupling import coupling_step
 from scenarios.methods import scenes as six_scenes
 from scenarios.numerics import oracle, speed, speed_accuracy, stability_atlas
@@ -79,6 +79,7 @@ def short_anti_skid(monkeypatch: pytest.MonkeyPatch) -> None:
 def short_measurements(monkeypatch: pytest.MonkeyPatch) -> None:
     """What is measured for people is measured twice at most, and stability at fewer speeds, frictions and loads."""
     monkeypatch.setattr(speed, "REPEATS", 2)
+    monkeypatch.setattr(contact_depth, "ROUNDS", 1)
     monkeypatch.setattr(stability_atlas, "SPEEDS", tuple(np.geomspace(0.01, 60.0, 11).tolist()))
     monkeypatch.setattr(stability_atlas, "FRICTIONS", tuple(np.linspace(0.05, 0.6, 5).tolist()))
     monkeypatch.setattr(stability_atlas, "LOADS", tuple(np.linspace(0.25, 1.5, 6).tolist()))
