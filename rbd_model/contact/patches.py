@@ -135,10 +135,20 @@ def patch(pair: Pair, s: np.ndarray, gaps: list[np.ndarray], first: int, last: i
     for i, offset in enumerate(offsets):
         gap = square - rail.height(along + offset)
         if np.any(np.isfinite(gap)):
-            found[i] = inside[np.nanargmin(gap)]
+            found[i] = lowest_point(inside, gap)
     known = np.isfinite(found)
     curve = PchipInterpolator(offsets[known], found[known])
     return Patch(direction, radius, limits, rail, (curve.x, curve.c[::-1].T))
+
+
+def lowest_point(s: np.ndarray, gap: np.ndarray) -> float:
+    """Where a gap over equally spaced positions is smallest (section 4.3), by a parabola through three of them [m]."""
+    here = int(np.nanargmin(gap))
+    near = gap[max(here - 1, 0) : here + 2]
+    bend = near[0] - 2 * near[1] + near[-1]
+    if near.size < 3 or not bend > 0.0:
+        return float(s[here])
+    return float(s[here] + 0.5 * (near[0] - near[2]) / bend * (s[1] - s[0]))
 
 
 def in_direction(y: np.ndarray, z: np.ndarray, direction: float) -> tuple[np.ndarray, np.ndarray]:

@@ -25,7 +25,8 @@ ONSET = (0.1e-3, 0.3e-3)
 #: Asked of Nadal's limit: yaw and roll steepen the flange by a degree at most, which is 1 to 2 % of tan.
 BAND = 0.02
 #: Angles of attack of the curve [rad], its flange and its friction.
-YAWS, CURVE_ANGLE, CURVE_FRICTION = (0.001, 0.002, 0.005, 0.01, 0.02, 0.035, 0.05), 70.3, 0.3
+YAWS = (0.0005, 0.001, 0.002, 0.0035, 0.005, 0.0075, 0.01, 0.015, 0.02, 0.035, 0.05)
+CURVE_ANGLE, CURVE_FRICTION = 70.3, 0.3
 LAWS = {"FASTSIM 5 x 5": fastsim(5), "Polach": polach}
 SOURCE = "Nadal (1896)"
 

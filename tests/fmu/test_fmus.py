@@ -37,6 +37,9 @@ BOGIE_OUTPUTS = [
     *("frame_lateral", "frame_roll", "frame_yaw", "derailed"),
     *pair("flange_force"),
     *(f"derailment_quotient_{number}_{side}" for number in (1, 2) for side in ("left", "right")),
+    *(f"lateral_force_{number}_{side}" for number in (1, 2) for side in ("left", "right")),
+    "guiding_force_1",
+    "guiding_force_2",
 ]
 BOGIE_PARAMETERS = {"level", "initial_speed", "rolling_resistance_torque", "tolerance", "wheelset_mass", "frame_mass"}
 BRAKE_INPUTS = ["pressure_demand", "valve", "angular_velocity"]

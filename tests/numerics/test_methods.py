@@ -220,8 +220,9 @@ def test_recording_of_methods_without_an_extension_is_accurate_between_steps() -
 
 #: Band of docs/checking.md for the default at its own tolerance; an engineer reads off ten times as much.
 DEFAULT_BAND = 1e-5
-#: A change of the wheel radius that must be seen in every scene, relative.
-SEEN = 1e-3
+#: A change of the wheel radius that must be seen in every scene, relative; between its flanges a wheelset hunts with a
+#: peak that hardly depends on it.
+SEEN = 3e-3
 
 
 @pytest.mark.parametrize("scene", [*SCENES, ON_PATCHES], ids=lambda scene: scene.name)
