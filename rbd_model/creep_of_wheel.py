@@ -17,6 +17,23 @@ from rbd_model.wheelset import SMALLEST_FRICTION, SMALLEST_LOAD, at_least
 SLIDING_FLOOR = 1e-9
 
 
+def how_it_slides(
+    sliding: ca.SX, own_rate: ca.SX, directions: tuple[ca.SX, ca.SX, ca.SX], forward: ca.SX, creepage_speed: ca.SX
+) -> ca.SX:
+    """Along and across [m/s], spin [rad/s] and reciprocal of the speed [s/m], for creepages (3.89)-(3.91), (2.3).
+
+    sliding [m/s], own_rate [rad/s]: of the wheel where it touches; directions: along the rail, sideways, normal.
+    Kalker's law is for axes that look ahead. Rolling backwards these are turned half round about the normal: the force
+    of spin turns with them, while that of sliding opposes the sliding either way. Over v_eps it changes from one to the
+    other: a jump at rest would have no solution.
+    """
+    along, sideways, normal = directions
+    slides = ca.dot(sliding, along), ca.dot(sliding, sideways)
+    slowness = 1 / ca.sqrt(forward**2 + creepage_speed**2)
+    ahead = ca.fmax(ca.fmin(forward / creepage_speed, 1), -1)
+    return ca.vertcat(*slides, ahead * ca.dot(own_rate, normal), slowness)
+
+
 @lru_cache
 def creep_of_wheel(creep_law: CreepLaw) -> Part:
     """Creep forces of one patch [N] and the friction that is left, eqs (3.82)-(3.105) and the law of `Surface`.

@@ -19,19 +19,17 @@ from rbd_model.contact.patches import TREAD_SLOPE, patches_of, stand_on_treads
 from rbd_model.kinematics import Body, axes_rate, direction_cosines, turned_by
 from rbd_model.pressing_patch import PatchConstants, PatchState, Press, pressing_patch
 from rbd_model.rolling_contact import SIDES, Placement, Wheel
-from rbd_model.spatial_wheelset import NOMINAL_ROLL, Motion, OnTrack, follow_track, yaw_torque_of
+from rbd_model.spatial_wheelset import END_MARGIN, NOMINAL_ROLL, Motion, OnTrack, follow_track, push_wheelset
 from rbd_model.touching_patch import Nearest, direction_of, look_up_patch
 from rbd_model.track import Section
 from rbd_model.variables import LARGEST_LATERAL
 from rbd_model.vehicle import Wheelset
-from rbd_model.wheelset import NOMINAL_TRAVEL_SPEED, add_rotation
+from rbd_model.wheelset import NOMINAL_TRAVEL_SPEED
 
 #: How far a patch may be from its rail and still be looked at [m]: more than its nearest point without yaw errs by.
 NEAR = 0.5e-3
 #: Scales of the error control: with tolerance 1e-6, 1 nm of an approach that is 0.1 mm under load.
 NOMINAL_RISE = 1e-3
-#: Distance from the end of a profile at which a patch counts as run off it [m].
-END_MARGIN = 1e-3
 #: Any approach at which a contact's stiffness is asked for [m].
 UNIT_APPROACH = 1e-3
 #: Pitch of the table of how a wheelset stands on its treads [m].
@@ -264,17 +262,9 @@ def move_on_patches(
     assembly: Assembly, wheelset: PatchedWheelset, suspension: Load, first_acceleration: ca.SX
 ) -> Motion:
     """Equations of motion of a wheelset, as (3.73): to what the rails do comes what the suspension does."""
-    system, number, body = assembly.system, wheelset.number, wheelset.body
-    mass, inertia = assembly.value(wheelset.data.mass), [assembly.value(size) for size in wheelset.data.inertia]
-    yaw_torque = yaw_torque_of(assembly, number, wheelset.rotated)
-    moment = body.axes.T @ suspension.moment + yaw_torque
-    turning = ca.vertcat(moment[0] / inertia[0], moment[1], moment[2] / inertia[2])
-    push = system.narrow(ca.vertcat((1 / mass) * suspension.force, turning))
-    acceleration, turning = wheelset.acceleration + push[:3], wheelset.turning + push[3:]
-    rotation = add_rotation(assembly, number, (wheelset.rotated, body.own_rate[1]), turning[1])
-    system.derivative(f"shift_speed_{number}", acceleration[0] - first_acceleration)
-    system.derivative(f"lateral_speed_{number}", acceleration[1])
-    system.derivative(f"rise_speed_{number}", acceleration[2])
-    system.derivative(f"roll_rate_{number}", turning[0])
-    system.derivative(f"yaw_rate_{number}", turning[2])
-    return Motion(acceleration[0], rotation, ca.dot(yaw_torque, body.own_rate))
+    number, place = wheelset.number, (wheelset.data, wheelset.body, wheelset.rotated)
+    free = ca.vertcat(wheelset.acceleration, wheelset.turning)
+    push, motion = push_wheelset(assembly, number, place, suspension, free, first_acceleration)
+    assembly.system.derivative(f"rise_speed_{number}", free[2] + push[2])
+    assembly.system.derivative(f"roll_rate_{number}", free[3] + push[3])
+    return motion

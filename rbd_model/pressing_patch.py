@@ -13,10 +13,10 @@ import casadi as ca
 from fmu_src.chain import Bundle, Chain, Part, rows
 from rbd_model.contact.creep.law import CreepLaw
 from rbd_model.contact.elastic import damped, elastic_force
-from rbd_model.creep_of_wheel import creep_of_wheel
+from rbd_model.creep_of_wheel import creep_of_wheel, how_it_slides
 from rbd_model.kinematics import turned_by
-from rbd_model.rolling_contact import Pieces
-from rbd_model.touching_patch import TouchingPatch, follow_cosines, patch_of_wheel
+from rbd_model.rolling_contact import Pieces, follow_cosines
+from rbd_model.touching_patch import TouchingPatch, patch_of_wheel
 from rbd_model.wheelset import SMALLEST_LOAD, at_least
 
 
@@ -70,8 +70,7 @@ def pressing_patch(wheel_terms: int, rail_terms: int, creep_law: CreepLaw) -> Pa
     """A `Press` of a `PatchState`, (3.82)-(3.105) with Hertz' force by the approach; constants: with the pieces."""
     state, fixed, chain = PatchState.symbols("state"), PatchConstants.symbols("constants"), Chain()
     pieces = Pieces(ca.SX.sym("wheel", wheel_terms), ca.SX.sym("rail", rail_terms))
-    turning = ca.vertcat(state.yaw, state.roll)
-    follow_cosines(chain, fixed.cosines, turning)
+    follow_cosines(chain, fixed.cosines, ca.vertcat(state.yaw, state.roll))
     patch = find_patch(chain, state, fixed, pieces)
     results = press(chain, state, fixed, patch, creep_law).vector
     constants = ca.vertcat(fixed.vector, pieces.vector)
@@ -101,12 +100,9 @@ def press(chain: Chain, state: PatchState, fixed: PatchConstants, patch: Touchin
     elastic = elastic_force(patch.approach, *curvatures, fixed.shear_modulus)
     normal = damped(elastic, closing, fixed.damping)
 
-    slides = ca.dot(sliding, along), ca.dot(sliding, sideways)
-    slowness = 1 / ca.sqrt(state.forward**2 + fixed.creepage_speed**2)
-    # Backwards Kalker's axes are turned half round, as in `roll_wheel`.
-    ahead = ca.fmax(ca.fmin(state.forward / fixed.creepage_speed, 1), -1)
-    spin = ahead * ca.dot(own_rate, patch.normal)
-    given = ca.vertcat(*slides, spin, slowness, *curvatures, normal, state.friction)
+    directions = along, sideways, patch.normal
+    slides = how_it_slides(sliding, own_rate, directions, state.forward, fixed.creepage_speed)
+    given = ca.vertcat(slides, *curvatures, normal, state.friction)
     creep = chain.call(creep_of_wheel(creep_law), given, ca.vertcat(fixed.shear_modulus, fixed.surface))
     # The law knows no load below the smallest; without any there is no creep force.
     share = normal / at_least(normal, SMALLEST_LOAD)

@@ -118,6 +118,12 @@ def touch(placement: Placement, on: Wheel, position: ca.SX, piece: ca.SX) -> Tou
     return Touch(arm, normal, along, across, on_rail, place[2], unit, radius)
 
 
+def follow_cosines(chain: Chain, cosines: ca.SX, turned: ca.SX) -> None:
+    """Tells a part how the `direction_cosines` (section 3.2.1) that it is given follow yaw and roll, its arguments."""
+    change = ca.vertcat(-cosines[1], cosines[0], -cosines[3], cosines[2])
+    chain.follow(cosines, turned, ca.horzcat(ca.vertcat(change[:2], 0, 0), ca.vertcat(0, 0, change[2:])))
+
+
 @lru_cache
 def contact_of_wheel(wheel_terms: int, rail_terms: int) -> Part:
     """Geometry of one contact, eqs (3.54), (3.57), (3.83), of lateral position, yaw, roll and position on the wheel.
@@ -130,8 +136,7 @@ def contact_of_wheel(wheel_terms: int, rail_terms: int) -> Part:
     cosines, on = constants[:4], Wheel(*ca.vertsplit(constants[4:8]))
     wheel, rail = constants[8 : 8 + wheel_terms], constants[8 + wheel_terms :]
     chain = Chain()
-    turning = ca.vertcat(-cosines[1], cosines[0], -cosines[3], cosines[2])
-    chain.follow(cosines, given[1:3], ca.horzcat(ca.vertcat(turning[:2], 0, 0), ca.vertcat(0, 0, turning[2:])))
+    follow_cosines(chain, cosines, given[1:3])
     one = touch(Placement(yaw, roll, cosines, lateral), on, position, wheel)
     bend = polynomials(wheel, position, 2)[2]
     height, rail_slope, rail_bend = polynomials(rail, one.on_rail, 2)

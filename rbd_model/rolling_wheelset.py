@@ -18,7 +18,7 @@ import casadi as ca
 
 from fmu_src.chain import Bundle, Chain, Part, rows
 from rbd_model.contact.creep.law import CreepLaw
-from rbd_model.creep_of_wheel import creep_of_wheel
+from rbd_model.creep_of_wheel import creep_of_wheel, how_it_slides
 from rbd_model.kinematics import axes_rate, direction_cosines, turned_by
 from rbd_model.rolling_contact import SIDES, Pieces, Placement, Wheel, WheelContact, wheel_contact
 
@@ -210,16 +210,11 @@ def roll_wheel(
     moving: velocity where it touches [m/s] and angular velocity [rad/s], in the wheelset's own axes.
     """
     sliding, own_rate = moving
-    slides = ca.dot(sliding, contact.along), ca.dot(sliding, contact.sideways)
-    slowness = 1 / ca.sqrt(state.forward**2 + fixed.creepage_speed**2)
-    # Kalker's law is for axes that look ahead. Rolling backwards these are turned half round about the normal: the
-    # force of spin turns with them, while that of sliding opposes the sliding either way.
-    # Over v_eps it changes from one to the other: a jump at rest would have no solution.
-    ahead = ca.fmax(ca.fmin(state.forward / fixed.creepage_speed, 1), -1)
-    spin = ahead * ca.dot(own_rate, contact.normal)
+    directions = contact.along, contact.sideways, contact.normal
+    slides = how_it_slides(sliding, own_rate, directions, state.forward, fixed.creepage_speed)
     curvatures = contact.curvature_along, contact.curvature_across
     normal_force = state.normal_forces[index]
-    given = ca.vertcat(*slides, spin, slowness, *curvatures, normal_force, state.friction)
+    given = ca.vertcat(slides, *curvatures, normal_force, state.friction)
     constants = ca.vertcat(fixed.shear_modulus, fixed.surface)
     along, sideways, friction = ca.vertsplit(chain.call(creep_of_wheel(creep_law), given, constants))
     power = -along * slides[0] - sideways * slides[1]

@@ -283,25 +283,45 @@ def yaw_torque_of(assembly: Assembly, number: int, rotated: ca.SX) -> ca.SX:
     return assembly.input[f"yaw_torque_{number}"] * ca.vertcat(ca.sin(angle), 0, ca.cos(angle))
 
 
+def push_wheelset(
+    assembly: Assembly,
+    number: int,
+    wheelset: tuple[Wheelset, Body, ca.SX],
+    suspension: Load,
+    free: ca.SX,
+    first_acceleration: ca.SX,
+) -> tuple[ca.SX, Motion]:
+    """What the suspension adds to what the rails do, and the motion along, across and about the vertical, (3.73).
+
+    wheelset: its description, body and the angle that it has turned by. free: acceleration [m/s2] and turning by the
+    rails, as in `RolledMotion`; what is added has the same rows.
+    """
+    system, (data, body, rotated) = assembly.system, wheelset
+    mass, inertia = assembly.value(data.mass), [assembly.value(size) for size in data.inertia]
+    yaw_torque = yaw_torque_of(assembly, number, rotated)
+    moment = body.axes.T @ suspension.moment + yaw_torque
+    turning = ca.vertcat(moment[0] / inertia[0], moment[1], moment[2] / inertia[2])
+    push = system.narrow(ca.vertcat((1 / mass) * suspension.force, turning))
+    moved = free + push
+    rotation = add_rotation(assembly, number, (rotated, body.own_rate[1]), moved[4])
+    system.derivative(f"shift_speed_{number}", moved[0] - first_acceleration)
+    system.derivative(f"lateral_speed_{number}", moved[1])
+    system.derivative(f"yaw_rate_{number}", moved[5])
+    return push, Motion(moved[0], rotation, ca.dot(yaw_torque, body.own_rate))
+
+
 def move_wheelset(assembly: Assembly, wheelset: SpatialWheelset, suspension: Load, first_acceleration: ca.SX) -> Motion:
     """Equations of motion of a wheelset, as (3.73), and the accelerations of its constraints, (3.71).
 
     To what the rails do comes what the suspension does. first_acceleration [m/s2]: of the vehicle's first body along
     the track.
     """
-    system, number, body = assembly.system, wheelset.number, wheelset.body
-    mass, inertia = assembly.value(wheelset.data.mass), [assembly.value(size) for size in wheelset.data.inertia]
-    yaw_torque = yaw_torque_of(assembly, number, wheelset.rotated)
-    moment = body.axes.T @ suspension.moment + yaw_torque
-    turning = ca.vertcat(moment[0] / inertia[0], moment[1], moment[2] / inertia[2])
-    push = system.narrow(ca.vertcat((1 / mass) * suspension.force, turning))
-    acceleration, turning = wheelset.rolled.acceleration + push[:3], wheelset.rolled.turning + push[3:]
-    rotation = add_rotation(assembly, number, (wheelset.rotated, body.own_rate[1]), turning[1])
-    system.derivative(f"shift_speed_{number}", acceleration[0] - first_acceleration)
-    system.derivative(f"lateral_speed_{number}", acceleration[1])
-    system.derivative(f"yaw_rate_{number}", turning[2])
-    rolled, pushed = wheelset.rolled, ca.vertcat(push[:4], push[5])
+    number, rolled, mass = wheelset.number, wheelset.rolled, assembly.value(wheelset.data.mass)
+    place = wheelset.data, wheelset.body, wheelset.rotated
+    free = ca.vertcat(rolled.acceleration, rolled.turning)
+    push, motion = push_wheelset(assembly, number, place, suspension, free, first_acceleration)
+    pushed = ca.vertcat(push[:4], push[5])
     for index, (word, row) in enumerate(zip(SIDES.values(), (rolled.left_row, rolled.right_row), strict=True)):
         parting = rolled.parting[index] + ca.dot(row, pushed)
-        system.residual(f"normal_{number}_{word}", mass * parting)
-    return Motion(acceleration[0], rotation, ca.dot(yaw_torque, body.own_rate))
+        assembly.system.residual(f"normal_{number}_{word}", mass * parting)
+    return motion

@@ -17,7 +17,7 @@ from fmu_src.system import System, polynomials
 from rbd_model.contact.patches import Patch
 from rbd_model.contact.profiles import KNOT_DISTANCE, Profile
 from rbd_model.kinematics import turned_by
-from rbd_model.rolling_contact import Pieces, Placement, Touch, Wheel, touch
+from rbd_model.rolling_contact import Pieces, Placement, Touch, Wheel, follow_cosines, touch
 
 #: Least sum of the curvatures of wheel and rail across the track with which a common normal is looked for [1/m], and
 #: how far from the nearest point of the table [m]: half of a profile's piece, beyond which its polynomial means little.
@@ -66,12 +66,6 @@ def meet(one: Touch, on: Wheel, height: ca.SX, direction: ca.SX, bend: ca.SX, ra
     upright = direction[0] * one.across[1] - direction[1] * outward
     curvature = bend * one.unit**3 - rail_bend * unit**3
     return Meeting(square - value, unit * (leaning + slope * upright), upright, curvature)
-
-
-def follow_cosines(chain: Chain, cosines: ca.SX, turned: ca.SX) -> None:
-    """Tells a part how the `direction_cosines` (section 3.2.1) that it is given follow yaw and roll, its arguments."""
-    change = ca.vertcat(-cosines[1], cosines[0], -cosines[3], cosines[2])
-    chain.follow(cosines, turned, ca.horzcat(ca.vertcat(change[:2], 0, 0), ca.vertcat(0, 0, change[2:])))
 
 
 @lru_cache

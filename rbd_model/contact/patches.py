@@ -1,6 +1,6 @@
 """Patches of a wheel on its rail: parts of its profile that each touch for themselves, such as tread and flange.
 
-Rigid profiles, no yaw, no roll. Along a patch the distance of wheel and rail is taken square to its `Direction`, so
+Rigid profiles, no yaw, no roll. Along a patch the distance of wheel and rail is taken square to its `direction`, so
 that there is a nearest point wherever the wheel stands: over the rail for the tread, from the side for the flange.
 """
 
@@ -178,6 +178,7 @@ class Stand:
     position: tuple[float, float]
 
 
+@lru_cache
 def stand_on_treads(pair: Pair, shift: float) -> Stand:
     """Rigid contact of both treads, whatever the flanges do, at a shift of the axle [m], section 4.3."""
     treads = [patch.limits for patch in patches_of(pair) if patch.direction < TREAD_SLOPE]

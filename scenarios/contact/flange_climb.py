@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 
+import casadi as ca
 import numpy as np
 from matplotlib.figure import Figure
 from tqdm import tqdm
 
 from rbd_model.contact.creep.fastsim import fastsim
 from rbd_model.contact.creep.polach import polach
+from rbd_model.rolling_wheelset import nadal_limit
 from scenarios.bench.climbing_wheelset import GROWTH, SPEED, climbing_wheelset, push
 from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, THREE, plt
@@ -33,8 +35,7 @@ SOURCE = "Nadal (1896)"
 
 def nadal(angle: float, friction: float) -> float:
     """Y/Q at which a flange of this angle [deg] that slides down carries all."""
-    slope = math.tan(math.radians(angle))
-    return (slope - friction) / (1 + slope * friction)
+    return float(nadal_limit(math.radians(angle), ca.SX(friction)))
 
 
 def run(options: Options) -> Result:
