@@ -6,6 +6,7 @@ once; and what repeats is differentiated once, for all the places where it stand
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields
 from functools import cached_property
@@ -21,7 +22,7 @@ class Part:
     """A function that is generated once and called for each of what repeats, such as the wheelsets of a vehicle.
 
     results: of `arguments`, by which it is differentiated, and of `constants`, by which it is not; column vectors. What
-    it calls itself, and its waists, are the links of its `chain`; they are written into it.
+    it calls itself, and its waists, are the links of its `chain`. source: C in place of equations, see `part_in_c`.
     """
 
     name: str
@@ -29,6 +30,7 @@ class Part:
     constants: ca.SX
     results: ca.SX
     chain: Chain = field(default_factory=lambda: Chain())
+    source: str = ""
 
     @cached_property
     def slope(self) -> ca.SX:
@@ -40,6 +42,20 @@ class Part:
         """The results, and the nonzeros of their slopes, of arguments and constants."""
         both = [ca.densify(self.chain.expand(one)) for one in (self.results, self.slope.nz[:])]
         return ca.Function(self.name, [self.arguments, self.constants], both)
+
+
+def part_in_c(name: str, counts: tuple[int, int, int], source: str) -> Part:
+    """A part for what no expression can say, a search or a look-up among many: numbers of its arguments, constants and
+    results, and C that defines
+
+        static void NAME(const double *arguments, const double *constants, double *results, double *slopes)
+
+    slopes: 0, or room for the derivatives of all results by the arguments, column by column. Equations know of it only
+    what depends on what: written out, its results are no numbers.
+    """
+    arguments, constants = ca.SX.sym("arguments", counts[0]), ca.SX.sym("constants", counts[1])
+    all_of_it = math.nan * (ca.sum1(arguments) + ca.sum1(constants))
+    return Part(name, arguments, constants, ca.repmat(all_of_it, counts[2], 1), source=source)
 
 
 @dataclass(frozen=True)

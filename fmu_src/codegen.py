@@ -194,17 +194,9 @@ def content_guid(texts: Iterable[str]) -> str:
 def _equations(generated: Sequence[dict[str, Generated]]) -> str:
     """C of all functions, those of the parts before those that call them."""
     own = [one for made in generated for one in made.values()]
-    parts = list({id(call.part): call.part for one in own for call in one.calls}.values())
-    names = [part.name for part in parts]
-    if len(set(names)) < len(names):
-        raise ValueError(
-            f"Two parts have one name among {', '.join(dict.fromkeys(names))}; give each part a name of its own."
-        )
-    wanted = {(call.part.name, one.differentiated) for one in own for call in one.calls}
-    inside = [
-        _part_function(part, slopes) for part in parts for slopes in (False, True) if (part.name, slopes) in wanted
-    ]
-    every = [*inside, *(one.function for one in own)]
+    inside, in_c = _functions_of_parts(own)
+    called = [one for one in (*inside, *own) if one.calls]
+    every = [one.function for one in (*inside, *own)]
     generator = ca.CodeGenerator("equations", {"with_export": False})
     for function in every:
         generator.add(function)
@@ -214,21 +206,59 @@ def _equations(generated: Sequence[dict[str, Generated]]) -> str:
     # CasADi's squares, absolute values and minima are functions; inlined, a right-hand side takes 5 to 14 % less.
     text = re.sub(r"^casadi_real (?=casadi_\w+\()", "static inline casadi_real ", text, flags=re.MULTILINE)
     text = _without_questions(text, {function.name() for function in every})
-    for function in inside:
-        text = re.sub(rf"^(?=int {function.name()}\()", "static ", text, flags=re.MULTILINE)
-    for one in own:
-        if one.calls:
-            text = _with_calls(text, one)
+    for one in called:
+        text = _with_calls(text, one)
+    for one in inside:
+        text = re.sub(rf"^(?=int {one.function.name()}\()", "static ", text, flags=re.MULTILINE)
     # The interface of CasADi has arguments that these functions do not use; everything else stays a warning.
-    return '#pragma GCC diagnostic ignored "-Wunused-parameter"\n' + text
+    return '#pragma GCC diagnostic ignored "-Wunused-parameter"\n' + "\n".join([*map(_in_c, in_c), text])
 
 
-def _part_function(part: Part, slopes: bool) -> ca.Function:
+def _functions_of_parts(own: Sequence[Generated]) -> tuple[list[Generated], list[Part]]:
+    """Of each part that is called, also by other parts, the functions that are needed, before those that call them.
+
+    And the parts that are given in C.
+    """
+    made: dict[str, Generated] = {}
+    parts: dict[str, Part] = {}
+
+    def make(part: Part, slopes: bool) -> None:
+        if parts.setdefault(part.name, part) is not part:
+            raise ValueError(f"Two parts have one name, {part.name}; give each part a name of its own.")
+        if part.source or _name_of(part, slopes) in made:
+            return
+        one = _part_function(part, slopes)
+        for call in one.calls:
+            make(call.part, one.differentiated)
+        made[_name_of(part, slopes)] = one
+
+    for one in own:
+        for call in one.calls:
+            make(call.part, one.differentiated)
+    return list(made.values()), [part for part in parts.values() if part.source]
+
+
+def _in_c(part: Part) -> str:
+    """A part that is given in C, under the names and with the arguments of the generated ones."""
+    behind = part.results.numel()
+    given = "const double **arg, double **res, long long int *iw, double *w, int mem"
+    return f"""{part.source}
+static inline int {_name_of(part, False)}({given}) {{
+  {part.name}(arg[0], arg[1], res[0], 0);
+  return 0;
+}}
+static inline int {_name_of(part, True)}({given}) {{
+  {part.name}(arg[0], arg[1], res[0], res[0] + {behind});
+  return 0;
+}}
+"""
+
+
+def _part_function(part: Part, slopes: bool) -> Generated:
     """A part's results of its arguments and constants, and with `slopes` the nonzeros of these behind them."""
-    given = [part.arguments, part.constants]
-    results, nonzeros = part.function(*given)
-    name = _name_of(part, slopes)
-    return shared(name, given, [ca.vertcat(results, nonzeros) if slopes else results])
+    results = ca.vertcat(part.results, part.slope.nz[:]) if slopes else part.results
+    plain = ca.densify(part.chain.without_waists(results))
+    return _function(part.chain, _name_of(part, slopes), [plain], [part.arguments, part.constants])
 
 
 def _name_of(part: Part, slopes: bool) -> str:

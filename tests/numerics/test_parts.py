@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -9,7 +10,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from fmu_src.chain import Bundle, Chain, Part, differ, rows, shared
+from fmu_src.chain import Bundle, Chain, Part, differ, part_in_c, rows, shared
 from fmu_src.codegen import functions, generate
 from fmu_src.compile import build_library
 from fmu_src.dependencies import direct_inputs
@@ -21,6 +22,31 @@ ROUND_OFF = 1e-12
 
 
 @lru_cache
+def hardening_in_c() -> Part:
+    """The same, given in C."""
+    source = """#include <math.h>
+static void hardening_in_c(const double *arguments, const double *constants, double *results, double *slopes) {
+  const double way = arguments[0], force = way + constants[0] * way * way * way + sin(arguments[1]);
+  results[0] = force;
+  results[1] = force * force;
+  if (slopes)
+    for (int i = 0; i < 2; ++i) {
+      slopes[2 * i] = i ? cos(arguments[1]) : 1 + 3 * constants[0] * way * way;
+      slopes[2 * i + 1] = 2 * force * slopes[2 * i];
+    }
+}"""
+    return part_in_c("hardening_in_c", (2, 1, 2), source)
+
+
+def softened(inner: Part) -> Part:
+    """A part that calls a part: what the spring gives back of a way that it shares with a lever."""
+    way, rate, hard = ca.SX.sym("way"), ca.SX.sym("rate"), ca.SX.sym("hard")
+    chain = Chain()
+    found = chain.call(inner, ca.vertcat(way * 1.1, rate - way), hard)
+    return Part(f"softened_{inner.name}", ca.vertcat(way, rate), hard, found * ca.vertcat(1.0, 1 + way), chain)
+
+
+@lru_cache
 def hardening() -> Part:
     """Force of a spring that hardens, and its square, of way and rate; the constant is how much."""
     way, rate, hard = ca.SX.sym("way"), ca.SX.sym("rate"), ca.SX.sym("hard")
@@ -28,14 +54,17 @@ def hardening() -> Part:
     return Part("hardening", ca.vertcat(way, rate), hard, ca.vertcat(force, force**2))
 
 
-def two_masses(parts: bool) -> System:
-    """Two masses in a row; the second spring feels what the first one carries, so that its call is of rank 1."""
+def two_masses(parts: bool, of: Callable[[], Part] | None = None) -> System:
+    """Two masses in a row; the second spring feels what the first one carries, so that its call is of rank 1.
+
+    of: the law of the springs, `hardening` by default.
+    """
     system = System("masses", "two masses on hardening springs")
     push = system.input(Variable("push", "input", "N", "Force on the second mass"))
     hard = system.parameter(Variable("hard", "parameter", "1", "Hardening", 0.3))
     x = [system.state(f"x_{n}", "m", 0.1 * n, 1.0) for n in (1, 2)]
     v = [system.state(f"v_{n}", "m/s", 0.2 * n, 1.0) for n in (1, 2)]
-    part = hardening()
+    part = (of or hardening)()
 
     def law(way: ca.SX, rate: ca.SX) -> ca.SX:
         given = ca.vertcat(way, rate)
@@ -54,14 +83,27 @@ def two_masses(parts: bool) -> System:
     return system
 
 
-def kernels() -> list[Kernel]:
-    libraries = [Library(build_library(model_of(two_masses(parts), 1e-9))) for parts in (True, False)]
-    return [Kernel(library, push=0.5) for library in libraries]
+#: Laws with parts, and the same written out.
+LAWS = {
+    "one part": (hardening, hardening),
+    "a part that calls one": (lambda: softened(hardening()), None),
+    "a part in C": (hardening_in_c, hardening),
+    "a part that calls one in C": (lambda: softened(hardening_in_c()), lambda: softened(hardening())),
+}
 
 
-def test_equations_with_parts_are_those_without() -> None:
+def written_out(part: Part) -> Part:
+    """The same part without a part that it calls."""
+    return replace(part, name="plain", results=part.chain.expand(part.results), chain=Chain())
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_equations_with_parts_are_those_without(name: str) -> None:
     found = []
-    for kernel in kernels():
+    called, plain = LAWS[name]
+    systems = two_masses(True, called), two_masses(False, lambda: written_out((plain or called)()))
+    for library in [Library(build_library(model_of(system, 1e-9))) for system in systems]:
+        kernel = Kernel(library, push=0.5)
         kernel.initialise()
         found.append((np.array(kernel.linearise().jacobian), np.array(kernel.linearise().slope)))
         kernel.advance(3.0)
@@ -161,7 +203,13 @@ def test_two_parts_of_one_name_are_refused() -> None:
     softer = replace(hardening(), results=2 * hardening().results)
     softer_force = system.call(softer, system.arguments[1][:2], system.parameter_symbols["hard"])
     system.derivative("v_1", softer_force[0] + system.calls[0].symbols[0])
-    with pytest.raises(
-        ValueError, match=r"Two parts have one name among hardening; give each part a name of its own\."
-    ):
+    with pytest.raises(ValueError, match=r"Two parts have one name, hardening; give each part a name of its own\."):
         generate(model_of(system, 1e-9))
+
+
+def test_a_part_in_c_written_out_is_no_number_but_depends_on_what_it_is_given() -> None:
+    assert direct_inputs(two_masses(True, hardening_in_c)) == direct_inputs(two_masses(True))
+    results, slopes = hardening_in_c().function(ca.DM([0.1, 0.2]), 0.3)
+    assert np.isnan(np.array(results)).all()
+    assert np.isnan(np.array(slopes)).all()
+    assert slopes.numel() == 4
