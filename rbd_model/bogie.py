@@ -22,7 +22,7 @@ DEFAULT_TOLERANCE = 1e-6
 
 
 #: Which of the systems of `levels` serves, by level and, the last number running first, by depth of contact.
-CHOICE = (0, 0, 1, 1, 2, 3)
+CHOICE = (0, 0, 0, 1, 1, 1, 2, 3, 4)
 
 
 def levels(vehicle: Vehicle) -> tuple[System, ...]:

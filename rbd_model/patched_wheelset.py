@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi as ca
 import numpy as np
@@ -14,8 +14,9 @@ from rbd_model.connections import Load
 from rbd_model.contact.creep.kalker import smooth_kalker_coefficients
 from rbd_model.contact.elastic import elastic_force
 from rbd_model.contact.geometry import Pair
-from rbd_model.contact.hertz import moving_ellipse
+from rbd_model.contact.hertz import POISSON_RATIO, moving_ellipse
 from rbd_model.contact.patches import patches_of, stand_on_treads
+from rbd_model.contact.strips_in_c import OF_SEGMENT, wheel_on_strips
 from rbd_model.kinematics import Body, axes_rate, direction_cosines, turned_by
 from rbd_model.pressing_patch import PatchConstants, PatchState, Press, pressing_patch
 from rbd_model.rolling_contact import SIDES, Placement, Wheel
@@ -143,36 +144,74 @@ def place_on_patches(assembly: Assembly, number: int, section: Callable[[int, ca
     system.derivative(f"yaw_{number}", on.yaw_rate / ca.cos(roll))
     system.derivative(f"rise_{number}", rising)
     system.derivative(f"roll_{number}", roll_rate)
-    pressed: list[list[Press]] = []
-    nearest: list[list[Nearest]] = []
-    for index, word in enumerate(SIDES.values()):
-        found = [
-            press_patch(assembly, f"{number}_{word}", (number, index, n), standing)
-            for n in range(len(patches_of(data.pair)))
-        ]
-        pressed.append([patch for patch, _ in found])
-        nearest.append([near for _, near in found])
+    press = STRIPS_OR_PATCHES[assembly.contact.depth]
+    found = [press(assembly, number, index, standing) for index in range(len(SIDES))]
+    pressed, nearest = [wheel for wheel, _ in found], [near for _, near in found]
     acceleration, turning = stand_freely(assembly, data, body, [patch for wheel in pressed for patch in wheel])
     return PatchedWheelset(number, data, body, on.rotated, on.yaw, on.offset, pressed, nearest, acceleration, turning)
 
 
-def press_patch(
-    assembly: Assembly, name: str, which: tuple[int, int, int], standing: Standing
-) -> tuple[Press, Nearest]:
-    """What a patch does, and where it is nearest to its rail, (3.77), (3.78).
+WheelPressed = tuple[list[Press], list[Nearest]]
 
-    which: number of the wheelset, wheel (0: left) and place in `patches_of`. name: of its wheel.
+
+def press_patches(assembly: Assembly, number: int, index: int, standing: Standing) -> WheelPressed:
+    """What each patch of a wheel does, and where it is nearest to its rail, (3.77), (3.78).
+
+    number: of the wheelset; index: of its wheel, 0 the left one.
     """
-    number, index, place = which
-    system, p, on, data = assembly.system, assembly.parameter, standing.on, assembly.vehicle.wheelsets[number - 1]
+    data = assembly.vehicle.wheelsets[number - 1]
+    wheel, state = feel_rail(assembly, number, index, standing)
+    pressed, nearest = [], []
+    for place, patch in enumerate(patches_of(data.pair)):
+        name = f"{place}_{number}_{list(SIDES.values())[index]}"
+        near = look_up_patch(
+            assembly.system, name, patch, data.pair.wheel, (standing.placement, wheel, state.height)
+        )
+        fixed = PatchConstants(
+            standing.cosines, wheel.vector, ca.SX(direction_of(patch)), *surroundings(assembly).values()
+        )
+        terms = near.pieces.wheel.numel(), near.pieces.rail.numel()
+        part = pressing_patch(*terms, patch.flange, assembly.contact.law_of(patch.flange))
+        given = replace(state, nearest=near.position).vector
+        # The first, a tread, bears nearly always; the others seldom.
+        when = 1.0 if place == 0 else near.approach + NEAR
+        found = assembly.system.call(part, given, ca.vertcat(fixed.vector, near.pieces.vector), when)
+        pressed.append(Press.of(found))
+        nearest.append(near)
+    return pressed, nearest
+
+
+def press_strips(assembly: Assembly, number: int, index: int, standing: Standing) -> WheelPressed:
+    """As `press_patches`, by strips: Knothe (1984), Kalker (1982), see contact/strips.c.
+
+    Nearest points only tell where tread and flange end.
+    """
+    pair = assembly.vehicle.wheelsets[number - 1].pair
+    wheel, state = feel_rail(assembly, number, index, standing)
+    word, patches = list(SIDES.values())[index], patches_of(pair)
+    at = standing.placement, wheel, state.height
+    nearest = [
+        look_up_patch(assembly.system, f"{place}_{number}_{word}", patch, pair.wheel, at)
+        for place, patch in enumerate(patches)
+    ]
+    given = state.vector[: -state.nearest.numel()]
+    constants = ca.vertcat(wheel.vector, *surroundings(assembly).values(), POISSON_RATIO)
+    found = assembly.system.call(wheel_on_strips(pair), given, constants)
+    rows = [found[OF_SEGMENT * i : OF_SEGMENT * (i + 1)] for i in reversed(range(len(patches)))]
+    return [Press.of(row) for row in rows], nearest
+
+
+#: By the depth of contact: how a wheel is pressed.
+STRIPS_OR_PATCHES = {2: press_patches, 3: press_strips}
+
+
+def feel_rail(assembly: Assembly, number: int, index: int, standing: Standing) -> tuple[Wheel, PatchState]:
+    """A wheel, and how it stands and moves on its rail; its nearest point is not known yet (0)."""
+    data, on = assembly.vehicle.wheelsets[number - 1], standing.on
     side, pair = list(SIDES)[index], data.pair
-    patch = patches_of(pair)[place]
     wheel = Wheel(
         ca.SX(side), assembly.value(data.radius[index]), ca.SX(pair.wheel_half_distance), ca.SX(pair.rail_half_distance)
     )
-    height = standing.height - on.heights[index]
-    at = standing.placement, wheel, height
-    nearest = look_up_patch(system, f"{place}_{name}", patch, pair.wheel, at)
     state = PatchState(
         on.forward,
         on.sideways,
@@ -181,28 +220,24 @@ def press_patch(
         on.angular_velocity,
         on.yaw_rate,
         on.offset,
-        height,
+        standing.height - on.heights[index],
         on.yaw,
         standing.roll,
-        nearest.position,
         ca.vertcat(on.slopes[0], on.slopes[1 + index]),
         on.friction,
+        nearest=ca.SX(0),
     )
-    fixed = PatchConstants(
-        standing.cosines,
-        wheel.vector,
-        ca.SX(direction_of(patch)),
-        p["creepage_speed"],
-        p["shear_modulus"],
-        assembly.rail.surface.symbols,
-        p["contact_damping"],
-    )
-    terms = nearest.pieces.wheel.numel(), nearest.pieces.rail.numel()
-    part = pressing_patch(*terms, patch.flange, assembly.contact.law_of(patch.flange))
-    # The first, a tread, bears nearly always; the others seldom.
-    near = 1.0 if place == 0 else nearest.approach + NEAR
-    pressed = Press.of(system.call(part, state.vector, ca.vertcat(fixed.vector, nearest.pieces.vector), near))
-    return pressed, nearest
+    return wheel, state
+
+
+def surroundings(assembly: Assembly) -> dict[str, ca.SX]:
+    """What all contacts of a vehicle have in common, in the order of `PatchConstants`."""
+    names = ("creepage_speed", "shear_modulus")
+    return {
+        **{name: assembly.parameter[name] for name in names},
+        "surface": assembly.rail.surface.symbols,
+        "damping": assembly.parameter["contact_damping"],
+    }
 
 
 def stand_freely(assembly: Assembly, data: Wheelset, body: Body, pressed: Sequence[Press]) -> tuple[ca.SX, ca.SX]:

@@ -35,9 +35,9 @@ class PatchState(Bundle):
     height: ca.SX = rows(1)  # of the wheelset's centre over the rail [m]
     yaw: ca.SX = rows(1)  # [rad]
     roll: ca.SX = rows(1)  # [rad]
-    nearest: ca.SX = rows(1)  # position on the wheel's profile without yaw [m]
     slopes: ca.SX = rows(2)  # along the track, of its lateral position and of the rail's height [1]
     friction: ca.SX = rows(1)  # without sliding [1]
+    nearest: ca.SX = rows(1)  # position on the wheel's profile without yaw [m]
 
 
 @dataclass(frozen=True)

@@ -44,6 +44,7 @@ class Standing:
 STANDING = {
     1: Standing("spatial", place_wheelset, move_wheelset, watch_rigid),
     2: Standing("spatial_patches", place_on_patches, move_on_patches, watch_patches),
+    3: Standing("spatial_strips", place_on_patches, move_on_patches, watch_patches),
 }
 
 

@@ -12,6 +12,7 @@ from rbd_model.contact.creep.shen_hedrick_elkins import shen_hedrick_elkins
 DEPTHS = {
     1: "one rigid contact a wheel, the flange a spring as printed (3.106)",
     2: "tread and flange as two elastic patches at their places",
+    3: "as many patches of any shape as the profiles have, by strips",
 }
 
 

@@ -1,0 +1,550 @@
+/* A wheel on its rail by strips, depth 3 of contact: several patches of any shape, with creep forces strip by strip.
+ *
+ * The method is that of distance.py, normal.py and strip_creep.py beside this file, which say where each formula comes
+ * from, and are finer and slower. Here every segment of the wheel's contour, between places where contact of rigid
+ * bodies would jump, has STRIPS strips from the first to the last place where it overlaps its rail. Strips of different
+ * segments feel each other. What the reference does patch by patch, the ellipse's factor kappa and the flexibilities of
+ * creep, is done for each segment with all strips that join it without a gap, so that the forces do not jump where
+ * patches meet or part.
+ *
+ * Seen from one wheel: x ahead, y outwards, z up; the right wheel is the mirror image of a left one. */
+#include <math.h>
+
+enum { STRIPS = 8, CELLS = 8, SAMPLES = 24, MOST_SEGMENTS = 6, MOST = STRIPS * MOST_SEGMENTS, TERMS = 12, ELLIPTIC = 7 };
+enum { ARGUMENTS = 13, OF_SEGMENT = 11, OF_WHEEL = 3, MOST_RESULTS = OF_SEGMENT * MOST_SEGMENTS + OF_WHEEL };
+enum { ROUNDS = 40 }; /* of a search that ends after a few */
+static const double PI = 3.14159265358979324, EULER = 2.71828182845904524, TINY = 1e-300;
+
+/* A quintic spline with equal pieces. */
+typedef struct {
+    double first, width;
+    int pieces;
+    const double *coefficient;
+} contour_of;
+
+/* Both contours, and the segments of the wheel's, each with its two ends [m], from the flange outwards. */
+typedef struct {
+    contour_of wheel, rail;
+    int segments;
+    const double *segment;
+} wheel_on_rail;
+
+/* Polynomials: of ln(B/A) for ln(alpha), of ln(kappa (a/b)^2) for ln(kappa), of a/b's logarithm for those of Kalker's
+ * coefficients, of m1 for (K - E) / m = P(m1) + Q(m1) ln(1/m1), and the limits of the first three arguments. */
+typedef struct {
+    double alpha[TERMS], kappa[TERMS], c11[TERMS], c22[TERMS], c23[TERMS], plain[ELLIPTIC], logarithmic[ELLIPTIC];
+    double curvatures[2], loads[2], axes[2];
+} fits_of;
+
+/* Where the wheelset stands, seen from this wheel, and how it moves, in the axes of the track. */
+typedef struct {
+    double axes[3][3], lateral, height, level, outwards, radius, wheel_half, rail_half;
+} stand_of;
+
+typedef struct {
+    double velocity[3], rate[3], slope[2], friction;
+} motion_of;
+
+/* The steel, and the surface of rbd_model/adhesion.py. */
+typedef struct {
+    double creepage_speed, modulus, plane_modulus, ratio, decay, fall, adhesion, damping;
+} steel_of;
+
+/* One strip: its nearest point from the wheelset's centre [m], on both contours, gap [m], normal, A [1/m], breadth and
+ * half length [m], load for each metre of breadth [N/m]. */
+typedef struct {
+    double arm[3], on_rail, gap, sine, cosine, curvature, stretch, breadth, overlap, half_length, line_load, pressure;
+    int segment;
+} strip_of;
+
+typedef struct {
+    int count;
+    strip_of strip[MOST];
+    double nearest[MOST_SEGMENTS]; /* largest overlap of each segment, negative where it hangs over the rail [m] */
+    double load[MOST_SEGMENTS], longest[MOST_SEGMENTS], across[MOST_SEGMENTS];
+    double share[MOST_SEGMENTS][MOST]; /* of each strip in the patch of a segment */
+} pressed_of;
+
+static double series(const double *coefficient, double x) {
+    double value = coefficient[TERMS - 1];
+    for (int power = TERMS - 2; power >= 0; --power) value = value * x + coefficient[power];
+    return value;
+}
+
+static double within(double x, const double *limits) { return fmin(fmax(x, limits[0]), limits[1]); }
+
+/* Height of a contour and its slope; 0 outside, where there is none. */
+static int height_of(const contour_of *contour, double y, double *height, double *slope) {
+    const double place = (y - contour->first) / contour->width;
+    if (!(place >= 0.0 && place <= contour->pieces)) return 0;
+    const int piece = place < contour->pieces ? (int)place : contour->pieces - 1;
+    const double *c = contour->coefficient + 6 * piece, x = y - (contour->first + piece * contour->width);
+    *height = ((((c[5] * x + c[4]) * x + c[3]) * x + c[2]) * x + c[1]) * x + c[0];
+    *slope = (((5 * c[5] * x + 4 * c[4]) * x + 3 * c[3]) * x + 2 * c[2]) * x + c[1];
+    return 1;
+}
+
+/* The wheel's place s over the rail, distance.py. */
+static strip_of strip_at(const wheel_on_rail *pair, const stand_of *stand, double s) {
+    strip_of found = {{0.0, 0.0, 0.0}, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0};
+    double contour = 0.0, slope = 0.0, under = 0.0, unused = 0.0;
+    if (!height_of(&pair->wheel, s, &contour, &slope)) return found;
+    const double(*axes)[3] = stand->axes, radius = stand->radius - contour;
+    const double ahead = axes[0][0], up = axes[0][2];
+    const double lead = -slope * stand->outwards * stand->level, rest = sqrt(1.0 - lead * lead);
+    const double sine = stand->level * (lead * ahead + rest * up);
+    const double cosine = stand->level * (rest * ahead - lead * up);
+    const double own[3] = {radius * sine, stand->wheel_half + s, -radius * cosine}, leaning[3] = {-sine, -slope, cosine};
+    double normal[3];
+    for (int i = 0; i < 3; ++i) {
+        found.arm[i] = axes[i][0] * own[0] + axes[i][1] * own[1] + axes[i][2] * own[2];
+        normal[i] = axes[i][0] * leaning[0] + axes[i][1] * leaning[1] + axes[i][2] * leaning[2];
+    }
+    const double size = 1.0 / sqrt(normal[1] * normal[1] + normal[2] * normal[2]);
+    found.sine = -normal[1] * size;
+    found.cosine = normal[2] * size;
+    found.on_rail = stand->lateral + found.arm[1] - stand->rail_half;
+    if (height_of(&pair->rail, found.on_rail, &under, &unused)) found.gap = stand->height + found.arm[2] - under;
+    found.curvature = found.cosine / (2.0 * radius);
+    found.stretch = sqrt(1.0 + slope * slope);
+    return found;
+}
+
+/* The gap alone. */
+static double gap_at(const wheel_on_rail *pair, const stand_of *stand, double s) {
+    double contour = 0.0, slope = 0.0, under = 0.0, unused = 0.0;
+    if (!height_of(&pair->wheel, s, &contour, &slope)) return 1.0;
+    const double(*axes)[3] = stand->axes, lead = -slope * stand->outwards * stand->level;
+    const double rest = sqrt(1.0 - lead * lead), radius = (stand->radius - contour) * stand->level;
+    const double own[3] = {radius * (lead * axes[0][0] + rest * axes[0][2]), stand->wheel_half + s,
+                           -radius * (rest * axes[0][0] - lead * axes[0][2])};
+    const double y = axes[1][0] * own[0] + axes[1][1] * own[1] + axes[1][2] * own[2];
+    const double z = axes[2][0] * own[0] + axes[2][1] * own[1] + axes[2][2] * own[2];
+    if (!height_of(&pair->rail, stand->lateral + y - stand->rail_half, &under, &unused)) return 1.0;
+    return stand->height + z - under;
+}
+
+/* Where the gap is 0 between a place where it is negative and one where it is not: the secants of Illinois. */
+static double crossing(const wheel_on_rail *pair, const stand_of *stand, double inside, double outside) {
+    double below = gap_at(pair, stand, inside), above = gap_at(pair, stand, outside), last = 0.0;
+    for (int i = 0; i < ROUNDS && fabs(outside - inside) > 1e-12; ++i) {
+        const double middle = inside + (outside - inside) * below / (below - above);
+        const double gap = gap_at(pair, stand, middle);
+        if (fabs(gap) < 1e-16) return middle;
+        if (gap < 0.0) {
+            inside = middle;
+            below = gap;
+            if (last < 0.0) above *= 0.5;
+        } else {
+            outside = middle;
+            above = gap;
+            if (last > 0.0) below *= 0.5;
+        }
+        last = gap;
+    }
+    return inside;
+}
+
+/* The lowest place near a sample, by parabolas closer and closer. */
+static double lowest_near(const wheel_on_rail *pair, const stand_of *stand, double place, double reach) {
+    for (int i = 0; i < 3; ++i, reach *= 0.1) {
+        const double left = gap_at(pair, stand, place - reach), here = gap_at(pair, stand, place);
+        const double right = gap_at(pair, stand, place + reach), bend = left - 2.0 * here + right;
+        if (bend > 0.0) place += reach * fmin(fmax(0.5 * (left - right) / bend, -1.0), 1.0);
+    }
+    return place;
+}
+
+/* The part of a segment that overlaps the rail; 0 where none does. least: its smallest gap. */
+static int overlap_of(const wheel_on_rail *pair, const stand_of *stand, const double *segment, double *ends, double *least) {
+    double gap[SAMPLES + 1];
+    const double pitch = (segment[1] - segment[0]) / SAMPLES;
+    int lowest = 0, first = -1, last = -1;
+    for (int i = 0; i <= SAMPLES; ++i) {
+        gap[i] = gap_at(pair, stand, segment[0] + i * pitch);
+        if (gap[i] < gap[lowest]) lowest = i;
+        if (gap[i] < 0.0) {
+            last = i;
+            if (first < 0) first = i;
+        }
+    }
+    *least = gap[lowest];
+    double low = segment[0] + first * pitch, high = segment[0] + last * pitch;
+    if (first < 0) { /* perhaps between two samples */
+        if (lowest == 0 || lowest == SAMPLES) return 0;
+        low = high = lowest_near(pair, stand, segment[0] + lowest * pitch, pitch);
+        *least = gap_at(pair, stand, low);
+        first = last = lowest;
+        if (!(*least < 0.0)) return 0;
+    }
+    ends[0] = first == 0 ? segment[0] : crossing(pair, stand, low, segment[0] + (first - 1) * pitch);
+    ends[1] = last == SAMPLES ? segment[1] : crossing(pair, stand, high, segment[0] + (last + 1) * pitch);
+    return ends[1] > ends[0];
+}
+
+/* Strips of all segments that overlap, normal.py; `nearest` of those that do not is negative. */
+static void lay_strips(const wheel_on_rail *pair, const stand_of *stand, pressed_of *found) {
+    found->count = 0;
+    for (int segment = 0; segment < pair->segments; ++segment) {
+        double ends[2], least;
+        const int overlaps = overlap_of(pair, stand, pair->segment + 2 * segment, ends, &least);
+        found->nearest[segment] = -least;
+        if (!overlaps) continue;
+        const double pitch = (ends[1] - ends[0]) / STRIPS;
+        double deepest = 0.0;
+        for (int i = 0; i < STRIPS; ++i) {
+            strip_of *strip = &found->strip[found->count++];
+            *strip = strip_at(pair, stand, ends[0] + (i + 0.5) * pitch);
+            strip->breadth = pitch * strip->stretch;
+            strip->overlap = -strip->gap * strip->cosine;
+            strip->segment = segment;
+            deepest = fmax(deepest, strip->overlap);
+        }
+        found->nearest[segment] = deepest;
+    }
+}
+
+/* Half lengths of a segment's strips to begin with, and which of them will touch: Hertz's ellipse, normal.py. */
+static void begin(const fits_of *fits, strip_of *strip, int *touch) {
+    double deepest = 1e-14, half = 0.0, along = 0.0;
+    for (int i = 0; i < STRIPS; ++i) {
+        deepest = fmax(deepest, strip[i].overlap);
+        half += 0.5 * strip[i].breadth;
+        along += strip[i].curvature / STRIPS;
+    }
+    const double ratio = within(log(deepest / (half * half * along)), fits->curvatures);
+    const double alpha = exp(series(fits->alpha, ratio)), beta = exp(series(fits->alpha, -ratio));
+    for (int i = 0; i < STRIPS; ++i) {
+        const double square = deepest - beta * (deepest - strip[i].overlap);
+        touch[i] = square > 0.0;
+        strip[i].half_length = sqrt(fmax(square, 0.1 * deepest) / (alpha * along));
+    }
+}
+
+/* How far 1 N/m on strip `by` lowers the middles of all strips, times the plane modulus: Johnson (1985), section 3.2. */
+static void lower(const fits_of *fits, const pressed_of *found, int by, double *lowering) {
+    const strip_of *strip = found->strip, *loaded = strip + by;
+    const double mean = loaded->breadth / (2.0 * EULER), inverse = 1.0 / loaded->half_length;
+    const double scale = 4.0 / (PI * PI) * loaded->breadth * inverse, square = inverse * inverse;
+    for (int at = 0; at < found->count; ++at) {
+        const double y = strip[at].arm[1] - loaded->arm[1], z = strip[at].arm[2] - loaded->arm[2];
+        const double ratio = (at == by ? mean * mean : y * y + z * z) * square, m = 1.0 / (1.0 + ratio), m1 = ratio * m;
+        double plain = fits->plain[ELLIPTIC - 1], logarithmic = fits->logarithmic[ELLIPTIC - 1];
+        for (int power = ELLIPTIC - 2; power >= 0; --power) {
+            plain = plain * m1 + fits->plain[power];
+            logarithmic = logarithmic * m1 + fits->logarithmic[power];
+        }
+        lowering[at] = scale * sqrt(m) * (plain - logarithmic * log(m1));
+    }
+}
+
+/* Solves for the loads of the strips that touch, in place; the diagonal is the largest of each row. */
+static void solve(int count, double matrix[MOST][MOST], double *value) {
+    for (int pivot = 0; pivot < count; ++pivot) {
+        const double inverse = 1.0 / matrix[pivot][pivot];
+        for (int row = pivot + 1; row < count; ++row) {
+            const double factor = matrix[row][pivot] * inverse;
+            for (int column = pivot + 1; column < count; ++column)
+                matrix[row][column] -= factor * matrix[pivot][column];
+            value[row] -= factor * value[pivot];
+        }
+    }
+    for (int row = count - 1; row >= 0; --row) {
+        for (int column = row + 1; column < count; ++column) value[row] -= matrix[row][column] * value[column];
+        value[row] /= matrix[row][row];
+    }
+}
+
+/* Loads of the strips, none negative, that lower the surfaces by their overlap: Knothe and Le The (1984), normal.py. */
+static void carry(const fits_of *fits, double plane_modulus, pressed_of *found, int *touch) {
+    static const double ENOUGH = 1e-6;
+    double lowering[MOST][MOST], matrix[MOST][MOST], load[MOST], deepest = 0.0;
+    int inside[MOST], known[MOST] = {0};
+    strip_of *strip = found->strip;
+    for (int i = 0; i < found->count; ++i) deepest = fmax(deepest, strip[i].overlap);
+    for (int round = 0; round < ROUNDS; ++round) {
+        int count = 0, changed = 0;
+        for (int i = 0; i < found->count; ++i) {
+            strip[i].line_load = 0.0;
+            if (!touch[i]) continue;
+            if (!known[i]) lower(fits, found, i, lowering[i]);
+            known[i] = 1;
+            inside[count++] = i;
+        }
+        for (int i = 0; i < count; ++i) {
+            load[i] = plane_modulus * strip[inside[i]].overlap;
+            for (int j = 0; j < count; ++j) matrix[i][j] = lowering[inside[j]][inside[i]];
+        }
+        solve(count, matrix, load);
+        for (int i = 0; i < count; ++i) {
+            strip[inside[i]].line_load = fmax(load[i], 0.0);
+            if (load[i] < 0.0) changed = 1, touch[inside[i]] = 0;
+        }
+        if (changed) continue;
+        for (int i = 0; i < found->count; ++i) {
+            if (touch[i]) continue;
+            double left = plane_modulus * strip[i].overlap;
+            for (int j = 0; j < count; ++j) left -= lowering[inside[j]][i] * load[j];
+            if (left > ENOUGH * plane_modulus * deepest) changed = 1, touch[i] = 1;
+        }
+        if (!changed) return;
+    }
+}
+
+/* Share of each strip in the patch of a segment: as much as the line load between it and the segment's largest. */
+static int share_of(const pressed_of *found, int segment, double *share) {
+    int top = -1;
+    for (int i = 0; i < found->count; ++i) {
+        share[i] = 0.0;
+        if (found->strip[i].segment == segment && (top < 0 || found->strip[i].line_load > found->strip[top].line_load))
+            top = i;
+    }
+    if (top < 0 || !(found->strip[top].line_load > 0.0)) return -1;
+    for (int step = -1; step <= 1; step += 2) {
+        double valley = found->strip[top].line_load;
+        for (int i = top; i >= 0 && i < found->count && found->strip[i].line_load > 0.0; i += step) {
+            valley = fmin(valley, found->strip[i].line_load);
+            share[i] = valley / found->strip[i].line_load;
+        }
+    }
+    return top;
+}
+
+/* Half lengths by the loads: p = kappa A a E*, with the ellipse's kappa for each segment, normal.py. */
+static void lengthen(const fits_of *fits, double plane_modulus, pressed_of *found, int segment) {
+    double *share = found->share[segment], load = 0.0, along = 0.0;
+    const int top = share_of(found, segment, share);
+    found->load[segment] = 0.0;
+    if (top < 0) return;
+    for (int i = 0; i < found->count; ++i) {
+        const double part = share[i] * found->strip[i].line_load * found->strip[i].breadth;
+        load += part;
+        along += part * found->strip[i].curvature;
+    }
+    along /= load;
+    const double across = 0.75 * load / found->strip[top].line_load;
+    const double known = log(1.5 * load / (PI * plane_modulus * along * across * across * across));
+    const double kappa = exp(series(fits->kappa, within(known, fits->loads)));
+    for (int i = 0; i < found->count; ++i) {
+        strip_of *strip = &found->strip[i];
+        if (strip->segment != segment) continue;
+        const double stiffness = kappa * strip->curvature * plane_modulus;
+        strip->half_length = sqrt(2.0 / PI * strip->line_load / stiffness);
+        strip->pressure = stiffness * strip->half_length;
+    }
+    found->longest[segment] = found->strip[top].half_length;
+    found->load[segment] = load;
+}
+
+/* Where the wheel touches and how hard, and what creep is asked of each patch. */
+static void press(const wheel_on_rail *pair, const fits_of *fits, const stand_of *stand, double plane_modulus,
+                  pressed_of *found) {
+    int touch[MOST];
+    lay_strips(pair, stand, found);
+    for (int i = 0; i < found->count; i += STRIPS) begin(fits, found->strip + i, touch + i);
+    carry(fits, plane_modulus, found, touch);
+    for (int segment = 0; segment < pair->segments; ++segment) lengthen(fits, plane_modulus, found, segment);
+    for (int segment = 0; segment < pair->segments; ++segment) {
+        double area = 0.0;
+        for (int i = 0; i < found->count; ++i)
+            area += 2.0 * found->share[segment][i] * found->strip[i].half_length * found->strip[i].breadth;
+        found->across[segment] = found->load[segment] > 0.0 ? area / (PI * found->longest[segment]) : 0.0;
+    }
+}
+
+/* A stress that is met by friction: FASTSIM with three flexibilities, strip_creep.py. */
+static void cut(double *stress, double limit, const double *flexible) {
+    const double size = sqrt(stress[0] * stress[0] + stress[1] * stress[1]);
+    if (!(size > limit)) return;
+    const double beyond = size / fmax(limit, TINY) - 1.0;
+    for (int i = 0; i < 2; ++i) stress[i] /= 1.0 + beyond / flexible[i];
+    const double share = limit / fmax(sqrt(stress[0] * stress[0] + stress[1] * stress[1]), TINY);
+    for (int i = 0; i < 2; ++i) stress[i] *= share;
+}
+
+/* Force of a strip [N] for steady sliding over flexibility [Pa/m], the turning of spin [Pa/m2], and friction. */
+static void creep_of_strip(const strip_of *strip, const double *steady, double turning, double limit,
+                           const double *flexible, double *force) {
+    double stress[2] = {0.0, 0.0}, last = 0.0, total[2] = {0.0, 0.0}, mean = 0.0;
+    for (int cell = 0; cell < CELLS; ++cell) {
+        const double place = 1.0 - (2 * cell + 1.0) / CELLS;
+        mean += (1.0 - place * place) / CELLS;
+    }
+    for (int cell = 0; cell < CELLS; ++cell) {
+        const double place = 1.0 - (2 * cell + 1.0) / CELLS, moved = 1.0 - place;
+        const double turned = strip->half_length * (1.0 - place * place) / 2.0;
+        const double before = last;
+        last = turned;
+        stress[0] -= (moved - (cell ? 1.0 - place - 2.0 / CELLS : 0.0)) * steady[0] * strip->half_length;
+        stress[1] -= ((moved - (cell ? 1.0 - place - 2.0 / CELLS : 0.0)) * steady[1] + turning * (turned - before)) *
+                     strip->half_length;
+        /* A parabola with the load of half an ellipse. */
+        cut(stress, limit * (1.0 - place * place) * 0.25 * PI / mean, flexible);
+        total[0] += stress[0];
+        total[1] += stress[1];
+    }
+    for (int i = 0; i < 2; ++i) force[i] = total[i] * 2.0 * strip->half_length / CELLS * strip->breadth;
+}
+
+/* By how much creepage ahead, to the side and from spin move the surface for each stress [m/Pa], strip_creep.py. */
+static void flexibilities(const fits_of *fits, const pressed_of *found, int segment, const steel_of *steel,
+                          double *flexibility) {
+    const double longest = found->longest[segment], slender = longest / found->across[segment];
+    const double logarithm = within(log(slender), fits->axes), size = longest / (steel->modulus * steel->adhesion);
+    flexibility[0] = 8.0 * size / (3.0 * exp(series(fits->c11, logarithm)));
+    flexibility[1] = 8.0 * size / (3.0 * exp(series(fits->c22, logarithm)));
+    flexibility[2] = PI * size * sqrt(slender) / (4.0 * exp(series(fits->c23, logarithm)));
+}
+
+/* How the wheel's surface slides at a strip: ahead, to the side [m/s], spin [rad/s], and closing in on the rail. */
+static void slide(const strip_of *strip, const motion_of *motion, double *sliding) {
+    const double *w = motion->rate, *r = strip->arm;
+    const double v[3] = {motion->velocity[0] + w[1] * r[2] - w[2] * r[1], motion->velocity[1] + w[2] * r[0] - w[0] * r[2],
+                         motion->velocity[2] + w[0] * r[1] - w[1] * r[0]};
+    const double drift = strip->cosine * motion->slope[1] - strip->sine * motion->slope[0];
+    sliding[0] = v[0];
+    sliding[1] = strip->cosine * v[1] + strip->sine * v[2];
+    sliding[2] = strip->cosine * w[2] - strip->sine * w[1];
+    sliding[3] = motion->velocity[0] * drift + strip->sine * v[1] - strip->cosine * v[2];
+}
+
+/* Adds what a strip does to its wheelset: `force` ahead and to the side, and the load that presses it. */
+static void add_strip(const strip_of *strip, const motion_of *motion, const double *sliding, const double *force,
+                      double load, double elastic, double *result) {
+    const double drift = strip->cosine * motion->slope[1] - strip->sine * motion->slope[0], *r = strip->arm;
+    const double f[3] = {force[0], strip->cosine * force[1] - strip->sine * load,
+                         strip->sine * force[1] + strip->cosine * load};
+    result[0] += f[0] - drift * load;
+    result[1] += f[1];
+    result[2] += f[2];
+    result[3] += r[1] * f[2] - r[2] * f[1];
+    result[4] += r[2] * f[0] - r[0] * f[2];
+    result[5] += r[0] * f[1] - r[1] * f[0];
+    result[6] += f[0];
+    result[7] -= force[0] * sliding[0] + force[1] * sliding[1];
+    result[9] += (load - elastic) * sliding[3];
+    result[10] += 0.5 * elastic * strip->overlap; /* work of surfaces that are lowered in proportion */
+}
+
+/* Creep forces of a segment's strips, and with them all that it does. */
+static void slide_segment(const fits_of *fits, const pressed_of *found, int segment, const motion_of *motion,
+                          const steel_of *steel, double *result) {
+    result[8] = found->nearest[segment];
+    if (!(found->load[segment] > 0.0)) return;
+    double sliding[MOST][4], mean[2] = {0.0, 0.0}, flexibility[3];
+    for (int i = 0; i < found->count; ++i) {
+        const strip_of *strip = &found->strip[i];
+        if (!(found->share[segment][i] > 0.0)) continue;
+        slide(strip, motion, sliding[i]);
+        const double weight = found->share[segment][i] * strip->line_load * strip->breadth / found->load[segment];
+        for (int k = 0; k < 2; ++k) mean[k] += weight * sliding[i][k];
+    }
+    flexibilities(fits, found, segment, steel, flexibility);
+    const double flexible[2] = {2.0 * flexibility[0] / (flexibility[0] + flexibility[1]),
+                                2.0 * flexibility[1] / (flexibility[0] + flexibility[1])};
+    const double speed = motion->velocity[0], least = steel->creepage_speed;
+    const double slowness = 1.0 / sqrt(speed * speed + least * least), ahead = fmax(fmin(speed / least, 1.0), -1.0);
+    const double friction = motion->friction * (steel->fall * exp(-steel->decay * sqrt(mean[0] * mean[0] + mean[1] * mean[1])) +
+                                                steel->ratio);
+    for (int i = 0; i < found->count; ++i) {
+        const strip_of *strip = &found->strip[i];
+        if (strip->segment != segment || !(strip->line_load > 0.0)) continue;
+        const double elastic = strip->line_load * strip->breadth;
+        const double factor = fmax(1.0 + steel->damping * sliding[i][3], 0.0);
+        double steady[2], force[2];
+        for (int k = 0; k < 2; ++k)
+            steady[k] = slowness * (mean[k] / flexibility[k] + (sliding[i][k] - mean[k]) / flexibility[2]);
+        creep_of_strip(strip, steady, ahead * slowness * sliding[i][2] / flexibility[2],
+                       friction * factor * strip->pressure, flexible, force);
+        add_strip(strip, motion, sliding[i], force, factor * elastic, elastic, result);
+    }
+}
+
+/* Centre of the squared overlap of the undeformed surfaces: place on the rail [m], angle [rad]; largest pressure. */
+static void middle_of(const pressed_of *found, double *result) {
+    double sum = 0.0;
+    result[0] = result[1] = result[2] = 0.0;
+    for (int i = 0; i < found->count; ++i) {
+        const strip_of *strip = &found->strip[i];
+        const double depth = fmax(-strip->gap, 0.0);
+        const double weight = depth * depth * sqrt(depth * strip->cosine / strip->curvature) * strip->breadth * strip->cosine;
+        sum += weight;
+        result[0] += weight * strip->on_rail;
+        result[1] += weight * atan2(strip->sine, strip->cosine);
+        result[2] = fmax(result[2], strip->pressure);
+    }
+    if (sum > 0.0)
+        for (int k = 0; k < 2; ++k) result[k] /= sum;
+}
+
+static void stand_where(const double *argument, const double *wheel, stand_of *stand) {
+    const double side = wheel[0], yaw = side * argument[8], roll = side * argument[9];
+    const double cy = cos(yaw), sy = sin(yaw), cr = cos(roll), sr = sin(roll);
+    const double axes[3][3] = {{cy, -sy * cr, sy * sr}, {sy, cy * cr, -cy * sr}, {0.0, sr, cr}};
+    for (int i = 0; i < 9; ++i) stand->axes[i / 3][i % 3] = axes[i / 3][i % 3];
+    stand->outwards = axes[0][1];
+    stand->level = 1.0 / sqrt(axes[0][0] * axes[0][0] + axes[0][2] * axes[0][2]);
+    stand->lateral = side * argument[6];
+    stand->height = argument[7];
+    stand->radius = wheel[1];
+    stand->wheel_half = wheel[2];
+    stand->rail_half = wheel[3];
+}
+
+static void move_how(const double *argument, double side, const stand_of *stand, motion_of *motion) {
+    const double own[3] = {side * argument[3], argument[4], side * argument[5]};
+    for (int i = 0; i < 3; ++i)
+        motion->rate[i] = stand->axes[i][0] * own[0] + stand->axes[i][1] * own[1] + stand->axes[i][2] * own[2];
+    motion->velocity[0] = argument[0];
+    motion->velocity[1] = side * argument[1];
+    motion->velocity[2] = argument[2];
+    motion->slope[0] = side * argument[10];
+    motion->slope[1] = argument[11];
+    motion->friction = argument[12];
+}
+
+/* All results for arguments and constants; where the wheel touches is found anew, or `found` has it. */
+static void forces_of_wheel(const wheel_on_rail *pair, const fits_of *fits, const double *argument, const double *constant,
+                            pressed_of *found, int anew, double *result) {
+    const double side = constant[0];
+    const steel_of steel = {constant[4], constant[5], constant[5] / (1.0 - constant[12]), constant[6], constant[7],
+                            constant[8], constant[9], constant[11]};
+    stand_of stand;
+    motion_of motion;
+    stand_where(argument, constant, &stand);
+    move_how(argument, side, &stand, &motion);
+    if (anew) press(pair, fits, &stand, steel.plane_modulus, found);
+    for (int segment = 0; segment < pair->segments; ++segment) {
+        double *of = result + OF_SEGMENT * segment, moment[3];
+        for (int i = 0; i < OF_SEGMENT; ++i) of[i] = 0.0;
+        slide_segment(fits, found, segment, &motion, &steel, of);
+        for (int i = 0; i < 3; ++i) /* in the wheelset's own axes */
+            moment[i] = stand.axes[0][i] * of[3] + stand.axes[1][i] * of[4] + stand.axes[2][i] * of[5];
+        of[1] *= side;
+        of[3] = side * moment[0];
+        of[4] = moment[1];
+        of[5] = side * moment[2];
+    }
+    middle_of(found, result + OF_SEGMENT * pair->segments);
+}
+
+/* Results, and with `slopes` their derivatives by differences: a search has no others. Only the four coordinates move
+ * the place where the wheel touches. */
+static void wheel_on_strips(const wheel_on_rail *pair, const fits_of *fits, const double *argument,
+                            const double *constant, double *result, double *slope) {
+    static const double STEP[ARGUMENTS] = {1e-7, 1e-8, 1e-8, 1e-8, 1e-8, 1e-8, 2e-9, 2e-9, 1e-8, 2e-9, 1e-8, 1e-8, 1e-7};
+    const int count = OF_SEGMENT * pair->segments + OF_WHEEL;
+    pressed_of found, moved;
+    double at[ARGUMENTS], there[MOST_RESULTS];
+    forces_of_wheel(pair, fits, argument, constant, &found, 1, result);
+    if (!slope) return;
+    for (int i = 0; i < ARGUMENTS; ++i) at[i] = argument[i];
+    for (int i = 0; i < ARGUMENTS; ++i) {
+        const int coordinate = i >= 6 && i < 10;
+        at[i] = argument[i] + STEP[i];
+        const double step = at[i] - argument[i];
+        forces_of_wheel(pair, fits, at, constant, coordinate ? &moved : &found, coordinate, there);
+        at[i] = argument[i];
+        for (int k = 0; k < count; ++k) slope[i * count + k] = (there[k] - result[k]) / step;
+    }
+}

@@ -1,0 +1,122 @@
+"""A wheel on its rail by strips as a part in C, for the level `spatial` at contact depth 3.
+
+What the C of strips.c needs is written here: contours, segments, and polynomials through exact theory.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+from scipy.special import ellipe, ellipkm1
+
+from fmu_src.chain import Part, part_in_c
+from rbd_model.contact.creep.kalker import C11, C22, C23
+from rbd_model.contact.geometry import Pair
+from rbd_model.contact.normal import ellipses
+from rbd_model.contact.patches import patches_of
+from rbd_model.contact.profiles import Profile
+from rbd_model.contact.strip_creep import LOGARITHMS
+
+#: Numbers that the part takes, see `StripState` and `StripConstants` in pressing_strips.py; and results of a segment
+#: (`Press`) and of the wheel (place, angle, pressure). As in strips.c.
+ARGUMENTS, CONSTANTS, OF_SEGMENT, OF_WHEEL = 13, 13, 11, 3
+#: Coefficients of a polynomial in strips.c, and a fit's largest distance from what it stands for.
+TERMS, ELLIPTIC_TERMS, FIT_ERROR = 12, 7, 2e-4
+#: Axis ratios of ellipses from 1/30 to 30, and complements of the modulus from far strips to near ones.
+LARGEST_LOGARITHM, LEAST_COMPLEMENT = math.log(30.0), 1e-9
+
+
+@lru_cache
+def wheel_on_strips(pair: Pair) -> Part:
+    """Part of a wheel of the pair: what each segment does, from the flange outwards, and where the wheel touches.
+
+    Kalker (1982), Knothe and Le The (1984); see strips.c.
+    """
+    segments = segments_of(pair)
+    name = "wheel_on_strips_of_pair"
+    own = [
+        contour_in_c(f"{name}_wheel", pair.wheel),
+        contour_in_c(f"{name}_rail", pair.rail),
+        array_in_c(f"{name}_segment", np.ravel(segments)),
+        fits_in_c(f"{name}_fits"),
+        f"""
+static void {name}(const double *arguments, const double *constants, double *results, double *slopes) {{
+    static const wheel_on_rail PAIR = {{{contour_entry(f"{name}_wheel", pair.wheel)},
+        {contour_entry(f"{name}_rail", pair.rail)}, {len(segments)}, {name}_segment}};
+    wheel_on_strips(&PAIR, &{name}_fits, arguments, constants, results, slopes);
+}}
+""",
+    ]
+    common = (Path(__file__).parent / "strips.c").read_text(encoding="utf-8")
+    return part_in_c(name, (ARGUMENTS, CONSTANTS, OF_SEGMENT * len(segments) + OF_WHEEL), "\n".join([common, *own]))
+
+
+def segments_of(pair: Pair) -> list[tuple[float, float]]:
+    """Ends of the parts of a wheel's contour between which contact jumps (section 9.4.1), from the flange outwards [m].
+
+    Each begins where the one before ends, so that strips of both leave no gap.
+    """
+    limits = [patch.limits for patch in reversed(patches_of(pair))]
+    return [(low, limits[i + 1][0] if i + 1 < len(limits) else high) for i, (low, high) in enumerate(limits)]
+
+
+def array_in_c(name: str, values: Iterable[float]) -> str:
+    """An array of numbers, each to its last digit."""
+    return f"static const double {name}[] = {{{', '.join(repr(float(value)) for value in values)}}};"
+
+
+def contour_in_c(name: str, profile: Profile) -> str:
+    """The coefficients of a contour. Raises ValueError where its pieces are not equal."""
+    breakpoints, coefficients = profile.pieces
+    if not np.allclose(np.diff(breakpoints), breakpoints[1] - breakpoints[0], rtol=1e-9):
+        raise ValueError(f"Profile {profile.name}: give a spline with equal distances between its knots.")
+    return array_in_c(name, coefficients.ravel())
+
+
+def contour_entry(name: str, profile: Profile) -> str:
+    """A `contour_of`."""
+    breakpoints, coefficients = profile.pieces
+    width = (breakpoints[-1] - breakpoints[0]) / len(coefficients)
+    return f"{{{float(breakpoints[0])!r}, {float(width)!r}, {len(coefficients)}, {name}}}"
+
+
+def fits_in_c(name: str) -> str:
+    """A `fits_of`: polynomials through Hertz's ellipses (Johnson 1985), table E.3 of Kalker (1990) and K - E."""
+    table = ellipses()
+    kept = np.abs(table.axis_ratio) <= LARGEST_LOGARITHM
+    ratio, alpha, kappa = (row[kept] for row in (table.curvature_ratio, table.alpha, table.kappa))
+    loads = kappa + 2 * table.axis_ratio[kept]
+    fits = [fitted(ratio, alpha), fitted(loads, kappa)]
+    fits += [fitted(LOGARITHMS, np.log(column), error=0.01, terms=8) for column in (C11, C22, C23)]
+    fits += elliptic_fit()
+    limits = [(row.min(), row.max()) for row in (ratio, loads, LOGARITHMS)]
+    rows = [*fits, *limits]
+    return f"static const fits_of {name} = {{{', '.join('{' + ', '.join(map(repr, map(float, row))) + '}' for row in rows)}}};"
+
+
+def fitted(x: np.ndarray, y: np.ndarray, error: float = FIT_ERROR, terms: int = TERMS) -> list[float]:
+    """Coefficients of a polynomial, lowest power first. Raises ValueError where it is further off than `error`."""
+    polynomial = np.polynomial.Polynomial.fit(x, y, terms - 1).convert()
+    return checked(list(polynomial.coef), float(np.max(np.abs(polynomial(x) - y))), error)
+
+
+def checked(coefficients: list[float], off: float, error: float, terms: int = TERMS) -> list[float]:
+    """The coefficients, filled up with zeros. Raises ValueError where the fit is further off than `error`."""
+    if not off <= error:
+        raise ValueError(f"A polynomial for strips.c is {off:.1e} off; the limit is {error:.1e}: give it more terms.")
+    return coefficients + [0.0] * (terms - len(coefficients))
+
+
+def elliptic_fit() -> list[list[float]]:
+    """P and Q of (K - E) / m = P(m1) + Q(m1) ln(1/m1), of the form of Abramowitz and Stegun (1964), 17.3.34."""
+    m1 = np.concatenate([np.geomspace(LEAST_COMPLEMENT, 0.1, 400), np.linspace(0.1, 0.999, 400)])
+    exact = (ellipkm1(m1) - ellipe(1 - m1)) / (1 - m1)
+    powers = m1[:, None] ** np.arange(ELLIPTIC_TERMS)
+    columns = np.hstack([powers, -np.log(m1)[:, None] * powers]) / exact[:, None]
+    found = np.linalg.lstsq(columns, np.ones_like(m1), rcond=None)[0]
+    off = float(np.max(np.abs(columns @ found - 1)))
+    return [checked(list(part), off, FIT_ERROR, ELLIPTIC_TERMS) for part in np.split(found, 2)]
