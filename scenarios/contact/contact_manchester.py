@@ -252,7 +252,13 @@ def depth_2(stand: Stand, motion: Motion) -> Found:
 
 
 def depth_3(stand: Stand, motion: Motion) -> Found:
-    """As many patches of any shape as the undeformed distance has, each with its creep forces strip by strip."""
+    """Strips with their own creep forces, some 8 in each part of the wheel: the level `spatial` at contact depth 3."""
+    wheel = wheel_under_load(manchester_pair(), STEEL, FRICTION, stand, motion, LOAD)
+    return Found(wheel.place, wheel.angle, -float(wheel.force[0]), -float(wheel.force[1]), wheel.pressure)
+
+
+def strips_of_patches(stand: Stand, motion: Motion) -> Found:
+    """The finer study tool behind it: as many patches of any shape as the undeformed distance has, by 24 strips."""
     _, contacts = under_load(
         manchester_pair(), stand, STEEL, FRICTION, lambda strips: creepages_of(strips, motion), LOAD
     )

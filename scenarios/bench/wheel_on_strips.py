@@ -1,0 +1,83 @@
+"""One wheel by strips as the level `spatial` has it at contact depth 3: compiled alone, and asked where it stands."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import casadi as ca
+import numpy as np
+from scipy.optimize import brentq
+
+from fmu_src.compile import build_library
+from fmu_src.kernel import Kernel, Library
+from fmu_src.system import System, Variable, model_of
+from rbd_model.contact.distance import LEFT, Stand, touching
+from rbd_model.contact.geometry import Pair
+from rbd_model.contact.normal import Steel
+from rbd_model.contact.strips import Motion
+from rbd_model.contact.strips_in_c import ARGUMENTS, OF_SEGMENT, segments_of, wheel_on_strips
+from rbd_model.kinematics import direction_cosines, turned_by
+
+#: Constant friction as a `Surface`, and a creepage speed that changes nothing at a speed of metres a second [m/s].
+CONSTANT_FRICTION, NO_SPEED = (1.0, 0.0, 0.0, 1.0, 1.0), 1e-6
+#: An approach at which any contact carries more than is asked for [m], and how well it is found [m].
+MOST_APPROACH, FOUND = 0.5e-3, 1e-13
+
+
+@lru_cache
+def library_of_wheel(pair: Pair, steel: Steel) -> Library:
+    """A left wheel of the pair; its inputs and outputs are numbered as the part's arguments and results."""
+    system, part = System("WheelOnStrips", "one wheel on its rail, by strips"), wheel_on_strips(pair)
+    given = [system.input(Variable(f"given_{i}", "input", "1", f"Argument {i}")) for i in range(ARGUMENTS)]
+    geometry = (LEFT, pair.radius, pair.wheel_half_distance, pair.rail_half_distance)
+    fixed = (*geometry, NO_SPEED, steel.shear_modulus, *CONSTANT_FRICTION, 0.0, steel.poisson_ratio)
+    results = system.call(part, ca.vertcat(*given), ca.SX(fixed))
+    for i, result in enumerate(ca.vertsplit(results)):
+        system.output(Variable(f"found_{i}", "output", "1", f"Result {i}"), result)
+    system.derivative("none", -system.state("none", "1", 0.0, 1.0))  # a kernel has a state
+    return Library(build_library(model_of(system, 1e-6)))
+
+
+@dataclass(frozen=True)
+class PressedWheel:
+    """What the rail does to the wheel, ahead, outwards and up [N], and for each segment from the flange outwards; place
+    on the rail [m], contact angle [rad], largest pressure [Pa].
+    """
+
+    forces: np.ndarray
+    place: float
+    angle: float
+    pressure: float
+
+    @property
+    def force(self) -> np.ndarray:
+        """Of all segments together [N]."""
+        return np.asarray(np.sum(self.forces, axis=0))
+
+
+def press_wheel(pair: Pair, steel: Steel, friction: float, stand: Stand, motion: Motion) -> PressedWheel:
+    """The wheel at its stand, in motion."""
+    kernel = Kernel(library_of_wheel(pair, steel))
+    axes = np.array(ca.evalf(turned_by(direction_cosines(ca.SX(stand.yaw), ca.SX(stand.roll)))))
+    own = axes.T @ np.array(motion.rotation)
+    place = (stand.lateral, stand.height, stand.yaw, stand.roll)
+    given = (*motion.velocity, *own, *place, 0.0, 0.0, friction)
+    kernel.set(**{f"given_{i}": float(value) for i, value in enumerate(given)})
+    kernel.initialise()
+    count = OF_SEGMENT * len(segments_of(pair))
+    found = np.array([kernel[f"found_{i}"] for i in range(count + 3)])
+    return PressedWheel(found[:count].reshape(-1, OF_SEGMENT)[:, :3], *found[count:].tolist())
+
+
+def wheel_under_load(
+    pair: Pair, steel: Steel, friction: float, stand: Stand, motion: Motion, load: float
+) -> PressedWheel:
+    """The wheel at the height at which the vertical force on it is the load [N]; that of the stand is not used."""
+    top, _ = touching(pair, stand)
+
+    def at(approach: float) -> PressedWheel:
+        lower = Stand(stand.lateral, top - approach, stand.roll, stand.yaw)
+        return press_wheel(pair, steel, friction, lower, motion)
+
+    return at(float(brentq(lambda approach: at(approach).force[2] - load, 0.0, MOST_APPROACH, xtol=FOUND)))
