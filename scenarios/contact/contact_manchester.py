@@ -33,8 +33,9 @@ from rbd_model.kinematics import direction_cosines, turned_by
 from rbd_model.pressing_patch import PatchConstants, PatchState, Press, find_patch, pressing_patch
 from rbd_model.rolling_contact import Placement, Wheel
 from rbd_model.touching_patch import direction_of, look_up_patch
+from scenarios.bench.wheel_on_strips import wheel_under_load
 from scenarios.cosimulation.recording import Recording
-from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, plt
+from scenarios.reporting.plots import BOGIE, FOUR, LEADING, THESIS, TRAILING, plt
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row, at_most
 from scenarios.scenario import Options, Scenario
@@ -307,6 +308,13 @@ METHODS = (
         "largest on the right at 5 mm, where the exact theory has two patches, 0.16 rad apart, in one plane",
         LEADING,
     ),
+    Method(
+        "study tool, 24 strips a patch",
+        strips_of_patches,
+        OF_STRIPS,
+        "the method of depth 3 in NumPy, finer, and patch by patch where that goes part by part of the wheel",
+        FOUR[2],
+    ),
 )
 #: Shifts of the lines [mm], among them all whole ones.
 SHIFTS = np.linspace(0.0, 10.0, 41)
@@ -372,7 +380,7 @@ def run(options: Options) -> Result:
 
 
 #: Of the methods' lines: where they agree, those behind are seen at both sides of those before.
-WIDTHS = (4.0, 2.2, 1.0)
+WIDTHS = (5.0, 3.0, 1.6, 0.7)
 UNITS = {"place": "m", "angle": "rad", "ahead": "N", "outwards": "N", "pressure": "Pa"}
 PANELS = {
     "place": ("place on the rail, from its top outwards [mm]", 1e3),
