@@ -72,19 +72,17 @@ COUNTED = 1e-4
 def watch_patches(assembly: Assembly, wheelsets: Sequence[PatchedWheelset]) -> None:
     """A wheel that runs off its profile ends the run; one that climbs or lifts goes on, and is told of (section 9.4.1).
 
-    It climbs while its flange bears on the rail and its tread does not, and is lifted while neither does.
+    It climbs while the steepest part of its flange bears on the rail and nothing else does, and is lifted while nothing
+    bears. The root of a flange that parts from it, as that of S1002, still runs on the gauge corner.
     """
     system = assembly.system
     for wheelset in wheelsets:
         for index, side in enumerate(SIDES.values()):
             name = f"{side} wheel of wheelset {wheelset.number}"
-            found = list(zip(wheelset.nearest[index], wheelset.flanges, strict=True))
             for margin, word in zip(ca.vertsplit(wheelset.lost[index]), PATCH_ENDINGS, strict=True):
                 system.end_when_negative(margin, f"Derailed: the {name} {word} at %s s; results up to there are kept.")
-            tread, flange = (
-                ca.mmax(ca.vertcat(*[near.approach for near, own in found if own == kind])) / COUNTED
-                for kind in (False, True)
-            )
+            *others, steepest = (near.approach / COUNTED for near in wheelset.nearest[index])
+            tread, flange = ca.mmax(ca.vertcat(*others)), steepest
             climbing = f"Flange climb: the {name} left its tread and climbed on its flange at %s s."
             system.warn_when_negative(ca.if_else(flange > 0, tread, 1), climbing)
             lifted = f"Wheel lift: the {name} carried no load at %s s, and came off its rail."

@@ -73,21 +73,21 @@ static double series(const double *coefficient, double x) {
 
 static double within(double x, const double *limits) { return fmin(fmax(x, limits[0]), limits[1]); }
 
-/* Height of a contour and its slope; 0 outside, where there is none. */
+/* Height of a contour and, where asked for, its slope; 0 outside, where there is none. */
 static int height_of(const contour_of *contour, double y, double *height, double *slope) {
     const double place = (y - contour->first) / contour->width;
     if (!(place >= 0.0 && place <= contour->pieces)) return 0;
     const int piece = place < contour->pieces ? (int)place : contour->pieces - 1;
     const double *c = contour->coefficient + 6 * piece, x = y - (contour->first + piece * contour->width);
     *height = ((((c[5] * x + c[4]) * x + c[3]) * x + c[2]) * x + c[1]) * x + c[0];
-    *slope = (((5 * c[5] * x + 4 * c[4]) * x + 3 * c[3]) * x + 2 * c[2]) * x + c[1];
+    if (slope) *slope = (((5 * c[5] * x + 4 * c[4]) * x + 3 * c[3]) * x + 2 * c[2]) * x + c[1];
     return 1;
 }
 
 /* The wheel's place s over the rail, distance.py. */
 static strip_of strip_at(const wheel_on_rail *pair, const stand_of *stand, double s) {
     strip_of found = {{0.0, 0.0, 0.0}, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0};
-    double contour = 0.0, slope = 0.0, under = 0.0, unused = 0.0;
+    double contour = 0.0, slope = 0.0, under = 0.0;
     if (!height_of(&pair->wheel, s, &contour, &slope)) return found;
     const double(*axes)[3] = stand->axes, radius = stand->radius - contour;
     const double ahead = axes[0][0], up = axes[0][2];
@@ -104,7 +104,7 @@ static strip_of strip_at(const wheel_on_rail *pair, const stand_of *stand, doubl
     found.sine = -normal[1] * size;
     found.cosine = normal[2] * size;
     found.on_rail = stand->lateral + found.arm[1] - stand->rail_half;
-    if (height_of(&pair->rail, found.on_rail, &under, &unused)) found.gap = stand->height + found.arm[2] - under;
+    if (height_of(&pair->rail, found.on_rail, &under, 0)) found.gap = stand->height + found.arm[2] - under;
     found.curvature = found.cosine / (2.0 * radius);
     found.stretch = sqrt(1.0 + slope * slope);
     return found;
@@ -112,7 +112,7 @@ static strip_of strip_at(const wheel_on_rail *pair, const stand_of *stand, doubl
 
 /* The gap alone. */
 static double gap_at(const wheel_on_rail *pair, const stand_of *stand, double s) {
-    double contour = 0.0, slope = 0.0, under = 0.0, unused = 0.0;
+    double contour = 0.0, slope = 0.0, under = 0.0;
     if (!height_of(&pair->wheel, s, &contour, &slope)) return 1.0;
     const double(*axes)[3] = stand->axes, lead = -slope * stand->outwards * stand->level;
     const double rest = sqrt(1.0 - lead * lead), radius = (stand->radius - contour) * stand->level;
@@ -120,7 +120,7 @@ static double gap_at(const wheel_on_rail *pair, const stand_of *stand, double s)
                            -radius * (rest * axes[0][0] - lead * axes[0][2])};
     const double y = axes[1][0] * own[0] + axes[1][1] * own[1] + axes[1][2] * own[2];
     const double z = axes[2][0] * own[0] + axes[2][1] * own[1] + axes[2][2] * own[2];
-    if (!height_of(&pair->rail, stand->lateral + y - stand->rail_half, &under, &unused)) return 1.0;
+    if (!height_of(&pair->rail, stand->lateral + y - stand->rail_half, &under, 0)) return 1.0;
     return stand->height + z - under;
 }
 

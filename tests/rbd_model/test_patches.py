@@ -1,4 +1,4 @@
-"""Contact depth 2: elastic patches of tread and flange, against closed forms, the rigid contact and each other."""
+"""Contact depths 2 and 3: elastic patches of tread and flange, against closed forms, the rigid contact and each other."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from scipy.special import ellipe, ellipk
 
 from fmu_src.compile import build_library
 from fmu_src.kernel import Kernel, Library
-from fmu_src.system import model_of
+from fmu_src.system import System, model_of
 from rbd_model.contact.creep.kalker_linear import kalker_linear
 from rbd_model.contact.creep.polach import polach
 from rbd_model.contact.creep.shen_hedrick_elkins import shen_hedrick_elkins
@@ -41,6 +41,8 @@ PLACE_BAND = 0.02e-3
 FORCE_BAND = manchester.OF_ELLIPSES[3] / 100
 #: Load of a wheel of the chapter 5 bogie [N]; how far from rest it starts: spin takes a little less than in proportion.
 STATIC_LOAD, AT_REST = (60000 / 2 + 1200) * 9.81 / 2, 1e-4
+#: Load of 8 strips at the approach of an ellipse: that of test_strips_in_c.py. Of derivatives by differences.
+STRIP_ERROR, SLOPE_BANDS = 0.03, {2: 1e-4, 3: 1e-3}
 
 
 def elastic(approach: float, along: float, across: float) -> float:
@@ -134,11 +136,21 @@ def test_depth_that_is_not_there_is_refused_in_a_sentence() -> None:
         Contact(7)
 
 
+def bogie_on(depth: int) -> System:
+    """The bogie of chapter 5 on patches, with its powers added up."""
+    return spatial_vehicle(two_axle_bogie(), irregular_track(section_5_3()), Contact(depth)).with_integrals(POWERS)
+
+
+@pytest.fixture(scope="module", params=[2, 3])
+def depth(request: pytest.FixtureRequest) -> int:
+    """Ellipses, or strips."""
+    return int(request.param)
+
+
 @pytest.fixture(scope="module")
-def patched() -> Library:
-    """The bogie of chapter 5 on patches with its energies and powers."""
-    system = spatial_vehicle(two_axle_bogie(), irregular_track(section_5_3()), Contact(2))
-    return Library(build_library(model_of(system.with_integrals(POWERS).with_outputs(ENERGIES), 1e-7)))
+def patched(depth: int) -> Library:
+    """The bogie of chapter 5 at this depth with its energies and powers."""
+    return Library(build_library(model_of(bogie_on(depth).with_outputs(ENERGIES), 1e-7)))
 
 
 @pytest.fixture(scope="module")
@@ -147,12 +159,13 @@ def rigid() -> Library:
     return Library(build_library(model_of(spatial_vehicle(two_axle_bogie(), irregular_track(section_5_3())), 1e-7)))
 
 
-def test_wheelset_at_rest_stands_still_with_its_weight_on_the_rails(patched: Library) -> None:
+def test_wheelset_at_rest_stands_still_with_its_weight_on_the_rails(patched: Library, depth: int) -> None:
+    """It starts where Hertz' ellipse carries it, which strips do within their error, and comes to rest."""
     kernel = Kernel(patched, initial_speed=10.0)
     kernel.initialise()
-    for _ in range(3):
+    for band in ({2: AT_REST, 3: STRIP_ERROR}[depth], AT_REST, AT_REST):
         loads = [kernel[f"wheel_load_{n}_{side}"] for n in (1, 2) for side in ("left", "right")]
-        assert loads == pytest.approx([STATIC_LOAD] * 4, rel=AT_REST)
+        assert loads == pytest.approx([STATIC_LOAD] * 4, rel=band)
         kernel.advance(0.5)
 
 
@@ -186,19 +199,20 @@ def test_energy_closes_through_tread_and_flange_contact(patched: Library, yaw_to
     assert kernel["integral_brake_power"] > 1e3 * ENERGY_BAND * before
 
 
-def test_mirrored_scene_on_patches_gives_the_mirrored_answer(patched: Library) -> None:
+def test_mirrored_scene_on_patches_gives_the_mirrored_answer(patched: Library, depth: int) -> None:
+    """Strips begin and cease to touch, which bends their forces: a tolerance of 1e-9 is met by steps of microseconds."""
     found = []
     for sign in (1.0, -1.0):
-        kernel = Kernel(patched, tolerance=1e-9)
+        kernel = Kernel(patched, tolerance={2: 1e-9, 3: 1e-7}[depth])
         kernel.set(brake_torque_1=20e3, brake_torque_2=20e3, yaw_torque_1=sign * 43.92e3)
         kernel.advance(1.0)
         loads = [kernel[f"wheel_load_1_{side}"] for side in ("left", "right")]
         found.append([sign * kernel["lateral_1"], sign * kernel["flange_force_1"], *loads[:: int(sign)]])
-    assert found[0] == pytest.approx(found[1], rel=1e-6)
+    assert found[0] == pytest.approx(found[1], rel={2: 1e-6, 3: 1e-3}[depth])
     assert abs(found[0][1]) > 1e4
 
 
-def test_jacobian_of_patches_is_that_of_differences_in_tread_and_flange_contact(patched: Library) -> None:
+def test_jacobian_of_patches_is_that_of_differences_in_tread_and_flange_contact(patched: Library, depth: int) -> None:
     """At 9.6 mm both treads and a flange bear; differences of the derivatives along random directions of the states."""
     kernel = Kernel(patched, tolerance=1e-7)
     kernel.set(brake_torque_1=20e3, brake_torque_2=20e3, yaw_torque_1=43.92e3)
@@ -207,13 +221,12 @@ def test_jacobian_of_patches_is_that_of_differences_in_tread_and_flange_contact(
     state = np.array(kernel.linearise().state)
     jacobian = np.array(kernel.jacobian_at(kernel.time, state))
     random = np.random.default_rng(1)
-    system = spatial_vehicle(two_axle_bogie(), irregular_track(section_5_3()), Contact(2)).with_integrals(POWERS)
-    nominal = np.array([one.nominal for one in system.states.values()])
+    nominal = np.array([one.nominal for one in bogie_on(depth).states.values()])
     for _ in range(5):
         direction = random.uniform(-1, 1, state.size) * nominal * 1e-6
         forward, backward = (np.array(kernel.slopes_at(kernel.time, state + sign * direction)) for sign in (1, -1))
         along = jacobian @ direction
-        assert np.abs((forward - backward) / 2 - along).max() < 1e-4 * np.abs(along).max()
+        assert np.abs((forward - backward) / 2 - along).max() < SLOPE_BANDS[depth] * np.abs(along).max()
 
 
 @pytest.mark.parametrize("asked", [0.0, 1.0])

@@ -1,0 +1,106 @@
+"""Contact depth 3: the strips in C against the finer study tool in NumPy, differences, and what has no contact."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.interpolate import BSpline
+
+from fmu_src.kernel import Kernel
+from rbd_model.contact import strips_in_c
+from rbd_model.contact.distance import Stand, touching
+from rbd_model.contact.normal import patches
+from rbd_model.contact.profiles import Profile
+from scenarios.bench.wheel_on_strips import library_of_wheel, press_wheel
+from scenarios.contact import contact_manchester as manchester
+
+PAIR, STEEL = manchester.manchester_pair(), manchester.STEEL
+#: 8 strips against 24: measured up to 2.5 % of the load; where an area of contact goes over a cut between two segments,
+#: which begin with half of its breadth each, up to 8.2 %. In approach, less than 2 and 5 um.
+LOAD_BAND, CUT_BAND = 0.03, 0.10
+#: Of the load: what the next micrometre sideways may change beside what the last one did; a jump would be percent.
+JUMP_BAND = 0.5e-2
+#: Differences of results and of a search against differences with steps a hundred times larger, per largest derivative.
+SLOPE_BAND = 1e-3
+
+
+def at(name: str, shift: float, approach: float) -> tuple[Stand, manchester.Motion]:
+    """A wheel of the benchmark that presses so far into its rail."""
+    stand, motion = manchester.case(name, shift)
+    return replace(stand, height=touching(PAIR, stand)[0] - approach), motion
+
+
+@pytest.mark.parametrize(
+    ("name", "shift", "band"), [("left", 3.0, LOAD_BAND), ("right", 8.0, LOAD_BAND), ("right", 0.0, CUT_BAND)]
+)
+@pytest.mark.parametrize("approach", [5e-6, 50e-6, 150e-6])
+def test_strips_of_the_level_carry_what_finer_ones_do(name: str, shift: float, band: float, approach: float) -> None:
+    stand, motion = at(name, shift, approach)
+    loads = np.array(
+        [(np.cos(p.strips.angle) @ p.loads, -np.sin(p.strips.angle) @ p.loads) for p in patches(PAIR, stand, STEEL)]
+    )
+    finer = np.sum(loads, axis=0)
+    without_creep = press_wheel(PAIR, STEEL, 0.0, stand, motion).force
+    assert np.hypot(*(without_creep[[2, 1]] - finer)) < band * np.hypot(*finer)
+    deeper = press_wheel(PAIR, STEEL, 0.0, at(name, shift, 1.1 * approach)[0], motion).force
+    assert np.hypot(*(deeper[[2, 1]] - finer)) > band * np.hypot(*finer)
+
+
+@pytest.mark.parametrize("name", ["left", "right"])
+def test_forces_do_not_jump_where_contact_goes_from_one_part_of_the_wheel_to_the_next(name: str) -> None:
+    """Over the half millimetre in which the right wheel's contact goes over a cut in its tread."""
+    forces = []
+    for shift in np.arange(0.4, 0.9, 1e-3):
+        stand, motion = at(name, float(shift), 60e-6)
+        forces.append(press_wheel(PAIR, STEEL, manchester.FRICTION, stand, motion).force)
+    bends = np.abs(np.diff(forces, 2, axis=0))
+    assert bends.max() < JUMP_BAND * np.max(forces)
+    assert np.ptp(np.array(forces)[:, 1]) > JUMP_BAND * np.max(forces)
+
+
+@pytest.mark.parametrize(("name", "shift"), [("left", 3.0), ("right", 0.0), ("right", 5.0), ("right", 8.0)])
+def test_derivatives_are_those_of_larger_differences(name: str, shift: float) -> None:
+    """By what a wheelset moves by, one after the other; central differences."""
+    stand, motion = at(name, shift, 60e-6)
+    given = (*motion.velocity, *motion.rotation, stand.lateral, stand.height, stand.yaw, stand.roll, 0.0, 0.0, 0.3)
+    names = [f"found_{i}" for i in range(strips_in_c.OF_SEGMENT * len(strips_in_c.segments_of(PAIR)))]
+
+    def moved(place: int, change: float) -> Kernel:
+        values = {f"given_{i}": float(value) + change * (i == place) for i, value in enumerate(given)}
+        kernel = Kernel(library_of_wheel(PAIR, STEEL), **values)
+        kernel.initialise()
+        return kernel
+
+    for place, step in enumerate([1e-5, 1e-6, 1e-6, 1e-6, 1e-6, 1e-6, 1e-7, 1e-7, 1e-6, 1e-7, 1e-6, 1e-6, 1e-5]):
+        ahead, behind = (np.array([moved(place, way)[name] for name in names]) for way in (step, -step))
+        coarse = (ahead - behind) / (2 * step)
+        exact = np.array(moved(place, 0.0).directional(names, {f"given_{place}": 1.0}))
+        for rows in (slice(0, 3), slice(3, 6)):
+            own = [np.reshape(one, (-1, strips_in_c.OF_SEGMENT))[:, rows] for one in (exact, coarse)]
+            assert np.abs(own[0] - own[1]).max() < SLOPE_BAND * max(np.abs(own[1]).max(), 1.0), place
+
+
+def test_wheel_over_its_rail_or_beside_it_is_not_pressed_and_everything_is_a_number() -> None:
+    random = np.random.default_rng(3)
+    stand, motion = at("right", 3.0, -1e-6)
+    assert press_wheel(PAIR, STEEL, 0.3, stand, motion).force.tolist() == [0.0, 0.0, 0.0]
+    for _ in range(200):
+        lateral, height = random.uniform(-0.15, 0.15), random.uniform(-2e-3, 1e-3)
+        some = Stand(lateral, touching(PAIR, stand)[0] + height, random.uniform(-0.05, 0.05), random.uniform(-0.1, 0.1))
+        found = press_wheel(PAIR, STEEL, 0.3, some, motion)
+        assert np.all(np.isfinite([*found.force, found.place, found.angle, found.pressure]))
+
+
+def test_contour_with_unequal_knots_is_refused() -> None:
+    knots = np.array([0.0] * 6 + [1.0, 3.0] + [4.0] * 6)
+    profile = Profile("uneven", "none", BSpline(knots, np.zeros(8), 5))
+    with pytest.raises(ValueError, match="Profile uneven: give a spline with equal distances between its knots"):
+        strips_in_c.contour_in_c("uneven", profile)
+
+
+def test_polynomial_that_is_too_far_off_is_refused() -> None:
+    x = np.linspace(-1, 1, 50)
+    with pytest.raises(ValueError, match=r"A polynomial for strips.c is .* off; the limit is .*: give it more terms"):
+        strips_in_c.fitted(x, np.abs(x))
