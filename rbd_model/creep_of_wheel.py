@@ -35,11 +35,12 @@ def how_it_slides(
 
 
 @lru_cache
-def creep_of_wheel(creep_law: CreepLaw) -> Part:
+def creep_of_wheel(creep_law: CreepLaw, place: str) -> Part:
     """Creep forces of one patch [N] and the friction that is left, eqs (3.82)-(3.105) and the law of `Surface`.
 
     Of what it slides along and across [m/s], its spin [rad/s], the reciprocal of its speed [s/m], both curvatures
-    [1/m], normal force [N] and friction without sliding; constants: shear modulus [Pa] and surface.
+    [1/m], normal force [N] and friction without sliding; constants: shear modulus [Pa] and surface. place: a word
+    for the part's name, as each law in a system is a part of its own.
     """
     given, constants = ca.SX.sym("given", 8), ca.SX.sym("constants", 6)
     slide_x, slide_y, spin, slowness, along_rail, across_rail, normal_force, friction = ca.vertsplit(given)
@@ -58,4 +59,4 @@ def creep_of_wheel(creep_law: CreepLaw) -> Part:
     axes, kalker = (semi_axis * stretch, semi_axis / stretch), smooth_kalker_coefficients(logarithm)
     surroundings = surface.reduction, friction_at, 1 / slowness
     forces = creep_law(ContactPatch(creepages, load, left, axes, modulus, kalker, *surroundings))
-    return Part("creep", given, constants, ca.vertcat(*forces, left))
+    return Part(f"creep_{place}", given, constants, ca.vertcat(*forces, left))

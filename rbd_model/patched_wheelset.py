@@ -15,7 +15,7 @@ from rbd_model.contact.creep.kalker import smooth_kalker_coefficients
 from rbd_model.contact.elastic import elastic_force
 from rbd_model.contact.geometry import Pair
 from rbd_model.contact.hertz import moving_ellipse
-from rbd_model.contact.patches import TREAD_SLOPE, patches_of, stand_on_treads
+from rbd_model.contact.patches import patches_of, stand_on_treads
 from rbd_model.kinematics import Body, axes_rate, direction_cosines, turned_by
 from rbd_model.pressing_patch import PatchConstants, PatchState, Press, pressing_patch
 from rbd_model.rolling_contact import SIDES, Placement, Wheel
@@ -63,7 +63,7 @@ class PatchedWheelset:
     @property
     def flanges(self) -> list[bool]:
         """Which of a wheel's patches belong to its flange."""
-        return [patch.direction >= TREAD_SLOPE for patch in patches_of(self.data.pair)]
+        return [patch.flange for patch in patches_of(self.data.pair)]
 
     @property
     def lost(self) -> list[ca.SX]:
@@ -197,7 +197,8 @@ def press_patch(
         assembly.rail.surface.symbols,
         p["contact_damping"],
     )
-    part = pressing_patch(nearest.pieces.wheel.numel(), nearest.pieces.rail.numel(), assembly.contact.creep_law)
+    terms = nearest.pieces.wheel.numel(), nearest.pieces.rail.numel()
+    part = pressing_patch(*terms, patch.flange, assembly.contact.law_of(patch.flange))
     # The first, a tread, bears nearly always; the others seldom.
     near = 1.0 if place == 0 else nearest.approach + NEAR
     pressed = Press.of(system.call(part, state.vector, ca.vertcat(fixed.vector, nearest.pieces.vector), near))

@@ -1,6 +1,7 @@
 """What one patch of a wheel does: the rail's normal force and the creep forces, by how it is pressed and how it slides.
 
-A patch is one part: generated once, called for each patch of each wheel of a vehicle, and only where it may touch.
+A tread's is one part, a flange's another: generated once, called for each such patch of each wheel of a vehicle, and
+only where it may touch.
 """
 
 from __future__ import annotations
@@ -66,15 +67,19 @@ class Press(Bundle):
 
 
 @lru_cache
-def pressing_patch(wheel_terms: int, rail_terms: int, creep_law: CreepLaw) -> Part:
-    """A `Press` of a `PatchState`, (3.82)-(3.105) with Hertz' force by the approach; constants: with the pieces."""
+def pressing_patch(wheel_terms: int, rail_terms: int, flange: bool, creep_law: CreepLaw) -> Part:
+    """A `Press` of a `PatchState`, (3.82)-(3.105) with Hertz' force by the approach; constants: with the pieces.
+
+    flange: of a flange or, otherwise, a tread, which have their own creep laws.
+    """
+    place = "flange" if flange else "tread"
     state, fixed, chain = PatchState.symbols("state"), PatchConstants.symbols("constants"), Chain()
     pieces = Pieces(ca.SX.sym("wheel", wheel_terms), ca.SX.sym("rail", rail_terms))
     follow_cosines(chain, fixed.cosines, ca.vertcat(state.yaw, state.roll))
     patch = find_patch(chain, state, fixed, pieces)
-    results = press(chain, state, fixed, patch, creep_law).vector
+    results = press(chain, state, fixed, patch, creep_of_wheel(creep_law, place)).vector
     constants = ca.vertcat(fixed.vector, pieces.vector)
-    return Part(f"press_{wheel_terms}_{rail_terms}", state.vector, constants, results, chain)
+    return Part(f"press_{place}_{wheel_terms}_{rail_terms}", state.vector, constants, results, chain)
 
 
 def find_patch(chain: Chain, state: PatchState, fixed: PatchConstants, pieces: Pieces) -> TouchingPatch:
@@ -85,8 +90,11 @@ def find_patch(chain: Chain, state: PatchState, fixed: PatchConstants, pieces: P
     return TouchingPatch.of(chain.call(part, given, constants))
 
 
-def press(chain: Chain, state: PatchState, fixed: PatchConstants, patch: TouchingPatch, creep_law: CreepLaw) -> Press:
-    """Normal force by the approach (Hertz, as Johnson (1985) has it), creep forces by (3.89)-(3.105), their moments."""
+def press(chain: Chain, state: PatchState, fixed: PatchConstants, patch: TouchingPatch, creeping: Part) -> Press:
+    """Normal force by the approach (Hertz, as Johnson (1985) has it), creep forces by (3.89)-(3.105), their moments.
+
+    creeping: a `creep_of_wheel`.
+    """
     axes = turned_by(fixed.cosines)
     along = axes[0, :].T
     sideways = ca.cross(patch.normal, along)
@@ -103,7 +111,7 @@ def press(chain: Chain, state: PatchState, fixed: PatchConstants, patch: Touchin
     directions = along, sideways, patch.normal
     slides = how_it_slides(sliding, own_rate, directions, state.forward, fixed.creepage_speed)
     given = ca.vertcat(slides, *curvatures, normal, state.friction)
-    creep = chain.call(creep_of_wheel(creep_law), given, ca.vertcat(fixed.shear_modulus, fixed.surface))
+    creep = chain.call(creeping, given, ca.vertcat(fixed.shear_modulus, fixed.surface))
     # The law knows no load below the smallest; without any there is no creep force.
     share = normal / at_least(normal, SMALLEST_LOAD)
     ahead_force, side_force = share * creep[0], share * creep[1]

@@ -216,7 +216,7 @@ def roll_wheel(
     normal_force = state.normal_forces[index]
     given = ca.vertcat(slides, *curvatures, normal_force, state.friction)
     constants = ca.vertcat(fixed.shear_modulus, fixed.surface)
-    along, sideways, friction = ca.vertsplit(chain.call(creep_of_wheel(creep_law), given, constants))
+    along, sideways, friction = ca.vertsplit(chain.call(creep_of_wheel(creep_law, "wheel"), given, constants))
     power = -along * slides[0] - sideways * slides[1]
     return RollingWheel(contact, *constraint, friction, normal_force, along, sideways, power)
 

@@ -50,6 +50,11 @@ class Patch:
     rail: Profile
     nearest: tuple[np.ndarray, np.ndarray]
 
+    @property
+    def flange(self) -> bool:
+        """Whether it belongs to the flange, and not to the tread."""
+        return self.direction >= TREAD_SLOPE
+
 
 @lru_cache
 def patches_of(pair: Pair) -> tuple[Patch, ...]:
@@ -181,7 +186,7 @@ class Stand:
 @lru_cache
 def stand_on_treads(pair: Pair, shift: float) -> Stand:
     """Rigid contact of both treads, whatever the flanges do, at a shift of the axle [m], section 4.3."""
-    treads = [patch.limits for patch in patches_of(pair) if patch.direction < TREAD_SLOPE]
+    treads = [patch.limits for patch in patches_of(pair) if not patch.flange]
     s = np.arange(min(low for low, _ in treads), max(high for _, high in treads), SEARCH_PITCH)
 
     def gaps(roll: float) -> list[np.ndarray]:

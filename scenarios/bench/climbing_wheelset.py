@@ -12,7 +12,6 @@ from fmu_src.compile import build_library
 from fmu_src.kernel import Kernel, KernelError, Library
 from fmu_src.system import model_of
 from rbd_model.bogie import DEFAULT_TOLERANCE
-from rbd_model.contact.creep.law import CreepLaw
 from rbd_model.contact.depth import Contact
 from rbd_model.contact.geometry import Pair
 from rbd_model.contact.profiles import from_points, rail_60kg, synthetic_wheel
@@ -43,8 +42,8 @@ BELOW = 0.42
 
 
 @lru_cache
-def climbing_wheelset(flange_angle: float, creep_law: CreepLaw) -> Library:
-    """The wheelset with the synthetic profile and this flange angle [rad], at contact depth 2."""
+def climbing_wheelset(flange_angle: float, contact: Contact) -> Library:
+    """The wheelset with the synthetic profile and this flange angle [rad], on patches."""
     points = synthetic_wheel(flange_angle=flange_angle)
     wheel = from_points(f"synthetic wheel, flange {math.degrees(flange_angle):g} degrees", "as wheel_cone_120", *points)
     pair = Pair(wheel, rail_60kg(), 0.425, 0.570, 0.570)
@@ -60,7 +59,7 @@ def climbing_wheelset(flange_angle: float, creep_law: CreepLaw) -> Library:
         axle_box_springs("frame", 1, 0.0),
         (Pull("lateral_push", "Lateral force on the wheelset", "wheelset_1", (0.0, 0.0, -BELOW), "lateral"),),
     )
-    system = spatial_vehicle(vehicle, irregular_track(section_5_3()), Contact(2, creep_law))
+    system = spatial_vehicle(vehicle, irregular_track(section_5_3()), contact)
     return Library(build_library(model_of(system, DEFAULT_TOLERANCE)))
 
 

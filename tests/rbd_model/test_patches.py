@@ -12,6 +12,9 @@ from scipy.special import ellipe, ellipk
 from fmu_src.compile import build_library
 from fmu_src.kernel import Kernel, Library
 from fmu_src.system import model_of
+from rbd_model.contact.creep.kalker_linear import kalker_linear
+from rbd_model.contact.creep.polach import polach
+from rbd_model.contact.creep.shen_hedrick_elkins import shen_hedrick_elkins
 from rbd_model.contact.depth import DEPTHS, Contact
 from rbd_model.contact.distance import touching
 from rbd_model.contact.elastic import damped, elastic_force
@@ -34,6 +37,8 @@ ENERGY_BAND = 1e-6
 DEPTH_BAND = 0.02
 #: Between the nearest point of rigid profiles by Newton's method and by a search [m]: the pitch of that search.
 PLACE_BAND = 0.02e-3
+#: Of forces from exact theory, as a share of mu N: that of the scenario contact-manchester.
+FORCE_BAND = manchester.OF_ELLIPSES[3] / 100
 #: Load of a wheel of the chapter 5 bogie [N]; how far from rest it starts: spin takes a little less than in proportion.
 STATIC_LOAD, AT_REST = (60000 / 2 + 1200) * 9.81 / 2, 1e-4
 
@@ -96,6 +101,24 @@ def test_patch_presses_where_the_rigid_wheelset_touches_that_rolls(shift: float)
     assert pressed.on_wheel == pytest.approx(place, abs=PLACE_BAND)
     # The benchmark's wheelset yaws as well; the vertical force is the load.
     assert pressed.up == pytest.approx(manchester.LOAD, rel=1e-6)
+
+
+def test_flange_slides_by_its_own_law_and_the_tread_by_its_own() -> None:
+    """Right wheel of the Manchester benchmark at 7 mm, where it bears on its flange, and at 3 mm, on its tread."""
+    exact = manchester.exact("right")
+    by_default, by_user = Contact(2), Contact(2, creep_law=kalker_linear)
+    own, others = Contact(2, polach, shen_hedrick_elkins), Contact(2, shen_hedrick_elkins, polach)
+
+    def outwards(shift: float, contact: Contact) -> float:
+        return -sum(one.outwards for one in manchester.bearings(*manchester.case("right", shift), contact))
+
+    for shift in (3.0, 7.0):
+        assert outwards(shift, by_default) == outwards(shift, own)
+    assert outwards(7.0, by_user) == pytest.approx(outwards(7.0, by_default), rel=1e-6)
+    limit = manchester.FRICTION * manchester.LOAD
+    assert abs(outwards(7.0, by_default) - exact[7.0].outwards) < FORCE_BAND * limit
+    assert abs(outwards(7.0, others) - exact[7.0].outwards) > 2 * FORCE_BAND * limit
+    assert abs(outwards(3.0, by_default) - outwards(3.0, others)) > 1e-3 * limit
 
 
 def test_wheelset_stands_on_its_treads_beyond_the_flanges_contact_too() -> None:

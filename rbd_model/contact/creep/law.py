@@ -1,6 +1,6 @@
 """What a creep law is: a function from a `ContactPatch` to the creep forces (F_x, F_y) on the wheel.
 
-Each law is one file beside this one; a user's own is one function, given to a level as `Contact.creep_law`.
+Each law is one file beside this one; a user's own is one function, given to a level by `Contact`, for tread or flange.
 """
 
 from __future__ import annotations
