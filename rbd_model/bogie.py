@@ -137,6 +137,8 @@ def smallest_level(driven: Iterable[str], read: Iterable[str]) -> Choice:
                 2,
                 f"{reason} {name} asks for contact depth 2: the flange has its own place, force and creep.",
             )
+    if level == 3 and depth == 1:
+        reason = f"{reason} No flange is asked about: contact_depth 1 serves, which must be asked for."
     if beyond:
         return Choice(level, f"{beyond[0]} belongs to the complete vehicle; {reason}", True, depth)
     return Choice(level, reason, depth=depth)

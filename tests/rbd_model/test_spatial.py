@@ -562,6 +562,7 @@ def test_smallest_level_says_why(driven: list[str], read: list[str], level: int,
     assert choice.level == level
     assert word in choice.reason
     assert choice.whole == ("complete vehicle" in choice.reason)
+    assert (choice.level == 3 and choice.depth == 1) == ("contact_depth 1 serves" in choice.reason)
 
 
 @pytest.mark.parametrize(
