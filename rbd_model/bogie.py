@@ -19,7 +19,9 @@ from rbd_model.vehicles import loaded_coal_wagon, passenger_coach, two_axle_bogi
 
 #: Local error per step in nominal values, chosen from the pictures of `speed-accuracy`: docs/choosing.md.
 DEFAULT_TOLERANCE = 1e-6
-
+#: Start value of `contact_depth`: depth 1 misleads where a flange bears (scenario `contact-depth`), which a run only
+#: tells when it is over.
+DEFAULT_DEPTH = 2.0
 
 #: Which of the systems of `levels` serves, by level and, the last number running first, by depth of contact.
 CHOICE = (0, 0, 0, 1, 1, 1, 2, 3, 4)
@@ -52,7 +54,7 @@ def selectors() -> tuple[Variable, Variable]:
     depth = "Depth of contact at level 3: " + "; ".join(f"{number} {text}" for number, text in DEPTHS.items())
     return (
         Variable("level", "parameter", "1", level, 2.0, 1.0, 3.0, kind="integer"),
-        Variable("contact_depth", "parameter", "1", depth, 1.0, 1.0, float(len(DEPTHS)), kind="integer"),
+        Variable("contact_depth", "parameter", "1", depth, DEFAULT_DEPTH, 1.0, float(len(DEPTHS)), kind="integer"),
     )
 
 
@@ -93,7 +95,10 @@ DECIDED_BY_FLANGE = ("flange_force", "derailment_quotient")
 
 @dataclass(frozen=True)
 class Choice:
-    """One bogie or, `whole`, the complete vehicle; a level of detail and, in space, a depth of contact; and why."""
+    """One bogie or, `whole`, the complete vehicle; a level of detail and, in space, a depth of contact; and why.
+
+    depth: the least that answers; `contact_depth` starts at 2, so that 1 must be asked for.
+    """
 
     level: int
     reason: str
@@ -132,6 +137,8 @@ def smallest_level(driven: Iterable[str], read: Iterable[str]) -> Choice:
                 2,
                 f"{reason} {name} asks for contact depth 2: the flange has its own place, force and creep.",
             )
+    if level == 3 and depth == 1:
+        reason = f"{reason} No flange is asked about: contact_depth 1 serves, which must be asked for."
     if beyond:
         return Choice(level, f"{beyond[0]} belongs to the complete vehicle; {reason}", True, depth)
     return Choice(level, reason, depth=depth)

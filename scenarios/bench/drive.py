@@ -11,12 +11,16 @@ import numpy as np
 
 from fmu_src.compile import build_library
 from fmu_src.kernel import Kernel, Library
+from fmu_src.system import System
 from rbd_model.bogie import smallest_level
 from scenarios.cosimulation.recording import Recording
 from scenarios.fmus.registry import model_of
 
 #: Points (time [s], value) of an input; straight lines between them, held after the last, a jump at a repeated time.
 History = Sequence[tuple[float, float]]
+#: In space with the contact of the thesis, one rigid one a wheel: for what is compared with it or with rigid profiles,
+#: and for scenes that no flange touches, which it answers with the least work.
+RIGID = {"level": 3.0, "contact_depth": 1.0}
 #: A wheelset that locks below this speed [m/s] has stopped with the bogie.
 AT_REST = 0.05
 #: Times the length of a record that its spectrum is computed with.
@@ -39,13 +43,26 @@ def prepare(name: str, **values: float) -> Kernel:
     return Kernel(library(name), **values)
 
 
+def in_space(name: str) -> dict[str, float]:
+    """What puts an FMU in space on the contact of the thesis: RIGID; that of chapter 4 is no other."""
+    return {} if name == "wheelset" else RIGID
+
+
+def system_of(name: str, **values: float) -> System:
+    """The equations that a kernel with these parameters solves."""
+    model, place = model_of(name), 0
+    for selector in (variable for variable in model.variables if variable.name in model.selectors):
+        place = place * int(selector.maximum) + int(values.get(selector.name, selector.start)) - 1
+    return model.systems[model.choice[place] if model.selectors else 0]
+
+
 def bogie(driven: Iterable[str], read: Iterable[str], **values: float) -> Kernel:
     """The bogie of chapter 5 at the least level that drives these inputs, has these values and answers what is read.
 
     With one rigid contact a wheel unless `values` have another `contact_depth`.
     """
     asked = (name for name in values if name != "contact_depth")
-    return prepare("bogie", level=smallest_level((*driven, *asked), read).level, **values)
+    return prepare("bogie", **RIGID | {"level": smallest_level((*driven, *asked), read).level} | values)
 
 
 def play(

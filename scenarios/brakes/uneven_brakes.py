@@ -13,6 +13,7 @@ from rbd_model.parameters import AS_PRINTED, tables_5_1_and_5_2
 from scenarios.bench.asymmetric_shoes import DERAILED_AT
 from scenarios.bench.braked_bogie import FULL_PRESSURE, brake_values
 from scenarios.bench.braked_machine import STANDING, BrakedMachine
+from scenarios.bench.drive import RIGID
 from scenarios.cosimulation.master import Connection
 from scenarios.cosimulation.recording import Recording
 from scenarios.cosimulation.slave import CosimulationError
@@ -108,7 +109,7 @@ def measure() -> tuple[dict[float, UnevenStop], dict[tuple[float, float], Uneven
             low = {"level": 2.0, "friction_1": FRICTION, "friction_2": FRICTION}
             uneven[share] = uneven_stop(machine, low, (2 * share, 2 * (1 - share)), (0.0, 0.0))
             bar.update()
-        space = {"level": 3.0, "yaw_torque_rotates": 1, "wheel_lift_ends": 0}
+        space = RIGID | {"yaw_torque_rotates": 1, "wheel_lift_ends": 0}
         for errors in ERRORS:
             asymmetric[errors] = uneven_stop(machine, space | AS_PRINTED, (1.0, 1.0), errors)
             bar.update()

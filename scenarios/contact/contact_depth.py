@@ -85,7 +85,7 @@ def scene(depth: int) -> Scene:
         "bogie",
         DURATION,
         INTERVAL,
-        tuple(layout("bogie", 3, depth).kept),
+        tuple(layout("bogie", level=3, contact_depth=depth).kept),
         lateral_peak,
         values={"contact_depth": depth, "initial_speed": SPEED},
         inputs=inputs(STRONG),
@@ -130,7 +130,7 @@ class Accuracy:
 
 def accuracy(depth: int, run: Run, exact: Run) -> Accuracy:
     """Errors of a run, see there."""
-    place, form = scene(depth), layout("bogie", 3, depth)
+    place, form = scene(depth), layout("bogie", level=3, contact_depth=depth)
     nominal = form.nominal[form.differential]
     errors = np.array([run.samples[name] - exact.samples[name] for name in form.kept]).T / nominal
     instant, state = np.unravel_index(np.argmax(np.abs(errors)), errors.shape)
@@ -172,7 +172,7 @@ class Steps:
 
 def steps_over_shift(depth: int) -> Steps:
     """Steps through the transition, which end where a window does."""
-    place, form = scene(depth), layout("bogie", 3, depth)
+    place, form = scene(depth), layout("bogie", level=3, contact_depth=depth)
     kernel, rows = place.kernel(), []
     for begin in np.arange(0.0, DURATION, WINDOW):
         before = kernel.counts["steps"]

@@ -10,7 +10,7 @@ from scipy.optimize import curve_fit
 from fmu_src.kernel import Kernel, KernelError
 from rbd_model.parameters import AS_PRINTED
 from rbd_model.spatial_wheelset import FOLD_MARGIN
-from scenarios.methods.integrators import layout
+from scenarios.methods.integrators import layout_of
 from scenarios.methods.scenes import ASYMMETRIC, Scene, asymmetric
 
 #: 75 % error of the shoes on the leading wheelset, as the thesis read its model: a flange pushed at the rail stays on.
@@ -50,7 +50,7 @@ def approach() -> Approach:
     """
     end = derail(DERAILING, DERAILING.kernel(tolerance=TOLERANCE))
     kernel, times, curvatures = DERAILING.kernel(tolerance=TOLERANCE), [], []
-    differential = layout(DERAILING.fmu).differential
+    differential = layout_of(DERAILING).differential
     for begin, finish in DERAILING.segments():
         DERAILING.set_inputs(kernel, begin, finish)
         if finish < end:

@@ -12,7 +12,8 @@ import numpy as np
 from scipy.integrate import BDF, LSODA, RK45, OdeSolver, Radau
 
 from fmu_src.kernel import Kernel, KernelError
-from scenarios.methods.scenes import Samples, Scene, system_of
+from scenarios.bench.drive import system_of
+from scenarios.methods.scenes import Samples, Scene
 
 #: Seconds after which a run is given up; the point then says so.
 BUDGET = 5.0
@@ -91,8 +92,9 @@ class Layout:
 
 
 @lru_cache
-def layout(fmu: str, level: int = 3, contact_depth: int = 1) -> Layout:
-    states = system_of(fmu, level, contact_depth).states.values()
+def layout(fmu: str, **values: float) -> Layout:
+    """That of the equations of a kernel with these parameters."""
+    states = system_of(fmu, **values).states.values()
     return Layout(
         [state.name for state in states],
         np.array([not state.algebraic for state in states]),
@@ -102,7 +104,7 @@ def layout(fmu: str, level: int = 3, contact_depth: int = 1) -> Layout:
 
 def layout_of(scene: Scene) -> Layout:
     """That of the equations of a scene."""
-    return layout(scene.fmu, contact_depth=int(scene.values.get("contact_depth", 1)))
+    return layout(scene.fmu, **scene.parameters)
 
 
 # ---- SciPy ---------------------------------------------------------------------------------------------------------

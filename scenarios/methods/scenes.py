@@ -10,11 +10,8 @@ from itertools import pairwise
 import numpy as np
 
 from fmu_src.kernel import Kernel
-from fmu_src.system import System
-from rbd_model.contact.depth import DEPTHS
 from scenarios.bench.asymmetric_shoes import BRAKE_START, BRAKE_TORQUE, YAW_TORQUE
-from scenarios.bench.drive import History, prepare, value_at
-from scenarios.fmus.registry import model_of
+from scenarios.bench.drive import History, in_space, prepare, value_at
 
 #: Samples of the measured states by name, times [s] included.
 Samples = Mapping[str, np.ndarray]
@@ -40,10 +37,14 @@ class Scene:
     #: Largest step of other methods [s]: half of a wave, which none may step over; ours know it by themselves.
     longest_step: float = math.inf
 
+    @property
+    def parameters(self) -> dict[str, float]:
+        """All that differ from their start values."""
+        return {**in_space(self.fmu), **self.values}
+
     def kernel(self, **values: float) -> Kernel:
-        """An initialised kernel at the start, at level 3 unless `values` say otherwise."""
-        level = {"level": 3} if self.fmu == "bogie" else {}
-        kernel = prepare(self.fmu, **level | dict(self.values) | values)
+        """An initialised kernel at the start, in space on rigid contacts unless `values` say otherwise."""
+        kernel = prepare(self.fmu, **self.parameters | values)
         kernel.set(**{name: history[0][1] for name, history in self.inputs.items()})
         kernel.initialise()
         return kernel
@@ -62,12 +63,6 @@ class Scene:
 
     def times(self) -> np.ndarray:
         return np.arange(round(self.duration / self.interval) + 1) * self.interval
-
-
-def system_of(fmu: str, level: int = 3, contact_depth: int = 1) -> System:
-    """The equations of a kernel."""
-    model = model_of(fmu)
-    return model.systems[model.choice[(level - 1) * len(DEPTHS) + contact_depth - 1] if model.selectors else 0]
 
 
 def stopping(samples: Samples) -> dict[str, float]:

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from fmu_src.kernel import Kernel
-from scenarios.bench.drive import prepare
+from scenarios.bench.drive import RIGID, prepare
 from scenarios.methods.integrators import Layout, layout
 
 #: Values of integration_method.
@@ -47,17 +47,16 @@ class Machine:
     @property
     def form(self) -> Layout:
         """Places of its states."""
-        values = dict(self.values)
-        return layout(self.fmu, int(values.get("level", 3)), int(values.get("contact_depth", 1)))
+        return layout(self.fmu, **dict(self.values))
 
 
-SPATIAL = Machine("bogie, spatial", "bogie", (("level", 3),))
-PLANAR = Machine("bogie, planar", "bogie", (("level", 2),))
+SPATIAL = Machine("bogie, spatial", "bogie", tuple(RIGID.items()))
+PLANAR = Machine("bogie, planar", "bogie", (("level", 2.0),))
 WHEELSET = Machine("one wheelset in a frame", "wheelset", (), 1)
 #: Those whose fastest mode is creep at every speed, so that it decays without oscillating.
 MACHINES = (SPATIAL, PLANAR, WHEELSET)
 #: At contact depth 2 the wheelsets bounce on their contacts, which limits explicit steps where creep is slow.
-PATCHES = Machine("bogie, patches", "bogie", (("level", 3), ("contact_depth", 2)))
+PATCHES = Machine("bogie, patches", "bogie", (("level", 3.0), ("contact_depth", 2.0)))
 
 
 def amplification_of_rk4(z: complex | np.ndarray) -> complex | np.ndarray:

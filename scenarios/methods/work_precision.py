@@ -133,7 +133,7 @@ def works(scene: Scene, short: bool) -> Iterator[Work]:
 def hosted(scene: Scene, kind: str, step: float) -> Run:
     """The FMU at host steps through fmpy; constant inputs; samples where a host step ends."""
     rows, inputs = [], {name: history[0][1] for name, history in scene.inputs.items()}
-    with Slave(up_to_date(scene.fmu, kind), level=3, **scene.values) as slave:
+    with Slave(up_to_date(scene.fmu, kind), **scene.parameters) as slave:
         slave.start(**inputs)
         every = max(1, round(scene.interval / step))
         begin = clock.perf_counter()

@@ -17,7 +17,7 @@ from rbd_model.thesis.mechanism import FIRST_WHEELSET, Inputs, Mechanism, State
 from rbd_model.thesis.program import run as run_program
 from rbd_model.thesis.program import spin
 from rbd_model.track import derivatives_along, section_5_3
-from scenarios.bench.drive import play, prepare
+from scenarios.bench.drive import in_space, play, prepare
 from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.plots import BOGIE, TRAILING, plt
 from scenarios.reporting.progress import PATIENCE
@@ -89,10 +89,8 @@ class Outcome:
 
 def by_kernel(scene: Scene) -> Recording:
     inputs = {f"brake_torque_{n}": [(0.0, scene.brake_torque[n - 1])] for n in range(1, scene.wheelsets + 1)}
-    level = {"level": 3} if scene.fmu == "bogie" else {}
-    kernel = prepare(
-        scene.fmu, initial_speed=scene.speed, tolerance=TOLERANCE, **level, **dict(scene.track), **AS_PRINTED
-    )
+    values = in_space(scene.fmu) | dict(scene.track) | AS_PRINTED
+    kernel = prepare(scene.fmu, initial_speed=scene.speed, tolerance=TOLERANCE, **values)
     return play(scene.fmu, kernel, scene.duration, INTERVAL, RECORDED, inputs)
 
 

@@ -13,7 +13,7 @@ from tqdm import tqdm
 
 from fmu_src.kernel import Kernel, KernelError
 from rbd_model.parameters import tables_5_1_and_5_2
-from scenarios.bench.drive import prepare
+from scenarios.bench.drive import RIGID, prepare
 from scenarios.cosimulation.recording import Recording
 from scenarios.methods.drift import STEP as DRIFT_STEP
 from scenarios.methods.drift import Drift, drift
@@ -139,8 +139,8 @@ def silent_errors(atlas: Atlas) -> None:
 
 def exact_over_wave() -> tuple[np.ndarray, list[float]]:
     """Lateral displacement [m] every `INTERVAL`, and RK4's predicted limit [s] at each `LIMITS_EVERY`-th of them."""
-    kernel = prepare("bogie", level=3, tolerance=1e-10, **WAVE, **BRAKED)
-    differential = layout("bogie").differential
+    kernel = prepare("bogie", tolerance=1e-10, **RIGID, **WAVE, **BRAKED)
+    differential = layout("bogie", **RIGID).differential
     kernel.initialise()
     lateral, limits = [kernel["lateral_1"]], []
     for number in range(1, round(BRAKED_SECONDS / INTERVAL) + 1):
@@ -156,7 +156,7 @@ def exact_over_wave() -> tuple[np.ndarray, list[float]]:
 def fixed_over_wave(method: int, step: float) -> tuple[Kernel, np.ndarray | None]:
     """The kernel and its lateral displacement [m], none where the run fails."""
     values = {"integration_method": method, "integration_step": step, "tolerance": 1e-3}
-    kernel = prepare("bogie", level=3, **WAVE, **BRAKED, **values)
+    kernel = prepare("bogie", **RIGID, **WAVE, **BRAKED, **values)
     try:
         return kernel, np.array(kernel.record(BRAKED_SECONDS, INTERVAL, ["lateral_1"])["lateral_1"])
     except KernelError:

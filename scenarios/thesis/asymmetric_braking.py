@@ -29,6 +29,7 @@ from scenarios.bench.asymmetric_shoes import (
     Outcome,
     run_all,
 )
+from scenarios.bench.drive import RIGID
 from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.plots import LEADING, THREE, TRAILING, plt
 from scenarios.reporting.report import Result, Row, at_least
@@ -131,7 +132,7 @@ def run(options: Options) -> Result:
     series = Recording({"time": "s"}, [[time] for time in longest])
     for case, outcome in outcomes.items():
         series.add_from(f"lateral, {case.name}", outcome.series, f"lateral_{case.wheelset}")
-    parameters = as_printed(tables_5_1_and_5_2()).values() | {"level": 3, "tolerance": TOLERANCE}
+    parameters = as_printed(tables_5_1_and_5_2()).values() | RIGID | {"tolerance": TOLERANCE}
     seconds = sum(float(outcome.series["time"][-1]) for outcome in outcomes.values())
     result = Result(rows, series, lambda: draw(outcomes), parameters, seconds, remarks_of(outcomes))
     result.other_figures["contact-depth"] = lambda: draw_depths(outcomes)

@@ -11,7 +11,7 @@ from rbd_model.linear import oscillations
 from rbd_model.parameters import as_printed, tables_5_1_and_5_2
 from rbd_model.track import section_5_3
 from rbd_model.vehicles import two_axle_bogie
-from scenarios.bench.drive import bogie, spectrum
+from scenarios.bench.drive import RIGID, bogie, spectrum
 from scenarios.bench.irregularities import (
     CROSS_LEVEL,
     DURATION,
@@ -156,7 +156,7 @@ def run_of(kind: Irregularity) -> Result:
     for name in kind.shown:
         series.add_from(f"{name} at 25 m/s", runs[25.0], name)
     parameters = (
-        as_printed(tables_5_1_and_5_2()).values() | section_5_3().values() | {"level": 3, kind.name: kind.amplitude}
+        as_printed(tables_5_1_and_5_2()).values() | section_5_3().values() | RIGID | {kind.name: kind.amplitude}
     )
     return Result(rows, series, lambda: draw(kind, runs), parameters, DURATION * len(runs))
 

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from rbd_model.parameters import AS_PRINTED, as_printed, tables_5_1_and_5_2
 from rbd_model.track import section_5_3
-from scenarios.bench.drive import bogie, play
+from scenarios.bench.drive import RIGID, bogie, play
 from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt
 from scenarios.reporting.report import Result, Row
@@ -61,7 +61,7 @@ def run(options: Options) -> Result:
     series = runs["traction in 5 s"]
     for name in list(runs)[1:]:
         series.add_from(f"lateral_1, {name}", runs[name], "lateral_1")
-    parameters = as_printed(tables_5_1_and_5_2()).values() | section_5_3().values() | WAVE | {"level": 3}
+    parameters = as_printed(tables_5_1_and_5_2()).values() | section_5_3().values() | WAVE | RIGID
     return Result(rows, series, lambda: draw(runs), parameters, 2 * DURATION * len(runs))
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from rbd_model.parameters import AS_PRINTED, as_printed, tables_5_1_and_5_2
-from scenarios.bench.drive import period, play, prepare
+from scenarios.bench.drive import RIGID, period, play, prepare
 from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.plots import BOGIE, TRAILING, panels
 from scenarios.reporting.report import Result, Row, at_most
@@ -21,7 +21,7 @@ LEVELS = {2: "planar", 3: "spatial"}
 
 
 def motion(level: int, reaction: float = AS_PRINTED["torque_reaction"]) -> Recording:
-    kernel = prepare("bogie", level=level, initial_speed=0.01, torque_reaction=reaction)
+    kernel = prepare("bogie", **RIGID | {"level": level}, initial_speed=0.01, torque_reaction=reaction)
     inputs = {f"traction_torque_{n}": TRACTION for n in (1, 2)} | {f"brake_torque_{n}": BRAKE for n in (1, 2)}
     return play("bogie", kernel, DURATION, INTERVAL, ("speed", "pitch", "distance"), inputs)
 

@@ -20,7 +20,7 @@ from fmu_src.kernel import Kernel
 from rbd_model.parameters import AS_PRINTED, tables_5_1_and_5_2
 from scenarios.bench import asymmetric_shoes, hunting_wheelset, irregularities
 from scenarios.bench.asymmetric_shoes import APPLICATION_TIMES, AS_THESIS, PEAKS, Case
-from scenarios.bench.drive import PADDING, library
+from scenarios.bench.drive import PADDING, RIGID, in_space, library
 from scenarios.bench.irregularities import CROSS_LEVEL, HUNTING_PEAK, LATERAL, LATERAL_PEAK, WHEEL_LOAD
 from scenarios.cosimulation.recording import Recording
 from scenarios.methods.stability import RUNGE_KUTTA, Machine, limit
@@ -94,9 +94,8 @@ class Run:
 
     def limit(self) -> float:
         """Largest stable step of the explicit method at the speed of the start [s]."""
-        level = {"level": 3.0} if self.fmu == "bogie" else {}
-        wheelsets = 2 if self.fmu == "bogie" else 1
-        return limit(Machine(self.fmu, self.fmu, tuple((level | thesis_reading()).items()), wheelsets), self.speed)
+        wheelsets, values = 2 if self.fmu == "bogie" else 1, in_space(self.fmu) | thesis_reading()
+        return limit(Machine(self.fmu, self.fmu, tuple(values.items()), wheelsets), self.speed)
 
 
 # ---- what is measured --------------------------------------------------------------------------------------------
@@ -303,7 +302,7 @@ def run(options: Options) -> Result:
     ]
     rows = [*rows_of(found), *below, *limit_rows(), *counted]
     seconds = sum(one.seconds for one in found.values())
-    parameters = tables_5_1_and_5_2().values() | thesis_reading() | {"level": 3, "steps": STEPS}
+    parameters = tables_5_1_and_5_2().values() | thesis_reading() | RIGID | {"steps": STEPS}
     remarks = remarks_of(found, names, below[1].simulated or 0.0)
     return Result(rows, table(found), lambda: draw(found), parameters, seconds, remarks)
 

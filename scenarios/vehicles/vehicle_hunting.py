@@ -12,16 +12,14 @@ from tqdm import tqdm
 
 from fmu_src.kernel import Kernel
 from rbd_model.linear import Mode, critical_speed, oscillations, reduced_jacobian
-from scenarios.bench.drive import prepare
+from scenarios.bench.drive import RIGID, prepare, system_of
 from scenarios.bench.four_axles import COACH, NUMBERS
 from scenarios.cosimulation.recording import Recording
-from scenarios.fmus.registry import model_of
 from scenarios.reporting.plots import LEADING, THESIS, TRAILING, plt
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row, near
 from scenarios.scenario import Options, Scenario
 
-SPATIAL = 3
 #: Speeds of the picture [m/s].
 SPEEDS = np.arange(5.0, 111.0, 3.0)
 #: A mode that moves body or wheelsets across the track has at least this part of its energy there.
@@ -55,8 +53,8 @@ CASES = (
 
 
 def run_at(case: Case, speed: float, **more: float) -> Kernel:
-    """The vehicle at a constant speed."""
-    values = {**case.values, **more, "level": SPATIAL, "tolerance": TOLERANCE}
+    """The vehicle at a constant speed; small motions on the treads ask for no flange."""
+    values = {**RIGID, **case.values, **more, "tolerance": TOLERANCE}
     values["rolling_resistance_torque"] = DRAG
     return prepare("vehicle", **values, initial_speed=speed, constant_speed=1)
 
@@ -100,7 +98,7 @@ def hunting(case: Case, speed: float, body: bool) -> Mode | None:
     """The least stable motion across the track in which the body has more than half of the energy, or less."""
     kernel = run_at(case, speed)
     kernel.advance(SETTLED)
-    found = oscillations(model_of("vehicle").systems[SPATIAL - 1], np.array(kernel.linearise().jacobian))
+    found = oscillations(system_of("vehicle", **RIGID), np.array(kernel.linearise().jacobian))
     shares = [(mode, body_share(mode)) for mode in found]
     chosen = [mode for mode, share in shares if share is not None and (share > 0.5) == body]
     return max(chosen, key=lambda mode: mode.growth, default=None)
@@ -119,7 +117,7 @@ def growth_in_time(case: Case, speed: float) -> float:
     """
     mode = hunting(case, speed, case.body)
     assert mode is not None
-    system = model_of("vehicle").systems[SPATIAL - 1]
+    system = system_of("vehicle", **RIGID)
     steady, kernel = (
         run_at(case, speed, lateral_irregularity=size, lateral_wave_number=mode.frequency / speed)
         for size in (0.0, DISTURBANCE)

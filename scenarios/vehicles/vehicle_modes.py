@@ -7,10 +7,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rbd_model.linear import Mode, oscillations
-from scenarios.bench.drive import prepare
+from scenarios.bench.drive import RIGID, prepare, system_of
 from scenarios.bench.four_axles import COACH, NUMBERS
 from scenarios.cosimulation.recording import Recording
-from scenarios.fmus.registry import model_of
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt
 from scenarios.reporting.report import Result, Row, near
 from scenarios.scenario import Options, Scenario
@@ -42,10 +41,11 @@ MOTIONS = ("shift", "lateral", "bounce", "roll", "pitch", "yaw")
 
 
 def modes(level: int, **values: float) -> list[Mode]:
-    """Oscillations of the vehicle at a level, the slowest first."""
-    kernel = prepare("vehicle", level=level, tolerance=1e-10, **values)
+    """Oscillations of the vehicle at a level, the slowest first; on rigid contacts, without their own vibrations."""
+    place = RIGID | {"level": level}
+    kernel = prepare("vehicle", tolerance=1e-10, **place, **values)
     kernel.initialise()
-    found = oscillations(model_of("vehicle").systems[level - 1], np.array(kernel.linearise().jacobian))
+    found = oscillations(system_of("vehicle", **place), np.array(kernel.linearise().jacobian))
     return sorted(found, key=lambda mode: mode.frequency)
 
 

@@ -169,7 +169,7 @@ def test_directional_derivatives_are_those_of_differences(bogie: Library, level:
 @pytest.mark.parametrize("level", [2, 3])
 def test_derivatives_by_states_are_those_of_the_linearisation(bogie: Library, level: int) -> None:
     """Speed is the mean of the axles' states; the acceleration's share of a state is a row of the exact Jacobian."""
-    kernel = Kernel(bogie, level=level, brake_torque_1=1e4)
+    kernel = Kernel(bogie, level=level, contact_depth=1, brake_torque_1=1e4)
     kernel.advance(1.0)
     assert kernel.directional(["speed"], {"state_frame_speed": 1.0}) == pytest.approx([1.0])
     assert kernel["state_angular_velocity_1"] == kernel["angular_velocity_1"]

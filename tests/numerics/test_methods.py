@@ -13,7 +13,7 @@ from fmu_src.compile import build_library
 from fmu_src.kernel import ERROR, Kernel, KernelError, Library
 from fmu_src.system import System, Variable, model_of
 from rbd_model.parameters import tables_4_1_and_4_2, tables_5_1_and_5_2
-from scenarios.bench.drive import prepare
+from scenarios.bench.drive import RIGID, prepare
 from scenarios.methods import sundials
 from scenarios.methods.integrators import layout, own, scipy
 from scenarios.methods.scenes import LOCK_UP, ON_PATCHES, SCENES, SMOOTH, Scene
@@ -30,7 +30,7 @@ def test_order_on_the_smooth_stop_is_that_of_theory(method: int, order: float) -
     steps = {1: (16e-3, 8e-3, 4e-3), 2: (4e-3, 2e-3, 1e-3), 3: (2e-4, 1e-4, 5e-5)}[method]
     start = braked(tolerance=1e-11)
     start.advance(1e-3 if method == 3 else 1.0)  # RK4's steps resolve the transient, which alone shows its error
-    place = [start[f"state_{name}"] for name in layout("bogie", 2).kept]
+    place = [start[f"state_{name}"] for name in layout("bogie", level=2).kept]
     seconds = 4e-3 if method == 3 else 0.32
     exact, errors = advanced(place, seconds, tolerance=1e-12), []
     for step in steps:
@@ -187,7 +187,7 @@ def test_wave_of_the_track_is_not_stepped_over() -> None:
     peaks = []
     for tolerance in (1e-2, 1e-7):
         values = {"lateral_irregularity": 5e-3, "lateral_wave_number": 0.2, "irregularity_start": 400.0}
-        kernel = prepare("bogie", level=3, initial_speed=30.0, tolerance=tolerance, **values)
+        kernel = prepare("bogie", **RIGID, initial_speed=30.0, tolerance=tolerance, **values)
         table = kernel.record(16.0, 0.01, ["frame_lateral"])
         peaks.append(np.abs(table["frame_lateral"]).max())
     assert peaks[1] > 1e-4

@@ -55,7 +55,7 @@ def wheelset() -> Library:
 
 
 def spatial(library: Library, **values: float) -> Kernel:
-    return Kernel(library, level=3, **values)
+    return Kernel(library, **{"level": 3, "contact_depth": 1} | values)
 
 
 def test_lost_energy_equals_brake_creep_and_damper_work(observed: Library) -> None:
@@ -208,7 +208,7 @@ def test_straight_symmetric_stop_is_that_of_the_planar_level(bogie: Library) -> 
     """The ellipse moves by micrometres only; measured 0.4 mm."""
     stops = []
     for level in (2, 3):
-        kernel = Kernel(bogie, level=level, brake_torque_1=20e3, brake_torque_2=20e3)
+        kernel = Kernel(bogie, level=level, contact_depth=1, brake_torque_1=20e3, brake_torque_2=20e3)
         kernel.advance(22.9)
         stops.append((kernel["distance"], kernel["lateral_1"], kernel["frame_roll"]))
     assert stops[1][0] == pytest.approx(stops[0][0], abs=1e-3)
@@ -276,7 +276,9 @@ def test_pitch_of_the_frame_is_that_of_the_planar_level(bogie: Library, reaction
     """Traction, then braking; with the torque on the wheelsets alone and with its reaction on the sprung mass."""
     found = []
     for level in (2, 3):
-        kernel = Kernel(bogie, level=level, initial_speed=10.0, torque_reaction=reaction, traction_torque_1=2e4)
+        kernel = Kernel(
+            bogie, level=level, contact_depth=1, initial_speed=10.0, torque_reaction=reaction, traction_torque_1=2e4
+        )
         pitch = kernel.record(2.0, 0.01, ["pitch", "axle_load_1"])
         kernel.set(traction_torque_1=0.0, brake_torque_2=2e4)
         more = kernel.record(2.0, 0.01, ["pitch", "axle_load_1"])
@@ -560,6 +562,7 @@ def test_smallest_level_says_why(driven: list[str], read: list[str], level: int,
     assert choice.level == level
     assert word in choice.reason
     assert choice.whole == ("complete vehicle" in choice.reason)
+    assert (choice.level == 3 and choice.depth == 1) == ("contact_depth 1 serves" in choice.reason)
 
 
 @pytest.mark.parametrize(
