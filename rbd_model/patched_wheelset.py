@@ -164,9 +164,7 @@ def press_patches(assembly: Assembly, number: int, index: int, standing: Standin
     pressed, nearest = [], []
     for place, patch in enumerate(patches_of(data.pair)):
         name = f"{place}_{number}_{list(SIDES.values())[index]}"
-        near = look_up_patch(
-            assembly.system, name, patch, data.pair.wheel, (standing.placement, wheel, state.height)
-        )
+        near = look_up_patch(assembly.system, name, patch, data.pair.wheel, (standing.placement, wheel, state.height))
         fixed = PatchConstants(
             standing.cosines, wheel.vector, ca.SX(direction_of(patch)), *surroundings(assembly).values()
         )

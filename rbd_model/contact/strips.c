@@ -434,7 +434,7 @@ static void slide_segment(const fits_of *fits, const pressed_of *found, int segm
     double sliding[MOST][4], mean[2] = {0.0, 0.0}, flexibility[3];
     for (int i = 0; i < found->count; ++i) {
         const strip_of *strip = &found->strip[i];
-        if (!(found->share[segment][i] > 0.0)) continue;
+        if (!(strip->line_load > 0.0)) continue;
         slide(strip, motion, sliding[i]);
         const double weight = found->share[segment][i] * strip->line_load * strip->breadth / found->load[segment];
         for (int k = 0; k < 2; ++k) mean[k] += weight * sliding[i][k];

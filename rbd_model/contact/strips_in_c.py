@@ -94,8 +94,8 @@ def fits_in_c(name: str) -> str:
     fits += [fitted(LOGARITHMS, np.log(column), error=0.01, terms=8) for column in (C11, C22, C23)]
     fits += elliptic_fit()
     limits = [(row.min(), row.max()) for row in (ratio, loads, LOGARITHMS)]
-    rows = [*fits, *limits]
-    return f"static const fits_of {name} = {{{', '.join('{' + ', '.join(map(repr, map(float, row))) + '}' for row in rows)}}};"
+    rows = ["{" + ", ".join(repr(float(value)) for value in row) + "}" for row in (*fits, *limits)]
+    return f"static const fits_of {name} = {{{', '.join(rows)}}};"
 
 
 def fitted(x: np.ndarray, y: np.ndarray, error: float = FIT_ERROR, terms: int = TERMS) -> list[float]:

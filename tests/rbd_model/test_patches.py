@@ -1,4 +1,4 @@
-"""Contact depths 2 and 3: elastic patches of tread and flange, against closed forms, the rigid contact and each other."""
+"""Contact depths 2 and 3: elastic patches of tread and flange, against closed forms and the rigid contact."""
 
 from __future__ import annotations
 
@@ -193,14 +193,17 @@ def test_energy_closes_through_tread_and_flange_contact(patched: Library, yaw_to
 
     before = energy()
     kernel.set(brake_torque_1=20e3, brake_torque_2=20e3, yaw_torque_1=yaw_torque)
-    kernel.advance(2.0)
-    assert abs(kernel["flange_force_1"]) > 5e3
+    pushed = 0.0
+    for _ in range(20):
+        kernel.advance(0.1)
+        pushed = max(pushed, abs(kernel["flange_force_1"]))
+    assert pushed > 5e3
     assert energy() == pytest.approx(before, rel=ENERGY_BAND)
     assert kernel["integral_brake_power"] > 1e3 * ENERGY_BAND * before
 
 
 def test_mirrored_scene_on_patches_gives_the_mirrored_answer(patched: Library, depth: int) -> None:
-    """Strips begin and cease to touch, which bends their forces: a tolerance of 1e-9 is met by steps of microseconds."""
+    """Strips begin and cease to touch, which bends their forces: a tolerance of 1e-9 would take tiny steps."""
     found = []
     for sign in (1.0, -1.0):
         kernel = Kernel(patched, tolerance={2: 1e-9, 3: 1e-7}[depth])
