@@ -8,7 +8,8 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import fmpy
@@ -24,6 +25,11 @@ from fmu_src.codegen import (
     generate,
 )
 from fmu_src.system import Model
+
+if sys.platform == "win32":
+    import msvcrt
+else:
+    import fcntl
 
 #: Where compiled kernels and FMUs are kept between runs, in the user's folder for such things unless the environment
 #: names another; named by the content of their sources and the compiler.
@@ -91,18 +97,51 @@ def run(command: Sequence[str], target: str | None, folder: Path) -> None:
 
 
 def objects_of(sources: Mapping[str, str], flags: Sequence[str], target: str | None = None) -> list[Path]:
-    """Object files of C files that include the runtime's headers, compiled now unless the cache has them."""
-    kept = cache() / _content([*compiler(target), *flags], sources, RUNTIME_HEADERS)
-    objects = {name: Path(name).with_suffix(".o").name for name in sources}
-    if not kept.exists():
-        with tempfile.TemporaryDirectory() as name:
-            folder = Path(name)
-            for file, text in sources.items():
-                (folder / file).write_text(text)
-            for file, made in objects.items():
-                run([*flags, f"-I{RUNTIME}", f"-I{FMI_HEADERS}", "-c", "-o", made, file], target, folder)
-            _keep(folder, list(objects.values()), kept)
-    return [kept / made for made in objects.values()]
+    """Object files of C files that include the runtime's headers, each compiled now unless the cache has it."""
+    return [_object_of(name, text, flags, target) for name, text in sources.items()]
+
+
+def _object_of(name: str, text: str, flags: Sequence[str], target: str | None) -> Path:
+    path = cache() / f"{_content([*compiler(target), *flags, name], {name: text}, RUNTIME_HEADERS)}.o"
+    with _missing(path) as missing:
+        if missing:
+            with tempfile.TemporaryDirectory() as folder:
+                (Path(folder) / name).write_text(text)
+                compiling = [*flags, f"-I{RUNTIME}", f"-I{FMI_HEADERS}", "-c", "-o", "object", name]
+                run(compiling, target, Path(folder))
+                _keep(Path(folder) / "object", path)
+    return path
+
+
+def _keep(made: Path, path: Path) -> None:
+    """Copies a file to its place, where it is as a whole or not at all."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    partial = path.with_name(f"{path.name}.{os.getpid()}")
+    shutil.copyfile(made, partial)
+    partial.replace(path)
+
+
+@contextmanager
+def _missing(made: Path) -> Iterator[bool]:
+    """Whether the cache lacks this; one process at a time makes it: two that begin together would each compile it.
+
+    The system lets go of what a process held that ends in whatever way. A file system without locks holds nobody.
+    """
+    if made.exists():
+        yield False
+        return
+    with made.with_suffix(".lock").open("w") as file:
+        with suppress(OSError):
+            _hold(file.fileno())
+        yield not made.exists()
+
+
+def _hold(file: int) -> None:
+    """Locks a file until it is closed; Windows gives up after ten seconds, others wait."""
+    if sys.platform == "win32":
+        msvcrt.locking(file, msvcrt.LK_LOCK, 1)
+    else:
+        fcntl.flock(file, fcntl.LOCK_EX)
 
 
 def _content(words: Sequence[str], sources: Mapping[str, str], runtime: Sequence[str]) -> str:
@@ -113,17 +152,6 @@ def _content(words: Sequence[str], sources: Mapping[str, str], runtime: Sequence
     for path in (*(RUNTIME / name for name in runtime), Path(__file__)):
         digest.update(path.read_bytes())
     return digest.hexdigest()[:24]
-
-
-def _keep(folder: Path, names: Sequence[str], kept: Path) -> None:
-    """Copies files into the cache as a folder that is there as a whole or not at all."""
-    partial = Path(tempfile.mkdtemp(dir=kept.parent))
-    for name in names:
-        shutil.copyfile(folder / name, partial / name)
-    try:
-        partial.rename(kept)
-    except OSError:  # another process was faster
-        shutil.rmtree(partial)
 
 
 def compile_library(
@@ -147,10 +175,7 @@ def compile_library(
     objects += objects_of(runtime, [*flags, *shown, OPTIMISE_RUNTIME], target)
     with tempfile.TemporaryDirectory() as folder:
         run([*_linking(flags, target), "-o", "library", *map(str, objects), "-lm"], target, Path(folder))
-        output.parent.mkdir(parents=True, exist_ok=True)
-        partial = output.with_name(f"{output.name}.{os.getpid()}")
-        shutil.copyfile(Path(folder) / "library", partial)
-        partial.replace(output)
+        _keep(Path(folder) / "library", output)
 
 
 def _linking(flags: Sequence[str], target: str | None) -> list[str]:
@@ -168,8 +193,9 @@ def library_of(
     """Path of the compiled library of these sources, compiled now unless the cache has it; see compile_library."""
     words = [*compiler(target), *_linking(flags, target), OPTIMISE_GENERATED, str(fmu)]
     path = cache() / f"{_content(words, sources, (*RUNTIME_SOURCES, *RUNTIME_HEADERS))}{library_suffix()}"
-    if not path.exists():
-        compile_library(sources, path, flags, target, fmu)
+    with _missing(path) as missing:
+        if missing:
+            compile_library(sources, path, flags, target, fmu)
     return path
 
 

@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import casadi as ca
 
-from fmu_src.chain import Part
+from fmu_src.chain import Chain, Part
 from rbd_model.adhesion import Surface
 from rbd_model.contact.creep.kalker import smooth_kalker_coefficients
 from rbd_model.contact.creep.law import ContactPatch, CreepLaw
@@ -57,6 +57,7 @@ def creep_of_wheel(creep_law: CreepLaw, place: str) -> Part:
     stretch = ca.exp(logarithm / 2)
     creepages = (slide_x * slowness, slide_y * slowness, spin * slowness)
     axes, kalker = (semi_axis * stretch, semi_axis / stretch), smooth_kalker_coefficients(logarithm)
-    surroundings = surface.reduction, friction_at, 1 / slowness
+    chain = Chain()
+    surroundings = surface.reduction, friction_at, 1 / slowness, chain
     forces = creep_law(ContactPatch(creepages, load, left, axes, modulus, kalker, *surroundings))
-    return Part(f"creep_{place}", given, constants, ca.vertcat(*forces, left))
+    return Part(f"creep_{place}", given, constants, ca.vertcat(*forces, left), chain)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import pytest
@@ -24,7 +25,24 @@ def brake() -> Library:
     return Library(build_library(brake_cylinder()))
 
 
+class Fmus(Mapping[tuple[str, str], Path]):
+    """FMUs by (name, kind), all whose equations differ; each built when it is asked for, unless it was before."""
+
+    def __init__(self) -> None:
+        self.built: dict[tuple[str, str], Path] = {}
+
+    def __getitem__(self, key: tuple[str, str]) -> Path:
+        if key not in self.built:
+            self.built[key] = up_to_date(*key)
+        return self.built[key]
+
+    def __iter__(self) -> Iterator[tuple[str, str]]:
+        return iter((name, kind) for name in DIFFERENT for kind in KINDS)
+
+    def __len__(self) -> int:
+        return len(DIFFERENT) * len(KINDS)
+
+
 @pytest.fixture(scope="session")
-def fmus() -> dict[tuple[str, str], Path]:
-    """FMUs by (name, kind), all whose equations differ; built now unless this content was built before."""
-    return {(name, kind): up_to_date(name, kind) for name in DIFFERENT for kind in KINDS}
+def fmus() -> Fmus:
+    return Fmus()

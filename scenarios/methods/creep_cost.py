@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-import re
 import tempfile
 import time
 from collections.abc import Callable
@@ -12,7 +11,8 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 
-from fmu_src.chain import shared
+from fmu_src.chain import Chain
+from fmu_src.codegen import equations_in_c, function_of
 from fmu_src.compile import FLAGS, OPTIMISE_RUNTIME, library_suffix, objects_of, run
 from rbd_model.contact.creep.kalker import Kalker, kalker_coefficients
 from rbd_model.contact.creep.law import ContactPatch, CreepLaw
@@ -30,11 +30,10 @@ CALLS, REPEATS = 40_000, 5
 REPEAT = """
 __attribute__((visibility("default")))
 void repeat(int calls, int points, int columns, const double *given, double *found) {
-    static double work[%d];
     double *results[] = {found};
     for (int call = 0; call < calls; call++) {
-        const double *arguments[] = {given + call %% points * columns};
-        law(arguments, results, 0, work, 0);
+        const double *arguments[] = {given + call % points * columns};
+        law(arguments, results, 0, 0, 0);
     }
 }
 """
@@ -45,11 +44,11 @@ def symbols() -> ca.SX:
     return ca.SX.sym("point", COLUMNS + 3)
 
 
-def forces(law: CreepLaw, point: ca.SX) -> ca.SX:
-    """(F_x, F_y) [N] of a law at a point of `symbols`."""
+def forces(law: CreepLaw, point: ca.SX, chain: Chain) -> ca.SX:
+    """(F_x, F_y) [N] of a law at a point of `symbols`; what parts the law calls are links of the chain."""
     creepages, kalker = (point[0], point[1], point[2]), Kalker(point[7], point[8], point[9])
-    patch = ContactPatch(creepages, point[3], point[4], (point[5], point[6]), ca.SX(SHEAR_MODULUS), kalker)
-    return ca.vertcat(*law(patch))
+    axes, modulus = (point[5], point[6]), ca.SX(SHEAR_MODULUS)
+    return ca.vertcat(*law(ContactPatch(creepages, point[3], point[4], axes, modulus, kalker, chain=chain)))
 
 
 def with_coefficients(points: np.ndarray) -> np.ndarray:
@@ -62,21 +61,22 @@ def with_coefficients(points: np.ndarray) -> np.ndarray:
 
 def values(law: CreepLaw, points: np.ndarray) -> np.ndarray:
     """Forces (F_x, F_y) [N] by rows of points."""
-    point = symbols()
-    function = ca.Function("law", [point], [forces(law, point)])
-    return np.array(function.map(len(points))(with_coefficients(points).T)).T
+    point, chain = symbols(), Chain()
+    repeat, found = compiled(chain, forces(law, point, chain), point), np.zeros((len(points), 2))
+    for row, result in zip(np.ascontiguousarray(with_coefficients(points)), found, strict=True):
+        repeat(1, 1, row.size, row.ctypes.data, result.ctypes.data)
+    return found
 
 
 def cost(law: CreepLaw, points: np.ndarray, derivatives: bool) -> float:
     """Seconds of one call, on average over the points, the least of several measurements."""
-    point = symbols()
-    result = forces(law, point)
+    point, chain = symbols(), Chain()
+    result = forces(law, point, chain)
     if derivatives:
-        result = ca.vertcat(result, ca.vec(ca.densify(ca.jacobian(result, point)[:, :DIFFERENTIATED])))
-    function = shared("law", [point], [result])
+        result = ca.vertcat(result, ca.vec(ca.densify(chain.jacobian(result, point[:DIFFERENTIATED]))))
     given = np.ascontiguousarray(with_coefficients(points))
     found = np.zeros(result.numel())
-    repeat = compiled(function)
+    repeat = compiled(chain, result, point)
     seconds = []
     for _ in range(REPEATS):
         begin = time.perf_counter()
@@ -85,20 +85,14 @@ def cost(law: CreepLaw, points: np.ndarray, derivatives: bool) -> float:
     return min(seconds)
 
 
-def compiled(function: ca.Function) -> Callable[..., None]:
+def compiled(chain: Chain, result: ca.SX, point: ca.SX) -> Callable[..., None]:
     """`repeat` of C as the project makes it of its own equations, optimised as its runtime is."""
-    generator = ca.CodeGenerator("law", {"with_export": False})
-    generator.add(function)
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        generator.generate(name + "/")
-        text = (folder / "law.c").read_text()
-        text = re.sub(r"^casadi_real (?=casadi_\w+\()", "static inline casadi_real ", text, flags=re.MULTILINE)
-        text = f'#pragma GCC diagnostic ignored "-Wunused-parameter"\n{text}{REPEAT % max(1, function.sz_w())}'
+    text = equations_in_c([{"law": function_of(chain, "law", [result], [point])}]) + REPEAT
+    with tempfile.TemporaryDirectory() as folder:
         objects = objects_of({"law.c": text}, [*FLAGS, OPTIMISE_RUNTIME])
         library = f"law{library_suffix()}"
-        run([*FLAGS, OPTIMISE_RUNTIME, "-shared", "-o", library, *map(str, objects), "-lm"], None, folder)
-        repeat = ctypes.CDLL(str(folder / library)).repeat
+        run([*FLAGS, OPTIMISE_RUNTIME, "-shared", "-o", library, *map(str, objects), "-lm"], None, Path(folder))
+        repeat = ctypes.CDLL(str(Path(folder) / library)).repeat
     repeat.restype = None
     repeat.argtypes = [*[ctypes.c_int] * 3, *[ctypes.c_void_p] * 2]
     return repeat

@@ -26,7 +26,7 @@ HERE = Path(__file__).parent
 ZIG = f"{sys.executable} -m ziglang cc -mcpu=baseline"
 #: Inputs and parameters that make each FMU do something, and what is asked for afterwards.
 SCENE = {
-    "bogie": {"brake_torque_1": 40e3, "friction_1": 0.2},
+    "wheelset": {"brake_torque_1": 4e3, "friction_1": 0.2},
     "brake": {"pressure_demand": 180e3},
     "rail": {"speed": 10.0, "creep_force_1": -5e3, "slip_1": 2.0},
 }
@@ -125,7 +125,7 @@ def test_global_symbols_of_one_fmu_do_not_reach_another(
 
 def test_kernels_for_python_do_not_reach_each_other(models: dict) -> None:
     """The library inside a pythonfmu FMU, in a process that has loaded another one's symbols before."""
-    first, second = build_library(models["bogie"]), build_library(models["brake"])
+    first, second = build_library(models["wheelset"]), build_library(models["brake"])
     program = (
         "import ctypes, sys\nfrom fmu_src.kernel import Kernel, Library\n"
         "ctypes.CDLL(sys.argv[1], ctypes.RTLD_GLOBAL)\n"
@@ -138,7 +138,7 @@ def test_kernels_for_python_do_not_reach_each_other(models: dict) -> None:
     assert float(done.stdout) == pytest.approx(BRAKE_TORQUE, rel=SETTLED)
 
 
-@pytest.mark.parametrize(("version", "names"), [(2, ["bogie", "brake", "rail"]), (3, ["brake", "rail"])])
+@pytest.mark.parametrize(("version", "names"), [(2, ["wheelset", "brake", "rail"]), (3, ["brake", "rail"])])
 def test_fmus_linked_into_one_program_give_the_values_of_their_binaries(
     fmus: dict, opened: dict, models: dict, sources: dict, tmp_path: Path, version: int, names: list[str]
 ) -> None:

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from fmu_src.compile import build_library
 from fmu_src.kernel import Kernel, Library
 from fmu_src.system import model_of
 from rbd_model.adhesion import CONDITIONS, RailCondition, dry, even_rail, wet
@@ -24,6 +23,7 @@ from rbd_model.planar import planar_vehicle
 from rbd_model.spatial import spatial_vehicle
 from rbd_model.track import irregular_track, section_5_3
 from rbd_model.vehicles import two_axle_bogie
+from tests.quick_library import quick_library
 
 BOGIE = tables_5_1_and_5_2()
 STEEL, SEMI_AXES = 82e9, (6e-3, 5e-3)
@@ -210,7 +210,7 @@ def test_lost_energy_equals_work_on_falling_friction(level: int) -> None:
         if level == PLANAR
         else spatial_vehicle(two_axle_bogie(BOGIE), irregular_track(section_5_3()))
     )
-    library = Library(build_library(model_of(plain.with_integrals(powers).with_outputs(energies), DEFAULT_TOLERANCE)))
+    library = quick_library(model_of(plain.with_integrals(powers).with_outputs(energies), DEFAULT_TOLERANCE))
     patch = {"patch_start": 20.0, "patch_length": 10.0, "patch_friction": 0.3}
     kernel = Kernel(library, brake_torque_1=45e3, brake_torque_2=30e3, tolerance=1e-8, **patch, **wet().values())
     kernel.initialise()

@@ -13,7 +13,6 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from fmu_src.codegen import functions
-from fmu_src.compile import build_library
 from fmu_src.kernel import DISCARD, Kernel, KernelError, Library
 from fmu_src.system import model_of
 from rbd_model.bogie import DEFAULT_TOLERANCE
@@ -22,6 +21,7 @@ from rbd_model.parameters import BogieParameters, tables_5_1_and_5_2, tables_8_1
 from rbd_model.planar import planar_vehicle
 from rbd_model.vehicles import two_axle_bogie
 from scenarios.thesis.traction_braking import load_transfer
+from tests.quick_library import quick_library
 
 POINT, PLANAR, SPATIAL = 1, 2, 3
 #: Bands of docs/checking.md: acceleration 0.1 %, energy 1e-6 of what was lost, load transfer 0.5 % beside moments about
@@ -346,7 +346,7 @@ def test_lost_energy_equals_brake_creep_and_damping_work(reaction: float, torque
     powers = ["brake_power", "creep_power", "damping_power"]
     energies = ["kinetic_energy", "potential_energy"]
     system = planar_vehicle(two_axle_bogie()).with_integrals(powers).with_outputs(energies)
-    library = Library(build_library(model_of(system, DEFAULT_TOLERANCE)))
+    library = quick_library(model_of(system, DEFAULT_TOLERANCE))
     one = Kernel(library, brake_torque_1=torque, brake_torque_2=0.7 * torque, torque_reaction=reaction)
     one.initialise()
     begin = sum(one[name] for name in energies)
@@ -367,7 +367,7 @@ def test_undamped_rocking_keeps_its_energy() -> None:
     energies = ["kinetic_energy", "potential_energy"]
     p = replace(tables_5_1_and_5_2(), longitudinal_damping=0.0, vertical_damping=0.0, torque_reaction=1.0)
     system = planar_vehicle(two_axle_bogie(p)).with_integrals(["creep_power"]).with_outputs(energies)
-    library = Library(build_library(model_of(system, 1e-10)))
+    library = quick_library(model_of(system, 1e-10))
     one = Kernel(library, initial_speed=0.0, friction_1=0.0, friction_2=0.0)
     one.set(traction_torque_1=3e4, traction_torque_2=3e4)
     one.advance(0.3)
@@ -407,7 +407,7 @@ def test_kernel_follows_another_method_through_a_skid() -> None:
         rtol=1e-10,
         atol=1e-12,
     )
-    library = Library(build_library(model_of(system, 1e-8)))
+    library = quick_library(model_of(system, 1e-8))
     one = Kernel(library, brake_torque_1=45e3, brake_torque_2=45e3)
     one.advance(skid_time)
     exact = np.array(made["output"](*at(skid_time, solution.y[:, -1]))).ravel()

@@ -17,6 +17,7 @@ from rbd_model.spatial import spatial_vehicle
 from rbd_model.track import irregular_track, section_5_3
 from rbd_model.vehicles import passenger_coach
 from scenarios.bench.four_axles import rigid_axle_loads
+from tests.quick_library import quick_library
 
 PLANAR, SPATIAL = 2, 3
 NUMBERS = (1, 2, 3, 4)
@@ -143,7 +144,7 @@ POWERS = ["brake_power", "creep_power", "damping_power"]
 @pytest.fixture(scope="module")
 def observed() -> Library:
     system = spatial_vehicle(passenger_coach(), irregular_track(section_5_3()))
-    return Library(build_library(model_of(system.with_integrals(POWERS).with_outputs(ENERGIES), 1e-9)))
+    return quick_library(model_of(system.with_integrals(POWERS).with_outputs(ENERGIES), 1e-9))
 
 
 LEFT_RIGHT = (*(f"lateral_{n}" for n in NUMBERS), *(f"yaw_{n}" for n in NUMBERS), "body_roll", "front_frame_yaw")

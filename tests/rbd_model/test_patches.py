@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from scipy.special import ellipe, ellipk
 
-from fmu_src.compile import build_library
 from fmu_src.kernel import Kernel, Library
 from fmu_src.system import System, model_of
 from rbd_model.contact.creep.kalker_linear import kalker_linear
@@ -25,6 +24,7 @@ from rbd_model.spatial import spatial_vehicle
 from rbd_model.track import irregular_track, section_5_3
 from rbd_model.vehicles import two_axle_bogie
 from scenarios.contact import contact_manchester as manchester
+from tests.quick_library import quick_library
 
 STEEL = 82e9
 #: Of the polynomial through Hertz' force; a hundred times smaller than what Hertz' theory itself leaves out at a rail.
@@ -150,13 +150,13 @@ def depth(request: pytest.FixtureRequest) -> int:
 @pytest.fixture(scope="module")
 def patched(depth: int) -> Library:
     """The bogie of chapter 5 at this depth with its energies and powers."""
-    return Library(build_library(model_of(bogie_on(depth).with_outputs(ENERGIES), 1e-7)))
+    return quick_library(model_of(bogie_on(depth).with_outputs(ENERGIES), 1e-7))
 
 
 @pytest.fixture(scope="module")
 def rigid() -> Library:
     """The same with one rigid contact a wheel."""
-    return Library(build_library(model_of(spatial_vehicle(two_axle_bogie(), irregular_track(section_5_3())), 1e-7)))
+    return quick_library(model_of(spatial_vehicle(two_axle_bogie(), irregular_track(section_5_3())), 1e-7))
 
 
 def test_wheelset_at_rest_stands_still_with_its_weight_on_the_rails(patched: Library, depth: int) -> None:

@@ -26,6 +26,7 @@ from rbd_model.spatial_wheelset import END_MARGIN
 from rbd_model.track import Track, derivatives_along, irregular_track, section_5_3, track_from_file, track_from_points
 from rbd_model.variables import LARGEST_LATERAL, LARGEST_YAW
 from rbd_model.vehicles import two_axle_bogie, wheelset_under_frame
+from tests.quick_library import quick_library
 
 ENERGIES = ("kinetic_energy", "potential_energy")
 POWERS = ("brake_power", "creep_power", "damping_power")
@@ -44,9 +45,7 @@ def bogie() -> Library:
 def observed() -> Library:
     """The bogie of chapter 5 with its energies, powers and gap as outputs."""
     system = spatial_vehicle(two_axle_bogie(), irregular_track(section_5_3()))
-    return Library(
-        build_library(model_of(system.with_integrals(POWERS).with_outputs((*ENERGIES, "largest_gap")), 1e-7))
-    )
+    return quick_library(model_of(system.with_integrals(POWERS).with_outputs((*ENERGIES, "largest_gap")), 1e-7))
 
 
 @pytest.fixture(scope="module")
@@ -495,7 +494,7 @@ def test_fitted_ellipse_is_the_exact_one() -> None:
 def wheelset_on(track: Track, **values: float) -> Kernel:
     """The wheelset of chapter 4 on another track."""
     system = spatial_vehicle(wheelset_under_frame(), track)
-    return Kernel(Library(build_library(model_of(system, 1e-7))), **values)
+    return Kernel(quick_library(model_of(system, 1e-7)), **values)
 
 
 def test_track_from_points_is_the_track_of_the_formula(tmp_path) -> None:  # type: ignore[no-untyped-def]

@@ -9,7 +9,6 @@ from functools import lru_cache
 import casadi as ca
 import numpy as np
 
-from fmu_src.compile import build_library
 from fmu_src.kernel import DISCARD, Kernel, KernelError, Library
 from fmu_src.system import System, model_of
 from rbd_model.bogie import levels, wheelset_in_frame
@@ -31,6 +30,7 @@ from rbd_model.thesis.mechanism import FIRST_WHEELSET, Answer, Inputs, Mechanism
 from rbd_model.track import derivatives_along, irregular_track, section_5_3
 from rbd_model.vehicle import Springs
 from rbd_model.vehicles import passenger_coach, two_axle_bogie
+from tests.quick_library import quick_library
 
 WORDS = ("right", "left")
 
@@ -81,7 +81,7 @@ def machine(wheelsets: int) -> Machine:
     whole = wheelsets == 4
     bodies = ("body", "front_frame", "rear_frame") if whole else ("frame",)
     pair = synthetic_pair() if whole else thesis_pair()
-    return Machine(wheelsets, parameters, pair, bodies, system, Library(build_library(model_of(system, 1e-7))))
+    return Machine(wheelsets, parameters, pair, bodies, system, quick_library(model_of(system, 1e-7)))
 
 
 @dataclass(frozen=True)

@@ -6,10 +6,11 @@ Each law is one file beside this one; a user's own is one function, given to a l
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import casadi as ca
 
+from fmu_src.chain import Chain
 from rbd_model.contact.creep.kalker import Kalker
 
 
@@ -40,7 +41,7 @@ class ContactPatch:
     creepages: longitudinal, lateral [1] and spin [1/m], of the wheel against the rail; axes look ahead, to the left and
     into the wheel. load [N]; friction: coefficient at the sliding speed of the whole patch; semi_axes [m]: along and
     across; shear_modulus [Pa]. friction_at: coefficient by sliding speed [m/s], and rolling_speed [m/s], for laws in
-    which it differs within the patch; without them it is the same everywhere.
+    which it differs within the patch; without them it is the same everywhere. chain: to call parts by, such as a table.
     """
 
     creepages: tuple[ca.SX, ca.SX, ca.SX]
@@ -52,6 +53,7 @@ class ContactPatch:
     reduction: Reduction = CLEAN
     friction_at: Callable[[ca.SX], ca.SX] | None = None
     rolling_speed: ca.SX | float = 1.0
+    chain: Chain = field(default_factory=Chain)
 
 
 #: Creep forces (F_x, F_y) [N] on the wheel of a patch; for small creepages F_x = -G a b c11 xi_x and
