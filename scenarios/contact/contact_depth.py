@@ -1,4 +1,4 @@
-"""From tread to flange at both depths of contact: what the one misses, what the other costs, and how well it is solved.
+"""From tread to flange at all depths of contact: what each misses, what it costs, and how well it is solved.
 
 The scene is that of chapter 9 with an axis of the yaw torque that stays fixed: brakes applied slowly, one shoe pressing
 too hard, so that the leading wheelset turns until its left flange meets the rail.
@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache, partial
+from itertools import product
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -31,9 +32,9 @@ from scenarios.methods.integrators import Run, layout, own
 from scenarios.methods.scenes import SMOOTH, Scene, lateral_peak
 from scenarios.methods.timing import least
 from scenarios.methods.work_precision import difference
-from scenarios.reporting.plots import LEADING, THREE, TRAILING, mark, plt
+from scenarios.reporting.plots import LEADING, THESIS, THREE, TRAILING, mark, plt
 from scenarios.reporting.progress import PATIENCE
-from scenarios.reporting.report import Result, Row, at_least, at_most
+from scenarios.reporting.report import Bound, Result, Row, at_least, at_most
 from scenarios.scenario import Options, Scenario
 
 #: Brakes applied as slowly as in chapter 9 [s], so that the wheelset moves from its tread to its flange step by step.
@@ -46,7 +47,10 @@ RECORDED = {"lateral_1": "m", "flange_force_1": "N", "derailment_quotient_1_left
 #: Asked of the default, in tolerances: that of the chart of speed against accuracy, EXPECTED there.
 ERROR_BAND = 10.0
 TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
-REFERENCE = 1e-10
+#: By depth; strips that begin and cease to touch bend their forces, which a smaller one would meet by tiny steps.
+REFERENCE = {1: 1e-10, 2: 1e-10, 3: 1e-8}
+#: A reference serves tolerances at least so many times its own.
+FINER = 100
 #: About the default: where a step happens to end as the flange hits its rail moves the error of one state then
 #: by a factor of three, without order. Judged is the middle one of these.
 NEIGHBOURS = tuple(float(factor) * DEFAULT_TOLERANCE for factor in np.geomspace(0.5, 2.0, 13))
@@ -64,9 +68,11 @@ MOVED, NEAR_FLANGE = 1e-3, 8e-3
 TOUCHING = 1.0
 #: Wall times are the least of as many rounds, the depths taking turns: machines are noisy.
 ROUNDS = 5
+#: Depths that are timed in rounds and tried about the default; the third takes its minutes.
+QUICK = (1, 2)
 #: What depth 2 may cost on a stop that no flange touches, times depth 1; a wall time, so that no row is judged by it.
 COST_TO_REACH = 1.3
-COLOURS, DASHES = {1: TRAILING, 2: LEADING}, {1: "--", 2: "-"}
+COLOURS, DASHES = {1: TRAILING, 2: LEADING, 3: THESIS}, {1: "--", 2: "-", 3: ":"}
 
 
 def inputs(yaw_torque: float) -> dict[str, History]:
@@ -146,15 +152,17 @@ def accuracy(depth: int, run: Run, exact: Run) -> Accuracy:
 
 def accuracies(depth: int) -> dict[float, Accuracy]:
     """By tolerance; the fastest of rounds in which the tolerances take turns."""
-    exact = own(scene(depth), tolerance=REFERENCE)
-    rounds = [[own(scene(depth), tolerance=tolerance) for tolerance in TOLERANCES] for _ in range(ROUNDS)]
+    exact = own(scene(depth), tolerance=REFERENCE[depth])
+    tolerances = [one for one in TOLERANCES if one >= FINER * REFERENCE[depth] * (1 - 1e-9)]
+    count = ROUNDS if depth in QUICK else 1
+    rounds = [[own(scene(depth), tolerance=tolerance) for tolerance in tolerances] for _ in range(count)]
     fastest = [min(runs, key=lambda run: run.seconds) for runs in zip(*rounds, strict=True)]
-    return {tolerance: accuracy(depth, run, exact) for tolerance, run in zip(TOLERANCES, fastest, strict=True)}
+    return {tolerance: accuracy(depth, run, exact) for tolerance, run in zip(tolerances, fastest, strict=True)}
 
 
 def errors_about_default(depth: int) -> list[float]:
     """The largest error of one state at each of NEIGHBOURS, in that tolerance."""
-    exact = own(scene(depth), tolerance=REFERENCE)
+    exact = own(scene(depth), tolerance=REFERENCE[depth])
     return [accuracy(depth, own(scene(depth), tolerance=one), exact).single / one for one in NEIGHBOURS]
 
 
@@ -185,18 +193,18 @@ def steps_over_shift(depth: int) -> Steps:
     return Steps(shifts, steps, 2 * np.pi / float(np.abs(modes.imag).max()))
 
 
-def missing_energy() -> float:
-    """Energy that neither brakes, creep nor dampers took at depth 2, by default, as a share of that at the start.
+def missing_energy(depth: int) -> float:
+    """Energy that neither brakes, creep nor dampers took, by default, as a share of that at the start.
 
     That of depth 1: tests/rbd_model/test_spatial.py.
     """
-    system = spatial_vehicle(two_axle_bogie(), irregular_track(section_5_3()), Contact(2))
+    system = spatial_vehicle(two_axle_bogie(), irregular_track(section_5_3()), Contact(depth))
     model = model_of(system.with_integrals(POWERS).with_outputs(ENERGIES), COMPILED_TOLERANCE)
     kernel = Kernel(Library(build_library(model)), initial_speed=SPEED, tolerance=DEFAULT_TOLERANCE)
     kernel.initialise()
     start = sum(kernel[name] for name in ENERGIES)
-    for begin, end in scene(2).segments():
-        scene(2).set_inputs(kernel, begin, end)
+    for begin, end in scene(depth).segments():
+        scene(depth).set_inputs(kernel, begin, end)
         kernel.advance(end - begin)
     left = sum(kernel[name] for name in ENERGIES) + sum(kernel[f"integral_{name}"] for name in POWERS)
     return abs(left / start - 1.0)
@@ -222,7 +230,7 @@ def costs() -> dict[int, float]:
 @dataclass(frozen=True)
 class Findings:
     """All that was measured: by depth, and peaks by yaw torque [N.m] too; exact_peaks: of the strong one with the
-    reference; about_default: largest errors of one state in tolerances about the default; missing: energy at depth 2.
+    reference; about_default: largest errors of one state in tolerances about the default; missing: energy, by depth.
     """
 
     peaks: Mapping[int, Mapping[float, dict[str, float]]]
@@ -232,11 +240,11 @@ class Findings:
     about_default: Mapping[int, list[float]]
     steps: Mapping[int, Steps]
     costs: Mapping[int, float]
-    missing: float
+    missing: Mapping[int, float]
 
-    def more(self, name: str, torque: float) -> float:
-        """What depth 1 finds more than depth 2, in % of that."""
-        return 100 * (self.peaks[1][torque][name] / self.peaks[2][torque][name] - 1.0)
+    def more(self, name: str, torque: float, depth: int = 1) -> float:
+        """What a depth finds more than depth 2, in % of that."""
+        return 100 * (self.peaks[depth][torque][name] / self.peaks[2][torque][name] - 1.0)
 
 
 def measure() -> Findings:
@@ -247,12 +255,12 @@ def measure() -> Findings:
     return Findings(
         peaks,
         histories,
-        {depth: largest(history(depth, STRONG, tolerance=REFERENCE)) for depth in DEPTHS},
+        {depth: largest(history(depth, STRONG, tolerance=REFERENCE[depth])) for depth in DEPTHS},
         {depth: accuracies(depth) for depth in DEPTHS},
-        {depth: errors_about_default(depth) for depth in DEPTHS},
+        {depth: errors_about_default(depth) for depth in QUICK},
         {depth: steps_over_shift(depth) for depth in DEPTHS},
         costs(),
-        missing_energy(),
+        {depth: missing_energy(depth) for depth in DEPTHS if depth > 1},
     )
 
 
@@ -285,22 +293,20 @@ COMPARED = {
 
 def accuracy_rows(depth: int, found: Findings) -> list[Row]:
     """Of the default, in tolerances: what is read off, and all states at the worst instant."""
-    one, source = found.accuracies[depth][DEFAULT_TOLERANCE], f"RODAS5P {REFERENCE:g}"
+    one, source = found.accuracies[depth][DEFAULT_TOLERANCE], f"RODAS5P {REFERENCE[depth]:g}"
     forces = difference(found.peaks[depth][STRONG], found.exact_peaks[depth])
     where = f"{one.state} in its nominal value, at a shift of {1e3 * one.shift:.2f} mm"
-    about = found.about_default[depth]
-    spread = f"from {min(about):.1f} to {max(about):.1f} at {len(about)} tolerances from half the default to twice"
-    rows = {
+    rows: dict[str, tuple[float, Bound | None, str]] = {
         "relative error of peak shift and distance": (one.read_off, at_most(ERROR_BAND), ""),
         "relative error of peak shift, flange force and Y/Q": (forces, at_most(ERROR_BAND), ""),
         "largest error, norm of all states": (one.norm, at_most(ERROR_BAND), ""),
         "largest error of one state": (one.single, None, f"not judged, chance of where steps end; {where}"),
-        "largest error of one state, median about the default": (
-            float(np.median(about)) * DEFAULT_TOLERANCE,
-            at_most(ERROR_BAND),
-            spread,
-        ),
     }
+    if depth in found.about_default:
+        about = found.about_default[depth]
+        spread = f"from {min(about):.1f} to {max(about):.1f} at {len(about)} tolerances from half the default to twice"
+        middle = float(np.median(about)) * DEFAULT_TOLERANCE
+        rows["largest error of one state, median about the default"] = middle, at_most(ERROR_BAND), spread
     return [
         Row(f"depth {depth}: {words} over the tolerance", "1", None, error / DEFAULT_TOLERANCE, asked, source, note)
         for words, (error, asked, note) in rows.items()
@@ -316,22 +322,23 @@ def step_rows(found: Findings) -> list[Row]:
         note = f"the fastest vibration takes {period:.2g} ms; mean of windows of {1e3 * WINDOW:g} ms"
         quantity, source = f"depth {depth}: shortest step onto the flange", "eigenvalues of the exact Jacobian"
         rows.append(Row(quantity, "ms", None, shortest, asked, source, note))
-    quantity, source = "depth 2: energy that is missing, as a share", "work of brakes, creep, dampers and contacts"
-    rows.append(Row(quantity, "1", None, found.missing, at_most(ENERGY_BAND), source))
+    source = "work of brakes, creep, dampers and contacts"
+    for depth, missing in found.missing.items():
+        quantity = f"depth {depth}: energy that is missing, as a share"
+        rows.append(Row(quantity, "1", None, missing, at_most(ENERGY_BAND), source))
     return rows
 
 
 def difference_rows(found: Findings) -> list[Row]:
-    """What depth 1 finds more than depth 2, below and above the torque that brings the flange to its rail."""
+    """What depths 1 and 3 find more than depth 2, below and above the torque that brings the flange to its rail."""
     rows = []
-    for torque in (TORQUES[0], WEAK, STRONG):
-        for name, (words, unit, scale) in COMPARED.items():
-            one, two = (scale * found.peaks[depth][torque][name] for depth in DEPTHS)
-            if name == "flange_force_1" and torque < WEAK:
-                continue  # no flange touches
-            quantity = f"{1e-3 * torque:.3g} kN.m: {words}, depth 1 over depth 2, less 1"
-            note = f"depth 1 finds {one:.4g}, depth 2 {two:.4g} in {unit}"
-            rows.append(Row(quantity, "%", None, found.more(name, torque), None, "measured now", note))
+    for depth, torque, (name, (words, unit, scale)) in product((1, 3), (TORQUES[0], WEAK, STRONG), COMPARED.items()):
+        if name == "flange_force_1" and torque < WEAK:
+            continue  # no flange touches
+        one, two = (scale * found.peaks[number][torque][name] for number in (depth, 2))
+        quantity = f"{1e-3 * torque:.3g} kN.m: {words}, depth {depth} over depth 2, less 1"
+        note = f"depth {depth} finds {one:.4g}, depth 2 {two:.4g} in {unit}"
+        rows.append(Row(quantity, "%", None, found.more(name, torque, depth), None, "measured now", note))
     return rows
 
 
@@ -345,8 +352,9 @@ def cost_rows(found: Findings) -> list[Row]:
         ("run onto the flange", onto, ""),
     ):
         rows += [Row(f"depth {n}: {words}", "ms", None, 1e3 * one, None, source) for n, one in seconds.items()]
-        quantity = f"{words}: time of depth 2 over depth 1"
-        rows.append(Row(quantity, "1", None, seconds[2] / seconds[1], None, source, note))
+        for depth in (2, 3):
+            quantity = f"{words}: time of depth {depth} over depth 1"
+            rows.append(Row(quantity, "1", None, seconds[depth] / seconds[1], None, source, note if depth == 2 else ""))
     return rows
 
 
@@ -360,8 +368,11 @@ def remarks(found: Findings) -> list[str]:
         f"Depth 2 errs most where the flange touches, at {1e3 * error.shift:.2f} mm: there {error.state} is off by "
         f"{error.single / DEFAULT_TOLERANCE:.0f} tolerances for an instant; with tolerances near the default by "
         f"{min(about):.0f} to {max(about):.0f}, as steps happen to end at the impact.",
-        "Not shown: a profile whose contact jumps more than once, such as S1002 (scenario contact-manchester); strips, "
-        "depth 3 there, have no equations of motion so far.",
+        "Depth 3 parts from depth 2 before the flange touches: from 7 mm of shift on the tread's patch, 11 mm broad, "
+        "reaches into the fillet and grows to 18 mm, which no ellipse does. The rail pushes back earlier, the flange meets "
+        f"it later, and Y/Q is {-found.more('derailment_quotient_1_left', STRONG, 3):.0f} % lower. It takes "
+        f"{found.costs[3] / found.costs[2]:.0f} times as long, and is for measured profiles, whose contact jumps or is long "
+        "(scenario contact-manchester).",
     ]
 
 
@@ -377,7 +388,7 @@ def draw(found: Findings) -> Figure:
     draw_cost(grid[2, 0], found)
     draw_course(grid[2, 1], found)
     words = f"braked, yaw torque rising to {1e-3 * STRONG:.0f} kN.m"
-    figure.suptitle(f"From tread to flange at both depths of contact: {words}", x=0.02, ha="left")
+    figure.suptitle(f"From tread to flange at all depths of contact: {words}", x=0.02, ha="left")
     figure.set_layout_engine("constrained")
     return figure
 
@@ -410,6 +421,8 @@ def draw_steps(axis: Axes, found: Findings) -> None:
         near = one.shift > NEAR_FLANGE
         axis.plot(1e3 * one.shift[near], 1e3 * one.step[near], "o", color=COLOURS[depth], markersize=3)
         limit = 1e3 * one.period / STEPS_OF_A_PERIOD
+        if depth not in QUICK:
+            continue  # as that of depth 2
         axis.axhline(limit, color=COLOURS[depth], linewidth=0.8, linestyle=":")
         place, words = (1e3 * NEAR_FLANGE, limit), f"1/{STEPS_OF_A_PERIOD} of the fastest period, depth {depth}"
         axis.annotate(words, place, xytext=(0, 3), textcoords="offset points", fontsize=7)
@@ -432,10 +445,11 @@ def draw_cost(axis: Axes, found: Findings) -> None:
             )
             ringed = getattr(default, kind)
             axis.plot(1e3 * default.seconds, ringed, "o", color=colour, markersize=12, fillstyle="none")
+    axis.set_xscale("log")
     axis.set_yscale("log")
     axis.set_title(f"error at tolerances {TOLERANCES[0]:g} to {TOLERANCES[-1]:g}; the ring is the default")
     axis.set_xlabel("wall time [ms]")
-    axis.legend(fontsize=7)
+    axis.legend(fontsize=7, loc="upper right", bbox_to_anchor=(1.0, 0.75))
 
 
 def draw_course(axis: Axes, found: Findings) -> None:
@@ -454,7 +468,7 @@ def draw_course(axis: Axes, found: Findings) -> None:
 
 SCENARIO = Scenario(
     "contact-depth",
-    "From tread to flange at both depths of contact: what one misses, what the other costs, and how well it is solved",
+    "From tread to flange at all depths of contact: what each misses, what it costs, and how well it is solved",
     run,
     frozenset(),
 )

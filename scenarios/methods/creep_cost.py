@@ -13,7 +13,7 @@ import numpy as np
 
 from fmu_src.chain import Chain
 from fmu_src.codegen import equations_in_c, function_of
-from fmu_src.compile import FLAGS, OPTIMISE_RUNTIME, library_suffix, objects_of, run
+from fmu_src.compile import FLAGS, OPTIMISE_GENERATED, library_suffix, objects_of, run
 from rbd_model.contact.creep.kalker import Kalker, kalker_coefficients
 from rbd_model.contact.creep.law import ContactPatch, CreepLaw
 
@@ -86,12 +86,12 @@ def cost(law: CreepLaw, points: np.ndarray, derivatives: bool) -> float:
 
 
 def compiled(chain: Chain, result: ca.SX, point: ca.SX) -> Callable[..., None]:
-    """`repeat` of C as the project makes it of its own equations, optimised as its runtime is."""
+    """`repeat` of C as the project makes it of its own equations, optimised as they are."""
     text = equations_in_c([{"law": function_of(chain, "law", [result], [point])}]) + REPEAT
     with tempfile.TemporaryDirectory() as folder:
-        objects = objects_of({"law.c": text}, [*FLAGS, OPTIMISE_RUNTIME])
+        objects = objects_of({"law.c": text}, [*FLAGS, OPTIMISE_GENERATED])
         library = f"law{library_suffix()}"
-        run([*FLAGS, OPTIMISE_RUNTIME, "-shared", "-o", library, *map(str, objects), "-lm"], None, Path(folder))
+        run([*FLAGS, OPTIMISE_GENERATED, "-shared", "-o", library, *map(str, objects), "-lm"], None, Path(folder))
         repeat = ctypes.CDLL(str(Path(folder) / library)).repeat
     repeat.restype = None
     repeat.argtypes = [*[ctypes.c_int] * 3, *[ctypes.c_void_p] * 2]
