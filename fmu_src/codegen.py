@@ -16,6 +16,7 @@ import casadi as ca
 from fmu_src.chain import Call, Chain, Part, shared
 from fmu_src.elimination import Elimination, elimination, elimination_source
 from fmu_src.model_description import model_description
+from fmu_src.pieces import in_pieces
 from fmu_src.system import Model, System, integration_variables, state_variable
 
 RUNTIME = Path(__file__).parent / "runtime"
@@ -208,7 +209,7 @@ def equations_in_c(generated: Sequence[dict[str, Generated]]) -> str:
     text = _without_questions(text, {function.name() for function in every})
     for one in called:
         text = _with_calls(text, one)
-    text = _without_guards(text)
+    text = in_pieces(_without_guards(text))
     for one in inside:
         text = re.sub(rf"^(?=int {one.function.name()}\()", "static ", text, flags=re.MULTILINE)
     # The interface of CasADi has arguments that these functions do not use; everything else stays a warning.
