@@ -369,10 +369,10 @@ def remarks(found: Findings) -> list[str]:
         f"{error.single / DEFAULT_TOLERANCE:.0f} tolerances for an instant; with tolerances near the default by "
         f"{min(about):.0f} to {max(about):.0f}, as steps happen to end at the impact.",
         "Depth 3 parts from depth 2 before the flange touches: from 7 mm of shift on the tread's patch, 11 mm broad, "
-        "reaches into the fillet and grows to 18 mm, which no ellipse does. The rail pushes back earlier, the flange meets "
-        f"it later, and Y/Q is {-found.more('derailment_quotient_1_left', STRONG, 3):.0f} % lower. It takes "
-        f"{found.costs[3] / found.costs[2]:.0f} times as long, and is for measured profiles, whose contact jumps or is long "
-        "(scenario contact-manchester).",
+        "reaches into the fillet and grows to 18 mm, which no ellipse does. The rail pushes back earlier, the flange "
+        f"meets it later, and Y/Q is {-found.more('derailment_quotient_1_left', STRONG, 3):.0f} % lower. It takes "
+        f"{found.costs[3] / found.costs[2]:.0f} times as long, and is for measured profiles, whose contact jumps or is "
+        "long (scenario contact-manchester).",
     ]
 
 

@@ -80,6 +80,7 @@ def short_measurements(monkeypatch: pytest.MonkeyPatch) -> None:
     """What is measured for people is measured twice at most, and stability at fewer speeds, frictions and loads."""
     monkeypatch.setattr(speed, "REPEATS", 2)
     monkeypatch.setattr(contact_depth, "ROUNDS", 1)
+    monkeypatch.setattr(contact_depth, "TORQUES", contact_depth.TORQUES[::4])
     monkeypatch.setattr(stability_atlas, "TRIED", (0.01, 1.0, 25.0, 60.0))
     monkeypatch.setattr(stability_atlas, "SPEEDS", tuple(np.geomspace(0.01, 60.0, 11).tolist()))
     monkeypatch.setattr(stability_atlas, "FRICTIONS", tuple(np.linspace(0.05, 0.6, 5).tolist()))
