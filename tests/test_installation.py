@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+from fmu_src.compile import CACHE
+
 ROOT = Path(__file__).parents[1]
 PARTS = ("fmu_src", "rbd_model", "brake_controller", "scenarios")
 FILES = ("build_fmu.py", "pyproject.toml", "README.md", "LICENSE")
@@ -28,7 +30,7 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
         shutil.copyfile(ROOT / file, copy / file)
     venv.create(place / "environment", with_pip=True)
     python = place / "environment" / ("Scripts" if os.name == "nt" else "bin") / "python"
-    pip = [python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
+    pip = [python, "-m", "pip", "install", "--quiet", "--no-compile", "--disable-pip-version-check"]
     subprocess.run([*pip, str(copy)], check=True, capture_output=True, text=True, cwd=place)
     shutil.rmtree(copy)
     return python
@@ -41,9 +43,9 @@ def contents(folder: Path) -> dict[str, tuple[int, int]]:
 
 
 def call(python: Path, folder: Path, *arguments: str) -> str:
-    """Runs the environment's Python in a folder, with a cache and a home of its own; what it printed."""
+    """Runs the environment's Python in a folder, with a home of its own and the cache of all tests; what it printed."""
     environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
-    environment |= {"BOGIE_BRAKING_CACHE": str(folder / "cache"), "HOME": str(folder)}
+    environment |= {"BOGIE_BRAKING_CACHE": str(CACHE), "HOME": str(folder)}
     done = subprocess.run([python, *arguments], cwd=folder, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
