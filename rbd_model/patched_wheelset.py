@@ -204,7 +204,7 @@ STRIPS_OR_PATCHES = {2: press_patches, 3: press_strips}
 
 
 def feel_rail(assembly: Assembly, number: int, index: int, standing: Standing) -> tuple[Wheel, PatchState]:
-    """A wheel, and how it stands and moves on its rail; its nearest point is not known yet (0)."""
+    """A wheel, and how it stands and moves on its rail (section 3.2); its nearest point is not known yet (0)."""
     data, on = assembly.vehicle.wheelsets[number - 1], standing.on
     side, pair = list(SIDES)[index], data.pair
     wheel = Wheel(

@@ -124,6 +124,6 @@ def test_description_of_a_system_has_the_order_of_its_type(bogie_sources: dict[s
     [body] = re.findall(r"typedef struct \{([^}]*)\} system_description;", code_of(RUNTIME / "model.h"))
     members = [name for line in body.split(";") for name in re.findall(r"\w+(?=,|$)", line.strip())]
     entries = re.findall(r"^    \{(/\* name \*/ .*?)\}(?=,?$)", bogie_sources["model.c"], re.M | re.S)
-    assert len(entries) == 4  # point, planar, and two depths of contact in space
+    assert len(entries) == 5  # point, planar, and three depths of contact in space
     for entry in entries:
         assert re.findall(r"/\* (\w+) \*/", entry) == members

@@ -79,7 +79,7 @@ def place_in_table(found: Measures) -> ca.SX:
 
 
 def larger_by(spin: ca.SX) -> ca.SX:
-    """By how much more creepage it takes to slide against spin."""
+    """By how much more creepage it takes to slide against spin, in proportion where spin is large; Kalker (1990)."""
     return ca.sqrt(1 + (spin / SLIDING_SPIN) ** 2)
 
 
