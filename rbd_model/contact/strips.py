@@ -1,10 +1,9 @@
 """A wheel on its rail by strips: several patches of any shape from the undeformed distance, each with its creep forces.
 
 Three parts that know little of each other: `distance` (where), `normal` (how hard), `strip_creep` (which creep forces).
-Reference and study tool in NumPy. In C: 200 strips search the wheel, with one look-up in the table of each profile a
-strip; secants refine the ends of each area of overlap; 24 strips an area carry loads, of which some 16 touch: a
-few solutions of so many linear equations, begun with those that touched before; FASTSIM marches over them. The height
-of the wheelset is then a coordinate of the motion; only here, where a load is given, is it looked for.
+Reference and study tool in NumPy, with as many strips as one likes; the level `spatial` has it in C, with fewer, at
+contact depth 3 (strips.c). There the height of the wheelset is a coordinate of the motion; only here, where a load is
+given, is it looked for.
 """
 
 from __future__ import annotations
