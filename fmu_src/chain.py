@@ -22,7 +22,8 @@ class Part:
     """A function that is generated once and called for each of what repeats, such as the wheelsets of a vehicle.
 
     results: of `arguments`, by which it is differentiated, and of `constants`, by which it is not; column vectors. What
-    it calls itself, and its waists, are the links of its `chain`. source: C in place of equations, see `part_in_c`.
+    it calls itself, and its waists, are the links of its `chain`. source: C in place of equations, behind `common`, C
+    that it shares with other parts; see `part_in_c`.
     """
 
     name: str
@@ -31,6 +32,7 @@ class Part:
     results: ca.SX
     chain: Chain = field(default_factory=lambda: Chain())
     source: str = ""
+    common: str = ""
 
     @cached_property
     def slope(self) -> ca.SX:
@@ -44,18 +46,19 @@ class Part:
         return ca.Function(self.name, [self.arguments, self.constants], both)
 
 
-def part_in_c(name: str, counts: tuple[int, int, int], source: str) -> Part:
+def part_in_c(name: str, counts: tuple[int, int, int], source: str, common: str = "") -> Part:
     """A part for what no expression can say, a search or a look-up among many: numbers of its arguments, constants and
     results, and C that defines
 
         static void NAME(const double *arguments, const double *constants, double *results, double *slopes)
 
-    slopes: 0, or room for the derivatives of all results by the arguments, column by column. Equations know of it only
-    what depends on what: written out, its results are no numbers.
+    slopes: 0, or room for the derivatives of all results by the arguments, column by column. common: C that stands
+    before it, once for all parts that have the same. Equations know of it only what depends on what: written out, its
+    results are no numbers.
     """
     arguments, constants = ca.SX.sym("arguments", counts[0]), ca.SX.sym("constants", counts[1])
     all_of_it = math.nan * (ca.sum1(arguments) + ca.sum1(constants))
-    return Part(name, arguments, constants, ca.repmat(all_of_it, counts[2], 1), source=source)
+    return Part(name, arguments, constants, ca.repmat(all_of_it, counts[2], 1), source=source, common=common)
 
 
 @dataclass(frozen=True)

@@ -213,7 +213,9 @@ def equations_in_c(generated: Sequence[dict[str, Generated]]) -> str:
     for one in inside:
         text = re.sub(rf"^(?=int {one.function.name()}\()", "static ", text, flags=re.MULTILINE)
     # The interface of CasADi has arguments that these functions do not use; everything else stays a warning.
-    return '#pragma GCC diagnostic ignored "-Wunused-parameter"\n' + "\n".join([*map(_in_c, in_c), text])
+    return '#pragma GCC diagnostic ignored "-Wunused-parameter"\n' + "\n".join(
+        [*dict.fromkeys(part.common for part in in_c), *map(_in_c, in_c), text]
+    )
 
 
 def _functions_of_parts(own: Sequence[Generated]) -> tuple[list[Generated], list[Part]]:

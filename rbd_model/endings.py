@@ -50,7 +50,7 @@ def warn_of_climbing(assembly: Assembly, wheelsets: Sequence[SpatialWheelset]) -
     As a margin of forces, which needs no load to divide by.
     """
     for wheelset in wheelsets:
-        share, angle = assembly.resting_on(wheelset.number) / 2, flange_of(wheelset.data.pair).angle
+        share, angle = assembly.resting_on(wheelset.number) / 2, flange_of(wheelset.data.equal_sides).angle
         for index, (push, side) in enumerate(zip(wheelset.flange.push, SIDES.values(), strict=True)):
             rolled = wheelset.rolled
             margin = nadal_limit(angle, rolled.frictions[index]) * rolled.loads[index] - rolled.thrusts[index] - push

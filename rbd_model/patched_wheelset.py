@@ -13,7 +13,7 @@ from rbd_model.assembly import Assembly
 from rbd_model.connections import Load
 from rbd_model.contact.creep.kalker import smooth_kalker_coefficients
 from rbd_model.contact.elastic import elastic_force
-from rbd_model.contact.geometry import Pair
+from rbd_model.contact.geometry import Side, Sides
 from rbd_model.contact.hertz import POISSON_RATIO, moving_ellipse
 from rbd_model.contact.patches import patches_of, stand_on_treads
 from rbd_model.contact.strips_in_c import OF_SEGMENT, wheel_on_strips
@@ -62,14 +62,10 @@ class PatchedWheelset:
         return ca.vertcat(*[sum((value(patch) for patch in wheel), ca.SX(0)) for wheel in self.pressed])
 
     @property
-    def flanges(self) -> list[bool]:
-        """Which of a wheel's patches belong to its flange."""
-        return [patch.flange for patch in patches_of(self.data.pair)]
-
-    @property
     def lost(self) -> list[ca.SX]:
         """What is left of each wheel's tread and flange until they have run off their ends [1], see `room_left`."""
-        return [room_left(self.data.pair, wheel) / END_MARGIN - 1 for wheel in self.nearest]
+        sides = (self.data.pair.left, self.data.pair.right)
+        return [room_left(one, wheel) / END_MARGIN - 1 for one, wheel in zip(sides, self.nearest, strict=True)]
 
     @property
     def loads(self) -> ca.SX:
@@ -84,8 +80,11 @@ class PatchedWheelset:
     @property
     def flange_force(self) -> ca.SX:
         """Lateral force of the rails on the flanges, to the left [N]."""
-        every = [one for wheel in self.pressed for one, flange in zip(wheel, self.flanges, strict=True) if flange]
-        return sum((one.force[1] for one in every), ca.SX(0))
+        sides = zip((self.data.pair.left, self.data.pair.right), self.pressed, strict=True)
+        every = [
+            found for one, wheel in sides for patch, found in zip(patches_of(one), wheel, strict=True) if patch.flange
+        ]
+        return sum((found.force[1] for found in every), ca.SX(0))
 
     @property
     def creep(self) -> tuple[ca.SX, ca.SX]:
@@ -128,7 +127,7 @@ def place_on_patches(assembly: Assembly, number: int, section: Callable[[int, ca
     # Counted from where it stands at rest, as the bodies that it carries are.
     risen = system.state(f"rise_{number}", "m", rise, NOMINAL_RISE)
     sunk = system.derived(f"sinking_{number}", sinking(assembly, number))
-    height = assembly.radius(data) + stand_on_treads(data.pair, 0.0).height - data.pair.radius + risen - sunk
+    height = assembly.radius(data) + stand_on_treads(data.pair, 0.0).height - data.pair.mean_radius + risen - sunk
     rising = system.state(f"rise_speed_{number}", "m/s", 0.0, NOMINAL_TRAVEL_SPEED)
     roll = system.state(f"roll_{number}", "rad", roll, NOMINAL_ROLL)
     roll_rate = system.state(f"roll_rate_{number}", "rad/s", 0.0, NOMINAL_TRAVEL_SPEED)
@@ -159,12 +158,12 @@ def press_patches(assembly: Assembly, number: int, index: int, standing: Standin
 
     number: of the wheelset; index: of its wheel, 0 the left one.
     """
-    data = assembly.vehicle.wheelsets[number - 1]
+    one = side_of(assembly, number, index)
     wheel, state = feel_rail(assembly, number, index, standing)
     pressed, nearest = [], []
-    for place, patch in enumerate(patches_of(data.pair)):
+    for place, patch in enumerate(patches_of(one)):
         name = f"{place}_{number}_{list(SIDES.values())[index]}"
-        near = look_up_patch(assembly.system, name, patch, data.pair.wheel, (standing.placement, wheel, state.height))
+        near = look_up_patch(assembly.system, name, patch, one.wheel, (standing.placement, wheel, state.height))
         fixed = PatchConstants(
             standing.cosines, wheel.vector, ca.SX(direction_of(patch)), *surroundings(assembly).values()
         )
@@ -184,17 +183,17 @@ def press_strips(assembly: Assembly, number: int, index: int, standing: Standing
 
     Nearest points only tell where tread and flange end.
     """
-    pair = assembly.vehicle.wheelsets[number - 1].pair
+    one = side_of(assembly, number, index)
     wheel, state = feel_rail(assembly, number, index, standing)
-    word, patches = list(SIDES.values())[index], patches_of(pair)
+    word, patches = list(SIDES.values())[index], patches_of(one)
     at = standing.placement, wheel, state.height
     nearest = [
-        look_up_patch(assembly.system, f"{place}_{number}_{word}", patch, pair.wheel, at)
+        look_up_patch(assembly.system, f"{place}_{number}_{word}", patch, one.wheel, at)
         for place, patch in enumerate(patches)
     ]
     given = state.vector[: -state.nearest.numel()]
     constants = ca.vertcat(wheel.vector, *surroundings(assembly).values(), POISSON_RATIO)
-    found = assembly.system.call(wheel_on_strips(pair), given, constants)
+    found = assembly.system.call(wheel_on_strips(one), given, constants)
     rows = [found[OF_SEGMENT * i : OF_SEGMENT * (i + 1)] for i in reversed(range(len(patches)))]
     return [Press.of(row) for row in rows], nearest
 
@@ -203,13 +202,17 @@ def press_strips(assembly: Assembly, number: int, index: int, standing: Standing
 STRIPS_OR_PATCHES = {2: press_patches, 3: press_strips}
 
 
+def side_of(assembly: Assembly, number: int, index: int) -> Side:
+    """A wheel on its rail (section 4.3), index 0 the left one."""
+    pair = assembly.vehicle.wheelsets[number - 1].pair
+    return (pair.left, pair.right)[index]
+
+
 def feel_rail(assembly: Assembly, number: int, index: int, standing: Standing) -> tuple[Wheel, PatchState]:
     """A wheel, and how it stands and moves on its rail (section 3.2); its nearest point is not known yet (0)."""
-    data, on = assembly.vehicle.wheelsets[number - 1], standing.on
-    side, pair = list(SIDES)[index], data.pair
-    wheel = Wheel(
-        ca.SX(side), assembly.value(data.radius[index]), ca.SX(pair.wheel_half_distance), ca.SX(pair.rail_half_distance)
-    )
+    data, on, one = assembly.vehicle.wheelsets[number - 1], standing.on, side_of(assembly, number, index)
+    distances = ca.SX(one.wheel_half_distance), ca.SX(one.rail_half_distance)
+    wheel = Wheel(ca.SX(list(SIDES)[index]), assembly.value(data.radius[index]), *distances)
     state = PatchState(
         on.forward,
         on.sideways,
@@ -253,18 +256,18 @@ def stand_freely(assembly: Assembly, data: Wheelset, body: Body, pressed: Sequen
     return acceleration, turning
 
 
-def room_left(pair: Pair, nearest: Sequence[Nearest]) -> ca.SX:
+def room_left(one: Side, nearest: Sequence[Nearest]) -> ca.SX:
     """Distances of a wheel's tread and flange from where they end [m] (section 9.4.1).
 
     That of the tread: from the field side and from both ends of the rail; that of the flange: from its tip.
     """
-    (low, high), (first, last) = pair.wheel.limits, pair.rail.limits
+    (low, high), (first, last) = one.wheel.limits, one.rail.limits
     tread, flange = nearest[0], nearest[-1]
     on_tread = ca.fmin(high - tread.position, ca.fmin(tread.on_rail - first, last - tread.on_rail))
     return ca.vertcat(on_tread, flange.position - low)
 
 
-def stand_at_start(pair: Pair, lateral: ca.SX) -> tuple[ca.SX, ca.SX]:
+def stand_at_start(pair: Sides, lateral: ca.SX) -> tuple[ca.SX, ca.SX]:
     """Rise [m] and roll [rad] of a wheelset that starts beside the track's centre, on its treads (section 4.3)."""
     shifts = np.arange(-LARGEST_LATERAL, LARGEST_LATERAL + STAND_PITCH / 2, STAND_PITCH).tolist()
     stands, middle = [stand_on_treads(pair, shift) for shift in shifts], stand_on_treads(pair, 0.0)
@@ -273,20 +276,31 @@ def stand_at_start(pair: Pair, lateral: ca.SX) -> tuple[ca.SX, ca.SX]:
 
 
 def sinking(assembly: Assembly, number: int) -> ca.SX:
-    """How far a centred wheelset presses itself into its rails under the static load [m]: Hertz, Johnson (1985).
+    """How far a centred wheelset presses itself into its rails under the static load [m]: Hertz, Johnson (1985)."""
+    data = assembly.vehicle.wheelsets[number - 1]
+    load = (assembly.resting_on(number) + assembly.value(data.mass) * assembly.parameter["gravity"]) / 2
+    places, sides = stand_on_treads(data.pair, 0.0).position, {data.pair.left: 0, data.pair.right: 1}
+    found = [
+        sinking_of_wheel(
+            one, places[index], assembly.value(data.radius[index]), load, assembly.parameter["shear_modulus"]
+        )
+        for one, index in sides.items()
+    ]
+    return sum(found[1:], found[0]) / len(found)
+
+
+def sinking_of_wheel(one: Side, on_wheel: float, radius: ca.SX, load: ca.SX, modulus: ca.SX) -> ca.SX:
+    """Approach of a wheel that stands on this place of its profile [m], by Hertz, Johnson (1985).
 
     The load is carried by the normal force and, on a cone, by the lateral creep force of spin (3.99), which for a
     rolling wheel is in proportion to it.
     """
-    data, modulus = assembly.vehicle.wheelsets[number - 1], assembly.parameter["shear_modulus"]
-    weight = assembly.value(data.mass) * assembly.parameter["gravity"]
-    load = assembly.resting_on(number) / 2 + weight / 2
-    pair, place = data.pair, np.array(stand_on_treads(data.pair, 0.0).position[0])
-    depth, slope, bend = (float(pair.wheel.height(place, n)) for n in range(3))
-    secant, radius = math.sqrt(1 + slope**2), assembly.radius(data) - depth
-    shape = 1 / (2 * radius * secant), ca.SX((bend - float(pair.rail.height(place, 2))) / (2 * secant**3))
+    place = np.array(on_wheel)
+    depth, slope, bend = (float(one.wheel.height(place, n)) for n in range(3))
+    secant, rolling = math.sqrt(1 + slope**2), radius - depth
+    shape = 1 / (2 * rolling * secant), ca.SX((bend - float(one.rail.height(place, 2))) / (2 * secant**3))
     logarithm, semi_axis = moving_ellipse(*shape, ca.SX(1.0), modulus)
-    of_spin = modulus * smooth_kalker_coefficients(logarithm).c23 * semi_axis**3 * slope / (secant * radius)
+    of_spin = modulus * smooth_kalker_coefficients(logarithm).c23 * semi_axis**3 * slope / (secant * rolling)
     normal = load * secant / (1 + of_spin * slope)
     stiffness = elastic_force(ca.SX(UNIT_APPROACH), *shape, modulus) / UNIT_APPROACH**1.5
     return secant * (normal / stiffness) ** (2 / 3)

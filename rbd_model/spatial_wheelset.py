@@ -229,14 +229,14 @@ def add_normal_forces(assembly: Assembly, number: int) -> ca.SX:
 
 def rolling_constants(assembly: Assembly, data: Wheelset) -> RollingConstants:
     """What the part of a wheelset takes from its description and the parameters; the flange's place: (3.106)."""
-    p, flange = assembly.parameter, flange_of(data.pair)
+    p, flange = assembly.parameter, flange_of(data.equal_sides)
     arm = p["flange_at_rail"] * (assembly.radius(data) + flange.depth)
     return RollingConstants(
         ca.SX(assembly.value(data.mass)),
         ca.vertcat(*[assembly.value(size) for size in data.inertia]),
         p["gravity"],
         ca.vertcat(*[assembly.value(size) for size in data.radius]),
-        ca.SX([data.pair.wheel_half_distance, data.pair.rail_half_distance]),
+        ca.SX([data.equal_sides.wheel_half_distance, data.equal_sides.rail_half_distance]),
         p["creepage_speed"],
         p["shear_modulus"],
         assembly.rail.surface.symbols,
@@ -248,7 +248,7 @@ def rolling_constants(assembly: Assembly, data: Wheelset) -> RollingConstants:
 
 def look_up_pieces(assembly: Assembly, number: int, state: RollingState, fixed: RollingConstants) -> list[Pieces]:
     """Pieces of the profiles at both contacts of a wheelset, (3.77), (3.78)."""
-    pair = assembly.vehicle.wheelsets[number - 1].pair
+    pair = assembly.vehicle.wheelsets[number - 1].equal_sides
     return [
         look_up_profiles(
             assembly.system, f"{number}_{word}", pair, state.placement, fixed.wheel(index), state.positions[index]
@@ -268,7 +268,7 @@ def margins(assembly: Assembly, data: Wheelset, bend: ca.SX, position: ca.SX, on
     """
     # The share of the rail head's curvature that keeps the contact.
     curvature_left = bend * assembly.parameter["rail_head_radius"]
-    return ca.vertcat(curvature_left - FOLD_MARGIN, inside(data.pair, position, on_rail) / END_MARGIN - 1)
+    return ca.vertcat(curvature_left - FOLD_MARGIN, inside(data.equal_sides, position, on_rail) / END_MARGIN - 1)
 
 
 def yaw_torque_of(assembly: Assembly, number: int, rotated: ca.SX) -> ca.SX:

@@ -13,7 +13,7 @@ from itertools import pairwise
 from typing import Any, Literal
 
 from fmu_src.system import ParameterSet
-from rbd_model.contact.geometry import Pair, thesis_pair
+from rbd_model.contact.geometry import Pair, Sides, thesis_pair
 
 DIRECTIONS = ("longitudinal", "lateral", "vertical")
 ANGLES = ("roll", "pitch", "yaw")
@@ -98,13 +98,23 @@ class Wheelset:
     mass: Size = "wheelset_mass"
     inertia: tuple[Size, Size, Size] = ("wheelset_roll_inertia", "wheelset_pitch_inertia", "wheelset_yaw_inertia")
     radius: tuple[Size, Size] = ("wheel_radius", "wheel_radius")
-    pair: Pair = field(default_factory=thesis_pair, compare=False, repr=False)
+    pair: Sides = field(default_factory=thesis_pair, compare=False, repr=False)
 
     @property
     def mean_radius(self) -> Size:
         """Nominal rolling radius of both wheels."""
         left, right = self.radius
         return left if left == right else (as_sum(left) + right) * 0.5
+
+    @property
+    def equal_sides(self) -> Pair:
+        """The pair of wheel and rail on both sides. Raises ValueError where they are not said to be equal."""
+        if not isinstance(self.pair, Pair):
+            raise ValueError(
+                "At contact depth 1 both wheels of a wheelset have one profile, and so have both rails; give a Pair, "
+                "or take contact depth 2 or 3, where each side has its own."
+            )
+        return self.pair
 
 
 def wheelset_name(number: int) -> str:

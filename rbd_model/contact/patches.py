@@ -14,7 +14,7 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
-from rbd_model.contact.geometry import LEFT, RIGHT, ROLL_LIMITS, Pair
+from rbd_model.contact.geometry import LEFT, RIGHT, ROLL_LIMITS, Side, Sides
 from rbd_model.contact.profiles import Profile, from_points
 
 #: How much further from the rail than the rest of the wheel a part may be to be looked at, and which jumps count [m].
@@ -57,15 +57,15 @@ class Patch:
 
 
 @lru_cache
-def patches_of(pair: Pair) -> tuple[Patch, ...]:
+def patches_of(one: Side) -> tuple[Patch, ...]:
     """The patches of a wheel, from the field side to the flange (section 9.4.1): where contact would jump, they part.
 
     Over shifts of the wheel against its rail the nearest point of each part is followed; where it jumps while the part
     is as near as the rest of the wheel to within RELEVANT, the part is cut at the ridge between both places. So each
     patch's own nearest point moves without jumps, and several may bear at once.
     """
-    s = np.arange(pair.wheel.limits[0] + SEARCH_PITCH, pair.wheel.limits[1] - SEARCH_PITCH, SEARCH_PITCH)
-    gaps = [gap_of(pair, s, offset) for offset in offsets_of(pair)]
+    s = np.arange(one.wheel.limits[0] + SEARCH_PITCH, one.wheel.limits[1] - SEARCH_PITCH, SEARCH_PITCH)
+    gaps = [gap_of(one, s, offset) for offset in offsets_of(one)]
     parts, whole = [], [(0, s.size)]
     while whole:
         first, last = whole.pop()
@@ -75,22 +75,22 @@ def patches_of(pair: Pair) -> tuple[Patch, ...]:
         else:
             whole += [(first, cut), (cut, last)]
     parts.sort(reverse=True)
-    return tuple(patch(pair, s, gaps, *part) for part in parts)
+    return tuple(patch(one, s, gaps, *part) for part in parts)
 
 
-def offsets_of(pair: Pair) -> np.ndarray:
+def offsets_of(one: Side) -> np.ndarray:
     """How far the wheel's y = 0 is looked at from the rail's [m] (3.77).
 
     Profiles may be given from any origin: REACH is counted from where a centred wheelset has them as well.
     """
-    centred = (pair.wheel_half_distance - pair.rail_half_distance) / TABLE_PITCH
+    centred = (one.wheel_half_distance - one.rail_half_distance) / TABLE_PITCH
     first, last = math.floor(min(centred, 0.0)) * TABLE_PITCH, math.ceil(max(centred, 0.0)) * TABLE_PITCH
     return np.arange(first - REACH, last + REACH, TABLE_PITCH)
 
 
-def gap_of(pair: Pair, s: np.ndarray, offset: float) -> np.ndarray:
+def gap_of(one: Side, s: np.ndarray, offset: float) -> np.ndarray:
     """Height of the wheel's contour over the rail's at the positions s (3.77), (3.78); infinite beside the rail."""
-    gap = pair.wheel.height(s) - pair.rail.height(s + offset)
+    gap = one.wheel.height(s) - one.rail.height(s + offset)
     return np.where(np.isfinite(gap), gap, np.inf)
 
 
@@ -108,34 +108,32 @@ def ridge(s: np.ndarray, gaps: list[np.ndarray], first: int, last: int) -> int |
     return None
 
 
-def bearing(
-    pair: Pair, s: np.ndarray, gaps: list[np.ndarray], first: int, last: int
-) -> tuple[list[float], list[float]]:
+def bearing(one: Side, s: np.ndarray, gaps: list[np.ndarray], first: int, last: int) -> tuple[list[float], list[float]]:
     """Slopes of the wheel [rad] and curvatures of the rail [1/m] (3.83) where a part is nearest and bears."""
     slopes, bends = [], []
-    for offset, gap in zip(offsets_of(pair), gaps, strict=True):
+    for offset, gap in zip(offsets_of(one), gaps, strict=True):
         here = first + int(np.argmin(gap[first:last]))
         if gap[here] < np.min(gap) + RELEVANT and first < here < last - 1:
-            slopes.append(math.atan(float(pair.wheel.height(s[here], 1))))
-            slope, bend = (float(pair.rail.height(s[here] + offset, n)) for n in (1, 2))
+            slopes.append(math.atan(float(one.wheel.height(s[here], 1))))
+            slope, bend = (float(one.rail.height(s[here] + offset, n)) for n in (1, 2))
             bends.append(-bend / (1 + slope**2) ** 1.5)
     return slopes, bends
 
 
-def patch(pair: Pair, s: np.ndarray, gaps: list[np.ndarray], first: int, last: int) -> Patch:
+def patch(one: Side, s: np.ndarray, gaps: list[np.ndarray], first: int, last: int) -> Patch:
     """One patch of the points `first` to `last` of the wheel's profile (section 3.3.2).
 
     Described along the slope of the wheel in the middle of where it bears; level for a tread, which lies over its rail.
     """
-    slopes, bends = bearing(pair, s, gaps, first, last)
+    slopes, bends = bearing(one, s, gaps, first, last)
     middle = (min(slopes) + max(slopes)) / 2 if slopes else 0.0
     direction = 0.0 if abs(middle) < TREAD_SLOPE else middle
     limits = float(s[first]), float(s[last - 1])
     radius = 1 / max(float(np.median(bends)), LEAST_BEND) if bends else 0.0
-    rail = turned(pair.rail, direction)
+    rail = turned(one.rail, direction)
     inside = np.arange(limits[0] + SEARCH_PITCH, limits[1] - SEARCH_PITCH, SEARCH_PITCH)
-    along, square = in_direction(inside, pair.wheel.height(inside), direction)
-    offsets = offsets_of(pair)
+    along, square = in_direction(inside, one.wheel.height(inside), direction)
+    offsets = offsets_of(one)
     found = np.full(offsets.size, np.nan)
     for i, offset in enumerate(offsets):
         gap = square - rail.height(along + offset)
@@ -184,13 +182,15 @@ class Stand:
 
 
 @lru_cache
-def stand_on_treads(pair: Pair, shift: float) -> Stand:
+def stand_on_treads(pair: Sides, shift: float) -> Stand:
     """Rigid contact of both treads, whatever the flanges do, at a shift of the axle [m], section 4.3."""
-    treads = [patch.limits for patch in patches_of(pair) if not patch.flange]
-    s = np.arange(min(low for low, _ in treads), max(high for _, high in treads), SEARCH_PITCH)
+    sides, places = {LEFT: pair.left, RIGHT: pair.right}, []
+    for one in sides.values():
+        treads = [patch.limits for patch in patches_of(one) if not patch.flange]
+        places.append(np.arange(min(low for low, _ in treads), max(high for _, high in treads), SEARCH_PITCH))
 
     def gaps(roll: float) -> list[np.ndarray]:
-        return [pair.left.gap(side, shift, roll, s) for side in (LEFT, RIGHT)]
+        return [one.gap(side, shift, roll, s) for (side, one), s in zip(sides.items(), places, strict=True)]
 
     def difference(roll: float) -> float:
         left, right = gaps(roll)
@@ -198,5 +198,5 @@ def stand_on_treads(pair: Pair, shift: float) -> Stand:
 
     roll = float(brentq(difference, -ROLL_LIMITS[-1], ROLL_LIMITS[-1], xtol=1e-14))
     found = gaps(roll)
-    left, right = (float(s[np.argmin(gap)]) for gap in found)
+    left, right = (float(s[np.argmin(gap)]) for s, gap in zip(places, found, strict=True))
     return Stand(-float(np.min(found[0])), roll, (left, right))

@@ -5,6 +5,7 @@ What the C of strips.c needs is written here: contours, segments, and polynomial
 
 from __future__ import annotations
 
+import hashlib
 import math
 from collections.abc import Iterable
 from functools import lru_cache
@@ -15,7 +16,7 @@ from scipy.special import ellipe, ellipkm1
 
 from fmu_src.chain import Part, part_in_c
 from rbd_model.contact.creep.kalker import C11, C22, C23
-from rbd_model.contact.geometry import Pair
+from rbd_model.contact.geometry import Side
 from rbd_model.contact.normal import ellipses
 from rbd_model.contact.patches import patches_of
 from rbd_model.contact.profiles import Profile
@@ -31,36 +32,38 @@ LARGEST_LOGARITHM, LEAST_COMPLEMENT = math.log(30.0), 1e-9
 
 
 @lru_cache
-def wheel_on_strips(pair: Pair) -> Part:
-    """Part of a wheel of the pair: what each segment does, from the flange outwards, and where the wheel touches.
+def wheel_on_strips(one: Side) -> Part:
+    """Part of a wheel on its rail: what each segment does, from the flange outwards, and where the wheel touches.
 
     Kalker (1982), Knothe and Le The (1984); see strips.c.
     """
-    segments = segments_of(pair)
-    name = "wheel_on_strips_of_pair"
+    segments = segments_of(one)
+    numbers = [*np.ravel(segments), one.wheel_half_distance, *one.wheel.pieces[1].ravel(), *one.rail.pieces[1].ravel()]
+    name = f"wheel_on_strips_{hashlib.sha256(np.array(numbers).tobytes()).hexdigest()[:8]}"
     own = [
-        contour_in_c(f"{name}_wheel", pair.wheel),
-        contour_in_c(f"{name}_rail", pair.rail),
+        contour_in_c(f"{name}_wheel", one.wheel),
+        contour_in_c(f"{name}_rail", one.rail),
         array_in_c(f"{name}_segment", np.ravel(segments)),
         fits_in_c(f"{name}_fits"),
         f"""
 static void {name}(const double *arguments, const double *constants, double *results, double *slopes) {{
-    static const wheel_on_rail PAIR = {{{contour_entry(f"{name}_wheel", pair.wheel)},
-        {contour_entry(f"{name}_rail", pair.rail)}, {len(segments)}, {name}_segment}};
+    static const wheel_on_rail PAIR = {{{contour_entry(f"{name}_wheel", one.wheel)},
+        {contour_entry(f"{name}_rail", one.rail)}, {len(segments)}, {name}_segment}};
     wheel_on_strips(&PAIR, &{name}_fits, arguments, constants, results, slopes);
 }}
 """,
     ]
     common = (Path(__file__).parent / "strips.c").read_text(encoding="utf-8")
-    return part_in_c(name, (ARGUMENTS, CONSTANTS, OF_SEGMENT * len(segments) + OF_WHEEL), "\n".join([common, *own]))
+    counts = (ARGUMENTS, CONSTANTS, OF_SEGMENT * len(segments) + OF_WHEEL)
+    return part_in_c(name, counts, "\n".join(own), common)
 
 
-def segments_of(pair: Pair) -> list[tuple[float, float]]:
+def segments_of(one: Side) -> list[tuple[float, float]]:
     """Ends of the parts of a wheel's contour between which contact jumps (section 9.4.1), from the flange outwards [m].
 
     Each begins where the one before ends, so that strips of both leave no gap.
     """
-    limits = [patch.limits for patch in reversed(patches_of(pair))]
+    limits = [patch.limits for patch in reversed(patches_of(one))]
     return [(low, limits[i + 1][0] if i + 1 < len(limits) else high) for i, (low, high) in enumerate(limits)]
 
 

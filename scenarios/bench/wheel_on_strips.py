@@ -28,7 +28,7 @@ MOST_APPROACH, FOUND = 0.5e-3, 1e-13
 @lru_cache
 def library_of_wheel(pair: Pair, steel: Steel) -> Library:
     """A left wheel of the pair; its inputs and outputs are numbered as the part's arguments and results."""
-    system, part = System("WheelOnStrips", "one wheel on its rail, by strips"), wheel_on_strips(pair)
+    system, part = System("WheelOnStrips", "one wheel on its rail, by strips"), wheel_on_strips(pair.left)
     given = [system.input(Variable(f"given_{i}", "input", "1", f"Argument {i}")) for i in range(ARGUMENTS)]
     geometry = (LEFT, pair.radius, pair.wheel_half_distance, pair.rail_half_distance)
     fixed = (*geometry, NO_SPEED, steel.shear_modulus, *CONSTANT_FRICTION, 0.0, steel.poisson_ratio)
@@ -65,7 +65,7 @@ def press_wheel(pair: Pair, steel: Steel, friction: float, stand: Stand, motion:
     given = (*motion.velocity, *own, *place, 0.0, 0.0, friction)
     kernel.set(**{f"given_{i}": float(value) for i, value in enumerate(given)})
     kernel.initialise()
-    count = OF_SEGMENT * len(segments_of(pair))
+    count = OF_SEGMENT * len(segments_of(pair.left))
     found = np.array([kernel[f"found_{i}"] for i in range(count + 3)])
     return PressedWheel(found[:count].reshape(-1, OF_SEGMENT)[:, :3], *found[count:].tolist())
 

@@ -193,7 +193,7 @@ def piece_of(table: Table, argument: float) -> np.ndarray:
 @lru_cache
 def elastic_patches(contact: Contact) -> list[Elastic]:
     """The patches of the level `spatial` at contact depth 2, on the left wheel."""
-    return [elastic_patch(patch, contact) for patch in patches_of(manchester_pair())]
+    return [elastic_patch(patch, contact) for patch in patches_of(manchester_pair().left)]
 
 
 def elastic_patch(patch: Patch, contact: Contact) -> Elastic:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+from functools import lru_cache
 
 import casadi as ca
 import numpy as np
@@ -17,11 +19,12 @@ from rbd_model.contact.creep.shen_hedrick_elkins import shen_hedrick_elkins
 from rbd_model.contact.depth import DEPTHS, Contact
 from rbd_model.contact.distance import touching
 from rbd_model.contact.elastic import damped, elastic_force
-from rbd_model.contact.geometry import european_pair, synthetic_pair, thesis_pair
+from rbd_model.contact.geometry import Sides, european_pair, synthetic_pair, thesis_pair
 from rbd_model.contact.hertz import POISSON_RATIO
 from rbd_model.contact.patches import patches_of, stand_on_treads
 from rbd_model.spatial import spatial_vehicle
 from rbd_model.track import irregular_track, section_5_3
+from rbd_model.vehicle import as_sum
 from rbd_model.vehicles import two_axle_bogie
 from scenarios.contact import contact_manchester as manchester
 from tests.quick_library import quick_library
@@ -70,7 +73,7 @@ def test_bodies_that_are_apart_do_not_press_and_damping_does_not_pull() -> None:
 
 @pytest.mark.parametrize("pair", [thesis_pair, synthetic_pair])
 def test_wheel_whose_contact_jumps_once_has_a_tread_and_a_flange(pair) -> None:  # type: ignore[no-untyped-def]
-    tread, flange = patches_of(pair())
+    tread, flange = patches_of(pair().left)
     assert tread.direction == 0.0
     assert math.degrees(flange.direction) == pytest.approx(70.3, abs=0.5)
     assert flange.limits[1] < tread.limits[0] < -30e-3
@@ -78,7 +81,7 @@ def test_wheel_whose_contact_jumps_once_has_a_tread_and_a_flange(pair) -> None: 
 
 def test_wheel_s1002_has_more_patches_and_none_of_them_jumps() -> None:
     """At neighbouring offsets, 0.1 mm apart, a patch is nearest at neighbouring points, unless at its end."""
-    patches = patches_of(european_pair())
+    patches = patches_of(european_pair().left)
     assert len(patches) == 4
     for patch in patches:
         nearest = patch.nearest[1][:, 0]
@@ -90,7 +93,7 @@ def test_wheel_s1002_has_more_patches_and_none_of_them_jumps() -> None:
 
 def test_each_patch_of_s1002_bears_on_one_arc_of_its_rail() -> None:
     """R300, R80 and R13 of 60E1 (EN 13674-1): about their centres a roll turns the rail as a wheel sees it."""
-    radii = [patch.radius for patch in patches_of(european_pair())]
+    radii = [patch.radius for patch in patches_of(european_pair().left)]
     assert radii == pytest.approx([0.300, 0.080, 0.013, 0.013], rel=0.01)
 
 
@@ -242,3 +245,39 @@ def test_limits_of_en_14363_are_told_where_they_are_asked_for(patched: Library, 
     assert kernel["guiding_force_1"] == pytest.approx(right - left)
     assert kernel["derailment_quotient_1_left"] == pytest.approx(left / kernel["wheel_load_1_left"])
     assert len(told) == 2 * asked, kernel.journal
+
+
+@lru_cache
+def unequal(mirrored: bool) -> Library:
+    """The bogie whose leading wheelset has a wheel of 850 mm and one of 852 mm, and S1002 on one side."""
+    thesis, european = thesis_pair().left, european_pair().left
+    other = replace(thesis, wheel=european.wheel, rail=european.rail, radius=thesis.radius + 1e-3)
+    distances = {"wheel_half_distance": european.wheel_half_distance, "rail_half_distance": european.rail_half_distance}
+    sides = Sides(thesis, replace(other, **distances))
+    bogie = two_axle_bogie()
+    radius = ("wheel_radius", as_sum("wheel_radius") + 1e-3)
+    first = replace(bogie.wheelsets[0], pair=sides, radius=radius)
+    if mirrored:
+        first = replace(first, pair=sides.mirrored, radius=radius[::-1])
+    vehicle = replace(bogie, wheelsets=(first, bogie.wheelsets[1]))
+    return quick_library(model_of(spatial_vehicle(vehicle, irregular_track(section_5_3()), Contact(2)), 1e-7))
+
+
+def test_wheelset_with_unequal_sides_steers_to_the_smaller_wheel_and_its_mirror_image_the_other_way() -> None:
+    found = []
+    for sign, mirrored in ((1.0, False), (-1.0, True)):
+        kernel = Kernel(unequal(mirrored), initial_speed=10.0, tolerance=1e-8)
+        kernel.advance(1.0)
+        loads = [kernel[f"wheel_load_1_{side}"] for side in ("left", "right")]
+        found.append([sign * kernel["lateral_1"], sign * kernel["yaw_1"], *loads[:: int(sign)], kernel["speed"]])
+    assert found[0] == pytest.approx(found[1], rel=1e-5)
+    # The larger wheel on the right turns the wheelset to the left, towards the smaller one.
+    assert found[0][0] > 1e-3
+
+
+def test_one_rigid_contact_refuses_unequal_sides_in_a_sentence() -> None:
+    bogie = two_axle_bogie()
+    sides = Sides(thesis_pair().left, european_pair().left)
+    vehicle = replace(bogie, wheelsets=(replace(bogie.wheelsets[0], pair=sides), bogie.wheelsets[1]))
+    with pytest.raises(ValueError, match="give a Pair, or take contact depth 2 or 3, where each side has its own"):
+        spatial_vehicle(vehicle, irregular_track(section_5_3()), Contact(1))

@@ -65,7 +65,7 @@ def test_derivatives_are_those_of_larger_differences(name: str, shift: float) ->
     """By what a wheelset moves by, one after the other; central differences."""
     stand, motion = at(name, shift, 60e-6)
     given = (*motion.velocity, *motion.rotation, stand.lateral, stand.height, stand.yaw, stand.roll, 0.0, 0.0, 0.3)
-    names = [f"found_{i}" for i in range(strips_in_c.OF_SEGMENT * len(strips_in_c.segments_of(PAIR)))]
+    names = [f"found_{i}" for i in range(strips_in_c.OF_SEGMENT * len(strips_in_c.segments_of(PAIR.left)))]
 
     def moved(place: int, change: float) -> Kernel:
         values = {f"given_{i}": float(value) + change * (i == place) for i, value in enumerate(given)}

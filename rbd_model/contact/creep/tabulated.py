@@ -169,7 +169,7 @@ static void {name}(const double *arguments, const double *constants, double *res
 }}
 """
     common = (Path(__file__).parent / "table.c").read_text(encoding="utf-8")
-    return part_in_c(name, (len(INTERVALS), 0, 2), common + own)
+    return part_in_c(name, (len(INTERVALS), 0, 2), own, common)
 
 
 def read_table(path: Path) -> CreepTable:
