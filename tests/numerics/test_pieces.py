@@ -40,6 +40,7 @@ def values(text: str, folder: Path) -> list[float]:
 
 def test_a_function_in_pieces_gives_the_numbers_of_the_whole(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     text = long_function()
+    monkeypatch.setattr(pieces, "WHOLE", 7)
     monkeypatch.setattr(pieces, "LONGEST", 7)
     divided = pieces.in_pieces(text)
     assert divided.count("static void casadi_f0_") == (COUNT + 7) // 7 + 1
