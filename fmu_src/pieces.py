@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 #: What is no longer stays whole: the bogie, which in pieces stops 2 to 3 % later and compiles no faster. Lines of a
-#: piece; shorter ones compile faster and run slower: with 700 the four-axle vehicle takes 62 instead of 79 s to compile,
-#: and 4 % longer to stop.
+#: piece; shorter ones compile faster and run slower: with 700 the four-axle vehicle takes 62 instead of 79 s to
+#: compile, and 4 % longer to stop.
 WHOLE, LONGEST = 12_000, 1500
 
 _LOCAL = re.compile(r"\ba\d+\b")
