@@ -48,7 +48,7 @@ class Steel:
 
 
 @dataclass(frozen=True)
-class Patch:
+class ContactArea:
     """One area of contact: its strips, their breadth, half length [m] and largest pressure [Pa].
 
     Strips at its ends may be idle, with half length and pressure 0. overlap [m4]: integral over each strip, seen from
@@ -88,7 +88,7 @@ ROUND_OFF = 1e-14
 SLENDEREST, TABLE_POINTS = 1e-3, 400
 
 
-def patches(pair: Pair, stand: Stand, steel: Steel, apart: bool = False) -> list[Patch]:
+def patches(pair: Pair, stand: Stand, steel: Steel, apart: bool = False) -> list[ContactArea]:
     """All contacts of a wheel, from the flange outwards; Knothe (1984), see the module.
 
     apart: as if each area of overlap were alone.
@@ -127,7 +127,7 @@ def patches(pair: Pair, stand: Stand, steel: Steel, apart: bool = False) -> list
     squared = 16 / 15 * np.maximum(-strips.gap, 0.0) ** 2.5 * np.sqrt(cosine / strips.curvature) * breadth * cosine
     half_length = np.where(touch, half_length, 0.0)
     return [
-        Patch(strips.part(part), breadth[part], half_length[part], (stiffness * half_length)[part], squared[part])
+        ContactArea(strips.part(part), breadth[part], half_length[part], (stiffness * half_length)[part], squared[part])
         for part in _parts(runs, area)
     ]
 

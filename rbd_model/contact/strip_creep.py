@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rbd_model.contact.creep.kalker import C11, C22, C23
-from rbd_model.contact.normal import TINY, Patch, Steel
+from rbd_model.contact.normal import TINY, ContactArea, Steel
 
 #: Cells along each strip; with 128 no creep force changes by more than 1 % of mu N.
 CELLS = 16
@@ -36,7 +36,7 @@ class Creepages:
     spin: np.ndarray
 
 
-def flexibilities(patch: Patch, steel: Steel) -> tuple[float, float, float]:
+def flexibilities(patch: ContactArea, steel: Steel) -> tuple[float, float, float]:
     """L1, L2, L3 [m/Pa] of Kalker (1982): for creepage ahead, to the side, from spin.
 
     Kalker's coefficients are those of Poisson's ratio 0.25, as everywhere here; at 0.28 those of creepage ahead are 4 %
@@ -50,7 +50,7 @@ def flexibilities(patch: Patch, steel: Steel) -> tuple[float, float, float]:
     return 8 * size / (3 * c11), 8 * size / (3 * c22), spin
 
 
-def creep_forces(patch: Patch, creepages: Creepages, steel: Steel, friction: float) -> np.ndarray:
+def creep_forces(patch: ContactArea, creepages: Creepages, steel: Steel, friction: float) -> np.ndarray:
     """Forces on the wheel, ahead and to the side, of each strip [N], shape (2, n); Kalker (1982).
 
     What differs from strip to strip is spin's doing: on a flat patch the creepage ahead falls by spin times breadth.

@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 
 from rbd_model.contact.distance import Stand, Strips, touching
 from rbd_model.contact.geometry import Pair
-from rbd_model.contact.normal import Patch, Steel, patches
+from rbd_model.contact.normal import ContactArea, Steel, patches
 from rbd_model.contact.strip_creep import Creepages, creep_forces
 
 
@@ -60,7 +60,7 @@ def creepages_of(strips: Strips, motion: Motion) -> Creepages:
 class Pressed:
     """A patch with the creep forces on the wheel, ahead and to the side, of each of its strips [N], shape (2, n)."""
 
-    patch: Patch
+    patch: ContactArea
     creep: np.ndarray
 
     @property

@@ -12,7 +12,7 @@ import pytest
 from rbd_model.contact.creep.kalker import C11, C22, C23
 from rbd_model.contact.distance import LEFT, RIGHT, Stand, Strips, areas, stand_of, strips_at, touching
 from rbd_model.contact.geometry import Pair, contact_at
-from rbd_model.contact.normal import Patch, Steel, ellipses, patches
+from rbd_model.contact.normal import ContactArea, Steel, ellipses, patches
 from rbd_model.contact.profiles import from_points
 from rbd_model.contact.strip_creep import Creepages, creep_forces
 from rbd_model.contact.strips import Pressed, creepages_of, motion_of, place_of, pressed, rolling, total, under_load
@@ -254,17 +254,17 @@ def test_place_of_the_exact_theory_lies_between_its_two_patches() -> None:
     assert place.on_rail == pytest.approx(manchester.exact("right")[5.0].place, abs=0.2e-3)
 
 
-def ellipse(semi_axes: tuple[float, float], load: float, count: int = 40) -> Patch:
+def ellipse(semi_axes: tuple[float, float], load: float, count: int = 40) -> ContactArea:
     """An ellipse of Hertz in strips, level."""
     a, b = semi_axes
     y = b * ((np.arange(count) + 0.5) / count * 2 - 1)
     zero, half_length = 0.0 * y, a * np.sqrt(1 - (y / b) ** 2)
     strips = Strips(y, y, np.array([zero, y, zero]), zero, zero, zero + 1.0, zero + 1.0)
     pressure = 1.5 * load / (math.pi * a * b) * half_length / a
-    return Patch(strips, zero + 2 * b / count, half_length, pressure, zero)
+    return ContactArea(strips, zero + 2 * b / count, half_length, pressure, zero)
 
 
-def creep_of(creepages: tuple[float, float, float], patch: Patch) -> np.ndarray:
+def creep_of(creepages: tuple[float, float, float], patch: ContactArea) -> np.ndarray:
     """Force of plane creepages: spin lets the creepage ahead fall across."""
     x, y, spin = creepages
     given = Creepages(
