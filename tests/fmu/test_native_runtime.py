@@ -61,7 +61,7 @@ def test_host_in_c_gets_the_answers_of_the_standard(objects: dict, tmp_path: Pat
     assert done.stderr == ""
 
 
-SEEDS, CALLS = 3, 40_000
+SEEDS, CALLS = 2, 30_000
 
 
 def test_random_calls_find_no_fault(objects: dict, tmp_path: Path) -> None:
