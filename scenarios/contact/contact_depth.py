@@ -449,7 +449,7 @@ def draw_cost(axis: Axes, found: Findings) -> None:
     axis.set_yscale("log")
     axis.set_title(f"error at tolerances {TOLERANCES[0]:g} to {TOLERANCES[-1]:g}; the ring is the default")
     axis.set_xlabel("wall time [ms]")
-    axis.legend(fontsize=7, loc="upper right", bbox_to_anchor=(1.0, 0.75))
+    axis.legend(fontsize=6, loc="center", bbox_to_anchor=(0.53, 0.5))
 
 
 def draw_course(axis: Axes, found: Findings) -> None:
