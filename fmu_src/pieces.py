@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-#: What is no longer stays whole: the bogie, which in pieces stops 2 to 3 % later and compiles no faster. Lines of a
-#: piece; shorter ones compile faster and run slower: with 700 the four-axle vehicle takes 62 instead of 79 s to
-#: compile, and 4 % longer to stop.
-WHOLE, LONGEST = 12_000, 1500
+#: What is no longer stays whole. Lines of a piece; shorter ones compile faster and run slower: the bogie stops 2 %
+#: later than whole, the four-axle vehicle compiles in 79 instead of 167 s, with pieces of 700 lines in 62 s, and stops
+#: 4 % later then.
+WHOLE, LONGEST = 4500, 1500
 
 _LOCAL = re.compile(r"\ba\d+\b")
 _ARRAY = re.compile(r"double (\w+)\[\d+\];")
