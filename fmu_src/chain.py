@@ -66,7 +66,8 @@ class Call:
     """A part at a place in the equations: what it is given, and symbols for its results and their derivatives.
 
     `slopes` are the nonzeros of `slope`, the derivatives of the results by the arguments. Those of a lower `rank` are
-    called first. `when`: the part is called where this is above 0; elsewhere its results are 0.
+    called first. `when`: the part is called where this is above 0; elsewhere its results are 0. `plain` is `taken`
+    without the symbols of waists.
     """
 
     part: Part
@@ -77,11 +78,22 @@ class Call:
     slope: ca.SX
     rank: int
     when: ca.SX
+    plain: ca.SX
 
     @property
     def taken(self) -> ca.SX:
         """All that must be known before the call: arguments, constants, and `when` where it is no number."""
-        return ca.vertcat(self.given, self.constants, *([] if self.when.is_constant() else [self.when]))
+        return all_taken(self.given, self.constants, self.when)
+
+    @cached_property
+    def own(self) -> frozenset[int]:
+        """Its symbols, as `symbols_in` has them."""
+        return symbols_in(self.symbols)
+
+    @cached_property
+    def own_slopes(self) -> frozenset[int]:
+        """Symbols of its slopes."""
+        return symbols_in(self.slopes)
 
     @property
     def values(self) -> ca.SX:
@@ -96,6 +108,16 @@ class Call:
         return both if self.when.is_constant() else ca.if_else(self.when > 0, both, 0)
 
 
+def all_taken(given: ca.SX, constants: ca.SX, when: ca.SX) -> ca.SX:
+    """What a part is given at a place, one below the other; `when` where it is no number."""
+    return ca.vertcat(given, constants, *([] if when.is_constant() else [when]))
+
+
+def symbols_in(expression: ca.SX) -> frozenset[int]:
+    """Which symbols are in an expression: one look for what would be many questions whether it depends on this one."""
+    return frozenset(symbol.element_hash() for symbol in ca.symvar(ca.vec(expression)))
+
+
 @dataclass(frozen=True)
 class Waist:
     """Few numbers on the way from states to equations, through which derivatives are taken: see `Chain.narrow`.
@@ -106,6 +128,11 @@ class Waist:
     values: ca.SX
     symbols: ca.SX
     plain: ca.SX
+
+    @cached_property
+    def own(self) -> frozenset[int]:
+        """Its symbols, as `symbols_in` has them."""
+        return symbols_in(self.symbols)
 
 
 @dataclass(frozen=True)
@@ -139,9 +166,12 @@ class Chain:
         """
         pattern = part.slope.sparsity()
         symbols, slopes = ca.SX.sym(part.name, part.results.numel()), ca.SX.sym(f"d_{part.name}", pattern.nnz())
-        needed = self.without_waists(ca.vertcat(given, when))
-        rank = 1 + max((call.rank for call in self.calls if ca.depends_on(needed, call.symbols)), default=-1)
-        self.links.append(Call(part, given, constants, symbols, slopes, ca.SX(pattern, slopes), rank, ca.SX(when)))
+        plain = self.without_waists(all_taken(given, constants, ca.SX(when)))
+        # Constants too must be known before.
+        needed = symbols_in(plain)
+        rank = 1 + max((call.rank for call in self.calls if not needed.isdisjoint(call.own)), default=-1)
+        slope = ca.SX(pattern, slopes)
+        self.links.append(Call(part, given, constants, symbols, slopes, slope, rank, ca.SX(when), plain))
         return symbols
 
     def narrow(self, values: ca.SX) -> ca.SX:
@@ -173,22 +203,24 @@ class Chain:
         """The same expression without symbols of links, the equations of all parts in their place."""
         expression = self.without_waists(expression)
         for call in reversed(self.calls):
-            own = ca.vertcat(call.symbols, call.slopes)
-            if ca.depends_on(expression, own):
+            if not symbols_in(expression).isdisjoint(call.own | call.own_slopes):
+                own = ca.vertcat(call.symbols, call.slopes)
                 expression = self.without_waists(ca.substitute(expression, own, call.written_out))
         return expression
 
     def jacobian(self, expression: ca.SX, symbols: ca.SX) -> ca.SX:
         """Derivatives of an expression by symbols by the chain rule, link by link: each from those before it."""
-        known: list[tuple[ca.SX, ca.SX]] = []
+        known: list[tuple[Link, ca.SX]] = []
 
         def slope_of(one: ca.SX) -> ca.SX:
-            parts = [ca.jacobian(one, inner) @ slope for inner, slope in known if ca.depends_on(one, inner)]
+            within = symbols_in(one)
+            inside = [(link, slope) for link, slope in known if not within.isdisjoint(link.own)]
+            parts = [ca.jacobian(one, link.symbols) @ slope for link, slope in inside]
             return sum(parts, self._own_slope(one, symbols))
 
         for link in self._needed_by(expression):
             slope = link.slope @ slope_of(link.given) if isinstance(link, Call) else slope_of(link.values)
-            known.append((link.symbols, slope))
+            known.append((link, slope))
         return self.without_waists(slope_of(expression))
 
     def _own_slope(self, one: ca.SX, symbols: ca.SX) -> ca.SX:
@@ -202,11 +234,11 @@ class Chain:
     def _needed_by(self, expression: ca.SX) -> list[Link]:
         """The links on the way from symbols to an expression, in their order."""
         found: list[Link] = []
-        users = ca.vec(expression)
+        users = symbols_in(expression)
         for link in reversed(self.links):
-            if ca.depends_on(users, link.symbols):
+            if not users.isdisjoint(link.own):
                 found.insert(0, link)
-                users = ca.vertcat(users, link.values if isinstance(link, Waist) else link.given)
+                users |= symbols_in(link.values if isinstance(link, Waist) else link.given)
         return found
 
     def along(self, expression: ca.SX, symbols: ca.SX, seed: ca.SX) -> ca.SX:

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import casadi as ca
 
-from fmu_src.chain import Call, Chain, Part, shared
+from fmu_src.chain import Call, Chain, Part, shared, symbols_in
 from fmu_src.elimination import Elimination, elimination, elimination_source
 from fmu_src.model_description import model_description
 from fmu_src.pieces import in_pieces
@@ -132,17 +132,17 @@ def functions(system: System) -> dict[str, Generated]:
 def function_of(chain: Chain, name: str, expressions: list[ca.SX], given: list[ca.SX]) -> Generated:
     """A function with the calls that its expressions need, in the order of their ranks."""
     needed: list[Call] = []
-    users = ca.vertcat(*[ca.vec(expression) for expression in expressions])
+    users = symbols_in(ca.vertcat(*[ca.vec(expression) for expression in expressions]))
     for call in reversed(chain.calls):
-        if ca.depends_on(users, ca.vertcat(call.symbols, call.slopes)):
+        if not users.isdisjoint(call.own | call.own_slopes):
             needed.insert(0, call)
-            users = ca.vertcat(users, chain.without_waists(call.taken))
+            users |= symbols_in(call.plain)
     needed.sort(key=lambda call: call.rank)
-    differentiated = any(ca.depends_on(users, call.slopes) for call in needed)
+    differentiated = any(not users.isdisjoint(call.own_slopes) for call in needed)
     left = [ca.vertcat(call.symbols, call.slopes) if differentiated else call.symbols for call in needed]
     given_to: dict[int, list[ca.SX]] = {}
     for call in needed:
-        given_to.setdefault(call.rank, []).append(chain.without_waists(call.taken))
+        given_to.setdefault(call.rank, []).append(call.plain)
     asked = [ca.vertcat(*one) for one in given_to.values()]
     results = [*[ca.densify(one) for one in asked], *expressions]
     taken = [*given, ca.vertcat(*left)] if needed else given
@@ -275,13 +275,11 @@ def _with_calls(text: str, one: Generated) -> str:
     CasADi computes results in their order and reads arguments when they are first needed, so nothing that follows from
     a call comes before it.
     """
-    name = re.escape(one.function.name())
-    found = re.search(rf"^int {name}\(.*?\) ?\{{\n *return (\w+)\(", text, flags=re.MULTILINE)
+    found = re.compile(r"return (\w+)\(").search(text, text.index(f"\nint {one.function.name()}("))
     assert found
-    begin = re.search(rf"^static int {found[1]}\(.*?\) ?\{{\n", text, flags=re.MULTILINE)
-    assert begin
-    end = text.index("\n}\n", begin.end())
-    body, last = text[begin.end() : end], one.function.n_in() - 1
+    begin = text.index("{\n", text.index(f"\nstatic int {found[1]}(")) + 2
+    end = text.index("\n}\n", begin)
+    body, last = text[begin:end], one.function.n_in() - 1
     body = re.sub(rf"arg\[{last}\]\? arg\[{last}\]\[(\d+)\] : 0", r"left_\1", body)
     body = re.sub(
         r"(?:if \(res\[(\d+)\]!=0\) )res\[\d+\]\[(\d+)\]",
@@ -320,7 +318,7 @@ def _with_calls(text: str, one: Generated) -> str:
         place = body.index(";", place) + 1
         body = body[:place] + "\n".join(lines) + body[place:]
     room.append(f"  double left[{start}];")
-    return text[: begin.end()] + "\n".join(room) + "\n" + body + text[end:]
+    return text[:begin] + "\n".join(room) + "\n" + body + text[end:]
 
 
 def _without_questions(text: str, kept: set[str]) -> str:

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import casadi as ca
 
+from fmu_src.chain import symbols_in
 from fmu_src.system import Model, System
 
 
 def direct_inputs(system: System) -> dict[str, set[str]]:
     """For each output the inputs that reach it without passing through a state."""
-    names = list(system.input_symbols)
-    inputs = ca.vertcat(*system.input_symbols.values())
-    expanded = {output: system.expand(expression) for output, expression in system.outputs.items()}
-    return {output: {names[place] for place in places(expanded[output], inputs)} for output in expanded}
+    return known_behind(system, system.input_symbols, link_equations(system))
 
 
 def start_knowns(system: System) -> dict[str, set[str]]:
@@ -23,15 +21,25 @@ def start_knowns(system: System) -> dict[str, set[str]]:
     States begin at their start values, algebraic states are solved for, and a friction at rest sticks or slides as its
     drive and its capacity decide. The tolerance, to which algebraic states are solved for, is not counted.
     """
-    names = [*system.input_symbols, *system.parameter_symbols]
-    equations = start_equations(system)
-    known = [*system.input_symbols.values(), *system.parameter_symbols.values()]
-    symbols = ca.vertcat(*known, *[symbol for symbol, _ in equations])
+    return known_behind(system, system.input_symbols | system.parameter_symbols, start_equations(system))
+
+
+def known_behind(
+    system: System, known: Mapping[str, ca.SX], equations: Sequence[tuple[ca.SX, ca.SX]]
+) -> dict[str, set[str]]:
+    """For each output the names of those `known` that it depends on, also through symbols that equations stand for."""
+    names = list(known)
+    symbols = ca.vertcat(*known.values(), *[symbol for symbol, _ in equations])
+    place = {symbol.element_hash(): number for number, symbol in enumerate(ca.vertsplit(symbols))}
+
+    def places(expression: ca.SX) -> set[int]:
+        return {place[symbol] for symbol in symbols_in(expression) if symbol in place}
+
     needed: list[set[int]] = [set() for _ in names]
     for symbol, expression in equations:
-        needed += [places(expression, symbols)] * symbol.numel()
+        needed += [places(expression)] * symbol.numel()
     return {
-        output: {names[place] for place in closure(places(expression, symbols), needed) if place < len(names)}
+        output: {names[place] for place in closure(places(expression), needed) if place < len(names)}
         for output, expression in system.outputs.items()
     }
 
@@ -41,8 +49,7 @@ def start_equations(system: System) -> list[tuple[ca.SX, ca.SX]]:
     found = [(symbol, system.derived_expressions[name]) for name, symbol in system.derived_symbols.items()]
     found += [(state.symbol, state.start) for state in system.states.values() if not state.algebraic]
     found += [(table.symbols, table.argument) for table in system.tables]
-    for link in system.links:
-        found += zip(ca.vertsplit(link.symbols), ca.vertsplit(link.values), strict=True)
+    found += link_equations(system)
     for friction in system.frictions:
         velocity = system.states[friction.velocity].symbol
         found.append((friction.direction, ca.vertcat(velocity, friction.drive, friction.capacity)))
@@ -56,9 +63,10 @@ def start_equations(system: System) -> list[tuple[ca.SX, ca.SX]]:
     return found
 
 
-def places(expression: ca.SX, symbols: ca.SX) -> set[int]:
-    """Which of the symbols are in an expression."""
-    return set(ca.jacobian_sparsity(ca.vec(ca.SX(expression)), symbols).get_col()) if symbols.numel() else set()
+def link_equations(system: System) -> list[tuple[ca.SX, ca.SX]]:
+    """Results of parts and waists, each with what it is found from."""
+    every = [(ca.vertsplit(link.symbols), ca.vertsplit(link.values)) for link in system.links]
+    return [pair for symbols, values in every for pair in zip(symbols, values, strict=True)]
 
 
 def closure(begin: Iterable[int], needed: list[set[int]]) -> set[int]:

@@ -51,15 +51,15 @@ def in_pieces(text: str) -> str:
 
 def _divided(found: re.Match[str]) -> str:
     lines = [line.strip() for line in found["body"].splitlines() if line.strip()]
-    arrays = [line for line in lines if _ARRAY.fullmatch(line)]
-    # What calls have left is read where they left it.
+    arrays = [line for line in lines if line.startswith("double ") and _ARRAY.fullmatch(line)]
+    declared = {*arrays, "return 0;"}
     code = [
-        re.sub(r"\bleft_(\d+)\b", r"left[\1]", line)
-        for line in lines
-        if line not in arrays and line != "return 0;" and not line.startswith(("casadi_real a", "const double left_"))
+        line for line in lines if line not in declared and not line.startswith(("casadi_real a", "const double left_"))
     ]
     if len(code) <= WHOLE:
         return found[0]
+    # What calls have left is read where they left it.
+    code = re.sub(r"\bleft_(\d+)\b", r"left[\1]", "\n".join(code)).split("\n")
     pieces = _pieces(code)
     crossing = sorted({name for piece in pieces for name in piece.needed_later})
     place = {name: f"kept[{number}]" for number, name in enumerate(crossing)}
