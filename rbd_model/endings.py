@@ -65,15 +65,29 @@ def warn_of_climbing(assembly: Assembly, wheelsets: Sequence[SpatialWheelset]) -
 
 #: What a wheel on patches has done at its end, in the order of its `lost`.
 PATCH_ENDINGS = ("ran off the end of its tread or of the rail's head", "climbed over its flange")
+#: Rise of a climbing wheel that is told of [m]: more than a flange's root gives, less than the end of its steep face.
+CLIMBED = 5e-3
 #: Approach by which margins of patches are counted [m]: that of a loaded tread.
 COUNTED = 1e-4
+
+
+def wheel_rise(assembly: Assembly, wheelset: SpatialWheelset | PatchedWheelset, index: int) -> ca.SX:
+    """How much higher over its rail the left (0) or right wheel (1) stands than on its tread at rest [m], (3.1).
+
+    Told by where the nominal radius has its lowest point: how far the wheel has climbed or lifted (section 9.4.1).
+    """
+    one = (wheelset.data.pair.left, wheelset.data.pair.right)[index]
+    radius, body = assembly.value(wheelset.data.radius[index]), wheelset.body
+    lowest = body.axes[2, 1] * list(SIDES)[index] * one.wheel_half_distance - body.axes[2, 2] * radius
+    return body.position[2] - assembly.radius(wheelset.data) + lowest + radius - wheelset.rail_heights[index]
 
 
 def watch_patches(assembly: Assembly, wheelsets: Sequence[PatchedWheelset]) -> None:
     """A wheel that runs off its profile ends the run; one that climbs or lifts goes on, and is told of (section 9.4.1).
 
-    It climbs while the steepest part of its flange bears on the rail and nothing else does, and is lifted while nothing
-    bears. The root of a flange that parts from it, as that of S1002, still runs on the gauge corner.
+    It climbs while the steepest part of its flange bears on the rail and nothing else does, which is told as it begins
+    and again at a height; and is lifted while nothing bears. The root of a flange that parts from it, as that of S1002,
+    still runs on the gauge corner.
     """
     system = assembly.system
     for wheelset in wheelsets:
@@ -85,6 +99,9 @@ def watch_patches(assembly: Assembly, wheelsets: Sequence[PatchedWheelset]) -> N
             tread, flange = ca.mmax(ca.vertcat(*others)), steepest
             climbing = f"Flange climb: the {name} left its tread and climbed on its flange at %s s."
             system.warn_when_negative(ca.if_else(flange > 0, tread, 1), climbing)
+            risen = f"Flange climb: the {name} had risen by {1e3 * CLIMBED:g} mm on its flange at %s s."
+            room = (CLIMBED - wheel_rise(assembly, wheelset, index)) / COUNTED
+            system.warn_when_negative(ca.if_else(flange > 0, room, 1), risen)
             lifted = f"Wheel lift: the {name} carried no load at %s s, and came off its rail."
             system.warn_when_negative(ca.if_else(flange > 0, 1, tread), lifted)
 

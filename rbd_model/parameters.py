@@ -77,6 +77,8 @@ class BogieParameters(ParameterSet):
     wheel_profile_curvature: float = quantity("1/m", "Curvature of the wheel tread across the track (1/rho_y^w)")
     rail_head_radius: float = quantity("m", "Radius of the rail head across the track (rho_y^r)", POSITIVE)
     shear_modulus: float = quantity("Pa", "Shear modulus of wheel and rail (G)", POSITIVE)
+    left_rail_friction: float = quantity("1", "Factor on the friction of the left rail, in space", 0.0)
+    right_rail_friction: float = quantity("1", "Factor on the friction of the right rail, in space", 0.0)
     contact_damping: float = quantity(
         "s/m", "Damping of an elastic contact, share of its force by the speed at which it is pressed", 0.0
     )
@@ -163,6 +165,7 @@ def tables_5_1_and_5_2() -> BogieParameters:
     10 mm (section 5.3.1).
     Switches: torque_reaction, flange_at_rail, yaw_torque_rotates, constant_speed and wheel_lift_ends are on, on, off,
     off and on, the physical readings; AS_PRINTED has the thesis's of the first two; running_safety_warnings is off.
+    Both rails have the friction of the inputs, as in section 4.4.
     Assumed: contact_damping 1 s/m, 7 % of the critical damping of a wheelset on its rails; rail head radius 300 mm
     (60 kg rail), conical tread, steel with G = 82 GPa, g = 9.81 m/s2, creepage_speed; no rolling resistance.
     """
@@ -198,6 +201,8 @@ def tables_5_1_and_5_2() -> BogieParameters:
         wheel_profile_curvature=0.0,
         rail_head_radius=0.3,
         shear_modulus=82e9,
+        left_rail_friction=1.0,
+        right_rail_friction=1.0,
         contact_damping=1.0,
         creepage_speed=0.01,
         gravity=9.81,

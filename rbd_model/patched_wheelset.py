@@ -52,6 +52,7 @@ class PatchedWheelset:
     rotated: ca.SX
     yaw: ca.SX
     offset: ca.SX
+    rail_heights: ca.SX
     pressed: list[list[Press]]
     nearest: list[list[Nearest]]
     acceleration: ca.SX
@@ -147,7 +148,8 @@ def place_on_patches(assembly: Assembly, number: int, section: Callable[[int, ca
     found = [press(assembly, number, index, standing) for index in range(len(SIDES))]
     pressed, nearest = [wheel for wheel, _ in found], [near for _, near in found]
     acceleration, turning = stand_freely(assembly, data, body, [patch for wheel in pressed for patch in wheel])
-    return PatchedWheelset(number, data, body, on.rotated, on.yaw, on.offset, pressed, nearest, acceleration, turning)
+    on_rails = on.rotated, on.yaw, on.offset, on.heights
+    return PatchedWheelset(number, data, body, *on_rails, pressed, nearest, acceleration, turning)
 
 
 WheelPressed = tuple[list[Press], list[Nearest]]
@@ -164,9 +166,7 @@ def press_patches(assembly: Assembly, number: int, index: int, standing: Standin
     for place, patch in enumerate(patches_of(one)):
         name = f"{place}_{number}_{list(SIDES.values())[index]}"
         near = look_up_patch(assembly.system, name, patch, one.wheel, (standing.placement, wheel, state.height))
-        fixed = PatchConstants(
-            standing.cosines, wheel.vector, ca.SX(direction_of(patch)), *surroundings(assembly).values()
-        )
+        fixed = PatchConstants(standing.cosines, wheel.vector, ca.SX(direction_of(patch)), *surroundings(assembly))
         terms = near.pieces.wheel.numel(), near.pieces.rail.numel()
         part = pressing_patch(*terms, patch.flange, assembly.contact.law_of(patch.flange))
         given = replace(state, nearest=near.position).vector
@@ -192,7 +192,7 @@ def press_strips(assembly: Assembly, number: int, index: int, standing: Standing
         for place, patch in enumerate(patches)
     ]
     given = state.vector[: -state.nearest.numel()]
-    constants = ca.vertcat(wheel.vector, *surroundings(assembly).values(), POISSON_RATIO)
+    constants = ca.vertcat(wheel.vector, *surroundings(assembly), POISSON_RATIO)
     found = assembly.system.call(wheel_on_strips(one), given, constants)
     rows = [found[OF_SEGMENT * i : OF_SEGMENT * (i + 1)] for i in reversed(range(len(patches)))]
     return [Press.of(row) for row in rows], nearest
@@ -225,20 +225,16 @@ def feel_rail(assembly: Assembly, number: int, index: int, standing: Standing) -
         on.yaw,
         standing.roll,
         ca.vertcat(on.slopes[0], on.slopes[1 + index]),
-        on.friction,
+        on.frictions[index],
         nearest=ca.SX(0),
     )
     return wheel, state
 
 
-def surroundings(assembly: Assembly) -> dict[str, ca.SX]:
+def surroundings(assembly: Assembly) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
     """What all contacts of a vehicle have in common, in the order of `PatchConstants`."""
-    names = ("creepage_speed", "shear_modulus")
-    return {
-        **{name: assembly.parameter[name] for name in names},
-        "surface": assembly.rail.surface.symbols,
-        "damping": assembly.parameter["contact_damping"],
-    }
+    p = assembly.parameter
+    return p["creepage_speed"], p["shear_modulus"], assembly.rail.surface.symbols, p["contact_damping"]
 
 
 def stand_freely(assembly: Assembly, data: Wheelset, body: Body, pressed: Sequence[Press]) -> tuple[ca.SX, ca.SX]:

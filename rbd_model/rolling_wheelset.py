@@ -39,7 +39,7 @@ class RollingState(Bundle):
     heights: ca.SX = rows(2)  # of the rails [m]
     slopes: ca.SX = rows(3)  # along the track, of its lateral position and of the heights [1]
     bends: ca.SX = rows(3)  # the same once more [1/m]
-    friction: ca.SX = rows(1)  # without sliding [1]
+    frictions: ca.SX = rows(2)  # of the rails, without sliding [1]
 
     @property
     def placement(self) -> Placement:
@@ -214,7 +214,7 @@ def roll_wheel(
     slides = how_it_slides(sliding, own_rate, directions, state.forward, fixed.creepage_speed)
     curvatures = contact.curvature_along, contact.curvature_across
     normal_force = state.normal_forces[index]
-    given = ca.vertcat(slides, *curvatures, normal_force, state.friction)
+    given = ca.vertcat(slides, *curvatures, normal_force, state.frictions[index])
     constants = ca.vertcat(fixed.shear_modulus, fixed.surface)
     along, sideways, friction = ca.vertsplit(chain.call(creep_of_wheel(creep_law, "wheel"), given, constants))
     power = -along * slides[0] - sideways * slides[1]

@@ -18,7 +18,7 @@ from rbd_model.adhesion import follow_patch
 from rbd_model.assembly import Assembly, assemble
 from rbd_model.bodies import place_body
 from rbd_model.contact.depth import ONE_RIGID_CONTACT, Contact
-from rbd_model.endings import warn_of_limits, watch_patches, watch_rigid
+from rbd_model.endings import warn_of_limits, watch_patches, watch_rigid, wheel_rise
 from rbd_model.motion import add_common_outputs, kinetic_energy, loads_of, move_bodies, observe_energy, react
 from rbd_model.patched_wheelset import PatchedWheelset, move_on_patches, place_on_patches
 from rbd_model.rolling_contact import SIDES
@@ -105,6 +105,7 @@ def add_outputs(assembly: Assembly, wheelsets: Sequence[WheelsetInSpace]) -> Non
             rows[f"wheel_load_{number}_{side}"] = load
             rows[f"lateral_force_{number}_{side}"] = thrust
             rows[f"derailment_quotient_{number}_{side}"] = thrust / at_least(load, SMALLEST_LOAD)
+            rows[f"wheel_rise_{number}_{side}"] = wheel_rise(assembly, wheelset, index)
             rows["derailed"] = ca.fmax(rows["derailed"], ca.mmin(wheelset.lost[index]) < 0)
         rows[f"guiding_force_{number}"] = wheelset.thrusts[1] - wheelset.thrusts[0]
     for name, expression in rows.items():

@@ -59,6 +59,7 @@ class SpatialWheelset:
     rotated: ca.SX  # angle that it has turned by [rad]
     yaw: ca.SX
     offset: ca.SX  # lateral displacement from the track's centre [m]
+    rail_heights: ca.SX  # [m]
     normal_forces: ca.SX
     rolled: RolledMotion
     flange: FlangePush
@@ -120,7 +121,7 @@ class OnTrack:
     offset: ca.SX  # lateral displacement from the track's centre [m]
     heights: ca.SX  # of the (left, right) rail [m]
     slopes: ca.SX  # along the track, of its lateral position and of the heights [1]
-    friction: ca.SX
+    frictions: ca.SX  # of the (left, right) rail
 
 
 def follow_track(assembly: Assembly, number: int, section: Callable[[int, ca.SX], Section]) -> OnTrack:
@@ -138,10 +139,11 @@ def follow_track(assembly: Assembly, number: int, section: Callable[[int, ca.SX]
     system.limit_change(1 / track.density, f"{assembly.vehicle.bodies[0].name}_distance")
     rails = ca.vertcat(track.lateral, track.left, track.right)
     slopes = ca.jacobian(rails, assembly.distance)
-    friction = rail_friction(assembly, number, distance) * track.friction
+    of_rails = ca.vertcat(*[assembly.parameter[f"{side}_rail_friction"] for side in SIDES.values()])
+    frictions = rail_friction(assembly, number, distance) * track.friction * of_rails
     offset = lateral - track.lateral
     motion = forward, lateral, sideways, yaw, yaw_rate, rotated, omega
-    return OnTrack(along, *motion, offset, rails[1:], slopes, friction)
+    return OnTrack(along, *motion, offset, rails[1:], slopes, frictions)
 
 
 def place_wheelset(assembly: Assembly, number: int, section: Callable[[int, ca.SX], Section]) -> SpatialWheelset:
@@ -165,7 +167,7 @@ def place_wheelset(assembly: Assembly, number: int, section: Callable[[int, ca.S
         on.heights,
         on.slopes,
         ca.jacobian(on.slopes, assembly.distance),
-        on.friction,
+        on.frictions,
     )
     fixed = rolling_constants(assembly, data)
     pieces = look_up_pieces(assembly, number, state, fixed)
@@ -189,7 +191,18 @@ def place_wheelset(assembly: Assembly, number: int, section: Callable[[int, ca.S
     lost = [margins(assembly, data, *one) for one in known]
     flange = push_flanges(fixed, state.offset, state.placement.cosines)
     return SpatialWheelset(
-        number, data, body, on.rotated, on.yaw, state.offset, state.normal_forces, rolled, flange, ends, lost
+        number,
+        data,
+        body,
+        on.rotated,
+        on.yaw,
+        on.offset,
+        on.heights,
+        state.normal_forces,
+        rolled,
+        flange,
+        ends,
+        lost,
     )
 
 

@@ -119,6 +119,16 @@ def outputs(vehicle: Vehicle) -> dict[str, Variable]:
             for n, place in wheelsets.items()
             for side in ("left", "right")
         ],
+        *[
+            _output(
+                f"wheel_rise_{n}_{side}",
+                "m",
+                f"How much higher over its rail the {side} wheel of the {place} wheelset stands than on its tread at "
+                "rest: climbed or lifted",
+            )
+            for n, place in wheelsets.items()
+            for side in ("left", "right")
+        ],
         *each("guiding_force", "N", "Sum of the lateral forces of both rails on the {} wheelset, positive to the left"),
     ]
     return {row.name: row for row in rows}

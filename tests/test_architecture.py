@@ -102,7 +102,7 @@ PLUMBING = {
         "smallest_level",
         "vehicle_dynamics",
     },
-    "rbd_model/contact/creep/tabulated.py": {"axes", "part_of", "read_table", "write_table"},
+    "rbd_model/contact/creep/tabulated.py": {"axes", "larger_by", "part_of", "read_table", "write_table"},
     "rbd_model/contact/hertz.py": {"polynomial"},
     "rbd_model/contact/profiles.py": {"upright"},
     "rbd_model/contact/strips_in_c.py": {"array_in_c", "checked", "contour_entry", "contour_in_c", "fitted"},

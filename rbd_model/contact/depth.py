@@ -18,7 +18,9 @@ DEPTHS = {
 
 @dataclass(frozen=True)
 class Contact:
-    """How wheels touch rails: `depth`, a key of DEPTHS, and the creep laws. Raises ValueError for another depth.
+    """How wheels touch rails: `depth`, a key of DEPTHS, and the creep laws.
+
+    Raises ValueError for another depth, and for a law that the depth would not use.
 
     flange_law: of the patches of a flange at depth 2; depth 1 has none. A flange spins, which takes lateral force from
     Polach's law: on the Manchester contact benchmark A-2.2 it is up to 26.7 % of mu N off sideways, 8.8 % ahead, and
@@ -33,6 +35,11 @@ class Contact:
     flange_law: CreepLaw = shen_hedrick_elkins
 
     def __post_init__(self) -> None:
+        laws = {"creep_law": self.creep_law is not polach, "flange_law": self.flange_law is not shen_hedrick_elkins}
+        unused = {1: ("flange_law",), 3: ("creep_law", "flange_law")}.get(self.depth, ())
+        for name in unused:
+            if laws[name]:
+                raise ValueError(f"Contact depth {self.depth} does not use a {name}; leave it out, or take depth 2.")
         if self.depth not in DEPTHS:
             known = "; ".join(f"{number}: {text}" for number, text in DEPTHS.items())
             raise ValueError(f"There is no contact depth {self.depth}; give one of {known}.")

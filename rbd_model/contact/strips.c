@@ -365,21 +365,17 @@ static void cut(double *stress, double limit, const double *flexible) {
 /* Force of a strip [N] for steady sliding over flexibility [Pa/m], the turning of spin [Pa/m2], and friction. */
 static void creep_of_strip(const strip_of *strip, const double *steady, double turning, double limit,
                            const double *flexible, double *force) {
-    double stress[2] = {0.0, 0.0}, last = 0.0, total[2] = {0.0, 0.0}, mean = 0.0;
+    static const double MEAN = 2.0 / 3.0 + 1.0 / (3.0 * CELLS * CELLS); /* of the parabola in the middles of the cells */
+    double stress[2] = {0.0, 0.0}, total[2] = {0.0, 0.0}, before = 1.0;
     for (int cell = 0; cell < CELLS; ++cell) {
         const double place = 1.0 - (2 * cell + 1.0) / CELLS;
-        mean += (1.0 - place * place) / CELLS;
-    }
-    for (int cell = 0; cell < CELLS; ++cell) {
-        const double place = 1.0 - (2 * cell + 1.0) / CELLS, moved = 1.0 - place;
-        const double turned = strip->half_length * (1.0 - place * place) / 2.0;
-        const double before = last;
-        last = turned;
-        stress[0] -= (moved - (cell ? 1.0 - place - 2.0 / CELLS : 0.0)) * steady[0] * strip->half_length;
-        stress[1] -= ((moved - (cell ? 1.0 - place - 2.0 / CELLS : 0.0)) * steady[1] + turning * (turned - before)) *
-                     strip->half_length;
+        const double moved = strip->half_length * (before - place);
+        const double turned = 0.5 * (before + place) * strip->half_length;
+        before = place;
+        stress[0] -= moved * steady[0];
+        stress[1] -= moved * (steady[1] + turning * turned);
         /* A parabola with the load of half an ellipse. */
-        cut(stress, limit * (1.0 - place * place) * 0.25 * PI / mean, flexible);
+        cut(stress, limit * (1.0 - place * place) * 0.25 * PI / MEAN, flexible);
         total[0] += stress[0];
         total[1] += stress[1];
     }

@@ -22,40 +22,50 @@ from rbd_model.contact.patches import patches_of
 from rbd_model.contact.profiles import Profile
 from rbd_model.contact.strip_creep import LOGARITHMS
 
-#: Numbers that the part takes, see `StripState` and `StripConstants` in pressing_strips.py; and results of a segment
-#: (`Press`) and of the wheel (place, angle, pressure). As in strips.c.
-ARGUMENTS, CONSTANTS, OF_SEGMENT, OF_WHEEL = 13, 13, 11, 3
+#: Numbers that the part takes: a `PatchState` but for its nearest point; a `Wheel`, the `surroundings` of
+#: patched_wheelset.py and Poisson's ratio. Results of a segment (`Press`) and of the wheel (place, angle, pressure);
+#: most segments. As in strips.c.
+ARGUMENTS, CONSTANTS, OF_SEGMENT, OF_WHEEL, MOST_SEGMENTS = 13, 13, 11, 3, 6
 #: Coefficients of a polynomial in strips.c, and a fit's largest distance from what it stands for.
 TERMS, ELLIPTIC_TERMS, FIT_ERROR = 12, 7, 2e-4
 #: Axis ratios of ellipses from 1/30 to 30, and complements of the modulus from far strips to near ones.
 LARGEST_LOGARITHM, LEAST_COMPLEMENT = math.log(30.0), 1e-9
 
 
-@lru_cache
 def wheel_on_strips(one: Side) -> Part:
     """Part of a wheel on its rail: what each segment does, from the flange outwards, and where the wheel touches.
 
-    Kalker (1982), Knothe and Le The (1984); see strips.c.
+    Kalker (1982), Knothe and Le The (1984); see strips.c. Radius and distances are constants of the part: wheels that
+    differ in them alone share it. Raises ValueError for a contour that is cut more often than strips.c has room for.
     """
     segments = segments_of(one)
-    numbers = [*np.ravel(segments), one.wheel_half_distance, *one.wheel.pieces[1].ravel(), *one.rail.pieces[1].ravel()]
-    name = f"wheel_on_strips_{hashlib.sha256(np.array(numbers).tobytes()).hexdigest()[:8]}"
-    own = [
-        contour_in_c(f"{name}_wheel", one.wheel),
-        contour_in_c(f"{name}_rail", one.rail),
-        array_in_c(f"{name}_segment", np.ravel(segments)),
-        fits_in_c(f"{name}_fits"),
-        f"""
+    if len(segments) > MOST_SEGMENTS:
+        raise ValueError(
+            f"{one.wheel.name} on {one.rail.name}: contact jumps between {len(segments)} parts of the wheel; contact "
+            f"depth 3 has room for {MOST_SEGMENTS}: smooth the profiles, or take contact depth 2."
+        )
+    return part_of_contours(one.wheel, one.rail, tuple(segments))
+
+
+@lru_cache
+def part_of_contours(wheel: Profile, rail: Profile, segments: tuple[tuple[float, float], ...]) -> Part:
+    """The part of all wheels with these contours, Knothe and Le The (1984); named by them."""
+    numbers = [np.ravel(segments), *wheel.pieces, *rail.pieces]
+    content = np.concatenate([np.ravel(one) for one in numbers]).tobytes()
+    name = f"wheel_on_strips_{hashlib.sha256(content).hexdigest()[:8]}"
+    own = f"""
+{contour_in_c(f"{name}_wheel", wheel)}
+{contour_in_c(f"{name}_rail", rail)}
+{array_in_c(f"{name}_segment", np.ravel(segments))}
 static void {name}(const double *arguments, const double *constants, double *results, double *slopes) {{
-    static const wheel_on_rail PAIR = {{{contour_entry(f"{name}_wheel", one.wheel)},
-        {contour_entry(f"{name}_rail", one.rail)}, {len(segments)}, {name}_segment}};
-    wheel_on_strips(&PAIR, &{name}_fits, arguments, constants, results, slopes);
+    static const wheel_on_rail PAIR = {{{contour_entry(f"{name}_wheel", wheel)},
+        {contour_entry(f"{name}_rail", rail)}, {len(segments)}, {name}_segment}};
+    wheel_on_strips(&PAIR, &FITS, arguments, constants, results, slopes);
 }}
-""",
-    ]
+"""
     common = (Path(__file__).parent / "strips.c").read_text(encoding="utf-8")
     counts = (ARGUMENTS, CONSTANTS, OF_SEGMENT * len(segments) + OF_WHEEL)
-    return part_in_c(name, counts, "\n".join(own), common)
+    return part_in_c(name, counts, own, f"{common}\n{fits_in_c()}")
 
 
 def segments_of(one: Side) -> list[tuple[float, float]]:
@@ -87,8 +97,10 @@ def contour_entry(name: str, profile: Profile) -> str:
     return f"{{{float(breakpoints[0])!r}, {float(width)!r}, {len(coefficients)}, {name}}}"
 
 
-def fits_in_c(name: str) -> str:
-    """A `fits_of`: polynomials through Hertz's ellipses (Johnson 1985), table E.3 of Kalker (1990) and K - E."""
+def fits_in_c() -> str:
+    """The `fits_of` of all wheels: polynomials through Hertz's ellipses (Johnson 1985), table E.3 of Kalker (1990) and
+    K - E.
+    """
     table = ellipses()
     kept = np.abs(table.axis_ratio) <= LARGEST_LOGARITHM
     ratio, alpha, kappa = (row[kept] for row in (table.curvature_ratio, table.alpha, table.kappa))
@@ -98,7 +110,7 @@ def fits_in_c(name: str) -> str:
     fits += elliptic_fit()
     limits = [(row.min(), row.max()) for row in (ratio, loads, LOGARITHMS)]
     rows = ["{" + ", ".join(repr(float(value)) for value in row) + "}" for row in (*fits, *limits)]
-    return f"static const fits_of {name} = {{{', '.join(rows)}}};"
+    return f"static const fits_of FITS = {{{', '.join(rows)}}};\n"
 
 
 def fitted(x: np.ndarray, y: np.ndarray, error: float = FIT_ERROR, terms: int = TERMS) -> list[float]:

@@ -65,11 +65,14 @@ def climbing_wheelset(flange_angle: float, contact: Contact) -> Library:
 
 @dataclass(frozen=True)
 class Climb:
-    """A push until the flange is climbed over: Y/Q of the left wheel, its rise [m], and the last sentence."""
+    """A push until the flange is climbed over, every INTERVAL: Y/Q of the left wheel, how far the wheelset's centre and
+    the wheel have risen [m]; and what was said.
+    """
 
     quotient: np.ndarray
     rise: np.ndarray
-    sentence: str
+    wheel_rise: np.ndarray
+    sentences: list[str]
     steps: int
 
     def limit(self, low: float, high: float) -> float:
@@ -91,6 +94,6 @@ def push(library: Library, friction: float, yaw: float) -> Climb:
         except KernelError:
             break
         pushed += GROWTH * INTERVAL
-        noted.append((kernel["derailment_quotient_1_left"], kernel["state_rise_1"]))
-    quotient, rise = np.array(noted).T
-    return Climb(quotient, rise, kernel.journal[-1], kernel.counts["steps"])
+        noted.append([kernel[name] for name in ("derailment_quotient_1_left", "state_rise_1", "wheel_rise_1_left")])
+    quotient, rise, wheel_rise = np.array(noted).T
+    return Climb(quotient, rise, wheel_rise, kernel.journal, kernel.counts["steps"])

@@ -33,7 +33,7 @@ from rbd_model.kinematics import direction_cosines, turned_by
 from rbd_model.pressing_patch import PatchConstants, PatchState, Press, find_patch, pressing_patch
 from rbd_model.rolling_contact import Placement, Wheel
 from rbd_model.touching_patch import direction_of, look_up_patch
-from scenarios.bench.wheel_on_strips import wheel_under_load
+from scenarios.bench.wheel_on_strips import CONSTANT_FRICTION, NO_SPEED, wheel_under_load
 from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.plots import BOGIE, FOUR, LEADING, THESIS, TRAILING, plt
 from scenarios.reporting.progress import PATIENCE
@@ -45,9 +45,8 @@ LOAD, SPEED, FRICTION, STEEL = 10e3, 2.0, 0.3, Steel(82e9, 0.28)
 #: y of its rail's gauge face, 14 mm below the top, and distances of its wheels' and their flanges' origins [m].
 GAUGE_FACE, WHEEL_HALF_DISTANCE, RADIUS = -43.0315e-3, 0.750, 0.460
 SIDES = {"left": LEFT, "right": RIGHT}
-#: Of depth 2: the `Surface` of constant friction, a creepage speed that changes nothing at that speed [m/s], and an
-#: approach at which any contact carries more than the load [m].
-CONSTANT_FRICTION, NO_SPEED, MOST_APPROACH = ca.SX([1.0, 0.0, 0.0, 1.0, 1.0]), 1e-6, 0.3e-3
+#: An approach at which any contact carries more than the load [m].
+MOST_APPROACH = 0.3e-3
 #: Depth 2 with the laws that the level `spatial` has by default.
 ON_PATCHES = Contact(2)
 
@@ -207,7 +206,7 @@ def elastic_patch(patch: Patch, contact: Contact) -> Elastic:
     still, rates, place = ca.SX(0), (roll_rate, pitch_rate, yaw_rate), (lateral, height, yaw, roll)
     state = PatchState(forward, still, still, *rates, *place, ca.SX.zeros(2), ca.SX(FRICTION), nearest.position)
     direction = ca.SX(direction_of(patch))
-    fixed = PatchConstants(cosines, wheel.vector, direction, ca.SX(NO_SPEED), modulus, CONSTANT_FRICTION, still)
+    fixed = PatchConstants(cosines, wheel.vector, direction, ca.SX(NO_SPEED), modulus, ca.SX(CONSTANT_FRICTION), still)
     terms = nearest.pieces.wheel.numel(), nearest.pieces.rail.numel()
     part = pressing_patch(*terms, patch.flange, contact.law_of(patch.flange))
     press = Press.of(system.call(part, state.vector, ca.vertcat(fixed.vector, nearest.pieces.vector)))

@@ -51,7 +51,7 @@ def run(options: Options) -> Result:
         limit, steps = nadal(angle, friction), steps + climb.steps
         name = f"Y/Q at the onset of climbing, flange {angle:g} degrees, friction {friction:g}"
         found = climb.limit(*ONSET)
-        rows.append(Row(name, "1", None, found, near(limit, BAND * limit), SOURCE, climb.sentence))
+        rows.append(Row(name, "1", None, found, near(limit, BAND * limit), SOURCE, climb.sentences[-1]))
     curves = {
         name: [push(climbing_wheelset(math.radians(CURVE_ANGLE), law), CURVE_FRICTION, yaw) for yaw in YAWS]
         for name, law in tqdm(LAWS.items(), desc="flange-climb", leave=False, delay=PATIENCE)

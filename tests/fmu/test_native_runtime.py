@@ -83,21 +83,25 @@ def decay() -> System:
     return system
 
 
-def test_equations_are_compiled_once_for_the_fmu_and_for_studies(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Both libraries hold the same objects; and what the runtime is made of serves every model, and equations every
-    model that has them with other numbers, here of the tolerance.
-    """
-    compiled: list[str] = []
+@pytest.fixture
+def compiled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """C files that the compiler is given from now on, with an empty cache."""
+    files: list[str] = []
     run_compiler = compiling.run
 
     def count(command: Sequence[str], target: str | None, folder: Path) -> None:
-        compiled.extend(word for word in command if word.endswith(".c"))
+        files.extend(word for word in command if word.endswith(".c"))
         run_compiler(command, target, folder)
 
     monkeypatch.setattr(compiling, "run", count)
     monkeypatch.setattr(compiling, "CACHE", tmp_path)
+    return files
+
+
+def test_equations_are_compiled_once_for_the_fmu_and_for_studies(compiled: list[str]) -> None:
+    """Both libraries hold the same objects; and what the runtime is made of serves every model, and equations every
+    model that has them with other numbers, here of the tolerance.
+    """
     sources = generate(model_of(decay(), 1e-9))
     made = [compiling.library_of(sources, fmu=fmu) for fmu in (True, False)]
     assert made[0] != made[1]
@@ -107,17 +111,8 @@ def test_equations_are_compiled_once_for_the_fmu_and_for_studies(
     assert compiled == ["model.c"]
 
 
-def test_what_two_want_at_once_is_compiled_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_two_want_at_once_is_compiled_once(compiled: list[str]) -> None:
     """Two threads here, as two processes that begin together: one waits for what the other makes."""
-    compiled: list[str] = []
-    run_compiler = compiling.run
-
-    def count(command: Sequence[str], target: str | None, folder: Path) -> None:
-        compiled.extend(word for word in command if word.endswith(".c"))
-        run_compiler(command, target, folder)
-
-    monkeypatch.setattr(compiling, "run", count)
-    monkeypatch.setattr(compiling, "CACHE", tmp_path)
     sources = generate(model_of(decay(), 1e-9))
     with ThreadPoolExecutor(2) as both:
         made = list(both.map(compiling.library_of, [sources, sources]))

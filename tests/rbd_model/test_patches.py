@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 from functools import lru_cache
 
@@ -14,6 +15,7 @@ from scipy.special import ellipe, ellipk
 from fmu_src.kernel import Kernel, Library
 from fmu_src.system import System, model_of
 from rbd_model.contact.creep.kalker_linear import kalker_linear
+from rbd_model.contact.creep.law import CreepLaw
 from rbd_model.contact.creep.polach import polach
 from rbd_model.contact.creep.shen_hedrick_elkins import shen_hedrick_elkins
 from rbd_model.contact.depth import DEPTHS, Contact
@@ -26,10 +28,13 @@ from rbd_model.spatial import spatial_vehicle
 from rbd_model.track import irregular_track, section_5_3
 from rbd_model.vehicle import as_sum
 from rbd_model.vehicles import two_axle_bogie
+from scenarios.bench.climbing_wheelset import INTERVAL, climbing_wheelset, push
 from scenarios.contact import contact_manchester as manchester
 from tests.quick_library import quick_library
 
 STEEL = 82e9
+#: Of the friction of locked wheels: what yaw and a little lateral sliding turn away from the track.
+SLID = 0.01
 #: Of the polynomial through Hertz' force; a hundred times smaller than what Hertz' theory itself leaves out at a rail.
 FIT_BAND = 5e-4
 ENERGIES = ("kinetic_energy", "potential_energy")
@@ -137,6 +142,14 @@ def test_wheelset_stands_on_its_treads_beyond_the_flanges_contact_too() -> None:
 def test_depth_that_is_not_there_is_refused_in_a_sentence() -> None:
     with pytest.raises(ValueError, match=f"no contact depth 7; give one of 1: {DEPTHS[1][:8]}"):
         Contact(7)
+
+
+@pytest.mark.parametrize(
+    ("depth", "laws"), [(1, {"flange_law": polach}), (3, {"flange_law": polach}), (3, {"creep_law": kalker_linear})]
+)
+def test_law_that_the_depth_would_not_use_is_refused(depth: int, laws: dict[str, CreepLaw]) -> None:
+    with pytest.raises(ValueError, match=f"Contact depth {depth} does not use a {next(iter(laws))}; leave it out"):
+        Contact(depth, **laws)
 
 
 def bogie_on(depth: int) -> System:
@@ -247,8 +260,51 @@ def test_limits_of_en_14363_are_told_where_they_are_asked_for(patched: Library, 
     assert len(told) == 2 * asked, kernel.journal
 
 
+def test_climb_is_told_as_it_begins_at_5_mm_and_at_its_end() -> None:
+    """How far the wheel has risen when each sentence says, within what it climbs in an interval; the root of the flange
+    lifts it by less than 1 mm.
+    """
+    climb = push(climbing_wheelset(math.radians(70.3), Contact(2)), 0.3, 0.035)
+    said = [line for line in climb.sentences if "left wheel of wheelset 1" in line]
+    asked = ("left its tread and climbed on its flange at", "had risen by 5 mm on its flange at")
+    risen = []
+    for words, sentence in zip((*asked, "Derailed: .* climbed over its flange at"), said, strict=True):
+        found = re.search(rf"{words} (\d+\.\d+) s", sentence)
+        assert found
+        times = INTERVAL * np.arange(1, climb.wheel_rise.size + 1)
+        risen.append(np.interp(float(found[1]), times, climb.wheel_rise))
+    near = float(np.abs(np.diff(climb.wheel_rise)).max())
+    assert near < 1e-3
+    assert 0.0 < risen[0] < 1e-3
+    assert risen[1] == pytest.approx(5e-3, abs=near)
+    assert risen[2] > 7e-3
+
+
+def test_rail_with_less_friction_brakes_less_and_turns_the_wheelsets(patched: Library, rigid: Library) -> None:
+    """Locked wheels slide with the friction of their own rail; the mirrored scene gives the mirrored answer."""
+    for library in (rigid, patched):
+        slide_on_unequal_rails(library)
+
+
+def slide_on_unequal_rails(library: Library) -> None:
+    found = []
+    for sides in (("left", "right"), ("right", "left")):
+        less = {f"{sides[0]}_rail_friction": 0.5, f"{sides[1]}_rail_friction": 1.0}
+        kernel = Kernel(library, tolerance=1e-7, friction_1=0.1, friction_2=0.1, **less)
+        kernel.set(brake_torque_1=40e3, brake_torque_2=40e3)
+        kernel.advance(2.0)
+        assert kernel["locked_1"] + kernel["locked_2"] == 2
+        for number in (1, 2):
+            loads = [kernel[f"wheel_load_{number}_{side}"] for side in sides]
+            assert -kernel[f"creep_force_{number}"] == pytest.approx(0.1 * (0.5 * loads[0] + loads[1]), rel=SLID)
+        found.append([kernel["lateral_1"], kernel["yaw_1"]])
+    assert found[0] == pytest.approx([-value for value in found[1]], rel=1e-3)
+    # The left rail holds less: the right one turns the wheelsets to the right.
+    assert found[0][1] < -1e-4
+
+
 @lru_cache
-def unequal(mirrored: bool) -> Library:
+def unequal(mirrored: bool, depth: int) -> Library:
     """The bogie whose leading wheelset has a wheel of 850 mm and one of 852 mm, and S1002 on one side."""
     thesis, european = thesis_pair().left, european_pair().left
     other = replace(thesis, wheel=european.wheel, rail=european.rail, radius=thesis.radius + 1e-3)
@@ -260,13 +316,14 @@ def unequal(mirrored: bool) -> Library:
     if mirrored:
         first = replace(first, pair=sides.mirrored, radius=radius[::-1])
     vehicle = replace(bogie, wheelsets=(first, bogie.wheelsets[1]))
-    return quick_library(model_of(spatial_vehicle(vehicle, irregular_track(section_5_3()), Contact(2)), 1e-7))
+    return quick_library(model_of(spatial_vehicle(vehicle, irregular_track(section_5_3()), Contact(depth)), 1e-7))
 
 
-def test_wheelset_with_unequal_sides_steers_to_the_smaller_wheel_and_its_mirror_image_the_other_way() -> None:
+@pytest.mark.parametrize("depth", [2, 3])
+def test_wheelset_with_unequal_sides_steers_to_the_smaller_wheel_and_its_mirror_image_the_other_way(depth: int) -> None:
     found = []
     for sign, mirrored in ((1.0, False), (-1.0, True)):
-        kernel = Kernel(unequal(mirrored), initial_speed=10.0, tolerance=1e-8)
+        kernel = Kernel(unequal(mirrored, depth), initial_speed=10.0, tolerance=1e-8)
         kernel.advance(1.0)
         loads = [kernel[f"wheel_load_1_{side}"] for side in ("left", "right")]
         found.append([sign * kernel["lateral_1"], sign * kernel["yaw_1"], *loads[:: int(sign)], kernel["speed"]])

@@ -1,6 +1,6 @@
 """A table of another creep law, or of exact theory: what took microseconds costs a look-up among its values.
 
-By similarity the forces of an elliptical patch over mu N follow from four numbers alone, Kalker (1990), section 2.2.2:
+By similarity the forces of an elliptical patch over mu N follow from four numbers alone, Kalker (1990):
 those of `Measures`, with a/b for one of the two of spin.
 """
 
@@ -26,6 +26,8 @@ FIRST, LAST = (0.0, -1.0, 0.0, -math.log(10.0)), (1.0, 1.0, 1.0, math.log(10.0))
 #: Spin in the middle of the table, that from which creepage has to be larger to make the patch slide, both as in
 #: `Measures`, chosen so that tables of FaStrip err least between their places; and what stands for infinite ones.
 MIDDLE_SPIN, SLIDING_SPIN, INFINITE = 4.0, 0.7, 1 - 1e-6
+#: How far a row of a file may be from its place, in intervals: the digits of a number that is written.
+OFF_PLACE = 1e-4
 COLUMNS = ("longitudinal", "lateral", "spin", "log_axis_ratio", "force_longitudinal", "force_lateral")
 
 
@@ -62,7 +64,7 @@ class Measures:
 
 
 def measures(patch: ContactPatch) -> Measures:
-    """Of a patch, Kalker (1990), section 2.2.2; less where a contaminated surface is less steep."""
+    """Of a patch, Kalker (1990); less where a contaminated surface is less steep."""
     (a, b), (x, y, spin), kalker = patch.semi_axes, patch.creepages, patch.kalker
     strain = patch.reduction.adhesion * patch.shear_modulus * a * b / (patch.friction * patch.load)
     ahead, aside = strain * kalker.c11, strain * kalker.c22
@@ -71,7 +73,7 @@ def measures(patch: ContactPatch) -> Measures:
 
 def place_in_table(found: Measures) -> ca.SX:
     """Coordinates of a patch with u, w >= 0: from no creepage to infinite ones, and where spin is large by the ratio to
-    it, which is what counts then; Kalker (1990), section 2.2.2.
+    it, which is what counts then; Kalker (1990).
     """
     ahead, aside = found.u / larger_by(found.w_x), found.v / larger_by(found.w_y)
     size = ca.sqrt(1 + ahead**2 + aside**2)
@@ -79,7 +81,7 @@ def place_in_table(found: Measures) -> ca.SX:
 
 
 def larger_by(spin: ca.SX) -> ca.SX:
-    """By how much more creepage it takes to slide against spin, in proportion where spin is large; Kalker (1990)."""
+    """By how much more creepage it takes to slide against spin: our own form, in proportion where spin is large."""
     return ca.sqrt(1 + (spin / SLIDING_SPIN) ** 2)
 
 
@@ -137,7 +139,7 @@ def coefficients(table: CreepTable) -> np.ndarray:
 
 
 def tabulated(table: CreepTable) -> CreepLaw:
-    """The law of a table, Kalker (1990), section 2.2.2: splines through its forces, with exact derivatives.
+    """The law of a table, Kalker (1990): splines through its forces, with exact derivatives.
 
     The mirror images of a patch, ahead and behind, left and right, do what it does. What a contaminated surface leaves
     of the gradient in the area of slip is not known to it.
@@ -173,14 +175,26 @@ static void {name}(const double *arguments, const double *constants, double *res
 
 
 def read_table(path: Path) -> CreepTable:
-    """A table from a CSV file of COLUMNS, in any order of rows. Raises ValueError for missing places."""
+    """A table from a CSV file of COLUMNS, in any order of rows.
+
+    Raises ValueError for a missing column, for missing places and for a row that belongs to none.
+    """
     with path.open(encoding="utf-8") as file:
-        rows = np.array([[float(row[name]) for name in COLUMNS] for row in csv.DictReader(file)])
+        reader = csv.DictReader(file)
+        if not set(COLUMNS) <= set(reader.fieldnames or ()):
+            raise ValueError(f"{path.name}: a creep table has the columns {', '.join(COLUMNS)}.")
+        rows = np.array([[float(row[name]) for name in COLUMNS] for row in reader])
     places = axes()
     values = np.full((*(place.size for place in places), 2), np.nan)
-    index = tuple(
-        np.rint((rows[:, n] - place[0]) / (place[1] - place[0])).astype(int) for n, place in enumerate(places)
-    )
+    away = [(row - place[0]) / (place[1] - place[0]) for row, place in zip(rows.T, places, strict=False)]
+    index = tuple(np.rint(one).astype(int) for one in away)
+    for n, (one, whole, place) in enumerate(zip(away, index, places, strict=True)):
+        off = np.flatnonzero((np.abs(one - whole) > OFF_PLACE) | (whole < 0) | (whole >= place.size))
+        if off.size:
+            raise ValueError(
+                f"{path.name}, row {off[0] + 1}: {COLUMNS[n]} {rows[off[0], n]:g} is no place of the creep table; give "
+                "it at those that write_table writes."
+            )
     values[index] = rows[:, 4:]
     missing = int(np.sum(np.isnan(values[..., 0])))
     if missing:
