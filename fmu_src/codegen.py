@@ -158,7 +158,9 @@ def _start(system: System) -> ca.SX:
 
 
 def generate(model: Model) -> dict[str, str]:
-    """C sources by file name: equations.c from CasADi and model.c, the description; made once for each model."""
+    """C sources by file name: equations from CasADi and their elimination, a file of each for each system, and model.c,
+    the description; made once for each model.
+    """
     return dict(_sources(model))
 
 
@@ -166,7 +168,10 @@ def generate(model: Model) -> dict[str, str]:
 def _sources(model: Model) -> dict[str, str]:
     generated = [functions(system) for system in model.systems]
     solving = {system.name: elimination(system) for system in model.systems}
-    sources = {"equations.c": equations_in_c(generated), "elimination.c": elimination_source(solving)}
+    sources = {}
+    for system, made in zip(model.systems, generated, strict=True):
+        sources[f"equations_{system.name}.c"] = equations_in_c(system.name, made)
+        sources[f"elimination_{system.name}.c"] = elimination_source(system.name, solving[system.name])
     description = _description(model, generated, solving)
     # The GUID is a function of everything a host can see: equations, description, texts and units.
     guid = content_guid([*sources.values(), description, model_description(model, "")])
@@ -192,9 +197,12 @@ def content_guid(texts: Iterable[str]) -> str:
     return f"{{{h[:8]}-{h[8:12]}-{h[12:16]}-{h[16:20]}-{h[20:32]}}}"
 
 
-def equations_in_c(generated: Sequence[dict[str, Generated]]) -> str:
-    """C of all functions, those of the parts before those that call them."""
-    own = [one for made in generated for one in made.values()]
+def equations_in_c(name: str, made: Mapping[str, Generated]) -> str:
+    """C of all functions, those of the parts before those that call them.
+
+    `name` begins the names of what is seen in this file alone, so that files of several systems may become one unit.
+    """
+    own = list(made.values())
     inside, in_c = _functions_of_parts(own)
     called = [one for one in (*inside, *own) if one.calls]
     every = [one.function for one in (*inside, *own)]
@@ -212,10 +220,27 @@ def equations_in_c(generated: Sequence[dict[str, Generated]]) -> str:
     text = in_pieces(_without_guards(text))
     for one in inside:
         text = re.sub(rf"^(?=int {one.function.name()}\()", "static ", text, flags=re.MULTILINE)
+    text = _with_own_names(text, name, {one.function.name() for one in inside})
     # The interface of CasADi has arguments that these functions do not use; everything else stays a warning.
     return '#pragma GCC diagnostic ignored "-Wunused-parameter"\n' + "\n".join(
-        [*dict.fromkeys(part.common for part in in_c), *map(_in_c, in_c), text]
+        [*dict.fromkeys(_once(part.common) for part in in_c), *(_once(_in_c(part)) for part in in_c), text]
     )
+
+
+def _with_own_names(text: str, name: str, parts: set[str]) -> str:
+    """CasADi's C in which helpers and generated parts have names that begin with `name`."""
+    text = re.sub(r"^#define casadi_\w+ CASADI_PREFIX\(.*\n", "", text, flags=re.MULTILINE)
+
+    def own(found: re.Match[str]) -> str:
+        return f"{name}_{found[0]}" if found[0] in parts or found[0].startswith("casadi") else found[0]
+
+    return re.sub(r"\b(?:casadi_(?!real\b|int\b)|part_)\w+", own, text)
+
+
+def _once(text: str) -> str:
+    """C that several files have, for where these become one unit."""
+    name = f"GIVEN_{hashlib.sha256(text.encode()).hexdigest()[:16].upper()}"
+    return f"#ifndef {name}\n#define {name}\n{text}\n#endif" if text else ""
 
 
 def _functions_of_parts(own: Sequence[Generated]) -> tuple[list[Generated], list[Part]]:

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -97,8 +98,12 @@ def run(command: Sequence[str], target: str | None, folder: Path) -> None:
 
 
 def objects_of(sources: Mapping[str, str], flags: Sequence[str], target: str | None = None) -> list[Path]:
-    """Object files of C files that include the runtime's headers, each compiled now unless the cache has it."""
-    return [_object_of(name, text, flags, target) for name, text in sources.items()]
+    """Object files of C files that include the runtime's headers, each compiled now unless the cache has it.
+
+    As many at once as there are processors: the longest takes most of the time.
+    """
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        return list(pool.map(lambda name: _object_of(name, sources[name], flags, target), sources))
 
 
 def _object_of(name: str, text: str, flags: Sequence[str], target: str | None) -> Path:
@@ -171,7 +176,9 @@ def compile_library(
         flags = [flag for flag in flags if flag != "-fPIC"]
     names, shown = (FACE_SOURCES, []) if fmu else (STUDY_SOURCES, ["-DKERNEL_LIBRARY"])
     runtime = {name: (RUNTIME / name).read_text() for name in (*KERNEL_SOURCES, *names)}
-    objects = objects_of(sources, [*flags, OPTIMISE_GENERATED], target)
+    # The longest first, so that none is left over at the end.
+    longest = dict(sorted(sources.items(), key=lambda one: -len(one[1])))
+    objects = objects_of(longest, [*flags, OPTIMISE_GENERATED], target)
     objects += objects_of(runtime, [*flags, *shown, OPTIMISE_RUNTIME], target)
     with tempfile.TemporaryDirectory() as folder:
         run([*_linking(flags, target), "-o", "library", *map(str, objects), "-lm"], target, Path(folder))

@@ -155,7 +155,8 @@ def _put_in_order(whole: System, links: Sequence[_Link], tables: Sequence[Table]
         if isinstance(node, Table):
             whole.tables.append(replace(node, rank=looked_up[number]))
         elif isinstance(node, Call):
-            whole.links.append(replace(node, rank=calls[number]))
+            plain = whole.without_waists(node.taken)
+            whole.links.append(replace(node, rank=calls[number], plain=plain))
         else:
             whole.links.append(replace(node, plain=whole.without_waists(node.values)))
 
@@ -163,7 +164,7 @@ def _put_in_order(whole: System, links: Sequence[_Link], tables: Sequence[Table]
 def _needed_by(node: Call | Waist | Table) -> ca.SX:
     if isinstance(node, Table):
         return node.argument
-    return ca.vertcat(node.given, node.constants) if isinstance(node, Call) else node.values
+    return node.taken if isinstance(node, Call) else node.values
 
 
 def _needs(values: Sequence[ca.SX], symbols: Sequence[ca.SX]) -> list[set[int]]:

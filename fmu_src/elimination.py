@@ -121,17 +121,16 @@ def elimination(system: System) -> Elimination:
     return Elimination(order, places, below, right)
 
 
-def elimination_source(systems: dict[str, Elimination]) -> str:
-    """C of the functions NAME_factorise(entry) and NAME_substitute(entry, vector) of each system."""
+def elimination_source(name: str, solving: Elimination) -> str:
+    """C of the functions NAME_factorise(entry) and NAME_substitute(entry, vector) of a system."""
     lines = ['#pragma GCC diagnostic ignored "-Wunused-parameter"', '#include "model.h"', ""]
-    for name, solving in systems.items():
-        for task, taken, given, body in (
-            ("factorise", "double *e", "e", list(solving.factors())),
-            ("substitute", "const double *e, double *v", "e, v", list(solving.substitution())),
-        ):
-            pieces = [body[start : start + LONGEST] for start in range(0, len(body), LONGEST)]
-            for number, piece in enumerate(pieces):
-                lines += [f"static void {name}_{task}_{number}({taken}) {{", *(f"    {line}" for line in piece), "}"]
-            calls = [f"    {name}_{task}_{number}({given});" for number in range(len(pieces))]
-            lines += [f"INSIDE void {name}_{task}({taken}) {{", *calls, "}", ""]
+    for task, taken, given, body in (
+        ("factorise", "double *e", "e", list(solving.factors())),
+        ("substitute", "const double *e, double *v", "e, v", list(solving.substitution())),
+    ):
+        pieces = [body[start : start + LONGEST] for start in range(0, len(body), LONGEST)]
+        for number, piece in enumerate(pieces):
+            lines += [f"static void {name}_{task}_{number}({taken}) {{", *(f"    {line}" for line in piece), "}"]
+        calls = [f"    {name}_{task}_{number}({given});" for number in range(len(pieces))]
+        lines += [f"INSIDE void {name}_{task}({taken}) {{", *calls, "}", ""]
     return "\n".join(lines)

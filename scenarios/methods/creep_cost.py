@@ -87,7 +87,7 @@ def cost(law: CreepLaw, points: np.ndarray, derivatives: bool) -> float:
 
 def compiled(chain: Chain, result: ca.SX, point: ca.SX) -> Callable[..., None]:
     """`repeat` of C as the project makes it of its own equations, optimised as they are."""
-    text = equations_in_c([{"law": function_of(chain, "law", [result], [point])}]) + REPEAT
+    text = equations_in_c("law", {"law": function_of(chain, "law", [result], [point])}) + REPEAT
     with tempfile.TemporaryDirectory() as folder:
         objects = objects_of({"law.c": text}, [*FLAGS, OPTIMISE_GENERATED])
         library = f"law{library_suffix()}"

@@ -19,8 +19,6 @@ from scenarios.methods.scenes import LOCK_UP, SMOOTH, STANDING, Scene
 REPEATED, MOST_REPEATS = 0.5, 5
 #: Methods whose time only grows with finer settings, so that one that was given up ends the line.
 GROWING = ("RK4, fixed step", "RK45 (SciPy)")
-#: The reference's tolerance, and that of the second reference which tells how sure it is.
-REFERENCE, SECOND_REFERENCE = 1e-10, 1e-11
 DEFAULT = "default: RODAS5P"
 #: Methods of others, which the default is measured against.
 PEERS = ("RK45 (SciPy)", "Radau (SciPy)", "BDF (SciPy)", "LSODA (SciPy)", "CVODE", "IDA")
@@ -74,14 +72,16 @@ def difference(one: dict[str, float], other: dict[str, float]) -> float:
 
 def refer(scene: Scene) -> tuple[dict[str, float], float, tuple[str, str]]:
     """Measures of the reference, its uncertainty, and the names of both references."""
-    with_sundials = sundials.is_installed()
-    first = sundials.sundials(scene, "CVODE", REFERENCE, 60.0) if with_sundials else scipy(scene, "Radau", 1e-9, 300.0)
-    second = own(scene, tolerance=SECOND_REFERENCE)
+    with_sundials, (tolerance, second_tolerance) = sundials.is_installed(), scene.references
+    if with_sundials:
+        first, word = sundials.sundials(scene, "CVODE", tolerance, 60.0), f"CVODE {tolerance:g}"
+    else:
+        first, word = scipy(scene, "Radau", 10 * tolerance, 300.0), f"Radau {10 * tolerance:g}"
+    second = own(scene, tolerance=second_tolerance)
     if first.failure or second.failure:
         raise RuntimeError(f"{scene.name} has no reference: {first.failure or second.failure}")
     measures = scene.measure(first.samples)
-    words = ("CVODE 1e-10" if with_sundials else "Radau 1e-9", "RODAS5P 1e-11")
-    return measures, difference(scene.measure(second.samples), measures), words
+    return measures, difference(scene.measure(second.samples), measures), (word, f"RODAS5P {second_tolerance:g}")
 
 
 def repeated(work: Callable[[], Run]) -> Run:

@@ -27,6 +27,7 @@ from scenarios.methods.stability import (
     ROS34PW2,
     RUNGE_KUTTA,
     SPATIAL,
+    STRIPS,
     amplification_of_rk4,
     boundary,
     growth_of_perturbation,
@@ -85,7 +86,7 @@ class Atlas:
 
 def boundaries(atlas: Atlas) -> None:
     """The largest stable step over speed, by theory and by perturbation."""
-    for machine in (*MACHINES, PATCHES):
+    for machine in (*MACHINES, PATCHES, STRIPS):
         for method in EXPLICIT if machine is SPATIAL else ("RK4",):
             atlas.theory[machine.name, method] = [limit(machine, speed, method) for speed in SPEEDS]
         atlas.found[machine.name] = [boundary(machine, speed) for speed in TRIED]
@@ -229,7 +230,7 @@ def drifting(partitioned: bool, atlas: Atlas) -> None:
 def rows_of(atlas: Atlas) -> list[Row]:
     theory = "eigenvalues of the exact Jacobian times the stability region"
     rows = []
-    for machine in (*MACHINES, PATCHES):
+    for machine in (*MACHINES, PATCHES, STRIPS):
         predicted = [limit(machine, speed) for speed in TRIED]
         ratios = [found / step for found, step in zip(atlas.found[machine.name], predicted, strict=True)]
         worst = max(ratios, key=lambda ratio: abs(ratio - 1.0))
@@ -245,7 +246,7 @@ def rows_of(atlas: Atlas) -> list[Row]:
         )
         step = limit(machine, 25.0)
         rows.append(Row(f"RK4, {machine.name}: limit at 25 m/s", "ms", None, 1e3 * step, None, theory))
-    for machine in (SPATIAL, PATCHES):
+    for machine in (SPATIAL, PATCHES, STRIPS):
         step = limit(machine, TRIED[-1])
         rows.append(Row(f"RK4, {machine.name}: limit at {TRIED[-1]:g} m/s", "ms", None, 1e3 * step, None, theory))
     for share, word in ((0.9, "largest"), (1.1, "least")):
@@ -392,8 +393,8 @@ def run(options: Options) -> Result:
         "saturates, the axles shake, and what is slow still looks right; the log says that it is not.",
         "RODAS5P and ROS34PW2 have no such limit. With fixed steps their error is what remains, and the log says when "
         "it exceeds the tolerance.",
-        "On patches, contact depth 2, the limit is the same where creep is the fastest; at 60 m/s it is that of the "
-        "wheelsets, which bounce on their contacts.",
+        "On patches and strips, contact depths 2 and 3, the limit is the same where creep is the fastest; at 60 m/s it "
+        "is that of the wheelsets, which bounce on their contacts.",
         "At perfect rolling the law of creep has no unique slope (3.92): limits are taken under light braking.",
     ]
     parameters = tables_5_1_and_5_2().values() | {"speeds": SPEEDS, "steps": STEPS, "drawbar_force": DRAWBAR}
@@ -422,7 +423,8 @@ def draw(atlas: Atlas) -> Figure:
 
 
 def draw_limits(axis: Axes, atlas: Atlas) -> None:
-    colours = dict(zip((one.name for one in (*MACHINES, PATCHES)), (LEADING, "#e69f00", THESIS, TRAILING), strict=True))
+    names = [one.name for one in (*MACHINES, PATCHES, STRIPS)]
+    colours = dict(zip(names, (LEADING, "#e69f00", THESIS, TRAILING, BOGIE), strict=True))
     dashes = {"RK4": "-", "RK45": "--", "Euler": ":"}
     for (machine, method), steps in atlas.theory.items():
         axis.plot(SPEEDS, steps, dashes[method], color=colours[machine], label=f"{method}, {machine}", linewidth=1.2)

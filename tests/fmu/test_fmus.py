@@ -39,6 +39,7 @@ BOGIE_OUTPUTS = [
     *pair("flange_force"),
     *(f"derailment_quotient_{number}_{side}" for number in (1, 2) for side in ("left", "right")),
     *(f"lateral_force_{number}_{side}" for number in (1, 2) for side in ("left", "right")),
+    *(f"wheel_rise_{number}_{side}" for number in (1, 2) for side in ("left", "right")),
     "guiding_force_1",
     "guiding_force_2",
 ]

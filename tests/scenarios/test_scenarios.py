@@ -77,11 +77,14 @@ def short_anti_skid(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def short_measurements(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What is measured for people is measured twice at most, and stability at fewer speeds, frictions and loads."""
-    monkeypatch.setattr(speed, "REPEATS", 2)
+    """What is measured for people is measured once and briefly, and stability at fewer speeds, frictions and loads."""
+    monkeypatch.setattr(speed, "REPEATS", 1)
+    monkeypatch.setattr(speed, "HOST_STEPS", 500)
+    monkeypatch.setattr(speed, "CALLS", 1000)
     monkeypatch.setattr(contact_depth, "ROUNDS", 1)
     monkeypatch.setattr(contact_depth, "TORQUES", contact_depth.TORQUES[::4])
-    monkeypatch.setattr(stability_atlas, "TRIED", (0.01, 1.0, 25.0, 60.0))
+    monkeypatch.setattr(contact_depth, "NEIGHBOURS", contact_depth.NEIGHBOURS[::3])
+    monkeypatch.setattr(stability_atlas, "TRIED", (0.01, 25.0, 60.0))
     monkeypatch.setattr(stability_atlas, "SPEEDS", tuple(np.geomspace(0.01, 60.0, 11).tolist()))
     monkeypatch.setattr(stability_atlas, "FRICTIONS", tuple(np.linspace(0.05, 0.6, 5).tolist()))
     monkeypatch.setattr(stability_atlas, "LOADS", tuple(np.linspace(0.25, 1.5, 6).tolist()))
