@@ -19,7 +19,7 @@ test: $(VENV)/test-installed check
 test-fast: $(VENV)/test-installed
 	$(RUN) -m pytest -n 2 --dist worksteal tests/rbd_model tests/brake_controller tests/numerics tests/test_architecture.py
 
-# What the other tests show in part: binaries for all platforms.
+# What the other tests show in part: binaries for all platforms, the coal wagon's, chapter 3 at two steps.
 test-long: $(VENV)/test-installed
 	$(RUN) -m pytest -n 2 -m long
 

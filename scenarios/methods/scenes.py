@@ -166,14 +166,14 @@ ASYMMETRIC = Scene(
 ON_PATCHES = replace(
     ASYMMETRIC,
     name="asymmetric shoes, fixed yaw torque, on patches",
-    stress="a flange that bears, contact depth 2",
+    stress="depth 2",
     values={"contact_depth": 2},
 )
 #: Strips that begin and cease to touch bend their forces, which a smaller tolerance would meet by tiny steps.
 ON_STRIPS = replace(
     ON_PATCHES,
     name="asymmetric shoes, fixed yaw torque, on strips",
-    stress="a flange that bears, contact depth 3",
+    stress="depth 3",
     duration=4.0,
     measure=lateral_peak,
     values={"contact_depth": 3},

@@ -242,6 +242,7 @@ def test_equal_content_makes_equal_bytes(tmp_path: Path, fmus: dict) -> None:
             assert (tmp_path / kind / path.name).read_bytes() == path.read_bytes(), (name, kind)
 
 
+@pytest.mark.long
 def test_the_vehicle_with_other_numbers_is_an_fmu_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The coal wagon, whose wheelsets carry 306 kN each; for a tenth of a second its equations need no optimising."""
     monkeypatch.setattr(compiling, "OPTIMISE_GENERATED", "-O0")

@@ -171,7 +171,10 @@ def lateral_and_speed(wheelsets: int, scene: dict[str, float], seconds: float, i
 
 
 #: By speed, until the wave has moved the wheelset by a millimetre [s]; the oracle takes two minutes for a second.
-@pytest.mark.parametrize(("speed", "hunting", "sizes"), [(15.0, 0.3, (1e-3, 5e-4)), (25.0, 0.2, (1e-3,))])
+@pytest.mark.parametrize(
+    ("speed", "hunting", "sizes"),
+    [pytest.param(15.0, 0.3, (1e-3, 5e-4), marks=pytest.mark.long), (25.0, 0.2, (1e-3,))],
+)
 def test_hunting_is_the_same_in_both_models(speed: float, hunting: float, sizes: tuple[float, ...]) -> None:
     """A wave of the track disturbs the wheelset of chapter 4; the oracle comes closer as its step shrinks."""
     scene = {
