@@ -90,7 +90,7 @@ STATIC_LOADS_UP_TO = 0.6
 #: force near the adhesion limit.
 DECIDED_BY_LOAD_TRANSFER = ("locked", "slip", "slip_ratio", "creep_force", "axle_load")
 #: Outputs that a flange with its own place, force and creep decides.
-DECIDED_BY_FLANGE = ("flange_force", "derailment_quotient")
+DECIDED_BY_FLANGE = ("flange_force", "derailment_quotient", "wheel_rise")
 
 
 @dataclass(frozen=True)

@@ -551,6 +551,7 @@ def test_wave_and_plateau_are_those_printed() -> None:
         (["yaw_torque_1"], ["speed"], 3, "yaw_torque_1 asks for level 3, spatial"),
         (["lateral_irregularity"], ["speed"], 3, "lateral_irregularity"),
         ([], ["derailed"], 3, "derailed"),
+        ([], ["wheel_rise_1_left"], 3, "wheel_rise_1_left asks for contact depth 2"),
         (["brake_torque_3"], ["speed"], 1, "brake_torque_3 belongs to the complete vehicle; speed and rotation"),
         (["brake_torque_1"], ["axle_load_1", "front_frame_pitch"], 2, "front_frame_pitch belongs to the complete"),
         (["brake_torque_4"], ["body_roll"], 3, "vehicle; body_roll asks for level 3"),
