@@ -39,7 +39,7 @@ $(VENV)/test-installed: pyproject.toml | $(VENV)/bin/python
 	$(RUN) -m pip install --quiet --disable-pip-version-check -e ".[test,masters,charts,sweep]"
 	touch $@ $(VENV)/demo-installed
 
-# Draws the pictures of docs/choosing.md anew, about eight minutes, and puts what they measured into the text.
+# Draws the pictures of docs/choosing.md anew, about a quarter of an hour, and puts what they measured into the text.
 CHARTS := speed-accuracy stability-atlas coupling-step levels contact-depth thesis-step
 charts: $(VENV)/charts-installed
 	for name in $(CHARTS); do $(RUN) -m scenarios run $$name || exit 1; done

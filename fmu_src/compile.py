@@ -100,10 +100,11 @@ def run(command: Sequence[str], target: str | None, folder: Path) -> None:
 def objects_of(sources: Mapping[str, str], flags: Sequence[str], target: str | None = None) -> list[Path]:
     """Object files of C files that include the runtime's headers, each compiled now unless the cache has it.
 
-    As many at once as there are processors: the longest takes most of the time.
+    As many at once as there are processors, the longest first, so that none is left over at the end.
     """
+    names = sorted(sources, key=lambda name: -len(sources[name]))
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        return list(pool.map(lambda name: _object_of(name, sources[name], flags, target), sources))
+        return list(pool.map(lambda name: _object_of(name, sources[name], flags, target), names))
 
 
 def _object_of(name: str, text: str, flags: Sequence[str], target: str | None) -> Path:
@@ -176,9 +177,7 @@ def compile_library(
         flags = [flag for flag in flags if flag != "-fPIC"]
     names, shown = (FACE_SOURCES, []) if fmu else (STUDY_SOURCES, ["-DKERNEL_LIBRARY"])
     runtime = {name: (RUNTIME / name).read_text() for name in (*KERNEL_SOURCES, *names)}
-    # The longest first, so that none is left over at the end.
-    longest = dict(sorted(sources.items(), key=lambda one: -len(one[1])))
-    objects = objects_of(longest, [*flags, OPTIMISE_GENERATED], target)
+    objects = objects_of(sources, [*flags, OPTIMISE_GENERATED], target)
     objects += objects_of(runtime, [*flags, *shown, OPTIMISE_RUNTIME], target)
     with tempfile.TemporaryDirectory() as folder:
         run([*_linking(flags, target), "-o", "library", *map(str, objects), "-lm"], target, Path(folder))

@@ -76,10 +76,10 @@ def wheel_rise(assembly: Assembly, wheelset: SpatialWheelset | PatchedWheelset, 
 
     Told by where the nominal radius has its lowest point: how far the wheel has climbed or lifted (section 9.4.1).
     """
-    one = (wheelset.data.pair.left, wheelset.data.pair.right)[index]
-    radius, body = assembly.value(wheelset.data.radius[index]), wheelset.body
-    lowest = body.axes[2, 1] * list(SIDES)[index] * one.wheel_half_distance - body.axes[2, 2] * radius
-    return body.position[2] - assembly.radius(wheelset.data) + lowest + radius - wheelset.rail_heights[index]
+    outwards = list(SIDES)[index] * wheelset.data.pair.both[index].wheel_half_distance
+    up = wheelset.body.axes[2, :]
+    lowest = up[1] * outwards - up[2] * assembly.value(wheelset.data.radius[index])
+    return wheelset.body.position[2] + lowest - wheelset.rail_heights[index]
 
 
 def watch_patches(assembly: Assembly, wheelsets: Sequence[PatchedWheelset]) -> None:

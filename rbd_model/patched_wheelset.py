@@ -65,8 +65,8 @@ class PatchedWheelset:
     @property
     def lost(self) -> list[ca.SX]:
         """What is left of each wheel's tread and flange until they have run off their ends [1], see `room_left`."""
-        sides = (self.data.pair.left, self.data.pair.right)
-        return [room_left(one, wheel) / END_MARGIN - 1 for one, wheel in zip(sides, self.nearest, strict=True)]
+        each = zip(self.data.pair.both, self.nearest, strict=True)
+        return [room_left(one, wheel) / END_MARGIN - 1 for one, wheel in each]
 
     @property
     def loads(self) -> ca.SX:
@@ -81,7 +81,7 @@ class PatchedWheelset:
     @property
     def flange_force(self) -> ca.SX:
         """Lateral force of the rails on the flanges, to the left [N]."""
-        sides = zip((self.data.pair.left, self.data.pair.right), self.pressed, strict=True)
+        sides = zip(self.data.pair.both, self.pressed, strict=True)
         every = [
             found for one, wheel in sides for patch, found in zip(patches_of(one), wheel, strict=True) if patch.flange
         ]
@@ -204,8 +204,7 @@ STRIPS_OR_PATCHES = {2: press_patches, 3: press_strips}
 
 def side_of(assembly: Assembly, number: int, index: int) -> Side:
     """A wheel on its rail (section 4.3), index 0 the left one."""
-    pair = assembly.vehicle.wheelsets[number - 1].pair
-    return (pair.left, pair.right)[index]
+    return assembly.vehicle.wheelsets[number - 1].pair.both[index]
 
 
 def feel_rail(assembly: Assembly, number: int, index: int, standing: Standing) -> tuple[Wheel, PatchState]:
@@ -275,14 +274,10 @@ def sinking(assembly: Assembly, number: int) -> ca.SX:
     """How far a centred wheelset presses itself into its rails under the static load [m]: Hertz, Johnson (1985)."""
     data = assembly.vehicle.wheelsets[number - 1]
     load = (assembly.resting_on(number) + assembly.value(data.mass) * assembly.parameter["gravity"]) / 2
-    places, sides = stand_on_treads(data.pair, 0.0).position, {data.pair.left: 0, data.pair.right: 1}
-    found = [
-        sinking_of_wheel(
-            one, places[index], assembly.value(data.radius[index]), load, assembly.parameter["shear_modulus"]
-        )
-        for one, index in sides.items()
-    ]
-    return sum(found[1:], found[0]) / len(found)
+    modulus, places = assembly.parameter["shear_modulus"], stand_on_treads(data.pair, 0.0).position
+    wheels = zip(data.pair.both, places, data.radius, strict=True)
+    left, right = (sinking_of_wheel(one, place, assembly.value(radius), load, modulus) for one, place, radius in wheels)
+    return (left + right) / 2
 
 
 def sinking_of_wheel(one: Side, on_wheel: float, radius: ca.SX, load: ca.SX, modulus: ca.SX) -> ca.SX:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import product
 
 from fmu_src.system import Variable
 from rbd_model.vehicle import RigidBody, Vehicle
@@ -76,6 +77,13 @@ def outputs(vehicle: Vehicle) -> dict[str, Variable]:
     def each(name: str, unit: str, description: str, **more: str) -> list[Variable]:
         return [_output(f"{name}_{n}", unit, description.format(place), **more) for n, place in wheelsets.items()]
 
+    def each_wheel(name: str, unit: str, description: str, **more: str) -> list[Variable]:
+        wheels = product(wheelsets.items(), ("left", "right"))
+        return [
+            _output(f"{name}_{n}_{side}", unit, description.format(place=place, side=side), **more)
+            for (n, place), side in wheels
+        ]
+
     rows = [
         _output("speed", "m/s", f"Forward speed of the {whole} at its axles", display_unit="km/h"),
         _output("distance", "m", "Distance travelled"),
@@ -90,45 +98,27 @@ def outputs(vehicle: Vehicle) -> dict[str, Variable]:
         *[row for body in vehicle.bodies for row in _in_plane(body)],
         *each("lateral", "m", "Lateral displacement of the {} wheelset from the track centre, to the left"),
         *each("yaw", "rad", "Yaw of the {} wheelset", display_unit="deg"),
-        *[
-            _output(f"wheel_load_{n}_{side}", "N", f"Vertical wheel load, {place} wheelset, {side}", display_unit="kN")
-            for n, place in wheelsets.items()
-            for side in ("left", "right")
-        ],
+        *each_wheel("wheel_load", "N", "Vertical wheel load, {place} wheelset, {side}", display_unit="kN"),
         *[row for body in vehicle.bodies for row in _out_of_plane(body)],
         _output("derailed", "1", "A wheel has lost its tread contact or run off it", kind="boolean"),
         *each(
             "flange_force", "N", "Lateral force of the rails on the flanges of the {} wheelset, positive to the left"
         ),
-        *[
-            _output(
-                f"derailment_quotient_{n}_{side}",
-                "1",
-                f"Y/Q of the {side} wheel, {place} wheelset: its lateral force on the rail, outwards and with the "
-                "flange's, over the vertical one",
-            )
-            for n, place in wheelsets.items()
-            for side in ("left", "right")
-        ],
-        *[
-            _output(
-                f"lateral_force_{n}_{side}",
-                "N",
-                f"Y of the {side} wheel, {place} wheelset: its lateral force on the rail, outwards",
-            )
-            for n, place in wheelsets.items()
-            for side in ("left", "right")
-        ],
-        *[
-            _output(
-                f"wheel_rise_{n}_{side}",
-                "m",
-                f"How much higher over its rail the {side} wheel of the {place} wheelset stands than on its tread at "
-                "rest: climbed or lifted",
-            )
-            for n, place in wheelsets.items()
-            for side in ("left", "right")
-        ],
+        *each_wheel(
+            "derailment_quotient",
+            "1",
+            "Y/Q of the {side} wheel, {place} wheelset: its lateral force on the rail, outwards and with the flange's, "
+            "over the vertical one",
+        ),
+        *each_wheel(
+            "lateral_force", "N", "Y of the {side} wheel, {place} wheelset: its lateral force on the rail, outwards"
+        ),
+        *each_wheel(
+            "wheel_rise",
+            "m",
+            "How much higher over its rail the {side} wheel of the {place} wheelset stands than on its tread at rest: "
+            "climbed or lifted",
+        ),
         *each("guiding_force", "N", "Sum of the lateral forces of both rails on the {} wheelset, positive to the left"),
     ]
     return {row.name: row for row in rows}

@@ -14,6 +14,8 @@ DEPTHS = {
     2: "tread and flange as two elastic patches at their places",
     3: "as many patches of any shape as the profiles have, by strips",
 }
+#: Laws that a depth does not use.
+UNUSED: dict[int, tuple[str, ...]] = {1: ("flange_law",), 2: (), 3: ("creep_law", "flange_law")}
 
 
 @dataclass(frozen=True)
@@ -35,14 +37,12 @@ class Contact:
     flange_law: CreepLaw = shen_hedrick_elkins
 
     def __post_init__(self) -> None:
-        laws = {"creep_law": self.creep_law is not polach, "flange_law": self.flange_law is not shen_hedrick_elkins}
-        unused = {1: ("flange_law",), 3: ("creep_law", "flange_law")}.get(self.depth, ())
-        for name in unused:
-            if laws[name]:
-                raise ValueError(f"Contact depth {self.depth} does not use a {name}; leave it out, or take depth 2.")
         if self.depth not in DEPTHS:
             known = "; ".join(f"{number}: {text}" for number, text in DEPTHS.items())
             raise ValueError(f"There is no contact depth {self.depth}; give one of {known}.")
+        for name in UNUSED[self.depth]:
+            if getattr(self, name) is not getattr(Contact, name):  # the law by default
+                raise ValueError(f"Contact depth {self.depth} does not use a {name}; leave it out, or take depth 2.")
 
     def law_of(self, flange: bool) -> CreepLaw:
         """The creep law of a patch of a flange or, otherwise, of a tread."""

@@ -60,6 +60,11 @@ class Sides:
     right: Side
 
     @property
+    def both(self) -> tuple[Side, Side]:
+        """Left and right."""
+        return self.left, self.right
+
+    @property
     def mirrored(self) -> Sides:
         """Left and right exchanged: it shifts and rolls the other way."""
         return Sides(self.right, self.left)
@@ -193,7 +198,7 @@ def _contact(pair: Sides, shift: float, roll: float, search: Search) -> tuple[Co
     if not all(math.isfinite(gap) for gap, _, _ in found):
         raise ValueError(f"With the wheelset {1e3 * shift:g} mm to the left a wheel stands beside its rail.")
     positions = [position for _, position, _ in found]
-    ends = list(zip((LEFT, RIGHT), (pair.left, pair.right), positions, strict=True))
+    ends = list(zip((LEFT, RIGHT), pair.both, positions, strict=True))
     radius = [one.radius - float(one.wheel.height(np.array(s))) for _, one, s in ends]
     angle = [math.atan(float(one.wheel.height(np.array(s), 1))) + side * roll for side, one, s in ends]
     contact = Contact(shift, roll, (positions[0], positions[1]), (radius[0], radius[1]), (angle[0], angle[1]))
@@ -210,7 +215,7 @@ def contact_at(pair: Sides, shift: float, rolls: bool = True) -> Contact:
 
     rolls False: the wheelset stays level, as EN 15302 assumes for the equivalent conicity.
     """
-    left, right = (np.arange(*side.wheel.limits, GRID) for side in (pair.left, pair.right))
+    left, right = (np.arange(*side.wheel.limits, GRID) for side in pair.both)
     return _touch(pair, shift, (left, right))[0] if rolls else _contact(pair, shift, 0.0, (left, right))[0]
 
 

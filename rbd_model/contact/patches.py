@@ -184,13 +184,14 @@ class Stand:
 @lru_cache
 def stand_on_treads(pair: Sides, shift: float) -> Stand:
     """Rigid contact of both treads, whatever the flanges do, at a shift of the axle [m], section 4.3."""
-    sides, places = {LEFT: pair.left, RIGHT: pair.right}, []
-    for one in sides.values():
+    places = []
+    for one in pair.both:
         treads = [patch.limits for patch in patches_of(one) if not patch.flange]
         places.append(np.arange(min(low for low, _ in treads), max(high for _, high in treads), SEARCH_PITCH))
 
     def gaps(roll: float) -> list[np.ndarray]:
-        return [one.gap(side, shift, roll, s) for (side, one), s in zip(sides.items(), places, strict=True)]
+        each = zip(pair.both, (LEFT, RIGHT), places, strict=True)
+        return [one.gap(side, shift, roll, s) for one, side, s in each]
 
     def difference(roll: float) -> float:
         left, right = gaps(roll)

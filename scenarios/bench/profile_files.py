@@ -106,7 +106,7 @@ def reaches_gauge_depth(rail: Profile) -> bool:
 
 def gauge_of(sides: Sides) -> float | None:
     """Between the gauge faces [m]; None where a rail has none."""
-    both = (sides.left, sides.right)
+    both = sides.both
     if not all(reaches_gauge_depth(side.rail) for side in both):
         return None
     return sum(side.rail_half_distance + gauge_face(side.rail) for side in both)

@@ -152,6 +152,7 @@ def accuracy(depth: int, run: Run, exact: Run) -> Accuracy:
 
 @lru_cache
 def reference(depth: int) -> Run:
+    """What errors are counted from."""
     return own(scene(depth), tolerance=REFERENCE[depth])
 
 
@@ -174,6 +175,7 @@ class AboutDefault:
 
 
 def errors_about_default(depth: int) -> AboutDefault:
+    """How much of an error is chance of where steps end."""
     found = {one: accuracy(depth, own(scene(depth), tolerance=one), reference(depth)) for one in NEIGHBOURS}
     return AboutDefault(*([getattr(of, kind) / one for one, of in found.items()] for kind in ("norm", "single")))
 

@@ -15,7 +15,7 @@ from scenarios.methods import sundials
 from scenarios.methods.integrators import BUDGET, Run, own, scipy
 from scenarios.methods.scenes import LOCK_UP, SMOOTH, STANDING, Scene
 
-#: Runs shorter than this together are repeated, and the fastest counts [s].
+#: Runs shorter than this together are repeated, others once, and the fastest counts [s].
 REPEATED, MOST_REPEATS = 0.5, 5
 #: Methods whose time only grows with finer settings, so that one that was given up ends the line.
 GROWING = ("RK4, fixed step", "RK45 (SciPy)")
@@ -70,18 +70,22 @@ def difference(one: dict[str, float], other: dict[str, float]) -> float:
     return max(abs(one[name] / value - 1.0) for name, value in other.items())
 
 
+def reference_of(scene: Scene) -> tuple[Run, str]:
+    """A run by a method of others, at least 100 times tighter than what is judged, and its name."""
+    tolerance = scene.references[0]
+    if sundials.is_installed():
+        return sundials.sundials(scene, "CVODE", tolerance, 60.0), f"CVODE {tolerance:g}"
+    return scipy(scene, "Radau", 10 * tolerance, 300.0), f"Radau {10 * tolerance:g}"
+
+
 def refer(scene: Scene) -> tuple[dict[str, float], float, tuple[str, str]]:
     """Measures of the reference, its uncertainty, and the names of both references."""
-    with_sundials, (tolerance, second_tolerance) = sundials.is_installed(), scene.references
-    if with_sundials:
-        first, word = sundials.sundials(scene, "CVODE", tolerance, 60.0), f"CVODE {tolerance:g}"
-    else:
-        first, word = scipy(scene, "Radau", 10 * tolerance, 300.0), f"Radau {10 * tolerance:g}"
-    second = own(scene, tolerance=second_tolerance)
+    (first, word), tolerance = reference_of(scene), scene.references[1]
+    second = own(scene, tolerance=tolerance)
     if first.failure or second.failure:
         raise RuntimeError(f"{scene.name} has no reference: {first.failure or second.failure}")
     measures = scene.measure(first.samples)
-    return measures, difference(scene.measure(second.samples), measures), (word, f"RODAS5P {second_tolerance:g}")
+    return measures, difference(scene.measure(second.samples), measures), (word, f"RODAS5P {tolerance:g}")
 
 
 def repeated(work: Callable[[], Run]) -> Run:

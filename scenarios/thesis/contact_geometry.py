@@ -156,7 +156,7 @@ def run_files(sides: Sides) -> Result:
     parameters = {
         word: f"{one.wheel.source} on {one.rail.source}, rolling radius {1e3 * rolling(one):.6g} mm, y = 0 of the wheel"
         f" {1e3 * one.wheel_half_distance:.6g} mm and of the rail {1e3 * one.rail_half_distance:.6g} mm from the middle"
-        for word, one in zip(WORDS, (sides.left, sides.right), strict=True)
+        for word, one in zip(WORDS, sides.both, strict=True)
     }
     gauge = gauge_of(sides)
     measured = "not in the files of the rails" if gauge is None else f"{1e3 * gauge:.2f} mm"
@@ -180,7 +180,7 @@ def on_rail(side: Side, on_wheel: Places, outwards: Places) -> Places:
 def fits(sides: Sides, contact: Contact) -> bool:
     """Whether both wheels stand on their treads and on the heads of their rails, and on no end of a profile."""
     ends = []
-    for one, position, sign in zip((sides.left, sides.right), contact.position, (1, -1), strict=True):
+    for one, position, sign in zip(sides.both, contact.position, (1, -1), strict=True):
         for profile, place in ((one.wheel, position), (one.rail, on_rail(one, position, sign * contact.shift))):
             ends += [place - profile.limits[0], profile.limits[1] - place]
     return max(contact.angle) < ON_FLANGE and min(ends) > LEAST_MARGIN

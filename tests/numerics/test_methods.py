@@ -17,7 +17,7 @@ from scenarios.bench.drive import RIGID, prepare
 from scenarios.methods import sundials
 from scenarios.methods.integrators import layout, own, scipy
 from scenarios.methods.scenes import LOCK_UP, ON_PATCHES, SCENES, SMOOTH, Scene
-from scenarios.methods.work_precision import difference
+from scenarios.methods.work_precision import difference, reference_of
 
 #: Band of docs/checking.md for the orders.
 ORDER_BAND = 0.2
@@ -227,20 +227,13 @@ SEEN = 3e-3
 
 @pytest.mark.parametrize("scene", [*SCENES, ON_PATCHES], ids=lambda scene: scene.name)
 def test_default_is_right_on_all_scenes_against_another_method(scene: Scene) -> None:
-    exact = reference(scene)
+    run, _ = reference_of(scene)
+    assert not run.failure
+    exact = scene.measure(run.samples)
     assert difference(scene.measure(own(scene).samples), exact) < DEFAULT_BAND
     radius = (tables_5_1_and_5_2() if scene.fmu == "bogie" else tables_4_1_and_4_2()).wheel_radius
     other = own(scene, wheel_radius=radius * (1.0 + SEEN))
     assert other.failure or difference(scene.measure(other.samples), exact) > DEFAULT_BAND
-
-
-def reference(scene: Scene) -> dict[str, float]:
-    """CVODE, 100 times tighter; where it is not installed, SciPy's Radau."""
-    run = (
-        sundials.sundials(scene, "CVODE", 1e-10, 60.0) if sundials.is_installed() else scipy(scene, "Radau", 1e-9, 300)
-    )
-    assert not run.failure
-    return scene.measure(run.samples)
 
 
 @pytest.mark.parametrize("method", ["Radau", "BDF", "LSODA"])
