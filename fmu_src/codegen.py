@@ -17,12 +17,14 @@ from fmu_src.chain import Call, Chain, Part, shared, symbols_in
 from fmu_src.elimination import Elimination, elimination, elimination_source
 from fmu_src.model_description import model_description
 from fmu_src.pieces import in_pieces
-from fmu_src.system import Model, System, integration_variables, state_variable
+from fmu_src.system import LINE_COLUMNS, Model, System, integration_variables, state_variable
 
 RUNTIME = Path(__file__).parent / "runtime"
 #: Each calls only those before it; faces belong to FMUs, studies to the library for kernel.py.
 KERNEL_SOURCES = (
     "message.c",
+    "line.c",
+    "line_file.c",
     "piecewise.c",
     "evaluate.c",
     "variables.c",
@@ -40,12 +42,13 @@ KERNEL_SOURCES = (
     "derivatives.c",
     "step.c",
     "saved.c",
+    "lines.c",
     "instance.c",
 )
 FACE_SOURCES = ("face.c", "fmi2.c", "fmi3.c")
 STUDY_SOURCES = ("study.c", "other_methods.c")
 RUNTIME_SOURCES = (*KERNEL_SOURCES, *FACE_SOURCES, *STUDY_SOURCES)
-RUNTIME_HEADERS = ("model.h", "kernel.h", "internal.h", "studies.h", "face.h", "fmi2Functions.h")
+RUNTIME_HEADERS = ("model.h", "line.h", "kernel.h", "internal.h", "studies.h", "face.h", "fmi2Functions.h")
 
 #: Functions of a system in the order of `system_description` in model.h.
 FUNCTIONS = (
@@ -62,7 +65,7 @@ FUNCTIONS = (
     "output_along",
     "residual_along",
 )
-KINDS = {"real": "KIND_REAL", "integer": "KIND_INTEGER", "boolean": "KIND_BOOLEAN"}
+KINDS = {"real": "KIND_REAL", "integer": "KIND_INTEGER", "boolean": "KIND_BOOLEAN", "string": "KIND_STRING"}
 
 
 @dataclass(frozen=True)
@@ -415,6 +418,10 @@ def _system_arrays(model: Model, system: System, solving: Elimination) -> Iterab
     stored: dict[tuple[bytes, bytes], str] = {}
     entries = []
     for table in system.tables:
+        if table.line:
+            column = list(LINE_COLUMNS).index(table.line)
+            entries.append(f"{{0, {LINE_COLUMNS[table.line]}, {table.rank}, {column}, 0, 0}}")
+            continue
         content = table.breakpoints.tobytes(), table.coefficients.tobytes()
         if content not in stored:
             stored[content] = name = f"{prefix}_{table.name}"
@@ -422,7 +429,7 @@ def _system_arrays(model: Model, system: System, solving: Elimination) -> Iterab
             yield _array("double", f"{name}_coefficient", map(_number, table.coefficients.ravel()))
         pieces, degree = table.coefficients.shape[0], table.coefficients.shape[1] - 1
         name = stored[content]
-        entries.append(f"{{{pieces}, {degree}, {table.rank}, {name}_breakpoint, {name}_coefficient}}")
+        entries.append(f"{{{pieces}, {degree}, {table.rank}, -1, {name}_breakpoint, {name}_coefficient}}")
     yield _array("table_description", f"{prefix}_table", entries)
     ranks = [f"{prefix}_table_argument_{rank}" for rank in range(_table_ranks(system))]
     yield _array("generated_function", f"{prefix}_table_argument", ranks)
@@ -501,12 +508,13 @@ def _description(model: Model, generated: Sequence[dict[str, Generated]], solvin
     if chosen_by:
         values = [str(int(model.variables[index].maximum)) for index in chosen_by]
         lines.insert(2, _array("int", "SELECTOR", map(str, chosen_by)) + "\n" + _array("int", "SELECTABLE", values))
+    line_file = model.index(model.line_file) if model.line_file else -1
     integration = ", ".join(str(model.index(variable.name)) for variable in integration_variables(1e-6))
     lines += [
         "};",
         f"INSIDE const model_description MODEL = {{{_text(model.name)}, {_text('@GUID@')}, {len(model.variables)}, "
         f"{len(model.systems)}, {len(chosen_by)}, {'SELECTOR, SELECTABLE' if chosen_by else '0, 0'}, CHOICE, "
-        f"{integration}, VARIABLE, SYSTEM}};",
+        f"{line_file}, {integration}, VARIABLE, SYSTEM}};",
         "",
     ]
     return "\n".join(lines)

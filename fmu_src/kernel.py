@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,6 +23,8 @@ _SIGNATURES = {
         ctypes.c_int,
         [ctypes.c_void_p, ctypes.POINTER(ctypes.c_double), ctypes.c_double, ctypes.POINTER(ctypes.c_double)],
     ),
+    "kernel_set_text": (ctypes.c_int, [ctypes.c_void_p, ctypes.c_int, ctypes.c_char_p]),
+    "kernel_get_text": (ctypes.c_int, [ctypes.c_void_p, ctypes.c_int, ctypes.POINTER(ctypes.c_char_p)]),
     "kernel_initialise": (ctypes.c_int, [ctypes.c_void_p, ctypes.c_double]),
     "kernel_step": (ctypes.c_int, [ctypes.c_void_p, ctypes.c_double, ctypes.c_double]),
     "kernel_record": (
@@ -121,7 +124,7 @@ class Kernel:
     >>> kernel["velocity"]
     """
 
-    def __init__(self, library: Library, **values: float) -> None:
+    def __init__(self, library: Library, **values: float | str) -> None:
         self.library = library
         self._call = library.functions
         self._handle = self._call.kernel_create()
@@ -136,16 +139,32 @@ class Kernel:
             self._call.kernel_free(self._handle)
             self._handle = None
 
-    def set(self, **values: float) -> None:
-        """Sets parameters (before the first step) or inputs, by name. Raises KernelError, the old value kept."""
+    def set(self, **values: float | str) -> None:
+        """Sets parameters (before the first step) or inputs, by name. Raises KernelError, the old value kept.
+
+        A text is the path of a file, which is read at once.
+        """
         for name, value in values.items():
             if name not in self.library.index:
                 raise KernelError(f"There is no variable {name}; {self._suggestion(name)}", ERROR)
-            self.set_number(self.library.index[name], value)
+            if isinstance(value, str):
+                self.set_text(self.library.index[name], value)
+            else:
+                self.set_number(self.library.index[name], value)
 
     def set_number(self, variable: int, value: float) -> None:
         """As `set`, one variable by its number in `Library.names`."""
         self._check(self._call.kernel_set(self._handle, variable, value))
+
+    def set_text(self, variable: int, text: str) -> None:
+        """As `set`, one variable that is a text by its number in `Library.names`."""
+        self._check(self._call.kernel_set_text(self._handle, variable, os.fsencode(text)))
+
+    def get_text(self, variable: int) -> str:
+        """Text of a variable by its number in `Library.names`. Raises KernelError."""
+        found = ctypes.c_char_p()
+        self._check(self._call.kernel_get_text(self._handle, variable, ctypes.byref(found)))
+        return os.fsdecode(found.value or b"")
 
     def set_rate(self, **rates: float) -> None:
         """Rates of change of inputs for the next step, so that they are ramps instead of stairs."""

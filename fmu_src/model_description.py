@@ -36,6 +36,7 @@ UNITS: dict[str, dict[str, int]] = {
     "N.m/rad": {"kg": 1, "m": 2, "s": -2, "rad": -1},
     "N/m": {"kg": 1, "s": -2},
     "N.s/m": {"kg": 1, "s": -1},
+    "N.s2/m2": {"kg": 1, "m": -1},
     "kg.m2": {"kg": 1, "m": 2},
 }
 #: Display unit -> (its unit, display value of one unit).
@@ -59,7 +60,7 @@ NOMINAL: dict[str, float] = {
     "N.s/m": 1e4,
     "kg.m2": 1e3,
 }
-TYPES = {"real": "Real", "integer": "Integer", "boolean": "Boolean"}
+TYPES = {"real": "Real", "integer": "Integer", "boolean": "Boolean", "string": "String"}
 LOG_CATEGORIES = {
     "events": "What happened inside, as sentences with the time",
     "logStatusWarning": "Values that were replaced or have no effect",
@@ -165,7 +166,7 @@ def _variable(parent: ET.Element, reference: int, variable: Variable) -> None:
         if variable.unit in NOMINAL:
             of_type["nominal"] = repr(NOMINAL[variable.unit])
     for name, limit in (("min", variable.minimum), ("max", variable.maximum)):
-        if math.isfinite(limit) and variable.kind != "boolean":
+        if math.isfinite(limit) and variable.kind not in ("boolean", "string"):
             of_type[name] = number_text(variable, limit)
     if variable.causality not in ("output", "local"):
         of_type["start"] = number_text(variable, variable.start)
@@ -174,6 +175,8 @@ def _variable(parent: ET.Element, reference: int, variable: Variable) -> None:
 
 def number_text(variable: Variable, value: float) -> str:
     """A value as its type is written in XML."""
+    if variable.kind == "string":
+        return ""
     return repr(float(value)) if variable.kind == "real" else str(int(value))
 
 
@@ -183,7 +186,7 @@ def variable_table(model: Model) -> str:
     for v in model.variables:
         if v.causality == "local":
             continue  # the states; they follow from the equations and are on the page inside the FMU
-        start = "" if v.causality == "output" else f"{v.start:g}"
+        start = "" if v.causality == "output" or v.kind == "string" else f"{v.start:g}"
         lines.append(f"| `{v.name}` | {v.causality} | {v.unit} | {start} | {v.description} |")
     return "\n".join(lines) + "\n"
 

@@ -16,7 +16,7 @@ from fmu_src.model_description import (
 from fmu_src.system import Model, Variable
 
 TIME = Variable("time", "output", "s", "Simulation time")
-TYPES = {"real": "Float64", "integer": "Int32", "boolean": "Boolean"}
+TYPES = {"real": "Float64", "integer": "Int32", "boolean": "Boolean", "string": "String"}
 
 
 def model_description3(model: Model, token: str) -> str:
@@ -47,7 +47,9 @@ def model_description3(model: Model, token: str) -> str:
     add_categories_and_experiment(root, model)
     variables = ET.SubElement(root, "ModelVariables")
     for reference, variable in enumerate(model.variables):
-        ET.SubElement(variables, TYPES[variable.kind], _attributes(reference, variable))
+        element = ET.SubElement(variables, TYPES[variable.kind], _attributes(reference, variable))
+        if variable.kind == "string":
+            ET.SubElement(element, "Start", value="")
     time = {"name": TIME.name, "valueReference": str(len(model.variables)), "description": TIME.description}
     kind = {"causality": "independent", "variability": "continuous", "unit": TIME.unit}
     ET.SubElement(variables, "Float64", time | kind)
@@ -72,11 +74,11 @@ def _attributes(reference: int, variable: Variable) -> dict[str, str]:
             found["displayUnit"] = variable.display_unit
         if variable.unit in NOMINAL:
             found["nominal"] = repr(NOMINAL[variable.unit])
-    if variable.kind != "boolean":
+    if variable.kind not in ("boolean", "string"):
         for name, limit in (("min", variable.minimum), ("max", variable.maximum)):
             if math.isfinite(limit):
                 found[name] = number_text(variable, limit)
-    if variable.causality not in ("output", "local"):
+    if variable.causality not in ("output", "local") and variable.kind != "string":
         found["start"] = number_text(variable, variable.start)
     return found
 

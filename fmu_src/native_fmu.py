@@ -40,8 +40,18 @@ PLATFORMS3: dict[str, tuple[tuple[str, ...], str]] = {
 MACHINES = {"x86_64-macos": (0x01000007, 3), "aarch64-macos": (0x0100000C, 0)}
 #: What sources/ hold besides the generated files, by version of FMI. FMPy's fmi2Functions.h is without the prefix.
 SOURCES = {
-    2: (*KERNEL_SOURCES, "face.c", "fmi2.c", "model.h", "kernel.h", "internal.h", "face.h", "fmi2Functions.h"),
-    3: (*KERNEL_SOURCES, "face.c", "fmi3.c", "model.h", "kernel.h", "internal.h", "face.h"),
+    2: (
+        *KERNEL_SOURCES,
+        "face.c",
+        "fmi2.c",
+        "model.h",
+        "line.h",
+        "kernel.h",
+        "internal.h",
+        "face.h",
+        "fmi2Functions.h",
+    ),
+    3: (*KERNEL_SOURCES, "face.c", "fmi3.c", "model.h", "line.h", "kernel.h", "internal.h", "face.h"),
 }
 STANDARD_HEADERS = {
     2: ("fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),

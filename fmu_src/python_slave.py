@@ -100,6 +100,21 @@ class KernelSlave(Fmi2Slave):
             except KernelError as error:
                 self._remember(reference, error)
 
+    def set_string(self, vrs: list[int], values: list[str]) -> None:
+        """fmi2SetString; a file that is refused is logged and remembered until a good one comes."""
+        if self.initialising:
+            self.kernel.reopen()
+        for reference, value in zip(vrs, values, strict=True):
+            try:
+                self.kernel.set_text(reference, value)
+                self.problems.pop(reference, None)
+            except KernelError as error:
+                self._remember(reference, error)
+
+    def get_string(self, vrs: list[int]) -> list[str]:
+        """fmi2GetString."""
+        return [self.kernel.get_text(reference) for reference in vrs]
+
     set_integer = set_real
     set_boolean = set_real
 

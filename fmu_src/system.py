@@ -18,7 +18,7 @@ import numpy as np
 
 from fmu_src.chain import Chain
 
-Kind = Literal["real", "integer", "boolean"]
+Kind = Literal["real", "integer", "boolean", "string"]
 Causality = Literal["parameter", "input", "output", "local"]
 
 #: Arguments of every generated function, in the order of the C runtime (model.h).
@@ -38,6 +38,7 @@ class Variable:
     maximum: float = math.inf
     kind: Kind = "real"
     display_unit: str | None = None
+    # A string has no number: its `start` is the empty text.
     #: Value that the equations see when a NaN arrives (a lost signal); None: a NaN is refused.
     when_lost: float | None = None
 
@@ -95,6 +96,29 @@ class State:
     algebraic: bool = False
 
 
+#: In place of a system that a model does not have: in `Model.choice`.
+NONE = -1
+#: What can be looked up of the line that an instance runs on, in the order of line.h, and the degree of its pieces.
+LINE_COLUMNS = {
+    "heading": 4,  # rad, to the left
+    "cant": 5,  # sine of the track's roll
+    "rise": 4,  # m
+    "ahead": 5,  # m, place in the plan along the first heading, less `ahead_far`: its whole metres
+    "ahead_far": 0,
+    "aside": 5,  # m, the same to the left of it
+    "aside_far": 0,
+    "level": 5,  # m, the way seen from above, less `level_far`
+    "level_far": 0,
+    "lateral": 5,  # m, of both rails
+    "spread": 5,  # m, of each rail, outwards
+    "left": 5,  # m, height of the left rail
+    "right": 5,
+    "left_friction": 1,  # factor
+    "right_friction": 1,
+    "felt": 0,  # m, length of the shortest thing that is to be felt
+}
+
+
 @dataclass(frozen=True)
 class Table:
     """A piecewise polynomial; outside the breakpoints it holds its end value.
@@ -110,6 +134,8 @@ class Table:
     argument: ca.SX
     symbols: ca.SX
     rank: int
+    #: Column of the line in place of breakpoints and coefficients, which are empty then.
+    line: str = ""
 
 
 @dataclass(frozen=True)
@@ -251,6 +277,17 @@ class System(Chain):
         rank = 1 + max((t.rank for t in self.tables if ca.depends_on(argument, t.symbols)), default=-1)
         self.tables.append(Table(name, breakpoints, coefficients, argument, symbols, rank))
         return symbols
+
+    def along_line(self, column: str, number: str, argument: ca.SX, order: int = 0) -> list[ca.SX]:
+        """Value of one of LINE_COLUMNS at a distance [m], and its derivatives up to `order`; number: who asks.
+
+        What the line is, the instance learns from its file; a system that asks runs only where there is one.
+        """
+        symbols = ca.SX.sym(f"line_{column}_{number}", 2 + LINE_COLUMNS[column])
+        rank = 1 + max((t.rank for t in self.tables if ca.depends_on(argument, t.symbols)), default=-1)
+        none = np.zeros(0)
+        self.tables.append(Table(f"line_{column}_{number}", none, none, argument, symbols, rank, column))
+        return polynomials(symbols, argument, order)
 
     def direction(self, name: str) -> ca.SX:
         """Symbol of the direction of a dry friction; declare the friction with `dry_friction` afterwards."""
@@ -398,7 +435,9 @@ class Model:
     """What becomes one FMU: its table of variables and the systems that serve it.
 
     selectors: integer parameters, each counted from 1, that choose a system together: `choice` has its place for each
-    combination of them, the last selector running first. Outputs that the chosen system does not have are 0.
+    combination of them, the last selector running first; where a variable names the file of a line, first for all of
+    them without a line and then for all on one; NONE where there is no system. Outputs that the chosen system does
+    not have are 0.
     `step_size` and `stop_time` are the default experiment.
     """
 
@@ -422,6 +461,7 @@ class Model:
                 if variable not in self.variables:
                     raise ValueError(f"Model {self.name}: {variable.name} of {system.name} differs from the table.")
         combinations = math.prod(int(v.maximum) for v in self.variables if v.name in self.selectors)
+        combinations *= 1 + bool(self.line_file)
         if self.systems and (len(self.choice) != combinations or max(self.choice) >= len(self.systems)):
             raise ValueError(f"Model {self.name}: give a system for each of {combinations} choices.")
         if self.systems and "tolerance" not in names:
@@ -438,6 +478,11 @@ class Model:
                     found[name] = Variable(name, "local", state.unit, text)
         return list(found.values())
 
+    @property
+    def line_file(self) -> str:
+        """Name of the variable that names the file of a line; none: the model knows no line."""
+        return next((variable.name for variable in self.variables if variable.kind == "string"), "")
+
     def index(self, name: str) -> int:
         """Value reference of a variable."""
         return self._indices[name]
@@ -447,10 +492,11 @@ class Model:
         return {variable.name: number for number, variable in enumerate(self.variables)}
 
 
-def model_of(system: System, tolerance: float, **experiment: float) -> Model:
-    """The FMU of a system that stands alone."""
-    variables = (*system.variables, *integration_variables(tolerance))
-    return Model(system.name, system.description, variables, (system,), **experiment)  # type: ignore[arg-type]
+def model_of(system: System, tolerance: float, line_file: Variable | None = None, **experiment: float) -> Model:
+    """The FMU of a system that stands alone; line_file: names its line, of a system that runs on one."""
+    variables = (*system.variables, *([line_file] if line_file else []), *integration_variables(tolerance))
+    choice = (0, 0) if line_file else (0,)
+    return Model(system.name, system.description, variables, (system,), (), choice, **experiment)
 
 
 def model_of_choices(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import casadi as ca
 
@@ -12,6 +12,7 @@ from rbd_model import variables
 from rbd_model.adhesion import Rail, add_rail
 from rbd_model.contact.depth import ONE_RIGID_CONTACT, Contact
 from rbd_model.statics import Statics, statics
+from rbd_model.track_frame import LEVEL, TrackFrame
 from rbd_model.vehicle import Size, Vehicle, Wheelset, size_of, wheelset_name
 
 
@@ -37,6 +38,7 @@ class Assembly:
     input: Declared
     outputs: dict[str, Variable]
     initial_speed: ca.SX
+    drive_inertia: ca.SX
     rail: Rail
     at_rest: Statics
     #: Height of the wheelset axes in which positions are counted [m].
@@ -46,6 +48,16 @@ class Assembly:
     speed: ca.SX
     #: How wheels touch rails in space.
     contact: Contact = ONE_RIGID_CONTACT
+    #: The axes of the track where a body is, by its name and its distance [m].
+    frame_at: Callable[[str, ca.SX], TrackFrame] = lambda name, distance: LEVEL
+    #: Whether the line comes from a file.
+    on_line: bool = False
+    #: Way of the first body for each metre along the line [1].
+    first_stretch: ca.SX = field(default_factory=lambda: ca.SX(1))
+
+    def track_at(self, name: str, place: ca.SX) -> TrackFrame:
+        """The axes of the track of a body at its place, counted from the vehicle's [m]; section 3.2.1."""
+        return self.frame_at(name, self.distance + place)
 
     def value(self, size: Size) -> ca.SX:
         """A size of the vehicle's description."""
@@ -74,6 +86,7 @@ def assemble(level: str, description: str, vehicle: Vehicle, speed: float = 25.0
     """A System with the parameters of the rail's friction; all other parameters and inputs come as they are needed."""
     system = System(level, description)
     initial = system.parameter(variables.initial_speed(speed))
+    drive = system.parameter(variables.drive_inertia())
     rows = variables.inputs(vehicle)
     offsets = {offset.name: offset for offset in variables.initial_offsets()}
     parameter = Declared(lambda name: system.parameter(offsets.get(name) or vehicle.parameters.variable(name)))
@@ -88,6 +101,7 @@ def assemble(level: str, description: str, vehicle: Vehicle, speed: float = 25.0
         inputs,
         variables.outputs(vehicle),
         initial,
+        drive,
         rail,
         at_rest,
         axle_height=zero,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi as ca
 
@@ -51,6 +51,7 @@ def place_body(assembly: Assembly, data: RigidBody, held: frozenset[Motion] = fr
     held = held | data.held
     system = assembly.system
     shift, speed = place_along(assembly, data)
+    place = assembly.value(data.along) + shift
     position: dict[str, ca.SX] = {}
     rates: dict[str, ca.SX] = {}
     for motion in ("lateral", "bounce", *ANGLES):
@@ -60,22 +61,60 @@ def place_body(assembly: Assembly, data: RigidBody, held: frozenset[Motion] = fr
         start = assembly.parameter["initial_lateral"] if motion == "lateral" else 0.0
         position[motion] = system.state(name, unit, start, NOMINAL_TRAVEL)
         rates[motion] = system.state(f"{name}_rate", f"{unit}/s", 0.0, NOMINAL_TRAVEL_SPEED)
-        if motion not in ANGLES:
-            system.derivative(name, rates[motion])
     angles = ca.vertcat(*[position.get(angle, ca.SX(0)) for angle in ANGLES])
     turning = turn(angles, rates)
     height = assembly.axle_height + assembly.value(data.height) + position.get("bounce", 0)
     body = Body(
-        ca.vertcat(assembly.value(data.along) + shift, position.get("lateral", 0), height),
+        ca.vertcat(place, position.get("lateral", 0), height),
         ca.vertcat(speed, rates.get("lateral", 0), rates.get("bounce", 0)),
         yaw_roll(angles[2], angles[0]) @ pitch_rotation(angles[1]),
         turning.rate,
         angles,
+        assembly.track_at(data.name, place),
     )
-    for angle, change in zip(ANGLES, angle_rates(angles, turning.rate), strict=True):
+    if assembly.on_line:
+        body = carry_along(data, body, turning, held)
+        names = [f"{data.variable(motion)}_rate" for motion in ("lateral", "bounce", *ANGLES)]
+        start_along(assembly, body, names)
+    for motion, change in zip(("lateral", "bounce"), ca.vertsplit(body.moving), strict=True):
+        if motion in position:
+            system.derivative(data.variable(motion), change)
+    for angle, change in zip(ANGLES, angle_rates(angles, body.turning), strict=True):
         if angle in turning.free:
             system.derivative(data.variable(angle), change)
+    move_along(assembly, body, f"{data.name}_shift" if data is not assembly.vehicle.bodies[0] else "")
     return MovingBody(data, body, turning)
+
+
+def carry_along(data: RigidBody, body: Body, turning: Turning, held: frozenset[Motion]) -> Body:
+    """A body whose held motions follow the axes of the track, which turn along the line, eq. (3.12).
+
+    Raises ValueError where it may turn about some of its axes out of the vertical plane only: what holds the others
+    there would have to know how the line's turning changes.
+    """
+    if turning.free.keys() not in (set(), {"pitch"}, set(ANGLES)):
+        raise ValueError(f"{data.name} holds {', '.join(held & set(ANGLES))}; on a line hold all angles or none.")
+    carried = ca.cross(body.spin, ca.vertcat(0, body.position[1:]))
+    for component, motion in enumerate(("lateral", "bounce"), 1):
+        if motion in held:
+            body.velocity[component] = carried[component]
+    return body if turning.free else replace(body, own_rate=body.axes.T @ body.spin)
+
+
+def start_along(assembly: Assembly, body: Body, names: Sequence[str]) -> None:
+    """Start values with which a body goes along a line that turns at once: eq. (3.12) without motion against the track.
+
+    names: of the states of its velocity across and upwards and of its angular velocity, those that there are.
+    """
+    spin = assembly.initial_speed / body.stretch * body.track.turning
+    carried = ca.cross(spin, ca.vertcat(0, body.position[1:]))
+    states = assembly.system.states
+    at_start = ca.vertcat(carried[1:], spin)
+    known = list(states.values())
+    values = ca.substitute(at_start, ca.vertcat(*[s.symbol for s in known]), ca.vertcat(*[s.start for s in known]))
+    for place, name in enumerate(names):
+        if name in states:
+            states[name] = replace(states[name], start=states[name].start + values[place])
 
 
 def place_along(assembly: Assembly, data: RigidBody) -> tuple[ca.SX, ca.SX]:
@@ -85,16 +124,17 @@ def place_along(assembly: Assembly, data: RigidBody) -> tuple[ca.SX, ca.SX]:
         return add_shift(assembly, f"{data.name}_shift")
     assembly.distance = system.state(f"{data.name}_distance", "m", 0.0, NOMINAL_DISTANCE)
     assembly.speed = system.state(f"{data.name}_speed", "m/s", assembly.initial_speed, NOMINAL_SPEED)
-    system.derivative(f"{data.name}_distance", assembly.speed)
     return ca.SX(0), assembly.speed
 
 
 def add_shift(assembly: Assembly, name: str, speed_name: str | None = None) -> tuple[ca.SX, ca.SX]:
-    """States of a longitudinal displacement from the place in the vehicle, section 5.2; it [m] and the speed [m/s]."""
+    """States of a longitudinal displacement from the place in the vehicle, section 5.2; it [m] and the speed [m/s].
+
+    The state of the speed is its difference from that of the first body.
+    """
     system, speed_name = assembly.system, speed_name or f"{name}_speed"
     shift = system.state(name, "m", 0.0, NOMINAL_TRAVEL)
     shift_speed = system.state(speed_name, "m/s", 0.0, NOMINAL_TRAVEL_SPEED)
-    system.derivative(name, shift_speed)
     return shift, assembly.speed + shift_speed
 
 
@@ -104,6 +144,20 @@ def add_axle_shift(assembly: Assembly, number: int) -> tuple[ca.SX, ca.SX]:
     shift, speed = add_shift(assembly, *names)
     follow_creep(assembly, speed, f"{assembly.vehicle.bodies[0].name}_speed", names[1])
     return shift, speed
+
+
+def move_along(assembly: Assembly, body: Body, shift: str = "") -> None:
+    """How the place of a body on the line changes, eq. (3.12): the first one's distance, a displacement of the others.
+
+    Where the line is curved, bodies beside its centre go at another speed along it than through space.
+    """
+    if not shift:
+        assembly.first_stretch = body.stretch
+        assembly.system.derivative(f"{assembly.vehicle.bodies[0].name}_distance", body.travel)
+        return
+    ahead = body.velocity[0] - assembly.speed
+    gained = assembly.speed * (1 / body.stretch - 1 / assembly.first_stretch)
+    assembly.system.derivative(shift, ahead / body.stretch + gained)
 
 
 def angle_rates(angles: ca.SX, own_rate: ca.SX) -> Sequence[ca.SX]:
@@ -139,15 +193,15 @@ def turn(angles: ca.SX, rates: dict[str, ca.SX]) -> Turning:
 def move_body(assembly: Assembly, moving: MovingBody, load: Load, first_acceleration: ca.SX) -> None:
     """Newton's and Euler's equations of a body: (3.73) in its own axes; first_acceleration [m/s2]: of the first one."""
     system, data, body = assembly.system, moving.data, moving.body
-    lightness = 1 / assembly.value(data.mass)
+    lightness, falling = 1 / assembly.value(data.mass), body.falling(assembly.parameter["gravity"])
     if data is assembly.vehicle.bodies[0]:
         system.derivative(f"{data.name}_speed", first_acceleration)
     else:
-        system.derivative(f"{data.name}_shift_speed", lightness * load.force[0] - first_acceleration)
-    for motion, component, weight in (("lateral", 1, 0), ("bounce", 2, assembly.parameter["gravity"])):
+        system.derivative(f"{data.name}_shift_speed", lightness * load.force[0] + falling[0] - first_acceleration)
+    for motion, component in (("lateral", 1), ("bounce", 2)):
         rate = f"{data.variable(motion)}_rate"
         if rate in system.states:
-            system.derivative(rate, lightness * load.force[component] - weight)
+            system.derivative(rate, lightness * load.force[component] + falling[component])
     inertia = ca.vertcat(*[assembly.value(size) for size in data.inertia])
     moment = body.axes.T @ load.moment - ca.cross(body.own_rate, inertia * body.own_rate)
     for angle, acceleration in turning_accelerations(moving.turning, inertia, moment).items():

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 
-from fmu_src.system import Model, System, Variable, integration_variables
+from fmu_src.system import NONE, Model, System, Variable, integration_variables
 from rbd_model import variables
 from rbd_model.contact.depth import DEPTHS, Contact
 from rbd_model.parameters import BogieParameters
@@ -23,8 +23,13 @@ DEFAULT_TOLERANCE = 1e-6
 #: tells when it is over.
 DEFAULT_DEPTH = 2.0
 
-#: Which of the systems of `levels` serves, by level and, the last number running first, by depth of contact.
+#: Which of the systems of `levels` serves, by level and, the last number running first, by depth of contact; and behind
+#: them which of those on a line. NONE: there is no such system.
 CHOICE = (0, 0, 0, 1, 1, 1, 2, 3, 4)
+CHOICE_ON_LINE = (*CHOICE, 5, 5, 5, 6, 6, 6, NONE, 7, NONE)
+#: Depth of contact in space on a line: that of the start value, in which a flange has its own place. Each further one
+#: would make every FMU half as large again.
+DEPTH_ON_LINE = 2
 
 
 def levels(vehicle: Vehicle) -> tuple[System, ...]:
@@ -34,18 +39,25 @@ def levels(vehicle: Vehicle) -> tuple[System, ...]:
     return point_vehicle(vehicle), planar_vehicle(vehicle), *spatial
 
 
+def levels_on_line(vehicle: Vehicle) -> tuple[System, ...]:
+    """The same for a vehicle on a line, which those on straight track do not pay for."""
+    spatial = spatial_vehicle(vehicle, irregular_track(section_5_3()), Contact(DEPTH_ON_LINE), True)
+    return point_vehicle(vehicle, True), planar_vehicle(vehicle, True), spatial
+
+
 def model_of_levels(name: str, text: str, vehicle: Vehicle) -> Model:
     """A vehicle at all levels as one FMU: inputs, outputs, level, parameters in the order of their set."""
-    systems = levels(vehicle)
+    systems = (*levels(vehicle), *levels_on_line(vehicle))
     chosen_by = selectors()
     table = (
         *variables.inputs(vehicle).values(),
         *variables.outputs(vehicle).values(),
         *chosen_by,
         *parameters_of(vehicle, systems),
+        variables.line_file(),
         *integration_variables(DEFAULT_TOLERANCE),
     )
-    return Model(name, text, table, systems, tuple(one.name for one in chosen_by), CHOICE, stop_time=25.0)
+    return Model(name, text, table, systems, tuple(one.name for one in chosen_by), CHOICE_ON_LINE, stop_time=25.0)
 
 
 def selectors() -> tuple[Variable, Variable]:

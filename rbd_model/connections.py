@@ -5,7 +5,7 @@ Forces act in the axes of the track, each at its own attachment point, and do th
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import accumulate
 
@@ -25,6 +25,7 @@ from rbd_model.vehicle import (
     SeriesDamper,
     Springs,
     Torsion,
+    Vehicle,
 )
 from rbd_model.wheelset import NOMINAL_TRAVEL, NOMINAL_TRAVEL_SPEED
 
@@ -74,9 +75,14 @@ class Stretch:
     arms: tuple[ca.SX, ca.SX]
     way: ca.SX
     rate: ca.SX
+    spin: ca.SX  # of these axes [rad/s]
 
     def effect(self, pull: ca.SX, potential: ca.SX, power: ca.SX) -> Effect:
-        """Of a force on the lower end [N], which pulls the upper one the other way: eqs (3.41), (3.42)."""
+        """Of a force on the lower end [N], which pulls the upper one the other way: eqs (3.41), (3.42).
+
+        To the power comes what the axes take that turn along the line, and the directions of the forces with them.
+        """
+        power = power + ca.dot(self.spin, ca.cross(self.way, pull))
         pull = narrow(self.system, pull)
         upper, lower = (
             (end.name, Load(sign * pull, sign * ca.cross(arm, pull)))
@@ -85,17 +91,28 @@ class Stretch:
         return Effect((upper, lower), potential, power)
 
 
-def connect(assembly: Assembly, connection: Connection, ends: Mapping[str, End]) -> list[Effect]:
+def seat_of(vehicle: Vehicle, connection: Connection) -> str:
+    """The body in whose axes of the track the directions of a connection are (section 3.2.3), by name.
+
+    On straight track all have the same. On a line it is the body that is nearest along the vehicle: primary and
+    secondary springs stand in the frame of the bogie. A wheelset, which steers below them, only where there is none.
+    """
+    along = {body.name: body.along for body in vehicle.bodies if body.name in (connection.upper, connection.lower)}
+    place = vehicle.number(connection.place[0])
+    return min(along, key=lambda name: abs(vehicle.number(along[name]) - place)) if along else connection.upper
+
+
+def connect(assembly: Assembly, connection: Connection, both: tuple[End, End], spin: ca.SX) -> list[Effect]:
     """Effects of a connection on both its sides; the laws are in the functions of the same names.
 
-    Each is (3.38) along one direction of the track, or a law of its own in place of a spring and a damper.
+    Each is (3.38) along one direction of the track, or a law of its own in place of a spring and a damper. both: the
+    upper and the lower end in the axes of the track that give these directions; spin [rad/s]: of these axes.
     """
-    both = ends[connection.upper], ends[connection.lower]
     if isinstance(connection, Torsion):
         return [torsion(assembly, connection, both)]
     effects = []
     for side, place in connection.sides():
-        stretch = stretch_of(assembly, both, place)
+        stretch = stretch_of(assembly, both, place, spin)
         if isinstance(connection, Springs):
             effects.append(springs(assembly, connection, side, stretch))
         elif isinstance(connection, BumpStop):
@@ -107,14 +124,14 @@ def connect(assembly: Assembly, connection: Connection, ends: Mapping[str, End])
     return effects
 
 
-def stretch_of(assembly: Assembly, ends: tuple[End, End], place: Place) -> Stretch:
-    """Way and rate between two points that are one place at rest, eqs (3.1), (3.12)."""
+def stretch_of(assembly: Assembly, ends: tuple[End, End], place: Place, spin: ca.SX) -> Stretch:
+    """Way and rate between two points that are one place at rest, eqs (3.1), (3.12); spin: of the axes of both."""
     at = ca.vertcat(*[ca.SX(assembly.value(size)) for size in place])
     arms = tuple(end.body.arm(at - end.centre) for end in ends)
     (upper, lower), (upper_arm, lower_arm) = ends, arms
     way = upper.body.position + upper_arm - lower.body.position - lower_arm
     rate = upper.body.velocity_at(upper_arm) - lower.body.velocity_at(lower_arm)
-    return Stretch(assembly.system, ends, (upper_arm, lower_arm), way, rate)
+    return Stretch(assembly.system, ends, (upper_arm, lower_arm), way, rate, spin)
 
 
 def springs(assembly: Assembly, connection: Springs, side: str, stretch: Stretch) -> Effect:

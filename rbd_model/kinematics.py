@@ -6,9 +6,11 @@ and its rotation never enters the geometry of the contact.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi as ca
+
+from rbd_model.track_frame import LEVEL, Pose, TrackFrame
 
 
 def yaw_roll(yaw: ca.SX, roll: ca.SX) -> ca.SX:
@@ -44,12 +46,19 @@ def axes_rate(tangent: ca.SX, rate: ca.SX) -> ca.SX:
     return ca.vertcat(rate[0], rate[2] * tangent, rate[2])
 
 
+def angles_of(axes: ca.SX) -> ca.SX:
+    """Roll, pitch and yaw of axes that are turned by Rz(yaw) Rx(roll) Ry(pitch), section 3.2.1."""
+    roll = ca.asin(axes[2, 1])
+    return ca.vertcat(roll, ca.atan2(-axes[2, 0], axes[2, 2]), ca.atan2(-axes[0, 1], axes[1, 1]))
+
+
 @dataclass(frozen=True)
 class Body:
     """A rigid body: position and velocity of its centre in the axes of the track, its own axes (columns), own rate.
 
     `position` may be counted from any point that moves along the track. `own_rate` is the angular velocity in the own
     axes, which is how the equations of motion know it. angles: roll, pitch and yaw, those of a wheelset without pitch.
+    track: the axes of the track where the body is; velocities are inertial, given in these axes.
     """
 
     position: ca.SX
@@ -57,6 +66,55 @@ class Body:
     axes: ca.SX
     own_rate: ca.SX
     angles: ca.SX
+    track: TrackFrame = LEVEL
+
+    @property
+    def stretch(self) -> ca.SX:
+        """Way of the body for each metre along the line [1]: in a curve it is longer outside of it, eq. (3.12)."""
+        return 1 + ca.cross(self.track.turning, ca.vertcat(0, self.position[1:]))[0]
+
+    @property
+    def travel(self) -> ca.SX:
+        """How fast its place on the line changes [m/s]."""
+        return self.velocity[0] / self.stretch
+
+    @property
+    def spin(self) -> ca.SX:
+        """Angular velocity of the axes of the track that move along with it, in themselves [rad/s]."""
+        return self.travel * self.track.turning
+
+    @property
+    def moving(self) -> ca.SX:
+        """Rates of its lateral position and height in these axes [m/s], eq. (3.12)."""
+        return (self.velocity - ca.cross(self.spin, ca.vertcat(0, self.position[1:])))[1:]
+
+    @property
+    def turning(self) -> ca.SX:
+        """Angular velocity against the axes of the track, in the own axes [rad/s]: its angles follow from it."""
+        return self.own_rate - self.axes.T @ self.spin
+
+    def falling(self, gravity: ca.SX) -> ca.SX:
+        """Change of the velocity's components in these axes without any force [m/s2]: as they turn, and by weight."""
+        return -gravity * self.track.up - ca.cross(self.spin, self.velocity)
+
+    def seen_from(self, other: Body, pose: Pose | None) -> Body:
+        """The same as seen from the axes of the track where another body is, while these turn, eq. (3.12).
+
+        pose: of the track here in that of the other body; None: all is straight track, and as it was. Otherwise places
+        are counted from that body's origin of the track.
+        """
+        if pose is None:
+            return self
+        turned, chord = pose
+        position, axes = chord + turned @ ca.vertcat(0, self.position[1:]), turned @ self.axes
+        return replace(
+            self,
+            position=position,
+            velocity=turned @ self.velocity - ca.cross(other.spin, position),
+            axes=axes,
+            own_rate=self.own_rate - axes.T @ other.spin,
+            angles=self.angles if other.track is self.track else angles_of(axes),
+        )
 
     @property
     def rate(self) -> ca.SX:

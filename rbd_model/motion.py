@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import casadi as ca
 
+from fmu_src.system import System
 from rbd_model.assembly import Assembly
 from rbd_model.bodies import MovingBody, move_body
-from rbd_model.connections import Effect, End, Load, connect, total
+from rbd_model.connections import Effect, End, Load, connect, seat_of, total
 from rbd_model.kinematics import Body
+from rbd_model.track_frame import Pose, relative
 from rbd_model.vehicle import ANGLES, DIRECTIONS, RigidBody, Wheelset, wheelset_name
 from rbd_model.wheelset import Rolling, add_wheelset_outputs
 
@@ -24,33 +26,77 @@ def end_of(assembly: Assembly, name: str, data: RigidBody | Wheelset, body: Body
 
 @dataclass
 class Loads:
-    """Loads by body while they are added up, and what the connections did."""
+    """Loads while they are added up, by body and by the body in whose axes of the track they are; what did them."""
 
-    of: defaultdict[str, list[Load]] = field(default_factory=lambda: defaultdict(list))
+    system: System
+    bodies: dict[str, Body]
+    poses: dict[tuple[str, str], Pose | None] = field(default_factory=dict)
+    seen: dict[tuple[str, str], End] = field(default_factory=dict)
+    of: defaultdict[tuple[str, str], list[Load]] = field(default_factory=lambda: defaultdict(list))
     effects: list[Effect] = field(default_factory=list)
 
+    def add(self, name: str, seat: str, load: Load) -> None:
+        """Adds a load on a body, given in the axes of the track where `seat` is; straight track has but one."""
+        straight = self.pose(name, seat) is None
+        self.of[name, name if straight else seat].append(load)
+
     def on(self, name: str) -> Load:
-        """Sum of those on one body, eqs (3.35), (3.36)."""
-        return total(self.of[name])
+        """Sum of those on one body, eqs (3.35), (3.36), in the axes of the track where it is."""
+        return total([self.turned(seat, name, total(loads)) for (on, seat), loads in self.of.items() if on == name])
+
+    def pose(self, seat: str, name: str) -> Pose | None:
+        """The track where a body is as seen from where `seat` is, section 3.2.1; None: all is straight track."""
+        if (seat, name) not in self.poses:
+            back = self.poses.get((name, seat))
+            found = relative(self.system, self.bodies[seat].track, self.bodies[name].track) if back is None else None
+            self.poses[seat, name] = found if back is None else (back[0].T, -back[0].T @ back[1])
+        return self.poses[seat, name]
+
+    def turned(self, seat: str, name: str, load: Load) -> Load:
+        """A load in the axes of the track where `seat` is as one in those of another body."""
+        pose = self.pose(name, seat) if seat != name else None
+        if pose is None:
+            return load
+        force, moment = ca.vertsplit(self.system.narrow(ca.densify(ca.vertcat(load.force, load.moment))), 3)
+        return Load(pose[0] @ force, pose[0] @ moment)
+
+    def seen_from(self, seat: str, end: End) -> End:
+        """An end of connections in the axes of the track where `seat` is, eq. (3.12)."""
+        pose = self.pose(seat, end.name)
+        if pose is None:
+            return end
+        if (seat, end.name) not in self.seen:
+            body = end.body.seen_from(self.bodies[seat], pose)
+            parts = (body.position, body.velocity, ca.vec(body.axes), body.own_rate)
+            narrowed = self.system.narrow(ca.densify(ca.vertcat(*parts)))
+            position, velocity, axes, own_rate = ca.vertsplit(narrowed, [0, 3, 6, 15, 18])
+            axes = ca.reshape(axes, 3, 3)
+            body = replace(body, position=position, velocity=velocity, axes=axes, own_rate=own_rate)
+            self.seen[seat, end.name] = replace(end, body=body)
+        return self.seen[seat, end.name]
 
 
 def loads_of(assembly: Assembly, bodies: Sequence[MovingBody], axles: Mapping[int, Body]) -> Loads:
     """Loads of all connections and of the forces from outside; axles: the wheelsets by number, eqs (3.35), (3.36)."""
-    vehicle, loads = assembly.vehicle, Loads()
+    vehicle = assembly.vehicle
     ends = {moving.data.name: end_of(assembly, moving.data.name, moving.data, moving.body) for moving in bodies}
     for number, wheelset in vehicle.numbered:
         name = wheelset_name(number)
         ends[name] = end_of(assembly, name, wheelset, axles[number])
+    loads = Loads(assembly.system, {name: end.body for name, end in ends.items()})
     for connection in vehicle.connections:
-        loads.effects += connect(assembly, connection, ends)
-    for effect in loads.effects:
-        for name, load in effect.loads:
-            loads.of[name].append(load)
+        seat = seat_of(vehicle, connection)
+        both = [loads.seen_from(seat, ends[name]) for name in (connection.upper, connection.lower)]
+        effects = connect(assembly, connection, (both[0], both[1]), ends[seat].body.spin)
+        for effect in effects:
+            for name, load in effect.loads:
+                loads.add(name, seat, load)
+        loads.effects += effects
     for pull in vehicle.pulls:
         end = ends[pull.body]
         place = ca.vertcat(*[ca.SX(assembly.value(size)) for size in pull.place])
         force = ca.vertcat(*[assembly.input[pull.name] if pull.direction == along else 0 for along in DIRECTIONS])
-        loads.of[pull.body].append(Load(force, ca.cross(end.body.arm(place - end.centre), force)))
+        loads.add(pull.body, pull.body, Load(force, ca.cross(end.body.arm(place - end.centre), force)))
     return loads
 
 
@@ -62,7 +108,7 @@ def react(assembly: Assembly, wheelsets: Sequence[Rolling], loads: Loads) -> Non
     for wheelset in wheelsets:
         torque = wheelset.rotation.brake_torque - wheelset.rotation.traction_torque
         moment = assembly.parameter["torque_reaction"] * torque * wheelset.axle
-        loads.of[wheelset.data.reacts_on].append(Load(ca.SX.zeros(3), moment))
+        loads.add(wheelset.data.reacts_on, wheelset_name(wheelset.number), Load(ca.SX.zeros(3), moment))
 
 
 def move_bodies(assembly: Assembly, bodies: Sequence[MovingBody], loads: Loads, first_acceleration: ca.SX) -> None:
@@ -99,7 +145,7 @@ def observe_energy(
     assembly: Assembly,
     bodies: Sequence[MovingBody],
     wheelsets: Sequence[Rolling],
-    effects: Sequence[Effect],
+    loads: Loads,
     further: Mapping[str, ca.SX],
 ) -> None:
     """Energies [J] and powers lost [W] (section 2.4); their sum stays while nothing drives: constraints do no work.
@@ -111,19 +157,27 @@ def observe_energy(
     kinetic, potential, brake = ca.SX(0), ca.SX(0), ca.SX(0)
     for moving in bodies:
         kinetic += kinetic_energy(assembly, moving.data, moving.body)
-        potential += assembly.value(moving.data.mass) * gravity * moving.body.position[2]
+        potential += assembly.value(moving.data.mass) * gravity * elevation(assembly, moving.body)
     for wheelset in wheelsets:
         # A torque that reacts on a body works on the difference of the two rotations.
-        turned = ca.dot(wheelset.axle, carriers[wheelset.data.reacts_on].body.rate)
+        carrier = carriers[wheelset.data.reacts_on].body
+        pose = loads.pose(wheelset.data.reacts_on, wheelset_name(wheelset.number))
+        turned = ca.dot(wheelset.axle if pose is None else pose[0] @ wheelset.axle, carrier.rate)
         rotation = wheelset.rotation
+        kinetic += assembly.drive_inertia * rotation.angular_velocity**2 / 2
         brake += rotation.friction_torque * rotation.angular_velocity - reaction * rotation.brake_torque * turned
-    potential += sum(effect.potential for effect in effects)
-    damping = sum((effect.power for effect in effects), ca.SX(0))
+    potential += sum(effect.potential for effect in loads.effects)
+    damping = sum((effect.power for effect in loads.effects), ca.SX(0))
     creep = sum((wheelset.creep_power for wheelset in wheelsets), ca.SX(0))
     own = {"kinetic_energy": kinetic, "potential_energy": potential, "brake_power": brake}
     for name, value in (own | {"creep_power": creep, "damping_power": damping}).items():
         unit = "J" if name.endswith("energy") else "W"
         assembly.system.observe(name, unit, value + further.get(name, ca.SX(0)))
+
+
+def elevation(assembly: Assembly, body: Body) -> ca.SX:
+    """Height of a body [m], for its energy (section 2.4); straight track on a gradient rises along the distance."""
+    return body.track.elevation(body.position + ca.vertcat(assembly.distance, 0, 0))
 
 
 def kinetic_energy(assembly: Assembly, data: RigidBody | Wheelset, body: Body) -> ca.SX:

@@ -20,7 +20,15 @@ from rbd_model.contact.strips_in_c import OF_SEGMENT, wheel_on_strips
 from rbd_model.kinematics import Body, axes_rate, direction_cosines, turned_by
 from rbd_model.pressing_patch import PatchConstants, PatchState, Press, pressing_patch
 from rbd_model.rolling_contact import SIDES, Placement, Wheel
-from rbd_model.spatial_wheelset import END_MARGIN, NOMINAL_ROLL, Motion, OnTrack, follow_track, push_wheelset
+from rbd_model.spatial_wheelset import (
+    END_MARGIN,
+    NOMINAL_ROLL,
+    Motion,
+    OnTrack,
+    follow_track,
+    push_wheelset,
+    stand_on_track,
+)
 from rbd_model.touching_patch import Nearest, direction_of, look_up_patch
 from rbd_model.track import Section
 from rbd_model.variables import LARGEST_LATERAL
@@ -139,13 +147,13 @@ def place_on_patches(assembly: Assembly, number: int, section: Callable[[int, ca
         turned_by(standing.cosines),
         ca.vertcat(roll_rate, on.angular_velocity, on.yaw_rate),
         ca.vertcat(roll, 0, on.yaw),
+        on.track,
     )
-    system.derivative(f"lateral_{number}", on.sideways)
-    system.derivative(f"yaw_{number}", on.yaw_rate / ca.cos(roll))
-    system.derivative(f"rise_{number}", rising)
-    system.derivative(f"roll_{number}", roll_rate)
+    stand_on_track(assembly, number, body)
+    system.derivative(f"rise_{number}", body.moving[1])
+    system.derivative(f"roll_{number}", body.turning[0])
     press = STRIPS_OR_PATCHES[assembly.contact.depth]
-    found = [press(assembly, number, index, standing) for index in range(len(SIDES))]
+    found = [press(assembly, number, index, standing, body) for index in range(len(SIDES))]
     pressed, nearest = [wheel for wheel, _ in found], [near for _, near in found]
     acceleration, turning = stand_freely(assembly, data, body, [patch for wheel in pressed for patch in wheel])
     on_rails = on.rotated, on.yaw, on.offset, on.heights
@@ -155,21 +163,26 @@ def place_on_patches(assembly: Assembly, number: int, section: Callable[[int, ca
 WheelPressed = tuple[list[Press], list[Nearest]]
 
 
-def press_patches(assembly: Assembly, number: int, index: int, standing: Standing) -> WheelPressed:
+def press_patches(assembly: Assembly, number: int, index: int, standing: Standing, body: Body) -> WheelPressed:
     """What each patch of a wheel does, and where it is nearest to its rail, (3.77), (3.78).
 
     number: of the wheelset; index: of its wheel, 0 the left one.
     """
-    one = side_of(assembly, number, index)
-    wheel, state = feel_rail(assembly, number, index, standing)
+    one, on_line = side_of(assembly, number, index), assembly.on_line
+    # Rails of a line turn under a wheelset that goes along: about the wheelset's place, and about its centre.
+    about = body.track.turning / body.stretch
+    sections, turning = ca.cross(about, ca.vertcat(0, body.position[1:]))[1:], body.axes.T @ about
+    wheel, state = feel_rail(assembly, number, index, standing, body, sections)
+    placement = replace(standing.placement, lateral=state.offset)
     pressed, nearest = [], []
     for place, patch in enumerate(patches_of(one)):
         name = f"{place}_{number}_{list(SIDES.values())[index]}"
-        near = look_up_patch(assembly.system, name, patch, one.wheel, (standing.placement, wheel, state.height))
+        near = look_up_patch(assembly.system, name, patch, one.wheel, (placement, wheel, state.height))
         fixed = PatchConstants(standing.cosines, wheel.vector, ca.SX(direction_of(patch)), *surroundings(assembly))
         terms = near.pieces.wheel.numel(), near.pieces.rail.numel()
-        part = pressing_patch(*terms, patch.flange, assembly.contact.law_of(patch.flange))
+        part = pressing_patch(*terms, patch.flange, assembly.contact.law_of(patch.flange), on_line)
         given = replace(state, nearest=near.position).vector
+        given = ca.vertcat(given, turning) if on_line else given
         # The first, a tread, bears nearly always; the others seldom.
         when = 1.0 if place == 0 else near.approach + NEAR
         found = assembly.system.call(part, given, ca.vertcat(fixed.vector, near.pieces.vector), when)
@@ -178,15 +191,18 @@ def press_patches(assembly: Assembly, number: int, index: int, standing: Standin
     return pressed, nearest
 
 
-def press_strips(assembly: Assembly, number: int, index: int, standing: Standing) -> WheelPressed:
+def press_strips(assembly: Assembly, number: int, index: int, standing: Standing, body: Body) -> WheelPressed:
     """As `press_patches`, by strips: Knothe (1984), Kalker (1982), see contact/strips.c.
 
-    Nearest points only tell where tread and flange end.
+    Nearest points only tell where tread and flange end. On a line all strips of a wheel see the rail twist as its
+    head's middle does, a few cm away: of what moves the wheel up a ramp, 1e-5 is missing.
     """
     one = side_of(assembly, number, index)
-    wheel, state = feel_rail(assembly, number, index, standing)
+    middle = ca.vertcat(0, list(SIDES)[index] * one.rail_half_distance, 0)
+    sections = ca.cross(body.track.turning / body.stretch, middle)[1:]
+    wheel, state = feel_rail(assembly, number, index, standing, body, sections)
     word, patches = list(SIDES.values())[index], patches_of(one)
-    at = standing.placement, wheel, state.height
+    at = replace(standing.placement, lateral=state.offset), wheel, state.height
     nearest = [
         look_up_patch(assembly.system, f"{place}_{number}_{word}", patch, one.wheel, at)
         for place, patch in enumerate(patches)
@@ -207,11 +223,17 @@ def side_of(assembly: Assembly, number: int, index: int) -> Side:
     return assembly.vehicle.wheelsets[number - 1].pair.both[index]
 
 
-def feel_rail(assembly: Assembly, number: int, index: int, standing: Standing) -> tuple[Wheel, PatchState]:
-    """A wheel, and how it stands and moves on its rail (section 3.2); its nearest point is not known yet (0)."""
+def feel_rail(
+    assembly: Assembly, number: int, index: int, standing: Standing, body: Body, sections: ca.SX
+) -> tuple[Wheel, PatchState]:
+    """A wheel, and how it stands and moves on its rail (section 3.2); its nearest point is not known yet (0).
+
+    sections: slopes of the rail that come from how the line turns, sideways and upwards.
+    """
     data, on, one = assembly.vehicle.wheelsets[number - 1], standing.on, side_of(assembly, number, index)
     distances = ca.SX(one.wheel_half_distance), ca.SX(one.rail_half_distance)
-    wheel = Wheel(ca.SX(list(SIDES)[index]), assembly.value(data.radius[index]), *distances)
+    side, spreading = list(SIDES)[index], ca.jacobian(on.spread, assembly.distance)
+    wheel = Wheel(ca.SX(side), assembly.value(data.radius[index]), *distances)
     state = PatchState(
         on.forward,
         on.sideways,
@@ -219,11 +241,11 @@ def feel_rail(assembly: Assembly, number: int, index: int, standing: Standing) -
         standing.roll_rate,
         on.angular_velocity,
         on.yaw_rate,
-        on.offset,
+        on.offset - side * on.spread,
         standing.height - on.heights[index],
         on.yaw,
         standing.roll,
-        ca.vertcat(on.slopes[0], on.slopes[1 + index]),
+        ca.vertcat(on.slopes[0] + side * spreading, on.slopes[1 + index]) / body.stretch + sections,
         on.frictions[index],
         nearest=ca.SX(0),
     )
@@ -242,9 +264,9 @@ def stand_freely(assembly: Assembly, data: Wheelset, body: Body, pressed: Sequen
     In axes that yaw and roll with it, in which its inertia is constant.
     """
     mass, inertia = assembly.value(data.mass), [assembly.value(size) for size in data.inertia]
-    force = sum((patch.force for patch in pressed), ca.vertcat(0, 0, -mass * assembly.parameter["gravity"]))
-    rate, roll = body.own_rate, body.angles[0]
-    gyroscopic = ca.cross(axes_rate(ca.tan(roll), rate), ca.vertcat(*inertia) * rate)
+    force = sum((patch.force for patch in pressed), mass * body.falling(assembly.parameter["gravity"]))
+    rate, roll, spin = body.own_rate, body.angles[0], body.axes.T @ body.spin
+    gyroscopic = ca.cross(axes_rate(ca.tan(roll), rate - spin) + spin, ca.vertcat(*inertia) * rate)
     moment = sum((patch.moment for patch in pressed), -gyroscopic)
     moved = ca.vertcat((1 / mass) * force, moment[0] / inertia[0], moment[1], moment[2] / inertia[2])
     acceleration, turning = ca.vertsplit(assembly.system.narrow(moved), 3)

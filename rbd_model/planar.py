@@ -10,24 +10,34 @@ its place in the vehicle; the axle heights do not change.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import casadi as ca
 
 from fmu_src.system import System
 from rbd_model.adhesion import follow_patch
 from rbd_model.assembly import Assembly, assemble
-from rbd_model.bodies import add_axle_shift, place_body
+from rbd_model.bodies import add_axle_shift, move_along, place_body
 from rbd_model.kinematics import Body
-from rbd_model.motion import add_common_outputs, loads_of, move_bodies, observe_energy, react
-from rbd_model.vehicle import Motion, Vehicle, wheelset_name
+from rbd_model.motion import add_common_outputs, elevation, loads_of, move_bodies, observe_energy, react
+from rbd_model.resistance import add_resistance
+from rbd_model.track_frame import on_gradient, on_profile
+from rbd_model.vehicle import Motion, RigidBody, Vehicle, Wheelset, wheelset_name
 from rbd_model.wheelset import centred_load, roll_on_level_rail
 
 OUT_OF_PLANE: frozenset[Motion] = frozenset({"lateral", "roll", "yaw"})
 
 
-def planar_vehicle(vehicle: Vehicle) -> System:
-    """A vehicle in its vertical plane (section 5.2), by Newton's and Euler's equations; see the module's text."""
-    assembly = assemble("planar", "Bounce, pitch, load transfer, suspension", vehicle)
+def planar_vehicle(vehicle: Vehicle, on_line: bool = False) -> System:
+    """A vehicle in its vertical plane (section 5.2), by Newton's and Euler's equations; see the module's text.
+
+    on_line: with the gradients and vertical curves of the line that an instance runs on.
+    """
+    name = "planar_on_line" if on_line else "planar"
+    assembly = assemble(name, "Bounce, pitch, load transfer, suspension", vehicle)
     system, p = assembly.system, assembly.parameter
+    put_in_plane(assembly, on_line)
     bodies = [place_body(assembly, data, OUT_OF_PLANE) for data in vehicle.bodies]
     axles = {number: place_axle(assembly, number) for number, _ in vehicle.numbered}
     places = [assembly.distance + axle.position[0] for axle in axles.values()]
@@ -36,18 +46,23 @@ def planar_vehicle(vehicle: Vehicle) -> System:
 
     wheelsets = []
     for number, data in vehicle.numbered:
-        carried = -loads.on(wheelset_name(number)).force[2]
-        axle_load = assembly.value(data.mass) * p["gravity"] + carried
+        carried, falling = -loads.on(wheelset_name(number)).force[2], axles[number].falling(p["gravity"])
+        axle_load = carried - assembly.value(data.mass) * falling[2]
         distance, forward = assembly.distance + axles[number].position[0], axles[number].velocity[0]
-        wheelsets.append(roll_on_level_rail(assembly, number, distance, forward, centred_load(axle_load), axle_load))
+        rolling = roll_on_level_rail(assembly, number, distance, forward, centred_load(axle_load), axle_load)
+        wheelsets.append(replace(rolling, track=axles[number].track))
     react(assembly, wheelsets, loads)
     first = vehicle.bodies[0]
-    first_acceleration = loads.on(first.name).force[0] / assembly.value(first.mass)
+    falling = bodies[0].body.falling(p["gravity"])[0]
+    resistance = add_resistance(assembly, assembly.speed, curvatures_under(assembly, places), weight_of(assembly))
+    pulled = loads.on(first.name).force[0] + resistance
+    first_acceleration = pulled / assembly.value(first.mass) + falling
     move_bodies(assembly, bodies, loads, first_acceleration)
     accelerations = []
     for wheelset in wheelsets:
         number, pull = wheelset.number, loads.on(wheelset_name(wheelset.number)).force[0]
-        accelerations.append((wheelset.creep_force + pull) / assembly.value(wheelset.data.mass))
+        falling = axles[number].falling(p["gravity"])[0]
+        accelerations.append((wheelset.creep_force + pull) / assembly.value(wheelset.data.mass) + falling)
         system.derivative(f"shift_speed_{number}", accelerations[-1] - first_acceleration)
 
     add_common_outputs(assembly, bodies, wheelsets, accelerations)
@@ -56,7 +71,11 @@ def planar_vehicle(vehicle: Vehicle) -> System:
         + assembly.value(w.data.inertia[1]) * w.rotation.angular_velocity**2 / 2
         for w in wheelsets
     ]
-    observe_energy(assembly, bodies, wheelsets, loads.effects, {"kinetic_energy": ca.SX(sum(kinetic))})
+    weights = [assembly.value(data.mass) * p["gravity"] for _, data in vehicle.numbered]
+    heights = [elevation(assembly, axle) for axle in axles.values()]
+    potential = sum(weight * height for weight, height in zip(weights, heights, strict=True))
+    energies = {"kinetic_energy": ca.SX(sum(kinetic)), "potential_energy": ca.SX(potential)}
+    observe_energy(assembly, bodies, wheelsets, loads, energies)
     for wheelset in wheelsets:
         static = assembly.value(wheelset.data.mass) * p["gravity"] + assembly.resting_on(wheelset.number)
         sentence = f"Wheelset {wheelset.number} lifted off the rail at %s s; the planar level ends here."
@@ -64,9 +83,43 @@ def planar_vehicle(vehicle: Vehicle) -> System:
     return system
 
 
+def curvatures_under(assembly: Assembly, places: Sequence[ca.SX]) -> list[ca.SX]:
+    """Curvature under each wheelset [1/m], which holds the vehicle back (section 2.4): the line's, or the input."""
+    if not assembly.on_line:
+        return [assembly.input["curvature"] for _ in places]
+    names = [f"curve_{number}" for number, _ in assembly.vehicle.numbered]
+    looked_up = zip(names, places, strict=True)
+    return [assembly.system.along_line("heading", name, place, 1)[1] for name, place in looked_up]
+
+
+def weight_of(assembly: Assembly) -> ca.SX:
+    """Of all masses [N], section 5.2."""
+    parts: list[RigidBody | Wheelset] = [*assembly.vehicle.bodies, *assembly.vehicle.wheelsets]
+    return ca.SX(sum(assembly.value(part.mass) for part in parts)) * assembly.parameter["gravity"]
+
+
 def place_axle(assembly: Assembly, number: int) -> Body:
     """A wheelset that moves along the track only, as a body that connections pull at; section 5.2."""
     shift, speed = add_axle_shift(assembly, number)
     along = assembly.value(assembly.vehicle.wheelsets[number - 1].along)
     none = ca.SX.zeros(3)
-    return Body(ca.vertcat(along + shift, 0, 0), ca.vertcat(speed, 0, 0), ca.SX.eye(3), none, none)
+    place = ca.vertcat(along + shift, 0, assembly.axle_height)
+    track = assembly.track_at(wheelset_name(number), along + shift)
+    body = Body(place, ca.vertcat(speed, 0, 0), ca.SX.eye(3), none, none, track)
+    body = replace(body, own_rate=body.spin)
+    move_along(assembly, body, f"shift_{number}")
+    return body
+
+
+def put_in_plane(assembly: Assembly, on_line: bool) -> None:
+    """Lets all bodies find what is up along the track: the input gradient, or the line's profile as well.
+
+    On a line places count from the rails, as they do in space; an input gradient turns gravity alone (section 5.2).
+    """
+    system = assembly.system
+    if not on_line:
+        everywhere = on_gradient(assembly.input["gradient"])
+        assembly.frame_at = lambda name, distance: everywhere
+        return
+    assembly.on_line, assembly.axle_height = True, assembly.radius(assembly.vehicle.wheelsets[0])
+    assembly.frame_at = lambda name, distance: on_profile(system, name, distance)

@@ -8,12 +8,15 @@ misjudges a lock-up near the limit.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import casadi as ca
 
 from fmu_src.system import System
 from rbd_model.adhesion import follow_patch
 from rbd_model.assembly import Assembly, assemble
-from rbd_model.vehicle import Vehicle
+from rbd_model.resistance import add_resistance
+from rbd_model.vehicle import RigidBody, Vehicle, Wheelset
 from rbd_model.wheelset import (
     NOMINAL_DISTANCE,
     NOMINAL_SPEED,
@@ -26,9 +29,14 @@ from rbd_model.wheelset import (
 )
 
 
-def point_vehicle(vehicle: Vehicle) -> System:
-    """A vehicle as eq. (2.8): distance, speed, and rotation and angular velocity of each wheelset; masses add up."""
-    assembly = assemble("point", "Speed and wheel speeds, static loads", vehicle)
+def point_vehicle(vehicle: Vehicle, on_line: bool = False) -> System:
+    """A vehicle as eq. (2.8): distance, speed, and rotation and angular velocity of each wheelset; masses add up.
+
+    on_line: with gradient and curvature of the line that an instance runs on, in place of those inputs.
+    """
+    name = "point_on_line" if on_line else "point"
+    assembly = assemble(name, "Speed and wheel speeds, static loads", vehicle)
+    assembly.on_line = on_line
     system = assembly.system
     assembly.distance = distance = system.state("distance", "m", 0.0, NOMINAL_DISTANCE)
     assembly.speed = speed = system.state("speed", "m/s", assembly.initial_speed, NOMINAL_SPEED)
@@ -36,11 +44,15 @@ def point_vehicle(vehicle: Vehicle) -> System:
     places = [distance + assembly.value(data.along) for data in vehicle.wheelsets]
     follow_patch(system, assembly.rail, "distance", places)
 
-    wheelsets = [roll_under_static_load(assembly, number) for number, _ in vehicle.numbered]
-    masses = [*(body.mass for body in vehicle.bodies), *(wheelset.mass for wheelset in vehicle.wheelsets)]
-    mass = system.derived("total_mass", ca.SX(sum(assembly.value(size) for size in masses)))
+    parts: list[RigidBody | Wheelset] = [*vehicle.bodies, *vehicle.wheelsets]
+    mass = system.derived("total_mass", ca.SX(sum(assembly.value(part.mass) for part in parts)))
+    gradient, curvatures = (line_under if on_line else line_from_inputs)(assembly, parts)
+    loads = [static_load(assembly, number, gradient) for number, _ in vehicle.numbered]
+    wheelsets = [roll_under_static_load(assembly, number, load) for number, load in enumerate(loads, 1)]
+    resistance = add_resistance(assembly, speed, curvatures, mass * assembly.parameter["gravity"])
     pulls = [assembly.input[pull.name] for pull in vehicle.pulls]
-    acceleration = ca.SX(sum([*(wheelset.creep_force for wheelset in wheelsets), *pulls])) / mass
+    pulled = ca.SX(sum([*(wheelset.creep_force for wheelset in wheelsets), *pulls, resistance]))
+    acceleration = pulled / mass - assembly.parameter["gravity"] * gradient
     system.derivative("distance", speed)
     system.derivative("speed", acceleration)
 
@@ -52,15 +64,45 @@ def point_vehicle(vehicle: Vehicle) -> System:
     return system
 
 
-def roll_under_static_load(assembly: Assembly, number: int) -> Rolling:
-    """A wheelset at its place in the vehicle, second line of eq. (2.8)."""
+def line_from_inputs(assembly: Assembly, parts: Sequence[RigidBody | Wheelset]) -> tuple[ca.SX, list[ca.SX]]:
+    """Gradient (its sine) and curvatures [1/m] under the wheelsets (2.8), for hosts that know the line themselves."""
+    curvature = assembly.input["curvature"]
+    return assembly.input["gradient"], [curvature for _ in assembly.vehicle.wheelsets]
+
+
+def line_under(assembly: Assembly, parts: Sequence[RigidBody | Wheelset]) -> tuple[ca.SX, list[ca.SX]]:
+    """The same of the line that an instance runs on: the mean of the gradients under all masses, weighted with them.
+
+    So that what gravity pulls with is that of each body at its own place (section 2.3.1).
+    """
+    system, pull, curvatures = assembly.system, ca.SX(0), []
+    for number, part in enumerate(parts):
+        distance = assembly.distance + assembly.value(part.along)
+        sine = system.along_line("rise", f"part_{number}", distance, 1)[1]
+        pull += assembly.value(part.mass) * sine
+        if isinstance(part, Wheelset):
+            curvatures.append(system.along_line("heading", f"part_{number}", distance, 1)[1])
+    return pull / system.derived_symbols["total_mass"], curvatures
+
+
+def static_load(assembly: Assembly, number: int, gradient: ca.SX) -> tuple[CentredLoad, ca.SX]:
+    """Load of each wheel and of both [N], F_z of (2.8): as on the level times the cosine of the gradient."""
     system, data = assembly.system, assembly.vehicle.wheelsets[number - 1]
     weight = assembly.value(data.mass) * assembly.parameter["gravity"] + assembly.resting_on(number)
     axle_load = system.derived(f"static_load_{number}", weight)
     load = centred_load(axle_load)
-    static = CentredLoad(
+    level = CentredLoad(
         system.derived(f"wheel_load_{number}", load.wheel), system.derived(f"load_growth_{number}", load.growth)
     )
-    return roll_on_level_rail(
-        assembly, number, assembly.distance + assembly.value(data.along), assembly.speed, static, axle_load
+    # Cosine and its cube root to the fourth power of the sine: no roots, and 4e-8 off at a gradient of 0.1.
+    cosine, root = (
+        1 - gradient**2 * (first + second * gradient**2) for first, second in ((1 / 2, 1 / 8), (1 / 6, 5 / 72))
     )
+    return CentredLoad(level.wheel * cosine, level.growth * root), axle_load * cosine
+
+
+def roll_under_static_load(assembly: Assembly, number: int, loads: tuple[CentredLoad, ca.SX]) -> Rolling:
+    """A wheelset at its place in the vehicle, second line of eq. (2.8)."""
+    data = assembly.vehicle.wheelsets[number - 1]
+    distance = assembly.distance + assembly.value(data.along)
+    return roll_on_level_rail(assembly, number, distance, assembly.speed, *loads)

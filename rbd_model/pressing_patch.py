@@ -67,19 +67,22 @@ class Press(Bundle):
 
 
 @lru_cache
-def pressing_patch(wheel_terms: int, rail_terms: int, flange: bool, creep_law: CreepLaw) -> Part:
+def pressing_patch(wheel_terms: int, rail_terms: int, flange: bool, creep_law: CreepLaw, on_line: bool = False) -> Part:
     """A `Press` of a `PatchState`, (3.82)-(3.105) with Hertz' force by the approach; constants: with the pieces.
 
-    flange: of a flange or, otherwise, a tread, which have their own creep laws.
+    flange: of a flange or, otherwise, a tread, which have their own creep laws. on_line: behind the state comes how the
+    track turns along it, three angles for each metre of the wheelset's way [rad/m], in its axes.
     """
     place = "flange" if flange else "tread"
     state, fixed, chain = PatchState.symbols("state"), PatchConstants.symbols("constants"), Chain()
     pieces = Pieces(ca.SX.sym("wheel", wheel_terms), ca.SX.sym("rail", rail_terms))
     follow_cosines(chain, fixed.cosines, ca.vertcat(state.yaw, state.roll))
     patch = find_patch(chain, state, fixed, pieces)
-    results = press(chain, state, fixed, patch, creep_of_wheel(creep_law, place)).vector
-    constants = ca.vertcat(fixed.vector, pieces.vector)
-    return Part(f"press_{place}_{wheel_terms}_{rail_terms}", state.vector, constants, results, chain)
+    turning = ca.SX.sym("turning", 3) if on_line else ca.SX.zeros(3)
+    results = press(chain, state, turning, fixed, patch, creep_of_wheel(creep_law, place)).vector
+    given, constants = ca.vertcat(state.vector, turning), ca.vertcat(fixed.vector, pieces.vector)
+    given = given if on_line else state.vector
+    return Part(f"press_{place}_{wheel_terms}_{rail_terms}", given, constants, results, chain)
 
 
 def find_patch(chain: Chain, state: PatchState, fixed: PatchConstants, pieces: Pieces) -> TouchingPatch:
@@ -90,10 +93,12 @@ def find_patch(chain: Chain, state: PatchState, fixed: PatchConstants, pieces: P
     return TouchingPatch.of(chain.call(part, given, constants))
 
 
-def press(chain: Chain, state: PatchState, fixed: PatchConstants, patch: TouchingPatch, creeping: Part) -> Press:
+def press(
+    chain: Chain, state: PatchState, turning: ca.SX, fixed: PatchConstants, patch: TouchingPatch, creeping: Part
+) -> Press:
     """Normal force by the approach (Hertz, as Johnson (1985) has it), creep forces by (3.89)-(3.105), their moments.
 
-    creeping: a `creep_of_wheel`.
+    turning: of the track, see `pressing_patch`; creeping: a `creep_of_wheel`.
     """
     axes = turned_by(fixed.cosines)
     along = axes[0, :].T
@@ -102,7 +107,7 @@ def press(chain: Chain, state: PatchState, fixed: PatchConstants, patch: Touchin
     velocity = ca.vertcat(state.forward, state.sideways, state.rise)
     sliding = axes.T @ velocity + ca.cross(own_rate, patch.arm)
     # The rail's section moves sideways and upwards as the wheelset moves along.
-    drift = ca.dot(patch.across, state.slopes)
+    drift = ca.dot(patch.across, state.slopes) + ca.dot(patch.normal, ca.cross(turning, patch.arm))
     closing = state.forward * drift - ca.dot(patch.normal, sliding)
     curvatures = patch.curvature_along, patch.curvature_across
     elastic = elastic_force(patch.approach, *curvatures, fixed.shear_modulus)

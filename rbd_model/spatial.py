@@ -8,7 +8,7 @@ Positions along the track are counted from the vehicle's place; `shift` is that 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import casadi as ca
@@ -19,11 +19,13 @@ from rbd_model.assembly import Assembly, assemble
 from rbd_model.bodies import place_body
 from rbd_model.contact.depth import ONE_RIGID_CONTACT, Contact
 from rbd_model.endings import warn_of_limits, watch_patches, watch_rigid, wheel_rise
-from rbd_model.motion import add_common_outputs, kinetic_energy, loads_of, move_bodies, observe_energy, react
+from rbd_model.kinematics import Body
+from rbd_model.motion import add_common_outputs, elevation, kinetic_energy, loads_of, move_bodies, observe_energy, react
 from rbd_model.patched_wheelset import PatchedWheelset, move_on_patches, place_on_patches
 from rbd_model.rolling_contact import SIDES
 from rbd_model.spatial_wheelset import Motion, SpatialWheelset, move_wheelset, place_wheelset
-from rbd_model.track import Track
+from rbd_model.track import Track, with_line
+from rbd_model.track_frame import on_line as frame_on_line
 from rbd_model.vehicle import Vehicle, wheelset_name
 from rbd_model.wheelset import SMALLEST_LOAD, Rolling, at_least
 
@@ -48,12 +50,21 @@ STANDING = {
 }
 
 
-def spatial_vehicle(vehicle: Vehicle, track: Track, contact: Contact = ONE_RIGID_CONTACT) -> System:
-    """A vehicle in space on a track: the bogie of chapter 5, the wheelset in a frame of chapter 4, a wagon."""
+def spatial_vehicle(
+    vehicle: Vehicle, track: Track, contact: Contact = ONE_RIGID_CONTACT, on_line: bool = False
+) -> System:
+    """A vehicle in space on a track: the bogie of chapter 5, the wheelset in a frame of chapter 4, a wagon.
+
+    on_line: the track follows the line that an instance runs on.
+    """
     standing = STANDING[contact.depth]
-    assembly = assemble(standing.name, "3-D contact, hunting, derailment", vehicle)
+    name = f"{standing.name}_on_line" if on_line else standing.name
+    assembly = assemble(name, "3-D contact, hunting, derailment", vehicle)
     system, p, first = assembly.system, assembly.parameter, vehicle.bodies[0]
     assembly.contact = contact
+    if on_line:
+        follow_line(assembly)
+        track = with_line(track)
     assembly.axle_height = assembly.radius(vehicle.wheelsets[0])
     bodies = [place_body(assembly, data) for data in vehicle.bodies]
     section = track(system)
@@ -63,8 +74,9 @@ def spatial_vehicle(vehicle: Vehicle, track: Track, contact: Contact = ONE_RIGID
     loads = loads_of(assembly, bodies, {wheelset.number: wheelset.body for wheelset in wheelsets})
 
     # None at constant speed (sections 4.2, 5.2), where something pulls as much as needed.
-    share = (1 - p["constant_speed"]) / assembly.value(first.mass)
-    first_acceleration = share * loads.on(first.name).force[0]
+    share = 1 - p["constant_speed"]
+    falling = bodies[0].body.falling(p["gravity"])[0]
+    first_acceleration = share / assembly.value(first.mass) * loads.on(first.name).force[0] + share * falling
     motions = [
         standing.move(assembly, wheelset, loads.on(wheelset_name(wheelset.number)), first_acceleration)
         for wheelset in wheelsets
@@ -76,10 +88,31 @@ def spatial_vehicle(vehicle: Vehicle, track: Track, contact: Contact = ONE_RIGID
     add_common_outputs(assembly, bodies, rolling, [motion.acceleration for motion in motions])
     add_outputs(assembly, wheelsets)
     further = own_energies(assembly, wheelsets, motions)
-    observe_energy(assembly, bodies, rolling, loads.effects, further)
+    observe_energy(assembly, bodies, rolling, loads, further)
+    if on_line:
+        observe_places(assembly, loads.bodies)
     standing.watch(assembly, wheelsets)
     warn_of_limits(assembly, wheelsets)
     return system
+
+
+def follow_line(assembly: Assembly) -> None:
+    """Gives each body the axes of the track at its own place on the line (section 3.2.1)."""
+    assembly.on_line = True
+    assembly.frame_at = lambda name, distance: frame_on_line(assembly.system, name, distance)
+
+
+def observe_places(assembly: Assembly, bodies: Mapping[str, Body]) -> None:
+    """Where bodies are in space, counted from the line's first row along its first heading, eq. (3.1)."""
+    for name, body in bodies.items():
+        plan = body.track.plan
+        assert plan is not None
+        place, ahead = plan.place(body.position), body.axes[:, 0]
+        rows = {"ahead": place[0], "aside": place[1], "above": place[2]}
+        for row, value in rows.items():
+            assembly.system.observe(f"{name}_{row}", "m", value)
+        forward = plan.tilt @ ahead
+        assembly.system.observe(f"{name}_heading", "rad", plan.turned + ca.atan2(forward[1], forward[0]))
 
 
 def rolling_of(wheelset: WheelsetInSpace, motion: Motion) -> Rolling:
@@ -87,7 +120,15 @@ def rolling_of(wheelset: WheelsetInSpace, motion: Motion) -> Rolling:
     body, (creep_along, creep_power) = wheelset.body, wheelset.creep
     along, load, power = (ca.sum1(both) for both in (creep_along, wheelset.loads, creep_power))
     return Rolling(
-        wheelset.number, wheelset.data, motion.rotation, body.velocity[0], body.axes[:, 1], along, load, power
+        wheelset.number,
+        wheelset.data,
+        motion.rotation,
+        body.velocity[0],
+        body.axes[:, 1],
+        along,
+        load,
+        power,
+        body.track,
     )
 
 
@@ -120,7 +161,7 @@ def own_energies(
     for wheelset, motion in zip(wheelsets, motions, strict=True):
         kinetic += kinetic_energy(assembly, wheelset.data, wheelset.body)
         weight = assembly.value(wheelset.data.mass) * assembly.parameter["gravity"]
-        potential += weight * wheelset.body.position[2] + wheelset.stored
+        potential += weight * elevation(assembly, wheelset.body) + wheelset.stored
         brake -= motion.yaw_power
         damping += wheelset.damping_power
     own = {"kinetic_energy": kinetic, "potential_energy": potential, "brake_power": brake}

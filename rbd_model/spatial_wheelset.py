@@ -6,18 +6,21 @@ What the rails do to it is in `rolling_wheelset`; suspension, brake and yaw torq
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 
 import casadi as ca
 
+from fmu_src.system import System
 from rbd_model.assembly import Assembly
-from rbd_model.bodies import add_axle_shift
+from rbd_model.bodies import add_axle_shift, move_along, start_along
 from rbd_model.connections import Load
 from rbd_model.contact.geometry import flange_of
 from rbd_model.kinematics import Body, turned_by
 from rbd_model.rolling_contact import SIDES, Pieces, end_of_contact, given_to_contact, inside, look_up_profiles
 from rbd_model.rolling_wheelset import (
     FlangePush,
+    LinePieces,
+    OnLine,
     RolledMotion,
     RollingConstants,
     RollingState,
@@ -25,7 +28,8 @@ from rbd_model.rolling_wheelset import (
     rolling_wheelset,
 )
 from rbd_model.track import Section
-from rbd_model.vehicle import Wheelset
+from rbd_model.track_frame import TrackFrame
+from rbd_model.vehicle import Wheelset, wheelset_name
 from rbd_model.wheelset import (
     NOMINAL_TRAVEL,
     NOMINAL_TRAVEL_SPEED,
@@ -122,6 +126,9 @@ class OnTrack:
     heights: ca.SX  # of the (left, right) rail [m]
     slopes: ca.SX  # along the track, of its lateral position and of the heights [1]
     frictions: ca.SX  # of the (left, right) rail
+    distance: ca.SX  # [m]
+    spread: ca.SX  # of each rail, outwards [m]
+    track: TrackFrame
 
 
 def follow_track(assembly: Assembly, number: int, section: Callable[[int, ca.SX], Section]) -> OnTrack:
@@ -141,9 +148,10 @@ def follow_track(assembly: Assembly, number: int, section: Callable[[int, ca.SX]
     slopes = ca.jacobian(rails, assembly.distance)
     of_rails = ca.vertcat(*[assembly.parameter[f"{side}_rail_friction"] for side in SIDES.values()])
     frictions = rail_friction(assembly, number, distance) * track.friction * of_rails
+    frame = assembly.track_at(wheelset_name(number), along)
     offset = lateral - track.lateral
     motion = forward, lateral, sideways, yaw, yaw_rate, rotated, omega
-    return OnTrack(along, *motion, offset, rails[1:], slopes, frictions)
+    return OnTrack(along, *motion, offset, rails[1:], slopes, frictions, distance, track.spread, frame)
 
 
 def place_wheelset(assembly: Assembly, number: int, section: Callable[[int, ca.SX], Section]) -> SpatialWheelset:
@@ -170,26 +178,30 @@ def place_wheelset(assembly: Assembly, number: int, section: Callable[[int, ca.S
         on.frictions,
     )
     fixed = rolling_constants(assembly, data)
-    pieces = look_up_pieces(assembly, number, state, fixed)
-    part = rolling_wheelset(pieces[0].wheel.numel(), pieces[0].rail.numel(), assembly.contact.creep_law)
-    constants = ca.vertcat(fixed.vector, *[piece.vector for piece in pieces])
-    rolled = RolledMotion.of(system.call(part, state.vector, constants))
+    pieces = look_up_pieces(assembly, number, state, on.spread, fixed)
+    terms = pieces[0].wheel.numel(), pieces[0].rail.numel()
+    part = rolling_wheelset(*terms, assembly.contact.creep_law, assembly.on_line)
+    given, constants = state.vector, ca.vertcat(fixed.vector, *[piece.vector for piece in pieces])
+    if assembly.on_line:
+        given = ca.vertcat(given, OnLine(on.distance, on.lateral).vector)
+        constants = ca.vertcat(constants, line_pieces(system, number, on.distance).vector)
+    rolled = RolledMotion.of(system.call(part, given, constants))
     body = Body(
         ca.vertcat(on.along, on.lateral, rolled.height),
         ca.vertcat(on.forward, on.sideways, rolled.rise),
         turned_by(state.placement.cosines),
         ca.vertcat(rolled.roll_rate, on.angular_velocity, on.yaw_rate),
         ca.vertcat(roll, 0, on.yaw),
+        on.track,
     )
-    system.derivative(f"lateral_{number}", on.sideways)
-    system.derivative(f"yaw_{number}", on.yaw_rate / ca.cos(roll))
+    stand_on_track(assembly, number, body)
     system.residual(f"roll_{number}", rolled.gap)
     for index, word in enumerate(SIDES.values()):
         system.residual(f"contact_{number}_{word}", rolled.slope_errors[index])
-    ends = ends_alone(assembly, data, state, fixed, pieces)
+    ends = ends_alone(assembly, data, state, on.spread, fixed, pieces)
     known = zip(*map(ca.vertsplit, (rolled.bends, state.positions, rolled.on_rails)), strict=True)
     lost = [margins(assembly, data, *one) for one in known]
-    flange = push_flanges(fixed, state.offset, state.placement.cosines)
+    flange = push_flanges(fixed, state.offset, on.spread, state.placement.cosines)
     return SpatialWheelset(
         number,
         data,
@@ -206,15 +218,39 @@ def place_wheelset(assembly: Assembly, number: int, section: Callable[[int, ca.S
     )
 
 
+def stand_on_track(assembly: Assembly, number: int, body: Body) -> None:
+    """How place, lateral position and yaw of a wheelset change, by (3.12) and section 3.2.2."""
+    move_along(assembly, body, f"shift_{number}")
+    assembly.system.derivative(f"lateral_{number}", body.moving[0])
+    assembly.system.derivative(f"yaw_{number}", body.turning[2] / ca.cos(body.angles[0]))
+    if assembly.on_line:
+        names = ("lateral_speed", "rise_speed", "roll_rate", "", "yaw_rate")
+        # Before its contacts are found, it stands as high as its wheels are.
+        place = ca.vertcat(body.position[:2], assembly.radius(assembly.vehicle.wheelsets[number - 1]))
+        start_along(assembly, replace(body, position=place), [f"{name}_{number}" for name in names])
+
+
+def line_pieces(system: System, number: int, distance: ca.SX) -> LinePieces:
+    """The pieces of the line under a wheelset, as `on_line` and the `Section` look them up (section 3.2.1)."""
+    found = {table.name: table.symbols for table in system.tables}
+    names = {item.name: f"line_{item.name}_{wheelset_name(number)}" for item in fields(LinePieces)}
+    return LinePieces(**{name: found[table] for name, table in names.items()})
+
+
 def ends_alone(
-    assembly: Assembly, data: Wheelset, state: RollingState, fixed: RollingConstants, pieces: Sequence[Pieces]
+    assembly: Assembly,
+    data: Wheelset,
+    state: RollingState,
+    spread: ca.SX,
+    fixed: RollingConstants,
+    pieces: Sequence[Pieces],
 ) -> list[ca.SX]:
     """The `margins` of both wheels (section 9.4.1), told without what it costs to find their forces."""
     found = []
-    for index, piece in enumerate(pieces):
+    for index, (side, piece) in enumerate(zip(SIDES, pieces, strict=True)):
         part = end_of_contact(piece.wheel.numel(), piece.rail.numel())
         position = state.positions[index]
-        given = given_to_contact(state.placement, fixed.wheel(index), position, piece)
+        given = given_to_contact(state.placed_over(side, spread), fixed.wheel(index), position, piece)
         bend, on_rail = ca.vertsplit(assembly.system.call(part, *given))
         found.append(margins(assembly, data, bend, position, on_rail))
     return found
@@ -259,14 +295,21 @@ def rolling_constants(assembly: Assembly, data: Wheelset) -> RollingConstants:
     )
 
 
-def look_up_pieces(assembly: Assembly, number: int, state: RollingState, fixed: RollingConstants) -> list[Pieces]:
+def look_up_pieces(
+    assembly: Assembly, number: int, state: RollingState, spread: ca.SX, fixed: RollingConstants
+) -> list[Pieces]:
     """Pieces of the profiles at both contacts of a wheelset, (3.77), (3.78)."""
     pair = assembly.vehicle.wheelsets[number - 1].equal_sides
     return [
         look_up_profiles(
-            assembly.system, f"{number}_{word}", pair, state.placement, fixed.wheel(index), state.positions[index]
+            assembly.system,
+            f"{number}_{word}",
+            pair,
+            state.placed_over(side, spread),
+            fixed.wheel(index),
+            state.positions[index],
         )
-        for index, word in enumerate(SIDES.values())
+        for index, (side, word) in enumerate(SIDES.items())
     ]
 
 

@@ -7,7 +7,7 @@ straight in its neighbourhood. What that leaves out is of second order in the sl
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import casadi as ca
@@ -66,6 +66,7 @@ class Section:
     right: ca.SX
     friction: ca.SX  # factor on the friction coefficient
     density: ca.SX  # 1/m: nothing that is to be felt is shorter than its reciprocal; 0: level track
+    spread: ca.SX = field(default_factory=lambda: ca.SX(0))  # of each rail, outwards
 
 
 #: Adds the track to a System (parameters or tables); returns its section at a distance, for a wheelset's number.
@@ -114,6 +115,32 @@ def irregular_track(defaults: TrackParameters) -> Track:
             across = plateau(distance - p["cross_level_centre"], p["cross_level"], p["cross_level_wave_number"])
             left = p["cross_level_left_share"] * across
             return Section(lateral, vertical + left, vertical + left - across, ca.SX(1), density())
+
+        return section
+
+    return add
+
+
+def with_line(track: Track) -> Track:
+    """The same track upon the line that an instance runs on: its widening, friction and irregularities come to it."""
+
+    def add(system: System) -> Callable[[int, ca.SX], Section]:
+        own = track(system)
+
+        def section(number: int, distance: ca.SX) -> Section:
+            def of_line(column: str) -> ca.SX:
+                return system.along_line(column, f"wheelset_{number}", distance)[0]
+
+            there = own(number, distance)
+            frictions = ca.vertcat(of_line("left_friction"), of_line("right_friction"))
+            return Section(
+                there.lateral + of_line("lateral"),
+                there.left + of_line("left"),
+                there.right + of_line("right"),
+                there.friction * frictions,
+                ca.fmax(there.density, 1 / of_line("felt")),
+                of_line("spread"),
+            )
 
         return section
 

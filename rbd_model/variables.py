@@ -44,10 +44,34 @@ def inputs(vehicle: Vehicle) -> dict[str, Variable]:
         text = f"Yaw torque on the {place} wheelset, about the axis upright on its axle, which rolls with it"
         rows.append(_input(f"yaw_torque_{number}", "N.m", text))
     rows += [_input(pull.name, "N", pull.text) for pull in vehicle.pulls]
+    rows += line_inputs()
     for number, place in wheelsets.items():
         text = f"Wheel-rail friction coefficient under the {place} wheelset"
         rows.append(_input(f"friction_{number}", "1", text, start=0.3, minimum=0.0))
     return {row.name: row for row in rows}
+
+
+#: Steepest gradient of a line, as its sine, and its tightest curve [1/m]: those that line_file.c knows.
+STEEPEST, TIGHTEST = 0.5, 0.02
+
+
+def line_inputs() -> list[Variable]:
+    """What a host tells of the line that knows it itself; a line's file takes their place. Not at the spatial level."""
+    rise = "Rise of the line for each metre along it (sine of its slope), at levels 1 and 2 without line_file"
+    curve = "Curvature of the line for curve_resistance, at levels 1 and 2 without line_file"
+    return [
+        Variable("gradient", "input", "1", rise, 0.0, -STEEPEST, STEEPEST),
+        Variable("curvature", "input", "1/m", curve, 0.0, -TIGHTEST, TIGHTEST),
+    ]
+
+
+def line_file() -> Variable:
+    """Parameter: the line that a vehicle runs on."""
+    text = (
+        "Path of a file with the line (docs/line.md), read when it is set; empty: resources/line.csv of the FMU where "
+        "there is one, else straight and level track"
+    )
+    return Variable("line_file", "parameter", "1", text, kind="string")
 
 
 def _output(name: str, unit: str, description: str, **more: str) -> Variable:
@@ -129,6 +153,12 @@ def initial_speed(start: float) -> Variable:
     return Variable(
         "initial_speed", "parameter", "m/s", "Speed at the start, wheels rolling", start, display_unit="km/h"
     )
+
+
+def drive_inertia() -> Variable:
+    """Parameter: the rotating mass of a drive."""
+    text = "Moment of inertia of a drive that turns with each wheelset, brought to its axle"
+    return Variable("drive_inertia", "parameter", "kg.m2", text, 0.0, 0.0)
 
 
 #: Largest offsets at the start: tread contact is lost at 11.5 mm (section 9.4.1) [m]; and a yaw of 3 degrees [rad].

@@ -240,6 +240,10 @@ class Vehicle:
         """Wheelsets with their numbers, from 1."""
         return list(enumerate(self.wheelsets, 1))
 
+    def number(self, size: Size) -> float:
+        """A size with the values of the vehicle's own parameters."""
+        return float(size_of(size, self.parameters.values()))
+
     @property
     def carrying(self) -> list[Springs]:
         """The connections that have a preload."""
@@ -280,7 +284,7 @@ def _refused(vehicle: Vehicle, sentence: str) -> ValueError:
 
 def _number(vehicle: Vehicle, part: str, size: Size) -> float:
     try:
-        return float(size_of(size, vehicle.parameters.values()))
+        return vehicle.number(size)
     except KeyError as error:
         raise _refused(vehicle, f"{part} asks for {error.args[0]}, which is no parameter of its set") from None
 

@@ -13,6 +13,7 @@ from rbd_model.contact.creep.kalker import kalker_coefficients
 from rbd_model.contact.creep.law import creepage
 from rbd_model.contact.creep.polach import saturated
 from rbd_model.contact.hertz import ellipse_shape
+from rbd_model.track_frame import LEVEL, TrackFrame
 from rbd_model.vehicle import Wheelset
 
 #: Used where a trial step would ask for the contact of a wheel that carries nothing; a run ends before (wheel lift).
@@ -124,7 +125,7 @@ class Rolling:
     """A wheelset that rolls, skids or is locked, as every level has it.
 
     number: from 1. forward [m/s]: speed of its axle, axle: unit vector along it, in the axes of the track. creep_force,
-    load [N]: of both rails on it, along the track and upwards; creep_power [W]: what both take.
+    load [N]: of both rails on it, along the track and upwards; creep_power [W]: what both take. track: its axes there.
     """
 
     number: int
@@ -135,6 +136,7 @@ class Rolling:
     creep_force: ca.SX
     load: ca.SX
     creep_power: ca.SX
+    track: TrackFrame = LEVEL
 
 
 def roll_on_level_rail(
@@ -178,9 +180,10 @@ def add_rotation(assembly: Assembly, number: int, turned: tuple[ca.SX, ca.SX], r
     # Sliding, the friction is the capacity; locked, it is whatever balances the drive, shared in proportion.
     moving = direction**2
     friction_torque = moving * direction * capacity + (1 - moving) * drive
-    velocity, inertia = f"angular_velocity_{number}", assembly.vehicle.wheelsets[number - 1].inertia[1]
+    velocity, own = f"angular_velocity_{number}", assembly.vehicle.wheelsets[number - 1].inertia[1]
+    inertia = system.derived(f"turning_inertia_{number}", assembly.value(own) + assembly.drive_inertia)
     system.derivative(f"rotation_{number}", omega)
-    system.derivative(velocity, moving * (drive - direction * capacity) / assembly.value(inertia))
+    system.derivative(velocity, moving * (drive - direction * capacity) / inertia)
     system.dry_friction(Friction(f"Wheelset {number}", direction, velocity, drive, capacity, "locked", "turns again"))
     share = brake / ca.fmax(capacity, 1e-9)
     return Rotation(number, rotated, omega, friction_torque, share * friction_torque, traction, moving)

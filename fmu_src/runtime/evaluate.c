@@ -16,7 +16,7 @@ void kernel_look_up(kernel *self, double offset, const double *state) {
     const system_description *system = self->system;
     for (int rank = 0; rank < system->table_ranks; ++rank) {
         kernel_call(self, system->table_argument[rank], offset, state, &self->table_at);
-        tables_look_up(system, rank, self->table_at, self->coefficient);
+        tables_look_up(self, rank);
     }
 }
 

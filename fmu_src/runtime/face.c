@@ -93,9 +93,51 @@ component *face_instantiate(const component *log, const char *name, const char *
     return NULL;
 }
 
+/* The path in a URI "file:///a%20b", or a path as it is. */
+static void decode(const char *uri, char *path) {
+    if (strncmp(uri, "file:", 5) == 0) {
+        uri += 5;
+        if (strncmp(uri, "//", 2) == 0) uri += 2 + strcspn(uri + 2, "/"); /* behind the host's name, which is empty */
+        if (uri[0] == '/' && uri[1] && uri[2] == ':') ++uri;               /* "/C:/" */
+    }
+    for (; *uri; ++uri) {
+        unsigned letter;
+        if (uri[0] == '%' && sscanf(uri + 1, "%2x", &letter) == 1 && uri[1] && uri[2]) {
+            *path++ = (char)letter;
+            uri += 2;
+        } else {
+            *path++ = *uri;
+        }
+    }
+    *path = '\0';
+}
+
+/* The line among the resources, where there is one. */
+static int own_line(component *self) {
+    if (MODEL.line_file < 0 || !self->resources) return KERNEL_OK;
+    FILE *file = fopen(self->resources, "rb");
+    if (!file) return KERNEL_OK;
+    fclose(file);
+    return face_report(self, kernel_set_text(self->machine, MODEL.line_file, self->resources));
+}
+
+component *face_settle(component *self, const char *resources) {
+    static const char NAME[] = "/line.csv";
+    if (!self || !resources) return self;
+    self->resources = (char *)malloc(strlen(resources) + sizeof NAME);
+    if (self->resources) {
+        decode(resources, self->resources);
+        strcat(self->resources, NAME);
+        if (own_line(self) == KERNEL_OK) return self;
+    }
+    face_free(self);
+    return NULL;
+}
+
 void face_free(component *self) {
     if (!self) return;
     kernel_free(self->machine);
+    free(self->resources);
     free(self->name);
     free(self);
 }
@@ -110,7 +152,7 @@ int face_reset(component *self) {
     self->now = INSTANTIATED;
     self->start_time = 0.0;
     self->last_step = KERNEL_OK;
-    return KERNEL_OK;
+    return own_line(self);
 }
 
 int face_plan(component *self, const double *tolerance, double start, const double *stop) {
@@ -122,7 +164,7 @@ int face_plan(component *self, const double *tolerance, double start, const doub
 /* ---- variables: every value is a double in the kernel; the type is only checked here ---- */
 
 static int wrong_type(const component *self, unsigned reference, int kind) {
-    static const char *const name[] = {"Real", "Integer", "Boolean"};
+    static const char *const name[] = {"Real", "Integer", "Boolean", "String"};
     if (reference < (unsigned)MODEL.variables && MODEL.variable[reference].kind == kind) return 0;
     char sentence[160];
     snprintf(sentence, sizeof sentence, "Value reference %u is not a variable of type %s of %s.", reference, name[kind],
@@ -159,6 +201,17 @@ int face_fixed(component *self, size_t count, const unsigned *reference, int kin
 int face_set(component *self, unsigned reference, double value) {
     if (self->now == INITIALISING) kernel_reopen(self->machine);
     return face_report(self, kernel_set(self->machine, (int)reference, value));
+}
+
+int face_set_text(component *self, unsigned reference, const char *text) {
+    if (wrong_type(self, reference, KIND_STRING)) return KERNEL_ERROR;
+    if (self->now == INITIALISING) kernel_reopen(self->machine);
+    return face_report(self, kernel_set_text(self->machine, (int)reference, text));
+}
+
+int face_get_text(component *self, unsigned reference, const char **text) {
+    if (wrong_type(self, reference, KIND_STRING)) return KERNEL_ERROR;
+    return face_report(self, kernel_get_text(self->machine, (int)reference, text));
 }
 
 int face_set_rate(component *self, unsigned reference, double rate) {

@@ -16,6 +16,7 @@ typedef struct component {
     int last_step;   /* status of the last step */
     double start_time;
     char *name;
+    char *resources; /* folder of the FMU's own files; null: the host named none */
     const char *standard; /* "FMI 2.0, section 4.2.4" */
     /* Hands a sentence to the host's logger. */
     void (*tell)(const struct component *self, int status, const char *category, const char *sentence);
@@ -28,6 +29,9 @@ enum { WARNINGS = 1u << KERNEL_WARNING, ERRORS = 1u << KERNEL_ERROR };
 
 /* A new instance, or null after `tell` has said why. The caller fills in the fields of the log first. */
 INSIDE component *face_instantiate(const component *log, const char *name, const char *token, int logging);
+/* Tells an instance (null: there is none) where its resources are, a path or a URI of a file; `line.csv` there is its
+ * line. Gives it back, or null where that line is refused. */
+INSIDE component *face_settle(component *self, const char *resources);
 INSIDE void face_free(component *self);
 INSIDE int face_log(component *self, int logging, size_t count, const char *const categories[]);
 INSIDE int face_error(const component *self, const char *sentence);
@@ -44,6 +48,8 @@ INSIDE int face_get(component *self, unsigned reference, int kind, double *value
 /* Whether one of the variables cannot be set now, which is then said: then none is set. */
 INSIDE int face_fixed(component *self, size_t count, const unsigned *reference, int kind);
 INSIDE int face_set(component *self, unsigned reference, double value);
+INSIDE int face_set_text(component *self, unsigned reference, const char *text);
+INSIDE int face_get_text(component *self, unsigned reference, const char **text);
 INSIDE int face_set_rate(component *self, unsigned reference, double rate);
 INSIDE int face_terminate(component *self);
 INSIDE int face_reset(component *self);

@@ -31,7 +31,6 @@ fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean loggingOn, size_t nC
 fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2String fmuGUID,
                               fmi2String fmuResourceLocation, const fmi2CallbackFunctions *functions,
                               fmi2Boolean visible, fmi2Boolean loggingOn) {
-    (void)fmuResourceLocation;
     (void)visible;
     if (!functions) return NULL;
     component log;
@@ -46,7 +45,7 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
         if (instanceName && log.logger) (void)face_error(&log, "Only co-simulation is supported.");
         return NULL;
     }
-    return face_instantiate(&log, instanceName, fmuGUID, loggingOn);
+    return face_settle(face_instantiate(&log, instanceName, fmuGUID, loggingOn), fmuResourceLocation);
 }
 
 void fmi2FreeInstance(fmi2Component c) { face_free((component *)c); }
@@ -117,16 +116,24 @@ DEFINE_SET(fmi2SetBoolean, fmi2Boolean, KIND_BOOLEAN)
 
 fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2String value[]) {
     REQUIRE(c, ALWAYS, "fmi2GetString");
-    (void)vr;
-    (void)value;
-    return nvr ? (fmi2Status)face_error(self, "There are no variables of type String.") : fmi2OK;
+    if (face_missing(self, nvr, vr, value)) return fmi2Error;
+    int worst = KERNEL_OK;
+    for (size_t i = 0; i < nvr; ++i) {
+        const int status = face_get_text(self, vr[i], &value[i]);
+        if (status > worst) worst = status;
+    }
+    return (fmi2Status)worst;
 }
 
 fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2String value[]) {
-    REQUIRE(c, ALWAYS, "fmi2SetString");
-    (void)vr;
-    (void)value;
-    return nvr ? (fmi2Status)face_error(self, "There are no variables of type String.") : fmi2OK;
+    REQUIRE(c, INSTANTIATED | INITIALISING | STEPPING, "fmi2SetString");
+    if (face_missing(self, nvr, vr, value)) return fmi2Error;
+    int worst = KERNEL_OK;
+    for (size_t i = 0; i < nvr; ++i) {
+        const int status = face_set_text(self, vr[i], value[i]);
+        if (status > worst) worst = status;
+    }
+    return (fmi2Status)worst;
 }
 
 /* ---- saved states ---- */

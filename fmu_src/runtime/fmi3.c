@@ -37,7 +37,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
                                          size_t nRequiredIntermediateVariables,
                                          fmi3InstanceEnvironment instanceEnvironment, fmi3LogMessageCallback logMessage,
                                          fmi3IntermediateUpdateCallback intermediateUpdate) {
-    (void)resourcePath, (void)visible, (void)requiredIntermediateVariables;
+    (void)visible, (void)requiredIntermediateVariables;
     (void)nRequiredIntermediateVariables, (void)intermediateUpdate;
     component log;
     memset(&log, 0, sizeof log);
@@ -49,7 +49,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
     if (eventModeUsed)
         return refuse(logMessage, instanceEnvironment, loggingOn,
                       "There is no event mode, as modelDescription.xml says; instantiate with eventModeUsed = false.");
-    component *self = face_instantiate(&log, instanceName, instantiationToken, loggingOn);
+    component *self = face_settle(face_instantiate(&log, instanceName, instantiationToken, loggingOn), resourcePath);
     if (self) kernel_stop_at_events(self->machine, earlyReturnAllowed);
     return self;
 }
@@ -176,7 +176,30 @@ DEFINE_NONE(UInt16, fmi3UInt16)
 DEFINE_NONE(UInt32, fmi3UInt32)
 DEFINE_NONE(Int64, fmi3Int64)
 DEFINE_NONE(UInt64, fmi3UInt64)
-DEFINE_NONE(String, fmi3String)
+
+fmi3Status fmi3GetString(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                         fmi3String values[], size_t nValues) {
+    REQUIRE(instance, ALWAYS, "fmi3GetString");
+    if (unusable(self, valueReferences, nValueReferences, values, nValues)) return fmi3Error;
+    int worst = KERNEL_OK;
+    for (size_t i = 0; i < nValues; ++i) {
+        const int status = face_get_text(self, valueReferences[i], &values[i]);
+        if (status > worst) worst = status;
+    }
+    return (fmi3Status)worst;
+}
+
+fmi3Status fmi3SetString(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                         const fmi3String values[], size_t nValues) {
+    REQUIRE(instance, INSTANTIATED | INITIALISING | STEPPING, "fmi3SetString");
+    if (unusable(self, valueReferences, nValueReferences, values, nValues)) return fmi3Error;
+    int worst = KERNEL_OK;
+    for (size_t i = 0; i < nValues; ++i) {
+        const int status = face_set_text(self, valueReferences[i], values[i]);
+        if (status > worst) worst = status;
+    }
+    return (fmi3Status)worst;
+}
 
 /* ---- saved states ---- */
 

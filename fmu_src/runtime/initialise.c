@@ -19,6 +19,14 @@ void kernel_enter_system(kernel *self) {
         self->place[system->order[i]] = i;
     }
     for (int i = 0; i < system->algebraics; ++i) self->differential[system->algebraic[i]] = 0.0;
+    for (int i = 0; i < system->tables; ++i) self->line_piece[i] = -1;
+}
+
+/* Whether the system asks for a line. */
+static int needs_line(const system_description *system) {
+    for (int i = 0; i < system->tables; ++i)
+        if (system->table[i].line >= 0) return 1;
+    return 0;
 }
 
 int kernel_initialise(kernel *self, double time) {
@@ -28,12 +36,23 @@ int kernel_initialise(kernel *self, double time) {
                            "Set integration_step above 0 s: integration_method %d, explicit, has no error control that "
                            "could choose its steps.",
                            METHOD_EXPLICIT);
-    int combination = 0;
+    int combination = 0, combinations = 1;
+    for (int i = 0; i < MODEL.selectors; ++i) combinations *= MODEL.selectable[i];
     for (int i = 0; i < MODEL.selectors; ++i)
         combination = combination * MODEL.selectable[i] + (int)self->value[MODEL.selector[i]] - 1;
+    if (self->line) combination += combinations;
+    if (MODEL.choice[combination] < 0)
+        return kernel_fail(self, KERNEL_ERROR,
+                           "Set %s to another value, or %s to no text: %s has no system for these two together.",
+                           MODEL.variable[MODEL.selector[MODEL.selectors - 1]].name,
+                           MODEL.variable[MODEL.line_file].name, MODEL.name);
+    if (!self->line && needs_line(&MODEL.system[MODEL.choice[combination]]))
+        return kernel_fail(self, KERNEL_ERROR, "Set %s to the path of a file with a line; this model has no other.",
+                           MODEL.variable[MODEL.line_file].name);
     self->now.system = MODEL.choice[combination];
     kernel_enter_system(self);
     const system_description *system = self->system;
+    self->now.line = self->line ? self->line->mark : 0;
     self->now.time = self->step_origin = time;
     self->now.proposed_step = FIRST_STEP;
     self->now.kept_steps = -1;

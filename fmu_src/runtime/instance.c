@@ -93,7 +93,7 @@ kernel *kernel_create(void) {
     const size_t doubles = lay_out(self, NULL);
     self->block = (double *)calloc(doubles, sizeof(double));
     const size_t n = (size_t)largest_dimensions().states;
-    self->places = (int *)calloc(5 * n + 1, sizeof(int));
+    self->places = (int *)calloc(5 * n + (size_t)largest_dimensions().tables + 1, sizeof(int));
     self->warned = (char *)calloc((size_t)MODEL.variables, 1);
     if (!self->block || !self->places || !self->warned) {
         kernel_free(self);
@@ -105,6 +105,7 @@ kernel *kernel_create(void) {
     self->algebraic.pivot = self->places + 2 * n;
     self->kept.pivot = self->places + 3 * n;
     self->kept_algebraic.pivot = self->places + 4 * n;
+    self->line_piece = self->places + 5 * n;
     kernel_reset(self);
     return self;
 }
@@ -114,10 +115,12 @@ void kernel_free(kernel *self) {
     free(self->block);
     free(self->places);
     free(self->warned);
+    kernel_leave_line(self);
     free(self);
 }
 
 void kernel_reset(kernel *self) {
+    kernel_leave_line(self);
     memset(self->block, 0, self->restored * sizeof(double));
     memset(self->warned, 0, (size_t)MODEL.variables);
     memset(&self->now, 0, sizeof self->now);

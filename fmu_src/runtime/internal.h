@@ -3,6 +3,7 @@
 #define INTERNAL_H
 
 #include "kernel.h"
+#include "line.h"
 
 /* What a rollback restores besides the doubles. Plain data. */
 typedef struct {
@@ -15,6 +16,7 @@ typedef struct {
     int switches;                /* steps that ended in a switch, less those that did not */
     int guard_wait;              /* steps until the stability of an explicit method is looked at again */
     int system; /* -1 before initialisation */
+    unsigned long long line; /* the line's mark; 0: there is none */
     int ended;  /* 1 + index of the end condition that stopped the run; 0: running */
     int outputs_stale;
 } kernel_snapshot;
@@ -60,6 +62,9 @@ struct kernel {
     double *drive, *capacity, *margin, *output, *backup, *seed, *output_rate, *largest_change;
     factors whole, algebraic, kept, kept_algebraic;
     int *place; /* of the states in the order of elimination */
+    line *line;      /* null: straight and level */
+    char *line_path;
+    int *line_piece; /* for each table, which piece of the line `coefficient` holds; -1: none */
     int method;
     int kept_ready;    /* what there is of the kept Jacobian besides its place */
     int factors_serve; /* the factors `algebraic` are good enough for Newton's method */
@@ -89,6 +94,7 @@ INSIDE int kernel_warn_without_effect(kernel *self, int variable);
 INSIDE int kernel_check_times(kernel *self, double time, double size);
 /* Says that the run ended `reached` seconds into a step that is taken back; the journal was `heard` long before it. */
 INSIDE int kernel_discard(kernel *self, size_t heard, double reached);
+INSIDE void kernel_leave_line(kernel *self);
 /* Sets what follows from the chosen system and the parameters and is not restored with them. */
 INSIDE void kernel_enter_system(kernel *self);
 INSIDE void kernel_gather_inputs(kernel *self);
@@ -104,7 +110,7 @@ INSIDE void kernel_evaluate_again(kernel *self, generated_function function, dou
                                   double *result);
 INSIDE void kernel_evaluate(kernel *self, generated_function function, double offset, const double *state,
                             double *result);
-INSIDE void tables_look_up(const system_description *system, int rank, const double *argument, double *coefficient);
+INSIDE void tables_look_up(kernel *self, int rank);
 /* Linear equations: factors of M diagonal - J, in the order of the states; and of the algebraic part of J. 0: singular. */
 INSIDE int linear_factorise_step(kernel *self, factors *of, const double *jacobian, double diagonal);
 INSIDE void linear_solve_step(kernel *self, const factors *of, double *vector);

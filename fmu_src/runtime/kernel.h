@@ -39,6 +39,10 @@ KERNEL_EXPORT void kernel_reset(kernel *self);
 KERNEL_EXPORT int kernel_set(kernel *self, int variable, double value);
 KERNEL_EXPORT int kernel_set_rate(kernel *self, int variable, double rate);
 KERNEL_EXPORT int kernel_get(kernel *self, int variable, double *value);
+/* The variable that names a file: it is read at once; after a refusal the one before it stays. Text that is got belongs to
+ * the kernel and lasts until it is set again. */
+KERNEL_EXPORT int kernel_set_text(kernel *self, int variable, const char *text);
+KERNEL_EXPORT int kernel_get_text(kernel *self, int variable, const char **text);
 /* First derivatives of outputs by time at the end of the last step, the inputs going on as they did within it. */
 KERNEL_EXPORT int kernel_get_rates(kernel *self, int count, const int *variable, double *rate);
 /* Derivatives of outputs along a change of inputs and states; states that are not named are held. */

@@ -27,7 +27,7 @@ typedef int (*generated_function)(const double **argument, double **result, long
 typedef void (*generated_factors)(double *entry);
 typedef void (*generated_solution)(const double *entry, double *vector);
 
-enum { KIND_REAL, KIND_INTEGER, KIND_BOOLEAN };
+enum { KIND_REAL, KIND_INTEGER, KIND_BOOLEAN, KIND_STRING }; /* the last: a path, in kernel_set_line */
 enum { CAUSALITY_PARAMETER, CAUSALITY_INPUT, CAUSALITY_OUTPUT, CAUSALITY_LOCAL }; /* the last: a state */
 
 typedef struct {
@@ -43,6 +43,7 @@ typedef struct {
 typedef struct {
     int pieces, degree;
     int rank; /* tables of rank 0 have arguments without tables; rank 1 needs values of rank 0, and so on */
+    int line; /* column of the instance's line (line.h) in place of breakpoints and coefficients; -1: it has its own */
     const double *breakpoint;
     const double *coefficient; /* pieces x (degree + 1), lowest power first */
 } table_description;
@@ -97,6 +98,8 @@ typedef struct {
      * system for each combination, the last selector running first. */
     int selectors;
     const int *selector, *selectable, *choice;
+    int line_file; /* the variable that names a line; `choice` then has first all without a line, then all on one, -1
+                    * where there is no system; -1: none */
     int tolerance, integration_method, integration_step; /* variables that every model has */
     const variable_description *variable;
     const system_description *system;

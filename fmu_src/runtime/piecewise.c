@@ -30,9 +30,12 @@ static double polynomial(const double *coefficient, int degree, double x) {
     return value;
 }
 
-/* Writes (origin, c0 ... c_degree) for each table of this rank, whose arguments are given one after the other. Outside
- * its breakpoints a table holds its end value. */
-void tables_look_up(const system_description *system, int rank, const double *argument, double *coefficient) {
+/* Writes (origin, c0 ... c_degree) for each table of this rank, whose arguments are in table_at one after the other.
+ * Outside its breakpoints a table holds its end value. */
+void tables_look_up(kernel *self, int rank) {
+    const system_description *system = self->system;
+    const double *argument = self->table_at;
+    double *coefficient = self->coefficient;
     for (int i = 0; i < system->tables; ++i) {
         const table_description *table = &system->table[i];
         const int terms = table->degree + 1;
@@ -40,8 +43,13 @@ void tables_look_up(const system_description *system, int rank, const double *ar
             coefficient += 1 + terms;
             continue;
         }
-        const double first = table->breakpoint[0], last = table->breakpoint[table->pieces];
         const double at = *argument++;
+        if (table->line >= 0) {
+            line_look_up(self->line, table->line, table->degree, at, &self->line_piece[i], coefficient);
+            coefficient += 1 + terms;
+            continue;
+        }
+        const double first = table->breakpoint[0], last = table->breakpoint[table->pieces];
         const int piece = piece_of(table, at);
         const double *source = table->coefficient + (size_t)piece * (size_t)terms;
         coefficient[0] = table->breakpoint[piece];

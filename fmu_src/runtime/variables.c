@@ -57,6 +57,8 @@ int kernel_set(kernel *self, int variable, double value) {
     if (description->causality >= CAUSALITY_OUTPUT)
         return kernel_fail(self, KERNEL_ERROR, "%s is %s and cannot be set; read it instead.", description->name,
                            description->causality == CAUSALITY_OUTPUT ? "an output" : "a state");
+    if (description->kind == KIND_STRING)
+        return kernel_fail(self, KERNEL_ERROR, "%s is a text, no number.", description->name);
     if (description->causality == CAUSALITY_PARAMETER && self->system)
         return kernel_fail(self, KERNEL_ERROR, "%s is a parameter and fixed once the run has begun; reset first.",
                            description->name);

@@ -28,7 +28,13 @@ def pair(*names: str) -> list[str]:
 
 
 #: The names that hosts rely on, in their order.
-BOGIE_INPUTS = [*pair("brake_torque", "traction_torque", "yaw_torque"), "drawbar_force", *pair("friction")]
+BOGIE_INPUTS = [
+    *pair("brake_torque", "traction_torque", "yaw_torque"),
+    "drawbar_force",
+    "gradient",
+    "curvature",
+    *pair("friction"),
+]
 BOGIE_OUTPUTS = [
     *("speed", "distance", "acceleration"),
     *pair("angular_velocity", "rotation", "slip", "slip_ratio", "creep_force", "axle_load", "locked"),
@@ -43,7 +49,15 @@ BOGIE_OUTPUTS = [
     "guiding_force_1",
     "guiding_force_2",
 ]
-BOGIE_PARAMETERS = {"level", "initial_speed", "rolling_resistance_torque", "tolerance", "wheelset_mass", "frame_mass"}
+BOGIE_PARAMETERS = {
+    "level",
+    "initial_speed",
+    "rolling_resistance_torque",
+    "tolerance",
+    "wheelset_mass",
+    "frame_mass",
+    "line_file",
+}
 BRAKE_INPUTS = ["pressure_demand", "valve", "angular_velocity"]
 BRAKE_OUTPUTS = ["cylinder_pressure", "shoe_force", "shoe_friction", "brake_torque"]
 BRAKE_PARAMETERS = {"application_time", "release_time", "force_per_pressure", "rigging_efficiency", "wheel_radius"}

@@ -28,6 +28,7 @@ POINTERS = {
     "kernel": ctypes.c_void_p,
     "void": ctypes.c_char_p,
     "char": ctypes.c_char_p,
+    "char *": ctypes.POINTER(ctypes.c_char_p),
     "int": ctypes.POINTER(ctypes.c_int),
     "double": ctypes.POINTER(ctypes.c_double),
     "kernel_counters": ctypes.POINTER(ctypes.c_longlong),
@@ -124,6 +125,6 @@ def test_description_of_a_system_has_the_order_of_its_type(bogie_sources: dict[s
     [body] = re.findall(r"typedef struct \{([^}]*)\} system_description;", code_of(RUNTIME / "model.h"))
     members = [name for line in body.split(";") for name in re.findall(r"\w+(?=,|$)", line.strip())]
     entries = re.findall(r"^    \{(/\* name \*/ .*?)\}(?=,?$)", bogie_sources["model.c"], re.M | re.S)
-    assert len(entries) == 5  # point, planar, and three depths of contact in space
+    assert len(entries) == 8  # point, planar, three depths of contact in space; on a line point, planar and one depth
     for entry in entries:
         assert re.findall(r"/\* (\w+) \*/", entry) == members

@@ -1,0 +1,221 @@
+"""The line as data: curvature, cant, gradient, widening, irregularity and friction of both rails, by rows along it.
+
+A line is built of segments or read from a file, and written to one: the file is what an FMU or a kernel reads
+(`line_file`). Curvature and cant are positive for a curve to the left, whose right rail is the higher one; distance is
+that along the line, and gradient the rise for each metre of it. Between rows what is read is smooth: curvature and
+gradient have a continuous slope, all else but friction a continuous bend as well (fmu_src/runtime/line.c).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+#: Columns of a line file; those behind the fourth may be missing.
+COLUMNS = (
+    "distance",
+    "curvature",
+    "cant",
+    "gradient",
+    "gauge_widening",
+    "left_lateral",
+    "left_vertical",
+    "right_lateral",
+    "right_vertical",
+    "left_friction",
+    "right_friction",
+)
+UNITS = {"distance": "m", "curvature": "1/m", "gradient": "1", "left_friction": "1", "right_friction": "1"}
+#: Distance of the rails' heads over which cant is measured, EN 13803 [m]: its angle is asin(cant / GAUGE).
+GAUGE = 1.5
+#: Rows of a line that is built: at most so far apart [m], and with so much turning between two [rad].
+ROW_DISTANCE, ROW_TURN = 5.0, 0.02
+#: Assumed: length on either side of a joint over which a corner of curvature, cant or gradient is rounded [m].
+ROUNDING = 1.0
+
+
+@dataclass(frozen=True)
+class Segment:
+    """A piece of line, whose curvature [1/m], cant [m] and gradient [1] go linearly from a first to a last value."""
+
+    length: float
+    curvature: tuple[float, float] = (0.0, 0.0)
+    cant: tuple[float, float] = (0.0, 0.0)
+    gradient: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def ends(self) -> np.ndarray:
+        """Values at both ends, shape (2, 3)."""
+        return np.array([self.curvature, self.cant, self.gradient]).T
+
+    @property
+    def slopes(self) -> np.ndarray:
+        """Their changes along it, shape (3,)."""
+        first, last = self.ends
+        return np.asarray((last - first) / self.length)
+
+
+def straight(length: float, gradient: float = 0.0) -> Segment:
+    """Straight track [m] on one gradient."""
+    return Segment(length, gradient=(gradient, gradient))
+
+
+def arc(length: float, radius: float, cant: float = 0.0, gradient: float = 0.0) -> Segment:
+    """A curve of one radius [m], to the left where it is positive; cant [m] has the sign of the radius it suits."""
+    return Segment(length, (1 / radius, 1 / radius), (cant, cant), (gradient, gradient))
+
+
+def clothoid(length: float, before: Segment, behind: Segment) -> Segment:
+    """The transition between two segments, with its cant ramp and, where they differ in gradient, a vertical curve."""
+    (*_, first), (last, *_) = before.ends, behind.ends
+    return Segment(length, *(tuple(pair) for pair in zip(first.tolist(), last.tolist(), strict=True)))
+
+
+@dataclass(frozen=True)
+class Line:
+    """A line by rows: arrays of shape (n,) by name of COLUMNS, all in m but curvature, gradient and friction."""
+
+    rows: dict[str, np.ndarray] = field(repr=False)
+
+    @property
+    def length(self) -> float:
+        """From the first row to the last [m]."""
+        return float(self.rows["distance"][-1] - self.rows["distance"][0])
+
+    def write(self, path: Path) -> Path:
+        """Writes the file that a kernel reads, each number to its last digit; the path."""
+        names = [name for name in COLUMNS if name in self.rows]
+        table = np.column_stack([self.rows[name] for name in names]).tolist()
+        lines = [",".join(names), *(",".join(map(repr, row)) for row in table)]
+        path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+        return path
+
+    def mirrored(self) -> Line:
+        """The line with left and right exchanged."""
+        rows = {name: -values if name in ("curvature", "cant") else values for name, values in self.rows.items()}
+        swapped = dict(rows)
+        for name in rows:
+            side, _, rest = name.partition("_")
+            if side in ("left", "right"):
+                other = {"left": "right", "right": "left"}[side]
+                sign = -1.0 if rest == "lateral" else 1.0
+                swapped.pop(name, None)
+                swapped[name] = sign * rows.get(f"{other}_{rest}", np.zeros_like(rows["distance"]))
+        return Line({name: swapped[name] for name in COLUMNS if name in swapped})
+
+
+def read_line(path: Path) -> Line:
+    """The line in a file, for pictures and further work; its limits are those of the kernel that reads it."""
+    with path.open(encoding="utf-8-sig") as file:
+        names = [name.strip() for name in file.readline().split(",")]
+        table = np.loadtxt(file, delimiter=",", ndmin=2)
+    return Line(dict(zip(names, table.T, strict=True)))
+
+
+def line_of(segments: Iterable[Segment], start: float = 0.0) -> Line:
+    """A line of segments one after the other from a distance [m]; joints within what goes on alike leave no trace.
+
+    Corners and jumps are rounded over ROUNDING on either side. Raises ValueError for a segment without length, or one
+    that is shorter than what is rounded at both its ends.
+    """
+    pieces = joined(list(segments))
+    joints = start + np.concatenate([[0.0], np.cumsum([piece.length for piece in pieces])])
+    distances, values = [joints[0]], [pieces[0].ends[0]]
+    for number, piece in enumerate(pieces):
+        first, last = joints[number], joints[number + 1]
+        inner = (first + ROUNDING if number else first), (last - ROUNDING if number + 1 < len(pieces) else last)
+        steepest = float(np.max(np.abs(piece.ends[:, 0])))
+        count = max(math.ceil((inner[1] - inner[0]) / min(ROW_DISTANCE, ROW_TURN / max(steepest, 1e-12))), 1)
+        within = np.linspace(*inner, count + 1)[0 if number else 1 :]
+        distances += within.tolist()
+        values += list(piece.ends[0] + np.outer(within - first, piece.slopes))
+        if number + 1 < len(pieces):
+            distances.append(last)
+            values.append((piece.ends[1] + pieces[number + 1].ends[0]) / 2)
+    curvature, cant, gradient = np.array(values).T
+    return Line(dict(zip(COLUMNS, (np.array(distances), curvature, cant, gradient), strict=False)))
+
+
+def joined(segments: Sequence[Segment]) -> list[Segment]:
+    """The segments, those joined into one that go on as the one before. Raises ValueError, see `line_of`."""
+    if not segments:
+        raise ValueError("Give a line at least one segment.")
+    found = [segments[0]]
+    for before, segment in pairwise(segments):
+        if not segment.length > 0.0:
+            raise ValueError(f"A segment is {segment.length:g} m long; give each a length above 0 m.")
+        meets = np.allclose(before.ends[1], segment.ends[0], rtol=1e-12, atol=1e-15)
+        if meets and np.allclose(before.slopes, segment.slopes, rtol=1e-9, atol=1e-15):
+            whole = found.pop()
+            ends = zip(whole.ends[0].tolist(), segment.ends[1].tolist(), strict=True)
+            segment = Segment(whole.length + segment.length, *(tuple(pair) for pair in ends))
+        found.append(segment)
+    for segment in found:
+        if len(found) > 1 and not segment.length > 2 * ROUNDING:
+            raise ValueError(f"A segment is {segment.length:g} m long; corners are rounded over {2 * ROUNDING:g} m.")
+    return found
+
+
+@dataclass(frozen=True)
+class Spectrum:
+    """Power spectral densities of a track [m2/(rad/m)], by wave number W [rad/m], two-sided.
+
+    A W_c^2 / ((W^2 + W_r^2)(W^2 + W_c^2)): lateral and vertical of the centre line; half of the cross level as the
+    vertical one times W^2 / (W^2 + W_s^2).
+    """
+
+    lateral: float
+    vertical: float
+    cut: float = 0.8246
+    rise: float = 0.0206
+    level: float = 0.4380
+
+    def of_centre(self, size: float, number: np.ndarray) -> np.ndarray:
+        """Density of the lateral or vertical irregularity at wave numbers [rad/m]."""
+        return np.asarray(size * self.cut**2 / ((number**2 + self.rise**2) * (number**2 + self.cut**2)))
+
+    def of_level(self, number: np.ndarray) -> np.ndarray:
+        """Density of half of the cross level [m2/(rad/m)]."""
+        return self.of_centre(self.vertical, number) * number**2 / (number**2 + self.level**2)
+
+
+#: ERRI B176 (1993), as H. Claus and W. Schiehlen (1998), Modeling and simulation of railway bogie structural
+#: vibrations, Vehicle System Dynamics 29 (S1), 538-552, print them.
+ERRI_LOW, ERRI_HIGH = Spectrum(2.119e-7, 4.032e-7), Spectrum(6.125e-7, 1.08e-6)
+
+
+def irregular(
+    line: Line, spectrum: Spectrum, seed: int, waves: tuple[float, float] = (3.0, 100.0), pitch: float = 0.25
+) -> Line:
+    """The line with irregularities of both rails by random phases, rows every `pitch` [m]; a seed gives one track.
+
+    waves: shortest and longest wave [m]. Raises ValueError where the pitch does not show the shortest one.
+    """
+    if not pitch * 8 <= waves[0] < waves[1]:
+        raise ValueError(
+            f"Waves from {waves[0]:g} to {waves[1]:g} m need rows every {waves[0] / 8:g} m, not {pitch:g} m."
+        )
+    old = line.rows["distance"]
+    distance = np.unique(np.concatenate([old, np.arange(old[0], old[-1], pitch)]))
+    distance = distance[np.append(np.diff(distance) > pitch / 10, True)]
+    rows = {name: np.interp(distance, old, values) for name, values in line.rows.items()}
+    random = np.random.default_rng(seed)
+    numbers = np.linspace(2 * math.pi / waves[1], 2 * math.pi / waves[0], 2 * math.ceil(line.length / waves[1]) + 200)
+
+    def wave(density: np.ndarray) -> np.ndarray:
+        sizes = np.sqrt(2 * density * (numbers[1] - numbers[0]) / math.pi)
+        phases = random.uniform(0.0, 2 * math.pi, numbers.size)
+        return np.sum([a * np.cos(n * distance + p) for a, n, p in zip(sizes, numbers, phases, strict=True)], axis=0)
+
+    lateral = wave(spectrum.of_centre(spectrum.lateral, numbers))
+    vertical = wave(spectrum.of_centre(spectrum.vertical, numbers))
+    level = wave(spectrum.of_level(numbers))
+    added = {"left_lateral": lateral, "right_lateral": lateral}
+    added |= {"left_vertical": vertical + level, "right_vertical": vertical - level}
+    rows |= {name: rows.get(name, 0.0) + values for name, values in added.items()}
+    return Line({name: rows[name] for name in COLUMNS if name in rows})

@@ -1,0 +1,168 @@
+"""The axes of the track at a place on the line, in which a body there is described: x along, y to the left, z up.
+
+They turn by the heading about the vertical, then by the gradient, then by the cant about the track itself:
+Rz(heading) Ry(-slope) Rx(cant), by section 3.2.1. On straight and level track they are the inertial axes of chapter 3.
+What the line is comes from its curvature, cant and gradient; its place in the plan and its height are integrals of
+these, so that nothing here is linearised.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from fmu_src.system import System
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Where the axes stand: heading, height of their origin [m], tilt, and whole metres and rest of the place.
+
+    heading: its cosine and sine. tilt: the axes (columns) in those that are level and look along the heading. far,
+    near: shape (2,), ahead and aside in the plan [m]; differences of two places are exact far from the start.
+    """
+
+    heading: ca.SX
+    height: ca.SX
+    tilt: ca.SX
+    far: ca.SX
+    near: ca.SX
+    turned: ca.SX  # the heading as an angle that counts whole turns [rad]
+
+    def place(self, position: ca.SX) -> ca.SX:
+        """Where a position in the axes of the track is: ahead, aside and above the line's first row [m]."""
+        level = self.tilt @ ca.vertcat(0, position[1:])
+        (c, s), (x, y) = ca.vertsplit(self.heading), ca.vertsplit(level[:2])
+        plan = (self.near + ca.vertcat(c * x - s * y, s * x + c * y)) + self.far
+        return ca.vertcat(plan, self.height + level[2])
+
+
+@dataclass(frozen=True)
+class TrackFrame:
+    """Axes of the track: how they turn, and what is up in them.
+
+    turning: their angular velocity for each m/s of way along the line, in themselves [rad/m]. up: unit vector.
+    plan: None on straight track.
+    """
+
+    turning: ca.SX
+    up: ca.SX
+    plan: Plan | None = None
+
+    def elevation(self, position: ca.SX) -> ca.SX:
+        """Height of a position in these axes [m], for the energy of section 2.4; along straight track it counts x."""
+        if self.plan is None:
+            return ca.dot(self.up, position)
+        return self.plan.height + ca.dot(self.up[1:], position[1:])
+
+
+#: Straight and level: the axes of section 3.2.1 that count as inertial.
+LEVEL = TrackFrame(ca.SX.zeros(3), ca.SX([0, 0, 1]))
+
+
+def on_gradient(gradient: ca.SX) -> TrackFrame:
+    """Straight track (section 5.2) that rises by `gradient` for each metre along it: its sine."""
+    return TrackFrame(ca.SX.zeros(3), ca.vertcat(gradient, 0, ca.sqrt(1 - gradient**2)))
+
+
+@dataclass(frozen=True)
+class Course:
+    """How a line goes on at a place: curvature [1/m], sines of gradient and cant, and their slopes along it [1/m]."""
+
+    curvature: ca.SX
+    gradient: ca.SX
+    cant: ca.SX
+    steepening: ca.SX
+    twisting: ca.SX
+
+    @property
+    def level(self) -> ca.SX:
+        """Cosine of the gradient."""
+        return ca.sqrt(1 - self.gradient**2)
+
+    @property
+    def upright(self) -> ca.SX:
+        """Cosine of the cant."""
+        return ca.sqrt(1 - self.cant**2)
+
+    @property
+    def turning(self) -> ca.SX:
+        """As in TrackFrame, by section 3.2.2 for these angles."""
+        rising, aside = self.steepening / self.level, self.curvature * self.level
+        return ca.vertcat(
+            self.twisting / self.upright + self.curvature * self.gradient,
+            aside * self.cant - rising * self.upright,
+            rising * self.cant + aside * self.upright,
+        )
+
+    @property
+    def tilt(self) -> ca.SX:
+        """Axes of the track (columns) in those that are level and look along the heading: Ry(-slope) Rx(cant)."""
+        level, sine, upright, cant = self.level, self.gradient, self.upright, self.cant
+        return ca.vertcat(
+            ca.horzcat(level, -sine * cant, -sine * upright),
+            ca.horzcat(0, upright, -cant),
+            ca.horzcat(sine, level * cant, level * upright),
+        )
+
+
+def on_line(system: System, name: str, distance: ca.SX) -> TrackFrame:
+    """The axes at a distance [m] on the line that the instance runs on (section 3.2.1); name: whose they are.
+
+    Cosine and sine of the heading are those of the way in the plan: no angle is ever turned into them.
+    """
+
+    def look_up(column: str, order: int = 0) -> list[ca.SX]:
+        return system.along_line(column, name, distance, order)
+
+    height, sine, steepening = look_up("rise", 2)
+    cant, twisting = look_up("cant", 1)
+    turned, curvature = look_up("heading", 1)
+    course = Course(curvature, sine, cant, steepening, twisting)
+    (ahead, forwards), (aside, sideways) = look_up("ahead", 1), look_up("aside", 1)
+    heading = ca.vertcat(forwards, sideways) / course.level
+    far, near = ca.vertcat(look_up("ahead_far")[0], look_up("aside_far")[0]), ca.vertcat(ahead, aside)
+    return frame_of(system, course, Plan(heading, height, course.tilt, far, near, turned))
+
+
+def on_profile(system: System, name: str, distance: ca.SX) -> TrackFrame:
+    """The axes in the vertical plane alone (section 5.2), as of a line rolled out straight; name: whose they are."""
+    height, sine, steepening = system.along_line("rise", name, distance, 2)
+    far, near = (ca.vertcat(system.along_line(f"level{which}", name, distance)[0], 0) for which in ("_far", ""))
+    none = ca.SX(0)
+    course = Course(none, sine, none, steepening, none)
+    return frame_of(system, course, Plan(ca.SX([1, 0]), height, course.tilt, far, near, none))
+
+
+def frame_of(system: System, course: Course, plan: Plan) -> TrackFrame:
+    """The axes where a line goes on like this, section 3.2.1."""
+    up = course.tilt[2, :].T
+    narrowed = system.narrow(ca.densify(ca.vertcat(course.turning, up)))
+    return TrackFrame(narrowed[:3], narrowed[3:], plan)
+
+
+#: Axes and place of the origin [m] of one track frame as seen from another.
+Pose = tuple[ca.SX, ca.SX]
+
+
+def relative(system: System, at: TrackFrame, other: TrackFrame) -> Pose | None:
+    """Axes of `other` and place of its origin [m] as seen from the axes `at`, eq. (3.1); None: both are straight track.
+
+    Heading and chord over the way between them, from differences alone.
+    """
+    if at.plan is None or other.plan is None:
+        return None
+    if at is other:
+        return ca.SX.eye(3), ca.SX.zeros(3)
+    (ahead, aside), (forwards, sideways) = ca.vertsplit(at.plan.heading), ca.vertsplit(other.plan.heading)
+    c, s = ahead * forwards + aside * sideways, ahead * sideways - aside * forwards
+    about_z = ca.vertcat(ca.horzcat(c, -s, 0), ca.horzcat(s, c, 0), ca.horzcat(0, 0, 1))
+    way = (other.plan.far - at.plan.far) + (other.plan.near - at.plan.near)
+    chord = ca.vertcat(
+        ahead * way[0] + aside * way[1], ahead * way[1] - aside * way[0], other.plan.height - at.plan.height
+    )
+    back = at.plan.tilt.T
+    axes, place = back @ about_z @ other.plan.tilt, back @ chord
+    narrowed = system.narrow(ca.vertcat(ca.vec(ca.densify(axes)), ca.densify(place)))
+    return ca.reshape(narrowed[:9], 3, 3), narrowed[9:]

@@ -1,0 +1,362 @@
+"""Vehicles on a line: limits, symmetry, energy and closed forms of curves, cant and gradients."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fmu_src.kernel import Kernel, Library
+from fmu_src.system import System, model_of
+from rbd_model import variables
+from rbd_model.contact.depth import Contact
+from rbd_model.contact.geometry import rolling_radius_difference, thesis_pair
+from rbd_model.line import ERRI_LOW, GAUGE, Line, Segment, arc, clothoid, irregular, line_of, read_line, straight
+from rbd_model.planar import planar_vehicle
+from rbd_model.point import point_vehicle
+from rbd_model.resistance import curve_share
+from rbd_model.spatial import spatial_vehicle
+from rbd_model.track import irregular_track, section_5_3
+from rbd_model.vehicle import HOLDABLE, RigidBody, Springs, Vehicle, Wheelset
+from rbd_model.vehicles import two_axle_bogie
+from tests.quick_library import quick_library
+
+ENERGIES = ("kinetic_energy", "potential_energy")
+POWERS = ("brake_power", "creep_power", "damping_power")
+#: Bands of docs/checking.md: the same answer from the same line told in another way, mirrored, and energy.
+SAME_BAND, MIRROR_BAND, ENERGY_BAND = 1e-9, 1e-9, 1e-8
+#: Closed forms of speed on gradients at the levels that have no motion out of the plane, and of cant balance.
+GRADIENT_BAND, BALANCE_BAND = 1e-6, 1e-6
+#: Rolling line of a free wheelset, and quasi-static loads in a curve.
+ROLLING_BAND, LOAD_BAND = 1e-2, 1e-3
+GRAVITY = 9.81
+#: Where a body is after a full circle of 1257 m [m], [rad].
+CIRCLE_BAND = 1e-9 * 1257
+
+
+def on_line(system: System) -> Library:
+    """A system that runs on a line, with its energies and the places of its bodies as outputs."""
+    powers = [name for name in POWERS if name in system.observables]
+    shown = [name for name in system.observables if name.endswith(("energy", "ahead", "aside", "above", "heading"))]
+    return quick_library(model_of(system.with_outputs(shown).with_integrals(powers), 1e-7, variables.line_file()))
+
+
+def bogie_in_space(depth: int) -> System:
+    return spatial_vehicle(two_axle_bogie(), irregular_track(section_5_3()), Contact(depth), True)
+
+
+@pytest.fixture(scope="module")
+def rigid() -> Library:
+    return on_line(bogie_in_space(1))
+
+
+@pytest.fixture(scope="module")
+def patched() -> Library:
+    return on_line(bogie_in_space(2))
+
+
+@pytest.fixture(scope="module")
+def planar() -> Library:
+    return on_line(planar_vehicle(two_axle_bogie(), True))
+
+
+@pytest.fixture(scope="module")
+def point() -> Library:
+    return on_line(point_vehicle(two_axle_bogie(), True))
+
+
+@pytest.fixture(scope="module")
+def wheelset() -> Library:
+    """One wheelset alone, which something draws along by its centre."""
+    carriage = RigidBody("frame", "carriage", 100.0, (1.0, 1.0, 1.0), held=frozenset(HOLDABLE))
+    pull = Springs("pull", "frame", "wheelset_1", (0.0, 0.0, 0.0), False, (1e5, 0.0, 0.0), (2e4, 0.0, 0.0))
+    alone = Vehicle("alone", two_axle_bogie().parameters, (carriage,), (Wheelset(0.0, "frame"),), (pull,))
+    return on_line(spatial_vehicle(alone, irregular_track(section_5_3()), Contact(1), True))
+
+
+def winding() -> list[Segment]:
+    """Two curves with transitions, cant, gradients and their vertical curves."""
+    first, left, right, last = straight(40), arc(150, 400, 0.1, 0.02), arc(100, -500, -0.08, -0.01), straight(200)
+    ramps = [
+        clothoid(length, *pair) for length, pair in ((60, (first, left)), (90, (left, right)), (60, (right, last)))
+    ]
+    return [first, ramps[0], left, ramps[1], right, ramps[2], last]
+
+
+def cut(segment: Segment, count: int) -> list[Segment]:
+    """The same piece of line in several."""
+    ends = segment.ends[0] + np.outer(np.linspace(0.0, 1.0, count + 1), segment.ends[1] - segment.ends[0])
+    pairs = [np.array([ends[i], ends[i + 1]]).T.tolist() for i in range(count)]
+    return [Segment(segment.length / count, *(tuple(one) for one in pair)) for pair in pairs]
+
+
+@pytest.fixture
+def written(tmp_path: Path):  # type: ignore[no-untyped-def]
+    """Writes a line and returns its path."""
+    count = iter(range(100))
+    return lambda line: str(line.write(tmp_path / f"line_{next(count)}.csv"))
+
+
+SEEN = ("speed", "distance", "lateral_1", "yaw_1", "wheel_load_1_left", "wheel_load_2_right", "frame_roll")
+
+
+@pytest.mark.parametrize("depth", ["rigid", "patched"])
+def test_a_line_of_many_segments_is_the_same_line(depth, written, request) -> None:  # type: ignore[no-untyped-def]
+    library = request.getfixturevalue(depth)
+    found = []
+    for segments in (winding(), [piece for segment in winding() for piece in cut(segment, 7)]):
+        kernel = Kernel(library, line_file=written(line_of(segments)), initial_speed=22.0, tolerance=1e-10)
+        kernel.advance(8.0)
+        found.append([kernel[name] for name in SEEN])
+    assert found[0] == pytest.approx(found[1], rel=SAME_BAND, abs=1e-10)
+
+
+@pytest.mark.parametrize("depth", ["rigid", "patched"])
+def test_a_mirrored_line_gives_a_mirrored_answer(depth, written, request) -> None:  # type: ignore[no-untyped-def]
+    library = request.getfixturevalue(depth)
+    line = irregular(line_of(winding()), ERRI_LOW, seed=3)
+    kernels = [
+        Kernel(library, line_file=written(one), initial_speed=22.0, tolerance=1e-9) for one in (line, line.mirrored())
+    ]
+    for kernel in kernels:
+        kernel.advance(4.0)
+    one, other = kernels
+    for name in ("lateral_1", "yaw_1", "lateral_2", "frame_roll", "guiding_force_1"):
+        assert one[name] == pytest.approx(-other[name], rel=1e-6, abs=1e3 * MIRROR_BAND), name
+    assert one["wheel_load_1_left"] == pytest.approx(other["wheel_load_1_right"], rel=1e-6)
+    assert one["speed"] == pytest.approx(other["speed"], rel=MIRROR_BAND)
+    assert abs(one["lateral_1"]) > 1e-4
+
+
+@pytest.mark.parametrize("level", ["planar", "rigid", "patched"])
+@pytest.mark.parametrize("braked", [0.0, 8e3])
+def test_energy_closes_over_curves_and_hills(level, braked, written, request) -> None:  # type: ignore[no-untyped-def]
+    """Height, twist and cant ramps included, flanges against the rails; relative to what the vehicle moves with."""
+    library = request.getfixturevalue(level)
+    kernel = Kernel(library, line_file=written(line_of(winding())), initial_speed=22.0, tolerance=1e-9)
+    kernel.set(brake_torque_1=braked, brake_torque_2=braked)
+    names = [*ENERGIES, *(f"integral_{name}" for name in POWERS)]
+    table = kernel.record(18.0, 0.2, names)
+    energy = np.sum([table[name] for name in names], axis=0)
+    assert np.ptp(table["potential_energy"]) > 1e4
+    assert np.ptp(energy) < ENERGY_BAND * np.max(table["kinetic_energy"])
+
+
+@pytest.mark.parametrize("depth", ["rigid", "patched"])
+def test_a_curve_of_a_million_kilometres_is_straight(depth, written, request) -> None:  # type: ignore[no-untyped-def]
+    """But for the rolling line itself, r0 l / (conicity R) = 4.5 nm at 1e9 m, which goes with the curvature."""
+    library = request.getfixturevalue(depth)
+    found = {}
+    for radius in (1e9, 1e12, math.inf):
+        line = written(line_of([arc(400, radius) if radius < math.inf else straight(400)]))
+        kernel = Kernel(library, line_file=line, initial_speed=20.0, initial_lateral=0.003, tolerance=1e-8)
+        kernel.set(brake_torque_1=10e3, brake_torque_2=10e3)
+        kernel.advance(5.0)
+        found[radius] = np.array([kernel[name] for name in ("speed", "distance", "axle_load_1", "lateral_1")])
+    away = {radius: np.abs(values - found[math.inf]) for radius, values in found.items()}
+    assert np.all(away[1e9][:3] <= SAME_BAND * found[math.inf][:3])
+    assert away[1e9][3] < 20e-9
+    assert np.all(away[1e12] <= np.array([1e-12, 1e-12, 1e-12, 1e-12]) * found[math.inf] + 20e-12)
+
+
+def test_a_closed_circle_leads_back(rigid: Library, written) -> None:  # type: ignore[no-untyped-def]
+    """Every body comes back to where it was, its heading a full turn on, once all is steady."""
+    radius, circle = 200.0, 2 * math.pi * 200.0
+    kernel = Kernel(rigid, line_file=written(line_of([arc(4 * circle, radius, 0.0)])), constant_speed=1.0)
+    kernel.set(initial_speed=20.0, tolerance=1e-9)
+    kernel.initialise()
+    kernel.advance(2.5 * circle / 20.0)
+    bodies = ("frame", "wheelset_1", "wheelset_2")
+    names = [f"{body}_{what}" for body in bodies for what in ("ahead", "aside", "above", "heading")]
+    before, start = np.array([kernel[name] for name in names]), kernel["state_frame_distance"]
+    kernel.advance(1.0)
+    # A full circle is one of the line's distance: the frame itself goes its own way beside the centre line.
+    kernel.advance(circle / (kernel["state_frame_distance"] - start) - 1.0)
+    assert kernel["state_frame_distance"] - start == pytest.approx(circle, rel=SAME_BAND)
+    after = np.array([kernel[name] for name in names])
+    for place, name in enumerate(names):
+        turn = 2 * math.pi if name.endswith("heading") else 0.0
+        assert after[place] - before[place] == pytest.approx(turn, abs=CIRCLE_BAND), name
+
+
+def test_a_free_wheelset_follows_its_rolling_line(wheelset: Library, written) -> None:  # type: ignore[no-untyped-def]
+    """Redtenbacher (1855): y = r0 l / (conicity R), in the mean over the waves of Klingel (1883) about it."""
+    pair, radius_of_wheel = thesis_pair(), two_axle_bogie().parameters.wheel_radius
+    for radius in (600.0, 1000.0, 3000.0):
+        line = written(line_of([straight(20), clothoid(60, straight(1), arc(1, radius)), arc(400, radius)]))
+        kernel = Kernel(wheelset, line_file=line, initial_speed=3.0)
+        kernel.advance(60.0)
+        wave = wavelength(kernel)
+        mean = float(np.mean(kernel.record(6 * wave / 3.0, wave / 3.0 / 60, ["lateral_1"])["lateral_1"][:-1]))
+        difference = rolling_radius_difference(pair, np.array([-mean]))[0]
+        spacing = pair.wheel_half_distance
+        assert abs(difference) / (2 * radius_of_wheel) == pytest.approx(spacing / radius, rel=ROLLING_BAND)
+        assert mean < 0.0
+
+
+def wavelength(kernel: Kernel) -> float:
+    """Of the kinematic wave with the profiles' conicity about the centre, Klingel (1883) [m]."""
+    pair, parameters = thesis_pair(), two_axle_bogie().parameters
+    conicity = rolling_radius_difference(pair, np.array([1e-3]))[0] / 2e-3
+    return 2 * math.pi * math.sqrt(parameters.wheel_radius * pair.wheel_half_distance / abs(conicity))
+
+
+def test_cant_that_balances_loads_both_rails_alike(wheelset: Library, written) -> None:  # type: ignore[no-untyped-def]
+    """V^2 = R g tan(cant): apparent gravity is square to the track.
+
+    Without friction, which would steer the wheelset aside, and with one that is no gyroscope; 2 % faster it does not.
+    What goes round leaning is set upright by the couple (I_z - I_y) W^2 sin(cant) cos(cant), which is 1e-7 here.
+    """
+    radius, cant = 3000.0, 0.02
+    # That of the centre of mass, which leans towards the middle of the curve.
+    own_radius = radius - two_axle_bogie().parameters.wheel_radius * cant / GAUGE
+    speed = math.sqrt(own_radius * GRAVITY * math.tan(math.asin(cant / GAUGE)))
+    for share in (1.0, 1.02):
+        kernel = Kernel(wheelset, line_file=written(line_of([arc(400, radius, cant)])), initial_speed=share * speed)
+        kernel.set(friction_1=0.0, rolling_resistance_torque=0.0, tolerance=1e-9)
+        kernel.set(wheelset_pitch_inertia=1e-6)
+        kernel.advance(0.5)
+        left, right = kernel["wheel_load_1_left"], kernel["wheel_load_1_right"]
+        assert (abs(right - left) < BALANCE_BAND * left) == (share == 1.0), (share, right / left - 1)
+
+
+def test_rails_carry_what_statics_say(patched: Library, written) -> None:  # type: ignore[no-untyped-def]
+    """Moments about the track's centre: cant deficiency at the centre of mass, bodies beside it, and the gyroscopes."""
+    radius, cant, speed = 800.0, 0.05, 28.0
+    p = two_axle_bogie().parameters
+    kernel = Kernel(patched, line_file=written(line_of([arc(2500, radius, cant)])), initial_speed=speed)
+    kernel.set(constant_speed=1.0, tolerance=1e-9)
+    kernel.advance(60.0)
+    moved, tipping, whole = moments_about_centre(kernel, radius, cant, speed)
+    turning = speed / radius * math.cos(math.asin(cant / GAUGE))
+    spinning = 2 * p.wheelset_pitch_inertia * speed / p.wheel_radius * turning
+    assert tipping > 0.1 * whole
+    assert moved == pytest.approx(tipping + spinning, abs=LOAD_BAND * whole)
+
+
+def moments_about_centre(kernel: Kernel, radius: float, cant: float, speed: float) -> tuple[float, float, float]:
+    """Of the rails' loads, of weight and centrifugal force on bodies where they are, and what one rail could carry, all
+    about the track's centre [N.m].
+    """
+    p, angle, spacing = two_axle_bogie().parameters, math.asin(cant / GAUGE), thesis_pair().rail_half_distance
+    deficiency = speed**2 / radius * math.cos(angle) - GRAVITY * math.sin(angle)
+    weight = GRAVITY * math.cos(angle) + speed**2 / radius * math.sin(angle)
+    bodies = [(p.frame_mass, kernel["frame_lateral"], p.wheel_radius + p.frame_height)]
+    bodies += [(p.wheelset_mass, kernel[f"lateral_{number}"], p.wheel_radius) for number in (1, 2)]
+    tipping = sum(mass * (deficiency * height - weight * aside) for mass, aside, height in bodies)
+    load = {side: sum(kernel[f"wheel_load_{number}_{side}"] for number in (1, 2)) for side in ("left", "right")}
+    whole = (p.frame_mass + 2 * p.wheelset_mass) * weight * spacing
+    assert (load["left"] + load["right"]) * spacing == pytest.approx(whole, rel=LOAD_BAND)
+    return (load["right"] - load["left"]) * spacing, tipping, whole
+
+
+@pytest.mark.parametrize(("level", "band"), [("point", GRADIENT_BAND), ("planar", GRADIENT_BAND), ("patched", 1e-4)])
+def test_a_rolling_vehicle_gains_speed_as_its_masses_say(level, band, written, request) -> None:  # type: ignore[no-untyped-def]
+    """a = g i m / (m + J / r^2), J with its drive; in space wheels roll on the radius where they touch."""
+    library, gradient = request.getfixturevalue(level), -0.03
+    p = two_axle_bogie().parameters
+    kernel = Kernel(library, line_file=written(line_of([straight(5000, gradient)])), initial_speed=5.0)
+    drive = 60.0
+    kernel.set(rolling_resistance_torque=0.0, drive_inertia=drive, tolerance=1e-9)
+    kernel.advance(28.0)  # until nothing rocks any more
+    mass = p.frame_mass + 2 * p.wheelset_mass
+    rolling = mass + 2 * (p.wheelset_pitch_inertia + drive) / p.wheel_radius**2
+    before = kernel["speed"]
+    kernel.advance(10.0)
+    assert (kernel["speed"] - before) / 10.0 == pytest.approx(-gradient * GRAVITY * mass / rolling, rel=band)
+
+
+@pytest.mark.parametrize("level", ["point", "planar"])
+def test_terminal_speed_is_where_resistance_balances_the_gradient(level, written, request) -> None:  # type: ignore[no-untyped-def]
+    """Davis: m g i = a + b V + c V^2 once V does not change; rolling resistance of the axle boxes off."""
+    library, gradient = request.getfixturevalue(level), -0.01
+    p = two_axle_bogie().parameters
+    a, b, c = 800.0, 30.0, 8.0
+    kernel = Kernel(library, line_file=written(line_of([straight(120000, gradient)])), initial_speed=20.0)
+    kernel.set(davis_constant=a, davis_linear=b, davis_quadratic=c, rolling_resistance_torque=0.0, tolerance=1e-9)
+    kernel.advance(4000.0)
+    pull = (p.frame_mass + 2 * p.wheelset_mass) * GRAVITY * -gradient
+    terminal = (-b + math.sqrt(b**2 + 4 * c * (pull - a))) / (2 * c)
+    assert kernel["speed"] == pytest.approx(terminal, rel=GRADIENT_BAND)
+
+
+def test_curve_resistance_is_that_of_von_roeckl(point: Library, written) -> None:  # type: ignore[no-untyped-def]
+    assert float(curve_share(1 / 500)) == pytest.approx(0.650 / (500 - 55), rel=1e-12)
+    assert float(curve_share(1 / 200)) == pytest.approx(0.500 / (200 - 30), rel=1e-12)
+    p = two_axle_bogie().parameters
+    kernel = Kernel(point, line_file=written(line_of([arc(2000, 500)])), initial_speed=10.0, curve_resistance=1.0)
+    kernel.set(rolling_resistance_torque=0.0)
+    kernel.advance(1.0)
+    mass = p.frame_mass + 2 * p.wheelset_mass
+    rolling = mass + 2 * p.wheelset_pitch_inertia / p.wheel_radius**2
+    braked = mass * GRAVITY * 0.650 / 445 / rolling
+    assert kernel["acceleration"] == pytest.approx(-braked, rel=1e-5)
+
+
+def test_a_host_that_knows_the_gradient_needs_no_line(planar: Library, written) -> None:  # type: ignore[no-untyped-def]
+    """The input and a line of the same gradient give one answer at both levels."""
+    for make in (point_vehicle, planar_vehicle):
+        library = quick_library(model_of(make(two_axle_bogie()), 1e-9))
+        line = on_line(make(two_axle_bogie(), True))
+        told = Kernel(library, initial_speed=20.0, gradient=-0.04, brake_torque_1=8e3, tolerance=1e-9)
+        found = Kernel(line, line_file=written(line_of([straight(2000, -0.04)])), initial_speed=20.0, tolerance=1e-9)
+        found.set(brake_torque_1=8e3)
+        for kernel in (told, found):
+            kernel.advance(10.0)
+        for name in ("speed", "distance", "axle_load_1", "angular_velocity_1"):
+            assert told[name] == pytest.approx(found[name], rel=1e-8), (make, name)
+
+
+def test_places_far_from_the_start_are_as_exact_as_near_it(rigid: Library, written) -> None:  # type: ignore[no-untyped-def]
+    """The same curve at the start and behind 100 km of another line: wheel loads differ by round-off alone."""
+    found = []
+    for before in (60.0, 100e3):
+        lead = [arc(before - 60.0, 3000.0)] if before > 60.0 else []
+        ramp = [clothoid(30.0, lead[0], straight(1))] if lead else []
+        line = line_of([*lead, *ramp, straight(60 if not lead else 30), *winding()[1:]], -before)
+        kernel = Kernel(rigid, line_file=written(line), initial_speed=20.0, tolerance=1e-8)
+        kernel.advance(6.0)
+        found.append([kernel[name] for name in SEEN])
+    assert found[0] == pytest.approx(found[1], rel=1e-7, abs=1e-10)
+
+
+def test_a_line_is_read_as_it_was_written(tmp_path: Path) -> None:
+    line = irregular(line_of(winding()), ERRI_LOW, seed=5)
+    again = read_line(line.write(tmp_path / "line.csv"))
+    assert list(again.rows) == list(line.rows)
+    for name, values in line.rows.items():
+        assert np.array_equal(values, again.rows[name]), name
+    twice = line.mirrored().mirrored()
+    assert all(np.array_equal(values, twice.rows[name]) for name, values in line.rows.items())
+
+
+def test_a_spectrum_gives_its_own_variance() -> None:
+    """Mean square of a long track: the density over both signs of the wave number, by 2 pi."""
+    line = irregular(line_of([straight(4000)]), ERRI_LOW, seed=1)
+    lateral = line.rows["left_lateral"]
+    numbers = np.linspace(2 * math.pi / 100, 2 * math.pi / 3, 20001)
+    density = ERRI_LOW.of_centre(ERRI_LOW.lateral, numbers)
+    variance = float(np.sum(density) * (numbers[1] - numbers[0]) / math.pi)
+    assert np.var(lateral) == pytest.approx(variance, rel=0.1)
+    assert not np.array_equal(lateral, irregular(line_of([straight(4000)]), ERRI_LOW, seed=2).rows["left_lateral"])
+
+
+def test_lines_that_cannot_be_built_are_refused() -> None:
+    with pytest.raises(ValueError, match="at least one segment"):
+        line_of([])
+    with pytest.raises(ValueError, match="rounded over 2 m"):
+        line_of([straight(1.0), arc(100, 300)])
+    with pytest.raises(ValueError, match="rows every"):
+        irregular(line_of([straight(100)]), ERRI_LOW, seed=1, waves=(0.5, 10.0))
+    turning = RigidBody("frame", "frame", 1.0, (1.0, 1.0, 1.0), held=frozenset({"pitch", "lateral"}))
+    held = replace(two_axle_bogie(), bodies=(replace(two_axle_bogie().bodies[0], held=turning.held),))
+    with pytest.raises(ValueError, match="hold all angles or none"):
+        spatial_vehicle(held, irregular_track(section_5_3()), Contact(1), True)
+
+
+def test_empty_columns_are_left_out(tmp_path: Path) -> None:
+    rows = line_of([straight(100)]).rows
+    assert Line(rows).write(tmp_path / "line.csv").read_text().splitlines()[0] == "distance,curvature,cant,gradient"
