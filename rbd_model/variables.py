@@ -68,8 +68,8 @@ def line_inputs() -> list[Variable]:
 def line_file() -> Variable:
     """Parameter: the line that a vehicle runs on."""
     text = (
-        "Path of a file with the line (docs/line.md), read when it is set; empty: resources/line.csv of the FMU where "
-        "there is one, else straight and level track"
+        "Path of a file with the line (docs/line.md), read when it is set; empty: line.csv in the resources of the FMU "
+        "where there is one, else straight and level track"
     )
     return Variable("line_file", "parameter", "1", text, kind="string")
 

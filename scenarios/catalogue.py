@@ -7,6 +7,7 @@ import difflib
 from scenarios.brakes import anti_skid, brake_timing, controller_prototype, uneven_brakes
 from scenarios.contact import contact_depth, contact_manchester, creep_laws, flange_climb
 from scenarios.coupling import coupling_step
+from scenarios.lines import curve_steering
 from scenarios.numerics import levels, oracle, speed, speed_accuracy, stability_atlas
 from scenarios.scenario import BadInputError, Scenario
 from scenarios.thesis import (
@@ -68,6 +69,7 @@ SCENARIOS: list[Scenario] = [
     vehicle_anti_skid.SCENARIO,
     vehicle_composed.SCENARIO,
     vehicle_or_bogie.SCENARIO,
+    curve_steering.SCENARIO,
     creep_laws.SCENARIO,
     coupling_step.SCENARIO,
     sensitivity.SCENARIO,

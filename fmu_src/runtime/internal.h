@@ -62,7 +62,7 @@ struct kernel {
     double *drive, *capacity, *margin, *output, *backup, *seed, *output_rate, *largest_change;
     factors whole, algebraic, kept, kept_algebraic;
     int *place; /* of the states in the order of elimination */
-    line *line;      /* null: straight and level */
+    line_data *line;      /* null: straight and level */
     char *line_path;
     int *line_piece; /* for each table, which piece of the line `coefficient` holds; -1: none */
     int method;

@@ -7,14 +7,14 @@
 
 static const double FELT_NODES = 8.0; /* so many nodes make up the shortest thing on a line that is to be felt */
 
-void line_free(line *self) {
+void line_free(line_data *self) {
     if (!self) return;
     for (int i = 0; i < LINE_ROWS; ++i) free(self->row[i]);
     free(self);
 }
 
 /* Slope and bend at a node by the parabola through it and its neighbours; at an end, of the straight line. */
-static void differences(const line *self, const double *value, int node, double *slope, double *bend) {
+static void differences(const line_data *self, const double *value, int node, double *slope, double *bend) {
     const double *s = self->row[LINE_DISTANCE];
     const int last = self->nodes - 1;
     *bend = 0.0;
@@ -44,7 +44,7 @@ static void quintic(const double first[3], const double second[3], double gain, 
 }
 
 /* A value that is a column of the file: with two continuous derivatives. */
-static void smooth(const line *self, int row, int node, double *c) {
+static void smooth(const line_data *self, int row, int node, double *c) {
     const double *s = self->row[LINE_DISTANCE], *value = self->row[row];
     double end[2][3];
     for (int i = 0; i < 2; ++i) {
@@ -55,7 +55,7 @@ static void smooth(const line *self, int row, int node, double *c) {
 }
 
 /* The integral of a column: that of the cubic with its values and slopes. start: its value at the first node. */
-static void integral(const line *self, int row, int node, double start, double *c) {
+static void integral(const line_data *self, int row, int node, double start, double *c) {
     const double *s = self->row[LINE_DISTANCE], *value = self->row[row];
     const double h = s[node + 1] - s[node], gain = (value[node + 1] - value[node]) / h;
     double slope[2], bend;
@@ -78,8 +78,8 @@ static double slope_of(const double *c, double x) {
 
 /* What is integrated for the plan: places ahead and aside and the way seen from above; each is whole metres and a rest. */
 enum { PLAN = 3 };
-static const int NEAR[PLAN] = {LINE_AHEAD, LINE_ASIDE, LINE_LEVEL};
-static const int FAR[PLAN] = {LINE_AHEAD_FAR, LINE_ASIDE_FAR, LINE_LEVEL_FAR};
+static const int PLAN_NEAR[PLAN] = {LINE_AHEAD, LINE_ASIDE, LINE_LEVEL};
+static const int PLAN_FAR[PLAN] = {LINE_AHEAD_FAR, LINE_ASIDE_FAR, LINE_LEVEL_FAR};
 
 /* How these grow with the way, of which `level` is seen from above, at a heading; and what a turn adds to that. */
 static void directions(double angle, double along[PLAN], double across[PLAN]) {
@@ -90,8 +90,8 @@ static void directions(double angle, double along[PLAN], double across[PLAN]) {
     across[2] = 0.0;
 }
 
-static void plan(const line *self, int node, int which, double *c) {
-    const double *far = self->row[FAR[which]], *near = self->row[NEAR[which]];
+static void plan(const line_data *self, int node, int which, double *c) {
+    const double *far = self->row[PLAN_FAR[which]], *near = self->row[PLAN_NEAR[which]];
     const double h = self->row[LINE_DISTANCE][node + 1] - self->row[LINE_DISTANCE][node];
     double heading[6], rise[6], end[2][3], along[PLAN], across[PLAN];
     integral(self, LINE_CURVATURE, node, self->row[LINE_HEADING][node], heading);
@@ -108,7 +108,7 @@ static void plan(const line *self, int node, int which, double *c) {
 }
 
 /* From a node to the next: Gauss's quadrature with five points. */
-static void way(const line *self, int node, double found[PLAN]) {
+static void way(const line_data *self, int node, double found[PLAN]) {
     static const double place[5] = {-0.9061798459386640, -0.5384693101056831, 0.0, 0.5384693101056831, 0.9061798459386640};
     static const double weight[5] = {0.2369268850561891, 0.4786286704993665, 0.5688888888888889, 0.4786286704993665,
                                      0.2369268850561891};
@@ -124,10 +124,10 @@ static void way(const line *self, int node, double found[PLAN]) {
     }
 }
 
-void line_integrate(line *self) {
+void line_integrate(line_data *self) {
     double heading[6], rise[6], gained[PLAN], **row = self->row;
     row[LINE_HEADING][0] = row[LINE_RISE][0] = 0.0;
-    for (int which = 0; which < PLAN; ++which) row[NEAR[which]][0] = row[FAR[which]][0] = 0.0;
+    for (int which = 0; which < PLAN; ++which) row[PLAN_NEAR[which]][0] = row[PLAN_FAR[which]][0] = 0.0;
     for (int i = 0; i + 1 < self->nodes; ++i) {
         const double h = row[LINE_DISTANCE][i + 1] - row[LINE_DISTANCE][i];
         integral(self, LINE_CURVATURE, i, row[LINE_HEADING][i], heading);
@@ -136,15 +136,15 @@ void line_integrate(line *self) {
         row[LINE_RISE][i + 1] = value_of(rise, h);
         way(self, i, gained);
         for (int which = 0; which < PLAN; ++which) { /* whole metres apart: no digits are lost far from the start */
-            const double rest = row[NEAR[which]][i] + gained[which], whole = floor(rest + 0.5);
-            row[FAR[which]][i + 1] = row[FAR[which]][i] + whole;
-            row[NEAR[which]][i + 1] = rest - whole;
+            const double rest = row[PLAN_NEAR[which]][i] + gained[which], whole = floor(rest + 0.5);
+            row[PLAN_FAR[which]][i + 1] = row[PLAN_FAR[which]][i] + whole;
+            row[PLAN_NEAR[which]][i + 1] = rest - whole;
         }
     }
 }
 
 /* The node at or before a place, the first or the last but one beyond the ends. */
-static int node_before(const line *self, double at, int guess) {
+static int node_before(const line_data *self, double at, int guess) {
     const double *s = self->row[LINE_DISTANCE];
     int low = 0, high = self->nodes - 2;
     if (guess >= 0 && guess <= high) {
@@ -167,17 +167,17 @@ static int node_before(const line *self, double at, int guess) {
 }
 
 /* Straight lines between the nodes: a smoother curve might fall below 0 beside leaves. */
-static void friction(const line *self, int row, int node, double *c) {
+static void friction(const line_data *self, int row, int node, double *c) {
     const double *s = self->row[LINE_DISTANCE], *value = self->row[row];
     c[0] = value ? value[node] : 1.0;
     if (value) c[1] = (value[node + 1] - value[node]) / (s[node + 1] - s[node]);
 }
 
-static void piece(const line *self, int column, int node, double *c) {
+static void piece(const line_data *self, int column, int node, double *c) {
     memset(c, 0, 6 * sizeof *c);
     for (int which = 0; which < PLAN; ++which) {
-        if (column == NEAR[which]) plan(self, node, which, c);
-        if (column == FAR[which]) c[0] = self->row[column][node];
+        if (column == PLAN_NEAR[which]) plan(self, node, which, c);
+        if (column == PLAN_FAR[which]) c[0] = self->row[column][node];
     }
     if (column == LINE_HEADING) integral(self, LINE_CURVATURE, node, self->row[LINE_HEADING][node], c);
     if (column == LINE_RISE) integral(self, LINE_GRADIENT, node, self->row[LINE_RISE][node], c);
@@ -190,14 +190,14 @@ static void piece(const line *self, int column, int node, double *c) {
 /* Beyond the ends the line goes on straight, level across as it was there, with its last gradient. width: to the end. */
 static void go_on(int column, double width, double *c) {
     int goes = column == LINE_RISE;
-    for (int which = 0; which < PLAN; ++which) goes |= column == NEAR[which];
+    for (int which = 0; which < PLAN; ++which) goes |= column == PLAN_NEAR[which];
     const double slope = goes ? slope_of(c, width) : 0.0;
     c[0] = value_of(c, width);
     c[1] = slope;
     memset(c + 2, 0, 4 * sizeof *c);
 }
 
-void line_look_up(const line *self, int column, int degree, double at, int *cached, double *coefficient) {
+void line_look_up(const line_data *self, int column, int degree, double at, int *cached, double *coefficient) {
     const double *s = self->row[LINE_DISTANCE];
     const int last = self->nodes - 1, outside = at < s[0] ? 1 : at >= s[last] ? 2 : 0;
     const int node = node_before(self, at, *cached / 3);

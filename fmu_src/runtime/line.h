@@ -32,16 +32,16 @@ typedef struct {
     int nodes;
     unsigned long long mark; /* of its content: a saved state belongs to one line */
     double *row[LINE_ROWS];  /* null: the file has no such column */
-} line;
+} line_data;
 
 enum { PROBLEM_SIZE = 400 };
 
-INSIDE void line_free(line *self);
+INSIDE void line_free(line_data *self);
 /* Heading, rise and place of each node from curvature and gradient. */
-INSIDE void line_integrate(line *self);
+INSIDE void line_integrate(line_data *self);
 /* Origin and coefficients of a column at a place, left as they are where `cached` says that they hold there. */
-INSIDE void line_look_up(const line *self, int column, int degree, double at, int *cached, double *coefficient);
+INSIDE void line_look_up(const line_data *self, int column, int degree, double at, int *cached, double *coefficient);
 /* The line in a file; or null, and a sentence with its row and value. */
-INSIDE line *line_read(const char *path, char problem[PROBLEM_SIZE]);
+INSIDE line_data *line_read(const char *path, char problem[PROBLEM_SIZE]);
 
 #endif

@@ -39,7 +39,7 @@ typedef struct {
 } reader;
 
 /* 0, once the sentence tells the file and, where one was read, the row. */
-static int refuse(reader *self, const char *format, ...) {
+static int refuse_file(reader *self, const char *format, ...) {
     const int room = PROBLEM_SIZE - 2;
     int used = snprintf(self->problem, (size_t)room, "Line %.150s", self->path);
     if (self->number) used += snprintf(self->problem + used, (size_t)(room - used), ", row %d", self->number);
@@ -58,13 +58,14 @@ static int next_row(reader *self, char text[LONGEST_ROW]) {
         ++self->number;
         const size_t length = strcspn(text, "\r\n");
         if (text[length] == '\0' && !feof(self->file)) {
-            (void)refuse(self, "it is longer than 2000 characters, or no text; give a table of numbers");
+            (void)refuse_file(self, "it is longer than 2000 characters, or no text; give a table of numbers");
             return -1;
         }
         text[length] = '\0';
         for (const char *c = text + 3 * !strncmp(text, MARK_OF_UTF8, 3); *c; ++c)
             if ((unsigned char)*c > '~' || ((unsigned char)*c < ' ' && *c != '\t')) {
-                (void)refuse(self, "it holds the byte %d, which is no plain text; give a table of numbers", (unsigned char)*c);
+                (void)refuse_file(self, "it holds the byte %d, which is no plain text; give a table of numbers",
+                                  (unsigned char)*c);
                 return -1;
             }
         if (text[strspn(text, " \t")] != '\0') return 1;
@@ -89,14 +90,14 @@ static int read_names(reader *self) {
     char text[LONGEST_ROW];
     const int found = next_row(self, text);
     if (found < 0) return 0;
-    if (!found) return refuse(self, "it is empty; give a row of names and rows of numbers");
+    if (!found) return refuse_file(self, "it is empty; give a row of names and rows of numbers");
     for (int i = 0; i < COLUMNS; ++i) self->place[i] = -1;
     char *rest = text + 3 * !strncmp(text, MARK_OF_UTF8, 3);
     for (const char *name; (name = cell(&rest)); ++self->cells) {
         int which = 0;
         while (which < COLUMNS && strcmp(name, COLUMN[which].name) != 0) ++which;
         if (which == COLUMNS || self->place[which] >= 0) {
-            return refuse(self, "the column \"%.40s\" is %s; give distance, curvature, cant, gradient, and where known "
+            return refuse_file(self, "the column \"%.40s\" is %s; give distance, curvature, cant, gradient, and where known "
                      "gauge_widening and, behind left_ and right_, lateral, vertical, friction",
                      name, which == COLUMNS ? "not known" : "there twice");
         }
@@ -104,7 +105,7 @@ static int read_names(reader *self) {
     }
     for (int i = AT; i <= GRADIENT; ++i)
         if (self->place[i] < 0) {
-            return refuse(self, "the column %s is missing", COLUMN[i].name);
+            return refuse_file(self, "the column %s is missing", COLUMN[i].name);
         }
     return 1;
 }
@@ -151,13 +152,13 @@ static int read_number(const char *text, double *value) {
 }
 
 static int grow(reader *self) {
-    if (self->rows == MOST_ROWS) return refuse(self, "there are more than 4 000 000 rows; cut the line into several");
+    if (self->rows == MOST_ROWS) return refuse_file(self, "there are more than 4 000 000 rows; cut the line into several");
     if (self->rows < self->room) return 1;
     self->room = self->room ? 2 * self->room : FIRST_ROOM;
     for (int i = 0; i < COLUMNS; ++i) {
         if (self->place[i] < 0) continue;
         double *more = (double *)realloc(self->value[i], (size_t)self->room * sizeof(double));
-        if (!more) return refuse(self, "there is not enough memory for it");
+        if (!more) return refuse_file(self, "there is not enough memory for it");
         self->value[i] = more;
     }
     return 1;
@@ -167,7 +168,7 @@ static int check_value(reader *self, int column, const char *text, double value)
     const char *name = COLUMN[column].name, *unit = COLUMN[column].unit;
     const char *blank = *unit ? " " : "";
     if (value >= COLUMN[column].low && value <= COLUMN[column].high) return 1;
-    return refuse(self, "%s is %.40s%s%s; give a value from %g to %g%s%s", name, text, blank, unit,
+    return refuse_file(self, "%s is %.40s%s%s; give a value from %g to %g%s%s", name, text, blank, unit,
              COLUMN[column].low, COLUMN[column].high, blank, unit);
 }
 
@@ -182,13 +183,13 @@ static int read_row(reader *self, char *text) {
         }
         double value = 0.0;
         if (!read_number(one, &value)) {
-            return refuse(self, "%s is \"%.40s\"; give a finite number", COLUMN[column].name, one);
+            return refuse_file(self, "%s is \"%.40s\"; give a finite number", COLUMN[column].name, one);
         }
         if (!check_value(self, column, one, value)) return 0;
         self->value[column][self->rows] = value;
     }
     if (count == self->cells) return 1;
-    return refuse(self, "it does not have the %d values that the names ask for", self->cells);
+    return refuse_file(self, "it does not have the %d values that the names ask for", self->cells);
 }
 
 /* A row must lie behind the one before it, and not so far that the plan between them is no polynomial. */
@@ -197,13 +198,15 @@ static int check_way(reader *self) {
     if (row == 0) return 1;
     const double before = self->value[AT][row - 1], at = self->value[AT][row];
     if (!(at - before >= 1e-3)) {
-        return refuse(self, "distance is %.12g m behind %.12g m; let it grow by 1 mm at least", at, before);
+        return refuse_file(self, "distance is %.12g m behind %.12g m; let it grow by 1 mm at least", at, before);
     }
     const double *curvature = self->value[CURVATURE];
     const double turn = fmax(fabs(curvature[row]), fabs(curvature[row - 1])) * (at - before);
     if (turn <= LARGEST_TURN) return 1;
-    return refuse(self, "the line turns by %.3g rad over the %.6g m from the row before; give rows between, for %g rad at most", turn,
-             at - before, LARGEST_TURN);
+    return refuse_file(self,
+                       "the line turns by %.3g rad over the %.6g m from the row before; give rows between, for %g rad "
+                       "at most",
+                       turn, at - before, LARGEST_TURN);
 }
 
 static int read_rows(reader *self) {
@@ -213,11 +216,11 @@ static int read_rows(reader *self) {
         if (!grow(self) || !read_row(self, text) || !check_way(self)) return 0;
         ++self->rows;
     }
-    if (found == 0 && self->rows < 2) return refuse(self, "there are fewer than two rows of numbers");
+    if (found == 0 && self->rows < 2) return refuse_file(self, "there are fewer than two rows of numbers");
     return found == 0;
 }
 
-static void mark(line *self) {
+static void mark(line_data *self) {
     unsigned long long hash = 14695981039346656037ull; /* FNV-1a by words, 64 bits */
     for (int row = LINE_CANT; row < LINE_ROWS; ++row)
         for (int i = 0; self->row[row] && i < self->nodes; ++i) {
@@ -240,7 +243,7 @@ static void part_rails(const reader *self, double *lateral, double *spread) {
 }
 
 /* The rows of a line, those of the file and room for what follows from them. 0: not enough memory. */
-static int make_rows(reader *self, line *made) {
+static int make_rows(reader *self, line_data *made) {
     static const int taken[][2] = {{AT, LINE_DISTANCE},        {CURVATURE, LINE_CURVATURE},
                                    {CANT, LINE_CANT},          {GRADIENT, LINE_GRADIENT},
                                    {LEFT_VERTICAL, LINE_LEFT}, {RIGHT_VERTICAL, LINE_RIGHT},
@@ -260,24 +263,24 @@ static int make_rows(reader *self, line *made) {
     return 1;
 }
 
-line *line_read(const char *path, char problem[PROBLEM_SIZE]) {
+line_data *line_read(const char *path, char problem[PROBLEM_SIZE]) {
     reader self;
     memset(&self, 0, sizeof self);
     self.path = path;
     self.problem = problem;
     self.file = fopen(path, "rb");
-    line *made = NULL;
+    line_data *made = NULL;
     if (!self.file) {
-        (void)refuse(&self, "it cannot be opened; give the path of a file that can be read");
+        (void)refuse_file(&self, "it cannot be opened; give the path of a file that can be read");
         return NULL;
     }
     if (read_names(&self) && read_rows(&self)) {
-        made = (line *)calloc(1, sizeof *made);
+        made = (line_data *)calloc(1, sizeof *made);
         if (made && make_rows(&self, made)) {
             line_integrate(made);
             mark(made);
         } else {
-            (void)refuse(&self, "there is not enough memory for it");
+            (void)refuse_file(&self, "there is not enough memory for it");
             line_free(made);
             made = NULL;
         }

@@ -30,7 +30,7 @@ int kernel_set_text(kernel *self, int variable, const char *text) {
     }
     char problem[PROBLEM_SIZE] = "There is not enough memory for a line.";
     char *path = (char *)malloc(strlen(text) + 1);
-    line *read = path ? line_read(text, problem) : NULL;
+    line_data *read = path ? line_read(text, problem) : NULL;
     if (!read) {
         free(path);
         return kernel_fail(self, KERNEL_ERROR, "%s The line before it stays in force.", problem);

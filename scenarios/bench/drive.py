@@ -38,7 +38,7 @@ def units(name: str) -> dict[str, str]:
     return {variable.name: variable.unit for variable in model_of(name).variables}
 
 
-def prepare(name: str, **values: float) -> Kernel:
+def prepare(name: str, **values: float | str) -> Kernel:
     """A kernel with parameters and first inputs."""
     return Kernel(library(name), **values)
 

@@ -17,7 +17,7 @@ from fmpy.fmi2 import (
     fmi2CallbackLoggerTYPE,
 )
 
-TYPES = {"Real": "Real", "Integer": "Integer", "Boolean": "Boolean", "Enumeration": "Integer"}
+TYPES = {"Real": "Real", "Integer": "Integer", "Boolean": "Boolean", "Enumeration": "Integer", "String": "String"}
 
 
 class CosimulationError(RuntimeError):
@@ -35,7 +35,7 @@ class Slave:
     ...     bogie["speed"]
     """
 
-    def __init__(self, path: str | Path, instance: str | None = None, /, **parameters: float) -> None:
+    def __init__(self, path: str | Path, instance: str | None = None, /, **parameters: float | str) -> None:
         description = read_model_description(str(path))
         self.name = instance or description.modelName
         self.guid = description.guid
@@ -46,7 +46,7 @@ class Slave:
         self._nominals = {v.name: float(v.nominal) if v.nominal else 1.0 for v in description.modelVariables}
         self._saves, self._takes_rates = able.canGetAndSetFMUstate, able.canInterpolateInputs
         self._provides_rates = able.maxOutputDerivativeOrder > 0
-        self._parameters = parameters
+        self._parameters: dict[str, float | str] = parameters
         self._plans: dict[tuple[str, ...], list[tuple[Callable, list[int], list[int]]]] = {}
         self._folder = extract(str(path))
         self._logger = fmi2CallbackLoggerTYPE(self._listen)  # referenced here as long as the FMU may call it
@@ -79,17 +79,18 @@ class Slave:
         self.set(**inputs)
         self._call(self.fmu.exitInitializationMode)
 
-    def restart(self, parameters: Mapping[str, float], **inputs: float) -> None:
+    def restart(self, parameters: Mapping[str, float | str], **inputs: float) -> None:
         """Resets the instance and starts it with other parameters."""
         self._call(self.fmu.reset)
         self.messages.clear()
         self._parameters = dict(parameters)
         self.start(**inputs)
 
-    def set(self, **values: float) -> None:
+    def set(self, **values: float | str) -> None:
         for name, value in values.items():
             reference, kind = self._reference(name)
-            self._call(getattr(self.fmu, f"set{kind}"), [reference], [value if kind == "Real" else int(value)])
+            given = value if kind in ("Real", "String") else int(value)
+            self._call(getattr(self.fmu, f"set{kind}"), [reference], [given])
 
     def __getitem__(self, name: str) -> float:
         return self.get([name])[0]

@@ -6,14 +6,18 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
+import casadi as ca
 import numpy as np
 import pytest
 
 from fmu_src.kernel import Kernel, Library
 from fmu_src.system import System, model_of
 from rbd_model import variables
+from rbd_model.contact.creep.kalker import kalker_coefficients
+from rbd_model.contact.creep.kalker_linear import kalker_linear
 from rbd_model.contact.depth import Contact
 from rbd_model.contact.geometry import rolling_radius_difference, thesis_pair
+from rbd_model.contact.hertz import ellipse_shape
 from rbd_model.line import ERRI_LOW, GAUGE, Line, Segment, arc, clothoid, irregular, line_of, read_line, straight
 from rbd_model.planar import planar_vehicle
 from rbd_model.point import point_vehicle
@@ -33,6 +37,8 @@ GRADIENT_BAND, BALANCE_BAND = 1e-6, 1e-6
 #: Rolling line of a free wheelset, and quasi-static loads in a curve.
 ROLLING_BAND, LOAD_BAND = 1e-2, 1e-3
 GRAVITY = 9.81
+#: Closed forms of steering leave out gravity and spin.
+STEERING_BAND = 0.02
 #: Where a body is after a full circle of 1257 m [m], [rad].
 CIRCLE_BAND = 1e-9 * 1257
 
@@ -221,6 +227,62 @@ def test_cant_that_balances_loads_both_rails_alike(wheelset: Library, written) -
         kernel.advance(0.5)
         left, right = kernel["wheel_load_1_left"], kernel["wheel_load_1_right"]
         assert (abs(right - left) < BALANCE_BAND * left) == (share == 1.0), (share, right / left - 1)
+
+
+@pytest.fixture(scope="module")
+def linear() -> Library:
+    """The bogie with Kalker's linear creep, which a closed form can follow."""
+    contact = Contact(1, creep_law=kalker_linear)
+    return on_line(spatial_vehicle(two_axle_bogie(), irregular_track(section_5_3()), contact, True))
+
+
+@pytest.mark.parametrize("stiffness", [1e5, 9.5e6, 1e9])
+def test_a_bogie_steers_as_linear_theory_says(linear: Library, stiffness: float, written) -> None:  # type: ignore[no-untyped-def]
+    """Soft, as in Table 5.1 and rigid against yaw: lateral shift of both wheelsets and the difference of their yaw.
+
+    With Polach's law, whose spin takes some of its stiffness, a rigid bogie is 7 % further out.
+    """
+    radius, speed = 5000.0, 4.0
+    line = line_of([straight(20), clothoid(300, straight(1), arc(1, radius)), arc(900, radius)])
+    kernel = Kernel(linear, line_file=written(line), initial_speed=speed, constant_speed=1.0)
+    kernel.set(longitudinal_stiffness=stiffness)
+    kernel.advance(230.0)
+    names = ("lateral_1", "lateral_2", "yaw_1", "yaw_2")
+    table = kernel.record(50.0, 0.05, names)
+    found = [float(np.mean(table[name])) for name in names]
+    expected = steering(radius, stiffness)
+    assert found[:2] == pytest.approx(expected[:2].tolist(), rel=STEERING_BAND)
+    smallest = 1e-3 * abs(expected[0])  # of a soft one both are radial
+    assert found[3] - found[2] == pytest.approx(expected[3] - expected[2], rel=STEERING_BAND, abs=smallest)
+
+
+def steering(radius: float, stiffness: float) -> np.ndarray:
+    """Lateral shift [m] and yaw [rad] of both wheelsets of a bogie in a wide curve, as Boocock (1969) has it.
+
+    Conicity and creep turn and push each wheelset, against springs to a frame that stands on the chord. Without gravity
+    and spin, which shift the yaw of both alike.
+    """
+    p, pair = two_axle_bogie().parameters, thesis_pair()
+    sizes = (p.wheel_radius, p.wheel_profile_curvature, p.rail_head_radius, p.shear_modulus)
+    shape = ellipse_shape(*map(ca.SX, sizes))
+    kalker = kalker_coefficients(shape.axis_ratio)
+    load = (p.frame_mass + 2 * p.wheelset_mass) * GRAVITY / 4
+    area = p.shear_modulus * float(shape.longitudinal) * float(shape.lateral) * load ** (2 / 3)
+    ahead, aside = area * float(kalker.c11), area * float(kalker.c22)
+    conicity = abs(rolling_radius_difference(pair, np.array([1e-3]))[0]) / 2e-3
+    spacing, base = pair.rail_half_distance, p.wheel_base / 2
+    yawing, across = 2 * stiffness * p.longitudinal_half_spacing**2, 2 * p.lateral_stiffness
+    matrix, right = np.zeros((6, 6)), np.zeros(6)  # of y1, y2, yaw1, yaw2, and of the frame's y and yaw
+    turning, versine = 2 * ahead * spacing, base**2 / (2 * radius)
+    for i, sign in ((0, 1), (1, -1)):
+        matrix[i, i], matrix[i, 2 + i], matrix[i, 5] = turning * conicity / p.wheel_radius, yawing, -yawing
+        right[i] = -turning * spacing / radius - yawing * sign * base / radius
+        matrix[2 + i, [2 + i, i, 4, 5]] = 2 * aside, -across, across, across * sign * base
+        right[2 + i] = across * versine
+    matrix[4, [0, 1, 4]], right[4] = (1, 1, -2), -2 * versine
+    matrix[5, :4] = base * across, -base * across, yawing, yawing
+    matrix[5, 5] = -2 * base**2 * across - 2 * yawing
+    return np.linalg.solve(matrix, right)
 
 
 def test_rails_carry_what_statics_say(patched: Library, written) -> None:  # type: ignore[no-untyped-def]

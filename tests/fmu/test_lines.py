@@ -1,0 +1,134 @@
+"""Lines through the faces of FMI: from a string, from the resources, refused, saved, and in both versions."""
+
+from __future__ import annotations
+
+import shutil
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+
+import pytest
+from fmpy import read_model_description, simulate_fmu
+
+from fmu_src.kernel import Kernel, Library
+from rbd_model.line import arc, clothoid, line_of, straight
+from scenarios.cosimulation.slave import CosimulationError, Slave
+
+SPACE = {"level": 3, "initial_speed": 15.0}
+SEEN = ("speed", "distance", "lateral_1", "yaw_2", "wheel_load_1_left")
+
+
+@pytest.fixture
+def curve(tmp_path: Path) -> Path:
+    before, behind = straight(20), arc(200, 400, 0.05, 0.01)
+    return line_of([before, clothoid(40, before, behind), behind]).write(tmp_path / "curve.csv")
+
+
+def run(path: Path, **values: float | str) -> list[float]:
+    """What an FMU shows after 6 s."""
+    with Slave(path, **(SPACE | values)) as bogie:
+        bogie.start()
+        for number in range(6):
+            bogie.step(float(number), 1.0)
+        return bogie.get(SEEN)
+
+
+@pytest.mark.parametrize("kind", ["native", "python"])
+def test_an_fmu_runs_on_the_line_that_a_string_names(
+    fmus: Mapping[tuple[str, str], Path], bogie: Library, curve: Path, kind: str
+) -> None:
+    kernel = Kernel(bogie, line_file=str(curve), **SPACE)
+    kernel.initialise()
+    for number in range(6):
+        kernel.step(float(number), 1.0)
+    found = run(fmus["bogie", kind], line_file=str(curve))
+    assert found == pytest.approx([kernel[name] for name in SEEN], rel=1e-12, abs=1e-15)
+    assert found[2] < -1e-3
+    assert found != pytest.approx(run(fmus["bogie", kind]))
+
+
+def test_a_line_among_the_resources_is_the_first_one(
+    fmus: Mapping[tuple[str, str], Path], curve: Path, tmp_path: Path
+) -> None:
+    """Without a parameter; a reset leads back to it; no text leads back to straight track."""
+    path = tmp_path / "bogie on a line.fmu"
+    shutil.copyfile(fmus["bogie", "native"], path)
+    with zipfile.ZipFile(path, "a") as archive:
+        archive.write(curve, "resources/line.csv")
+    assert run(path) == run(fmus["bogie", "native"], line_file=str(curve))
+    assert run(path, line_file="") == run(fmus["bogie", "native"])
+    with Slave(path, **SPACE, line_file="") as one:
+        one.start()
+        one.restart(SPACE)
+        one.step(0.0, 6.0)
+        assert one["lateral_1"] < -1e-3
+
+
+def test_a_bad_line_among_the_resources_leaves_no_instance(
+    fmus: Mapping[tuple[str, str], Path], tmp_path: Path
+) -> None:
+    path = tmp_path / "bad.fmu"
+    shutil.copyfile(fmus["bogie", "native"], path)
+    with zipfile.ZipFile(path, "a") as archive:
+        archive.writestr("resources/line.csv", "distance,curvature,cant,gradient\n0,1,0,0\n")
+    with pytest.raises(Exception, match="nstantiate"):
+        Slave(path)
+
+
+def test_a_bad_line_is_refused_with_its_row(fmus: Mapping[tuple[str, str], Path], tmp_path: Path, curve: Path) -> None:
+    bad = tmp_path / "bad.csv"
+    bad.write_text("distance,curvature,cant,gradient\n0,0,0,0\n1,0.5,0,0\n")
+    with Slave(fmus["bogie", "native"], **SPACE) as one:
+        one.set(line_file=str(curve))
+        with pytest.raises(CosimulationError, match=r"row 3: curvature is 0.5 1/m"):
+            one.set(line_file=str(bad))
+        one.start()
+        one.step(0.0, 6.0)
+        assert one["lateral_1"] < -1e-3
+        with pytest.raises(CosimulationError, match="fixed once the run has begun"):
+            one.set(line_file=str(curve))
+
+
+def test_depths_that_no_line_has_are_refused(fmus: Mapping[tuple[str, str], Path], curve: Path) -> None:
+    with (
+        Slave(fmus["bogie", "native"], **SPACE, contact_depth=3, line_file=str(curve)) as one,
+        pytest.raises(CosimulationError, match="Set contact_depth to another value, or line_file to no text"),
+    ):
+        one.start()
+
+
+def test_a_saved_state_goes_back_on_its_line_alone(fmus: Mapping[tuple[str, str], Path], curve: Path) -> None:
+    path = fmus["bogie", "native"]
+    with Slave(path, **SPACE, line_file=str(curve)) as one, Slave(path, **SPACE) as other:
+        for slave in (one, other):
+            slave.start()
+            slave.step(0.0, 3.0)
+        state = one.save()
+        one.step(3.0, 2.0)
+        ahead = one.get(SEEN)
+        one.restore(state)
+        one.step(3.0, 2.0)
+        assert one.get(SEEN) == ahead
+        with pytest.raises(CosimulationError, match="one on another line"):
+            other.restore(state)
+        one.forget(state)
+
+
+def test_fmi_3_takes_a_line_as_well(fmus: Mapping[tuple[str, str], Path], curve: Path) -> None:
+    path = str(fmus["bogie", "fmi3"])
+    start = {"level": 3, "initial_speed": 15.0, "line_file": str(curve)}
+    found = simulate_fmu(path, stop_time=6.0, output_interval=1.0, start_values=start, output=["lateral_1", "speed"])
+    straight_on = simulate_fmu(
+        path, stop_time=6.0, output_interval=1.0, start_values=start | {"line_file": ""}, output=["lateral_1"]
+    )
+    assert found["lateral_1"][-1] < -1e-3 < straight_on["lateral_1"][-1]
+    variable = next(v for v in read_model_description(path).modelVariables if v.name == "line_file")
+    assert variable.type == "String"
+
+
+def test_a_model_without_a_line_takes_no_text(fmus: Mapping[tuple[str, str], Path]) -> None:
+    with (
+        Slave(fmus["brake", "native"]) as brake,
+        pytest.raises(CosimulationError, match="not a variable of type String"),
+    ):
+        brake._call(brake.fmu.setString, [0], ["line.csv"])
