@@ -34,6 +34,7 @@ typedef struct {
     const char *path;
     char *problem;
     int place[COLUMNS]; /* of each column among the cells of a row; -1: missing */
+    int column[COLUMNS]; /* of each cell */
     int cells, rows, room, number; /* the number of the row that was read last, from 1 */
     double *value[COLUMNS];
 } reader;
@@ -102,6 +103,7 @@ static int read_names(reader *self) {
                      name, which == COLUMNS ? "not known" : "there twice");
         }
         self->place[which] = self->cells;
+        self->column[self->cells] = which;
     }
     for (int i = AT; i <= GRADIENT; ++i)
         if (self->place[i] < 0) {
@@ -175,12 +177,11 @@ static int check_value(reader *self, int column, const char *text, double value)
 static int read_row(reader *self, char *text) {
     int count = 0;
     for (const char *one; (one = cell(&text)); ++count) {
-        int column = 0;
-        while (column < COLUMNS && self->place[column] != count) ++column;
-        if (column == COLUMNS) {
+        if (count == self->cells) {
             count = -1;
             break;
         }
+        const int column = self->column[count];
         double value = 0.0;
         if (!read_number(one, &value)) {
             return refuse_file(self, "%s is \"%.40s\"; give a finite number", COLUMN[column].name, one);
