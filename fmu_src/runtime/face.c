@@ -123,7 +123,7 @@ static int own_line(component *self) {
 
 component *face_settle(component *self, const char *resources) {
     static const char NAME[] = "/line.csv";
-    if (!self || !resources) return self;
+    if (!self || !resources || !*resources) return self;
     self->resources = (char *)malloc(strlen(resources) + sizeof NAME);
     if (self->resources) {
         decode(resources, self->resources);

@@ -1,5 +1,5 @@
 /* A host that does not know what it does: random calls in any order with values from the sane to the absurd, on several
- * instances at once. Usage: fuzz SEED CALLS. Exit status 1 when a number that is not finite comes with OK. */
+ * instances at once. Usage: fuzz SEED CALLS LINE..., files of lines, good and bad. Exit status 1 when a number that is not finite comes with OK. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -75,6 +75,20 @@ static const variable_description *known(fmi2ValueReference reference) {
     return reference < (unsigned)MODEL.variables ? &MODEL.variable[reference] : NULL;
 }
 
+static int lines = 0;
+static char **line_files;
+
+/* The line's variable or any other, a file, none, or nothing at all. */
+static void use_lines(fmi2Component c) {
+    const fmi2ValueReference vr = random_number(4) ? (unsigned)MODEL.line_file : random_number((unsigned)MODEL.variables);
+    fmi2String path = random_number(3) && lines ? line_files[random_number((unsigned)lines)] : random_number(9) ? "" : NULL;
+    count(fmi2SetString(c, &vr, random_number(9) ? 1 : 0, &path));
+    fmi2String text = "";
+    const fmi2Status status = fmi2GetString(c, &vr, 1, &text);
+    count(status);
+    if (status <= fmi2Warning && strlen(text) > 1000) printf("a path of %zu letters\n", strlen(text));
+}
+
 static void use_variables(slot *s, fmi2Component c) {
     fmi2ValueReference vr[NAMES], other[NAMES];
     double reals[NAMES] = {0}, changes[NAMES];
@@ -85,7 +99,7 @@ static void use_variables(slot *s, fmi2Component c) {
         order[i] = random_number(10) ? 1 : (int)random_number(3);
     }
     (void)s;
-    switch (random_number(9)) {
+    switch (random_number(10)) {
         case 0:
         case 1:
             check(fmi2GetReal(c, vr, size, reals), reals, size);
@@ -107,6 +121,9 @@ static void use_variables(slot *s, fmi2Component c) {
             break;
         case 7:
             count(fmi2SetRealInputDerivatives(c, vr, size, order, changes));
+            break;
+        case 8:
+            use_lines(c);
             break;
         default:
             check(fmi2GetDirectionalDerivative(c, vr, size, other, others, changes, reals), reals, size);
@@ -198,7 +215,9 @@ static void ask(fmi2Component c) {
 }
 
 int main(int argc, char **argv) {
-    if (argc != 3) return 2;
+    if (argc < 3) return 2;
+    lines = argc - 3;
+    line_files = argv + 3;
     random_state = strtoull(argv[1], NULL, 10) * 2654435761u + 88172645463325252ull;
     const long long calls = atoll(argv[2]);
     const fmi2CallbackFunctions callbacks = {log_message, calloc, free, NULL, NULL};

@@ -15,6 +15,7 @@ from fmu_src.codegen import RUNTIME, RUNTIME_SOURCES, generate
 from fmu_src.kernel import Kernel, Library
 from fmu_src.system import System, Variable, model_of
 from rbd_model.bogie import bogie_dynamics
+from rbd_model.line import ERRI_HIGH, arc, irregular, line_of, straight
 
 DRIVER, FUZZ = Path(__file__).with_name("driver.c"), Path(__file__).with_name("fuzz.c")
 SANITIZERS = ["-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
@@ -60,10 +61,15 @@ SEEDS, CALLS = 2, 30_000
 
 
 def test_random_calls_find_no_fault(objects: dict, tmp_path: Path) -> None:
-    """Legal and illegal orders, NaN, infinities, huge and tiny steps, references out of range, under sanitizers."""
+    """Legal and illegal orders, NaN, infinities, huge and tiny steps, references out of range, under sanitizers.
+
+    And lines, with files that are none.
+    """
     fuzz = driver(objects["sanitized"], FUZZ, tmp_path)
+    curve = irregular(line_of([arc(300, 250, 0.1, 0.02)]), ERRI_HIGH, seed=1)
+    lines = [curve.write(tmp_path / "curve.csv"), line_of([straight(9)]).write(tmp_path / "short.csv"), fuzz]
     for seed in range(SEEDS):
-        done = subprocess.run([fuzz, str(seed), str(CALLS)], capture_output=True, text=True, timeout=300)
+        done = subprocess.run([fuzz, str(seed), str(CALLS), *lines], capture_output=True, text=True, timeout=300)
         assert done.returncode == 0, done.stdout[-500:] + done.stderr[-3000:]
         assert done.stdout.endswith(" 0 not finite with OK\n")
         assert int(done.stdout.split()[2]) > CALLS / 20  # steps that were made
