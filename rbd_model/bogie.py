@@ -163,9 +163,9 @@ def family_of(name: str) -> str:
 
 @lru_cache
 def names_of_levels(whole: bool) -> dict[str, set[str]]:
-    """Names of the variables of each level of one bogie or the vehicle, the least first; all have a tolerance."""
+    """Names of the variables of each level of one bogie or the vehicle, least first; all have tolerance and line."""
     systems = levels(passenger_coach() if whole else two_axle_bogie())
-    common = {variable.name for variable in integration_variables(DEFAULT_TOLERANCE)}
+    common = {variable.name for variable in integration_variables(DEFAULT_TOLERANCE)} | {variables.line_file().name}
     return {system.name: common | {variable.name for variable in system.variables} for system in systems}
 
 

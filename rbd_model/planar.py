@@ -55,7 +55,7 @@ def planar_vehicle(vehicle: Vehicle, on_line: bool = False) -> System:
     first = vehicle.bodies[0]
     falling = bodies[0].body.falling(p["gravity"])[0]
     resistance = add_resistance(assembly, assembly.speed, curvatures_under(assembly, places), weight_of(assembly))
-    pulled = loads.on(first.name).force[0] + resistance
+    pulled = loads.on(first.name).force[0] + resistance[0]
     first_acceleration = pulled / assembly.value(first.mass) + falling
     move_bodies(assembly, bodies, loads, first_acceleration)
     accelerations = []
@@ -75,6 +75,7 @@ def planar_vehicle(vehicle: Vehicle, on_line: bool = False) -> System:
     heights = [elevation(assembly, axle) for axle in axles.values()]
     potential = sum(weight * height for weight, height in zip(weights, heights, strict=True))
     energies = {"kinetic_energy": ca.SX(sum(kinetic)), "potential_energy": ca.SX(potential)}
+    energies["damping_power"] = resistance[1]
     observe_energy(assembly, bodies, wheelsets, loads, energies)
     for wheelset in wheelsets:
         static = assembly.value(wheelset.data.mass) * p["gravity"] + assembly.resting_on(wheelset.number)

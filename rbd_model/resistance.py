@@ -37,7 +37,7 @@ def none() -> RunningResistance:
 
 
 def add_resistance(assembly: Assembly, speed: ca.SX, curvatures: Sequence[ca.SX], weight: ca.SX) -> ca.SX:
-    """Force along the track on the whole vehicle [N], Davis (1926) and von Roeckl (1880).
+    """Force along the track on the whole vehicle [N] and what it takes [W], Davis (1926) and von Roeckl (1880).
 
     curvatures [1/m]: of the line under each wheelset, which carry equal shares of the weight [N].
     """
@@ -45,7 +45,8 @@ def add_resistance(assembly: Assembly, speed: ca.SX, curvatures: Sequence[ca.SX]
     ahead = speed / ca.sqrt(speed**2 + assembly.parameter["creepage_speed"] ** 2)
     share = ca.SX(sum(curve_share(ca.fabs(curvature)) for curvature in curvatures)) / len(curvatures)
     steady = p["davis_constant"] + p["curve_resistance"] * share * weight
-    return -ahead * (steady + p["davis_quadratic"] * speed**2) - p["davis_linear"] * speed
+    force = -ahead * (steady + p["davis_quadratic"] * speed**2) - p["davis_linear"] * speed
+    return ca.vertcat(force, -force * speed)
 
 
 def curve_share(curvature: ca.SX) -> ca.SX:

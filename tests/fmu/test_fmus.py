@@ -103,7 +103,7 @@ def test_dependencies_come_from_the_equations(fmus: dict) -> None:
     assert found["shoe_friction"] == found["brake_torque"] == {"angular_velocity"}
     description = read_model_description(str(fmus["bogie", "native"]))
     found = {u.variable.name: {d.name for d in u.dependencies} for u in description.outputs}
-    assert found["creep_force_1"] == {"friction_1", "gradient"}  # at the point level the load leans with the line
+    assert found["creep_force_1"] == {"friction_1", "gradient"}  # which leans the load, in the plane
     assert found["speed"] == set()
 
 
