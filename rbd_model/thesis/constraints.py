@@ -36,15 +36,16 @@ def sub_jacobian(i: Motion, j: Motion, wheel: Surface, rail: RailSurface) -> Sub
     """C_q and C_s, eqs (3.61)-(3.65), as derived in Appendix I.
 
     v^T w~ is written as (v x w)^T.
-    Differs from the thesis: (3.64), (3.65) have A^jT A^j where A^iT A^j belongs, as Appendix I has it; and the rail's
-    point moves with the distance of the wheelset, see `rail_surface`.
+    Differs from the thesis: (3.64), (3.65) have A^jT A^j where A^iT A^j belongs, as Appendix I has it; and the rail
+    moves with the distance of the wheelset, see `RailSurface`.
     """
     of_wheel, of_rail = np.zeros((EQUATIONS, 7)), np.zeros((EQUATIONS, 7))
     wheel_s, rail_s = np.empty((EQUATIONS, 2)), np.empty((EQUATIONS, 2))
     tangents, normal = i.axes @ wheel.tangents, j.axes @ rail.normal
     of_wheel[0, 0] = of_wheel[1, 1] = of_wheel[2, 2] = 1.0
     of_rail[0, 0] = of_rail[1, 1] = of_rail[2, 2] = -1.0
-    of_wheel[:3, 0] -= j.axes @ rail.drift
+    of_wheel[:3, :3] -= np.outer(j.axes @ rail.tangents[:, 2], rail.distance_slope)
+    of_wheel[3:, :3] = np.outer(tangents.T @ (j.axes @ rail.normal_slope[:, 2]), rail.distance_slope)
     of_wheel[:3, 3:] = -i.axes @ _skew_times(wheel.point, i.g)
     of_rail[:3, 3:] = j.axes @ _skew_times(rail.point, j.g)
     in_wheel = i.axes.T @ normal
@@ -52,9 +53,9 @@ def sub_jacobian(i: Motion, j: Motion, wheel: Surface, rail: RailSurface) -> Sub
         of_wheel[3 + row, 3:] = -cross(in_wheel, wheel.tangents[:, row]) @ i.g
         of_rail[3 + row, 3:] = -cross(j.axes.T @ tangents[:, row], rail.normal) @ j.g
     wheel_s[:3] = tangents
-    rail_s[:3] = -j.axes @ rail.tangents
+    rail_s[:3] = -j.axes @ rail.tangents[:, :2]
     wheel_s[3:] = np.tensordot(in_wheel, wheel.second, 1)
-    rail_s[3:] = tangents.T @ (j.axes @ rail.normal_slope)
+    rail_s[3:] = tangents.T @ (j.axes @ rail.normal_slope[:, :2])
     return SubJacobian(of_wheel, of_rail, wheel_s, rail_s)
 
 
@@ -72,15 +73,17 @@ def quadratic_terms(
 
     rates: of the surface parameters of wheel and rail. Contains third derivatives of the wheel's profile.
     """
-    of_wheel, of_rail = rates
-    speed = float(i.velocity[0])
-    relative = wheel.tangents @ of_wheel, rail.tangents @ of_rail + rail.drift * speed
-    bend = _twice(wheel.second, of_wheel), _twice(rail.second, of_rail) + rail.drift_rate * speed**2
+    of_wheel, of_rail = rates[0], np.append(rates[1], rail.distance_slope @ i.velocity)
+    # What is left of the second derivative of the wheelset's distance without its acceleration.
+    gaining = float(_twice(rail.distance_bend, i.velocity))
+    relative = wheel.tangents @ of_wheel, rail.tangents @ of_rail
+    bend = _twice(wheel.second, of_wheel), _twice(rail.second, of_rail) + rail.tangents[:, 2] * gaining
     out = np.empty(EQUATIONS)
     out[:3] = _second(j, rail.point, relative[1], bend[1]) - _second(i, wheel.point, relative[0], bend[0])
     normal = j.axes @ rail.normal
     normal_rate = _first(j, rail.normal, rail.normal_slope @ of_rail)
-    normal_second = _second(j, rail.normal, rail.normal_slope @ of_rail, _twice(rail.normal_bend, of_rail))
+    normal_bend = _twice(rail.normal_bend, of_rail) + rail.normal_slope[:, 2] * gaining
+    normal_second = _second(j, rail.normal, rail.normal_slope @ of_rail, normal_bend)
     for row in range(2):
         tangent, change = wheel.tangents[:, row], wheel.second[:, row] @ of_wheel
         second = _second(i, tangent, change, _twice(wheel.third[:, row], of_wheel))

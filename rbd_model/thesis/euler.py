@@ -62,9 +62,21 @@ def from_angles(yaw: float, roll: float, pitch: float) -> np.ndarray:
     for axis, angle in ((1, roll), (2, pitch)):
         turn = np.zeros(4)
         turn[0], turn[axis] = math.cos(angle / 2), math.sin(angle / 2)
-        vector = product[0] * turn[1:] + turn[0] * product[1:] + cross(product[1:], turn[1:])
-        product = np.concatenate([[product[0] * turn[0] - product[1:] @ turn[1:]], vector])
+        product = composed(product, turn)
     return product
+
+
+def composed(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Euler parameters of the product of two matrices (3.2)."""
+    vector = first[0] * second[1:] + second[0] * first[1:] + cross(first[1:], second[1:])
+    return np.concatenate([[first[0] * second[0] - first[1:] @ second[1:]], vector])
+
+
+def from_matrix(axes: np.ndarray) -> np.ndarray:
+    """Euler parameters of a rotation matrix, (3.2) turned round, for one of less than half a turn."""
+    first = math.sqrt(1.0 + float(np.trace(axes))) / 2
+    twice = axes - axes.T  # the skew part, twice the sine of the angle along the axis
+    return np.array([first, *(np.array([twice[2, 1], twice[0, 2], twice[1, 0]]) / (4 * first))])
 
 
 def mass_matrix(mass: float, inertia: np.ndarray, theta: np.ndarray) -> np.ndarray:

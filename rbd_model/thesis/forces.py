@@ -8,6 +8,9 @@ import numpy as np
 
 from rbd_model.thesis.euler import cross, g_bar, rotation_matrix
 
+#: The inertial axes of section 3.2.1, which do not change.
+INERTIAL = np.eye(3), np.zeros((3, 3))
+
 
 @dataclass(frozen=True)
 class Motion:
@@ -89,16 +92,19 @@ def axle_box(
     frame: Motion,
     place_in_frame: np.ndarray,
     law: tuple[np.ndarray, np.ndarray, float],
+    directions: tuple[np.ndarray, np.ndarray] = INERTIAL,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Generalised forces on wheelset and frame of one suspension element of Tables 4.1 and 5.1, by (3.33), (3.34).
 
-    law: stiffness (3,) [N/m] and damping (3,) [N.s/m] along the inertial axes, and the static load [N] it carries.
+    law: stiffness (3,) [N/m] and damping (3,) [N.s/m] along the directions, and the static load [N] it carries.
+    directions: columns (3, 3), and how they change [1/s]: the inertial axes or, on a line, those of the track.
     Differs from the thesis, which draws three elements (3.37) at right angles and prints no length of them: this is
     what they become when they are long.
     """
-    stiffness, damping, load = law
+    (stiffness, damping, load), (axes, change) = law, directions
     stretch = frame.point(place_in_frame) - wheelset.point(place)
     rate = frame.velocity_of(place_in_frame) - wheelset.velocity_of(place)
-    pull = stiffness * stretch + damping * rate
-    pull[2] -= load
+    components = stiffness * (stretch @ axes) + damping * (rate @ axes + stretch @ change)
+    components[2] -= load
+    pull = axes @ components
     return of_force(wheelset, pull, place), of_force(frame, -pull, place_in_frame)

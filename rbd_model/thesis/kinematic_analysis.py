@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rbd_model.thesis.euler import cross, g_bar, rotation_matrix
+from rbd_model.thesis.euler import cross, from_matrix, g_bar, rotation_matrix
 from rbd_model.thesis.mechanism import FIRST_WHEELSET, Mechanism, State
 from rbd_model.thesis.partition import CLOSED, MAXIMUM_ROUNDS, NoSolutionError
 from rbd_model.thesis.surfaces import OffTheProfileError, profile_derivatives
@@ -16,8 +16,9 @@ from rbd_model.thesis.surfaces import OffTheProfileError, profile_derivatives
 
 @dataclass(frozen=True)
 class Wheelset:
-    """Where a wheelset is driven to: distance, lateral [m], yaw, pitch [rad]; and rates, those of yaw and pitch about
-    the third and second of the axes that yaw and roll with it [m/s, rad/s].
+    """Where a wheelset is driven to: distance, lateral [m], yaw, pitch [rad] in the axes of the track there; and
+    velocities in these, those of yaw and pitch about the third and second of the axes that yaw and roll with it [m/s,
+    rad/s].
     """
 
     distance: float = 0.0
@@ -42,12 +43,19 @@ class Frame:
 
 
 def frames_at_rest(mechanism: Mechanism) -> list[Frame]:
-    """The bodies above the wheelsets at their places on straight track, as section 3.3.3 holds them."""
+    """The bodies above the wheelsets at their places over the track, as section 3.3.3 holds them."""
     radius = mechanism.parameters.wheel_radius
     return [
-        Frame(np.array([body.along, 0.0, radius + body.height, 1.0, 0.0, 0.0, 0.0]), np.zeros(3), np.zeros(3))
+        Frame(over_track(mechanism, body.along, radius + body.height), np.zeros(3), np.zeros(3))
         for body in mechanism.layout.upper
     ]
+
+
+def over_track(mechanism: Mechanism, distance: float, height: float) -> np.ndarray:
+    """Coordinates (7,) of a body in the axes of the track at a distance, over its middle [m], section 3.2.1."""
+    section = mechanism.rails.section(distance)
+    axes = section.axes[0]
+    return np.concatenate([section.origin[0] + height * axes[:, 2], from_matrix(axes)])
 
 
 def centred(mechanism: Mechanism) -> np.ndarray:
@@ -58,23 +66,29 @@ def centred(mechanism: Mechanism) -> np.ndarray:
     for number, frame in enumerate(frames_at_rest(mechanism), mechanism.frame):
         near[mechanism.body(number)] = frame.coordinates
     for number in range(mechanism.wheelsets):
-        near[mechanism.body(FIRST_WHEELSET + number)][:3] = (
-            mechanism.place(number),
-            0.0,
-            mechanism.parameters.wheel_radius,
-        )
+        place = over_track(mechanism, mechanism.place(number), mechanism.parameters.wheel_radius)
+        near[mechanism.body(FIRST_WHEELSET + number)] = place
     for contact in range(mechanism.contacts):
         near[mechanism.q_count + mechanism.rail_parameters(contact).start] = mechanism.place(contact // 2)
     return near
 
 
 def rolling(mechanism: Mechanism, speed: float) -> State:
-    """Everything at its place on straight track and moving at `speed` [m/s], the wheels rolling (section 2.3.1)."""
+    """Everything at its place over the track and moving at `speed` [m/s], the wheels rolling (section 2.3.1).
+
+    On a line bodies turn with the track.
+    """
     pitch_rate = speed / mechanism.parameters.wheel_radius
+    turning = [speed * mechanism.rails.section(place).turning for place in mechanism.layout.wheelsets]
     wheelsets = [
-        Wheelset(mechanism.place(number), speed=speed, pitch_rate=pitch_rate) for number in range(mechanism.wheelsets)
+        Wheelset(place, speed=speed, pitch_rate=pitch_rate, yaw_rate=float(turn[2]))
+        for place, turn in zip(mechanism.layout.wheelsets, turning, strict=True)
     ]
-    frames = [replace(frame, velocity=np.array([speed, 0.0, 0.0])) for frame in frames_at_rest(mechanism)]
+    frames = []
+    for body, frame in zip(mechanism.layout.upper, frames_at_rest(mechanism), strict=True):
+        section = mechanism.rails.section(body.along)
+        velocity, omega = speed * section.axes[0, :, 0], speed * section.turning
+        frames.append(replace(frame, velocity=velocity, omega=omega))
     return drive_to(mechanism, wheelsets, frames, centred(mechanism))
 
 
@@ -128,9 +142,11 @@ def driving_constraints(
 
     for number, wheelset in enumerate(wheelsets):
         start = mechanism.body(FIRST_WHEELSET + number).start
-        hold(start, wheelset.distance)
-        hold(start + 1, wheelset.lateral)
-        ahead = np.array([math.cos(wheelset.yaw), math.sin(wheelset.yaw), 0.0])
+        section = mechanism.rails.section(wheelset.distance)
+        place = section.from_origin(coordinates[start : start + 3])
+        errors += [place[0], place[1] - wheelset.lateral]
+        rows += along_track(mechanism, number, wheelset)
+        ahead = section.axes[0] @ np.array([math.cos(wheelset.yaw), math.sin(wheelset.yaw), 0.0])
         level(start, ahead, np.array([0.0, 1.0, 0.0]))
         level(start, ahead, np.array([-math.sin(wheelset.pitch), 0.0, math.cos(wheelset.pitch)]))
     for number, frame in enumerate(frames, mechanism.frame):
@@ -140,6 +156,13 @@ def driving_constraints(
     return np.array(errors), np.array(rows)
 
 
+def along_track(mechanism: Mechanism, number: int, wheelset: Wheelset) -> list[np.ndarray]:
+    """Rows of C_q (3.59) for the place of a wheelset along and across the track."""
+    start, rows = mechanism.body(FIRST_WHEELSET + number).start, np.zeros((2, mechanism.unknowns))
+    rows[:, start : start + 3] = mechanism.rails.section(wheelset.distance).axes[0, :, :2].T
+    return list(rows)
+
+
 def square_of_rates(
     mechanism: Mechanism, wheelsets: Sequence[Wheelset], jacobian: np.ndarray, coordinates: np.ndarray
 ) -> np.ndarray:
@@ -147,7 +170,7 @@ def square_of_rates(
     rows = []
     for number, wheelset in enumerate(wheelsets):
         start = mechanism.body(FIRST_WHEELSET + number).start
-        rows += [np.eye(1, mechanism.unknowns, start + i)[0] for i in (0, 1)]
+        rows += along_track(mechanism, number, wheelset)
         g = g_bar(coordinates[start + 3 : start + 7])
         for axis in (np.array([-math.sin(wheelset.pitch), 0.0, math.cos(wheelset.pitch)]), np.array([0.0, 1.0, 0.0])):
             row = np.zeros(mechanism.unknowns)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 from scipy.linalg.lapack import dgetrf, dgetrs
@@ -16,7 +17,8 @@ from rbd_model.thesis.creep import EllipseLaw, flange_force, hertz_ellipse, pola
 from rbd_model.thesis.euler import cross, mass_matrix, norm_error, quadratic_velocity
 from rbd_model.thesis.forces import Motion, axle_box, of_body_moment, of_force
 from rbd_model.thesis.layout import bogie_layout, inertia, vehicle_layout
-from rbd_model.thesis.surfaces import RailSurface, Surface, rail_surface, wheel_surface
+from rbd_model.thesis.rails import STRAIGHT, Distance, Rails, Section
+from rbd_model.thesis.surfaces import ORDERS, RailSurface, Surface, wheel_surface
 
 #: Bodies in the order of (4.1), (5.1): right rail, left rail, wheelsets, what is above; contacts: right, then left, of
 #: each wheelset.
@@ -26,13 +28,13 @@ COORDINATES, PARAMETERS = 7, 2
 #: Relative change of the normal forces at which their iteration ends, and its largest number of rounds.
 NORMAL_FORCE_TOLERANCE, MAXIMUM_ROUNDS = 1e-14, 100
 
-#: Lateral shift, heights of left and right rail [m], at a distance [m]: shape (3, 3), values and two derivatives.
+#: Lateral shift, heights of left and right rail [m], at a distance [m]: shape (4, 3), values and three derivatives.
 Irregularity = Callable[[float], np.ndarray]
 
 
 def perfect_track(distance: float) -> np.ndarray:
-    """No irregularity, as section 4.2 has it; shape (3, 3)."""
-    return np.zeros((3, 3))
+    """No irregularity, as section 4.2 has it; shape (4, 3)."""
+    return np.zeros((ORDERS, 3))
 
 
 @dataclass(frozen=True)
@@ -81,19 +83,20 @@ class Touch:
     wheel: Surface
     rail: RailSurface
     radius: np.ndarray  # r and its derivatives by the position on the profile
+    forward: np.ndarray  # along the track at the wheelset, in inertial axes
 
     @property
     def normal(self) -> np.ndarray:
         """Unit normal of the rail, upwards, in inertial axes."""
-        rail = self.rail
-        return self.rail_body.axes @ rail.normal * (rail.normal[2] / math.hypot(1.0, rail.slope))
+        return np.asarray(self.rail_body.axes @ self.rail.upwards)
 
 
 class Mechanism:
     """One wheelset in a frame (wheelsets = 1, chapter 4), the two-axle bogie (2, chapter 5), or the vehicle (4).
 
-    speed [m/s]: held by a constraint when given, as for the comparison with VAMPIRE. Raises ValueError for what chapter
-    3 does not have: torques that react on the frame (3.36), a flange's force at the rail (3.106), two half spacings.
+    speed [m/s]: held by a constraint when given, as for the comparison with VAMPIRE. rails: straight ones, or those of
+    a line, on which nothing holds the frame's pitch. Raises ValueError for what chapter 3 does not have: torques that
+    react on the frame (3.36), a flange's force at the rail (3.106), two half spacings; and for a speed on a line.
     """
 
     def __init__(
@@ -104,6 +107,7 @@ class Mechanism:
         irregularity: Irregularity = perfect_track,
         speed: float | None = None,
         ellipse: EllipseLaw = hertz_ellipse,
+        rails: Rails = STRAIGHT,
     ) -> None:
         for name, value in AS_PRINTED.items():
             if getattr(parameters, name) != value:
@@ -113,12 +117,16 @@ class Mechanism:
                 f"Set vertical_half_spacing to longitudinal_half_spacing, {parameters.longitudinal_half_spacing:g} m: "
                 f"each element of chapter 3 has one place, it was {parameters.vertical_half_spacing:g} m."
             )
+        if speed is not None and rails.curved:
+            raise ValueError(f"Leave the speed of {speed:g} m/s free: chapter 3 holds it on straight track alone.")
         self.parameters, self.pair, self.irregularity, self.ellipse = parameters, pair, irregularity, ellipse
-        self.wheelsets, self.speed = wheelsets, speed
+        self.wheelsets, self.speed, self.rails = wheelsets, speed, rails
         if isinstance(parameters, VehicleParameters):
             self.layout = vehicle_layout(parameters)
         else:
             self.layout = bogie_layout(parameters, wheelsets)
+        if rails.curved:
+            self.layout = replace(self.layout, level=False)
         self.frame = FIRST_WHEELSET + wheelsets
         self.bodies = self.frame + len(self.layout.upper)
         self.contacts = 2 * wheelsets
@@ -153,6 +161,16 @@ class Mechanism:
         """Where a contact's parameters on the wheel stand in s, eqs (4.2), (5.2)."""
         return self.rail_parameters(self.contacts + contact)
 
+    def shifts(self, distance: float) -> np.ndarray:
+        """Irregularity (5.3), (5.4) with that of the line, and its widening: (4, 4), as Section's shifts and spread."""
+        section = self.rails.section(distance)
+        return np.column_stack([self.irregularity(distance) + section.shifts, section.spread])
+
+    def shift_of(self, side: int, distance: float) -> np.ndarray:
+        """Of one rail, to the left and upwards (5.3), (5.4): shape (4, 2) [m]."""
+        shifts = self.shifts(distance)
+        return np.column_stack([shifts[:, 0] + side * shifts[:, 3], shifts[:, 2 if side < 0 else 1]])
+
     def motions(self, q: np.ndarray, q_rate: np.ndarray) -> list[Motion]:
         """Motions of all bodies from their coordinates and rates, shapes (q_count,)."""
         return [Motion.of(q[self.body(n)], q_rate[self.body(n)]) for n in range(self.bodies)]
@@ -163,15 +181,16 @@ class Mechanism:
         half, rail_half = self.pair.wheel_half_distance, self.pair.rail_half_distance
         for wheelset in range(self.wheelsets):
             wheel_body = motions[FIRST_WHEELSET + wheelset]
-            shifts = self.irregularity(float(wheel_body.position[0]))
+            at = self.rails.distance(wheel_body.position)
+            forward = self.rails.section(at.value).axes[0, :, 0]
             for rail_number, side in enumerate(SIDES):
                 number = 2 * wheelset + rail_number
                 wheel, radius = wheel_surface(
                     self.pair.wheel, self.parameters.wheel_radius, half, side, s[self.wheel_parameters(number)]
                 )
-                shift = shifts[:, (0, 2 if side < 0 else 1)]
-                rail = rail_surface(self.pair.rail, rail_half, side, s[self.rail_parameters(number)], shift)
-                made.append(Touch(number, wheel_body, motions[rail_number], wheel, rail, radius))
+                parameters, shift = s[self.rail_parameters(number)], partial(self.shift_of, side)
+                rail = self.rails.rail(self.pair.rail, rail_half, side, parameters, at, shift)
+                made.append(Touch(number, wheel_body, motions[rail_number], wheel, rail, radius, forward))
         return made
 
     # -- constraints ---------------------------------------------------------------------------------------------
@@ -246,17 +265,39 @@ class Mechanism:
             total = quadratic_velocity(upper.inertia, body.theta_rate, body.omega)
             total[2] -= upper.mass * p.gravity
             q[self.body(number)] = total
-        q[self.body(self.frame)][0] += inputs.drawbar_force
+        ahead = self.there(motions[self.frame])[1].axes[0, :, 0]
+        q[self.body(self.frame)][:3] += inputs.drawbar_force * ahead
         for number in range(self.wheelsets):
             body = motions[FIRST_WHEELSET + number]
             total = quadratic_velocity(self.wheelset_inertia, body.theta_rate, body.omega)
             total[2] -= p.wheelset_mass * p.gravity
-            offset = float(body.position[1] - self.irregularity(float(body.position[0]))[0, 0])
-            total[1] += flange_force(offset, p.flange_clearance, p.flange_stiffness)
+            total[:3] += self.flange(body)
             total += self.torques(number, state, inputs, body)
             q[self.body(FIRST_WHEELSET + number)] = total
         self.suspend(q, motions)
         return q
+
+    def there(self, body: Motion) -> tuple[Distance, Section]:
+        """Where along the line a body (3.3) is, and the line there."""
+        at = self.rails.distance(body.position)
+        return at, self.rails.section(at.value)
+
+    def flange(self, body: Motion) -> np.ndarray:
+        """Force of the rails on the flanges of a wheelset (3.106) in inertial axes, shape (3,) [N].
+
+        Differs from the thesis on a line: the spring gives back what it took, so that its force has a part along the
+        track where the rails come nearer as the wheelset goes along. On straight track there is none, as printed.
+        """
+        at, section = self.there(body)
+        shifts = self.shifts(at.value)
+        offset = float(section.from_origin(body.position)[1] - shifts[0, 0])
+        clearance = self.parameters.flange_clearance + float(shifts[0, 3])
+        force = flange_force(offset, clearance, self.parameters.flange_stiffness)
+        direction = section.axes[0, :, 1]
+        if self.rails.curved:
+            nearing = (body.position - section.origin[0]) @ section.axes[1, :, 1] - shifts[1, 0]
+            direction = direction + (nearing - math.copysign(1.0, offset) * shifts[1, 3]) * at.slope
+        return np.asarray(force * direction)
 
     def suspend(self, q: np.ndarray, motions: Sequence[Motion]) -> None:
         """Adds the generalised forces of all suspension elements, (3.33), (3.34)."""
@@ -264,20 +305,26 @@ class Mechanism:
             number = FIRST_WHEELSET + element.lower if element.on_wheelset else self.frame + element.lower
             below = np.array([self.place(element.lower), 0.0, 0.0])
             lower = below if element.on_wheelset else self.layout.upper[element.lower].centre
+            above = self.frame + element.upper
             upper = self.layout.upper[element.upper].centre
+            # On a line an element stands in the frame of the bogie, whose axes of the track it acts along.
+            seat = motions[above if element.on_wheelset else number]
+            at, section = self.there(seat)
             pull, reaction = axle_box(
-                *(motions[number], element.place - lower, motions[self.frame + element.upper], element.place - upper),
+                *(motions[number], element.place - lower, motions[above], element.place - upper),
                 (element.stiffness, element.damping, element.load),
+                (section.axes[0], section.axes[1] * float(at.slope @ seat.velocity)),
             )
             q[self.body(number)] += pull
-            q[self.body(self.frame + element.upper)] += reaction
+            q[self.body(above)] += reaction
 
     def torques(self, number: int, state: State, inputs: Inputs, body: Motion) -> np.ndarray:
         """Brake, traction, rolling resistance and yaw torque on a wheelset, eq. (3.36).
 
         Differs from the thesis: the yaw torque of chapter 9 acts about the axis at right angles to the axle in the
-        vertical plane through it, as shoe forces at the height of the axle do; with yaw_torque_rotates about the third
-        axis of the body, which turns with the wheel: so G bar in place of G in (3.36).
+        plane through it that is upright on the track, as shoe forces at the height of the axle do; with
+        yaw_torque_rotates about the third axis of the body, which turns with the wheel: so G bar in place of G in
+        (3.36).
         """
         capacity = inputs.brake_torque[number] + self.parameters.rolling_resistance_torque
         axle = inputs.traction_torque[number] - state.direction[number] * capacity
@@ -286,7 +333,7 @@ class Mechanism:
         if self.parameters.yaw_torque_rotates:
             moment[2] += yaw
         else:
-            up = body.axes[2].copy()  # the vertical in body axes
+            up = body.axes.T @ self.there(body)[1].axes[0, :, 2]
             up[1] = 0.0
             moment += yaw * up / math.hypot(up[0], up[2])
         return of_body_moment(body, moment)
@@ -297,11 +344,11 @@ class Mechanism:
         Differs from the thesis: divided by sqrt(V^2 + v_eps^2), as V is 0 at rest.
         """
         body = touch.wheel_body
-        along = touch.rail_body.axes[:, 0]
+        along = touch.rail_body.axes @ touch.rail.along
         sideways = cross(touch.normal, along)
         sliding = body.velocity_of(touch.wheel.point)
         omega = body.axes @ body.omega
-        slowness = 1.0 / math.hypot(float(body.velocity[0]), self.parameters.creepage_speed)
+        slowness = 1.0 / math.hypot(float(body.velocity @ touch.forward), self.parameters.creepage_speed)
         return (
             float(sliding @ along) * slowness,
             float(sliding @ sideways) * slowness,
@@ -311,10 +358,10 @@ class Mechanism:
         )
 
     def curvatures(self, touch: Touch) -> tuple[float, float]:
-        """A and B of (3.83) [1/m]; the rail is straight along the track."""
-        r = touch.radius
+        """A and B of (3.83) [1/m]; a rail that is a prism has no curvature along the track."""
+        r, (along, across) = touch.radius, touch.rail.curvatures
         slope = math.hypot(1.0, r[1])
-        return 1.0 / (2 * r[0] * slope), (touch.rail.curvature - r[2] / slope**3) / 2
+        return (1.0 / (r[0] * slope) + along) / 2, (across - r[2] / slope**3) / 2
 
     # -- the augmented equations ---------------------------------------------------------------------------------
 

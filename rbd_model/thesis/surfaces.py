@@ -53,19 +53,39 @@ class Surface:
 
 
 @dataclass(frozen=True)
-class RailSurface(Surface):
-    """A rail, with its normal (3.53) and the derivatives of that, (3,), (3, 2), (3, 2, 2), and how it moves along.
+class RailSurface:
+    """A rail, in the axes of its body, at the surface parameters s_1, s_2 and the distance of the wheelset on it [m].
 
-    drift, drift_rate (3,): change of `point` with the distance of the wheelset, first and second derivative.
+    point (3,) with first and second derivatives by these three, (3, 3), (3, 3, 3), of (3.48)-(3.51); normal (3.53), of
+    any length, with its own; side: 1 left, -1 right. distance_slope (3,), distance_bend (3, 3): derivatives of that
+    distance by the wheelset's position R of (3.1).
     """
 
+    point: np.ndarray
+    tangents: np.ndarray
+    second: np.ndarray
     normal: np.ndarray
     normal_slope: np.ndarray
     normal_bend: np.ndarray
-    drift: np.ndarray
-    drift_rate: np.ndarray
-    slope: float  # f'
-    curvature: float  # 1/rho_y of (3.83), positive for the crown of a rail
+    side: int
+    distance_slope: np.ndarray
+    distance_bend: np.ndarray
+
+    @property
+    def upwards(self) -> np.ndarray:
+        """Unit normal, eq. (3.53), into the wheel."""
+        return self.normal * (self.side / math.sqrt(self.normal @ self.normal))
+
+    @property
+    def along(self) -> np.ndarray:
+        """Unit vector along the rail, t_1 of (3.48)."""
+        return self.tangents[:, 0] / math.sqrt(self.tangents[:, 0] @ self.tangents[:, 0])
+
+    @property
+    def curvatures(self) -> tuple[float, float]:
+        """1/rho_x and 1/rho_y of (3.83) along and across the rail [1/m], positive for the crown of a rail."""
+        bent = [self.upwards @ self.second[:, i, i] / (self.tangents[:, i] @ self.tangents[:, i]) for i in (0, 1)]
+        return -float(bent[0]), -float(bent[1])
 
 
 def wheel_surface(
@@ -101,30 +121,20 @@ def wheel_surface(
 def rail_surface(
     profile: Profile, half_distance: float, side: int, s: np.ndarray, irregularity: np.ndarray
 ) -> RailSurface:
-    """A prism along the track, eq. (3.78), at s = (distance [m], position on the profile [m]).
+    """A prism along straight track, eq. (3.78), at s = (distance [m], position on the profile [m]).
 
-    irregularity (3, 2): lateral and vertical shift of the rail at the wheelset's distance, and their first and second
-    derivatives. Differs from the thesis, which does not say how its irregularities (5.3), (5.4) enter: each wheelset
-    meets rails that are shifted by the irregularity at its own distance.
+    irregularity (3 or more, 2): lateral and vertical shift of the rail at the wheelset's distance, and their first and
+    second derivatives. Differs from the thesis, which does not say how its irregularities (5.3), (5.4) enter: each
+    wheelset meets rails that are shifted by the irregularity at its own distance, which is its x.
     """
     z = profile_derivatives(profile, s[1])
     shift = irregularity[0]
     point = np.array([s[0], side * (half_distance + s[1]) + shift[0], z[0] + shift[1]])
-    tangents = np.array([[1.0, 0.0], [0.0, side], [0.0, z[1]]])
-    second, third = np.zeros((3, 2, 2)), np.zeros((3, 2, 2, 2))
-    second[2, 1, 1], third[2, 1, 1, 1] = z[2], z[3]
-    normal_slope, normal_bend = np.zeros((3, 2)), np.zeros((3, 2, 2))
+    tangents = np.array([[1.0, 0.0, 0.0], [0.0, side, irregularity[1, 0]], [0.0, z[1], irregularity[1, 1]]])
+    second, normal_slope, normal_bend = np.zeros((3, 3, 3)), np.zeros((3, 3)), np.zeros((3, 3, 3))
+    second[2, 1, 1], second[1:, 2, 2] = z[2], irregularity[2]
     normal_slope[1, 1], normal_bend[1, 1, 1] = -z[2], -z[3]
+    normal = np.array([0.0, -z[1], float(side)])
     return RailSurface(
-        point,
-        tangents,
-        second,
-        third,
-        np.array([0.0, -z[1], float(side)]),
-        normal_slope,
-        normal_bend,
-        np.array([0.0, *irregularity[1]]),
-        np.array([0.0, *irregularity[2]]),
-        float(z[1]),
-        float(-z[2] / (1.0 + z[1] ** 2) ** 1.5),
+        point, tangents, second, normal, normal_slope, normal_bend, side, np.array([1.0, 0.0, 0.0]), np.zeros((3, 3))
     )

@@ -1,4 +1,8 @@
-"""The same motion in both models: states of the spatial level as coordinates of chapter 3, and accelerations back."""
+"""The same motion in both models: states of the spatial level as coordinates of chapter 3, and accelerations back.
+
+The fast model's places, angles and velocities are components in the axes of the track where a body is; its slopes are
+the rates of these components, while the axes turn.
+"""
 
 from __future__ import annotations
 
@@ -8,11 +12,15 @@ from functools import lru_cache
 
 import casadi as ca
 import numpy as np
+import pytest
 
 from fmu_src.kernel import DISCARD, Kernel, KernelError, Library
 from fmu_src.system import System, model_of
+from rbd_model import variables
+from rbd_model import vehicle as descriptions
 from rbd_model.bogie import levels, wheelset_in_frame
 from rbd_model.contact.creep.kalker import smooth_kalker_coefficients
+from rbd_model.contact.depth import Contact
 from rbd_model.contact.geometry import Pair, synthetic_pair, thesis_pair
 from rbd_model.contact.hertz import moving_ellipse
 from rbd_model.parameters import (
@@ -24,12 +32,14 @@ from rbd_model.parameters import (
 )
 from rbd_model.spatial import spatial_vehicle
 from rbd_model.thesis.creep import Ellipse
-from rbd_model.thesis.euler import angular_velocity, cross, from_angles, g_bar
+from rbd_model.thesis.euler import composed, cross, from_angles, from_matrix
+from rbd_model.thesis.forces import Motion
 from rbd_model.thesis.kinematic_analysis import Frame, Wheelset, centred, drive_to
 from rbd_model.thesis.mechanism import FIRST_WHEELSET, Answer, Inputs, Mechanism, State
+from rbd_model.thesis.rails import STRAIGHT, Rails, Section
 from rbd_model.track import derivatives_along, irregular_track, section_5_3
 from rbd_model.vehicle import Springs
-from rbd_model.vehicles import passenger_coach, two_axle_bogie
+from rbd_model.vehicles import passenger_coach, two_axle_bogie, wheelset_under_frame
 from tests.quick_library import quick_library
 
 WORDS = ("right", "left")
@@ -84,6 +94,26 @@ def machine(wheelsets: int) -> Machine:
     return Machine(wheelsets, parameters, pair, bodies, system, quick_library(model_of(system, 1e-7)))
 
 
+@lru_cache
+def machine_on_line(wheelsets: int) -> Machine:
+    """The wheelset in a frame, whose pitch nothing holds there, or the bogie, on whatever line an instance is given.
+
+    Without the check that finds a frame on one axle about to tip over: in a second it hardly does.
+    """
+    if wheelsets == 1:
+        parameters = as_printed(tables_4_1_and_4_2())
+        held = wheelset_under_frame(parameters)
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(descriptions, "_check_footing", lambda *_: None)
+            vehicle = replace(held, bodies=(replace(held.bodies[0], held=frozenset()),))
+    else:
+        parameters = as_printed(tables_5_1_and_5_2())
+        vehicle = two_axle_bogie(parameters)
+    system = spatial_vehicle(vehicle, irregular_track(section_5_3()), Contact(1), on_line=True)
+    library = quick_library(model_of(system, 1e-7, variables.line_file()))
+    return Machine(wheelsets, parameters, thesis_pair(), ("frame",), system, library)
+
+
 @dataclass(frozen=True)
 class Snapshot:
     """A state of the fast model with its slopes by name, and the scene that led there."""
@@ -95,9 +125,10 @@ class Snapshot:
     locked: tuple[bool, ...]
 
 
-def reach(of: Machine, scene: Mapping[str, float], seconds: float) -> Snapshot | None:
+def reach(of: Machine, scene: Mapping[str, float], seconds: float, line_file: str = "") -> Snapshot | None:
     """Runs the fast model to a state; None where the run ended before."""
-    kernel = Kernel(of.library, tolerance=1e-7, **scene)
+    line = {"line_file": line_file} if line_file else {}
+    kernel = Kernel(of.library, tolerance=1e-7, **line, **scene)
     try:
         kernel.advance(seconds)
     except KernelError as error:
@@ -112,7 +143,7 @@ def reach(of: Machine, scene: Mapping[str, float], seconds: float) -> Snapshot |
     )
 
 
-def mechanism_of(of: Machine, scene: Mapping[str, float]) -> Mechanism:
+def mechanism_of(of: Machine, scene: Mapping[str, float], rails: Rails = STRAIGHT) -> Mechanism:
     """The oracle with the parameters and the track of a scene."""
     own = {name: value for name, value in scene.items() if name in of.parameters.values()}
     track = section_5_3()
@@ -123,6 +154,7 @@ def mechanism_of(of: Machine, scene: Mapping[str, float]) -> Mechanism:
         of.wheelsets,
         derivatives_along(replace(track, **irregular)),
         ellipse=fitted_ellipse,
+        rails=rails,
     )
 
 
@@ -148,11 +180,13 @@ def frames_of(snapshot: Snapshot, mechanism: Mechanism) -> list[Frame]:
         own = ("shift", "shift_speed") if body != first else ("none", "none")
         distance, speed = v[f"{first}_distance"] + data.along + value(own[0]), v[f"{first}_speed"] + value(own[1])
         height = mechanism.parameters.wheel_radius + data.height + value("bounce")
-        theta = from_angles(value("yaw"), value("roll"), value("pitch"))
+        section = mechanism.rails.section(distance)
+        axes = section.axes[0]
+        theta = composed(from_matrix(axes), from_angles(value("yaw"), value("roll"), value("pitch")))
         found.append(
             Frame(
-                np.concatenate([[distance, value("lateral"), height], theta]),
-                np.array([speed, value("lateral_rate"), value("bounce_rate")]),
+                np.concatenate([section.origin[0] + axes @ [0.0, value("lateral"), height], theta]),
+                axes @ [speed, value("lateral_rate"), value("bounce_rate")],
                 np.array([value("roll_rate"), value("pitch_rate"), value("yaw_rate")]),
             )
         )
@@ -176,9 +210,10 @@ def state_of(snapshot: Snapshot, mechanism: Mechanism) -> State:
             *(v[f"{name}_{number}"] for name in ("lateral_speed", "yaw_rate", "angular_velocity")),
         )
         driven.append(one)
-        body = near[mechanism.body(FIRST_WHEELSET + number - 1)]
-        body[:2] = one.distance, one.lateral
-        body[3:] = from_angles(one.yaw, v[f"roll_{number}"], one.pitch)
+        body, section = near[mechanism.body(FIRST_WHEELSET + number - 1)], mechanism.rails.section(one.distance)
+        axes = section.axes[0]
+        body[:3] = section.origin[0] + axes @ [0.0, one.lateral, mechanism.parameters.wheel_radius]
+        body[3:] = composed(from_matrix(axes), from_angles(one.yaw, v[f"roll_{number}"], one.pitch))
         for side, word in enumerate(WORDS):
             contact = 2 * (number - 1) + side
             s = near[mechanism.q_count :]
@@ -193,36 +228,47 @@ def accelerations_of(of: Machine, state: State, answer: Answer, mechanism: Mecha
     """Accelerations by the names of the fast model's states, but absolute ones along the track [m/s2, rad/s2]."""
     out = {}
     for number, name in enumerate(of.bodies, mechanism.frame):
-        body = mechanism.body(number)
-        alpha = g_bar(state.q[body][3:]) @ answer.q_second[body][3:]
+        linear, alpha, _ = in_track_axes(mechanism, number, state, answer)
         rates = ("lateral_rate", "bounce_rate", "roll_rate", "pitch_rate", "yaw_rate")
-        out[f"along_{name}"] = answer.q_second[body][0]
+        out[f"along_{name}"] = linear[0]
         names = [motion_of(of, name, rate) for rate in rates]
-        out |= dict(zip(names, (*answer.q_second[body][1:3], *alpha), strict=True))
+        out |= dict(zip(names, (*linear[1:], *alpha), strict=True))
     if mechanism.layout.level:
         del out["pitch_rate"]
     for number in range(1, mechanism.wheelsets + 1):
-        body = mechanism.body(FIRST_WHEELSET + number - 1)
-        theta, second = state.q[body][3:], answer.q_second[body]
-        alpha, omega = g_bar(theta) @ second[3:], angular_velocity(theta, state.q_rate[body][3:])
-        yawing = in_yaw_roll_axes(theta, omega, alpha)
-        out |= {f"axle_{number}": second[0], f"lateral_speed_{number}": second[1]}
+        linear, alpha, yawing = in_track_axes(mechanism, FIRST_WHEELSET + number - 1, state, answer)
+        out |= {f"axle_{number}": linear[0], f"lateral_speed_{number}": linear[1]}
         out |= {f"yaw_rate_{number}": yawing, f"angular_velocity_{number}": alpha[1]}
     return out
 
 
-def in_yaw_roll_axes(theta: np.ndarray, omega: np.ndarray, alpha: np.ndarray) -> float:
+def in_track_axes(
+    mechanism: Mechanism, number: int, state: State, answer: Answer
+) -> tuple[np.ndarray, np.ndarray, float]:
+    """Rates of a body's velocity in the axes of the track that go along with it [m/s2], of its angular velocity in its
+    own axes, and of the third component of that in axes that do not pitch with it [rad/s2].
+    """
+    columns = mechanism.body(number)
+    body, second = Motion.of(state.q[columns], state.q_rate[columns]), answer.q_second[columns]
+    at, section = mechanism.there(body)
+    travel = float(at.slope @ body.velocity)
+    linear = section.axes[0].T @ second[:3] + travel * section.axes[1].T @ body.velocity
+    alpha = body.g @ second[3:]
+    return linear, alpha, in_yaw_roll_axes(section, body, travel, alpha)
+
+
+def in_yaw_roll_axes(section: Section, body: Motion, travel: float, alpha: np.ndarray) -> float:
     """Rate of the third component of the angular velocity in the axes that do not pitch with the wheelset."""
-    t0, t1, t2, t3 = theta
-    sine_roll = 2 * (t2 * t3 + t0 * t1)  # height of the axle's unit vector, from (3.2)
+    axes = section.axes[0].T @ body.axes
+    sine_roll = axes[2, 1]  # height of the axle's unit vector over the track
+    cosine_roll = np.hypot(axes[2, 0], axes[2, 2])
     # The axes' first vector is level, which gives the pitch angle.
-    up = np.array([2 * (t1 * t3 - t0 * t2), 2 * (t2 * t3 + t0 * t1), 1 - 2 * (t1 * t1 + t2 * t2)])
-    cosine_roll = np.hypot(up[0], up[2])
-    sine, cosine = -up[0] / cosine_roll, up[2] / cosine_roll
-    turned = np.array([cosine * omega[0] + sine * omega[2], omega[1], -sine * omega[0] + cosine * omega[2]])
-    pitching = turned[1] - turned[2] * sine_roll / cosine_roll
+    sine, cosine = -axes[2, 0] / cosine_roll, axes[2, 2] / cosine_roll
+    about = np.array([[cosine, 0.0, sine], [0.0, 1.0, 0.0], [-sine, 0.0, cosine]])
+    turned, against_track = about @ body.omega, about @ (body.omega - axes.T @ (travel * section.turning))
+    pitching = against_track[1] - against_track[2] * sine_roll / cosine_roll
     relative = cross(np.array([0.0, pitching, 0.0]), turned)
-    return float(-sine * alpha[0] + cosine * alpha[2] + relative[2])
+    return float(about[2] @ alpha + relative[2])
 
 
 def slopes_of(snapshot: Snapshot) -> dict[str, float]:
