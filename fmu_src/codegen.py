@@ -107,7 +107,7 @@ def functions(system: System) -> dict[str, Generated]:
         "jacobian": [jacobian.nz[:], time_slope, ode],
         "output": [ca.vertcat(*system.outputs.values())],
         "drive": [ca.vertcat(*[friction.drive for friction in system.frictions])],
-        "capacity": [ca.vertcat(*[friction.capacity for friction in system.frictions])],
+        "capacity": [ca.vertcat(*[f.capacity for f in system.frictions], *[f.still for f in system.frictions])],
         "condition_margin": [ca.vertcat(*[c.first_look for c in (*system.end_conditions, *system.warnings)])],
         "warning_margin": [ca.vertcat(*[c.margin for c in system.warnings])] if costly else [],
         "largest_change": [ca.vertcat(*[largest for _, largest in system.largest_changes])],
@@ -411,7 +411,8 @@ def _system_arrays(model: Model, system: System, solving: Elimination) -> Iterab
         "friction_description",
         f"{prefix}_friction",
         [
-            f"{{{_text(f.label)}, {_text(f.stuck_word)}, {_text(f.sliding_word)}, {position[f.velocity]}}}"
+            f"{{{_text(f.label)}, {_text(f.stuck_word)}, {_text(f.sliding_word)}, "
+            f"{position[f.velocity]}, {position[f.other] if f.other else -1}}}"
             for f in system.frictions
         ],
     )

@@ -51,8 +51,8 @@ def start_equations(system: System) -> list[tuple[ca.SX, ca.SX]]:
     found += [(table.symbols, table.argument) for table in system.tables]
     found += link_equations(system)
     for friction in system.frictions:
-        velocity = system.states[friction.velocity].symbol
-        found.append((friction.direction, ca.vertcat(velocity, friction.drive, friction.capacity)))
+        velocity = [system.states[name].symbol for name in friction.states]
+        found.append((friction.direction, ca.vertcat(*velocity, friction.drive, friction.capacity, friction.still)))
     unknowns = [state.symbol for state in system.states.values() if state.algebraic]
     residuals = [system.derivatives[state.name] for state in system.states.values() if state.algebraic]
     if unknowns:

@@ -38,20 +38,11 @@ PLATFORMS3: dict[str, tuple[tuple[str, ...], str]] = {
 }
 #: Of Mach-O files: CPU type and subtype by target.
 MACHINES = {"x86_64-macos": (0x01000007, 3), "aarch64-macos": (0x0100000C, 0)}
+HEADERS = ("model.h", "line.h", "kernel.h", "internal.h", "face.h")
 #: What sources/ hold besides the generated files, by version of FMI. FMPy's fmi2Functions.h is without the prefix.
 SOURCES = {
-    2: (
-        *KERNEL_SOURCES,
-        "face.c",
-        "fmi2.c",
-        "model.h",
-        "line.h",
-        "kernel.h",
-        "internal.h",
-        "face.h",
-        "fmi2Functions.h",
-    ),
-    3: (*KERNEL_SOURCES, "face.c", "fmi3.c", "model.h", "line.h", "kernel.h", "internal.h", "face.h"),
+    2: (*KERNEL_SOURCES, "face.c", "fmi2.c", *HEADERS, "fmi2Functions.h"),
+    3: (*KERNEL_SOURCES, "face.c", "fmi3.c", *HEADERS),
 }
 STANDARD_HEADERS = {
     2: ("fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),

@@ -6,7 +6,9 @@ can live in one Python process without sharing module names.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
@@ -91,25 +93,11 @@ class KernelSlave(Fmi2Slave):
 
     def set_real(self, vrs: list[int], values: list[float]) -> None:
         """fmi2SetReal; a value that is refused is logged and remembered until a good one comes."""
-        if self.initialising:
-            self.kernel.reopen()
-        for reference, value in zip(vrs, values, strict=True):
-            try:
-                self.kernel.set_number(reference, value)
-                self.problems.pop(reference, None)
-            except KernelError as error:
-                self._remember(reference, error)
+        self._set(self.kernel.set_number, vrs, values)
 
     def set_string(self, vrs: list[int], values: list[str]) -> None:
-        """fmi2SetString; a file that is refused is logged and remembered until a good one comes."""
-        if self.initialising:
-            self.kernel.reopen()
-        for reference, value in zip(vrs, values, strict=True):
-            try:
-                self.kernel.set_text(reference, value)
-                self.problems.pop(reference, None)
-            except KernelError as error:
-                self._remember(reference, error)
+        """fmi2SetString, as `set_real`."""
+        self._set(self.kernel.set_text, vrs, values)
 
     def get_string(self, vrs: list[int]) -> list[str]:
         """fmi2GetString."""
@@ -117,6 +105,16 @@ class KernelSlave(Fmi2Slave):
 
     set_integer = set_real
     set_boolean = set_real
+
+    def _set(self, setter: Callable[[int, Any], None], vrs: list[int], values: Sequence[Any]) -> None:
+        if self.initialising:
+            self.kernel.reopen()
+        for reference, value in zip(vrs, values, strict=True):
+            try:
+                setter(reference, value)
+                self.problems.pop(reference, None)
+            except KernelError as error:
+                self._remember(reference, error)
 
     def _tell(self, status: Fmi2Status) -> None:
         for sentence in self.kernel.journal:

@@ -27,7 +27,7 @@ ARGUMENTS = ("time", "states", "inputs", "input_rates", "parameters", "derived",
 
 @dataclass(frozen=True)
 class Variable:
-    """One entry of the table of variables; SI units, `display_unit` only for people."""
+    """One entry of the table of variables; SI units, `display_unit` only for people. A string starts as no text."""
 
     name: str
     causality: Causality
@@ -38,7 +38,6 @@ class Variable:
     maximum: float = math.inf
     kind: Kind = "real"
     display_unit: str | None = None
-    # A string has no number: its `start` is the empty text.
     #: Value that the equations see when a NaN arrives (a lost signal); None: a NaN is refused.
     when_lost: float | None = None
 
@@ -140,10 +139,10 @@ class Table:
 
 @dataclass(frozen=True)
 class Friction:
-    """Dry friction on the velocity state `velocity`: `direction` is 1, -1 or, when stuck, 0.
+    """Dry friction on the velocity state `velocity`, added to that of `other`: `direction` is 1, -1 or, when stuck, 0.
 
     The equations multiply `capacity` with `direction` and hold the velocity where it is 0. `drive` is what the friction
-    must balance to stay stuck, in the unit of `capacity`.
+    must balance to stay stuck, in the unit of `capacity`. still: speed up to which it sticks.
     """
 
     label: str
@@ -153,6 +152,13 @@ class Friction:
     capacity: ca.SX
     stuck_word: str
     sliding_word: str
+    other: str = ""
+    still: ca.SX = field(default_factory=lambda: ca.SX(0))
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """Names of the states whose sum the velocity is."""
+        return (self.velocity, self.other) if self.other else (self.velocity,)
 
 
 @dataclass(frozen=True)
@@ -273,21 +279,25 @@ class System(Chain):
         breakpoints, coefficients = np.asarray(breakpoints, float), np.asarray(coefficients, float)
         if np.any(np.diff(breakpoints) <= 0.0) or coefficients.shape[0] != breakpoints.size - 1:
             raise ValueError(f"Table {name}: give increasing breakpoints and one row of coefficients for each piece.")
-        symbols = ca.SX.sym(name, coefficients.shape[1] + 1)
-        rank = 1 + max((t.rank for t in self.tables if ca.depends_on(argument, t.symbols)), default=-1)
-        self.tables.append(Table(name, breakpoints, coefficients, argument, symbols, rank))
-        return symbols
+        return self._add_table(name, breakpoints, coefficients, argument, coefficients.shape[1] - 1)
 
-    def along_line(self, column: str, number: str, argument: ca.SX, order: int = 0) -> list[ca.SX]:
-        """Value of one of LINE_COLUMNS at a distance [m], and its derivatives up to `order`; number: who asks.
+    def along_line(self, column: str, name: str, argument: ca.SX, order: int = 0) -> list[ca.SX]:
+        """Value of one of LINE_COLUMNS at a distance [m], and its derivatives up to `order`; name: who asks.
 
         What the line is, the instance learns from its file; a system that asks runs only where there is one.
         """
-        symbols = ca.SX.sym(f"line_{column}_{number}", 2 + LINE_COLUMNS[column])
-        rank = 1 + max((t.rank for t in self.tables if ca.depends_on(argument, t.symbols)), default=-1)
         none = np.zeros(0)
-        self.tables.append(Table(f"line_{column}_{number}", none, none, argument, symbols, rank, column))
+        symbols = self._add_table(f"line_{column}_{name}", none, none, argument, LINE_COLUMNS[column], column)
         return polynomials(symbols, argument, order)
+
+    def _add_table(
+        self, name: str, breakpoints: np.ndarray, coefficients: np.ndarray, argument: ca.SX, degree: int, line: str = ""
+    ) -> ca.SX:
+        """Symbols of a table's piece, which is looked up behind the tables that its argument needs."""
+        symbols = ca.SX.sym(name, 2 + degree)
+        rank = 1 + max((t.rank for t in self.tables if ca.depends_on(argument, t.symbols)), default=-1)
+        self.tables.append(Table(name, breakpoints, coefficients, argument, symbols, rank, line))
+        return symbols
 
     def direction(self, name: str) -> ca.SX:
         """Symbol of the direction of a dry friction; declare the friction with `dry_friction` afterwards."""

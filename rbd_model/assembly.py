@@ -63,6 +63,14 @@ class Assembly:
         """A size of the vehicle's description."""
         return size_of(size, self.parameter)
 
+    @property
+    def total_mass(self) -> ca.SX:
+        """Of all bodies and wheelsets [kg], computed once."""
+        if "total_mass" not in self.system.derived_symbols:
+            sizes = [part.mass for part in self.vehicle.parts]
+            self.system.derived("total_mass", ca.SX(sum(self.value(size) for size in sizes)))
+        return self.system.derived_symbols["total_mass"]
+
     def preload(self, side: str) -> ca.SX:
         """Static vertical force of a single spring [N], computed once."""
         name = f"{side}_preload"

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import casadi as ca
 
+from fmu_src.system import System
 from rbd_model.assembly import Assembly
 from rbd_model.connections import Load
 from rbd_model.kinematics import Body, axes_rate, pitch_rotation, yaw_roll
@@ -89,6 +90,8 @@ def place_body(assembly: Assembly, data: RigidBody, held: frozenset[Motion] = fr
 def carry_along(data: RigidBody, body: Body, turning: Turning, held: frozenset[Motion]) -> Body:
     """A body whose held motions follow the axes of the track, which turn along the line, eq. (3.12).
 
+    What holds them does the work of that, above all of turning it: its energy is not kept where the track turns.
+
     Raises ValueError where it may turn about some of its axes out of the vertical plane only: what holds the others
     there would have to know how the line's turning changes.
     """
@@ -108,13 +111,16 @@ def start_along(assembly: Assembly, body: Body, names: Sequence[str]) -> None:
     """
     spin = assembly.initial_speed / body.stretch * body.track.turning
     carried = ca.cross(spin, ca.vertcat(0, body.position[1:]))
-    states = assembly.system.states
-    at_start = ca.vertcat(carried[1:], spin)
-    known = list(states.values())
-    values = ca.substitute(at_start, ca.vertcat(*[s.symbol for s in known]), ca.vertcat(*[s.start for s in known]))
+    states, values = assembly.system.states, at_start(assembly.system, ca.vertcat(carried[1:], spin))
     for place, name in enumerate(names):
         if name in states:
             states[name] = replace(states[name], start=states[name].start + values[place])
+
+
+def at_start(system: System, expression: ca.SX) -> ca.SX:
+    """An expression at the start (section 5.2), where all states that are declared have their start values."""
+    known = list(system.states.values())
+    return ca.substitute(expression, ca.vertcat(*[s.symbol for s in known]), ca.vertcat(*[s.start for s in known]))
 
 
 def place_along(assembly: Assembly, data: RigidBody) -> tuple[ca.SX, ca.SX]:
@@ -203,7 +209,7 @@ def move_body(assembly: Assembly, moving: MovingBody, load: Load, first_accelera
         if rate in system.states:
             system.derivative(rate, lightness * load.force[component] + falling[component])
     inertia = ca.vertcat(*[assembly.value(size) for size in data.inertia])
-    moment = body.axes.T @ load.moment - ca.cross(body.own_rate, inertia * body.own_rate)
+    moment = load.moment - ca.cross(body.own_rate, inertia * body.own_rate)
     for angle, acceleration in turning_accelerations(moving.turning, inertia, moment).items():
         system.derivative(f"{data.variable(angle)}_rate", acceleration)
 

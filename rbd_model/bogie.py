@@ -149,6 +149,12 @@ def smallest_level(driven: Iterable[str], read: Iterable[str]) -> Choice:
                 2,
                 f"{reason} {name} asks for contact depth 2: the flange has its own place, force and creep.",
             )
+    on_line = variables.line_file().name
+    if level == 3 and depth < DEPTH_ON_LINE and on_line in needed:
+        depth, reason = (
+            DEPTH_ON_LINE,
+            f"{reason} {on_line} asks for contact depth {DEPTH_ON_LINE}: no other knows a line.",
+        )
     if level == 3 and depth == 1:
         reason = f"{reason} No flange is asked about: contact_depth 1 serves, which must be asked for."
     if beyond:

@@ -5,7 +5,6 @@ Forces act in the axes of the track, each at its own attachment point, and do th
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import accumulate
 
@@ -34,8 +33,20 @@ BEYOND = 1.0
 
 
 @dataclass(frozen=True)
+class Push:
+    """Force [N] on a point of a body, and moment [N.m], in the axes that give a connection its directions.
+
+    arm [m]: of the point from the centre of mass, in the body's own axes, in which it stays as it is.
+    """
+
+    force: ca.SX
+    moment: ca.SX
+    arm: ca.SX
+
+
+@dataclass(frozen=True)
 class Load:
-    """Force [N] and moment about the centre of mass [N.m] on a body, in the axes of the track."""
+    """On a body: force [N] in the axes of the track where it is, moment about its centre [N.m] in its own axes."""
 
     force: ca.SX
     moment: ca.SX
@@ -43,7 +54,10 @@ class Load:
 
 @dataclass(frozen=True)
 class End:
-    """One end of connections: the body's name, its symbols, and the place of its centre in the vehicle at rest [m]."""
+    """One end of connections: the body's name, its symbols, and the place of its centre in the vehicle at rest [m].
+
+    The body is as seen in the axes of the track that give a connection its directions.
+    """
 
     name: str
     body: Body
@@ -52,15 +66,15 @@ class End:
 
 @dataclass(frozen=True)
 class Effect:
-    """What a connection does: loads by body, energy stored [J] and power lost [W]."""
+    """What a connection does: pushes by body, energy stored [J] and power lost [W]."""
 
-    loads: tuple[tuple[str, Load], ...]
+    pushes: tuple[tuple[str, Push], ...]
     potential: ca.SX
     power: ca.SX
 
 
 def narrow(system: System, force: ca.SX) -> ca.SX:
-    """The components of a force that there are, by which its loads are differentiated: of (3.41)."""
+    """The components of a force that there are, by which what it does is differentiated: of (3.41)."""
     acting = [i for i in range(3) if not force[i].is_zero()]
     force[acting] = system.narrow(force[acting])
     return force
@@ -68,7 +82,10 @@ def narrow(system: System, force: ca.SX) -> ca.SX:
 
 @dataclass(frozen=True)
 class Stretch:
-    """Upper end less lower end of a single connection: way [m] and rate [m/s], in the axes of the track, with arms."""
+    """Upper end less lower end of a single connection: way [m] and rate [m/s] in the axes that give its directions.
+
+    arms [m]: from the centre of each end to its attachment point, in its own axes.
+    """
 
     system: System
     ends: tuple[End, End]
@@ -84,8 +101,9 @@ class Stretch:
         """
         power = power + ca.dot(self.spin, ca.cross(self.way, pull))
         pull = narrow(self.system, pull)
+        none = ca.SX.zeros(3)
         upper, lower = (
-            (end.name, Load(sign * pull, sign * ca.cross(arm, pull)))
+            (end.name, Push(sign * pull, none, arm))
             for end, arm, sign in zip(self.ends, self.arms, (-1, 1), strict=True)
         )
         return Effect((upper, lower), potential, power)
@@ -106,10 +124,10 @@ def connect(assembly: Assembly, connection: Connection, both: tuple[End, End], s
     """Effects of a connection on both its sides; the laws are in the functions of the same names.
 
     Each is (3.38) along one direction of the track, or a law of its own in place of a spring and a damper. both: the
-    upper and the lower end in the axes of the track that give these directions; spin [rad/s]: of these axes.
+    upper and the lower end; spin [rad/s]: of these axes.
     """
     if isinstance(connection, Torsion):
-        return [torsion(assembly, connection, both)]
+        return [torsion(assembly, connection, both, spin)]
     effects = []
     for side, place in connection.sides():
         stretch = stretch_of(assembly, both, place, spin)
@@ -125,13 +143,13 @@ def connect(assembly: Assembly, connection: Connection, both: tuple[End, End], s
 
 
 def stretch_of(assembly: Assembly, ends: tuple[End, End], place: Place, spin: ca.SX) -> Stretch:
-    """Way and rate between two points that are one place at rest, eqs (3.1), (3.12); spin: of the axes of both."""
+    """Way and rate between two points that are one place at rest, eqs (3.1), (3.12), in axes that turn with `spin`."""
     at = ca.vertcat(*[ca.SX(assembly.value(size)) for size in place])
-    arms = tuple(end.body.arm(at - end.centre) for end in ends)
-    (upper, lower), (upper_arm, lower_arm) = ends, arms
-    way = upper.body.position + upper_arm - lower.body.position - lower_arm
-    rate = upper.body.velocity_at(upper_arm) - lower.body.velocity_at(lower_arm)
-    return Stretch(assembly.system, ends, (upper_arm, lower_arm), way, rate, spin)
+    own = at - ends[0].centre, at - ends[1].centre
+    (upper, upper_arm), (lower, lower_arm) = ((end.body, end.body.arm(arm)) for end, arm in zip(ends, own, strict=True))
+    way = upper.position + upper_arm - lower.position - lower_arm
+    rate = upper.velocity_at(upper_arm) - lower.velocity_at(lower_arm) - ca.cross(spin, way)
+    return Stretch(assembly.system, ends, own, way, rate, spin)
 
 
 def springs(assembly: Assembly, connection: Springs, side: str, stretch: Stretch) -> Effect:
@@ -156,21 +174,21 @@ def along(direction: str, value: ca.SX) -> ca.SX:
     return ca.vertcat(*[value if name == direction else 0 for name in DIRECTIONS])
 
 
-def torsion(assembly: Assembly, connection: Torsion, ends: tuple[End, End]) -> Effect:
+def torsion(assembly: Assembly, connection: Torsion, ends: tuple[End, End], spin: ca.SX) -> Effect:
     """A torque proportional to the difference of an angle of both bodies and its rate: Hooke's law for (3.42).
 
     About the vectors with which each body's angular velocity makes the rate of that angle, so that it does the work of
-    the spring and no other.
+    the spring and no other. spin [rad/s]: of the axes of the track in which these angles are.
     """
     angle = ANGLES.index(connection.angle)
     upper, lower = (end.body.axis_of(angle) for end in ends)
     way = ends[0].body.angles[angle] - ends[1].body.angles[angle]
-    rate = ca.dot(upper, ends[0].body.rate) - ca.dot(lower, ends[1].body.rate)
+    rate = ca.dot(upper, ends[0].body.rate - spin) - ca.dot(lower, ends[1].body.rate - spin)
     stiffness, damping = assembly.value(connection.stiffness), assembly.value(connection.damping)
     torque = stiffness * way + damping * rate
     none = ca.SX.zeros(3)
-    loads = ((ends[0].name, Load(none, -torque * upper)), (ends[1].name, Load(none, torque * lower)))
-    return Effect(loads, stiffness * way**2 / 2, damping * rate**2)
+    pushes = ((ends[0].name, Push(none, -torque * upper, none)), (ends[1].name, Push(none, torque * lower, none)))
+    return Effect(pushes, stiffness * way**2 / 2, damping * rate**2)
 
 
 def bump_stop(assembly: Assembly, connection: BumpStop, side: str, stretch: Stretch) -> Effect:
@@ -221,11 +239,3 @@ def friction_slider(assembly: Assembly, connection: FrictionSlider, side: str, s
     system.dry_friction(Friction(side, direction, f"{side}_travel_rate", drive, capacity, "sticks", "slides again"))
     power = damping * bending**2 + moving * direction * capacity * rate
     return stretch.effect(along(connection.direction, drive), stiffness * bent**2 / 2 + mass * rate**2 / 2, power)
-
-
-def total(loads: Sequence[Load]) -> Load:
-    """Sum of loads on one body, eqs (3.35), (3.36)."""
-    force, moment = ca.SX.zeros(3), ca.SX.zeros(3)
-    for load in loads:
-        force, moment = force + load.force, moment + load.moment
-    return Load(force, moment)

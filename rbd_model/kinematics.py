@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import casadi as ca
 
-from rbd_model.track_frame import LEVEL, Pose, TrackFrame
+from rbd_model.track_frame import HERE, LEVEL, Pose, TrackFrame
 
 
 def yaw_roll(yaw: ca.SX, roll: ca.SX) -> ca.SX:
@@ -97,24 +97,21 @@ class Body:
         """Change of the velocity's components in these axes without any force [m/s2]: as they turn, and by weight."""
         return -gravity * self.track.up - ca.cross(self.spin, self.velocity)
 
-    def seen_from(self, other: Body, pose: Pose | None) -> Body:
-        """The same as seen from the axes of the track where another body is, while these turn, eq. (3.12).
+    @property
+    def place(self) -> ca.SX:
+        """Its centre, counted from the origin of the track's axes here [m]; straight track has one for all bodies."""
+        return self.position if self.track.plan is None else ca.vertcat(0, self.position[1:])
 
-        pose: of the track here in that of the other body; None: all is straight track, and as it was. Otherwise places
-        are counted from that body's origin of the track.
+    def seen(self, pose: Pose) -> Body:
+        """The same in other axes of the track, its inertial velocities too, eq. (3.1), its place from their origin.
+
+        pose: of the track here as seen from there.
         """
-        if pose is None:
-            return self
-        turned, chord = pose
-        position, axes = chord + turned @ ca.vertcat(0, self.position[1:]), turned @ self.axes
-        return replace(
-            self,
-            position=position,
-            velocity=turned @ self.velocity - ca.cross(other.spin, position),
-            axes=axes,
-            own_rate=self.own_rate - axes.T @ other.spin,
-            angles=self.angles if other.track is self.track else angles_of(axes),
-        )
+        if pose is HERE:
+            return replace(self, position=self.place)
+        axes = pose.axes @ self.axes
+        position, velocity = pose.place + pose.axes @ self.place, pose.axes @ self.velocity
+        return replace(self, position=position, velocity=velocity, axes=axes, angles=angles_of(axes))
 
     @property
     def rate(self) -> ca.SX:

@@ -35,6 +35,9 @@ UNITS = {"distance": "m", "curvature": "1/m", "gradient": "1", "left_friction": 
 GAUGE = 1.5
 #: Rows of a line that is built: at most so far apart [m], and with so much turning between two [rad].
 ROW_DISTANCE, ROW_TURN = 5.0, 0.02
+#: Irregularities begin behind so much of a line and have grown to their size so much further on [m]: a vehicle starts
+#: with all wheels on rails that lie where they should.
+QUIET, GROWTH = 15.0, 35.0
 #: Assumed: length on either side of a joint over which a corner of curvature, cant or gradient is rounded [m].
 ROUNDING = 1.0
 
@@ -194,7 +197,8 @@ def irregular(
 ) -> Line:
     """The line with irregularities of both rails by random phases, rows every `pitch` [m]; a seed gives one track.
 
-    waves: shortest and longest wave [m]. Raises ValueError where the pitch does not show the shortest one.
+    They grow behind its start: QUIET, GROWTH. waves: shortest and longest wave [m]. Raises ValueError where the pitch
+    does not show the shortest one.
     """
     if not pitch * 8 <= waves[0] < waves[1]:
         raise ValueError(
@@ -205,12 +209,15 @@ def irregular(
     distance = distance[np.append(np.diff(distance) > pitch / 10, True)]
     rows = {name: np.interp(distance, old, values) for name, values in line.rows.items()}
     random = np.random.default_rng(seed)
+    share = np.clip((distance - distance[0] - QUIET) / GROWTH, 0.0, 1.0)
+    growth = share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
     numbers = np.linspace(2 * math.pi / waves[1], 2 * math.pi / waves[0], 2 * math.ceil(line.length / waves[1]) + 200)
 
     def wave(density: np.ndarray) -> np.ndarray:
         sizes = np.sqrt(2 * density * (numbers[1] - numbers[0]) / math.pi)
         phases = random.uniform(0.0, 2 * math.pi, numbers.size)
-        return np.sum([a * np.cos(n * distance + p) for a, n, p in zip(sizes, numbers, phases, strict=True)], axis=0)
+        parts = [a * np.cos(n * distance + p) for a, n, p in zip(sizes, numbers, phases, strict=True)]
+        return growth * np.sum(parts, axis=0)
 
     lateral = wave(spectrum.of_centre(spectrum.lateral, numbers))
     vertical = wave(spectrum.of_centre(spectrum.vertical, numbers))

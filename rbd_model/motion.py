@@ -11,11 +11,14 @@ import casadi as ca
 from fmu_src.system import System
 from rbd_model.assembly import Assembly
 from rbd_model.bodies import MovingBody, move_body
-from rbd_model.connections import Effect, End, Load, connect, seat_of, total
+from rbd_model.connections import Effect, End, Load, Push, connect, seat_of
 from rbd_model.kinematics import Body
-from rbd_model.track_frame import Pose, relative
+from rbd_model.track_frame import HERE, Pose, relative
 from rbd_model.vehicle import ANGLES, DIRECTIONS, RigidBody, Wheelset, wheelset_name
 from rbd_model.wheelset import Rolling, add_wheelset_outputs
+
+#: Operations down to which arms are compared: places of a description are sums of a few sizes.
+DEPTH = 10
 
 
 def end_of(assembly: Assembly, name: str, data: RigidBody | Wheelset, body: Body) -> End:
@@ -26,54 +29,67 @@ def end_of(assembly: Assembly, name: str, data: RigidBody | Wheelset, body: Body
 
 @dataclass
 class Loads:
-    """Loads while they are added up, by body and by the body in whose axes of the track they are; what did them."""
+    """Pushes while they are added up, by body and by the body that gives them their axes; what did them."""
 
     system: System
     bodies: dict[str, Body]
-    poses: dict[tuple[str, str], Pose | None] = field(default_factory=dict)
-    seen: dict[tuple[str, str], End] = field(default_factory=dict)
-    of: defaultdict[tuple[str, str], list[Load]] = field(default_factory=lambda: defaultdict(list))
+    poses: dict[tuple[str, str], Pose] = field(default_factory=dict)
+    bodies_seen: dict[tuple[str, str], Body] = field(default_factory=dict)
+    of: defaultdict[tuple[str, str], list[Push]] = field(default_factory=lambda: defaultdict(list))
     effects: list[Effect] = field(default_factory=list)
 
-    def add(self, name: str, seat: str, load: Load) -> None:
-        """Adds a load on a body, given in the axes of the track where `seat` is; straight track has but one."""
-        straight = self.pose(name, seat) is None
-        self.of[name, name if straight else seat].append(load)
-
     def on(self, name: str) -> Load:
-        """Sum of those on one body, eqs (3.35), (3.36), in the axes of the track where it is."""
-        return total([self.turned(seat, name, total(loads)) for (on, seat), loads in self.of.items() if on == name])
+        """What all of them do to one body, eqs (3.35), (3.36)."""
+        load = Load(ca.SX.zeros(3), ca.SX.zeros(3))
+        for found in [self.total(seat, name) for on, seat in self.of if on == name]:
+            load = Load(load.force + found.force, load.moment + found.moment)
+        return load
 
-    def pose(self, seat: str, name: str) -> Pose | None:
-        """The track where a body is as seen from where `seat` is, section 3.2.1; None: all is straight track."""
+    def total(self, seat: str, name: str) -> Load:
+        """What those on one body do that have the axes of `seat`, eqs (3.35), (3.36).
+
+        The moment of forces is u x (A^T F), with arms u that do not change: added up by their components before
+        anything is turned.
+        """
+        pushes, own = self.of[name, seat], self.seen(seat, name).axes
+        moment = own.T @ sum((push.moment for push in pushes), ca.SX.zeros(3))
+        for component in range(3):
+            shifted = levered([(push.arm[component], push.force) for push in pushes])
+            moment += ca.cross(ca.SX.eye(3)[:, component], own.T @ shifted)
+        force = self.system.narrow(sum((push.force for push in pushes), ca.SX.zeros(3)))
+        return Load(self.pose(seat, name).axes.T @ force, moment)
+
+    def pose(self, seat: str, name: str) -> Pose:
+        """The track where a body is as seen from where `seat` is, section 3.2.1."""
         if (seat, name) not in self.poses:
-            back = self.poses.get((name, seat))
-            found = relative(self.system, self.bodies[seat].track, self.bodies[name].track) if back is None else None
-            self.poses[seat, name] = found if back is None else (back[0].T, -back[0].T @ back[1])
+            pose = relative(self.system, self.bodies[seat].track, self.bodies[name].track)
+            self.poses |= {(seat, name): pose, (name, seat): pose.back}
         return self.poses[seat, name]
 
-    def turned(self, seat: str, name: str, load: Load) -> Load:
-        """A load in the axes of the track where `seat` is as one in those of another body."""
-        pose = self.pose(name, seat) if seat != name else None
-        if pose is None:
-            return load
-        force, moment = ca.vertsplit(self.system.narrow(ca.densify(ca.vertcat(load.force, load.moment))), 3)
-        return Load(pose[0] @ force, pose[0] @ moment)
+    def seen(self, seat: str, name: str) -> Body:
+        """A body in the axes of the track where `seat` is, eq. (3.1)."""
+        if (seat, name) not in self.bodies_seen:
+            pose = self.pose(seat, name)
+            body = self.bodies[name].seen(pose)
+            if pose is not HERE:
+                moved = ca.densify(ca.vertcat(body.position, body.velocity, ca.vec(body.axes)))
+                position, velocity, axes = ca.vertsplit(self.system.narrow(moved), [0, 3, 6, 15])
+                body = replace(body, position=position, velocity=velocity, axes=ca.reshape(axes, 3, 3))
+            self.bodies_seen[seat, name] = body
+        return self.bodies_seen[seat, name]
 
-    def seen_from(self, seat: str, end: End) -> End:
-        """An end of connections in the axes of the track where `seat` is, eq. (3.12)."""
-        pose = self.pose(seat, end.name)
-        if pose is None:
-            return end
-        if (seat, end.name) not in self.seen:
-            body = end.body.seen_from(self.bodies[seat], pose)
-            parts = (body.position, body.velocity, ca.vec(body.axes), body.own_rate)
-            narrowed = self.system.narrow(ca.densify(ca.vertcat(*parts)))
-            position, velocity, axes, own_rate = ca.vertsplit(narrowed, [0, 3, 6, 15, 18])
-            axes = ca.reshape(axes, 3, 3)
-            body = replace(body, position=position, velocity=velocity, axes=axes, own_rate=own_rate)
-            self.seen[seat, end.name] = replace(end, body=body)
-        return self.seen[seat, end.name]
+    def axle(self, wheelset: Rolling) -> ca.SX:
+        """Unit vector along an axle in the axes of the track where its torque reacts on a body (section 9.2)."""
+        return self.seen(wheelset.data.reacts_on, wheelset_name(wheelset.number)).axes[:, 1]
+
+
+def levered(pushes: Sequence[tuple[ca.SX, ca.SX]]) -> ca.SX:
+    """Sum of arms [m] times forces [N], of (3.42), shape (3,); forces on equal arms are added up before."""
+    groups: list[tuple[ca.SX, ca.SX]] = []
+    for arm, force in pushes:
+        place = next((i for i, (known, _) in enumerate(groups) if ca.is_equal(known, arm, DEPTH)), len(groups))
+        groups[place:] = [(arm, force if place == len(groups) else groups[place][1] + force), *groups[place + 1 :]]
+    return sum((arm * force for arm, force in groups), ca.SX.zeros(3))
 
 
 def loads_of(assembly: Assembly, bodies: Sequence[MovingBody], axles: Mapping[int, Body]) -> Loads:
@@ -86,17 +102,17 @@ def loads_of(assembly: Assembly, bodies: Sequence[MovingBody], axles: Mapping[in
     loads = Loads(assembly.system, {name: end.body for name, end in ends.items()})
     for connection in vehicle.connections:
         seat = seat_of(vehicle, connection)
-        both = [loads.seen_from(seat, ends[name]) for name in (connection.upper, connection.lower)]
+        both = [replace(ends[name], body=loads.seen(seat, name)) for name in (connection.upper, connection.lower)]
         effects = connect(assembly, connection, (both[0], both[1]), ends[seat].body.spin)
         for effect in effects:
-            for name, load in effect.loads:
-                loads.add(name, seat, load)
+            for name, push in effect.pushes:
+                loads.of[name, seat].append(push)
         loads.effects += effects
     for pull in vehicle.pulls:
         end = ends[pull.body]
         place = ca.vertcat(*[ca.SX(assembly.value(size)) for size in pull.place])
         force = ca.vertcat(*[assembly.input[pull.name] if pull.direction == along else 0 for along in DIRECTIONS])
-        loads.add(pull.body, pull.body, Load(force, ca.cross(end.body.arm(place - end.centre), force)))
+        loads.of[pull.body, pull.body].append(Push(force, ca.SX.zeros(3), place - end.centre))
     return loads
 
 
@@ -107,8 +123,9 @@ def react(assembly: Assembly, wheelsets: Sequence[Rolling], loads: Loads) -> Non
     """
     for wheelset in wheelsets:
         torque = wheelset.rotation.brake_torque - wheelset.rotation.traction_torque
-        moment = assembly.parameter["torque_reaction"] * torque * wheelset.axle
-        loads.add(wheelset.data.reacts_on, wheelset_name(wheelset.number), Load(ca.SX.zeros(3), moment))
+        carrier, none = wheelset.data.reacts_on, ca.SX.zeros(3)
+        moment = assembly.parameter["torque_reaction"] * torque * loads.axle(wheelset)
+        loads.of[carrier, carrier].append(Push(none, moment, none))
 
 
 def move_bodies(assembly: Assembly, bodies: Sequence[MovingBody], loads: Loads, first_acceleration: ca.SX) -> None:
@@ -161,8 +178,7 @@ def observe_energy(
     for wheelset in wheelsets:
         # A torque that reacts on a body works on the difference of the two rotations.
         carrier = carriers[wheelset.data.reacts_on].body
-        pose = loads.pose(wheelset.data.reacts_on, wheelset_name(wheelset.number))
-        turned = ca.dot(wheelset.axle if pose is None else pose[0] @ wheelset.axle, carrier.rate)
+        turned = ca.dot(loads.axle(wheelset), carrier.rate)
         rotation = wheelset.rotation
         kinetic += assembly.drive_inertia * rotation.angular_velocity**2 / 2
         brake += rotation.friction_torque * rotation.angular_velocity - reaction * rotation.brake_torque * turned

@@ -10,6 +10,7 @@ import casadi as ca
 import numpy as np
 
 from rbd_model.assembly import Assembly
+from rbd_model.bodies import at_start
 from rbd_model.connections import Load
 from rbd_model.contact.creep.kalker import smooth_kalker_coefficients
 from rbd_model.contact.elastic import elastic_force
@@ -18,11 +19,13 @@ from rbd_model.contact.hertz import POISSON_RATIO, moving_ellipse
 from rbd_model.contact.patches import patches_of, stand_on_treads
 from rbd_model.contact.strips_in_c import OF_SEGMENT, wheel_on_strips
 from rbd_model.kinematics import Body, axes_rate, direction_cosines, turned_by
-from rbd_model.pressing_patch import PatchConstants, PatchState, Press, pressing_patch
+from rbd_model.pressing_patch import PatchConstants, PatchState, Press, TurningTrack, pressing_patch
 from rbd_model.rolling_contact import SIDES, Placement, Wheel
+from rbd_model.rolling_wheelset import rail_slopes
 from rbd_model.spatial_wheelset import (
     END_MARGIN,
     NOMINAL_ROLL,
+    Carried,
     Motion,
     OnTrack,
     follow_track,
@@ -61,6 +64,7 @@ class PatchedWheelset:
     yaw: ca.SX
     offset: ca.SX
     rail_heights: ca.SX
+    frictions: ca.SX
     pressed: list[list[Press]]
     nearest: list[list[Nearest]]
     acceleration: ca.SX
@@ -113,10 +117,14 @@ class PatchedWheelset:
 
 @dataclass(frozen=True)
 class Standing:
-    """How a wheelset stands: on the track, with its height over it [m], its roll and their rates."""
+    """How a wheelset stands: on the track, with its height over it [m], its roll and their rates.
+
+    settled [m]: how much higher than the track's axes level rails lie, as places are counted from where it rests.
+    """
 
     on: OnTrack
     height: ca.SX
+    settled: ca.SX
     rise: ca.SX
     roll: ca.SX
     roll_rate: ca.SX
@@ -132,15 +140,16 @@ def place_on_patches(assembly: Assembly, number: int, section: Callable[[int, ca
     """Declares the states of a wheelset and lets its patches meet the rails, by (3.54), (3.57) and Hertz."""
     system, data = assembly.system, assembly.vehicle.wheelsets[number - 1]
     on = follow_track(assembly, number, section)
-    rise, roll = stand_at_start(data.pair, assembly.parameter["initial_lateral"])
+    rise, roll = stand_at_start(assembly, data.pair, on)
     # Counted from where it stands at rest, as the bodies that it carries are.
     risen = system.state(f"rise_{number}", "m", rise, NOMINAL_RISE)
     sunk = system.derived(f"sinking_{number}", sinking(assembly, number))
-    height = assembly.radius(data) + stand_on_treads(data.pair, 0.0).height - data.pair.mean_radius + risen - sunk
+    settled = sunk - (stand_on_treads(data.pair, 0.0).height - data.pair.mean_radius)
+    height = assembly.radius(data) + risen - settled
     rising = system.state(f"rise_speed_{number}", "m/s", 0.0, NOMINAL_TRAVEL_SPEED)
     roll = system.state(f"roll_{number}", "rad", roll, NOMINAL_ROLL)
     roll_rate = system.state(f"roll_rate_{number}", "rad/s", 0.0, NOMINAL_TRAVEL_SPEED)
-    standing = Standing(on, height, rising, roll, roll_rate, direction_cosines(on.yaw, roll))
+    standing = Standing(on, height, settled, rising, roll, roll_rate, direction_cosines(on.yaw, roll))
     body = Body(
         ca.vertcat(on.along, on.lateral, assembly.radius(data) + risen),
         ca.vertcat(on.forward, on.sideways, rising),
@@ -156,7 +165,7 @@ def place_on_patches(assembly: Assembly, number: int, section: Callable[[int, ca
     found = [press(assembly, number, index, standing, body) for index in range(len(SIDES))]
     pressed, nearest = [wheel for wheel, _ in found], [near for _, near in found]
     acceleration, turning = stand_freely(assembly, data, body, [patch for wheel in pressed for patch in wheel])
-    on_rails = on.rotated, on.yaw, on.offset, on.heights
+    on_rails = on.rotated, on.yaw, on.offset, on.heights, on.frictions
     return PatchedWheelset(number, data, body, *on_rails, pressed, nearest, acceleration, turning)
 
 
@@ -169,10 +178,13 @@ def press_patches(assembly: Assembly, number: int, index: int, standing: Standin
     number: of the wheelset; index: of its wheel, 0 the left one.
     """
     one, on_line = side_of(assembly, number, index), assembly.on_line
-    # Rails of a line turn under a wheelset that goes along: about the wheelset's place, and about its centre.
-    about = body.track.turning / body.stretch
-    sections, turning = ca.cross(about, ca.vertcat(0, body.position[1:]))[1:], body.axes.T @ about
-    wheel, state = feel_rail(assembly, number, index, standing, body, sections)
+    wheel, state = feel_rail(assembly, number, index, standing)
+    track = TurningTrack(body.track.turning, body.stretch)
+    # As the track turns about its own axis, so does the rail's place; what lies beside it the patch itself adds.
+    on = standing.on
+    lies = ca.vertcat(0, on.centre + wheel.side * on.spread, on.heights[index] + standing.settled)
+    slopes = state.slopes + ca.cross(ca.vertcat(track.turning[0], 0, 0), lies)[1:]
+    state = replace(state, slopes=assembly.system.narrow(slopes))
     placement = replace(standing.placement, lateral=state.offset)
     pressed, nearest = [], []
     for place, patch in enumerate(patches_of(one)):
@@ -182,7 +194,7 @@ def press_patches(assembly: Assembly, number: int, index: int, standing: Standin
         terms = near.pieces.wheel.numel(), near.pieces.rail.numel()
         part = pressing_patch(*terms, patch.flange, assembly.contact.law_of(patch.flange), on_line)
         given = replace(state, nearest=near.position).vector
-        given = ca.vertcat(given, turning) if on_line else given
+        given = ca.vertcat(given, track.vector) if on_line else given
         # The first, a tread, bears nearly always; the others seldom.
         when = 1.0 if place == 0 else near.approach + NEAR
         found = assembly.system.call(part, given, ca.vertcat(fixed.vector, near.pieces.vector), when)
@@ -199,8 +211,9 @@ def press_strips(assembly: Assembly, number: int, index: int, standing: Standing
     """
     one = side_of(assembly, number, index)
     middle = ca.vertcat(0, list(SIDES)[index] * one.rail_half_distance, 0)
-    sections = ca.cross(body.track.turning / body.stretch, middle)[1:]
-    wheel, state = feel_rail(assembly, number, index, standing, body, sections)
+    wheel, state = feel_rail(assembly, number, index, standing)
+    slopes = (state.slopes + ca.cross(body.track.turning, middle)[1:]) / body.stretch
+    state = replace(state, slopes=slopes)
     word, patches = list(SIDES.values())[index], patches_of(one)
     at = replace(standing.placement, lateral=state.offset), wheel, state.height
     nearest = [
@@ -223,13 +236,8 @@ def side_of(assembly: Assembly, number: int, index: int) -> Side:
     return assembly.vehicle.wheelsets[number - 1].pair.both[index]
 
 
-def feel_rail(
-    assembly: Assembly, number: int, index: int, standing: Standing, body: Body, sections: ca.SX
-) -> tuple[Wheel, PatchState]:
-    """A wheel, and how it stands and moves on its rail (section 3.2); its nearest point is not known yet (0).
-
-    sections: slopes of the rail that come from how the line turns, sideways and upwards.
-    """
+def feel_rail(assembly: Assembly, number: int, index: int, standing: Standing) -> tuple[Wheel, PatchState]:
+    """A wheel, and how it stands and moves on its rail (section 3.2); its nearest point is not known yet (0)."""
     data, on, one = assembly.vehicle.wheelsets[number - 1], standing.on, side_of(assembly, number, index)
     distances = ca.SX(one.wheel_half_distance), ca.SX(one.rail_half_distance)
     side, spreading = list(SIDES)[index], ca.jacobian(on.spread, assembly.distance)
@@ -245,7 +253,7 @@ def feel_rail(
         standing.height - on.heights[index],
         on.yaw,
         standing.roll,
-        ca.vertcat(on.slopes[0] + side * spreading, on.slopes[1 + index]) / body.stretch + sections,
+        rail_slopes(side, on.slopes, index, spreading),
         on.frictions[index],
         nearest=ca.SX(0),
     )
@@ -284,12 +292,18 @@ def room_left(one: Side, nearest: Sequence[Nearest]) -> ca.SX:
     return ca.vertcat(on_tread, flange.position - low)
 
 
-def stand_at_start(pair: Sides, lateral: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """Rise [m] and roll [rad] of a wheelset that starts beside the track's centre, on its treads (section 4.3)."""
+def stand_at_start(assembly: Assembly, pair: Sides, on: OnTrack) -> tuple[ca.SX, ca.SX]:
+    """Rise [m] and roll [rad] of a wheelset that starts on its treads (section 4.3), on the rails as they are there.
+
+    Where one rail is higher it leans, and its wheels are as much beside the rails as they are below its centre.
+    """
+    lateral, left, right = ca.vertsplit(at_start(assembly.system, ca.vertcat(on.offset, on.heights)))
+    leaning = (left - right) / sum(one.rail_half_distance for one in pair.both)
+    lateral += pair.mean_radius * leaning
     shifts = np.arange(-LARGEST_LATERAL, LARGEST_LATERAL + STAND_PITCH / 2, STAND_PITCH).tolist()
     stands, middle = [stand_on_treads(pair, shift) for shift in shifts], stand_on_treads(pair, 0.0)
-    rise = ca.pw_lin(lateral, shifts, [one.height - middle.height for one in stands])
-    return rise, ca.pw_lin(lateral, shifts, [one.roll for one in stands])
+    rise = ca.pw_lin(lateral, shifts, [one.height - middle.height for one in stands]) + (left + right) / 2
+    return rise, ca.pw_lin(lateral, shifts, [one.roll for one in stands]) + leaning
 
 
 def sinking(assembly: Assembly, number: int) -> ca.SX:
@@ -323,9 +337,8 @@ def move_on_patches(
     assembly: Assembly, wheelset: PatchedWheelset, suspension: Load, first_acceleration: ca.SX
 ) -> Motion:
     """Equations of motion of a wheelset, as (3.73): to what the rails do comes what the suspension does."""
-    number, place = wheelset.number, (wheelset.data, wheelset.body, wheelset.rotated)
-    free = ca.vertcat(wheelset.acceleration, wheelset.turning)
-    push, motion = push_wheelset(assembly, number, place, suspension, free, first_acceleration)
+    number, free = wheelset.number, ca.vertcat(wheelset.acceleration, wheelset.turning)
+    push, motion = push_wheelset(assembly, Carried.of(wheelset), suspension, free, first_acceleration)
     assembly.system.derivative(f"rise_speed_{number}", free[2] + push[2])
     assembly.system.derivative(f"roll_rate_{number}", free[3] + push[3])
     return motion

@@ -10,7 +10,6 @@ its place in the vehicle; the axle heights do not change.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import casadi as ca
@@ -23,8 +22,17 @@ from rbd_model.kinematics import Body
 from rbd_model.motion import add_common_outputs, elevation, loads_of, move_bodies, observe_energy, react
 from rbd_model.resistance import add_resistance
 from rbd_model.track_frame import on_gradient, on_profile
-from rbd_model.vehicle import Motion, RigidBody, Vehicle, Wheelset, wheelset_name
-from rbd_model.wheelset import centred_load, roll_on_level_rail
+from rbd_model.vehicle import Motion, Vehicle, wheelset_name
+from rbd_model.wheelset import (
+    Grip,
+    Rolling,
+    add_hold,
+    centred_load,
+    creep_on_level_rail,
+    roll_on_level_rail,
+    stand_still,
+    traction_force,
+)
 
 OUT_OF_PLANE: frozenset[Motion] = frozenset({"lateral", "roll", "yaw"})
 
@@ -44,28 +52,19 @@ def planar_vehicle(vehicle: Vehicle, on_line: bool = False) -> System:
     follow_patch(system, assembly.rail, f"{vehicle.bodies[0].name}_distance", places)
     loads = loads_of(assembly, bodies, axles)
 
-    wheelsets = []
-    for number, data in vehicle.numbered:
-        carried, falling = -loads.on(wheelset_name(number)).force[2], axles[number].falling(p["gravity"])
-        axle_load = carried - assembly.value(data.mass) * falling[2]
-        distance, forward = assembly.distance + axles[number].position[0], axles[number].velocity[0]
-        rolling = roll_on_level_rail(assembly, number, distance, forward, centred_load(axle_load), axle_load)
-        wheelsets.append(replace(rolling, track=axles[number].track))
+    every = [roll_under_load(assembly, n, axles[n], loads.on(wheelset_name(n)).force) for n, _ in vehicle.numbered]
+    wheelsets = [rolling for rolling, _ in every]
     react(assembly, wheelsets, loads)
     first = vehicle.bodies[0]
     falling = bodies[0].body.falling(p["gravity"])[0]
-    resistance = add_resistance(assembly, assembly.speed, curvatures_under(assembly, places), weight_of(assembly))
+    resistance = add_resistance(assembly, assembly.speed, places)
     pulled = loads.on(first.name).force[0] + resistance[0]
     first_acceleration = pulled / assembly.value(first.mass) + falling
     move_bodies(assembly, bodies, loads, first_acceleration)
-    accelerations = []
-    for wheelset in wheelsets:
-        number, pull = wheelset.number, loads.on(wheelset_name(wheelset.number)).force[0]
-        falling = axles[number].falling(p["gravity"])[0]
-        accelerations.append((wheelset.creep_force + pull) / assembly.value(wheelset.data.mass) + falling)
-        system.derivative(f"shift_speed_{number}", accelerations[-1] - first_acceleration)
+    for wheelset, acceleration in every:
+        system.derivative(f"shift_speed_{wheelset.number}", acceleration - first_acceleration)
 
-    add_common_outputs(assembly, bodies, wheelsets, accelerations)
+    add_common_outputs(assembly, bodies, wheelsets, [acceleration for _, acceleration in every])
     kinetic = [
         assembly.value(w.data.mass) * w.forward**2 / 2
         + assembly.value(w.data.inertia[1]) * w.rotation.angular_velocity**2 / 2
@@ -84,19 +83,23 @@ def planar_vehicle(vehicle: Vehicle, on_line: bool = False) -> System:
     return system
 
 
-def curvatures_under(assembly: Assembly, places: Sequence[ca.SX]) -> list[ca.SX]:
-    """Curvature under each wheelset [1/m], which holds the vehicle back (section 2.4): the line's, or the input."""
-    if not assembly.on_line:
-        return [assembly.input["curvature"] for _ in places]
-    names = [f"curve_{number}" for number, _ in assembly.vehicle.numbered]
-    looked_up = zip(names, places, strict=True)
-    return [assembly.system.along_line("heading", name, place, 1)[1] for name, place in looked_up]
+def roll_under_load(assembly: Assembly, number: int, axle: Body, pull: ca.SX) -> tuple[Rolling, ca.SX]:
+    """A wheelset under what its suspension carries, eq. (2.8), and its acceleration along the track [m/s2].
 
-
-def weight_of(assembly: Assembly) -> ca.SX:
-    """Of all masses [N], section 5.2."""
-    parts: list[RigidBody | Wheelset] = [*assembly.vehicle.bodies, *assembly.vehicle.wheelsets]
-    return ca.SX(sum(assembly.value(part.mass) for part in parts)) * assembly.parameter["gravity"]
+    pull [N]: of its suspension on it.
+    """
+    data = assembly.vehicle.wheelsets[number - 1]
+    mass, falling = assembly.value(data.mass), axle.falling(assembly.parameter["gravity"])
+    axle_load = -pull[2] - mass * falling[2]
+    distance, forward = assembly.distance + axle.position[0], axle.velocity[0]
+    creeping = creep_on_level_rail(assembly, number, distance, forward, centred_load(axle_load), axle_load)
+    hold, outside = add_hold(assembly.system, number), pull[0] + mass * falling[0]
+    states = [f"shift_speed_{number}", f"{assembly.vehicle.bodies[0].name}_speed"]
+    pushed, grip = (outside, traction_force(assembly, number)), Grip.of(assembly, number, hold, creeping.static)
+    stand_still(assembly, f"Wheelset {number}", hold, states, pushed, grip)
+    pulled = outside + creeping.force
+    held = (hold.moves - 1) * pulled
+    return roll_on_level_rail(assembly, creeping, hold, forward, axle_load, held), hold.moves * pulled / mass
 
 
 def place_axle(assembly: Assembly, number: int) -> Body:

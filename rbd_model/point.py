@@ -9,6 +9,7 @@ misjudges a lock-up near the limit.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import casadi as ca
 
@@ -16,16 +17,24 @@ from fmu_src.system import System
 from rbd_model.adhesion import follow_patch
 from rbd_model.assembly import Assembly, assemble
 from rbd_model.resistance import add_resistance
-from rbd_model.vehicle import RigidBody, Vehicle, Wheelset
+from rbd_model.vehicle import Vehicle
 from rbd_model.wheelset import (
     NOMINAL_DISTANCE,
     NOMINAL_SPEED,
+    SMALLEST_LOAD,
     CentredLoad,
-    Rolling,
+    Creeping,
+    Grip,
+    Hold,
+    add_hold,
     add_wheelset_outputs,
+    at_least,
     centred_load,
+    creep_on_level_rail,
     follow_creep,
     roll_on_level_rail,
+    stand_still,
+    traction_force,
 )
 
 
@@ -44,14 +53,22 @@ def point_vehicle(vehicle: Vehicle, on_line: bool = False) -> System:
     places = [distance + assembly.value(data.along) for data in vehicle.wheelsets]
     follow_patch(system, assembly.rail, "distance", places)
 
-    parts: list[RigidBody | Wheelset] = [*vehicle.bodies, *vehicle.wheelsets]
-    mass = system.derived("total_mass", ca.SX(sum(assembly.value(part.mass) for part in parts)))
-    gradient, curvatures = (line_under if on_line else line_from_inputs)(assembly, parts)
-    wheelsets = [roll_under_static_load(assembly, number) for number, _ in vehicle.numbered]
-    resistance = add_resistance(assembly, speed, curvatures, mass * assembly.parameter["gravity"])
+    mass, gradient = assembly.total_mass, mean_gradient(assembly) if on_line else assembly.input["gradient"]
+    loads = [static_load(assembly, number) for number, _ in vehicle.numbered]
+    creeping = [
+        creep_on_level_rail(assembly, number, place, speed, *load)
+        for (number, _), place, load in zip(vehicle.numbered, places, loads, strict=True)
+    ]
+    resistance = add_resistance(assembly, speed, places)
     pulls = [assembly.input[pull.name] for pull in vehicle.pulls]
-    pulled = ca.SX(sum([*(wheelset.creep_force for wheelset in wheelsets), *pulls, resistance[0]]))
-    acceleration = pulled / mass - assembly.parameter["gravity"] * gradient
+    outside = ca.SX(sum([*pulls, resistance[0]])) - mass * assembly.parameter["gravity"] * gradient
+    pulled = outside + sum((one.force for one in creeping), ca.SX(0))
+    holds, held = stand_on_locked_wheels(assembly, creeping, outside, pulled)
+    acceleration = holds[0].moves * pulled / mass
+    wheelsets = [
+        roll_on_level_rail(assembly, one, hold, speed, axle_load, force)
+        for one, hold, (_, axle_load), force in zip(creeping, holds, loads, held, strict=True)
+    ]
     system.derivative("distance", speed)
     system.derivative("speed", acceleration)
 
@@ -63,29 +80,36 @@ def point_vehicle(vehicle: Vehicle, on_line: bool = False) -> System:
     return system
 
 
-def line_from_inputs(assembly: Assembly, parts: Sequence[RigidBody | Wheelset]) -> tuple[ca.SX, list[ca.SX]]:
-    """Gradient (its sine) and curvatures [1/m] under the wheelsets (2.8), for hosts that know the line themselves."""
-    curvature = assembly.input["curvature"]
-    return assembly.input["gradient"], [curvature for _ in assembly.vehicle.wheelsets]
-
-
-def line_under(assembly: Assembly, parts: Sequence[RigidBody | Wheelset]) -> tuple[ca.SX, list[ca.SX]]:
-    """The same of the line that an instance runs on: the mean of the gradients under all masses, weighted with them.
-
-    So that what gravity pulls with is that of each body at its own place (section 2.3.1).
-    """
-    system, pull, curvatures = assembly.system, ca.SX(0), []
-    for number, part in enumerate(parts):
+def mean_gradient(assembly: Assembly) -> ca.SX:
+    """Of the line under all masses, weighted with them: gravity pulls at each in its own place (section 2.3.1)."""
+    pull = ca.SX(0)
+    for number, part in enumerate(assembly.vehicle.parts):
         distance = assembly.distance + assembly.value(part.along)
-        sine = system.along_line("rise", f"part_{number}", distance, 1)[1]
-        pull += assembly.value(part.mass) * sine
-        if isinstance(part, Wheelset):
-            curvatures.append(system.along_line("heading", f"part_{number}", distance, 1)[1])
-    return pull / system.derived_symbols["total_mass"], curvatures
+        pull += assembly.value(part.mass) * assembly.system.along_line("rise", f"part_{number}", distance, 1)[1]
+    return pull / assembly.total_mass
 
 
-def roll_under_static_load(assembly: Assembly, number: int) -> Rolling:
-    """A wheelset at its place in the vehicle, second line of eq. (2.8), under the load that it has on level track.
+def stand_on_locked_wheels(
+    assembly: Assembly, creeping: Sequence[Creeping], outside: ca.SX, pulled: ca.SX
+) -> tuple[list[Hold], list[ca.SX]]:
+    """What may hold each wheelset, third line of (2.8), and with what its rails hold a vehicle that stands [N].
+
+    outside, pulled [N]: along the track, without and with creep. Those hold that are locked, each by its `Grip`.
+    """
+    moving = assembly.system.direction("moving")
+    holds = [replace(add_hold(assembly.system, one.number), moving=moving) for one in creeping]
+    both = list(zip(holds, creeping, strict=True))
+    grips = [Grip.of(assembly, one.number, hold, one.static) for hold, one in both]
+    rolling = sum((hold.turns * one.force for hold, one in both), ca.SX(0))
+    traction = sum(((1 - hold.turns) * traction_force(assembly, one.number) for hold, one in both), ca.SX(0))
+    whole = Grip(sum((grip.braked for grip in grips), ca.SX(0)), sum((grip.whole for grip in grips), ca.SX(0)))
+    stand_still(assembly, "The vehicle", holds[0], ["speed"], (outside + rolling, traction), whole)
+    share = (holds[0].moves - 1) * pulled / at_least(whole.whole, SMALLEST_LOAD)
+    return holds, [share * grip.whole for grip in grips]
+
+
+def static_load(assembly: Assembly, number: int) -> tuple[CentredLoad, ca.SX]:
+    """Of a wheelset at its place in the vehicle, second line of eq. (2.8): the load that it has on level track [N].
 
     On a gradient that is too much by its cosine, 8e-4 at 40 per mille, which level 2 knows.
     """
@@ -93,9 +117,5 @@ def roll_under_static_load(assembly: Assembly, number: int) -> Rolling:
     weight = assembly.value(data.mass) * assembly.parameter["gravity"] + assembly.resting_on(number)
     axle_load = system.derived(f"static_load_{number}", weight)
     load = centred_load(axle_load)
-    static = CentredLoad(
-        system.derived(f"wheel_load_{number}", load.wheel), system.derived(f"load_growth_{number}", load.growth)
-    )
-    return roll_on_level_rail(
-        assembly, number, assembly.distance + assembly.value(data.along), assembly.speed, static, axle_load
-    )
+    growth = system.derived(f"load_growth_{number}", load.growth)
+    return CentredLoad(system.derived(f"wheel_load_{number}", load.wheel), growth), axle_load

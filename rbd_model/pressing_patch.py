@@ -35,9 +35,26 @@ class PatchState(Bundle):
     height: ca.SX = rows(1)  # of the wheelset's centre over the rail [m]
     yaw: ca.SX = rows(1)  # [rad]
     roll: ca.SX = rows(1)  # [rad]
-    slopes: ca.SX = rows(2)  # along the track, of its lateral position and of the rail's height [1]
+    slopes: ca.SX = rows(2)  # of the rail along the track, sideways and upwards [1]
     friction: ca.SX = rows(1)  # without sliding [1]
     nearest: ca.SX = rows(1)  # position on the wheel's profile without yaw [m]
+
+
+@dataclass(frozen=True)
+class TurningTrack(Bundle):
+    """How the axes of a track turn that is not straight, and how much further its wheelset goes than its place there.
+
+    Both come behind a `PatchState`, whose slopes are then those of the rail's place in these axes: as the axes turn,
+    so does the place.
+    """
+
+    turning: ca.SX = rows(3)  # as in `TrackFrame` [rad/m]
+    stretch: ca.SX = rows(1)  # as `Body.stretch` [1]
+
+    @classmethod
+    def straight(cls) -> TurningTrack:
+        """Straight track, section 3.2.1."""
+        return cls(ca.SX.zeros(3), ca.SX(1))
 
 
 @dataclass(frozen=True)
@@ -70,18 +87,18 @@ class Press(Bundle):
 def pressing_patch(wheel_terms: int, rail_terms: int, flange: bool, creep_law: CreepLaw, on_line: bool = False) -> Part:
     """A `Press` of a `PatchState`, (3.82)-(3.105) with Hertz' force by the approach; constants: with the pieces.
 
-    flange: of a flange or, otherwise, a tread, which have their own creep laws. on_line: behind the state comes how the
-    track turns along it, three angles for each metre of the wheelset's way [rad/m], in its axes.
+    flange: of a flange or, otherwise, a tread, which have their own creep laws. on_line: a `TurningTrack` comes behind
+    the state.
     """
     place = "flange" if flange else "tread"
     state, fixed, chain = PatchState.symbols("state"), PatchConstants.symbols("constants"), Chain()
     pieces = Pieces(ca.SX.sym("wheel", wheel_terms), ca.SX.sym("rail", rail_terms))
     follow_cosines(chain, fixed.cosines, ca.vertcat(state.yaw, state.roll))
     patch = find_patch(chain, state, fixed, pieces)
-    turning = ca.SX.sym("turning", 3) if on_line else ca.SX.zeros(3)
-    results = press(chain, state, turning, fixed, patch, creep_of_wheel(creep_law, place)).vector
-    given, constants = ca.vertcat(state.vector, turning), ca.vertcat(fixed.vector, pieces.vector)
-    given = given if on_line else state.vector
+    track = TurningTrack.symbols("track") if on_line else TurningTrack.straight()
+    results = press(chain, state, track, fixed, patch, creep_of_wheel(creep_law, place)).vector
+    given = ca.vertcat(state.vector, track.vector) if on_line else state.vector
+    constants = ca.vertcat(fixed.vector, pieces.vector)
     return Part(f"press_{place}_{wheel_terms}_{rail_terms}", given, constants, results, chain)
 
 
@@ -94,27 +111,29 @@ def find_patch(chain: Chain, state: PatchState, fixed: PatchConstants, pieces: P
 
 
 def press(
-    chain: Chain, state: PatchState, turning: ca.SX, fixed: PatchConstants, patch: TouchingPatch, creeping: Part
+    chain: Chain, state: PatchState, track: TurningTrack, fixed: PatchConstants, patch: TouchingPatch, creeping: Part
 ) -> Press:
     """Normal force by the approach (Hertz, as Johnson (1985) has it), creep forces by (3.89)-(3.105), their moments.
 
-    turning: of the track, see `pressing_patch`; creeping: a `creep_of_wheel`.
+    creeping: a `creep_of_wheel`.
     """
     axes = turned_by(fixed.cosines)
     along = axes[0, :].T
     sideways = ca.cross(patch.normal, along)
     own_rate = ca.vertcat(state.roll_rate, state.angular_velocity, state.yaw_rate)
     velocity = ca.vertcat(state.forward, state.sideways, state.rise)
-    sliding = axes.T @ velocity + ca.cross(own_rate, patch.arm)
+    sliding = chain.narrow(axes.T @ velocity + ca.cross(own_rate, patch.arm))
     # The rail's section moves sideways and upwards as the wheelset moves along.
-    drift = ca.dot(patch.across, state.slopes) + ca.dot(patch.normal, ca.cross(turning, patch.arm))
+    beside_rail = ca.vertcat(0, state.offset, state.height) + axes @ patch.arm
+    sections = state.slopes + ca.cross(track.turning, beside_rail)[1:]
+    drift = chain.narrow(ca.dot(patch.across, sections) / track.stretch)
     closing = state.forward * drift - ca.dot(patch.normal, sliding)
     curvatures = patch.curvature_along, patch.curvature_across
     elastic = elastic_force(patch.approach, *curvatures, fixed.shear_modulus)
-    normal = damped(elastic, closing, fixed.damping)
+    normal = chain.narrow(damped(elastic, closing, fixed.damping))
 
     directions = along, sideways, patch.normal
-    slides = how_it_slides(sliding, own_rate, directions, state.forward, fixed.creepage_speed)
+    slides = chain.narrow(how_it_slides(sliding, own_rate, directions, state.forward, fixed.creepage_speed))
     given = ca.vertcat(slides, *curvatures, normal, state.friction)
     creep = chain.call(creeping, given, ca.vertcat(fixed.shear_modulus, fixed.surface))
     # The law knows no load below the smallest; without any there is no creep force.

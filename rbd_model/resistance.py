@@ -36,17 +36,26 @@ def none() -> RunningResistance:
     return RunningResistance(0.0, 0.0, 0.0, 0)
 
 
-def add_resistance(assembly: Assembly, speed: ca.SX, curvatures: Sequence[ca.SX], weight: ca.SX) -> ca.SX:
+def add_resistance(assembly: Assembly, speed: ca.SX, places: Sequence[ca.SX]) -> ca.SX:
     """Force along the track on the whole vehicle [N] and what it takes [W], Davis (1926) and von Roeckl (1880).
 
-    curvatures [1/m]: of the line under each wheelset, which carry equal shares of the weight [N].
+    places [m]: distances of the wheelsets, which carry equal shares of the weight.
     """
     p = {name: assembly.system.parameter(none().variable(name)) for name in none().values()}
     ahead = speed / ca.sqrt(speed**2 + assembly.parameter["creepage_speed"] ** 2)
-    share = ca.SX(sum(curve_share(ca.fabs(curvature)) for curvature in curvatures)) / len(curvatures)
-    steady = p["davis_constant"] + p["curve_resistance"] * share * weight
+    shares = [curve_share(ca.fabs(curvature)) for curvature in curvatures_at(assembly, places)]
+    weight = assembly.total_mass * assembly.parameter["gravity"]
+    steady = p["davis_constant"] + p["curve_resistance"] * ca.SX(sum(shares)) / len(shares) * weight
     force = -ahead * (steady + p["davis_quadratic"] * speed**2) - p["davis_linear"] * speed
     return ca.vertcat(force, -force * speed)
+
+
+def curvatures_at(assembly: Assembly, places: Sequence[ca.SX]) -> list[ca.SX]:
+    """Of the line that an instance runs on [1/m], which holds a vehicle back (section 2.4); without one the input."""
+    if not assembly.on_line:
+        return [assembly.input["curvature"]]
+    looked_up = enumerate(places, 1)
+    return [assembly.system.along_line("heading", f"curve_{number}", place, 1)[1] for number, place in looked_up]
 
 
 def curve_share(curvature: ca.SX) -> ca.SX:

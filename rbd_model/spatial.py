@@ -119,17 +119,7 @@ def rolling_of(wheelset: WheelsetInSpace, motion: Motion) -> Rolling:
     """A wheelset in space as every level has it: sums of its two wheels, (3.35)."""
     body, (creep_along, creep_power) = wheelset.body, wheelset.creep
     along, load, power = (ca.sum1(both) for both in (creep_along, wheelset.loads, creep_power))
-    return Rolling(
-        wheelset.number,
-        wheelset.data,
-        motion.rotation,
-        body.velocity[0],
-        body.axes[:, 1],
-        along,
-        load,
-        power,
-        body.track,
-    )
+    return Rolling(wheelset.number, wheelset.data, motion.rotation, body.velocity[0], along + motion.held, load, power)
 
 
 def add_outputs(assembly: Assembly, wheelsets: Sequence[WheelsetInSpace]) -> None:

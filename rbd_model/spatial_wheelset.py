@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
+from typing import TYPE_CHECKING
 
 import casadi as ca
 
@@ -33,11 +34,18 @@ from rbd_model.vehicle import Wheelset, wheelset_name
 from rbd_model.wheelset import (
     NOMINAL_TRAVEL,
     NOMINAL_TRAVEL_SPEED,
+    Grip,
     Rotation,
+    add_hold,
     add_rotation,
     add_rotation_states,
     rail_friction,
+    stand_still,
+    traction_force,
 )
+
+if TYPE_CHECKING:
+    from rbd_model.patched_wheelset import PatchedWheelset
 
 #: Scales of the error control: with tolerance 1e-7, 0.1 nm at the contact, 0.1 nrad of roll and 0.01 N.
 NOMINAL_CONTACT = 1e-3
@@ -64,6 +72,7 @@ class SpatialWheelset:
     yaw: ca.SX
     offset: ca.SX  # lateral displacement from the track's centre [m]
     rail_heights: ca.SX  # [m]
+    frictions: ca.SX  # of the rails
     normal_forces: ca.SX
     rolled: RolledMotion
     flange: FlangePush
@@ -103,9 +112,13 @@ class SpatialWheelset:
 
 @dataclass(frozen=True)
 class Motion:
-    """What the forces do: longitudinal acceleration [m/s2], rotation, power of the yaw torque [W]."""
+    """What the forces do: longitudinal acceleration [m/s2], rotation, power of the yaw torque [W].
+
+    held [N]: force along the track with which the rails hold an axle that stands, else 0.
+    """
 
     acceleration: ca.SX
+    held: ca.SX
     rotation: Rotation
     yaw_power: ca.SX
 
@@ -122,13 +135,18 @@ class OnTrack:
     yaw_rate: ca.SX
     rotated: ca.SX
     angular_velocity: ca.SX
-    offset: ca.SX  # lateral displacement from the track's centre [m]
+    centre: ca.SX  # lateral position of both rails' middle [m]
     heights: ca.SX  # of the (left, right) rail [m]
     slopes: ca.SX  # along the track, of its lateral position and of the heights [1]
     frictions: ca.SX  # of the (left, right) rail
     distance: ca.SX  # [m]
     spread: ca.SX  # of each rail, outwards [m]
     track: TrackFrame
+
+    @property
+    def offset(self) -> ca.SX:
+        """Lateral displacement from the track's centre [m]."""
+        return self.lateral - self.centre
 
 
 def follow_track(assembly: Assembly, number: int, section: Callable[[int, ca.SX], Section]) -> OnTrack:
@@ -149,9 +167,8 @@ def follow_track(assembly: Assembly, number: int, section: Callable[[int, ca.SX]
     of_rails = ca.vertcat(*[assembly.parameter[f"{side}_rail_friction"] for side in SIDES.values()])
     frictions = rail_friction(assembly, number, distance) * track.friction * of_rails
     frame = assembly.track_at(wheelset_name(number), along)
-    offset = lateral - track.lateral
     motion = forward, lateral, sideways, yaw, yaw_rate, rotated, omega
-    return OnTrack(along, *motion, offset, rails[1:], slopes, frictions, distance, track.spread, frame)
+    return OnTrack(along, *motion, track.lateral, rails[1:], slopes, frictions, distance, track.spread, frame)
 
 
 def place_wheelset(assembly: Assembly, number: int, section: Callable[[int, ca.SX], Section]) -> SpatialWheelset:
@@ -210,6 +227,7 @@ def place_wheelset(assembly: Assembly, number: int, section: Callable[[int, ca.S
         on.yaw,
         on.offset,
         on.heights,
+        on.frictions,
         state.normal_forces,
         rolled,
         flange,
@@ -339,31 +357,60 @@ def yaw_torque_of(assembly: Assembly, number: int, rotated: ca.SX) -> ca.SX:
     return assembly.input[f"yaw_torque_{number}"] * ca.vertcat(ca.sin(angle), 0, ca.cos(angle))
 
 
+@dataclass(frozen=True)
+class Carried:
+    """A wheelset as its suspension and its brake know it.
+
+    rotated: angle that it has turned by; creep [N]: of both rails along the track; static [N]: the most that they hold.
+    """
+
+    number: int
+    data: Wheelset
+    body: Body
+    rotated: ca.SX
+    creep: ca.SX
+    static: ca.SX
+
+    @classmethod
+    def of(cls, wheelset: SpatialWheelset | PatchedWheelset) -> Carried:
+        """Of one on its rails, by friction times load as (3.97) ends."""
+        static = ca.dot(wheelset.frictions, ca.fmax(wheelset.loads, 0))
+        creep = ca.sum1(wheelset.creep[0])
+        return cls(wheelset.number, wheelset.data, wheelset.body, wheelset.rotated, creep, static)
+
+
 def push_wheelset(
-    assembly: Assembly,
-    number: int,
-    wheelset: tuple[Wheelset, Body, ca.SX],
-    suspension: Load,
-    free: ca.SX,
-    first_acceleration: ca.SX,
+    assembly: Assembly, wheelset: Carried, suspension: Load, free: ca.SX, first_acceleration: ca.SX
 ) -> tuple[ca.SX, Motion]:
     """What the suspension adds to what the rails do, and the motion along, across and about the vertical, (3.73).
 
-    wheelset: its description, body and the angle that it has turned by. free: acceleration [m/s2] and turning by the
-    rails, as in `RolledMotion`; what is added has the same rows.
+    free: acceleration [m/s2] and turning by the rails, as in `RolledMotion`; what is added has the same rows, and with
+    it what the rails add that hold an axle which stands.
     """
-    system, (data, body, rotated) = assembly.system, wheelset
+    system, data, body = assembly.system, wheelset.data, wheelset.body
+    number, rotated = wheelset.number, wheelset.rotated
     mass, inertia = assembly.value(data.mass), [assembly.value(size) for size in data.inertia]
     yaw_torque = yaw_torque_of(assembly, number, rotated)
-    moment = body.axes.T @ suspension.moment + yaw_torque
+    moment = suspension.moment + yaw_torque
     turning = ca.vertcat(moment[0] / inertia[0], moment[1], moment[2] / inertia[2])
     push = system.narrow(ca.vertcat((1 / mass) * suspension.force, turning))
     moved = free + push
-    rotation = add_rotation(assembly, number, (rotated, body.own_rate[1]), moved[4])
-    system.derivative(f"shift_speed_{number}", moved[0] - first_acceleration)
+    hold = add_hold(system, number)
+    held = (hold.moves - 1) * mass * moved[0]
+    states = [f"shift_speed_{number}", f"{assembly.vehicle.bodies[0].name}_speed"]
+    pushed = mass * moved[0] - wheelset.creep, traction_force(assembly, number)
+    grip = Grip.of(assembly, number, hold, wheelset.static)
+    stand_still(assembly, f"Wheelset {number}", hold, states, pushed, grip)
+    turned = rotated, body.own_rate[1]
+    rotation = add_rotation(assembly, number, hold, turned, moved[4], -held * assembly.radius(data))
+    # It reacts on all angles of a body.
+    rotation = replace(rotation, brake_torque=system.narrow(rotation.brake_torque))
+    acceleration = hold.moves * moved[0]
+    system.derivative(f"shift_speed_{number}", acceleration - first_acceleration)
     system.derivative(f"lateral_speed_{number}", moved[1])
     system.derivative(f"yaw_rate_{number}", moved[5])
-    return push, Motion(moved[0], rotation, ca.dot(yaw_torque, body.own_rate))
+    motion = Motion(acceleration, held, rotation, ca.dot(yaw_torque, body.own_rate))
+    return push + ca.vertcat(held / mass, ca.SX(5, 1)), motion
 
 
 def move_wheelset(assembly: Assembly, wheelset: SpatialWheelset, suspension: Load, first_acceleration: ca.SX) -> Motion:
@@ -373,9 +420,8 @@ def move_wheelset(assembly: Assembly, wheelset: SpatialWheelset, suspension: Loa
     the track.
     """
     number, rolled, mass = wheelset.number, wheelset.rolled, assembly.value(wheelset.data.mass)
-    place = wheelset.data, wheelset.body, wheelset.rotated
     free = ca.vertcat(rolled.acceleration, rolled.turning)
-    push, motion = push_wheelset(assembly, number, place, suspension, free, first_acceleration)
+    push, motion = push_wheelset(assembly, Carried.of(wheelset), suspension, free, first_acceleration)
     pushed = ca.vertcat(push[:4], push[5])
     for index, (word, row) in enumerate(zip(SIDES.values(), (rolled.left_row, rolled.right_row), strict=True)):
         parting = rolled.parting[index] + ca.dot(row, pushed)

@@ -1,7 +1,8 @@
 """The straight track: lateral position and height of both rails along it, eqs (5.3), (5.4), and friction.
 
 Each wheelset meets the rails' section at its own distance, shifted by the irregularity there; the rails count as
-straight in its neighbourhood. What that leaves out is of second order in the slope of the irregularity (1e-5).
+straight along the track in its neighbourhood. What that leaves out is of first order in the slope of the irregularity:
+a wheelset that follows a wave yaws against the axes of the track and not against the rails.
 """
 
 from __future__ import annotations
@@ -148,20 +149,21 @@ def with_line(track: Track) -> Track:
 
 
 def derivatives_along(parameters: TrackParameters) -> Callable[[float], np.ndarray]:
-    """The track with (5.3), (5.4) in plain numbers: at a distance [m], shape (3, 3).
+    """The track with (5.3), (5.4) in plain numbers: at a distance [m], shape (4, 3).
 
-    Rows: value, first and second derivative. Columns: lateral position of both rails, height of the left and of the
+    Rows: value and three derivatives. Columns: lateral position of both rails, height of the left and of the
     right one [m].
     """
     system = System("track", "its parameters become numbers")
     distance = ca.SX.sym("distance")
     section = irregular_track(parameters)(system)(1, distance)
     values = ca.vertcat(section.lateral, section.left, section.right)
-    slopes = ca.jacobian(values, distance)
-    rows = ca.horzcat(values, slopes, ca.jacobian(slopes, distance)).T
+    rows = [values]
+    for _ in range(3):
+        rows.append(ca.jacobian(rows[-1], distance))
     symbols = ca.vertcat(*system.parameter_symbols.values())
     numbers = ca.DM([variable.start for variable in system.variables])
-    function = ca.Function("track", [distance], [ca.densify(ca.substitute(rows, symbols, numbers))])
+    function = ca.Function("track", [distance], [ca.densify(ca.substitute(ca.horzcat(*rows).T, symbols, numbers))])
     return lambda at: np.array(function(at))
 
 

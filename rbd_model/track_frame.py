@@ -142,19 +142,27 @@ def frame_of(system: System, course: Course, plan: Plan) -> TrackFrame:
     return TrackFrame(narrowed[:3], narrowed[3:], plan)
 
 
-#: Axes and place of the origin [m] of one track frame as seen from another.
-Pose = tuple[ca.SX, ca.SX]
+@dataclass(frozen=True)
+class Pose:
+    """Axes (columns) and place of the origin [m] of one track frame as seen from another, section 3.2.1."""
+
+    axes: ca.SX
+    place: ca.SX
+
+    @property
+    def back(self) -> Pose:
+        """The other as seen from the one."""
+        return self if self is HERE else Pose(self.axes.T, -self.axes.T @ self.place)
 
 
-def relative(system: System, at: TrackFrame, other: TrackFrame) -> Pose | None:
-    """Axes of `other` and place of its origin [m] as seen from the axes `at`, eq. (3.1); None: both are straight track.
+#: One frame, or all straight track.
+HERE = Pose(ca.SX.eye(3), ca.SX(3, 1))
 
-    Heading and chord over the way between them, from differences alone.
-    """
-    if at.plan is None or other.plan is None:
-        return None
-    if at is other:
-        return ca.SX.eye(3), ca.SX.zeros(3)
+
+def relative(system: System, at: TrackFrame, other: TrackFrame) -> Pose:
+    """`other` as seen from the axes `at`, eq. (3.1): heading and chord over the way between, from differences alone."""
+    if at.plan is None or other.plan is None or at is other:
+        return HERE
     (ahead, aside), (forwards, sideways) = ca.vertsplit(at.plan.heading), ca.vertsplit(other.plan.heading)
     c, s = ahead * forwards + aside * sideways, ahead * sideways - aside * forwards
     about_z = ca.vertcat(ca.horzcat(c, -s, 0), ca.horzcat(s, c, 0), ca.horzcat(0, 0, 1))
@@ -165,4 +173,4 @@ def relative(system: System, at: TrackFrame, other: TrackFrame) -> Pose | None:
     back = at.plan.tilt.T
     axes, place = back @ about_z @ other.plan.tilt, back @ chord
     narrowed = system.narrow(ca.vertcat(ca.vec(ca.densify(axes)), ca.densify(place)))
-    return ca.reshape(narrowed[:9], 3, 3), narrowed[9:]
+    return Pose(ca.reshape(narrowed[:9], 3, 3), narrowed[9:])

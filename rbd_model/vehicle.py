@@ -240,6 +240,11 @@ class Vehicle:
         """Wheelsets with their numbers, from 1."""
         return list(enumerate(self.wheelsets, 1))
 
+    @property
+    def parts(self) -> list[RigidBody | Wheelset]:
+        """What has a mass."""
+        return [*self.bodies, *self.wheelsets]
+
     def number(self, size: Size) -> float:
         """A size with the values of the vehicle's own parameters."""
         return float(size_of(size, self.parameters.values()))

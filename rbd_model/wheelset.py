@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import casadi as ca
 
-from fmu_src.system import Friction
+from fmu_src.system import Friction, System
 from rbd_model.assembly import Assembly
 from rbd_model.contact.creep.kalker import kalker_coefficients
 from rbd_model.contact.creep.law import creepage
 from rbd_model.contact.creep.polach import saturated
 from rbd_model.contact.hertz import ellipse_shape
-from rbd_model.track_frame import LEVEL, TrackFrame
 from rbd_model.vehicle import Wheelset
 
 #: Used where a trial step would ask for the contact of a wheel that carries nothing; a run ends before (wheel lift).
@@ -22,6 +22,10 @@ SMALLEST_FRICTION = 1e-9
 
 #: Creepage at which wheels of any load begin to slide as a whole; its order of magnitude, from (3.92) and (3.94).
 BENDING = 0.01
+
+#: Share of creepage_speed up to which an axle on a locked wheelset counts as still: ten times what BENDING says is all
+#: that is left of sliding there, and stopping from it is 0.1 um of way.
+STILL = 0.1
 
 #: Longer over shorter semi-axis of a contact that a run may start with; where Kalker's table ends.
 MOST_SLENDER = 10.0
@@ -34,6 +38,27 @@ NOMINAL_ROTATION = 25.0
 #: Motions in the suspension: with tolerance 1e-7, 1 nm and 0.1 um/s.
 NOMINAL_TRAVEL = 0.01
 NOMINAL_TRAVEL_SPEED = 1.0
+
+
+@dataclass(frozen=True)
+class Hold:
+    """What may hold a wheelset: its brake, so that it is locked, and then its rails, so that its axle stands.
+
+    Symbols of the directions in which it turns and moves along: 1, -1, or 0 where it is held.
+    """
+
+    turning: ca.SX
+    moving: ca.SX
+
+    @property
+    def turns(self) -> ca.SX:
+        """1, or 0 where it is locked."""
+        return self.turning**2
+
+    @property
+    def moves(self) -> ca.SX:
+        """1, or 0 where its axle stands."""
+        return self.moving**2
 
 
 @dataclass(frozen=True)
@@ -121,39 +146,112 @@ def creep_force_of_wheelset(
 
 
 @dataclass(frozen=True)
+class Creeping:
+    """A wheelset that creeps on a level rail, eq. (2.8).
+
+    rotated: angle that it has turned by; sliding [m/s]; force [N]: of both rails; static [N]: the most that they hold.
+    """
+
+    number: int
+    rotated: ca.SX
+    angular_velocity: ca.SX
+    sliding: ca.SX
+    force: ca.SX
+    static: ca.SX
+
+
+@dataclass(frozen=True)
 class Rolling:
     """A wheelset that rolls, skids or is locked, as every level has it.
 
-    number: from 1. forward [m/s]: speed of its axle, axle: unit vector along it, in the axes of the track. creep_force,
-    load [N]: of both rails on it, along the track and upwards; creep_power [W]: what both take. track: its axes there.
+    number: from 1. forward [m/s]: speed of its axle. creep_force, load [N]: of both rails on it, along the track and
+    upwards; creep_power [W]: what both take.
     """
 
     number: int
     data: Wheelset
     rotation: Rotation
     forward: ca.SX
-    axle: ca.SX
     creep_force: ca.SX
     load: ca.SX
     creep_power: ca.SX
-    track: TrackFrame = LEVEL
 
 
-def roll_on_level_rail(
+def creep_on_level_rail(
     assembly: Assembly, number: int, distance: ca.SX, forward: ca.SX, load: CentredLoad, axle_load: ca.SX
-) -> Rolling:
+) -> Creeping:
     """A wheelset on a level rail, eq. (2.8); it declares the states of its rotation.
 
     distance [m], forward [m/s]: of its axle; load: of each wheel; axle_load [N]: of both.
     """
     data = assembly.vehicle.wheelsets[number - 1]
     rotated, omega = add_rotation_states(assembly, number)
-    radius = assembly.radius(data)
-    sliding = forward - radius * omega
+    sliding = forward - assembly.radius(data) * omega
     friction = rail_friction(assembly, number, distance)
     force = creep_force_of_wheelset(assembly, friction, centred_contact(assembly, data), load, sliding, forward)
-    rotation = add_rotation(assembly, number, (rotated, omega), -force * radius)
-    return Rolling(number, data, rotation, forward, ca.SX([0, 1, 0]), force, axle_load, -force * sliding)
+    return Creeping(number, rotated, omega, sliding, force, friction * axle_load)
+
+
+def roll_on_level_rail(
+    assembly: Assembly, creeping: Creeping, hold: Hold, forward: ca.SX, axle_load: ca.SX, held: ca.SX
+) -> Rolling:
+    """Its rotation, third line of eq. (2.8); held [N]: with what the rails hold an axle that stands, else 0."""
+    number, data = creeping.number, assembly.vehicle.wheelsets[creeping.number - 1]
+    turned, radius = (creeping.rotated, creeping.angular_velocity), assembly.radius(data)
+    rotation = add_rotation(assembly, number, hold, turned, -creeping.force * radius, -held * radius)
+    power = -creeping.force * creeping.sliding
+    return Rolling(number, data, rotation, forward, creeping.force + held, axle_load, power)
+
+
+@dataclass(frozen=True)
+class Grip:
+    """The most that holds a locked wheelset along the track, else 0 [N]: what its brake holds, and with that its rails.
+
+    More than its brake does neither hold, third line of (2.8): before that turns, its axle must move, or there is no
+    creep force to turn it.
+    """
+
+    braked: ca.SX
+    whole: ca.SX
+
+    @classmethod
+    def of(cls, assembly: Assembly, number: int, hold: Hold, static: ca.SX) -> Grip:
+        """Of a wheelset by its number; static [N]: friction times load, as (3.97) ends."""
+        locked, braked = 1 - hold.turns, brake_capacity(assembly, number) / radius_of(assembly, number)
+        return cls(locked * braked, locked * ca.fmin(static, braked))
+
+
+def stand_still(
+    assembly: Assembly, label: str, hold: Hold, states: Sequence[str], pushed: tuple[ca.SX, ca.SX], grip: Grip
+) -> None:
+    """Lets rails hold what stands on locked wheels, as the third line of (2.8) holds a locked wheelset.
+
+    Differs from the thesis, whose creep (2.3) has no rest: regularised, it lets a locked vehicle slide for ever.
+    Contacts yield by micrometres as they hold, which is left out. states: whose sum is the velocity; pushed [N]: what
+    the rails must hold, without their creep, and traction torque over radius.
+    """
+    still = STILL * assembly.parameter["creepage_speed"]
+    velocity, other = [*states, ""][:2]
+    push = ca.fmax(ca.fabs(pushed[0]), ca.fabs(pushed[0] + pushed[1]))
+    # The capacity is looked at after each step, the drive only where something is still: so the loads are in that.
+    drive = push * grip.braked / at_least(grip.whole, SMALLEST_LOAD)
+    words = "stands", "moves again"
+    assembly.system.dry_friction(Friction(label, hold.moving, velocity, drive, grip.braked, *words, other, still))
+
+
+def traction_force(assembly: Assembly, number: int) -> ca.SX:
+    """Traction torque over radius [N], eq. (2.8)."""
+    return assembly.input[f"traction_torque_{number}"] / radius_of(assembly, number)
+
+
+def radius_of(assembly: Assembly, number: int) -> ca.SX:
+    """Nominal rolling radius of a wheelset [m], r of (2.8), by its number."""
+    return assembly.radius(assembly.vehicle.wheelsets[number - 1])
+
+
+def brake_capacity(assembly: Assembly, number: int) -> ca.SX:
+    """The most with which a wheelset's brake and rolling resistance hold it [N.m], T_B of (2.8)."""
+    return assembly.input[f"brake_torque_{number}"] + assembly.parameter["rolling_resistance_torque"]
 
 
 def add_rotation_states(assembly: Assembly, number: int) -> tuple[ca.SX, ca.SX]:
@@ -163,28 +261,36 @@ def add_rotation_states(assembly: Assembly, number: int) -> tuple[ca.SX, ca.SX]:
     return rotated, assembly.system.state(f"angular_velocity_{number}", "rad/s", start, NOMINAL_ANGULAR_VELOCITY)
 
 
-def add_rotation(assembly: Assembly, number: int, turned: tuple[ca.SX, ca.SX], rail_torque: ca.SX) -> Rotation:
+def add_hold(system: System, number: int) -> Hold:
+    """New symbols of what may hold a wheelset, third line of eq. (2.8)."""
+    return Hold(system.direction(f"direction_{number}"), system.direction(f"moving_{number}"))
+
+
+def add_rotation(
+    assembly: Assembly, number: int, hold: Hold, turned: tuple[ca.SX, ca.SX], rail_torque: ca.SX, held_torque: ca.SX
+) -> Rotation:
     """Rotation of one wheelset, third line of eq. (2.8): J dw/dt = F_x r - T_B, with traction and rolling resistance.
 
-    turned: its rotation [rad] and angular velocity [rad/s]; rail_torque [N.m]: moment about the axle from the rails.
+    turned: its rotation [rad] and angular velocity [rad/s]; rail_torque [N.m]: moment about the axle from creep;
+    held_torque [N.m]: the same from rails that hold an axle that stands, which only a locked wheelset's does.
     The brake torque is a capacity: dry friction that opposes the rotation, or holds the wheelset locked while the rail
     cannot turn it.
     """
     system = assembly.system
     rotated, omega = turned
-    direction = system.direction(f"direction_{number}")
-    brake = assembly.input[f"brake_torque_{number}"]
-    capacity = brake + assembly.parameter["rolling_resistance_torque"]
+    direction = hold.turning
+    brake, capacity = assembly.input[f"brake_torque_{number}"], brake_capacity(assembly, number)
     traction = assembly.input[f"traction_torque_{number}"]
     drive = traction + rail_torque
     # Sliding, the friction is the capacity; locked, it is whatever balances the drive, shared in proportion.
-    moving = direction**2
-    friction_torque = moving * direction * capacity + (1 - moving) * drive
+    moving, holding = hold.turns, drive + held_torque
+    friction_torque = moving * direction * capacity + (1 - moving) * holding
     velocity, own = f"angular_velocity_{number}", assembly.vehicle.wheelsets[number - 1].inertia[1]
     inertia = system.derived(f"turning_inertia_{number}", assembly.value(own) + assembly.drive_inertia)
     system.derivative(f"rotation_{number}", omega)
     system.derivative(velocity, moving * (drive - direction * capacity) / inertia)
-    system.dry_friction(Friction(f"Wheelset {number}", direction, velocity, drive, capacity, "locked", "turns again"))
+    words = "locked", "turns again"
+    system.dry_friction(Friction(f"Wheelset {number}", direction, velocity, holding, capacity, *words))
     share = brake / ca.fmax(capacity, 1e-9)
     return Rotation(number, rotated, omega, friction_torque, share * friction_torque, traction, moving)
 

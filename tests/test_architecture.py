@@ -41,7 +41,7 @@ def test_imports_run_one_way(package: str) -> None:
 
 
 #: Rooms of scenarios/ that hold scenarios, one file each; the others are the machinery.
-SUBJECTS = ("thesis", "brakes", "vehicles", "contact", "numerics", "coupling")
+SUBJECTS = ("thesis", "brakes", "vehicles", "contact", "lines", "numerics", "coupling")
 
 
 def test_no_scenario_imports_a_scenario() -> None:

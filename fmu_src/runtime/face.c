@@ -203,15 +203,30 @@ int face_set(component *self, unsigned reference, double value) {
     return face_report(self, kernel_set(self->machine, (int)reference, value));
 }
 
-int face_set_text(component *self, unsigned reference, const char *text) {
+static int set_text(component *self, unsigned reference, const char *text) {
     if (wrong_type(self, reference, KIND_STRING)) return KERNEL_ERROR;
     if (self->now == INITIALISING) kernel_reopen(self->machine);
     return face_report(self, kernel_set_text(self->machine, (int)reference, text));
 }
 
-int face_get_text(component *self, unsigned reference, const char **text) {
-    if (wrong_type(self, reference, KIND_STRING)) return KERNEL_ERROR;
-    return face_report(self, kernel_get_text(self->machine, (int)reference, text));
+int face_set_texts(component *self, size_t count, const unsigned *reference, const char *const *text) {
+    int worst = KERNEL_OK;
+    for (size_t i = 0; i < count; ++i) {
+        const int status = set_text(self, reference[i], text[i]);
+        if (status > worst) worst = status;
+    }
+    return worst;
+}
+
+int face_get_texts(component *self, size_t count, const unsigned *reference, const char **text) {
+    int worst = KERNEL_OK;
+    for (size_t i = 0; i < count; ++i) {
+        const int status = wrong_type(self, reference[i], KIND_STRING)
+                               ? KERNEL_ERROR
+                               : face_report(self, kernel_get_text(self->machine, (int)reference[i], &text[i]));
+        if (status > worst) worst = status;
+    }
+    return worst;
 }
 
 int face_set_rate(component *self, unsigned reference, double rate) {

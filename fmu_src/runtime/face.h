@@ -48,8 +48,8 @@ INSIDE int face_get(component *self, unsigned reference, int kind, double *value
 /* Whether one of the variables cannot be set now, which is then said: then none is set. */
 INSIDE int face_fixed(component *self, size_t count, const unsigned *reference, int kind);
 INSIDE int face_set(component *self, unsigned reference, double value);
-INSIDE int face_set_text(component *self, unsigned reference, const char *text);
-INSIDE int face_get_text(component *self, unsigned reference, const char **text);
+INSIDE int face_set_texts(component *self, size_t count, const unsigned *reference, const char *const *text);
+INSIDE int face_get_texts(component *self, size_t count, const unsigned *reference, const char **text);
 INSIDE int face_set_rate(component *self, unsigned reference, double rate);
 INSIDE int face_terminate(component *self);
 INSIDE int face_reset(component *self);

@@ -117,23 +117,13 @@ DEFINE_SET(fmi2SetBoolean, fmi2Boolean, KIND_BOOLEAN)
 fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2String value[]) {
     REQUIRE(c, ALWAYS, "fmi2GetString");
     if (face_missing(self, nvr, vr, value)) return fmi2Error;
-    int worst = KERNEL_OK;
-    for (size_t i = 0; i < nvr; ++i) {
-        const int status = face_get_text(self, vr[i], &value[i]);
-        if (status > worst) worst = status;
-    }
-    return (fmi2Status)worst;
+    return (fmi2Status)face_get_texts(self, nvr, vr, value);
 }
 
 fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2String value[]) {
     REQUIRE(c, INSTANTIATED | INITIALISING | STEPPING, "fmi2SetString");
     if (face_missing(self, nvr, vr, value)) return fmi2Error;
-    int worst = KERNEL_OK;
-    for (size_t i = 0; i < nvr; ++i) {
-        const int status = face_set_text(self, vr[i], value[i]);
-        if (status > worst) worst = status;
-    }
-    return (fmi2Status)worst;
+    return (fmi2Status)face_set_texts(self, nvr, vr, value);
 }
 
 /* ---- saved states ---- */

@@ -181,24 +181,14 @@ fmi3Status fmi3GetString(fmi3Instance instance, const fmi3ValueReference valueRe
                          fmi3String values[], size_t nValues) {
     REQUIRE(instance, ALWAYS, "fmi3GetString");
     if (unusable(self, valueReferences, nValueReferences, values, nValues)) return fmi3Error;
-    int worst = KERNEL_OK;
-    for (size_t i = 0; i < nValues; ++i) {
-        const int status = face_get_text(self, valueReferences[i], &values[i]);
-        if (status > worst) worst = status;
-    }
-    return (fmi3Status)worst;
+    return (fmi3Status)face_get_texts(self, nValues, valueReferences, values);
 }
 
 fmi3Status fmi3SetString(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
                          const fmi3String values[], size_t nValues) {
     REQUIRE(instance, INSTANTIATED | INITIALISING | STEPPING, "fmi3SetString");
     if (unusable(self, valueReferences, nValueReferences, values, nValues)) return fmi3Error;
-    int worst = KERNEL_OK;
-    for (size_t i = 0; i < nValues; ++i) {
-        const int status = face_set_text(self, valueReferences[i], values[i]);
-        if (status > worst) worst = status;
-    }
-    return (fmi3Status)worst;
+    return (fmi3Status)face_set_texts(self, nValues, valueReferences, values);
 }
 
 /* ---- saved states ---- */

@@ -78,7 +78,7 @@ static size_t lay_out(kernel *self, double *block) {
     self->ordered = carve(block, &used, 2 * n);
     self->differential = carve(block, &used, n);
     self->drive = carve(block, &used, most.frictions);
-    self->capacity = carve(block, &used, most.frictions);
+    self->capacity = carve(block, &used, 2 * most.frictions);
     self->margin = carve(block, &used, most.frictions + most.conditions);
     self->output = carve(block, &used, most.outputs);
     self->seed = carve(block, &used, 1 + n + most.inputs);

@@ -211,11 +211,8 @@ static double next_step(kernel *self, progress *now, int *status) {
 }
 
 static void accept(kernel *self) {
-    const system_description *system = self->system;
-    memcpy(self->state, self->trial, (size_t)system->states * sizeof(double));
-    /* A stuck velocity is exactly zero: its slope is, but row exchanges in the factorisation leave round-off. */
-    for (int i = 0; i < system->frictions; ++i)
-        if (self->mode[i] == 0.0) self->state[system->friction[i].velocity] = 0.0;
+    memcpy(self->state, self->trial, (size_t)self->system->states * sizeof(double));
+    modes_hold(self, self->state);
     if (self->now.kept_steps >= 0) self->now.kept_steps++;
     self->counters.steps++;
 }

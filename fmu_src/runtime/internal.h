@@ -10,13 +10,13 @@ typedef struct {
     double time;
     double proposed_step;
     double kept_time, kept_until, kept_size; /* of the kept Jacobian: when it was taken, how long it serves, its step */
+    unsigned long long line;     /* the line's mark; 0: there is none */
     double guard_said;           /* what the last warning about fixed steps was about; 0: none yet */
     int kept_steps;              /* steps that the kept Jacobian has served; -1: there is none */
     int pause;                   /* short steps before a Jacobian is kept again */
     int switches;                /* steps that ended in a switch, less those that did not */
     int guard_wait;              /* steps until the stability of an explicit method is looked at again */
     int system; /* -1 before initialisation */
-    unsigned long long line; /* the line's mark; 0: there is none */
     int ended;  /* 1 + index of the end condition that stopped the run; 0: running */
     int outputs_stale;
 } kernel_snapshot;
@@ -59,7 +59,7 @@ struct kernel {
     double *differential;
     /* `ordered` has room for two vectors. */
     double *between, *first_slope, *last_slope;
-    double *drive, *capacity, *margin, *output, *backup, *seed, *output_rate, *largest_change;
+    double *drive, *capacity, *still, *margin, *output, *backup, *seed, *output_rate, *largest_change;
     factors whole, algebraic, kept, kept_algebraic;
     int *place; /* of the states in the order of elimination */
     line_data *line;      /* null: straight and level */
@@ -156,6 +156,7 @@ INSIDE double runge_kutta_try(kernel *self, double offset, double size); /* its 
 INSIDE int runge_kutta_guard(kernel *self, double offset, double size);
 /* Modes and end conditions. */
 INSIDE void modes_refresh(kernel *self, double offset);
+INSIDE void modes_hold(const kernel *self, double *state);
 INSIDE double modes_margin(kernel *self, double offset, const double *state);
 INSIDE int modes_switch(kernel *self, double offset, double least);
 INSIDE int modes_warn(kernel *self, double offset);

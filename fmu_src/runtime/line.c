@@ -13,34 +13,28 @@ void line_free(line_data *self) {
     free(self);
 }
 
-/* Slope and bend at a node by the parabola through it and its neighbours; at an end, of the straight line. */
+/* Slope and bend at a node by the parabola through it and its neighbours; none at the ends, beyond which nothing changes. */
 static void differences(const line_data *self, const double *value, int node, double *slope, double *bend) {
     const double *s = self->row[LINE_DISTANCE];
-    const int last = self->nodes - 1;
-    *bend = 0.0;
-    if (node == 0) {
-        *slope = (value[1] - value[0]) / (s[1] - s[0]);
-    } else if (node == last) {
-        *slope = (value[last] - value[last - 1]) / (s[last] - s[last - 1]);
-    } else {
-        const double before = s[node] - s[node - 1], behind = s[node + 1] - s[node];
-        const double rise = (value[node] - value[node - 1]) / before, next = (value[node + 1] - value[node]) / behind;
-        *slope = (rise * behind + next * before) / (before + behind);
-        *bend = 2.0 * (next - rise) / (before + behind);
-    }
+    *slope = *bend = 0.0;
+    if (node == 0 || node == self->nodes - 1) return;
+    const double before = s[node] - s[node - 1], behind = s[node + 1] - s[node];
+    const double rise = (value[node] - value[node - 1]) / before, next = (value[node + 1] - value[node]) / behind;
+    *slope = (rise * behind + next * before) / (before + behind);
+    *bend = 2.0 * (next - rise) / (before + behind);
 }
 
-/* Quintic of the distance from the first of two nodes, from values, slopes and bends at both. */
-static void quintic(const double first[3], const double second[3], double gain, double width, double *c) {
-    const double h = width, twice = h * h;
+/* Quintic of the distance from the first of two nodes, from values, slopes and bends at both, gain and distance between them. */
+static void quintic(const double first[3], const double second[3], double gain, double h, double *c) {
+    const double square = h * h;
     c[0] = first[0];
     c[1] = first[1];
     c[2] = first[2] / 2.0;
-    c[3] = (20.0 * gain - (8.0 * second[1] + 12.0 * first[1]) * h - (3.0 * first[2] - second[2]) * twice) /
-           (2.0 * twice * h);
-    c[4] = (-30.0 * gain + (14.0 * second[1] + 16.0 * first[1]) * h + (3.0 * first[2] - 2.0 * second[2]) * twice) /
-           (2.0 * twice * twice);
-    c[5] = (12.0 * gain - 6.0 * (second[1] + first[1]) * h - (first[2] - second[2]) * twice) / (2.0 * twice * twice * h);
+    c[3] = (20.0 * gain - (8.0 * second[1] + 12.0 * first[1]) * h - (3.0 * first[2] - second[2]) * square) /
+           (2.0 * square * h);
+    c[4] = (-30.0 * gain + (14.0 * second[1] + 16.0 * first[1]) * h + (3.0 * first[2] - 2.0 * second[2]) * square) /
+           (2.0 * square * square);
+    c[5] = (12.0 * gain - 6.0 * (second[1] + first[1]) * h - (first[2] - second[2]) * square) / (2.0 * square * square * h);
 }
 
 /* A value that is a column of the file: with two continuous derivatives. */

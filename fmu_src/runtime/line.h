@@ -4,7 +4,7 @@
 
 #include "model.h"
 
-/* What the generated functions look up, in the order of COLUMNS in system.py; then what only stands behind it. */
+/* What the generated functions look up, in the order of LINE_COLUMNS in system.py; then what only stands behind it. */
 enum {
     LINE_HEADING,   /* rad, to the left */
     LINE_CANT,      /* sine of the track's roll: negative where the right rail is higher */

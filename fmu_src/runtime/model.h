@@ -27,7 +27,7 @@ typedef int (*generated_function)(const double **argument, double **result, long
 typedef void (*generated_factors)(double *entry);
 typedef void (*generated_solution)(const double *entry, double *vector);
 
-enum { KIND_REAL, KIND_INTEGER, KIND_BOOLEAN, KIND_STRING }; /* the last: a path, in kernel_set_line */
+enum { KIND_REAL, KIND_INTEGER, KIND_BOOLEAN, KIND_STRING }; /* the last: a path, see kernel_set_text */
 enum { CAUSALITY_PARAMETER, CAUSALITY_INPUT, CAUSALITY_OUTPUT, CAUSALITY_LOCAL }; /* the last: a state */
 
 typedef struct {
@@ -48,10 +48,10 @@ typedef struct {
     const double *coefficient; /* pieces x (degree + 1), lowest power first */
 } table_description;
 
-/* Dry friction on one velocity state: sliding forward (+1), backward (-1) or stuck (0). */
+/* Dry friction on a velocity, a state or the sum of two: sliding forward (+1), backward (-1) or stuck (0). */
 typedef struct {
     const char *label, *stuck_word, *sliding_word;
-    int velocity; /* index of the state */
+    int velocity, other; /* indices; -1: there is no other */
 } friction_description;
 
 /* A state, or the sum of two, whose change within a step is limited. */

@@ -1,47 +1,80 @@
 /* Dry friction that slides or sticks, and the conditions that end a run.
  *
- * A mode is a function of the present state alone: a moving velocity slides in its own direction, a velocity of exactly
- * zero sticks while the drive stays within the capacity, and a friction without capacity is no friction. Every switch is
- * located on the step length, so that the equations are smooth within a step. */
+ * A mode is a function of the present state alone: a moving velocity slides in its own direction, one that is still
+ * sticks while the drive stays within the capacity, and a friction without capacity is no friction. Still is what is
+ * exactly zero, or not above a speed that a friction may have: what then is left of the velocity is taken away, and as
+ * it moves below that speed too, it sticks anew only with some capacity to spare. Every switch is located on the step
+ * length, so that the equations are smooth within a step. */
 #include <math.h>
 
 #include "internal.h"
 
-static double direction_of(double velocity, double drive, double capacity) {
+enum { ROUNDS = 4 };             /* of modes that wait for one another */
+static const double SPARE = 0.9; /* share of the capacity up to which what moves slowly sticks */
+
+static double velocity_of(const friction_description *friction, const double *state) {
+    return state[friction->velocity] + (friction->other < 0 ? 0.0 : state[friction->other]);
+}
+
+/* Exactly zero, also where it is a sum. */
+static void stop(const friction_description *friction, double *state) {
+    state[friction->velocity] = friction->other < 0 ? 0.0 : -state[friction->other];
+}
+
+/* The share of the capacity up to which a drive sticks, or stays stuck. */
+static double share_of(double mode, double still) { return mode != 0.0 && still > 0.0 ? SPARE : 1.0; }
+
+static double direction_of(double velocity, double drive, double capacity, double still) {
     if (capacity <= 0.0) return 1.0; /* no friction: the direction multiplies zero */
-    if (velocity > 0.0) return 1.0;
-    if (velocity < 0.0) return -1.0;
-    if (fabs(drive) <= capacity) return 0.0;
+    if (fabs(velocity) <= still && fabs(drive) <= capacity) return 0.0;
+    if (velocity != 0.0) return velocity > 0.0 ? 1.0 : -1.0;
     return drive > 0.0 ? 1.0 : -1.0;
 }
 
-/* The drive is asked for only where something is stuck or stands: it may cost as much as the whole right-hand side. */
+/* The drive is asked for only where something is stuck or still: it may cost as much as the whole right-hand side. */
 static void find_drive_and_capacity(kernel *self, double offset, const double *state) {
     const system_description *system = self->system;
     kernel_evaluate_again(self, system->capacity, offset, state, self->capacity);
+    self->still = self->capacity + system->frictions;
     for (int i = 0; i < system->frictions; ++i)
-        if (self->mode[i] == 0.0 || state[system->friction[i].velocity] == 0.0) {
+        if (self->mode[i] == 0.0 || fabs(velocity_of(&system->friction[i], state)) <= self->still[i]) {
             kernel_evaluate_again(self, system->drive, offset, state, self->drive);
             return;
         }
 }
 
-void modes_refresh(kernel *self, double offset) {
+/* Modes by the present state and the modes that there were; returns whether one became or ceased to be stuck. */
+static int refresh_once(kernel *self, double offset) {
     const system_description *system = self->system;
-    if (system->frictions == 0) return;
+    int changed = 0;
     kernel_locate(self, offset, self->state);
     find_drive_and_capacity(self, offset, self->state);
     for (int i = 0; i < system->frictions; ++i) {
         const friction_description *friction = &system->friction[i];
-        const double old = self->mode[i];
-        self->mode[i] = direction_of(self->state[friction->velocity], self->drive[i], self->capacity[i]);
-        if ((old == 0.0) != (self->mode[i] == 0.0)) {
-            const char *word = self->mode[i] == 0.0 ? friction->stuck_word : friction->sliding_word;
-            char when[CLOCK_SIZE];
-            kernel_note(self, KERNEL_OK, "%s %s at %s s.", friction->label, word,
-                        kernel_clock(self->step_origin + offset, 6, when));
-        }
+        const double old = self->mode[i], velocity = velocity_of(friction, self->state);
+        const double share = share_of(old, self->still[i]);
+        self->mode[i] = direction_of(velocity, self->drive[i], share * self->capacity[i], self->still[i]);
+        if (self->mode[i] == 0.0) stop(friction, self->state);
+        if ((old == 0.0) == (self->mode[i] == 0.0)) continue;
+        const char *word = self->mode[i] == 0.0 ? friction->stuck_word : friction->sliding_word;
+        char when[CLOCK_SIZE];
+        kernel_note(self, KERNEL_OK, "%s %s at %s s.", friction->label, word,
+                    kernel_clock(self->step_origin + offset, 6, when));
+        changed = 1;
     }
+    return changed;
+}
+
+/* A friction may hold only what another holds already: a wheelset stands on its rails where it does not turn. */
+void modes_refresh(kernel *self, double offset) {
+    if (self->system->frictions == 0) return;
+    for (int i = 0; refresh_once(self, offset) && i < ROUNDS; ++i) {}
+}
+
+/* What is stuck stays exactly where it is: its slope says so, but row exchanges in the factorisation leave round-off. */
+void modes_hold(const kernel *self, double *state) {
+    for (int i = 0; i < self->system->frictions; ++i)
+        if (self->mode[i] == 0.0) stop(&self->system->friction[i], state);
 }
 
 /* Smallest of all margins; negative or NaN when a mode must switch or the run must end within the step.
@@ -52,13 +85,16 @@ double modes_margin(kernel *self, double offset, const double *state) {
     kernel_locate(self, offset, state);
     if (system->frictions) find_drive_and_capacity(self, offset, state);
     for (int i = 0; i < system->frictions; ++i) {
-        const int velocity = system->friction[i].velocity;
-        if (self->capacity[i] <= 0.0)
-            self->margin[i] = INFINITY;
+        const friction_description *friction = &system->friction[i];
+        const double velocity = velocity_of(friction, state), capacity = self->capacity[i], still = self->still[i];
+        if (capacity <= 0.0)
+            self->margin[i] = self->mode[i] == 0.0 ? -1.0 : INFINITY;
         else if (self->mode[i] == 0.0)
-            self->margin[i] = (self->capacity[i] - fabs(self->drive[i])) / self->capacity[i];
+            self->margin[i] = (capacity - fabs(self->drive[i])) / capacity;
+        else if (still > 0.0)
+            self->margin[i] = fmax(fabs(velocity) / still, fabs(self->drive[i]) / (SPARE * capacity)) - 1.0;
         else
-            self->margin[i] = self->mode[i] * state[velocity] / system->nominal[velocity];
+            self->margin[i] = self->mode[i] * velocity / system->nominal[friction->velocity];
     }
     if (system->conditions)
         kernel_evaluate_again(self, system->condition_margin, offset, state, self->margin + system->frictions);
@@ -74,9 +110,9 @@ int modes_switch(kernel *self, double offset, double least) {
     (void)modes_margin(self, offset, self->state);
     for (int i = 0; i < system->ends; ++i)
         if (!(self->margin[system->frictions + i] >= 0.0)) return 1 + i;
-    for (int i = 0; i < system->frictions; ++i)
-        if ((self->margin[i] < 0.0 || self->margin[i] == least) && self->mode[i] != 0.0)
-            self->state[system->friction[i].velocity] = 0.0;
+    for (int i = 0; i < system->frictions; ++i) /* what is still below a speed stops where it is found to stick */
+        if ((self->margin[i] < 0.0 || self->margin[i] == least) && self->mode[i] != 0.0 && self->still[i] == 0.0)
+            stop(&system->friction[i], self->state);
     /* A stuck friction whose drive exceeds the capacity starts to slide in modes_refresh. */
     self->counters.events++;
     modes_refresh(self, offset);

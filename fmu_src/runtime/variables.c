@@ -95,6 +95,8 @@ int kernel_set_rate(kernel *self, int variable, double rate) {
 int kernel_get(kernel *self, int variable, double *value) {
     int status = kernel_check_reference(self, variable);
     if (status != KERNEL_OK) return status;
+    if (MODEL.variable[variable].kind == KIND_STRING)
+        return kernel_fail(self, KERNEL_ERROR, "%s is a text, no number.", MODEL.variable[variable].name);
     if (self->now.outputs_stale && self->system && MODEL.variable[variable].causality >= CAUSALITY_OUTPUT) {
         kernel_gather_inputs(self);
         self->step_origin = self->now.time;

@@ -103,7 +103,10 @@ def test_dependencies_come_from_the_equations(fmus: dict) -> None:
     assert found["shoe_friction"] == found["brake_torque"] == {"angular_velocity"}
     description = read_model_description(str(fmus["bogie", "native"]))
     found = {u.variable.name: {d.name for d in u.dependencies} for u in description.outputs}
-    assert found["creep_force_1"] == {"friction_1", "gradient"}  # which leans the load, in the plane
+    # Rolling, of friction and load, which a gradient leans in the plane; standing, of what pushes and what holds.
+    pushes, holds = {"gradient", "curvature", "drawbar_force"}, {"brake_torque_1", "brake_torque_2"}
+    assert found["creep_force_1"] == {"friction_1", "friction_2"} | pushes | holds
+    assert found["axle_load_1"] == {"friction_1", "gradient"}
     assert found["speed"] == set()
 
 

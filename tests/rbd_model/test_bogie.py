@@ -389,7 +389,7 @@ def test_kernel_follows_another_method_through_a_skid() -> None:
     arguments = [ca.DM.zeros(*made["ode"].size_in(i)) for i in range(8)]
     arguments[2] = ca.vertcat(*[start[name] for name in system.input_symbols])
     arguments[4] = ca.vertcat(*[start[name] for name in system.parameter_symbols])
-    arguments[6] = ca.DM([1.0, 1.0])
+    arguments[6] = ca.DM.ones(len(system.frictions))
     arguments[5] = made["derive"](*arguments)
     states = np.array(made["start"](*arguments)).ravel()
 

@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 from fmu_src.compile import build_library
 from fmu_src.kernel import DISCARD, Kernel, KernelError, Library
 from fmu_src.system import model_of
-from rbd_model.bogie import bogie_dynamics, levels, smallest_level, wheelset_in_frame
+from rbd_model.bogie import DEPTH_ON_LINE, bogie_dynamics, levels, smallest_level, wheelset_in_frame
 from rbd_model.contact.geometry import contact_at, equivalent_conicity, flange_of, thesis_pair
 from rbd_model.contact.hertz import ellipse_fit, ellipse_shape, moving_ellipse
 from rbd_model.linear import critical_speed, oscillations
@@ -539,7 +539,7 @@ def test_wave_and_plateau_are_those_printed() -> None:
     assert (left + right) / 2 == pytest.approx(0.03 * np.sin(np.pi * 0.07 * 10.0), rel=1e-12)
     for distance in (5.3, 15.0, 60.0):
         before, at, after = (track(distance + h) for h in (-1e-4, 0.0, 1e-4))
-        assert np.abs((after - before)[:2] / 2e-4 - at[1:]).max() < 1e-6
+        assert np.abs((after - before)[:3] / 2e-4 - at[1:]).max() < 1e-6
 
 
 @pytest.mark.parametrize(
@@ -552,6 +552,11 @@ def test_wave_and_plateau_are_those_printed() -> None:
         (["lateral_irregularity"], ["speed"], 3, "lateral_irregularity"),
         ([], ["derailed"], 3, "derailed"),
         ([], ["wheel_rise_1_left"], 3, "wheel_rise_1_left asks for contact depth 2"),
+        (["line_file"], ["speed"], 1, "static loads"),
+        (["line_file"], ["axle_load_1"], 2, "axle_load_1 asks for level 2"),
+        (["line_file"], ["lateral_1"], 3, "line_file asks for contact depth 2: no other knows a line."),
+        (["line_file"], ["flange_force_1"], 3, "flange_force_1 asks for contact depth 2"),
+        (["line_file"], ["body_roll"], 3, "body_roll belongs to the complete vehicle"),
         (["brake_torque_3"], ["speed"], 1, "brake_torque_3 belongs to the complete vehicle; speed and rotation"),
         (["brake_torque_1"], ["axle_load_1", "front_frame_pitch"], 2, "front_frame_pitch belongs to the complete"),
         (["brake_torque_4"], ["body_roll"], 3, "vehicle; body_roll asks for level 3"),
@@ -563,6 +568,7 @@ def test_smallest_level_says_why(driven: list[str], read: list[str], level: int,
     assert word in choice.reason
     assert choice.whole == ("complete vehicle" in choice.reason)
     assert (choice.level == 3 and choice.depth == 1) == ("contact_depth 1 serves" in choice.reason)
+    assert choice.level < 3 or "line_file" not in driven or choice.depth == DEPTH_ON_LINE
 
 
 @pytest.mark.parametrize(
