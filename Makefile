@@ -40,7 +40,7 @@ $(VENV)/test-installed: pyproject.toml | $(VENV)/bin/python
 	touch $@ $(VENV)/demo-installed
 
 # Draws the pictures of docs/choosing.md anew, about a quarter of an hour, and puts what they measured into the text.
-CHARTS := speed-accuracy stability-atlas coupling-step levels contact-depth thesis-step
+CHARTS := speed-accuracy stability-atlas coupling-step levels levels-in-curves contact-depth thesis-step
 charts: $(VENV)/charts-installed
 	for name in $(CHARTS); do $(RUN) -m scenarios run $$name || exit 1; done
 	$(RUN) docs/generate/charts.py --collect

@@ -8,6 +8,7 @@
   python -m scenarios run qr30-180kpa --torque-csv measured.csv  with a measured history (time [s], torque [N.m])
   python -m scenarios run contact-geometry --wheel left.csv right.csv --rail 60e1.csv --diameter 920 918
                                                                  equivalent conicity (EN 15302) of profiles of yours
+  python -m scenarios run line-from-file --line mine.csv         a bogie along a line of yours
   python -m scenarios sweep bogie-heavy-braking --vary friction=0.1:0.3:11 --vary frame_height=0.4,0.8,1.2 --jobs 2
                                                                  every combination, one table; interrupted, it resumes
   python -m scenarios sweep levels --vary utilisation=0.5:1.3:81 --scheduler tcp://127.0.0.1:8786
@@ -114,6 +115,8 @@ def main(arguments: list[str] | None = None) -> int:
     )
     text = "error of one step in nominal values; chooses the macro steps"
     runner.add_argument("--coupling-tolerance", type=float, metavar="ERROR", help=text)
+    text = "line for line-from-file, a table with its head: distance, curvature, cant, gradient and more (docs/line.md)"
+    runner.add_argument("--line", type=Path, metavar="FILE", help=text)
     add_profiles(runner)
     sweep.add_command(commands)
     chosen = parser.parse_args(arguments)

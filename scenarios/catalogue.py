@@ -7,8 +7,8 @@ import difflib
 from scenarios.brakes import anti_skid, brake_timing, controller_prototype, uneven_brakes
 from scenarios.contact import contact_depth, contact_manchester, creep_laws, flange_climb
 from scenarios.coupling import coupling_step
-from scenarios.lines import curve_steering
-from scenarios.numerics import levels, oracle, speed, speed_accuracy, stability_atlas
+from scenarios.lines import curve_braking, curve_steering, gradient, line_from_file, transition
+from scenarios.numerics import levels, levels_in_curves, oracle, speed, speed_accuracy, stability_atlas
 from scenarios.scenario import BadInputError, Scenario
 from scenarios.thesis import (
     asymmetric_braking,
@@ -70,11 +70,16 @@ SCENARIOS: list[Scenario] = [
     vehicle_composed.SCENARIO,
     vehicle_or_bogie.SCENARIO,
     curve_steering.SCENARIO,
+    line_from_file.SCENARIO,
+    transition.SCENARIO,
+    gradient.SCENARIO,
+    curve_braking.SCENARIO,
     creep_laws.SCENARIO,
     coupling_step.SCENARIO,
     sensitivity.SCENARIO,
     oracle.SCENARIO,
     levels.SCENARIO,
+    levels_in_curves.SCENARIO,
     speed.SCENARIO,
     speed_accuracy.SCENARIO,
     stability_atlas.SCENARIO,

@@ -28,6 +28,7 @@ class Options:
     gauge: float | None = None
     flange_back: float | None = None
     inclination: float | None = None
+    line: Path | None = None
 
     @property
     def given(self) -> set[str]:

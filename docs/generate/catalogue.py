@@ -18,8 +18,8 @@ Written by `docs/generate/catalogue.py` from `scenarios/catalogue.py`. `python -
 prints a table of what is expected (the thesis, a closed form, another method) against what was simulated, and
 leaves `summary.json`, `timeseries.csv` and `figure.png` in `results/NAME/`. The exit status is 1 when a row does not
 hold. Options, sweeps and macro steps: [running scenarios](running.md). What the pictures of `speed-accuracy`,
-`stability-atlas`, `coupling-step` and `levels` say: [choosing](choosing.md); that of `sensitivity`:
-[fitted](fitted.md).
+`stability-atlas`, `coupling-step`, `levels` and `levels-in-curves` say: [choosing](choosing.md); that of
+`sensitivity`: [fitted](fitted.md).
 """
 
 

@@ -20,7 +20,15 @@ from pathlib import Path
 from pages import DOCS, ROOT, write_or_check
 
 HERE, DATA, PICTURES = DOCS / "generate", DOCS / "data", DOCS / "pictures"
-CHARTS = ("speed-accuracy", "stability-atlas", "coupling-step", "levels", "contact-depth", "thesis-step")
+CHARTS = (
+    "speed-accuracy",
+    "stability-atlas",
+    "coupling-step",
+    "levels",
+    "levels-in-curves",
+    "contact-depth",
+    "thesis-step",
+)
 #: Characters in a line of text.
 WIDTH = 118
 BEGIN, END = "<!-- charts: begin -->\n", "<!-- charts: end -->\n"

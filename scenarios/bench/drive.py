@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import re
+import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 
@@ -13,6 +15,7 @@ from fmu_src.compile import build_library
 from fmu_src.kernel import Kernel, Library
 from fmu_src.system import System
 from rbd_model.bogie import smallest_level
+from rbd_model.line import Line
 from scenarios.cosimulation.recording import Recording
 from scenarios.fmus.registry import model_of
 
@@ -41,6 +44,12 @@ def units(name: str) -> dict[str, str]:
 def prepare(name: str, **values: float | str) -> Kernel:
     """A kernel with parameters and first inputs."""
     return Kernel(library(name), **values)
+
+
+def prepare_on_line(name: str, line: Line, **values: float) -> Kernel:
+    """The same on a line, which the kernel reads from a file and keeps."""
+    with tempfile.TemporaryDirectory() as folder:
+        return prepare(name, line_file=str(line.write(Path(folder) / "line.csv")), **values)
 
 
 def in_space(name: str) -> dict[str, float]:

@@ -32,7 +32,7 @@ from scenarios.bench.rails import (
     RailCase,
     low_rail,
 )
-from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, plt
+from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row, at_least, at_most, between
 from scenarios.scenario import Options, Scenario, Sweepable
@@ -191,9 +191,7 @@ def draw(found: Findings) -> Figure:
     grid[1, 1].set_ylim(-1.0, 30.0)
     draw_distances(found, grid[2, 0])
     draw_periods(found, grid[2, 1])
-    figure.suptitle("Wheel-slide protection: full service from 25 m/s", x=0.02, ha="left")
-    figure.set_layout_engine("constrained")
-    return figure
+    return titled(figure, "Wheel-slide protection: full service from 25 m/s")
 
 
 def draw_distances(found: Findings, axis: Axes) -> None:

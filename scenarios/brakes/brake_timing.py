@@ -42,7 +42,7 @@ from scenarios.bench.open_fmus import open_brake
 from scenarios.cosimulation.master import couple
 from scenarios.cosimulation.recording import Recording
 from scenarios.cosimulation.slave import Slave
-from scenarios.reporting.plots import BOGIE, LEADING, THESIS, THREE, TRAILING, plt
+from scenarios.reporting.plots import BOGIE, LEADING, THESIS, THREE, TRAILING, plt, titled
 from scenarios.reporting.report import Result, Row, between
 from scenarios.scenario import Options, Scenario
 
@@ -231,9 +231,7 @@ def draw(chosen: Sequence[Case], series: Recording, frictions: dict[str, np.ndar
     for axis in (grid[0, 0], grid[0, 1], grid[1, 0]):
         axis.legend(loc="upper right")
     _draw_friction(grid[1, 1], frictions)
-    figure.suptitle("Brake cylinder: pressure by timed law and by flow of air; shoe friction", x=0.02, ha="left")
-    figure.set_layout_engine("constrained")
-    return figure
+    return titled(figure, "Brake cylinder: pressure by timed law and by flow of air; shoe friction")
 
 
 def _draw_pressures(axis: Axes, case: Case, series: Recording) -> None:

@@ -12,7 +12,7 @@ from scenarios.bench.braked_machine import BrakedMachine
 from scenarios.bench.own_controller import FixedSlip
 from scenarios.bench.protected_stop import ProtectedStop, protected_stop
 from scenarios.bench.rails import ABOVE, BAND, LOCK_ABOVE, RAILS
-from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt
+from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, titled
 from scenarios.reporting.report import Result, Row
 from scenarios.scenario import Options, Scenario
 
@@ -58,9 +58,7 @@ def draw(stops: dict[tuple[str, str], ProtectedStop]) -> Figure:
     for axis in grid[:, 0]:
         axis.set_ylabel("speed [m/s]")
     grid[0, 0].legend(fontsize=8)
-    figure.suptitle("A controller of one's own beside none and the protection of the brake", x=0.02, ha="left")
-    figure.set_layout_engine("constrained")
-    return figure
+    return titled(figure, "A controller of one's own beside none and the protection of the brake")
 
 
 SCENARIO = Scenario(

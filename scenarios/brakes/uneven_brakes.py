@@ -17,7 +17,7 @@ from scenarios.bench.drive import RIGID
 from scenarios.cosimulation.master import Connection
 from scenarios.cosimulation.recording import Recording
 from scenarios.cosimulation.slave import CosimulationError
-from scenarios.reporting.plots import BOGIE, LEADING, THREE, TRAILING, plt
+from scenarios.reporting.plots import BOGIE, LEADING, THREE, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row
 from scenarios.scenario import Options, Scenario
@@ -174,9 +174,7 @@ def draw(uneven: dict[float, UnevenStop], asymmetric: dict[tuple[float, float], 
     grid[2].set_title("leading wheelset, shoes uneven: lateral shift [mm]")
     grid[2].set_xlabel("time [s]")
     grid[2].legend(fontsize=8)
-    figure.suptitle("Brakes that are not even, through the brake FMU", x=0.02, ha="left")
-    figure.set_layout_engine("constrained")
-    return figure
+    return titled(figure, "Brakes that are not even, through the brake FMU")
 
 
 SCENARIO = Scenario(

@@ -32,7 +32,7 @@ from scenarios.methods.integrators import Run, layout, own
 from scenarios.methods.scenes import SMOOTH, Scene, lateral_peak
 from scenarios.methods.timing import least
 from scenarios.methods.work_precision import difference
-from scenarios.reporting.plots import LEADING, THESIS, THREE, TRAILING, mark, plt
+from scenarios.reporting.plots import LEADING, THESIS, THREE, TRAILING, mark, plt, titled
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Bound, Result, Row, at_least, at_most
 from scenarios.scenario import Options, Scenario
@@ -409,9 +409,7 @@ def draw(found: Findings) -> Figure:
     draw_cost(grid[2, 0], found)
     draw_course(grid[2, 1], found)
     words = f"braked, yaw torque rising to {1e-3 * STRONG:.0f} kN.m"
-    figure.suptitle(f"From tread to flange at all depths of contact: {words}", x=0.02, ha="left")
-    figure.set_layout_engine("constrained")
-    return figure
+    return titled(figure, f"From tread to flange at all depths of contact: {words}")
 
 
 def draw_history(axis: Axes, found: Findings, name: str) -> None:

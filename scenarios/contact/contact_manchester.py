@@ -35,7 +35,7 @@ from rbd_model.rolling_contact import Placement, Wheel
 from rbd_model.touching_patch import direction_of, look_up_patch
 from scenarios.bench.wheel_on_strips import CONSTANT_FRICTION, NO_SPEED, wheel_under_load
 from scenarios.cosimulation.recording import Recording
-from scenarios.reporting.plots import BOGIE, FOUR, LEADING, THESIS, TRAILING, plt
+from scenarios.reporting.plots import BOGIE, FOUR, LEADING, THESIS, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row, at_most
 from scenarios.scenario import Options, Scenario
@@ -398,9 +398,7 @@ def draw(lines: dict[tuple[str, str], list[Found]]) -> Figure:
             axis.set_title(f"{name} wheel: {title}")
         grid[-1, column].set_xlabel("lateral shift to the right [mm]")
     grid[0, 0].legend()
-    figure.suptitle("S1002 on UIC60, Manchester contact benchmark A-2.2, 10 kN a wheel", x=0.02, ha="left")
-    figure.set_layout_engine("constrained")
-    return figure
+    return titled(figure, "S1002 on UIC60, Manchester contact benchmark A-2.2, 10 kN a wheel")
 
 
 def draw_panel(axis: Axes, lines: dict[tuple[str, str], list[Found]], name: str, quantity: str, scale: float) -> None:

@@ -26,7 +26,7 @@ from rbd_model.contact.creep.strip_theory import strip_theory
 from rbd_model.contact.creep.tabulated import table_of, tabulated
 from scenarios.cosimulation.recording import Recording
 from scenarios.methods.creep_cost import cost, values, with_coefficients
-from scenarios.reporting.plots import plt
+from scenarios.reporting.plots import plt, titled
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Bound, Result, Row, at_least, at_most
 from scenarios.scenario import Options, Scenario
@@ -219,9 +219,7 @@ def draw(found: Mapping[str, Measured], slopes: bool) -> Figure:
     handles = [Line2D([], [], linestyle="none", label=name, **look(name)) for name in found]
     figure.legend(handles=handles, loc="outside lower center", ncols=5)
     words = "Lower left is better; full and joined: none is both cheaper and nearer"
-    figure.suptitle(f"Creep laws against Kalker's exact theory. {words}", x=0.02, ha="left")
-    figure.set_layout_engine("constrained")
-    return figure
+    return titled(figure, f"Creep laws against Kalker's exact theory. {words}")
 
 
 def look(name: str) -> dict[str, Any]:

@@ -15,7 +15,7 @@ from rbd_model.contact.depth import Contact
 from rbd_model.rolling_wheelset import nadal_limit
 from scenarios.bench.climbing_wheelset import GROWTH, SPEED, climbing_wheelset, push
 from scenarios.cosimulation.recording import Recording
-from scenarios.reporting.plots import BOGIE, LEADING, THESIS, THREE, TRAILING, plt
+from scenarios.reporting.plots import BOGIE, LEADING, THESIS, THREE, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row, at_least, near
 from scenarios.scenario import Options, Scenario
@@ -138,9 +138,7 @@ def draw(rows: list[Row], series: Recording) -> Figure:
     right.set_xlabel("angle of attack [mrad]")
     right.set_title(f"{CURVE_ANGLE:g} degrees, friction {CURVE_FRICTION:g}, by the flange's creep law")
     right.legend()
-    figure.suptitle("Flange climb of a wheelset that is pushed sideways", x=0.02, ha="left")
-    figure.set_layout_engine("constrained")
-    return figure
+    return titled(figure, "Flange climb of a wheelset that is pushed sideways")
 
 
 SCENARIO = Scenario(

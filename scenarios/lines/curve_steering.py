@@ -2,30 +2,32 @@
 
 from __future__ import annotations
 
-import math
-import tempfile
-from pathlib import Path
-
 import numpy as np
 from matplotlib.figure import Figure
 from tqdm import tqdm
 
-from rbd_model.line import GAUGE, arc, clothoid, line_of, straight
-from rbd_model.parameters import tables_5_1_and_5_2
-from scenarios.bench.drive import prepare
+from scenarios.bench.curves import (
+    BOGIE,
+    MASS,
+    MOST_CANT,
+    into_curve,
+    outward_acceleration,
+    suited_cant,
+    suited_speed,
+)
+from scenarios.bench.drive import prepare_on_line
 from scenarios.cosimulation.recording import Recording
-from scenarios.reporting.plots import LEADING, TRAILING, plt
+from scenarios.reporting.plots import LEADING, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row, at_most, near
 from scenarios.scenario import Options, Scenario
 
-BOGIE = tables_5_1_and_5_2()
 RADII = (150.0, 200.0, 300.0, 450.0, 700.0, 1000.0, 1500.0, 3000.0)
 #: Cant deficiencies at one radius [m]; negative: too much cant.
 DEFICIENCIES, RADIUS = (-0.1, -0.05, 0.0, 0.05, 0.1, 0.15), 300.0
-#: Speed that wide curves are canted for [m/s], and the most cant that a curve gets [m]; up to 24 m/s with the largest
-#: deficiency, below the critical speed of the bogie.
-SPEED, MOST_CANT = 15.0, 0.15
+#: Speed that wide curves are canted for [m/s]; up to 24 m/s with the largest deficiency, below the critical speed of
+#: the bogie.
+SPEED = 15.0
 #: Way in the curve until all is steady [m].
 SETTLED = 250.0
 #: Of the sum of all guiding forces, which nothing but the cant deficiency decides.
@@ -46,27 +48,21 @@ GIVEN = {"radius": "m", "deficiency": "m", "speed": "m/s", "cant": "m"}
 
 def curve(radius: float, deficiency: float, cant: float) -> list[float]:
     """Values of GIVEN and means of COLUMNS over the last 50 m, in a curve to the left."""
-    speed = math.sqrt(radius * BOGIE.gravity * (cant + deficiency) / GAUGE)
-    before, behind = straight(20.0), arc(SETTLED + 50.0, radius, cant)
-    line = line_of([before, clothoid(max(60.0, 600.0 * abs(cant)), before, behind), behind])
-    with tempfile.TemporaryDirectory() as folder:
-        path = line.write(Path(folder) / "curve.csv")
-        kernel = prepare("bogie", level=3.0, initial_speed=speed, constant_speed=1.0, line_file=str(path))
+    speed, line = suited_speed(radius, cant, deficiency), into_curve(radius, cant, SETTLED + 50.0)
+    kernel = prepare_on_line("bogie", line, level=3.0, initial_speed=speed, constant_speed=1.0)
     kernel.advance((line.length - 90.0) / speed)
     steady = kernel.record(50.0 / speed, 0.01, list(COLUMNS))
     return [radius, deficiency, speed, cant, *(float(np.mean(steady[name])) for name in COLUMNS)]
 
 
 def run(options: Options) -> Result:
-    cases = [(radius, 0.0, min(MOST_CANT, GAUGE * SPEED**2 / radius / BOGIE.gravity)) for radius in RADII]
+    cases = [(radius, 0.0, suited_cant(radius, SPEED)) for radius in RADII]
     cases += [(RADIUS, one, MOST_CANT) for one in DEFICIENCIES]
     table = [curve(*case) for case in tqdm(cases, desc="curve-steering", leave=False, delay=PATIENCE)]
     series = Recording(GIVEN | COLUMNS, table)
-    mass = BOGIE.frame_mass + 2 * BOGIE.wheelset_mass
     rows = []
     for place, (radius, deficiency, _) in enumerate(cases):
-        angle, speed = math.asin(series["cant"][place] / GAUGE), float(series["speed"][place])
-        outwards = speed**2 / radius * math.cos(angle) - BOGIE.gravity * math.sin(angle)
+        outwards = outward_acceleration(radius, float(series["cant"][place]), float(series["speed"][place]))
         guiding = float(series["guiding_force_1"][place] + series["guiding_force_2"][place])
         rows.append(
             Row(
@@ -74,7 +70,7 @@ def run(options: Options) -> Result:
                 "kN",
                 None,
                 guiding / 1e3,
-                near(mass * outwards / 1e3, BAND * mass * BOGIE.gravity / 1e3),
+                near(MASS * outwards / 1e3, BAND * MASS * BOGIE.gravity / 1e3),
                 "Newton's second law: m (V^2 / R cos - g sin of the cant)",
             )
         )
@@ -115,9 +111,7 @@ def draw(series: Recording) -> Figure:
         axis.minorticks_off()
     balance.set_xlabel("cant deficiency [mm]")
     shift.legend()
-    figure.suptitle("A bogie in steady curves to the left", x=0.02, ha="left")
-    figure.set_layout_engine("constrained")
-    return figure
+    return titled(figure, "A bogie in steady curves to the left")
 
 
 SCENARIO = Scenario(

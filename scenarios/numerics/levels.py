@@ -24,7 +24,7 @@ from rbd_model.parameters import tables_5_1_and_5_2
 from scenarios.bench.drive import AT_REST, RIGID, located_lock_time, play, prepare
 from scenarios.cosimulation.recording import Recording
 from scenarios.methods.timing import LEVELS, least
-from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt
+from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row, at_most, near
 from scenarios.scenario import Options, Scenario, Sweepable
@@ -323,11 +323,7 @@ def draw(found: Findings) -> Figure:
         "point\nmisses the\nlock-up", (sum(band) / 2, 0.97), ha="center", va="top", xycoords=("data", "axes fraction")
     )
     draw_costs(axes[5], found)
-    figure.suptitle(
-        "Stops from 25 m/s: errors of point and planar against spatial, and what each level costs", x=0.02, ha="left"
-    )
-    figure.set_layout_engine("constrained")
-    return figure
+    return titled(figure, "Stops from 25 m/s: errors of point and planar against spatial, and what each level costs")
 
 
 def draw_lock_times(axis: Axes, found: Findings) -> None:

@@ -19,7 +19,7 @@ from rbd_model.thesis.program import spin
 from rbd_model.track import derivatives_along, section_5_3
 from scenarios.bench.drive import in_space, play, prepare
 from scenarios.cosimulation.recording import Recording
-from scenarios.reporting.plots import BOGIE, TRAILING, plt
+from scenarios.reporting.plots import BOGIE, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row, at_most, near
 from scenarios.scenario import Options, Scenario
@@ -188,9 +188,7 @@ def draw(outcomes: dict[Scene, Outcome]) -> Figure:
         fast, printed = outcome.seconds
         lower.set_xlabel(f"time [s]; computed in {fast:.3f} s and {printed:.0f} s")
     grid[0, 0].legend(loc="upper left", fontsize=8)
-    figure.suptitle("The fast model and chapter 3 as printed", x=0.02, ha="left")
-    figure.set_layout_engine("constrained")
-    return figure
+    return titled(figure, "The fast model and chapter 3 as printed")
 
 
 SCENARIO = Scenario("oracle", "The fast model beside chapter 3 as printed, three scenes", run, frozenset())

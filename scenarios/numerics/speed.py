@@ -19,7 +19,7 @@ from scenarios.fmus.building import up_to_date
 from scenarios.fmus.registry import model_of
 from scenarios.methods import fmi_overhead
 from scenarios.methods.timing import LEVELS, REPEATS, least
-from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt
+from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, titled
 from scenarios.reporting.report import Result, Row
 from scenarios.scenario import Options, Scenario
 
@@ -194,9 +194,7 @@ def draw(timings: list[Timing]) -> Figure:
     axis.grid(axis="y", visible=False)
     for place, value in zip(places, values, strict=True):
         axis.annotate(f"{value:.4g}", (value, place), xytext=(3, -3), textcoords="offset points", fontsize=8)
-    figure.suptitle("What one call costs, measured on this machine", x=0.02, ha="left")
-    figure.set_layout_engine("constrained")
-    return figure
+    return titled(figure, "What one call costs, measured on this machine")
 
 
 SCENARIO = Scenario("speed", "Microseconds per call and times real time, for each level and FMU kind", run, frozenset())

@@ -21,7 +21,7 @@ from scenarios.methods.oracle_cost import oracle_point
 from scenarios.methods.scenes import ASYMMETRIC, ON_PATCHES, ON_STRIPS, SCENES, SMOOTH, STANDING, Scene
 from scenarios.methods.timing import least
 from scenarios.methods.work_precision import DEFAULT, OMITTED, PEERS, Point, Study, difference, study, works
-from scenarios.reporting.plots import plt
+from scenarios.reporting.plots import plt, titled
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row, at_most, near
 from scenarios.scenario import Options, Scenario
@@ -257,9 +257,7 @@ def draw(studies: list[Study], against: str) -> Figure:
     shown = [name for name in STYLE if name in handles]
     figure.legend([handles[name] for name in shown], shown, loc="outside lower center", ncols=4, fontsize=9)
     words = {"seconds": "wall time", "right_hand_sides": "right-hand sides"}[against]
-    figure.suptitle(f"Error against {words} on the same compiled equations; lower left is better", x=0.02, ha="left")
-    figure.set_layout_engine("constrained")
-    return figure
+    return titled(figure, f"Error against {words} on the same compiled equations; lower left is better")
 
 
 #: Where failures are drawn, and the least error shown.

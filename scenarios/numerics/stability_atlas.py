@@ -34,7 +34,7 @@ from scenarios.methods.stability import (
     largest_stable_step,
     limit,
 )
-from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, plt
+from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row, at_least, at_most, near
 from scenarios.scenario import Options, Scenario
@@ -57,7 +57,7 @@ STEPS = (2e-4, 4e-4, 6e-4, 7e-4, 8e-4, 1e-3, 1.5e-3, 2e-3, 3e-3, 5e-3, 1e-2)
 WAVE = {"lateral_irregularity": 0.012, "lateral_wave_number": 0.08}
 BRAKED_SECONDS, INTERVAL, LIMITS_EVERY = 4.0, 5e-3, 20
 BRAKED = {"brake_torque_1": 20e3, "brake_torque_2": 20e3}
-#: Regularisation of the creepage at rest [m/s], and the drawbar force that a locked bogie is held against [N].
+#: Regularisation of the creepage at rest [m/s], and the drawbar force that a bogie is held against [N].
 CREEPAGE_SPEEDS = (1e-3, 3e-3, 1e-2, 3e-2, 1e-1)
 DRAWBAR = 20e3
 STOP_STEPS = (1e-4, 1e-3, 1e-2, 1e-1)
@@ -75,6 +75,7 @@ class Atlas:
     silent: dict[int, list[tuple[float, float, bool]]] = field(default_factory=dict)
     silent_limits: tuple[float, float] = (0.0, 0.0)
     rest: list[tuple[float, float, float]] = field(default_factory=list)
+    left: float = 0.0
     stops: dict[int, list[tuple[float, float, str]]] = field(default_factory=dict)
     drifts: dict[bool, Drift] = field(default_factory=dict)
     folds: list[tuple[float, float]] = field(default_factory=list)
@@ -165,14 +166,19 @@ def fixed_over_wave(method: int, step: float) -> tuple[Kernel, np.ndarray | None
 
 
 def rests(atlas: Atlas) -> None:
-    """A locked bogie held against a drawbar force: the speed at which it creeps; and the stop distance before that."""
+    """At rest against a drawbar force: slip of wheels that are driven, the way that locked ones go; the stop before."""
     for value in CREEPAGE_SPEEDS:
         kernel = prepare("bogie", level=2, initial_speed=2.0, creepage_speed=value, tolerance=1e-9, **BRAKED)
         kernel.advance(4.0)
         distance = kernel["distance"]
         kernel.set(drawbar_force=DRAWBAR, brake_torque_1=60e3, brake_torque_2=60e3)
         kernel.advance(10.0)
-        atlas.rest.append((value, abs(kernel["speed"]), distance))
+        atlas.left = max(atlas.left, abs(kernel["speed"]))
+        torque = -DRAWBAR * tables_5_1_and_5_2().wheel_radius / 2
+        driven = prepare("bogie", level=1, initial_speed=0.0, creepage_speed=value, tolerance=1e-9)
+        driven.set(drawbar_force=DRAWBAR, traction_torque_1=torque, traction_torque_2=torque)
+        driven.advance(1.0)
+        atlas.rest.append((value, abs(driven["slip_1"]), distance))
 
 
 def stops_with_fixed_steps(atlas: Atlas) -> None:
@@ -306,14 +312,15 @@ def rest_rows(atlas: Atlas) -> list[Row]:
     least = atlas.rest[0]
     rows = [
         Row(
-            "creep at rest over its regularisation: slope",
+            "slip at rest of driven wheels over its regularisation: slope",
             "1",
             None,
             slope,
             near(1.0, 0.01),
             "viscous creep: proportional",
         ),
-        Row("creep at rest, 20 kN, creepage speed 0.01 m/s", "um/s", None, 1e6 * default[1], None, ""),
+        Row("slip at rest of driven wheels, 20 kN, creepage speed 0.01 m/s", "um/s", None, 1e6 * default[1], None, ""),
+        Row("speed of locked wheels at rest, 20 kN", "um/s", None, 1e6 * atlas.left, at_most(0.0), "rails hold them"),
         Row(
             "stop distance, creepage speed 0.01 m/s against 0.001 m/s",
             "mm",
@@ -417,9 +424,7 @@ def draw(atlas: Atlas) -> Figure:
     parts = (draw_limits, draw_growth, draw_loads, draw_silent, draw_rest, draw_stops, draw_drift, draw_fold)
     for axis, part in zip(grid.ravel(), parts, strict=True):
         part(axis, atlas)
-    figure.suptitle("Where integration methods fail: predicted (lines) and found (marks)", x=0.02, ha="left")
-    figure.set_layout_engine("constrained")
-    return figure
+    return titled(figure, "Where integration methods fail: predicted (lines) and found (marks)")
 
 
 def draw_limits(axis: Axes, atlas: Atlas) -> None:
@@ -485,11 +490,11 @@ def draw_silent(axis: Axes, atlas: Atlas) -> None:
 def draw_rest(axis: Axes, atlas: Atlas) -> None:
     values, creeps, distances = np.array(atlas.rest).T
     axis.plot(values, 1e6 * creeps[2] * values / values[2], color=LEADING, label="proportional")
-    axis.plot(values, 1e6 * creeps, "o", color=LEADING, label="creep at rest against 20 kN [um/s]")
+    axis.plot(values, 1e6 * creeps, "o", color=LEADING, label="slip of driven wheels at rest, 20 kN [um/s]")
     axis.plot(
         values[1:], 1e6 * np.abs(distances[1:] - distances[0]), "s-", color=TRAILING, label="change of the stop [um]"
     )
-    logarithmic(axis, "creepage speed v_eps [m/s]", "creep [um/s], distance [um]")
+    logarithmic(axis, "creepage speed v_eps [m/s]", "slip [um/s], distance [um]")
     axis.set_title("Rest: what the regularisation of creepage costs")
     axis.legend(fontsize=8)
 

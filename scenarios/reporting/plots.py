@@ -40,18 +40,26 @@ def panels(title: str, labels: Sequence[str], height: float = 2.0) -> tuple[Figu
     for axis, label in zip(axes, labels, strict=True):
         axis.set_title(label)
     axes[-1].set_xlabel("time [s]")
-    figure.suptitle(title, x=0.02, ha="left")
-    figure.set_layout_engine("constrained")
-    return figure, axes
+    return titled(figure, title), axes
 
 
 def single(title: str, x_label: str, y_label: str) -> tuple[Figure, Axes]:
     figure, axis = plt.subplots(figsize=(8.0, 5.2))
     axis.set_xlabel(x_label)
     axis.set_ylabel(y_label)
+    return titled(figure, title), axis
+
+
+def titled(figure: Figure, title: str) -> Figure:
+    """The figure with its title, and room for what is on it."""
     figure.suptitle(title, x=0.02, ha="left")
     figure.set_layout_engine("constrained")
-    return figure, axis
+    return figure
+
+
+def legend_above(axis: Axes, columns: int = 2) -> None:
+    """The legend in the line of the title, where it hides nothing."""
+    axis.legend(loc="lower right", bbox_to_anchor=(1.0, 0.96), ncols=columns, fontsize=8, borderaxespad=0.1)
 
 
 def mark(axis: Axes, time: float | None, text: str) -> None:

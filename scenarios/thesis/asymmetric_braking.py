@@ -31,7 +31,7 @@ from scenarios.bench.asymmetric_shoes import (
 )
 from scenarios.bench.drive import RIGID
 from scenarios.cosimulation.recording import Recording
-from scenarios.reporting.plots import LEADING, THREE, TRAILING, plt
+from scenarios.reporting.plots import LEADING, THREE, TRAILING, plt, titled
 from scenarios.reporting.report import Result, Row, at_least
 from scenarios.scenario import Options, Scenario
 
@@ -159,11 +159,7 @@ def draw(outcomes: dict[Case, Outcome]) -> Figure:
     for axis in grid[:, 0]:
         axis.set_ylabel("lateral shift [mm]")
     grid[0, 0].legend(loc="upper left", fontsize=8)
-    figure.suptitle(
-        "Asymmetric shoes, brake applied in 1 s: as the thesis did, and the physical reading", x=0.02, ha="left"
-    )
-    figure.set_layout_engine("constrained")
-    return figure
+    return titled(figure, "Asymmetric shoes, brake applied in 1 s: as the thesis did, and the physical reading")
 
 
 def draw_depths(outcomes: dict[Case, Outcome]) -> Figure:
@@ -188,9 +184,7 @@ def draw_depths(outcomes: dict[Case, Outcome]) -> Figure:
     for axis in grid[:, 0]:
         axis.set_ylabel("lateral shift [mm]")
     grid[0, 0].legend(loc="upper left", fontsize=8)
-    figure.suptitle("The wheelset with asymmetric shoes: flange as a spring, and on its own patch", x=0.02, ha="left")
-    figure.set_layout_engine("constrained")
-    return figure
+    return titled(figure, "The wheelset with asymmetric shoes: flange as a spring, and on its own patch")
 
 
 SCENARIO = Scenario(

@@ -27,7 +27,7 @@ from scenarios.bench.irregularities import (
     travel,
 )
 from scenarios.cosimulation.recording import Recording
-from scenarios.reporting.plots import LEADING, TRAILING, plt
+from scenarios.reporting.plots import LEADING, TRAILING, plt, titled
 from scenarios.reporting.report import Result, Row, at_most, near
 from scenarios.scenario import Options, Scenario
 
@@ -171,9 +171,7 @@ def draw(kind: Irregularity, runs: dict[float, Recording]) -> Figure:
             axis.plot(series["distance"], factor * series[name], color=colour)
             axis.set_title(f"{name} [{unit}] at {speed:g} m/s")
         grid[-1, column].set_xlabel("distance [m]")
-    figure.suptitle(kind.title, x=0.02, ha="left")
-    figure.set_layout_engine("constrained")
-    return figure
+    return titled(figure, kind.title)
 
 
 def scenario(name: str, kind: Irregularity) -> Scenario:

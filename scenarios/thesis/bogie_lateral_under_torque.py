@@ -11,7 +11,7 @@ from rbd_model.parameters import AS_PRINTED, as_printed, tables_5_1_and_5_2
 from rbd_model.track import section_5_3
 from scenarios.bench.drive import RIGID, bogie, play
 from scenarios.cosimulation.recording import Recording
-from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt
+from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, titled
 from scenarios.reporting.report import Result, Row
 from scenarios.scenario import Options, Scenario
 
@@ -76,9 +76,7 @@ def draw(runs: dict[str, Recording]) -> Figure:
         lower.set_title("lateral displacement [mm]", fontsize=9)
         lower.set_xlabel("time [s]")
     grid[1, 0].legend(loc="upper right")
-    figure.suptitle("A lateral wave under torque (Figs 5.31-5.43)", x=0.02, ha="left")
-    figure.set_layout_engine("constrained")
-    return figure
+    return titled(figure, "A lateral wave under torque (Figs 5.31-5.43)")
 
 
 SCENARIO = Scenario(

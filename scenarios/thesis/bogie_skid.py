@@ -11,7 +11,7 @@ from rbd_model.bogie import smallest_level
 from rbd_model.parameters import AS_PRINTED, as_printed, tables_5_1_and_5_2
 from scenarios.bench.drive import bogie, play
 from scenarios.cosimulation.recording import Recording
-from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, mark, plt
+from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, mark, plt, titled
 from scenarios.reporting.report import Result, Row
 from scenarios.scenario import Options, Scenario
 
@@ -71,9 +71,7 @@ def draw(runs: dict[str, tuple[Recording, list[str]]]) -> Figure:
         for axis in (upper, lower):
             mark(axis, APPLIED, "brake")
     grid[0, 0].legend(loc="lower left")
-    figure.suptitle("60 kN.m on one and on both wheelsets at 25 m/s (Figs 5.44-5.47)", x=0.02, ha="left")
-    figure.set_layout_engine("constrained")
-    return figure
+    return titled(figure, "60 kN.m on one and on both wheelsets at 25 m/s (Figs 5.44-5.47)")
 
 
 SCENARIO = Scenario("bogie-skid", "60 kN.m behind a lateral wave: skid in space (section 5.5)", run, frozenset())

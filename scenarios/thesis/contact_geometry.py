@@ -28,7 +28,7 @@ from rbd_model.contact.geometry import (
 )
 from scenarios.bench.profile_files import gauge_of, sides_from_files
 from scenarios.cosimulation.recording import Recording
-from scenarios.reporting.plots import LEADING, THESIS, TRAILING, mark, plt
+from scenarios.reporting.plots import LEADING, THESIS, TRAILING, mark, plt, titled
 from scenarios.reporting.report import Result, Row
 from scenarios.scenario import BadInputError, Options, Scenario
 
@@ -107,9 +107,7 @@ def draw(pair: Pair, series: Recording, flange: float) -> Figure:
     grid[1, 1].legend()
     for axis in grid.flat[1:]:
         axis.set_xlabel("lateral shift or amplitude [mm]")
-    figure.suptitle("Contact geometry of the profiles that stand for those of the thesis", x=0.02, ha="left")
-    figure.set_layout_engine("constrained")
-    return figure
+    return titled(figure, "Contact geometry of the profiles that stand for those of the thesis")
 
 
 def draw_profiles(axis: Axes, pair: Pair) -> None:
@@ -234,9 +232,7 @@ def draw_files(sides: Sides, series: Recording, conicity: Recording, centre: flo
         axis.set_xlabel("shift to the left [mm]")
     for axis in (grid[1, 1], grid[2, 1]):
         axis.legend()
-    figure.suptitle("Contact geometry and equivalent conicity (EN 15302)", x=0.02, ha="left")
-    figure.set_layout_engine("constrained")
-    return figure
+    return titled(figure, "Contact geometry and equivalent conicity (EN 15302)")
 
 
 #: How far the wheels are drawn above the rails [mm], and every how many shifts a contact.

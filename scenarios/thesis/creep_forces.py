@@ -10,7 +10,7 @@ from rbd_model.contact.creep.kalker import kalker_coefficients
 from rbd_model.contact.creep.law import ContactPatch
 from rbd_model.contact.creep.polach import polach
 from scenarios.cosimulation.recording import Recording
-from scenarios.reporting.plots import BOGIE, LEADING, THREE, plt
+from scenarios.reporting.plots import BOGIE, LEADING, THREE, plt, titled
 from scenarios.reporting.report import Result, Row, at_most
 from scenarios.scenario import Options, Scenario
 
@@ -110,9 +110,7 @@ def draw(series: Recording) -> Figure:
     for axis in (left, right):
         axis.set_xlabel("creepage [1/1000]")
         axis.legend(loc="lower right")
-    figure.suptitle("Polach's law (lines) and Kalker's exact theory (points)", x=0.02, ha="left")
-    figure.set_layout_engine("constrained")
-    return figure
+    return titled(figure, "Polach's law (lines) and Kalker's exact theory (points)")
 
 
 SCENARIO = Scenario(

@@ -11,7 +11,7 @@ from rbd_model.parameters import tables_4_1_and_4_2
 from scenarios.bench.drive import peaks, play, prepare
 from scenarios.bench.hunting_wheelset import RANGE, growth_by_eigenvalue, modes_at
 from scenarios.cosimulation.recording import Recording
-from scenarios.reporting.plots import LEADING, THESIS, TRAILING, plt
+from scenarios.reporting.plots import LEADING, THESIS, TRAILING, plt, titled
 from scenarios.reporting.report import Result, Row, near
 from scenarios.scenario import Options, Scenario
 
@@ -103,9 +103,7 @@ def draw(loci: dict[float, list[list[Mode]]], critical: dict[float, float]) -> F
     right.set_xlim(-1.0, 0.6)
     right.set_xlabel("growth [1/s]; points grow with the speed")
     right.set_ylabel("frequency [Hz]")
-    figure.suptitle("Hunting of the wheelset of chapter 4: growth and root locus over speed", x=0.02, ha="left")
-    figure.set_layout_engine("constrained")
-    return figure
+    return titled(figure, "Hunting of the wheelset of chapter 4: growth and root locus over speed")
 
 
 SCENARIO = Scenario("critical-speed", "Root locus and critical speed of the wheelset of chapter 4", run, frozenset())

@@ -33,7 +33,7 @@ from scenarios.bench.drive import bogie, play
 from scenarios.bench.hunting_wheelset import RANGE, growth_by_eigenvalue
 from scenarios.bench.irregularities import CROSS_LEVEL, LATERAL_PEAK, WHEEL_LOAD, largest_wheel_load, travel
 from scenarios.cosimulation.recording import Recording
-from scenarios.reporting.plots import LEADING, THESIS, TRAILING, plt
+from scenarios.reporting.plots import LEADING, THESIS, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row
 from scenarios.scenario import Options, Scenario
@@ -268,13 +268,10 @@ def draw(answers: dict[str, list[float]]) -> Figure:
             axis.set_xscale("log")
         axis.set_title(f"{panel.title} [{panel.unit}]", fontsize=9, wrap=True)
         axis.set_xlabel(panel.varied)
-    figure.suptitle(
+    return titled(
+        figure,
         "What fitted values decide; grey: used, green: thesis, 0 m/s: no derailment; orange, last row: contact depth 2",
-        x=0.02,
-        ha="left",
     )
-    figure.set_layout_engine("constrained")
-    return figure
 
 
 SCENARIO = Scenario("sensitivity", "What the fitted and assumed values decide", run, frozenset())

@@ -24,7 +24,7 @@ from scenarios.bench.drive import PADDING, RIGID, in_space, library
 from scenarios.bench.irregularities import CROSS_LEVEL, HUNTING_PEAK, LATERAL, LATERAL_PEAK, WHEEL_LOAD
 from scenarios.cosimulation.recording import Recording
 from scenarios.methods.stability import RUNGE_KUTTA, Machine, limit
-from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, plt
+from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row
 from scenarios.scenario import Options, Scenario
@@ -334,9 +334,7 @@ def draw(found: Study) -> Figure:
     title = (
         "Printed numbers over the step of the explicit method; behind the grey line it is unstable from the start on"
     )
-    figure.suptitle(title, x=0.02, ha="left")
-    figure.set_layout_engine("constrained")
-    return figure
+    return titled(figure, title)
 
 
 def panel(axis: Axes, run: Run, printed: Printed, values: Mapping[float | None, float]) -> None:

@@ -16,7 +16,7 @@ from scenarios.bench.hunting_wheelset import (
     hunting_period,
 )
 from scenarios.cosimulation.recording import Recording
-from scenarios.reporting.plots import LEADING, TRAILING, plt
+from scenarios.reporting.plots import LEADING, TRAILING, plt, titled
 from scenarios.reporting.report import Result, Row
 from scenarios.scenario import Options, Scenario
 
@@ -89,9 +89,7 @@ def draw(runs: dict[float, Recording]) -> Figure:
     grid[0].legend(loc="upper right")
     grid[-1].plot(runs[30.0]["time"], 1e3 * runs[30.0]["lateral_1"], color=LEADING, linewidth=0.4)
     grid[-1].set_title("30 m/s to the limit cycle: lateral displacement [mm] over time [s]")
-    figure.suptitle("A wheelset at constant speed (Figs 4.9-4.18)", x=0.02, ha="left")
-    figure.set_layout_engine("constrained")
-    return figure
+    return titled(figure, "A wheelset at constant speed (Figs 4.9-4.18)")
 
 
 SCENARIO = Scenario("wheelset-constant-speed", "Hunting at 15, 25 and 30 m/s (section 4.4)", run, frozenset())

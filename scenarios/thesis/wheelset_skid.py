@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from rbd_model.parameters import AS_PRINTED, as_printed, tables_4_1_and_4_2
 from scenarios.bench.drive import play, prepare
 from scenarios.cosimulation.recording import Recording
-from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt
+from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, titled
 from scenarios.reporting.report import Result, Row, at_least, at_most, between
 from scenarios.scenario import Options, Scenario
 
@@ -72,9 +72,7 @@ def draw(runs: dict[float, Recording]) -> Figure:
             axis.plot(series["time"], scale * series[name], color=colour)
             axis.set_title(f"friction {friction}: {title}")
         grid[-1, column].set_xlabel("time [s]")
-    figure.suptitle("25 kN.m on one wheelset: skid (Figs 4.28, 4.29)", x=0.02, ha="left")
-    figure.set_layout_engine("constrained")
-    return figure
+    return titled(figure, "25 kN.m on one wheelset: skid (Figs 4.28, 4.29)")
 
 
 SCENARIO = Scenario(

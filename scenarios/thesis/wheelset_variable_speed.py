@@ -10,7 +10,7 @@ from rbd_model.linear import critical_speed, oscillations
 from rbd_model.parameters import AS_PRINTED, as_printed, tables_4_1_and_4_2
 from scenarios.bench.drive import peaks, play, prepare
 from scenarios.cosimulation.recording import Recording
-from scenarios.reporting.plots import BOGIE, LEADING, THESIS, plt
+from scenarios.reporting.plots import BOGIE, LEADING, THESIS, plt, titled
 from scenarios.reporting.report import Result, Row, near
 from scenarios.scenario import Options, Scenario
 
@@ -104,9 +104,7 @@ def draw(runs: dict[str, Recording]) -> Figure:
             lateral.axvline(crossing, color=THESIS, linestyle="--", linewidth=1.0)
         lateral.set_title("lateral displacement [mm]")
         lateral.set_xlabel("time [s]")
-    figure.suptitle("Hunting through the critical speed under torque (Figs 4.24-4.27)", x=0.02, ha="left")
-    figure.set_layout_engine("constrained")
-    return figure
+    return titled(figure, "Hunting through the critical speed under torque (Figs 4.24-4.27)")
 
 
 SCENARIO = Scenario("wheelset-variable-speed", "Hunting through 27 m/s under torque (section 4.6)", run, frozenset())

@@ -14,7 +14,7 @@ from scenarios.bench.four_axles import NUMBERS
 from scenarios.bench.peak_adhesion import PeakAdhesion
 from scenarios.bench.protected_stop import BRAKE_START, ProtectedStop, Settings, protected_stop
 from scenarios.bench.rails import ABOVE, BAND, LOCK_ABOVE, LONGEST_LOCK, OVER_IDEAL, RailCase, low_rail
-from scenarios.reporting.plots import BOGIE, FOUR, plt
+from scenarios.reporting.plots import BOGIE, FOUR, plt, titled
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row, at_least, at_most, between
 from scenarios.scenario import Options, Scenario
@@ -115,9 +115,7 @@ def draw(found: Findings) -> Figure:
         bottom.set_title(f"{name}: cylinder pressures [kPa]")
         bottom.set_xlabel("time [s]")
     grid[0, 0].legend(fontsize=8)
-    figure.suptitle("Wheel-slide protection of four wheelsets on a low rail", x=0.02, ha="left")
-    figure.set_layout_engine("constrained")
-    return figure
+    return titled(figure, "Wheel-slide protection of four wheelsets on a low rail")
 
 
 SCENARIO = Scenario(

@@ -17,7 +17,7 @@ from scenarios.cosimulation.master import Coupling, Master
 from scenarios.cosimulation.recording import Recording
 from scenarios.cosimulation.slave import Slave
 from scenarios.fmus.building import up_to_date
-from scenarios.reporting.plots import LEADING, THESIS, TRAILING, plt
+from scenarios.reporting.plots import LEADING, THESIS, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row, at_most, near
 from scenarios.scenario import Options, Scenario
@@ -166,9 +166,7 @@ def draw(found: Findings) -> Figure:
     finish(axes[0], "error of distance [1] over the macro step", "macro step [ms]")
     finish(axes[1], "error over cost", "time to compute one second through fmpy [ms]")
     axes[0].legend(fontsize=8)
-    figure.suptitle("A vehicle with four brake cylinders: one FMU, or five coupled", x=0.02, ha="left")
-    figure.set_layout_engine("constrained")
-    return figure
+    return titled(figure, "A vehicle with four brake cylinders: one FMU, or five coupled")
 
 
 def finish(axis: Axes, title: str, label: str) -> None:

@@ -15,7 +15,7 @@ from rbd_model.linear import Mode, critical_speed, oscillations, reduced_jacobia
 from scenarios.bench.drive import RIGID, prepare, system_of
 from scenarios.bench.four_axles import COACH, NUMBERS
 from scenarios.cosimulation.recording import Recording
-from scenarios.reporting.plots import LEADING, THESIS, TRAILING, plt
+from scenarios.reporting.plots import LEADING, THESIS, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row, near
 from scenarios.scenario import Options, Scenario
@@ -207,9 +207,7 @@ def draw(onsets: Mapping[str, Onset], series: Recording) -> Figure:
         axis.set_xlabel("speed [m/s]")
         axis.set_ylim(-1.6, 1.2)
         axis.legend(fontsize=8, loc="lower left")
-    figure.suptitle("Hunting of vehicle 1 of the Manchester benchmarks: body and bogies", x=0.02, ha="left")
-    figure.set_layout_engine("constrained")
-    return figure
+    return titled(figure, "Hunting of vehicle 1 of the Manchester benchmarks: body and bogies")
 
 
 SCENARIO = Scenario(

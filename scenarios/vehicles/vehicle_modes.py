@@ -10,7 +10,7 @@ from rbd_model.linear import Mode, oscillations
 from scenarios.bench.drive import RIGID, prepare, system_of
 from scenarios.bench.four_axles import COACH, NUMBERS
 from scenarios.cosimulation.recording import Recording
-from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt
+from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, titled
 from scenarios.reporting.report import Result, Row, near
 from scenarios.scenario import Options, Scenario
 
@@ -99,9 +99,7 @@ def draw(found: list[Mode]) -> Figure:
         axis.set_axis_off()
     for axis, mode in zip(grid.ravel(), found, strict=False):
         sketch(axis, mode)
-    figure.suptitle("Modes of the Manchester vehicle 1: from the side (above), from above (below)", x=0.02, ha="left")
-    figure.set_layout_engine("constrained")
-    return figure
+    return titled(figure, "Modes of the Manchester vehicle 1: from the side (above), from above (below)")
 
 
 def sketch(axis: Axes, mode: Mode) -> None:

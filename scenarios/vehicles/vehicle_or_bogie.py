@@ -17,7 +17,7 @@ from scenarios.bench.drive import located_lock_time, play, prepare
 from scenarios.bench.four_axles import ALONG_DAMPING, COACH, NUMBERS, rigid_axle_loads
 from scenarios.cosimulation.recording import Recording
 from scenarios.methods.timing import LEVELS, least
-from scenarios.reporting.plots import LEADING, THREE, TRAILING, plt
+from scenarios.reporting.plots import LEADING, THREE, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row, at_most, near
 from scenarios.scenario import Options, Scenario
@@ -202,9 +202,7 @@ def draw(found: Findings) -> Figure:
     axes[0].legend(fontsize=8)
     draw_locks(axes[1], found.locks)
     draw_costs(axes[2], found.costs)
-    figure.suptitle("One bogie or the complete vehicle", x=0.02, ha="left")
-    figure.set_layout_engine("constrained")
-    return figure
+    return titled(figure, "One bogie or the complete vehicle")
 
 
 def draw_locks(axis: Axes, locks: Mapping[tuple[str, float], tuple[int, float]]) -> None:

@@ -1,0 +1,238 @@
+"""Does braking torque change Y/Q in curves? A bogie braked in steady curves and on straight track, and stopped in one.
+
+In steady curves the speed is held while the brakes drag, so that nothing but their torque differs; the cant suits the
+speed. Then it stops from that speed in the curve, or braked from the beginning of the transition on. Adhesion
+utilisation: as in `levels`, brake torque over wheel radius, over friction times the static load.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from tqdm import tqdm
+
+from scenarios.bench.curves import (
+    APPROACH,
+    BOGIE,
+    MASS,
+    into_curve,
+    outward_acceleration,
+    suited_cant,
+    transition_length,
+)
+from scenarios.bench.drive import play, prepare_on_line
+from scenarios.cosimulation.recording import Recording
+from scenarios.reporting.plots import FOUR, THREE, plt, titled
+from scenarios.reporting.progress import PATIENCE
+from scenarios.reporting.report import Result, Row, near
+from scenarios.scenario import Options, Scenario
+
+#: Radii of curves to the left, and straight track [m].
+RADII = (200.0, 300.0, 600.0, math.inf)
+#: Adhesion utilisations; on straight track the trailing wheelset locks from 0.70 on (scenario `levels`).
+UTILISATIONS = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.65, 0.68)
+#: Of the stops in a curve: medium, and near the adhesion limit; and of those through the transition, up to its end.
+STOPPED, THROUGH = (0.2, 0.4, 0.65), 0.2
+#: Friction of the inputs' start values, and speed that the cant suits [1], [m/s].
+FRICTION, SPEED = 0.3, 12.0
+#: Way in the curve until all is steady, and way of the mean; time in which brakes are applied [m], [m], [s].
+SETTLED, MEASURED, APPLIED = 150.0, 50.0, 1.0
+#: Speed at which a stop is read: the cant is too much for it, and the last rocking is far away [m/s].
+READ = SPEED / 2
+#: Speed below which a stop is not drawn: it rocks [m/s].
+SLOW = 1.0
+#: Of the sum of the guiding forces, as in `curve-steering`: nothing but the cant deficiency decides it.
+BAND = 5e-4
+QUOTIENT = "derailment_quotient_1_right"
+COLUMNS = {
+    QUOTIENT: "1",
+    "lateral_force_1_right": "N",
+    "wheel_load_1_right": "N",
+    "axle_load_1": "N",
+    "guiding_force_1": "N",
+    "guiding_force_2": "N",
+    "lateral_1": "m",
+    "lateral_2": "m",
+    "locked_2": "1",
+}
+GIVEN = {"radius": "m", "utilisation": "1", "cant": "m"}
+STOP_COLUMNS = ("distance", "speed", QUOTIENT, "guiding_force_1", "locked_2")
+
+
+def brake_torque(utilisation: float) -> float:
+    """On each wheelset [N.m]."""
+    return utilisation * FRICTION * MASS * BOGIE.gravity * BOGIE.wheel_radius / 2
+
+
+def steady(radius: float, utilisation: float, speed: float = SPEED) -> list[float]:
+    """Values of GIVEN and means of COLUMNS with dragging brakes, behind the transition."""
+    cant, torque = suited_cant(radius, SPEED), brake_torque(utilisation)
+    line = into_curve(radius, cant, SETTLED + MEASURED)
+    kernel = prepare_on_line("bogie", line, level=3.0, initial_speed=speed, constant_speed=1.0)
+    inputs = {f"brake_torque_{number}": [(0.0, 0.0), (APPLIED, torque)] for number in (1, 2)}
+    way = curve_begins(cant) + SETTLED
+    series = play("bogie", kernel, (way + MEASURED) / speed, 0.02, tuple(COLUMNS), inputs)
+    late = series["time"] >= way / speed
+    # The infinite radius of straight track stands as 0 in tables.
+    own = 0.0 if math.isinf(radius) else radius
+    return [own, utilisation, cant, *(float(np.mean(series[name][late])) for name in COLUMNS)]
+
+
+def curve_begins(cant: float) -> float:
+    """Behind the straight and the transition [m]."""
+    return APPROACH + transition_length(cant)
+
+
+def stop(radius: float, utilisation: float, place: float) -> Recording:
+    """To rest, braked from a place on the line on [m]."""
+    cant, torque = suited_cant(radius, SPEED), brake_torque(utilisation)
+    kernel = prepare_on_line("bogie", into_curve(radius, cant, 500.0), level=3.0, initial_speed=SPEED)
+    begin = place / SPEED
+    ramp = [(0.0, 0.0), (begin, 0.0), (begin + APPLIED, torque)]
+    inputs = {f"brake_torque_{number}": ramp for number in (1, 2)}
+    duration = begin + APPLIED + 1.2 * SPEED / (utilisation * FRICTION * BOGIE.gravity)
+    return play("bogie", kernel, duration, 0.01, STOP_COLUMNS, inputs)
+
+
+def stops_of(radius: float) -> dict[float, Recording]:
+    """All in one curve, by utilisation; that through the transition by 0."""
+    cant = suited_cant(radius, SPEED)
+    found = {utilisation: stop(radius, utilisation, curve_begins(cant) + SETTLED / 2) for utilisation in STOPPED}
+    return found | {0.0: stop(radius, THROUGH, APPROACH)}
+
+
+def read(series: Recording, name: str) -> float:
+    """Where the speed has fallen to READ."""
+    first = int(np.argmax(series["speed"] <= READ))
+    return float(series[name][first])
+
+
+Stops = dict[float, dict[float, Recording]]
+
+
+def run(options: Options) -> Result:
+    cases = [(radius, utilisation) for radius in RADII for utilisation in UTILISATIONS]
+    bar = tqdm(cases, "steady curves", delay=PATIENCE, leave=False)
+    series = Recording(GIVEN | COLUMNS, [steady(*case) for case in bar])
+    stops = {radius: stops_of(radius) for radius in tqdm(RADII, "stops", delay=PATIENCE, leave=False)}
+    rows = [row for radius in RADII for row in steady_rows(radius, of_radius(series, radius))]
+    rows += [row for radius in RADII for row in stop_rows(radius, stops[radius])]
+    parameters = BOGIE.values() | {"speed": SPEED, "friction": FRICTION}
+    seconds = sum(float(one["time"][-1]) for found in stops.values() for one in found.values())
+    return Result(rows, series, lambda: draw(series, stops), parameters, seconds, remarks(series))
+
+
+def of_radius(series: Recording, radius: float) -> Recording:
+    """The rows of one radius, by rising torque."""
+    own = series["radius"] == (0.0 if math.isinf(radius) else radius)
+    return Recording(series.units, list(zip(*(series[name][own] for name in series.names), strict=True)))
+
+
+def place_of(radius: float) -> str:
+    return "straight" if math.isinf(radius) else f"R = {radius:g} m"
+
+
+def steady_rows(radius: float, found: Recording) -> list[Row]:
+    """The sum of the guiding forces at each end of the torques, which statics know, and what the torques change."""
+    place, cant = place_of(radius), suited_cant(radius, SPEED)
+    outwards, band = MASS * outward_acceleration(radius, cant, SPEED) / 1e3, BAND * MASS * BOGIE.gravity / 1e3
+    rows = []
+    for at in (0, -1):
+        guiding = float(found["guiding_force_1"][at] + found["guiding_force_2"][at]) / 1e3
+        name = f"{place}: sum of guiding forces, utilisation {UTILISATIONS[at]:g}"
+        source = "Newton's second law: m (V^2 / R cos - g sin of the cant)"
+        rows.append(Row(name, "kN", None, guiding, near(outwards, band), source))
+    for utilisation in (0.0, 0.4, 0.65):
+        at = UTILISATIONS.index(utilisation)
+        name = f"{place}: Y/Q of the leading outer wheel, utilisation {utilisation:g}"
+        force, load = (found[column][at] / 1e3 for column in ("lateral_force_1_right", "wheel_load_1_right"))
+        rows.append(Row(name, "1", None, float(found[QUOTIENT][at]), None, f"Y {force:.1f} kN, Q {load:.1f} kN"))
+    return rows
+
+
+def stop_rows(radius: float, found: dict[float, Recording]) -> list[Row]:
+    """Y/Q at half of the speed, beside that of a bogie that rolls there at this speed."""
+    rolling = steady(radius, 0.0, READ)[len(GIVEN) + list(COLUMNS).index(QUOTIENT)]
+    rows = []
+    for utilisation, series in found.items():
+        words = f"stopping at utilisation {utilisation:g}" if utilisation else "braked from the transition on"
+        locked = np.any(series["locked_2"][series["speed"] > SLOW] > 0.5)
+        note = "the trailing wheelset locks" if locked else "no wheelset locks"
+        name, source = f"{place_of(radius)}: Y/Q at {READ:g} m/s, {words}", f"rolling at this speed: {rolling:.3f}"
+        rows.append(Row(name, "1", None, read(series, QUOTIENT), None, source, note))
+    return rows
+
+
+def remarks(series: Recording) -> list[str]:
+    """What braking changes, in the words of what was measured."""
+    said = []
+    for radius in RADII[:-1]:
+        found, last = of_radius(series, radius), UTILISATIONS.index(0.65)
+        quotient, load, force, shift, guiding = (
+            found[name][[0, last]]
+            for name in (QUOTIENT, "wheel_load_1_right", "lateral_force_1_right", "lateral_2", "guiding_force_1")
+        )
+        said.append(
+            f"R = {radius:g} m: from no torque to {100 * UTILISATIONS[last]:g} % of the adhesion Y/Q of the leading "
+            f"outer wheel falls from {quotient[0]:.3f} to {quotient[1]:.3f}: Y from {force[0] / 1e3:.1f} to "
+            f"{force[1] / 1e3:.1f} kN, while Q grows from {load[0] / 1e3:.0f} to {load[1] / 1e3:.0f} kN. The leading "
+            f"wheelset's guiding force, inwards, goes from {guiding[0] / 1e3:.1f} to {guiding[1] / 1e3:.1f} kN. It "
+            f"stays at its flange, the other goes from {-1e3 * shift[0]:.1f} to {-1e3 * shift[1]:.1f} mm outwards."
+        )
+    found = of_radius(series, math.inf)
+    return [
+        *said,
+        f"Straight: Y/Q rises from {found[QUOTIENT][0]:.3f} to {found[QUOTIENT][-1]:.3f}. There the creep that the "
+        "spin of the cone makes holds against its slope, and gives way to braking.",
+        "Braking does not raise Y/Q of this bogie in curves. It loads the leading wheels, and it uses the adhesion by "
+        "which both wheelsets hold the bogie against turning and the inner wheel pushes its wheelset outwards.",
+    ]
+
+
+def draw(series: Recording, stops: Stops) -> Figure:
+    figure, grid = plt.subplots(2, 3, figsize=(12.5, 7.2))
+    quotient, guiding, shift, through, within, speed = grid.ravel()
+    for radius, colour in zip(RADII, FOUR, strict=True):
+        found = of_radius(series, radius)
+        quotient.plot(found["utilisation"], found[QUOTIENT], "o-", color=colour, markersize=3, label=place_of(radius))
+        for number, style in ((1, "o-"), (2, "o:")):
+            look = {"color": colour, "markersize": 3}
+            guiding.plot(found["utilisation"], found[f"guiding_force_{number}"] / 1e3, style, **look)
+            shift.plot(found["utilisation"], -1e3 * found[f"lateral_{number}"], style, **look)
+        one = stops[radius][0.0]
+        moving = one["speed"] > SLOW
+        through.plot(one["distance"][moving], one[QUOTIENT][moving], color=colour)
+    draw_stops(within, speed, stops[RADII[0]])
+    quotient.set_title("Y/Q of the leading outer wheel [1]")
+    quotient.legend(fontsize=8)
+    guiding.set_title("guiding force, inwards [kN]; dotted: trailing")
+    shift.set_title("lateral shift, outwards [mm]; dotted: trailing")
+    for axis in (quotient, guiding, shift):
+        axis.set_xlabel("adhesion utilisation of the brakes [1]")
+    through.set_title(f"Y/Q, braked from the transition on, {THROUGH:g} [1]")
+    for axis in (through, within, speed):
+        axis.set_xlabel("distance [m]")
+    return titled(figure, f"A bogie braked in curves to the left, cant for {SPEED:g} m/s")
+
+
+def draw_stops(quotient: Axes, speed: Axes, found: dict[float, Recording]) -> None:
+    """In the tightest curve, by torque."""
+    for utilisation, colour in zip(STOPPED, THREE, strict=True):
+        one = found[utilisation]
+        moving = one["speed"] > SLOW
+        quotient.plot(one["distance"][moving], one[QUOTIENT][moving], color=colour, label=f"{utilisation:g}")
+        speed.plot(one["distance"], one["speed"], color=colour)
+    quotient.set_title(f"Y/Q, stops at R = {RADII[0]:g} m [1]")
+    quotient.legend(title="utilisation")
+    speed.set_title(f"speed, stops at R = {RADII[0]:g} m [m/s]")
+
+
+SCENARIO = Scenario(
+    "curve-braking",
+    "Y/Q, guiding forces and shift of a bogie that is braked in curves, through transitions and on straight track",
+    run,
+    frozenset(),
+)

@@ -1,0 +1,206 @@
+"""A bogie on gradients at all levels: down it freely and braked, at terminal speed, held on it, and started against it.
+
+Speeds and accelerations against closed forms, m a = sum of the forces, where both wheelsets turn along:
+m + 2 J (1 - slip ratio) / r^2.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from matplotlib.figure import Figure
+from tqdm import tqdm
+
+from rbd_model.line import line_of, straight
+from scenarios.bench.curves import BOGIE, MASS, TURNING_MASS
+from scenarios.bench.drive import History, play, prepare_on_line
+from scenarios.cosimulation.recording import Recording
+from scenarios.methods.timing import LEVELS
+from scenarios.reporting.plots import BOGIE as GREY
+from scenarios.reporting.plots import LEADING, TRAILING, plt, titled
+from scenarios.reporting.progress import PATIENCE
+from scenarios.reporting.report import Result, Row, at_most, near
+from scenarios.scenario import Options, Scenario
+
+#: Downhill, uphill, and of the track on which the bogie is held [1].
+DOWN, UP, HELD = -0.02, 0.02, 0.04
+LENGTH = 60e3
+#: Brake torque downhill, traction torque uphill and brake torque that holds, on each wheelset [N.m].
+BRAKE, TRACTION, HOLDING = 3e3, 6e3, 20e3
+#: Davis (1926): 62 t on two axles, assumed; and the brake that goes with them to a terminal speed [N], [N.s/m],
+#: [N.s2/m2], [N.m].
+DAVIS, DRAG = (800.0, 30.0, 8.0), 1e3
+#: Simulated until the speed is that of the end to 1e-7: seventeen times the time constant m / (b + 2 c V) [s].
+LONG = 2400.0
+#: Until nothing rocks on the suspension, and mean of the acceleration over so long [s].
+SETTLED, MEASURED = 40.0, 10.0
+#: The motors begin to pull against the brake, and have all of their torque when it lets go [s].
+HAND_OVER = (2.0, 4.0)
+#: Held for so long, looked at so often [s], and the most that it may move [m] and be late once its brakes let go [s].
+STANDING, INTERVAL, MOVED, LATE = 86400.0, 5.0, 1e-4, 1e-3
+#: Of accelerations and terminal speed: integration to 1e-6. In space wheels roll on the radius where they touch; the
+#: slip, which is counted with the nominal one, knows that.
+BAND = 1e-6
+RECORDED = ("speed", "distance", "slip_ratio_1", "slip_ratio_2")
+COLOURS = {"point": LEADING, "planar": TRAILING, "spatial": GREY}
+STYLES = {"point": "-", "planar": "--", "spatial": ":"}
+
+
+def both(name: str, history: History) -> dict[str, History]:
+    """The same input on both wheelsets."""
+    return {f"{name}_{number}": history for number in (1, 2)}
+
+
+def ride(level: int, gradient: float, speed: float, inputs: Mapping[str, History], interval: float = 0.01) -> Recording:
+    """On one gradient from a speed on, until SETTLED and MEASURED are over."""
+    kernel = prepare_on_line("bogie", line_of([straight(LENGTH, gradient)]), level=level, initial_speed=speed)
+    return play("bogie", kernel, SETTLED + MEASURED, interval, RECORDED, inputs)
+
+
+def acceleration(series: Recording) -> float:
+    """Mean over the time that counts [m/s2]."""
+    time, speed = series["time"], series["speed"]
+    return float(speed[-1] - np.interp(SETTLED, time, speed)) / MEASURED
+
+
+def expected(series: Recording, gradient: float, torque: float) -> float:
+    """Acceleration with a torque on each wheelset, positive if it drives (Newton's second law) [m/s2]."""
+    settled = series["time"] >= series["time"][-1] - MEASURED
+    slip = float(np.mean(series["slip_ratio_1"][settled] + series["slip_ratio_2"][settled])) / 2
+    force = 2 * torque / BOGIE.wheel_radius - MASS * BOGIE.gravity * gradient
+    return force / (MASS + TURNING_MASS * (1.0 - slip))
+
+
+def terminal(level: int) -> Recording:
+    """Downhill against Davis's resistance and a brake, until nothing changes."""
+    davis = dict(zip(("davis_constant", "davis_linear", "davis_quadratic"), DAVIS, strict=True))
+    line = line_of([straight(2 * LENGTH, DOWN)])
+    kernel = prepare_on_line("bogie", line, level=level, initial_speed=20.0, **davis)
+    return play("bogie", kernel, LONG, 10.0, RECORDED, both("brake_torque", [(0.0, DRAG)]))
+
+
+def terminal_speed() -> float:
+    """Where a + b V + c V^2 is what gravity pulls more than the brakes hold, Davis (1926) [m/s]."""
+    constant, linear, square = DAVIS
+    pull = -MASS * BOGIE.gravity * DOWN - 2 * DRAG / BOGIE.wheel_radius
+    return (-linear + math.sqrt(linear**2 + 4 * square * (pull - constant))) / (2 * square)
+
+
+def hold(level: int) -> Recording:
+    """At rest with its brakes applied for a day, and how it rolls once they let go."""
+    kernel = prepare_on_line("bogie", line_of([straight(LENGTH, HELD)]), level=level, initial_speed=0.0)
+    columns = (*RECORDED, "locked_1", "locked_2")
+    released = [(0.0, HOLDING), (STANDING, HOLDING), (STANDING, 0.0)]
+    return play("bogie", kernel, STANDING + SETTLED, INTERVAL, columns, both("brake_torque", released))
+
+
+def late(series: Recording) -> float:
+    """By how much it starts later than by Newton's second law, from its speed once nothing rocks any more [s]."""
+    return float(series["time"][-1]) - STANDING - float(series["speed"][-1]) / expected(series, HELD, 0.0)
+
+
+def runs(level: int) -> dict[str, Recording]:
+    """All of one level."""
+    handed = [(0.0, 0.0), (HAND_OVER[0], 0.0), (HAND_OVER[1], TRACTION)]
+    released = [(0.0, HOLDING), (HAND_OVER[1], HOLDING), (HAND_OVER[1], 0.0)]
+    return {
+        "rolling": ride(level, DOWN, 5.0, {}),
+        "braked": ride(level, DOWN, 15.0, both("brake_torque", [(0.0, BRAKE)])),
+        "started": ride(level, UP, 0.0, both("traction_torque", handed) | both("brake_torque", released)),
+        "held": hold(level),
+    }
+
+
+def run(options: Options) -> Result:
+    bar = tqdm(LEVELS.items(), "gradient", delay=PATIENCE, leave=False, unit="level")
+    found = {name: runs(level) for level, name in bar}
+    ends = {name: terminal(level) for level, name in LEVELS.items() if name != "spatial"}
+    rows = [row for name, of_level in found.items() for row in acceleration_rows(name, of_level)]
+    rows += [terminal_row(name, series) for name, series in ends.items()]
+    said = remarks(rows, found)
+    rows += [row for name, of_level in found.items() for row in standing_rows(name, of_level)]
+    parameters = BOGIE.values() | {"down": DOWN, "up": UP, "held": HELD, "brake": BRAKE, "traction": TRACTION}
+    series = found["planar"]["started"]
+    seconds = len(LEVELS) * (3 * (SETTLED + MEASURED) + SETTLED) + len(ends) * LONG
+    return Result(rows, series, lambda: draw(found, ends), parameters, seconds, said)
+
+
+def acceleration_rows(name: str, found: Mapping[str, Recording]) -> list[Row]:
+    cases = {"rolling": (DOWN, 0.0), "braked": (DOWN, -BRAKE), "started": (UP, TRACTION)}
+    words = {"rolling": "down, rolling freely", "braked": "down, braked", "started": "up, started by traction"}
+    rows = []
+    for case, (gradient, torque) in cases.items():
+        closed = expected(found[case], gradient, torque)
+        quantity = f"{name}: acceleration {1e3 * abs(gradient):g} permille {words[case]}"
+        asked = near(1e3 * closed, 1e3 * BAND * abs(closed))
+        source = "Newton's second law with the slip of the wheels as recorded"
+        rows.append(Row(quantity, "mm/s2", None, 1e3 * acceleration(found[case]), asked, source))
+    return rows
+
+
+def terminal_row(name: str, series: Recording) -> Row:
+    quantity = f"{name}: terminal speed {1e3 * abs(DOWN):g} permille down, braked a little"
+    closed = terminal_speed()
+    source = "Davis (1926): a + b V + c V^2 balances gravity and brake; level spatial has no running resistance"
+    return Row(quantity, "m/s", None, float(series["speed"][-1]), near(closed, BAND * closed), source)
+
+
+def standing_rows(name: str, found: Mapping[str, Recording]) -> list[Row]:
+    """What a held and a started bogie do that a closed form calls nothing."""
+    back = 1e3 * abs(float(np.min(found["started"]["distance"])))
+    held = found["held"]
+    standing = held["time"] < STANDING
+    locked = float(min(np.min(held[f"locked_{number}"][standing]) for number in (1, 2)))
+    moved = 1e3 * float(np.ptp(held["distance"][standing]))
+    place = f"{1e3 * HELD:g} permille"
+    return [
+        Row(f"{name}: held on {place}, both wheelsets locked", "1", None, locked, near(1.0, 0.0), "brakes outdo it"),
+        Row(f"{name}: held on {place} for a day, moves by", "mm", None, moved, at_most(1e3 * MOVED), "rails hold it"),
+        Row(f"{name}: rolls late once released, by", "ms", None, 1e3 * late(held), near(0.0, 1e3 * LATE), "Newton"),
+        Row(f"{name}: rolls back before its motors pull, by", "mm", None, back, None, "measured"),
+    ]
+
+
+def remarks(rows: Sequence[Row], found: Mapping[str, Mapping[str, Recording]]) -> list[str]:
+    """How close the closed forms are, and what holding is worth."""
+    off = [abs(row.simulated / (sum(row.limits) / 2) - 1) for row in rows if row.limits and row.simulated]
+    return [
+        f"Accelerations and terminal speeds are those of the closed forms to {max(off):.1e} at worst.",
+    ]
+
+
+def draw(found: Mapping[str, Mapping[str, Recording]], ends: Mapping[str, Recording]) -> Figure:
+    figure, grid = plt.subplots(2, 2, figsize=(10.0, 7.2))
+    axes = dict(zip(("down", "terminal", "started", "held"), grid.ravel(), strict=True))
+    for name, of_level in found.items():
+        style = {"color": COLOURS[name], "linestyle": STYLES[name]}
+        for case in ("rolling", "braked"):
+            axes["down"].plot(of_level[case]["time"], of_level[case]["speed"], **style)
+        early = of_level["started"]["time"] < 3 * HAND_OVER[1]
+        axes["started"].plot(
+            of_level["started"]["time"][early], of_level["started"]["speed"][early], label=name, **style
+        )
+        after = of_level["held"]["time"] - STANDING
+        axes["held"].plot(after, -of_level["held"]["speed"], **style)
+    for name, series in ends.items():
+        axes["terminal"].plot(series["time"], series["speed"], color=COLOURS[name], linestyle=STYLES[name])
+    axes["terminal"].axhline(terminal_speed(), color=GREY, linewidth=0.8)
+    axes["down"].set_title(f"{1e3 * abs(DOWN):g} ‰ down, rolling freely and braked: speed [m/s]")
+    axes["terminal"].set_title("down against Davis's resistance and a brake: speed [m/s]")
+    axes["started"].set_title(f"started {1e3 * UP:g} ‰ up: speed [m/s]")
+    axes["held"].set_title(f"held by locked wheels on {1e3 * HELD:g} ‰, released at 0 s: speed downhill [m/s]")
+    axes["held"].set_xlim(-SETTLED / 4, SETTLED)
+    for axis in axes.values():
+        axis.set_xlabel("time [s]")
+    axes["started"].legend()
+    return titled(figure, "A bogie on gradients, at three levels of detail")
+
+
+SCENARIO = Scenario(
+    "gradient",
+    "A bogie on gradients at all levels: rolling, braked, held and started, against closed forms",
+    run,
+    frozenset(),
+)

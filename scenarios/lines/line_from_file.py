@@ -1,0 +1,195 @@
+"""A bogie along a line from a file, or along one that has everything: what the line is, and what the bogie does on it.
+
+A bogie in space, drawn along by its frame's drawbar, which holds the speed: 15 m/s, or less where a curve would have
+more than 100 mm of cant deficiency.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+from tqdm import tqdm
+
+from fmu_src.kernel import Kernel, KernelError
+from rbd_model.line import (
+    ERRI_LOW,
+    GAUGE,
+    Line,
+    Segment,
+    arc,
+    clothoid,
+    irregular,
+    line_of,
+    read_line,
+    straight,
+)
+from scenarios.bench.curves import BOGIE, MASS, WHEEL_LOAD
+from scenarios.bench.drive import prepare, prepare_on_line, units
+from scenarios.cosimulation.recording import Recording
+from scenarios.reporting.line_picture import draw_line
+from scenarios.reporting.plots import LEADING, THESIS, TRAILING, legend_above, plt, titled
+from scenarios.reporting.progress import PATIENCE
+from scenarios.reporting.report import Result, Row, at_least, near
+from scenarios.scenario import BadInputError, Options, Scenario
+
+#: Speed, and most cant deficiency at it: EN 13803 has 130 mm for freight trains, here with a margin [m/s], [m].
+SPEED, MOST_DEFICIENCY = 15.0, 0.1
+#: The drawbar draws by the mass and what lacks of the speed over this time [s]; held so long [s].
+REGULATION, HELD = 2.0, 0.1
+#: Rows of the record: one so often [m], on long lines fewer of them in all.
+PITCH, MOST_ROWS = 0.25, 20000
+#: The shortest line that is run [m], and how much of its end is left for the wheelsets ahead of the frame [m].
+SHORTEST, LEFT_OVER = 50.0, 5.0
+#: Of what the rails carry in the mean, up and across, as share of the weight: the run begins and ends a little moved.
+BAND = 1e-3
+SIDES = ("left", "right")
+QUIET_RUN = "Nothing that the kernel tells of: no wheel was lifted, none climbed."
+COLUMNS = (
+    *("distance", "speed", "lateral_1", "lateral_2", "guiding_force_1", "guiding_force_2"),
+    *(f"wheel_load_{number}_{side}" for number in (1, 2) for side in SIDES),
+    *(f"derailment_quotient_1_{side}" for side in SIDES),
+)
+
+
+def own_line() -> Line:
+    """Straight track, curves to both sides with cant, up and down, on rails as ERRI B176 has good ones."""
+    level, up, down = straight(100.0), straight(80.0, 0.008), straight(120.0, -0.01)
+    left, right = arc(160.0, 2000.0, 0.02, 0.008), arc(160.0, -1600.0, -0.03, -0.01)
+    first, last = straight(60.0, 0.008), straight(100.0)
+    pieces = [level, first, left, up, right, down, last]
+    segments: list[Segment] = [level]
+    for before, behind in pairwise(pieces):
+        segments += [clothoid(80.0, before, behind), behind]
+    return irregular(line_of(segments), ERRI_LOW, seed=2)
+
+
+def bogie_on(path: Path | None) -> tuple[Kernel, Line]:
+    """In space on the line of a file, or on the own one, and that line. Raises BadInputError for what is none."""
+    if path is None:
+        line = own_line()
+        return prepare_on_line("bogie", line, level=3.0), line
+    try:
+        kernel = prepare("bogie", level=3.0, line_file=str(path))
+        line = read_line(path)
+    except (KernelError, OSError, ValueError) as error:
+        raise BadInputError(f"{error} The columns of a line are in docs/line.md.") from error
+    reaches = float(line.rows["distance"][-1])
+    if reaches < SHORTEST:
+        raise BadInputError(f"{path} ends at {reaches:g} m; give a line from 0 to {SHORTEST:g} m at least.")
+    return kernel, line
+
+
+def speed_on(line: Line) -> float:
+    """SPEED, or what leaves MOST_DEFICIENCY in the worst curve [m/s]; cant may suit the other side."""
+    curvature, cant = line.rows["curvature"], line.rows["cant"]
+    bends = np.abs(curvature) > 1e-6
+    suits = np.maximum(cant * np.sign(curvature) + MOST_DEFICIENCY, 0.01)[bends]
+    allowed = BOGIE.gravity * suits / GAUGE / np.abs(curvature[bends])
+    return min(SPEED, math.sqrt(np.min(allowed, initial=SPEED**2)))
+
+
+def drive(kernel: Kernel, line: Line, speed: float) -> Recording:
+    """To the end of the line, or of the run."""
+    way = float(line.rows["distance"][-1]) - LEFT_OVER
+    interval = max(PITCH, way / MOST_ROWS) / speed
+    held = max(round(HELD / interval), 1) * interval
+    kernel.set(initial_speed=speed)
+    kernel.initialise()
+    rows: list[list[float]] = []
+    with tqdm(total=round(way), desc="line-from-file", leave=False, delay=PATIENCE, unit="m") as bar:
+        while not kernel.ended and kernel["distance"] < way and kernel["speed"] > speed / 2:
+            kernel.set(drawbar_force=MASS * (speed - kernel["speed"]) / REGULATION)
+            table = kernel.record(held, interval, COLUMNS)
+            rows += [list(row) for row in zip(*table.values(), strict=True)][1 if rows else 0 :]
+            bar.update(round(kernel["distance"]) - bar.n)
+    return Recording({"time": "s"} | {name: units("bogie")[name] for name in COLUMNS}, rows)
+
+
+def run(options: Options) -> Result:
+    kernel, line = bogie_on(options.line)
+    speed = speed_on(line)
+    series = drive(kernel, line, speed)
+    rows = [*closed_forms(series, line), *safety(series)]
+    parameters = BOGIE.values() | {"line": str(options.line or "own"), "speed": speed}
+    seconds = float(series["time"][-1])
+    return Result(rows, series, lambda: draw(series, line), parameters, seconds, kernel.journal or [QUIET_RUN])
+
+
+def closed_forms(series: Recording, line: Line) -> list[Row]:
+    """How far the run went, and what the rails carry in the mean."""
+    way = float(line.rows["distance"][-1]) - LEFT_OVER
+    across, upwards = (MASS * float(np.mean(values)) / 1e3 for values in pushed(series, line))
+    guiding = float(np.mean(series["guiding_force_1"] + series["guiding_force_2"])) / 1e3
+    wheels = [f"wheel_load_{number}_{side}" for number in (1, 2) for side in SIDES]
+    carried = float(np.mean(np.sum([series[wheel] for wheel in wheels], axis=0))) / 1e3
+    band, newton = BAND * 4 * WHEEL_LOAD / 1e3, "Newton's second law, of the line at the speed that was run"
+    gone = float(series["distance"][-1])
+    return [
+        Row("way run along the line", "m", None, gone, at_least(way), f"the line, {LEFT_OVER:g} m before its end"),
+        Row("mean sum of the guiding forces, to the left", "kN", None, guiding, near(across, band), newton),
+        Row("mean sum of the wheel loads", "kN", None, carried, near(upwards, band), newton),
+    ]
+
+
+def pushed(series: Recording, line: Line) -> tuple[np.ndarray, np.ndarray]:
+    """What the track must give each kg of a vehicle across and upwards, at the places and speeds of a run [m/s2]."""
+    rows, place, square = line.rows, series["distance"], series["speed"] ** 2
+
+    def here(values: np.ndarray) -> np.ndarray:
+        return np.interp(place, rows["distance"], values)
+
+    curvature, slope = here(rows["curvature"]), here(rows["gradient"])
+    angle, bend = np.arcsin(here(rows["cant"]) / GAUGE), here(np.gradient(rows["gradient"], rows["distance"]))
+    level, upright = square * curvature, BOGIE.gravity * np.sqrt(1.0 - slope**2) + square * bend
+    return level * np.cos(angle) - upright * np.sin(angle), upright * np.cos(angle) + level * np.sin(angle)
+
+
+def safety(series: Recording) -> list[Row]:
+    """The largest values, and what EN 14363 limits them to; its limits are for filtered signals of many runs."""
+    quotient = max(float(np.max(series[f"derailment_quotient_1_{side}"])) for side in SIDES)
+    guiding = max(float(np.max(np.abs(series[f"guiding_force_{number}"]))) for number in (1, 2)) / 1e3
+    least = min(float(np.min(series[f"wheel_load_{number}_{side}"])) for number in (1, 2) for side in SIDES)
+    limit = 10.0 + 2 * WHEEL_LOAD / 3e3
+    note = "not judged: its limits are for filtered signals"
+    return [
+        Row("largest Y/Q of the leading wheelset", "1", None, quotient, None, "EN 14363: limit 0.8", note),
+        Row("largest guiding force", "kN", None, guiding, None, f"EN 14363: limit {limit:.0f} kN", note),
+        Row("largest unloading dQ/Q", "1", None, 1.0 - least / WHEEL_LOAD, None, "EN 14363: limit 0.6", note),
+    ]
+
+
+def draw(series: Recording, line: Line) -> Figure:
+    figure, grid = plt.subplots(4, 2, figsize=(13.0, 9.6))
+    draw_line(list(grid[:, 0]), line)
+    speed, shift, guiding, load = grid[:, 1]
+    place = series["distance"]
+    speed.plot(place, series["speed"], color=LEADING)
+    speed.set_title("speed [m/s]")
+    for number, colour, word in ((1, LEADING, "leading"), (2, TRAILING, "trailing")):
+        shift.plot(place, 1e3 * series[f"lateral_{number}"], color=colour, linewidth=0.8, label=f"{word} wheelset")
+        guiding.plot(place, 1e-3 * series[f"guiding_force_{number}"], color=colour, linewidth=0.8)
+    for side, colour in zip(SIDES, (LEADING, THESIS), strict=True):
+        loads = 1e-3 * series[f"wheel_load_1_{side}"]
+        load.plot(place, loads, color=colour, linewidth=0.8, label=f"leading wheelset, {side}")
+    shift.set_title("lateral shift, to the left [mm]")
+    guiding.set_title("guiding force, to the left [kN]")
+    load.set_title("wheel load [kN]")
+    for axis in (shift, load):
+        legend_above(axis)
+    for axis in grid[:, 1]:
+        axis.sharex(grid[1, 0])
+    for axis in grid[-1]:
+        axis.set_xlabel("distance along the line [m]")
+    return titled(figure, "A line, and a bogie on it")
+
+
+SCENARIO = Scenario(
+    "line-from-file",
+    "A bogie along a line from a file (--line), or along one that has curves, cant, gradients and irregularities",
+    run,
+    frozenset({"line"}),
+)

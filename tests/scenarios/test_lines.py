@@ -1,0 +1,139 @@
+"""Lines as scenarios use them: files of one's own, their pictures, and what is measured on them."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rbd_model.line import Line, arc, clothoid, line_of, straight
+from scenarios.__main__ import main
+from scenarios.lines import curve_braking, gradient, transition
+from scenarios.lines.line_from_file import MOST_DEFICIENCY, SPEED, speed_on
+from scenarios.numerics import levels_in_curves
+from scenarios.reporting.line_picture import draw_line
+from scenarios.reporting.plots import plt
+
+HEAD = "distance,curvature,cant,gradient\n"
+
+
+def test_line_of_ones_own_is_run_to_its_end(tmp_path: Path) -> None:
+    before, curve = straight(60.0), arc(60.0, -1000.0, -0.02, 0.005)
+    path = line_of([before, clothoid(60.0, before, curve), curve]).write(tmp_path / "mine.csv")
+    assert main(["run", "line-from-file", "--line", str(path), "--out", str(tmp_path)]) == 0
+    folder = tmp_path / "line-from-file"
+    assert json.loads((folder / "summary.json").read_text())["parameters"]["line"] == str(path)
+    with (folder / "timeseries.csv").open() as file:
+        heads, *rows = csv.reader(file)
+    series = dict(zip(heads, np.array(rows, float).T, strict=True))
+    assert 175.0 <= series["distance [m]"][-1] < 178.0
+    assert np.mean(series["lateral_1 [m]"][-40:]) > 3e-3  # outwards, to the left
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        (None, "it cannot be opened; give the path of a file that can be read."),
+        ("", "it is empty; give a row of names and rows of numbers."),
+        ("nonsense\n1\n", 'row 1: the column "nonsense" is not known; give distance, curvature, cant, gradient'),
+        (f"{HEAD}0,0,0,0\n", "there are fewer than two rows of numbers."),
+        (f"{HEAD}0,0,0,0\n100,0,zero,0\n", 'row 3: cant is "zero"; give a finite number.'),
+        (f"{HEAD}0,0,0,0\n100,0.5,0,0\n", "curvature is 0.5 1/m; give a value from -0.02 to 0.02 1/m."),
+        (f"{HEAD}-100,0,0,0\n20,0,0,0\n", "ends at 20 m; give a line from 0 to 50 m at least."),
+    ],
+)
+def test_file_that_is_no_line_gets_one_sentence(
+    text: str | None, sentence: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path, out = tmp_path / "bad.csv", tmp_path / "out"
+    if text is not None:
+        path.write_text(text)
+    assert main(["run", "line-from-file", "--line", str(path), "--out", str(out)]) == 2
+    shown = capsys.readouterr().err
+    assert sentence in shown
+    assert str(path) in shown
+    assert shown.count("\n") == 1
+    assert not out.exists()
+
+
+def test_speed_leaves_no_more_cant_deficiency_than_it_may() -> None:
+    def speed(radius: float, cant: float) -> float:
+        return speed_on(line_of([arc(100.0, radius, cant)]))
+
+    assert speed_on(line_of([straight(100.0)])) == SPEED == speed(-5000.0, 0.0)
+    tight = math.sqrt(9.81 * 150.0 * (0.05 + MOST_DEFICIENCY) / 1.5)
+    assert speed(150.0, 0.05) == pytest.approx(tight, rel=1e-12)
+    assert speed(-150.0, -0.05) == pytest.approx(tight, rel=1e-12)
+    assert speed(150.0, -0.05) < tight  # cant that suits the other side
+
+
+#: Of lengths of 100 m, by straight pieces of 5 m and less.
+PICTURE_BAND = 0.01
+
+
+@pytest.mark.parametrize("irregular", [False, True])
+def test_picture_of_a_line_closes_a_circle_and_climbs_by_its_gradient(irregular: bool) -> None:
+    radius = 100 / math.pi
+    line = line_of([arc(200.0, radius, 0.1, 0.02)])
+    if irregular:
+        rails = {f"{side}_vertical": np.zeros_like(line.rows["distance"]) for side in ("left", "right")}
+        line = Line(line.rows | rails)
+    figure, axes = plt.subplots(4)
+    draw_line(list(axes), line)
+    ahead, aside = axes[0].lines[0].get_data()
+    assert np.hypot(ahead[-1] - ahead[0], aside[-1] - aside[0]) < PICTURE_BAND * radius
+    assert np.ptp(aside) == pytest.approx(2 * radius, rel=PICTURE_BAND)
+    assert axes[3].lines[1].get_ydata()[-1] == pytest.approx(4.0, rel=PICTURE_BAND)
+    assert len(axes[2].lines) == 1 + irregular
+    plt.close(figure)
+
+
+def test_load_that_a_twist_moves_is_that_of_statics() -> None:
+    case = transition.Case(400.0, transition.SLOW, curved=False, free=True)
+    series = case.run()
+    moved = transition.by_twist(case, series, transition.moved(series))
+    assert moved == pytest.approx(transition.statics(case), rel=transition.BAND)
+    # Springs without what leans on them are 4 % off, a ramp of 1:410 is 2.5 %.
+    assert moved != pytest.approx(transition.shares(case, series)["springs"], rel=transition.BAND)
+    assert moved != pytest.approx(transition.statics(transition.Case(410.0, transition.SLOW)), rel=transition.BAND)
+
+
+def test_contacts_are_hundreds_of_times_as_stiff_as_springs_across() -> None:
+    springs = 2 * transition.BOGIE.vertical_stiffness * transition.BOGIE.vertical_half_spacing**2
+    assert 0.995 < transition.roll_stiffness() / springs < 0.999
+
+
+@pytest.mark.parametrize("level", [1, 2, 3])
+def test_bogie_on_a_gradient_gains_speed_by_gravity_and_traction(level: int) -> None:
+    torque = gradient.both("traction_torque", [(0.0, gradient.TRACTION)])
+    series = gradient.ride(level, gradient.UP, 5.0, torque)
+    closed = gradient.expected(series, gradient.UP, gradient.TRACTION)
+    assert gradient.acceleration(series) == pytest.approx(closed, rel=gradient.BAND)
+    steeper = gradient.expected(series, gradient.UP * (1 + 1e-5), gradient.TRACTION)
+    assert gradient.acceleration(series) != pytest.approx(steeper, rel=gradient.BAND)
+
+
+def test_braking_lowers_the_derailment_quotient_in_curves_and_raises_it_on_straight_track() -> None:
+    names = [*curve_braking.GIVEN, *curve_braking.COLUMNS]
+
+    def quotient(radius: float, utilisation: float) -> float:
+        found = dict(zip(names, curve_braking.steady(radius, utilisation), strict=True))
+        assert found["axle_load_1"] > curve_braking.MASS * 9.81 / 2 * (0.99 + 0.3 * utilisation)
+        return found[curve_braking.QUOTIENT]
+
+    for radius in (200.0, 600.0):
+        assert quotient(radius, 0.5) < 0.9 * quotient(radius, 0.0)
+    assert quotient(math.inf, 0.5) > 2 * quotient(math.inf, 0.0)
+
+
+def test_curve_takes_in_space_what_friction_gives_and_at_points_what_von_roeckl_says() -> None:
+    point = levels_in_curves.resistance(200.0, 1, 1.0)
+    assert point == pytest.approx(0.500 / (200 - 30), rel=levels_in_curves.SHARE_BAND)
+    assert levels_in_curves.resistance(200.0, 1, 0.0) == pytest.approx(0.0, abs=levels_in_curves.NOTHING)
+    low, high = (levels_in_curves.resistance(200.0, 3, 0.0, friction) for friction in (0.15, 0.3))
+    assert 1.5 < high / low < 2.5
+    assert 0.5 * point < high < point
