@@ -113,7 +113,7 @@ def functions(system: System) -> dict[str, Generated]:
         "largest_change": [ca.vertcat(*[largest for _, largest in system.largest_changes])],
     }
     for rank in range(_table_ranks(system)):
-        asked = [table.argument for table in system.tables if table.rank == rank]
+        asked = [table.argument for table in system.ranked_tables if table.rank == rank]
         results[f"table_argument_{rank}"] = [ca.vertcat(*asked)]
     made = {}
 
@@ -417,20 +417,23 @@ def _system_arrays(model: Model, system: System, solving: Elimination) -> Iterab
         ],
     )
     stored: dict[tuple[bytes, bytes], str] = {}
-    entries = []
-    for table in system.tables:
-        if table.line:
-            column = list(LINE_COLUMNS).index(table.line)
-            entries.append(f"{{0, {LINE_COLUMNS[table.line]}, {table.rank}, {column}, 0, 0}}")
+    entries: list[str] = []
+    place = 0
+    for table in system.ranked_tables:
+        first = place
+        place += table.symbols.numel()
+        if table.columns:
+            name = f"{prefix}_{table.name}"
+            yield _array("int", f"{name}_column", [str(list(LINE_COLUMNS).index(column)) for column in table.columns])
+            entries.append(f"{{0, 0, {table.rank}, {first}, {len(table.columns)}, {name}_column, 0, 0}}")
             continue
         content = table.breakpoints.tobytes(), table.coefficients.tobytes()
         if content not in stored:
             stored[content] = name = f"{prefix}_{table.name}"
             yield _array("double", f"{name}_breakpoint", map(_number, table.breakpoints))
             yield _array("double", f"{name}_coefficient", map(_number, table.coefficients.ravel()))
-        pieces, degree = table.coefficients.shape[0], table.coefficients.shape[1] - 1
-        name = stored[content]
-        entries.append(f"{{{pieces}, {degree}, {table.rank}, -1, {name}_breakpoint, {name}_coefficient}}")
+        pieces, degree, name = table.coefficients.shape[0], table.coefficients.shape[1] - 1, stored[content]
+        entries.append(f"{{{pieces}, {degree}, {table.rank}, {first}, 0, 0, {name}_breakpoint, {name}_coefficient}}")
     yield _array("table_description", f"{prefix}_table", entries)
     ranks = [f"{prefix}_table_argument_{rank}" for rank in range(_table_ranks(system))]
     yield _array("generated_function", f"{prefix}_table_argument", ranks)

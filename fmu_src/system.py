@@ -117,6 +117,9 @@ LINE_COLUMNS = {
     "felt": 0,  # m, length of the shortest thing that is to be felt
 }
 
+#: Operations down to which the places are compared at which a line is asked: a distance is a sum of a few.
+SAME_PLACE = 10
+
 
 @dataclass(frozen=True)
 class Table:
@@ -124,7 +127,8 @@ class Table:
 
     breakpoints: shape (pieces + 1,), increasing; coefficients: shape (pieces, degree + 1), lowest power first, of
     (argument - left breakpoint). `symbols` are (origin, c0, ..., c_degree), supplied by the runtime. The argument may
-    contain values of other tables: those of a lower `rank` are looked up first.
+    contain values of other tables: those of a lower `rank` are looked up first. columns: of the line in place of
+    breakpoints and coefficients, which are empty then; `symbols` have one origin and the coefficients of each.
     """
 
     name: str
@@ -133,8 +137,7 @@ class Table:
     argument: ca.SX
     symbols: ca.SX
     rank: int
-    #: Column of the line in place of breakpoints and coefficients, which are empty then.
-    line: str = ""
+    columns: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -281,22 +284,34 @@ class System(Chain):
             raise ValueError(f"Table {name}: give increasing breakpoints and one row of coefficients for each piece.")
         return self._add_table(name, breakpoints, coefficients, argument, coefficients.shape[1] - 1)
 
-    def along_line(self, column: str, name: str, argument: ca.SX, order: int = 0) -> list[ca.SX]:
-        """Value of one of LINE_COLUMNS at a distance [m], and its derivatives up to `order`; name: who asks.
+    def along_line(self, column: str, argument: ca.SX, order: int = 0) -> list[ca.SX]:
+        """Value of one of LINE_COLUMNS at a distance [m], and its derivatives up to `order`.
 
         What the line is, the instance learns from its file; a system that asks runs only where there is one.
         """
-        none = np.zeros(0)
-        symbols = self._add_table(f"line_{column}_{name}", none, none, argument, LINE_COLUMNS[column], column)
-        return polynomials(symbols, argument, order)
+        return polynomials(self.line_piece(column, argument), argument, order)
+
+    def line_piece(self, column: str, argument: ca.SX) -> ca.SX:
+        """Symbols of the line's piece at a distance [m], for `polynomials`; all columns there are looked up as one."""
+        there = (i for i, t in enumerate(self.tables) if t.columns and ca.is_equal(t.argument, argument, SAME_PLACE))
+        place = next(there, len(self.tables))
+        if place == len(self.tables):
+            self._add_table(f"line_{place}", np.zeros(0), np.zeros(0), argument, -1)
+        table = self.tables[place]
+        if column not in table.columns:
+            added = ca.SX.sym(f"{table.name}_{column}", 1 + LINE_COLUMNS[column])
+            columns, symbols = (*table.columns, column), ca.vertcat(table.symbols, added)
+            self.tables[place] = table = replace(table, columns=columns, symbols=symbols)
+        first = 1 + sum(1 + LINE_COLUMNS[before] for before in table.columns[: table.columns.index(column)])
+        return ca.vertcat(table.symbols[0], table.symbols[first : first + 1 + LINE_COLUMNS[column]])
 
     def _add_table(
-        self, name: str, breakpoints: np.ndarray, coefficients: np.ndarray, argument: ca.SX, degree: int, line: str = ""
+        self, name: str, breakpoints: np.ndarray, coefficients: np.ndarray, argument: ca.SX, degree: int
     ) -> ca.SX:
         """Symbols of a table's piece, which is looked up behind the tables that its argument needs."""
         symbols = ca.SX.sym(name, 2 + degree)
         rank = 1 + max((t.rank for t in self.tables if ca.depends_on(argument, t.symbols)), default=-1)
-        self.tables.append(Table(name, breakpoints, coefficients, argument, symbols, rank, line))
+        self.tables.append(Table(name, breakpoints, coefficients, argument, symbols, rank))
         return symbols
 
     def direction(self, name: str) -> ca.SX:
@@ -346,6 +361,11 @@ class System(Chain):
     # -- derived from the above -----------------------------------------------------------------------------------
 
     @property
+    def ranked_tables(self) -> list[Table]:
+        """The tables as the runtime looks them up: those of a lower rank first."""
+        return sorted(self.tables, key=lambda table: table.rank)
+
+    @property
     def arguments(self) -> list[ca.SX]:
         """The symbols in the order of `ARGUMENTS`, as column vectors."""
         inputs = ca.vertcat(*self.input_symbols.values())
@@ -357,7 +377,7 @@ class System(Chain):
             ca.vertcat(*self.parameter_symbols.values()),
             ca.vertcat(*self.derived_symbols.values()),
             ca.vertcat(*[friction.direction for friction in self.frictions]),
-            ca.vertcat(*[table.symbols for table in self.tables]),
+            ca.vertcat(*[table.symbols for table in self.ranked_tables]),
         ]
 
     @property

@@ -48,16 +48,16 @@ class Assembly:
     speed: ca.SX
     #: How wheels touch rails in space.
     contact: Contact = ONE_RIGID_CONTACT
-    #: The axes of the track where a body is, by its name and its distance [m].
-    frame_at: Callable[[str, ca.SX], TrackFrame] = lambda name, distance: LEVEL
+    #: The axes of the track where a body is, by its distance [m].
+    frame_at: Callable[[ca.SX], TrackFrame] = lambda distance: LEVEL
     #: Whether the line comes from a file.
     on_line: bool = False
     #: Way of the first body for each metre along the line [1].
     first_stretch: ca.SX = field(default_factory=lambda: ca.SX(1))
 
-    def track_at(self, name: str, place: ca.SX) -> TrackFrame:
+    def track_at(self, place: ca.SX) -> TrackFrame:
         """The axes of the track of a body at its place, counted from the vehicle's [m]; section 3.2.1."""
-        return self.frame_at(name, self.distance + place)
+        return self.frame_at(self.distance + place)
 
     def value(self, size: Size) -> ca.SX:
         """A size of the vehicle's description."""

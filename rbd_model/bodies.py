@@ -71,7 +71,7 @@ def place_body(assembly: Assembly, data: RigidBody, held: frozenset[Motion] = fr
         yaw_roll(angles[2], angles[0]) @ pitch_rotation(angles[1]),
         turning.rate,
         angles,
-        assembly.track_at(data.name, place),
+        assembly.track_at(place),
     )
     if assembly.on_line:
         body = carry_along(data, body, turning, held)

@@ -108,7 +108,7 @@ def place_axle(assembly: Assembly, number: int) -> Body:
     along = assembly.value(assembly.vehicle.wheelsets[number - 1].along)
     none = ca.SX.zeros(3)
     place = ca.vertcat(along + shift, 0, assembly.axle_height)
-    track = assembly.track_at(wheelset_name(number), along + shift)
+    track = assembly.track_at(along + shift)
     body = Body(place, ca.vertcat(speed, 0, 0), ca.SX.eye(3), none, none, track)
     body = replace(body, own_rate=body.spin)
     move_along(assembly, body, f"shift_{number}")
@@ -123,7 +123,7 @@ def put_in_plane(assembly: Assembly, on_line: bool) -> None:
     system = assembly.system
     if not on_line:
         everywhere = on_gradient(assembly.input["gradient"])
-        assembly.frame_at = lambda name, distance: everywhere
+        assembly.frame_at = lambda distance: everywhere
         return
     assembly.on_line, assembly.axle_height = True, assembly.radius(assembly.vehicle.wheelsets[0])
-    assembly.frame_at = lambda name, distance: on_profile(system, name, distance)
+    assembly.frame_at = lambda distance: on_profile(system, distance)

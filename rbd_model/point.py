@@ -83,9 +83,9 @@ def point_vehicle(vehicle: Vehicle, on_line: bool = False) -> System:
 def mean_gradient(assembly: Assembly) -> ca.SX:
     """Of the line under all masses, weighted with them: gravity pulls at each in its own place (section 2.3.1)."""
     pull = ca.SX(0)
-    for number, part in enumerate(assembly.vehicle.parts):
+    for part in assembly.vehicle.parts:
         distance = assembly.distance + assembly.value(part.along)
-        pull += assembly.value(part.mass) * assembly.system.along_line("rise", f"part_{number}", distance, 1)[1]
+        pull += assembly.value(part.mass) * assembly.system.along_line("rise", distance, 1)[1]
     return pull / assembly.total_mass
 
 

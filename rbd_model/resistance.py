@@ -54,8 +54,7 @@ def curvatures_at(assembly: Assembly, places: Sequence[ca.SX]) -> list[ca.SX]:
     """Of the line that an instance runs on [1/m], which holds a vehicle back (section 2.4); without one the input."""
     if not assembly.on_line:
         return [assembly.input["curvature"]]
-    looked_up = enumerate(places, 1)
-    return [assembly.system.along_line("heading", f"curve_{number}", place, 1)[1] for number, place in looked_up]
+    return [assembly.system.along_line("heading", place, 1)[1] for place in places]
 
 
 def curve_share(curvature: ca.SX) -> ca.SX:

@@ -63,7 +63,7 @@ class OnLine(Bundle):
 
 @dataclass(frozen=True)
 class LinePieces(Bundle):
-    """Pieces of a line where a wheelset is, (origin, c0 ...), as `System.along_line` looks them up."""
+    """Pieces of a line where a wheelset is, (origin, c0 ...), as `System.line_piece` has them."""
 
     heading: ca.SX = rows(2 + LINE_COLUMNS["heading"])
     rise: ca.SX = rows(2 + LINE_COLUMNS["rise"])

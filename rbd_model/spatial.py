@@ -99,7 +99,7 @@ def spatial_vehicle(
 def follow_line(assembly: Assembly) -> None:
     """Gives each body the axes of the track at its own place on the line (section 3.2.1)."""
     assembly.on_line = True
-    assembly.frame_at = lambda name, distance: frame_on_line(assembly.system, name, distance)
+    assembly.frame_at = lambda distance: frame_on_line(assembly.system, distance)
 
 
 def observe_places(assembly: Assembly, bodies: Mapping[str, Body]) -> None:

@@ -30,7 +30,7 @@ from rbd_model.rolling_wheelset import (
 )
 from rbd_model.track import Section
 from rbd_model.track_frame import TrackFrame
-from rbd_model.vehicle import Wheelset, wheelset_name
+from rbd_model.vehicle import Wheelset
 from rbd_model.wheelset import (
     NOMINAL_TRAVEL,
     NOMINAL_TRAVEL_SPEED,
@@ -166,7 +166,7 @@ def follow_track(assembly: Assembly, number: int, section: Callable[[int, ca.SX]
     slopes = ca.jacobian(rails, assembly.distance)
     of_rails = ca.vertcat(*[assembly.parameter[f"{side}_rail_friction"] for side in SIDES.values()])
     frictions = rail_friction(assembly, number, distance) * track.friction * of_rails
-    frame = assembly.track_at(wheelset_name(number), along)
+    frame = assembly.track_at(along)
     motion = forward, lateral, sideways, yaw, yaw_rate, rotated, omega
     return OnTrack(along, *motion, track.lateral, rails[1:], slopes, frictions, distance, track.spread, frame)
 
@@ -201,7 +201,7 @@ def place_wheelset(assembly: Assembly, number: int, section: Callable[[int, ca.S
     given, constants = state.vector, ca.vertcat(fixed.vector, *[piece.vector for piece in pieces])
     if assembly.on_line:
         given = ca.vertcat(given, OnLine(on.distance, on.lateral).vector)
-        constants = ca.vertcat(constants, line_pieces(system, number, on.distance).vector)
+        constants = ca.vertcat(constants, line_pieces(system, on.distance).vector)
     rolled = RolledMotion.of(system.call(part, given, constants))
     body = Body(
         ca.vertcat(on.along, on.lateral, rolled.height),
@@ -248,11 +248,9 @@ def stand_on_track(assembly: Assembly, number: int, body: Body) -> None:
         start_along(assembly, replace(body, position=place), [f"{name}_{number}" for name in names])
 
 
-def line_pieces(system: System, number: int, distance: ca.SX) -> LinePieces:
+def line_pieces(system: System, distance: ca.SX) -> LinePieces:
     """The pieces of the line under a wheelset, as `on_line` and the `Section` look them up (section 3.2.1)."""
-    found = {table.name: table.symbols for table in system.tables}
-    names = {item.name: f"line_{item.name}_{wheelset_name(number)}" for item in fields(LinePieces)}
-    return LinePieces(**{name: found[table] for name, table in names.items()})
+    return LinePieces(**{item.name: system.line_piece(item.name, distance) for item in fields(LinePieces)})
 
 
 def ends_alone(

@@ -130,7 +130,7 @@ def with_line(track: Track) -> Track:
 
         def section(number: int, distance: ca.SX) -> Section:
             def of_line(column: str) -> ca.SX:
-                return system.along_line(column, f"wheelset_{number}", distance)[0]
+                return system.along_line(column, distance)[0]
 
             there = own(number, distance)
             frictions = ca.vertcat(of_line("left_friction"), of_line("right_friction"))

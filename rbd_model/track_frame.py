@@ -107,14 +107,14 @@ class Course:
         )
 
 
-def on_line(system: System, name: str, distance: ca.SX) -> TrackFrame:
-    """The axes at a distance [m] on the line that the instance runs on (section 3.2.1); name: whose they are.
+def on_line(system: System, distance: ca.SX) -> TrackFrame:
+    """The axes at a distance [m] on the line that the instance runs on (section 3.2.1).
 
     Cosine and sine of the heading are those of the way in the plan: no angle is ever turned into them.
     """
 
     def look_up(column: str, order: int = 0) -> list[ca.SX]:
-        return system.along_line(column, name, distance, order)
+        return system.along_line(column, distance, order)
 
     height, sine, steepening = look_up("rise", 2)
     cant, twisting = look_up("cant", 1)
@@ -126,10 +126,10 @@ def on_line(system: System, name: str, distance: ca.SX) -> TrackFrame:
     return frame_of(system, course, Plan(heading, height, course.tilt, far, near, turned))
 
 
-def on_profile(system: System, name: str, distance: ca.SX) -> TrackFrame:
-    """The axes in the vertical plane alone (section 5.2), as of a line rolled out straight; name: whose they are."""
-    height, sine, steepening = system.along_line("rise", name, distance, 2)
-    far, near = (ca.vertcat(system.along_line(f"level{which}", name, distance)[0], 0) for which in ("_far", ""))
+def on_profile(system: System, distance: ca.SX) -> TrackFrame:
+    """The axes in the vertical plane alone (section 5.2), as of a line rolled out straight."""
+    height, sine, steepening = system.along_line("rise", distance, 2)
+    far, near = (ca.vertcat(system.along_line(f"level{which}", distance)[0], 0) for which in ("_far", ""))
     none = ca.SX(0)
     course = Course(none, sine, none, steepening, none)
     return frame_of(system, course, Plan(ca.SX([1, 0]), height, course.tilt, far, near, none))

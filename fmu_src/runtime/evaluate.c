@@ -14,9 +14,9 @@ void kernel_call(kernel *self, generated_function function, double offset, const
 
 void kernel_look_up(kernel *self, double offset, const double *state) {
     const system_description *system = self->system;
-    for (int rank = 0; rank < system->table_ranks; ++rank) {
+    for (int rank = 0, next = 0; rank < system->table_ranks; ++rank) {
         kernel_call(self, system->table_argument[rank], offset, state, &self->table_at);
-        tables_look_up(self, rank);
+        next = tables_look_up(self, next);
     }
 }
 

@@ -19,13 +19,13 @@ void kernel_enter_system(kernel *self) {
         self->place[system->order[i]] = i;
     }
     for (int i = 0; i < system->algebraics; ++i) self->differential[system->algebraic[i]] = 0.0;
-    for (int i = 0; i < system->tables; ++i) self->line_piece[i] = -1;
+    for (int i = 0; i < 2 * system->tables; ++i) self->held[i] = NAN; /* nothing is held anywhere */
 }
 
 /* Whether the system asks for a line. */
 static int needs_line(const system_description *system) {
     for (int i = 0; i < system->tables; ++i)
-        if (system->table[i].line >= 0) return 1;
+        if (system->table[i].columns) return 1;
     return 0;
 }
 

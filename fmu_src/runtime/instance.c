@@ -58,6 +58,7 @@ static size_t lay_out(kernel *self, double *block) {
     self->stage_input = carve(block, &used, most.inputs);
     self->coefficient = carve(block, &used, most.table_coefficients);
     self->table_at = carve(block, &used, most.tables);
+    self->held = carve(block, &used, 2 * most.tables);
     self->trial = carve(block, &used, n);
     self->slope = carve(block, &used, n);
     self->time_slope = carve(block, &used, n);
@@ -105,7 +106,7 @@ kernel *kernel_create(void) {
     self->algebraic.pivot = self->places + 2 * n;
     self->kept.pivot = self->places + 3 * n;
     self->kept_algebraic.pivot = self->places + 4 * n;
-    self->line_piece = self->places + 5 * n;
+    self->node = self->places + 5 * n;
     kernel_reset(self);
     return self;
 }

@@ -55,6 +55,7 @@ struct kernel {
     size_t restored;
     /* Not restored: work space of one step. */
     double *parameter, *input, *rate, *stage_input, *coefficient, *table_at;
+    double *held; /* for each table, the range of its argument in which `coefficient` holds: from, and below */
     double *trial, *slope, *time_slope, *nonzero, *jacobian, *kept_jacobian, *stage[MOST_STAGES], *point, *ordered;
     double *differential;
     /* `ordered` has room for two vectors. */
@@ -64,7 +65,7 @@ struct kernel {
     int *place; /* of the states in the order of elimination */
     line_data *line;      /* null: straight and level */
     char *line_path;
-    int *line_piece; /* for each table, which piece of the line `coefficient` holds; -1: none */
+    int *node; /* for each table of the line, the one before the place where it was looked up last */
     int method;
     int kept_ready;    /* what there is of the kept Jacobian besides its place */
     int factors_serve; /* the factors `algebraic` are good enough for Newton's method */
@@ -110,7 +111,9 @@ INSIDE void kernel_evaluate_again(kernel *self, generated_function function, dou
                                   double *result);
 INSIDE void kernel_evaluate(kernel *self, generated_function function, double offset, const double *state,
                             double *result);
-INSIDE void tables_look_up(kernel *self, int rank);
+/* Writes (origin, c0 ... c_degree) of the tables from `first` on that are of its rank, whose arguments are in table_at.
+ * Returns the first of the next rank. */
+INSIDE int tables_look_up(kernel *self, int first);
 /* Linear equations: factors of M diagonal - J, in the order of the states; and of the algebraic part of J. 0: singular. */
 INSIDE int linear_factorise_step(kernel *self, factors *of, const double *jacobian, double diagonal);
 INSIDE void linear_solve_step(kernel *self, const factors *of, double *vector);

@@ -191,15 +191,22 @@ static void go_on(int column, double width, double *c) {
     memset(c + 2, 0, 4 * sizeof *c);
 }
 
-void line_look_up(const line_data *self, int column, int degree, double at, int *cached, double *coefficient) {
+/* Degrees of the columns' pieces, as LINE_COLUMNS in system.py has them. */
+static const int DEGREE[LINE_DISTANCE] = {4, 5, 4, 5, 0, 5, 0, 5, 0, 5, 5, 5, 5, 1, 1, 0};
+
+void line_look_up(const line_data *self, const table_description *table, double at, int *guess, double held[2],
+                  double *coefficient) {
     const double *s = self->row[LINE_DISTANCE];
-    const int last = self->nodes - 1, outside = at < s[0] ? 1 : at >= s[last] ? 2 : 0;
-    const int node = node_before(self, at, *cached / 3);
-    if (*cached == 3 * node + outside) return;
-    double c[6];
-    piece(self, column, node, c);
-    coefficient[0] = outside == 2 ? s[last] : s[node];
-    if (outside) go_on(column, outside == 2 ? s[last] - s[node] : 0.0, c);
-    memcpy(coefficient + 1, c, (size_t)(degree + 1) * sizeof *c);
-    *cached = 3 * node + outside;
+    const int last = self->nodes - 1, before = at < s[0], behind = at >= s[last];
+    const int node = *guess = node_before(self, at, *guess);
+    const double origin = *coefficient++ = behind ? s[last] : s[node];
+    held[0] = before ? -INFINITY : origin;
+    held[1] = before ? s[0] : behind ? INFINITY : s[node + 1];
+    for (int i = 0; i < table->columns; ++i) {
+        const int column = table->column[i];
+        double c[6];
+        piece(self, column, node, c);
+        if (before || behind) go_on(column, behind ? s[last] - s[node] : 0.0, c);
+        for (int power = 0; power <= DEGREE[column]; ++power) *coefficient++ = c[power];
+    }
 }

@@ -39,8 +39,9 @@ enum { PROBLEM_SIZE = 400 };
 INSIDE void line_free(line_data *self);
 /* Heading, rise and place of each node from curvature and gradient. */
 INSIDE void line_integrate(line_data *self);
-/* Origin and coefficients of a column at a place, left as they are where `cached` says that they hold there. */
-INSIDE void line_look_up(const line_data *self, int column, int degree, double at, int *cached, double *coefficient);
+/* Origin at a place, coefficients of a table's columns, and the range in which they hold; guess: of the node before it. */
+INSIDE void line_look_up(const line_data *self, const table_description *table, double at, int *guess, double held[2],
+                         double *coefficient);
 /* The line in a file; or null, and a sentence with its row and value. */
 INSIDE line_data *line_read(const char *path, char problem[PROBLEM_SIZE]);
 

@@ -38,12 +38,14 @@ typedef struct {
     double when_lost; /* what the equations see when a NaN arrives; NaN: a NaN is refused */
 } variable_description;
 
-/* A piecewise polynomial. Piece i holds on [breakpoint[i], breakpoint[i+1]] and is a polynomial of `degree` in
+/* A piecewise polynomial; tables stand in the order of their ranks. Piece i holds on [breakpoint[i], breakpoint[i+1]] and is a polynomial of `degree` in
  * (argument - breakpoint[i]); outside the breakpoints the end value is held. */
 typedef struct {
     int pieces, degree;
     int rank; /* tables of rank 0 have arguments without tables; rank 1 needs values of rank 0, and so on */
-    int line; /* column of the instance's line (line.h) in place of breakpoints and coefficients; -1: it has its own */
+    int place; /* of origin and coefficients among those that the generated functions see */
+    int columns; /* of the instance's line (line.h), in place of breakpoints and coefficients; 0: it has its own */
+    const int *column;
     const double *breakpoint;
     const double *coefficient; /* pieces x (degree + 1), lowest power first */
 } table_description;

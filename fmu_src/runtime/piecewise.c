@@ -1,4 +1,6 @@
 /* Piecewise polynomials: the look-up stays outside the generated functions, which see coefficients only. */
+#include <math.h>
+
 #include "internal.h"
 
 static int piece_of(const table_description *table, double argument) {
@@ -30,35 +32,37 @@ static double polynomial(const double *coefficient, int degree, double x) {
     return value;
 }
 
-/* Writes (origin, c0 ... c_degree) for each table of this rank, whose arguments are in table_at one after the other.
- * Outside its breakpoints a table holds its end value. */
-void tables_look_up(kernel *self, int rank) {
+/* Origin and coefficients of a table at a place, and the range in which they hold. */
+static void look_up(const table_description *table, double at, double held[2], double *coefficient) {
+    const int terms = table->degree + 1, piece = piece_of(table, at);
+    const double first = table->breakpoint[0], last = table->breakpoint[table->pieces];
+    const double *source = table->coefficient + (size_t)piece * (size_t)terms;
+    held[0] = coefficient[0] = table->breakpoint[piece];
+    held[1] = table->breakpoint[piece + 1];
+    for (int power = 0; power < terms; ++power) coefficient[1 + power] = source[power];
+    if (!(at < first || at > last)) return; /* a NaN goes into the polynomial and comes out of it */
+    held[0] = at < first ? -INFINITY : at;
+    held[1] = at < first ? first : INFINITY;
+    coefficient[1] = at < first ? source[0] : polynomial(source, table->degree, last - table->breakpoint[piece]);
+    for (int power = 1; power < terms; ++power) coefficient[1 + power] = 0.0;
+}
+
+static void renew(kernel *self, int number, double at) {
+    const table_description *table = &self->system->table[number];
+    double *held = self->held + 2 * number, *coefficient = self->coefficient + table->place;
+    if (table->columns)
+        line_look_up(self->line, table, at, &self->node[number], held, coefficient);
+    else
+        look_up(table, at, held, coefficient);
+}
+
+/* Most arguments have not left the piece that stands there. */
+int tables_look_up(kernel *self, int first) {
     const system_description *system = self->system;
-    const double *argument = self->table_at;
-    double *coefficient = self->coefficient;
-    for (int i = 0; i < system->tables; ++i) {
-        const table_description *table = &system->table[i];
-        const int terms = table->degree + 1;
-        if (table->rank != rank) {
-            coefficient += 1 + terms;
-            continue;
-        }
-        const double at = *argument++;
-        if (table->line >= 0) {
-            line_look_up(self->line, table->line, table->degree, at, &self->line_piece[i], coefficient);
-            coefficient += 1 + terms;
-            continue;
-        }
-        const double first = table->breakpoint[0], last = table->breakpoint[table->pieces];
-        const int piece = piece_of(table, at);
-        const double *source = table->coefficient + (size_t)piece * (size_t)terms;
-        coefficient[0] = table->breakpoint[piece];
-        for (int power = 0; power < terms; ++power) coefficient[1 + power] = source[power];
-        if (at < first || at > last) {
-            const double width = table->breakpoint[table->pieces] - table->breakpoint[table->pieces - 1];
-            coefficient[1] = at < first ? source[0] : polynomial(source, table->degree, width);
-            for (int power = 1; power < terms; ++power) coefficient[1 + power] = 0.0;
-        }
-        coefficient += 1 + terms;
+    int i = first;
+    for (; i < system->tables && system->table[i].rank == system->table[first].rank; ++i) {
+        const double at = self->table_at[i - first];
+        if (!(at >= self->held[2 * i] && at < self->held[2 * i + 1])) renew(self, i, at);
     }
+    return i;
 }

@@ -26,7 +26,7 @@ def surveyor() -> Library:
     distance = system.state("distance", "m", 0.0, 1.0) + system.input(Variable("away", "input", "m", "Added"))
     system.derivative("distance", system.parameter(Variable("speed", "parameter", "m/s", "How fast")))
     for column, degree in LINE_COLUMNS.items():
-        values = system.along_line(column, "here", distance, min(degree, 2))
+        values = system.along_line(column, distance, min(degree, 2))
         for order, value in enumerate(values):
             system.output(Variable(f"{column}_{order}", "output", "1", "Looked up"), value)
     return quick_library(model_of(system, 1e-9, line_file()))
