@@ -190,7 +190,7 @@ def draw(found: Mapping[str, Mapping[str, Recording]], ends: Mapping[str, Record
     axes["down"].set_title(f"{1e3 * abs(DOWN):g} ‰ down, rolling freely and braked: speed [m/s]")
     axes["terminal"].set_title("down against Davis's resistance and a brake: speed [m/s]")
     axes["started"].set_title(f"started {1e3 * UP:g} ‰ up: speed [m/s]")
-    axes["held"].set_title(f"held by locked wheels on {1e3 * HELD:g} ‰, released at 0 s: speed downhill [m/s]")
+    axes["held"].set_title(f"locked on {1e3 * HELD:g} ‰, released at 0 s: speed downhill [m/s]")
     axes["held"].set_xlim(-SETTLED / 4, SETTLED)
     for axis in axes.values():
         axis.set_xlabel("time [s]")
