@@ -59,5 +59,6 @@ def curvatures_at(assembly: Assembly, places: Sequence[ca.SX]) -> list[ca.SX]:
 
 def curve_share(curvature: ca.SX) -> ca.SX:
     """Share of the weight that holds a vehicle back in a curve, von Roeckl (1880); curvature [1/m] >= 0."""
-    wide, tight = (share * curvature / (1 - place * curvature) for share, place in (WIDE, TIGHT))
-    return ca.if_else(curvature * RADIUS > 1, tight, wide)
+    tight = curvature * RADIUS > 1
+    share, place = (ca.if_else(tight, *both) for both in zip(TIGHT, WIDE, strict=True))
+    return share * curvature / (1 - place * curvature)
