@@ -205,6 +205,28 @@ def library_of(
     return path
 
 
+#: WebAssembly with the C library of WASI; a page gives what of its system the kernel asks for.
+WEB_TARGET = "wasm32-wasi"
+
+
+def web_module(model: Model) -> Path:
+    """Path of a WebAssembly module with the functions of kernel.h, and malloc, compiled now unless the cache has it."""
+    sources = generate(model)
+    flags = [flag for flag in FLAGS if flag != "-fPIC"]
+    linking = [OPTIMISE_RUNTIME, "-mexec-model=reactor", "-s", "-Wl,--export-dynamic", "-Wl,--export=malloc"]
+    words = [*compiler(WEB_TARGET), *flags, *linking]
+    path = cache() / f"{_content(words, sources, (*KERNEL_SOURCES, *RUNTIME_HEADERS))}.wasm"
+    with _missing(path) as missing:
+        if missing:
+            runtime = {name: (RUNTIME / name).read_text() for name in KERNEL_SOURCES}
+            objects = objects_of(sources, [*flags, OPTIMISE_GENERATED], WEB_TARGET)
+            objects += objects_of(runtime, [*flags, "-DKERNEL_LIBRARY", OPTIMISE_RUNTIME], WEB_TARGET)
+            with tempfile.TemporaryDirectory() as folder:
+                run([*linking, "-o", "module", *map(str, objects), "-lm"], WEB_TARGET, Path(folder))
+                _keep(Path(folder) / "module", path)
+    return path
+
+
 def build_library(model: Model) -> Path:
     """Compiled kernel of a model, for kernel.py."""
     return library_of(generate(model))

@@ -20,8 +20,13 @@ APPLICATION_TIME, RELEASE_TIME = 2.0, 0.6
 
 
 def coach_brake() -> BrakeParameters:
-    """The brake of one wheelset of the coach: rigging and shoes of `qr30` scaled to FULL_TORQUE. Assumed."""
-    brake, radius = qr30(), passenger_coach().parameters.values()["wheel_radius"]
+    """The brake of one wheelset of the coach."""
+    return brake_of(passenger_coach(), FULL_TORQUE)
+
+
+def brake_of(vehicle: Vehicle, full_torque: float) -> BrakeParameters:
+    """A brake of one wheelset: rigging and shoes of `qr30` scaled to a torque at full pressure [N.m]. Assumed."""
+    brake, radius = qr30(), vehicle.parameters.values()["wheel_radius"]
     shoe_torque = brake.wheelset_share * brake.rigging_efficiency * brake.constant_shoe_friction * radius
     return replace(
         brake,
@@ -29,7 +34,7 @@ def coach_brake() -> BrakeParameters:
         application_time=APPLICATION_TIME,
         release_time=RELEASE_TIME,
         wheel_radius=radius,
-        force_per_pressure=FULL_TORQUE / FULL_PRESSURE / shoe_torque,
+        force_per_pressure=full_torque / FULL_PRESSURE / shoe_torque,
     )
 
 
