@@ -6,7 +6,7 @@ RUN := $(VENV)/bin/python
 # Matrices here are small: two processes with two threads of BLAS each take three times as long as with one each.
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: demo test test-fast test-long check charts pages clean
+.PHONY: demo test test-fast test-long check charts screenshots pages clean
 
 demo: $(VENV)/demo-installed
 	$(RUN) build_fmu.py ssp
@@ -48,6 +48,10 @@ charts: $(VENV)/charts-installed
 $(VENV)/charts-installed: pyproject.toml | $(VENV)/bin/python
 	$(RUN) -m pip install --quiet --disable-pip-version-check -e ".[charts]"
 	touch $@ $(VENV)/demo-installed
+
+# The screenshots of the documentation, by the tests of the pages in a browser.
+screenshots: $(VENV)/test-installed
+	BOGIE_BRAKING_PICTURES=docs/pictures $(RUN) -m pytest -p no:xdist tests/scenarios/test_live.py
 
 # Writes what is generated of the README, EQUATIONS.md and the pages in docs/ anew, from the code and docs/data/.
 pages: $(VENV)/demo-installed

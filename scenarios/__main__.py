@@ -13,6 +13,7 @@
                                                                  every combination, one table; interrupted, it resumes
   python -m scenarios sweep levels --vary utilisation=0.5:1.3:81 --scheduler tcp://127.0.0.1:8786
                                                                  on a Dask cluster
+  python -m scenarios live                                       a page that brakes a bogie in any browser
 
 Exit status: 0 all rows hold (sweep: all points are good), 1 a row does not hold (a point failed), 2 bad input,
 3 a simulation (the sweep) failed, 130 interrupted (Ctrl-C): finished points of a sweep are kept, results as they were.
@@ -31,6 +32,7 @@ from fmu_src.compile import CompilerError
 from fmu_src.kernel import KernelError
 from scenarios.catalogue import SCENARIOS, find
 from scenarios.cosimulation.slave import CosimulationError
+from scenarios.live.page import write_page
 from scenarios.reporting.report import save, stopwatch, table
 from scenarios.scenario import BadInputError, Options, Scenario
 from scenarios.sweep import command as sweep
@@ -119,12 +121,17 @@ def main(arguments: list[str] | None = None) -> int:
     runner.add_argument("--line", type=Path, metavar="FILE", help=text)
     add_profiles(runner)
     sweep.add_command(commands)
+    page = commands.add_parser("live", help="write a page that brakes a bogie, or a coach, in any browser")
+    page.add_argument("--out", type=Path, default=Path("results"), help="folder of live.html (default: results)")
     chosen = parser.parse_args(arguments)
     if chosen.command == "list":
         return show_list()
     try:
         if chosen.command == "sweep":
             return HOLDS if sweep.run(chosen) else DOES_NOT_HOLD
+        if chosen.command == "live":
+            print(f"Open in a browser: {write_page(chosen.out / 'live.html')}")
+            return HOLDS
         options = Options(**{item.name: getattr(chosen, item.name) for item in fields(Options)})
         return run(chosen.name, options, chosen.out)
     except BadInputError as error:

@@ -1,0 +1,94 @@
+"""Writes the live page: one file that brakes a vehicle in a browser, with the kernel of the FMUs as WebAssembly."""
+
+from __future__ import annotations
+
+import base64
+import json
+import zlib
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from tqdm import tqdm
+
+from brake_controller.wheel_slide import common_protection
+from fmu_src import __version__
+from fmu_src.codegen import generate, guid_of
+from fmu_src.compile import web_module
+from rbd_model.contact.profiles import Profile
+from rbd_model.vehicle import size_of
+from scenarios.fmus.braked_vehicle import FULL_PRESSURE
+from scenarios.live.machines import MACHINES, model_of
+from scenarios.reporting.plots import FOUR
+from scenarios.reporting.progress import PATIENCE
+
+WEB = Path(__file__).parent / "web"
+#: In the order in which they use each other.
+SCRIPTS = ("kernel.js", "protection.js", "simulation.js", "charts.js", "side_view.js", "section_view.js", "page.js")
+#: Points of a profile that is drawn.
+POINTS = 240
+
+
+def write_page(path: Path) -> Path:
+    """Writes the page, about a megabyte; it needs no network. Raises CompilerError, OSError."""
+    script = "\n".join((WEB / name).read_text(encoding="utf-8") for name in SCRIPTS)
+    data = {
+        "version": __version__,
+        "colours": FOUR,
+        "protection": asdict(common_protection()),
+        "machines": {name: machine(name) for name in tqdm(MACHINES, "machines", delay=PATIENCE, leave=False)},
+    }
+    parts = {
+        "@STYLE@": (WEB / "page.css").read_text(encoding="utf-8"),
+        "@DATA@": json.dumps(data, separators=(",", ":")).replace("</", "<\\/"),
+        "@SCRIPT@": script,
+    }
+    page = (WEB / "page.html").read_text(encoding="utf-8")
+    for mark, text in parts.items():
+        page = page.replace(mark, text)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(page, encoding="utf-8")
+    return path
+
+
+def machine(name: str) -> dict[str, Any]:
+    """What the page knows of a machine: its compiled kernel, variables by their number, sizes and profiles [m]."""
+    model, one = model_of(name), MACHINES[name]
+    vehicle, pair = one.vehicle(), one.pair()
+    numbers = vehicle.parameters.values()
+    known = {variable.name for variable in model.variables}
+    return {
+        "title": one.title,
+        "guid": guid_of(generate(model)),
+        "module": base64.b64encode(zlib.compress(web_module(model).read_bytes(), 9)).decode(),
+        "variables": [variable.name for variable in model.variables],
+        "fullPressure": FULL_PRESSURE,
+        "fullTraction": one.full_traction,
+        "wheelsets": [
+            {"along": float(size_of(wheelset.along, numbers)), "radius": float(size_of(wheelset.mean_radius, numbers))}
+            for wheelset in vehicle.wheelsets
+        ],
+        "bodies": [
+            {
+                "along": float(size_of(body.along, numbers)),
+                "height": float(size_of(body.height, numbers)),
+                "carries": [
+                    number for number, wheelset in enumerate(vehicle.wheelsets) if wheelset.reacts_on == body.name
+                ],
+                "motions": {
+                    motion: body.variable(motion) for motion in ("bounce", "pitch") if body.variable(motion) in known
+                },
+            }
+            for body in vehicle.bodies
+        ],
+        "wheel": drawn(pair.wheel),
+        "rail": drawn(pair.rail),
+        "aside": pair.wheel_half_distance - pair.rail_half_distance,
+    }
+
+
+def drawn(profile: Profile) -> list[list[float]]:
+    """Points (y outwards, z) of a profile [mm]."""
+    y = np.linspace(*profile.limits, POINTS)
+    return np.round(1e3 * np.column_stack([y, profile.height(y)]), 3).tolist()

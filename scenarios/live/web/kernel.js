@@ -1,0 +1,62 @@
+// The kernel of the FMUs, compiled to WebAssembly: variables by name, steps, sentences.
+
+const WARNING = 1; // kernel.h: from 2 on a call was refused or failed
+const NOT_THERE = 8; // what WASI says of a file that is not open: a page has none
+
+// Unpacks and compiles a module; every kernel of it shares its code.
+async function loadModule(packed) {
+  const bytes = Uint8Array.from(atob(packed), (letter) => letter.charCodeAt(0));
+  const plain = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
+  return WebAssembly.compile(await new Response(plain).arrayBuffer());
+}
+
+class KernelError extends Error {}
+
+class Kernel {
+  static async create(module, names) {
+    const system = new Proxy({}, { get: () => () => NOT_THERE });
+    const { exports } = await WebAssembly.instantiate(module, { wasi_snapshot_preview1: system });
+    exports._initialize();
+    return new Kernel(exports, names);
+  }
+
+  constructor(exports, names) {
+    this.exports = exports;
+    this.places = new Map(names.map((name, place) => [name, place]));
+    this.self = exports.kernel_create();
+    this.room = exports.malloc(8);
+  }
+
+
+  set(values) {
+    for (const [name, value] of Object.entries(values))
+      this.check(this.exports.kernel_set(this.self, this.places.get(name), value));
+  }
+
+  get(name) {
+    this.check(this.exports.kernel_get(this.self, this.places.get(name), this.room));
+    return new DataView(this.exports.memory.buffer).getFloat64(this.room, true);
+  }
+
+  // Back to the start values, then with some others up to the first instant.
+  start(values) {
+    this.exports.kernel_reset(this.self);
+    this.set(values);
+    this.check(this.exports.kernel_initialise(this.self, 0));
+  }
+
+  step(time, size) {
+    this.check(this.exports.kernel_step(this.self, time, size));
+  }
+
+  // Sentences since they were read last; each stands behind its status.
+  journal() {
+    const bytes = new Uint8Array(this.exports.memory.buffer, this.exports.kernel_journal(this.self));
+    const text = new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0)));
+    return text.split("\n").filter(Boolean).map((line) => line.slice(2));
+  }
+
+  check(status) {
+    if (status > WARNING) throw new KernelError(this.journal().at(-1) ?? `The kernel answered ${status}.`);
+  }
+}

@@ -1,0 +1,91 @@
+// The leading wheelset on its rails, seen from behind: profiles, where they touch, wheel loads Q and lateral forces Y.
+
+const TOUCHES = 0.03; // gap up to which profiles are drawn as touching [mm]
+const FORCE = 0.15; // length of an arrow [mm for each kN]
+
+class SectionView {
+  constructor(canvas, colours) {
+    Object.assign(this, { canvas, colours });
+  }
+
+  draw({ machine, kernel }) {
+    const { context, width, height } = sharp(this.canvas);
+    for (const [side, name] of [[1, "left"], [-1, "right"]]) {
+      const values = Object.fromEntries(
+        ["wheel_load", "lateral_force", "wheel_rise"].map((one) => [one, kernel.get(`${one}_1_${name}`)]));
+      const scale = Math.min(width / 230, height / 100), middle = width / 2 - side * 0.25 * width;
+      const view = { context, scale, x: (y) => middle - side * scale * y, z: (z) => height * 0.52 - scale * z, side };
+      this.side(view, machine, 1e3 * kernel.get("lateral_1"), values);
+      context.fillStyle = INK;
+      context.textAlign = "center";
+      const { wheel_load: load, lateral_force: lateral } = values;
+      context.fillText(`${name}: Q ${(load / 1e3).toFixed(0)} kN, Y ${(lateral / 1e3).toFixed(1)} kN`, middle, height - 8);
+    }
+    context.textAlign = "left";
+    context.fillText(`leading wheelset, ${(1e3 * kernel.get("lateral_1")).toFixed(2)} mm to the left`, 4, 13);
+  }
+
+  // Profiles count outwards; a wheelset that moves to the left brings its left wheel outwards.
+  side(view, machine, lateral, { wheel_load: load, lateral_force: force, wheel_rise: rise }) {
+    const shift = 1e3 * machine.aside + view.side * lateral;
+    const over = machine.wheel.map(([y, z]) => [y + shift, z]);
+    const gaps = over.map(([y, z]) => z - heightAt(machine.rail, y)), least = Math.min(...gaps);
+    const wheel = over.map(([y, z]) => [y, z + (load > 0 ? -least : 1e3 * rise)]);
+    this.filled(view, machine.rail, "#c9ced3", -30);
+    this.filled(view, wheel, "#e9eef2", 34);
+    if (load <= 0) return;
+    wheel.forEach(([y, z], number) => {
+      if (gaps[number] - least < TOUCHES) this.dot(view, y, z);
+    });
+    const place = wheel[gaps.indexOf(least)];
+    this.arrow(view, place, [0, (FORCE * load) / 1e3], this.colours[0], "Q");
+    this.arrow(view, place, [(FORCE * force) / 1e3, 0], this.colours[3], "Y");
+  }
+
+  filled({ context, x, z }, points, colour, to) {
+    context.beginPath();
+    for (const [y, height] of points) context.lineTo(x(y), z(height));
+    context.lineTo(x(points.at(-1)[0]), z(to));
+    context.lineTo(x(points[0][0]), z(to));
+    context.closePath();
+    context.fillStyle = colour;
+    context.fill();
+    context.strokeStyle = INK;
+    context.lineWidth = 1.2;
+    context.stroke();
+  }
+
+  dot({ context, x, z }, y, height) {
+    context.fillStyle = this.colours[3];
+    context.beginPath();
+    context.arc(x(y), z(height), 3, 0, 2 * Math.PI);
+    context.fill();
+  }
+
+  arrow({ context, x, z }, [y, height], [along, up], colour, name) {
+    const from = [x(y), z(height)], to = [x(y + along), z(height + up)];
+    const length = Math.hypot(to[0] - from[0], to[1] - from[1]);
+    if (length < 2) return;
+    const unit = [(to[0] - from[0]) / length, (to[1] - from[1]) / length], tip = Math.min(7, length);
+    context.strokeStyle = context.fillStyle = colour;
+    context.lineWidth = 2;
+    context.beginPath();
+    context.moveTo(...from);
+    context.lineTo(...to);
+    context.stroke();
+    context.beginPath();
+    context.moveTo(...to);
+    for (const sign of [1, -1])
+      context.lineTo(to[0] - tip * (unit[0] - sign * 0.5 * unit[1]), to[1] - tip * (unit[1] + sign * 0.5 * unit[0]));
+    context.fill();
+    context.fillText(name, to[0] + 8, to[1] + 4);
+  }
+}
+
+// Height of a profile, points in the order of y, by straight lines; beside it nothing is.
+function heightAt(points, y) {
+  if (y < points[0][0] || y > points.at(-1)[0]) return -Infinity;
+  const share = ((y - points[0][0]) / (points.at(-1)[0] - points[0][0])) * (points.length - 1);
+  const number = Math.min(Math.floor(share), points.length - 2);
+  return points[number][1] + (share - number) * (points[number + 1][1] - points[number][1]);
+}

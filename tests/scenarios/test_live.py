@@ -1,0 +1,149 @@
+"""The live page in a real browser: controls, pictures, and its kernel and protection against those of Python."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator
+from functools import lru_cache
+from pathlib import Path
+
+import pytest
+
+from brake_controller.wheel_slide import APPLY, VENT, SlideProtection
+from fmu_src.compile import build_library
+from fmu_src.kernel import Kernel, Library
+from rbd_model.vehicle import size_of
+from scenarios.fmus.braked_vehicle import FULL_PRESSURE
+from scenarios.live.machines import MACHINES, model_of
+from scenarios.live.page import write_page
+from tests.browser import Browser, Page, browser
+
+__all__ = ["browser"]
+
+#: Period of the page's controls [s], PERIOD in simulation.js.
+PERIOD = 5e-3
+#: Wet rail with leaves: friction, and that from a place on over some metres.
+FRICTION, LEAVES, AHEAD, LENGTH = 0.08, 0.05, 50.0, 40.0
+#: Of outputs that may be small: forces of contacts, loads [N].
+NOMINAL = {"lateral_force": 1e3, "flange_force": 1e3, "guiding_force": 1e3, "creep_force": 1e3}
+#: Amplitude of the rails' wave at level 3 [m].
+WAVE = 5e-3
+#: Rounding of two mathematical libraries, relative; and what becomes of it where valves act on what the wheels do: the
+#: local error that is allowed, the default `tolerance`.
+BANDS = {False: 1e-9, True: 1e-6}
+#: Bytes that a telephone should be asked to load at most.
+LARGEST = 3_000_000
+
+
+#: What a person does, and the drive of `in_python`, in the language of the page.
+HANDS = f"""
+function move(values) {{
+  for (const [name, value] of Object.entries(values)) {{
+    const control = document.getElementById(name);
+    if (typeof value === "boolean") control.checked = value; else control.value = value;
+    control.dispatchEvent(new Event(control.tagName === "SELECT" ? "change" : "input"));
+  }}
+}}
+const isLocked = () => live.simulation.read("locked").includes(1);
+async function stop(name, level, protection, outputs) {{
+  const machine = DATA.machines[name];
+  const kernel = await Kernel.create(await moduleOf(name), machine.variables);
+  const simulation = new Simulation(kernel, machine, DATA.protection);
+  simulation.restart({{ level, initial_speed: 25, lateral_irregularity: level === 3 ? {WAVE} : 0 }});
+  Object.assign(simulation.controls, {{ handle: -1, friction: {FRICTION}, protection }});
+  simulation.addPatch({AHEAD}, {LENGTH}, {LEAVES});
+  let vented = 0;
+  for (let step = 0; step < {round(20 / PERIOD)}; step += 1) {{
+    simulation.advance({PERIOD});
+    vented += simulation.valves.filter((valve) => valve === VENT).length;
+  }}
+  return {{ vented, values: outputs.map((output) => kernel.get(output)) }};
+}}
+"""
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write_page(tmp_path_factory.mktemp("live") / "live.html")
+
+
+def opened(browser: Browser, file: Path, width: int) -> Iterator[Page]:
+    page = browser.open(file, width)
+    page.evaluate(HANDS)
+    page.evaluate("live.ready")
+    yield page
+    assert page.errors == []
+    assert page.requests == []
+
+
+@pytest.fixture(scope="module", params=[1440, 390])
+def page(browser: Browser, file: Path, request: pytest.FixtureRequest) -> Iterator[Page]:
+    yield from opened(browser, file, request.param)
+
+
+@pytest.fixture(scope="module")
+def still(browser: Browser, file: Path) -> Iterator[Page]:
+    """A page that does not go on by itself."""
+    for page in opened(browser, file, 800):
+        page.evaluate("live.running = false")
+        yield page
+
+
+def test_the_page_is_small(file: Path) -> None:
+    assert file.stat().st_size <= LARGEST
+
+
+def test_the_handle_brakes_and_wheels_lock(page: Page) -> None:
+    """Controls as a person moves them: without protection on wet rail wheels lock; charts move."""
+    page.evaluate("move({ level: 3, rails: 5, handle: -60 }), live.simulation.advance(8)")
+    page.evaluate(f"move({{ pace: 4, friction: {FRICTION}, protection: false, handle: -100 }})")
+    moved = "chart.toDataURL() !== before"
+    page.evaluate("globalThis.chart = at('chart-speed'), globalThis.before = chart.toDataURL(), null")
+    page.evaluate(f"new Promise((found) => setInterval(() => isLocked() && {moved} && found(), 50))")
+    assert "locked" in page.evaluate("at('sentences').textContent")
+    assert page.evaluate("live.simulation.history.at(-1).speed") < 90.0
+    name = f"live-{page.evaluate('innerWidth')}.png"
+    if "BOGIE_BRAKING_PICTURES" in os.environ:
+        page.screenshot(Path(os.environ["BOGIE_BRAKING_PICTURES"]) / name)
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+
+
+@pytest.mark.parametrize("protection", [False, True])
+@pytest.mark.parametrize("level", [1, 2, 3])
+@pytest.mark.parametrize("name", MACHINES)
+def test_the_page_computes_what_python_does(still: Page, name: str, level: int, protection: bool) -> None:
+    """20 s of a stop on wet rail with leaves, at level 3 over a wave: all outputs, and how often valves vent."""
+    outputs = [variable.name for variable in model_of(name).variables if variable.causality == "output"]
+    found = still.evaluate(f"stop({name!r}, {level}, {json.dumps(protection)}, {outputs})")
+    kernel, vented = stopped_in_python(name, level, protection)
+    assert found["vented"] == vented
+    assert (vented > 10) == protection
+    for output, one in zip(outputs, found["values"], strict=True):
+        size = BANDS[protection] * max(abs(kernel[output]), NOMINAL.get(output.rstrip("_1234"), 1.0))
+        assert abs(one - kernel[output]) <= size, (output, one, kernel[output])
+
+
+@lru_cache
+def stopped_in_python(name: str, level: int, protected: bool) -> tuple[Kernel, int]:
+    """The drive of the page's `Simulation` with the kernel and the protection of Python; how often a valve vented."""
+    vehicle = MACHINES[name].vehicle()
+    sizes = vehicle.parameters.values()
+    along = [float(size_of(wheelset.along, sizes)) for wheelset in vehicle.wheelsets]
+    radii = [float(size_of(wheelset.mean_radius, sizes)) for wheelset in vehicle.wheelsets]
+    kernel, protection, vented = Kernel(Library(build_library(model_of(name)))), SlideProtection(), 0
+    kernel.set(level=level, initial_speed=25.0, lateral_irregularity=WAVE if level == 3 else 0.0)
+    kernel.set(**{f"pressure_demand_{number}": 0.0 for number, _ in enumerate(along, 1)})
+    kernel.initialise()
+    begin = kernel["distance"] + along[0] + AHEAD
+    for step in range(round(20 / PERIOD)):
+        speeds = [radius * kernel[f"angular_velocity_{number}"] for number, radius in enumerate(radii, 1)]
+        valves, distance = protection.step(step * PERIOD, speeds), kernel["distance"]
+        valves = valves if protected else [APPLY] * len(valves)
+        vented += valves.count(VENT)
+        for number, (valve, place) in enumerate(zip(valves, along, strict=True), 1):
+            leaves = begin <= distance + place < begin + LENGTH
+            inputs = {"pressure_demand": FULL_PRESSURE, "valve": valve, "friction": LEAVES if leaves else FRICTION}
+            kernel.set(**{f"{one}_{number}": value for one, value in inputs.items()})
+        kernel.step(step * PERIOD, PERIOD)
+    return kernel, vented
