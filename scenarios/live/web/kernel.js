@@ -35,7 +35,9 @@ class Kernel {
 
   get(name) {
     this.check(this.exports.kernel_get(this.self, this.places.get(name), this.room));
-    return new DataView(this.exports.memory.buffer).getFloat64(this.room, true);
+    const { buffer } = this.exports.memory; // another one when the memory has grown
+    if (this.numbers?.buffer !== buffer) this.numbers = new DataView(buffer);
+    return this.numbers.getFloat64(this.room, true);
   }
 
   // Back to the start values, then with some others up to the first instant.

@@ -1,7 +1,7 @@
 // The leading wheelset on its rails, seen from behind: profiles, where they touch, wheel loads Q and lateral forces Y.
 
 const TOUCHES = 0.03; // gap up to which profiles are drawn as touching [mm]
-const FORCE = 0.15; // length of an arrow [mm for each kN]
+const FORCE = { Q: 0.15, Y: 0.6 }; // length of an arrow [mm for each kN]
 
 class SectionView {
   constructor(canvas, colours) {
@@ -22,7 +22,7 @@ class SectionView {
       context.fillText(`${name}: Q ${(load / 1e3).toFixed(0)} kN, Y ${(lateral / 1e3).toFixed(1)} kN`, middle, height - 8);
     }
     context.textAlign = "left";
-    context.fillText(`leading wheelset, ${(1e3 * kernel.get("lateral_1")).toFixed(2)} mm to the left`, 4, 13);
+    context.fillText(`leading wheelset, ${(1e3 * kernel.get("lateral_1")).toFixed(2)} mm to the left; Y drawn ${FORCE.Y / FORCE.Q} times as long as Q`, 4, 13);
   }
 
   // Profiles count outwards; a wheelset that moves to the left brings its left wheel outwards.
@@ -38,8 +38,8 @@ class SectionView {
       if (gaps[number] - least < TOUCHES) this.dot(view, y, z);
     });
     const place = wheel[gaps.indexOf(least)];
-    this.arrow(view, place, [0, (FORCE * load) / 1e3], this.colours[0], "Q");
-    this.arrow(view, place, [(FORCE * force) / 1e3, 0], this.colours[3], "Y");
+    this.arrow(view, place, [0, (FORCE.Q * load) / 1e3], this.colours[0], "Q");
+    this.arrow(view, place, [(FORCE.Y * force) / 1e3, 0], this.colours[3], "Y");
   }
 
   filled({ context, x, z }, points, colour, to) {

@@ -44,8 +44,7 @@ class Simulation {
     this.patches.push({ begin, end: begin + length, friction });
   }
 
-  frictionUnder(wheelset) {
-    const place = this.kernel.get("distance") + wheelset.along;
+  frictionAt(place) {
     const patch = this.patches.find(({ begin, end }) => place >= begin && place < end);
     return Math.min(this.controls.friction, patch?.friction ?? Infinity);
   }
@@ -68,12 +67,12 @@ class Simulation {
       ({ radius }, number) => radius * this.kernel.get(`angular_velocity_${number + 1}`));
     const commands = this.guard.step(this.time, speeds);
     this.valves = protection ? commands : commands.map(() => APPLY);
-    const inputs = {};
+    const inputs = {}, distance = this.kernel.get("distance");
     this.machine.wheelsets.forEach((wheelset, number) => {
       inputs[`pressure_demand_${number + 1}`] = this.machine.fullPressure * Math.max(0, -handle);
       inputs[`traction_torque_${number + 1}`] = this.machine.fullTraction * Math.max(0, handle);
       inputs[`valve_${number + 1}`] = this.valves[number];
-      inputs[`friction_${number + 1}`] = this.frictionUnder(wheelset);
+      inputs[`friction_${number + 1}`] = this.frictionAt(distance + wheelset.along);
     });
     this.kernel.set(inputs);
     this.kernel.step(this.time, PERIOD);
