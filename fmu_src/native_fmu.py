@@ -119,11 +119,15 @@ def _binaries(
     found = {}
     for name in platforms:
         targets, suffix = known.get(name, ((), library_suffix()))
-        libraries = {target: library_of(sources, target=target, fmu=True).read_bytes() for target in targets}
-        libraries = libraries or {"own": library_of(sources, fmu=True).read_bytes()}
-        binary = universal(libraries) if len(libraries) > 1 else next(iter(libraries.values()))
-        found[f"binaries/{name}/{model.name}{suffix}"] = binary
+        found[f"binaries/{name}/{model.name}{suffix}"] = binary_of(sources, targets, fmu=True)
     return found
+
+
+def binary_of(sources: Mapping[str, str], targets: Sequence[str], fmu: bool) -> bytes:
+    """A library for targets of zig, one file for two; none: for this machine, with its own compiler."""
+    libraries = {target: library_of(sources, target=target, fmu=fmu).read_bytes() for target in targets}
+    libraries = libraries or {"own": library_of(sources, fmu=fmu).read_bytes()}
+    return universal(libraries) if len(libraries) > 1 else next(iter(libraries.values()))
 
 
 def build_description(model: Model) -> str:

@@ -1,4 +1,22 @@
-"""When people want to see that something happens."""
+"""When a run owes its user a sign of progress, and when none is wanted."""
 
-#: A progress bar appears when a run takes longer than this [s].
-PATIENCE = 2.0
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import partialmethod
+
+from tqdm import tqdm
+
+from fmu_src.compile import PATIENCE as PATIENCE
+
+
+@contextmanager
+def without_bars() -> Iterator[None]:
+    """No bars within, wherever they are made."""
+    shown = tqdm.__init__
+    tqdm.__init__ = partialmethod(shown, disable=True)
+    try:
+        yield
+    finally:
+        tqdm.__init__ = shown
