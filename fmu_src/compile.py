@@ -26,6 +26,7 @@ from fmu_src.codegen import (
     STUDY_SOURCES,
     generate,
 )
+from fmu_src.progress import PATIENCE
 from fmu_src.system import Model
 
 if sys.platform == "win32":
@@ -53,8 +54,6 @@ FLAGS = (
 #: Generated code at -O2 takes three times as long to compile and runs 5 % faster; the runtime is small.
 OPTIMISE_GENERATED, OPTIMISE_RUNTIME = "-O1", "-O2"
 FMI_HEADERS = Path(fmpy.__file__).parent / "c-code"
-#: What lasts longer than this shows a bar [s].
-PATIENCE = 2.0
 
 
 class CompilerError(RuntimeError):

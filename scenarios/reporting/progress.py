@@ -1,4 +1,4 @@
-"""When a run owes its user a sign of progress, and when none is wanted."""
+"""Bars of what takes longer than PATIENCE; and none where none are wanted."""
 
 from __future__ import annotations
 
@@ -8,14 +8,19 @@ from functools import partialmethod
 
 from tqdm import tqdm
 
-from fmu_src.compile import PATIENCE as PATIENCE
+from fmu_src.progress import PATIENCE as PATIENCE
+
+
+def hide_bars() -> None:
+    """No bars from now on, wherever they are made."""
+    tqdm.__init__ = partialmethod(tqdm.__init__, disable=True)
 
 
 @contextmanager
 def without_bars() -> Iterator[None]:
-    """No bars within, wherever they are made."""
+    """No bars within."""
     shown = tqdm.__init__
-    tqdm.__init__ = partialmethod(shown, disable=True)
+    hide_bars()
     try:
         yield
     finally:

@@ -21,6 +21,7 @@ from functools import partial
 from itertools import islice
 from typing import Any
 
+from scenarios.reporting.progress import hide_bars
 from scenarios.sources import digest
 
 SOURCES = ("fmu_src", "rbd_model", "brake_controller", "scenarios")
@@ -107,7 +108,8 @@ def leave_with_parent() -> None:
 
 
 def prepare_worker() -> None:
-    """Ctrl-C ends a worker without a word; the parent says what there is to say."""
+    """The parent says what there is to say: Ctrl-C ends a worker without a word, and it shows no bars."""
+    hide_bars()
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     threading.Thread(target=leave_with_parent, daemon=True).start()
 
