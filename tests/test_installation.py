@@ -84,7 +84,7 @@ def test_wheel_runs_a_scenario_without_a_compiler_and_is_left_as_it_was(
     assert (tmp_path / "results" / "qr30-180kpa" / "figure.png").exists()
     assert not (tmp_path / "cache").exists()
     # The guard bites: what no wheel brings is compiled, and cannot be.
-    shown = call(installed, tmp_path, "-m", "scenarios", "run", "gradient", status=3, **no_compiler)
+    shown = call(installed, tmp_path, "-m", "scenarios", "run", "wheelset-torque", status=3, **no_compiler)
     assert "The C compiler" in shown
     assert "ziglang" in shown
     shown = call(installed, tmp_path, "-m", "scenarios", "doctor", **no_compiler)
