@@ -32,7 +32,7 @@ WHEELS = {
     "manylinux_2_17_x86_64": "linux64",
     "manylinux_2_17_aarch64": "aarch64-linux",
     "win_amd64": "win64",
-    "macosx_13_0_universal2": "darwin64",
+    "macosx_11_0_universal2": "darwin64",
 }
 
 
