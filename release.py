@@ -41,7 +41,7 @@ def copy_sources(folder: Path) -> None:
     listed = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, check=True).stdout
     for name in filter(None, listed.split("\0")):
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(ROOT / name, folder / name)
+        shutil.copy(ROOT / name, folder / name)
 
 
 def fill(folder: Path, platform: str) -> None:
@@ -83,7 +83,8 @@ def write_fmus(out: Path) -> None:
         folder = Path(name)
         if build_all(list(FMUS), NATIVE, folder, all_platforms=True):
             raise CompilerError("An FMU is not valid; nothing was packed")
-        files = {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*.[fs][ms][up]")}
+        made = [path for path in folder.rglob("*") if path.suffix in (".fmu", ".ssp")]
+        files = {path.relative_to(folder).as_posix(): path.read_bytes() for path in made}
     write_archive(out / f"bogie_braking-{__version__}-fmus.zip", files | {"LICENSE": license_text()})
 
 

@@ -11,6 +11,8 @@ from pathlib import Path
 import pytest
 from tqdm import tqdm
 
+from brake_controller.cylinder import brake_cylinder
+from fmu_src import codegen
 from fmu_src import compile as compiling
 from scenarios import doctor
 from scenarios.__main__ import main
@@ -57,6 +59,18 @@ def test_bars_are_hidden_within_and_shown_after(capsys: pytest.CaptureFixture[st
     with without_bars():
         assert bar() == ""
     assert "working: 100%" in bar()
+
+
+def test_generating_and_compiling_show_how_far_they_are(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for module in (codegen, compiling):
+        monkeypatch.setattr(module, "PATIENCE", 0.0)
+    sources = codegen.generate(brake_cylinder())
+    compiling.objects_of(sources, compiling.FLAGS)
+    shown = capsys.readouterr().err
+    assert "generating C:" in shown
+    assert "compiling:" in shown
 
 
 @pytest.mark.skipif(shutil.which("bash") is None, reason="there is no bash")
