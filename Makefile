@@ -6,7 +6,7 @@ RUN := $(VENV)/bin/python
 # Matrices here are small: two processes with two threads of BLAS each take three times as long as with one each.
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: demo test test-fast test-long check charts screenshots pages clean
+.PHONY: demo test test-fast test-long check charts screenshots pages release clean
 
 demo: $(VENV)/demo-installed
 	$(RUN) build_fmu.py ssp
@@ -57,5 +57,10 @@ screenshots: $(VENV)/test-installed
 pages: $(VENV)/demo-installed
 	for page in charts equations variables catalogue; do $(RUN) docs/generate/$$page.py || exit 1; done
 
+# Wheels with compiled FMUs inside, sdist, archive of FMUs, checksums, into dist/: half an hour once, for all platforms.
+release: $(VENV)/test-installed
+	rm -rf dist
+	$(RUN) release.py
+
 clean:
-	rm -rf $(VENV) build results
+	rm -rf $(VENV) build dist results

@@ -12,11 +12,13 @@ from functools import lru_cache
 from pathlib import Path
 
 import casadi as ca
+from tqdm import tqdm
 
 from fmu_src.chain import Call, Chain, Part, shared, symbols_in
 from fmu_src.elimination import Elimination, elimination, elimination_source
 from fmu_src.model_description import model_description
 from fmu_src.pieces import in_pieces
+from fmu_src.progress import PATIENCE
 from fmu_src.system import LINE_COLUMNS, Model, System, integration_variables, state_variable
 
 RUNTIME = Path(__file__).parent / "runtime"
@@ -169,11 +171,11 @@ def generate(model: Model) -> dict[str, str]:
 
 @lru_cache(maxsize=32)
 def _sources(model: Model) -> dict[str, str]:
-    generated = [functions(system) for system in model.systems]
-    solving = {system.name: elimination(system) for system in model.systems}
-    sources = {}
-    for system, made in zip(model.systems, generated, strict=True):
-        sources[f"equations_{system.name}.c"] = equations_in_c(system.name, made)
+    generated, solving, sources = [], {}, {}
+    for system in tqdm(model.systems, "generating C", delay=PATIENCE, leave=False, unit="system"):
+        generated.append(functions(system))
+        solving[system.name] = elimination(system)
+        sources[f"equations_{system.name}.c"] = equations_in_c(system.name, generated[-1])
         sources[f"elimination_{system.name}.c"] = elimination_source(system.name, solving[system.name])
     description = _description(model, generated, solving)
     # The GUID is a function of everything a host can see: equations, description, texts and units.

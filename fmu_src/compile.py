@@ -9,12 +9,13 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import fmpy
 import platformdirs
+from tqdm import tqdm
 
 from fmu_src.codegen import (
     FACE_SOURCES,
@@ -25,6 +26,7 @@ from fmu_src.codegen import (
     STUDY_SOURCES,
     generate,
 )
+from fmu_src.progress import PATIENCE
 from fmu_src.system import Model
 
 if sys.platform == "win32":
@@ -103,8 +105,15 @@ def objects_of(sources: Mapping[str, str], flags: Sequence[str], target: str | N
     As many at once as there are processors, the longest first, so that none is left over at the end.
     """
     names = sorted(sources, key=lambda name: -len(sources[name]))
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        return list(pool.map(lambda name: _object_of(name, sources[name], flags, target), names))
+    size = sum(map(len, sources.values()))
+    with (
+        ThreadPoolExecutor(os.cpu_count()) as pool,
+        tqdm(total=size, desc="compiling", delay=PATIENCE, leave=False, unit="B", unit_scale=True) as bar,
+    ):
+        under_way = {pool.submit(_object_of, name, sources[name], flags, target): name for name in names}
+        for done in as_completed(under_way):
+            bar.update(len(sources[under_way[done]]))
+    return [one.result() for one in under_way]
 
 
 def _object_of(name: str, text: str, flags: Sequence[str], target: str | None) -> Path:

@@ -21,23 +21,24 @@ from fmu_src.pages import PICTURE, pages
 from fmu_src.system import Model
 
 #: Folder in binaries/ -> targets of zig, and suffix of the library. Two targets make one universal binary. The glibc is
-#: that of CentOS 7. FMI 2.0 has no name for Linux on ARM; this is the one of FMI 3.0, which FMPy looks for as well.
+#: that of CentOS 7; the macOS is the first on ARM, where zig by itself would ask for one of four years later. FMI 2.0
+#: has no name for Linux on ARM; this is the one of FMI 3.0, which FMPy looks for as well.
 PLATFORMS: dict[str, tuple[tuple[str, ...], str]] = {
     "linux64": (("x86_64-linux-gnu.2.17",), ".so"),
     "win64": (("x86_64-windows-gnu",), ".dll"),
-    "darwin64": (("x86_64-macos", "aarch64-macos"), ".dylib"),
+    "darwin64": (("x86_64-macos.11.0", "aarch64-macos.11.0"), ".dylib"),
     "aarch64-linux": (("aarch64-linux-gnu.2.17",), ".so"),
 }
 #: The same for FMI 3.0.
 PLATFORMS3: dict[str, tuple[tuple[str, ...], str]] = {
     "x86_64-linux": (("x86_64-linux-gnu.2.17",), ".so"),
     "x86_64-windows": (("x86_64-windows-gnu",), ".dll"),
-    "x86_64-darwin": (("x86_64-macos",), ".dylib"),
-    "aarch64-darwin": (("aarch64-macos",), ".dylib"),
+    "x86_64-darwin": (("x86_64-macos.11.0",), ".dylib"),
+    "aarch64-darwin": (("aarch64-macos.11.0",), ".dylib"),
     "aarch64-linux": (("aarch64-linux-gnu.2.17",), ".so"),
 }
 #: Of Mach-O files: CPU type and subtype by target.
-MACHINES = {"x86_64-macos": (0x01000007, 3), "aarch64-macos": (0x0100000C, 0)}
+MACHINES = {"x86_64-macos.11.0": (0x01000007, 3), "aarch64-macos.11.0": (0x0100000C, 0)}
 HEADERS = ("model.h", "line.h", "kernel.h", "internal.h", "face.h")
 #: What sources/ hold besides the generated files, by version of FMI. FMPy's fmi2Functions.h is without the prefix.
 SOURCES = {
@@ -119,11 +120,15 @@ def _binaries(
     found = {}
     for name in platforms:
         targets, suffix = known.get(name, ((), library_suffix()))
-        libraries = {target: library_of(sources, target=target, fmu=True).read_bytes() for target in targets}
-        libraries = libraries or {"own": library_of(sources, fmu=True).read_bytes()}
-        binary = universal(libraries) if len(libraries) > 1 else next(iter(libraries.values()))
-        found[f"binaries/{name}/{model.name}{suffix}"] = binary
+        found[f"binaries/{name}/{model.name}{suffix}"] = binary_of(sources, targets, fmu=True)
     return found
+
+
+def binary_of(sources: Mapping[str, str], targets: Sequence[str], fmu: bool) -> bytes:
+    """A library for targets of zig, one file for two; none: for this machine, with its own compiler."""
+    libraries = {target: library_of(sources, target=target, fmu=fmu).read_bytes() for target in targets}
+    libraries = libraries or {"own": library_of(sources, fmu=fmu).read_bytes()}
+    return universal(libraries) if len(libraries) > 1 else next(iter(libraries.values()))
 
 
 def build_description(model: Model) -> str:

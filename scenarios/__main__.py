@@ -14,6 +14,10 @@
   python -m scenarios sweep levels --vary utilisation=0.5:1.3:81 --scheduler tcp://127.0.0.1:8786
                                                                  on a Dask cluster
   python -m scenarios live                                       a page that brakes a bogie in any browser
+  python -m scenarios run levels --json | jq .rows               the summary for a program; --quiet: the status alone
+  for name in $(python -m scenarios list --quiet); do ...        names alone
+  python -m scenarios doctor                                     what is there, what is missing, what to do
+  eval "$(bogie-braking completion bash)"                        completes the command bogie-braking, which is the same
 
 Exit status: 0 all rows hold (sweep: all points are good), 1 a row does not hold (a point failed), 2 bad input,
 3 a simulation (the sweep) failed, 130 interrupted (Ctrl-C): finished points of a sweep are kept, results as they were.
@@ -22,18 +26,27 @@ Exit status: 0 all rows hold (sweep: all points are good), 1 a row does not hold
 from __future__ import annotations
 
 import argparse
+import json
 import math
 import sys
+from contextlib import nullcontext
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
+from scenarios import doctor
+
+if __name__ == "__main__" and sys.argv[1:2] == ["doctor"]:  # before the imports of what it may find missing
+    sys.exit(doctor.main())
+
 from fmu_src.compile import CompilerError
 from fmu_src.kernel import KernelError
 from scenarios.catalogue import SCENARIOS, find
+from scenarios.completion import SHELLS, completion
 from scenarios.cosimulation.slave import CosimulationError
 from scenarios.live.page import write_page
-from scenarios.reporting.report import save, stopwatch, table
+from scenarios.reporting.progress import without_bars
+from scenarios.reporting.report import Result, save, stopwatch, table
 from scenarios.scenario import BadInputError, Options, Scenario
 from scenarios.sweep import command as sweep
 from scenarios.sweep.points import SweepError
@@ -57,27 +70,51 @@ def check(scenario: Scenario, options: Options) -> None:
         raise BadInputError(f"--{name.replace('_', '-')} has no effect on {scenario.name}; it belongs to {takers}.")
 
 
-def run(name: str, options: Options, out: Path) -> int:
-    scenario = find(name)
+def run(chosen: argparse.Namespace) -> int:
+    scenario, out = find(chosen.name), chosen.out
+    options = Options(**{item.name: getattr(chosen, item.name) for item in fields(Options)})
     check(scenario, options)
     if out.exists() and not out.is_dir():
         raise BadInputError(f"{out} is a file; give --out a folder.")
     elapsed = stopwatch()
     result = scenario.run(options)
     folder = save(result, scenario.name, out, elapsed())
+    if chosen.json:
+        print((folder / "summary.json").read_text(encoding="utf-8"), end="")
+    elif not chosen.quiet:
+        show(scenario, result, folder)
+    return HOLDS if result.holds else DOES_NOT_HOLD
+
+
+def show(scenario: Scenario, result: Result, folder: Path) -> None:
     print(f"{scenario.name}: {scenario.summary}\n")
     print(table(result.rows))
     for remark in result.remarks:
         print(f"\n{remark}")
     print(f"\nPicture: {folder / 'figure.png'}")
-    return HOLDS if result.holds else DOES_NOT_HOLD
 
 
-def show_list() -> int:
+def show_list(chosen: argparse.Namespace) -> int:
     width = max(len(scenario.name) for scenario in SCENARIOS)
+    if chosen.json:
+        about = [{"name": one.name, "summary": one.summary, "options": sorted(one.takes)} for one in SCENARIOS]
+        print(json.dumps(about, indent=2))
+        return HOLDS
     for scenario in SCENARIOS:
-        print(f"{scenario.name.ljust(width)}  {scenario.summary}")
+        print(scenario.name if chosen.quiet else f"{scenario.name.ljust(width)}  {scenario.summary}")
     return HOLDS
+
+
+def show_completion(parser: argparse.ArgumentParser, commands: Any, shell: str) -> int:
+    names = {"run": [one.name for one in SCENARIOS], "sweep": [one.name for one in SCENARIOS if one.sweep]}
+    print(completion(parser, commands.choices, names, shell))
+    return HOLDS
+
+
+def add_speech(parser: argparse.ArgumentParser, quiet: str, document: str) -> None:
+    group = parser.add_mutually_exclusive_group()
+    group.add_argument("--quiet", action="store_true", help=quiet)
+    group.add_argument("--json", action="store_true", help=f"{document} as one JSON document instead")
 
 
 PROFILES = """Equivalent conicity (EN 15302), rolling radii and contact angles of wheels on rails from files: lines of
@@ -106,7 +143,10 @@ def main(arguments: list[str] | None = None) -> int:
         prog="python -m scenarios", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     commands = parser.add_subparsers(dest="command", required=True)
-    commands.add_parser("list", help="what there is")
+    add_speech(commands.add_parser("list", help="what there is"), "names alone", "names, summaries and options")
+    commands.add_parser("doctor", help="what is there and what is missing, each with what to do")
+    shell = commands.add_parser("completion", help="a script with which a shell completes the command bogie-braking")
+    shell.add_argument("shell", choices=SHELLS)
     runner = commands.add_parser("run", help="run one scenario")
     runner.add_argument("name", help="a name from 'list'")
     runner.add_argument("--out", type=Path, default=Path("results"), help="folder of the results (default: results)")
@@ -123,17 +163,23 @@ def main(arguments: list[str] | None = None) -> int:
     sweep.add_command(commands)
     page = commands.add_parser("live", help="write a page that brakes a bogie, or a coach, in any browser")
     page.add_argument("--out", type=Path, default=Path("results"), help="folder of live.html (default: results)")
+    for command in ("run", "sweep"):
+        add_speech(commands.choices[command], "no progress, no table: the exit status tells", "the summary")
     chosen = parser.parse_args(arguments)
     if chosen.command == "list":
-        return show_list()
+        return show_list(chosen)
+    if chosen.command == "doctor":
+        return doctor.main()
+    if chosen.command == "completion":
+        return show_completion(parser, commands, chosen.shell)
     try:
-        if chosen.command == "sweep":
-            return HOLDS if sweep.run(chosen) else DOES_NOT_HOLD
         if chosen.command == "live":
             print(f"Open in a browser: {write_page(chosen.out / 'live.html')}")
             return HOLDS
-        options = Options(**{item.name: getattr(chosen, item.name) for item in fields(Options)})
-        return run(chosen.name, options, chosen.out)
+        with without_bars() if chosen.quiet else nullcontext():
+            if chosen.command == "sweep":
+                return HOLDS if sweep.run(chosen) else DOES_NOT_HOLD
+            return run(chosen)
     except BadInputError as error:
         print(error, file=sys.stderr)
         return BAD_INPUT

@@ -1,39 +1,48 @@
-"""An ordinary installation: a wheel in an empty environment, away from the checkout, works and writes nothing there."""
+"""An ordinary installation: the wheel of a release in an empty environment, away from the checkout, runs and builds."""
 
 from __future__ import annotations
 
 import os
-import shutil
 import subprocess
-import sys
+import time
 import venv
+from collections.abc import Mapping
 from pathlib import Path
 
+import fmpy
 import pytest
 
+import release
 from fmu_src.compile import CACHE
 
-ROOT = Path(__file__).parents[1]
-PARTS = ("fmu_src", "rbd_model", "brake_controller", "scenarios")
-FILES = ("build_fmu.py", "pyproject.toml", "README.md", "LICENSE")
+#: Of the FMUs that a release compiles, those of the scenario that runs here.
+FMUS = ["brake", "bogie"]
+OWN = next(tag for tag, place in release.WHEELS.items() if place == fmpy.platform)
 
 
 @pytest.fixture(scope="module")
-def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Python of an environment that holds nothing but the wheel and what it asks for."""
-    place = tmp_path_factory.mktemp("installation")
-    copy = place / "sources"  # setuptools writes beside its sources
-    copy.mkdir()
-    for part in PARTS:
-        shutil.copytree(ROOT / part, copy / part, ignore=shutil.ignore_patterns("__pycache__"))
-    for file in FILES:
-        shutil.copyfile(ROOT / file, copy / file)
-    venv.create(place / "environment", with_pip=True)
-    python = place / "environment" / ("Scripts" if os.name == "nt" else "bin") / "python"
+def wheels(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The sdist, the wheel for all platforms and that for this one, with two FMUs."""
+    out = tmp_path_factory.mktemp("release")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(release, "DIFFERENT", FMUS)
+        release.write_wheels([OWN], out)
+    return out
+
+
+def install(wheels: Path, place: Path) -> Path:
+    """Python of a new environment that holds nothing but the wheel of this platform and what it asks for."""
+    venv.create(place, with_pip=True)
+    python = place / ("Scripts" if os.name == "nt" else "bin") / "python"
     pip = [python, "-m", "pip", "install", "--quiet", "--no-compile", "--disable-pip-version-check"]
-    subprocess.run([*pip, str(copy)], check=True, capture_output=True, text=True, cwd=place)
-    shutil.rmtree(copy)
+    [wheel] = wheels.glob(f"*{OWN}.whl")
+    subprocess.run([*pip, str(wheel)], check=True, capture_output=True, text=True, cwd=place)
     return python
+
+
+@pytest.fixture(scope="module")
+def installed(wheels: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return install(wheels, tmp_path_factory.mktemp("installation") / "environment")
 
 
 def contents(folder: Path) -> dict[str, tuple[int, int]]:
@@ -42,37 +51,92 @@ def contents(folder: Path) -> dict[str, tuple[int, int]]:
     return {str(path.relative_to(folder)): (path.stat().st_size, path.stat().st_mtime_ns) for path in files}
 
 
-def call(python: Path, folder: Path, *arguments: str) -> str:
+def call(python: Path, folder: Path, *arguments: str, status: int = 0, **variables: str) -> str:
     """Runs the environment's Python in a folder, with a home of its own and the cache of all tests; what it printed."""
     environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
-    environment |= {"BOGIE_BRAKING_CACHE": str(CACHE), "HOME": str(folder)}
+    environment |= {"BOGIE_BRAKING_CACHE": str(CACHE), "HOME": str(folder)} | variables
     done = subprocess.run([python, *arguments], cwd=folder, env=environment, capture_output=True, text=True)
-    assert done.returncode == 0, done.stdout + done.stderr
-    return done.stdout
+    assert done.returncode == status, done.stdout + done.stderr
+    return done.stdout + done.stderr
 
 
-def test_installed_package_runs_a_scenario_and_builds_fmus_and_is_left_as_it_was(
-    installed: Path, tmp_path: Path
-) -> None:
+def packages_of(python: Path, folder: Path) -> Path:
     where = "import sysconfig; print(sysconfig.get_path('purelib'))"
-    packages = Path(call(installed, tmp_path, "-c", where).strip())
+    return Path(call(python, folder, "-c", where).strip())
+
+
+@pytest.fixture
+def no_compiler(installed: Path, tmp_path: Path) -> Mapping[str, str]:
+    """Variables with which every call of a compiler fails: there is none in PATH, and zig is gone."""
+    zig = packages_of(installed, tmp_path) / "ziglang"
+    away = zig.rename(zig.with_name("ziglang_away"))
+    yield {"PATH": str(tmp_path / "empty"), "CC": "", "BOGIE_BRAKING_CACHE": str(tmp_path / "cache")}
+    away.rename(zig)
+
+
+def test_wheel_runs_a_scenario_without_a_compiler_and_is_left_as_it_was(
+    installed: Path, no_compiler: Mapping[str, str], tmp_path: Path
+) -> None:
+    packages = packages_of(installed, tmp_path)
     before = contents(packages)
-    assert not (packages / "tests").exists()
-    shown = call(installed, tmp_path, "-m", "scenarios", "run", "qr30-180kpa")
+    shown = call(installed, tmp_path, "-m", "scenarios", "run", "qr30-180kpa", **no_compiler)
     assert "DOES NOT HOLD" not in shown
     assert (tmp_path / "results" / "qr30-180kpa" / "figure.png").exists()
+    assert not (tmp_path / "cache").exists()
+    # The guard bites: what no wheel brings is compiled, and cannot be.
+    shown = call(installed, tmp_path, "-m", "scenarios", "run", "wheelset-torque", status=3, **no_compiler)
+    assert "The C compiler" in shown
+    assert "ziglang" in shown
+    shown = call(installed, tmp_path, "-m", "scenarios", "doctor", **no_compiler)
+    assert f"ok       prebuilt FMUs: brake, bogie for {OWN}" in shown
+    assert "without  C compiler" in shown
+    assert contents(packages) == before
+
+
+def test_installed_package_builds_fmus_and_is_left_as_it_was(installed: Path, tmp_path: Path) -> None:
+    packages = packages_of(installed, tmp_path)
+    before = contents(packages)
+    assert not (packages / "tests").exists()
     shown = call(installed, tmp_path, "-m", "build_fmu", "brake")
     assert shown.count("valid") == 3
-    assert {path.parent.name for path in (tmp_path / "build").rglob("BrakeCylinder.fmu")} == {
-        "native",
-        "fmi3",
-        "python",
-    }
+    kinds = {path.parent.name for path in (tmp_path / "build").rglob("BrakeCylinder.fmu")}
+    assert kinds == {"native", "fmi3", "python"}
     assert contents(packages) == before
 
 
 def test_installed_package_is_the_one_that_runs(installed: Path, tmp_path: Path) -> None:
-    """Not this checkout, which the tests have on their path."""
+    """Not this checkout, which the tests have on their path; the command is the same as the module."""
     place = call(installed, tmp_path, "-c", "import scenarios; print(scenarios.__file__)").strip()
     assert Path(place).is_relative_to(installed.parents[1])
-    assert sys.prefix not in place
+    command = installed.with_name("bogie-braking" + installed.suffix)
+    done = subprocess.run([command, "list", "--quiet"], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert "qr30-180kpa" in done.stdout.splitlines()
+
+
+def test_a_release_made_again_is_the_same(wheels: Path, tmp_path: Path) -> None:
+    """From another folder, at another time, byte for byte."""
+    release.write_wheels([], tmp_path)
+    names = {path.name for path in tmp_path.iterdir()}
+    assert names == {path.name for path in wheels.iterdir() if OWN not in path.name}
+    assert len(names) == 2
+    for name in names:
+        assert (tmp_path / name).read_bytes() == (wheels / name).read_bytes(), name
+
+
+@pytest.mark.long
+def test_from_an_empty_machine_to_the_picture_in_a_minute(tmp_path: Path) -> None:
+    """The whole wheel of this platform, also a second time the same; a run in 15 s."""
+    for folder in ("one", "two"):
+        (tmp_path / folder).mkdir()
+        release.write_wheels([OWN], tmp_path / folder)
+    [one, two] = (next((tmp_path / folder).glob(f"*{OWN}.whl")).read_bytes() for folder in ("one", "two"))
+    assert one == two
+    begin = time.perf_counter()
+    python = install(tmp_path / "one", tmp_path / "environment")
+    ready = time.perf_counter()
+    no_cache = {"CC": "no-compiler", "BOGIE_BRAKING_CACHE": str(tmp_path / "cache")}
+    call(python, tmp_path, "-m", "scenarios", "run", "qr30-180kpa", **no_cache)
+    done = time.perf_counter()
+    assert (tmp_path / "results" / "qr30-180kpa" / "figure.png").exists()
+    assert done - ready < 15.0
+    assert done - begin < 60.0

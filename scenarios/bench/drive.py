@@ -11,12 +11,12 @@ from pathlib import Path
 
 import numpy as np
 
-from fmu_src.compile import build_library
 from fmu_src.kernel import Kernel, Library
 from fmu_src.system import System
 from rbd_model.bogie import smallest_level
 from rbd_model.line import Line
 from scenarios.cosimulation.recording import Recording
+from scenarios.fmus.building import kernel_of
 from scenarios.fmus.registry import model_of
 
 #: Points (time [s], value) of an input; straight lines between them, held after the last, a jump at a repeated time.
@@ -33,7 +33,7 @@ PADDING = 8
 @lru_cache
 def library(name: str) -> Library:
     """The compiled kernel inside the FMU of this name."""
-    return Library(build_library(model_of(name)))
+    return Library(kernel_of(name))
 
 
 @lru_cache

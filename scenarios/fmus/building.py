@@ -1,4 +1,4 @@
-"""Builds the FMUs of the registry, as files for people or, for scenarios, on demand into the cache of the user."""
+"""Builds the FMUs of the registry, as files for people or, for scenarios, on demand unless a release has built them."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from fmpy.validation import validate_fmu
 import fmu_src
 from brake_controller.parameters import qr30
 from brake_controller.protection_fmu import wheel_slide_protection
-from fmu_src.codegen import generate, guid_of
-from fmu_src.compile import CompilerError, cache, compiler
+from fmu_src.compile import CompilerError, build_library, cache, compiler, library_suffix
 from fmu_src.native_fmu import PLATFORMS, PLATFORMS3, build_native_fmu, build_native_fmu3
 from fmu_src.python_fmu import build_python_fmu
 from fmu_src.ssp import Component, Connection, write_ssp
 from fmu_src.step_fmu import build_step_fmu
 from fmu_src.system import StepModel
 from rbd_model.parameters import tables_8_1_and_8_2
+from scenarios.fmus.prebuilt import content_of, prebuilt
 from scenarios.fmus.registry import FMUS, model_of
 
 PICTURES = Path(__file__).parent / "pictures"
@@ -75,13 +75,21 @@ def write_fmu(name: str, kind: str, out: Path, all_platforms: bool = False) -> P
 
 
 def up_to_date(name: str, kind: str) -> Path:
-    """Path of an FMU in the cache of the user, built now unless it is there; equal content has one place."""
-    digest = hashlib.sha256(" ".join([guid_of(generate(model_of(name))), *compiler()]).encode())
-    for source in sorted(Path(fmu_src.__file__).parent.glob("*.py")):
-        digest.update(source.read_bytes())
-    out = cache() / "fmus" / digest.hexdigest()[:24]
+    """Path of an FMU that came with the package or lies in the cache of the user, built now unless one is there."""
+    return prebuilt(name, f"{kind}/{name}.fmu") or _in_cache(name, kind)
+
+
+def _in_cache(name: str, kind: str) -> Path:
+    """Equal content has one place."""
+    words = hashlib.sha256(" ".join([content_of(name), *compiler()]).encode()).hexdigest()
+    out = cache() / "fmus" / words[:24]
     path = fmu_path(name, kind, out)
     return path if path.exists() else write_fmu(name, kind, out)
+
+
+def kernel_of(name: str) -> Path:
+    """Path of the library of an FMU's equations for fmu_src/kernel.py, likewise."""
+    return prebuilt(name, f"kernel/{name}{library_suffix()}") or build_library(model_of(name))
 
 
 def announce(path: Path, seconds: float) -> list[str]:

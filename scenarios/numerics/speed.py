@@ -9,14 +9,14 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.figure import Figure
 
-from fmu_src.compile import build_library, compiler
+from fmu_src.compile import compiler
 from fmu_src.kernel import Kernel, Library
 from scenarios.bench.asymmetric_shoes import run_all
 from scenarios.bench.four_axles import ALONG_DAMPING, brakes
 from scenarios.cosimulation.recording import Recording
 from scenarios.cosimulation.slave import Slave
-from scenarios.fmus.building import up_to_date
-from scenarios.fmus.registry import model_of
+from scenarios.fmus.building import kernel_of, up_to_date
+from scenarios.fmus.prebuilt import PREBUILT
 from scenarios.methods import fmi_overhead
 from scenarios.methods.timing import LEVELS, REPEATS, least
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, titled
@@ -75,7 +75,7 @@ def vehicle_rows() -> list[Row]:
     As published, its body swings along the track undamped for the whole stop, which takes six times as many steps as
     with a damper there: both are shown.
     """
-    library, rows = Library(build_library(model_of("vehicle"))), []
+    library, rows = Library(kernel_of("vehicle")), []
     torques = brakes(VEHICLE_TORQUE)
     for level in (2, 3):
         for t in kernel_timings(library, level, torques):
@@ -120,8 +120,8 @@ def fmu_timings(kind: str, level: int) -> list[Timing]:
 
 
 def run(options: Options) -> Result:
-    model = model_of("bogie")
-    library = Library(build_library(model))
+    kernel = kernel_of("bogie")
+    library = Library(kernel)
     timings = [timing for level in LEVELS for timing in kernel_timings(library, level)]
     timings += [timing for level in LEVELS for kind in KINDS for timing in fmu_timings(kind, level)]
     rows = [
@@ -170,7 +170,8 @@ def run(options: Options) -> Result:
     series = Recording({"time": "s"}, [[t] for t in stops[1]["time"]])
     for level, name in LEVELS.items():
         series.add(f"speed_{name}", "m/s", np.array(stops[level]["speed"]))
-    remark = f"Compiler: {' '.join(compiler()[-3:])}. Machines are noisy: compare within one run only."
+    compiled_by = "a release's, zig" if kernel.is_relative_to(PREBUILT) else " ".join(compiler()[-3:])
+    remark = f"Compiler: {compiled_by}. Machines are noisy: compare within one run only."
     parameters = {"brake_torque": TORQUE, "initial_speed": 25.0, "host_step": HOST_STEP, "runs": REPEATS}
     return Result(rows, series, lambda: draw(timings), parameters, 0.0, [remark])
 

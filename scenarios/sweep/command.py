@@ -148,7 +148,8 @@ def run(chosen: argparse.Namespace) -> bool:
     sweep = sweep_of(chosen)
     head, points = sweep.head(), sweep.points
     journal = Journal(sweep.folder / JOURNAL, head, len(points), chosen.restart)
-    if journal.outcomes:
+    table_shown = not (chosen.quiet or chosen.json)
+    if journal.outcomes and table_shown:
         print(f"{sweep.folder.name}: {len(journal.outcomes)} of {len(points)} points are done already.")
     if len(journal.outcomes) < len(points):
         with evaluator(chosen) as run_points, journal:
@@ -157,7 +158,10 @@ def run(chosen: argparse.Namespace) -> bool:
     rows = [(point, journal.outcomes[number]) for number, point in enumerate(points)]
     failures = sum(outcome.failure is not None for _, outcome in rows)
     written = write_table(sweep.folder, sweep.sweepable, rows, head | {"points": len(rows), "failed": failures})
-    report(sweep, rows, written)
+    if chosen.json:
+        print((sweep.folder / "summary.json").read_text(encoding="utf-8"), end="")
+    elif table_shown:
+        report(sweep, rows, written)
     return failures == 0
 
 

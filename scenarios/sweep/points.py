@@ -5,7 +5,6 @@ Light to import: every worker process does.
 
 from __future__ import annotations
 
-import hashlib
 import math
 import multiprocessing
 import os
@@ -20,10 +19,11 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from itertools import islice
-from pathlib import Path
 from typing import Any
 
-ROOT = Path(__file__).resolve().parents[2]
+from scenarios.reporting.progress import hide_bars
+from scenarios.sources import digest
+
 SOURCES = ("fmu_src", "rbd_model", "brake_controller", "scenarios")
 #: Points that each worker has before it, so that it need not wait for the next one.
 AHEAD = 2
@@ -81,12 +81,7 @@ def judge(found: Any, promised: Sequence[str]) -> Outcome:
 
 def sources() -> str:
     """A digest of all equations, scenarios and C sources of this checkout: points of two of them share no table."""
-    digest = hashlib.sha256((ROOT / "build_fmu.py").read_bytes())
-    files = [path for folder in SOURCES for path in (ROOT / folder).rglob("*") if path.suffix in {".py", ".c", ".h"}]
-    for path in sorted(files, key=lambda path: path.relative_to(ROOT).as_posix()):
-        digest.update(path.relative_to(ROOT).as_posix().encode())
-        digest.update(path.read_bytes())
-    return digest.hexdigest()[:16]
+    return digest("build_fmu.py", *SOURCES)
 
 
 def outcomes_from(
@@ -113,7 +108,8 @@ def leave_with_parent() -> None:
 
 
 def prepare_worker() -> None:
-    """Ctrl-C ends a worker without a word; the parent says what there is to say."""
+    """The parent says what there is to say: Ctrl-C ends a worker without a word, and it shows no bars."""
+    hide_bars()
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     threading.Thread(target=leave_with_parent, daemon=True).start()
 

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
 from matplotlib.figure import Figure
+from tqdm import tqdm
 
 from rbd_model.parameters import AS_PRINTED, as_printed, tables_5_1_and_5_2
 from scenarios.bench.drive import AT_REST, located_lock_time, prepare
@@ -11,6 +14,7 @@ from scenarios.bench.open_fmus import open_bogie
 from scenarios.cosimulation.master import couple
 from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, mark, panels
+from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row
 from scenarios.scenario import Options, Scenario, Sweepable
 
@@ -83,7 +87,8 @@ def point_rows(point: dict[str, Recording]) -> list[Row]:
 
 
 def run(options: Options) -> Result:
-    runs = {(level, case): brake(options, level, torque) for level in (2, 1) for case, torque in CASES.items()}
+    bar = tqdm(list(product((2, 1), CASES)), "stops", delay=PATIENCE, leave=False, unit="stop")
+    runs = {(level, case): brake(options, level, CASES[case]) for level, case in bar}
     hung = {case: brake(options, 2, torque, BOGIE_DATA.torque_reaction)[0] for case, torque in CASES.items()}
     planar = {case: runs[2, case][0] for case in CASES}
     point = {case: runs[1, case][0] for case in CASES}

@@ -12,6 +12,7 @@ from functools import partial
 
 import numpy as np
 from matplotlib.figure import Figure
+from tqdm import tqdm
 
 from brake_controller.experiment import APPLICATION_TIME, EXPERIMENT
 from brake_controller.parameters import qr30
@@ -23,6 +24,7 @@ from scenarios.bench.torque_history import read_torque_history
 from scenarios.cosimulation.master import Connection, Coupling, couple
 from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, mark, panels
+from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row, number
 from scenarios.scenario import Options, Scenario
 
@@ -123,10 +125,9 @@ def run(pressure: int, options: Options) -> Result:
     if options.torque_csv is not None:
         return run_history(pressure, options)
     row = EXPERIMENT[pressure]
-    printed = {
-        mu: brake_by_pressure(options, pressure, mu)
-        for mu in (row.lowest_shoe_friction, row.shoe_friction, row.highest_shoe_friction)
-    }
+    frictions = (row.lowest_shoe_friction, row.shoe_friction, row.highest_shoe_friction)
+    bar = tqdm(frictions, "shoe frictions", delay=PATIENCE, leave=False, unit="run")
+    printed = {mu: brake_by_pressure(options, pressure, mu) for mu in bar}
     average = printed[row.shoe_friction]
     rows = chain_rows(pressure, average) + lock_rows(pressure, printed)
     runs = {"printed averages": average}

@@ -296,7 +296,7 @@ def test_one_archive_for_several_platforms(
 
 
 def test_universal_binary_holds_both_parts_on_pages() -> None:
-    both = universal({"x86_64-macos": b"a" * 10, "aarch64-macos": b"b" * 20})
+    both = universal({"x86_64-macos.11.0": b"a" * 10, "aarch64-macos.11.0": b"b" * 20})
     assert both[1 << 14 : (1 << 14) + 10] == b"a" * 10
     assert both[2 << 14 : (2 << 14) + 20] == b"b" * 20
     assert int.from_bytes(both[4:8], "big") == 2

@@ -1,0 +1,117 @@
+"""Makes what a release consists of: a wheel for each platform with its FMUs and kernels inside, one without for all
+others, the sdist, an archive of the FMUs for all platforms with the system BogieBraking.ssp, and SHA256SUMS.
+
+  python release.py              into dist/
+  python release.py --out FOLDER
+
+The files of the checkout that git knows go in as they are now. Everything is compiled with zig from PyPI; equal sources
+make equal files, byte for byte, on any day and in any folder.
+"""
+
+import argparse
+import hashlib
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterable
+from pathlib import Path
+
+from fmu_src import __version__
+from fmu_src.archive import write_archive
+from fmu_src.codegen import generate
+from fmu_src.compile import CompilerError
+from fmu_src.native_fmu import PLATFORMS, binary_of, build_native_fmu
+from scenarios.fmus.building import NATIVE, build_all, extras, license_text
+from scenarios.fmus.prebuilt import PREBUILT, write_contents
+from scenarios.fmus.registry import DIFFERENT, FMUS, model_of
+
+ROOT = Path(__file__).parent
+#: Platforms of wheels -> folder in binaries/ of an FMU.
+WHEELS = {
+    "manylinux_2_17_x86_64": "linux64",
+    "manylinux_2_17_aarch64": "aarch64-linux",
+    "win_amd64": "win64",
+    "macosx_11_0_universal2": "darwin64",
+}
+
+
+def copy_sources(folder: Path) -> None:
+    """Copies what git knows of the checkout; nothing else may get into a release."""
+    listed = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    for name in filter(None, listed.split("\0")):
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(ROOT / name, folder / name)
+
+
+def fill(folder: Path, platform: str) -> None:
+    """Writes the FMUs and kernels of a platform that scenarios ask for."""
+    place = WHEELS[platform]
+    targets, suffix = PLATFORMS[place]
+    for name in DIFFERENT:
+        model = model_of(name)
+        build_native_fmu(model, folder / "native" / f"{name}.fmu", [place], extras(name, "model.png"))
+        kernel = folder / "kernel" / f"{name}{suffix}"
+        kernel.parent.mkdir(exist_ok=True)
+        kernel.write_bytes(binary_of(generate(model), targets, fmu=False))
+    write_contents(folder, platform, DIFFERENT)
+
+
+def pack(kind: str, sources: Path, out: Path) -> None:
+    """Makes a wheel or the sdist of a copy of the sources."""
+    command = [sys.executable, "-m", "hatchling", "build", "--target", kind, "--directory", str(out)]
+    subprocess.run(command, cwd=sources, check=True)
+
+
+def write_wheels(platforms: Iterable[str], out: Path) -> None:
+    """The sdist, the wheel that serves all platforms, and one for each of the given."""
+    with tempfile.TemporaryDirectory() as name:
+        copy = Path(name)
+        copy_sources(copy)
+        pack("sdist", copy, out)
+        pack("wheel", copy, out)
+        inside = copy / PREBUILT.relative_to(ROOT)
+        for platform in platforms:
+            fill(inside, platform)
+            pack("wheel", copy, out)
+            shutil.rmtree(inside)
+
+
+def write_fmus(out: Path) -> None:
+    """The native FMUs for FMI 2.0 and 3.0 and the system, for all platforms, in one archive."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        if build_all(list(FMUS), NATIVE, folder, all_platforms=True):
+            raise CompilerError("An FMU is not valid; nothing was packed")
+        made = [path for path in folder.rglob("*") if path.suffix in (".fmu", ".ssp")]
+        files = {path.relative_to(folder).as_posix(): path.read_bytes() for path in made}
+    write_archive(out / f"bogie_braking-{__version__}-fmus.zip", files | {"LICENSE": license_text()})
+
+
+def write_checksums(out: Path) -> None:
+    """SHA256SUMS as `sha256sum --check` reads it."""
+    files = sorted(path for path in out.iterdir() if path.name != "SHA256SUMS")
+    lines = [f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.name}\n" for path in files]
+    (out / "SHA256SUMS").write_text("".join(lines))
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Exit status: 0, 1 after a failure, 2 bad input."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--out", type=Path, default=Path("dist"), help="a new or empty folder (default: dist)")
+    out = parser.parse_args(arguments).out.resolve()
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        if any(out.iterdir()):
+            parser.error(f"{out} is not empty; empty it, or name another folder with --out.")
+        write_wheels(WHEELS, out)
+        write_fmus(out)
+        write_checksums(out)
+    except (CompilerError, OSError, subprocess.CalledProcessError) as error:
+        print(f"The release in {out} is not complete ({error}).", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

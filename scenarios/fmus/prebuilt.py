@@ -1,0 +1,53 @@
+"""What a release has compiled and a wheel brings: FMUs and kernels of its platform, in a folder that is only read.
+
+A file of it serves as long as the sources here would make the same. Where no source has changed that is known at once;
+else the C is generated, which takes seconds, and compared, so that nothing is compiled but what has changed.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from functools import lru_cache
+from pathlib import Path
+
+import fmu_src
+from fmu_src.codegen import generate, guid_of
+from scenarios.fmus.registry import model_of
+from scenarios.sources import digest
+
+#: Empty in a checkout; `make release` fills it in wheels.
+PREBUILT = Path(__file__).parent / "prebuilt"
+CONTENTS = "contents.json"
+#: What FMUs and kernels are made from.
+SOURCES = ("fmu_src", "rbd_model", "brake_controller", "scenarios/fmus")
+
+
+@lru_cache
+def content_of(name: str) -> str:
+    """A name for what an FMU of the registry is made from: its C with the runtime, and what makes files of these."""
+    found = hashlib.sha256(guid_of(generate(model_of(name))).encode())
+    for source in sorted(Path(fmu_src.__file__).parent.glob("*.py")):
+        found.update(source.read_bytes())
+    return found.hexdigest()[:24]
+
+
+def write_contents(folder: Path, platform: str, names: list[str]) -> None:
+    """Says in a folder for which platform its files are, and from what they were made."""
+    about = {"platform": platform, "sources": digest(*SOURCES), "contents": {name: content_of(name) for name in names}}
+    (folder / CONTENTS).write_text(json.dumps(about, indent=2) + "\n", encoding="utf-8")
+
+
+def contents() -> dict:
+    """What `write_contents` has said; nothing where no release has filled the folder."""
+    file = PREBUILT / CONTENTS
+    return json.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
+
+
+def prebuilt(name: str, file: str) -> Path | None:
+    """The file of an FMU of the registry that a release made, if the sources here would make the same."""
+    path, about = PREBUILT / file, contents()
+    if not about or not path.exists():
+        return None
+    same = about["sources"] == digest(*SOURCES) or about["contents"][name] == content_of(name)
+    return path if same else None

@@ -1,0 +1,27 @@
+"""Which equations and which code these are: digests of source files, in the checkout or in an installed package."""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+#: Of all that computes.
+KINDS = {".py", ".c", ".h"}
+
+
+def digest(*places: str) -> str:
+    """Of the sources in folders, and of files, by their places from the root."""
+    found = hashlib.sha256()
+    for path in sorted((path for place in places for path in _sources(ROOT / place)), key=_name):
+        found.update(_name(path).encode())
+        found.update(path.read_bytes())
+    return found.hexdigest()[:24]
+
+
+def _sources(place: Path) -> list[Path]:
+    return [place] if place.is_file() else [path for path in place.rglob("*") if path.suffix in KINDS]
+
+
+def _name(path: Path) -> str:
+    return path.relative_to(ROOT).as_posix()

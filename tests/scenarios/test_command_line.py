@@ -1,0 +1,165 @@
+"""What the command line says to people, to programs and to shells."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from tqdm import tqdm
+
+from brake_controller.cylinder import brake_cylinder
+from fmu_src import codegen
+from fmu_src import compile as compiling
+from scenarios import doctor
+from scenarios.__main__ import main
+from scenarios.catalogue import SCENARIOS
+from scenarios.fmus import prebuilt
+from scenarios.reporting.progress import without_bars
+from scenarios.sources import digest
+
+ROOT = Path(__file__).parents[2]
+
+
+def test_quiet_says_nothing_but_writes_the_results(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", "creep-forces", "--quiet", "--out", str(tmp_path)]) == 0
+    assert capfd.readouterr() == ("", "")
+    assert (tmp_path / "creep-forces" / "figure.png").exists()
+
+
+def test_json_is_the_summary_and_nothing_else(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", "creep-forces", "--json", "--out", str(tmp_path)]) == 0
+    shown = json.loads(capfd.readouterr().out)
+    assert shown == json.loads((tmp_path / "creep-forces" / "summary.json").read_text())
+    assert {row["holds"] for row in shown["rows"]} <= {True, None}
+
+
+def test_a_refusal_is_said_also_where_quiet_is_asked_for(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", "creep-force", "--quiet"]) == 2
+    assert capsys.readouterr().err == "There is no scenario creep-force; did you mean creep-forces?\n"
+
+
+def test_list_for_programs(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["list", "--quiet"]) == 0
+    assert capsys.readouterr().out.split() == [scenario.name for scenario in SCENARIOS]
+    assert main(["list", "--json"]) == 0
+    listed = {one["name"]: one for one in json.loads(capsys.readouterr().out)}
+    assert "torque_csv" in listed["qr30-180kpa"]["options"]
+    assert listed["qr30-180kpa"]["summary"]
+
+
+def test_bars_are_hidden_within_and_shown_after(capsys: pytest.CaptureFixture[str]) -> None:
+    def bar() -> str:
+        list(tqdm([1], "working"))
+        return capsys.readouterr().err
+
+    with without_bars():
+        assert bar() == ""
+    assert "working: 100%" in bar()
+
+
+def test_generating_and_compiling_show_how_far_they_are(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for module in (codegen, compiling):
+        monkeypatch.setattr(module, "PATIENCE", 0.0)
+    sources = codegen.generate(brake_cylinder())
+    compiling.objects_of(sources, compiling.FLAGS)
+    shown = capsys.readouterr().err
+    assert "generating C:" in shown
+    assert "compiling:" in shown
+
+
+@pytest.mark.skipif(shutil.which("bash") is None, reason="there is no bash")
+@pytest.mark.parametrize(
+    ("typed", "offered"),
+    [
+        ("run qr30-18", "qr30-180kpa"),
+        ("sweep lev", "levels"),
+        ("com", "completion"),
+        ("run --coup", "--coupling-tolerance"),
+        ("completion po", "powershell"),
+    ],
+)
+def test_bash_completes(typed: str, offered: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["completion", "bash"]) == 0
+    words = ["bogie-braking", *typed.split()]
+    (tmp_path / "script").write_text(
+        capsys.readouterr().out + f"COMP_WORDS=({' '.join(words)}) COMP_CWORD={len(words) - 1}\n"
+        f'_shtab_bogie_braking bogie-braking "{words[-1]}" "{words[-2]}"\nprintf "%s\\n" "${{COMPREPLY[@]}}"\n'
+    )
+    done = subprocess.run(["bash", "script"], cwd=tmp_path, capture_output=True, text=True)
+    assert done.stdout.split() == [offered], done.stderr
+
+
+# -- doctor --------------------------------------------------------------------------------------------------------
+
+
+def said(capsys: pytest.CaptureFixture[str]) -> dict[str, str]:
+    """Verdict by the words that a line begins with."""
+    lines = [line for line in capsys.readouterr().out.splitlines() if not line.startswith(" ")]
+    return {line[9:].split(":")[0]: line[:8].strip() for line in lines}
+
+
+def test_all_that_is_needed_is_there(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["doctor"]) == 0
+    verdicts = said(capsys)
+    assert {verdicts[name] for name in ("packages", "C compiler", "cache")} == {"ok"}
+    assert verdicts["prebuilt FMUs"] == "without"
+
+
+def test_doctor_works_where_packages_are_missing(tmp_path: Path) -> None:
+    """In a Python that has none of them it says what to install, before anything of theirs is imported."""
+    command = [sys.executable, "-S", "-m", "scenarios", "doctor"]
+    done = subprocess.run(command, cwd=ROOT, env={"PATH": ""}, capture_output=True, text=True)
+    assert done.returncode == 1, done.stderr
+    assert "MISSING  bogie-braking: not installed\n         -> Install its wheel" in done.stdout
+
+
+def test_wrong_and_missing_packages_are_named_with_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
+    installed = {"numpy": "1.26.0"}
+
+    def version(name: str) -> str:
+        if name not in installed:
+            raise doctor.PackageNotFoundError
+        return installed[name]
+
+    from packaging.specifiers import SpecifierSet
+
+    monkeypatch.setattr(doctor, "version", version)
+    found = doctor.group("", {"numpy": SpecifierSet(">=2.2"), "casadi": SpecifierSet("==3.8.2")})
+    assert found.verdict == doctor.MISSING
+    assert found.text == "packages: numpy 1.26.0 is not >=2.2, casadi is missing"
+    assert found.advice == "pip install 'bogie-braking', in a checkout with -e ."
+    assert doctor.group("sweep", {"pyarrow": SpecifierSet(">=18")}).verdict == doctor.WITHOUT
+    installed["numpy"] = "2.4.6"
+    assert doctor.group("", {"numpy": SpecifierSet(">=2.2")}).verdict == doctor.OK
+
+
+def test_without_compiler_or_cache_doctor_tells(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "taken").write_text("")
+    monkeypatch.setattr(compiling, "CACHE", tmp_path / "taken")
+    monkeypatch.setenv("CC", "no-such-compiler")
+    assert main(["doctor"]) == 1
+    verdicts = said(capsys)
+    assert (verdicts["C compiler"], verdicts["cache"]) == ("MISSING", "MISSING")
+
+
+def test_with_prebuilt_fmus_a_compiler_is_spared(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    about = {"platform": "here", "sources": digest(*prebuilt.SOURCES), "contents": {"brake": "x"}}
+    (tmp_path / prebuilt.CONTENTS).write_text(json.dumps(about))
+    monkeypatch.setattr(prebuilt, "PREBUILT", tmp_path)
+    monkeypatch.setenv("CC", "no-such-compiler")
+    assert main(["doctor"]) == 0
+    verdicts = said(capsys)
+    assert (verdicts["prebuilt FMUs"], verdicts["C compiler"]) == ("ok", "without")
+    (tmp_path / prebuilt.CONTENTS).write_text(json.dumps(about | {"sources": "before"}))
+    assert main(["doctor"]) == 1
+    assert said(capsys)["prebuilt FMUs"] == "without"

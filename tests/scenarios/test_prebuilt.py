@@ -1,0 +1,85 @@
+"""What a release has compiled serves as long as the sources would make the same, and no longer."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import fmpy
+import pytest
+
+import release
+from fmu_src.kernel import Kernel, Library
+from scenarios.cosimulation.slave import Slave
+from scenarios.fmus import building, prebuilt
+
+PLATFORM = next(tag for tag, place in release.WHEELS.items() if place == fmpy.platform)
+
+
+@pytest.fixture
+def filled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder as in a wheel, with the brake."""
+    folder = tmp_path / "prebuilt"
+    folder.mkdir()
+    monkeypatch.setattr(release, "DIFFERENT", ["brake"])
+    release.fill(folder, PLATFORM)
+    monkeypatch.setattr(prebuilt, "PREBUILT", folder)
+    return folder
+
+
+def refuse(*_: object) -> None:
+    raise AssertionError("This was to be left alone.")
+
+
+def test_of_unchanged_sources_nothing_is_generated(filled: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(prebuilt, "content_of", refuse)
+    monkeypatch.setattr(building, "_in_cache", refuse)
+    path = building.up_to_date("brake", "native")
+    assert path == filled / "native" / "brake.fmu"
+    with Slave(path) as brake:
+        brake.start(pressure_demand=180e3)
+        brake.step(0.0, 5.0)
+        from_fmu = brake["brake_torque"]
+    library = building.kernel_of("brake")
+    assert library.is_relative_to(filled)
+    kernel = Kernel(Library(library), pressure_demand=180e3)
+    kernel.advance(5.0)
+    assert kernel["brake_torque"] == from_fmu > 0.0
+
+
+def test_sources_that_make_the_same_are_recognised_by_what_they_make(
+    filled: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A comment, say."""
+    monkeypatch.setattr(prebuilt, "digest", lambda *_: "another")
+    assert building.up_to_date("brake", "native").is_relative_to(filled)
+
+
+def test_what_was_changed_is_built_and_nothing_else_serves(filled: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(prebuilt, "digest", lambda *_: "another")
+    monkeypatch.setattr(prebuilt, "content_of", lambda _: "another")
+    path = building.up_to_date("brake", "native")
+    assert not path.is_relative_to(filled)
+    assert path.name == "BrakeCylinder.fmu"
+    assert not building.kernel_of("brake").is_relative_to(filled)
+
+
+def test_what_no_release_brings_is_built(filled: Path) -> None:
+    assert prebuilt.prebuilt("brake", "fmi3/brake.fmu") is None
+    assert prebuilt.prebuilt("rail", "native/rail.fmu") is None
+
+
+def test_a_release_goes_into_an_empty_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "mine").write_text("")
+    with pytest.raises(SystemExit) as caught:
+        release.main(["--out", str(tmp_path)])
+    assert caught.value.code == 2
+    assert "is not empty; empty it, or name another folder with --out" in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["mine"]
+
+
+def test_checksums_are_those_of_the_files(tmp_path: Path) -> None:
+    (tmp_path / "abc").write_bytes(b"abc")
+    release.write_checksums(tmp_path)
+    # FIPS 180-4, the example of one block.
+    known = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
+    assert (tmp_path / "SHA256SUMS").read_text() == f"{known}  abc\n"
