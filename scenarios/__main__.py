@@ -9,6 +9,8 @@
   python -m scenarios run contact-geometry --wheel left.csv right.csv --rail 60e1.csv --diameter 920 918
                                                                  equivalent conicity (EN 15302) of profiles of yours
   python -m scenarios run line-from-file --line mine.csv         a bogie along a line of yours
+  python -m scenarios run bogie-lateral --html                   and report.html: charts that zoom, the motion in space
+  python -m scenarios report                                     results/index.html: all results on one page
   python -m scenarios sweep bogie-heavy-braking --vary friction=0.1:0.3:11 --vary frame_height=0.4,0.8,1.2 --jobs 2
                                                                  every combination, one table; interrupted, it resumes
   python -m scenarios sweep levels --vary utilisation=0.5:1.3:81 --scheduler tcp://127.0.0.1:8786
@@ -22,10 +24,13 @@ Exit status: 0 all rows hold (sweep: all points are good), 1 a row does not hold
 from __future__ import annotations
 
 import argparse
+import importlib
 import math
 import sys
 from dataclasses import fields
+from functools import partial
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 from fmu_src.compile import CompilerError
@@ -57,20 +62,38 @@ def check(scenario: Scenario, options: Options) -> None:
         raise BadInputError(f"--{name.replace('_', '-')} has no effect on {scenario.name}; it belongs to {takers}.")
 
 
-def run(name: str, options: Options, out: Path) -> int:
+def run(name: str, options: Options, out: Path, html: bool) -> int:
     scenario = find(name)
     check(scenario, options)
+    further = partial(pages("html_report").write_report, scenario) if html else None
     if out.exists() and not out.is_dir():
         raise BadInputError(f"{out} is a file; give --out a folder.")
     elapsed = stopwatch()
     result = scenario.run(options)
-    folder = save(result, scenario.name, out, elapsed())
+    folder = save(result, scenario.name, out, elapsed(), further)
     print(f"{scenario.name}: {scenario.summary}\n")
     print(table(result.rows))
     for remark in result.remarks:
         print(f"\n{remark}")
     print(f"\nPicture: {folder / 'figure.png'}")
+    if html:
+        print(f"Report: {folder / 'report.html'}")
     return HOLDS if result.holds else DOES_NOT_HOLD
+
+
+def pages(module: str) -> ModuleType:
+    """What writes pages, imported when it is asked for: it needs packages of its own. Raises BadInputError."""
+    try:
+        return importlib.import_module(f"scenarios.reporting.{module}")
+    except ModuleNotFoundError as error:
+        advice = 'install what reports need: pip install -e ".[reports]"'
+        raise BadInputError(f"Pages need the package {error.name}, which is not here; {advice}") from error
+
+
+def index(out: Path) -> int:
+    """Joins all results of a folder into one page."""
+    print(f"Index: {pages('index').write_index(out)}")
+    return HOLDS
 
 
 def show_list() -> int:
@@ -117,9 +140,13 @@ def main(arguments: list[str] | None = None) -> int:
     )
     text = "error of one step in nominal values; chooses the macro steps"
     runner.add_argument("--coupling-tolerance", type=float, metavar="ERROR", help=text)
+    runner.add_argument("--html", action="store_true", help="write report.html too, a page that needs nothing else")
     text = "line for line-from-file, a table with its head: distance, curvature, cant, gradient and more (docs/line.md)"
     runner.add_argument("--line", type=Path, metavar="FILE", help=text)
     add_profiles(runner)
+    reporter = commands.add_parser("report", help="join all results into one page")
+    text = "folder of the results (default: results)"
+    reporter.add_argument("--out", type=Path, default=Path("results"), help=text)
     sweep.add_command(commands)
     page = commands.add_parser("live", help="write a page that brakes a bogie, or a coach, in any browser")
     page.add_argument("--out", type=Path, default=Path("results"), help="folder of live.html (default: results)")
@@ -132,8 +159,10 @@ def main(arguments: list[str] | None = None) -> int:
         if chosen.command == "live":
             print(f"Open in a browser: {write_page(chosen.out / 'live.html')}")
             return HOLDS
+        if chosen.command == "report":
+            return index(chosen.out)
         options = Options(**{item.name: getattr(chosen, item.name) for item in fields(Options)})
-        return run(chosen.name, options, chosen.out)
+        return run(chosen.name, options, chosen.out, chosen.html)
     except BadInputError as error:
         print(error, file=sys.stderr)
         return BAD_INPUT
