@@ -57,7 +57,7 @@ CROSS_LEVEL = Irregularity(
 
 
 def travel(
-    kind: Irregularity, speed: float, record: Sequence[str] = (), **values: float
+    kind: Irregularity, speed: float, record: Sequence[str] = (), /, **values: float
 ) -> tuple[Kernel, Recording]:
     """Over one irregularity at a constant speed [m/s], in the thesis's reading but for what `values` say: where the run
     ended, and what it recorded: what is drawn, or `record`.

@@ -151,10 +151,10 @@ def drawn(figure: go.Figure) -> str:
         template="none",
         margin={"l": 60, "r": 15, "t": 30, "b": 40},
         showlegend=True,
-        legend={"orientation": "h", "yref": "container", "y": 0, "yanchor": "bottom", "x": 0, "font": {"size": 11}},
+        legend={"orientation": "h", "y": -0.25, "yanchor": "top", "x": 0, "font": {"size": 11}},
         hovermode="closest",
     )
-    figure.update_xaxes(zeroline=False)
+    figure.update_xaxes(zeroline=False, automargin=True, title={"standoff": 4})
     figure.update_yaxes(zeroline=False, exponentformat="power", automargin=True)
     return str(figure.to_html(full_html=False, include_plotlyjs=False, config=DISPLAY))
 

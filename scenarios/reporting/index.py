@@ -20,7 +20,7 @@ from scenarios.scenario import BadInputError
 #: Mark and colour by verdict; the marks alone tell them apart.
 MARKS = {True: ("circle", plots.LEADING), None: ("diamond-open", plots.BOGIE), False: ("x", plots.TRAILING)}
 #: Height of the chart beside and for each scenario [pixels].
-CHART_HEIGHT, LINE_HEIGHT = 160, 24
+CHART_HEIGHT, LINE_HEIGHT = 190, 24
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 """The motion of a vehicle, as the three-dimensional view of a report shows it.
 
-Wheelsets stand on their rails as `lateral_...` and `wheel_rise_...` tell, which count from the rails; bodies count from
-the track's axes, and so do both here, in axes that the vehicle carries along: x ahead, y to the left, z above the rails.
+How wheelsets stand on their rails is told by `lateral_...` and `wheel_rise_...`; bodies count from the axes of the
+track, and here both do, in axes that the vehicle carries along: x ahead, y to the left, z above the rails.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ MOTIONS = ("lateral", "bounce", "roll", "pitch", "yaw")
 #: Pictures of a motion, at most, and pitch of the rails' irregularities [m].
 MOST_FRAMES, PITCH = 1500, 0.25
 #: A body is at least so large along each axis [m], and the rails go on so far before and behind the vehicle [m].
-SMALLEST_BODY, RAILS_BEYOND = 0.3, 2.5
+SMALLEST_BODY, RAILS_BEYOND = 0.3, 1.5
 #: The largest displacement is first shown as large as this [m], exaggerated by no more than MOST_EXAGGERATION.
-SHOWN_DISPLACEMENT, MOST_EXAGGERATION = 0.1, 50
+SHOWN_DISPLACEMENT, MOST_EXAGGERATION = 0.15, 50
 #: Points of a profile, in the window of the section beside its y = 0 [m].
 PROFILE_POINTS, WINDOW = 240, 0.07
 
@@ -123,7 +123,7 @@ def packed(motion: Motion) -> dict[str, Any]:
         "in_space": motion.in_space,
         "bodies": [body_of(motion, body) for body in vehicle.bodies],
         "wheelsets": [wheelset_of(motion, rails, number, one) for number, one in vehicle.numbered],
-        "rails": {name: series(values) for name, values in ({"distance": rails.distance} | rails.rows).items()},
+        "rails": {name: series(values) for name, values in {"distance": rails.distance, **rails.rows}.items()},
     }
 
 

@@ -5,6 +5,7 @@
 (() => {
   const data = JSON.parse(document.getElementById("motion-data").textContent);
   const field = (name) => document.getElementById(`motion-${name}`);
+  const space = field("space"), section = field("section"), bar = field("time"), factor = field("exaggeration");
   const SLEEPER_DISTANCE = 0.6, RIM = 24, HALF_TREAD = 0.065, GREY = "#777777";
 
   // Series come as base64 of 32-bit floats.
@@ -133,13 +134,14 @@
     const reach = data.half_length, top = Math.max(...data.bodies.map((body) => body.centre[2] + body.box[1][2])) + 0.5;
     const axis = (title, range) => ({ title: { text: title, font: { size: 11 } }, range, autorange: false });
     const across = data.wheelsets[0].half_distance + 1;
+    const away = Math.max(1.1, 540 / space.clientWidth);  // so that a narrow window cuts nothing
     return {
       showlegend: false, margin: { l: 0, r: 0, t: 0, b: 0 },
       scene: {
         xaxis: axis("ahead [m]", [-reach, reach]), yaxis: axis("to the left [m]", [-across, across]),
         zaxis: axis("above rails [m]", [-0.5, top]),
         aspectmode: "manual", aspectratio: { x: 1.6, y: (1.6 * across) / reach, z: (0.8 * (top + 0.5)) / reach },
-        camera: { eye: { x: 1.25, y: -1.45, z: 0.6 }, center: { x: 0, y: 0, z: -0.1 } },
+        camera: { eye: { x: 1.35 * away, y: -1.6 * away, z: 0.65 * away }, center: { x: 0, y: 0, z: -0.15 } },
       },
     };
   };
@@ -165,18 +167,20 @@
     ];
   });
   const sectionLayout = () => {
-    const axis = (text, more) => ({ title: { text, font: { size: 11 } }, zeroline: false, constrain: "domain", ...more });
-    const [x, y] = [{ range: [-60, 60] }, { range: [-35, 25] }];
+    const axis = (text, range, more) =>
+      ({ title: { text, font: { size: 11 } }, range, zeroline: false, constrain: "domain", ...more });
+    const across = (more) => axis("to the right [mm]", [-60, 60], more);
+    const above = (wheel, more) => axis(`${wheel.text}: up [mm]`, [-30, 15], more);
+    const [left, right] = data.wheelsets[0].wheels;
     return {
-      showlegend: false, margin: { l: 45, r: 10, t: 30, b: 40 }, grid: { rows: 1, columns: 2, pattern: "independent" },
-      xaxis: axis("to the right [mm]", x), yaxis: axis("above the rail [mm]", { ...y, scaleanchor: "x" }),
-      xaxis2: axis("to the right [mm]", x), yaxis2: axis("", { ...y, scaleanchor: "x2" }),
+      showlegend: false, margin: { l: 50, r: 10, t: 30, b: 40 }, grid: { rows: 2, columns: 1, pattern: "independent" },
+      xaxis: across({ title: { text: "" } }), yaxis: above(left, { scaleanchor: "x" }),
+      xaxis2: across(), yaxis2: above(right, { scaleanchor: "x2" }),
     };
   };
   const forces = (wheel, frame) =>
     `${wheel.text}: Q ${(wheel.load[frame] / 1e3).toFixed(1)} kN, Y ${(wheel.lateral_force[frame] / 1e3).toFixed(1)} kN`;
 
-  const space = field("space"), section = field("section"), bar = field("time"), factor = field("exaggeration");
   const draw = () => {
     const frame = Number(bar.value), times = Number(factor.value);
     const [x, y, z] = [0, 1, 2].map((axis) => pointsAt(frame, times).map((points) => columns(points)[axis]));
