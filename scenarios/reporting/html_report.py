@@ -57,6 +57,7 @@ def write_report(scenario: Scenario, result: Result, folder: Path) -> None:
         text=scenario.summary,
         summary=summary,
         counts=counts(summary["rows"]),
+        columns=columns(summary["rows"]),
         motion=motion and packed(motion) | {"colours": plots.FOUR if len(motion.vehicle.wheelsets) > 2 else COLOURS},
         motion_text=motion and motion.text,
         most_exaggeration=MOST_EXAGGERATION,
@@ -71,7 +72,7 @@ def write_report(scenario: Scenario, result: Result, folder: Path) -> None:
 def environment() -> Environment:
     """Templates of the pages; what they are given is escaped."""
     found = Environment(loader=PackageLoader("scenarios.reporting", "page"), autoescape=True, trim_blocks=True)
-    found.filters |= {"figure": number, "why_not_judged": why_not_judged}
+    found.filters |= {"figure": number, "note": note}
     return found
 
 
@@ -91,11 +92,19 @@ def counts(rows: list[dict[str, Any]]) -> str:
     return f"Of {len(rows)} rows " + ", ".join(f"{verdicts.count(key)} {word}" for key, word in words.items()) + "."
 
 
-def why_not_judged(row: Mapping[str, Any]) -> str:
-    """Of a row whose assumption says nothing."""
-    if row["thesis"] is None:
-        return "not judged: there is no value that it could be held to"
-    return "not judged: what it hangs on is not printed"
+def columns(rows: list[dict[str, Any]]) -> dict[str, str]:
+    """Heads of the numbers that any row has, by their keys."""
+    heads = {"thesis": "thesis", "vampire": "VAMPIRE", "simulated": "simulated", "deviation": "deviation"}
+    return {key: head for key, head in heads.items() if any(row[key] is not None for row in rows)}
+
+
+def note(row: Mapping[str, Any]) -> str:
+    """Below a row: its source, what was assumed, and why it is not judged where that does not tell."""
+    parts = [row["source"], row["assumption"]]
+    if row["holds"] is None and not row["assumption"]:
+        lacking = "no value that it could be held to" if row["thesis"] is None else "what it hangs on is not printed"
+        parts.append(f"not judged: {lacking}")
+    return "; ".join(filter(None, parts))
 
 
 # -- charts ----------------------------------------------------------------------------------------------------------

@@ -134,13 +134,15 @@
     const reach = data.half_length, top = Math.max(...data.bodies.map((body) => body.centre[2] + body.box[1][2])) + 0.5;
     const axis = (title, range) => ({ title: { text: title, font: { size: 11 } }, range, autorange: false });
     const across = data.wheelsets[0].half_distance + 1;
-    const away = Math.max(1.1, 540 / space.clientWidth);  // so that a narrow window cuts nothing
+    const ratio = { x: 1.6, y: (1.6 * across) / reach, z: (0.8 * (top + 0.5)) / reach };
+    // A narrow window, and a vehicle as wide as long, ask for more distance, or axes are cut.
+    const away = (0.65 + 0.4 * ratio.y) * Math.max(1.1, 540 / space.clientWidth);
     return {
       showlegend: false, margin: { l: 0, r: 0, t: 0, b: 0 },
       scene: {
         xaxis: axis("ahead [m]", [-reach, reach]), yaxis: axis("to the left [m]", [-across, across]),
         zaxis: axis("above rails [m]", [-0.5, top]),
-        aspectmode: "manual", aspectratio: { x: 1.6, y: (1.6 * across) / reach, z: (0.8 * (top + 0.5)) / reach },
+        aspectmode: "manual", aspectratio: ratio,
         camera: { eye: { x: 1.35 * away, y: -1.6 * away, z: 0.65 * away }, center: { x: 0, y: 0, z: -0.15 } },
       },
     };
@@ -162,8 +164,8 @@
     const rail = { x: wheel.rail[0].map((y) => -1e3 * wheel.side * y), y: wheel.rail[1].map((z) => 1e3 * z) };
     const line = { mode: "lines", hovertemplate: "%{x:.2f} mm, %{y:.2f} mm<extra>%{fullData.name}</extra>", ...axes };
     return [
-      { ...line, name: `${wheel.text} rail`, line: { color: GREY, width: 3 }, ...rail },
-      { ...line, name: `${wheel.text} wheel`, line: { color: data.colours[0], width: 3 }, x: [], y: [] },
+      { ...line, name: `${wheel.text} rail`, line: { color: "#aaaaaa", width: 6 }, ...rail },
+      { ...line, name: `${wheel.text} wheel`, line: { color: data.colours[0], width: 2 }, x: [], y: [] },
     ];
   });
   const sectionLayout = () => {
@@ -178,22 +180,24 @@
       xaxis2: across(), yaxis2: above(right, { scaleanchor: "x2" }),
     };
   };
+  // Without the sign of a value that rounds to 0.
+  const shown = (value, digits) => (Math.round(value * 10 ** digits) / 10 ** digits + 0).toFixed(digits);
   const forces = (wheel, frame) =>
-    `${wheel.text}: Q ${(wheel.load[frame] / 1e3).toFixed(1)} kN, Y ${(wheel.lateral_force[frame] / 1e3).toFixed(1)} kN`;
+    `${wheel.text}: Q ${shown(wheel.load[frame] / 1e3, 1)} kN, Y ${shown(wheel.lateral_force[frame] / 1e3, 1)} kN`;
 
   const draw = () => {
     const frame = Number(bar.value), times = Number(factor.value);
     const [x, y, z] = [0, 1, 2].map((axis) => pointsAt(frame, times).map((points) => columns(points)[axis]));
     Plotly.restyle(space, { x, y, z });
-    field("instant").textContent = `${data.time[frame].toFixed(2)} s, ${data.speed[frame].toFixed(2)} m/s, `
-      + `${data.distance[frame].toFixed(1)} m`;
+    field("instant").textContent = `${shown(data.time[frame], 2)} s, ${shown(data.speed[frame], 2)} m/s, `
+      + `${shown(data.distance[frame], 1)} m`;
     field("factor").textContent = `${times} times`;
     if (section) drawSection(frame);
   };
   const drawSection = (frame) => {
     const one = data.wheelsets[Number(field("wheelset").value)];
-    const shown = one.wheels.map((wheel) => wheelOverRail(one, wheel, frame));
-    Plotly.restyle(section, { x: shown.map((curve) => curve.x), y: shown.map((curve) => curve.y) }, [1, 3]);
+    const curves = one.wheels.map((wheel) => wheelOverRail(one, wheel, frame));
+    Plotly.restyle(section, { x: curves.map((curve) => curve.x), y: curves.map((curve) => curve.y) }, [1, 3]);
     field("forces").textContent = one.wheels.map((wheel) => forces(wheel, frame)).join("; ");
   };
 
