@@ -27,8 +27,8 @@ MOST_FRAMES, PITCH = 1500, 0.25
 SMALLEST_BODY, RAILS_BEYOND = 0.3, 1.5
 #: The largest displacement is first shown as large as this [m], exaggerated by no more than MOST_EXAGGERATION.
 SHOWN_DISPLACEMENT, MOST_EXAGGERATION = 0.15, 50
-#: Points of a profile, in the window of the section beside its y = 0 [m].
-PROFILE_POINTS, WINDOW = 240, 0.07
+#: Points of a profile that is drawn.
+PROFILE_POINTS = 240
 
 
 def motion_columns(vehicle: Vehicle) -> tuple[str, ...]:
@@ -180,21 +180,18 @@ def wheel_of(motion: Motion, wheelset: Wheelset, number: int, place: int) -> dic
         "radius": side.radius,
         "wheel_half_distance": side.wheel_half_distance,
         "rail_half_distance": side.rail_half_distance,
-        "wheel": contour(side.wheel),
-        "rail": contour(side.rail),
+        "wheel": drawn(side.wheel),
+        "rail": drawn(side.rail),
         "rise": series(motion.column(f"wheel_rise_{number}_{word}")),
         "load": series(motion.column(f"wheel_load_{number}_{word}")),
         "lateral_force": series(motion.column(f"lateral_force_{number}_{word}")),
     }
 
 
-def contour(profile: Profile) -> list[list[float]]:
-    """Rows y and z of a profile [m], closer where it is steep."""
-    low, high = profile.limits
-    fine = np.linspace(max(low, -WINDOW), min(high, WINDOW), 20 * PROFILE_POINTS)
-    way = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(fine), np.diff(profile.height(fine))))])
-    chosen = np.interp(np.linspace(0.0, way[-1], PROFILE_POINTS), way, fine)
-    return [chosen.round(7).tolist(), profile.height(chosen).round(7).tolist()]
+def drawn(profile: Profile) -> list[list[float]]:
+    """Points (y outwards, z) of a profile [mm]."""
+    y = np.linspace(*profile.limits, PROFILE_POINTS)
+    return np.round(1e3 * np.column_stack([y, profile.height(y)]), 3).tolist()
 
 
 def irregular(**amplitudes: float) -> TrackParameters:

@@ -153,15 +153,15 @@
     const { side, radius, wheel_half_distance: half } = wheel, roll = one.roll[frame];
     const [c, s] = [Math.cos(roll), Math.sin(roll)];
     const height = wheel.rise[frame] - side * half * s + radius * c;
-    const points = wheel.wheel[0].map((y, n) => {
-      const below = radius - wheel.wheel[1][n], outward = side * (half + y);
+    const points = wheel.wheel.map(([y, z]) => {
+      const below = radius - z / 1e3, outward = side * (half + y / 1e3);
       return [outward * c + below * s + one.offset[frame] - side * wheel.rail_half_distance, outward * s - below * c + height];
     });
     return { x: points.map((point) => -1e3 * point[0]), y: points.map((point) => 1e3 * point[1]) };
   };
   const sectionTraces = () => data.wheelsets[0].wheels.flatMap((wheel, n) => {
     const axes = n ? { xaxis: "x2", yaxis: "y2" } : {};
-    const rail = { x: wheel.rail[0].map((y) => -1e3 * wheel.side * y), y: wheel.rail[1].map((z) => 1e3 * z) };
+    const rail = { x: wheel.rail.map(([y]) => -wheel.side * y), y: wheel.rail.map(([, z]) => z) };
     const line = { mode: "lines", hovertemplate: "%{x:.2f} mm, %{y:.2f} mm<extra>%{fullData.name}</extra>", ...axes };
     return [
       { ...line, name: `${wheel.text} rail`, line: { color: "#aaaaaa", width: 6 }, ...rail },
