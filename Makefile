@@ -36,7 +36,7 @@ $(VENV)/demo-installed: pyproject.toml | $(VENV)/bin/python
 	touch $@
 
 $(VENV)/test-installed: pyproject.toml | $(VENV)/bin/python
-	$(RUN) -m pip install --quiet --disable-pip-version-check -e ".[test,masters,charts,sweep]"
+	$(RUN) -m pip install --quiet --disable-pip-version-check -e ".[test,masters,charts,sweep,reports]"
 	touch $@ $(VENV)/demo-installed
 
 # Draws the pictures of docs/choosing.md anew, about a quarter of an hour, and puts what they measured into the text.

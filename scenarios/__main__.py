@@ -9,6 +9,8 @@
   python -m scenarios run contact-geometry --wheel left.csv right.csv --rail 60e1.csv --diameter 920 918
                                                                  equivalent conicity (EN 15302) of profiles of yours
   python -m scenarios run line-from-file --line mine.csv         a bogie along a line of yours
+  python -m scenarios run bogie-lateral --html                   and report.html: charts that zoom, the motion in space
+  python -m scenarios report                                     results/index.html: all results on one page
   python -m scenarios sweep bogie-heavy-braking --vary friction=0.1:0.3:11 --vary frame_height=0.4,0.8,1.2 --jobs 2
                                                                  every combination, one table; interrupted, it resumes
   python -m scenarios sweep levels --vary utilisation=0.5:1.3:81 --scheduler tcp://127.0.0.1:8786
@@ -26,12 +28,15 @@ Exit status: 0 all rows hold (sweep: all points are good), 1 a row does not hold
 from __future__ import annotations
 
 import argparse
+import importlib
 import json
 import math
 import sys
 from contextlib import nullcontext
 from dataclasses import fields
+from functools import partial
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 from scenarios import doctor
@@ -74,11 +79,12 @@ def run(chosen: argparse.Namespace) -> int:
     scenario, out = find(chosen.name), chosen.out
     options = Options(**{item.name: getattr(chosen, item.name) for item in fields(Options)})
     check(scenario, options)
+    further = partial(pages("html_report").write_report, scenario) if chosen.html else None
     if out.exists() and not out.is_dir():
         raise BadInputError(f"{out} is a file; give --out a folder.")
     elapsed = stopwatch()
     result = scenario.run(options)
-    folder = save(result, scenario.name, out, elapsed())
+    folder = save(result, scenario.name, out, elapsed(), further)
     if chosen.json:
         print((folder / "summary.json").read_text(encoding="utf-8"), end="")
     elif not chosen.quiet:
@@ -92,6 +98,23 @@ def show(scenario: Scenario, result: Result, folder: Path) -> None:
     for remark in result.remarks:
         print(f"\n{remark}")
     print(f"\nPicture: {folder / 'figure.png'}")
+    if (folder / "report.html").exists():
+        print(f"Report: {folder / 'report.html'}")
+
+
+def pages(module: str) -> ModuleType:
+    """What writes pages, imported when it is asked for: it needs packages of its own. Raises BadInputError."""
+    try:
+        return importlib.import_module(f"scenarios.reporting.{module}")
+    except ModuleNotFoundError as error:
+        advice = 'install what reports need: pip install -e ".[reports]"'
+        raise BadInputError(f"Pages need the package {error.name}, which is not here; {advice}") from error
+
+
+def index(out: Path) -> int:
+    """Joins all results of a folder into one page."""
+    print(f"Index: {pages('index').write_index(out)}")
+    return HOLDS
 
 
 def show_list(chosen: argparse.Namespace) -> int:
@@ -157,9 +180,13 @@ def main(arguments: list[str] | None = None) -> int:
     )
     text = "error of one step in nominal values; chooses the macro steps"
     runner.add_argument("--coupling-tolerance", type=float, metavar="ERROR", help=text)
+    runner.add_argument("--html", action="store_true", help="write report.html too, a page that needs nothing else")
     text = "line for line-from-file, a table with its head: distance, curvature, cant, gradient and more (docs/line.md)"
     runner.add_argument("--line", type=Path, metavar="FILE", help=text)
     add_profiles(runner)
+    reporter = commands.add_parser("report", help="join all results into one page")
+    text = "folder of the results (default: results)"
+    reporter.add_argument("--out", type=Path, default=Path("results"), help=text)
     sweep.add_command(commands)
     page = commands.add_parser("live", help="write a page that brakes a bogie, or a coach, in any browser")
     page.add_argument("--out", type=Path, default=Path("results"), help="folder of live.html (default: results)")
@@ -176,6 +203,8 @@ def main(arguments: list[str] | None = None) -> int:
         if chosen.command == "live":
             print(f"Open in a browser: {write_page(chosen.out / 'live.html')}")
             return HOLDS
+        if chosen.command == "report":
+            return index(chosen.out)
         with without_bars() if chosen.quiet else nullcontext():
             if chosen.command == "sweep":
                 return HOLDS if sweep.run(chosen) else DOES_NOT_HOLD

@@ -148,6 +148,13 @@ class Page:
         assert "exceptionDetails" not in done, done["exceptionDetails"]
         return done["result"].get("value")
 
+    def drag(self, begin: tuple[float, float], end: tuple[float, float]) -> None:
+        """Moves the mouse with its left button down, in pixels of the window."""
+        middle = ((begin[0] + end[0]) / 2, (begin[1] + end[1]) / 2)
+        steps = [("mousePressed", begin), ("mouseMoved", middle), ("mouseMoved", end), ("mouseReleased", end)]
+        for kind, (x, y) in steps:
+            self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", buttons=1, clickCount=1)
+
     def screenshot(self, path: Path) -> None:
         """The whole page as PNG."""
         size = self.call("Page.getLayoutMetrics")["cssContentSize"]

@@ -108,7 +108,9 @@ FURTHER_CASES = [
 ]
 
 
-def brake(case: Case, duration: float, **values: float) -> tuple[Kernel, Recording]:
+def brake(
+    case: Case, duration: float, record: Sequence[str] = RECORDED, /, **values: float
+) -> tuple[Kernel, Recording]:
     """A stop from 25 m/s, the contact held where a wheel would lift: where the run ended, and what it recorded."""
     full = BRAKE_START + case.application
     torque = [(0.0, 0.0), (BRAKE_START, 0.0), (full, BRAKE_TORQUE)]
@@ -116,7 +118,7 @@ def brake(case: Case, duration: float, **values: float) -> tuple[Kernel, Recordi
     inputs = {"brake_torque_1": torque, "brake_torque_2": torque, f"yaw_torque_{case.wheelset}": yaw}
     reading = {"wheel_lift_ends": 0.0} | dict((READINGS | FURTHER)[case.reading])
     kernel = bogie(inputs, RECORDED, initial_speed=SPEED, **reading | values)
-    return kernel, play("bogie", kernel, duration, INTERVAL, RECORDED, inputs)
+    return kernel, play("bogie", kernel, duration, INTERVAL, record, inputs)
 
 
 def run_case(case: Case, tolerance: float = TOLERANCE) -> Outcome:

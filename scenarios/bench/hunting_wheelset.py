@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from fmu_src.kernel import Kernel
@@ -27,10 +29,12 @@ SETTLED = 1.0
 RECORDED = ("lateral_1", "frame_lateral", "distance")
 
 
-def hunt(speed: float, duration: float, **values: float) -> tuple[Kernel, Recording]:
+def hunt(
+    speed: float, duration: float, record: Sequence[str] = RECORDED, /, **values: float
+) -> tuple[Kernel, Recording]:
     """Disturbed at a constant speed [m/s], in the thesis's reading: where the run ended, and what it recorded."""
     kernel = prepare("wheelset", initial_speed=speed, constant_speed=1, **AS_PRINTED | WAVE | values)
-    return kernel, play("wheelset", kernel, duration, INTERVAL, RECORDED, {})
+    return kernel, play("wheelset", kernel, duration, INTERVAL, record, {})
 
 
 def hunting_period(series: Recording) -> float | None:

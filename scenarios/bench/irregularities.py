@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -55,11 +56,13 @@ CROSS_LEVEL = Irregularity(
 )
 
 
-def travel(kind: Irregularity, speed: float, **values: float) -> tuple[Kernel, Recording]:
+def travel(
+    kind: Irregularity, speed: float, record: Sequence[str] = (), /, **values: float
+) -> tuple[Kernel, Recording]:
     """Over one irregularity at a constant speed [m/s], in the thesis's reading but for what `values` say: where the run
-    ended, and what it recorded.
+    ended, and what it recorded: what is drawn, or `record`.
     """
-    read = ("distance", *kind.shown)
+    read = record or ("distance", *kind.shown)
     scene = AS_PRINTED | {"constant_speed": 1, kind.name: kind.amplitude} | values
     kernel = bogie((), read, initial_speed=speed, **scene)
     return kernel, play("bogie", kernel, DURATION, INTERVAL, read, {})

@@ -9,25 +9,22 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from tqdm import tqdm
 
 from brake_controller.wheel_slide import common_protection
 from fmu_src import __version__
 from fmu_src.codegen import generate, guid_of
 from fmu_src.compile import web_module
-from rbd_model.contact.profiles import Profile
 from rbd_model.vehicle import size_of
 from scenarios.fmus.braked_vehicle import FULL_PRESSURE
 from scenarios.live.machines import MACHINES, model_of
+from scenarios.reporting.motion import drawn
 from scenarios.reporting.plots import FOUR
 from scenarios.reporting.progress import PATIENCE
 
 WEB = Path(__file__).parent / "web"
 #: In the order in which they use each other.
 SCRIPTS = ("kernel.js", "protection.js", "simulation.js", "charts.js", "side_view.js", "section_view.js", "page.js")
-#: Points of a profile that is drawn.
-POINTS = 240
 
 
 def write_page(path: Path) -> Path:
@@ -86,9 +83,3 @@ def machine(name: str) -> dict[str, Any]:
         "rail": drawn(pair.rail),
         "aside": pair.wheel_half_distance - pair.rail_half_distance,
     }
-
-
-def drawn(profile: Profile) -> list[list[float]]:
-    """Points (y outwards, z) of a profile [mm]."""
-    y = np.linspace(*profile.limits, POINTS)
-    return np.round(1e3 * np.column_stack([y, profile.height(y)]), 3).tolist()

@@ -19,6 +19,7 @@ from matplotlib.figure import Figure
 
 from fmu_src import __version__
 from scenarios.cosimulation.recording import Recording
+from scenarios.reporting.motion import Motion
 from scenarios.reporting.plots import plt
 
 
@@ -133,6 +134,8 @@ class Result:
     other_figures: dict[str, Callable[[], Figure]] = field(default_factory=dict)
     #: Further tables by file name, beside timeseries.csv.
     other_series: dict[str, Recording] = field(default_factory=dict)
+    #: Runs again what the page of a report shows in three dimensions; None: nothing moves.
+    motion: Callable[[], Motion] | None = None
 
     @property
     def holds(self) -> bool:
@@ -146,8 +149,13 @@ def versions() -> dict[str, str]:
     }
 
 
-def save(result: Result, name: str, out: Path, wall_seconds: float) -> Path:
-    """Writes results/NAME in one move: a run that fails on the way leaves the folder as it was."""
+def save(
+    result: Result, name: str, out: Path, wall_seconds: float, further: Callable[[Result, Path], None] | None = None
+) -> Path:
+    """Writes results/NAME in one move: a run that fails on the way leaves the folder as it was.
+
+    further: writes what else is asked for into the folder, when all else is there.
+    """
     out.mkdir(parents=True, exist_ok=True)
     partial = Path(tempfile.mkdtemp(prefix=f".{name}-", dir=out))
     try:
@@ -169,6 +177,8 @@ def save(result: Result, name: str, out: Path, wall_seconds: float) -> Path:
             figure = draw()
             figure.savefig(partial / f"{file}.png", dpi=130)
             plt.close(figure)
+        if further:
+            further(result, partial)
         partial.chmod(0o755)
         target = out / name
         if target.exists():

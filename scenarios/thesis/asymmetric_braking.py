@@ -11,12 +11,14 @@ from itertools import product
 from matplotlib.figure import Figure
 
 from rbd_model.parameters import as_printed, tables_5_1_and_5_2
+from rbd_model.vehicles import two_axle_bogie
 from scenarios.bench.asymmetric_shoes import (
     APPLICATION_TIMES,
     AS_THESIS,
     AT_CENTRE,
     CASES,
     DERAILED_AT,
+    DURATION,
     FASTEST,
     FURTHER_CASES,
     ON_PATCHES,
@@ -27,10 +29,12 @@ from scenarios.bench.asymmetric_shoes import (
     YAW_TORQUE,
     Case,
     Outcome,
+    brake,
     run_all,
 )
 from scenarios.bench.drive import RIGID
 from scenarios.cosimulation.recording import Recording
+from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import LEADING, THREE, TRAILING, plt, titled
 from scenarios.reporting.report import Result, Row, at_least
 from scenarios.scenario import Options, Scenario
@@ -136,7 +140,14 @@ def run(options: Options) -> Result:
     seconds = sum(float(outcome.series["time"][-1]) for outcome in outcomes.values())
     result = Result(rows, series, lambda: draw(outcomes), parameters, seconds, remarks_of(outcomes))
     result.other_figures["contact-depth"] = lambda: draw_depths(outcomes)
+    result.motion = motion
     return result
+
+
+def motion() -> Motion:
+    """Of the fastest case that derails."""
+    vehicle, case = two_axle_bogie(), Case(1, 75, FASTEST, AS_THESIS)
+    return Motion(f"Braked: {case.name}", vehicle, brake(case, DURATION, motion_columns(vehicle))[1])
 
 
 def draw(outcomes: dict[Case, Outcome]) -> Figure:

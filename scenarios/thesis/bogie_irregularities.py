@@ -27,6 +27,7 @@ from scenarios.bench.irregularities import (
     travel,
 )
 from scenarios.cosimulation.recording import Recording
+from scenarios.reporting.motion import Motion, irregular, motion_columns
 from scenarios.reporting.plots import LEADING, TRAILING, plt, titled
 from scenarios.reporting.report import Result, Row, at_most, near
 from scenarios.scenario import Options, Scenario
@@ -158,7 +159,16 @@ def run_of(kind: Irregularity) -> Result:
     parameters = (
         as_printed(tables_5_1_and_5_2()).values() | section_5_3().values() | RIGID | {kind.name: kind.amplitude}
     )
-    return Result(rows, series, lambda: draw(kind, runs), parameters, DURATION * len(runs))
+    result = Result(rows, series, lambda: draw(kind, runs), parameters, DURATION * len(runs))
+    result.motion = lambda: motion(kind)
+    return result
+
+
+def motion(kind: Irregularity) -> Motion:
+    """At the lower speed."""
+    vehicle, speed = two_axle_bogie(), SPEEDS[0]
+    series = travel(kind, speed, motion_columns(vehicle))[1]
+    return Motion(f"{kind.title}, at {speed:g} m/s", vehicle, series, irregular(**{kind.name: kind.amplitude}))
 
 
 def draw(kind: Irregularity, runs: dict[float, Recording]) -> Figure:

@@ -9,16 +9,20 @@ from matplotlib.figure import Figure
 from tqdm import tqdm
 
 from rbd_model.parameters import AS_PRINTED, as_printed, tables_5_1_and_5_2
-from scenarios.bench.drive import AT_REST, located_lock_time, prepare
+from rbd_model.vehicles import two_axle_bogie
+from scenarios.bench.drive import AT_REST, located_lock_time, play, prepare
 from scenarios.bench.open_fmus import open_bogie
 from scenarios.cosimulation.master import couple
 from scenarios.cosimulation.recording import Recording
+from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, mark, panels
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row
 from scenarios.scenario import Options, Scenario, Sweepable
 
 INITIAL_SPEED, TORQUE, BRAKE_TIME, DURATION = 25.0, 60e3, 4.0, 20.0
+#: Of what a report shows in three dimensions [s].
+INTERVAL = 0.01
 #: Not printed for section 5.5; chapter 9 uses 0.3 with the same bogie.
 FRICTION = 0.3
 #: A bogie that is not at rest by then [s] has no stop distance; 25 m/s at 0.1 m/s2.
@@ -99,7 +103,17 @@ def run(options: Options) -> Result:
     remarks = [f"{case} braked, planar: {' '.join(m for m in runs[2, case][1])}" for case in CASES]
     parameters = as_printed(BOGIE_DATA).values() | {"friction": FRICTION, "brake_torque": TORQUE}
     guids = {"BogieDynamics": runs[2, "both"][2]}
-    return Result(rows, series, lambda: draw(planar), parameters, 6 * DURATION, remarks, guids)
+    return Result(rows, series, lambda: draw(planar), parameters, 6 * DURATION, remarks, guids, motion=motion)
+
+
+def motion() -> Motion:
+    """Both wheelsets braked, in the thesis's reading."""
+    vehicle, torque = two_axle_bogie(), [(0.0, 0.0), (BRAKE_TIME, 0.0), (BRAKE_TIME, TORQUE)]
+    values = {"level": 2, "initial_speed": INITIAL_SPEED, "friction_1": FRICTION, "friction_2": FRICTION}
+    kernel = prepare("bogie", **values, torque_reaction=AS_PRINTED["torque_reaction"])
+    inputs = {f"brake_torque_{number}": torque for number in (1, 2)}
+    series = play("bogie", kernel, DURATION, INTERVAL, motion_columns(vehicle), inputs)
+    return Motion(f"Both wheelsets braked with {TORQUE / 1e3:g} kN.m", vehicle, series)
 
 
 def draw(planar: dict[str, Recording]) -> Figure:

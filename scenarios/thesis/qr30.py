@@ -17,12 +17,14 @@ from tqdm import tqdm
 from brake_controller.experiment import APPLICATION_TIME, EXPERIMENT
 from brake_controller.parameters import qr30
 from rbd_model.parameters import AS_PRINTED, tables_8_1_and_8_2
-from scenarios.bench.drive import AT_REST
+from rbd_model.vehicles import two_axle_bogie
+from scenarios.bench.drive import AT_REST, play, prepare, units
 from scenarios.bench.open_fmus import open_bogie, open_brake
 from scenarios.bench.qr30_bogie import FRICTION, RECORDED, bogie_parameters
 from scenarios.bench.torque_history import read_torque_history
 from scenarios.cosimulation.master import Connection, Coupling, couple
 from scenarios.cosimulation.recording import Recording
+from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, mark, panels
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row, number
@@ -33,6 +35,8 @@ BRAKE_TIME = 1.0
 DURATION = 8.0
 #: Torque capacity [N.m] that locks the wheelset near the printed 1.8 m/s. Fitted, because the history is not printed.
 FITTED_TORQUE = 1800.0
+#: Of what a report shows in three dimensions [s].
+INTERVAL = 0.01
 
 OF_BRAKE = ("cylinder_pressure", "shoe_force", "shoe_friction", "brake_torque")
 
@@ -142,9 +146,20 @@ def run(pressure: int, options: Options) -> Result:
             series.add_from(f"{name} ({label})", one.series, name)
     parameters = tables_8_1_and_8_2().values() | qr30(pressure).values() | {"friction": FRICTION}
     length = DURATION * (len(printed) + 2 * (len(runs) - 1))
-    return Result(
+    result = Result(
         rows, series, lambda: draw(pressure, runs), parameters, length, remarks, average.guids, average.coupling
     )
+    result.motion = motion if pressure == 180 else None
+    return result
+
+
+def motion() -> Motion:
+    """With the fitted torque, at which the trailing wheelset locks."""
+    vehicle = two_axle_bogie(tables_8_1_and_8_2())
+    values = bogie_parameters(set(units("bogie")), 180) | AS_PRINTED | {"friction_1": FRICTION, "friction_2": FRICTION}
+    torque = {"brake_torque_2": list(zip(*fitted_history(), strict=True))}
+    series = play("bogie", prepare("bogie", **values), DURATION, INTERVAL, motion_columns(vehicle), torque)
+    return Motion(f"{FITTED_TORQUE / 1e3:.2f} kN.m on the trailing wheelset, fitted", vehicle, series)
 
 
 def plain_words(pressure: int, shoe_friction: float, one: Run) -> str:

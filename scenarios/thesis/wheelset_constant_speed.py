@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from rbd_model.parameters import as_printed, tables_4_1_and_4_2
+from rbd_model.vehicles import wheelset_under_frame
 from scenarios.bench.hunting_wheelset import (
     FREQUENCY,
     FREQUENCY_BAND,
@@ -16,6 +17,7 @@ from scenarios.bench.hunting_wheelset import (
     hunting_period,
 )
 from scenarios.cosimulation.recording import Recording
+from scenarios.reporting.motion import Motion, irregular, motion_columns
 from scenarios.reporting.plots import LEADING, TRAILING, plt, titled
 from scenarios.reporting.report import Result, Row
 from scenarios.scenario import Options, Scenario
@@ -71,7 +73,15 @@ def run(options: Options) -> Result:
         for name in ("lateral_1", "frame_lateral"):
             series.add_from(f"{name} at {speed:g} m/s", runs[speed], name)
     parameters = as_printed(tables_4_1_and_4_2()).values() | WAVE
-    return Result(rows, series, lambda: draw(runs), parameters, DURATION * (len(runs) + 1))
+    seconds = DURATION * (len(runs) + 1)
+    return Result(rows, series, lambda: draw(runs), parameters, seconds, motion=motion)
+
+
+def motion() -> Motion:
+    """Into the limit cycle, as far as the figures show it."""
+    vehicle = wheelset_under_frame()
+    series = hunt(SPEEDS[-1], SHOWN, motion_columns(vehicle))[1]
+    return Motion(f"Behind the disturbance, at {SPEEDS[-1]:g} m/s", vehicle, series, irregular(**WAVE))
 
 
 def growth(series: Recording) -> float:

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from matplotlib.figure import Figure
 
+from rbd_model.vehicles import passenger_coach
 from scenarios.bench.drive import located_lock_time, play, prepare
 from scenarios.bench.four_axles import ALONG_DAMPING, COACH, NUMBERS, brakes, rigid_axle_loads
 from scenarios.cosimulation.recording import Recording
+from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import FOUR, panels
 from scenarios.reporting.report import Result, Row, near
 from scenarios.scenario import Options, Scenario
@@ -21,6 +25,7 @@ RAMP, RAMP_TIME, FRICTION = 9e3, 30.0, 0.12
 #: Bending of the air springs passes moments to the frames, which rigid statics do not tell.
 STATICS = {"secondary_bending_stiffness": 0.0, "secondary_longitudinal_damping": ALONG_DAMPING}
 LOADS = tuple(f"axle_load_{number}" for number in NUMBERS)
+RECORDED = ("speed", *LOADS, *(f"angular_velocity_{number}" for number in NUMBERS))
 REACTIONS = {"hung in the frame": 1.0, "on nothing": 0.0}
 
 
@@ -35,14 +40,13 @@ def steady(reaction: float) -> tuple[Recording, list[float]]:
     return series, rigid_axle_loads(COACH, deceleration, TORQUE, reaction)
 
 
-def locking(reaction: float) -> tuple[Recording, dict[int, float | None]]:
+def locking(reaction: float, record: Sequence[str] = RECORDED) -> tuple[Recording, dict[int, float | None]]:
     """The torque rises until wheelsets lock; when each did [s]."""
     friction = {f"friction_{number}": FRICTION for number in NUMBERS}
     values = {"torque_reaction": reaction, "initial_speed": SPEED, "level": PLANAR}
     kernel = prepare("vehicle", **values, **friction, secondary_longitudinal_damping=ALONG_DAMPING)
     inputs = {name: [(0.0, 0.0), (RAMP_TIME, RAMP)] for name in brakes(RAMP)}
-    recorded = ("speed", *LOADS, *(f"angular_velocity_{number}" for number in NUMBERS))
-    series = play("vehicle", kernel, RAMP_TIME, INTERVAL, recorded, inputs)
+    series = play("vehicle", kernel, RAMP_TIME, INTERVAL, record, inputs)
     return series, {number: located_lock_time(kernel, series, number) for number in NUMBERS}
 
 
@@ -66,7 +70,15 @@ def run(options: Options) -> Result:
         "published vehicle has none, and its body swings there at 1.26 Hz for the whole stop."
     )
     first = ramps["hung in the frame"][0]
-    return Result(rows, first, lambda: draw(ramps), STATICS | {"torque": TORQUE}, 4 * DURATION, remarks)
+    parameters = STATICS | {"torque": TORQUE}
+    return Result(rows, first, lambda: draw(ramps), parameters, 4 * DURATION, remarks, motion=motion)
+
+
+def motion() -> Motion:
+    """While the torque rises, brakes hung in the frame."""
+    vehicle = passenger_coach()
+    series = locking(REACTIONS["hung in the frame"], motion_columns(vehicle))[0]
+    return Motion(f"Brakes that rise to {RAMP / 1e3:g} kN.m, hung in the frame", vehicle, series)
 
 
 def order(times: dict[int, float | None]) -> str:

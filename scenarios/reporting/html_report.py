@@ -1,0 +1,198 @@
+"""A result as one page that needs no other file and no network: report.html."""
+
+from __future__ import annotations
+
+import base64
+import json
+import textwrap
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields
+from html import escape
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import plotly.graph_objects as go
+from jinja2 import Environment, PackageLoader
+from plotly.offline import get_plotlyjs
+
+from brake_controller.flow_parameters import FlowParameters
+from brake_controller.parameters import BrakeParameters
+from rbd_model.parameters import VehicleParameters
+from rbd_model.track import TrackParameters
+from scenarios.cosimulation.recording import Recording
+from scenarios.reporting import plots
+from scenarios.reporting.motion import MOST_EXAGGERATION, packed
+from scenarios.reporting.report import Result, number
+from scenarios.scenario import Scenario
+
+#: Colours and dashes of the lines of a chart, one after the other: neighbours differ in both.
+COLOURS = (plots.LEADING, plots.TRAILING, plots.BOGIE, plots.THESIS, "#e69f00", "#56b4e9")
+DASHES = ("solid", "dash", "dot", "dashdot", "longdash")
+#: Letters of a name for which a telephone has room.
+NAME_WIDTH = 44
+#: Up to so many rows each is a mark of its own.
+FEW_ROWS = 60
+#: Lines of one unit share a chart while the largest values differ by no more than this.
+APART = 30.0
+DISPLAY = {"responsive": True, "displaylogo": False}
+
+
+@dataclass(frozen=True)
+class Chart:
+    """Lines of one unit over the first column of a recording."""
+
+    title: str
+    lines: int
+    html: str
+
+
+def write_report(scenario: Scenario, result: Result, folder: Path) -> None:
+    """Beside summary.json and the figures, which it takes from there."""
+    summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    motion = result.motion and result.motion()
+    page = environment().get_template("report.html.jinja")
+    text = page.render(
+        title=scenario.name,
+        text=scenario.summary,
+        summary=summary,
+        counts=counts(summary["rows"]),
+        columns=columns(summary["rows"]),
+        motion=motion and packed(motion) | {"colours": plots.FOUR if len(motion.vehicle.wheelsets) > 2 else COLOURS},
+        motion_text=motion and motion.text,
+        most_exaggeration=MOST_EXAGGERATION,
+        charts=list(charts(result)),
+        figures={path.stem: encoded(path) for path in sorted(folder.glob("*.png"), key=first_figure)},
+        parameters=list(parameters(summary["parameters"])),
+        plotly=get_plotlyjs(),
+    )
+    (folder / "report.html").write_text(text, encoding="utf-8")
+
+
+def environment() -> Environment:
+    """Templates of the pages; what they are given is escaped."""
+    found = Environment(loader=PackageLoader("scenarios.reporting", "page"), autoescape=True, trim_blocks=True)
+    found.filters |= {"figure": number, "note": note}
+    return found
+
+
+def encoded(path: Path) -> str:
+    return base64.b64encode(path.read_bytes()).decode()
+
+
+def first_figure(path: Path) -> tuple[bool, str]:
+    """Order of figures: figure.png, then the others."""
+    return path.stem != "figure", path.stem
+
+
+def counts(rows: list[dict[str, Any]]) -> str:
+    """How many rows hold, do not hold, are not judged."""
+    verdicts = [row["holds"] for row in rows]
+    words = {True: "hold", False: "do not hold", None: "are not judged"}
+    return f"Of {len(rows)} rows " + ", ".join(f"{verdicts.count(key)} {word}" for key, word in words.items()) + "."
+
+
+def columns(rows: list[dict[str, Any]]) -> dict[str, str]:
+    """Heads of the numbers that any row has, by their keys."""
+    heads = {"thesis": "thesis", "vampire": "VAMPIRE", "simulated": "simulated", "deviation": "deviation"}
+    return {key: head for key, head in heads.items() if any(row[key] is not None for row in rows)}
+
+
+def note(row: Mapping[str, Any]) -> str:
+    """Below a row: its source, what was assumed, and why it is not judged where that does not tell."""
+    parts = [row["source"], row["assumption"]]
+    if row["holds"] is None and not row["assumption"]:
+        lacking = "no value that it could be held to" if row["thesis"] is None else "what it hangs on is not printed"
+        parts.append(f"not judged: {lacking}")
+    return "; ".join(filter(None, parts))
+
+
+# -- charts ----------------------------------------------------------------------------------------------------------
+
+
+def charts(result: Result) -> Iterator[Chart]:
+    """Of each recording, what has one unit and similar sizes together."""
+    for title, series in {"": result.series, **result.other_series}.items():
+        for names in together(series):
+            yield Chart(heading(title, names, series.units[names[0]]), len(names), chart(series, names))
+
+
+def together(series: Recording) -> Iterator[list[str]]:
+    """Names of the columns that go into one chart, in their order."""
+    left = series.names[1:]
+    while left:
+        similar = [name for name in left if series.units[name] == series.units[left[0]]]
+        sizes = {name: float(np.nanmax(np.abs(series[name]), initial=0.0)) for name in similar}
+        largest = max(sizes.values())
+        chosen = [name for name in similar if sizes[name] * APART >= largest]
+        yield chosen
+        left = [name for name in left if name not in chosen]
+
+
+def heading(title: str, names: list[str], unit: str) -> str:
+    shown = ", ".join(names) if len(names) < 4 else f"{names[0]} and {len(names) - 1} others"
+    return f"{title + ': ' if title else ''}{shown} [{unit}]"
+
+
+def chart(series: Recording, names: list[str]) -> str:
+    """HTML of one chart, without the library."""
+    first = series.names[0]
+    mode = "lines+markers" if series[first].size <= FEW_ROWS else "lines"
+    if np.any(np.diff(series[first]) < 0.0):
+        mode = "markers"
+    lines = [
+        go.Scatter(
+            x=series[first].astype(np.float32),
+            y=series[name].astype(np.float32),
+            name=wrapped(name),
+            mode=mode,
+            line={"color": COLOURS[place % len(COLOURS)], "dash": DASHES[place % len(DASHES)], "width": 1.6},
+        )
+        for place, name in enumerate(names)
+    ]
+    axes = {"xaxis": f"{first} [{series.units[first]}]", "yaxis": f"[{series.units[names[0]]}]"}
+    return drawn(go.Figure(lines, {axis: {"title": {"text": escape(text)}} for axis, text in axes.items()}))
+
+
+def drawn(figure: go.Figure) -> str:
+    """HTML of a chart in the style of all."""
+    figure.update_layout(
+        template="none",
+        margin={"l": 60, "r": 15, "t": 30, "b": 40},
+        showlegend=True,
+        legend={"orientation": "h", "y": -0.25, "yanchor": "top", "x": 0, "font": {"size": 11}},
+        hovermode="closest",
+    )
+    figure.update_xaxes(zeroline=False, automargin=True, title={"standoff": 4})
+    figure.update_yaxes(zeroline=False, exponentformat="power", automargin=True)
+    return str(figure.to_html(full_html=False, include_plotlyjs=False, config=DISPLAY))
+
+
+def wrapped(name: str) -> str:
+    """A name in lines that a telephone has room for."""
+    return "<br>".join(escape(line) for line in textwrap.wrap(name, NAME_WIDTH))
+
+
+# -- parameters ------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter as the page shows it."""
+
+    name: str
+    value: Any
+    unit: str = ""
+    text: str = ""
+
+
+def parameters(values: Mapping[str, Any], within: str = "") -> Iterator[Parameter]:
+    """All of them, groups opened, with units and meaning where a parameter set has one of that name."""
+    sets = (VehicleParameters, TrackParameters, BrakeParameters, FlowParameters)
+    known = {item.name: item.metadata for one in sets for item in fields(one)}
+    for name, value in values.items():
+        if isinstance(value, Mapping):
+            yield from parameters(value, f"{within}{name}, ")
+        else:
+            about = known.get(name, {"unit": "", "description": ""})
+            yield Parameter(f"{within}{name}", value, about["unit"], about["description"])

@@ -1,0 +1,199 @@
+"""The motion of a vehicle, as the three-dimensional view of a report shows it.
+
+How wheelsets stand on their rails is told by `lateral_...` and `wheel_rise_...`; bodies count from the axes of the
+track, and here both do, in axes that the vehicle carries along: x ahead, y to the left, z above the rails.
+"""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from rbd_model.contact.profiles import Profile
+from rbd_model.track import TrackParameters, derivatives_along, section_5_3
+from rbd_model.vehicle import RigidBody, Vehicle, Wheelset, wheelset_name
+from scenarios.cosimulation.recording import Recording
+
+SIDES = ("left", "right")
+#: Motions of a body beside the one along the track.
+MOTIONS = ("lateral", "bounce", "roll", "pitch", "yaw")
+#: Pictures of a motion, at most, and pitch of the rails' irregularities [m].
+MOST_FRAMES, PITCH = 1500, 0.25
+#: A body is at least so large along each axis [m], and the rails go on so far before and behind the vehicle [m].
+SMALLEST_BODY, RAILS_BEYOND = 0.3, 1.5
+#: The largest displacement is first shown as large as this [m], exaggerated by no more than MOST_EXAGGERATION.
+SHOWN_DISPLACEMENT, MOST_EXAGGERATION = 0.15, 50
+#: Points of a profile that is drawn.
+PROFILE_POINTS = 240
+
+
+def motion_columns(vehicle: Vehicle) -> tuple[str, ...]:
+    """What must be recorded for a `Motion`, at any level of detail; what a level does not have is 0 there."""
+    wheels = [
+        f"{name}_{number}_{side}"
+        for number, _ in vehicle.numbered
+        for side in SIDES
+        for name in ("wheel_rise", "wheel_load", "lateral_force")
+    ]
+    wheelsets = [f"{name}_{number}" for number, _ in vehicle.numbered for name in ("lateral", "yaw", "rotation")]
+    bodies = [body.variable(motion) for body in vehicle.bodies for motion in MOTIONS]
+    return ("distance", "speed", *wheelsets, *wheels, *bodies)
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Which run is shown, its vehicle, what it recorded (`motion_columns`), and the track if it is irregular."""
+
+    text: str
+    vehicle: Vehicle
+    series: Recording
+    track: TrackParameters | None = None
+
+    @property
+    def frames(self) -> slice:
+        """The rows that are shown."""
+        return slice(None, None, -(-self.series["time"].size // MOST_FRAMES))
+
+    def column(self, name: str) -> np.ndarray:
+        """Of the rows that are shown."""
+        return self.series[name][self.frames]
+
+    @property
+    def in_space(self) -> bool:
+        """Whether anything leaves the vertical plane."""
+        return any(np.any(self.column(f"lateral_{number}")) for number, _ in self.vehicle.numbered)
+
+
+@dataclass(frozen=True)
+class Rails:
+    """Lateral position of both rails, height of the left and of the right one over the distance [m]."""
+
+    distance: np.ndarray
+    rows: Mapping[str, np.ndarray]
+
+    def at(self, distance: np.ndarray, name: str) -> np.ndarray:
+        """One of the rows at places along the track [m]."""
+        return np.interp(distance, self.distance, self.rows[name])
+
+
+def rails_under(motion: Motion) -> Rails:
+    """As far as the vehicle comes, and on a little."""
+    beyond = half_length(motion.vehicle) + RAILS_BEYOND
+    first, last = motion.column("distance")[[0, -1]] + [-beyond, beyond]
+    if motion.track is None:
+        distance, table = np.array([first, last]), np.zeros((2, 3))
+    else:
+        distance, at = np.arange(first, last + PITCH, PITCH), derivatives_along(motion.track)
+        table = np.array([at(place)[0] for place in distance.tolist()])
+    return Rails(distance, dict(zip(("lateral", "left", "right"), table.T, strict=True)))
+
+
+def half_length(vehicle: Vehicle) -> float:
+    """From the middle to where the last box or wheel ends [m]."""
+    boxes = [box(vehicle, body) for body in vehicle.bodies]
+    wheels = [abs(vehicle.number(one.along)) + vehicle.number(one.mean_radius) for one in vehicle.wheelsets]
+    return float(max(*wheels, *(np.abs(corners[:, 0]).max() for corners in boxes)))
+
+
+def box(vehicle: Vehicle, body: RigidBody) -> np.ndarray:
+    """Lowest and highest corner of a body above the axles [m]: around its centre and all that acts on it."""
+    centre = np.array([vehicle.number(size) for size in (body.along, 0.0, body.height)])
+    ends = [one.sides() for one in vehicle.connections if body.name in (one.upper, one.lower)]
+    places = [place for sides in ends for _, place in sides]
+    places += [pull.place for pull in vehicle.pulls if pull.body == body.name]
+    points = np.array([centre, *([vehicle.number(size) for size in place] for place in places)])
+    low, high = points.min(axis=0), points.max(axis=0)
+    lacking = np.maximum(SMALLEST_BODY - (high - low), 0.0) / 2
+    return np.array([low - lacking, high + lacking])
+
+
+def packed(motion: Motion) -> dict[str, Any]:
+    """All that motion.js draws, as JSON has it; series as base64 of 32-bit floats."""
+    rails, vehicle = rails_under(motion), motion.vehicle
+    return {
+        "time": series(motion.column("time")),
+        "speed": series(motion.column("speed")),
+        "distance": series(motion.column("distance")),
+        "half_length": half_length(vehicle) + RAILS_BEYOND,
+        "exaggeration": exaggeration(motion),
+        "in_space": motion.in_space,
+        "bodies": [body_of(motion, body) for body in vehicle.bodies],
+        "wheelsets": [wheelset_of(motion, rails, number, one) for number, one in vehicle.numbered],
+        "rails": {name: series(values) for name, values in {"distance": rails.distance, **rails.rows}.items()},
+    }
+
+
+def series(values: np.ndarray) -> str:
+    return base64.b64encode(values.astype("<f4").tobytes()).decode()
+
+
+def exaggeration(motion: Motion) -> int:
+    """That shows the largest displacement well."""
+    across = [f"lateral_{number}" for number, _ in motion.vehicle.numbered]
+    names = [*across, *(body.variable(one) for body in motion.vehicle.bodies for one in ("lateral", "bounce"))]
+    largest = max(float(np.abs(motion.column(name)).max()) for name in names)
+    return int(np.clip(SHOWN_DISPLACEMENT / max(largest, 1e-9), 1, MOST_EXAGGERATION))
+
+
+def body_of(motion: Motion, body: RigidBody) -> dict[str, Any]:
+    """Its centre at rest, its box around that centre, and its motions."""
+    vehicle = motion.vehicle
+    centre = [vehicle.number(size) for size in (body.along, 0.0, body.height)]
+    moves = {name: series(motion.column(body.variable(name))) for name in MOTIONS}
+    above = [centre[0], centre[1], centre[2] + vehicle.number(vehicle.wheelsets[0].mean_radius)]
+    return {"text": body.text, "centre": above, "box": (box(vehicle, body) - centre).tolist()} | moves
+
+
+def wheelset_of(motion: Motion, rails: Rails, number: int, wheelset: Wheelset) -> dict[str, Any]:
+    """Its place, motions against the track's axes, and what each wheel does on its rail."""
+    along = motion.vehicle.number(wheelset.along)
+    under = motion.column("distance") + along
+    half = (wheelset.pair.left.wheel_half_distance + wheelset.pair.right.wheel_half_distance) / 2
+    rises = [motion.column(f"wheel_rise_{number}_{side}") for side in SIDES]
+    left, right = (rise + rails.at(under, side) for rise, side in zip(rises, SIDES, strict=True))
+    offset = motion.column(f"lateral_{number}")
+    return {
+        "text": wheelset_name(number).replace("_", " "),
+        "along": along,
+        "radius": motion.vehicle.number(wheelset.mean_radius),
+        "half_distance": half,
+        "lateral": series(offset + rails.at(under, "lateral")),
+        "bounce": series((left + right) / 2),
+        "roll": series(np.arcsin((left - right) / (2 * half))),
+        "yaw": series(motion.column(f"yaw_{number}")),
+        "rotation": series(motion.column(f"rotation_{number}")),
+        "offset": series(offset),
+        "wheels": [wheel_of(motion, wheelset, number, place) for place in range(2)] if motion.in_space else [],
+    }
+
+
+def wheel_of(motion: Motion, wheelset: Wheelset, number: int, place: int) -> dict[str, Any]:
+    """One wheel on its rail, seen along the track: both profiles, rise [m], vertical and lateral force [N]."""
+    side, word = wheelset.pair.both[place], SIDES[place]
+    return {
+        "text": word,
+        "side": 1 - 2 * place,
+        "radius": side.radius,
+        "wheel_half_distance": side.wheel_half_distance,
+        "rail_half_distance": side.rail_half_distance,
+        "wheel": drawn(side.wheel),
+        "rail": drawn(side.rail),
+        "rise": series(motion.column(f"wheel_rise_{number}_{word}")),
+        "load": series(motion.column(f"wheel_load_{number}_{word}")),
+        "lateral_force": series(motion.column(f"lateral_force_{number}_{word}")),
+    }
+
+
+def drawn(profile: Profile) -> list[list[float]]:
+    """Points (y outwards, z) of a profile [mm]."""
+    y = np.linspace(*profile.limits, PROFILE_POINTS)
+    return np.round(1e3 * np.column_stack([y, profile.height(y)]), 3).tolist()
+
+
+def irregular(**amplitudes: float) -> TrackParameters:
+    """The track of section 5.3 with these irregularities [m]."""
+    return TrackParameters(**section_5_3().values() | amplitudes)

@@ -1,0 +1,310 @@
+"""Pages of results in a real browser: nothing amiss, all charts there, numbers those of the files, bodies that move."""
+
+from __future__ import annotations
+
+import csv
+import json
+import subprocess
+import sys
+from collections.abc import Callable
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from rbd_model.parameters import AS_PRINTED
+from rbd_model.vehicles import two_axle_bogie
+from scenarios.__main__ import main
+from scenarios.bench.drive import RIGID, prepare
+from scenarios.bench.irregularities import DURATION, INTERVAL, LATERAL, SPEEDS
+from scenarios.cosimulation.recording import Recording
+from scenarios.reporting.html_report import together, write_report
+from scenarios.reporting.motion import Motion, box, motion_columns
+from scenarios.reporting.plots import single
+from scenarios.reporting.report import Result, Row, at_most, save
+from scenarios.scenario import Options, Scenario
+from tests.browser import Browser, Page, browser
+
+__all__ = ["browser"]  # a fixture
+
+ROOT = Path(__file__).parents[2]
+NAME, WIDE, NARROW = "bogie-lateral", 1440, 390
+REPORT, INDEX = f"{NAME}/report.html", "index.html"
+WORDS = {True: "\u2713 holds", False: "\u2717 does not hold", None: "\u2013 not judged"}
+#: Of lengths that were 32-bit floats on their way, and count from rails that are straight over 0.25 m [m].
+ROUNDED = 5e-6
+#: A rigid contact has no gap; the section leaves out the yaw, and draws profiles with straight lines [mm].
+TOUCHES = 0.05
+#: Half width in which a wheel stands on its tread [mm]; beyond it a flange at contact depth 1 is a spring that yields.
+TREAD = 25.0
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Results of one scenario in space, with its page and the index."""
+    out = tmp_path_factory.mktemp("results")
+    assert main(["run", NAME, "--html", "--out", str(out)]) == 0
+    assert main(["report", "--out", str(out)]) == 0
+    return out
+
+
+@pytest.fixture(scope="module")
+def opened(browser: Browser, folder: Path) -> Callable[[str, int], Page]:
+    """Gives a file of the folder in a window of some width, each opened once."""
+    return lru_cache(lambda file, width: browser.open(folder / file, width))
+
+
+@pytest.fixture
+def report(opened: Callable[[str, int], Page]) -> Page:
+    """In front of the others, where time and mouse go on."""
+    page = opened(REPORT, WIDE)
+    page.call("Page.bringToFront")
+    return page
+
+
+@pytest.fixture(scope="module")
+def summary(folder: Path) -> dict[str, Any]:
+    return dict(json.loads((folder / NAME / "summary.json").read_text(encoding="utf-8")))
+
+
+def cut(page: Page) -> list[str]:
+    """What reaches out of the window."""
+    return list(
+        page.evaluate(
+            """[...document.querySelectorAll("body *:not(svg *):not(#js-plotly-tester)")].filter((one) => {
+                const place = one.getBoundingClientRect();
+                return place.width && (place.right > innerWidth + 1 || place.left < -1);
+            }).map((one) => one.outerHTML.slice(0, 80))"""
+        )
+    )
+
+
+@pytest.mark.parametrize("width", [NARROW, WIDE])
+@pytest.mark.parametrize("file", [REPORT, INDEX])
+def test_page_needs_nothing_else_says_no_error_and_cuts_nothing(
+    opened: Callable[[str, int], Page], file: str, width: int
+) -> None:
+    page = opened(file, width)
+    page.evaluate("new Promise((done) => setTimeout(done, 300))")
+    assert page.errors == []
+    assert page.requests == []
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    assert cut(page) == []
+
+
+def test_numbers_of_the_table_are_those_of_the_summary(report: Page, summary: dict[str, Any]) -> None:
+    shown = report.evaluate(
+        """[...document.querySelectorAll("#rows tbody tr")].map((row) => Object.fromEntries(
+            [...row.querySelectorAll("td.number data")].map((one) =>
+                [one.parentNode.dataset.head, Number(one.value)])))"""
+    )
+    heads = {"thesis": "thesis", "VAMPIRE": "vampire", "simulated": "simulated", "deviation": "deviation"}
+    assert len(shown) == len(summary["rows"])
+    for cells, row in zip(shown, summary["rows"], strict=True):
+        assert cells == {head: row[key] for head, key in heads.items() if row[key] is not None}
+    verdicts = report.evaluate("[...document.querySelectorAll('#rows .verdict')].map((one) => one.innerText)")
+    assert verdicts == [WORDS[row["holds"]] for row in summary["rows"]]
+
+
+def test_charts_have_every_column_whole_and_with_its_unit(report: Page, folder: Path) -> None:
+    shown = report.evaluate(
+        """[...document.querySelectorAll(".chart .js-plotly-plot")].flatMap((chart) => chart.data.map((line, n) => ({
+            name: line.name, unit: chart.layout.yaxis.title.text, along: chart.layout.xaxis.title.text,
+            drawn: chart.querySelectorAll(".scatterlayer .trace").length === chart.data.length,
+            count: chart.calcdata[n].length, sum: chart.calcdata[n].reduce((sum, { y }) => sum + y, 0)})))"""
+    )
+    with (folder / NAME / "timeseries.csv").open() as file:
+        heads, *rows = list(csv.reader(file))
+    sums = np.array(rows, dtype=float).sum(axis=0)
+    assert {f"{line['name']} {line['unit']}" for line in shown} == set(heads[1:])
+    assert len(shown) == len(heads) - 1
+    for line in shown:
+        assert line["drawn"]
+        assert line["along"] == heads[0]
+        assert line["count"] == len(rows)
+        assert line["sum"] == pytest.approx(sums[heads.index(f"{line['name']} {line['unit']}")], rel=1e-5, abs=1e-5)
+
+
+def test_dragging_zooms_a_chart(report: Page) -> None:
+    where = report.evaluate(
+        """(() => { const layer = document.querySelector(".chart .nsewdrag"); layer.scrollIntoView({ block: "center" });
+            const { x, y, width, height } = layer.getBoundingClientRect(); return [x, y, width, height]; })()"""
+    )
+    x, y, width, height = where
+    begin = "document.querySelector('.chart .js-plotly-plot')._fullLayout.xaxis.range"
+    before = report.evaluate(begin)
+    report.drag((x + 0.25 * width, y + height / 2), (x + 0.5 * width, y + height / 2))
+    first, last = report.evaluate(begin)
+    span = before[1] - before[0]
+    assert first == pytest.approx(before[0] + 0.25 * span, abs=0.02 * span)
+    assert last == pytest.approx(before[0] + 0.5 * span, abs=0.02 * span)
+
+
+def shown_at(page: Page, row: int, factor: int) -> dict[str, np.ndarray]:
+    """Points of each part of the vehicle when the time bar stands at a row, by name; shape (3, n)."""
+    page.evaluate(
+        f"""["time", "exaggeration"].forEach((name, n) => {{
+            const bar = document.getElementById(`motion-${{name}}`);
+            bar.value = [{row}, {factor}][n];
+            bar.dispatchEvent(new Event("input"));
+        }})"""
+    )
+    parts = page.evaluate(
+        """document.getElementById("motion-space").data.map(({ name, x, y, z }) =>
+            [name, [x, y, z].map((row) => [...row])])"""
+    )
+    return {name: np.array(points, dtype=float) for name, points in parts}
+
+
+def test_time_bar_moves_the_bodies_as_the_run_did(report: Page) -> None:
+    """Against states of the kernel that the page does not know: a wheelset's place across the track, not the rails."""
+    vehicle, factor = two_axle_bogie(), 5
+    scene = AS_PRINTED | {"constant_speed": 1, LATERAL.name: LATERAL.amplitude}
+    kernel = prepare("bogie", **RIGID, initial_speed=SPEEDS[0], **scene)
+    names = ("state_lateral_1", "rotation_1", "frame_lateral", "frame_roll")
+    run = {name: np.array(values) for name, values in kernel.record(DURATION, INTERVAL, names).items()}
+    count = len(report.evaluate("[...Array(1 + Number(document.getElementById('motion-time').max)).keys()]"))
+    stride = -(-run["time"].size // count)
+    centre = np.mean(box(vehicle, vehicle.bodies[0])[:, 2]) - vehicle.number(vehicle.bodies[0].height)
+    places = []
+    for row in (0, count // 10, count // 5, count - 1):
+        parts, sample = shown_at(report, row, factor), row * stride
+        places.append(parts["wheelset 1"][1].mean())
+        assert places[-1] == pytest.approx(factor * run["state_lateral_1"][sample], abs=factor * ROUNDED)
+        aside = factor * run["frame_lateral"][sample] - centre * np.sin(factor * run["frame_roll"][sample])
+        assert parts["sprung mass"][1].mean() == pytest.approx(aside, abs=1e-4)
+        first = parts["wheelset 1"][:, 0] - parts["wheelset 1"].mean(axis=1)
+        turned = np.arctan2(first[0], first[2]) - run["rotation_1"][sample]
+        assert np.cos(turned) == pytest.approx(1.0, abs=1e-4)
+    assert np.ptp(places) > factor * 5e-3
+
+
+def test_wheels_touch_their_rails_in_the_section(report: Page, summary: dict[str, Any]) -> None:
+    shifts = []
+    for row in (0, 100, 110, 150):
+        shown_at(report, row, 1)
+        curves = report.evaluate(
+            "document.getElementById('motion-section').data.map(({ x, y }) => [[...x], [...y]])",
+        )
+        for rail, wheel in ((curves[0], curves[1]), (curves[2], curves[3])):
+            (rail_x, rail_y), (x, y) = (np.array(sorted(zip(*curve, strict=True))).T for curve in (rail, wheel))
+            inside = (rail_x > x[0]) & (rail_x < x[-1]) & (np.abs(rail_x) < TREAD)
+            gap = np.interp(rail_x[inside], x, y) - rail_y[inside]
+            assert abs(gap.min()) < TOUCHES
+        shifts.append(curves[1][0][0])
+    largest = next(row["simulated"] for row in summary["rows"] if "largest shift of the leading" in row["quantity"])
+    assert np.ptp(shifts) > 0.8 * largest
+    assert "kN" in report.evaluate("document.getElementById('motion-forces').innerText")
+
+
+def test_play_runs_and_stops(report: Page) -> None:
+    shown_at(report, 0, 1)
+    press = "document.getElementById('motion-play').click()"
+    state = "[Number(document.getElementById('motion-time').value), document.getElementById('motion-play').innerText]"
+    report.evaluate(press)
+    report.evaluate("new Promise((done) => setTimeout(done, 600))")
+    row, word = report.evaluate(state)
+    assert word == "Stop"
+    assert row > 10
+    report.evaluate(press)
+    assert report.evaluate(state)[1] == "Play"
+
+
+def test_index_links_to_the_report_and_marks_what_the_thesis_prints(
+    opened: Callable[[str, int], Page], folder: Path, summary: dict[str, Any]
+) -> None:
+    page = opened(INDEX, WIDE)
+    link = page.evaluate("document.querySelector('#scenarios a').href")
+    assert link == (folder / NAME / "report.html").as_uri()
+    marks = page.evaluate("document.querySelector('.js-plotly-plot').data.flatMap((one) => [...one.x])")
+    printed = [row for row in summary["rows"] if row["thesis"] is not None]
+    assert sorted(marks) == pytest.approx(sorted(row["simulated"] / row["thesis"] for row in printed))
+    cells = page.evaluate(
+        "[...document.querySelectorAll('#scenarios td.number')].slice(0, 3).map((one) => one.innerText)"
+    )
+    verdicts = [row["holds"] for row in summary["rows"]]
+    assert cells == [str(verdicts.count(word)) for word in (True, False, None)]
+
+
+# -- what people write into results ----------------------------------------------------------------------------------
+
+BREAKS = "</script><script>document.title = 'broken'</script> <b>&lt; 1 'x' \"y\" {{ 1 }}"
+
+
+def nasty_result() -> Result:
+    """Every text of it could end the page; one row of each verdict, and a motion in the plane."""
+    time = np.linspace(0.0, 1.0, 11)
+    series = Recording({"time": "s"}, [[instant] for instant in time])
+    series.add(BREAKS, BREAKS, time)
+    rows = [
+        Row(BREAKS, BREAKS, 1.0, 1.0, 0.1, BREAKS, BREAKS, vampire=1.0),
+        Row("fails", "m", None, 2.0, at_most(1.0), ""),
+        Row("is not there", "m", 1.0, None, None, ""),
+    ]
+    vehicle = two_axle_bogie()
+    recorded = Recording({"time": "s"}, [[instant] for instant in time])
+    for name in motion_columns(vehicle):
+        recorded.add(name, "m", time if name == "distance" else np.zeros(11))
+    parameters = {BREAKS: BREAKS, "group": {"wheel_radius": 0.425}}
+    result = Result(rows, series, lambda: single("title", "x [m]", "y [m]")[0], parameters, 0.0, [BREAKS])
+    result.guids = {BREAKS: BREAKS}
+    result.motion = lambda: Motion(BREAKS, vehicle, recorded)
+    return result
+
+
+def test_texts_of_a_result_are_shown_and_never_obeyed(browser: Browser, tmp_path: Path) -> None:
+    scenario = Scenario("nasty", BREAKS, lambda options: nasty_result())
+    result = scenario.run(Options())
+    save(result, "nasty", tmp_path, 1.0, lambda result, folder: write_report(scenario, result, folder))
+    page = browser.open(tmp_path / "nasty" / "report.html", NARROW)
+    assert page.errors == []
+    assert page.evaluate("document.title") == "nasty"
+    shown = page.evaluate("document.body.innerText")
+    assert shown.count(BREAKS) >= 9
+    assert "0.4250 m" in shown
+    verdicts = page.evaluate("[...document.querySelectorAll('#rows .verdict')].map((one) => one.innerText)")
+    assert verdicts == list(WORDS.values())
+    assert page.evaluate("document.getElementById('motion-section')") is None
+    # Planar: nothing is across the track, and the wheels' radius has its unit.
+    assert abs(shown_at(page, 10, 50)["wheelset 1"][1].mean()) < ROUNDED
+    assert main(["report", "--out", str(tmp_path)]) == 0
+    assert browser.open(tmp_path / "index.html", WIDE).errors == []
+
+
+# -- without a browser ------------------------------------------------------------------------------------------------
+
+
+def test_columns_share_a_chart_with_their_like() -> None:
+    series = Recording(
+        {"time": "s", "distance": "m", "lateral_1": "m", "speed": "m/s", "lateral_2": "m", "none": "m"}, []
+    )
+    sizes = {"distance": 100.0, "lateral_1": 1e-3, "speed": 25.0, "lateral_2": 2e-2, "none": np.nan}
+    for name, size in {"time": 1.0, **sizes}.items():
+        series.add(name, series.units[name], np.array([0.0, -size]))
+    assert list(together(series)) == [["distance"], ["lateral_1", "lateral_2"], ["speed"], ["none"]]
+
+
+def test_without_plotly_one_sentence_says_what_to_install(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.delitem(sys.modules, "scenarios.reporting.html_report")
+    monkeypatch.setitem(sys.modules, "plotly", None)
+    monkeypatch.delitem(sys.modules, "plotly.graph_objects", raising=False)
+    assert main(["run", NAME, "--html", "--out", str(tmp_path / "out")]) == 2
+    said = capsys.readouterr().err
+    assert "plotly" in said
+    assert 'pip install -e ".[reports]"' in said
+    assert not (tmp_path / "out").exists()
+
+
+def test_what_pages_need_is_imported_for_pages_alone() -> None:
+    asked = "import sys, scenarios.__main__; print([name for name in ('plotly', 'jinja2') if name in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", asked], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+def test_no_results_are_refused_with_a_sentence(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["report", "--out", str(tmp_path)]) == 2
+    assert f"There are no results in {tmp_path}; run a scenario first" in capsys.readouterr().err
