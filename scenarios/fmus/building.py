@@ -12,16 +12,13 @@ from pathlib import Path
 from fmpy.validation import validate_fmu
 
 import fmu_src
-from brake_controller.parameters import qr30
 from brake_controller.protection_fmu import wheel_slide_protection
 from fmu_src.codegen import generate, guid_of
 from fmu_src.compile import CompilerError, cache, compiler
 from fmu_src.native_fmu import PLATFORMS, PLATFORMS3, build_native_fmu, build_native_fmu3
 from fmu_src.python_fmu import build_python_fmu
-from fmu_src.ssp import Component, Connection, write_ssp
 from fmu_src.step_fmu import build_step_fmu
 from fmu_src.system import StepModel
-from rbd_model.parameters import tables_8_1_and_8_2
 from scenarios.fmus.registry import FMUS, model_of
 
 PICTURES = Path(__file__).parent / "pictures"
@@ -95,44 +92,14 @@ def announce(path: Path, seconds: float) -> list[str]:
 
 
 def build_all(names: Sequence[str], kinds: Sequence[str], out: Path, all_platforms: bool) -> list[str]:
-    """Builds FMUs and the system of both native ones, a line each; the problems that fmpy finds."""
+    """Builds FMUs, a line each; the problems that fmpy finds."""
     problems = []
     for kind in kinds:
         for name in names:
             begin = time.perf_counter()
             path = write_fmu(name, kind, out, all_platforms)
             problems += announce(path, time.perf_counter() - begin)
-    if "native" in kinds and {"bogie", "brake"} <= set(names):
-        path = build_system(out)
-        print(f"{path}  {path.stat().st_size / 1000:.0f} kB")
     return problems
-
-
-#: The system: the QR30 bogie of the experiment, its trailing wheelset braked by a cylinder at 180 kPa from the start.
-SYSTEM, EXPERIMENT = "BogieBraking", (5.0, 1e-3)
-
-
-def build_system(out: Path) -> Path:
-    """Writes OUT/BogieBraking.ssp: both native FMUs connected, with the parameters of the experiment."""
-    bogie, brake = (fmu_path(name, "native", out) for name in ("bogie", "brake"))
-    known = {variable.name for variable in model_of("bogie").variables}
-    parameters = {key: value for key, value in tables_8_1_and_8_2().values().items() if key in known}
-    parameters |= {"level": 2, "initial_speed": 2.9, "friction_1": 0.18, "friction_2": 0.18}
-    path = out / f"{SYSTEM}.ssp"
-    write_ssp(
-        path,
-        SYSTEM,
-        [
-            Component("brake", brake, qr30(180).values() | {"pressure_demand": 180e3}, ["cylinder_pressure"]),
-            Component("bogie", bogie, parameters, ["speed", "distance"]),
-        ],
-        [
-            Connection(("brake", "brake_torque"), ("bogie", "brake_torque_2")),
-            Connection(("bogie", "angular_velocity_2"), ("brake", "angular_velocity")),
-        ],
-        EXPERIMENT,
-    )
-    return path
 
 
 def build_protection(out: Path, controller: StepModel | None = None) -> Path:
