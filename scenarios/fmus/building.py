@@ -19,7 +19,9 @@ from fmu_src.native_fmu import PLATFORMS, PLATFORMS3, build_native_fmu, build_na
 from fmu_src.python_fmu import build_python_fmu
 from fmu_src.step_fmu import build_step_fmu
 from fmu_src.system import StepModel
+from fmu_src.terminals import FILE, ICON, terminals_and_icons
 from scenarios.fmus.registry import FMUS, model_of
+from scenarios.fmus.terminals import terminals_of
 
 PICTURES = Path(__file__).parent / "pictures"
 #: Native for FMI 2.0 and for FMI 3.0, and pythonfmu, which has binaries of its own.
@@ -42,9 +44,14 @@ def license_text() -> bytes:
     return Path(str(found.locate())).read_bytes()
 
 
-def extras(name: str, icon: str) -> dict[str, bytes]:
-    """What an archive holds besides the model: license, icon under this name, and the page's picture if it has one."""
-    files = {"documentation/licenses/license.txt": license_text(), icon: (PICTURES / "icon.png").read_bytes()}
+def extras(name: str, kind: str) -> dict[str, bytes]:
+    """What a native archive holds besides the model: license, terminals and icon, and the page's picture if any."""
+    files = {
+        "documentation/licenses/license.txt": license_text(),
+        FILE: terminals_and_icons(terminals_of(model_of(name))),
+    }
+    icons = [ICON, "model.png"] if kind == "native" else [ICON]  # FMI 2.0.4 has both places
+    files |= dict.fromkeys(icons, (PICTURES / "icon.png").read_bytes())
     picture = FMUS[name].picture
     return files | ({"documentation/picture.png": (PICTURES / picture).read_bytes()} if picture else {})
 
@@ -62,10 +69,10 @@ def write_fmu(name: str, kind: str, out: Path, all_platforms: bool = False) -> P
     except OSError as error:
         raise OSError(f"{path.parent} cannot be made, {error}; choose another folder with --out") from error
     if kind == "native":
-        build_native_fmu(model, path, list(PLATFORMS) if all_platforms else [], extras(name, "model.png"))
+        build_native_fmu(model, path, list(PLATFORMS) if all_platforms else [], extras(name, kind))
     elif kind == "fmi3":
         platforms = list(PLATFORMS3) if all_platforms else []
-        build_native_fmu3(model, path, platforms, extras(name, "terminalsAndIcons/icon.png"))
+        build_native_fmu3(model, path, platforms, extras(name, kind))
     else:
         build_python_fmu(model, path)
     return path
@@ -76,6 +83,8 @@ def up_to_date(name: str, kind: str) -> Path:
     digest = hashlib.sha256(" ".join([guid_of(generate(model_of(name))), *compiler()]).encode())
     for source in sorted(Path(fmu_src.__file__).parent.glob("*.py")):
         digest.update(source.read_bytes())
+    if kind in NATIVE:
+        digest.update(repr(sorted(extras(name, kind).items())).encode())
     out = cache() / "fmus" / digest.hexdigest()[:24]
     path = fmu_path(name, kind, out)
     return path if path.exists() else write_fmu(name, kind, out)
