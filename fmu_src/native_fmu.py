@@ -17,7 +17,7 @@ from fmu_src.codegen import KERNEL_SOURCES, RUNTIME, generate, guid_of
 from fmu_src.compile import FMI_HEADERS, library_of, library_suffix
 from fmu_src.model_description import model_description
 from fmu_src.model_description3 import model_description3
-from fmu_src.pages import PICTURE, pages
+from fmu_src.pages import pages
 from fmu_src.system import Model
 
 #: Folder in binaries/ -> targets of zig, and suffix of the library. Two targets make one universal binary. The glibc is
@@ -93,7 +93,7 @@ def _documentation(
     model: Model, sources: Mapping[str, str], kind: str, extras: Mapping[str, bytes] | None
 ) -> dict[str, bytes]:
     page = host(model, guid_of(sources), 3 if kind == "fmi3" else 2).encode()
-    return pages(model, kind, PICTURE in (extras or {})) | {"documentation/host.c": page}
+    return pages(model, kind, extras or ()) | {"documentation/host.c": page}
 
 
 def one_unit(model: Model, names: Sequence[str], version: int) -> str:

@@ -17,9 +17,12 @@ from fmu_src.codegen import generate, guid_of
 from fmu_src.compile import CompilerError, cache, compiler
 from fmu_src.native_fmu import PLATFORMS, PLATFORMS3, build_native_fmu, build_native_fmu3
 from fmu_src.python_fmu import build_python_fmu
+from fmu_src.references import reference_files
 from fmu_src.step_fmu import build_step_fmu
 from fmu_src.system import StepModel
 from fmu_src.terminals import FILE, ICON, terminals_and_icons
+from scenarios.fmus.experiments import experiments_of
+from scenarios.fmus.parameter_sets import set_files
 from scenarios.fmus.registry import FMUS, model_of
 from scenarios.fmus.terminals import terminals_of
 
@@ -68,11 +71,14 @@ def write_fmu(name: str, kind: str, out: Path, all_platforms: bool = False) -> P
         path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise OSError(f"{path.parent} cannot be made, {error}; choose another folder with --out") from error
+    files = {}
+    if kind in NATIVE:
+        files = extras(name, kind) | reference_files(model, set_files(name), experiments_of(name))
     if kind == "native":
-        build_native_fmu(model, path, list(PLATFORMS) if all_platforms else [], extras(name, kind))
+        build_native_fmu(model, path, list(PLATFORMS) if all_platforms else [], files)
     elif kind == "fmi3":
         platforms = list(PLATFORMS3) if all_platforms else []
-        build_native_fmu3(model, path, platforms, extras(name, kind))
+        build_native_fmu3(model, path, platforms, files)
     else:
         build_python_fmu(model, path)
     return path
@@ -84,7 +90,7 @@ def up_to_date(name: str, kind: str) -> Path:
     for source in sorted(Path(fmu_src.__file__).parent.glob("*.py")):
         digest.update(source.read_bytes())
     if kind in NATIVE:
-        digest.update(repr(sorted(extras(name, kind).items())).encode())
+        digest.update(repr([extras(name, kind), set_files(name), experiments_of(name)]).encode())
     out = cache() / "fmus" / digest.hexdigest()[:24]
     path = fmu_path(name, kind, out)
     return path if path.exists() else write_fmu(name, kind, out)

@@ -17,6 +17,7 @@ from rbd_model.parameters import (
     tables_5_1_and_5_2,
     tables_8_1_and_8_2,
 )
+from rbd_model.rail_recovery import assumed_recovery
 from scenarios.fmus.braked_vehicle import coach_brake
 from scenarios.fmus.registry import model_of
 
@@ -59,6 +60,7 @@ PARAMETER_SETS: dict[str, NamedSet] = {
     "brake-uic-p-dump-valve": NamedSet(
         "brake", "The same with the dump valve of a wheel-slide protection", lambda: with_dump_valve(uic_p())
     ),
+    "rail-recovery": NamedSet("rail", "Low adhesion that sliding wheels clean away", assumed_recovery),
     "brake-uic-g": NamedSet("brake", "UIC freight wagon in brake position G", uic_g),
 }
 
