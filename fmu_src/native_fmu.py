@@ -25,6 +25,7 @@ from fmu_src.system import Model
 PLATFORMS: dict[str, tuple[tuple[str, ...], str]] = {
     "linux64": (("x86_64-linux-gnu.2.17",), ".so"),
     "win64": (("x86_64-windows-gnu",), ".dll"),
+    "win32": (("x86-windows-gnu",), ".dll"),
     "darwin64": (("x86_64-macos", "aarch64-macos"), ".dylib"),
     "aarch64-linux": (("aarch64-linux-gnu.2.17",), ".so"),
 }
@@ -32,6 +33,7 @@ PLATFORMS: dict[str, tuple[tuple[str, ...], str]] = {
 PLATFORMS3: dict[str, tuple[tuple[str, ...], str]] = {
     "x86_64-linux": (("x86_64-linux-gnu.2.17",), ".so"),
     "x86_64-windows": (("x86_64-windows-gnu",), ".dll"),
+    "x86-windows": (("x86-windows-gnu",), ".dll"),
     "x86_64-darwin": (("x86_64-macos",), ".dylib"),
     "aarch64-darwin": (("aarch64-macos",), ".dylib"),
     "aarch64-linux": (("aarch64-linux-gnu.2.17",), ".so"),
