@@ -50,8 +50,12 @@ STANDARD_HEADERS = {
     2: ("fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),
     3: ("fmi3Functions.h", "fmi3FunctionTypes.h", "fmi3PlatformTypes.h"),
 }
-#: Programs that open an FMU or link it, with places for its names.
+#: Programs that run an FMU, with places for its names: their names in the archive and here, by version of FMI.
 HOSTS = Path(__file__).parent / "hosts"
+HOST_FILES = {
+    2: {"host.c": "host2.c", "host.cpp": "host2.cpp", "host.cs": "host2.cs", "host.py": "host.py"},
+    3: {"host.c": "host3.c", "host.py": "host.py"},
+}
 #: The one file to compile; it includes the others.
 ONE_UNIT = "all.c"
 
@@ -94,8 +98,7 @@ def _contents(model: Model, sources: Mapping[str, str], about: str, version: int
 def _documentation(
     model: Model, sources: Mapping[str, str], kind: str, extras: Mapping[str, bytes] | None
 ) -> dict[str, bytes]:
-    page = host(model, guid_of(sources), 3 if kind == "fmi3" else 2).encode()
-    return pages(model, kind, extras or ()) | {"documentation/host.c": page}
+    return pages(model, kind, extras or ()) | hosts(model, guid_of(sources), 3 if kind == "fmi3" else 2)
 
 
 def one_unit(model: Model, names: Sequence[str], version: int) -> str:
@@ -138,8 +141,8 @@ def build_description(model: Model) -> str:
     )
 
 
-def host(model: Model, guid: str, version: int) -> str:
-    """A program in C that runs the FMU, its binary opened or its sources linked."""
+def hosts(model: Model, guid: str, version: int) -> dict[str, bytes]:
+    """Programs in C, C++, C# and Python that run the FMU, by their places in the archive."""
     listed = [(v, number) for number, v in enumerate(model.variables) if v.kind in ("real", "integer")]
     lists = {}
     for name, causalities in (("SETTABLE", ("parameter", "input")), ("OUTPUT", ("output",))):
@@ -147,10 +150,13 @@ def host(model: Model, guid: str, version: int) -> str:
         lines = textwrap.fill(", ".join(entries), 118, initial_indent="    ", subsequent_indent="    ")
         lists[name] = lines.replace("~", " ")
     places = {"MODEL": model.name, "GUID": guid} | lists
-    text = (HOSTS / f"host{version}.c").read_text()
-    for place, value in places.items():
-        text = text.replace(f"@{place}@", value)
-    return text
+    found = {}
+    for name, template in HOST_FILES[version].items():
+        text = (HOSTS / template).read_text()
+        for place, value in places.items():
+            text = text.replace(f"@{place}@", value)
+        found[f"documentation/{name}"] = text.encode()
+    return found
 
 
 def universal(libraries: Mapping[str, bytes]) -> bytes:

@@ -54,7 +54,7 @@ def documentation(model: Model, kind: str, beside: Collection[str] = ()) -> str:
     heads = "".join(f"<th>{head}</th>" for head in ("name", "causality", "unit", "start", "meaning"))
     shown = '<p><img src="picture.png" alt="" style="max-width:100%"></p>\n' if PICTURE in beside else ""
     sets = ' <a href="fmi-ls-ref.html">Parameter sets and experiments.</a>' if PAGE in beside else ""
-    host = "" if kind == "python" else ' <a href="host.c">A program that opens the binary, or links the sources.</a>'
+    host = "" if kind == "python" else " Beside this page lie programs that run the FMU, host.c and others."
     return (
         f'<!doctype html>\n<html lang="en"><meta charset="utf-8"><title>{model.name}</title>\n{STYLE}'
         f"<h1>{model.name}</h1>\n<p>{html.escape(model.description)}.</p>\n{shown}"

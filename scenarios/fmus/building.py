@@ -87,7 +87,8 @@ def write_fmu(name: str, kind: str, out: Path, all_platforms: bool = False) -> P
 def up_to_date(name: str, kind: str) -> Path:
     """Path of an FMU in the cache of the user, built now unless it is there; equal content has one place."""
     digest = hashlib.sha256(" ".join([guid_of(generate(model_of(name))), *compiler()]).encode())
-    for source in sorted(Path(fmu_src.__file__).parent.glob("*.py")):
+    here = Path(fmu_src.__file__).parent
+    for source in sorted([*here.glob("*.py"), *here.glob("hosts/*.*")]):
         digest.update(source.read_bytes())
     if kind in NATIVE:
         digest.update(repr([extras(name, kind), set_files(name), experiments_of(name)]).encode())
