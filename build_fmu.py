@@ -1,8 +1,10 @@
 """Builds the FMUs and validates them with fmpy.
 
-  python build_fmu.py                    all FMUs, native for FMI 2.0 and 3.0 and pythonfmu, into build/
+  python build_fmu.py                    all FMUs, native for FMI 2.0 and 3.0 and pythonfmu, into build/, with the
+                                         parameter sets (.ssv) and the systems (.ssp) that they make
   python build_fmu.py bogie              the bogie only
-  python build_fmu.py ssp                the system BogieBraking.ssp of both native FMUs
+  python build_fmu.py ssp                the system BogieBraking.ssp of both native FMUs; those of the braked vehicle
+                                         come with its FMU, `python build_fmu.py braked-vehicle`
   python build_fmu.py --kind native      the native ones for FMI 2.0 only
   python build_fmu.py --platforms all    native FMUs for Linux (x86-64 and ARM), Windows and macOS, compiled with zig
   python build_fmu.py --controller scenarios/bench/own_controller.py:FixedSlip
@@ -19,7 +21,9 @@ from pathlib import Path
 from fmu_src.compile import CompilerError
 from fmu_src.model_description import variable_table
 from scenarios.fmus.building import KINDS, NATIVE, build_all, build_controller
+from scenarios.fmus.parameter_sets import write_sets
 from scenarios.fmus.registry import FMUS, model_of
+from scenarios.fmus.systems import build_systems
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -44,7 +48,11 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         if chosen.controller:
             return build_controller(chosen.controller, chosen.out)
-        problems = build_all(names, able if chosen.kind == "all" else [chosen.kind], chosen.out, every)
+        kinds = able if chosen.kind == "all" else [chosen.kind]
+        problems = build_all(names, kinds, chosen.out, every)
+        write_sets(names, chosen.out)
+        if "native" in kinds:
+            build_systems(names, chosen.out)
     except (CompilerError, OSError) as error:
         print(f"The FMUs in {chosen.out} are not complete ({error}).", file=sys.stderr)
         return 1

@@ -1,5 +1,5 @@
 """Makes what a release consists of: a wheel for each platform with its FMUs and kernels inside, one without for all
-others, the sdist, an archive of the FMUs for all platforms with the system BogieBraking.ssp, and SHA256SUMS.
+others, the sdist, an archive of the FMUs for all platforms with parameter sets and systems, and SHA256SUMS.
 
   python release.py              into dist/
   python release.py --out FOLDER
@@ -23,8 +23,10 @@ from fmu_src.codegen import generate
 from fmu_src.compile import CompilerError
 from fmu_src.native_fmu import PLATFORMS, binary_of, build_native_fmu
 from scenarios.fmus.building import NATIVE, build_all, extras, license_text
+from scenarios.fmus.parameter_sets import write_sets
 from scenarios.fmus.prebuilt import PREBUILT, write_contents
 from scenarios.fmus.registry import DIFFERENT, FMUS, model_of
+from scenarios.fmus.systems import build_systems
 
 ROOT = Path(__file__).parent
 #: Platforms of wheels -> folder in binaries/ of an FMU.
@@ -50,7 +52,7 @@ def fill(folder: Path, platform: str) -> None:
     targets, suffix = PLATFORMS[place]
     for name in DIFFERENT:
         model = model_of(name)
-        build_native_fmu(model, folder / "native" / f"{name}.fmu", [place], extras(name, "model.png"))
+        build_native_fmu(model, folder / "native" / f"{name}.fmu", [place], extras(name, "native"))
         kernel = folder / "kernel" / f"{name}{suffix}"
         kernel.parent.mkdir(exist_ok=True)
         kernel.write_bytes(binary_of(generate(model), targets, fmu=False))
@@ -78,12 +80,14 @@ def write_wheels(platforms: Iterable[str], out: Path) -> None:
 
 
 def write_fmus(out: Path) -> None:
-    """The native FMUs for FMI 2.0 and 3.0 and the system, for all platforms, in one archive."""
+    """The native FMUs for FMI 2.0 and 3.0, for all platforms, parameter sets and systems, in one archive."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         if build_all(list(FMUS), NATIVE, folder, all_platforms=True):
             raise CompilerError("An FMU is not valid; nothing was packed")
-        made = [path for path in folder.rglob("*") if path.suffix in (".fmu", ".ssp")]
+        write_sets(list(FMUS), folder)
+        build_systems(list(FMUS), folder)
+        made = [path for path in folder.rglob("*") if path.suffix in (".fmu", ".ssp", ".ssv")]
         files = {path.relative_to(folder).as_posix(): path.read_bytes() for path in made}
     write_archive(out / f"bogie_braking-{__version__}-fmus.zip", files | {"LICENSE": license_text()})
 

@@ -11,14 +11,16 @@ from fmu_src.system import StepModel, Variable
 PROTECTION = Path(__file__).parent / "wheel_slide.py"
 OWN_MODULE, OWN_CLASS = "brake_controller.wheel_slide", "SlideProtection"
 PERIOD = 5e-3
-WHEELSETS = ("leading", "trailing")
+#: Wheelsets of a bogie.
+BOGIE = 2
 
 
-def wheel_slide_protection(file: Path | None = None, name: str = OWN_CLASS) -> StepModel:
+def wheel_slide_protection(file: Path | None = None, name: str = OWN_CLASS, wheelsets: int = BOGIE) -> StepModel:
     """The FMU of the class `name` in `file`, and called like it; by default the protection that comes with the brake.
 
-    The file may import from brake_controller.wheel_slide and from what the host's Python has; nothing else travels with
-    it. Raises ValueError where there is no such class.
+    wheelsets: how many it protects; where they are not a bogie's two, the name of the FMU ends with their number. The
+    file may import from brake_controller.wheel_slide and from what the host's Python has; nothing else travels with it.
+    Raises ValueError where there is no such class.
     """
     sources = [PROTECTION.read_text(encoding="utf-8")]
     if file is not None:
@@ -26,33 +28,34 @@ def wheel_slide_protection(file: Path | None = None, name: str = OWN_CLASS) -> S
         if f"class {name}" not in text:
             raise ValueError(f"There is no class {name} in {file}; give --controller FILE:CLASS.")
         sources.append(text)
+    numbers = range(1, wheelsets + 1)
     inputs = [
-        Variable(f"wheel_speed_{number}", "input", "m/s", f"Circumferential speed of the {word} wheels")
-        for number, word in enumerate(WHEELSETS, 1)
+        Variable(f"wheel_speed_{number}", "input", "m/s", f"Circumferential speed of the wheels of wheelset {number}")
+        for number in numbers
     ]
     outputs = [
         Variable(
             f"valve_{number}",
             "output",
             "1",
-            f"Valve of the {word} cylinder: 0 apply, 1 hold, 2 vent",
+            f"Valve of the cylinder of wheelset {number}: 0 apply, 1 hold, 2 vent",
             APPLY,
             APPLY,
             VENT,
             "integer",
         )
-        for number, word in enumerate(WHEELSETS, 1)
+        for number in numbers
     ]
     # The class behind its own name, which may be that of the FMU.
     sources.append(f"Chosen = {name}\n")
     return StepModel(
-        "WheelSlideProtection" if file is None else name,
+        ("WheelSlideProtection" if file is None else name) + (str(wheelsets) if wheelsets != BOGIE else ""),
         f"Wheel-slide protection: {name}",
         inputs,
         outputs,
         PERIOD,
         sources,
         [OWN_MODULE],
-        f"Supervised(Chosen(), {len(WHEELSETS)})",
-        [float(APPLY)] * len(WHEELSETS),
+        f"Supervised(Chosen(), {wheelsets})",
+        [float(APPLY)] * wheelsets,
     )

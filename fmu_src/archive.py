@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import xml.etree.ElementTree as ET
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
@@ -22,3 +23,9 @@ def write_archive(path: Path, contents: Mapping[str, bytes]) -> None:
             entry.external_attr = 0o644 << 16
             archive.writestr(entry, contents[name])
     partial.replace(path)
+
+
+def xml_file(root: ET.Element) -> bytes:
+    """What an XML file with this root holds."""
+    ET.indent(root)
+    return ('<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n").encode()

@@ -44,6 +44,11 @@ CHECKS = (
         {"native": "modelDescription.xml", "python": "modelDescription.xml"},
     ),
     Check(
+        "Terminals follow the schema of FMI 3.0, name variables that are there, and plug into those of their kind",
+        "test_terminals_follow_the_schema_and_name_variables_that_are_there",
+        dict.fromkeys(("native", "fmi3"), "terminalsAndIcons.xml"),
+    ),
+    Check(
         "Outputs depend at the start on the inputs and parameters that are listed, and on no others",
         "test_values_at_the_start_depend_on_nothing_that_is_not_listed",
         everywhere("ModelStructure"),

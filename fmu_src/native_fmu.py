@@ -17,7 +17,7 @@ from fmu_src.codegen import KERNEL_SOURCES, RUNTIME, generate, guid_of
 from fmu_src.compile import FMI_HEADERS, library_of, library_suffix
 from fmu_src.model_description import model_description
 from fmu_src.model_description3 import model_description3
-from fmu_src.pages import PICTURE, pages
+from fmu_src.pages import pages
 from fmu_src.system import Model
 
 #: Folder in binaries/ -> targets of zig, and suffix of the library. Two targets make one universal binary. The glibc is
@@ -26,6 +26,7 @@ from fmu_src.system import Model
 PLATFORMS: dict[str, tuple[tuple[str, ...], str]] = {
     "linux64": (("x86_64-linux-gnu.2.17",), ".so"),
     "win64": (("x86_64-windows-gnu",), ".dll"),
+    "win32": (("x86-windows-gnu",), ".dll"),
     "darwin64": (("x86_64-macos.11.0", "aarch64-macos.11.0"), ".dylib"),
     "aarch64-linux": (("aarch64-linux-gnu.2.17",), ".so"),
 }
@@ -33,6 +34,7 @@ PLATFORMS: dict[str, tuple[tuple[str, ...], str]] = {
 PLATFORMS3: dict[str, tuple[tuple[str, ...], str]] = {
     "x86_64-linux": (("x86_64-linux-gnu.2.17",), ".so"),
     "x86_64-windows": (("x86_64-windows-gnu",), ".dll"),
+    "x86-windows": (("x86-windows-gnu",), ".dll"),
     "x86_64-darwin": (("x86_64-macos.11.0",), ".dylib"),
     "aarch64-darwin": (("aarch64-macos.11.0",), ".dylib"),
     "aarch64-linux": (("aarch64-linux-gnu.2.17",), ".so"),
@@ -49,8 +51,12 @@ STANDARD_HEADERS = {
     2: ("fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),
     3: ("fmi3Functions.h", "fmi3FunctionTypes.h", "fmi3PlatformTypes.h"),
 }
-#: Programs that open an FMU or link it, with places for its names.
+#: Programs that run an FMU, with places for its names: their names in the archive and here, by version of FMI.
 HOSTS = Path(__file__).parent / "hosts"
+HOST_FILES = {
+    2: {"host.c": "host2.c", "host.cpp": "host2.cpp", "host.cs": "host2.cs", "host.py": "host.py"},
+    3: {"host.c": "host3.c", "host.py": "host.py"},
+}
 #: The one file to compile; it includes the others.
 ONE_UNIT = "all.c"
 
@@ -93,8 +99,7 @@ def _contents(model: Model, sources: Mapping[str, str], about: str, version: int
 def _documentation(
     model: Model, sources: Mapping[str, str], kind: str, extras: Mapping[str, bytes] | None
 ) -> dict[str, bytes]:
-    page = host(model, guid_of(sources), 3 if kind == "fmi3" else 2).encode()
-    return pages(model, kind, PICTURE in (extras or {})) | {"documentation/host.c": page}
+    return pages(model, kind, extras or ()) | hosts(model, guid_of(sources), 3 if kind == "fmi3" else 2)
 
 
 def one_unit(model: Model, names: Sequence[str], version: int) -> str:
@@ -141,8 +146,8 @@ def build_description(model: Model) -> str:
     )
 
 
-def host(model: Model, guid: str, version: int) -> str:
-    """A program in C that runs the FMU, its binary opened or its sources linked."""
+def hosts(model: Model, guid: str, version: int) -> dict[str, bytes]:
+    """Programs in C, C++, C# and Python that run the FMU, by their places in the archive."""
     listed = [(v, number) for number, v in enumerate(model.variables) if v.kind in ("real", "integer")]
     lists = {}
     for name, causalities in (("SETTABLE", ("parameter", "input")), ("OUTPUT", ("output",))):
@@ -150,10 +155,13 @@ def host(model: Model, guid: str, version: int) -> str:
         lines = textwrap.fill(", ".join(entries), 118, initial_indent="    ", subsequent_indent="    ")
         lists[name] = lines.replace("~", " ")
     places = {"MODEL": model.name, "GUID": guid} | lists
-    text = (HOSTS / f"host{version}.c").read_text()
-    for place, value in places.items():
-        text = text.replace(f"@{place}@", value)
-    return text
+    found = {}
+    for name, template in HOST_FILES[version].items():
+        text = (HOSTS / template).read_text()
+        for place, value in places.items():
+            text = text.replace(f"@{place}@", value)
+        found[f"documentation/{name}"] = text.encode()
+    return found
 
 
 def universal(libraries: Mapping[str, bytes]) -> bytes:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import html
+from collections.abc import Collection
 
 from fmu_src.compliance import CHECKS
+from fmu_src.references import PAGE
 from fmu_src.system import Model
 
 #: By kind of FMU, what the page says about steps that end the run and about refused values.
@@ -36,13 +38,13 @@ STYLE = (
 PICTURE = "documentation/picture.png"
 
 
-def pages(model: Model, kind: str, picture: bool = False) -> dict[str, bytes]:
-    """The pages of one `kind` of FMU (a key of ENDS), by their names in the archive."""
-    found = {"index": documentation(model, kind, picture), "compliance": compliance(model, kind)}
+def pages(model: Model, kind: str, beside: Collection[str] = ()) -> dict[str, bytes]:
+    """The pages of one `kind` of FMU (a key of ENDS), by their names in the archive; beside: other files in it."""
+    found = {"index": documentation(model, kind, beside), "compliance": compliance(model, kind)}
     return {f"documentation/{name}.html": text.encode() for name, text in found.items()}
 
 
-def documentation(model: Model, kind: str, picture: bool = False) -> str:
+def documentation(model: Model, kind: str, beside: Collection[str] = ()) -> str:
     """A page about the FMU: what it is, how a run ends, and its variables."""
     rows = []
     for v in model.variables:
@@ -50,12 +52,13 @@ def documentation(model: Model, kind: str, picture: bool = False) -> str:
         cells = (f"<code>{v.name}</code>", v.causality, html.escape(v.unit), start, html.escape(v.description))
         rows.append("<tr>" + "".join(f"<td>{cell}</td>" for cell in cells) + "</tr>")
     heads = "".join(f"<th>{head}</th>" for head in ("name", "causality", "unit", "start", "meaning"))
-    shown = '<p><img src="picture.png" alt="" style="max-width:100%"></p>\n' if picture else ""
-    host = "" if kind == "python" else ' <a href="host.c">A program that opens the binary, or links the sources.</a>'
+    shown = '<p><img src="picture.png" alt="" style="max-width:100%"></p>\n' if PICTURE in beside else ""
+    sets = ' <a href="fmi-ls-ref.html">Parameter sets and experiments.</a>' if PAGE in beside else ""
+    host = "" if kind == "python" else " Beside this page lie programs that run the FMU, host.c and others."
     return (
         f'<!doctype html>\n<html lang="en"><meta charset="utf-8"><title>{model.name}</title>\n{STYLE}'
         f"<h1>{model.name}</h1>\n<p>{html.escape(model.description)}.</p>\n{shown}"
-        f'<p>{ENDS[kind]} <a href="compliance.html">What of the standard is tested.</a>{host}</p>\n'
+        f'<p>{ENDS[kind]} <a href="compliance.html">What of the standard is tested.</a>{host}{sets}</p>\n'
         f"<table><tr>{heads}</tr>\n" + "\n".join(rows) + "\n</table></html>\n"
     )
 

@@ -14,13 +14,12 @@ from pathlib import Path
 
 from fmpy import read_model_description
 
-from fmu_src.archive import write_archive
+from fmu_src import parameter_file
+from fmu_src.archive import write_archive, xml_file
+from fmu_src.parameter_file import add_parameter
 
-_NAMESPACE = "http://ssp-standard.org/SSP1/SystemStructure"
-NAMESPACES = {
-    "xmlns:ssd": f"{_NAMESPACE}Description",
-    "xmlns:ssc": f"{_NAMESPACE}Common",
-    "xmlns:ssv": f"{_NAMESPACE}ParameterValues",
+NAMESPACES = parameter_file.NAMESPACES | {
+    "xmlns:ssd": "http://ssp-standard.org/SSP1/SystemStructureDescription",
     "xmlns:oms": "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd",
 }
 PARAMETERS_FILE = "resources/{}.ssv"
@@ -53,17 +52,13 @@ def write_ssp(
 ) -> None:
     """Writes the archive; experiment: stop time and macro step [s]."""
     contents = {f"resources/{component.fmu.name}": component.fmu.read_bytes() for component in components}
-    contents["SystemStructure.ssd"] = _text(_structure(name, components, connections, experiment))
-    everything = {f"{c.name}.{key}": (c, key, value) for c in components for key, value in c.parameters.items()}
+    contents["SystemStructure.ssd"] = xml_file(_structure(name, components, connections, experiment))
     root = ET.Element("ssv:ParameterSet", {"version": "1.0", "name": name, "xmlns:ssv": NAMESPACES["xmlns:ssv"]})
-    _parameters(root, everything)
-    contents[PARAMETERS_FILE.format(name)] = _text(root)
+    parameters = ET.SubElement(root, "ssv:Parameters")
+    for component in components:
+        _parameters(parameters, component, f"{component.name}.")
+    contents[PARAMETERS_FILE.format(name)] = xml_file(root)
     write_archive(path, contents)
-
-
-def _text(root: ET.Element) -> bytes:
-    ET.indent(root)
-    return ('<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n").encode()
 
 
 def _structure(
@@ -77,7 +72,7 @@ def _structure(
     elements = ET.SubElement(system, "ssd:Elements")
     for component in components:
         _component(elements, name, component, connections)
-    wires = ET.SubElement(system, "ssd:Connections")
+    wires = ET.SubElement(system, "ssd:Connections") if connections else system
     for connection in connections:
         attributes = {"startElement": connection.source[0], "startConnector": connection.source[1]}
         attributes |= {"endElement": connection.target[0], "endConnector": connection.target[1]}
@@ -102,27 +97,26 @@ def _component(elements: ET.Element, system: str, component: Component, connecti
     connectors = ET.SubElement(element, "ssd:Connectors")
     inputs = [c.target[1] for c in connections if c.target[0] == component.name]
     outputs = [*(c.source[1] for c in connections if c.source[0] == component.name), *component.shown]
+    types = _types(component)
     for kind, names in (("input", inputs), ("output", outputs)):
         for variable in dict.fromkeys(names):
-            ET.SubElement(ET.SubElement(connectors, "ssd:Connector", name=variable, kind=kind), "ssc:Real")
+            connector = ET.SubElement(connectors, "ssd:Connector", name=variable, kind=kind)
+            ET.SubElement(connector, f"ssc:{types[variable]}")
     binding = ET.SubElement(ET.SubElement(element, "ssd:ParameterBindings"), "ssd:ParameterBinding")
     values = ET.SubElement(binding, "ssd:ParameterValues")
     # ecos is asked for a set of parameters by name: all components share one.
     inline = ET.SubElement(values, "ssv:ParameterSet", version="1.0", name=system)
-    _parameters(inline, {key: (component, key, value) for key, value in component.parameters.items()})
+    _parameters(ET.SubElement(inline, "ssv:Parameters"), component)
 
 
-def _parameters(parent: ET.Element, named: Mapping[str, tuple[Component, str, float]]) -> None:
-    parameters = ET.SubElement(parent, "ssv:Parameters")
-    kinds: dict[Path, dict[str, str]] = {}
-    for name, (component, key, value) in named.items():
-        if component.fmu not in kinds:
-            about = read_model_description(str(component.fmu))
-            kinds[component.fmu] = {variable.name: variable.type for variable in about.modelVariables}
-        if key not in kinds[component.fmu]:
+def _types(component: Component) -> dict[str, str]:
+    """Types of the variables of a component's FMU."""
+    return {v.name: v.type for v in read_model_description(str(component.fmu)).modelVariables}
+
+
+def _parameters(parent: ET.Element, component: Component, prefix: str = "") -> None:
+    types = _types(component)
+    for key, value in component.parameters.items():
+        if key not in types:
             raise ValueError(f"{component.fmu.name} has no variable {key}; its modelDescription.xml lists them.")
-        real = kinds[component.fmu][key] == "Real"
-        parameter = ET.SubElement(parameters, "ssv:Parameter", name=name)
-        ET.SubElement(
-            parameter, "ssv:Real" if real else "ssv:Integer", value=repr(float(value) if real else int(value))
-        )
+        add_parameter(parent, f"{prefix}{key}", value, types[key] == "Real")

@@ -8,7 +8,7 @@ from dataclasses import replace
 from brake_controller.cylinder import timed_brake
 from brake_controller.parameters import BrakeParameters, qr30
 from fmu_src.compose import compose, scope
-from fmu_src.system import Model, System, model_of_choices
+from fmu_src.system import Model, System, Variable, model_of_choices
 from rbd_model.bogie import CHOICE, DEFAULT_TOLERANCE, levels, selectors
 from rbd_model.vehicle import Vehicle
 from rbd_model.vehicles import passenger_coach
@@ -40,8 +40,11 @@ def brake_of(vehicle: Vehicle, full_torque: float) -> BrakeParameters:
 
 def with_brakes(system: System, vehicle: Vehicle, brake: Callable[[], System]) -> System:
     """A vehicle at one level of detail with a brake on each wheelset; all brakes have the same parameters."""
-    cylinders = []
+    cylinders, radius = [], system.parameter_symbols["wheel_radius"]
     for number, _ in vehicle.numbered:
+        text = f"Circumferential speed of the wheels of wheelset {number}, which a wheel-slide protection measures"
+        measured = Variable(f"wheel_speed_{number}", "output", "m/s", text)
+        system.output(measured, radius * system.outputs[f"angular_velocity_{number}"])
         one = brake()
         cylinders.append(scope(one, after=f"_{number}", common=list(one.parameter_symbols)))
     faces = [f"{name}_{number}" for name in ("brake_torque", "angular_velocity") for number, _ in vehicle.numbered]

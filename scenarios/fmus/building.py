@@ -12,17 +12,19 @@ from pathlib import Path
 from fmpy.validation import validate_fmu
 
 import fmu_src
-from brake_controller.parameters import qr30
 from brake_controller.protection_fmu import wheel_slide_protection
 from fmu_src.compile import CompilerError, build_library, cache, compiler, library_suffix
 from fmu_src.native_fmu import PLATFORMS, PLATFORMS3, build_native_fmu, build_native_fmu3
 from fmu_src.python_fmu import build_python_fmu
-from fmu_src.ssp import Component, Connection, write_ssp
+from fmu_src.references import reference_files
 from fmu_src.step_fmu import build_step_fmu
 from fmu_src.system import StepModel
-from rbd_model.parameters import tables_8_1_and_8_2
+from fmu_src.terminals import FILE, ICON, terminals_and_icons
+from scenarios.fmus.experiments import experiments_of
+from scenarios.fmus.parameter_sets import set_files
 from scenarios.fmus.prebuilt import content_of, prebuilt
 from scenarios.fmus.registry import FMUS, model_of
+from scenarios.fmus.terminals import terminals_of
 
 PICTURES = Path(__file__).parent / "pictures"
 #: Native for FMI 2.0 and for FMI 3.0, and pythonfmu, which has binaries of its own.
@@ -45,9 +47,17 @@ def license_text() -> bytes:
     return Path(str(found.locate())).read_bytes()
 
 
-def extras(name: str, icon: str) -> dict[str, bytes]:
-    """What an archive holds besides the model: license, icon under this name, and the page's picture if it has one."""
-    files = {"documentation/licenses/license.txt": license_text(), icon: (PICTURES / "icon.png").read_bytes()}
+def extras(name: str, kind: str) -> dict[str, bytes]:
+    """What a native archive holds besides the model: license, terminals and icon, the page's picture if any, parameter
+    sets and experiments with their results.
+    """
+    files = {
+        "documentation/licenses/license.txt": license_text(),
+        FILE: terminals_and_icons(terminals_of(model_of(name))),
+    }
+    icons = [ICON, "model.png"] if kind == "native" else [ICON]  # FMI 2.0.4 has both places
+    files |= dict.fromkeys(icons, (PICTURES / "icon.png").read_bytes())
+    files |= reference_files(model_of(name), set_files(name), experiments_of(name))
     picture = FMUS[name].picture
     return files | ({"documentation/picture.png": (PICTURES / picture).read_bytes()} if picture else {})
 
@@ -65,10 +75,9 @@ def write_fmu(name: str, kind: str, out: Path, all_platforms: bool = False) -> P
     except OSError as error:
         raise OSError(f"{path.parent} cannot be made, {error}; choose another folder with --out") from error
     if kind == "native":
-        build_native_fmu(model, path, list(PLATFORMS) if all_platforms else [], extras(name, "model.png"))
+        build_native_fmu(model, path, list(PLATFORMS) if all_platforms else [], extras(name, kind))
     elif kind == "fmi3":
-        platforms = list(PLATFORMS3) if all_platforms else []
-        build_native_fmu3(model, path, platforms, extras(name, "terminalsAndIcons/icon.png"))
+        build_native_fmu3(model, path, list(PLATFORMS3) if all_platforms else [], extras(name, kind))
     else:
         build_python_fmu(model, path)
     return path
@@ -103,44 +112,14 @@ def announce(path: Path, seconds: float) -> list[str]:
 
 
 def build_all(names: Sequence[str], kinds: Sequence[str], out: Path, all_platforms: bool) -> list[str]:
-    """Builds FMUs and the system of both native ones, a line each; the problems that fmpy finds."""
+    """Builds FMUs, a line each; the problems that fmpy finds."""
     problems = []
     for kind in kinds:
         for name in names:
             begin = time.perf_counter()
             path = write_fmu(name, kind, out, all_platforms)
             problems += announce(path, time.perf_counter() - begin)
-    if "native" in kinds and {"bogie", "brake"} <= set(names):
-        path = build_system(out)
-        print(f"{path}  {path.stat().st_size / 1000:.0f} kB")
     return problems
-
-
-#: The system: the QR30 bogie of the experiment, its trailing wheelset braked by a cylinder at 180 kPa from the start.
-SYSTEM, EXPERIMENT = "BogieBraking", (5.0, 1e-3)
-
-
-def build_system(out: Path) -> Path:
-    """Writes OUT/BogieBraking.ssp: both native FMUs connected, with the parameters of the experiment."""
-    bogie, brake = (fmu_path(name, "native", out) for name in ("bogie", "brake"))
-    known = {variable.name for variable in model_of("bogie").variables}
-    parameters = {key: value for key, value in tables_8_1_and_8_2().values().items() if key in known}
-    parameters |= {"level": 2, "initial_speed": 2.9, "friction_1": 0.18, "friction_2": 0.18}
-    path = out / f"{SYSTEM}.ssp"
-    write_ssp(
-        path,
-        SYSTEM,
-        [
-            Component("brake", brake, qr30(180).values() | {"pressure_demand": 180e3}, ["cylinder_pressure"]),
-            Component("bogie", bogie, parameters, ["speed", "distance"]),
-        ],
-        [
-            Connection(("brake", "brake_torque"), ("bogie", "brake_torque_2")),
-            Connection(("bogie", "angular_velocity_2"), ("brake", "angular_velocity")),
-        ],
-        EXPERIMENT,
-    )
-    return path
 
 
 def build_protection(out: Path, controller: StepModel | None = None) -> Path:

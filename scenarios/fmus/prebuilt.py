@@ -13,7 +13,10 @@ from pathlib import Path
 
 import fmu_src
 from fmu_src.codegen import generate, guid_of
+from scenarios.fmus.experiments import experiments_of
+from scenarios.fmus.parameter_sets import set_files
 from scenarios.fmus.registry import model_of
+from scenarios.fmus.terminals import terminals_of
 from scenarios.sources import digest
 
 #: Empty in a checkout; `make release` fills it in wheels.
@@ -25,9 +28,13 @@ SOURCES = ("fmu_src", "rbd_model", "brake_controller", "scenarios/fmus")
 
 @lru_cache
 def content_of(name: str) -> str:
-    """A name for what an FMU of the registry is made from: its C with the runtime, and what makes files of these."""
+    """A name for what an FMU of the registry is made from: its C with the runtime, what travels with it, and what makes
+    files of these.
+    """
     found = hashlib.sha256(guid_of(generate(model_of(name))).encode())
-    for source in sorted(Path(fmu_src.__file__).parent.glob("*.py")):
+    found.update(repr([terminals_of(model_of(name)), set_files(name), experiments_of(name)]).encode())
+    here = Path(fmu_src.__file__).parent
+    for source in sorted([*here.glob("*.py"), *here.glob("hosts/*.*")]):
         found.update(source.read_bytes())
     return found.hexdigest()[:24]
 

@@ -41,10 +41,11 @@ def _elf(data: bytes) -> set[str]:
 
 
 def _pe(data: bytes) -> set[str]:
-    """The export directory, the first of the optional header of 64 bits."""
+    """The export directory, the first behind the optional header of 64 or of 32 bits."""
     (start,) = struct.unpack_from("<I", data, 60)
     count, optional = struct.unpack_from("<H12xH", data, start + 6)
-    (address,) = struct.unpack_from("<I", data, start + 24 + 112)
+    (kind,) = struct.unpack_from("<H", data, start + 24)
+    (address,) = struct.unpack_from("<I", data, start + 24 + {0x20B: 112, 0x10B: 96}[kind])
     sections = [struct.unpack_from("<8xIIII", data, start + 24 + optional + 40 * n) for n in range(count)]
 
     def place(virtual: int) -> int:

@@ -1,110 +1,104 @@
-"""The FMUs and the system in masters that are not ours: FMPy, ecos, libcosim; and fmutool's check.
+"""The FMUs and the systems in masters that are not ours: FMPy, ecos, libcosim; and fmutool's check.
 
-The other masters are in the extra `masters`; each runs in a process of its own.
+The other masters are in the extra `masters`.
 """
 
 from __future__ import annotations
 
 import importlib.util
-import json
 import shutil
 import subprocess
 import sys
-import zipfile
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from fmpy import read_model_description
-from fmpy.ssp.simulation import simulate_ssp
-from fmpy.ssp.ssd import read_ssv
 
 from fmu_src.ssp import Component, write_ssp
-from scenarios.fmus.building import build_system, fmu_path
+from rbd_model.parameters import manchester_vehicle_1
+from scenarios.bench.braked_machine import coach
+from scenarios.cosimulation.slave import Slave
+from scenarios.fmus.braked_vehicle import FULL_PRESSURE, FULL_TORQUE
+from scenarios.fmus.building import fmu_path
 from scenarios.fmus.registry import DIFFERENT
+from scenarios.fmus.systems import LOW_FRICTION, build_system
+from tests.fmu.masters import MASTERS
 
 #: Band of docs/checking.md for the end speed [m/s].
 SPEED_BAND = 1e-6
-SECONDS, STEP = 1.0, 1e-3
-
-ECOS = """
-import ctypes, json, sys
-from pathlib import Path
-ctypes.CDLL(str(Path(sys.prefix) / "lib" / "libtbb.so.12"), ctypes.RTLD_GLOBAL)
-from ecospy import EcosSimulation
-with EcosSimulation(step_size=1e-3, ssp_path=sys.argv[1]) as simulation:
-    simulation.init(parameter_set="BogieBraking")
-    simulation.step(1000)
-    print("ANSWER", json.dumps([simulation.get_real("bogie::speed"), simulation.get_real("brake::cylinder_pressure")]))
-    simulation.terminate()
-"""
-LIBCOSIM = """
-import json, sys
-from libcosimpy.CosimExecution import CosimExecution
-from libcosimpy.CosimObserver import CosimObserver
-execution = CosimExecution.from_ssp_file(sys.argv[1], step_size=1_000_000)
-observer = CosimObserver.create_last_value()
-execution.add_observer(observer)
-execution.step(1000)  # what it returns differs between versions; the values below tell
-bogie, brake = (execution.slave_index_from_instance_name(name) for name in ("bogie", "brake"))
-found = observer.last_real_values(bogie, [int(sys.argv[2])]) + observer.last_real_values(brake, [int(sys.argv[3])])
-print("ANSWER", json.dumps(list(found)))
-"""
+#: Share by which masters may differ where a controller decides: FMPy gives it the first speeds a step later.
+CONTROLLED_BAND = 1e-3
+#: Slip of a wheel that the protection keeps rolling: twice the slip above which it vents (common_protection).
+LARGEST_SLIP = 0.2
 
 
 @pytest.fixture(scope="module")
-def system(fmus: dict, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The system BogieBraking.ssp and, beside it, its contents."""
-    out = tmp_path_factory.mktemp("system")
-    for name in ("bogie", "brake"):
+def systems(fmus: dict, tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    """Writes a system by its name."""
+    out = tmp_path_factory.mktemp("systems")
+    for name in ("bogie", "brake", "braked-vehicle"):
         target = fmu_path(name, "native", out)
         target.parent.mkdir(exist_ok=True)
         shutil.copyfile(fmus[name, "native"], target)
-    path = build_system(out)
-    with zipfile.ZipFile(path) as archive:
-        archive.extractall(out / "contents")
-    return path
+    return lambda name: build_system(name, out)
 
 
-@pytest.fixture(scope="module")
-def by_fmpy(system: Path) -> tuple[float, float]:
-    """Speed of the bogie and pressure of the cylinder after a second."""
-    parameters = read_ssv(str(system.parent / "contents" / "resources" / "BogieBraking.ssv"))
-    table = simulate_ssp(str(system), stop_time=SECONDS, step_size=STEP, parameter_set=parameters)
-    return float(table["bogie.speed"][-1]), float(table["brake.cylinder_pressure"][-1])
+def master(name: str) -> Callable:
+    if importlib.util.find_spec(name) is None:
+        pytest.skip("install the extra: pip install -e .[masters]")
+    return MASTERS[name]
 
 
-def answer(program: str, *arguments: str) -> list[float]:
-    done = subprocess.run([sys.executable, "-c", program, *arguments], capture_output=True, text=True, timeout=120)
-    assert done.returncode == 0, done.stderr[-2000:]
-    [line] = [line for line in done.stdout.splitlines() if line.startswith("ANSWER")]  # libcosim talks as well
-    return json.loads(line.removeprefix("ANSWER"))
-
-
-def test_system_brakes_in_fmpy(by_fmpy: tuple[float, float]) -> None:
-    speed, pressure = by_fmpy
+@pytest.mark.parametrize("name", MASTERS)
+def test_bogie_brakes_in_every_master(systems: Callable[[str], Path], name: str) -> None:
+    outputs = [("bogie", "speed"), ("brake", "cylinder_pressure")]
+    system = systems("BogieBraking")
+    speed, pressure = master(name)(system, 1e-3, 1000, outputs)
     assert 2.0 < speed < 2.9
     assert pressure == pytest.approx(180e3, rel=0.05)
+    expected = MASTERS["fmpy"](system, 1e-3, 1000, outputs)
+    assert speed == pytest.approx(expected[0], abs=SPEED_BAND)
+    assert pressure == pytest.approx(expected[1], rel=1e-6)
 
 
-@pytest.mark.skipif(importlib.util.find_spec("ecospy") is None, reason="install the extra: pip install -e .[masters]")
-def test_system_gives_the_same_speed_in_ecos(system: Path, by_fmpy: tuple[float, float]) -> None:
-    speed, pressure = answer(ECOS, str(system))
-    assert speed == pytest.approx(by_fmpy[0], abs=SPEED_BAND)
-    assert pressure == pytest.approx(by_fmpy[1], rel=1e-6)
+@pytest.mark.parametrize("name", MASTERS)
+def test_vehicle_brakes_in_every_master(systems: Callable[[str], Path], name: str) -> None:
+    """As by the full torque of its brakes over its mass, but for the time in which they apply."""
+    system, count, step = systems("VehicleBraking"), 1000, 1e-2
+    outputs = [("vehicle", "speed"), ("vehicle", "cylinder_pressure_4")]
+    speed, pressure = master(name)(system, step, count, outputs)
+    assert pressure == pytest.approx(FULL_PRESSURE, rel=1e-4)
+    assert speed == pytest.approx(MASTERS["fmpy"](system, step, count, outputs)[0], abs=SPEED_BAND)
+    applying = 2.0 / 3.0  # the mean delay of a cylinder with 95 % after 2 s
+    assert speed == pytest.approx(25.0 - coach().deceleration(FULL_TORQUE) * (10.0 - applying), rel=2e-3)
 
 
-@pytest.mark.skipif(
-    importlib.util.find_spec("libcosimpy") is None, reason="install the extra: pip install -e .[masters]"
-)
-def test_system_gives_the_same_speed_in_libcosim(system: Path, by_fmpy: tuple[float, float]) -> None:
-    contents = system.parent / "contents"
-    references = []
-    for fmu, name in (("BogieDynamics", "speed"), ("BrakeCylinder", "cylinder_pressure")):
-        about = read_model_description(str(contents / "resources" / f"{fmu}.fmu"))
-        references += [str(v.valueReference) for v in about.modelVariables if v.name == name]
-    speed, pressure = answer(LIBCOSIM, str(contents), *references)
-    assert speed == pytest.approx(by_fmpy[0], abs=SPEED_BAND)
-    assert pressure == pytest.approx(by_fmpy[1], rel=1e-6)
+@pytest.mark.parametrize("name", MASTERS)
+def test_protection_keeps_the_wheels_rolling_in_every_master(systems: Callable[[str], Path], name: str) -> None:
+    wheels = [("vehicle", f"wheel_speed_{number}") for number in (1, 2, 3, 4)]
+    outputs = [("vehicle", "distance"), ("vehicle", "speed"), *wheels]
+    system = systems("VehicleProtection")
+    distance, speed, *rolling = master(name)(system, 5e-3, 1000, outputs)
+    assert min(rolling) > (1.0 - LARGEST_SLIP) * speed
+    assert distance == pytest.approx(MASTERS["fmpy"](system, 5e-3, 1000, outputs)[0], rel=CONTROLLED_BAND)
+
+
+def test_wheels_lock_on_that_rail_without_protection(fmus: dict) -> None:
+    friction = {f"friction_{number}": LOW_FRICTION for number in (1, 2, 3, 4)}
+    with Slave(fmus["braked-vehicle", "native"], level=2, initial_speed=25.0) as vehicle:
+        vehicle.start(**friction)  # demands that are never given count as full
+        for number in range(500):
+            vehicle.step(number * 0.01, 0.01)
+        assert vehicle["wheel_speed_1"] == 0.0
+        assert vehicle["speed"] > 20.0
+
+
+def test_wheel_speed_is_that_of_a_wheel_that_rolls(fmus: dict) -> None:
+    with Slave(fmus["braked-vehicle", "native"], level=1, initial_speed=10.0) as vehicle:
+        vehicle.start()
+        radius = manchester_vehicle_1().wheel_radius
+        assert vehicle["wheel_speed_2"] == pytest.approx(radius * vehicle["angular_velocity_2"], rel=1e-15)
+        assert vehicle["wheel_speed_2"] == pytest.approx(10.0, rel=1e-9)
 
 
 @pytest.mark.skipif(

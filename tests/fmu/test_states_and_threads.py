@@ -272,7 +272,8 @@ def test_one_archive_for_several_platforms(
     """Cross-compiled; each binary is of the kind that its folder asks for, and shows the functions of FMI alone."""
     monkeypatch.setattr(building, "PLATFORMS", {name: PLATFORMS[name] for name in platforms})
     path = write_fmu("brake", "native", tmp_path, all_platforms=True)
-    begins = {"linux64": b"\x7fELF", "aarch64-linux": b"\x7fELF", "win64": b"MZ", "darwin64": b"\xca\xfe\xba\xbe"}
+    begins = dict.fromkeys(("linux64", "aarch64-linux"), b"\x7fELF") | dict.fromkeys(("win64", "win32"), b"MZ")
+    begins["darwin64"] = b"\xca\xfe\xba\xbe"
     with zipfile.ZipFile(path) as archive:
         for platform in platforms:
             binary = archive.read(f"binaries/{platform}/BrakeCylinder{PLATFORMS[platform][1]}")
@@ -281,6 +282,7 @@ def test_one_archive_for_several_platforms(
             assert {"fmi2DoStep", "fmi3DoStep"} <= shown
             assert {name for name in shown - MARKS if not name.startswith(("fmi2", "fmi3"))} == set()
     machine = {"linux64": 0x3E, "aarch64-linux": 0xB7}
+    windows = {"win64": 0x8664, "win32": 0x14C}
     with zipfile.ZipFile(path) as archive:
         for platform, number in machine.items():
             if platform not in platforms:
@@ -288,11 +290,34 @@ def test_one_archive_for_several_platforms(
             binary = archive.read(f"binaries/{platform}/BrakeCylinder.so")
             assert int.from_bytes(binary[18:20], "little") == number
             assert b"GLIBC_2.3" not in binary  # no symbol newer than that of the declared, old library
-        name = next(name for name in ("win64", "aarch64-linux") if name in platforms)
+        for platform in windows.keys() & set(platforms):
+            binary = archive.read(f"binaries/{platform}/BrakeCylinder.dll")
+            place = int.from_bytes(binary[60:64], "little") + 4
+            assert int.from_bytes(binary[place : place + 2], "little") == windows[platform]
+        name = next(name for name in ("win32", "aarch64-linux") if name in platforms)
         (target,), suffix = PLATFORMS[name]
         again = tmp_path / f"again{suffix}"
         compiling.compile_library(generate(model_of("brake")), again, target=target, fmu=True)
         assert again.read_bytes() == archive.read(f"binaries/{name}/BrakeCylinder{suffix}")
+
+
+@pytest.mark.long
+def test_code_of_32_bits_gives_the_numbers_of_64_bits(fmus: dict, tmp_path: Path) -> None:
+    """That of win32, here for Linux, where it runs; compilers divide differently in the last digits (FLAGS)."""
+    with zipfile.ZipFile(fmus["brake", "native"]) as archive:
+        archive.extractall(tmp_path)
+    program = ["-I../sources", "-DFMI2_FUNCTION_PREFIX=BrakeCylinder_", "host.c", "../sources/all.c", "-lm"]
+    shown = []
+    for target, more in ((None, []), ("x86-linux-musl", [*compiling.FLAGS_X86, "-static"])):
+        flags = [flag for flag in compiling.FLAGS if flag != "-fPIC"]
+        compiling.run([*flags, *more, "-O1", *program, "-o", "host"], target, tmp_path / "documentation")
+        try:
+            call = [tmp_path / "documentation" / "host", "pressure_demand=180e3", "pneumatics=2"]
+            lines = subprocess.run(call, capture_output=True, text=True, check=True).stdout.splitlines()
+            shown.append({name: float(value) for name, value in map(str.split, lines)})
+        except OSError:
+            pytest.skip("this system runs no programs of 32 bits")
+    assert shown[0] == pytest.approx(shown[1], rel=1e-12)
 
 
 def test_universal_binary_holds_both_parts_on_pages() -> None:

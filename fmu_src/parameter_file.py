@@ -1,0 +1,41 @@
+"""Parameter sets as files of System Structure and Parameterization 1.0 (.ssv)."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Iterable, Mapping
+
+from fmu_src.archive import xml_file
+from fmu_src.model_description import UNITS
+from fmu_src.system import Variable
+
+_NAMESPACE = "http://ssp-standard.org/SSP1/SystemStructure"
+NAMESPACES = {"xmlns:ssc": f"{_NAMESPACE}Common", "xmlns:ssv": f"{_NAMESPACE}ParameterValues"}
+
+
+def parameter_file(name: str, description: str, values: Mapping[str, float], variables: Iterable[Variable]) -> bytes:
+    """A set of values in SI units, for an FMU with these variables. Raises ValueError for a name that none has."""
+    known = {variable.name: variable for variable in variables}
+    root = ET.Element("ssv:ParameterSet", {"version": "1.0", "name": name, "description": description} | NAMESPACES)
+    parameters = ET.SubElement(root, "ssv:Parameters")
+    for key, value in values.items():
+        if key not in known:
+            raise ValueError(f"The parameter set {name} has {key}, which is no variable of the FMU.")
+        real = known[key].kind == "real"
+        add_parameter(parameters, key, value, real, {"unit": known[key].unit} if real else {})
+    used = {known[key].unit for key in values if known[key].kind == "real"}
+    units = ET.SubElement(root, "ssv:Units")
+    for unit, exponents in UNITS.items():
+        if unit in used:
+            powers = {base: str(exponent) for base, exponent in exponents.items()}
+            ET.SubElement(ET.SubElement(units, "ssc:Unit", name=unit), "ssc:BaseUnit", powers)
+    return xml_file(root)
+
+
+def add_parameter(
+    parent: ET.Element, name: str, value: float, real: bool, more: Mapping[str, str] | None = None
+) -> None:
+    """One parameter of a set; a value that is not real is an integer."""
+    parameter = ET.SubElement(parent, "ssv:Parameter", name=name)
+    text = repr(float(value)) if real else str(int(value))
+    ET.SubElement(parameter, "ssv:Real" if real else "ssv:Integer", {"value": text} | dict(more or {}))

@@ -1,0 +1,198 @@
+"""The experiments that travel inside the FMUs with their results, so that a host can be asked whether it runs them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from fmu_src.references import Experiment
+from scenarios.bench.four_axles import brakes
+from scenarios.fmus.braked_vehicle import FULL_PRESSURE, FULL_TORQUE
+from scenarios.fmus.parameter_sets import PARAMETER_SETS
+
+#: What is recorded of motion along the track, of a wheelset beside the track's middle, and of a brake.
+ALONG = (
+    *("speed", "distance", "angular_velocity_1", "angular_velocity_2", "locked_1", "locked_2"),
+    *("axle_load_1", "axle_load_2"),
+)
+SIDEWAYS = ("speed", "distance", "lateral_1", "yaw_1", "wheel_load_1_left", "flange_force_1")
+BRAKE = ("cylinder_pressure", "shoe_force", "brake_torque")
+
+
+@dataclass(frozen=True)
+class Scene:
+    """An experiment of an FMU of the registry: a parameter set, what else it sets, constant inputs, what is recorded.
+
+    duration and step [s]: of the run and of its host.
+    """
+
+    fmu: str
+    description: str
+    set_name: str
+    parameters: Mapping[str, float]
+    inputs: Mapping[str, float]
+    outputs: tuple[str, ...]
+    duration: float
+    step: float
+
+
+#: By name; those of one FMU go into its archive.
+SCENES: dict[str, Scene] = {
+    "lock-up": Scene(
+        "bogie",
+        "60 kN.m on the leading wheelset, which locks (Fig. 5.44)",
+        "bogie-chapter-5-as-printed",
+        {"level": 2, "initial_speed": 25.0},
+        {"brake_torque_1": 60e3},
+        ALONG,
+        2.0,
+        0.01,
+    ),
+    "stop": Scene(
+        "bogie",
+        "Service brake to rest at level 1",
+        "bogie-chapter-5",
+        {"level": 1, "initial_speed": 20.0},
+        {"brake_torque_1": 15e3, "brake_torque_2": 15e3},
+        ALONG,
+        25.0,
+        0.1,
+    ),
+    "experiment-180kpa": Scene(
+        "bogie",
+        "QR30 bogie, 1.8 kN.m on the trailing wheelset at friction 0.18",
+        "bogie-qr30",
+        {"level": 2, "initial_speed": 2.9},
+        {"brake_torque_2": 1.8e3, "friction_1": 0.18, "friction_2": 0.18},
+        ALONG,
+        3.0,
+        0.01,
+    ),
+    "sideways": Scene(
+        "bogie",
+        "Wheelsets 4 mm beside the track's middle at level 3",
+        "bogie-chapter-5",
+        {"level": 3, "initial_speed": 15.0, "initial_lateral": 4e-3},
+        {},
+        SIDEWAYS,
+        2.0,
+        0.01,
+    ),
+    "coach-stop": Scene(
+        "vehicle",
+        "Full brake of the coach at level 2",
+        "coach",
+        {"level": 2, "initial_speed": 25.0},
+        brakes(FULL_TORQUE),
+        (*ALONG, "front_frame_pitch"),
+        10.0,
+        0.05,
+    ),
+    "coach-pull": Scene(
+        "vehicle",
+        "Pulled by 20 kN at the front coupler at level 1",
+        "coach",
+        {"level": 1, "initial_speed": 5.0},
+        {"coupler_force_front": 20e3},
+        ALONG,
+        10.0,
+        0.1,
+    ),
+    "coach-sideways": Scene(
+        "vehicle",
+        "Wheelsets 4 mm beside the track's middle at level 3",
+        "coach",
+        {"level": 3, "initial_speed": 15.0, "initial_lateral": 4e-3},
+        {},
+        SIDEWAYS,
+        1.0,
+        0.01,
+    ),
+    "wagon-stop": Scene(
+        "coal-wagon",
+        "15 kN.m on each wheelset at level 2",
+        "coal-wagon",
+        {"level": 2, "initial_speed": 25.0},
+        brakes(15e3),
+        ALONG,
+        10.0,
+        0.05,
+    ),
+    "braked-coach-stop": Scene(
+        "braked-vehicle",
+        "Full brake at level 2",
+        "braked-coach",
+        {"level": 2, "initial_speed": 25.0},
+        {f"pressure_demand_{n}": FULL_PRESSURE for n in (1, 2, 3, 4)},
+        (*ALONG, "cylinder_pressure_1"),
+        10.0,
+        0.05,
+    ),
+    "wheelset-sideways": Scene(
+        "wheelset",
+        "4 mm beside the track's middle at 15 m/s",
+        "wheelset-chapter-4",
+        {"initial_speed": 15.0, "initial_lateral": 4e-3},
+        {},
+        SIDEWAYS,
+        2.0,
+        0.01,
+    ),
+    "cleaning": Scene(
+        "rail",
+        "A sliding leading wheelset cleans the rail for both",
+        "rail-recovery",
+        {},
+        {"speed": 10.0, "creep_force_1": -5e3, "slip_1": 2.0},
+        ("friction_1", "friction_2"),
+        5.0,
+        0.05,
+    ),
+    "application-180kpa": Scene(
+        "brake",
+        "Brake of the experiment by application time",
+        "brake-qr30-180kpa",
+        {"pneumatics": 1},
+        {"pressure_demand": 180e3},
+        BRAKE,
+        3.0,
+        0.02,
+    ),
+    "flow-180kpa": Scene(
+        "brake",
+        "Brake of the experiment by flow of air",
+        "brake-qr30-180kpa",
+        {"pneumatics": 2},
+        {"pressure_demand": 180e3},
+        BRAKE,
+        3.0,
+        0.02,
+    ),
+    "flow-uic-g": Scene(
+        "brake",
+        "Freight brake, position G, by flow of air",
+        "brake-uic-g",
+        {"pneumatics": 2},
+        {"pressure_demand": 380e3, "angular_velocity": 30.0},
+        BRAKE,
+        40.0,
+        0.2,
+    ),
+}
+
+
+def experiments_of(fmu: str) -> list[Experiment]:
+    """The experiments of one FMU of the registry."""
+    return [
+        Experiment(
+            name,
+            one.description,
+            PARAMETER_SETS[one.set_name].values() | dict(one.parameters),
+            one.inputs,
+            one.outputs,
+            one.duration,
+            one.step,
+        )
+        for name, one in SCENES.items()
+        if one.fmu == fmu
+    ]

@@ -1,0 +1,90 @@
+"""All parameter sets of the project by name, and their files (.ssv). A new one is a line in PARAMETER_SETS."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+
+from brake_controller.ready_sets import ReadySet, qr30_experiment, uic_g, uic_p, with_dump_valve
+from fmu_src.parameter_file import parameter_file
+from fmu_src.system import ParameterSet
+from rbd_model.parameters import (
+    as_printed,
+    coal_wagon,
+    manchester_vehicle_1,
+    one_bogie_of,
+    tables_4_1_and_4_2,
+    tables_5_1_and_5_2,
+    tables_8_1_and_8_2,
+)
+from rbd_model.rail_recovery import assumed_recovery
+from scenarios.fmus.braked_vehicle import coach_brake
+from scenarios.fmus.registry import model_of
+
+#: What a file says of itself, with the pressure of the experiment.
+QR30 = "Brake of one wheelset in the experiment at {} kPa, chapters 6 and 7"
+
+
+class NamedSet:
+    """A set for an FMU of the registry: what it is, in a line, and the functions that give its values."""
+
+    def __init__(self, fmu: str, description: str, *sources: Callable[[], ParameterSet | ReadySet]) -> None:
+        self.fmu, self.description, self.sources = fmu, description, sources
+
+    def values(self) -> dict[str, float]:
+        """Of all sources, SI units; without those that the FMU does not have."""
+        return values_for(self.fmu, {key: value for one in self.sources for key, value in one().values().items()})
+
+
+#: By the name of their file.
+PARAMETER_SETS: dict[str, NamedSet] = {
+    "bogie-chapter-5": NamedSet("bogie", "Two-axle bogie of chapter 5, Tables 5.1 and 5.2", tables_5_1_and_5_2),
+    "bogie-chapter-5-as-printed": NamedSet(
+        "bogie", "The same in the thesis's reading of what reacts where", lambda: as_printed(tables_5_1_and_5_2())
+    ),
+    "bogie-qr30": NamedSet("bogie", "QR30 bogie of the experiment, Tables 8.1 and 8.2", tables_8_1_and_8_2),
+    "bogie-of-coach": NamedSet(
+        "bogie", "One bogie of the coach under half its body", lambda: one_bogie_of(manchester_vehicle_1())
+    ),
+    "bogie-of-coal-wagon": NamedSet(
+        "bogie", "One bogie of the coal wagon under half its body", lambda: one_bogie_of(coal_wagon())
+    ),
+    "wheelset-chapter-4": NamedSet("wheelset", "Wheelset in a frame, Tables 4.1 and 4.2", tables_4_1_and_4_2),
+    "coach": NamedSet("vehicle", "Passenger coach, vehicle 1 of the Manchester benchmarks", manchester_vehicle_1),
+    "coal-wagon": NamedSet("coal-wagon", "Coal wagon on two bogies of chapter 5", coal_wagon),
+    "braked-coach": NamedSet("braked-vehicle", "The coach and its brakes", manchester_vehicle_1, coach_brake),
+    "brake-qr30-130kpa": NamedSet("brake", QR30.format(130), lambda: qr30_experiment(130)),
+    "brake-qr30-150kpa": NamedSet("brake", QR30.format(150), lambda: qr30_experiment(150)),
+    "brake-qr30-180kpa": NamedSet("brake", QR30.format(180), lambda: qr30_experiment(180)),
+    "brake-uic-p": NamedSet("brake", "UIC freight wagon in brake position P", uic_p),
+    "brake-uic-p-dump-valve": NamedSet(
+        "brake", "The same with the dump valve of a wheel-slide protection", lambda: with_dump_valve(uic_p())
+    ),
+    "rail-recovery": NamedSet("rail", "Low adhesion that sliding wheels clean away", assumed_recovery),
+    "brake-uic-g": NamedSet("brake", "UIC freight wagon in brake position G", uic_g),
+}
+
+
+def values_for(fmu: str, values: Mapping[str, float]) -> dict[str, float]:
+    """Those of the values that an FMU of the registry has as parameters."""
+    known = {variable.name for variable in model_of(fmu).variables if variable.causality == "parameter"}
+    return {name: value for name, value in values.items() if name in known}
+
+
+def set_files(fmu: str) -> dict[str, bytes]:
+    """The files of the sets of one FMU, by name."""
+    return {
+        f"{name}.ssv": parameter_file(name, one.description, one.values(), model_of(fmu).variables)
+        for name, one in PARAMETER_SETS.items()
+        if one.fmu == fmu
+    }
+
+
+def write_sets(names: Sequence[str], out: Path) -> None:
+    """Writes the sets of the named FMUs into OUT/parameters/, a line each."""
+    folder = out / "parameters"
+    folder.mkdir(parents=True, exist_ok=True)
+    for fmu in names:
+        for name, data in set_files(fmu).items():
+            (folder / name).write_bytes(data)
+            print(folder / name)

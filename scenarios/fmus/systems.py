@@ -1,0 +1,88 @@
+"""FMUs connected: the systems that are written beside them as .ssp. A new one is a function and a line in SYSTEMS."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+
+from brake_controller.parameters import qr30
+from brake_controller.protection_fmu import wheel_slide_protection
+from fmu_src.ssp import Component, Connection, write_ssp
+from rbd_model.parameters import tables_8_1_and_8_2
+from scenarios.bench.four_axles import ALONG_DAMPING, NUMBERS
+from scenarios.fmus.braked_vehicle import FULL_PRESSURE
+from scenarios.fmus.building import build_protection, fmu_path
+from scenarios.fmus.parameter_sets import PARAMETER_SETS, values_for
+
+#: Friction of a rail on which the full brake slides. Assumed.
+LOW_FRICTION = 0.08
+#: What is shown of a vehicle besides what is connected.
+SHOWN = ("speed", "distance", "cylinder_pressure_1", "cylinder_pressure_4")
+
+
+def bogie_braking(path: Path, out: Path) -> None:
+    """The QR30 bogie of the experiment, its trailing wheelset braked by a cylinder at 180 kPa from the start."""
+    scene = {"level": 2, "initial_speed": 2.9, "friction_1": 0.18, "friction_2": 0.18}
+    bogie = values_for("bogie", tables_8_1_and_8_2().values()) | scene
+    brake = qr30(180).values() | {"pressure_demand": 180e3}
+    write_ssp(
+        path,
+        path.stem,
+        [
+            Component("brake", fmu_path("brake", "native", out), brake, ["cylinder_pressure"]),
+            Component("bogie", fmu_path("bogie", "native", out), bogie, ["speed", "distance"]),
+        ],
+        [
+            Connection(("brake", "brake_torque"), ("bogie", "brake_torque_2")),
+            Connection(("bogie", "angular_velocity_2"), ("brake", "angular_velocity")),
+        ],
+        (5.0, 1e-3),
+    )
+
+
+def braked_coach(out: Path, **scene: float) -> Component:
+    """The coach and its brake cylinders in one FMU, fully braked from 25 m/s."""
+    values = PARAMETER_SETS["braked-coach"].values()
+    values |= {"level": 2, "initial_speed": 25.0, "secondary_longitudinal_damping": ALONG_DAMPING}
+    values |= {f"pressure_demand_{number}": FULL_PRESSURE for number in NUMBERS}
+    return Component("vehicle", fmu_path("braked-vehicle", "native", out), values | scene, SHOWN)
+
+
+def vehicle_braking(path: Path, out: Path) -> None:
+    """The braked coach alone, its only FMU, on a dry rail."""
+    write_ssp(path, path.stem, [braked_coach(out)], [], (25.0, 1e-2))
+
+
+def vehicle_protection(path: Path, out: Path) -> None:
+    """The braked coach on a low rail with its wheel-slide protection, whose FMU needs Python in the host."""
+    step = wheel_slide_protection(wheelsets=len(NUMBERS))
+    controller = Component("controller", build_protection(out, step), {})
+    vehicle = braked_coach(out, **{f"friction_{number}": LOW_FRICTION for number in NUMBERS})
+    wires = []
+    for number in NUMBERS:
+        wires.append(Connection(("vehicle", f"wheel_speed_{number}"), ("controller", f"wheel_speed_{number}")))
+        wires.append(Connection(("controller", f"valve_{number}"), ("vehicle", f"valve_{number}")))
+    write_ssp(path, path.stem, [vehicle, controller], wires, (25.0, step.period))
+
+
+#: Names of the systems, with the native FMUs that they are made of and the function that writes them.
+SYSTEMS: Mapping[str, tuple[frozenset[str], Callable[[Path, Path], None]]] = {
+    "BogieBraking": (frozenset({"bogie", "brake"}), bogie_braking),
+    "VehicleBraking": (frozenset({"braked-vehicle"}), vehicle_braking),
+    "VehicleProtection": (frozenset({"braked-vehicle"}), vehicle_protection),
+}
+
+
+def build_system(name: str, out: Path) -> Path:
+    """Writes OUT/NAME.ssp of the FMUs that are built there."""
+    path = out / f"{name}.ssp"
+    SYSTEMS[name][1](path, out)
+    return path
+
+
+def build_systems(names: Sequence[str], out: Path) -> None:
+    """Writes the systems that are made of the named FMUs, a line each."""
+    for system, (needed, _) in SYSTEMS.items():
+        if needed <= set(names):
+            path = build_system(system, out)
+            print(f"{path}  {path.stat().st_size / 1000:.0f} kB")

@@ -1,0 +1,89 @@
+"""A system of FMUs (.ssp) in masters that are not ours. Those beside FMPy run in a process of their own."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import zipfile
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from fmpy import read_model_description
+from fmpy.ssp.simulation import simulate_ssp
+from fmpy.ssp.ssd import read_ssd, read_ssv
+
+ECOS = """
+import ctypes, json, os, sys
+from pathlib import Path
+ctypes.CDLL(str(Path(sys.prefix) / "lib" / "libtbb.so.12"), ctypes.RTLD_GLOBAL)
+from ecospy import EcosSimulation
+path, step, count, *names = sys.argv[1:]
+with EcosSimulation(step_size=float(step), ssp_path=path) as simulation:
+    simulation.init(parameter_set=Path(path).stem)
+    simulation.step(int(count))
+    print("ANSWER", json.dumps([simulation.get_real(name) for name in names]), flush=True)
+    os._exit(0)  # pythonfmu ends badly (docs/hosts.md)
+"""
+LIBCOSIM = """
+import json, os, sys
+from libcosimpy.CosimExecution import CosimExecution
+from libcosimpy.CosimObserver import CosimObserver
+folder, step, count, *names = sys.argv[1:]
+execution = CosimExecution.from_ssp_file(folder, step_size=round(float(step) * 1e9))
+observer = CosimObserver.create_last_value()
+execution.add_observer(observer)
+execution.step(int(count))  # what it returns differs between versions; the values below tell
+found = []
+for name in names:
+    component, reference = name.split(":")
+    slave = execution.slave_index_from_instance_name(component)
+    found += list(observer.last_real_values(slave, [int(reference)]))
+print("ANSWER", json.dumps(found), flush=True)
+os._exit(0)
+"""
+#: Name of a component and of one of its real outputs.
+Output = tuple[str, str]
+
+
+def contents(system: Path) -> Path:
+    """The system unpacked, beside it."""
+    folder = system.with_suffix(".contents")
+    with zipfile.ZipFile(system) as archive:
+        archive.extractall(folder)
+    return folder
+
+
+def by_fmpy(system: Path, step: float, count: int, outputs: Sequence[Output]) -> list[float]:
+    """Values after a number of steps."""
+    parameters = read_ssv(str(contents(system) / "resources" / f"{system.stem}.ssv"))
+    table = simulate_ssp(str(system), stop_time=(count - 0.5) * step, step_size=step, parameter_set=parameters)
+    return [float(table[f"{component}.{name}"][-1]) for component, name in outputs]
+
+
+def by_ecos(system: Path, step: float, count: int, outputs: Sequence[Output]) -> list[float]:
+    """As by_fmpy; ecos takes the parameters within the system's description."""
+    return answer(ECOS, str(system), repr(step), str(count), *(f"{component}::{name}" for component, name in outputs))
+
+
+def by_libcosim(system: Path, step: float, count: int, outputs: Sequence[Output]) -> list[float]:
+    """As by_ecos; libcosim knows variables by their value references."""
+    folder, names = contents(system), []
+    fmus = {component.name: component.source for component in read_ssd(str(system)).system.elements}
+    for component, name in outputs:
+        about = read_model_description(str(folder / fmus[component]))
+        [reference] = [v.valueReference for v in about.modelVariables if v.name == name]
+        names.append(f"{component}:{reference}")
+    return answer(LIBCOSIM, str(folder), repr(step), str(count), *names)
+
+
+def answer(program: str, *arguments: str) -> list[float]:
+    """What a program finds, in a process of its own."""
+    done = subprocess.run([sys.executable, "-c", program, *arguments], capture_output=True, text=True, timeout=120)
+    lines = [line for line in done.stdout.splitlines() if line.startswith("ANSWER")]  # libcosim talks as well
+    assert lines, done.stderr[-2000:]
+    return json.loads(lines[0].removeprefix("ANSWER"))
+
+
+#: Masters by the packages that they come in; those beside FMPy are in the extra `masters`.
+MASTERS: dict[str, Callable] = {"fmpy": by_fmpy, "ecospy": by_ecos, "libcosimpy": by_libcosim}

@@ -1,0 +1,88 @@
+"""The programs in an archive that run its FMU: each gives what FMPy finds, and refuses in a sentence."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+
+import pytest
+
+from fmu_src import compile as compiling
+from fmu_src.native_fmu import HOST_FILES
+from scenarios.cosimulation.slave import Slave
+
+GIVEN = {"pressure_demand": 180e3, "pneumatics": 2}
+ASSIGNMENTS = [f"{name}={value}" for name, value in GIVEN.items()]
+
+
+@pytest.fixture
+def documentation(fmus: Mapping, tmp_path: Path) -> Path:
+    """The folder of the hosts in the unpacked brake."""
+    with zipfile.ZipFile(fmus["brake", "native"]) as archive:
+        archive.extractall(tmp_path)
+    return tmp_path / "documentation"
+
+
+@pytest.fixture(scope="module")
+def expected(fmus: Mapping) -> dict[str, float]:
+    """Outputs after 100 steps of 10 ms."""
+    with Slave(fmus["brake", "native"], pneumatics=2) as brake:
+        brake.start(pressure_demand=180e3)
+        for n in range(100):
+            brake.step(n * 0.01, 0.01)
+        return {name: brake[name] for name in ("cylinder_pressure", "shoe_force", "shoe_friction", "brake_torque")}
+
+
+def shown(command: list[str | Path], folder: Path) -> dict[str, float]:
+    done = subprocess.run([*command, *ASSIGNMENTS], cwd=folder, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0, done.stderr
+    return {name: float(value) for name, value in (line.split() for line in done.stdout.splitlines())}
+
+
+def refusal(command: list[str | Path], folder: Path) -> str:
+    """What is said about a name that does not exist."""
+    done = subprocess.run([*command, "presure=1"], cwd=folder, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 1
+    return done.stderr
+
+
+def test_cpp(documentation: Path, expected: dict[str, float]) -> None:
+    environment = os.environ | {"ZIG_GLOBAL_CACHE_DIR": str(compiling.CACHE / "zig")}
+    compiler = [shutil.which("c++")] if shutil.which("c++") else [sys.executable, "-m", "ziglang", "c++"]
+    strict = ["-std=c++17", "-Wall", "-Wextra", "-Werror", "-I../sources", "host.cpp", "-ldl", "-o", "host"]
+    done = subprocess.run([*compiler, *strict], cwd=documentation, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    [library] = (documentation.parent / "binaries").rglob("BrakeCylinder.*")
+    command = [documentation / "host", library]
+    assert shown(command, documentation) == expected
+    assert refusal(command, documentation) == "presure=1 was refused with status 3.\n"
+    none = subprocess.run([documentation / "host", "nowhere"], capture_output=True, text=True)
+    assert none.stderr == "The library as the first argument has no fmi2Instantiate.\n"
+
+
+@pytest.mark.skipif(not (shutil.which("mcs") and shutil.which("mono")), reason="install mono-mcs and mono-runtime")
+def test_csharp(documentation: Path, expected: dict[str, float]) -> None:
+    subprocess.run(["mcs", "-warnaserror", "host.cs"], cwd=documentation, check=True)
+    [library] = (documentation.parent / "binaries").rglob("BrakeCylinder.*")
+    shutil.copyfile(library, documentation / f"lib{library.name}")
+    assert shown(["mono", "host.exe"], documentation) == expected
+    assert refusal(["mono", "host.exe"], documentation) == "presure=1 was refused with status 3.\n"
+
+
+def test_python(documentation: Path, expected: dict[str, float], fmus: Mapping) -> None:
+    for fmu in ("..", fmus["brake", "fmi3"]):
+        assert shown([sys.executable, "host.py", fmu], documentation) == expected
+
+
+@pytest.mark.parametrize(("kind", "version"), [("native", 2), ("fmi3", 3)])
+def test_no_place_for_a_name_is_left(fmus: Mapping, kind: str, version: int) -> None:
+    with zipfile.ZipFile(fmus["brake", kind]) as archive:
+        for name in HOST_FILES[version]:
+            text = archive.read(f"documentation/{name}").decode()
+            assert "BrakeCylinder" in text
+            assert "@" not in text

@@ -1,0 +1,134 @@
+"""Parameter sets and experiments inside the FMUs: complete, and what a host finds that runs them as they say."""
+
+from __future__ import annotations
+
+import hashlib
+import sys
+import zipfile
+from collections.abc import Callable, Mapping
+from io import BytesIO
+from pathlib import Path
+
+import fmpy
+import numpy as np
+import pytest
+from fmpy import simulate_fmu
+from fmpy.ssp.ssd import read_ssv
+from lxml import etree
+
+from fmu_src import references
+from fmu_src.references import DIGITS, FOLDER, NAMESPACE, PAGE, reference_files
+from scenarios.fmus.building import NATIVE
+from scenarios.fmus.experiments import experiments_of
+from scenarios.fmus.parameter_sets import PARAMETER_SETS, set_files
+from scenarios.fmus.registry import DIFFERENT, model_of
+
+#: Of the largest value of a column: half a unit of its last digit, and as much for round-off of times.
+ROUNDED = 10.0 ** (1 - DIGITS)
+#: Roles of the draft of FMI-LS-REF that are used here.
+ROLES = {"parameter", "experiment/validation", "result", "other"}
+SCHEMAS = Path(fmpy.__file__).parent / "schema" / "fmi3"
+
+
+Unpack = Callable[[tuple[str, str]], Path]
+
+
+@pytest.fixture
+def unpacked(fmus: Mapping, tmp_path: Path) -> Unpack:
+    """The folder of an FMU with its references."""
+
+    def unpack(key: tuple[str, str]) -> Path:
+        with zipfile.ZipFile(fmus[key]) as archive:
+            archive.extractall(tmp_path)
+        return tmp_path / FOLDER
+
+    return unpack
+
+
+def read_table(path: Path) -> np.ndarray:
+    return np.genfromtxt(path, delimiter=",", names=True)
+
+
+@pytest.mark.parametrize("kind", NATIVE)
+@pytest.mark.parametrize("name", DIFFERENT)
+def test_manifest_lists_every_file_with_role_and_digest(unpacked: Unpack, name: str, kind: str) -> None:
+    folder = unpacked((name, kind))
+    root = etree.parse(folder / "fmi-ls-manifest.xml").getroot()
+    prefixed = {key: root.get(f"{{{NAMESPACE}}}fmi-ls-{key}") for key in ("name", "version", "description")}
+    assert prefixed["name"] == folder.name
+    assert all(prefixed.values())
+    names = [one.get("source") for one in root]
+    assert sorted([*names, "fmi-ls-manifest.xml"]) == sorted(path.name for path in folder.iterdir())
+    for one in root:
+        assert one.get("role") in ROLES
+        assert one.get("checksum") == hashlib.sha3_256((folder / one.get("source")).read_bytes()).hexdigest()
+    assert (folder.parents[1] / PAGE).exists()
+    assert Path(PAGE).name in (folder.parents[1] / "documentation" / "index.html").read_text()
+
+
+@pytest.mark.parametrize(
+    ("name", "sets", "experiments"), [("bogie", 5, 3), ("brake", 5, 3), ("vehicle", 1, 3), ("rail", 1, 1)]
+)
+def test_there_are_enough_sets_and_experiments(unpacked: Unpack, name: str, sets: int, experiments: int) -> None:
+    folder = unpacked((name, "native"))
+    own = [one for one, about in PARAMETER_SETS.items() if about.fmu == name]
+    assert len(own) >= sets
+    assert all(read_ssv(str(folder / f"{one}.ssv")).name == one for one in own)
+    assert len(etree.parse(folder / "experiments.exp").getroot()) >= experiments
+
+
+def run(path: Path, folder: Path, experiment: etree._Element, **other: float) -> tuple[np.ndarray, np.ndarray]:
+    """What FMPy finds that does what the experiment says, with `other` parameters, and what it should be."""
+    simulation, parameters, stimuli, results = experiment
+    assert [one.tag for one in experiment] == ["TransientSimulation", "Parameters", "Stimuli", "References"]
+    values = {p.name: p.value for p in read_ssv(str(folder / parameters.get("source"))).parameters}
+    expected, step = read_table(folder / results.get("source")), float(simulation.get("stepSize"))
+    inputs = read_table(folder / stimuli.get("source"))
+    found = simulate_fmu(
+        str(path),
+        start_time=float(simulation.get("startTime")),
+        stop_time=float(simulation.get("stopTime")),
+        step_size=step,
+        output_interval=step,
+        start_values=values | other,
+        input=inputs if len(inputs.dtype) > 1 else None,
+        output=expected.dtype.names[1:],
+    )
+    return found, expected
+
+
+@pytest.mark.parametrize("kind", NATIVE)
+@pytest.mark.parametrize("name", DIFFERENT)
+def test_host_finds_the_results_of_every_experiment(fmus: Mapping, unpacked: Unpack, name: str, kind: str) -> None:
+    folder = unpacked((name, kind))
+    experiments = etree.parse(folder / "experiments.exp").getroot()
+    assert [one.get("name") for one in experiments] == [one.name for one in experiments_of(name)]
+    for experiment in experiments:
+        found, expected = run(fmus[name, kind], folder, experiment)
+        for column in expected.dtype.names:
+            off = np.abs(found[column] - expected[column]).max()
+            assert off <= ROUNDED * np.abs(expected[column]).max(), (experiment.get("name"), column)
+
+
+def test_another_parameter_gives_other_results(fmus: Mapping, unpacked: Unpack) -> None:
+    """The band is narrow: a thousandth more of mass is seen."""
+    folder = unpacked(("bogie", "native"))
+    [experiment] = [one for one in etree.parse(folder / "experiments.exp").getroot() if one.get("name") == "stop"]
+    found, expected = run(fmus["bogie", "native"], folder, experiment, frame_mass=60060.0)
+    assert np.abs(found["distance"] - expected["distance"]).max() > 100 * ROUNDED * expected["distance"].max()
+
+
+@pytest.mark.parametrize("name", ["brake", "rail"])
+def test_results_are_the_same_with_another_compiler(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """So that archives are equal wherever they are built."""
+    made = []
+    for compiler in ("", f"{sys.executable} -m ziglang cc -mcpu=baseline"):
+        if compiler:
+            monkeypatch.setenv("CC", compiler)
+        made.append(reference_files(model_of(name), set_files(name), experiments_of(name)))
+    assert made[0] == made[1]
+
+
+def test_numbers_are_rounded_to_the_largest_of_their_column() -> None:
+    rows = np.genfromtxt(BytesIO(references.table(["a", "b"], [[1234.56789, -1e-12], [1e-9, 0.5]])), delimiter=",")
+    assert rows[1:].tolist() == [[1234.568, 0.0], [0.0, 0.5]]
