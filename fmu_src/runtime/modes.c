@@ -25,7 +25,7 @@ static void stop(const friction_description *friction, double *state) {
 static double share_of(double mode, double still) { return mode != 0.0 && still > 0.0 ? SPARE : 1.0; }
 
 static double direction_of(double velocity, double drive, double capacity, double still) {
-    if (capacity <= 0.0) return 1.0; /* no friction: the direction multiplies zero */
+    if (capacity <= 0.0) return velocity < 0.0 ? -1.0 : 1.0; /* for when there is some: now it multiplies zero */
     if (fabs(velocity) <= still && fabs(drive) <= capacity) return 0.0;
     if (velocity != 0.0) return velocity > 0.0 ? 1.0 : -1.0;
     return drive > 0.0 ? 1.0 : -1.0;
