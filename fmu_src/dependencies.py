@@ -1,6 +1,4 @@
-"""What outputs and derivatives depend on: in a step, and at the start. By the sparsity of the equations, FMI 2.0 section
-2.2.8.
-"""
+"""What outputs and derivatives depend on, in a step and at the start, by the sparsity of the equations."""
 
 from __future__ import annotations
 
@@ -9,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 import casadi as ca
 
 from fmu_src.chain import symbols_in
-from fmu_src.exchange import derivative_name, derivatives, exchanged_states, serves_exchange
+from fmu_src.exchange import derivative_name, exchanged_states, serves_exchange
 from fmu_src.system import Model, System, state_variable
 
 
@@ -43,7 +41,7 @@ def start_knowns(system: System) -> dict[str, set[str]]:
 def known_behind(
     unknown: Mapping[str, ca.SX], known: Mapping[str, ca.SX], equations: Sequence[tuple[ca.SX, ca.SX]]
 ) -> dict[str, set[str]]:
-    """For each `unknown` the names of those `known` that it depends on, also through symbols that equations stand for."""
+    """For each `unknown` the names of those `known` that reach it, also through symbols that equations stand for."""
     names = list(known)
     symbols = ca.vertcat(*known.values(), *[symbol for symbol, _ in equations])
     place = {symbol.element_hash(): number for number, symbol in enumerate(ca.vertsplit(symbols))}
@@ -97,40 +95,37 @@ def closure(begin: Iterable[int], needed: list[set[int]]) -> set[int]:
 
 
 def input_dependencies(model: Model) -> dict[str, set[str]]:
-    """For each output of a model the inputs that reach it directly in any of its systems."""
+    """For each unknown of a model the inputs that reach it directly in any of its systems."""
     return union(model, model.systems, direct_inputs)
 
 
 def step_dependencies(model: Model) -> Mapping[str, set[str]]:
-    """The same; and for each output and each derivative the inputs and states that it follows from where the host
-    integrates.
-    """
+    """The same, and the inputs and states that it follows from where the host integrates."""
     found = input_dependencies(model)
-    for name, names in union(model, [s for s in model.systems if serves_exchange(model, s)], integrated_knowns).items():
+    integrated = [system for system in model.systems if serves_exchange(model, system)]
+    for name, names in union(model, integrated, integrated_knowns).items():
         found[name] |= names
     return found
 
 
 def start_dependencies(model: Model) -> Mapping[str, set[str]]:
-    """For each output, and each state that a host integrates and its derivative, what it depends on at the start in any
-    of the model's systems, and what chooses among them.
-    """
+    """For each unknown what it depends on at the start in any of the model's systems, and what chooses among them."""
     found = union(model, model.systems, start_knowns)
     for names in found.values():
         names |= set(model.selectors)
     return found
 
 
-def union(
-    model: Model, systems: Iterable[System], of: Callable[[System], dict[str, set[str]]]
-) -> dict[str, set[str]]:
-    """For each output, and each state that a host integrates and its derivative, the names that `of` finds in any of the
-    systems.
-    """
-    wanted = [variable.name for variable in model.variables if variable.causality == "output"]
-    wanted += [variable.name for variable in derivatives(model)]
-    wanted += [state_variable(state.name) for state in exchanged_states(model)]
-    found: dict[str, set[str]] = {name: set() for name in wanted}
+def unknowns(model: Model) -> list[str]:
+    """Outputs, and where the host integrates states and derivatives."""
+    outputs = [variable.name for variable in model.variables if variable.causality == "output"]
+    states = [state.name for state in exchanged_states(model)]
+    return [*outputs, *map(state_variable, states), *map(derivative_name, states)]
+
+
+def union(model: Model, systems: Iterable[System], of: Callable[[System], dict[str, set[str]]]) -> dict[str, set[str]]:
+    """For each unknown of a model the names that `of` finds in any of the systems."""
+    found: dict[str, set[str]] = {name: set() for name in unknowns(model)}
     for system in systems:
         for name, names in of(system).items():
             if name in found:

@@ -1,7 +1,8 @@
-"""What model exchange shows of a model beside its table: derivatives of the states, event indicators, what these follow from.
+"""What model exchange shows beside the table of variables: derivatives of the states, and event indicators.
 
-A host integrates the equations itself and knows the number of states beforehand: it is that of the system which the start
-values choose, unless that one has algebraic states. Value references go on behind the table and one more, the time's.
+A host integrates the equations itself and knows the number of states beforehand: it is that of the system which the
+start values choose, unless that one has algebraic states. Value references go on behind the table and one more, that of
+the time.
 """
 
 from __future__ import annotations

@@ -158,9 +158,9 @@ int kernel_get_exchanged(kernel *self, int number, double *value) {
 }
 
 int kernel_find_modes(kernel *self, int *moved) {
-    const size_t size = (size_t)self->system->states * sizeof(double);
     const int status = find_margins(self);
     if (status != KERNEL_OK) return status;
+    const size_t size = (size_t)self->system->states * sizeof(double);
     memcpy(self->trial, self->state, size);
     self->now.ended = modes_switch(self, 0.0, -INFINITY);
     *moved = memcmp(self->trial, self->state, size) != 0;

@@ -310,9 +310,12 @@ int face_restore(component *self, const void *state) {
     memcpy(&header, state, sizeof header);
     if (header.exchange != self->exchange)
         return face_error(self, "The saved state is one of the other interface, co-simulation or model exchange.");
-    self->now = (phase)header.now;
-    self->start_time = header.start_time;
-    return face_report(self, kernel_restore(self->machine, (const char *)state + sizeof header));
+    const int status = kernel_restore(self->machine, (const char *)state + sizeof header);
+    if (status <= KERNEL_WARNING) {
+        self->now = (phase)header.now;
+        self->start_time = header.start_time;
+    }
+    return face_report(self, status);
 }
 
 int face_serialise(component *self, const void *state, void *bytes, size_t size) {
