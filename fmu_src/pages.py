@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 
 from fmu_src.compliance import CHECKS
+from fmu_src.exchange import exchanged_states
 from fmu_src.system import Model
 
 #: By kind of FMU, what the page says about steps that end the run and about refused values.
@@ -52,12 +53,22 @@ def documentation(model: Model, kind: str, picture: bool = False) -> str:
     heads = "".join(f"<th>{head}</th>" for head in ("name", "causality", "unit", "start", "meaning"))
     shown = '<p><img src="picture.png" alt="" style="max-width:100%"></p>\n' if picture else ""
     host = "" if kind == "python" else ' <a href="host.c">A program that opens the binary, or links the sources.</a>'
+    exchange = "" if kind == "python" else integrated(model)
     return (
         f'<!doctype html>\n<html lang="en"><meta charset="utf-8"><title>{model.name}</title>\n{STYLE}'
         f"<h1>{model.name}</h1>\n<p>{html.escape(model.description)}.</p>\n{shown}"
-        f'<p>{ENDS[kind]} <a href="compliance.html">What of the standard is tested.</a>{host}</p>\n'
+        f'<p>{ENDS[kind]} {exchange} <a href="compliance.html">What of the standard is tested.</a>{host}</p>\n'
         f"<table><tr>{heads}</tr>\n" + "\n".join(rows) + "\n</table></html>\n"
     )
+
+
+def integrated(model: Model) -> str:
+    """What the page says about model exchange."""
+    states = exchanged_states(model)
+    if not states:
+        return "There is no model exchange, for these equations have algebraic states."
+    fixed = f" and {' and '.join(model.selectors)} stay at their start values" if model.selectors else ""
+    return f"In model exchange the host integrates {len(states)} states{fixed}."
 
 
 def compliance(model: Model, kind: str) -> str:
@@ -67,10 +78,11 @@ def compliance(model: Model, kind: str) -> str:
         for check in CHECKS
         if kind in check.of
     ]
+    interfaces = "co-simulation" if kind == "python" else "co-simulation and model exchange"
     return (
         f'<!doctype html>\n<html lang="en"><meta charset="utf-8"><title>{model.name}: compliance</title>\n{STYLE}'
         f"<h1>{model.name}: what of the standard is tested</h1>\n"
-        f"<p>FMI {'3.0' if kind == 'fmi3' else '2.0'} for co-simulation. The tests are in <code>tests/fmu</code> of "
+        f"<p>FMI {'3.0' if kind == 'fmi3' else '2.0'} for {interfaces}. The tests are in <code>tests/fmu</code> of "
         "the project that made this FMU.</p>\n"
         "<table><tr><th>of</th><th>what is kept</th><th>test</th></tr>\n" + "\n".join(rows) + "\n</table>\n"
         f"{_answered_by_pythonfmu() if kind == 'python' else ''}</html>\n"
