@@ -16,6 +16,7 @@ from tqdm import tqdm
 
 from fmu_src.chain import Call, Chain, Part, shared, symbols_in
 from fmu_src.elimination import Elimination, elimination, elimination_source
+from fmu_src.exchange import exchanged, serves_exchange
 from fmu_src.model_description import model_description
 from fmu_src.pieces import in_pieces
 from fmu_src.progress import PATIENCE
@@ -41,13 +42,14 @@ KERNEL_SOURCES = (
     "locate.c",
     "integrate.c",
     "initialise.c",
+    "exchange.c",
     "derivatives.c",
     "step.c",
     "saved.c",
     "lines.c",
     "instance.c",
 )
-FACE_SOURCES = ("face.c", "fmi2.c", "fmi3.c")
+FACE_SOURCES = ("face.c", "face_exchange.c", "fmi2.c", "fmi3.c")
 STUDY_SOURCES = ("study.c", "other_methods.c")
 RUNTIME_SOURCES = (*KERNEL_SOURCES, *FACE_SOURCES, *STUDY_SOURCES)
 RUNTIME_HEADERS = ("model.h", "line.h", "kernel.h", "internal.h", "studies.h", "face.h", "fmi2Functions.h")
@@ -443,7 +445,7 @@ def _system_arrays(model: Model, system: System, solving: Elimination) -> Iterab
     yield _array("char *const", f"{prefix}_sentence", sentences)
 
 
-def _system_entry(system: System, made: dict[str, Generated], solving: Elimination) -> str:
+def _system_entry(model: Model, system: System, made: dict[str, Generated], solving: Elimination) -> str:
     """A system_description, its members by position: C++ before 2020 knows no other way."""
     prefix = system.name
     outputs = [variable.name for variable in system.variables if variable.causality == "output"]
@@ -464,6 +466,7 @@ def _system_entry(system: System, made: dict[str, Generated], solving: Eliminati
         "limits": len(system.largest_changes),
         "ends": len(system.end_conditions),
         "conditions": len(system.end_conditions) + len(system.warnings),
+        "exchanged": int(serves_exchange(model, system)),
     }
     arrays = {
         "input_variable": "inputs",
@@ -508,19 +511,21 @@ def _description(model: Model, generated: Sequence[dict[str, Generated]], solvin
         )
     lines += ["};", "static const system_description SYSTEM[] = {"]
     systems = zip(model.systems, generated, strict=True)
-    lines.append(",\n".join(_system_entry(s, made, solving[s.name]) for s, made in systems))
+    lines.append(",\n".join(_system_entry(model, s, made, solving[s.name]) for s, made in systems))
     chosen_by = [model.index(name) for name in model.selectors]
     lines.insert(2, f"static const int CHOICE[] = {{{', '.join(map(str, model.choice))}}};")
     if chosen_by:
         values = [str(int(model.variables[index].maximum)) for index in chosen_by]
         lines.insert(2, _array("int", "SELECTOR", map(str, chosen_by)) + "\n" + _array("int", "SELECTABLE", values))
     line_file = model.index(model.line_file) if model.line_file else -1
+    exchange = exchanged(model)
+    integrated = model.systems.index(exchange) if exchange else -1
     integration = ", ".join(str(model.index(variable.name)) for variable in integration_variables(1e-6))
     lines += [
         "};",
         f"INSIDE const model_description MODEL = {{{_text(model.name)}, {_text('@GUID@')}, {len(model.variables)}, "
         f"{len(model.systems)}, {len(chosen_by)}, {'SELECTOR, SELECTABLE' if chosen_by else '0, 0'}, CHOICE, "
-        f"{line_file}, {integration}, VARIABLE, SYSTEM}};",
+        f"{line_file}, {integrated}, {integration}, VARIABLE, SYSTEM}};",
         "",
     ]
     return "\n".join(lines)

@@ -194,6 +194,51 @@ CHECKS = (
         {"fmi3": "fmi3SetFMUState"},
     ),
     Check(
+        "An importer's CVODE finds the distance of co-simulation to 1e-5 and the times of locking to 1e-5 s",
+        "test_stop_with_lock_up_through_cvode_is_that_of_co_simulation",
+        native("GetDerivatives, fmi2GetEventIndicators", "GetContinuousStateDerivatives, fmi3GetEventIndicators"),
+    ),
+    Check(
+        "Parameters that choose other states than those of the description are refused in model exchange",
+        "test_level_with_other_states_is_refused_with_a_sentence",
+        both("ExitInitializationMode"),
+    ),
+    Check(
+        "Equations with algebraic states declare no model exchange and refuse it",
+        "test_equations_with_algebraic_states_have_no_model_exchange",
+        native("Instantiate", "InstantiateModelExchange"),
+    ),
+    Check(
+        "Calls of the other interface, arrays of another size, and places that are no numbers change nothing",
+        "test_calls_of_the_other_interface_and_out_of_order_are_refused",
+        both("SetContinuousStates"),
+    ),
+    Check(
+        "In continuous-time mode inputs of other types than real are refused",
+        "test_inputs_that_are_no_real_numbers_change_at_events_only",
+        native("SetInteger", "SetInt32"),
+    ),
+    Check(
+        "A run that ends asks to terminate at its event, with a sentence",
+        "test_run_ends_with_its_sentence_and_a_request_to_terminate",
+        native("NewDiscreteStates", "UpdateDiscreteStates"),
+    ),
+    Check(
+        "A completed step that went beyond an event asks for event mode",
+        "test_integrator_that_locates_no_events_stops_within_a_step",
+        both("CompletedIntegratorStep"),
+    ),
+    Check(
+        "Derivatives along a direction are those of differences, and nothing acts that is not listed",
+        "test_directional_derivatives_are_those_of_differences_and_of_listed_dependencies",
+        both("GetDirectionalDerivative"),
+    ),
+    Check(
+        "A state saved in one interface goes on there bit for bit and is refused in the other",
+        "test_saved_state_goes_on_bit_for_bit_and_belongs_to_its_interface",
+        native("SetFMUstate", "SetFMUState"),
+    ),
+    Check(
         "Random calls in any order find no fault under sanitizers, and no number that is not finite comes with OK",
         "test_random_calls_find_no_fault",
         {"native": "all functions"},

@@ -1,4 +1,4 @@
-"""What each output depends on: in a step, and at the start. By the sparsity of the equations, FMI 2.0 section 2.2.8."""
+"""What outputs and derivatives depend on, in a step and at the start, by the sparsity of the equations."""
 
 from __future__ import annotations
 
@@ -7,27 +7,41 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 import casadi as ca
 
 from fmu_src.chain import symbols_in
-from fmu_src.system import Model, System
+from fmu_src.exchange import derivative_name, exchanged_states, serves_exchange
+from fmu_src.system import Model, System, state_variable
 
 
 def direct_inputs(system: System) -> dict[str, set[str]]:
     """For each output the inputs that reach it without passing through a state."""
-    return known_behind(system, system.input_symbols, link_equations(system))
+    return known_behind(system.outputs, system.input_symbols, link_equations(system))
+
+
+def integrated_knowns(system: System) -> dict[str, set[str]]:
+    """For each output and each derivative of a state the inputs and states that it follows from between events."""
+    known = system.input_symbols | {state_variable(state.name): state.symbol for state in system.states.values()}
+    tables = [(table.symbols, table.argument) for table in system.tables]
+    return known_behind(system.outputs | _derivatives(system), known, link_equations(system) + tables)
+
+
+def _derivatives(system: System) -> dict[str, ca.SX]:
+    return {derivative_name(name): system.derivatives[name] for name in system.states}
 
 
 def start_knowns(system: System) -> dict[str, set[str]]:
-    """For each output the inputs and parameters that its value at the start depends on.
+    """For each output, state and derivative the inputs and parameters that its value at the start depends on.
 
     States begin at their start values, algebraic states are solved for, and a friction at rest sticks or slides as its
     drive and its capacity decide. The tolerance, to which algebraic states are solved for, is not counted.
     """
-    return known_behind(system, system.input_symbols | system.parameter_symbols, start_equations(system))
+    states = {state_variable(state.name): state.symbol for state in system.states.values()}
+    unknown = system.outputs | states | _derivatives(system)
+    return known_behind(unknown, system.input_symbols | system.parameter_symbols, start_equations(system))
 
 
 def known_behind(
-    system: System, known: Mapping[str, ca.SX], equations: Sequence[tuple[ca.SX, ca.SX]]
+    unknown: Mapping[str, ca.SX], known: Mapping[str, ca.SX], equations: Sequence[tuple[ca.SX, ca.SX]]
 ) -> dict[str, set[str]]:
-    """For each output the names of those `known` that it depends on, also through symbols that equations stand for."""
+    """For each `unknown` the names of those `known` that reach it, also through symbols that equations stand for."""
     names = list(known)
     symbols = ca.vertcat(*known.values(), *[symbol for symbol, _ in equations])
     place = {symbol.element_hash(): number for number, symbol in enumerate(ca.vertsplit(symbols))}
@@ -39,8 +53,8 @@ def known_behind(
     for symbol, expression in equations:
         needed += [places(expression)] * symbol.numel()
     return {
-        output: {names[place] for place in closure(places(expression), needed) if place < len(names)}
-        for output, expression in system.outputs.items()
+        name: {names[place] for place in closure(places(expression), needed) if place < len(names)}
+        for name, expression in unknown.items()
     }
 
 
@@ -80,23 +94,40 @@ def closure(begin: Iterable[int], needed: list[set[int]]) -> set[int]:
     return reached
 
 
+def input_dependencies(model: Model) -> dict[str, set[str]]:
+    """For each unknown of a model the inputs that reach it directly in any of its systems."""
+    return union(model, model.systems, direct_inputs)
+
+
 def step_dependencies(model: Model) -> Mapping[str, set[str]]:
-    """For each output of a model the inputs that reach it directly in any of its systems."""
-    return union(model, direct_inputs)
+    """The same, and the inputs and states that it follows from where the host integrates."""
+    found = input_dependencies(model)
+    integrated = [system for system in model.systems if serves_exchange(model, system)]
+    for name, names in union(model, integrated, integrated_knowns).items():
+        found[name] |= names
+    return found
 
 
 def start_dependencies(model: Model) -> Mapping[str, set[str]]:
-    """For each output of a model what it depends on at the start in any of its systems, and what chooses among them."""
-    found = union(model, start_knowns)
+    """For each unknown what it depends on at the start in any of the model's systems, and what chooses among them."""
+    found = union(model, model.systems, start_knowns)
     for names in found.values():
         names |= set(model.selectors)
     return found
 
 
-def union(model: Model, of: Callable[[System], dict[str, set[str]]]) -> dict[str, set[str]]:
-    """For each output of a model the names that `of` finds in any of its systems."""
-    found: dict[str, set[str]] = {v.name: set() for v in model.variables if v.causality == "output"}
-    for system in model.systems:
-        for output, names in of(system).items():
-            found[output] |= names
+def unknowns(model: Model) -> list[str]:
+    """Outputs, and where the host integrates states and derivatives."""
+    outputs = [variable.name for variable in model.variables if variable.causality == "output"]
+    states = [state.name for state in exchanged_states(model)]
+    return [*outputs, *map(state_variable, states), *map(derivative_name, states)]
+
+
+def union(model: Model, systems: Iterable[System], of: Callable[[System], dict[str, set[str]]]) -> dict[str, set[str]]:
+    """For each unknown of a model the names that `of` finds in any of the systems."""
+    found: dict[str, set[str]] = {name: set() for name in unknowns(model)}
+    for system in systems:
+        for name, names in of(system).items():
+            if name in found:
+                found[name] |= names
     return found

@@ -1,14 +1,15 @@
-"""Model -> modelDescription.xml of FMI 2.0 co-simulation: variables, units, dependencies, initial unknowns."""
+"""Model -> modelDescription.xml of FMI 2.0: interfaces, variables, units, dependencies, initial unknowns."""
 
 from __future__ import annotations
 
 import math
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from fmu_src import __version__
-from fmu_src.dependencies import start_dependencies, step_dependencies
-from fmu_src.system import Model, Variable
+from fmu_src.dependencies import input_dependencies, start_dependencies, step_dependencies
+from fmu_src.exchange import derivatives, exchanged_states, first_reference, indicators, rate_unit, reset_at_events
+from fmu_src.system import Model, Variable, state_variable
 
 #: Unit -> exponents of the SI base units.
 UNITS: dict[str, dict[str, int]] = {
@@ -86,29 +87,35 @@ def model_description(model: Model, guid: str, native: bool = True, source_files
         variableNamingConvention="flat",
     )
     able = str(native).lower()
-    slave = ET.SubElement(
-        root,
-        "CoSimulation",
-        modelIdentifier=model.name,
-        needsExecutionTool=str(not native).lower(),
-        canHandleVariableCommunicationStepSize="true",
-        canInterpolateInputs=able,
-        maxOutputDerivativeOrder="1" if native else "0",
-        canNotUseMemoryManagementFunctions="true",
-        canGetAndSetFMUstate=able,
-        canSerializeFMUstate=able,
-        providesDirectionalDerivative=able,
-    )
-    if native:
-        files = ET.SubElement(slave, "SourceFiles")
+    both = {
+        "modelIdentifier": model.name,
+        "needsExecutionTool": str(not native).lower(),
+        "canNotUseMemoryManagementFunctions": "true",
+        "canGetAndSetFMUstate": able,
+        "canSerializeFMUstate": able,
+        "providesDirectionalDerivative": able,
+    }
+    exchange = derivatives(model) if native else []
+    if exchange:
+        root.set("numberOfEventIndicators", str(len(indicators(model))))
+        ET.SubElement(root, "ModelExchange", both)
+    orders = "1" if native else "0"
+    slave = {"canHandleVariableCommunicationStepSize": "true", "canInterpolateInputs": able}
+    ET.SubElement(root, "CoSimulation", both | slave | {"maxOutputDerivativeOrder": orders})
+    for interface in root if native else []:
+        files = ET.SubElement(interface, "SourceFiles")
         for name in source_files:
             ET.SubElement(files, "File", name=name)
-    add_units(root, model.variables)
+    add_units(root, (*model.variables, *exchange))
     add_categories_and_experiment(root, model)
     variables = ET.SubElement(root, "ModelVariables")
     for reference, variable in enumerate(model.variables):
         _variable(variables, reference, variable)
-    _structure(root, model)
+    for reference, variable in enumerate(exchange, first_reference(model)):
+        _variable(variables, reference, variable)
+    if exchange:
+        _mark_states(variables, model)
+    _structure(root, model, exchange)
     ET.indent(root)
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
 
@@ -130,7 +137,9 @@ def add_units(root: ET.Element, variables: Iterable[Variable]) -> None:
     used = {variable.unit for variable in variables if variable.kind == "real"}
     displayed = {variable.display_unit for variable in variables if variable.display_unit}
     definitions = ET.SubElement(root, "UnitDefinitions")
-    for name, exponents in UNITS.items():
+    rates = {rate_unit(name): exponents | {"s": exponents.get("s", 0) - 1} for name, exponents in UNITS.items()}
+    known = UNITS | {name: exponents for name, exponents in rates.items() if name not in UNITS}
+    for name, exponents in known.items():
         if name not in used:
             continue
         unit = ET.SubElement(definitions, "Unit", name=name)
@@ -138,7 +147,7 @@ def add_units(root: ET.Element, variables: Iterable[Variable]) -> None:
         for display, (of, factor) in DISPLAY_UNITS.items():
             if of == name and display in displayed:
                 ET.SubElement(unit, "DisplayUnit", name=display, factor=repr(factor))
-    unknown = used - set(UNITS)
+    unknown = used - set(known)
     if unknown:
         raise ValueError(f"Add the units {', '.join(sorted(unknown))} to UNITS in model_description.py.")
 
@@ -191,14 +200,29 @@ def variable_table(model: Model) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _structure(root: ET.Element, model: Model) -> None:
-    in_step, at_start = step_dependencies(model), start_dependencies(model)
+def _mark_states(variables: ET.Element, model: Model) -> None:
+    """Which variable is the derivative of which, by their places, and which states an event may set anew."""
+    for state, derivative in zip(exchanged_states(model), variables[len(model.variables) :], strict=True):
+        place = model.index(state_variable(state.name))
+        derivative[0].set("derivative", str(place + 1))
+        if state.name in reset_at_events(model):
+            variables[place][0].set("reinit", "true")
+
+
+def _structure(root: ET.Element, model: Model, exchange: Sequence[Variable]) -> None:
+    """What depends on what; variables are named by their places, counted from 1."""
+    in_step = step_dependencies(model) if exchange else input_dependencies(model)
+    at_start = start_dependencies(model)
+    place = {variable.name: number for number, variable in enumerate((*model.variables, *exchange), start=1)}
+    outputs = [variable.name for variable in model.variables if variable.causality == "output"]
+    slopes = [variable.name for variable in exchange]
+    states = [state_variable(state.name) for state in exchanged_states(model)] if exchange else []
     structure = ET.SubElement(root, "ModelStructure")
-    outputs = ET.SubElement(structure, "Outputs")
-    initial = ET.SubElement(structure, "InitialUnknowns")
-    for number, variable in enumerate(model.variables, start=1):
-        if variable.causality != "output":
-            continue
-        for parent, dependencies in ((outputs, in_step), (initial, at_start)):
-            known = sorted(model.index(name) + 1 for name in dependencies[variable.name])
-            ET.SubElement(parent, "Unknown", index=str(number), dependencies=" ".join(map(str, known)))
+    lists = [("Outputs", outputs, in_step), ("InitialUnknowns", [*outputs, *states, *slopes], at_start)]
+    if exchange:
+        lists.insert(1, ("Derivatives", slopes, in_step))
+    for name, unknowns, dependencies in lists:
+        parent = ET.SubElement(structure, name)
+        for unknown in sorted(unknowns, key=place.__getitem__):
+            known = sorted(place[one] for one in dependencies[unknown])
+            ET.SubElement(parent, "Unknown", index=str(place[unknown]), dependencies=" ".join(map(str, known)))

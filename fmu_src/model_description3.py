@@ -1,4 +1,4 @@
-"""Model -> modelDescription.xml of FMI 3.0 co-simulation, from the same table as that of FMI 2.0."""
+"""Model -> modelDescription.xml of FMI 3.0, from the same table as that of FMI 2.0."""
 
 from __future__ import annotations
 
@@ -7,20 +7,21 @@ import xml.etree.ElementTree as ET
 
 from fmu_src import __version__
 from fmu_src.dependencies import start_dependencies, step_dependencies
+from fmu_src.exchange import derivatives, exchanged_states, first_reference, indicators, reset_at_events
 from fmu_src.model_description import (
     NOMINAL,
     add_categories_and_experiment,
     add_units,
     number_text,
 )
-from fmu_src.system import Model, Variable
+from fmu_src.system import Model, Variable, state_variable
 
 TIME = Variable("time", "output", "s", "Simulation time")
 TYPES = {"real": "Float64", "integer": "Int32", "boolean": "Boolean", "string": "String"}
 
 
 def model_description3(model: Model, token: str) -> str:
-    """The XML text; value references are those of FMI 2.0, the time has the one behind the last."""
+    """The XML text; value references are those of FMI 2.0, the time has the one behind the table's last."""
     root = ET.Element(
         "fmiModelDescription",
         fmiVersion="3.0",
@@ -32,18 +33,22 @@ def model_description3(model: Model, token: str) -> str:
         generationTool="bogie-braking",
         variableNamingConvention="flat",
     )
-    ET.SubElement(
-        root,
-        "CoSimulation",
-        modelIdentifier=model.name,
-        canGetAndSetFMUState="true",
-        canSerializeFMUState="true",
-        providesDirectionalDerivatives="true",
-        canHandleVariableCommunicationStepSize="true",
-        mightReturnEarlyFromDoStep="true",
-        maxOutputDerivativeOrder="1",
-    )
-    add_units(root, (*model.variables, TIME))
+    both = {
+        "modelIdentifier": model.name,
+        "canGetAndSetFMUState": "true",
+        "canSerializeFMUState": "true",
+        "providesDirectionalDerivatives": "true",
+    }
+    exchange = [*derivatives(model), *indicators(model)]
+    if exchange:
+        ET.SubElement(root, "ModelExchange", both | {"needsCompletedIntegratorStep": "true"})
+    slave = {
+        "canHandleVariableCommunicationStepSize": "true",
+        "mightReturnEarlyFromDoStep": "true",
+        "maxOutputDerivativeOrder": "1",
+    }
+    ET.SubElement(root, "CoSimulation", both | slave)
+    add_units(root, (*model.variables, TIME, *exchange))
     add_categories_and_experiment(root, model)
     variables = ET.SubElement(root, "ModelVariables")
     for reference, variable in enumerate(model.variables):
@@ -53,6 +58,9 @@ def model_description3(model: Model, token: str) -> str:
     time = {"name": TIME.name, "valueReference": str(len(model.variables)), "description": TIME.description}
     kind = {"causality": "independent", "variability": "continuous", "unit": TIME.unit}
     ET.SubElement(variables, "Float64", time | kind)
+    for reference, variable in enumerate(exchange, first_reference(model)):
+        ET.SubElement(variables, "Float64", _attributes(reference, variable))
+    _mark_states(variables, model)
     _structure(root, model)
     ET.indent(root)
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
@@ -83,11 +91,31 @@ def _attributes(reference: int, variable: Variable) -> dict[str, str]:
     return found
 
 
+def _mark_states(variables: ET.Element, model: Model) -> None:
+    """Which variable is the derivative of which, by value reference, and which states an event may set anew."""
+    for number, state in enumerate(exchanged_states(model), len(model.variables) + 1):
+        reference = model.index(state_variable(state.name))
+        variables[number].set("derivative", str(reference))
+        if state.name in reset_at_events(model):
+            variables[reference].set("reinit", "true")
+
+
 def _structure(root: ET.Element, model: Model) -> None:
+    in_step, at_start = step_dependencies(model), start_dependencies(model)
+    outputs = [variable.name for variable in model.variables if variable.causality == "output"]
+    states = [state_variable(state.name) for state in exchanged_states(model)]
+    slopes = [variable.name for variable in derivatives(model)]
+    exchange = [*derivatives(model), *indicators(model)]
+    reference = {variable.name: number for number, variable in enumerate(exchange, first_reference(model))}
+    reference |= {variable.name: number for number, variable in enumerate(model.variables)}
     structure = ET.SubElement(root, "ModelStructure")
-    for kind, dependencies in (("Output", step_dependencies(model)), ("InitialUnknown", start_dependencies(model))):
-        for variable in model.variables:
-            if variable.causality == "output":
-                known = sorted(model.index(source) for source in dependencies[variable.name])
-                reference = str(model.index(variable.name))
-                ET.SubElement(structure, kind, valueReference=reference, dependencies=" ".join(map(str, known)))
+    for kind, unknowns, dependencies in (
+        ("Output", outputs, in_step),
+        ("ContinuousStateDerivative", slopes, in_step),
+        ("InitialUnknown", [*outputs, *states, *slopes], at_start),
+    ):
+        for unknown in unknowns:
+            known = " ".join(str(number) for number in sorted(reference[one] for one in dependencies[unknown]))
+            ET.SubElement(structure, kind, valueReference=str(reference[unknown]), dependencies=known)
+    for indicator in indicators(model):
+        ET.SubElement(structure, "EventIndicator", valueReference=str(reference[indicator.name]))

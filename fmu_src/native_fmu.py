@@ -44,8 +44,8 @@ MACHINES = {"x86_64-macos.11.0": (0x01000007, 3), "aarch64-macos.11.0": (0x01000
 HEADERS = ("model.h", "line.h", "kernel.h", "internal.h", "face.h")
 #: What sources/ hold besides the generated files, by version of FMI. FMPy's fmi2Functions.h is without the prefix.
 SOURCES = {
-    2: (*KERNEL_SOURCES, "face.c", "fmi2.c", *HEADERS, "fmi2Functions.h"),
-    3: (*KERNEL_SOURCES, "face.c", "fmi3.c", *HEADERS),
+    2: (*KERNEL_SOURCES, "face.c", "face_exchange.c", "fmi2.c", *HEADERS, "fmi2Functions.h"),
+    3: (*KERNEL_SOURCES, "face.c", "face_exchange.c", "fmi3.c", *HEADERS),
 }
 STANDARD_HEADERS = {
     2: ("fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),

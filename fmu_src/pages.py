@@ -6,6 +6,7 @@ import html
 from collections.abc import Collection
 
 from fmu_src.compliance import CHECKS
+from fmu_src.exchange import exchanged_states
 from fmu_src.references import PAGE
 from fmu_src.system import Model
 
@@ -55,12 +56,22 @@ def documentation(model: Model, kind: str, beside: Collection[str] = ()) -> str:
     shown = '<p><img src="picture.png" alt="" style="max-width:100%"></p>\n' if PICTURE in beside else ""
     sets = ' <a href="fmi-ls-ref.html">Parameter sets and experiments.</a>' if PAGE in beside else ""
     host = "" if kind == "python" else " Beside this page lie programs that run the FMU, host.c and others."
+    solved = "" if kind == "python" else f" {integrated(model)}"
     return (
         f'<!doctype html>\n<html lang="en"><meta charset="utf-8"><title>{model.name}</title>\n{STYLE}'
         f"<h1>{model.name}</h1>\n<p>{html.escape(model.description)}.</p>\n{shown}"
-        f'<p>{ENDS[kind]} <a href="compliance.html">What of the standard is tested.</a>{host}{sets}</p>\n'
+        f'<p>{ENDS[kind]}{solved} <a href="compliance.html">What of the standard is tested.</a>{host}{sets}</p>\n'
         f"<table><tr>{heads}</tr>\n" + "\n".join(rows) + "\n</table></html>\n"
     )
+
+
+def integrated(model: Model) -> str:
+    """What the page says about model exchange."""
+    states = exchanged_states(model)
+    if not states:
+        return "There is no model exchange, for these equations have algebraic states."
+    fixed = f" and {' and '.join(model.selectors)} stay at their start values" if model.selectors else ""
+    return f"In model exchange the host integrates {len(states)} states{fixed}."
 
 
 def compliance(model: Model, kind: str) -> str:
@@ -70,10 +81,11 @@ def compliance(model: Model, kind: str) -> str:
         for check in CHECKS
         if kind in check.of
     ]
+    interfaces = "co-simulation" if kind == "python" else "co-simulation and model exchange"
     return (
         f'<!doctype html>\n<html lang="en"><meta charset="utf-8"><title>{model.name}: compliance</title>\n{STYLE}'
         f"<h1>{model.name}: what of the standard is tested</h1>\n"
-        f"<p>FMI {'3.0' if kind == 'fmi3' else '2.0'} for co-simulation. The tests are in <code>tests/fmu</code> of "
+        f"<p>FMI {'3.0' if kind == 'fmi3' else '2.0'} for {interfaces}. The tests are in <code>tests/fmu</code> of "
         "the project that made this FMU.</p>\n"
         "<table><tr><th>of</th><th>what is kept</th><th>test</th></tr>\n" + "\n".join(rows) + "\n</table>\n"
         f"{_answered_by_pythonfmu() if kind == 'python' else ''}</html>\n"

@@ -37,6 +37,30 @@ static int prepare_derivatives(kernel *self) {
     return KERNEL_OK;
 }
 
+/* Derivatives of all slopes along the seed, in self->between: by states from the Jacobian, by inputs from what the
+ * derivative by time becomes where they change with it. */
+static void differentiate_slopes(kernel *self) {
+    const int n = self->system->states;
+    for (int i = 0; i < n; ++i) self->between[i] = -self->time_slope[i];
+    for (int i = 0; i < self->system->inputs; ++i) self->rate[i] += self->seed[1 + n + i];
+    rosenbrock_linearise(self, 0.0, self->state);
+    for (int i = 0; i < n; ++i) {
+        self->between[i] += self->time_slope[i];
+        for (int j = 0; j < n; ++j)
+            self->between[i] += self->jacobian[self->place[j] * n + self->place[i]] * self->seed[1 + j];
+    }
+}
+
+/* Of a slope of model exchange; 0 where the system does not have that state. */
+static int pick_slope(kernel *self, int number, double *result) {
+    const int state = exchange_state(self, number);
+    char when[CLOCK_SIZE];
+    *result = state < 0 ? 0.0 : self->between[state];
+    if (isfinite(*result)) return KERNEL_OK;
+    return kernel_fail(self, KERNEL_ERROR, "The slope of %s has no finite derivative at t = %s s.",
+                       MODEL.variable[self->system->state_variable[state]].name, kernel_clock(self->now.time, 9, when));
+}
+
 /* Copies the derivatives of some outputs; those that the system does not have are constant. */
 static int pick_derivatives(kernel *self, int count, const int *variable, double *result) {
     for (int i = 0; i < count; ++i) {
@@ -66,6 +90,12 @@ int kernel_get_rates(kernel *self, int count, const int *variable, double *rate)
     return status == KERNEL_OK ? pick_derivatives(self, count, variable, rate) : status;
 }
 
+static int asks_for_slopes(int count, const int *variable) {
+    for (int i = 0; i < count; ++i)
+        if (kernel_exchanged_number(variable[i]) >= 0) return 1;
+    return 0;
+}
+
 int kernel_get_directional(kernel *self, int unknowns, const int *unknown, int knowns, const int *known,
                            const double *change, double *result) {
     int status = prepare_derivatives(self);
@@ -85,5 +115,11 @@ int kernel_get_directional(kernel *self, int unknowns, const int *unknown, int k
             if (system->input_variable[j] == known[i]) self->seed[1 + system->states + j] += change[i];
     }
     status = differentiate_outputs(self);
-    return status == KERNEL_OK ? pick_derivatives(self, unknowns, unknown, result) : status;
+    if (status == KERNEL_OK && asks_for_slopes(unknowns, unknown)) differentiate_slopes(self);
+    for (int i = 0; i < unknowns && status == KERNEL_OK; ++i) {
+        const int number = kernel_exchanged_number(unknown[i]);
+        status = number >= 0 && number < kernel_exchange_states() ? pick_slope(self, number, &result[i])
+                                                                  : pick_derivatives(self, 1, &unknown[i], &result[i]);
+    }
+    return status;
 }

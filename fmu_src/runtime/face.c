@@ -87,6 +87,8 @@ component *face_instantiate(const component *log, const char *name, const char *
         problem = "There is not enough memory for an instance.";
     else if (!token || strcmp(token, MODEL.guid) != 0)
         problem = "The identifier of modelDescription.xml is not that of the binary; build both together.";
+    else if (self->exchange && kernel_exchange_states() == 0)
+        problem = "There is no model exchange, as modelDescription.xml says: these equations have algebraic states.";
     if (!problem) return self;
     if (self->name) (void)face_error(self, problem);
     face_free(self);
@@ -173,25 +175,43 @@ static int wrong_type(const component *self, unsigned reference, int kind) {
     return 1;
 }
 
+static int initialise(component *self) {
+    int status = kernel_initialise(self->machine, self->start_time);
+    if (self->exchange && status <= KERNEL_WARNING && kernel_check_exchange(self->machine) != KERNEL_OK)
+        status = KERNEL_ERROR;
+    return face_report(self, status);
+}
+
 int face_initialise_if_asked(component *self) {
-    if (self->now != INITIALISING || kernel_state_count(self->machine)) return KERNEL_OK;
-    return face_report(self, kernel_initialise(self->machine, self->start_time));
+    return self->now != INITIALISING || kernel_state_count(self->machine) ? KERNEL_OK : initialise(self);
+}
+
+int face_initialise(component *self) {
+    const int status = initialise(self);
+    if (status <= KERNEL_WARNING) self->now = self->exchange ? AT_EVENT : STEPPING;
+    return status;
 }
 
 int face_get(component *self, unsigned reference, int kind, double *value) {
-    if (wrong_type(self, reference, kind)) return KERNEL_ERROR;
-    if (self->now == INSTANTIATED && MODEL.variable[reference].causality >= CAUSALITY_OUTPUT)
+    const int exchanged = kind == KIND_REAL ? kernel_exchanged_number((int)reference) : -1;
+    if (exchanged < 0 && wrong_type(self, reference, kind)) return KERNEL_ERROR;
+    if (self->now == INSTANTIATED && (exchanged >= 0 || MODEL.variable[reference].causality >= CAUSALITY_OUTPUT))
         return face_error(self, "Outputs and states have values from the initialisation on; enter it first.");
     const int status = face_initialise_if_asked(self);
     if (status > KERNEL_WARNING) return status;
-    return face_report(self, kernel_get(self->machine, (int)reference, value));
+    return face_report(self, exchanged >= 0 ? kernel_get_exchanged(self->machine, exchanged, value)
+                                            : kernel_get(self->machine, (int)reference, value));
 }
 
 int face_fixed(component *self, size_t count, const unsigned *reference, int kind) {
     for (size_t i = 0; i < count; ++i) {
         if (wrong_type(self, reference[i], kind)) return 1;
         const int causality = MODEL.variable[reference[i]].causality;
-        if (causality == CAUSALITY_INPUT || (causality == CAUSALITY_PARAMETER && self->now != STEPPING)) continue;
+        if (causality == CAUSALITY_INPUT && kind != KIND_REAL && self->now == CONTINUOUS) {
+            (void)face_error(self, "Inputs that are no real numbers change at events; enter event mode first.");
+            return 1;
+        }
+        if (causality == CAUSALITY_INPUT || (causality == CAUSALITY_PARAMETER && !(self->now & RUNNING))) continue;
         (void)face_report(self, kernel_set(self->machine, (int)reference[i], 0.0)); /* which says why not */
         return 1;
     }
@@ -230,6 +250,7 @@ int face_get_texts(component *self, size_t count, const unsigned *reference, con
 }
 
 int face_set_rate(component *self, unsigned reference, double rate) {
+    if (self->exchange) return face_error(self, "Derivatives of inputs belong to co-simulation.");
     if (wrong_type(self, reference, KIND_REAL)) return KERNEL_ERROR;
     return face_report(self, kernel_set_rate(self->machine, (int)reference, rate));
 }
@@ -240,7 +261,7 @@ typedef struct {
     size_t size;
     unsigned long long checksum; /* of the kernel's bytes and the GUID: bytes that were changed on the way are refused */
     double start_time;
-    long long int now; /* without gaps: equal states have equal bytes */
+    long long int now, exchange; /* without gaps: equal states have equal bytes */
 } saved_header;
 
 size_t face_saved_size(const component *self) { return sizeof(saved_header) + kernel_state_size(self->machine); }
@@ -256,6 +277,7 @@ static unsigned long long checksum(const component *self, saved_header header, c
     unsigned long long hash = hash_of(14695981039346656037ull, MODEL.guid, strlen(MODEL.guid));
     hash = hash_of(hash, &header.start_time, sizeof header.start_time);
     hash = hash_of(hash, &header.now, sizeof header.now);
+    hash = hash_of(hash, &header.exchange, sizeof header.exchange);
     return hash_of(hash, kernel_bytes, kernel_state_size(self->machine));
 }
 
@@ -273,7 +295,7 @@ int face_save(component *self, void **state) {
     if (face_missing(self, 1, state, state)) return KERNEL_ERROR;
     if (!*state) *state = calloc(1, size);
     if (!*state) return face_error(self, "There is not enough memory for a saved state.");
-    saved_header header = {size, 0, self->start_time, (long long int)self->now};
+    saved_header header = {size, 0, self->start_time, self->now, self->exchange};
     kernel_save(self->machine, (char *)*state + sizeof header);
     header.checksum = checksum(self, header, (char *)*state + sizeof header);
     memcpy(*state, &header, sizeof header);
@@ -286,9 +308,14 @@ int face_restore(component *self, const void *state) {
     if (!is_saved(self, state, face_saved_size(self)))
         return face_error(self, "The saved state belongs to another model, or its bytes were changed.");
     memcpy(&header, state, sizeof header);
-    self->now = (phase)header.now;
-    self->start_time = header.start_time;
-    return face_report(self, kernel_restore(self->machine, (const char *)state + sizeof header));
+    if (header.exchange != self->exchange)
+        return face_error(self, "The saved state is one of the other interface, co-simulation or model exchange.");
+    const int status = kernel_restore(self->machine, (const char *)state + sizeof header);
+    if (status <= KERNEL_WARNING) {
+        self->now = (phase)header.now;
+        self->start_time = header.start_time;
+    }
+    return face_report(self, status);
 }
 
 int face_serialise(component *self, const void *state, void *bytes, size_t size) {

@@ -5,8 +5,20 @@
 
 #include "kernel.h"
 
-typedef enum { INSTANTIATED = 1, INITIALISING = 2, STEPPING = 4, STOPPED = 8, TERMINATED = 16 } phase;
-enum { ALWAYS = INSTANTIATED | INITIALISING | STEPPING | STOPPED | TERMINATED };
+/* STEPPING in co-simulation; in model exchange AT_EVENT and CONTINUOUS, which are event mode and continuous-time mode. */
+typedef enum {
+    INSTANTIATED = 1,
+    INITIALISING = 2,
+    STEPPING = 4,
+    STOPPED = 8,
+    TERMINATED = 16,
+    AT_EVENT = 32,
+    CONTINUOUS = 64,
+    RUNNING = STEPPING | AT_EVENT | CONTINUOUS,
+    SETTABLE = INSTANTIATED | INITIALISING | RUNNING,
+    KNOWN = INITIALISING | RUNNING | STOPPED | TERMINATED, /* from where on there are values and derivatives */
+    ALWAYS = INSTANTIATED | KNOWN
+} phase;
 
 typedef struct component {
     kernel *machine;
@@ -14,6 +26,7 @@ typedef struct component {
     unsigned logged; /* one bit for each category that the host wants to hear */
     unsigned told;   /* those that it hears whether it wants to or not */
     int last_step;   /* status of the last step */
+    int exchange; /* model exchange; 0: co-simulation */
     double start_time;
     char *name;
     char *resources; /* folder of the FMU's own files; null: the host named none */
@@ -44,6 +57,8 @@ INSIDE int face_missing(const component *self, size_t count, const void *one, co
 INSIDE int face_plan(component *self, const double *tolerance, double start, const double *stop);
 /* What is asked for during initialisation belongs to the values set so far. */
 INSIDE int face_initialise_if_asked(component *self);
+/* Ends the initialisation. */
+INSIDE int face_initialise(component *self);
 INSIDE int face_get(component *self, unsigned reference, int kind, double *value);
 /* Whether one of the variables cannot be set now, which is then said: then none is set. */
 INSIDE int face_fixed(component *self, size_t count, const unsigned *reference, int kind);
@@ -58,6 +73,13 @@ INSIDE int face_save(component *self, void **state);
 INSIDE int face_restore(component *self, const void *state);
 INSIDE int face_serialise(component *self, const void *state, void *bytes, size_t size);
 INSIDE int face_deserialise(component *self, const void *bytes, size_t size, void **state);
+/* Model exchange, face_exchange.c: arrays must have the size that is expected. */
+INSIDE int face_set_time(component *self, double time);
+INSIDE int face_set_states(component *self, const double *state, size_t count);
+INSIDE int face_read(component *self, double *value, size_t count, int expected, int (*read)(kernel *, double *));
+INSIDE int face_enter(component *self, phase next);
+INSIDE int face_find_modes(component *self, int *ended, int *moved);
+INSIDE int face_complete_step(component *self, int *crossed);
 
 /* STATUS is the type of the standard. */
 #define REQUIRE(instance, phases, function)  \

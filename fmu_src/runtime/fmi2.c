@@ -1,4 +1,4 @@
-/* The FMI 2.0 co-simulation face of a kernel. */
+/* The FMI 2.0 face of a kernel: co-simulation and model exchange. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -41,10 +41,7 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
     log.tell = tell;
     log.logger = (void (*)(void))functions->logger;
     log.environment = functions->componentEnvironment;
-    if (fmuType != fmi2CoSimulation) {
-        if (instanceName && log.logger) (void)face_error(&log, "Only co-simulation is supported.");
-        return NULL;
-    }
+    log.exchange = fmuType == fmi2ModelExchange;
     return face_settle(face_instantiate(&log, instanceName, fmuGUID, loggingOn), fmuResourceLocation);
 }
 
@@ -65,13 +62,11 @@ fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
 
 fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
     REQUIRE(c, INITIALISING, "fmi2ExitInitializationMode");
-    const int status = kernel_initialise(self->machine, self->start_time);
-    if (status <= KERNEL_WARNING) self->now = STEPPING;
-    return (fmi2Status)face_report(self, status);
+    return (fmi2Status)face_initialise(self);
 }
 
 fmi2Status fmi2Terminate(fmi2Component c) {
-    REQUIRE(c, STEPPING | STOPPED, "fmi2Terminate");
+    REQUIRE(c, RUNNING | STOPPED, "fmi2Terminate");
     return (fmi2Status)face_terminate(self);
 }
 
@@ -96,7 +91,7 @@ fmi2Status fmi2Reset(fmi2Component c) {
 
 #define DEFINE_SET(function, type, kind)                                                                     \
     fmi2Status function(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const type value[]) {    \
-        REQUIRE(c, INSTANTIATED | INITIALISING | STEPPING, #function);                                       \
+        REQUIRE(c, SETTABLE, #function);                                       \
         if (face_missing(self, nvr, vr, value)) return fmi2Error;                                            \
         if (face_fixed(self, nvr, vr, kind)) return fmi2Error;                                               \
         int worst = KERNEL_OK;                                                                               \
@@ -121,7 +116,7 @@ fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t 
 }
 
 fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2String value[]) {
-    REQUIRE(c, INSTANTIATED | INITIALISING | STEPPING, "fmi2SetString");
+    REQUIRE(c, SETTABLE, "fmi2SetString");
     if (face_missing(self, nvr, vr, value)) return fmi2Error;
     return (fmi2Status)face_set_texts(self, nvr, vr, value);
 }
@@ -190,7 +185,7 @@ fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReferenc
 fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference vUnknown_ref[], size_t nUnknown,
                                         const fmi2ValueReference vKnown_ref[], size_t nKnown, const fmi2Real dvKnown[],
                                         fmi2Real dvUnknown[]) {
-    REQUIRE(c, INITIALISING | STEPPING | STOPPED | TERMINATED, "fmi2GetDirectionalDerivative");
+    REQUIRE(c, KNOWN, "fmi2GetDirectionalDerivative");
     if (face_missing(self, nUnknown, vUnknown_ref, dvUnknown) || face_missing(self, nKnown, vKnown_ref, dvKnown))
         return fmi2Error;
     const int status = face_initialise_if_asked(self);
@@ -241,3 +236,55 @@ fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind s, fmi2Stri
     (void)s, (void)value;
     return fmi2Discard;
 }
+
+/* ---- model exchange ---- */
+
+enum { INTEGRATING = AT_EVENT | CONTINUOUS };
+
+fmi2Status fmi2EnterEventMode(fmi2Component c) {
+    REQUIRE(c, CONTINUOUS, "fmi2EnterEventMode");
+    return (fmi2Status)face_enter(self, AT_EVENT);
+}
+
+fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c) {
+    REQUIRE(c, AT_EVENT, "fmi2EnterContinuousTimeMode");
+    return (fmi2Status)face_enter(self, CONTINUOUS);
+}
+
+fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *fmi2eventInfo) {
+    REQUIRE(c, AT_EVENT, "fmi2NewDiscreteStates");
+    if (face_missing(self, 1, fmi2eventInfo, fmi2eventInfo)) return fmi2Error;
+    memset(fmi2eventInfo, 0, sizeof *fmi2eventInfo);
+    return (fmi2Status)face_find_modes(self, &fmi2eventInfo->terminateSimulation,
+                                       &fmi2eventInfo->valuesOfContinuousStatesChanged);
+}
+
+fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean noSetFMUStatePriorToCurrentPoint,
+                                       fmi2Boolean *enterEventMode, fmi2Boolean *terminateSimulation) {
+    REQUIRE(c, CONTINUOUS, "fmi2CompletedIntegratorStep");
+    (void)noSetFMUStatePriorToCurrentPoint;
+    if (face_missing(self, 1, enterEventMode, terminateSimulation)) return fmi2Error;
+    *terminateSimulation = fmi2False;
+    return (fmi2Status)face_complete_step(self, enterEventMode);
+}
+
+fmi2Status fmi2SetTime(fmi2Component c, fmi2Real time) {
+    REQUIRE(c, INTEGRATING, "fmi2SetTime");
+    return (fmi2Status)face_set_time(self, time);
+}
+
+fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real x[], size_t nx) {
+    REQUIRE(c, INTEGRATING, "fmi2SetContinuousStates");
+    return (fmi2Status)face_set_states(self, x, nx);
+}
+
+#define DEFINE_READ(function, expected, read)                                   \
+    fmi2Status function(fmi2Component c, fmi2Real values[], size_t count) {     \
+        REQUIRE(c, KNOWN, #function);                                           \
+        return (fmi2Status)face_read(self, values, count, expected(), read);    \
+    }
+
+DEFINE_READ(fmi2GetDerivatives, kernel_exchange_states, kernel_get_slopes)
+DEFINE_READ(fmi2GetContinuousStates, kernel_exchange_states, kernel_get_states)
+DEFINE_READ(fmi2GetNominalsOfContinuousStates, kernel_exchange_states, kernel_get_nominals)
+DEFINE_READ(fmi2GetEventIndicators, kernel_exchange_indicators, kernel_get_indicators)

@@ -1,5 +1,5 @@
-/* The FMI 3.0 co-simulation face of the same kernel. Value references are those of FMI 2.0; the one behind the last is
- * the time. With earlyReturnAllowed a step ends where a wheelset locks or turns again, and where the run ends; without it
+/* The FMI 3.0 face of the same kernel: co-simulation and model exchange. Value references are those of FMI 2.0, and the
+ * time has one of its own. In co-simulation with earlyReturnAllowed a step ends where a wheelset locks or turns again, and where the run ends; without it
  * a step within which the run ends is discarded, and the instance stands where it stood before. */
 #include <stdlib.h>
 #include <string.h>
@@ -8,8 +8,6 @@
 #include "fmi3Functions.h"
 
 #define STATUS fmi3Status
-
-static const char NO_EXCHANGE[] = "Only co-simulation is supported.";
 
 static void tell(const component *self, int status, const char *category, const char *sentence) {
     ((fmi3LogMessageCallback)self->logger)(self->environment, (fmi3Status)status, category, sentence);
@@ -30,6 +28,18 @@ static fmi3Instance refuse(fmi3LogMessageCallback logMessage, fmi3InstanceEnviro
     return NULL;
 }
 
+/* What an instance is told at its birth. */
+static component newborn(fmi3String name, fmi3InstanceEnvironment environment, fmi3LogMessageCallback logMessage) {
+    component log;
+    memset(&log, 0, sizeof log);
+    log.name = (char *)name;
+    log.standard = "FMI 3.0, section 4.2.1";
+    log.tell = tell;
+    log.logger = (void (*)(void))logMessage;
+    log.environment = environment;
+    return log;
+}
+
 fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String instantiationToken,
                                          fmi3String resourcePath, fmi3Boolean visible, fmi3Boolean loggingOn,
                                          fmi3Boolean eventModeUsed, fmi3Boolean earlyReturnAllowed,
@@ -39,16 +49,10 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
                                          fmi3IntermediateUpdateCallback intermediateUpdate) {
     (void)visible, (void)requiredIntermediateVariables;
     (void)nRequiredIntermediateVariables, (void)intermediateUpdate;
-    component log;
-    memset(&log, 0, sizeof log);
-    log.name = (char *)instanceName;
-    log.standard = "FMI 3.0, section 4.2.1";
-    log.tell = tell;
-    log.logger = (void (*)(void))logMessage;
-    log.environment = instanceEnvironment;
     if (eventModeUsed)
         return refuse(logMessage, instanceEnvironment, loggingOn,
                       "There is no event mode, as modelDescription.xml says; instantiate with eventModeUsed = false.");
+    const component log = newborn(instanceName, instanceEnvironment, logMessage);
     component *self = face_settle(face_instantiate(&log, instanceName, instantiationToken, loggingOn), resourcePath);
     if (self) kernel_stop_at_events(self->machine, earlyReturnAllowed);
     return self;
@@ -58,8 +62,10 @@ fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String in
                                           fmi3String resourcePath, fmi3Boolean visible, fmi3Boolean loggingOn,
                                           fmi3InstanceEnvironment instanceEnvironment,
                                           fmi3LogMessageCallback logMessage) {
-    (void)instanceName, (void)instantiationToken, (void)resourcePath, (void)visible;
-    return refuse(logMessage, instanceEnvironment, loggingOn, NO_EXCHANGE);
+    (void)visible;
+    component log = newborn(instanceName, instanceEnvironment, logMessage);
+    log.exchange = 1;
+    return face_settle(face_instantiate(&log, instanceName, instantiationToken, loggingOn), resourcePath);
 }
 
 fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3String instantiationToken,
@@ -70,7 +76,8 @@ fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3Stri
                                                fmi3UnlockPreemptionCallback unlockPreemption) {
     (void)instanceName, (void)instantiationToken, (void)resourcePath, (void)visible;
     (void)clockUpdate, (void)lockPreemption, (void)unlockPreemption;
-    return refuse(logMessage, instanceEnvironment, loggingOn, NO_EXCHANGE);
+    return refuse(logMessage, instanceEnvironment, loggingOn,
+                  "There is no scheduled execution; instantiate for co-simulation or model exchange.");
 }
 
 void fmi3FreeInstance(fmi3Instance instance) { face_free((component *)instance); }
@@ -86,13 +93,11 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean tolera
 
 fmi3Status fmi3ExitInitializationMode(fmi3Instance instance) {
     REQUIRE(instance, INITIALISING, "fmi3ExitInitializationMode");
-    const int status = kernel_initialise(self->machine, self->start_time);
-    if (status <= KERNEL_WARNING) self->now = STEPPING;
-    return (fmi3Status)face_report(self, status);
+    return (fmi3Status)face_initialise(self);
 }
 
 fmi3Status fmi3Terminate(fmi3Instance instance) {
-    REQUIRE(instance, STEPPING | STOPPED, "fmi3Terminate");
+    REQUIRE(instance, RUNNING | STOPPED, "fmi3Terminate");
     return (fmi3Status)face_terminate(self);
 }
 
@@ -135,7 +140,7 @@ static int get(component *self, unsigned reference, int kind, double *value) {
 #define DEFINE_SET(function, type, kind)                                                                              \
     fmi3Status function(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,   \
                         const type values[], size_t nValues) {                                                        \
-        REQUIRE(instance, INSTANTIATED | INITIALISING | STEPPING, #function);                                         \
+        REQUIRE(instance, SETTABLE, #function);                                                                       \
         if (unusable(self, valueReferences, nValueReferences, values, nValues)) return fmi3Error;                     \
         if (face_fixed(self, nValues, valueReferences, kind)) return fmi3Error;                                       \
         int worst = KERNEL_OK;                                                                                        \
@@ -186,7 +191,7 @@ fmi3Status fmi3GetString(fmi3Instance instance, const fmi3ValueReference valueRe
 
 fmi3Status fmi3SetString(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
                          const fmi3String values[], size_t nValues) {
-    REQUIRE(instance, INSTANTIATED | INITIALISING | STEPPING, "fmi3SetString");
+    REQUIRE(instance, SETTABLE, "fmi3SetString");
     if (unusable(self, valueReferences, nValueReferences, values, nValues)) return fmi3Error;
     return (fmi3Status)face_set_texts(self, nValues, valueReferences, values);
 }
@@ -236,7 +241,7 @@ fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte seriali
 fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[], size_t nUnknowns,
                                         const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[],
                                         size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity) {
-    REQUIRE(instance, INITIALISING | STEPPING | STOPPED | TERMINATED, "fmi3GetDirectionalDerivative");
+    REQUIRE(instance, KNOWN, "fmi3GetDirectionalDerivative");
     if (unusable(self, unknowns, nUnknowns, sensitivity, nSensitivity)) return fmi3Error;
     if (unusable(self, knowns, nKnowns, seed, nSeed)) return fmi3Error;
     const int status = face_initialise_if_asked(self);
@@ -279,6 +284,83 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
     return (fmi3Status)self->last_step;
 }
 
+/* ---- model exchange ---- */
+
+enum { INTEGRATING = AT_EVENT | CONTINUOUS };
+
+fmi3Status fmi3EnterEventMode(fmi3Instance instance) {
+    REQUIRE(instance, CONTINUOUS, "fmi3EnterEventMode");
+    return (fmi3Status)face_enter(self, AT_EVENT);
+}
+
+fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance instance) {
+    REQUIRE(instance, AT_EVENT, "fmi3EnterContinuousTimeMode");
+    return (fmi3Status)face_enter(self, CONTINUOUS);
+}
+
+fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *discreteStatesNeedUpdate,
+                                    fmi3Boolean *terminateSimulation, fmi3Boolean *nominalsOfContinuousStatesChanged,
+                                    fmi3Boolean *valuesOfContinuousStatesChanged, fmi3Boolean *nextEventTimeDefined,
+                                    fmi3Float64 *nextEventTime) {
+    REQUIRE(instance, AT_EVENT, "fmi3UpdateDiscreteStates");
+    if (face_missing(self, 1, discreteStatesNeedUpdate, terminateSimulation) ||
+        face_missing(self, 1, nominalsOfContinuousStatesChanged, valuesOfContinuousStatesChanged) ||
+        face_missing(self, 1, nextEventTimeDefined, nextEventTime))
+        return fmi3Error;
+    int ended = 0, moved = 0;
+    const int status = face_find_modes(self, &ended, &moved);
+    *discreteStatesNeedUpdate = *nominalsOfContinuousStatesChanged = *nextEventTimeDefined = fmi3False;
+    *nextEventTime = 0.0;
+    *terminateSimulation = ended;
+    *valuesOfContinuousStatesChanged = moved;
+    return (fmi3Status)status;
+}
+
+fmi3Status fmi3CompletedIntegratorStep(fmi3Instance instance, fmi3Boolean noSetFMUStatePriorToCurrentPoint,
+                                       fmi3Boolean *enterEventMode, fmi3Boolean *terminateSimulation) {
+    REQUIRE(instance, CONTINUOUS, "fmi3CompletedIntegratorStep");
+    (void)noSetFMUStatePriorToCurrentPoint;
+    if (face_missing(self, 1, enterEventMode, terminateSimulation)) return fmi3Error;
+    int crossed = 0;
+    const int status = face_complete_step(self, &crossed);
+    *enterEventMode = crossed;
+    *terminateSimulation = fmi3False;
+    return (fmi3Status)status;
+}
+
+fmi3Status fmi3SetTime(fmi3Instance instance, fmi3Float64 time) {
+    REQUIRE(instance, INTEGRATING, "fmi3SetTime");
+    return (fmi3Status)face_set_time(self, time);
+}
+
+fmi3Status fmi3SetContinuousStates(fmi3Instance instance, const fmi3Float64 continuousStates[],
+                                   size_t nContinuousStates) {
+    REQUIRE(instance, INTEGRATING, "fmi3SetContinuousStates");
+    return (fmi3Status)face_set_states(self, continuousStates, nContinuousStates);
+}
+
+#define DEFINE_READ(function, expected, read)                                          \
+    fmi3Status function(fmi3Instance instance, fmi3Float64 values[], size_t nValues) { \
+        REQUIRE(instance, KNOWN, #function);                                           \
+        return (fmi3Status)face_read(self, values, nValues, expected(), read);         \
+    }
+
+DEFINE_READ(fmi3GetContinuousStateDerivatives, kernel_exchange_states, kernel_get_slopes)
+DEFINE_READ(fmi3GetContinuousStates, kernel_exchange_states, kernel_get_states)
+DEFINE_READ(fmi3GetNominalsOfContinuousStates, kernel_exchange_states, kernel_get_nominals)
+DEFINE_READ(fmi3GetEventIndicators, kernel_exchange_indicators, kernel_get_indicators)
+
+#define DEFINE_COUNT(function, count)                           \
+    fmi3Status function(fmi3Instance instance, size_t *number) { \
+        REQUIRE(instance, ALWAYS, #function);                   \
+        if (face_missing(self, 1, number, number)) return fmi3Error; \
+        *number = (size_t)count();                              \
+        return fmi3OK;                                          \
+    }
+
+DEFINE_COUNT(fmi3GetNumberOfContinuousStates, kernel_exchange_states)
+DEFINE_COUNT(fmi3GetNumberOfEventIndicators, kernel_exchange_indicators)
+
 /* ---- what this FMU does not have ---- */
 
 #define DEFINE_ABSENT(function, what, ...)            \
@@ -300,17 +382,13 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
     }
 
 #pragma GCC diagnostic ignored "-Wunused-parameter"
-static const char NO_MODE[] = "There is no such mode: this FMU has neither events, clocks nor a configuration.";
+static const char NO_MODE[] = "There is no such mode: this FMU has neither clocks nor a configuration.";
 static const char NO_CLOCKS[] = "There are no clocks.";
 
-DEFINE_ABSENT_PLAIN(fmi3EnterEventMode, NO_MODE)
 DEFINE_ABSENT_PLAIN(fmi3EnterConfigurationMode, NO_MODE)
 DEFINE_ABSENT_PLAIN(fmi3ExitConfigurationMode, NO_MODE)
 DEFINE_ABSENT_PLAIN(fmi3EnterStepMode, NO_MODE)
-DEFINE_ABSENT_PLAIN(fmi3EnterContinuousTimeMode, NO_EXCHANGE)
 DEFINE_ABSENT_PLAIN(fmi3EvaluateDiscreteStates, NO_MODE)
-DEFINE_ABSENT(fmi3UpdateDiscreteStates, NO_MODE, fmi3Boolean *a, fmi3Boolean *b, fmi3Boolean *c, fmi3Boolean *d,
-              fmi3Boolean *e, fmi3Float64 *f)
 DEFINE_EMPTY(fmi3GetBinary, "There are no variables of type Binary.", size_t b[], fmi3Binary c[], size_t d)
 DEFINE_EMPTY(fmi3SetBinary, "There are no variables of type Binary.", const size_t b[], const fmi3Binary c[], size_t d)
 DEFINE_EMPTY(fmi3GetClock, NO_CLOCKS, fmi3Clock b[])
@@ -334,12 +412,3 @@ DEFINE_ABSENT(fmi3GetVariableDependencies, "Dependencies are in modelDescription
               fmi3ValueReference a, size_t b[], fmi3ValueReference c[], size_t d[], fmi3DependencyKind e[], size_t f)
 DEFINE_ABSENT(fmi3GetAdjointDerivative, "Adjoint derivatives are not provided.", const fmi3ValueReference a[], size_t b,
               const fmi3ValueReference c[], size_t d, const fmi3Float64 e[], size_t f, fmi3Float64 g[], size_t h)
-DEFINE_ABSENT(fmi3CompletedIntegratorStep, NO_EXCHANGE, fmi3Boolean a, fmi3Boolean *b, fmi3Boolean *c)
-DEFINE_ABSENT(fmi3SetTime, NO_EXCHANGE, fmi3Float64 a)
-DEFINE_ABSENT(fmi3SetContinuousStates, NO_EXCHANGE, const fmi3Float64 a[], size_t b)
-DEFINE_ABSENT(fmi3GetContinuousStateDerivatives, NO_EXCHANGE, fmi3Float64 a[], size_t b)
-DEFINE_ABSENT(fmi3GetEventIndicators, NO_EXCHANGE, fmi3Float64 a[], size_t b)
-DEFINE_ABSENT(fmi3GetContinuousStates, NO_EXCHANGE, fmi3Float64 a[], size_t b)
-DEFINE_ABSENT(fmi3GetNominalsOfContinuousStates, NO_EXCHANGE, fmi3Float64 a[], size_t b)
-DEFINE_ABSENT(fmi3GetNumberOfEventIndicators, NO_EXCHANGE, size_t *a)
-DEFINE_ABSENT(fmi3GetNumberOfContinuousStates, NO_EXCHANGE, size_t *a)

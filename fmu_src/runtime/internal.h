@@ -160,9 +160,12 @@ INSIDE int runge_kutta_guard(kernel *self, double offset, double size);
 /* Modes and end conditions. */
 INSIDE void modes_refresh(kernel *self, double offset);
 INSIDE void modes_hold(const kernel *self, double *state);
+INSIDE double modes_direction_margin(const kernel *self, int i, const double *state);
 INSIDE double modes_margin(kernel *self, double offset, const double *state);
 INSIDE int modes_switch(kernel *self, double offset, double least);
 INSIDE int modes_warn(kernel *self, double offset);
+/* Place of a state of model exchange among those of the chosen system; -1: it does not have that one. */
+INSIDE int exchange_state(const kernel *self, int number);
 /* One trial step with the chosen method; the length at which it crosses a switch; and the loop over the steps. */
 INSIDE double integrate_try(kernel *self, double offset, double size);
 INSIDE double modes_locate(kernel *self, double offset, double size);

@@ -57,6 +57,26 @@ KERNEL_EXPORT int kernel_plan(kernel *self, const double *tolerance, double star
  * step within which the run ends is discarded, and the state is the one before it. Of a kernel that was told neither,
  * the state is the one at the end of the run. */
 KERNEL_EXPORT void kernel_stop_at_events(kernel *self, int stops);
+/* Model exchange: how many states and event indicators it has; none of a model without it. */
+KERNEL_EXPORT int kernel_exchange_states(void);
+KERNEL_EXPORT int kernel_exchange_indicators(void);
+/* Once initialised: refuses a system with other states, and opens the parameters again. */
+KERNEL_EXPORT int kernel_check_exchange(kernel *self);
+/* The place of an integrator, and what the equations say there; a discard asks it for a shorter step. */
+KERNEL_EXPORT int kernel_set_time(kernel *self, double time);
+KERNEL_EXPORT int kernel_set_states(kernel *self, const double *state);
+KERNEL_EXPORT int kernel_get_states(kernel *self, double *state);
+KERNEL_EXPORT int kernel_get_nominals(kernel *self, double *nominal);
+KERNEL_EXPORT int kernel_get_slopes(kernel *self, double *slope);
+KERNEL_EXPORT int kernel_get_indicators(kernel *self, double *indicator);
+/* Behind the table of variables and one more number, the time's, slopes and indicators are variables too, in any system, 0
+ * of what it does not have: place of such a variable among them, or a number below 0; and its value. */
+KERNEL_EXPORT int kernel_exchanged_number(int variable);
+KERNEL_EXPORT int kernel_get_exchanged(kernel *self, int number, double *value);
+/* At an event: switches what has crossed, which may end the run or set a velocity to 0, which is `moved`. */
+KERNEL_EXPORT int kernel_find_modes(kernel *self, int *moved);
+/* Behind a step: whether something has crossed; and says what only warns. */
+KERNEL_EXPORT int kernel_complete_step(kernel *self, int *crossed);
 KERNEL_EXPORT size_t kernel_state_size(const kernel *self);
 KERNEL_EXPORT void kernel_save(const kernel *self, void *bytes);
 KERNEL_EXPORT int kernel_restore(kernel *self, const void *bytes);

@@ -69,6 +69,7 @@ typedef struct {
     int tables, table_ranks, table_coefficients;
     int limits;           /* what may not change too far within a step */
     int ends, conditions; /* the conditions that end a run, and with those that only warn */
+    int exchanged;        /* whether its states and switches are those of model exchange */
     const int *input_variable, *parameter_variable, *output_variable; /* indices into the model's variables */
     const int *state_variable;                                        /* the same; -1: an algebraic state */
     const double *nominal;                                            /* scale of each state, for the error control */
@@ -102,6 +103,7 @@ typedef struct {
     const int *selector, *selectable, *choice;
     int line_file; /* the variable that names a line; `choice` then has first all without a line, then all on one, -1
                     * where there is no system; -1: none */
+    int exchanged; /* the system that the start values choose; -1: there is no model exchange */
     int tolerance, integration_method, integration_step; /* variables that every model has */
     const variable_description *variable;
     const system_description *system;

@@ -25,7 +25,7 @@ static void stop(const friction_description *friction, double *state) {
 static double share_of(double mode, double still) { return mode != 0.0 && still > 0.0 ? SPARE : 1.0; }
 
 static double direction_of(double velocity, double drive, double capacity, double still) {
-    if (capacity <= 0.0) return 1.0; /* no friction: the direction multiplies zero */
+    if (capacity <= 0.0) return velocity < 0.0 ? -1.0 : 1.0; /* for when there is some: now it multiplies zero */
     if (fabs(velocity) <= still && fabs(drive) <= capacity) return 0.0;
     if (velocity != 0.0) return velocity > 0.0 ? 1.0 : -1.0;
     return drive > 0.0 ? 1.0 : -1.0;
@@ -77,6 +77,12 @@ void modes_hold(const kernel *self, double *state) {
         if (self->mode[i] == 0.0) stop(&self->system->friction[i], state);
 }
 
+/* Of a friction that slides, as long as it slides in its direction. */
+double modes_direction_margin(const kernel *self, int i, const double *state) {
+    const friction_description *friction = &self->system->friction[i];
+    return self->mode[i] * velocity_of(friction, state) / self->system->nominal[friction->velocity];
+}
+
 /* Smallest of all margins; negative or NaN when a mode must switch or the run must end within the step.
  * The single margins stay in self->margin: of frictions, of what ends the run, and of what only warns. */
 double modes_margin(kernel *self, double offset, const double *state) {
@@ -94,7 +100,7 @@ double modes_margin(kernel *self, double offset, const double *state) {
         else if (still > 0.0)
             self->margin[i] = fmax(fabs(velocity) / still, fabs(self->drive[i]) / (SPARE * capacity)) - 1.0;
         else
-            self->margin[i] = self->mode[i] * velocity / system->nominal[friction->velocity];
+            self->margin[i] = modes_direction_margin(self, i, state);
     }
     if (system->conditions)
         kernel_evaluate_again(self, system->condition_margin, offset, state, self->margin + system->frictions);

@@ -16,6 +16,7 @@ from rbd_model.bogie import DEFAULT_TOLERANCE
 from rbd_model.parameters import tables_5_1_and_5_2
 from scenarios.cosimulation.recording import Recording
 from scenarios.methods import sundials
+from scenarios.methods.exchange import EXCHANGE
 from scenarios.methods.integrators import own
 from scenarios.methods.oracle_cost import oracle_point
 from scenarios.methods.scenes import ASYMMETRIC, ON_PATCHES, ON_STRIPS, SCENES, SMOOTH, STANDING, Scene
@@ -48,6 +49,7 @@ STYLE = {
     "LSODA (SciPy)": ("#333333", "X", "--"),
     "CVODE": ("#d55e00", "h", "--"),
     "IDA": ("#e69f00", "p", "--"),
+    EXCHANGE: ("#d55e00", "d", ":"),
     "level point": ("#009e73", "1", ""),
     "level planar": ("#009e73", "2", ""),
     "native FMU": ("#000000", "+", "-"),

@@ -50,7 +50,6 @@ static fmi2Component start(const fmi2CallbackFunctions *callbacks) {
 
 static void refuse_what_is_wrong(const fmi2CallbackFunctions *callbacks) {
     expect(!fmi2Instantiate("x", fmi2CoSimulation, "{0}", "", callbacks, fmi2False, fmi2False), "wrong GUID");
-    expect(!fmi2Instantiate("x", fmi2ModelExchange, MODEL.guid, "", callbacks, fmi2False, fmi2False), "wrong type");
     expect(!fmi2Instantiate(NULL, fmi2CoSimulation, MODEL.guid, "", callbacks, fmi2False, fmi2False), "no name");
     fmi2Component c = start(callbacks);
     const unsigned beyond = 100000, level = reference("level");
@@ -108,10 +107,46 @@ static void brake_save_and_repeat(const fmi2CallbackFunctions *callbacks) {
     fmi2FreeInstance(c);
 }
 
+enum { STATES = 14, INDICATORS = 6 };
+
+/* In model exchange by Euler's method, until the first wheelset locks. */
+static void integrate_by_hand(const fmi2CallbackFunctions *callbacks) {
+    fmi2Component c = fmi2Instantiate("bogie", fmi2ModelExchange, MODEL.guid, "", callbacks, fmi2False, fmi2True);
+    if (!c) exit(2);
+    const unsigned level = reference("level");
+    const int spatial = 3, planar = 2;
+    double state[STATES], slope[STATES], indicator[INDICATORS], time = 0.0;
+    int event = 0, ended = 0;
+    expect(fmi2SetInteger(c, &level, 1, &spatial) == fmi2OK && fmi2EnterInitializationMode(c) == fmi2OK, "enter");
+    expect(fmi2GetContinuousStates(c, state, STATES) == fmi2Error, "states of another level");
+    expect(fmi2ExitInitializationMode(c) == fmi2Error, "another level");
+    expect(fmi2SetInteger(c, &level, 1, &planar) == fmi2OK && set(c, "brake_torque_1", 60e3) == fmi2OK, "level 2");
+    expect(fmi2GetDerivatives(c, slope, STATES) == fmi2OK, "derivatives during initialisation");
+    expect(fmi2ExitInitializationMode(c) == fmi2OK, "exit");
+    expect(fmi2DoStep(c, 0.0, 0.1, fmi2True) == fmi2Error, "step in model exchange");
+    fmi2EventInfo info;
+    expect(fmi2NewDiscreteStates(c, NULL) == fmi2Error && fmi2NewDiscreteStates(c, &info) == fmi2OK, "first event");
+    expect(fmi2EnterContinuousTimeMode(c) == fmi2OK && fmi2GetContinuousStates(c, state, STATES) == fmi2OK, "go");
+    for (const double size = 1e-5; !event && time < 2.0; time += size) {
+        expect(fmi2GetDerivatives(c, slope, STATES) == fmi2OK, "derivatives");
+        for (int i = 0; i < STATES; ++i) state[i] += size * slope[i];
+        expect(fmi2SetTime(c, time + size) == fmi2OK && fmi2SetContinuousStates(c, state, STATES) == fmi2OK, "place");
+        expect(fmi2CompletedIntegratorStep(c, fmi2True, &event, &ended) == fmi2OK && !ended, "completed step");
+    }
+    expect(fmi2GetEventIndicators(c, indicator, INDICATORS) == fmi2OK && indicator[1] < 0.0, "indicator of wheelset 1");
+    expect(fmi2EnterEventMode(c) == fmi2OK && fmi2NewDiscreteStates(c, &info) == fmi2OK, "event");
+    expect(info.valuesOfContinuousStatesChanged && !info.terminateSimulation, "a velocity was set to 0");
+    expect(get(c, "angular_velocity_1") == 0.0 && time > 0.6 && time < 0.7, "locked");
+    expect(fmi2GetEventIndicators(c, indicator, INDICATORS) == fmi2OK && indicator[1] > 0.0, "indicator behind it");
+    expect(fmi2Terminate(c) == fmi2OK, "terminate");
+    fmi2FreeInstance(c);
+}
+
 int main(void) {
     const fmi2CallbackFunctions callbacks = {log_message, calloc, free, NULL, NULL};
     refuse_what_is_wrong(&callbacks);
     brake_save_and_repeat(&callbacks);
+    integrate_by_hand(&callbacks);
     printf("%d failures, %d sentences\n", failures, sentences);
     return failures ? 1 : 0;
 }

@@ -47,12 +47,13 @@ static void log_message(fmi2ComponentEnvironment environment, fmi2String instanc
     if (!category || strlen(message) < 10) printf("a log entry without a sentence\n");
 }
 
-static long long not_finite = 0, refused = 0, steps = 0; /* steps: those that were made */
+static long long not_finite = 0, refused = 0, steps = 0, places = 0; /* the last two: those that were reached */
 
 typedef struct {
     fmi2Component component;
     fmi2FMUstate saved;
     double time;
+    int exchange;
 } slot;
 
 static void count(fmi2Status status) { refused += status > fmi2Warning; }
@@ -198,6 +199,44 @@ static void step(slot *s, fmi2Component c) {
     }
 }
 
+enum { MOST = 256 };
+
+/* An integrator that does not know what it does: places from the sane to the absurd, arrays of any size. */
+static void exchange(fmi2Component c) {
+    double states[MOST] = {0}, slopes[MOST] = {0}, indicators[MOST] = {0}, time = any_value(NULL);
+    const size_t right = (size_t)kernel_exchange_states(), size = random_number(20) ? right : random_number(MOST);
+    const size_t zeros = random_number(20) ? (size_t)kernel_exchange_indicators() : random_number(MOST);
+    int event, ended;
+    fmi2EventInfo info;
+    switch (random_number(8)) {
+        case 0:
+            count(random_number(4) ? fmi2EnterContinuousTimeMode(c) : fmi2EnterEventMode(c));
+            break;
+        case 1:
+            count(fmi2NewDiscreteStates(c, random_number(20) ? &info : NULL));
+            break;
+        case 2:
+            count(fmi2CompletedIntegratorStep(c, fmi2True, &event, random_number(20) ? &ended : NULL));
+            break;
+        case 3:
+            count(fmi2SetTime(c, time));
+            break;
+        case 4:
+            check(fmi2GetEventIndicators(c, indicators, zeros), indicators, zeros);
+            break;
+        case 5:
+            check(fmi2GetNominalsOfContinuousStates(c, slopes, size), slopes, size);
+            break;
+        default: /* a step of Euler's method, or to anywhere */
+            if (fmi2GetContinuousStates(c, states, size) != fmi2OK || fmi2GetDerivatives(c, slopes, size) != fmi2OK) return;
+            check(fmi2OK, slopes, size);
+            for (size_t i = 0; i < size; ++i) states[i] += fraction() * 1e-2 * slopes[i];
+            if (size && random_number(10) == 0) states[random_number((unsigned)size)] = any_value(NULL);
+            count(fmi2SetContinuousStates(c, random_number(50) ? states : NULL, size));
+            places += fmi2GetDerivatives(c, slopes, size) <= fmi2Warning;
+    }
+}
+
 static void ask(fmi2Component c) {
     fmi2Status status;
     double real;
@@ -227,20 +266,23 @@ int main(int argc, char **argv) {
         if (!s->component || random_number(2000) == 0) {
             if (s->component) (void)fmi2FreeFMUstate(s->component, &s->saved);
             fmi2FreeInstance(s->component);
-            s->component = fmi2Instantiate("fuzz", fmi2CoSimulation, MODEL.guid, "", &callbacks, fmi2False, fmi2True);
+            const fmi2Type type = random_number(3) ? fmi2CoSimulation : fmi2ModelExchange;
+            s->component = fmi2Instantiate("fuzz", type, MODEL.guid, "", &callbacks, fmi2False, fmi2True);
+            s->exchange = type == fmi2ModelExchange;
             if (!s->component) return 2;
         }
         const unsigned choice = random_number(20);
         if (choice < 9) use_variables(s, s->component);
         else if (choice < 12) use_states(s, s->component);
         else if (choice < 14) change_phase(s, s->component);
-        else if (choice < 19) step(s, s->component);
+        else if (choice < 19) s->exchange == (random_number(20) != 0) ? exchange(s->component) : step(s, s->component);
         else ask(s->component);
     }
     for (int i = 0; i < INSTANCES; ++i) {
         if (slots[i].component) (void)fmi2FreeFMUstate(slots[i].component, &slots[i].saved);
         fmi2FreeInstance(slots[i].component);
     }
-    printf("%lld calls, %lld steps, %lld refused, %lld not finite with OK\n", calls, steps, refused, not_finite);
+    printf("%lld calls, %lld steps, %lld places, %lld refused, %lld not finite with OK\n", calls, steps, places, refused,
+           not_finite);
     return not_finite ? 1 : 0;
 }

@@ -8,18 +8,14 @@ import shutil
 import subprocess
 import sys
 import zipfile
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from ctypes import byref, c_char_p, c_double, c_int, c_void_p
+from ctypes import byref, c_char_p, c_double, c_int
 from pathlib import Path
 
 import pytest
-from fmpy import calloc, extract, free, read_model_description, simulate_fmu
+from fmpy import extract, read_model_description, simulate_fmu
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import (
     FMU2Slave,
-    fmi2CallbackAllocateMemoryTYPE,
-    fmi2CallbackFreeMemoryTYPE,
     fmi2CallbackFunctions,
     fmi2CallbackLoggerTYPE,
 )
@@ -29,16 +25,15 @@ from fmu_src import compile as compiling
 from fmu_src.codegen import RUNTIME, RUNTIME_SOURCES, generate
 from fmu_src.compliance import CHECKS
 from scenarios.cosimulation.slave import CosimulationError, Slave
+from tests.fmu.hosting import DISCARD, ERROR, OK, STEP, WARNING, host
 
 sys.path.insert(0, str(Path(__file__).parent))
 from sled import END, LENGTH, MASS, SPEED, STOPPING, build_sled, sled
 
-OK, WARNING, DISCARD, ERROR = range(4)
 NATIVE = ["native", "fmi3"]
 KINDS = [*NATIVE, "python"]
 #: 2023-11-14, where numbers are spaced by 2.4e-7 s.
 UNIX = 1.7e9
-STEP = 1e-3
 #: Of the motion: the tolerance of the integration.
 TOLERANCE = 1e-6
 
@@ -46,98 +41,6 @@ TOLERANCE = 1e-6
 @pytest.fixture(scope="module")
 def sleds(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     return build_sled(tmp_path_factory.mktemp("sleds"))
-
-
-class Host:
-    """One instance of either standard; every call gives its status, and what was said is kept."""
-
-    def __init__(self, path: Path, logging: bool = True, early: bool = False, events: bool = False) -> None:
-        about = read_model_description(str(path))
-        self.three = about.fmiVersion == "3.0"
-        self.refs = {v.name: v.valueReference for v in about.modelVariables}
-        self.said: list[str] = []
-        self.folder = extract(str(path))
-        name = about.coSimulation.modelIdentifier
-        given = {"guid": about.guid, "unzipDirectory": self.folder, "modelIdentifier": name, "instanceName": "sled"}
-        self.fmu = FMU3Slave(**given) if self.three else FMU2Slave(**given)
-        if self.three:
-            self.listener = fmi3LogMessageCallback(lambda env, status, kind, text: self.said.append(text.decode()))
-            self.fmu.instantiate(
-                loggingOn=logging, eventModeUsed=events, earlyReturnAllowed=early, logMessage=self.listener
-            )
-        else:
-            self.listener = fmi2CallbackLoggerTYPE(lambda *given: self.said.append(given[4].decode()))
-            calls = fmi2CallbackFunctions()
-            calls.logger = self.listener
-            calls.allocateMemory, calls.freeMemory = (
-                fmi2CallbackAllocateMemoryTYPE(calloc),
-                fmi2CallbackFreeMemoryTYPE(free),
-            )
-            self.calls = calls
-            self.fmu.instantiate(callbacks=calls, loggingOn=logging)
-
-    @property
-    def instance(self) -> c_void_p:
-        return self.fmu.component
-
-    def raw(self, name: str, *arguments: object) -> int:
-        """Status of a function of the standard, named without its prefix."""
-        prefix = "fmi3" if self.three else "fmi2"
-        function = getattr(self.fmu, prefix + name, None) or self.fmu.dll[prefix + name]
-        try:
-            return int(function(self.instance, *arguments) or 0)
-        except FMICallException as error:
-            return int(error.status)
-
-    def status(self, call: Callable, *arguments: object, **named: object) -> int:
-        """Status of a method of FMPy, which raises what is more than a warning."""
-        try:
-            call(*arguments, **named)
-        except FMICallException as error:
-            return int(error.status)
-        return OK
-
-    def experiment(self, start: float = 0.0, stop: float | None = None, tolerance: float | None = None) -> int:
-        """Status of what takes the experiment: fmi2SetupExperiment, fmi3EnterInitializationMode."""
-        defined = (tolerance is not None, tolerance or 0.0, start, stop is not None, stop or 0.0)
-        return self.raw("EnterInitializationMode" if self.three else "SetupExperiment", *defined)
-
-    def start(self, start: float = 0.0, stop: float | None = None, **inputs: float) -> None:
-        assert self.experiment(start, stop) == OK
-        if not self.three:
-            assert self.raw("EnterInitializationMode") == OK
-        for name, value in inputs.items():
-            assert self.set(name, value) == OK
-        assert self.raw("ExitInitializationMode") == OK
-
-    def set(self, name: str, value: float) -> int:
-        return self.status(self.fmu.setFloat64 if self.three else self.fmu.setReal, [self.refs[name]], [value])
-
-    def __getitem__(self, name: str) -> float:
-        return float((self.fmu.getFloat64 if self.three else self.fmu.getReal)([self.refs[name]])[0])
-
-    def step(self, time: float, size: float = STEP) -> int:
-        return self.status(self.fmu.doStep, time, size)
-
-    def state(self) -> bytes:
-        """The whole state, bit for bit."""
-        if self.three:
-            saved = self.fmu.getFMUState()
-            found = bytes(self.fmu.serializeFMUState(saved))
-            self.fmu.freeFMUState(saved)
-        else:
-            saved = self.fmu.getFMUstate()
-            found = bytes(self.fmu.serializeFMUstate(saved))
-            self.fmu.freeFMUstate(saved)
-        return found
-
-
-@contextmanager
-def host(path: Path, **how: bool) -> Iterator[Host]:
-    made = Host(path, **how)
-    yield made
-    made.fmu.freeInstance()
-    shutil.rmtree(made.folder, ignore_errors=True)
 
 
 # ---- the times of a run ------------------------------------------------------------------------------------------

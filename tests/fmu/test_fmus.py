@@ -91,18 +91,27 @@ def test_variables_are_the_agreed_ones(
 def test_outputs_and_initial_unknowns_are_all_listed(fmus: dict, key: tuple[str, str]) -> None:
     description = read_model_description(str(fmus[key]))
     outputs = [v.name for v in description.modelVariables if v.causality == "output"]
+    slopes = [unknown.variable for unknown in description.derivatives]
+    states = {slope.derivative.name for slope in slopes}
     assert [u.variable.name for u in description.outputs] == outputs
-    assert [u.variable.name for u in description.initialUnknowns] == outputs
+    found = [u.variable.name for u in description.initialUnknowns]
+    assert found[: len(outputs)] == outputs
+    assert set(found[len(outputs) :]) == states | {slope.name for slope in slopes}
+
+
+def known_inputs(unknowns: list) -> dict[str, set[str]]:
+    """Of what each unknown depends on, the inputs."""
+    return {u.variable.name: {d.name for d in u.dependencies if d.causality == "input"} for u in unknowns}
 
 
 def test_dependencies_come_from_the_equations(fmus: dict) -> None:
     description = read_model_description(str(fmus["brake", "native"]))
-    found = {u.variable.name: {d.name for d in u.dependencies} for u in description.outputs}
+    found = known_inputs(description.outputs)
     # All passes through the pressure, except the sliding speed of some laws of shoe friction.
     assert found["cylinder_pressure"] == found["shoe_force"] == set()
     assert found["shoe_friction"] == found["brake_torque"] == {"angular_velocity"}
     description = read_model_description(str(fmus["bogie", "native"]))
-    found = {u.variable.name: {d.name for d in u.dependencies} for u in description.outputs}
+    found = known_inputs(description.outputs)
     # Rolling, of friction and load, which a gradient leans in the plane; standing, of what pushes and what holds.
     pushes, holds = {"gradient", "curvature", "drawbar_force"}, {"brake_torque_1", "brake_torque_2"}
     assert found["creep_force_1"] == {"friction_1", "friction_2"} | pushes | holds

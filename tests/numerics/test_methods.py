@@ -15,9 +15,10 @@ from fmu_src.system import System, Variable, model_of
 from rbd_model.parameters import tables_4_1_and_4_2, tables_5_1_and_5_2
 from scenarios.bench.drive import RIGID, prepare
 from scenarios.methods import sundials
+from scenarios.methods.exchange import IN_THE_PLANE, exchange
 from scenarios.methods.integrators import layout, own, scipy
 from scenarios.methods.scenes import LOCK_UP, ON_PATCHES, SCENES, SMOOTH, Scene
-from scenarios.methods.work_precision import difference, reference_of
+from scenarios.methods.work_precision import difference, in_the_plane, reference_of
 
 #: Band of docs/checking.md for the orders.
 ORDER_BAND = 0.2
@@ -282,3 +283,14 @@ def test_steps_behind_a_jump_are_found_with_few_trials() -> None:
         kernel.set(brake_torque_1=1e4 + 2e3 * (number % 5), brake_torque_2=1e4 + 2e3 * (number % 3))
         kernel.step(number * 0.01, 0.01)
     assert kernel.counts["rejected"] < 2.5 * count
+
+
+@pytest.mark.parametrize("scene", IN_THE_PLANE, ids=lambda scene: scene.name)
+def test_model_exchange_converges_to_the_motion_of_the_kernel(scene: Scene) -> None:
+    """FMPy's CVODE at two tolerances: within ten times of each, with torques on ramps, locks and releases."""
+    exact = in_the_plane(scene)
+    for tolerance in (1e-5, 1e-7):
+        run = exchange(scene, tolerance)
+        assert not run.failure
+        assert difference(scene.measure(run.samples), exact) < 10 * tolerance
+        assert run.work["right_hand_sides"] > scene.times().size

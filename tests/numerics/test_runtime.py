@@ -336,6 +336,15 @@ def test_friction_without_capacity_lets_the_velocity_pass_through_zero() -> None
     assert kernel.counts["events"] == 0
 
 
+def test_friction_that_comes_slowly_against_a_block_that_moves_backward_does_not_stop_it_at_once() -> None:
+    kernel = Kernel(library(sliding_block), capacity=0.0, force=-1.0)
+    kernel.advance(5.0)  # from 3 to -2 m/s
+    kernel.set(force=0.0)
+    kernel.set_rate(capacity=0.5)
+    kernel.step(5.0, 1.0)
+    assert kernel["v"] == pytest.approx(-2.0 + 0.5 / 2, abs=1e-9)
+
+
 def test_friction_larger_than_the_drive_reverses_nothing_and_smaller_one_turns_the_block_round() -> None:
     kernel = Kernel(library(sliding_block), force=-3.0)
     kernel.advance(1.6)  # decelerates with 5 m/s2, stands at 0.6 s, then slides back with 1 m/s2

@@ -1,0 +1,181 @@
+/* Model exchange: the equations for an integrator of the host, which sets time, states and inputs and reads slopes and
+ * event indicators. Where one of these has crossed zero, modes are found as they are within a step of our own.
+ *
+ * A host knows the number of states beforehand: it is that of the system which the start values choose, and systems with
+ * other states are refused. None of them has algebraic states. */
+#include <math.h>
+#include <string.h>
+
+#include "internal.h"
+
+/* An event indicator is the margin of a switch, scaled, and this much more: where it crosses zero the margin is negative
+ * beyond the round-off of whoever locates that, and where a run goes on behind an event no indicator is zero. */
+static const double HYSTERESIS = 1e-9;
+
+int kernel_exchange_states(void) { return MODEL.exchanged < 0 ? 0 : MODEL.system[MODEL.exchanged].states; }
+
+int kernel_exchange_indicators(void) {
+    if (MODEL.exchanged < 0) return 0;
+    return MODEL.system[MODEL.exchanged].frictions + MODEL.system[MODEL.exchanged].ends;
+}
+
+/* The first of what chooses the system that is not at its start value. */
+static const char *name_of_choice(const kernel *self) {
+    for (int i = 0; i < MODEL.selectors; ++i) {
+        const variable_description *selector = &MODEL.variable[MODEL.selector[i]];
+        if (self->value[MODEL.selector[i]] != selector->start) return selector->name;
+    }
+    return MODEL.variable[MODEL.line_file].name;
+}
+
+int kernel_check_exchange(kernel *self) {
+    const system_description *system = self->system;
+    if (system->exchanged) return KERNEL_OK;
+    kernel_reopen(self);
+    return kernel_fail(self, KERNEL_ERROR,
+                       "Leave %s at its start value in model exchange, which has the %d states of the system \"%s\": the "
+                       "system \"%s\" has others and runs in co-simulation.",
+                       name_of_choice(self), kernel_exchange_states(), MODEL.system[MODEL.exchanged].name, system->name);
+}
+
+static int prepare(kernel *self) {
+    if (!self->system) return kernel_fail(self, KERNEL_ERROR, "Initialise %s before its equations.", MODEL.name);
+    self->step_origin = self->now.time;
+    kernel_gather_inputs(self);
+    return KERNEL_OK;
+}
+
+/* Place of the first of some numbers that is not finite; -1: there is none. */
+static int first_not_finite(const double *number, int count) {
+    for (int i = 0; i < count; ++i)
+        if (!isfinite(number[i])) return i;
+    return -1;
+}
+
+/* What an integrator tries may be no motion: it is told to shorten its step. */
+static int discard(kernel *self, const char *what) {
+    char when[CLOCK_SIZE];
+    return kernel_fail(self, KERNEL_DISCARD, "%s at t = %s s is not a finite number; shorten the step.", what,
+                       kernel_clock(self->now.time, 9, when));
+}
+
+static const char *name_of_state(const kernel *self, int state) {
+    return MODEL.variable[self->system->state_variable[state]].name;
+}
+
+int kernel_set_time(kernel *self, double time) {
+    if (!isfinite(time))
+        return kernel_fail(self, KERNEL_ERROR, "Set the time to a finite number: it was given %g, and %g s stays in force.",
+                           time, self->now.time);
+    self->now.time = time;
+    self->now.outputs_stale = 1;
+    return KERNEL_OK;
+}
+
+int kernel_set_states(kernel *self, const double *state) {
+    const int status = prepare(self);
+    if (status != KERNEL_OK) return status;
+    const int bad = first_not_finite(state, self->system->states);
+    if (bad >= 0) return discard(self, name_of_state(self, bad));
+    memcpy(self->state, state, (size_t)self->system->states * sizeof(double));
+    self->now.outputs_stale = 1;
+    return KERNEL_OK;
+}
+
+int kernel_get_states(kernel *self, double *state) {
+    const int status = prepare(self);
+    if (status == KERNEL_OK) memcpy(state, self->state, (size_t)self->system->states * sizeof(double));
+    return status;
+}
+
+int kernel_get_nominals(kernel *self, double *nominal) {
+    const int status = prepare(self);
+    if (status == KERNEL_OK) memcpy(nominal, self->system->nominal, (size_t)self->system->states * sizeof(double));
+    return status;
+}
+
+/* All slopes, in self->slope; of algebraic states residuals. */
+static int find_slopes(kernel *self) {
+    const int status = prepare(self);
+    if (status != KERNEL_OK) return status;
+    kernel_evaluate(self, self->system->ode, 0.0, self->state, self->slope);
+    self->counters.right_hand_sides++;
+    const int bad = first_not_finite(self->slope, self->system->states);
+    return bad < 0 ? KERNEL_OK : discard(self, "A derivative of the states");
+}
+
+int kernel_get_slopes(kernel *self, double *slope) {
+    const int status = find_slopes(self);
+    if (status == KERNEL_OK) memcpy(slope, self->slope, (size_t)self->system->states * sizeof(double));
+    return status;
+}
+
+/* Margins, in self->margin. A friction without capacity has its direction watched, for when there is some. */
+static int find_margins(kernel *self) {
+    const int status = prepare(self);
+    if (status != KERNEL_OK) return status;
+    const system_description *system = self->system;
+    (void)modes_margin(self, 0.0, self->state);
+    for (int i = 0; i < system->frictions; ++i)
+        if (isinf(self->margin[i])) self->margin[i] = modes_direction_margin(self, i, self->state);
+    const int bad = first_not_finite(self->margin, system->frictions + system->ends);
+    return bad < 0 ? KERNEL_OK : discard(self, "An event indicator");
+}
+
+int kernel_get_indicators(kernel *self, double *indicator) {
+    const int status = find_margins(self);
+    if (status != KERNEL_OK) return status;
+    for (int i = 0; i < kernel_exchange_indicators(); ++i) indicator[i] = self->margin[i] + HYSTERESIS;
+    return KERNEL_OK;
+}
+
+int exchange_state(const kernel *self, int number) {
+    const int variable = MODEL.system[MODEL.exchanged].state_variable[number];
+    for (int i = 0; i < self->system->states; ++i)
+        if (self->system->state_variable[i] == variable) return i;
+    return -1;
+}
+
+int kernel_exchanged_number(int variable) {
+    const int number = variable - MODEL.variables - 1;
+    return number < kernel_exchange_states() + kernel_exchange_indicators() ? number : -1;
+}
+
+int kernel_get_exchanged(kernel *self, int number, double *value) {
+    const int states = kernel_exchange_states();
+    int status = prepare(self);
+    *value = 0.0;
+    if (status != KERNEL_OK) return status;
+    if (number < states) {
+        const int state = exchange_state(self, number);
+        status = find_slopes(self);
+        if (state >= 0) *value = self->slope[state];
+    } else if (self->system->exchanged) {
+        status = find_margins(self);
+        *value = self->margin[number - states] + HYSTERESIS;
+    }
+    return status;
+}
+
+int kernel_find_modes(kernel *self, int *moved) {
+    const int status = find_margins(self);
+    if (status != KERNEL_OK) return status;
+    const size_t size = (size_t)self->system->states * sizeof(double);
+    memcpy(self->trial, self->state, size);
+    self->now.ended = modes_switch(self, 0.0, -INFINITY);
+    *moved = memcmp(self->trial, self->state, size) != 0;
+    self->now.outputs_stale = 1;
+    char when[CLOCK_SIZE];
+    if (self->now.ended)
+        kernel_note(self, KERNEL_DISCARD, self->system->sentence[self->now.ended - 1],
+                    kernel_clock(self->now.time, 6, when));
+    return KERNEL_OK;
+}
+
+int kernel_complete_step(kernel *self, int *crossed) {
+    const int status = find_margins(self);
+    if (status != KERNEL_OK) return status;
+    *crossed = 0;
+    for (int i = 0; i < kernel_exchange_indicators(); ++i) *crossed |= self->margin[i] < 0.0;
+    return modes_warn(self, 0.0) ? KERNEL_WARNING : KERNEL_OK;
+}

@@ -1,0 +1,42 @@
+/* The common part of model exchange in both faces. */
+#include <stdio.h>
+
+#include "face.h"
+
+static int wrong_size(const component *self, size_t count, int expected, const void *array) {
+    if (count == (size_t)expected) return face_missing(self, count, array, array);
+    char sentence[160];
+    snprintf(sentence, sizeof sentence, "Give an array of %d values, as modelDescription.xml says.", expected);
+    (void)face_error(self, sentence);
+    return 1;
+}
+
+int face_set_time(component *self, double time) { return face_report(self, kernel_set_time(self->machine, time)); }
+
+int face_set_states(component *self, const double *state, size_t count) {
+    if (wrong_size(self, count, kernel_exchange_states(), state)) return KERNEL_ERROR;
+    return face_report(self, kernel_set_states(self->machine, state));
+}
+
+int face_read(component *self, double *value, size_t count, int expected, int (*read)(kernel *, double *)) {
+    if (!self->exchange) return face_error(self, "This instance is one of co-simulation, not of model exchange.");
+    if (wrong_size(self, count, expected, value)) return KERNEL_ERROR;
+    const int status = face_initialise_if_asked(self);
+    return status > KERNEL_WARNING ? status : face_report(self, read(self->machine, value));
+}
+
+int face_enter(component *self, phase next) {
+    self->now = next;
+    return KERNEL_OK;
+}
+
+int face_find_modes(component *self, int *ended, int *moved) {
+    const int status = kernel_find_modes(self->machine, moved);
+    *ended = kernel_ended(self->machine) != 0;
+    if (*ended) self->now = STOPPED;
+    return face_report(self, status);
+}
+
+int face_complete_step(component *self, int *crossed) {
+    return face_report(self, kernel_complete_step(self->machine, crossed));
+}

@@ -1,0 +1,118 @@
+"""One instance of an FMU as a host has it, of either standard, by the same names."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from ctypes import c_void_p
+from pathlib import Path
+
+from fmpy import calloc, extract, free, read_model_description
+from fmpy.fmi1 import FMICallException
+from fmpy.fmi2 import (
+    FMU2Model,
+    FMU2Slave,
+    fmi2CallbackAllocateMemoryTYPE,
+    fmi2CallbackFreeMemoryTYPE,
+    fmi2CallbackFunctions,
+    fmi2CallbackLoggerTYPE,
+)
+from fmpy.fmi3 import FMU3Model, FMU3Slave, fmi3LogMessageCallback
+
+OK, WARNING, DISCARD, ERROR = range(4)
+STEP = 1e-3
+
+
+class Host:
+    """One instance of either standard; every call gives its status, and what was said is kept."""
+
+    def __init__(
+        self, path: Path, logging: bool = True, early: bool = False, events: bool = False, exchange: bool = False
+    ) -> None:
+        about = read_model_description(str(path))
+        self.three = about.fmiVersion == "3.0"
+        self.refs = {v.name: v.valueReference for v in about.modelVariables}
+        self.said: list[str] = []
+        self.folder = extract(str(path))
+        name = about.coSimulation.modelIdentifier
+        given = {"guid": about.guid, "unzipDirectory": self.folder, "modelIdentifier": name, "instanceName": "sled"}
+        kind = (FMU3Model if exchange else FMU3Slave) if self.three else (FMU2Model if exchange else FMU2Slave)
+        self.fmu = kind(**given)
+        if self.three:
+            self.listener = fmi3LogMessageCallback(lambda env, status, kind, text: self.said.append(text.decode()))
+            how = {} if exchange else {"eventModeUsed": events, "earlyReturnAllowed": early}
+            self.fmu.instantiate(loggingOn=logging, logMessage=self.listener, **how)
+        else:
+            self.listener = fmi2CallbackLoggerTYPE(lambda *given: self.said.append(given[4].decode()))
+            calls = fmi2CallbackFunctions()
+            calls.logger = self.listener
+            calls.allocateMemory, calls.freeMemory = (
+                fmi2CallbackAllocateMemoryTYPE(calloc),
+                fmi2CallbackFreeMemoryTYPE(free),
+            )
+            self.calls = calls
+            self.fmu.instantiate(callbacks=calls, loggingOn=logging)
+
+    @property
+    def instance(self) -> c_void_p:
+        return c_void_p(self.fmu.component)
+
+    def raw(self, name: str, *arguments: object) -> int:
+        """Status of a function of the standard, named without its prefix."""
+        prefix = "fmi3" if self.three else "fmi2"
+        function = getattr(self.fmu, prefix + name, None) or self.fmu.dll[prefix + name]
+        try:
+            return int(function(self.instance, *arguments) or 0)
+        except FMICallException as error:
+            return int(error.status)
+
+    def status(self, call: Callable, *arguments: object, **named: object) -> int:
+        """Status of a method of FMPy, which raises what is more than a warning."""
+        try:
+            call(*arguments, **named)
+        except FMICallException as error:
+            return int(error.status)
+        return OK
+
+    def experiment(self, start: float = 0.0, stop: float | None = None, tolerance: float | None = None) -> int:
+        """Status of what takes the experiment: fmi2SetupExperiment, fmi3EnterInitializationMode."""
+        defined = (tolerance is not None, tolerance or 0.0, start, stop is not None, stop or 0.0)
+        return self.raw("EnterInitializationMode" if self.three else "SetupExperiment", *defined)
+
+    def start(self, start: float = 0.0, stop: float | None = None, **inputs: float) -> None:
+        assert self.experiment(start, stop) == OK
+        if not self.three:
+            assert self.raw("EnterInitializationMode") == OK
+        for name, value in inputs.items():
+            assert self.set(name, value) == OK
+        assert self.raw("ExitInitializationMode") == OK
+
+    def set(self, name: str, value: float) -> int:
+        return self.status(self.fmu.setFloat64 if self.three else self.fmu.setReal, [self.refs[name]], [value])
+
+    def __getitem__(self, name: str) -> float:
+        return float((self.fmu.getFloat64 if self.three else self.fmu.getReal)([self.refs[name]])[0])
+
+    def step(self, time: float, size: float = STEP) -> int:
+        return self.status(self.fmu.doStep, time, size)
+
+    def state(self) -> bytes:
+        """The whole state, bit for bit."""
+        if self.three:
+            saved = self.fmu.getFMUState()
+            found = bytes(self.fmu.serializeFMUState(saved))
+            self.fmu.freeFMUState(saved)
+        else:
+            saved = self.fmu.getFMUstate()
+            found = bytes(self.fmu.serializeFMUstate(saved))
+            self.fmu.freeFMUstate(saved)
+        return found
+
+
+@contextmanager
+def host(path: Path, **how: bool) -> Iterator[Host]:
+    made = Host(path, **how)
+    yield made
+    made.fmu.freeInstance()
+    shutil.rmtree(made.folder, ignore_errors=True)

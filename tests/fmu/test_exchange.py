@@ -1,0 +1,408 @@
+"""Model exchange: an integrator of the host on the same equations, with events where a friction sticks and slides."""
+
+from __future__ import annotations
+
+import math
+import zipfile
+from collections.abc import Sequence
+from ctypes import byref, c_bool, c_double, c_int, c_size_t
+from itertools import pairwise
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from fmpy import read_model_description, simulate_fmu
+from fmpy.fmi2 import fmi2EventInfo
+
+from fmu_src.model_description import NOMINAL
+from fmu_src.native_fmu import build_native_fmu, build_native_fmu3
+from fmu_src.system import Friction, Model, System, Variable, model_of_choices
+from tests.fmu.hosting import DISCARD, ERROR, OK, WARNING, Host, host
+from tests.fmu.sled import build_sled
+
+NATIVE = ["native", "fmi3"]
+SPEED, GRIP, LENGTH = 3.0, 2.0, 4.0
+#: Of the brick of 1 kg against its grip alone [s, m].
+STOPS, WAY = SPEED / GRIP, SPEED**2 / (2 * GRIP)
+#: Relative tolerance of CVODE, and bands of what it finds: ten times that, and the hysteresis of events.
+TIGHT, FOUND = 1e-9, 1e-7
+#: Of a stop with lock-up: relative, and of the times of locking [s].
+DISTANCE_BAND, LOCK_BAND = 1e-5, 1e-5
+
+
+def brick(detail: int) -> System:
+    """A brick on a table with an end, pushed through gears; in more detail it grows warm."""
+    system = System(f"brick_{detail}", "A brick on a table")
+    push = system.input(Variable("push", "input", "N", "Force forward"))
+    grip = system.input(Variable("grip", "input", "N", "Largest friction", GRIP, 0.0))
+    gear = system.input(Variable("gear", "input", "1", "Multiplies the push", 1.0, 0.0, 3.0, kind="integer"))
+    x, v = system.state("x", "m", 0.0, 1.0), system.state("v", "m/s", SPEED, 2.0)
+    direction = system.direction("direction")
+    system.derivative("x", v)
+    system.derivative("v", direction**2 * (gear * push - direction * grip))
+    system.dry_friction(Friction("The brick", direction, "v", gear * push, grip, "stuck", "slides"))
+    system.end_when_negative(1 - x / LENGTH, "The brick fell off at %s s.")
+    system.warn_when_negative(0.5 - x, "The brick passed half a metre at %s s.")
+    system.output(Variable("way", "output", "m", "Way"), x)
+    system.output(Variable("speed", "output", "m/s", "Speed"), v)
+    system.output(Variable("stuck", "output", "1", "It is stuck", kind="boolean"), direction == 0)
+    if detail == 2:
+        system.state("heat", "J", 0.0, 1.0)
+        system.derivative("heat", grip * v)
+    return system
+
+
+def bricks() -> Model:
+    detail = Variable("detail", "parameter", "1", "Level of detail", 1.0, 1.0, 2.0, kind="integer")
+    return model_of_choices("Brick", "A brick on a table", (brick(1), brick(2)), [detail], (0, 1), 1e-8)
+
+
+@pytest.fixture(scope="module")
+def paths(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    folder = tmp_path_factory.mktemp("bricks")
+    made = {kind: folder / f"{kind}.fmu" for kind in NATIVE}
+    build_native_fmu(bricks(), made["native"])
+    build_native_fmu3(bricks(), made["fmi3"])
+    return made
+
+
+def read(one: Host, what: str, count: int) -> list[float]:
+    """An array of model exchange; `what` without the prefix of the standard."""
+    found = (c_double * count)()
+    name = "GetContinuousStateDerivatives" if one.three and what == "GetDerivatives" else what
+    assert one.raw(name, found, c_size_t(count)) == OK
+    return list(found)
+
+
+def put(one: Host, time: float, states: Sequence[float]) -> int:
+    """Takes the instance to a place; status of its states."""
+    assert one.raw("SetTime", c_double(time)) == OK
+    return one.raw("SetContinuousStates", (c_double * len(states))(*states), c_size_t(len(states)))
+
+
+def find_modes(one: Host) -> tuple[bool, bool]:
+    """In event mode: whether the run ends, and whether states were set anew."""
+    if one.three:
+        found = one.fmu.updateDiscreteStates()
+        return found[1], found[3]
+    info = fmi2EventInfo()
+    assert one.raw("NewDiscreteStates", byref(info)) == OK
+    assert not info.newDiscreteStatesNeeded
+    return bool(info.terminateSimulation), bool(info.valuesOfContinuousStatesChanged)
+
+
+def begin(one: Host, **inputs: float) -> None:
+    """To continuous-time mode at t = 0."""
+    one.start(**inputs)
+    assert find_modes(one) == (False, False)
+    assert one.raw("EnterContinuousTimeMode") == OK
+
+
+def integrated(path: Path, stop: float, outputs: list[str], **how: object) -> np.ndarray:
+    """Samples by FMPy's CVODE, events included."""
+    given = {"relative_tolerance": TIGHT, "output_interval": stop / 100, "record_events": True} | how
+    return simulate_fmu(str(path), fmi_type="ModelExchange", stop_time=stop, output=outputs, **given)
+
+
+def first(table: np.ndarray, name: str) -> float:
+    """Time of the first sample at which an output is not 0 [s]."""
+    return float(table["time"][np.flatnonzero(table[name])[0]])
+
+
+# ---- motion ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", NATIVE)
+def test_cvode_stops_the_brick_where_and_when_it_must_stop(paths: dict, kind: str) -> None:
+    table = integrated(paths[kind], 3.0, ["way", "speed", "stuck"])
+    assert first(table, "stuck") == pytest.approx(STOPS, abs=FOUND)
+    assert table["way"][-1] == pytest.approx(WAY, rel=FOUND)
+    assert set(table["speed"][table["stuck"] == 1]) == {0.0}
+
+
+@pytest.mark.parametrize("kind", NATIVE)
+def test_force_that_grows_lets_the_brick_slide_in_time(paths: dict, kind: str) -> None:
+    """From t = 2 s by 1 N in a second against 2 N: it slides from 4 s on by v = t^2 / 2."""
+    force = np.array([(0.0, 0.0), (2.0, 0.0), (6.0, 4.0)], dtype=[("time", float), ("push", float)])
+    table = integrated(paths[kind], 6.0, ["stuck", "speed"], input=force, output_interval=0.01)
+    slides = table["time"][np.flatnonzero(table["stuck"])[-1]]
+    assert slides == pytest.approx(4.0, abs=1e-3)  # FMPy gives inputs to CVODE as they were a step ago
+    assert table["speed"][-1] == pytest.approx(2.0, rel=0.01)
+
+
+@pytest.mark.parametrize("kind", NATIVE)
+def test_run_ends_with_its_sentence_and_a_request_to_terminate(paths: dict, kind: str) -> None:
+    with host(paths[kind], exchange=True) as one:
+        begin(one, grip=0.0)
+        assert put(one, 2.0, [LENGTH * 1.001, SPEED]) == OK
+        assert min(read(one, "GetEventIndicators", 2)) < 0.0
+        assert one.raw("EnterEventMode") == OK
+        assert find_modes(one) == (True, False)
+        assert one.said[-1] == "The brick fell off at 2 s."
+        assert one.raw("EnterContinuousTimeMode") == ERROR
+        assert one.raw("Terminate") == OK
+    table = integrated(paths[kind], 3.0, ["way"], start_values={"grip": 0.0})
+    assert table["time"][-1] == pytest.approx(LENGTH / SPEED, abs=FOUND)
+
+
+@pytest.mark.parametrize("kind", NATIVE)
+def test_integrator_that_locates_no_events_stops_within_a_step(paths: dict, kind: str) -> None:
+    """A completed step that has gone too far asks for event mode; Euler's, of 1 ms."""
+    table = integrated(paths[kind], 3.0, ["speed", "stuck"], solver="Euler", step_size=1e-3, output_interval=1e-3)
+    assert first(table, "stuck") == pytest.approx(STOPS, abs=2e-3)
+    assert table["speed"][-1] == 0.0
+
+
+@pytest.mark.parametrize("kind", NATIVE)
+def test_friction_that_comes_on_a_brick_that_has_turned_round_does_not_stop_it_at_once(paths: dict, kind: str) -> None:
+    """Without grip nothing sticks, yet to turn round is an event, after which friction pushes forward."""
+    with host(paths[kind], exchange=True) as one:
+        begin(one, grip=0.0, push=-1.0)
+        assert put(one, 3.5, [4.0 - 1e-6, -0.5]) == OK
+        assert read(one, "GetEventIndicators", 2)[0] < 0.0
+        assert one.raw("EnterEventMode") == OK
+        assert find_modes(one) == (False, False)
+        assert one.set("grip", 0.25) == OK
+        assert find_modes(one) == (False, False)
+        assert read(one, "GetDerivatives", 2) == [-0.5, -0.75]
+
+
+@pytest.mark.parametrize("kind", NATIVE)
+def test_stop_with_lock_up_through_cvode_is_that_of_co_simulation(fmus: dict, kind: str) -> None:
+    """Lock, release, lock again, a stop; distance, and time of the first lock of each wheelset."""
+    values = {"brake_torque_1": 60e3, "brake_torque_2": 20e3, "initial_speed": 20.0}
+    table = integrated(
+        fmus["bogie", kind],
+        10.0,
+        ["distance", "speed", "locked_1", "locked_2"],
+        relative_tolerance=1e-7,
+        start_values=values,
+    )
+    times, distance = lock_times(fmus["bogie", "fmi3"], values)
+    assert table["distance"][-1] == pytest.approx(distance, rel=DISTANCE_BAND)
+    for name in ("locked_1", "locked_2"):
+        assert first(table, name) == pytest.approx(times[name], abs=LOCK_BAND)
+    assert abs(table["speed"][-1]) < 1e-9
+
+
+def lock_times(path: Path, values: dict[str, float]) -> tuple[dict[str, float], float]:
+    """In co-simulation with early return: when each wheelset locks first [s], and the distance after 10 s [m]."""
+    found: dict[str, float] = {}
+    with host(path, early=True) as one:
+        for name, value in values.items():
+            assert one.set(name, value) == OK
+        one.start()
+        time = 0.0
+        while time < 10.0:
+            time = one.fmu.doStep(time, 10.0 - time)[3]
+            for name in ("locked_1", "locked_2"):
+                if one.fmu.getBoolean([one.refs[name]]) == [True]:
+                    found.setdefault(name, time)
+        return found, one["distance"]
+
+
+# ---- what is refused ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", NATIVE)
+def test_level_with_other_states_is_refused_with_a_sentence(paths: dict, kind: str) -> None:
+    with host(paths[kind], exchange=True) as one:
+        assert one.status(one.fmu.setInt32 if one.three else one.fmu.setInteger, [one.refs["detail"]], [2]) == OK
+        assert one.experiment() == OK
+        if not one.three:
+            assert one.raw("EnterInitializationMode") == OK
+        assert one.raw("ExitInitializationMode") == ERROR
+        assert one.said[-1] == (
+            'Leave detail at its start value in model exchange, which has the 2 states of the system "brick_1": the '
+            'system "brick_2" has others and runs in co-simulation.'
+        )
+        assert one.status(one.fmu.setInt32 if one.three else one.fmu.setInteger, [one.refs["detail"]], [1]) == OK
+        assert one.raw("ExitInitializationMode") == OK
+
+
+@pytest.mark.parametrize("kind", NATIVE)
+def test_equations_with_algebraic_states_have_no_model_exchange(tmp_path: Path, kind: str) -> None:
+    path = build_sled(tmp_path)[kind]
+    about = read_model_description(str(path))
+    assert about.modelExchange is None
+    assert [v.name for v in about.modelVariables if v.derivative] == []
+    with pytest.raises(Exception, match=r"[Ff]ailed to instantiate|not be instantiated"):
+        Host(path, exchange=True)
+
+
+@pytest.mark.parametrize("kind", NATIVE)
+def test_calls_of_the_other_interface_and_out_of_order_are_refused(paths: dict, kind: str) -> None:
+    some = (c_double * 2)()
+    with host(paths[kind]) as one:
+        one.start()
+        before = one.state()
+        for call in (
+            ("SetTime", c_double(1.0)),
+            ("SetContinuousStates", some, c_size_t(2)),
+            ("GetContinuousStates", some, c_size_t(2)),
+            ("EnterEventMode",),
+        ):
+            assert one.raw(*call) == ERROR, call
+        assert one.state() == before
+    with host(paths[kind], exchange=True) as one:
+        assert one.raw("SetTime", c_double(1.0)) == ERROR
+        begin(one)
+        before = one.state()
+        assert one.raw("EnterContinuousTimeMode") == ERROR
+        assert one.raw("GetContinuousStates", (c_double * 3)(), c_size_t(3)) == ERROR
+        assert one.said[-1] == "Give an array of 2 values, as modelDescription.xml says."
+        assert one.raw("GetContinuousStates", None, c_size_t(2)) == ERROR
+        step = [c_double(0.0), c_double(0.1), True, *([byref(c_bool())] * 3 + [byref(c_double())] if one.three else [])]
+        assert one.raw("DoStep", *step) == ERROR
+        assert one.raw("SetTime", c_double(math.nan)) == ERROR
+        assert put(one, 0.0, [0.0, math.nan]) == DISCARD
+        assert one.state() == before
+
+
+@pytest.mark.parametrize("kind", NATIVE)
+def test_inputs_that_are_no_real_numbers_change_at_events_only(paths: dict, kind: str) -> None:
+    with host(paths[kind], exchange=True) as one:
+        begin(one)
+        setter = one.fmu.setInt32 if one.three else one.fmu.setInteger
+        assert one.status(setter, [one.refs["gear"]], [3]) == ERROR
+        assert "enter event mode first" in one.said[-1]
+        assert one.raw("EnterEventMode") == OK
+        assert one.status(setter, [one.refs["gear"]], [3]) == OK
+        assert one.set("push", 1.0) == OK
+        assert read(one, "GetDerivatives", 2) == [SPEED, 3.0 - GRIP]
+
+
+@pytest.mark.parametrize("kind", NATIVE)
+def test_saved_state_goes_on_bit_for_bit_and_belongs_to_its_interface(paths: dict, kind: str) -> None:
+    with host(paths[kind]) as one:
+        one.start()
+        other = one.state()
+    with host(paths[kind], exchange=True) as one:
+        begin(one)
+        assert put(one, 0.5, [1.0, 0.5]) == OK
+        name = "FMUState" if one.three else "FMUstate"
+        saved = getattr(one.fmu, f"get{name}")()
+        seen = read(one, "GetDerivatives", 2), read(one, "GetEventIndicators", 2), one["way"]
+        assert put(one, 0.7, [1.2, -1.0]) == OK
+        assert one.raw("EnterEventMode") == OK
+        assert find_modes(one) == (False, True)
+        getattr(one.fmu, f"set{name}")(saved)
+        assert one.raw("SetTime", c_double(0.5)) == OK  # in continuous-time mode again
+        assert (read(one, "GetDerivatives", 2), read(one, "GetEventIndicators", 2), one["way"]) == seen
+        getattr(one.fmu, f"free{name}")(saved)
+        foreign = getattr(one.fmu, f"{'deserialize' if one.three else 'deSerialize'}{name}")(other)
+        assert one.status(getattr(one.fmu, f"set{name}"), foreign) == ERROR
+        assert "the other interface" in one.said[-1]
+        getattr(one.fmu, f"free{name}")(foreign)
+
+
+# ---- values and derivatives -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", NATIVE)
+def test_states_slopes_and_indicators_are_variables_in_both_interfaces(paths: dict, kind: str) -> None:
+    with host(paths[kind]) as one:
+        one.start(push=0.5)
+        assert (one["der(state_x)"], one["der(state_v)"]) == (SPEED, 0.5 - GRIP)
+        assert one.status(one.fmu.setInt32 if one.three else one.fmu.setInteger, [one.refs["gear"]], [2]) == OK
+        assert one["der(state_v)"] == 1.0 - GRIP
+    with host(paths[kind], exchange=True) as one:
+        begin(one)
+        assert read(one, "GetContinuousStates", 2) == [one["state_x"], one["state_v"]] == [0.0, SPEED]
+        assert read(one, "GetNominalsOfContinuousStates", 2) == [1.0, 2.0]
+        assert read(one, "GetDerivatives", 2) == [one["der(state_x)"], one["der(state_v)"]] == [SPEED, -GRIP]
+        found = read(one, "GetEventIndicators", 2)
+        assert found == pytest.approx([SPEED / 2.0, 1.0], abs=1e-8)
+        if one.three:
+            assert [one["event_indicator_1"], one["event_indicator_2"]] == found
+
+
+@pytest.mark.parametrize("kind", NATIVE)
+def test_warnings_are_said_behind_a_completed_step(paths: dict, kind: str) -> None:
+    with host(paths[kind], exchange=True) as one:
+        begin(one)
+        flags = [c_int(), c_int()]
+        for x, status in ((0.4, OK), (0.6, WARNING), (0.7, OK)):
+            assert put(one, x / SPEED, [x, SPEED]) == OK
+            if one.three:
+                found = one.fmu.completedIntegratorStep()
+                assert (OK, *found) == (OK, False, False)
+            else:
+                assert one.raw("CompletedIntegratorStep", 1, *map(byref, flags)) == status
+        assert [line for line in one.said if "half a metre" in line] == ["The brick passed half a metre at 0.2 s."]
+
+
+#: An operating point of each FMU at which inputs act: inputs; states that differ from the start.
+ACTING = {
+    "bogie": (
+        {"brake_torque_1": 10e3, "brake_torque_2": 12e3, "friction_1": 0.3, "friction_2": 0.25, "gradient": 0.01},
+        {"state_angular_velocity_1": 55.0, "state_pitch": 1e-3, "state_bounce_rate": 1e-2, "state_shift_1": 1e-4},
+    ),
+    "brake": ({"pressure_demand": 180e3, "angular_velocity": 10.0}, {"state_cylinder_pressure": 60e3}),
+    "rail": ({"speed": 10.0, "slip_1": 1.0, "creep_force_1": -5e3}, {"state_cleaned_1": 0.1}),
+}
+
+
+@pytest.mark.parametrize("kind", NATIVE)
+@pytest.mark.parametrize("name", ACTING)
+def test_directional_derivatives_are_those_of_differences_and_of_listed_dependencies(
+    fmus: dict, name: str, kind: str
+) -> None:
+    """Column by column, by states and real inputs: central differences to 1e-5 of the column; nothing acts unlisted."""
+    about = read_model_description(str(fmus[name, kind]))
+    inputs, places = ACTING[name]
+    states = [unknown.variable.derivative.name for unknown in about.derivatives]
+    knowns = [
+        *states,
+        *(v.name for v in about.modelVariables if v.causality == "input" and v.type in ("Real", "Float64")),
+    ]
+    unknowns = [unknown.variable.name for unknown in about.derivatives]
+    listed = {unknown.variable.name: {one.name for one in unknown.dependencies} for unknown in about.derivatives}
+    with host(fmus[name, kind], exchange=True) as one:
+        begin(one, **inputs)
+        place = dict(zip(states, read(one, "GetContinuousStates", len(states)), strict=True)) | places
+        nominal = {v.name: NOMINAL.get(v.unit, 1.0) for v in about.modelVariables}
+        nominal |= zip(states, read(one, "GetNominalsOfContinuousStates", len(states)), strict=True)
+
+        def slopes(known: str, change: float) -> np.ndarray:
+            moved = dict(place)
+            if known in moved:
+                moved[known] += change
+            else:
+                value = one[known]
+                assert one.set(known, value + change) <= WARNING
+            assert put(one, 0.0, list(moved.values())) == OK
+            found = np.array(read(one, "GetDerivatives", len(states)))
+            if known not in moved:
+                assert one.set(known, value) <= WARNING
+            return found
+
+        for known in knowns:
+            size = 1e-5 * nominal[known]
+            low = 0.0 if known not in place and one[known] - size < 0.0 else -size
+            differences = (slopes(known, size) - slopes(known, low)) / (size - low)
+            assert put(one, 0.0, list(place.values())) == OK
+            exact = np.array(
+                one.fmu.getDirectionalDerivative([one.refs[u] for u in unknowns], [one.refs[known]], [1.0])
+            )
+            assert np.abs(exact - differences).max() <= 1e-5 * np.abs(exact).max() + 1e-7, known
+            for unknown, value in zip(unknowns, exact, strict=True):
+                assert value == 0.0 or known in listed[unknown], (unknown, known)
+
+
+@pytest.mark.parametrize("kind", NATIVE)
+def test_description_names_states_derivatives_and_indicators(fmus: dict, kind: str) -> None:
+    about = read_model_description(str(fmus["bogie", kind]))
+    assert about.modelExchange.modelIdentifier == about.coSimulation.modelIdentifier == "BogieDynamics"
+    assert about.numberOfContinuousStates == 14
+    assert about.numberOfEventIndicators == 4 + 2
+    speed = next(unknown.variable for unknown in about.derivatives if unknown.variable.name == "der(state_bounce_rate)")
+    assert speed.derivative.name == "state_bounce_rate"
+    assert speed.unit == "m/s2"
+    with zipfile.ZipFile(fmus["bogie", kind]) as archive:
+        [variables] = ElementTree.fromstring(archive.read("modelDescription.xml")).iter("ModelVariables")
+    anew = {v.get("name") for v in variables if any(one.get("reinit") == "true" for one in (v, *v))}
+    assert anew == {f"state_{name}_{number}" for name in ("shift_speed", "angular_velocity") for number in (1, 2)}
+    references = [v.valueReference for v in about.modelVariables]
+    assert all(after - before in (1, 2) for before, after in pairwise(references))
