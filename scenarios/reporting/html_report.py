@@ -33,6 +33,8 @@ DASHES = ("solid", "dash", "dot", "dashdot", "longdash")
 NAME_WIDTH = 44
 #: Up to so many rows each is a mark of its own.
 FEW_ROWS = 60
+#: Of more lines in a chart the others are shown when their names are clicked on.
+FIRST_SHOWN = 12
 #: Lines of one unit share a chart while the largest values differ by no more than this.
 APART = 30.0
 DISPLAY = {"responsive": True, "displaylogo": False}
@@ -146,6 +148,7 @@ def chart(series: Recording, names: list[str]) -> str:
             y=series[name].astype(np.float32),
             name=wrapped(name),
             mode=mode,
+            visible=True if place < FIRST_SHOWN else "legendonly",
             line={"color": COLOURS[place % len(COLOURS)], "dash": DASHES[place % len(DASHES)], "width": 1.6},
         )
         for place, name in enumerate(names)
