@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import fmpy
 import pytest
+from packaging.tags import platform_tags
 
 import release
 from brake_controller.cylinder import brake_cylinder
@@ -14,7 +14,7 @@ from fmu_src.kernel import Kernel, Library
 from scenarios.cosimulation.slave import Slave
 from scenarios.fmus import building, prebuilt
 
-PLATFORM = next(tag for tag, place in release.WHEELS.items() if place == fmpy.platform)
+PLATFORM = next(tag for tag in platform_tags() if tag in release.WHEELS)
 
 
 @pytest.fixture
