@@ -100,7 +100,7 @@ def write_checksums(out: Path) -> None:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Exit status: 0, 1 after a failure, 2 bad input."""
+    """Exit status: 0, 1 after a failure, 2 bad input, 130 interrupted."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--out", type=Path, default=Path("dist"), help="a new or empty folder (default: dist)")
     out = parser.parse_args(arguments).out.resolve()
@@ -114,6 +114,9 @@ def main(arguments: list[str] | None = None) -> int:
     except (CompilerError, OSError, subprocess.CalledProcessError) as error:
         print(f"The release in {out} is not complete ({error}).", file=sys.stderr)
         return 1
+    except KeyboardInterrupt:
+        print(f"Interrupted; the release in {out} is not complete, what was compiled is kept.", file=sys.stderr)
+        return 130
     return 0
 
 

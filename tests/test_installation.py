@@ -6,18 +6,20 @@ import os
 import subprocess
 import time
 import venv
-from collections.abc import Mapping
+import zipfile
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-import fmpy
 import pytest
+from packaging.tags import platform_tags
 
 import release
 from fmu_src.compile import CACHE
+from fmu_src.native_fmu import PLATFORMS
 
 #: Of the FMUs that a release compiles, those of the scenario that runs here.
 FMUS = ["brake", "bogie"]
-OWN = next(tag for tag, place in release.WHEELS.items() if place == fmpy.platform)
+OWN = next(tag for tag in platform_tags() if tag in release.WHEELS)
 
 
 @pytest.fixture(scope="module")
@@ -66,7 +68,7 @@ def packages_of(python: Path, folder: Path) -> Path:
 
 
 @pytest.fixture
-def no_compiler(installed: Path, tmp_path: Path) -> Mapping[str, str]:
+def no_compiler(installed: Path, tmp_path: Path) -> Iterator[Mapping[str, str]]:
     """Variables with which every call of a compiler fails: there is none in PATH, and zig is gone."""
     zig = packages_of(installed, tmp_path) / "ziglang"
     away = zig.rename(zig.with_name("ziglang_away"))
@@ -121,6 +123,23 @@ def test_a_release_made_again_is_the_same(wheels: Path, tmp_path: Path) -> None:
     assert len(names) == 2
     for name in names:
         assert (tmp_path / name).read_bytes() == (wheels / name).read_bytes(), name
+
+
+@pytest.mark.long
+def test_archive_holds_the_fmus_for_all_platforms_and_the_system(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(release, "FMUS", FMUS)
+    release.write_fmus(tmp_path)
+    [path] = tmp_path.iterdir()
+    with zipfile.ZipFile(path) as archive:
+        names = set(archive.namelist())
+        with zipfile.ZipFile(archive.open("native/BogieDynamics.fmu")) as fmu:
+            inside = {name.split("/")[1] for name in fmu.namelist() if name.startswith("binaries/")}
+    assert names == {"LICENSE", "BogieBraking.ssp"} | {
+        f"{kind}/{name}.fmu" for kind in ("native", "fmi3") for name in ("BogieDynamics", "BrakeCylinder")
+    }
+    assert inside == set(PLATFORMS)
 
 
 @pytest.mark.long

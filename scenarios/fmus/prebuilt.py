@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-from functools import lru_cache
 from pathlib import Path
 
 import fmu_src
@@ -26,7 +25,6 @@ CONTENTS = "contents.json"
 SOURCES = ("fmu_src", "rbd_model", "brake_controller", "scenarios/fmus")
 
 
-@lru_cache
 def content_of(name: str) -> str:
     """A name for what an FMU of the registry is made from: its C with the runtime, what travels with it, and what makes
     files of these.
