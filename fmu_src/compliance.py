@@ -49,6 +49,11 @@ CHECKS = (
         dict.fromkeys(("native", "fmi3"), "terminalsAndIcons.xml"),
     ),
     Check(
+        "A host that runs the experiments inside the FMU finds their results (FMI-LS-REF)",
+        "test_host_finds_the_results_of_every_experiment",
+        dict.fromkeys(("native", "fmi3"), "extra"),
+    ),
+    Check(
         "Outputs depend at the start on the inputs and parameters that are listed, and on no others",
         "test_values_at_the_start_depend_on_nothing_that_is_not_listed",
         everywhere("ModelStructure"),
