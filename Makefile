@@ -6,7 +6,7 @@ RUN := $(VENV)/bin/python
 # Matrices here are small: two processes with two threads of BLAS each take three times as long as with one each.
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: demo test test-fast test-long check charts pages clean
+.PHONY: demo test test-fast test-long check charts pages docs clean
 
 demo: $(VENV)/demo-installed
 	$(RUN) build_fmu.py ssp
@@ -36,7 +36,7 @@ $(VENV)/demo-installed: pyproject.toml | $(VENV)/bin/python
 	touch $@
 
 $(VENV)/test-installed: pyproject.toml | $(VENV)/bin/python
-	$(RUN) -m pip install --quiet --disable-pip-version-check -e ".[test,masters,charts,sweep]"
+	$(RUN) -m pip install --quiet --disable-pip-version-check -e ".[test,masters,charts,sweep,docs]"
 	touch $@ $(VENV)/demo-installed
 
 # Draws the pictures of docs/choosing.md anew, about a quarter of an hour, and puts what they measured into the text.
@@ -52,6 +52,15 @@ $(VENV)/charts-installed: pyproject.toml | $(VENV)/bin/python
 # Writes what is generated of the README, EQUATIONS.md and the pages in docs/ anew, from the code and docs/data/.
 pages: $(VENV)/demo-installed
 	for page in charts equations variables catalogue; do $(RUN) docs/generate/$$page.py || exit 1; done
+
+# The site, into build/site; scenarios that left nothing in results/ yet run first, about ten minutes for all.
+docs: $(VENV)/docs-installed
+	$(RUN) docs/generate/scenario_pages.py
+	NO_MKDOCS_2_WARNING=1 $(RUN) -m mkdocs build --strict
+
+$(VENV)/docs-installed: pyproject.toml | $(VENV)/bin/python
+	$(RUN) -m pip install --quiet --disable-pip-version-check -e ".[docs]"
+	touch $@ $(VENV)/demo-installed
 
 clean:
 	rm -rf $(VENV) build results
