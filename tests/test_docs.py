@@ -22,7 +22,7 @@ MADE = ("build/", "results/", "rbd_model/roller_rig.py")
 GENERATORS = ("charts", "equations", "variables", "catalogue")
 PACKAGES = ("fmu_src", "rbd_model", "brake_controller", "scenarios")
 #: A file with its folder, and a name in it.
-PLACE = re.compile(r'(?<![\w/.*"])((?:[\w-]+/)+[\w-]+(?:\.\w+)+)(?::[ :](\w+(?:\.\w+)*)(?=[`|<\s]))?')
+PLACE = re.compile(r'(?<![\w/.*"-])((?:[\w-]+/)+[\w-]+(?:\.\w+)+)(?::[ :](\w+(?:\.\w+)*)(?=[`|<\s]))?')
 
 
 # -- what pages name -----------------------------------------------------------------------------------------------
@@ -89,7 +89,7 @@ def unknown_names(text: str) -> list[str]:
     unknown += [name for name in re.findall(r"`((?:kernel|face|fmi[23])_?\w+)`", text) if name not in runtime]
     unknown += [name for name in re.findall(r"`make (\w+)`", text) if f"\n{name}:" not in makefile]
     return unknown + [
-        name for name in re.findall(r"-m scenarios (?:run|sweep) ([\w-]+)", text) if name not in scenarios
+        name for name in re.findall(r"-m scenarios (?:run|sweep) (\w[\w-]*)", text) if name not in scenarios
     ]
 
 

@@ -32,6 +32,8 @@ PACKAGES = ("fmu_src", "rbd_model", "brake_controller", "scenarios")
 #: Of a Python file of ours, and a name in it; the same as a name with dots.
 PLACE = rf"(?<![\w/])((?:{'|'.join(PACKAGES)})/[\w/]+|build_fmu)\.py(?::\s(\w+(?:\.\w+)*))?"
 DOTTED = rf"((?:{'|'.join(PACKAGES)})(?:\.\w+)+)"
+#: Pages that people wrote come first in a search.
+API_PAGE = "---\nsearch:\n  boost: 0.5\n---\n\n::: {}\n"
 
 
 def modules() -> list[str]:
@@ -67,7 +69,7 @@ def contents() -> Iterator[tuple[str, str | bytes | Path]]:
         for one in catalogue.scenarios_of(module):
             yield f"scenarios/{one.name}.md", scenario_page(one, module)
             yield from ((f"scenarios/{name}", path) for name, path in pictures_of(one.name).items())
-    yield from ((f"api/{name}.md", f"::: {name}\n") for name in modules())
+    yield from ((f"api/{name}.md", API_PAGE.format(name)) for name in modules())
     for path in sorted(DOCS.glob("notebooks/*.ipynb")):
         yield from run_notebook(path)
     yield "assets/formulas.ttf", Path(ziamath.__file__).parent / "fonts" / "STIXTwoMath-Regular.ttf"
@@ -115,8 +117,7 @@ def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:
         markdown = re.sub(PLACE, lambda place: f"`{place.group()}`", markdown)
     if page.file.src_uri == "scenarios.md":
         markdown = re.sub(r"^\| `([\w-]+)` ", lambda row: thumbnail(row.group(1)), markdown, flags=re.MULTILINE)
-    markdown = re.sub(r"\]\((?:\.\./|docs/)", "](", markdown)
-    return re.sub(r"\]\((notebooks/\w+)\.ipynb\)", r"](\1.md)", markdown)
+    return re.sub(r"\]\((?:\.\./|docs/)", "](", markdown).replace(".ipynb)", ".md)")
 
 
 def thumbnail(name: str) -> str:
