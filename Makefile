@@ -53,7 +53,7 @@ $(VENV)/charts-installed: pyproject.toml | $(VENV)/bin/python
 pages: $(VENV)/demo-installed
 	for page in charts equations variables catalogue; do $(RUN) docs/generate/$$page.py || exit 1; done
 
-# The site, into build/site; scenarios that left nothing in results/ yet run first, about ten minutes for all.
+# The site, into build/site; scenarios that left nothing in results/ yet run first: a quarter of an hour and more for all.
 docs: $(VENV)/docs-installed
 	$(RUN) docs/generate/scenario_pages.py
 	NO_MKDOCS_2_WARNING=1 $(RUN) -m mkdocs build --strict

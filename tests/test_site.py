@@ -42,8 +42,8 @@ class Leads(HTMLParser):
 
 
 leads_of = functools.cache(Leads)
-#: A scheme and a host, or a host alone.
-ELSEWHERE = re.compile(r"\w+:|//")
+#: Behind a host, or where no file is.
+FROM_NETWORK, ELSEWHERE = re.compile(r"(https?:)?//"), re.compile(r"\w+:|//")
 
 
 def pages(entries: list) -> Iterator[str]:
@@ -132,7 +132,7 @@ def html_of(site: Path) -> list[Path]:
 @pytest.mark.long
 def test_nothing_comes_from_a_network(site: Path) -> None:
     for path in html_of(site):
-        assert not [address for address in leads_of(path).fetched if ELSEWHERE.match(address)], path.name
+        assert not [address for address in leads_of(path).fetched if FROM_NETWORK.match(address)], path.name
     for path in site.rglob("*.css"):
         assert not re.search(r"url\([\"']?(https?:)?//", path.read_text(encoding="utf-8")), path.name
 

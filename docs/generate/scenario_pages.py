@@ -18,7 +18,9 @@ from typing import Any
 from pages import DOCS, ROOT
 from tqdm import tqdm
 
+from scenarios.__main__ import DOES_NOT_HOLD
 from scenarios.catalogue import SCENARIOS
+from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import VERDICTS, number
 from scenarios.scenario import Scenario
 
@@ -68,9 +70,12 @@ def row(one: Mapping[str, Any]) -> str:
 
 def main() -> int:
     missing = [one.name for one in SCENARIOS if summary_of(one.name) is None]
-    for name in tqdm(missing, unit="scenario", disable=None):
-        done = subprocess.run([sys.executable, "-m", "scenarios", "run", name], cwd=ROOT, stdout=subprocess.DEVNULL)
-        if done.returncode > 1:  # 1: a row does not hold, and the page says so
+    for name in (progress := tqdm(missing, unit="scenario", delay=PATIENCE, leave=False)):
+        progress.set_postfix_str(name)
+        command = [sys.executable, "-m", "scenarios", "run", name]
+        done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+        if done.returncode > DOES_NOT_HOLD:  # a row that does not hold is said on the page
+            print(f"{name} failed. {done.stderr}", file=sys.stderr)
             return done.returncode
     return 0
 

@@ -61,7 +61,7 @@ def on_config(config: MkDocsConfig) -> MkDocsConfig:
     return config
 
 
-def contents() -> Iterator[tuple[str, str | bytes | Path]]:
+def contents() -> Iterator[tuple[str, str | Path]]:
     """What is added, by its name on the site: a text, or the file that it is."""
     for path in (*(ROOT / name for name in OUTSIDE), *ROOT.glob("scenarios/fmus/pictures/*.png")):
         yield path.relative_to(ROOT).as_posix(), path
@@ -71,7 +71,7 @@ def contents() -> Iterator[tuple[str, str | bytes | Path]]:
             yield from ((f"scenarios/{name}", path) for name, path in pictures_of(one.name).items())
     yield from ((f"api/{name}.md", API_PAGE.format(name)) for name in modules())
     for path in sorted(DOCS.glob("notebooks/*.ipynb")):
-        yield from run_notebook(path)
+        yield f"notebooks/{path.stem}.md", run_notebook(path)
     yield "assets/formulas.ttf", Path(ziamath.__file__).parent / "fonts" / "STIXTwoMath-Regular.ttf"
     yield "assets/instead-of-iframe-worker.js", search_from_disk()
 
@@ -84,15 +84,12 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     return files
 
 
-def run_notebook(path: Path) -> Iterator[tuple[str, str | bytes]]:
-    """A page and its pictures, by their names on the site. Raises CellExecutionError where a cell fails."""
+def run_notebook(path: Path) -> str:
+    """A notebook as a page, with what it shows when it runs. Raises CellExecutionError where a cell fails."""
     exporter = MarkdownExporter()
     exporter.register_preprocessor(ExecutePreprocessor(extra_arguments=["--log-level=ERROR"]), enabled=True)
-    text, resources = exporter.from_notebook_node(nbformat.read(path, 4), {"metadata": {"path": str(ROOT)}})
-    for name, picture in resources["outputs"].items():
-        text = text.replace(f"({name})", f"({path.stem}-{name})")
-        yield f"notebooks/{path.stem}-{name}", picture
-    yield f"notebooks/{path.stem}.md", f"{text}\n\n[The notebook]({path.name})\n"
+    text, _ = exporter.from_notebook_node(nbformat.read(path, 4), {"metadata": {"path": str(ROOT)}})
+    return f"{text}\n\n[The notebook]({path.name})\n"
 
 
 def search_from_disk() -> str:
