@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import doctest
 import io
+import json
 import os
 import re
 import shutil
@@ -18,7 +19,6 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import matplotlib.pyplot as plt
-import nbformat
 import pytest
 
 ROOT = Path(__file__).parents[1]
@@ -162,10 +162,10 @@ def test_commands_that_are_shortened_are_on_a_page() -> None:
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_a_notebook_runs_and_holds_no_outputs(path: Path, checkout: Path) -> None:
-    cells = [cell for cell in nbformat.read(path, 4).cells if cell.cell_type == "code"]
-    assert all(not cell.outputs and cell.execution_count is None for cell in cells)
+    cells = [cell for cell in json.loads(path.read_text(encoding="utf-8"))["cells"] if cell["cell_type"] == "code"]
+    assert all(not cell["outputs"] and cell["execution_count"] is None for cell in cells)
     names: dict[str, object] = {}
     for cell in cells:
-        exec(cell.source, names)
+        exec("".join(cell["source"]), names)
     assert plt.get_fignums()
     plt.close("all")

@@ -13,10 +13,11 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
-import yaml
-from mkdocstrings import Inventory
 
 from scenarios.catalogue import SCENARIOS
+
+mkdocstrings = pytest.importorskip("mkdocstrings", reason="install the extra: pip install -e .[docs]")
+yaml = pytest.importorskip("yaml")
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("fmu_src", "rbd_model", "brake_controller", "scenarios")
@@ -58,7 +59,6 @@ def pages(entries: list) -> Iterator[str]:
 
 def test_every_page_and_every_notebook_has_its_place() -> None:
     """Scenarios and modules find theirs by themselves (`docs/generate/website.py`)."""
-    # Only the navigation: tags of Python that other parts of the file may have are none of YAML's.
     found = list(pages(yaml.safe_load((ROOT / "mkdocs.yml").read_text(encoding="utf-8"))["nav"]))
     assert len(found) == len(set(found))
     docs = {path.name for path in ROOT.glob("docs/*.md")} - {"scenarios.md"}
@@ -97,7 +97,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.long
 def test_every_public_name_is_in_the_site(site: Path) -> None:
     with (site / "objects.inv").open("rb") as file:
-        inventory = Inventory.parse_sphinx(file)
+        inventory = mkdocstrings.Inventory.parse_sphinx(file)
     assert sorted(set(public_names()) - set(inventory)) == []
 
 
