@@ -6,7 +6,7 @@ RUN := $(VENV)/bin/python
 # Matrices here are small: two processes with two threads of BLAS each take three times as long as with one each.
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: demo test test-fast test-long check charts screenshots pages release clean
+.PHONY: demo test test-fast test-long check charts screenshots pages docs release clean
 
 demo: $(VENV)/demo-installed
 	$(RUN) build_fmu.py ssp
@@ -36,7 +36,7 @@ $(VENV)/demo-installed: pyproject.toml | $(VENV)/bin/python
 	touch $@
 
 $(VENV)/test-installed: pyproject.toml | $(VENV)/bin/python
-	$(RUN) -m pip install --quiet --disable-pip-version-check -e ".[test,masters,charts,sweep,reports]"
+	$(RUN) -m pip install --quiet --disable-pip-version-check -e ".[test,masters,charts,sweep,reports,docs]"
 	touch $@ $(VENV)/demo-installed
 
 # Draws the pictures of docs/choosing.md anew, about a quarter of an hour, and puts what they measured into the text.
@@ -61,6 +61,15 @@ pages: $(VENV)/demo-installed
 release: $(VENV)/test-installed
 	rm -rf dist
 	$(RUN) release.py
+
+# The site, into build/site; scenarios that left nothing in results/ yet run first: a quarter of an hour and more for all.
+docs: $(VENV)/docs-installed
+	$(RUN) docs/generate/scenario_pages.py
+	NO_MKDOCS_2_WARNING=1 $(RUN) -m mkdocs build --strict
+
+$(VENV)/docs-installed: pyproject.toml | $(VENV)/bin/python
+	$(RUN) -m pip install --quiet --disable-pip-version-check -e ".[docs]"
+	touch $@ $(VENV)/demo-installed
 
 clean:
 	rm -rf $(VENV) build dist results

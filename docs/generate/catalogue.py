@@ -19,7 +19,7 @@ prints a table of what is expected (the thesis, a closed form, another method) a
 leaves `summary.json`, `timeseries.csv` and `figure.png` in `results/NAME/`. The exit status is 1 when a row does not
 hold. Options, sweeps and macro steps: [running scenarios](running.md). What the pictures of `speed-accuracy`,
 `stability-atlas`, `coupling-step`, `levels` and `levels-in-curves` say: [choosing](choosing.md); that of
-`sensitivity`: [fitted](fitted.md).
+`sensitivity`: [fitted](fitted.md). In the site that `make docs` builds each has a page with its picture and its table.
 """
 
 

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Mapping
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -155,16 +153,6 @@ def test_sizes_are_sums_of_parameters() -> None:
     size = (half - 1.0 + "wheel_base") * 2.0
     assert size_of(size, {"wheel_base": 3.0}) == 7.0
     assert size_of(2, {}) == 2.0
-
-
-PAGE = Path(__file__).parents[2] / "docs" / "vehicles.md"
-
-
-def test_the_vehicle_on_the_page_runs_and_prints_what_the_page_says(capsys: pytest.CaptureFixture[str]) -> None:
-    text = PAGE.read_text(encoding="utf-8")
-    code, shown = (re.findall(rf"```{kind}\n(.*?)```", text, re.DOTALL)[0] for kind in ("python", "text"))
-    exec(code, {})
-    assert capsys.readouterr().out == shown
 
 
 # -- each connection alone ----------------------------------------------------------------------------------------

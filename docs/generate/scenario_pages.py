@@ -1,0 +1,84 @@
+"""A page for each scenario on the site: what it shows, its pictures and table, as its last run left them.
+
+  python docs/generate/scenario_pages.py    runs those that left no results in results/ yet
+
+The scenarios of `make charts` take a quarter of an hour and have their pictures and numbers in docs/.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from pages import DOCS, ROOT
+from tqdm import tqdm
+
+from scenarios.__main__ import DOES_NOT_HOLD
+from scenarios.catalogue import SCENARIOS
+from scenarios.reporting.progress import PATIENCE
+from scenarios.reporting.report import VERDICTS, number
+from scenarios.scenario import Scenario
+
+RESULTS = ROOT / "results"
+HEAD = "| quantity | unit | thesis | simulated | asked | holds | source |\n|---|---|---|---|---|---|---|\n"
+
+
+def pictures_of(name: str) -> dict[str, Path]:
+    """Pictures of a scenario by their names on the site, the main one first; none where it was not run."""
+    main = RESULTS / name / "figure.png"
+    if not main.exists():
+        main = DOCS / "pictures" / f"{name}.png"
+    others = [path for path in sorted(RESULTS.glob(f"{name}/*.png")) if path != main]
+    found = {f"{name}.png": main} | {f"{name}-{path.name}": path for path in others}
+    return found if main.exists() else {}
+
+
+def summary_of(name: str) -> Mapping[str, Any] | None:
+    """What a scenario measured; None where it was not run."""
+    for path in (RESULTS / name / "summary.json", DOCS / "data" / f"{name}.json"):
+        if path.exists():
+            found: Mapping[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+            return found
+    return None
+
+
+def scenario_page(scenario: Scenario, module: ModuleType) -> str:
+    """The text of its page; module: the file that holds it."""
+    lines = [f"# {scenario.name}", f"{scenario.summary}.", (module.__doc__ or "").strip()]
+    lines += [f"```sh\npython -m scenarios run {scenario.name}\n```"]
+    lines += [f"![{scenario.name}]({name})" for name in pictures_of(scenario.name)]
+    summary = summary_of(scenario.name)
+    if summary is None:
+        lines += ["Its picture and its table come here when it has been run: `make docs` does."]
+    else:
+        lines += [HEAD + "\n".join(row(one) for one in summary["rows"]), *summary["remarks"]]
+        lines += [f"It took {summary['wall_seconds']:.1f} s."]
+    return "\n\n".join([*lines, f"In the code: `{module.__name__.replace('.', '/')}.py`."]) + "\n"
+
+
+def row(one: Mapping[str, Any]) -> str:
+    """One comparison as a line of the table."""
+    source = f"{one['source']}; {one['assumption']}" if one["assumption"] else one["source"]
+    cells = (one["quantity"], one["unit"], number(one["thesis"]), number(one["simulated"]), one["asked"])
+    return "| " + " | ".join(cell.replace("|", "\\|") for cell in (*cells, VERDICTS[one["holds"]], source)) + " |"
+
+
+def main() -> int:
+    missing = [one.name for one in SCENARIOS if summary_of(one.name) is None]
+    for name in (progress := tqdm(missing, unit="scenario", delay=PATIENCE, leave=False)):
+        progress.set_postfix_str(name)
+        command = [sys.executable, "-m", "scenarios", "run", name]
+        done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+        if done.returncode > DOES_NOT_HOLD:  # a row that does not hold is said on the page
+            print(f"{name} failed. {done.stderr}", file=sys.stderr)
+            return done.returncode
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,171 @@
+"""Everything that the pages show runs, from the top of a page to its end, and prints what stands below it.
+
+Python runs, or is written where its first line names a file; changes are made; commands are called, a few of them in a
+short form (SHORT). The folder is a copy of the checkout, with the FMUs that `python build_fmu.py ssp` makes in build/.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import doctest
+import io
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PACKAGES = ("fmu_src", "rbd_model", "brake_controller", "scenarios")
+#: A fenced block: its language and its text.
+BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+#: What a block may be: Python, commands, changes, what is printed; `bat` is for Windows, where it is not tested.
+KINDS = {"python", "sh", "diff", "text", "bat"}
+#: Commands that install, or test all of this, and what is called in their place, always.
+DRY = {f"make {target}": f"make --dry-run {target}" for target in ("demo", "test")}
+#: Commands that take more than some seconds, and what is called in their place; `make test-long` calls them themselves.
+SHORT = {
+    "python build_fmu.py ssp": "python build_fmu.py brake",
+    "python study.py": "python -m py_compile study.py",
+} | {
+    f"python -m scenarios {command} {rest}": f"python -m scenarios {command} --help"
+    for command, rest in (
+        ("run", "controller-prototype"),
+        ("run", "line-from-file --line mine.csv"),
+        ("sweep", "anti-skid --vary friction=0.03:0.15:13 --vary application_time=1:6:6 --jobs 2"),
+    )
+}
+PAGES = [
+    path for path in (ROOT / "README.md", *sorted(ROOT.glob("docs/*.md"))) if BLOCK.search(path.read_text("utf-8"))
+]
+WRITING = "docs/writing-a-system.md"
+NOTEBOOKS = sorted(ROOT.glob("docs/notebooks/*.ipynb"))
+
+
+def name(page: Path) -> str:
+    """Of a page, from the root."""
+    return page.relative_to(ROOT).as_posix()
+
+
+@pytest.fixture
+def checkout(tmp_path: Path, fmus: dict, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A copy of what a newcomer has after `make demo`, to work in."""
+    for package in (*PACKAGES, "docs", "tests"):
+        shutil.copytree(ROOT / package, tmp_path / package, ignore=shutil.ignore_patterns("__pycache__"))
+    for file in ("build_fmu.py", "LICENSE", "README.md", "EQUATIONS.md", "CHANGELOG.md", "Makefile", "pyproject.toml"):
+        shutil.copyfile(ROOT / file, tmp_path / file)
+    (tmp_path / "build" / "native").mkdir(parents=True)
+    for fmu in ("bogie", "brake"):
+        path = fmus[fmu, "native"]
+        shutil.copyfile(path, tmp_path / "build" / "native" / path.name)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    return tmp_path
+
+
+def apply(change: str, before: str) -> None:
+    """Puts the lines with + behind the line above them, in the file that the page names last before the block."""
+    target = Path(re.findall(r"`([\w/]+\.py)`", before)[-1])
+    text, above = target.read_text(encoding="utf-8"), ""
+    for line in change.splitlines(keepends=True):
+        if line.startswith("+"):
+            assert text.count(above) == 1, above
+            text = text.replace(above, above + line[1:])
+        above = line[1:]
+    target.write_text(text, encoding="utf-8")
+
+
+def shown_by_commands(commands: str, instead: Mapping[str, str]) -> str:
+    """What the commands of a block print; each must succeed. instead: what is called in the place of some."""
+    shown = ""
+    for line in commands.splitlines():
+        command = line.split("#")[0].strip()
+        program, *arguments = instead.get(command, command).split()
+        assert program in {"python", "make"}, command
+        called = [sys.executable if program == "python" else program, *arguments]
+        environment = os.environ | {"PYTHONPATH": str(Path.cwd()), "COLUMNS": "200"}
+        done = subprocess.run(called, env=environment, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, f"{command}\n{done.stdout}{done.stderr}"
+        shown += done.stdout
+    return shown
+
+
+def shown_by_python(code: str, names: dict[str, object]) -> str:
+    """What a block prints, which goes on with the names of those before; nothing where it only becomes a file."""
+    file = re.match(r"# ([\w/]+\.py)\n", code)
+    if file:
+        Path(file.group(1)).write_text(code, encoding="utf-8")
+        return ""
+    with contextlib.redirect_stdout(io.StringIO()) as shown:
+        exec(code, names)
+    return shown.getvalue()
+
+
+def run_page(page: str, instead: Mapping[str, str]) -> None:
+    """Runs the blocks of a page in the current folder."""
+    shown, names = "", {}
+    for block in BLOCK.finditer(page):
+        kind, text = block.groups()
+        assert kind in KINDS, f"Say what this block is: {text}"
+        if kind == "python":
+            shown = shown_by_python(text, names)
+        elif kind == "sh":
+            shown = shown_by_commands(text, instead)
+        elif kind == "diff":
+            apply(text, page[: block.start()])
+        elif kind == "text":
+            same = doctest.OutputChecker().check_output(text, shown, doctest.ELLIPSIS)
+            assert same, f"The page says\n{text}\nand there came\n{shown}"
+
+
+@pytest.mark.parametrize("page", [name(path) for path in PAGES if name(path) != WRITING])
+def test_a_page_runs_and_prints_what_it_says(page: str, checkout: Path) -> None:
+    run_page((checkout / page).read_text(encoding="utf-8"), DRY | SHORT)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("page", [name(path) for path in PAGES if any(one in path.read_text("utf-8") for one in SHORT)])
+def test_a_page_runs_whole(page: str, checkout: Path) -> None:
+    run_page((checkout / page).read_text(encoding="utf-8"), DRY)
+
+
+def test_a_newcomer_gets_from_equations_to_an_fmu_and_its_pages(checkout: Path) -> None:
+    run_page((checkout / WRITING).read_text(encoding="utf-8"), {})
+    # What make pages does: the new system has its table, and the other pages can be written.
+    for generator in ("charts", "equations", "variables", "catalogue"):
+        shown_by_commands(f"python docs/generate/{generator}.py", {})
+    assert "## RollerRig\n" in (checkout / "docs" / "variables.md").read_text(encoding="utf-8")
+
+
+def test_what_is_not_as_the_page_says_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    run_page("```python\nprint(6 * 7)\n```\n```text\n42\n```\n", {})
+    for wrong in (
+        "```python\nprint(6 * 7)\n```\n```text\n43\n```\n",
+        "```sh\npython nothing.py\n```\n",
+        "```\nls\n```\n",
+    ):
+        with pytest.raises(AssertionError):
+            run_page(wrong, {})
+
+
+def test_commands_that_are_shortened_are_on_a_page() -> None:
+    pages = "".join(path.read_text(encoding="utf-8") for path in PAGES)
+    assert [command for command in DRY | SHORT if command not in pages] == []
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_a_notebook_runs_and_holds_no_outputs(path: Path, checkout: Path) -> None:
+    cells = [cell for cell in json.loads(path.read_text(encoding="utf-8"))["cells"] if cell["cell_type"] == "code"]
+    assert all(not cell["outputs"] and cell["execution_count"] is None for cell in cells)
+    names: dict[str, object] = {}
+    for cell in cells:
+        exec("".join(cell["source"]), names)
+    assert plt.get_fignums()
+    plt.close("all")
