@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from fmpy import read_model_description
 
 from fmu_src import compile as compiling
 from fmu_src.codegen import generate
@@ -217,11 +218,12 @@ def test_archive_runs_without_python(fmus: dict, tmp_path: Path) -> None:
 
 
 def test_sources_in_the_archive_build(fmus: dict, tmp_path: Path) -> None:
-    """Whoever distrusts the binary compiles sources/; modelDescription.xml lists the files."""
+    """Whoever distrusts the binary compiles sources/; modelDescription.xml lists the files for each interface."""
     with zipfile.ZipFile(fmus["brake", "native"]) as archive:
         archive.extractall(tmp_path / "own")
-    text = (tmp_path / "own/modelDescription.xml").read_text()
-    names = [part.split('"')[0] for part in text.split('<File name="')[1:]]
+    about = read_model_description(str(tmp_path / "own"))
+    names = about.coSimulation.sourceFiles
+    assert about.modelExchange.sourceFiles == names != []
     [library] = (tmp_path / "own/binaries").rglob("BrakeCylinder.*")
     library.unlink()
     command = [*compiling.compiler(), *compiling.FLAGS, "-O1", "-shared", "-o", str(library), *names, "-lm"]
