@@ -247,7 +247,7 @@ def nasty_result() -> Result:
     recorded = Recording({"time": "s"}, [[instant] for instant in time])
     for name in motion_columns(vehicle):
         recorded.add(name, "m", time if name == "distance" else np.zeros(11))
-    parameters = {BREAKS: BREAKS, "group": {"wheel_radius": 0.425}}
+    parameters = {BREAKS: BREAKS, "group": {"wheel_radius": 0.425}, "long": 99 * ["word"], "longer": 999 * "w"}
     result = Result(rows, series, lambda: single("title", "x [m]", "y [m]")[0], parameters, 0.0, [BREAKS])
     result.guids = {BREAKS: BREAKS}
     result.motion = lambda: Motion(BREAKS, vehicle, recorded)
@@ -260,6 +260,7 @@ def test_texts_of_a_result_are_shown_and_never_obeyed(browser: Browser, tmp_path
     save(result, "nasty", tmp_path, 1.0, lambda result, folder: write_report(scenario, result, folder))
     page = browser.open(tmp_path / "nasty" / "report.html", NARROW)
     assert page.errors == []
+    assert cut(page) == []
     assert page.evaluate("document.title") == "nasty"
     shown = page.evaluate("document.body.innerText")
     assert shown.count(BREAKS) >= 9
