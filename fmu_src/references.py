@@ -52,7 +52,16 @@ class Experiment:
 
 def reference_files(model: Model, sets: Mapping[str, bytes], experiments: Sequence[Experiment]) -> dict[str, bytes]:
     """All files by their places in the archive; sets: parameter files by name. Runs the experiments."""
-    files = dict(sets)
+    if not (sets or experiments):
+        return {}
+    files = dict(sets) | (experiment_files(model, experiments) if experiments else {})
+    files["fmi-ls-manifest.xml"] = manifest(files)
+    return {f"{FOLDER}/{name}": data for name, data in files.items()} | {PAGE: page(model, sets, experiments).encode()}
+
+
+def experiment_files(model: Model, experiments: Sequence[Experiment]) -> dict[str, bytes]:
+    """The experiments by name: what they are, their parameters, inputs and results."""
+    files = {EXPERIMENTS_FILE: experiments_file(model, experiments)}
     kernel = Kernel(Library(library_of(generate(model))))
     for one in experiments:
         files[f"{one.name}.ssv"] = parameter_file(one.name, one.description, one.parameters, model.variables)
@@ -60,9 +69,7 @@ def reference_files(model: Model, sets: Mapping[str, bytes], experiments: Sequen
             ["time", *one.inputs], [[t, *one.inputs.values()] for t in (0, one.stop_time)]
         )
         files[f"{one.name}_out.csv"] = table(["time", *one.outputs], results(kernel, one))
-    files[EXPERIMENTS_FILE] = experiments_file(model, experiments)
-    files["fmi-ls-manifest.xml"] = manifest(files)
-    return {f"{FOLDER}/{name}": data for name, data in files.items()} | {PAGE: page(model, sets, experiments).encode()}
+    return files
 
 
 def results(kernel: Kernel, experiment: Experiment) -> list[list[float]]:

@@ -1,6 +1,7 @@
 /* The FMI 3.0 face of the same kernel: co-simulation and model exchange. Value references are those of FMI 2.0, and the
- * time has one of its own. In co-simulation with earlyReturnAllowed a step ends where a wheelset locks or turns again, and where the run ends; without it
- * a step within which the run ends is discarded, and the instance stands where it stood before. */
+ * time has one of its own. In co-simulation with earlyReturnAllowed a step ends where a wheelset locks or turns again, and
+ * where the run ends; without it a step within which the run ends is discarded, and the instance stands where it stood
+ * before. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -350,12 +351,12 @@ DEFINE_READ(fmi3GetContinuousStates, kernel_exchange_states, kernel_get_states)
 DEFINE_READ(fmi3GetNominalsOfContinuousStates, kernel_exchange_states, kernel_get_nominals)
 DEFINE_READ(fmi3GetEventIndicators, kernel_exchange_indicators, kernel_get_indicators)
 
-#define DEFINE_COUNT(function, count)                           \
-    fmi3Status function(fmi3Instance instance, size_t *number) { \
-        REQUIRE(instance, ALWAYS, #function);                   \
+#define DEFINE_COUNT(function, count)                                \
+    fmi3Status function(fmi3Instance instance, size_t *number) {     \
+        REQUIRE(instance, ALWAYS, #function);                        \
         if (face_missing(self, 1, number, number)) return fmi3Error; \
-        *number = (size_t)count();                              \
-        return fmi3OK;                                          \
+        *number = (size_t)count();                                   \
+        return fmi3OK;                                               \
     }
 
 DEFINE_COUNT(fmi3GetNumberOfContinuousStates, kernel_exchange_states)

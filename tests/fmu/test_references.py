@@ -129,6 +129,12 @@ def test_results_are_the_same_with_another_compiler(name: str, monkeypatch: pyte
     assert made[0] == made[1]
 
 
+def test_fmu_without_sets_and_experiments_has_no_folder_for_them() -> None:
+    assert reference_files(model_of("rail"), {}, []) == {}
+    [only, _, _] = reference_files(model_of("rail"), {"one.ssv": b""}, [])
+    assert only == f"{FOLDER}/one.ssv"
+
+
 def test_numbers_are_rounded_to_the_largest_of_their_column() -> None:
     rows = np.genfromtxt(BytesIO(references.table(["a", "b"], [[1234.56789, -1e-12], [1e-9, 0.5]])), delimiter=",")
     assert rows[1:].tolist() == [[1234.568, 0.0], [0.0, 0.5]]
