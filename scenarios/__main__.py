@@ -21,8 +21,9 @@
   python -m scenarios doctor                                     what is there, what is missing, what to do
   eval "$(bogie-braking completion bash)"                        completes the command bogie-braking, which is the same
 
-Exit status: 0 all rows hold (sweep: all points are good), 1 a row does not hold (a point failed), 2 bad input,
-3 a simulation (the sweep) failed, 130 interrupted (Ctrl-C): finished points of a sweep are kept, results as they were.
+Exit status: 0 all rows hold (sweep: all points are good), 1 a row does not hold (a point failed; doctor: something that
+is needed is missing), 2 bad input, 3 a simulation (the sweep) failed, 130 interrupted (Ctrl-C): finished points of a
+sweep are kept, results as they were.
 """
 
 from __future__ import annotations
