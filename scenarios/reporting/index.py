@@ -64,10 +64,16 @@ def write_index(out: Path) -> Path:
 
 
 def read(folder: Path, texts: dict[str, str]) -> Saved:
-    """What was saved of one scenario."""
-    summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-    name, page = summary["scenario"], "report.html" if (folder / "report.html").exists() else "figure.png"
-    return Saved(name, texts.get(name, ""), f"{folder.name}/{page}", summary["rows"], summary["wall_seconds"])
+    """What was saved of one scenario. Raises BadInputError where that is not what `report.save` writes."""
+    path = folder / "summary.json"
+    try:
+        summary = json.loads(path.read_text(encoding="utf-8"))
+        name, rows, seconds = (summary[key] for key in ("scenario", "rows", "wall_seconds"))
+        counts(rows)
+    except (ValueError, KeyError, TypeError) as error:
+        raise BadInputError(f"{path} is no summary of a scenario ({error!r}); remove it, or run it anew.") from error
+    page = "report.html" if (folder / "report.html").exists() else "figure.png"
+    return Saved(name, texts.get(name, ""), f"{folder.name}/{page}", rows, seconds)
 
 
 def chart(results: list[Saved]) -> str:

@@ -309,3 +309,11 @@ def test_what_pages_need_is_imported_for_pages_alone() -> None:
 def test_no_results_are_refused_with_a_sentence(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["report", "--out", str(tmp_path)]) == 2
     assert f"There are no results in {tmp_path}; run a scenario first" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("text", ["{", "[]", '{"scenario": "levels", "rows": [{}], "wall_seconds": 1.0}'])
+def test_an_index_refuses_what_is_no_summary(text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "levels").mkdir()
+    (tmp_path / "levels" / "summary.json").write_text(text)
+    assert main(["report", "--out", str(tmp_path)]) == 2
+    assert "is no summary of a scenario" in capsys.readouterr().err
