@@ -32,11 +32,14 @@ DRY = {f"make {target}": f"make --dry-run {target}" for target in ("demo", "test
 #: Commands that take more than some seconds, and what is called in their place; `make test-long` calls them themselves.
 SHORT = {
     "python build_fmu.py ssp": "python build_fmu.py brake",
+    "python -m scenarios run bogie-lateral --html": "python -m scenarios run creep-forces --html",
+    "python -m scenarios live": "python -m scenarios live --help",
     "python study.py": "python -m py_compile study.py",
 } | {
     f"python -m scenarios {command} {rest}": f"python -m scenarios {command} --help"
     for command, rest in (
         ("run", "controller-prototype"),
+        ("run", "qr30-180kpa"),
         ("run", "line-from-file --line mine.csv"),
         ("sweep", "anti-skid --vary friction=0.03:0.15:13 --vary application_time=1:6:6 --jobs 2"),
     )

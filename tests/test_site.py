@@ -67,7 +67,7 @@ def test_every_page_and_every_notebook_has_its_place() -> None:
 
 
 def public_names() -> Iterator[str]:
-    """Dotted names of functions, classes and methods without a leading underscore, but for those of a command line."""
+    """Dotted names of functions, classes and methods that can be imported, without a leading underscore."""
 
     def within(body: list[ast.stmt], outer: str) -> Iterator[str]:
         for node in body:
@@ -77,7 +77,8 @@ def public_names() -> Iterator[str]:
                     yield from within(node.body, f"{outer}.{node.name}")
 
     for path in [ROOT / "build_fmu.py", *(path for package in PACKAGES for path in (ROOT / package).rglob("*.py"))]:
-        if path.name == "__main__.py":
+        in_package = path.parent == ROOT or (path.parent / "__init__.py").exists()
+        if path.name == "__main__.py" or not in_package:
             continue
         module = ".".join(path.relative_to(ROOT).with_suffix("").parts)
         yield from within(ast.parse(path.read_text(encoding="utf-8")).body, module)

@@ -36,9 +36,14 @@ DOTTED = rf"((?:{'|'.join(PACKAGES)})(?:\.\w+)+)"
 API_PAGE = "---\nsearch:\n  boost: 0.5\n---\n\n::: {}\n"
 
 
+def is_module(path: Path) -> bool:
+    """Whether a file lies in a package; the hosts that travel in archives do not."""
+    return (path.parent / "__init__.py").exists()
+
+
 def modules() -> list[str]:
     """Dotted names of what can be imported of ours, but for the sentences about rooms and the command line."""
-    files = [path for package in PACKAGES for path in sorted((ROOT / package).rglob("[!_]*.py"))]
+    files = [path for package in PACKAGES for path in sorted((ROOT / package).rglob("[!_]*.py")) if is_module(path)]
     return [".".join(path.relative_to(ROOT).with_suffix("").parts) for path in [*files, ROOT / "build_fmu.py"]]
 
 
