@@ -144,9 +144,14 @@ CHECKS = (
         both("SetDebugLogging"),
     ),
     Check(
-        "Event mode, which is not declared, is refused",
-        "test_event_mode_is_refused",
+        "In event mode a step ends where a wheelset locks, and the motion is the one without",
+        "test_event_mode_tells_of_what_a_step_has_found",
         {"fmi3": "eventModeUsed"},
+    ),
+    Check(
+        "Modes of which the host did not speak are refused, and steps go on",
+        "test_modes_that_were_not_asked_for_are_refused",
+        {"fmi3": "EnterEventMode"},
     ),
     Check(
         "An instance without a name is refused",

@@ -45,6 +45,7 @@ def model_description3(model: Model, token: str) -> str:
     slave = {
         "canHandleVariableCommunicationStepSize": "true",
         "mightReturnEarlyFromDoStep": "true",
+        "hasEventMode": "true",
         "maxOutputDerivativeOrder": "1",
     }
     ET.SubElement(root, "CoSimulation", both | slave)

@@ -188,7 +188,7 @@ int face_initialise_if_asked(component *self) {
 
 int face_initialise(component *self) {
     const int status = initialise(self);
-    if (status <= KERNEL_WARNING) self->now = self->exchange ? AT_EVENT : STEPPING;
+    if (status <= KERNEL_WARNING) self->now = self->exchange || self->events ? AT_EVENT : STEPPING;
     return status;
 }
 

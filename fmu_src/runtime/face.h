@@ -5,7 +5,7 @@
 
 #include "kernel.h"
 
-/* STEPPING in co-simulation; in model exchange AT_EVENT and CONTINUOUS, which are event mode and continuous-time mode. */
+/* STEPPING in co-simulation; CONTINUOUS in model exchange; AT_EVENT, event mode, in either. */
 typedef enum {
     INSTANTIATED = 1,
     INITIALISING = 2,
@@ -27,6 +27,7 @@ typedef struct component {
     unsigned told;   /* those that it hears whether it wants to or not */
     int last_step;   /* status of the last step */
     int exchange; /* model exchange; 0: co-simulation */
+    int events;   /* co-simulation whose host asked for event mode */
     double start_time;
     char *name;
     char *resources; /* folder of the FMU's own files; null: the host named none */

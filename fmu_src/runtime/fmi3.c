@@ -1,7 +1,7 @@
 /* The FMI 3.0 face of the same kernel: co-simulation and model exchange. Value references are those of FMI 2.0, and the
  * time has one of its own. In co-simulation with earlyReturnAllowed a step ends where a wheelset locks or turns again, and
  * where the run ends; without it a step within which the run ends is discarded, and the instance stands where it stood
- * before. */
+ * before. A host that uses event mode is told of the former; there is nothing left to update. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -50,10 +50,8 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
                                          fmi3IntermediateUpdateCallback intermediateUpdate) {
     (void)visible, (void)requiredIntermediateVariables;
     (void)nRequiredIntermediateVariables, (void)intermediateUpdate;
-    if (eventModeUsed)
-        return refuse(logMessage, instanceEnvironment, loggingOn,
-                      "There is no event mode, as modelDescription.xml says; instantiate with eventModeUsed = false.");
-    const component log = newborn(instanceName, instanceEnvironment, logMessage);
+    component log = newborn(instanceName, instanceEnvironment, logMessage);
+    log.events = eventModeUsed;
     component *self = face_settle(face_instantiate(&log, instanceName, instantiationToken, loggingOn), resourcePath);
     if (self) kernel_stop_at_events(self->machine, earlyReturnAllowed);
     return self;
@@ -282,21 +280,31 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
     *terminateSimulation = ended;
     *lastSuccessfulTime = kernel_time(self->machine);
     *earlyReturn = *lastSuccessfulTime < end;
+    *eventHandlingNeeded = self->events && *earlyReturn && !ended;
     return (fmi3Status)self->last_step;
 }
 
-/* ---- model exchange ---- */
+/* ---- events and model exchange ---- */
 
 enum { INTEGRATING = AT_EVENT | CONTINUOUS };
 
 fmi3Status fmi3EnterEventMode(fmi3Instance instance) {
-    REQUIRE(instance, CONTINUOUS, "fmi3EnterEventMode");
+    REQUIRE(instance, CONTINUOUS | STEPPING, "fmi3EnterEventMode");
+    if (!self->exchange && !self->events)
+        return (fmi3Status)face_error(self, "Event mode was not asked for; instantiate with eventModeUsed = true.");
     return (fmi3Status)face_enter(self, AT_EVENT);
 }
 
 fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance instance) {
     REQUIRE(instance, AT_EVENT, "fmi3EnterContinuousTimeMode");
+    if (!self->exchange) return (fmi3Status)face_error(self, "Continuous-time mode is of model exchange; enter step mode.");
     return (fmi3Status)face_enter(self, CONTINUOUS);
+}
+
+fmi3Status fmi3EnterStepMode(fmi3Instance instance) {
+    REQUIRE(instance, AT_EVENT, "fmi3EnterStepMode");
+    if (self->exchange) return (fmi3Status)face_error(self, "Step mode is of co-simulation; enter continuous-time mode.");
+    return (fmi3Status)face_enter(self, STEPPING);
 }
 
 fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *discreteStatesNeedUpdate,
@@ -309,7 +317,8 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *discrete
         face_missing(self, 1, nextEventTimeDefined, nextEventTime))
         return fmi3Error;
     int ended = 0, moved = 0;
-    const int status = face_find_modes(self, &ended, &moved);
+    /* Steps of our own have found modes already, and find them anew after inputs have jumped. */
+    const int status = self->exchange ? face_find_modes(self, &ended, &moved) : KERNEL_OK;
     *discreteStatesNeedUpdate = *nominalsOfContinuousStatesChanged = *nextEventTimeDefined = fmi3False;
     *nextEventTime = 0.0;
     *terminateSimulation = ended;
@@ -388,7 +397,6 @@ static const char NO_CLOCKS[] = "There are no clocks.";
 
 DEFINE_ABSENT_PLAIN(fmi3EnterConfigurationMode, NO_MODE)
 DEFINE_ABSENT_PLAIN(fmi3ExitConfigurationMode, NO_MODE)
-DEFINE_ABSENT_PLAIN(fmi3EnterStepMode, NO_MODE)
 DEFINE_ABSENT_PLAIN(fmi3EvaluateDiscreteStates, NO_MODE)
 DEFINE_EMPTY(fmi3GetBinary, "There are no variables of type Binary.", size_t b[], fmi3Binary c[], size_t d)
 DEFINE_EMPTY(fmi3SetBinary, "There are no variables of type Binary.", const size_t b[], const fmi3Binary c[], size_t d)

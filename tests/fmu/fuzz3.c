@@ -8,7 +8,7 @@
 #include "fmi3Functions.h"
 #include "kernel.h"
 
-enum { INSTANCES = 4 };
+enum { INSTANCES = 8 };
 
 static unsigned long long random_state;
 static unsigned random_number(unsigned below) { /* xorshift64 */
@@ -20,7 +20,7 @@ static unsigned random_number(unsigned below) { /* xorshift64 */
 
 typedef struct {
     fmi3Instance instance;
-    int early, logging, ended;
+    int early, logging, events, ended;
     double time, stop;
     unsigned char *bytes[2];
 } host;
@@ -51,6 +51,15 @@ static size_t look(host *h, int which) {
     return size;
 }
 
+/* What is to be done at an event: nothing. */
+static void handle(host *h) {
+    fmi3Boolean more, ended, nominals, values, timed;
+    double next;
+    promise(fmi3UpdateDiscreteStates(h->instance, &more, &ended, &nominals, &values, &timed, &next) == fmi3OK, "an update");
+    promise(!more && !ended && !nominals && !values && !timed, "there is nothing left to update");
+    promise(fmi3EnterStepMode(h->instance) == fmi3OK, "steps go on behind an event");
+}
+
 static void begin(host *h) {
     static const double starts[] = {0.0, 0.0, 5.0, 1.7e9};
     h->time = starts[random_number(4)];
@@ -61,6 +70,7 @@ static void begin(host *h) {
                                                           h->time, isfinite(h->stop), h->stop);
     promise(status <= fmi3Warning, "an experiment that is possible is taken");
     promise(fmi3ExitInitializationMode(h->instance) == fmi3OK, "the initialisation succeeds");
+    if (h->events) handle(h);
 }
 
 static void set_inputs(const host *h) {
@@ -114,10 +124,11 @@ static void step(host *h) {
     const size_t bytes = look(h, 0);
     const fmi3Status status = fmi3DoStep(h->instance, point, size, fmi3True, &events, &ended, &early, &reached);
     outcome[status]++;
-    promise(!events, "there are no events to handle");
+    promise(!events || (h->events && early && !ended), "events are told to who asked, where a step ended early");
     promise(!h->ended || status == fmi3Error, "beyond the end nothing goes on");
     if (status <= fmi3Warning) {
         look_at_success(h, point + size, ended, early, reached);
+        if (events && random_number(2)) promise(fmi3EnterEventMode(h->instance) == fmi3OK, "event mode"), handle(h);
     } else {
         promise(look(h, 1) == bytes && memcmp(h->bytes[0], h->bytes[1], bytes) == 0, "what fails leaves the state");
         promise(!ended && !early && reached == h->time, "what fails asks for nothing");
@@ -129,8 +140,8 @@ int main(int argc, char **argv) {
     random_state = strtoull(argv[1], NULL, 10) * 2654435761u + 88172645463325252ull;
     static host hosts[INSTANCES];
     for (int i = 0; i < INSTANCES; ++i) {
-        hosts[i].early = i & 1, hosts[i].logging = i & 2;
-        hosts[i].instance = fmi3InstantiateCoSimulation("fuzz", MODEL.guid, NULL, fmi3False, i & 2, fmi3False, i & 1, NULL,
+        hosts[i].early = i & 1, hosts[i].logging = i & 2, hosts[i].events = i & 4;
+        hosts[i].instance = fmi3InstantiateCoSimulation("fuzz", MODEL.guid, NULL, fmi3False, i & 2, i & 4, i & 1, NULL,
                                                         0, &hosts[i], listen, NULL);
         if (!hosts[i].instance) return 2;
         begin(&hosts[i]);

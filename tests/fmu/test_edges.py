@@ -316,18 +316,43 @@ def test_tolerance_that_serves_is_taken(sleds: dict, kind: str) -> None:
         assert sled["tolerance"] == 1e-4
 
 
-def test_event_mode_is_refused(sleds: dict) -> None:
-    about = read_model_description(str(sleds["fmi3"]))
-    assert not about.coSimulation.hasEventMode
-    said: list[str] = []
-    folder = extract(str(sleds["fmi3"]))
-    fmu = FMU3Slave(guid=about.guid, unzipDirectory=folder, modelIdentifier="Sled", instanceName="sled")
-    with pytest.raises(Exception, match="ailed to instantiate"):
-        fmu.instantiate(
-            loggingOn=True, eventModeUsed=True, logMessage=lambda env, status, kind, text: said.append(text.decode())
-        )
-    assert said == ["There is no event mode, as modelDescription.xml says; instantiate with eventModeUsed = false."]
-    shutil.rmtree(folder)
+def test_event_mode_tells_of_what_a_step_has_found(sleds: dict) -> None:
+    """The sled stops and is pushed on: two events, and the motion that a step without them finds."""
+    assert read_model_description(str(sleds["fmi3"])).coSimulation.hasEventMode
+    pushed = {"brake": STOPPING, "push_growth": 6.0}
+    with host(sleds["fmi3"], early=True, events=True) as sled, host(sleds["fmi3"]) as whole:
+        sled.start(0.0, **pushed)
+        assert sled.step(0.0, 4.0) == ERROR  # which begins in event mode
+        time, at = 0.0, []
+        while time < 4.0:
+            assert sled.fmu.updateDiscreteStates()[:5] == (False,) * 5
+            assert sled.raw("EnterStepMode") == OK
+            events, ended, early, time = sled.fmu.doStep(time, 4.0 - time)
+            assert events == early == (time < 4.0)
+            assert not ended
+            if events:
+                at.append(time)
+                assert sled.raw("EnterEventMode") == OK
+        whole.start(0.0, **pushed)
+        assert whole.step(0.0, 4.0) == OK
+        assert [line.split(" at ")[0] for line in sled.said if " at " in line] == ["Sled stopped", "Sled moved again"]
+        assert len(at) == 2
+        for name in ("speed", "distance"):
+            assert sled[name] == pytest.approx(whole[name], rel=TOLERANCE)
+
+
+def test_modes_that_were_not_asked_for_are_refused(sleds: dict) -> None:
+    with host(sleds["fmi3"], events=True) as sled:
+        sled.start(0.0)
+        assert sled.raw("EnterContinuousTimeMode") == ERROR
+        assert sled.raw("EnterStepMode") == OK
+        assert sled.raw("EnterStepMode") == ERROR
+        assert sled.step(0.0) == OK
+    with host(sleds["fmi3"]) as sled:
+        sled.start(0.0)
+        assert sled.raw("EnterEventMode") == ERROR
+        assert sled.said[-1] == "Event mode was not asked for; instantiate with eventModeUsed = true."
+        assert sled.step(0.0) == OK
 
 
 # ---- the order of calls, and arrays -------------------------------------------------------------------------------
