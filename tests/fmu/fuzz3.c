@@ -1,5 +1,6 @@
-/* Hosts of FMI 3.0 that step at random, some with leave to return early, some silent: what a step promises is looked at
- * after each. Usage: fuzz3 SEED STEPS. Exit status 1 when a promise is broken. */
+/* Hosts of FMI 3.0 that step at random, some with leave to return early, some silent, and integrators of model exchange
+ * that do not know what they do: what a call promises is looked at after each. Usage: fuzz3 SEED STEPS
+ * CALLS, the last of model exchange. Exit status 1 when a promise is broken. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -8,7 +9,7 @@
 #include "fmi3Functions.h"
 #include "kernel.h"
 
-enum { INSTANCES = 8 };
+enum { INSTANCES = 8, INTEGRATORS = 2, MOST = 64 };
 
 static unsigned long long random_state;
 static unsigned random_number(unsigned below) { /* xorshift64 */
@@ -25,7 +26,7 @@ typedef struct {
     unsigned char *bytes[2];
 } host;
 
-static long long outcome[4], early_returns = 0, ends = 0;
+static long long outcome[4], early_returns = 0, ends = 0, places = 0;
 static int broken = 0;
 
 static void promise(int kept, const char *what) {
@@ -135,8 +136,89 @@ static void step(host *h) {
     }
 }
 
+/* ---- model exchange ---- */
+
+static double any_number(double sane) {
+    static const double wild[] = {0.0, -0.0, 1e-300, 1e300, -1e9, NAN, INFINITY, -INFINITY};
+    return random_number(10) ? sane : wild[random_number(8)];
+}
+
+typedef fmi3Status (*reading)(fmi3Instance, fmi3Float64[], size_t);
+
+/* An array of the right size is filled with finite numbers where that is OK; of any other it is refused. */
+static int read_array(fmi3Instance c, reading read, size_t right, double *values) {
+    const size_t size = random_number(20) ? right : random_number(MOST);
+    const fmi3Status status = read(c, random_number(50) ? values : NULL, size);
+    promise(status > fmi3Warning || size == right, "an array of another size is refused");
+    for (size_t i = 0; status <= fmi3Warning && i < size; ++i)
+        promise(isfinite(values[i]), "a number that is not finite never comes with OK");
+    return status <= fmi3Warning && size == right;
+}
+
+/* A step of Euler's method, or to anywhere: what is taken is what is given back. */
+static void move(fmi3Instance c, size_t size) {
+    double states[MOST] = {0}, slopes[MOST] = {0}, back[MOST];
+    if (!read_array(c, fmi3GetContinuousStates, size, states)) return;
+    if (!read_array(c, fmi3GetContinuousStateDerivatives, size, slopes)) return;
+    for (size_t i = 0; i < size; ++i) states[i] = any_number(states[i] + random_number(1000) * 1e-5 * slopes[i]);
+    if (fmi3SetContinuousStates(c, states, size) > fmi3Warning) return;
+    promise(fmi3GetContinuousStates(c, back, size) == fmi3OK && memcmp(states, back, size * sizeof *back) == 0,
+            "states that are taken are given back");
+    places += read_array(c, fmi3GetContinuousStateDerivatives, size, slopes);
+}
+
+static void restart(host *h) {
+    (void)fmi3Reset(h->instance);
+    set_inputs(h);
+    (void)fmi3EnterInitializationMode(h->instance, 0, 0.0, any_number(0.0), 0, 0.0);
+    if (random_number(10)) (void)fmi3ExitInitializationMode(h->instance);
+}
+
+static void update(fmi3Instance c) {
+    fmi3Boolean more = 1, ended = 1, nominals = 1, values = 1, timed = 1;
+    double next = NAN;
+    const fmi3Status status =
+        fmi3UpdateDiscreteStates(c, &more, &ended, &nominals, random_number(20) ? &values : NULL, &timed, &next);
+    promise(status > fmi3Warning || (!more && !nominals && !timed), "one update is enough");
+}
+
+/* Any call of model exchange in any order; those of steps are refused. */
+static void integrate(host *h) {
+    fmi3Instance c = h->instance;
+    double values[MOST], reached;
+    fmi3Boolean one = 0, two = 0, three = 0;
+    switch (random_number(12)) {
+        case 0: restart(h); break;
+        case 1: (void)fmi3EnterEventMode(c); break;
+        case 2: (void)fmi3EnterContinuousTimeMode(c); break;
+        case 3: update(c); break;
+        case 4: (void)fmi3SetTime(c, any_number(random_number(1000) * 1e-2)); break;
+        case 5: (void)fmi3CompletedIntegratorStep(c, 1, &one, random_number(20) ? &two : NULL); break;
+        case 6: (void)read_array(c, fmi3GetEventIndicators, (size_t)kernel_exchange_indicators(), values); break;
+        case 7: (void)read_array(c, fmi3GetNominalsOfContinuousStates, (size_t)kernel_exchange_states(), values); break;
+        case 8:
+            promise(fmi3DoStep(c, 0.0, 1e-3, 1, &one, &two, &three, &reached) == fmi3Error &&
+                        fmi3EnterStepMode(c) == fmi3Error,
+                    "an instance of model exchange makes no steps");
+            break;
+        case 9: set_inputs(h); break;
+        default: move(c, (size_t)kernel_exchange_states());
+    }
+}
+
+static void exchange(long long calls) {
+    static host hosts[INTEGRATORS];
+    for (int i = 0; i < INTEGRATORS; ++i) {
+        hosts[i].logging = i;
+        hosts[i].instance = fmi3InstantiateModelExchange("fuzz", MODEL.guid, NULL, 0, i, &hosts[i], listen);
+        if (!hosts[i].instance) exit(2);
+    }
+    for (long long i = 0; i < calls; ++i) integrate(&hosts[random_number(INTEGRATORS)]);
+    for (int i = 0; i < INTEGRATORS; ++i) fmi3FreeInstance(hosts[i].instance);
+}
+
 int main(int argc, char **argv) {
-    if (argc != 3) return 2;
+    if (argc != 4) return 2;
     random_state = strtoull(argv[1], NULL, 10) * 2654435761u + 88172645463325252ull;
     static host hosts[INSTANCES];
     for (int i = 0; i < INSTANCES; ++i) {
@@ -157,7 +239,9 @@ int main(int argc, char **argv) {
         fmi3FreeInstance(hosts[i].instance);
         free(hosts[i].bytes[0]), free(hosts[i].bytes[1]);
     }
-    printf("%lld good, %lld discarded, %lld refused, %lld early, %lld ends, %d promises broken\n", outcome[0] + outcome[1],
-           outcome[2], outcome[3], early_returns, ends, broken);
+    const long long calls = atoll(argv[3]);
+    if (calls) exchange(calls);
+    printf("%lld good, %lld discarded, %lld refused, %lld early, %lld ends, %lld places, %d promises broken\n",
+           outcome[0] + outcome[1], outcome[2], outcome[3], early_returns, ends, places, broken);
     return broken != 0;
 }

@@ -17,7 +17,7 @@ from fmu_src.system import System, Variable, model_of
 from rbd_model.bogie import bogie_dynamics
 from rbd_model.line import ERRI_HIGH, arc, irregular, line_of, straight
 
-DRIVER, FUZZ = Path(__file__).with_name("driver.c"), Path(__file__).with_name("fuzz.c")
+DRIVER, FUZZ, FUZZ3 = (Path(__file__).with_name(name) for name in ("driver.c", "fuzz.c", "fuzz3.c"))
 SANITIZERS = ["-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
 
 
@@ -75,6 +75,18 @@ def test_random_calls_find_no_fault(objects: dict, tmp_path: Path) -> None:
         steps, places = (int(done.stdout.split()[n]) for n in (2, 4))
         assert steps > CALLS / 30  # that were made, on two of three instances
         assert places > CALLS / 300  # of model exchange, at which there were derivatives
+        assert done.stderr == ""
+
+
+def test_random_calls_of_model_exchange_of_fmi3_keep_their_promises(objects: dict, tmp_path: Path) -> None:
+    """In any order: arrays have their size, nothing is OK that is not finite, states taken are given back, no steps."""
+    fuzz = driver(objects["sanitized"], FUZZ3, tmp_path)
+    for seed in range(SEEDS):
+        done = subprocess.run([fuzz, str(seed), "0", str(CALLS)], capture_output=True, text=True, timeout=300)
+        assert done.returncode == 0, done.stdout[-1000:] + done.stderr[-3000:]
+        places, broken = (int(part.split()[0]) for part in done.stdout.split(",")[-2:])
+        assert broken == 0
+        assert places > CALLS / 100
         assert done.stderr == ""
 
 
