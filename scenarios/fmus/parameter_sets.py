@@ -1,4 +1,4 @@
-"""All parameter sets of the project by name, and their files (.ssv). A new one is a line in PARAMETER_SETS."""
+"""All parameter sets of the project by name, and their files (.ssv). A new one is a line in MACHINES."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from pathlib import Path
 from brake_controller.ready_sets import ReadySet, qr30_experiment, uic_g, uic_p, with_dump_valve
 from fmu_src.parameter_file import parameter_file
 from fmu_src.system import ParameterSet
+from rbd_model.adhesion import RailCondition, dry, low, very_low, wet
 from rbd_model.parameters import (
     as_printed,
     coal_wagon,
@@ -26,18 +27,25 @@ QR30 = "Brake of one wheelset in the experiment at {} kPa, chapters 6 and 7"
 
 
 class NamedSet:
-    """A set for an FMU of the registry: what it is, in a line, and the functions that give its values."""
+    """A set for an FMU of the registry: what it is, in a line, the functions that give its values, and its rail."""
 
-    def __init__(self, fmu: str, description: str, *sources: Callable[[], ParameterSet | ReadySet]) -> None:
-        self.fmu, self.description, self.sources = fmu, description, sources
+    def __init__(
+        self,
+        fmu: str,
+        description: str,
+        *sources: Callable[[], ParameterSet | ReadySet],
+        rail: RailCondition | None = None,
+    ) -> None:
+        self.fmu, self.description, self.sources, self.rail = fmu, description, sources, rail
 
     def values(self) -> dict[str, float]:
-        """Of all sources, SI units; without those that the FMU does not have."""
-        return values_for(self.fmu, {key: value for one in self.sources for key, value in one().values().items()})
+        """Of all sources and the rail under four wheelsets, SI units; without those that the FMU does not have."""
+        values = {key: value for one in self.sources for key, value in one().values().items()}
+        return values_for(self.fmu, values | (self.rail.values(4) if self.rail else {}))
 
 
-#: By the name of their file.
-PARAMETER_SETS: dict[str, NamedSet] = {
+#: Vehicles and brakes by the name of their file.
+MACHINES: dict[str, NamedSet] = {
     "bogie-chapter-5": NamedSet("bogie", "Two-axle bogie of chapter 5, Tables 5.1 and 5.2", tables_5_1_and_5_2),
     "bogie-chapter-5-as-printed": NamedSet(
         "bogie", "The same in the thesis's reading of what reacts where", lambda: as_printed(tables_5_1_and_5_2())
@@ -63,11 +71,28 @@ PARAMETER_SETS: dict[str, NamedSet] = {
     "rail-recovery": NamedSet("rail", "Low adhesion that sliding wheels clean away", assumed_recovery),
     "brake-uic-g": NamedSet("brake", "UIC freight wagon in brake position G", uic_g),
 }
+#: The sets of vehicles that are also given on rails whose friction falls as the wheels slide, and these rails.
+VEHICLES = ("bogie-chapter-5", "wheelset-chapter-4", "coach", "coal-wagon", "braked-coach")
+RAILS = {"dry-rail": dry, "wet-rail": wet, "low-adhesion": low, "very-low-adhesion": very_low}
+
+
+def on_rail(machine: NamedSet, condition: Callable[[], RailCondition]) -> NamedSet:
+    """A vehicle's set with a condition of the rail, whose friction coefficients are start values of inputs."""
+    about = f"{machine.description}. Rail: {condition.__doc__}"
+    return NamedSet(machine.fmu, about, *machine.sources, rail=condition())
+
+
+#: All by the name of their file.
+PARAMETER_SETS: dict[str, NamedSet] = MACHINES | {
+    f"{vehicle}-{name}": on_rail(MACHINES[vehicle], condition)
+    for vehicle in VEHICLES
+    for name, condition in RAILS.items()
+}
 
 
 def values_for(fmu: str, values: Mapping[str, float]) -> dict[str, float]:
-    """Those of the values that an FMU of the registry has as parameters."""
-    known = {variable.name for variable in model_of(fmu).variables if variable.causality == "parameter"}
+    """Those of the values that an FMU of the registry has as parameters or inputs."""
+    known = {variable.name for variable in model_of(fmu).variables if variable.causality in ("parameter", "input")}
     return {name: value for name, value in values.items() if name in known}
 
 
