@@ -38,9 +38,9 @@ os.execv(sys.argv[3], sys.argv[3:])
 PATIENCE = 60.0
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
-    """Skips where there is none, but for CI=true, which must have one."""
+    """Skips where there is none, but for CI=true, which must have one. It ends with its module: its pages cost."""
     found = next(filter(None, map(shutil.which, NAMES)), None)
     if found is None and os.environ.get("CI") != "true":
         pytest.skip(f"there is none of {', '.join(NAMES)} here; on Debian: apt-get install chromium")
@@ -154,6 +154,10 @@ class Page:
         steps = [("mousePressed", begin), ("mouseMoved", middle), ("mouseMoved", end), ("mouseReleased", end)]
         for kind, (x, y) in steps:
             self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", buttons=1, clickCount=1)
+
+    def close(self) -> None:
+        """Ends it, so that it costs nothing any more."""
+        self.call("Page.close")
 
     def screenshot(self, path: Path) -> None:
         """The whole page as PNG."""

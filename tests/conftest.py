@@ -14,6 +14,13 @@ from rbd_model.bogie import bogie_dynamics
 from scenarios.fmus.building import KINDS, up_to_date
 from scenarios.fmus.registry import DIFFERENT
 
+#: Files whose fixtures take a minute: they come first, for whoever comes to them last lets the other processor wait.
+SLOW_TO_BEGIN = {"test_installation.py", "test_pages_run.py"}
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    items.sort(key=lambda item: item.path.name not in SLOW_TO_BEGIN)
+
 
 @pytest.fixture(scope="session")
 def bogie() -> Library:

@@ -73,6 +73,7 @@ def opened(browser: Browser, file: Path, width: int) -> Iterator[Page]:
     page.evaluate(HANDS)
     page.evaluate("live.ready")
     yield page
+    page.close()
     assert page.errors == []
     assert page.requests == []
 
@@ -107,6 +108,18 @@ def test_the_handle_brakes_and_wheels_lock(page: Page) -> None:
     if "BOGIE_BRAKING_PICTURES" in os.environ:
         page.screenshot(Path(os.environ["BOGIE_BRAKING_PICTURES"]) / name)
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+
+
+def test_a_page_that_stands_still_costs_nothing(still: Page) -> None:
+    """Nothing is drawn while it is paused, until a control moves."""
+    frames = (
+        "new Promise((done) => { let n = 0; const on = () => (n++ < 20 ? requestAnimationFrame(on) : done()); on(); })"
+    )
+    still.evaluate(f"globalThis.drawn = 0, live.side.draw = () => {{ drawn += 1; }}, {frames}")
+    still.evaluate(f"drawn = 0, {frames}")
+    assert still.evaluate("drawn") == 0
+    still.evaluate(f"move({{ friction: {FRICTION} }}), {frames}")
+    assert 0 < still.evaluate("drawn") < 10
 
 
 @pytest.mark.parametrize("protection", [False, True])

@@ -6,7 +6,7 @@ const PATCH = { ahead: 25, length: 40, friction: 0.05 };
 const DATA = JSON.parse(document.getElementById("data").textContent);
 const at = (name) => document.getElementById(name);
 
-const live = { modules: {}, kernels: {}, simulation: null, running: true, frames: 0, busy: 0, simulated: 0, costs: {} };
+const live = { modules: {}, kernels: {}, simulation: null, running: true, frames: 0, busy: 0, simulated: 0, still: 0, costs: {} };
 
 async function moduleOf(name) {
   live.modules[name] ??= await loadModule(DATA.machines[name].module);
@@ -34,7 +34,7 @@ function restart() {
     ...(at("level").value === "3" ? { lateral_irregularity: wave } : {}),
   });
   at("sentences").replaceChildren();
-  live.left = live.busy = live.simulated = 0;
+  live.left = live.busy = live.simulated = live.still = 0;
   const spatial = at("level").value === "3";
   at("section").hidden = !spatial;
   at("section-note").hidden = spatial;
@@ -44,6 +44,7 @@ function restart() {
 function readControls() {
   const handle = Number(at("handle").value) / 100, friction = Number(at("friction").value);
   Object.assign(live.simulation.controls, { handle, friction, protection: at("protection").checked });
+  live.still = 0;
   const { fullPressure, fullTraction } = live.simulation.machine;
   at("handle-value").value = handle < 0
     ? `brake: ${((-handle * fullPressure) / 1e3).toFixed(0)} kPa demanded`
@@ -110,9 +111,12 @@ function frame(now) {
   live.before = now;
   live.frames += 1;
   if (live.simulation) {
-    if (live.running && !live.simulation.ended) goOn(seconds);
+    const moves = live.running && !live.simulation.ended;
+    if (moves) goOn(seconds);
     if (live.frames % 30 === 0) showCosts();
-    draw();
+    // What stands still is drawn on a little, until charts have had their turn, and then costs nothing.
+    live.still = moves ? 0 : live.still + 1;
+    if (live.still <= CHART_FRAMES) draw();
   }
   requestAnimationFrame(frame);
 }
@@ -122,6 +126,7 @@ function begin() {
   live.side = new SideView(at("side"), DATA.colours);
   live.section = new SectionView(at("section"), DATA.colours);
   for (const name of ["handle", "friction", "protection"]) at(name).addEventListener("input", readControls);
+  for (const event of ["resize", "click"]) addEventListener(event, () => { live.still = 0; });
   for (const name of ["level", "speed", "rails"]) at(name).addEventListener("change", restart);
   at("machine").addEventListener("change", () => choose(at("machine").value));
   at("restart").addEventListener("click", restart);
