@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -41,13 +42,12 @@ FIRST_PUSH = -27e3
 BELOW = 0.42
 
 
-@lru_cache
-def climbing_wheelset(flange_angle: float, contact: Contact) -> Library:
-    """The wheelset with the synthetic profile and this flange angle [rad], on patches."""
+def vehicle_that_climbs(flange_angle: float) -> Vehicle:
+    """The wheelset with the synthetic profile and this flange angle [rad]."""
     points = synthetic_wheel(flange_angle=flange_angle)
     wheel = from_points(f"synthetic wheel, flange {math.degrees(flange_angle):g} degrees", "as wheel_cone_120", *points)
     pair = Pair(wheel, rail_60kg(), 0.425, 0.570, 0.570)
-    vehicle = Vehicle(
+    return Vehicle(
         "ClimbingWheelset",
         replace(tables_5_1_and_5_2(), **GUIDED),
         (
@@ -59,7 +59,12 @@ def climbing_wheelset(flange_angle: float, contact: Contact) -> Library:
         axle_box_springs("frame", 1, 0.0),
         (Pull("lateral_push", "Lateral force on the wheelset", "wheelset_1", (0.0, 0.0, -BELOW), "lateral"),),
     )
-    system = spatial_vehicle(vehicle, irregular_track(section_5_3()), contact)
+
+
+@lru_cache
+def climbing_wheelset(flange_angle: float, contact: Contact) -> Library:
+    """Its kernel, on patches."""
+    system = spatial_vehicle(vehicle_that_climbs(flange_angle), irregular_track(section_5_3()), contact)
     return Library(build_library(model_of(system, DEFAULT_TOLERANCE)))
 
 
@@ -81,11 +86,11 @@ class Climb:
         return float(np.median(chosen)) if chosen.size else math.nan
 
 
-def push(library: Library, friction: float, yaw: float) -> Climb:
-    """Pushes to the left, ever more, with an angle of attack `yaw` [rad], until the run ends."""
+def instants(library: Library, friction: float, yaw: float) -> Iterator[Kernel]:
+    """Pushes to the left, ever more, with an angle of attack `yaw` [rad], until the run ends; every INTERVAL."""
     kernel = Kernel(library, initial_speed=SPEED, friction_1=friction, initial_lateral=START, initial_yaw=yaw)
     kernel.set(yaw_torque_1=YAW_STIFFNESS * yaw)
-    pushed, noted = FIRST_PUSH * friction, []
+    pushed = FIRST_PUSH * friction
     while not kernel.ended:
         kernel.set(lateral_push=pushed)
         kernel.set_rate(lateral_push=GROWTH)
@@ -94,6 +99,13 @@ def push(library: Library, friction: float, yaw: float) -> Climb:
         except KernelError:
             break
         pushed += GROWTH * INTERVAL
+        yield kernel
+
+
+def push(library: Library, friction: float, yaw: float) -> Climb:
+    """What the push at an angle of attack `yaw` [rad] comes to."""
+    noted = []
+    for kernel in instants(library, friction, yaw):
         noted.append([kernel[name] for name in ("derailment_quotient_1_left", "state_rise_1", "wheel_rise_1_left")])
     quotient, rise, wheel_rise = np.array(noted).T
     return Climb(quotient, rise, wheel_rise, kernel.journal, kernel.counts["steps"])

@@ -13,8 +13,9 @@ from rbd_model.contact.creep.fastsim import fastsim
 from rbd_model.contact.creep.polach import polach
 from rbd_model.contact.depth import Contact
 from rbd_model.rolling_wheelset import nadal_limit
-from scenarios.bench.climbing_wheelset import GROWTH, SPEED, climbing_wheelset, push
+from scenarios.bench.climbing_wheelset import GROWTH, SPEED, climbing_wheelset, instants, push, vehicle_that_climbs
 from scenarios.cosimulation.recording import Recording
+from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, THREE, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row, at_least, near
@@ -61,7 +62,19 @@ def run(options: Options) -> Result:
         series.add(f"limit_{name.lower()}", "1", np.array([climb.limit(*ONSET) for climb in climbs]))
     rows += remarks(series)
     parameters = {"speed": SPEED, "growth_of_push": GROWTH, "attack": ATTACK, "steps": steps}
-    return Result(rows, series, lambda: draw(rows, series), parameters, 0.0)
+    return Result(rows, series, lambda: draw(rows, series), parameters, 0.0, motion=motion)
+
+
+def motion() -> Motion:
+    """The flange and the friction of the curve, at the largest angle of attack."""
+    angle = math.radians(CURVE_ANGLE)
+    vehicle, library = vehicle_that_climbs(angle), climbing_wheelset(angle, LAWS["default"])
+    columns = ("time", *motion_columns(vehicle))
+    rows = [
+        [kernel.time, *(kernel[name] for name in columns[1:])] for kernel in instants(library, CURVE_FRICTION, ATTACK)
+    ]
+    text = f"Pushed to the left, flange {CURVE_ANGLE:g} degrees, friction {CURVE_FRICTION:g}, yaw {1e3 * ATTACK:g} mrad"
+    return Motion(text, vehicle, Recording(dict.fromkeys(columns, "SI"), rows))
 
 
 def remarks(series: Recording) -> list[Row]:

@@ -8,12 +8,15 @@ utilisation: as in `levels`, brake torque over wheel radius, over friction times
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from tqdm import tqdm
 
+from rbd_model.line import Line
+from rbd_model.vehicles import two_axle_bogie
 from scenarios.bench.curves import (
     APPROACH,
     BOGIE,
@@ -25,6 +28,7 @@ from scenarios.bench.curves import (
 )
 from scenarios.bench.drive import play, prepare_on_line
 from scenarios.cosimulation.recording import Recording
+from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import FOUR, THREE, plt, titled
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row, near
@@ -86,15 +90,20 @@ def curve_begins(cant: float) -> float:
     return APPROACH + transition_length(cant)
 
 
-def stop(radius: float, utilisation: float, place: float) -> Recording:
+def curved(radius: float) -> Line:
+    """Long enough to stop on."""
+    return into_curve(radius, suited_cant(radius, SPEED), 500.0)
+
+
+def stop(radius: float, utilisation: float, place: float, columns: Sequence[str] = STOP_COLUMNS) -> Recording:
     """To rest, braked from a place on the line on [m]."""
-    cant, torque = suited_cant(radius, SPEED), brake_torque(utilisation)
-    kernel = prepare_on_line("bogie", into_curve(radius, cant, 500.0), level=3.0, initial_speed=SPEED)
+    torque = brake_torque(utilisation)
+    kernel = prepare_on_line("bogie", curved(radius), level=3.0, initial_speed=SPEED)
     begin = place / SPEED
     ramp = [(0.0, 0.0), (begin, 0.0), (begin + APPLIED, torque)]
     inputs = {f"brake_torque_{number}": ramp for number in (1, 2)}
     duration = begin + APPLIED + 1.2 * SPEED / (utilisation * FRICTION * BOGIE.gravity)
-    return play("bogie", kernel, duration, 0.01, STOP_COLUMNS, inputs)
+    return play("bogie", kernel, duration, 0.01, columns, inputs)
 
 
 def stops_of(radius: float) -> dict[float, Recording]:
@@ -122,7 +131,14 @@ def run(options: Options) -> Result:
     rows += [row for radius in RADII for row in stop_rows(radius, stops[radius])]
     parameters = BOGIE.values() | {"speed": SPEED, "friction": FRICTION}
     seconds = sum(float(one["time"][-1]) for found in stops.values() for one in found.values())
-    return Result(rows, series, lambda: draw(series, stops), parameters, seconds, remarks(series))
+    return Result(rows, series, lambda: draw(series, stops), parameters, seconds, remarks(series), motion=motion)
+
+
+def motion() -> Motion:
+    """Into the tightest curve, braked from the beginning of its transition on."""
+    vehicle, radius = two_axle_bogie(), RADII[0]
+    series = stop(radius, THROUGH, APPROACH, motion_columns(vehicle))
+    return Motion(f"Braked from the transition into R = {radius:g} m on", vehicle, series, curved(radius))
 
 
 def of_radius(series: Recording, radius: float) -> Recording:

@@ -7,6 +7,8 @@ more than 100 mm of cant deficiency.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 
@@ -27,10 +29,12 @@ from rbd_model.line import (
     read_line,
     straight,
 )
+from rbd_model.vehicles import two_axle_bogie
 from scenarios.bench.curves import BOGIE, MASS, WHEEL_LOAD
 from scenarios.bench.drive import prepare, prepare_on_line, units
 from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.line_picture import draw_line
+from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import LEADING, THESIS, TRAILING, legend_above, plt, titled
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row, at_least, near
@@ -92,7 +96,7 @@ def speed_on(line: Line) -> float:
     return min(SPEED, math.sqrt(np.min(allowed, initial=SPEED**2)))
 
 
-def drive(kernel: Kernel, line: Line, speed: float) -> Recording:
+def drive(kernel: Kernel, line: Line, speed: float, columns: Sequence[str] = COLUMNS) -> Recording:
     """To the end of the line, or of the run."""
     way = float(line.rows["distance"][-1]) - LEFT_OVER
     interval = max(PITCH, way / MOST_ROWS) / speed
@@ -103,10 +107,10 @@ def drive(kernel: Kernel, line: Line, speed: float) -> Recording:
     with tqdm(total=round(way), desc="line-from-file", leave=False, delay=PATIENCE, unit="m") as bar:
         while not kernel.ended and kernel["distance"] < way and kernel["speed"] > speed / 2:
             kernel.set(drawbar_force=MASS * (speed - kernel["speed"]) / REGULATION)
-            table = kernel.record(held, interval, COLUMNS)
+            table = kernel.record(held, interval, columns)
             rows += [list(row) for row in zip(*table.values(), strict=True)][1 if rows else 0 :]
             bar.update(round(kernel["distance"]) - bar.n)
-    return Recording({"time": "s"} | {name: units("bogie")[name] for name in COLUMNS}, rows)
+    return Recording({"time": "s"} | {name: units("bogie")[name] for name in columns}, rows)
 
 
 def run(options: Options) -> Result:
@@ -116,7 +120,17 @@ def run(options: Options) -> Result:
     rows = [*closed_forms(series, line), *safety(series)]
     parameters = BOGIE.values() | {"line": str(options.line or "own"), "speed": speed}
     seconds = float(series["time"][-1])
-    return Result(rows, series, lambda: draw(series, line), parameters, seconds, kernel.journal or [QUIET_RUN])
+    said = kernel.journal or [QUIET_RUN]
+    return Result(rows, series, lambda: draw(series, line), parameters, seconds, said, motion=partial(motion, options))
+
+
+def motion(options: Options) -> Motion:
+    """The same run once more."""
+    vehicle, (kernel, line) = two_axle_bogie(), bogie_on(options.line)
+    speed = speed_on(line)
+    return Motion(
+        f"Along the line at {speed:.1f} m/s", vehicle, drive(kernel, line, speed, motion_columns(vehicle)), line
+    )
 
 
 def closed_forms(series: Recording, line: Line) -> list[Row]:

@@ -20,9 +20,11 @@ from tqdm import tqdm
 from rbd_model.contact.elastic import elastic_force
 from rbd_model.contact.geometry import rolling_radius_difference, thesis_pair
 from rbd_model.line import GAUGE, Line, Segment, arc, clothoid, line_of, straight
+from rbd_model.vehicles import two_axle_bogie
 from scenarios.bench.curves import BOGIE, MASS, WHEEL_LOAD, suited_speed
 from scenarios.bench.drive import prepare_on_line, units
 from scenarios.cosimulation.recording import Recording
+from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import BOGIE as GREY
 from scenarios.reporting.plots import LEADING, THESIS, THREE, TRAILING, legend_above, plt, titled
 from scenarios.reporting.progress import PATIENCE
@@ -75,13 +77,13 @@ class Case:
         """Of the track between both axles [rad]."""
         return BOGIE.wheel_base / (GAUGE * self.ramp)
 
-    def run(self) -> Recording:
+    def run(self, columns: Sequence[str] = COLUMNS) -> Recording:
         """At constant speed, to the last straight."""
         values = {"longitudinal_stiffness": FREE} if self.free else {}
         kernel = prepare_on_line("bogie", self.line, level=3.0, initial_speed=self.speed, constant_speed=1.0, **values)
-        table = kernel.record((self.line.length - STRAIGHT / 2) / self.speed, PITCH / self.speed, COLUMNS)
+        table = kernel.record((self.line.length - STRAIGHT / 2) / self.speed, PITCH / self.speed, columns)
         return Recording(
-            {"time": "s"} | {name: units("bogie")[name] for name in COLUMNS}, list(zip(*table.values(), strict=True))
+            {"time": "s"} | {name: units("bogie")[name] for name in columns}, list(zip(*table.values(), strict=True))
         )
 
 
@@ -160,7 +162,14 @@ def run(options: Options) -> Result:
     shown = Case(RAMPS[0], SLOW)
     parameters = BOGIE.values() | {"radius": RADIUS, "cant": CANT, "slow": SLOW, "fast": FAST}
     seconds = sum(float(series["time"][-1]) for series in found.values())
-    return Result(rows, found[shown], lambda: draw(found), parameters, seconds, remarks(found))
+    return Result(rows, found[shown], lambda: draw(found), parameters, seconds, remarks(found), motion=motion)
+
+
+def motion() -> Motion:
+    """Through the steepest ramps at the speed that the cant suits."""
+    vehicle, case = two_axle_bogie(), Case(RAMPS[0], FAST)
+    text = f"On ramps 1:{case.ramp:g} into a curve of {RADIUS:g} m and out of it, at {FAST:.1f} m/s"
+    return Motion(text, vehicle, case.run(motion_columns(vehicle)), case.line)
 
 
 def row_of(case: Case, series: Recording) -> Row:

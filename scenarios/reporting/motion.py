@@ -1,7 +1,8 @@
 """The motion of a vehicle, as the three-dimensional view of a report shows it.
 
 How wheelsets stand on their rails is told by `lateral_...` and `wheel_rise_...`; bodies count from the axes of the
-track, and here both do, in axes that the vehicle carries along: x ahead, y to the left, z above the rails.
+track, and here both do, in axes that the vehicle carries along: x ahead, y to the left, z above the rails. On a line
+these are the axes of the track under its middle, from which curves turn the places before and behind it.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from rbd_model.contact.profiles import Profile
+from rbd_model.line import Line
 from rbd_model.track import TrackParameters, derivatives_along, section_5_3
 from rbd_model.vehicle import RigidBody, Vehicle, Wheelset, wheelset_name
 from scenarios.cosimulation.recording import Recording
@@ -46,12 +48,12 @@ def motion_columns(vehicle: Vehicle) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class Motion:
-    """Which run is shown, its vehicle, what it recorded (`motion_columns`), and the track if it is irregular."""
+    """Which run is shown, its vehicle, what it recorded (`motion_columns`), and the track if it is uneven or curved."""
 
     text: str
     vehicle: Vehicle
     series: Recording
-    track: TrackParameters | None = None
+    track: TrackParameters | Line | None = None
 
     @property
     def frames(self) -> slice:
@@ -70,7 +72,9 @@ class Motion:
 
 @dataclass(frozen=True)
 class Rails:
-    """Lateral position of both rails, height of the left and of the right one over the distance [m]."""
+    """Lateral position of both rails, height of the left and of the right one [m], and curvature [1/m] over the
+    distance [m].
+    """
 
     distance: np.ndarray
     rows: Mapping[str, np.ndarray]
@@ -79,17 +83,41 @@ class Rails:
         """One of the rows at places along the track [m]."""
         return np.interp(distance, self.distance, self.rows[name])
 
+    def bend(self, distance: np.ndarray, ahead: float) -> tuple[np.ndarray, np.ndarray]:
+        """How far [m] and by what angle [rad] a curve takes the track aside that much ahead of a place [m].
+
+        Where the curvature changes evenly between both, and angles are small.
+        """
+        here, there = self.at(distance, "curvature"), self.at(distance + ahead, "curvature")
+        return ahead**2 * (2 * here + there) / 6, ahead * (here + there) / 2
+
 
 def rails_under(motion: Motion) -> Rails:
     """As far as the vehicle comes, and on a little."""
     beyond = half_length(motion.vehicle) + RAILS_BEYOND
     first, last = motion.column("distance")[[0, -1]] + [-beyond, beyond]
+    distance = np.arange(first, last + PITCH, PITCH)
     if motion.track is None:
-        distance, table = np.array([first, last]), np.zeros((2, 3))
+        distance, table = np.array([first, last]), np.zeros((4, 2))
+    elif isinstance(motion.track, Line):
+        table = rows_of_line(motion.track, distance)
     else:
-        distance, at = np.arange(first, last + PITCH, PITCH), derivatives_along(motion.track)
-        table = np.array([at(place)[0] for place in distance.tolist()])
-    return Rails(distance, dict(zip(("lateral", "left", "right"), table.T, strict=True)))
+        table = rows_of_track(motion.track, distance)
+    return Rails(distance, dict(zip(("lateral", "left", "right", "curvature"), table, strict=True)))
+
+
+def rows_of_track(track: TrackParameters, distance: np.ndarray) -> np.ndarray:
+    """Of `Rails`, shape (4, n)."""
+    at = derivatives_along(track)
+    return np.array([[*at(place)[0], 0.0] for place in distance.tolist()]).T
+
+
+def rows_of_line(line: Line, distance: np.ndarray) -> np.ndarray:
+    """Of `Rails`, shape (4, n); what the line's file does not have is 0."""
+    names = ("left_lateral", "right_lateral", "left_vertical", "right_vertical", "curvature")
+    none = np.zeros_like(line.rows["distance"])
+    rows = [np.interp(distance, line.rows["distance"], line.rows.get(name, none)) for name in names]
+    return np.array([(rows[0] + rows[1]) / 2, *rows[2:]])
 
 
 def half_length(vehicle: Vehicle) -> float:
@@ -121,7 +149,8 @@ def packed(motion: Motion) -> dict[str, Any]:
         "half_length": half_length(vehicle) + RAILS_BEYOND,
         "exaggeration": exaggeration(motion),
         "in_space": motion.in_space,
-        "bodies": [body_of(motion, body) for body in vehicle.bodies],
+        "curved": bool(np.any(rails.rows["curvature"])),
+        "bodies": [body_of(motion, rails, body) for body in vehicle.bodies],
         "wheelsets": [wheelset_of(motion, rails, number, one) for number, one in vehicle.numbered],
         "rails": {name: series(values) for name, values in {"distance": rails.distance, **rails.rows}.items()},
     }
@@ -139,19 +168,23 @@ def exaggeration(motion: Motion) -> int:
     return int(np.clip(SHOWN_DISPLACEMENT / max(largest, 1e-9), 1, MOST_EXAGGERATION))
 
 
-def body_of(motion: Motion, body: RigidBody) -> dict[str, Any]:
+def body_of(motion: Motion, rails: Rails, body: RigidBody) -> dict[str, Any]:
     """Its centre at rest, its box around that centre, and its motions."""
     vehicle = motion.vehicle
     centre = [vehicle.number(size) for size in (body.along, 0.0, body.height)]
-    moves = {name: series(motion.column(body.variable(name))) for name in MOTIONS}
+    moves = {name: motion.column(body.variable(name)) for name in MOTIONS}
+    aside, turned = rails.bend(motion.column("distance"), centre[0])
+    moves |= {"lateral": moves["lateral"] + aside, "yaw": moves["yaw"] + turned}
     above = [centre[0], centre[1], centre[2] + vehicle.number(vehicle.wheelsets[0].mean_radius)]
-    return {"text": body.text, "centre": above, "box": (box(vehicle, body) - centre).tolist()} | moves
+    shown = {name: series(values) for name, values in moves.items()}
+    return {"text": body.text, "centre": above, "box": (box(vehicle, body) - centre).tolist()} | shown
 
 
 def wheelset_of(motion: Motion, rails: Rails, number: int, wheelset: Wheelset) -> dict[str, Any]:
     """Its place, motions against the track's axes, and what each wheel does on its rail."""
     along = motion.vehicle.number(wheelset.along)
     under = motion.column("distance") + along
+    aside, turned = rails.bend(motion.column("distance"), along)
     half = (wheelset.pair.left.wheel_half_distance + wheelset.pair.right.wheel_half_distance) / 2
     rises = [motion.column(f"wheel_rise_{number}_{side}") for side in SIDES]
     left, right = (rise + rails.at(under, side) for rise, side in zip(rises, SIDES, strict=True))
@@ -161,10 +194,10 @@ def wheelset_of(motion: Motion, rails: Rails, number: int, wheelset: Wheelset) -
         "along": along,
         "radius": motion.vehicle.number(wheelset.mean_radius),
         "half_distance": half,
-        "lateral": series(offset + rails.at(under, "lateral")),
+        "lateral": series(offset + rails.at(under, "lateral") + aside),
         "bounce": series((left + right) / 2),
         "roll": series(np.arcsin((left - right) / (2 * half))),
-        "yaw": series(motion.column(f"yaw_{number}")),
+        "yaw": series(motion.column(f"yaw_{number}") + turned),
         "rotation": series(motion.column(f"rotation_{number}")),
         "offset": series(offset),
         "wheels": [wheel_of(motion, wheelset, number, place) for place in range(2)] if motion.in_space else [],

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from rbd_model.parameters import AS_PRINTED, as_printed, tables_5_1_and_5_2
 from rbd_model.track import section_5_3
+from rbd_model.vehicles import two_axle_bogie
 from scenarios.bench.drive import RIGID, bogie, play
 from scenarios.cosimulation.recording import Recording
+from scenarios.reporting.motion import Motion, irregular, motion_columns
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, titled
 from scenarios.reporting.report import Result, Row
 from scenarios.scenario import Options, Scenario
@@ -31,19 +33,19 @@ RECORDED = ("speed", "lateral_1", "lateral_2", "distance")
 REACHED = {"traction in 5 s": 20.5, "traction in 1 s": 18.2}
 
 
-def motion(name: str, reading: Mapping[str, float] = AS_PRINTED) -> Recording:
+def drive(name: str, reading: Mapping[str, float] = AS_PRINTED, columns: Sequence[str] = RECORDED) -> Recording:
     ramp = CASES[name][0]
     traction = name.startswith("traction")
     begin = 0.0 if traction else BRAKE_START
     history = [(0.0, 0.0), (begin, 0.0), (begin + ramp, TORQUE)] if begin else [(0.0, 0.0), (ramp, TORQUE)]
     kind = "traction_torque" if traction else "brake_torque"
     inputs = {f"{kind}_{n}": history for n in (1, 2)}
-    kernel = bogie(inputs, RECORDED, initial_speed=0.01 if traction else HIGH_SPEED, **WAVE, **reading)
-    return play("bogie", kernel, DURATION, INTERVAL, RECORDED, inputs)
+    kernel = bogie(inputs, columns, initial_speed=0.01 if traction else HIGH_SPEED, **WAVE, **reading)
+    return play("bogie", kernel, DURATION, INTERVAL, columns, inputs)
 
 
 def run(options: Options) -> Result:
-    runs = {name: motion(name) for name in CASES}
+    runs = {name: drive(name) for name in CASES}
     rows = []
     for name, series in runs.items():
         source = "section 5.4.3"
@@ -55,14 +57,20 @@ def run(options: Options) -> Result:
         shift = 1e3 * max(float(np.abs(series[f"lateral_{n}"]).max()) for n in (1, 2))
         assumed = "where the wave lies is not printed: 5 m, as in section 5.3"
         rows.append(Row(f"{name}: largest lateral shift", "mm", CASES[name][1], shift, None, source, assumed))
-        hung = motion(name, {})
+        hung = drive(name, {})
         shift = 1e3 * max(float(np.abs(hung[f"lateral_{n}"]).max()) for n in (1, 2))
         rows.append(Row(f"{name}: largest lateral shift, {PHYSICAL}", "mm", CASES[name][1], shift, None, source))
     series = runs["traction in 5 s"]
     for name in list(runs)[1:]:
         series.add_from(f"lateral_1, {name}", runs[name], "lateral_1")
     parameters = as_printed(tables_5_1_and_5_2()).values() | section_5_3().values() | WAVE | RIGID
-    return Result(rows, series, lambda: draw(runs), parameters, 2 * DURATION * len(runs))
+    return Result(rows, series, lambda: draw(runs), parameters, 2 * DURATION * len(runs), motion=motion)
+
+
+def motion() -> Motion:
+    """Traction that grows in a second."""
+    vehicle, name = two_axle_bogie(), "traction in 1 s"
+    return Motion(f"Over a wave: {name}", vehicle, drive(name, columns=motion_columns(vehicle)), irregular(**WAVE))
 
 
 def draw(runs: dict[str, Recording]) -> Figure:

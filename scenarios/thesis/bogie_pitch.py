@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from matplotlib.figure import Figure
 
 from rbd_model.parameters import AS_PRINTED, as_printed, tables_5_1_and_5_2
+from rbd_model.vehicles import two_axle_bogie
 from scenarios.bench.drive import RIGID, period, play, prepare
 from scenarios.cosimulation.recording import Recording
+from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import BOGIE, TRAILING, panels
 from scenarios.reporting.report import Result, Row, at_most
 from scenarios.scenario import Options, Scenario
@@ -18,12 +22,13 @@ TRACTION = [(0.0, 0.0), (5.0, TORQUE), (20.5, TORQUE), (20.5, 0.0)]
 BRAKE = [(0.0, 0.0), (25.5, 0.0), (30.5, TORQUE), (37.0, TORQUE), (37.0, 0.0)]
 DURATION, INTERVAL = 40.0, 2e-3
 LEVELS = {2: "planar", 3: "spatial"}
+RECORDED = ("speed", "pitch", "distance")
 
 
-def motion(level: int, reaction: float = AS_PRINTED["torque_reaction"]) -> Recording:
+def drive(level: int, reaction: float = AS_PRINTED["torque_reaction"], columns: Sequence[str] = RECORDED) -> Recording:
     kernel = prepare("bogie", **RIGID | {"level": level}, initial_speed=0.01, torque_reaction=reaction)
     inputs = {f"traction_torque_{n}": TRACTION for n in (1, 2)} | {f"brake_torque_{n}": BRAKE for n in (1, 2)}
-    return play("bogie", kernel, DURATION, INTERVAL, ("speed", "pitch", "distance"), inputs)
+    return play("bogie", kernel, DURATION, INTERVAL, columns, inputs)
 
 
 def mean_between(series: Recording, begin: float, end: float) -> float:
@@ -32,8 +37,8 @@ def mean_between(series: Recording, begin: float, end: float) -> float:
 
 
 def run(options: Options) -> Result:
-    runs = {level: motion(level) for level in LEVELS}
-    hung = motion(2, tables_5_1_and_5_2().torque_reaction)
+    runs = {level: drive(level) for level in LEVELS}
+    hung = drive(2, tables_5_1_and_5_2().torque_reaction)
     series, source = runs[2], "section 5.4.2, Fig. 5.29"
     where = "brakes and motors hung in the frame, which (3.36) leaves out"
     ringing = (series["time"] > 20.51) & (series["time"] < 22.0)
@@ -62,7 +67,13 @@ def run(options: Options) -> Result:
     series.add_from("pitch, spatial", runs[3], "pitch")
     remark = "Symmetric track and loads: the planar level is enough; the spatial one is run to show it."
     parameters = as_printed(tables_5_1_and_5_2()).values()
-    return Result(rows, series, lambda: draw(series), parameters, DURATION * (len(runs) + 1), [remark])
+    return Result(rows, series, lambda: draw(series), parameters, DURATION * (len(runs) + 1), [remark], motion=motion)
+
+
+def motion() -> Motion:
+    """In the plane."""
+    vehicle = two_axle_bogie()
+    return Motion("Traction, then braking", vehicle, drive(2, columns=motion_columns(vehicle)))
 
 
 def draw(series: Recording) -> Figure:

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from rbd_model.bogie import smallest_level
 from rbd_model.parameters import AS_PRINTED, as_printed, tables_5_1_and_5_2
+from rbd_model.vehicles import two_axle_bogie
 from scenarios.bench.drive import bogie, play
 from scenarios.cosimulation.recording import Recording
+from scenarios.reporting.motion import Motion, irregular, motion_columns
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, mark, plt, titled
 from scenarios.reporting.report import Result, Row
 from scenarios.scenario import Options, Scenario
@@ -25,20 +27,22 @@ RECORDED = (
 )
 
 
-def motion(braked: tuple[int, ...], reading: Mapping[str, float] = AS_PRINTED) -> tuple[Recording, list[str]]:
+def brake(
+    braked: tuple[int, ...], reading: Mapping[str, float] = AS_PRINTED, columns: Sequence[str] = RECORDED
+) -> tuple[Recording, list[str]]:
     history = [(0.0, 0.0), (APPLIED, 0.0), (APPLIED, TORQUE)]
     inputs = {f"brake_torque_{n}": history for n in braked}
-    kernel = bogie(inputs, RECORDED, initial_speed=SPEED, **WAVE, **reading)
-    series = play("bogie", kernel, DURATION, INTERVAL, RECORDED, inputs)
+    kernel = bogie(inputs, columns, initial_speed=SPEED, **WAVE, **reading)
+    series = play("bogie", kernel, DURATION, INTERVAL, columns, inputs)
     return series, kernel.journal
 
 
 def run(options: Options) -> Result:
-    runs = {name: motion(braked) for name, braked in CASES.items()}
+    runs = {name: brake(braked) for name, braked in CASES.items()}
     rows, remarks = [], []
     for name, (series, journal) in runs.items():
         remarks += [f"{name}: {line}" for line in journal]
-        hung = motion(CASES[name], {})[1][:1]
+        hung = brake(CASES[name], {})[1][:1]
         remarks += [f"{name}, torques react on the frame, flanges at the rail: {line}" for line in hung]
         for number in CASES[name]:
             locked = series.first_time(series[f"locked_{number}"] > 0.5)
@@ -52,7 +56,14 @@ def run(options: Options) -> Result:
     choice = smallest_level(("brake_torque_1", *WAVE), RECORDED)
     remarks.append(choice.reason)
     parameters = as_printed(tables_5_1_and_5_2()).values() | WAVE | {"level": choice.level}
-    return Result(rows, first, lambda: draw(runs), parameters, 2 * DURATION * len(runs), remarks)
+    return Result(rows, first, lambda: draw(runs), parameters, 2 * DURATION * len(runs), remarks, motion=motion)
+
+
+def motion() -> Motion:
+    """Of the first case."""
+    vehicle, (name, braked) = two_axle_bogie(), next(iter(CASES.items()))
+    series = brake(braked, columns=motion_columns(vehicle))[0]
+    return Motion(f"Behind a wave, {name}", vehicle, series, irregular(**WAVE))
 
 
 def draw(runs: dict[str, tuple[Recording, list[str]]]) -> Figure:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from matplotlib.figure import Figure
 
 from rbd_model.parameters import AS_PRINTED, as_printed, tables_4_1_and_4_2
+from rbd_model.vehicles import wheelset_under_frame
 from scenarios.bench.drive import play, prepare
 from scenarios.cosimulation.recording import Recording
+from scenarios.reporting.motion import Motion, irregular, motion_columns
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, titled
 from scenarios.reporting.report import Result, Row, at_least, at_most, between
 from scenarios.scenario import Options, Scenario
@@ -21,14 +23,14 @@ DURATION, INTERVAL = 6.0, 2e-3
 RECORDED = ("speed", "angular_velocity_1", "locked_1", "lateral_1", "yaw_1")
 
 
-def motion(friction: float, reading: Mapping[str, float] = AS_PRINTED) -> Recording:
+def brake(friction: float, reading: Mapping[str, float] = AS_PRINTED, columns: Sequence[str] = RECORDED) -> Recording:
     kernel = prepare("wheelset", initial_speed=SPEED, friction_1=friction, **WAVE, **reading)
     history = [(0.0, 0.0), (APPLIED, 0.0), (APPLIED, TORQUE)]
-    return play("wheelset", kernel, DURATION, INTERVAL, RECORDED, {"brake_torque_1": history})
+    return play("wheelset", kernel, DURATION, INTERVAL, columns, {"brake_torque_1": history})
 
 
 def run(options: Options) -> Result:
-    runs = {friction: motion(friction) for friction in FRICTIONS}
+    runs = {friction: brake(friction) for friction in FRICTIONS}
     rows = []
     for friction, (printed, asked, words) in zip(
         FRICTIONS,
@@ -46,15 +48,21 @@ def run(options: Options) -> Result:
         rows.append(Row(f"friction {friction}: speed at lock", "m/s", None, speed, above, "section 4.7", words))
         shift = 1e3 * float(series["lateral_1"][-1])
         rows.append(Row(f"friction {friction}: lateral shift at the end", "mm", None, shift, None, "Figs 4.28, 4.29"))
-        shift = 1e3 * float(motion(friction, {})["lateral_1"][-1])
+        shift = 1e3 * float(brake(friction, {})["lateral_1"][-1])
         name = f"friction {friction}: lateral shift at the end, brake hung in the frame"
         rows.append(Row(name, "mm", None, shift, None, "Figs 4.28, 4.29"))
     series = runs[FRICTIONS[0]]
     for name in RECORDED:
         series.add_from(f"{name}, friction {FRICTIONS[1]}", runs[FRICTIONS[1]], name)
-    return Result(
-        rows, series, lambda: draw(runs), as_printed(tables_4_1_and_4_2()).values() | WAVE, 2 * DURATION * len(runs)
-    )
+    parameters = as_printed(tables_4_1_and_4_2()).values() | WAVE
+    return Result(rows, series, lambda: draw(runs), parameters, 2 * DURATION * len(runs), motion=motion)
+
+
+def motion() -> Motion:
+    """At the larger friction."""
+    vehicle, friction = wheelset_under_frame(), FRICTIONS[0]
+    series = brake(friction, columns=motion_columns(vehicle))
+    return Motion(f"Braked at friction {friction:g}", vehicle, series, irregular(**WAVE))
 
 
 def draw(runs: dict[float, Recording]) -> Figure:

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from matplotlib.figure import Figure
 
 from rbd_model.bogie import wheelset_in_frame
 from rbd_model.linear import critical_speed, oscillations
 from rbd_model.parameters import AS_PRINTED, as_printed, tables_4_1_and_4_2
+from rbd_model.vehicles import wheelset_under_frame
 from scenarios.bench.drive import peaks, play, prepare
 from scenarios.cosimulation.recording import Recording
+from scenarios.reporting.motion import Motion, irregular, motion_columns
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, plt, titled
 from scenarios.reporting.report import Result, Row, near
 from scenarios.scenario import Options, Scenario
@@ -25,10 +29,10 @@ CRITICAL, SEARCHED = 27.0, (15.0, 40.0)
 AROUND = 2.5
 
 
-def motion(kind: str, torque: float) -> Recording:
+def drive(kind: str, torque: float, columns: Sequence[str] = ("speed", "lateral_1")) -> Recording:
     history = [(0.0, 0.0), (APPLIED, 0.0), (APPLIED, torque)]
     kernel = prepare("wheelset", initial_speed=START[kind], **WAVE, **AS_PRINTED)
-    return play("wheelset", kernel, DURATION[torque], INTERVAL, ["speed", "lateral_1"], {INPUT[kind]: history})
+    return play("wheelset", kernel, DURATION[torque], INTERVAL, columns, {INPUT[kind]: history})
 
 
 def critical_under(kind: str, torque: float) -> float:
@@ -60,7 +64,7 @@ def turning_speed(series: Recording, expected: float) -> float:
 
 
 def run(options: Options) -> Result:
-    runs = {(kind, torque): motion(kind, torque) for torque in TORQUES for kind in START}
+    runs = {(kind, torque): drive(kind, torque) for torque in TORQUES for kind in START}
     rows = []
     for (kind, torque), one in runs.items():
         expected = critical_under(kind, torque)
@@ -87,7 +91,14 @@ def run(options: Options) -> Result:
     remark = "The torque itself moves the critical speed: braking stabilises, traction destabilises."
     seconds = sum(DURATION[torque] for _, torque in runs)
     parameters = as_printed(tables_4_1_and_4_2()).values() | WAVE
-    return Result(rows, series, lambda: draw(shown), parameters, seconds, [remark])
+    return Result(rows, series, lambda: draw(shown), parameters, seconds, [remark], motion=motion)
+
+
+def motion() -> Motion:
+    """Under the larger traction, into hunting."""
+    vehicle, kind, torque = wheelset_under_frame(), "traction", TORQUES[1]
+    series = drive(kind, torque, motion_columns(vehicle))
+    return Motion(f"Pulled by {torque / 1e3:g} kN.m, into hunting", vehicle, series, irregular(**WAVE))
 
 
 def draw(runs: dict[str, Recording]) -> Figure:

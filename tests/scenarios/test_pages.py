@@ -14,14 +14,15 @@ from typing import Any
 import numpy as np
 import pytest
 
+from rbd_model.line import Line, arc, line_of
 from rbd_model.parameters import AS_PRINTED
 from rbd_model.vehicles import two_axle_bogie
 from scenarios.__main__ import main
-from scenarios.bench.drive import RIGID, prepare
+from scenarios.bench.drive import RIGID, prepare, prepare_on_line
 from scenarios.bench.irregularities import DURATION, INTERVAL, LATERAL, SPEEDS
 from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.html_report import together, write_report
-from scenarios.reporting.motion import Motion, box, motion_columns
+from scenarios.reporting.motion import Motion, Rails, box, motion_columns
 from scenarios.reporting.plots import single
 from scenarios.reporting.report import Result, Row, at_most, save
 from scenarios.scenario import Options, Scenario
@@ -272,6 +273,55 @@ def test_texts_of_a_result_are_shown_and_never_obeyed(browser: Browser, tmp_path
     assert abs(shown_at(page, 10, 50)["wheelset 1"][1].mean()) < ROUNDED
     assert main(["report", "--out", str(tmp_path)]) == 0
     assert browser.open(tmp_path / "index.html", WIDE).errors == []
+
+
+# -- on a line -------------------------------------------------------------------------------------------------------
+
+RADIUS = 300.0
+
+
+@pytest.fixture(scope="module")
+def curve() -> Motion:
+    """A bogie in an arc to the left whose rails lie 3 mm beside their place."""
+    vehicle, line = two_axle_bogie(), line_of([arc(200.0, RADIUS)])
+    aside = {f"{side}_lateral": np.full_like(line.rows["distance"], 3e-3) for side in ("left", "right")}
+    line = Line(line.rows | aside)
+    kernel = prepare_on_line("bogie", line, level=3.0, initial_speed=10.0)
+    table = kernel.record(1.0, 0.1, motion_columns(vehicle))
+    return Motion(
+        "in an arc", vehicle, Recording(dict.fromkeys(table, ""), list(zip(*table.values(), strict=True))), line
+    )
+
+
+def test_a_curve_bends_before_and_behind_the_vehicle(browser: Browser, curve: Motion, tmp_path: Path) -> None:
+    """By x^2 / (2 R) from its tangent, as its wheelsets do, which turn by x / R."""
+    result = Result([], curve.series, lambda: single("title", "x [m]", "y [m]")[0], {}, 1.0, motion=lambda: curve)
+    scenario, factor, row = Scenario("curve", "An arc.", lambda options: result), 20, 5
+    save(result, "curve", tmp_path, 1.0, lambda result, folder: write_report(scenario, result, folder))
+    page = browser.open(tmp_path / "curve" / "report.html", WIDE)
+    assert page.errors == []
+    assert "its cant and gradient are not" in page.evaluate("document.body.innerText")
+    parts = shown_at(page, row, factor)
+    x, y, _ = parts["rails"][:, : parts["rails"].shape[1] // 2 - 1]  # the left one, without the gap behind it
+    half = curve.vehicle.wheelsets[0].pair.left.wheel_half_distance
+    assert y == pytest.approx(half + factor * (3e-3 + x**2 / 2 / RADIUS), abs=factor * ROUNDED)
+    assert np.ptp(x) > 5.0
+    for number, sign in ((1, 1), (2, -1)):
+        along, offset = sign * 0.8375, curve.series[f"lateral_{number}"][row]
+        wheels = parts[f"wheelset {number}"]
+        bend = along**2 / 2 / RADIUS
+        assert wheels[1].mean() == pytest.approx(factor * (offset + 3e-3 + bend), abs=factor * ROUNDED)
+        axle = wheels[:, 24] - wheels[:, 74]  # from the middle of the right wheel to that of the left one
+        turned = factor * (curve.series[f"yaw_{number}"][row] + along / RADIUS)
+        assert np.arctan2(-axle[0], axle[1]) == pytest.approx(turned, abs=1e-4)
+
+
+def test_the_bend_of_a_transition_is_its_double_integral() -> None:
+    """Exact where curvature grows evenly: curvature 1e-4 x, 2 m before its place 10 m on."""
+    rails = Rails(np.array([0.0, 100.0]), {"curvature": np.array([0.0, 1e-2])})
+    aside, turned = rails.bend(np.array([10.0]), -2.0)
+    assert aside == pytest.approx(1e-4 * (10.0 * 2.0**2 / 2 - 2.0**3 / 6))
+    assert turned == pytest.approx(1e-4 * (8.0**2 - 10.0**2) / 2)
 
 
 # -- without a browser ------------------------------------------------------------------------------------------------

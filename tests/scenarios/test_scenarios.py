@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import base64
 import csv
 import json
 import math
+import re
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -113,14 +115,18 @@ def short_laws(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(creep_laws, "LAWS", {name: creep_laws.LAWS[name] for name in chosen})
 
 
+#: What the view in space of a report is drawn from.
+MOTION = re.compile(r'<script id="motion-data" type="application/json">(.*?)</script>')
+
+
 @pytest.mark.usefixtures("short_oracle", "short_coupling", "short_study")
 @pytest.mark.usefixtures("short_anti_skid", "short_measurements", "short_vehicles", "short_thesis_step", "short_laws")
 @pytest.mark.parametrize("name", [scenario.name for scenario in SCENARIOS])
 def test_scenario_holds_and_leaves_table_data_and_picture(name: str, tmp_path: Path) -> None:
-    assert main(["run", name, "--out", str(tmp_path)]) == 0
-    files = {p.name for p in (tmp_path / name).iterdir()}
-    assert {"figure.png", "summary.json", "timeseries.csv"} <= files
-    assert all(name.endswith(".png") for name in files - {"summary.json", "timeseries.csv"})
+    assert main(["run", name, "--html", "--out", str(tmp_path)]) == 0
+    files, others = {p.name for p in (tmp_path / name).iterdir()}, {"summary.json", "timeseries.csv", "report.html"}
+    assert {"figure.png", *others} <= files
+    assert all(name.endswith(".png") for name in files - others)
     found = summary(tmp_path, name)
     assert {"rows", "parameters", "versions", "wall_seconds", "times_real_time"} <= set(found)
     assert found["times_real_time"] is None or found["times_real_time"] > 0
@@ -138,6 +144,8 @@ def test_scenario_holds_and_leaves_table_data_and_picture(name: str, tmp_path: P
     assert len(rows) > 10
     assert len({len(row) for row in rows}) == 1
     assert (tmp_path / name / "figure.png").read_bytes()[:4] == b"\x89PNG"
+    for data in MOTION.findall((tmp_path / name / "report.html").read_text(encoding="utf-8")):
+        assert len(base64.b64decode(json.loads(data)["time"])) > 4 * 10
     assert [p.name for p in tmp_path.iterdir()] == [name]  # no partial folders
 
 

@@ -94,9 +94,10 @@
     return values[n] + (share - n) * (values[n + 1] - values[n]);
   };
   const railPoint = (side, x, frame, factor) => {
-    const { distance, lateral, left, right } = data.rails, place = data.distance[frame] + x;
-    const [aside, above] = [lateral, side > 0 ? left : right].map((values) => factor * at(distance, values, place));
-    return [x, side * data.wheelsets[0].half_distance + aside, above];
+    const { distance, lateral, left, right, curvature } = data.rails, here = data.distance[frame], place = here + x;
+    const [aside, above] = [lateral, side > 0 ? left : right].map((values) => at(distance, values, place));
+    const bend = (x * x * (2 * at(distance, curvature, here) + at(distance, curvature, place))) / 6;
+    return [x, side * data.wheelsets[0].half_distance + factor * (aside + bend), factor * above];
   };
   const trackAt = (frame, factor) => {
     const reach = data.half_length, steps = Math.ceil(reach / 0.25);
