@@ -106,6 +106,12 @@ def scene_rows(one: Study) -> list[Row]:
         rows.append(
             Row(f"{name}: best peer's time to {WANTED:g} over the default's", "1", None, ratio, None, "measured now")
         )
+    exchanged, planar = one.fastest([EXCHANGE], WANTED), one.of("level planar")
+    if exchanged and planar:
+        words = f"{exchanged.method} at {exchanged.setting:g}: {1e3 * exchanged.seconds:.0f} ms"
+        ratio = exchanged.seconds / planar[0].seconds
+        quantity = f"{name}: time of model exchange over that of co-simulation, in the plane"
+        rows.append(Row(quantity, "1", None, ratio, None, "measured now", words))
     return rows
 
 
