@@ -51,7 +51,7 @@ from scenarios.catalogue import SCENARIOS, find
 from scenarios.completion import SHELLS, completion
 from scenarios.cosimulation.slave import CosimulationError
 from scenarios.live.page import write_page
-from scenarios.reporting.progress import without_bars
+from scenarios.reporting.progress import ticking, without_bars
 from scenarios.reporting.report import Result, save, stopwatch, table
 from scenarios.scenario import BadInputError, Options, Scenario
 from scenarios.sweep import command as sweep
@@ -84,13 +84,22 @@ def run(chosen: argparse.Namespace) -> int:
     if out.exists() and not out.is_dir():
         raise BadInputError(f"{out} is a file; give --out a folder.")
     elapsed = stopwatch()
-    result = scenario.run(options)
-    folder = save(result, scenario.name, out, elapsed(), further)
+    with ticking(scenario.name, last_time(out / scenario.name)):
+        result = scenario.run(options)
+        folder = save(result, scenario.name, out, elapsed(), further)
     if chosen.json:
         print((folder / "summary.json").read_text(encoding="utf-8"), end="")
     elif not chosen.quiet:
         show(scenario, result, folder)
     return HOLDS if result.holds else DOES_NOT_HOLD
+
+
+def last_time(folder: Path) -> float | None:
+    """What the results of a scenario, if there are any, say that its run took [s]."""
+    try:
+        return float(json.loads((folder / "summary.json").read_text(encoding="utf-8"))["wall_seconds"])
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
 
 
 def show(scenario: Scenario, result: Result, folder: Path) -> None:

@@ -12,7 +12,7 @@ from tqdm import tqdm
 
 from fmu_src.kernel import Kernel
 from rbd_model.parameters import AS_PRINTED
-from scenarios.bench.drive import bogie, library, play
+from scenarios.bench.drive import bogie, play
 from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.progress import PATIENCE
 
@@ -134,7 +134,7 @@ def run_case(case: Case, tolerance: float = TOLERANCE) -> Outcome:
 
 def run_all(cases: Sequence[Case] = CASES, tolerance: float = TOLERANCE) -> dict[Case, Outcome]:
     """All these cases; they share the compiled library and run beside each other."""
-    library("bogie")  # compiled once, before the threads ask for it
+    bogie((), RECORDED)  # what all share is written and compiled once, before the threads ask for it
     with ThreadPoolExecutor() as pool:
         found = pool.map(lambda case: run_case(case, tolerance), cases)
         bar = tqdm(found, "cases", len(cases), delay=PATIENCE, leave=False, unit="case")

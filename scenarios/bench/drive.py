@@ -16,7 +16,7 @@ from fmu_src.system import System
 from rbd_model.bogie import smallest_level
 from rbd_model.line import Line
 from scenarios.cosimulation.recording import Recording
-from scenarios.fmus.building import kernel_of
+from scenarios.fmus.building import kernel_of, units_of
 from scenarios.fmus.registry import model_of
 
 #: Points (time [s], value) of an input; straight lines between them, held after the last, a jump at a repeated time.
@@ -34,11 +34,6 @@ PADDING = 8
 def library(name: str) -> Library:
     """The compiled kernel inside the FMU of this name."""
     return Library(kernel_of(name))
-
-
-@lru_cache
-def units(name: str) -> dict[str, str]:
-    return {variable.name: variable.unit for variable in model_of(name).variables}
 
 
 def prepare(name: str, **values: float | str) -> Kernel:
@@ -94,7 +89,7 @@ def play(
             rows.append([kernel.time, *(kernel[column] for column in record)])
         if kernel.ended:
             break
-    return Recording({"time": "s"} | {column: units(name)[column] for column in record}, rows)
+    return Recording({"time": "s"} | {column: units_of(name)[column] for column in record}, rows)
 
 
 def value_at(history: History, time: float, after: bool) -> float:

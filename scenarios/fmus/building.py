@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import sys
 import time
 from collections.abc import Sequence
+from functools import lru_cache
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 
@@ -24,6 +26,7 @@ from scenarios.fmus.experiments import experiments_of
 from scenarios.fmus.parameter_sets import set_files
 from scenarios.fmus.prebuilt import content_of, prebuilt
 from scenarios.fmus.registry import FMUS, model_of
+from scenarios.fmus.remembered import remembered, remembered_path
 from scenarios.fmus.terminals import terminals_of
 
 PICTURES = Path(__file__).parent / "pictures"
@@ -85,7 +88,8 @@ def write_fmu(name: str, kind: str, out: Path, all_platforms: bool = False) -> P
 
 def up_to_date(name: str, kind: str) -> Path:
     """Path of an FMU that came with the package or lies in the cache of the user, built now unless one is there."""
-    return prebuilt(name, f"{kind}/{name}.fmu") or _in_cache(name, kind)
+    file = f"{kind}/{name}.fmu"
+    return prebuilt(name, file) or remembered_path(name, file, lambda: _in_cache(name, kind))
 
 
 def _in_cache(name: str, kind: str) -> Path:
@@ -98,7 +102,15 @@ def _in_cache(name: str, kind: str) -> Path:
 
 def kernel_of(name: str) -> Path:
     """Path of the library of an FMU's equations for fmu_src/kernel.py, likewise."""
-    return prebuilt(name, f"kernel/{name}{library_suffix()}") or build_library(model_of(name))
+    file = f"kernel/{name}{library_suffix()}"
+    return prebuilt(name, file) or remembered_path(name, file, lambda: build_library(model_of(name)))
+
+
+@lru_cache
+def units_of(name: str) -> dict[str, str]:
+    """Units of the variables of an FMU."""
+    made = remembered(name, "units", lambda: json.dumps({v.name: v.unit for v in model_of(name).variables}))
+    return dict(json.loads(made))
 
 
 def announce(path: Path, seconds: float) -> list[str]:

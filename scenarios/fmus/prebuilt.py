@@ -25,6 +25,11 @@ CONTENTS = "contents.json"
 SOURCES = ("fmu_src", "rbd_model", "brake_controller", "scenarios/fmus")
 
 
+def sources_here() -> str:
+    """A name for the sources of FMUs and kernels as they are now."""
+    return digest(*SOURCES)
+
+
 def content_of(name: str) -> str:
     """A name for what an FMU of the registry is made from: its C with the runtime, what travels with it, and what makes
     files of these.
@@ -39,7 +44,7 @@ def content_of(name: str) -> str:
 
 def write_contents(folder: Path, platform: str, names: list[str]) -> None:
     """Says in a folder for which platform its files are, and from what they were made."""
-    about = {"platform": platform, "sources": digest(*SOURCES), "contents": {name: content_of(name) for name in names}}
+    about = {"platform": platform, "sources": sources_here(), "contents": {name: content_of(name) for name in names}}
     (folder / CONTENTS).write_text(json.dumps(about, indent=2) + "\n", encoding="utf-8")
 
 
@@ -54,5 +59,5 @@ def prebuilt(name: str, file: str) -> Path | None:
     path, about = PREBUILT / file, contents()
     if not about or not path.exists():
         return None
-    same = about["sources"] == digest(*SOURCES) or about["contents"][name] == content_of(name)
+    same = about["sources"] == sources_here() or about["contents"][name] == content_of(name)
     return path if same else None

@@ -31,8 +31,9 @@ from rbd_model.line import (
 )
 from rbd_model.vehicles import two_axle_bogie
 from scenarios.bench.curves import BOGIE, MASS, WHEEL_LOAD
-from scenarios.bench.drive import prepare, prepare_on_line, units
+from scenarios.bench.drive import prepare, prepare_on_line
 from scenarios.cosimulation.recording import Recording
+from scenarios.fmus.building import units_of
 from scenarios.reporting.line_picture import draw_line
 from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import LEADING, THESIS, TRAILING, legend_above, plt, titled
@@ -110,7 +111,7 @@ def drive(kernel: Kernel, line: Line, speed: float, columns: Sequence[str] = COL
             table = kernel.record(held, interval, columns)
             rows += [list(row) for row in zip(*table.values(), strict=True)][1 if rows else 0 :]
             bar.update(round(kernel["distance"]) - bar.n)
-    return Recording({"time": "s"} | {name: units("bogie")[name] for name in columns}, rows)
+    return Recording({"time": "s"} | {name: units_of("bogie")[name] for name in columns}, rows)
 
 
 def run(options: Options) -> Result:

@@ -22,8 +22,9 @@ from rbd_model.contact.geometry import rolling_radius_difference, thesis_pair
 from rbd_model.line import GAUGE, Line, Segment, arc, clothoid, line_of, straight
 from rbd_model.vehicles import two_axle_bogie
 from scenarios.bench.curves import BOGIE, MASS, WHEEL_LOAD, suited_speed
-from scenarios.bench.drive import prepare_on_line, units
+from scenarios.bench.drive import prepare_on_line
 from scenarios.cosimulation.recording import Recording
+from scenarios.fmus.building import units_of
 from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import BOGIE as GREY
 from scenarios.reporting.plots import LEADING, THESIS, THREE, TRAILING, legend_above, plt, titled
@@ -83,7 +84,7 @@ class Case:
         kernel = prepare_on_line("bogie", self.line, level=3.0, initial_speed=self.speed, constant_speed=1.0, **values)
         table = kernel.record((self.line.length - STRAIGHT / 2) / self.speed, PITCH / self.speed, columns)
         return Recording(
-            {"time": "s"} | {name: units("bogie")[name] for name in columns}, list(zip(*table.values(), strict=True))
+            {"time": "s"} | {name: units_of("bogie")[name] for name in columns}, list(zip(*table.values(), strict=True))
         )
 
 

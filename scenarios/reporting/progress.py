@@ -1,7 +1,10 @@
-"""Bars of what takes longer than PATIENCE; and none where none are wanted."""
+"""Bars of what takes longer than PATIENCE; one that moves with the clock; and none where none are wanted."""
 
 from __future__ import annotations
 
+import sys
+import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import partialmethod
@@ -9,6 +12,9 @@ from functools import partialmethod
 from tqdm import tqdm
 
 from fmu_src.progress import PATIENCE as PATIENCE
+
+#: Time between two looks at the clock [s].
+TICK = 0.5
 
 
 def hide_bars() -> None:
@@ -25,3 +31,30 @@ def without_bars() -> Iterator[None]:
         yield
     finally:
         tqdm.__init__ = shown
+
+
+@contextmanager
+def ticking(text: str, expected: float | None) -> Iterator[None]:
+    """A bar that moves with the clock towards the time that is expected [s], on a terminal; None: nobody knows.
+
+    Bars that are made within stand below it; it moves also where they have nothing to count for a while.
+    """
+    begin, over, ticker = time.perf_counter(), threading.Event(), None
+    towards = f" |{{bar}}| {{elapsed}} of about {tqdm.format_interval(expected)}" if expected else ": {elapsed}"
+    with tqdm(total=expected, desc=text, leave=False, delay=PATIENCE, bar_format="{desc}" + towards) as bar:
+
+        def tick() -> None:
+            wait = PATIENCE
+            while not over.wait(wait):
+                bar.n, wait = min(time.perf_counter() - begin, expected or 0.0), TICK
+                bar.refresh()
+
+        if sys.stderr.isatty():
+            ticker = threading.Thread(target=tick, daemon=True)
+            ticker.start()
+        try:
+            yield
+        finally:
+            over.set()
+            if ticker:
+                ticker.join()

@@ -18,12 +18,13 @@ from brake_controller.experiment import APPLICATION_TIME, EXPERIMENT
 from brake_controller.parameters import qr30
 from rbd_model.parameters import AS_PRINTED, tables_8_1_and_8_2
 from rbd_model.vehicles import two_axle_bogie
-from scenarios.bench.drive import AT_REST, play, prepare, units
+from scenarios.bench.drive import AT_REST, play, prepare
 from scenarios.bench.open_fmus import open_bogie, open_brake
 from scenarios.bench.qr30_bogie import FRICTION, RECORDED, bogie_parameters
 from scenarios.bench.torque_history import read_torque_history
 from scenarios.cosimulation.master import Connection, Coupling, couple
 from scenarios.cosimulation.recording import Recording
+from scenarios.fmus.building import units_of
 from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, mark, panels
 from scenarios.reporting.progress import PATIENCE
@@ -156,7 +157,9 @@ def run(pressure: int, options: Options) -> Result:
 def motion() -> Motion:
     """With the fitted torque, at which the trailing wheelset locks."""
     vehicle = two_axle_bogie(tables_8_1_and_8_2())
-    values = bogie_parameters(set(units("bogie")), 180) | AS_PRINTED | {"friction_1": FRICTION, "friction_2": FRICTION}
+    values = (
+        bogie_parameters(set(units_of("bogie")), 180) | AS_PRINTED | {"friction_1": FRICTION, "friction_2": FRICTION}
+    )
     torque = {"brake_torque_2": list(zip(*fitted_history(), strict=True))}
     series = play("bogie", prepare("bogie", **values), DURATION, INTERVAL, motion_columns(vehicle), torque)
     return Motion(f"{FITTED_TORQUE / 1e3:.2f} kN.m on the trailing wheelset, fitted", vehicle, series)

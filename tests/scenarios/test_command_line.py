@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import io
 import json
 import shutil
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -15,9 +17,10 @@ from brake_controller.cylinder import brake_cylinder
 from fmu_src import codegen
 from fmu_src import compile as compiling
 from scenarios import doctor
-from scenarios.__main__ import main
+from scenarios.__main__ import last_time, main
 from scenarios.catalogue import SCENARIOS
 from scenarios.fmus import prebuilt
+from scenarios.reporting import progress
 from scenarios.reporting.progress import without_bars
 from scenarios.sources import digest
 
@@ -59,6 +62,44 @@ def test_bars_are_hidden_within_and_shown_after(capsys: pytest.CaptureFixture[st
     with without_bars():
         assert bar() == ""
     assert "working: 100%" in bar()
+
+
+class Terminal(io.StringIO):
+    """What people would see."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+def test_a_bar_moves_with_the_clock_where_nothing_else_does(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Towards the time that a run took last; without that, it tells the time that has gone."""
+    for name in ("PATIENCE", "TICK"):
+        monkeypatch.setattr(progress, name, 0.01)
+    for expected, words in ((90.0, "00:00 of about 01:30"), (None, "working: 00:00")):
+        monkeypatch.setattr(sys, "stderr", Terminal())
+        with progress.ticking("working", expected):
+            time.sleep(0.3)
+        assert words in sys.stderr.getvalue()
+
+
+def test_nothing_ticks_in_files_and_where_it_is_quiet(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("PATIENCE", "TICK"):
+        monkeypatch.setattr(progress, name, 0.01)
+    monkeypatch.setattr(sys, "stderr", io.StringIO())
+    with progress.ticking("working", 90.0):
+        time.sleep(0.1)
+    assert sys.stderr.getvalue() == ""
+    monkeypatch.setattr(sys, "stderr", Terminal())
+    with without_bars(), progress.ticking("working", 90.0):
+        time.sleep(0.1)
+    assert sys.stderr.getvalue() == ""
+
+
+@pytest.mark.parametrize("text", ["{", "[]", "{}", '{"wall_seconds": null}'])
+def test_results_that_cannot_be_read_promise_no_time(text: str, tmp_path: Path) -> None:
+    assert last_time(tmp_path) is None
+    (tmp_path / "summary.json").write_text(text)
+    assert last_time(tmp_path) is None
 
 
 def test_generating_and_compiling_show_how_far_they_are(

@@ -1,0 +1,82 @@
+"""What was made from unchanged sources is found at once, and nothing else is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from brake_controller.cylinder import brake_cylinder
+from brake_controller.parameters import qr30
+from fmu_src import compile as compiling
+from scenarios.fmus import building, remembered
+from scenarios.fmus.registry import FMUS, Fmu
+
+
+@pytest.fixture
+def made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[], int]:
+    """An empty cache, and how often equations were written since then."""
+    written: list[str] = []
+    model_of = building.model_of
+
+    def counted(name: str) -> object:
+        written.append(name)
+        return model_of(name)
+
+    monkeypatch.setattr(compiling, "CACHE", tmp_path / "cache")
+    monkeypatch.setattr(building, "model_of", counted)
+    return lambda: len(written)
+
+
+def test_equations_are_written_once(made: Callable[[], int]) -> None:
+    first = building.kernel_of("rail")
+    once = made()
+    assert building.kernel_of("rail") == first
+    assert made() == once > 0
+
+
+def test_changed_sources_are_written_again(made: Callable[[], int], monkeypatch: pytest.MonkeyPatch) -> None:
+    building.kernel_of("rail")
+    once = made()
+    monkeypatch.setattr(remembered, "sources_here", lambda: "others")
+    building.kernel_of("rail")
+    assert made() == 2 * once
+
+
+def test_another_compiler_is_asked_again(made: Callable[[], int], monkeypatch: pytest.MonkeyPatch) -> None:
+    building.kernel_of("rail")
+    once = made()
+    monkeypatch.setattr(remembered, "compiler", lambda: ["another"])
+    building.kernel_of("rail")
+    assert made() == 2 * once
+
+
+def test_a_file_that_is_gone_is_made_again(made: Callable[[], int]) -> None:
+    first = building.kernel_of("rail")
+    first.unlink()
+    assert building.kernel_of("rail") == first
+    assert first.exists()
+
+
+def test_a_note_that_was_not_finished_counts_for_nothing(made: Callable[[], int], tmp_path: Path) -> None:
+    first = building.kernel_of("rail")
+    [note] = (tmp_path / "cache").glob("*.made")
+    note.write_text("")
+    assert building.kernel_of("rail") == first
+
+
+def test_a_model_that_other_sources_write_is_never_remembered(
+    made: Callable[[], int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Those of a test, or of a person: their changes are not looked for."""
+    monkeypatch.setitem(FMUS, "rail", Fmu(lambda: brake_cylinder(qr30(150))))
+    building.kernel_of("rail")
+    once = made()
+    building.kernel_of("rail")
+    assert made() == 2 * once > 0
+
+
+def test_units_are_those_of_the_variables() -> None:
+    units = building.units_of("brake")
+    assert units == {variable.name: variable.unit for variable in building.model_of("brake").variables}
