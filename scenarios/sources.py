@@ -6,8 +6,8 @@ import hashlib
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-#: Of all that computes.
-KINDS = {".py", ".c", ".h"}
+#: Of all that computes or travels in an FMU.
+KINDS = {".py", ".c", ".h", ".cpp", ".cs", ".png"}
 
 
 def digest(*places: str) -> str:
