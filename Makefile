@@ -39,7 +39,7 @@ $(VENV)/test-installed: pyproject.toml | $(VENV)/bin/python
 	$(RUN) -m pip install --quiet --disable-pip-version-check -e ".[test,masters,charts,sweep,reports,docs]"
 	touch $@ $(VENV)/demo-installed
 
-# Draws the pictures of docs/choosing.md anew, about a quarter of an hour, and puts what they measured into the text.
+# Draws the pictures of docs/choosing.md anew, some seven minutes, and puts what they measured into the text.
 CHARTS := speed-accuracy stability-atlas coupling-step levels levels-in-curves contact-depth thesis-step
 charts: $(VENV)/charts-installed
 	for name in $(CHARTS); do $(RUN) -m scenarios run $$name || exit 1; done
@@ -62,7 +62,7 @@ release: $(VENV)/test-installed
 	rm -rf dist
 	$(RUN) release.py
 
-# The site, into build/site; scenarios that left nothing in results/ yet run first: a quarter of an hour and more for all.
+# The site, into build/site; scenarios that left nothing in results/ yet run first, which takes some six minutes for all.
 docs: $(VENV)/docs-installed
 	$(RUN) docs/generate/scenario_pages.py
 	NO_MKDOCS_2_WARNING=1 $(RUN) -m mkdocs build --strict
