@@ -11,7 +11,7 @@ already been.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi as ca
 
@@ -24,6 +24,8 @@ SLOWEST = 0.1
 #: Legendre polynomials for the cleaning along the wheel base. Eight bring what a wheelset of the default parameters
 #: leaves to the other within 2 % of the gain where it begins, and within 0.2 % half a metre later.
 MOMENTS = 8
+#: Published energies of cleaning scatter by an order of magnitude; the assumed one is put in its middle.
+SCATTER = 10.0
 
 
 @dataclass(frozen=True)
@@ -48,6 +50,24 @@ def assumed_recovery() -> RecoveryParameters:
         left_behind=0.7,
         wheel_base=1.675,
     )
+
+
+def easy_recovery() -> RecoveryParameters:
+    """Assumed: the least energy of the scatter."""
+    middle = assumed_recovery()
+    return replace(middle, recovery_energy=middle.recovery_energy / SCATTER**0.5)
+
+
+def hard_recovery() -> RecoveryParameters:
+    """Assumed: the most energy of the scatter."""
+    middle = assumed_recovery()
+    return replace(middle, recovery_energy=middle.recovery_energy * SCATTER**0.5)
+
+
+def no_recovery() -> RecoveryParameters:
+    """A rail that stays dirty, whatever slides on it."""
+    dirty = assumed_recovery()
+    return replace(dirty, recovered_friction=dirty.degraded_friction)
 
 
 def rail_between_axles(system: System, speed: ca.SX, cleaned: dict[int, ca.SX], wheel_base: ca.SX) -> dict[int, ca.SX]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from brake_controller.ready_sets import ReadySet, qr30_experiment, uic_g, uic_p, with_dump_valve
@@ -18,12 +19,17 @@ from rbd_model.parameters import (
     tables_5_1_and_5_2,
     tables_8_1_and_8_2,
 )
-from rbd_model.rail_recovery import assumed_recovery
+from rbd_model.rail_recovery import RecoveryParameters, assumed_recovery, easy_recovery, hard_recovery, no_recovery
 from scenarios.fmus.braked_vehicle import coach_brake
 from scenarios.fmus.registry import model_of
 
 #: What a file says of itself, with the pressure of the experiment.
 QR30 = "Brake of one wheelset in the experiment at {} kPa, chapters 6 and 7"
+
+
+def recovery_under_coach() -> RecoveryParameters:
+    """The assumed recovery, over the wheel base of the coach's bogies."""
+    return replace(assumed_recovery(), wheel_base=manchester_vehicle_1().wheel_base)
 
 
 class NamedSet:
@@ -68,8 +74,14 @@ MACHINES: dict[str, NamedSet] = {
     "brake-uic-p-dump-valve": NamedSet(
         "brake", "The same with the dump valve of a wheel-slide protection", lambda: with_dump_valve(uic_p())
     ),
-    "rail-recovery": NamedSet("rail", "Low adhesion that sliding wheels clean away", assumed_recovery),
     "brake-uic-g": NamedSet("brake", "UIC freight wagon in brake position G", uic_g),
+    "rail-recovery": NamedSet("rail", "Low adhesion that sliding wheels clean away", assumed_recovery),
+    "rail-recovery-easy": NamedSet("rail", "The same with the least energy of cleaning", easy_recovery),
+    "rail-recovery-hard": NamedSet("rail", "The same with the most energy of cleaning", hard_recovery),
+    "rail-recovery-none": NamedSet("rail", "Low adhesion that stays, whatever slides", no_recovery),
+    "rail-recovery-under-coach": NamedSet(
+        "rail", "Low adhesion that sliding wheels clean away, under a bogie of the coach", recovery_under_coach
+    ),
 }
 #: The sets of vehicles that are also given on rails whose friction falls as the wheels slide, and these rails.
 VEHICLES = ("bogie-chapter-5", "wheelset-chapter-4", "coach", "coal-wagon", "braked-coach")

@@ -69,8 +69,7 @@ def test_manifest_lists_every_file_with_role_and_digest(unpacked: Unpack, name: 
 
 @pytest.mark.parametrize("name", FMUS)
 def test_there_are_five_sets_and_three_experiments(name: str) -> None:
-    """Of how a rail recovers there is one set: published values scatter by an order of magnitude."""
-    assert len([one for one in PARAMETER_SETS.values() if one.fmu == name]) >= (1 if name == "rail" else 5)
+    assert len([one for one in PARAMETER_SETS.values() if one.fmu == name]) >= 5
     assert len(experiments_of(name)) >= 3
 
 

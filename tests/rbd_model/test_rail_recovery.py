@@ -9,7 +9,7 @@ import pytest
 
 from fmu_src.compile import build_library
 from fmu_src.kernel import Kernel, Library
-from rbd_model.rail_recovery import SLOWEST, assumed_recovery
+from rbd_model.rail_recovery import SCATTER, SLOWEST, assumed_recovery, easy_recovery, hard_recovery, no_recovery
 from scenarios.bench.drive import prepare
 from scenarios.fmus.registry import model_of
 
@@ -38,6 +38,19 @@ def test_friction_follows_the_sliding_energy_along_the_rail(rail: Library) -> No
     end = 1.0 - math.exp(-energy / P.recovery_energy)
     share = end * (1.0 - math.exp(-20.0 * seconds / P.recovery_length))
     assert kernel["friction_1"] == pytest.approx(P.degraded_friction + GAIN * share, rel=1e-5)
+
+
+def test_scatter_of_published_energies_decides_how_much_is_cleaned(rail: Library) -> None:
+    """1 - exp(-e / e_0) over the scatter around the assumed energy; a rail that stays dirty keeps its friction."""
+    sliding = {"creep_force_1": -4e3, "slip_1": 6.0}
+    gains = []
+    for parameters in (easy_recovery(), P, hard_recovery()):
+        share = 1.0 - math.exp(-4e3 * 6.0 / math.hypot(20.0, SLOWEST) / parameters.recovery_energy)
+        gains.append(slid(rail, 4.0, **sliding, **parameters.values())["friction_1"] - P.degraded_friction)
+        assert gains[-1] == pytest.approx(GAIN * share, rel=1e-5)
+    assert easy_recovery().recovery_energy * SCATTER == pytest.approx(hard_recovery().recovery_energy)
+    assert gains[0] > 2 * gains[1] > 4 * gains[2]
+    assert slid(rail, 4.0, **sliding, **no_recovery().values())["friction_1"] == P.degraded_friction
 
 
 def test_trailing_wheelset_finds_the_cleaned_rail_a_wheel_base_later(rail: Library) -> None:
