@@ -2,7 +2,8 @@
 
 How wheelsets stand on their rails is told by `lateral_...` and `wheel_rise_...`; bodies count from the axes of the
 track, and here both do, in axes that the vehicle carries along: x ahead, y to the left, z above the rails. On a line
-these are the axes of the track under its middle, from which curves turn the places before and behind it.
+these are the axes of the track under its middle, without its cant, from which curves turn the places before and behind
+it; each place is then turned by its own cant.
 """
 
 from __future__ import annotations
@@ -15,12 +16,13 @@ from typing import Any
 import numpy as np
 
 from rbd_model.contact.profiles import Profile
-from rbd_model.line import Line
+from rbd_model.line import GAUGE, Line
 from rbd_model.track import TrackParameters, derivatives_along, section_5_3
 from rbd_model.vehicle import RigidBody, Vehicle, Wheelset, wheelset_name
 from scenarios.cosimulation.recording import Recording
 
 SIDES = ("left", "right")
+RAIL_ROWS = ("lateral", "left", "right", "curvature", "cant", "gradient")
 #: Motions of a body beside the one along the track.
 MOTIONS = ("lateral", "bounce", "roll", "pitch", "yaw")
 #: Pictures of a motion, at most, and pitch of the rails' irregularities [m].
@@ -72,8 +74,8 @@ class Motion:
 
 @dataclass(frozen=True)
 class Rails:
-    """Lateral position of both rails, height of the left and of the right one [m], and curvature [1/m] over the
-    distance [m].
+    """Lateral position of both rails, height of the left and of the right one [m], curvature [1/m], cant [m] and
+    gradient [1] over the distance [m]: `RAIL_ROWS`.
     """
 
     distance: np.ndarray
@@ -98,23 +100,23 @@ def rails_under(motion: Motion) -> Rails:
     first, last = motion.column("distance")[[0, -1]] + [-beyond, beyond]
     distance = np.arange(first, last + PITCH, PITCH)
     if motion.track is None:
-        distance, table = np.array([first, last]), np.zeros((4, 2))
+        distance, table = np.array([first, last]), np.zeros((len(RAIL_ROWS), 2))
     elif isinstance(motion.track, Line):
         table = rows_of_line(motion.track, distance)
     else:
         table = rows_of_track(motion.track, distance)
-    return Rails(distance, dict(zip(("lateral", "left", "right", "curvature"), table, strict=True)))
+    return Rails(distance, dict(zip(RAIL_ROWS, table, strict=True)))
 
 
 def rows_of_track(track: TrackParameters, distance: np.ndarray) -> np.ndarray:
-    """Of `Rails`, shape (4, n)."""
+    """Of `Rails`, shape (6, n)."""
     at = derivatives_along(track)
-    return np.array([[*at(place)[0], 0.0] for place in distance.tolist()]).T
+    return np.array([[*at(place)[0], 0.0, 0.0, 0.0] for place in distance.tolist()]).T
 
 
 def rows_of_line(line: Line, distance: np.ndarray) -> np.ndarray:
-    """Of `Rails`, shape (4, n); what the line's file does not have is 0."""
-    names = ("left_lateral", "right_lateral", "left_vertical", "right_vertical", "curvature")
+    """Of `Rails`, shape (6, n); what the line's file does not have is 0."""
+    names = ("left_lateral", "right_lateral", "left_vertical", "right_vertical", "curvature", "cant", "gradient")
     none = np.zeros_like(line.rows["distance"])
     rows = [np.interp(distance, line.rows["distance"], line.rows.get(name, none)) for name in names]
     return np.array([(rows[0] + rows[1]) / 2, *rows[2:]])
@@ -149,7 +151,8 @@ def packed(motion: Motion) -> dict[str, Any]:
         "half_length": half_length(vehicle) + RAILS_BEYOND,
         "exaggeration": exaggeration(motion),
         "in_space": motion.in_space,
-        "curved": bool(np.any(rails.rows["curvature"])),
+        "on_line": isinstance(motion.track, Line),
+        "gauge": GAUGE,
         "bodies": [body_of(motion, rails, body) for body in vehicle.bodies],
         "wheelsets": [wheelset_of(motion, rails, number, one) for number, one in vehicle.numbered],
         "rails": {name: series(values) for name, values in {"distance": rails.distance, **rails.rows}.items()},

@@ -7,6 +7,7 @@
   const field = (name) => document.getElementById(`motion-${name}`);
   const space = field("space"), section = field("section"), bar = field("time"), factor = field("exaggeration");
   const SLEEPER_DISTANCE = 0.6, RIM = 24, HALF_TREAD = 0.065, GREY = "#777777";
+  const STRAIGHTER = 1e5;  // [m]
 
   // Series come as base64 of 32-bit floats.
   const unpacked = (value) => {
@@ -73,12 +74,13 @@
     const [x, y, z] = body.centre;
     const moved = [x, y + factor * body.lateral[frame], z + factor * body.bounce[frame]];
     const angles = [body.roll, body.pitch, body.yaw].map((angle) => factor * angle[frame]);
-    return corners(body.box).map(placed(moved, angles));
+    return corners(body.box).map(placed(moved, angles)).map(canted(frame, x));
   };
   const wheelsetAt = (one, frame, factor) => {
     const centre = [one.along, factor * one.lateral[frame], one.radius + factor * one.bounce[frame]];
     const angles = [factor * one.roll[frame], one.rotation[frame], factor * one.yaw[frame]];
-    const place = placed(centre, angles), half = one.half_distance;
+    const own = placed(centre, angles), tilt = canted(frame, one.along), half = one.half_distance;
+    const place = (point) => tilt(own(point));
     const marks = [1, -1].map((side) => {
       const outside = side * (half + HALF_TREAD + 0.005);
       return [[0, outside, 0], [0, outside, one.radius]].map(place);
@@ -99,15 +101,21 @@
     const bend = (x * x * (2 * at(distance, curvature, here) + at(distance, curvature, place))) / 6;
     return [x, side * data.wheelsets[0].half_distance + factor * (aside + bend), factor * above];
   };
+  // The cross-section at x, turned by the cant there about the track's axis: the right rail rises where it is positive.
+  const canted = (frame, x) => {
+    const { distance, cant } = data.rails, sine = at(distance, cant, data.distance[frame] + x) / data.gauge;
+    const cosine = Math.sqrt(1 - sine * sine);
+    return ([ahead, y, z]) => [ahead, cosine * y + sine * z, cosine * z - sine * y];
+  };
   const trackAt = (frame, factor) => {
     const reach = data.half_length, steps = Math.ceil(reach / 0.25);
     const along = [...Array(2 * steps + 1).keys()].map((n) => (n / steps - 1) * reach);
-    const rails = [1, -1].map((side) => along.map((x) => railPoint(side, x, frame, factor)));
+    const rails = [1, -1].map((side) => along.map((x) => canted(frame, x)(railPoint(side, x, frame, factor))));
     const sleepers = [], first = Math.ceil((data.distance[frame] - reach) / SLEEPER_DISTANCE);
     for (let n = first; n * SLEEPER_DISTANCE <= data.distance[frame] + reach; n++) {
       const x = n * SLEEPER_DISTANCE - data.distance[frame];
       const [left, right] = [1, -1].map((side) => railPoint(side, x, frame, factor));
-      sleepers.push([[x, left[1] + 0.4, left[2] - 0.05], [x, right[1] - 0.4, right[2] - 0.05]]);
+      sleepers.push([[x, left[1] + 0.4, left[2] - 0.05], [x, right[1] - 0.4, right[2] - 0.05]].map(canted(frame, x)));
     }
     return { rails, sleepers };
   };
@@ -186,12 +194,21 @@
   const forces = (wheel, frame) =>
     `${wheel.text}: Q ${shown(wheel.load[frame] / 1e3, 1)} kN, Y ${shown(wheel.lateral_force[frame] / 1e3, 1)} kN`;
 
+  const lineAt = (place) => {
+    const [curvature, cant, gradient] = ["curvature", "cant", "gradient"].map(
+      (name) => at(data.rails.distance, data.rails[name], place));
+    const radius = Math.abs(1 / curvature), hand = curvature > 0 ? "left" : "right";
+    const plan = radius < STRAIGHTER ? `curve to the ${hand} of ${shown(radius, 0)} m` : "straight";
+    return `${plan}, cant ${shown(1e3 * cant, 0)} mm, gradient ${shown(1e3 * gradient, 1)} \u2030`;
+  };
+
   const draw = () => {
     const frame = Number(bar.value), times = Number(factor.value);
     const [x, y, z] = [0, 1, 2].map((axis) => pointsAt(frame, times).map((points) => columns(points)[axis]));
     Plotly.restyle(space, { x, y, z });
     field("instant").textContent = `${shown(data.time[frame], 2)} s, ${shown(data.speed[frame], 2)} m/s, `
       + `${shown(data.distance[frame], 1)} m`;
+    if (data.on_line) field("line").textContent = lineAt(data.distance[frame]);
     field("factor").textContent = `${times} times`;
     if (section) drawSection(frame);
   };
