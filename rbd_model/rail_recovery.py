@@ -53,19 +53,19 @@ def assumed_recovery() -> RecoveryParameters:
 
 
 def easy_recovery() -> RecoveryParameters:
-    """Assumed: the least energy of the scatter."""
+    """Sliding wheels clean the rail (section 2.5.2), assumed: with the least energy of the scatter."""
     middle = assumed_recovery()
     return replace(middle, recovery_energy=middle.recovery_energy / SCATTER**0.5)
 
 
 def hard_recovery() -> RecoveryParameters:
-    """Assumed: the most energy of the scatter."""
+    """Sliding wheels clean the rail (section 2.5.2), assumed: with the most energy of the scatter."""
     middle = assumed_recovery()
     return replace(middle, recovery_energy=middle.recovery_energy * SCATTER**0.5)
 
 
 def no_recovery() -> RecoveryParameters:
-    """A rail that stays dirty, whatever slides on it."""
+    """A rail that stays dirty whatever slides on it, against section 2.5.2."""
     dirty = assumed_recovery()
     return replace(dirty, recovered_friction=dirty.degraded_friction)
 
