@@ -1,5 +1,6 @@
-"""Makes what a release consists of: a wheel for each platform with its FMUs and kernels inside, one without for all
-others, the sdist, an archive of the FMUs for all platforms with parameter sets and systems, and SHA256SUMS.
+"""Makes what a release consists of: a wheel for each platform with its FMUs, kernels and the live page inside, one
+without for all others, the sdist, an archive of the FMUs for all platforms with parameter sets and systems, the live
+page, and SHA256SUMS.
 
   python release.py              into dist/
   python release.py --out FOLDER
@@ -24,11 +25,12 @@ from fmu_src.compile import CompilerError
 from fmu_src.native_fmu import PLATFORMS, binary_of, build_native_fmu
 from scenarios.fmus.building import NATIVE, build_all, extras, license_text
 from scenarios.fmus.parameter_sets import write_sets
-from scenarios.fmus.prebuilt import PREBUILT, write_contents
+from scenarios.fmus.prebuilt import PAGE, write_contents
 from scenarios.fmus.registry import DIFFERENT, FMUS, model_of
 from scenarios.fmus.systems import build_systems
+from scenarios.live.page import write_page
+from scenarios.sources import PREBUILT, ROOT
 
-ROOT = Path(__file__).parent
 #: Platforms of wheels -> folder in binaries/ of an FMU.
 WHEELS = {
     "manylinux_2_17_x86_64": "linux64",
@@ -47,7 +49,7 @@ def copy_sources(folder: Path) -> None:
 
 
 def fill(folder: Path, platform: str) -> None:
-    """Writes the FMUs and kernels of a platform that scenarios ask for."""
+    """Writes the FMUs and kernels of a platform that scenarios ask for, and the live page, which all platforms show."""
     place = WHEELS[platform]
     targets, suffix = PLATFORMS[place]
     for name in DIFFERENT:
@@ -56,6 +58,7 @@ def fill(folder: Path, platform: str) -> None:
         kernel = folder / "kernel" / f"{name}{suffix}"
         kernel.parent.mkdir(exist_ok=True)
         kernel.write_bytes(binary_of(generate(model), targets, fmu=False))
+    write_page(folder / PAGE)
     write_contents(folder, platform, DIFFERENT)
 
 
@@ -110,6 +113,7 @@ def main(arguments: list[str] | None = None) -> int:
             parser.error(f"{out} is not empty; empty it, or name another folder with --out.")
         write_wheels(WHEELS, out)
         write_fmus(out)
+        write_page(out / f"bogie_braking-{__version__}-{PAGE}")
         write_checksums(out)
     except (CompilerError, OSError, subprocess.CalledProcessError) as error:
         print(f"The release in {out} is not complete ({error}).", file=sys.stderr)

@@ -6,8 +6,10 @@ import hashlib
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-#: Of all that computes or travels in an FMU.
-KINDS = {".py", ".c", ".h", ".cpp", ".cs", ".png"}
+#: Of all that computes, travels in an FMU or makes a page.
+KINDS = {".py", ".c", ".h", ".cpp", ".cs", ".png", ".js", ".css", ".html"}
+#: What a release has made from them, empty in a checkout; `make release` fills it in wheels.
+PREBUILT = ROOT / "scenarios" / "fmus" / "prebuilt"
 
 
 def digest(*places: str) -> str:
@@ -20,7 +22,8 @@ def digest(*places: str) -> str:
 
 
 def _sources(place: Path) -> list[Path]:
-    return [place] if place.is_file() else [path for path in place.rglob("*") if path.suffix in KINDS]
+    found = [place] if place.is_file() else [path for path in place.rglob("*") if path.suffix in KINDS]
+    return [path for path in found if not path.is_relative_to(PREBUILT)]
 
 
 def _name(path: Path) -> str:

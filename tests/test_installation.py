@@ -16,6 +16,7 @@ from packaging.tags import platform_tags
 import release
 from fmu_src.compile import CACHE
 from fmu_src.native_fmu import PLATFORMS
+from scenarios.live.page import page
 
 #: Of the FMUs that a release compiles, those of the scenario that runs here.
 FMUS = ["brake", "bogie"]
@@ -84,6 +85,8 @@ def test_wheel_runs_a_scenario_without_a_compiler_and_is_left_as_it_was(
     shown = call(installed, tmp_path, "-m", "scenarios", "run", "qr30-180kpa", **no_compiler)
     assert "DOES NOT HOLD" not in shown
     assert (tmp_path / "results" / "qr30-180kpa" / "figure.png").exists()
+    call(installed, tmp_path, "-m", "scenarios", "live", **no_compiler)
+    assert (tmp_path / "results" / "live.html").read_text(encoding="utf-8") == page()
     assert not (tmp_path / "cache").exists()
     # The guard bites: what no wheel brings is compiled, and cannot be.
     shown = call(installed, tmp_path, "-m", "scenarios", "run", "wheelset-torque", status=3, **no_compiler)

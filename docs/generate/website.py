@@ -1,7 +1,7 @@
 """Hooks of MkDocs: what the site has beside the pages in docs/, and what becomes of their links, places and formulas.
 
 Added are the README, EQUATIONS.md and the changelog, a page for each scenario and for each module, the notebooks with
-what they show when they run, and a search that works from a disk.
+what they show when they run, the live page, and a search that works from a disk.
 """
 
 from __future__ import annotations
@@ -27,6 +27,9 @@ from nbconvert.preprocessors import ExecutePreprocessor
 from pages import DOCS, ROOT
 from scenario_pages import pictures_of, scenario_page
 
+from scenarios.live.page import write_page
+
+LIVE = "live.html"
 OUTSIDE = ("README.md", "EQUATIONS.md", "CHANGELOG.md")
 PACKAGES = ("fmu_src", "rbd_model", "brake_controller", "scenarios")
 #: Of a Python file of ours, and a name in it; the same as a name with dots.
@@ -77,6 +80,7 @@ def contents() -> Iterator[tuple[str, str | Path]]:
     yield from ((f"api/{name}.md", API_PAGE.format(name)) for name in modules())
     for path in sorted(DOCS.glob("notebooks/*.ipynb")):
         yield f"notebooks/{path.stem}.md", run_notebook(path)
+    yield LIVE, write_page(ROOT / "build" / LIVE)
     yield "assets/formulas.ttf", Path(ziamath.__file__).parent / "fonts" / "STIXTwoMath-Regular.ttf"
     yield "assets/instead-of-iframe-worker.js", search_from_disk()
 
@@ -119,7 +123,8 @@ def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:
         markdown = re.sub(PLACE, lambda place: f"`{place.group()}`", markdown)
     if page.file.src_uri == "scenarios.md":
         markdown = re.sub(r"^\| `([\w-]+)` ", lambda row: thumbnail(row.group(1)), markdown, flags=re.MULTILINE)
-    return re.sub(r"\]\((?:\.\./|docs/)", "](", markdown).replace(".ipynb)", ".md)")
+    markdown = re.sub(r"\]\((?:\.\./|docs/)", "](", markdown).replace(".ipynb)", ".md)")
+    return re.sub(r"!\[The live page.*?\)", rf"[\g<0>]({LIVE})", markdown)
 
 
 def thumbnail(name: str) -> str:

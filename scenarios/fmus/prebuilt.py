@@ -1,4 +1,5 @@
-"""What a release has compiled and a wheel brings: FMUs and kernels of its platform, in a folder that is only read.
+"""What a release has compiled and a wheel brings: FMUs and kernels of its platform, and the live page, in a folder that
+is only read.
 
 A file of it serves as long as the sources here would make the same. Where no source has changed that is known at once;
 else the C is generated, which takes seconds, and compared, so that nothing is compiled but what has changed.
@@ -16,13 +17,14 @@ from scenarios.fmus.experiments import experiments_of
 from scenarios.fmus.parameter_sets import set_files
 from scenarios.fmus.registry import model_of
 from scenarios.fmus.terminals import terminals_of
-from scenarios.sources import digest
+from scenarios.sources import PREBUILT, digest
 
-#: Empty in a checkout; `make release` fills it in wheels.
-PREBUILT = Path(__file__).parent / "prebuilt"
 CONTENTS = "contents.json"
 #: What FMUs and kernels are made from.
 SOURCES = ("fmu_src", "rbd_model", "brake_controller", "scenarios/fmus")
+#: The live page in the folder, and what it is made from.
+PAGE = "live.html"
+PAGE_SOURCES = (*SOURCES, "scenarios/live", "scenarios/reporting/motion.py", "scenarios/reporting/plots.py")
 
 
 def sources_here() -> str:
@@ -44,7 +46,8 @@ def content_of(name: str) -> str:
 
 def write_contents(folder: Path, platform: str, names: list[str]) -> None:
     """Says in a folder for which platform its files are, and from what they were made."""
-    about = {"platform": platform, "sources": sources_here(), "contents": {name: content_of(name) for name in names}}
+    made = {"contents": {name: content_of(name) for name in names}, "page": digest(*PAGE_SOURCES)}
+    about = {"platform": platform, "sources": sources_here()} | made
     (folder / CONTENTS).write_text(json.dumps(about, indent=2) + "\n", encoding="utf-8")
 
 
@@ -61,3 +64,9 @@ def prebuilt(name: str, file: str) -> Path | None:
         return None
     same = about["sources"] == sources_here() or about["contents"][name] == content_of(name)
     return path if same else None
+
+
+def prebuilt_page() -> Path | None:
+    """The live page that a release made, if no source of it has changed."""
+    same = contents().get("page") == digest(*PAGE_SOURCES)
+    return PREBUILT / PAGE if same else None

@@ -17,6 +17,7 @@ from fmu_src.codegen import generate, guid_of
 from fmu_src.compile import web_module
 from rbd_model.vehicle import size_of
 from scenarios.fmus.braked_vehicle import FULL_PRESSURE
+from scenarios.fmus.prebuilt import prebuilt_page
 from scenarios.live.machines import MACHINES, model_of
 from scenarios.reporting.motion import drawn
 from scenarios.reporting.plots import FOUR
@@ -29,6 +30,15 @@ SCRIPTS = ("kernel.js", "protection.js", "simulation.js", "charts.js", "side_vie
 
 def write_page(path: Path) -> Path:
     """Writes the page, about a megabyte; it needs no network. Raises CompilerError, OSError."""
+    made = prebuilt_page()
+    text = made.read_text(encoding="utf-8") if made else page()
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def page() -> str:
+    """Its text, with the kernels, which are compiled unless the cache has them. Raises CompilerError."""
     script = "\n".join((WEB / name).read_text(encoding="utf-8") for name in SCRIPTS)
     data = {
         "version": __version__,
@@ -41,12 +51,10 @@ def write_page(path: Path) -> Path:
         "@DATA@": json.dumps(data, separators=(",", ":")).replace("</", "<\\/"),
         "@SCRIPT@": script,
     }
-    page = (WEB / "page.html").read_text(encoding="utf-8")
+    whole = (WEB / "page.html").read_text(encoding="utf-8")
     for mark, text in parts.items():
-        page = page.replace(mark, text)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(page, encoding="utf-8")
-    return path
+        whole = whole.replace(mark, text)
+    return whole
 
 
 def machine(name: str) -> dict[str, Any]:

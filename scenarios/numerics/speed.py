@@ -16,12 +16,12 @@ from scenarios.bench.four_axles import ALONG_DAMPING, brakes
 from scenarios.cosimulation.recording import Recording
 from scenarios.cosimulation.slave import Slave
 from scenarios.fmus.building import kernel_of, up_to_date
-from scenarios.fmus.prebuilt import PREBUILT
 from scenarios.methods import fmi_overhead
 from scenarios.methods.timing import LEVELS, REPEATS, least
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, titled
 from scenarios.reporting.report import Result, Row
 from scenarios.scenario import Options, Scenario
+from scenarios.sources import PREBUILT
 
 KINDS = ("native", "python")
 #: The stop: 25 m/s, 20 kN.m on both wheelsets, 22.9 s of simulated time (it stands from 16.9 s on).

@@ -13,6 +13,7 @@ from brake_controller.parameters import qr30
 from fmu_src.kernel import Kernel, Library
 from scenarios.cosimulation.slave import Slave
 from scenarios.fmus import building, prebuilt
+from scenarios.live import page as live
 
 PLATFORM = next(tag for tag in platform_tags() if tag in release.WHEELS)
 
@@ -65,6 +66,16 @@ def test_what_was_changed_is_built(filled: Path, monkeypatch: pytest.MonkeyPatch
     assert path.name == "BrakeCylinder.fmu"
     for found in (path, building.kernel_of("brake")):
         assert not found.is_relative_to(filled)
+
+
+def test_the_live_page_is_made_anew_when_a_source_of_it_has_changed(
+    filled: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(live, "page", lambda: "another")
+    out = tmp_path / "live.html"
+    assert live.write_page(out).read_bytes() == (filled / "live.html").read_bytes()
+    monkeypatch.setattr(prebuilt, "digest", lambda *_: "another")
+    assert live.write_page(out).read_text(encoding="utf-8") == "another"
 
 
 def test_what_no_release_brings_is_built(filled: Path) -> None:

@@ -11,7 +11,7 @@ from brake_controller.cylinder import brake_cylinder
 from brake_controller.parameters import qr30
 from fmu_src import compile as compiling
 from scenarios.fmus import building, remembered
-from scenarios.fmus.prebuilt import SOURCES
+from scenarios.fmus.prebuilt import PAGE_SOURCES
 from scenarios.fmus.registry import FMUS, Fmu
 from scenarios.sources import KINDS, ROOT
 
@@ -79,9 +79,9 @@ def test_a_model_that_other_sources_write_is_never_remembered(
     assert made() == 2 * once > 0
 
 
-def test_every_file_that_an_fmu_is_made_from_is_looked_at() -> None:
-    """Also those that are not Python: a host in C#, a picture."""
-    places = [path for place in SOURCES for path in (ROOT / place).rglob("*") if path.is_file()]
+def test_every_file_that_an_fmu_or_the_live_page_is_made_from_is_looked_at() -> None:
+    """Also those that are not Python: a host in C#, a picture, a style."""
+    places = [path for place in PAGE_SOURCES for path in (ROOT / place).rglob("*") if path.is_file()]
     kinds = {path.suffix for path in places if "__pycache__" not in path.parts and "prebuilt" not in path.parts}
     assert kinds == KINDS
 
