@@ -45,7 +45,8 @@ def browser() -> Iterator[Browser]:
     if found is None and os.environ.get("CI") != "true":
         pytest.skip(f"there is none of {', '.join(NAMES)} here; on Debian: apt-get install chromium")
     assert found, "CI must have a Chromium: apt-get install chromium"
-    with tempfile.TemporaryDirectory() as profile:
+    # Its processes may still write while they end.
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
         running = Browser(found, profile)
         yield running
         running.close()
