@@ -57,7 +57,7 @@ screenshots: $(VENV)/test-installed
 pages: $(VENV)/demo-installed
 	for page in charts equations variables catalogue; do $(RUN) docs/generate/$$page.py || exit 1; done
 
-# Wheels with compiled FMUs inside, sdist, archive of FMUs, checksums, into dist/: half an hour once, for all platforms.
+# Wheels with compiled FMUs inside, sdist, archive of FMUs, live page, checksums, into dist/: 15 min the first time.
 release: $(VENV)/test-installed
 	rm -rf dist
 	$(RUN) release.py

@@ -99,14 +99,13 @@ def group(extra: str, asked: Mapping[str, Any]) -> Finding:
 
 def prebuilt() -> Finding:
     """What a wheel brings compiled."""
-    from scenarios.fmus.prebuilt import SOURCES, contents
-    from scenarios.sources import digest
+    from scenarios.fmus.prebuilt import contents, sources_here
 
     about = contents()
     if not about:
         return Finding(WITHOUT, "prebuilt FMUs: none", "Nothing to do: each is compiled when it is first needed.")
     text = f"prebuilt FMUs: {', '.join(about['contents'])} for {about['platform']}"
-    if about["sources"] != digest(*SOURCES):
+    if about["sources"] != sources_here():
         text += "; sources were changed since"
         return Finding(WITHOUT, text, "Nothing to do: what that touches is compiled when it is first needed.")
     return Finding(OK, text)

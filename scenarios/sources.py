@@ -3,26 +3,28 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Collection
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-#: Of all that computes, travels in an FMU or makes a page.
-KINDS = {".py", ".c", ".h", ".cpp", ".cs", ".png", ".js", ".css", ".html"}
+#: Of all that computes; and with what travels in an FMU or makes a page.
+CODE = {".py", ".c", ".h"}
+KINDS = CODE | {".cpp", ".cs", ".png", ".js", ".css", ".html"}
 #: What a release has made from them, empty in a checkout; `make release` fills it in wheels.
 PREBUILT = ROOT / "scenarios" / "fmus" / "prebuilt"
 
 
-def digest(*places: str) -> str:
-    """Of the sources in folders, and of files, by their places from the root."""
+def digest(*places: str, kinds: Collection[str] = KINDS) -> str:
+    """Of the sources of some kinds in folders, and of files, by their places from the root."""
     found = hashlib.sha256()
-    for path in sorted((path for place in places for path in _sources(ROOT / place)), key=_name):
+    for path in sorted((path for place in places for path in _sources(ROOT / place, kinds)), key=_name):
         found.update(_name(path).encode())
         found.update(path.read_bytes())
     return found.hexdigest()[:24]
 
 
-def _sources(place: Path) -> list[Path]:
-    found = [place] if place.is_file() else [path for path in place.rglob("*") if path.suffix in KINDS]
+def _sources(place: Path, kinds: Collection[str]) -> list[Path]:
+    found = [place] if place.is_file() else [path for path in place.rglob("*") if path.suffix in kinds]
     return [path for path in found if not path.is_relative_to(PREBUILT)]
 
 

@@ -9,7 +9,6 @@ import base64
 import json
 import os
 import select
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -19,6 +18,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+
+from tests.needed import needed
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "chrome")
 #: The processor draws what WebGL asks for; a machine that runs tests has no other.
@@ -40,11 +41,8 @@ PATIENCE = 60.0
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
-    """Skips where there is none, but for CI=true, which must have one. It ends with its module: its pages cost."""
-    found = next(filter(None, map(shutil.which, NAMES)), None)
-    if found is None and os.environ.get("CI") != "true":
-        pytest.skip(f"there is none of {', '.join(NAMES)} here; on Debian: apt-get install chromium")
-    assert found, "CI must have a Chromium: apt-get install chromium"
+    """It ends with its module: its pages cost."""
+    found = needed(*NAMES, packages="chromium")
     # Its processes may still write while they end.
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
         running = Browser(found, profile)

@@ -27,7 +27,7 @@ from nbconvert.preprocessors import ExecutePreprocessor
 from pages import DOCS, ROOT
 from scenario_pages import pictures_of, scenario_page
 
-from scenarios.live.page import write_page
+from scenarios.live import page as live
 
 LIVE = "live.html"
 OUTSIDE = ("README.md", "EQUATIONS.md", "CHANGELOG.md")
@@ -80,7 +80,7 @@ def contents() -> Iterator[tuple[str, str | Path]]:
     yield from ((f"api/{name}.md", API_PAGE.format(name)) for name in modules())
     for path in sorted(DOCS.glob("notebooks/*.ipynb")):
         yield f"notebooks/{path.stem}.md", run_notebook(path)
-    yield LIVE, write_page(ROOT / "build" / LIVE)
+    yield LIVE, live.page()
     yield "assets/formulas.ttf", Path(ziamath.__file__).parent / "fonts" / "STIXTwoMath-Regular.ttf"
     yield "assets/instead-of-iframe-worker.js", search_from_disk()
 

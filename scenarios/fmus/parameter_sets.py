@@ -50,7 +50,7 @@ class NamedSet:
         return values_for(self.fmu, values | (self.rail.values(4) if self.rail else {}))
 
 
-#: Vehicles and brakes by the name of their file.
+#: Vehicles, brakes and rails by the name of their file.
 MACHINES: dict[str, NamedSet] = {
     "bogie-chapter-5": NamedSet("bogie", "Two-axle bogie of chapter 5, Tables 5.1 and 5.2", tables_5_1_and_5_2),
     "bogie-chapter-5-as-printed": NamedSet(

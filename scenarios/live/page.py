@@ -6,6 +6,7 @@ import base64
 import json
 import zlib
 from dataclasses import asdict
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -37,6 +38,7 @@ def write_page(path: Path) -> Path:
     return path
 
 
+@lru_cache
 def page() -> str:
     """Its text, with the kernels, which are compiled unless the cache has them. Raises CompilerError."""
     script = "\n".join((WEB / name).read_text(encoding="utf-8") for name in SCRIPTS)

@@ -14,10 +14,12 @@ import pytest
 
 from fmu_src import compile as compiling
 from fmu_src.native_fmu import HOST_FILES
-from scenarios.cosimulation.slave import Slave
+from tests.fmu.programs import call, found_here, shown
+from tests.needed import needed
 
 GIVEN = {"pressure_demand": 180e3, "pneumatics": 2}
-ASSIGNMENTS = [f"{name}={value}" for name, value in GIVEN.items()]
+MONO = {"mcs": "mono-mcs", "mono": "mono-runtime"}
+OUTPUTS = ("cylinder_pressure", "shoe_force", "shoe_friction", "brake_torque")
 
 
 @pytest.fixture
@@ -30,23 +32,12 @@ def documentation(fmus: Mapping, tmp_path: Path) -> Path:
 
 @pytest.fixture(scope="module")
 def expected(fmus: Mapping) -> dict[str, float]:
-    """Outputs after 100 steps of 10 ms."""
-    with Slave(fmus["brake", "native"], pneumatics=2) as brake:
-        brake.start(pressure_demand=180e3)
-        for n in range(100):
-            brake.step(n * 0.01, 0.01)
-        return {name: brake[name] for name in ("cylinder_pressure", "shoe_force", "shoe_friction", "brake_torque")}
-
-
-def shown(command: list[str | Path], folder: Path) -> dict[str, float]:
-    done = subprocess.run([*command, *ASSIGNMENTS], cwd=folder, capture_output=True, text=True, timeout=60)
-    assert done.returncode == 0, done.stderr
-    return {name: float(value) for name, value in (line.split() for line in done.stdout.splitlines())}
+    return found_here(fmus["brake", "native"], GIVEN, OUTPUTS)
 
 
 def refusal(command: list[str | Path], folder: Path) -> str:
     """What is said about a name that does not exist."""
-    done = subprocess.run([*command, "presure=1"], cwd=folder, capture_output=True, text=True, timeout=60)
+    done = call(command, folder, "presure=1")
     assert done.returncode == 1
     return done.stderr
 
@@ -59,24 +50,24 @@ def test_cpp(documentation: Path, expected: dict[str, float]) -> None:
     assert done.returncode == 0, done.stderr
     [library] = (documentation.parent / "binaries").rglob("BrakeCylinder.*")
     command = [documentation / "host", library]
-    assert shown(command, documentation) == expected
+    assert shown(command, documentation, GIVEN) == expected
     assert refusal(command, documentation) == "presure=1 was refused with status 3.\n"
     none = subprocess.run([documentation / "host", "nowhere"], capture_output=True, text=True)
     assert none.stderr == "The library as the first argument has no fmi2Instantiate.\n"
 
 
-@pytest.mark.skipif(not (shutil.which("mcs") and shutil.which("mono")), reason="install mono-mcs and mono-runtime")
 def test_csharp(documentation: Path, expected: dict[str, float]) -> None:
-    subprocess.run(["mcs", "-warnaserror", "host.cs"], cwd=documentation, check=True)
+    compiler, mono = (needed(name, packages=package) for name, package in MONO.items())
+    subprocess.run([compiler, "-warnaserror", "host.cs"], cwd=documentation, check=True)
     [library] = (documentation.parent / "binaries").rglob("BrakeCylinder.*")
     shutil.copyfile(library, documentation / f"lib{library.name}")
-    assert shown(["mono", "host.exe"], documentation) == expected
-    assert refusal(["mono", "host.exe"], documentation) == "presure=1 was refused with status 3.\n"
+    assert shown([mono, "host.exe"], documentation, GIVEN) == expected
+    assert refusal([mono, "host.exe"], documentation) == "presure=1 was refused with status 3.\n"
 
 
 def test_python(documentation: Path, expected: dict[str, float], fmus: Mapping) -> None:
     for fmu in ("..", fmus["brake", "fmi3"]):
-        assert shown([sys.executable, "host.py", fmu], documentation) == expected
+        assert shown([sys.executable, "host.py", fmu], documentation, GIVEN) == expected
 
 
 @pytest.mark.parametrize(("kind", "version"), [("native", 2), ("fmi3", 3)])

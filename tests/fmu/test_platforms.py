@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
-import subprocess
 import zipfile
 from pathlib import Path
 
@@ -12,20 +10,43 @@ import pytest
 from fmu_src import compile as compiling
 from fmu_src.codegen import generate
 from fmu_src.native_fmu import PLATFORMS, universal
-from scenarios.cosimulation.slave import Slave
 from scenarios.fmus import building
 from scenarios.fmus.building import write_fmu
 from scenarios.fmus.registry import model_of
 from tests.fmu.exports import exports
+from tests.fmu.programs import found_here, shown
+from tests.needed import needed
 
 #: Where a Mach-O library begins: zig's linker writes these into each, and no library uses another one's.
 MARKS = {"_mh_dylib_header", "__dso_handle"}
-
+PROGRAM_FLAGS = [flag for flag in compiling.FLAGS if flag != "-fPIC"]
 #: On a new machine zig compiles the C library of Windows first, which takes two minutes.
 SOME = [
     pytest.param(["darwin64", "aarch64-linux"], id="two"),
     pytest.param(list(PLATFORMS), id="all", marks=pytest.mark.long),
 ]
+#: What runs programs of another platform, and how it is to be had on Debian.
+RUNNERS = {
+    "aarch64-linux": (["qemu-aarch64", "-L", "/usr/aarch64-linux-gnu"], "qemu-user libc6-arm64-cross"),
+    "win64": (["wine"], "wine wine64"),
+}
+#: Inputs and parameters by FMU; the bogie's leading wheelset locks in space, on a rail of low adhesion.
+GIVEN = {
+    "brake": {"pressure_demand": 180e3, "pneumatics": 2},
+    "bogie": {
+        **{"level": 3, "initial_speed": 20.0, "friction_1": 0.1, "friction_2": 0.1},
+        **{"brake_torque_1": 60e3, "brake_torque_2": 9e3},
+    },
+}
+RUN = [
+    ("aarch64-linux", "brake"),
+    pytest.param("aarch64-linux", "bogie", marks=pytest.mark.long),
+    pytest.param("win64", "brake", marks=pytest.mark.long),
+    pytest.param("win64", "bogie", marks=pytest.mark.long),
+]
+READ = {"brake": {"cylinder_pressure", "brake_torque"}, "bogie": {"speed", "angular_velocity_1", "lateral_1"}}
+#: Least size by unit: forces may be small differences of wheel loads.
+SIZES = {"N": 1e5}
 
 
 @pytest.mark.parametrize("platforms", SOME)
@@ -41,9 +62,9 @@ def test_one_archive_for_several_platforms(
         for platform in platforms:
             binary = archive.read(f"binaries/{platform}/BrakeCylinder{PLATFORMS[platform][1]}")
             assert binary.startswith(begins[platform])
-            shown = exports(binary)
-            assert {"fmi2DoStep", "fmi3DoStep"} <= shown
-            assert {name for name in shown - MARKS if not name.startswith(("fmi2", "fmi3"))} == set()
+            functions = exports(binary)
+            assert {"fmi2DoStep", "fmi3DoStep"} <= functions
+            assert {name for name in functions - MARKS if not name.startswith(("fmi2", "fmi3"))} == set()
     machine = {"linux64": 0x3E, "aarch64-linux": 0xB7}
     windows = {"win64": 0x8664, "win32": 0x14C}
     with zipfile.ZipFile(path) as archive:
@@ -69,18 +90,16 @@ def test_code_of_32_bits_gives_the_numbers_of_64_bits(fmus: dict, tmp_path: Path
     """That of win32, here for Linux, where it runs; compilers divide differently in the last digits (FLAGS)."""
     with zipfile.ZipFile(fmus["brake", "native"]) as archive:
         archive.extractall(tmp_path)
+    folder = tmp_path / "documentation"
     program = ["-I../sources", "-DFMI2_FUNCTION_PREFIX=BrakeCylinder_", "host.c", "../sources/all.c", "-lm"]
-    shown = []
+    found = []
     for target, more in ((None, []), ("x86-linux-musl", [*compiling.FLAGS_X86, "-static"])):
-        flags = [flag for flag in compiling.FLAGS if flag != "-fPIC"]
-        compiling.run([*flags, *more, "-O1", *program, "-o", "host"], target, tmp_path / "documentation")
+        compiling.run([*PROGRAM_FLAGS, *more, "-O1", *program, "-o", "host"], target, folder)
         try:
-            call = [tmp_path / "documentation" / "host", "pressure_demand=180e3", "pneumatics=2"]
-            lines = subprocess.run(call, capture_output=True, text=True, check=True).stdout.splitlines()
-            shown.append({name: float(value) for name, value in map(str.split, lines)})
+            found.append(shown([folder / "host"], folder, GIVEN["brake"]))
         except OSError:
             pytest.skip("this system runs no programs of 32 bits")
-    assert shown[0] == pytest.approx(shown[1], rel=1e-12)
+    assert found[0] == pytest.approx(found[1], rel=1e-12)
 
 
 def test_universal_binary_holds_both_parts_on_pages() -> None:
@@ -90,52 +109,25 @@ def test_universal_binary_holds_both_parts_on_pages() -> None:
     assert int.from_bytes(both[4:8], "big") == 2
 
 
-#: What runs programs of another platform, and how it is to be had on Debian.
-RUNNERS = {
-    "aarch64-linux": (["qemu-aarch64", "-L", "/usr/aarch64-linux-gnu"], "qemu-user libc6-arm64-cross"),
-    "win64": (["wine"], "wine wine64"),
-}
-#: Inputs and parameters by FMU; the bogie's leading wheelset locks in space, on a rail of low adhesion.
-GIVEN = {
-    "brake": {"pressure_demand": 180e3, "pneumatics": 2},
-    "bogie": {
-        **{"level": 3, "initial_speed": 20.0, "friction_1": 0.1, "friction_2": 0.1},
-        **{"brake_torque_1": 60e3, "brake_torque_2": 9e3},
-    },
-}
-LONG = [(platform, fmu) for platform in RUNNERS for fmu in ("brake", "bogie")]
-RUN = [("aarch64-linux", "brake"), *(pytest.param(*one, marks=pytest.mark.long) for one in LONG[1:])]
-#: Least size by unit: forces may be small differences of wheel loads.
-SIZES = {"N": 1e5}
-
-
 @pytest.mark.parametrize(("platform", "fmu"), RUN)
 def test_binary_runs_on_its_platform(
     platform: str, fmu: str, fmus: dict, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The host of the archive opens it there, and finds the numbers of here: 100 steps of 10 ms."""
+    """The host of the archive opens it there, and finds the numbers of here."""
     runner, packages = RUNNERS[platform]
-    if not shutil.which(runner[0]):
-        pytest.skip(f"no {runner[0]} here; on Debian: apt-get install {packages}")
+    needed(runner[0], packages=packages)
     monkeypatch.setattr(building, "PLATFORMS", {platform: PLATFORMS[platform]})
     monkeypatch.setenv("WINEDEBUG", "-all")
     monkeypatch.setenv("WINEPREFIX", str(tmp_path.parent / "wine"))
     with zipfile.ZipFile(write_fmu(fmu, "native", tmp_path, all_platforms=True)) as archive:
         archive.extractall(tmp_path)
     (target,), suffix = PLATFORMS[platform]
-    name = model_of(fmu).name
-    flags = [flag for flag in compiling.FLAGS if flag != "-fPIC"]
-    compiling.run([*flags, "-I../sources", "host.c", "-o", "host.exe"], target, tmp_path / "documentation")
-    call = [*runner, "host.exe", f"../binaries/{platform}/{name}{suffix}", *(f"{k}={v}" for k, v in GIVEN[fmu].items())]
-    done = subprocess.run(call, cwd=tmp_path / "documentation", capture_output=True, text=True, timeout=120)
-    assert done.returncode == 0, done.stderr
-    found = {name: float(value) for name, value in map(str.split, done.stdout.splitlines())}
-    with Slave(fmus[fmu, "native"]) as here:
-        here.start(**GIVEN[fmu])
-        for n in range(100):
-            here.step(n * 0.01, 0.01)
-        expected = {name: here[name] for name in found}
-    assert len(found) > 3
+    folder, binary = tmp_path / "documentation", f"../binaries/{platform}/{model_of(fmu).name}{suffix}"
+    compiling.run([*PROGRAM_FLAGS, "-I../sources", "host.c", "-o", "host.exe"], target, folder)
+    found = shown([*runner, "host.exe", binary], folder, GIVEN[fmu])
+    assert found.keys() > READ[fmu]
+    expected = found_here(fmus[fmu, "native"], GIVEN[fmu], list(found))
+    assert expected.get("angular_velocity_1", 0.0) == 0.0  # locked
     units = {variable.name: variable.unit for variable in model_of(fmu).variables}
     for output, value in found.items():
         size = max(SIZES.get(units[output], 1.0), abs(expected[output]))

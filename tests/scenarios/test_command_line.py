@@ -75,7 +75,7 @@ def test_a_bar_moves_with_the_clock_where_nothing_else_does(monkeypatch: pytest.
     """Towards the time that a run took last; without that, it tells the time that has gone."""
     for name in ("PATIENCE", "TICK"):
         monkeypatch.setattr(progress, name, 0.01)
-    for expected, words in ((90.0, "00:00 of about 01:30"), (None, "working: 00:00")):
+    for expected, words in ((90.0, "00:00 of about 01:30"), (0.4, "###"), (None, "working: 00:00")):
         monkeypatch.setattr(sys, "stderr", Terminal())
         with progress.ticking("working", expected):
             time.sleep(0.3)

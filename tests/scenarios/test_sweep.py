@@ -24,6 +24,7 @@ from scenarios.catalogue import SCENARIOS
 from scenarios.numerics.levels import one_stop as stop_of_levels
 from scenarios.scenario import Options
 from scenarios.sweep.grid import evenly_spaced
+from scenarios.sweep.points import sources as sources_of_points
 from scenarios.sweep.table import FILES
 from scenarios.thesis.heavy_braking import CASES, brake, lock_time
 from scenarios.thesis.heavy_braking import one_stop as heavy_stop
@@ -379,6 +380,17 @@ def test_help_opens_with_examples_and_names_what_can_be_varied(capsys: pytest.Ca
     shown = capsys.readouterr().out
     assert shown.index("python -m scenarios sweep levels --vary") < shown.index("options:")
     assert all(f"{name} [{unit}]" in shown for s in SCENARIOS if s.sweep for name, unit in s.sweep.parameters.items())
+
+
+def test_code_parts_sweeps_and_how_pages_look_does_not(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("scenarios.sources.ROOT", tmp_path)
+    folder = tmp_path / "scenarios"
+    folder.mkdir()
+    before = sources_of_points()
+    (folder / "page.css").write_text("p { }")
+    assert sources_of_points() == before
+    (folder / "physics.c").write_text("int x;")
+    assert sources_of_points() != before
 
 
 def test_file_in_place_of_the_folder_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -7,7 +7,7 @@
   const field = (name) => document.getElementById(`motion-${name}`);
   const space = field("space"), section = field("section"), bar = field("time"), factor = field("exaggeration");
   const SLEEPER_DISTANCE = 0.6, RIM = 24, HALF_TREAD = 0.065, GREY = "#777777";
-  const STRAIGHTER = 1e5;  // [m]
+  const STRAIGHTEST = 1e5; // a curve of a longer radius is called straight [m]
 
   // Series come as base64 of 32-bit floats.
   const unpacked = (value) => {
@@ -198,7 +198,7 @@
     const [curvature, cant, gradient] = ["curvature", "cant", "gradient"].map(
       (name) => at(data.rails.distance, data.rails[name], place));
     const radius = Math.abs(1 / curvature), hand = curvature > 0 ? "left" : "right";
-    const plan = radius < STRAIGHTER ? `curve to the ${hand} of ${shown(radius, 0)} m` : "straight";
+    const plan = radius < STRAIGHTEST ? `curve to the ${hand} of ${shown(radius, 0)} m` : "straight";
     return `${plan}, cant ${shown(1e3 * cant, 0)} mm, gradient ${shown(1e3 * gradient, 1)} \u2030`;
   };
 
