@@ -18,6 +18,7 @@ from fmu_src.chain import Call, Chain, Part, shared, symbols_in
 from fmu_src.elimination import Elimination, elimination, elimination_source
 from fmu_src.exchange import exchanged, serves_exchange
 from fmu_src.model_description import model_description
+from fmu_src.own_names import PREFIX, with_own_names
 from fmu_src.pieces import in_pieces
 from fmu_src.progress import PATIENCE
 from fmu_src.system import LINE_COLUMNS, Model, System, integration_variables, state_variable
@@ -38,6 +39,7 @@ KERNEL_SOURCES = (
     "algebraic.c",
     "reuse.c",
     "runge_kutta.c",
+    "outputs.c",
     "modes.c",
     "locate.c",
     "integrate.c",
@@ -45,8 +47,8 @@ KERNEL_SOURCES = (
     "exchange.c",
     "derivatives.c",
     "step.c",
-    "saved.c",
     "lines.c",
+    "saved.c",
     "instance.c",
 )
 FACE_SOURCES = ("face.c", "face_exchange.c", "fmi2.c", "fmi3.c")
@@ -229,8 +231,11 @@ def equations_in_c(name: str, made: Mapping[str, Generated]) -> str:
         text = re.sub(rf"^(?=int {one.function.name()}\()", "static ", text, flags=re.MULTILINE)
     text = _with_own_names(text, name, {one.function.name() for one in inside})
     # The interface of CasADi has arguments that these functions do not use; everything else stays a warning.
+    common = list(dict.fromkeys(part.common for part in in_c))
+    given = with_own_names([*common, *(part.source for part in in_c)])
+    behind = (f"{source}{_calls_of(part)}" for part, source in zip(in_c, given[len(common) :], strict=True))
     return '#pragma GCC diagnostic ignored "-Wunused-parameter"\n' + "\n".join(
-        [*dict.fromkeys(_once(part.common) for part in in_c), *(_once(_in_c(part)) for part in in_c), text]
+        [*map(_once, given[: len(common)]), *map(_once, behind), text]
     )
 
 
@@ -274,17 +279,17 @@ def _functions_of_parts(own: Sequence[Generated]) -> tuple[list[Generated], list
     return list(made.values()), [part for part in parts.values() if part.source]
 
 
-def _in_c(part: Part) -> str:
+def _calls_of(part: Part) -> str:
     """A part that is given in C, under the names and with the arguments of the generated ones."""
-    behind = part.results.numel()
+    behind, name = part.results.numel(), PREFIX + part.name
     given = "const double **arg, double **res, long long int *iw, double *w, int mem"
-    return f"""{part.source}
+    return f"""
 static inline int {_name_of(part, False)}({given}) {{
-  {part.name}(arg[0], arg[1], res[0], 0);
+  {name}(arg[0], arg[1], res[0], 0);
   return 0;
 }}
 static inline int {_name_of(part, True)}({given}) {{
-  {part.name}(arg[0], arg[1], res[0], res[0] + {behind});
+  {name}(arg[0], arg[1], res[0], res[0] + {behind});
   return 0;
 }}
 """
@@ -381,7 +386,11 @@ def _number(value: float) -> str:
 
 
 def _text(value: str) -> str:
-    return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
+    """A C string of plain letters; all others are written as the bytes of their UTF-8, and no two question marks are a
+    trigraph.
+    """
+    plain = (chr(byte) if 32 <= byte < 127 and chr(byte) not in '"\\?' else f"\\{byte:03o}" for byte in value.encode())
+    return f'"{"".join(plain)}"'
 
 
 def _array(kind: str, name: str, values: Iterable[str]) -> str:

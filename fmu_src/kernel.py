@@ -47,7 +47,7 @@ _SIGNATURES = {
     "kernel_time": (ctypes.c_double, [ctypes.c_void_p]),
     "kernel_ended": (ctypes.c_int, [ctypes.c_void_p]),
     "kernel_message": (ctypes.c_char_p, [ctypes.c_void_p]),
-    "kernel_journal": (ctypes.c_char_p, [ctypes.c_void_p]),
+    "kernel_hear": (ctypes.c_char_p, [ctypes.c_void_p, ctypes.POINTER(ctypes.c_int)]),
     "kernel_counts": (None, [ctypes.c_void_p, ctypes.POINTER(ctypes.c_longlong)]),
     "kernel_linearise": (
         ctypes.c_int,
@@ -128,7 +128,7 @@ class Kernel:
         self.library = library
         self._call = library.functions
         self._handle = self._call.kernel_create()
-        self._number = ctypes.c_double()
+        self._number, self._status = ctypes.c_double(), ctypes.c_int()
         self.journal: list[str] = []
         if not self._handle:
             raise MemoryError("There is not enough memory for a kernel.")
@@ -342,10 +342,9 @@ class Kernel:
         self._check(self._call.kernel_repeat_step(self._handle, self.time, size, repeat))
 
     def _drain(self) -> None:
-        """Moves the sentences that the C side has gathered, each behind its status, to `journal`."""
-        text = self._call.kernel_journal(self._handle)
-        if text:
-            self.journal += [line[2:] for line in text.decode().splitlines()]
+        """Moves the sentences that the C side has gathered to `journal`."""
+        while sentence := self._call.kernel_hear(self._handle, ctypes.byref(self._status)):
+            self.journal.append(sentence.decode())
 
     def _check(self, status: int) -> None:
         self._drain()

@@ -176,6 +176,10 @@ class Condition:
     sentence: str
     candidate: ca.SX | None = None
 
+    def __post_init__(self) -> None:
+        if self.sentence.count("%s") != 1:
+            raise ValueError(f"Give the sentence {self.sentence!r} one %s, where the time stands.")
+
     @property
     def first_look(self) -> ca.SX:
         """What is computed at every step."""
@@ -492,8 +496,14 @@ class Model:
                     raise ValueError(f"Model {self.name}: {variable.name} of {system.name} differs from the table.")
         combinations = math.prod(int(v.maximum) for v in self.variables if v.name in self.selectors)
         combinations *= 1 + bool(self.line_file)
-        if self.systems and (len(self.choice) != combinations or max(self.choice) >= len(self.systems)):
+        known = range(len(self.systems))
+        if self.systems and (len(self.choice) != combinations or max(self.choice) not in known):
             raise ValueError(f"Model {self.name}: give a system for each of {combinations} choices.")
+        on_line = [system.name for system in self.systems if any(table.columns for table in system.tables)]
+        if on_line and not self.line_file:
+            raise ValueError(
+                f"Model {self.name}: {on_line[0]} runs on a line; give a parameter of kind string that names its file."
+            )
         if self.systems and "tolerance" not in names:
             raise ValueError(f"Model {self.name}: add integration_variables(...) to the table.")
 

@@ -1,5 +1,6 @@
 /* Algebraic states: solved for where a step starts, and eliminated for methods and studies that know none. */
 #include <math.h>
+#include <string.h>
 
 #include "internal.h"
 
@@ -72,6 +73,13 @@ int algebraic_find(kernel *self, double offset, double *state, double tolerance)
     rosenbrock_linearise(self, offset, state);
     self->factors_serve = algebraic_solve(self, offset, state, tolerance);
     return self->factors_serve;
+}
+
+const double *algebraic_place(kernel *self) {
+    if (self->system->algebraics == 0) return self->state;
+    memcpy(self->place_read, self->state, (size_t)self->system->states * sizeof(double));
+    rosenbrock_linearise(self, 0.0, self->place_read);
+    return algebraic_solve(self, 0.0, self->place_read, 0.0) ? self->place_read : NULL;
 }
 
 /* J_dd - J_da J_aa^-1 J_ad, column by column. */

@@ -5,20 +5,20 @@
 #include "internal.h"
 
 /* Derivatives of all outputs along the seed (time, states, inputs), whose algebraic states follow from the residuals. */
-static int differentiate_outputs(kernel *self) {
+static int differentiate_outputs(kernel *self, const double *place) {
     const system_description *system = self->system;
     double *follow = self->stage[0];
     char when[CLOCK_SIZE];
     if (system->residual_along) {
         for (int i = 0; i < system->algebraics; ++i) self->seed[1 + system->algebraic[i]] = 0.0;
-        kernel_evaluate(self, system->residual_along, 0.0, self->state, follow);
+        kernel_evaluate(self, system->residual_along, 0.0, place, follow);
         if (!linear_factorise_algebraic(self, &self->algebraic, self->jacobian))
             return kernel_fail(self, KERNEL_ERROR, "The outputs have no derivatives at t = %s s.",
                                kernel_clock(self->now.time, 9, when));
         linear_solve_algebraic(&self->algebraic, follow);
         for (int i = 0; i < system->algebraics; ++i) self->seed[1 + system->algebraic[i]] = -follow[i];
     }
-    kernel_evaluate(self, system->output_along, 0.0, self->state, self->output_rate);
+    kernel_evaluate(self, system->output_along, 0.0, place, self->output_rate);
     for (int i = 0; i < system->outputs; ++i)
         if (!isfinite(self->output_rate[i]))
             return kernel_fail(self, KERNEL_ERROR, "The output %s has no finite derivative at t = %s s.",
@@ -26,24 +26,33 @@ static int differentiate_outputs(kernel *self) {
     return KERNEL_OK;
 }
 
-/* Where the derivatives are taken, with an empty seed. */
-static int prepare_derivatives(kernel *self) {
-    if (!self->system)
-        return kernel_fail(self, KERNEL_ERROR, "Initialise %s before asking for derivatives.", MODEL.name);
+/* Where the derivatives are taken, linearised, with an empty seed; null: nowhere, which is said. */
+static const double *prepare_derivatives(kernel *self) {
+    char when[CLOCK_SIZE];
+    if (!self->system) {
+        (void)kernel_fail(self, KERNEL_ERROR, "Initialise %s before asking for derivatives.", MODEL.name);
+        return NULL;
+    }
     kernel_gather_inputs(self);
     self->step_origin = self->now.time;
-    rosenbrock_linearise(self, 0.0, self->state);
+    const double *place = algebraic_place(self);
+    if (!place) {
+        (void)kernel_fail(self, KERNEL_ERROR, "The equations have no solution at t = %s s; check inputs and parameters.",
+                          kernel_clock(self->now.time, 9, when));
+        return NULL;
+    }
+    rosenbrock_linearise(self, 0.0, place);
     memset(self->seed, 0, (size_t)(1 + self->system->states + self->system->inputs) * sizeof(double));
-    return KERNEL_OK;
+    return place;
 }
 
 /* Derivatives of all slopes along the seed, in self->between: by states from the Jacobian, by inputs from what the
  * derivative by time becomes where they change with it. */
-static void differentiate_slopes(kernel *self) {
+static void differentiate_slopes(kernel *self, const double *place) {
     const int n = self->system->states;
     for (int i = 0; i < n; ++i) self->between[i] = -self->time_slope[i];
     for (int i = 0; i < self->system->inputs; ++i) self->rate[i] += self->seed[1 + n + i];
-    rosenbrock_linearise(self, 0.0, self->state);
+    rosenbrock_linearise(self, 0.0, place);
     for (int i = 0; i < n; ++i) {
         self->between[i] += self->time_slope[i];
         for (int j = 0; j < n; ++j)
@@ -79,14 +88,14 @@ static int pick_derivatives(kernel *self, int count, const int *variable, double
 }
 
 int kernel_get_rates(kernel *self, int count, const int *variable, double *rate) {
-    int status = prepare_derivatives(self);
-    if (status != KERNEL_OK) return status;
+    const double *place = prepare_derivatives(self);
+    if (!place) return KERNEL_ERROR;
     const system_description *system = self->system;
     self->seed[0] = 1.0;
     memcpy(self->seed + 1, self->slope, (size_t)system->states * sizeof(double));
     for (int i = 0; i < system->inputs; ++i)
         self->seed[1 + system->states + i] = self->last_rate[system->input_variable[i]];
-    status = differentiate_outputs(self);
+    const int status = differentiate_outputs(self, place);
     return status == KERNEL_OK ? pick_derivatives(self, count, variable, rate) : status;
 }
 
@@ -98,8 +107,9 @@ static int asks_for_slopes(int count, const int *variable) {
 
 int kernel_get_directional(kernel *self, int unknowns, const int *unknown, int knowns, const int *known,
                            const double *change, double *result) {
-    int status = prepare_derivatives(self);
-    if (status != KERNEL_OK) return status;
+    const double *place = prepare_derivatives(self);
+    if (!place) return KERNEL_ERROR;
+    int status = KERNEL_OK;
     const system_description *system = self->system;
     for (int i = 0; i < knowns; ++i) {
         status = kernel_check_reference(self, known[i]);
@@ -114,8 +124,8 @@ int kernel_get_directional(kernel *self, int unknowns, const int *unknown, int k
         for (int j = 0; j < system->inputs; ++j)
             if (system->input_variable[j] == known[i]) self->seed[1 + system->states + j] += change[i];
     }
-    status = differentiate_outputs(self);
-    if (status == KERNEL_OK && asks_for_slopes(unknowns, unknown)) differentiate_slopes(self);
+    status = differentiate_outputs(self, place);
+    if (status == KERNEL_OK && asks_for_slopes(unknowns, unknown)) differentiate_slopes(self, place);
     for (int i = 0; i < unknowns && status == KERNEL_OK; ++i) {
         const int number = kernel_exchanged_number(unknown[i]);
         status = number >= 0 && number < kernel_exchange_states() ? pick_slope(self, number, &result[i])

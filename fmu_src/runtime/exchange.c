@@ -25,12 +25,12 @@ static const char *name_of_choice(const kernel *self) {
         const variable_description *selector = &MODEL.variable[MODEL.selector[i]];
         if (self->value[MODEL.selector[i]] != selector->start) return selector->name;
     }
-    return MODEL.variable[MODEL.line_file].name;
+    return kernel_name_of_line();
 }
 
 int kernel_check_exchange(kernel *self) {
     const system_description *system = self->system;
-    if (system->exchanged) return KERNEL_OK;
+    if (system->exchanged || MODEL.exchanged < 0) return KERNEL_OK; /* without model exchange there is no instance of it */
     kernel_reopen(self);
     return kernel_fail(self, KERNEL_ERROR,
                        "Leave %s at its start value in model exchange, which has the %d states of the system \"%s\": the "
@@ -98,10 +98,11 @@ int kernel_get_nominals(kernel *self, double *nominal) {
 static int find_slopes(kernel *self) {
     const int status = prepare(self);
     if (status != KERNEL_OK) return status;
-    kernel_evaluate(self, self->system->ode, 0.0, self->state, self->slope);
+    const double *place = algebraic_place(self);
+    if (place) kernel_evaluate(self, self->system->ode, 0.0, place, self->slope);
     self->counters.right_hand_sides++;
-    const int bad = first_not_finite(self->slope, self->system->states);
-    return bad < 0 ? KERNEL_OK : discard(self, "A derivative of the states");
+    const int finite = place && first_not_finite(self->slope, self->system->states) < 0;
+    return finite ? KERNEL_OK : discard(self, "A derivative of the states");
 }
 
 int kernel_get_slopes(kernel *self, double *slope) {
@@ -137,6 +138,7 @@ int exchange_state(const kernel *self, int number) {
 }
 
 int kernel_exchanged_number(int variable) {
+    if (variable <= MODEL.variables) return -1; /* also where a reference above 2^31 came as a number below 0 */
     const int number = variable - MODEL.variables - 1;
     return number < kernel_exchange_states() + kernel_exchange_indicators() ? number : -1;
 }
@@ -167,8 +169,8 @@ int kernel_find_modes(kernel *self, int *moved) {
     self->now.outputs_stale = 1;
     char when[CLOCK_SIZE];
     if (self->now.ended)
-        kernel_note(self, KERNEL_DISCARD, self->system->sentence[self->now.ended - 1],
-                    kernel_clock(self->now.time, 6, when));
+        (void)kernel_say_when(self, KERNEL_DISCARD, self->system->sentence[self->now.ended - 1],
+                              kernel_clock(self->now.time, 6, when));
     return KERNEL_OK;
 }
 

@@ -22,6 +22,7 @@ static int suggest_tolerance(kernel *self, double tolerance) {
 
 int kernel_plan(kernel *self, const double *tolerance, double start, const double *stop) {
     char begin[CLOCK_SIZE], end[CLOCK_SIZE];
+    if (!isfinite(start)) return kernel_fail(self, KERNEL_ERROR, "Set the start time to a finite time: %g s was given.", start);
     if (stop && !(*stop >= start))
         return kernel_fail(self, KERNEL_ERROR,
                            "Set the stop time to the start time of %s s or later: %s s was given; nothing was changed.",
@@ -48,12 +49,11 @@ int kernel_check_times(kernel *self, double time, double size) {
     return KERNEL_OK;
 }
 
-int kernel_discard(kernel *self, size_t heard, double reached) {
+int kernel_discard(kernel *self, unsigned long long noted, double reached) {
     char begin[CLOCK_SIZE], end[CLOCK_SIZE];
     kernel_clock(self->step_origin, 6, begin), kernel_clock(self->step_origin + reached, 6, end);
-    self->journal_length = heard; /* what was to be told of this step did not happen */
-    self->journal[heard] = '\0';
-    kernel_note(self, KERNEL_DISCARD, self->system->sentence[self->now.ended - 1], end);
+    kernel_take_back(self, noted); /* what was to be told of this step did not happen */
+    (void)kernel_say_when(self, KERNEL_DISCARD, self->system->sentence[self->now.ended - 1], end);
     return kernel_fail(self, KERNEL_DISCARD,
                        "The step from t = %s s was discarded, for the run ends within it and no early return is allowed; "
                        "take steps that end before %s s.",

@@ -21,15 +21,11 @@ int face_error(const component *self, const char *sentence) {
 }
 
 int face_report(component *self, int status) {
-    char line[MESSAGE_SIZE + 8];
-    const char *cursor = kernel_journal(self->machine);
-    while (*cursor) {
-        const size_t length = strcspn(cursor, "\n");
-        const size_t kept = length < sizeof line - 1 ? length : sizeof line - 1;
-        memcpy(line, cursor, kept);
-        line[kept] = '\0';
-        if (kept > 2) say(self, line[0] - '0', line + 2);
-        cursor += length + (cursor[length] == '\n');
+    char sentence[MESSAGE_SIZE]; /* of our own: a logger may call the instance, which then says more */
+    int of_sentence;
+    for (const char *heard; (heard = kernel_hear(self->machine, &of_sentence));) {
+        strcpy(sentence, heard);
+        say(self, of_sentence, sentence);
     }
     return status;
 }

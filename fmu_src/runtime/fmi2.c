@@ -9,9 +9,9 @@
 
 /* The sentence is the format itself, so that hosts that do not expand arguments show it too; hence % is doubled. */
 static void tell(const component *self, int status, const char *category, const char *sentence) {
-    char text[2 * MESSAGE_SIZE];
+    char text[2 * MESSAGE_SIZE]; /* even of nothing but % */
     size_t length = 0;
-    for (const char *c = sentence; *c && length < sizeof text - 3; ++c) {
+    for (const char *c = sentence; *c; ++c) {
         if (*c == '%') text[length++] = '%';
         text[length++] = *c;
     }

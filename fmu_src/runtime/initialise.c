@@ -29,6 +29,22 @@ static int needs_line(const system_description *system) {
     return 0;
 }
 
+/* Says that the model has no system for what was chosen. */
+static int refuse_choice(kernel *self) {
+    const char *line = kernel_name_of_line();
+    if (MODEL.selectors == 0)
+        return kernel_fail(self, KERNEL_ERROR, "Set %s to %s: %s has no system %s.", line,
+                           self->line ? "no text" : "the path of a file with a line", MODEL.name,
+                           self->line ? "on a line" : "without a line");
+    const char *selector = MODEL.variable[MODEL.selector[MODEL.selectors - 1]].name;
+    if (MODEL.line_file < 0)
+        return kernel_fail(self, KERNEL_ERROR, "Set %s to another value: %s has no system for this one.", selector,
+                           MODEL.name);
+    return kernel_fail(self, KERNEL_ERROR,
+                       "Set %s to another value, or %s to no text: %s has no system for these two together.", selector, line,
+                       MODEL.name);
+}
+
 int kernel_initialise(kernel *self, double time) {
     if (!isfinite(time)) return kernel_fail(self, KERNEL_ERROR, "Start at a finite time: %g was given.", time);
     if (self->value[MODEL.integration_method] == (double)METHOD_EXPLICIT && self->value[MODEL.integration_step] == 0.0)
@@ -41,18 +57,13 @@ int kernel_initialise(kernel *self, double time) {
     for (int i = 0; i < MODEL.selectors; ++i)
         combination = combination * MODEL.selectable[i] + (int)self->value[MODEL.selector[i]] - 1;
     if (self->line) combination += combinations;
-    if (MODEL.choice[combination] < 0)
-        return kernel_fail(self, KERNEL_ERROR,
-                           "Set %s to another value, or %s to no text: %s has no system for these two together.",
-                           MODEL.variable[MODEL.selector[MODEL.selectors - 1]].name,
-                           MODEL.variable[MODEL.line_file].name, MODEL.name);
+    if (MODEL.choice[combination] < 0) return refuse_choice(self);
     if (!self->line && needs_line(&MODEL.system[MODEL.choice[combination]]))
         return kernel_fail(self, KERNEL_ERROR, "Set %s to the path of a file with a line; this model has no other.",
-                           MODEL.variable[MODEL.line_file].name);
+                           kernel_name_of_line());
     self->now.system = MODEL.choice[combination];
     kernel_enter_system(self);
     const system_description *system = self->system;
-    self->now.line = self->line ? self->line->mark : 0;
     self->now.time = self->step_origin = time;
     self->now.proposed_step = FIRST_STEP;
     self->now.kept_steps = -1;

@@ -74,6 +74,7 @@ static size_t lay_out(kernel *self, double *block) {
     for (int i = 0; i < MOST_STAGES; ++i) self->stage[i] = carve(block, &used, n);
     self->point = carve(block, &used, n);
     self->between = carve(block, &used, n);
+    self->place_read = carve(block, &used, n);
     self->first_slope = carve(block, &used, n);
     self->last_slope = carve(block, &used, n);
     self->ordered = carve(block, &used, 2 * n);
@@ -130,8 +131,9 @@ void kernel_reset(kernel *self) {
     self->now.system = -1;
     self->stop_time = INFINITY;
     self->system = NULL;
-    self->message[0] = self->journal[0] = '\0';
-    self->journal_length = 0;
+    self->message[0] = '\0';
+    self->journal_length = self->heard = 0;
+    self->noted = self->lost = 0;
 }
 
 double kernel_time(const kernel *self) { return self->now.time; }

@@ -5,7 +5,6 @@
 
 #include "internal.h"
 
-static const long long int MAXIMUM_TRIALS = 5000000; /* of one kernel_step; a run that needs more is stuck */
 static const int MAXIMUM_SWITCHES = 1000;            /* beyond the steps that end without one; more is chatter */
 /* A step that the host cuts below this share of what the accuracy allows is taken with a kept Jacobian, which serves as
  * long as the error of the step that took it would have allowed. */
@@ -63,7 +62,7 @@ static void record_until(kernel *self, double offset, double size) {
 typedef struct {
     double offset, remaining; /* since the start of the kernel_step, and to its end [s] */
     double margin;            /* of the modes at the end of the step found; negative: a switch lies within it */
-    long long int trials;
+    int trials;
 } progress;
 
 static int start_exact_step(kernel *self, double offset) {
@@ -139,9 +138,9 @@ static double adaptive_step(kernel *self, progress *now) {
     for (double size = wanted;;) {
         char when[CLOCK_SIZE];
         const double time = self->step_origin + now->offset;
-        if (++now->trials > MAXIMUM_TRIALS) {
-            kernel_fail(self, KERNEL_ERROR, "No progress after %lld steps at t = %s s; enlarge the tolerance %g.",
-                        MAXIMUM_TRIALS, kernel_clock(time, 9, when), self->value[MODEL.tolerance]);
+        if (++now->trials > MOST_TRIALS) {
+            kernel_fail(self, KERNEL_ERROR, "No progress after %d steps at t = %s s; enlarge the tolerance %g.",
+                        MOST_TRIALS, kernel_clock(time, 9, when), self->value[MODEL.tolerance]);
             return 0.0;
         }
         double error = integrate_try(self, now->offset, size);

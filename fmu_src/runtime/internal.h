@@ -29,7 +29,8 @@ typedef struct {
     double *buffer;
 } kernel_recorder;
 
-enum { JOURNAL_SIZE = 4096, CLOCK_SIZE = 48, MOST_STAGES = 8 };
+enum { JOURNAL_SIZE = 8192, CLOCK_SIZE = 48, MOST_STAGES = 8 };
+enum { MOST_TRIALS = 5000000 }; /* steps tried in one kernel_step; a run that needs more is stuck */
 
 /* Values of integration_method. */
 enum { METHOD_EXACT = 1, METHOD_REUSED = 2, METHOD_EXPLICIT = 3 };
@@ -58,6 +59,7 @@ struct kernel {
     double *held; /* for each table, the range of its argument in which `coefficient` holds: from, and below */
     double *trial, *slope, *time_slope, *nonzero, *jacobian, *kept_jacobian, *stage[MOST_STAGES], *point, *ordered;
     double *differential;
+    double *place_read; /* where outputs and derivatives are read that have algebraic states */
     /* `ordered` has room for two vectors. */
     double *between, *first_slope, *last_slope;
     double *drive, *capacity, *still, *margin, *output, *backup, *seed, *output_rate, *largest_change;
@@ -76,25 +78,32 @@ struct kernel {
     kernel_recorder *recorder;
     double step_origin; /* time at the start of the current kernel_step; stages add an offset to it */
     char message[MESSAGE_SIZE];
-    char journal[JOURNAL_SIZE]; /* lines "status sentence", drained by the face */
-    size_t journal_length;
+    char journal[JOURNAL_SIZE]; /* records: a byte of status, a sentence, a zero; the newest are kept */
+    char told_of_loss[80];
+    size_t journal_length, heard;   /* its end, and the place behind the last record that was heard */
+    unsigned long long noted, lost; /* records since the start, and those that nobody heard in time */
     double *block;
     int *places;
 };
 
 /* Sentences: into the journal; and kernel_message as well, for a status, which is returned. */
-INSIDE void kernel_note(kernel *self, int status, const char *format, ...);
-INSIDE int kernel_fail(kernel *self, int status, const char *format, ...);
+INSIDE void kernel_note(kernel *self, int status, const char *format, ...) LIKE_PRINTF(3);
+INSIDE int kernel_fail(kernel *self, int status, const char *format, ...) LIKE_PRINTF(3);
+/* As kernel_fail, with a model's sentence: no format, but with a time in place of its first %s. */
+INSIDE int kernel_say_when(kernel *self, int status, const char *sentence, const char *when);
+/* Forgets what was noted since there were `noted` records. */
+INSIDE void kernel_take_back(kernel *self, unsigned long long noted);
 /* A time in seconds for a sentence, with so many digits, and more where it has more than three before the point. */
 INSIDE const char *kernel_clock(double time, int digits, char text[CLOCK_SIZE]);
 /* Variables: a status, with the sentence. */
 INSIDE int kernel_check_reference(kernel *self, int variable);
+INSIDE const char *kernel_name_of_line(void);
 INSIDE int kernel_check_value(kernel *self, const variable_description *variable, double value, double kept);
 INSIDE int kernel_warn_without_effect(kernel *self, int variable);
 /* Whether a step may begin and end there. */
 INSIDE int kernel_check_times(kernel *self, double time, double size);
-/* Says that the run ended `reached` seconds into a step that is taken back; the journal was `heard` long before it. */
-INSIDE int kernel_discard(kernel *self, size_t heard, double reached);
+/* Says that the run ended `reached` seconds into a step that is taken back; there were `noted` records before it. */
+INSIDE int kernel_discard(kernel *self, unsigned long long noted, double reached);
 INSIDE void kernel_leave_line(kernel *self);
 /* Sets what follows from the chosen system and the parameters and is not restored with them. */
 INSIDE void kernel_enter_system(kernel *self);
@@ -131,6 +140,9 @@ INSIDE int algebraic_solve(kernel *self, double offset, double *state, double to
 INSIDE int algebraic_follow(kernel *self, const factors *of, double offset, double *state, double tolerance);
 /* with the last factors while they serve, and otherwise with new ones. */
 INSIDE int algebraic_find(kernel *self, double offset, double *state, double tolerance);
+/* The present state with algebraic states as the inputs now have them, and the Jacobian there; null: there are none. The
+ * state itself stays as it is: a reading changes no run. */
+INSIDE const double *algebraic_place(kernel *self);
 /* Jacobian without algebraic states at the present state, by rows. */
 INSIDE int algebraic_reduce(kernel *self, double offset, double *jacobian);
 /* Rosenbrock methods. The error of a trial step is in units of the tolerance; a value that is not <= 1, NaN included,

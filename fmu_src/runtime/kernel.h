@@ -31,8 +31,7 @@ typedef struct {
     long long int right_hand_sides, jacobians, factorisations, steps, rejected, events;
 } kernel_counters;
 
-/* What returns int returns a status, a count or a truth; the sentence to a status is in the journal, where each line is a
- * status, a blank and the sentence. Reading the journal empties it. */
+/* What returns int returns a status, a count or a truth; the sentence to a status is in the journal, see kernel_hear. */
 KERNEL_EXPORT kernel *kernel_create(void);
 KERNEL_EXPORT void kernel_free(kernel *self);
 KERNEL_EXPORT void kernel_reset(kernel *self);
@@ -82,7 +81,8 @@ KERNEL_EXPORT void kernel_save(const kernel *self, void *bytes);
 KERNEL_EXPORT int kernel_restore(kernel *self, const void *bytes);
 KERNEL_EXPORT double kernel_time(const kernel *self);
 KERNEL_EXPORT int kernel_ended(const kernel *self);
-KERNEL_EXPORT const char *kernel_journal(kernel *self);
+/* The oldest sentence that was not heard yet, and its status; null: there is none. It lasts until the next call. */
+KERNEL_EXPORT const char *kernel_hear(kernel *self, int *status);
 KERNEL_EXPORT int kernel_state_count(const kernel *self);
 
 #endif

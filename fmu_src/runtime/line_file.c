@@ -4,6 +4,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#if defined(__unix__) || defined(__APPLE__) || defined(_WIN32)
+#include <sys/types.h>
+
+#include <sys/stat.h>
+#endif
 
 #include "line.h"
 
@@ -40,6 +45,7 @@ typedef struct {
 } reader;
 
 /* 0, once the sentence tells the file and, where one was read, the row. */
+static int refuse_file(reader *self, const char *format, ...) LIKE_PRINTF(2);
 static int refuse_file(reader *self, const char *format, ...) {
     const int room = PROBLEM_SIZE - 2;
     int used = snprintf(self->problem, (size_t)room, "Line %.150s", self->path);
@@ -264,11 +270,29 @@ static int make_rows(reader *self, line_data *made) {
     return 1;
 }
 
+/* Whether a file that ends: a pipe would be waited for, perhaps for ever. Where nobody can tell, it is believed. */
+static int is_plain_file(const char *path) {
+#if defined(_WIN32)
+    struct _stat about;
+    return _stat(path, &about) != 0 || (about.st_mode & _S_IFMT) == _S_IFREG;
+#elif defined(__unix__) || defined(__APPLE__)
+    struct stat about;
+    return stat(path, &about) != 0 || S_ISREG(about.st_mode);
+#else
+    (void)path;
+    return 1;
+#endif
+}
+
 line_data *line_read(const char *path, char problem[PROBLEM_SIZE]) {
     reader self;
     memset(&self, 0, sizeof self);
     self.path = path;
     self.problem = problem;
+    if (!is_plain_file(path)) {
+        (void)refuse_file(&self, "it is a folder, a pipe or a device; give the path of a file");
+        return NULL;
+    }
     self.file = fopen(path, "rb");
     line_data *made = NULL;
     if (!self.file) {

@@ -15,6 +15,7 @@ void kernel_leave_line(kernel *self) {
     free(self->line_path);
     self->line = NULL;
     self->line_path = NULL;
+    self->now.line = 0;
 }
 
 int kernel_set_text(kernel *self, int variable, const char *text) {
@@ -37,6 +38,7 @@ int kernel_set_text(kernel *self, int variable, const char *text) {
     }
     kernel_leave_line(self);
     self->line = read;
+    self->now.line = read->mark;
     self->line_path = strcpy(path, text);
     return KERNEL_OK;
 }

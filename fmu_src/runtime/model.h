@@ -9,6 +9,13 @@
 #define INSIDE
 #endif
 
+/* Of a function whose nth argument is a format, with values behind it: compilers look whether they fit. */
+#if defined(__GNUC__) && !defined(_WIN32)
+#define LIKE_PRINTF(nth) __attribute__((format(printf, nth, nth + 1)))
+#else
+#define LIKE_PRINTF(nth)
+#endif
+
 /* Arguments of every generated function, in this order. */
 enum {
     ARG_TIME,
@@ -80,7 +87,7 @@ typedef struct {
     const limited_change *limited;
     const friction_description *friction;
     const table_description *table;
-    const char *const *sentence; /* of each condition; contains one %s for the time */
+    const char *const *sentence; /* of each condition; the time in place of the first %s */
     /* null: not needed */
     generated_function derive, start, ode, jacobian, output, drive, capacity;
     generated_function condition_margin; /* of all conditions; of costly warnings something that is negative where they are */

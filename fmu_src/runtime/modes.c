@@ -141,7 +141,8 @@ int modes_warn(kernel *self, double offset) {
     for (int i = system->ends; i < system->conditions && candidates; ++i) {
         if (!is_to_warn(self, i)) continue;
         char when[CLOCK_SIZE];
-        (void)kernel_fail(self, KERNEL_WARNING, system->sentence[i], kernel_clock(self->step_origin + offset, 6, when));
+        (void)kernel_say_when(self, KERNEL_WARNING, system->sentence[i],
+                              kernel_clock(self->step_origin + offset, 6, when));
         self->said[i] = 1.0;
         ++count;
     }

@@ -15,10 +15,11 @@ int kernel_restore(kernel *self, const void *bytes) {
     memcpy(&saved, bytes, sizeof saved);
     if (saved.system < -1 || saved.system >= MODEL.systems)
         return kernel_fail(self, KERNEL_ERROR, "The saved state is not one of %s; nothing was restored.", MODEL.name);
-    if (saved.system >= 0 && saved.line != (self->line ? self->line->mark : 0))
+    if (saved.line && saved.line != self->now.line)
         return kernel_fail(self, KERNEL_ERROR,
                            "The saved state is one on another line; set %s as it was then. Nothing was restored.",
-                           MODEL.line_file < 0 ? "the line" : MODEL.variable[MODEL.line_file].name);
+                           kernel_name_of_line());
+    if (!saved.line) kernel_leave_line(self);
     self->now = saved;
     memcpy(self->block, (const char *)bytes + sizeof saved, self->restored * sizeof(double));
     kernel_enter_system(self);

@@ -20,6 +20,12 @@ static int check_step(kernel *self, double time, double size) {
     if (self->now.ended)
         return kernel_fail(self, KERNEL_DISCARD, "The run ended at t = %s s; reset it to start again.",
                            kernel_clock(self->now.time, 9, when));
+    const double fixed = self->value[MODEL.integration_step];
+    if (fixed > 0.0 && size / fixed > (double)MOST_TRIALS)
+        return kernel_fail(self, KERNEL_ERROR,
+                           "Give a step of at most %g s, or a longer integration_step: %g s are more than %d steps of %g s; "
+                           "nothing was advanced.",
+                           (double)MOST_TRIALS * fixed, size, MOST_TRIALS, fixed);
     for (int i = 0; i < self->system->inputs; ++i) {
         const int variable = self->system->input_variable[i];
         if (self->input_rate[variable] == 0.0) continue;
@@ -34,7 +40,7 @@ int kernel_step(kernel *self, double time, double size) {
     int status = check_step(self, time, size);
     if (status != KERNEL_OK) return status;
     const kernel_snapshot before = self->now;
-    const size_t heard = self->journal_length;
+    const unsigned long long noted = self->noted;
     memcpy(self->backup, self->block, self->restored * sizeof(double));
 
     self->step_origin = time;
@@ -42,7 +48,7 @@ int kernel_step(kernel *self, double time, double size) {
     double reached = size;
     status = integrate(self, size, &reached);
     if (status <= KERNEL_WARNING && self->now.ended && self->whole_steps && reached < size)
-        status = kernel_discard(self, heard, reached);
+        status = kernel_discard(self, noted, reached);
     if (status <= KERNEL_WARNING) {
         kernel_compute_outputs(self, reached, self->state);
         const char *bad = kernel_output_not_finite(self);
@@ -67,6 +73,6 @@ int kernel_step(kernel *self, double time, double size) {
     self->now.time = time + reached;
     if (!self->now.ended) return status;
     char when[CLOCK_SIZE];
-    return kernel_fail(self, KERNEL_DISCARD, self->system->sentence[self->now.ended - 1],
-                       kernel_clock(self->now.time, 6, when));
+    return kernel_say_when(self, KERNEL_DISCARD, self->system->sentence[self->now.ended - 1],
+                           kernel_clock(self->now.time, 6, when));
 }

@@ -5,11 +5,15 @@
 
 #include "internal.h"
 
+static const double LEAST_STEP = 1e-7; /* s, of integration_step: a hundredth of what the stiffest creep asks for */
+
 int kernel_check_reference(kernel *self, int variable) {
     if (variable >= 0 && variable < MODEL.variables) return KERNEL_OK;
     return kernel_fail(self, KERNEL_ERROR, "There is no variable number %d: %s has the numbers 0 to %d.", variable,
                        MODEL.name, MODEL.variables - 1);
 }
+
+const char *kernel_name_of_line(void) { return MODEL.line_file < 0 ? "the line" : MODEL.variable[MODEL.line_file].name; }
 
 /* Unit with a blank before it; nothing for pure numbers. */
 static const char *after_number(const variable_description *variable, char text[32]) {
@@ -50,6 +54,15 @@ int kernel_warn_without_effect(kernel *self, int variable) {
                        MODEL.variable[variable].name, self->system->name);
 }
 
+/* A step that the clock cannot tell from none would take for ever. */
+static int check_integration_step(kernel *self, double value) {
+    const double kept = self->value[MODEL.integration_step];
+    if (value == 0.0 || value >= LEAST_STEP) return KERNEL_OK;
+    return kernel_fail(self, KERNEL_ERROR,
+                       "Set integration_step to 0 s or to at least %g s: %g s is below this limit, and %g s stays in force.",
+                       LEAST_STEP, value, kept);
+}
+
 int kernel_set(kernel *self, int variable, double value) {
     int status = kernel_check_reference(self, variable);
     if (status != KERNEL_OK) return status;
@@ -67,6 +80,7 @@ int kernel_set(kernel *self, int variable, double value) {
         value = description->when_lost;
     } else {
         status = kernel_check_value(self, description, value, self->value[variable]);
+        if (status == KERNEL_OK && variable == MODEL.integration_step) status = check_integration_step(self, value);
         if (status != KERNEL_OK) return status;
     }
     self->value[variable] = value;
@@ -89,22 +103,5 @@ int kernel_set_rate(kernel *self, int variable, double rate) {
                            description->name, rate);
     self->input_rate[variable] = rate;
     self->now.outputs_stale = 1;
-    return KERNEL_OK;
-}
-
-int kernel_get(kernel *self, int variable, double *value) {
-    int status = kernel_check_reference(self, variable);
-    if (status != KERNEL_OK) return status;
-    if (MODEL.variable[variable].kind == KIND_STRING)
-        return kernel_fail(self, KERNEL_ERROR, "%s is a text, no number.", MODEL.variable[variable].name);
-    if (self->now.outputs_stale && self->system && MODEL.variable[variable].causality >= CAUSALITY_OUTPUT) {
-        kernel_gather_inputs(self);
-        self->step_origin = self->now.time;
-        kernel_compute_outputs(self, 0.0, self->state);
-        self->now.outputs_stale = 0;
-        const char *bad = kernel_output_not_finite(self);
-        if (bad) return kernel_fail(self, KERNEL_ERROR, "The output %s is not a finite number at these inputs.", bad);
-    }
-    *value = self->value[variable];
     return KERNEL_OK;
 }

@@ -5,7 +5,7 @@ from __future__ import annotations
 import shutil
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from ctypes import c_void_p
+from ctypes import c_char_p, c_uint32, c_void_p
 from pathlib import Path
 
 from fmpy import calloc, extract, free, read_model_description
@@ -34,17 +34,18 @@ class Host:
         self.three = about.fmiVersion == "3.0"
         self.refs = {v.name: v.valueReference for v in about.modelVariables}
         self.said: list[str] = []
+        self.heard: list[tuple[int, bytes]] = []
         self.folder = extract(str(path))
         name = about.coSimulation.modelIdentifier
         given = {"guid": about.guid, "unzipDirectory": self.folder, "modelIdentifier": name, "instanceName": "sled"}
         kind = (FMU3Model if exchange else FMU3Slave) if self.three else (FMU2Model if exchange else FMU2Slave)
         self.fmu = kind(**given)
         if self.three:
-            self.listener = fmi3LogMessageCallback(lambda env, status, kind, text: self.said.append(text.decode()))
+            self.listener = fmi3LogMessageCallback(lambda env, status, kind, text: self.listen(status, text))
             how = {} if exchange else {"eventModeUsed": events, "earlyReturnAllowed": early}
             self.fmu.instantiate(loggingOn=logging, logMessage=self.listener, **how)
         else:
-            self.listener = fmi2CallbackLoggerTYPE(lambda *given: self.said.append(given[4].decode()))
+            self.listener = fmi2CallbackLoggerTYPE(lambda *given: self.listen(given[2], given[4]))
             calls = fmi2CallbackFunctions()
             calls.logger = self.listener
             calls.allocateMemory, calls.freeMemory = (
@@ -53,6 +54,11 @@ class Host:
             )
             self.calls = calls
             self.fmu.instantiate(callbacks=calls, loggingOn=logging)
+
+    def listen(self, status: int, text: bytes) -> None:
+        """Keeps a sentence, as text with its status as bytes: an error within a callback is seen by nobody."""
+        self.heard.append((status, text))
+        self.said.append(text.decode(errors="backslashreplace"))
 
     @property
     def instance(self) -> c_void_p:
@@ -90,6 +96,11 @@ class Host:
 
     def set(self, name: str, value: float) -> int:
         return self.status(self.fmu.setFloat64 if self.three else self.fmu.setReal, [self.refs[name]], [value])
+
+    def set_text(self, name: str, text: bytes) -> int:
+        """Status of setting a text, which may be no text at all."""
+        values = (c_char_p * 1)(text)
+        return self.raw("SetString", (c_uint32 * 1)(self.refs[name]), 1, values, *([1] if self.three else []))
 
     def __getitem__(self, name: str) -> float:
         return float((self.fmu.getFloat64 if self.three else self.fmu.getReal)([self.refs[name]])[0])

@@ -19,7 +19,7 @@ from fmu_src.compile import build_library, compiler, library_of
 from fmu_src.kernel import _SIGNATURES
 from fmu_src.system import Model
 from scenarios.cosimulation.slave import Slave
-from scenarios.fmus.registry import model_of
+from scenarios.fmus.registry import DIFFERENT, FMUS, model_of
 from tests.fmu.exports import exports
 
 HERE = Path(__file__).parent
@@ -29,7 +29,14 @@ SCENE = {
     "wheelset": {"brake_torque_1": 4e3, "friction_1": 0.2},
     "brake": {"pressure_demand": 180e3},
     "rail": {"speed": 10.0, "creep_force_1": -5e3, "slip_1": 2.0},
+    "vehicle": {"brake_torque_1": 4e3, "friction_1": 0.2},
 }
+#: Those that are opened together, small ones.
+TOGETHER = ("wheelset", "brake", "rail")
+#: The one with the longest sources.
+LARGEST = "vehicle"
+#: Of outputs after 0.3 s of steps that the error control chose, of code that is optimised and of code that is not.
+OPTIMISED_OTHERWISE = 1e-6
 #: Of the experiment at 180 kPa after 3 s [N.m]: 0.164 N/Pa, half a bogie, efficiency, friction 0.25, radius 0.398 m.
 BRAKE_TORQUE = 180e3 * 0.164 * 0.5 * 0.85 * 0.25 * 0.398
 SETTLED = 1e-4  # share of the demand that is missing after 3 s of 0.8 s to 95 %: exp(-3 * 3 / 0.8)
@@ -37,7 +44,7 @@ SETTLED = 1e-4  # share of the demand that is missing after 3 s of 0.8 s to 95 %
 
 @pytest.fixture(scope="module")
 def models() -> dict[str, Model]:
-    return {name: model_of(name) for name in SCENE}
+    return {name: model_of(name) for name in TOGETHER}
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +53,7 @@ def sources(models: dict[str, Model]) -> dict[str, dict[str, str]]:
 
 
 @pytest.mark.parametrize("kind", ["native", "fmi3", "python"])
-@pytest.mark.parametrize("name", list(SCENE))
+@pytest.mark.parametrize("name", TOGETHER)
 def test_binary_shows_what_its_users_call_and_nothing_else(fmus: dict, name: str, kind: str) -> None:
     """FMUs the functions of FMI; the library inside the pythonfmu FMU those that kernel.py calls."""
     with zipfile.ZipFile(fmus[name, kind]) as packed:
@@ -113,13 +120,13 @@ def test_global_symbols_of_one_fmu_do_not_reach_another(
     """In any order each FMU has the values that it has alone; a call across gives no brake torque, and OK."""
     if cc:
         monkeypatch.setenv("CC", cc)
-    libraries = {name: library_of(sources[name], fmu=True) for name in SCENE}
+    libraries = {name: library_of(sources[name], fmu=True) for name in TOGETHER}
     for version, host in opened.items():
-        alone = {name: ask(host, {name: libraries[name]}, models, sources)[name] for name in SCENE}
-        assert len(set(alone.values())) == len(SCENE)
+        alone = {name: ask(host, {name: libraries[name]}, models, sources)[name] for name in TOGETHER}
+        assert len(set(alone.values())) == len(TOGETHER)
         torque = dict(line.split() for line in alone["brake"].splitlines())[str(models["brake"].index("brake_torque"))]
         assert float.fromhex(torque) == pytest.approx(BRAKE_TORQUE, rel=SETTLED)
-        for order in permutations(SCENE):
+        for order in permutations(TOGETHER):
             assert ask(host, {name: libraries[name] for name in order}, models, sources) == alone, (version, order)
 
 
@@ -138,24 +145,53 @@ def test_kernels_for_python_do_not_reach_each_other(models: dict) -> None:
     assert float(done.stdout) == pytest.approx(BRAKE_TORQUE, rel=SETTLED)
 
 
+def linked(folders: Mapping[str, Path], models: Mapping[str, Model], version: int, folder: Path, optimise: str) -> Path:
+    """The program of together.c with the all.c of each FMU, from the folders with their sources."""
+    objects: list[str | Path] = []
+    for name, sources in folders.items():
+        model = models[name].name
+        common = [*compiling.FLAGS, optimise, f"-DFMI{version}_FUNCTION_PREFIX={model}_", f"-I{sources}", "-c"]
+        build([*common, sources / "all.c", "-o", f"{name}.o"], folder)
+        build([*common, f"-DVERSION={version}", f"-DTABLE={model}", HERE / "table.c", "-o", f"{name}t.o"], folder)
+        objects += [f"{name}.o", f"{name}t.o"]
+    tables = " ".join(f"DO({models[name].name})" for name in folders)
+    flags = ["-O1", f"-DVERSION={version}", f"-DLINKED(DO)={tables}", f"-I{compiling.FMI_HEADERS}"]
+    build([*flags, HERE / "together.c", *objects, "-ldl", "-lm", "-o", "together"], folder)
+    return folder / "together"
+
+
+def size_of_sources(fmu: Path) -> int:
+    with zipfile.ZipFile(fmu) as packed:
+        return sum(entry.file_size for entry in packed.infolist() if entry.filename.startswith("sources/"))
+
+
+def numbers(lines: str) -> dict[str, float]:
+    return {name: float.fromhex(value) for name, value in (line.split() for line in lines.splitlines())}
+
+
+def test_largest_sources_compile_and_run_linked_to_others(fmus: dict, opened: dict, tmp_path: Path) -> None:
+    """What a target without our binaries does, with the sources in which most names meet."""
+    assert max(DIFFERENT, key=lambda name: size_of_sources(fmus[name, "native"])) == LARGEST
+    models = {name: model_of(name) for name in (LARGEST, "brake")}
+    archives = {name: archive(fmus, name, 2, tmp_path) for name in models}
+    folders = {name: one / "sources" for name, one in archives.items()}
+    sources = {name: {"model.c": (one / "model.c").read_text()} for name, one in folders.items()}
+    together = linked(folders, models, 2, tmp_path, "-O0")
+    found = ask(together, {name: model.name for name, model in models.items()}, models, sources)
+    for name, one in archives.items():
+        [library] = (one / "binaries").rglob(f"{models[name].name}.*")
+        binary = ask(opened[2], {name: library}, models, sources)[name]
+        assert numbers(found[name]) == pytest.approx(numbers(binary), rel=OPTIMISED_OTHERWISE, abs=1e-9)
+
+
 @pytest.mark.parametrize(("version", "names"), [(2, ["wheelset", "brake", "rail"]), (3, ["brake", "rail"])])
 def test_fmus_linked_into_one_program_give_the_values_of_their_binaries(
     fmus: dict, opened: dict, models: dict, sources: dict, tmp_path: Path, version: int, names: list[str]
 ) -> None:
     """Each all.c of its archive behind the prefix of the standard; bit for bit."""
-    linked: list[str | Path] = []
-    for name in names:
-        model, folder = models[name], archive(fmus, name, version, tmp_path) / "sources"
-        common = [*compiling.FLAGS, "-O1", f"-DFMI{version}_FUNCTION_PREFIX={model.name}_", f"-I{folder}", "-c"]
-        build([*common, folder / "all.c", "-o", f"{name}.o"], tmp_path)
-        build(
-            [*common, f"-DVERSION={version}", f"-DTABLE={model.name}", HERE / "table.c", "-o", f"{name}t.o"], tmp_path
-        )
-        linked += [f"{name}.o", f"{name}t.o"]
-    tables = " ".join(f"DO({models[name].name})" for name in names)
-    flags = ["-O1", f"-DVERSION={version}", f"-DLINKED(DO)={tables}", f"-I{compiling.FMI_HEADERS}"]
-    build([*flags, HERE / "together.c", *linked, "-ldl", "-lm", "-o", "together"], tmp_path)
-    found = ask(tmp_path / "together", {name: models[name].name for name in names}, models, sources)
+    folders = {name: archive(fmus, name, version, tmp_path) / "sources" for name in names}
+    together = linked(folders, models, version, tmp_path, "-O1")
+    found = ask(together, {name: models[name].name for name in names}, models, sources)
     libraries = {name: library_of(sources[name], fmu=True) for name in names}
     assert found == ask(opened[version], libraries, models, sources)
 
@@ -170,10 +206,16 @@ LANGUAGES = {
 }
 
 
+#: The bogie has contact by strips, whose C is given and not generated.
+OF_THE_SUITE = ["brake", *(pytest.param(name, marks=pytest.mark.long) for name in FMUS if name != "brake")]
+
+
+@pytest.mark.parametrize("name", OF_THE_SUITE)
 @pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.parametrize("language", LANGUAGES)
-def test_sources_compile_without_a_warning(fmus: dict, tmp_path: Path, version: int, language: str) -> None:
-    folder = archive(fmus, "brake", version, tmp_path) / "sources"
+def test_sources_compile_without_a_warning(fmus: dict, tmp_path: Path, name: str, version: int, language: str) -> None:
+    """Whatever they hold; nothing but the functions of FMI is seen outside, so that any two can be linked."""
+    folder = archive(fmus, name, version, tmp_path) / "sources"
     strict = ["-Wall", "-Wextra", "-Werror", "-c", "all.c", "-o", "all.o"]
     build([f"-DFMI{version}_FUNCTION_PREFIX=Other_", *strict], folder, LANGUAGES[language])
     if not shutil.which("nm"):

@@ -257,6 +257,10 @@ def test_start_and_a_jump_of_an_input_are_made_consistent() -> None:
     kernel.set(level=-1.0)
     with pytest.raises(KernelError, match=r"The algebraic equations have no solution near t = 2 s"):
         kernel.advance(1.0)
+    for _ in range(2):  # there is no value of x at this level, neither at the first reading nor at the next
+        with pytest.raises(KernelError, match=r"The equations have no solution at t = 2 s with these inputs"):
+            print(kernel["x"])
+    kernel.set(level=100.0)
     assert kernel["x"] == pytest.approx(12.0, rel=1e-9)
     with pytest.raises(KernelError, match="no consistent start"):
         Kernel(library(write), level=-1.0).initialise()

@@ -51,11 +51,14 @@ class Kernel {
     this.check(this.exports.kernel_step(this.self, time, size));
   }
 
-  // Sentences since they were read last; each stands behind its status.
+  // Sentences since they were read last.
   journal() {
-    const bytes = new Uint8Array(this.exports.memory.buffer, this.exports.kernel_journal(this.self));
-    const text = new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0)));
-    return text.split("\n").filter(Boolean).map((line) => line.slice(2));
+    const sentences = [];
+    for (let place; (place = this.exports.kernel_hear(this.self, this.room)); ) {
+      const bytes = new Uint8Array(this.exports.memory.buffer, place);
+      sentences.push(new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0))));
+    }
+    return sentences;
   }
 
   check(status) {

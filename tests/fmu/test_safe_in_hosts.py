@@ -1,0 +1,319 @@
+"""What brings no host down and tells it nothing wrong: texts of anyone, stale values, forbidden calls, bad numbers."""
+
+from __future__ import annotations
+
+import math
+import os
+import signal
+import sys
+import unicodedata
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from ctypes import c_double, c_uint32
+from pathlib import Path
+
+import casadi as ca
+import pytest
+
+from fmu_src.compile import build_library
+from fmu_src.kernel import Kernel, KernelError, Library
+from fmu_src.system import Model, System, Variable, model_of
+from rbd_model.line import arc, line_of, straight
+from scenarios.bench.rails import low_rail
+from tests.fmu.hosting import ERROR, OK, STEP, host
+
+sys.path.insert(0, str(Path(__file__).parent))
+from sled import MASS, build_sled, sled
+
+NATIVE = ["native", "fmi3"]
+GRAVITY = 9.81
+#: Of algebraic states that are solved for: round-off.
+SOLVED = 1e-9
+
+
+@pytest.fixture(scope="module")
+def sleds(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    return build_sled(tmp_path_factory.mktemp("sleds"))
+
+
+# ---- texts of anyone ---------------------------------------------------------------------------------------------
+
+
+#: Names of files that are none: with line breaks and steering bytes, in Cyrillic, in no UTF-8, formats, very long ones.
+TEXTS = [
+    b"a\n\x10x",
+    "Strecke\n\u0441\u0435\u0432\u0435\u0440.csv".encode(),
+    b"\xff\xfe\x80",
+    b"%s%n%d%1000000s",
+    "é".encode() * 300,
+    b"x" + "\N{RAILWAY CAR}".encode() * 200,
+    b"3 a\n1 b\n2 c",
+]
+
+
+@pytest.mark.parametrize("kind", NATIVE)
+def test_a_text_of_the_host_is_quoted_on_one_line_with_the_status_of_its_refusal(fmus: dict, kind: str) -> None:
+    """As bytes, since what is no UTF-8 ends a host's callback; nothing of it is taken for a status."""
+    with host(fmus["bogie", kind]) as one:
+        for text in TEXTS:
+            one.heard.clear()
+            assert one.set_text("line_file", text) == ERROR
+            [(status, sentence)] = one.heard
+            assert status == ERROR
+            shown = sentence.decode()  # or this raises
+            assert not any(unicodedata.category(letter) == "Cc" for letter in shown)
+            assert shown.startswith("Line ")
+            assert shown.endswith("The line before it stays in force.")
+
+
+def saying(sentence: str, ends: bool = False) -> Kernel:
+    """A model that warns, or ends, when its state has come to one half, with a sentence of its own."""
+    system = System("warning", "x' = 1")
+    x = system.state("x", "1", 0.0, 1.0)
+    system.derivative("x", 1 + 0 * x)
+    (system.end_when_negative if ends else system.warn_when_negative)(0.5 - x, sentence)
+    system.output(Variable("x", "output", "1", "x"), x)
+    return Kernel(Library(build_library(model_of(system, 1e-6))))
+
+
+@pytest.mark.parametrize("ends", [True, False])
+@pytest.mark.parametrize("sentence", ["30 % at %s s.", '%n and %d, 100 %% at %s s, "??/" in Düren \\o/.'])
+def test_a_sentence_of_a_model_is_no_format(sentence: str, ends: bool) -> None:
+    """Its end is located, at 0.5 s; a warning comes with the step."""
+    kernel = saying(sentence, ends)
+    with suppress(KernelError):
+        kernel.advance(1.0)
+    before, behind = sentence.split("%s")
+    [said] = kernel.journal
+    assert said.startswith(before)
+    assert said.endswith(behind)
+    time = float(said[len(before) : len(said) - len(behind)])
+    assert time == pytest.approx(0.5, rel=1e-9) if ends else 0.5 <= time <= 1.0
+
+
+def test_a_sentence_without_a_place_for_its_time_is_refused() -> None:
+    for sentence in ("No time.", "%s and %s."):
+        with pytest.raises(ValueError, match="one %s, where the time stands"):
+            saying(sentence)
+
+
+def test_a_sentence_that_is_too_long_is_cut_between_letters() -> None:
+    """Every length of what stands before the cut, so that it would fall on each byte of a letter."""
+    for extra in range(4):
+        kernel = saying("x" * extra + "\N{RAILWAY CAR}" * 200 + " at %s s.")
+        kernel.advance(1.0)
+        [sentence] = kernel.journal
+        assert sentence == "x" * extra + "\N{RAILWAY CAR}" * ((508 - extra) // 4) + "..."
+
+
+def test_the_journal_keeps_its_newest_sentences_the_error_among_them() -> None:
+    """A host that asks nothing for a while, as a step does in which much happens."""
+    library = Library(build_library(sled()))
+    kernel, call, brake = Kernel(library), library.functions, library.index["brake"]
+    count = 1000
+    for number in range(count):
+        assert call.kernel_set(kernel.handle, brake, -1.0 - number) == ERROR
+    with pytest.raises(KernelError, match=f"-{count + 1} N is below"):
+        kernel.set(brake=-1.0 - count)
+    lost, *kept = kernel.journal
+    assert lost == f"{count + 1 - len(kept)} earlier sentences were lost: nobody heard them."
+    assert [sentence.split(": ")[1].split(" N")[0] for sentence in kept] == [
+        f"{-1.0 - number:g}" for number in range(count + 1 - len(kept), count + 1)
+    ]
+    kernel.journal.clear()
+    kernel.advance(0.1)
+    assert kernel.journal == []
+
+
+# ---- values after a change of inputs ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", NATIVE)
+def test_an_output_follows_an_input_through_an_algebraic_state(sleds: dict, kind: str) -> None:
+    """N = m g - lift, as soon as the lift is set and before any step; a reading changes nothing of the motion."""
+    with host(sleds[kind]) as one, host(sleds[kind]) as unread:
+        for machine in (one, unread):
+            machine.start()
+            assert machine.step(0.0) == OK
+        for lift in (10.0, -35.0):
+            for machine in (one, unread):
+                assert machine.set("lift", lift) == OK
+            assert one["load"] == pytest.approx(MASS * GRAVITY - lift, rel=SOLVED)
+        for machine in (one, unread):
+            assert machine.step(STEP) == OK
+        assert [one[name] for name in ("load", "distance", "speed")] == [
+            unread[name] for name in ("load", "distance", "speed")
+        ]
+
+
+@pytest.mark.parametrize("level", [1, 2, 3])
+def test_outputs_that_are_read_after_friction_changed_have_the_slope_that_is_told(bogie: Library, level: int) -> None:
+    """At contact depth 1 normal forces are algebraic states: difference and directional derivative, two ways to it."""
+    kernel = Kernel(bogie, level=level, contact_depth=1, initial_speed=20.0, brake_torque_1=8e3)
+    kernel.set(**{name: value for name, value in low_rail().values(2).items() if name.startswith("friction")})
+    kernel.advance(3.0)
+    names = ["axle_load_1", "creep_force_1", "acceleration"]
+    start, change = kernel["friction_1"], 1e-5
+    slope = kernel.directional(names, {"friction_1": 1.0})
+    found = []
+    for sign in (-1, 1):
+        kernel.set(friction_1=start + sign * change)
+        found.append([kernel[name] for name in names])
+    difference = [(up - down) / (2 * change) for down, up in zip(*found, strict=True)]
+    assert any(abs(one) > 1.0 for one in difference)
+    assert difference == pytest.approx(slope, rel=1e-4, abs=1e-4 * max(map(abs, slope)))
+
+
+def root(outputs: Callable[[ca.SX], ca.SX]) -> Kernel:
+    """A model with an output of its input alone."""
+    system = System("root", "x' = 1")
+    level = system.input(Variable("level", "input", "1", "Level", 4.0))
+    x = system.state("x", "1", 0.0, 1.0)
+    system.derivative("x", 1 + 0 * x)
+    system.output(Variable("root", "output", "1", "Root"), outputs(level))
+    return Kernel(Library(build_library(model_of(system, 1e-6))))
+
+
+def test_a_value_that_is_no_number_is_refused_at_every_reading() -> None:
+    kernel = root(ca.sqrt)
+    with pytest.raises(KernelError, match="root has a value from the initialisation on"):
+        print(kernel["root"])
+    kernel.advance(1.0)
+    kernel.set(level=-1.0)
+    for _ in range(3):
+        with pytest.raises(KernelError, match="The output root is not a finite number at these inputs"):
+            print(kernel["root"])
+    kernel.set(level=9.0)
+    assert kernel["root"] == 3.0
+
+
+def test_a_start_that_fails_leaves_no_value_behind() -> None:
+    kernel = root(ca.sqrt)
+    kernel.set(level=-1.0)
+    for _ in range(2):
+        with pytest.raises(KernelError, match="root is not a finite number at the start"):
+            kernel.initialise()
+        with pytest.raises(KernelError, match="root has a value from the initialisation on"):
+            print(kernel["root"])
+
+
+# ---- saved states ---------------------------------------------------------------------------------------------------
+
+
+def test_a_state_from_before_the_start_remembers_its_line(bogie: Library, tmp_path: Path) -> None:
+    curve = line_of([arc(300, 400, 0.1)]).write(tmp_path / "curve.csv")
+    level = line_of([straight(400)]).write(tmp_path / "straight.csv")
+    kernel = Kernel(bogie)
+    without = kernel.save()
+    kernel.set(line_file=str(curve))
+    on_curve = kernel.save()
+    kernel.restore(on_curve)
+    for other in ("", str(level)):
+        kernel.set(line_file=other)
+        with pytest.raises(KernelError, match="one on another line; set line_file as it was then"):
+            kernel.restore(on_curve)
+        assert kernel.get_text(bogie.index["line_file"]) == other  # nothing was restored
+    kernel.restore(without)  # which needs no file
+    assert kernel.get_text(bogie.index["line_file"]) == ""
+
+
+# ---- forbidden calls and bad numbers ---------------------------------------------------------------------------------
+
+
+def test_event_mode_of_cosimulation_takes_neither_time_nor_states(fmus: dict) -> None:
+    """FMI 3.0, table of section 4: they are of model exchange."""
+    with host(fmus["bogie", "fmi3"], events=True, early=True) as one:
+        one.start()
+        before = one.state()
+        assert one.raw("SetTime", 3.0) == ERROR
+        states = (c_double * 64)()
+        assert one.raw("SetContinuousStates", states, 14) == ERROR
+        assert one.state() == before
+        assert one.raw("EnterStepMode") == OK
+
+
+@pytest.mark.parametrize("kind", NATIVE)
+@pytest.mark.parametrize("start", [math.nan, math.inf, -math.inf])
+def test_a_start_that_is_no_time_is_refused(sleds: dict, kind: str, start: float) -> None:
+    with host(sleds[kind]) as one:
+        assert one.experiment(start) == ERROR
+        assert one.said[-1].startswith("Set the start time to a finite time")
+        one.start(1.0)
+        assert one.step(1.0) == OK
+
+
+@pytest.mark.parametrize("kind", NATIVE)
+@pytest.mark.parametrize("step", [1e-300, 1e-9, 9.99e-8])
+def test_an_integration_step_that_would_take_for_ever_is_refused(sleds: dict, kind: str, step: float) -> None:
+    with host(sleds[kind]) as one:
+        assert one.set("integration_step", step) == ERROR
+        assert "Set integration_step to 0 s or to at least 1e-07 s" in one.said[-1]
+        assert one["integration_step"] == 0.0
+        assert one.set("integration_step", 1e-7) == OK
+        one.start()
+        assert one.step(0.0, 10.0) == ERROR
+        assert one.said[-1].startswith("Give a step of at most 0.5 s, or a longer integration_step")
+        assert one.step(0.0, 1e-3) == OK
+
+
+@contextmanager
+def ringing(seconds: int) -> Iterator[None]:
+    """Ends the process, which waits within C, after some seconds."""
+    signal.alarm(seconds)
+    yield
+    signal.alarm(0)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no named pipes")
+def test_a_pipe_or_a_folder_is_no_line(bogie: Library, tmp_path: Path) -> None:
+    """Nobody writes into the pipe: who opens it waits for ever, unless an alarm rings."""
+    os.mkfifo(tmp_path / "pipe")
+    with ringing(20):
+        for path in (tmp_path / "pipe", tmp_path, Path(os.devnull)):
+            with pytest.raises(KernelError, match="it is a folder, a pipe or a device; give the path of a file"):
+                Kernel(bogie, line_file=str(path))
+
+
+@pytest.mark.parametrize("kind", NATIVE)
+def test_no_reference_is_too_large_to_be_refused(fmus: dict, kind: str) -> None:
+    values = (c_double * 1)()
+    with host(fmus["brake", kind]) as one:
+        one.start()
+        for reference in (2**31 - 1, 2**31, 2**31 + 1, 2**32 - 1):
+            given = (c_uint32 * 1)(reference)
+            sizes = [1] if one.three else []
+            reading = "GetFloat64" if one.three else "GetReal"
+            assert one.raw(reading, given, 1, values, *sizes) == ERROR, reference
+            more = (given, 1, given, 1, values, 1, values, 1) if one.three else (given, 1, given, 1, values, values)
+            assert one.raw("GetDirectionalDerivative", *more) == ERROR, reference
+
+
+def test_a_model_on_a_line_names_its_file() -> None:
+    """Otherwise its instances would look for the name of a variable that is not there."""
+    made = system_on_a_line()
+    with pytest.raises(ValueError, match="on_line runs on a line; give a parameter of kind string that names its file"):
+        model_of(made, 1e-6)
+    with pytest.raises(ValueError, match="give a system for each of 1 choices"):
+        Model("none", "No system", model_of(root_system(), 1e-6).variables, (root_system(),), (), (-1,))
+
+
+def system_on_a_line() -> System:
+    system = System("on_line", "A point on a line")
+    x = system.state("x", "m", 0.0, 1.0)
+    [rise] = system.along_line("rise", x)
+    system.derivative("x", 1 + 0 * rise)
+    return system
+
+
+def root_system() -> System:
+    system = System("root", "x' = 1")
+    system.derivative("x", 1 + 0 * system.state("x", "1", 0.0, 1.0))
+    return system
+
+
+def test_a_model_without_a_line_asks_for_the_one_it_needs(tmp_path: Path) -> None:
+    """A model with a line's variable and no selector: the sentence names the variable and not one that is not there."""
+    file = Variable("line_file", "parameter", "1", "Line", kind="string")
+    kernel = Kernel(Library(build_library(model_of(system_on_a_line(), 1e-6, file))))
+    with pytest.raises(KernelError, match="Set line_file to the path of a file with a line"):
+        kernel.initialise()

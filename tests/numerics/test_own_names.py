@@ -1,0 +1,47 @@
+"""Names of C that is given for a part, beside those of the runtime in one unit."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from fmu_src.codegen import RUNTIME, RUNTIME_SOURCES
+from fmu_src.own_names import PREFIX, names_at_file_scope, with_own_names
+from rbd_model.contact import strips_in_c
+from rbd_model.contact.creep import tabulated
+
+SOURCE = """#include <math.h>
+#define ROUNDS 3 /* not other_name(1) { */
+enum { MOST = 2, LEAST };
+typedef struct { double solve, inside; } stand_of;
+static const double PI = 3.14, E[] = {2.7, 1.0};
+static double table[MOST][3];
+static double before(double x);
+static double (*law)(double) = before;
+static int solve(const stand_of *stand, double matrix[MOST][MOST]) {
+    const char *text = "solve(it) {";
+    int local = 0;
+    if (fmin(stand->solve, PI) > ROUNDS) { local = LEAST; }
+    return local + (text != 0) + (matrix != 0);
+}
+static double before(double x) { return x * E[1] + table[0][0]; }
+"""
+
+
+def test_names_of_a_file_are_found_and_those_inside_are_not() -> None:
+    assert names_at_file_scope(SOURCE) == {
+        *("ROUNDS", "MOST", "LEAST", "stand_of", "PI", "E", "table", "before", "law", "solve"),
+    }
+
+
+def test_renamed_sources_know_each_other_and_none_of_the_names_of_the_runtime() -> None:
+    """Whatever the runtime calls its own: the names of the parts that ship meet none of them."""
+    common, own = with_own_names([SOURCE, "static void use(void) { (void)solve(0, 0); }"])
+    assert f"static void {PREFIX}use(void) {{ (void){PREFIX}solve(0, 0); }}" == own
+    assert "fmin(stand->in_c_solve, in_c_PI) > in_c_ROUNDS" in common
+    runtime = "\n".join((RUNTIME / name).read_text() for name in RUNTIME_SOURCES)
+    for module, name in ((strips_in_c, "strips.c"), (tabulated, "table.c")):
+        text = (Path(str(module.__file__)).parent / name).read_text()
+        assert names_at_file_scope(text) & set(re.findall(r"\w+", runtime))  # which is why they are renamed
+        [renamed] = with_own_names([text])
+        assert not names_at_file_scope(renamed) & set(re.findall(r"\w+", runtime))
