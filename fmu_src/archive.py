@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import xml.etree.ElementTree as ET
 import zipfile
@@ -16,13 +17,20 @@ def write_archive(path: Path, contents: Mapping[str, bytes]) -> None:
     """Writes the archive in one go: a failed build leaves the old file, and two processes do not meet in one."""
     path.parent.mkdir(parents=True, exist_ok=True)
     partial = path.with_name(f"{path.name}.{os.getpid()}.partial")
-    with zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
+    partial.write_bytes(archive_bytes(contents))
+    partial.replace(path)
+
+
+def archive_bytes(contents: Mapping[str, bytes]) -> bytes:
+    """The archive itself."""
+    made = io.BytesIO()
+    with zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
         for name in sorted(contents):
             entry = zipfile.ZipInfo(name, FIXED_DATE)
             entry.compress_type = zipfile.ZIP_DEFLATED
             entry.external_attr = 0o644 << 16
             archive.writestr(entry, contents[name])
-    partial.replace(path)
+    return made.getvalue()
 
 
 def xml_file(root: ET.Element) -> bytes:

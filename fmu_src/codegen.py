@@ -44,6 +44,7 @@ KERNEL_SOURCES = (
     "locate.c",
     "integrate.c",
     "initialise.c",
+    "explicit_host.c",
     "exchange.c",
     "derivatives.c",
     "step.c",

@@ -1,8 +1,9 @@
 """System Structure and Parameterization 1.0: FMUs, how they are connected, and their parameters, in one archive.
 
 Written so that FMPy, ecos and libcosim accept it, which is tested, and OMSimulator, which is not: no connectors of the
-system itself, of the inputs only those that are connected (FMPy sets the others to zero), and the parameters twice,
-within the system structure and as a file of their own (FMPy reads the latter when it is handed over).
+system itself, of the inputs only those that are connected (FMPy sets the others to zero), and the parameters three
+times: within the system structure, as a file of their own, and as the start values of the FMUs in the archive, since
+FMPy reads neither of the former by itself.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from fmpy import read_model_description
 from fmu_src import parameter_file
 from fmu_src.archive import write_archive, xml_file
 from fmu_src.parameter_file import add_parameter
+from fmu_src.start_values import with_start_values
 
 NAMESPACES = parameter_file.NAMESPACES | {
     "xmlns:ssd": "http://ssp-standard.org/SSP1/SystemStructureDescription",
@@ -51,7 +53,10 @@ def write_ssp(
     experiment: tuple[float, float],
 ) -> None:
     """Writes the archive; experiment: stop time and macro step [s]."""
-    contents = {f"resources/{component.fmu.name}": component.fmu.read_bytes() for component in components}
+    contents = {
+        f"resources/{component.fmu.name}": with_start_values(component.fmu, component.parameters)
+        for component in components
+    }
     contents["SystemStructure.ssd"] = xml_file(_structure(name, components, connections, experiment))
     root = ET.Element("ssv:ParameterSet", {"version": "1.0", "name": name, "xmlns:ssv": NAMESPACES["xmlns:ssv"]})
     parameters = ET.SubElement(root, "ssv:Parameters")

@@ -107,8 +107,10 @@ static int find_slopes(kernel *self) {
 
 int kernel_get_slopes(kernel *self, double *slope) {
     const int status = find_slopes(self);
-    if (status == KERNEL_OK) memcpy(slope, self->slope, (size_t)self->system->states * sizeof(double));
-    return status;
+    if (status != KERNEL_OK) return status;
+    memcpy(slope, self->slope, (size_t)self->system->states * sizeof(double));
+    explicit_host_read(self);
+    return KERNEL_OK;
 }
 
 /* Margins, in self->margin. A friction without capacity has its direction watched, for when there is some. */
@@ -159,13 +161,25 @@ int kernel_get_exchanged(kernel *self, int number, double *value) {
     return status;
 }
 
-int kernel_find_modes(kernel *self, int *moved) {
+/* Whether some of what a rollback restores is other than in the backup. */
+static int differs(const kernel *self, const double *vector, int count) {
+    return memcmp(self->backup + (vector - self->block), vector, (size_t)count * sizeof(double)) != 0;
+}
+
+int kernel_find_modes(kernel *self, int *jumped) {
     const int status = find_margins(self);
     if (status != KERNEL_OK) return status;
-    const size_t size = (size_t)self->system->states * sizeof(double);
-    memcpy(self->trial, self->state, size);
+    const system_description *system = self->system;
+    memcpy(self->backup, self->block, self->restored * sizeof(double));
+    kernel_evaluate(self, system->ode, 0.0, self->state, self->between);
     self->now.ended = modes_switch(self, 0.0, -INFINITY);
-    *moved = memcmp(self->trial, self->state, size) != 0;
+    kernel_evaluate(self, system->ode, 0.0, self->state, self->slope);
+    const int moved = differs(self, self->state, system->states);
+    if (moved || differs(self, self->mode, system->frictions)) modes_grow_reluctant(self);
+    *jumped = moved || self->now.inputs_jumped ||
+              memcmp(self->between, self->slope, (size_t)system->states * sizeof(double)) != 0;
+    explicit_host_begin(self);
+    self->now.inputs_jumped = 0;
     self->now.outputs_stale = 1;
     char when[CLOCK_SIZE];
     if (self->now.ended)
@@ -179,5 +193,6 @@ int kernel_complete_step(kernel *self, int *crossed) {
     if (status != KERNEL_OK) return status;
     *crossed = 0;
     for (int i = 0; i < kernel_exchange_indicators(); ++i) *crossed |= self->margin[i] < 0.0;
-    return modes_warn(self, 0.0) ? KERNEL_WARNING : KERNEL_OK;
+    const int warned = modes_warn(self, 0.0) > 0;
+    return explicit_host_guard(self) != KERNEL_OK || warned ? KERNEL_WARNING : KERNEL_OK;
 }

@@ -1,5 +1,6 @@
 /* The common part of both faces. It knows the order of calls; the kernel knows the machine. */
 #include "face.h"
+#include "line.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -8,6 +9,9 @@
 /* By status. */
 static const char *const CATEGORY[] = {"events", "logStatusWarning", "logStatusDiscard", "logStatusError"};
 enum { CATEGORIES = 4, EVERYTHING = 15 };
+
+/* Files among the resources; the first has the longer name. */
+static const char START_VALUES[] = "/start_values.csv", LINE[] = "/line.csv";
 
 static void say(const component *self, int status, const char *sentence) {
     const unsigned category = status <= KERNEL_ERROR ? (unsigned)status : (unsigned)KERNEL_ERROR;
@@ -110,23 +114,61 @@ static void decode(const char *uri, char *path) {
     *path = '\0';
 }
 
-/* The line among the resources, where there is one. */
+/* A file among the resources, opened, its path in self->resources until the next one's; null: there is none. */
+static FILE *own_file(component *self, const char *name) {
+    char *end = self->resources + self->folder_length;
+    strcpy(end, name);
+    return fopen(self->resources, "rb");
+}
+
+/* A row NAME,VALUE of numbers, as a value that is set. */
+static int set_own_start(component *self, char *row) {
+    char sentence[MESSAGE_SIZE];
+    char *value = strchr(row, ',');
+    double number;
+    if (value) *value++ = '\0';
+    for (int i = 0; i < MODEL.variables; ++i)
+        if (value && strcmp(row, MODEL.variable[i].name) == 0 && line_read_number(value, &number))
+            return face_report(self, kernel_set(self->machine, i, number));
+    snprintf(sentence, sizeof sentence, "resources%s: the row \"%.60s\" does not name a variable of %s and a number behind it.",
+             START_VALUES, row, MODEL.name);
+    kernel_make_readable(sentence);
+    return face_error(self, sentence);
+}
+
+static int own_start_values(component *self) {
+    char row[256];
+    int status = KERNEL_OK;
+    FILE *file = own_file(self, START_VALUES);
+    while (file && status <= KERNEL_WARNING && fgets(row, sizeof row, file)) {
+        row[strcspn(row, "\r\n")] = '\0';
+        if (*row) status = set_own_start(self, row);
+    }
+    if (file) fclose(file);
+    return status;
+}
+
 static int own_line(component *self) {
-    if (MODEL.line_file < 0 || !self->resources) return KERNEL_OK;
-    FILE *file = fopen(self->resources, "rb");
+    FILE *file = MODEL.line_file < 0 ? NULL : own_file(self, LINE);
     if (!file) return KERNEL_OK;
     fclose(file);
     return face_report(self, kernel_set_text(self->machine, MODEL.line_file, self->resources));
 }
 
-component *face_settle(component *self, const char *resources) {
-    static const char NAME[] = "/line.csv";
+/* What the FMU's own files say, where there are any. */
+static int read_resources(component *self) {
+    if (!self->resources) return KERNEL_OK;
+    const int status = own_start_values(self);
+    return status <= KERNEL_WARNING ? own_line(self) : status;
+}
+
+component *face_take_resources(component *self, const char *resources) {
     if (!self || !resources || !*resources) return self;
-    self->resources = (char *)malloc(strlen(resources) + sizeof NAME);
+    self->resources = (char *)malloc(strlen(resources) + sizeof START_VALUES);
     if (self->resources) {
         decode(resources, self->resources);
-        strcat(self->resources, NAME);
-        if (own_line(self) == KERNEL_OK) return self;
+        self->folder_length = strlen(self->resources);
+        if (read_resources(self) <= KERNEL_WARNING) return self;
     }
     face_free(self);
     return NULL;
@@ -150,7 +192,7 @@ int face_reset(component *self) {
     self->now = INSTANTIATED;
     self->start_time = 0.0;
     self->last_step = KERNEL_OK;
-    return own_line(self);
+    return read_resources(self);
 }
 
 int face_plan(component *self, const double *tolerance, double start, const double *stop) {

@@ -30,7 +30,8 @@ typedef struct component {
     int events;   /* co-simulation whose host asked for event mode */
     double start_time;
     char *name;
-    char *resources; /* folder of the FMU's own files; null: the host named none */
+    char *resources; /* folder of the FMU's own files, with room for their names; null: the host named none */
+    size_t folder_length;
     const char *standard; /* "FMI 2.0, section 4.2.4" */
     /* Hands a sentence to the host's logger. */
     void (*tell)(const struct component *self, int status, const char *category, const char *sentence);
@@ -43,9 +44,9 @@ enum { WARNINGS = 1u << KERNEL_WARNING, ERRORS = 1u << KERNEL_ERROR };
 
 /* A new instance, or null after `tell` has said why. The caller fills in the fields of the log first. */
 INSIDE component *face_instantiate(const component *log, const char *name, const char *token, int logging);
-/* Tells an instance (null: there is none) where its resources are, a path or a URI of a file; `line.csv` there is its
- * line. Gives it back, or null where that line is refused. */
-INSIDE component *face_settle(component *self, const char *resources);
+/* Tells an instance (null: there is none) where its resources are, a path or a URI of a file. `start_values.csv` there has
+ * rows NAME,VALUE in place of start values, and `line.csv` is its line. Gives it back, or null where these are refused. */
+INSIDE component *face_take_resources(component *self, const char *resources);
 INSIDE void face_free(component *self);
 INSIDE int face_log(component *self, int logging, size_t count, const char *const categories[]);
 INSIDE int face_error(const component *self, const char *sentence);
@@ -79,7 +80,7 @@ INSIDE int face_set_time(component *self, double time);
 INSIDE int face_set_states(component *self, const double *state, size_t count);
 INSIDE int face_read(component *self, double *value, size_t count, int expected, int (*read)(kernel *, double *));
 INSIDE int face_enter(component *self, phase next);
-INSIDE int face_find_modes(component *self, int *ended, int *moved);
+INSIDE int face_find_modes(component *self, int *ended, int *jumped);
 INSIDE int face_complete_step(component *self, int *crossed);
 
 /* STATUS is the type of the standard. */

@@ -37,8 +37,8 @@ int face_enter(component *self, phase next) {
     return KERNEL_OK;
 }
 
-int face_find_modes(component *self, int *ended, int *moved) {
-    const int status = kernel_find_modes(self->machine, moved);
+int face_find_modes(component *self, int *ended, int *jumped) {
+    const int status = kernel_find_modes(self->machine, jumped);
     *ended = kernel_ended(self->machine) != 0;
     if (*ended) self->now = STOPPED;
     return face_report(self, status);

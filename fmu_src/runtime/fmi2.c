@@ -42,7 +42,7 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
     log.logger = (void (*)(void))functions->logger;
     log.environment = functions->componentEnvironment;
     log.exchange = fmuType == fmi2ModelExchange;
-    return face_settle(face_instantiate(&log, instanceName, fmuGUID, loggingOn), fmuResourceLocation);
+    return face_take_resources(face_instantiate(&log, instanceName, fmuGUID, loggingOn), fmuResourceLocation);
 }
 
 void fmi2FreeInstance(fmi2Component c) { face_free((component *)c); }

@@ -52,7 +52,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
     (void)nRequiredIntermediateVariables, (void)intermediateUpdate;
     component log = newborn(instanceName, instanceEnvironment, logMessage);
     log.events = eventModeUsed;
-    component *self = face_settle(face_instantiate(&log, instanceName, instantiationToken, loggingOn), resourcePath);
+    component *self = face_take_resources(face_instantiate(&log, instanceName, instantiationToken, loggingOn), resourcePath);
     if (self) kernel_stop_at_events(self->machine, earlyReturnAllowed);
     return self;
 }
@@ -64,7 +64,7 @@ fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String in
     (void)visible;
     component log = newborn(instanceName, instanceEnvironment, logMessage);
     log.exchange = 1;
-    return face_settle(face_instantiate(&log, instanceName, instantiationToken, loggingOn), resourcePath);
+    return face_take_resources(face_instantiate(&log, instanceName, instantiationToken, loggingOn), resourcePath);
 }
 
 fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3String instantiationToken,
@@ -316,13 +316,13 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *discrete
         face_missing(self, 1, nominalsOfContinuousStatesChanged, valuesOfContinuousStatesChanged) ||
         face_missing(self, 1, nextEventTimeDefined, nextEventTime))
         return fmi3Error;
-    int ended = 0, moved = 0;
+    int ended = 0, jumped = 0;
     /* Steps of our own have found modes already, and find them anew after inputs have jumped. */
-    const int status = self->exchange ? face_find_modes(self, &ended, &moved) : KERNEL_OK;
+    const int status = self->exchange ? face_find_modes(self, &ended, &jumped) : KERNEL_OK;
     *discreteStatesNeedUpdate = *nominalsOfContinuousStatesChanged = *nextEventTimeDefined = fmi3False;
     *nextEventTime = 0.0;
     *terminateSimulation = ended;
-    *valuesOfContinuousStatesChanged = moved;
+    *valuesOfContinuousStatesChanged = jumped;
     return (fmi3Status)status;
 }
 

@@ -68,7 +68,8 @@ int kernel_initialise(kernel *self, double time) {
     self->now.proposed_step = FIRST_STEP;
     self->now.kept_steps = -1;
     self->now.pause = self->now.guard_wait = self->now.switches = 0;
-    self->now.guard_said = 0.0;
+    self->now.guard_said = self->now.reluctance = 0.0;
+    self->now.switched = -INFINITY;
     kernel_gather_inputs(self);
     if (system->derive) kernel_call(self, system->derive, 0.0, self->state, &self->derived);
     kernel_evaluate(self, system->start, 0.0, self->state, self->trial);
@@ -90,7 +91,7 @@ int kernel_initialise(kernel *self, double time) {
                                  "The equations have no consistent start at t = %s s; check inputs and parameters.",
                                  kernel_clock(time, 9, when));
     }
-    self->now.outputs_stale = 0;
+    self->now.outputs_stale = self->now.inputs_jumped = 0;
     for (int i = 0; i < MODEL.variables; ++i)
         if (MODEL.variable[i].causality == CAUSALITY_INPUT) (void)kernel_warn_without_effect(self, i);
     return KERNEL_OK;

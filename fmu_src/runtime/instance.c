@@ -75,6 +75,9 @@ static size_t lay_out(kernel *self, double *block) {
     self->point = carve(block, &used, n);
     self->between = carve(block, &used, n);
     self->place_read = carve(block, &used, n);
+    self->host_state = carve(block, &used, n);
+    self->host_slope = carve(block, &used, n);
+    self->host_change = carve(block, &used, n);
     self->first_slope = carve(block, &used, n);
     self->last_slope = carve(block, &used, n);
     self->ordered = carve(block, &used, 2 * n);
@@ -129,6 +132,7 @@ void kernel_reset(kernel *self) {
     memset(&self->counters, 0, sizeof self->counters);
     for (int i = 0; i < MODEL.variables; ++i) self->value[i] = MODEL.variable[i].start;
     self->now.system = -1;
+    self->host_steps = self->host_slope_known = 0;
     self->stop_time = INFINITY;
     self->system = NULL;
     self->message[0] = '\0';

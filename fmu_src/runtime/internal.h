@@ -11,6 +11,7 @@ typedef struct {
     double proposed_step;
     double kept_time, kept_until, kept_size; /* of the kept Jacobian: when it was taken, how long it serves, its step */
     unsigned long long line;     /* the line's mark; 0: there is none */
+    double switched, reluctance; /* model exchange: when something switched last, and what that leaves, see modes.c */
     double guard_said;           /* what the last warning about fixed steps was about; 0: none yet */
     int kept_steps;              /* steps that the kept Jacobian has served; -1: there is none */
     int pause;                   /* short steps before a Jacobian is kept again */
@@ -19,6 +20,7 @@ typedef struct {
     int system; /* -1 before initialisation */
     int ended;  /* 1 + index of the end condition that stopped the run; 0: running */
     int outputs_stale;
+    int inputs_jumped; /* model exchange: an input was set to another value since modes were found last */
 } kernel_snapshot;
 
 typedef struct {
@@ -59,6 +61,9 @@ struct kernel {
     double *held; /* for each table, the range of its argument in which `coefficient` holds: from, and below */
     double *trial, *slope, *time_slope, *nonzero, *jacobian, *kept_jacobian, *stage[MOST_STAGES], *point, *ordered;
     double *differential;
+    /* Of the host's integrator: where its step began, the slopes there and how they differ from those before. */
+    double *host_state, *host_slope, *host_change, host_time;
+    int host_slope_known, host_steps; /* steps in a row that were those of Euler's method */
     double *place_read; /* where outputs and derivatives are read that have algebraic states */
     /* `ordered` has room for two vectors. */
     double *between, *first_slope, *last_slope;
@@ -176,6 +181,12 @@ INSIDE double modes_direction_margin(const kernel *self, int i, const double *st
 INSIDE double modes_margin(kernel *self, double offset, const double *state);
 INSIDE int modes_switch(kernel *self, double offset, double least);
 INSIDE int modes_warn(kernel *self, double offset);
+/* Model exchange: something has switched or stopped now. */
+INSIDE void modes_grow_reluctant(kernel *self);
+/* Model exchange: a step of the host begins here; slopes were read; and it ends here, a status where that is warned of. */
+INSIDE void explicit_host_begin(kernel *self);
+INSIDE void explicit_host_read(kernel *self);
+INSIDE int explicit_host_guard(kernel *self);
 /* Place of a state of model exchange among those of the chosen system; -1: it does not have that one. */
 INSIDE int exchange_state(const kernel *self, int number);
 /* One trial step with the chosen method; the length at which it crosses a switch; and the loop over the steps. */

@@ -72,8 +72,9 @@ KERNEL_EXPORT int kernel_get_indicators(kernel *self, double *indicator);
  * of what it does not have: place of such a variable among them, or a number below 0; and its value. */
 KERNEL_EXPORT int kernel_exchanged_number(int variable);
 KERNEL_EXPORT int kernel_get_exchanged(kernel *self, int number, double *value);
-/* At an event: switches what has crossed, which may end the run or set a velocity to 0, which is `moved`. */
-KERNEL_EXPORT int kernel_find_modes(kernel *self, int *moved);
+/* At an event: switches what has crossed, which may end the run. `jumped`: since the event before, an input, a slope or
+ * a state has come to another value at once, so that an integrator of several steps must begin anew. */
+KERNEL_EXPORT int kernel_find_modes(kernel *self, int *jumped);
 /* Behind a step: whether something has crossed; and says what only warns. */
 KERNEL_EXPORT int kernel_complete_step(kernel *self, int *crossed);
 KERNEL_EXPORT size_t kernel_state_size(const kernel *self);
@@ -83,6 +84,8 @@ KERNEL_EXPORT double kernel_time(const kernel *self);
 KERNEL_EXPORT int kernel_ended(const kernel *self);
 /* The oldest sentence that was not heard yet, and its status; null: there is none. It lasts until the next call. */
 KERNEL_EXPORT const char *kernel_hear(kernel *self, int *status);
+/* Makes valid UTF-8 on one line of a text that may come from anyone. */
+INSIDE void kernel_make_readable(char *text);
 KERNEL_EXPORT int kernel_state_count(const kernel *self);
 
 #endif

@@ -43,6 +43,8 @@ INSIDE void line_integrate(line_data *self);
 INSIDE void line_look_up(const line_data *self, const table_description *table, double at, int *guess, double held[2],
                          double *coefficient);
 /* The line in a file; or null, and a sentence with its row and value. */
+/* A number in decimal writing, whatever the host's language. 0: it is none. */
+INSIDE int line_read_number(const char *text, double *value);
 INSIDE line_data *line_read(const char *path, char problem[PROBLEM_SIZE]);
 
 #endif

@@ -118,8 +118,7 @@ static int read_names(reader *self) {
     return 1;
 }
 
-/* A number in decimal writing, whatever the host's language. 0: it is none. */
-static int read_number(const char *text, double *value) {
+int line_read_number(const char *text, double *value) {
     static const double power[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
                                    1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
     const int negative = *text == '-';
@@ -189,7 +188,7 @@ static int read_row(reader *self, char *text) {
         }
         const int column = self->column[count];
         double value = 0.0;
-        if (!read_number(one, &value)) {
+        if (!line_read_number(one, &value)) {
             return refuse_file(self, "%s is \"%.40s\"; give a finite number", COLUMN[column].name, one);
         }
         if (!check_value(self, column, one, value)) return 0;

@@ -23,7 +23,7 @@ static size_t length_of_letter(const unsigned char *c) {
 }
 
 /* What is no letter becomes a question mark. */
-static void make_readable(char *text) {
+void kernel_make_readable(char *text) {
     for (unsigned char *c = (unsigned char *)text; *c;) {
         const size_t length = length_of_letter(c);
         if (!length) *c = '?';
@@ -64,7 +64,7 @@ static void note(kernel *self, int status, const char *sentence) {
 
 static void write_sentence(char text[MESSAGE_SIZE], const char *format, va_list arguments) {
     if (vsnprintf(text, MESSAGE_SIZE, format, arguments) >= MESSAGE_SIZE) mark_cut(text);
-    make_readable(text);
+    kernel_make_readable(text);
 }
 
 void kernel_note(kernel *self, int status, const char *format, ...) {

@@ -11,6 +11,9 @@
 
 enum { ROUNDS = 4 };             /* of modes that wait for one another */
 static const double SPARE = 0.9; /* share of the capacity up to which what moves slowly sticks */
+/* Events within AGAIN [s] repeat each other; how fast reluctance fades [s], and its least and largest as a share of the
+ * capacity. */
+static const double AGAIN = 1e-3, FADING = 1e-4, LEAST_RELUCTANCE = 1e-7, MOST_RELUCTANCE = 1e3;
 
 static double velocity_of(const friction_description *friction, const double *state) {
     return state[friction->velocity] + (friction->other < 0 ? 0.0 : state[friction->other]);
@@ -22,7 +25,24 @@ static void stop(const friction_description *friction, double *state) {
 }
 
 /* The share of the capacity up to which a drive sticks, or stays stuck. */
-static double share_of(double mode, double still) { return mode != 0.0 && still > 0.0 ? SPARE : 1.0; }
+static double share_of(double mode, double still, double reluctant) {
+    return mode != 0.0 && still > 0.0 ? SPARE : 1.0 + reluctant;
+}
+
+/* An integrator of the host leaves errors in the state, and near rest 1e-5 of the running speed is more than the slip that
+ * carries a brake's whole force: a wheel that comes to a stop is driven on, or back, stops again, and so on without end.
+ * Creep lets such a force down within microseconds once the wheel is held. Hence each event that follows on another makes
+ * frictions more reluctant to slide, for a moment. In steps of our own, which locate on the state itself, this is 0. */
+static double reluctance(const kernel *self, double offset) {
+    if (self->now.reluctance == 0.0) return 0.0;
+    return self->now.reluctance * exp(-(self->step_origin + offset - self->now.switched) / FADING);
+}
+
+void modes_grow_reluctant(kernel *self) {
+    const int again = self->now.time - self->now.switched < AGAIN;
+    self->now.reluctance = again ? fmin(fmax(100.0 * self->now.reluctance, LEAST_RELUCTANCE), MOST_RELUCTANCE) : 0.0;
+    self->now.switched = self->now.time;
+}
 
 static double direction_of(double velocity, double drive, double capacity, double still) {
     if (capacity <= 0.0) return velocity < 0.0 ? -1.0 : 1.0; /* for when there is some: now it multiplies zero */
@@ -52,7 +72,7 @@ static int refresh_once(kernel *self, double offset) {
     for (int i = 0; i < system->frictions; ++i) {
         const friction_description *friction = &system->friction[i];
         const double old = self->mode[i], velocity = velocity_of(friction, self->state);
-        const double share = share_of(old, self->still[i]);
+        const double share = share_of(old, self->still[i], reluctance(self, offset));
         self->mode[i] = direction_of(velocity, self->drive[i], share * self->capacity[i], self->still[i]);
         if (self->mode[i] == 0.0) stop(friction, self->state);
         if ((old == 0.0) == (self->mode[i] == 0.0)) continue;
@@ -90,13 +110,14 @@ double modes_margin(kernel *self, double offset, const double *state) {
     double smallest = INFINITY;
     kernel_locate(self, offset, state);
     if (system->frictions) find_drive_and_capacity(self, offset, state);
+    const double reluctant = reluctance(self, offset);
     for (int i = 0; i < system->frictions; ++i) {
         const friction_description *friction = &system->friction[i];
         const double velocity = velocity_of(friction, state), capacity = self->capacity[i], still = self->still[i];
         if (capacity <= 0.0)
             self->margin[i] = self->mode[i] == 0.0 ? -1.0 : INFINITY;
         else if (self->mode[i] == 0.0)
-            self->margin[i] = (capacity - fabs(self->drive[i])) / capacity;
+            self->margin[i] = (capacity - fabs(self->drive[i])) / capacity + reluctant;
         else if (still > 0.0)
             self->margin[i] = fmax(fabs(velocity) / still, fabs(self->drive[i]) / (SPARE * capacity)) - 1.0;
         else

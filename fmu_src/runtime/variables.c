@@ -83,6 +83,7 @@ int kernel_set(kernel *self, int variable, double value) {
         if (status == KERNEL_OK && variable == MODEL.integration_step) status = check_integration_step(self, value);
         if (status != KERNEL_OK) return status;
     }
+    self->now.inputs_jumped |= value != self->value[variable];
     self->value[variable] = value;
     self->input_rate[variable] = 0.0;
     self->now.outputs_stale = 1;

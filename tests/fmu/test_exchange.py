@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+import time as clock
 import zipfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from ctypes import byref, c_bool, c_double, c_int, c_size_t
 from itertools import pairwise
 from pathlib import Path
@@ -164,8 +165,134 @@ def test_friction_that_comes_on_a_brick_that_has_turned_round_does_not_stop_it_a
         assert one.raw("EnterEventMode") == OK
         assert find_modes(one) == (False, False)
         assert one.set("grip", 0.25) == OK
+        assert find_modes(one) == (False, True)  # the slopes have jumped with the grip
         assert find_modes(one) == (False, False)
         assert read(one, "GetDerivatives", 2) == [-0.5, -0.75]
+
+
+@pytest.mark.parametrize("kind", NATIVE)
+def test_integrator_that_begins_anew_only_where_it_is_told_follows_a_jump_of_an_input(paths: dict, kind: str) -> None:
+    """Adams and Bashforth's method of two steps is exact for v' = push, unless it goes on with the slope of before."""
+    size, before, behind, count = 0.1, -0.5, 1.5, 5
+    with host(paths[kind], exchange=True) as one:
+        begin(one, grip=0.0, push=before)
+        states, last, time = [0.0, SPEED], None, 0.0
+        for number in range(2 * count):
+            if number == count:
+                assert one.raw("EnterEventMode") == OK
+                assert one.set("push", behind) == OK
+                if find_modes(one)[1]:
+                    last = None
+                assert one.raw("EnterContinuousTimeMode") == OK
+            slopes = read(one, "GetDerivatives", 2)
+            used = slopes if last is None else [1.5 * now - 0.5 * then for now, then in zip(slopes, last, strict=True)]
+            states = [x + size * slope for x, slope in zip(states, used, strict=True)]
+            last, time = slopes, time + size
+            assert put(one, time, states) == OK
+            complete_step(one)
+        assert states[1] == pytest.approx(SPEED + count * size * (before + behind), rel=1e-12)
+
+
+def complete_step(one: Host) -> bool:
+    """Whether the instance asks for event mode behind a step of the integrator."""
+    crossed, ended = ((c_bool if one.three else c_int)() for _ in range(2))
+    assert one.raw("CompletedIntegratorStep", True, byref(crossed), byref(ended)) <= WARNING
+    return bool(crossed.value)
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-5, 1e-6])
+@pytest.mark.parametrize("torque", [8e3, 12e3, 20e3])
+def test_wheels_do_not_chatter_on_the_way_to_rest(fmus: dict, torque: float, tolerance: float) -> None:
+    """Errors of an integrator are larger than the slip near rest. Both wheelsets lock once, within a few tries."""
+    inputs = {"brake_torque_1": torque, "brake_torque_2": torque, "initial_speed": 10.0}
+    stop = 12.0 * 12e3 / torque
+    locked = ["locked_1", "locked_2"]
+    table = integrated(
+        fmus["bogie", "native"],
+        stop,
+        ["speed", *locked],
+        relative_tolerance=tolerance,
+        start_values=inputs,
+        step_finished=within(FEW_SECONDS),
+    )
+    assert table["time"][-1] == pytest.approx(stop, rel=1e-9)
+    assert abs(table["speed"][-1]) < 1e-9
+    assert all(table[name][-1] for name in locked)
+    events = sum(before == after for before, after in pairwise(table["time"]))
+    assert events <= MOST_EVENTS
+
+
+#: Two wheelsets lock and stand; a few tries more where a tolerance is coarse. Without an end there are thousands.
+MOST_EVENTS, FEW_SECONDS = 40, 20.0
+
+
+def within(seconds: float) -> Callable[[float, object], bool]:
+    """For FMPy: goes on for some seconds of wall time."""
+    end = clock.monotonic() + seconds
+    return lambda time, recorder: clock.monotonic() < end
+
+
+def euler(one: Host, size: float, steps: int, count: int) -> None:
+    """Steps of Euler's method, with events where they are asked for."""
+    states = read(one, "GetContinuousStates", count)
+    for number in range(steps):
+        slopes = read(one, "GetDerivatives", count)
+        states = [x + size * slope for x, slope in zip(states, slopes, strict=True)]
+        assert put(one, (number + 1) * size, states) == OK
+        if complete_step(one):
+            assert one.raw("EnterEventMode") == OK
+            if find_modes(one)[0]:
+                return
+            assert one.raw("EnterContinuousTimeMode") == OK
+            states = read(one, "GetContinuousStates", count)
+
+
+def states_of(path: Path) -> int:
+    return int(read_model_description(str(path)).numberOfContinuousStates)
+
+
+@pytest.mark.parametrize("kind", NATIVE)
+def test_euler_above_its_stability_limit_is_told_so_before_the_run_fails(fmus: dict, kind: str) -> None:
+    """The coach ends by wheel lift within a second; that is no physics, and said within the first ten steps."""
+    path = fmus["braked-vehicle", kind]
+    with host(path, exchange=True) as one:
+        begin(one, pressure_demand_1=180e3, pressure_demand_2=180e3)
+        euler(one, 1e-3, 10, states_of(path))
+        [told] = one.said
+        assert told.startswith("The host's steps of 0.001 s by Euler's method are unstable at t = 0.00")
+        assert "an implicit method such as CVODE, or use co-simulation" in told
+        euler(one, 1e-3, 1000, states_of(path))
+        assert len(one.said) == 2  # it is said once
+        assert "lifted off the rail" in one.said[1]
+
+
+def test_integrators_that_do_not_lie_are_told_nothing(fmus: dict) -> None:
+    """Euler below the limit; and steps of an implicit method of the same length, and of the trapezoidal rule."""
+    path = fmus["bogie", "native"]
+    count = states_of(path)
+    with host(path, exchange=True) as one:
+        begin(one, brake_torque_1=4e3, initial_speed=20.0)
+        euler(one, 1e-4, 300, count)
+        assert one.said == []
+    brick_path = fmus["brake", "native"]
+    for theta in (0.5, 1.0):
+        with host(brick_path, exchange=True) as one:
+            begin(one, pressure_demand=180e3)
+            size, count = 1.0, states_of(brick_path)
+            states = read(one, "GetContinuousStates", count)
+            for number in range(20):
+                before, guess = read(one, "GetDerivatives", count), states
+                for _ in range(200):
+                    assert put(one, (number + 1) * size, guess) == OK
+                    slopes = read(one, "GetDerivatives", count)
+                    wanted = [
+                        x + size * ((1 - theta) * old + theta * new)
+                        for x, old, new in zip(states, before, slopes, strict=True)
+                    ]
+                    guess = [0.7 * g + 0.3 * w for g, w in zip(guess, wanted, strict=True)]
+                states = guess
+                complete_step(one)
+            assert [line for line in one.said if "Euler" in line] == []
 
 
 @pytest.mark.parametrize("kind", NATIVE)

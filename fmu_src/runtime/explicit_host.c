@@ -1,0 +1,86 @@
+/* An integrator of the host that takes explicit steps above a stability limit lies: creep saturates, so that nothing blows
+ * up at once. Which method a host has it does not say, but Euler's shows: each step is its length times the slope that was
+ * read where it began. */
+#include <math.h>
+#include <string.h>
+
+#include "internal.h"
+
+/* Steps in a row that tell Euler's method, and those between two looks; doublings of a step over which growth is looked at,
+ * and how much finer the motion is with which it is compared. */
+enum { STEPS_TO_TELL = 2, CHECK_EVERY = 64, DOUBLINGS = 10, FINER = 4 };
+/* How many times as much a disturbance grows as in the finer motion, from where on it is no error but a lie; and a number
+ * behind which nobody need look. */
+static const double UNSTABLE = 1e3, ENDLESS = 1e100;
+/* What a step may miss, of its way; and how much of a nominal value a change of slope must move within a step, so that no
+ * implicit method takes the same step. */
+static const double ROUND_OFF = 1e-12, SEEN = 1e-9;
+
+void explicit_host_begin(kernel *self) {
+    memcpy(self->host_state, self->state, (size_t)self->system->states * sizeof(double));
+    self->host_time = self->now.time;
+    self->host_slope_known = 0;
+}
+
+void explicit_host_read(kernel *self) {
+    if (self->host_slope_known || self->now.time != self->host_time) return;
+    const int n = self->system->states;
+    for (int i = 0; i < n; ++i) {
+        self->host_change[i] = self->slope[i] - self->host_slope[i];
+        self->host_slope[i] = self->slope[i];
+    }
+    self->host_slope_known = 1;
+}
+
+/* Whether the step that ends here was one of Euler's, and one that no implicit method would take. */
+static int is_step_of_euler(const kernel *self, double size) {
+    int changed = 0;
+    if (!self->host_slope_known || !(size > 0.0)) return 0;
+    for (int i = 0; i < self->system->states; ++i) {
+        const double way = size * self->host_slope[i], missed = self->state[i] - self->host_state[i] - way;
+        if (fabs(missed) > ROUND_OFF * (fabs(self->state[i]) + fabs(way))) return 0;
+        changed |= size * fabs(self->host_change[i]) > SEEN * self->system->nominal[i];
+    }
+    return changed;
+}
+
+/* Largest growth of a disturbance, each state in its nominal value, over 2^DOUBLINGS steps of Euler's method, each in 2^finer
+ * parts: (I + h J) squared so often. */
+static double growth_over_steps(kernel *self, double size, int finer) {
+    const int n = self->system->states;
+    double *matrix = self->whole.matrix, *square = self->whole.packed, largest = 1.0;
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) {
+            const double scale = self->system->nominal[j] / self->system->nominal[i];
+            matrix[i * n + j] = (i == j) + ldexp(size, -finer) * scale * self->jacobian[self->place[j] * n + self->place[i]];
+        }
+    for (int doubling = 0; doubling < DOUBLINGS + finer && largest < ENDLESS; ++doubling) {
+        largest = 0.0;
+        for (int i = 0; i < n; ++i)
+            for (int j = 0; j < n; ++j) {
+                double sum = 0.0;
+                for (int k = 0; k < n; ++k) sum += matrix[i * n + k] * matrix[k * n + j];
+                square[i * n + j] = sum;
+                largest = fmax(largest, fabs(sum));
+            }
+        memcpy(matrix, square, (size_t)(n * n) * sizeof(double));
+    }
+    return largest;
+}
+
+int explicit_host_guard(kernel *self) {
+    const double size = self->now.time - self->host_time;
+    self->host_steps = is_step_of_euler(self, size) ? self->host_steps + 1 : 0;
+    explicit_host_begin(self);
+    if (self->now.guard_said > 0.0 || self->host_steps % CHECK_EVERY != STEPS_TO_TELL) return KERNEL_OK;
+    rosenbrock_linearise(self, 0.0, self->state);
+    const double growth = growth_over_steps(self, size, 0);
+    if (!(growth > UNSTABLE * growth_over_steps(self, size, FINER))) return KERNEL_OK;
+    self->now.guard_said = growth;
+    char when[CLOCK_SIZE];
+    return kernel_fail(self, KERNEL_WARNING,
+                       "The host's steps of %.3g s by Euler's method are unstable at t = %s s: a disturbance grows %.1g-fold "
+                       "within %d of them; do not trust the motion from here on, integrate with an implicit method such as "
+                       "CVODE, or use co-simulation.",
+                       size, kernel_clock(self->now.time, 6, when), growth, 1 << DOUBLINGS);
+}

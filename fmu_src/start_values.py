@@ -1,0 +1,37 @@
+"""A native FMU with start values of its own, for masters that set none: the same binary, a file in its resources."""
+
+from __future__ import annotations
+
+import io
+import xml.etree.ElementTree as ET
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+
+from fmu_src.archive import archive_bytes, xml_file
+
+#: What the binary reads in place of its start values, face.c: rows NAME,VALUE.
+FILE = "resources/start_values.csv"
+#: What an archive holds whose binary reads the file, and that of pythonfmu does not.
+NATIVE = "sources/model.c"
+
+
+def with_start_values(fmu: Path, values: Mapping[str, float]) -> bytes:
+    """The archive of a native FMU of FMI 2.0 that starts with these values, in its description too.
+
+    An archive that is not native, or takes no values, stays as it is. Raises ValueError for a name that it has not.
+    """
+    with zipfile.ZipFile(io.BytesIO(fmu.read_bytes())) as packed:
+        contents = {name: packed.read(name) for name in packed.namelist()}
+    if not values or NATIVE not in contents:
+        return fmu.read_bytes()
+    about = ET.fromstring(contents["modelDescription.xml"])
+    variables = {str(element.get("name")): element[0] for element in about.iter("ScalarVariable")}
+    rows = []
+    for name, value in values.items():
+        if name not in variables:
+            raise ValueError(f"{fmu.name} has no variable {name}; its modelDescription.xml lists them.")
+        text = repr(float(value)) if variables[name].tag == "Real" else str(int(value))
+        variables[name].set("start", text)
+        rows.append(f"{name},{text}\n")
+    return archive_bytes(contents | {"modelDescription.xml": xml_file(about), FILE: "".join(rows).encode()})
