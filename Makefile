@@ -36,7 +36,7 @@ $(VENV)/demo-installed: pyproject.toml | $(VENV)/bin/python
 	touch $@
 
 $(VENV)/test-installed: pyproject.toml | $(VENV)/bin/python
-	$(RUN) -m pip install --quiet --disable-pip-version-check -e ".[test,masters,charts,sweep,reports,docs]"
+	$(RUN) -m pip install --quiet --disable-pip-version-check -e ".[test,masters,charts,sweep,docs]"
 	touch $@ $(VENV)/demo-installed
 
 # Draws the pictures of docs/choosing.md anew, some seven minutes, and puts what they measured into the text.

@@ -29,7 +29,6 @@ sweep are kept, results as they were.
 from __future__ import annotations
 
 import argparse
-import importlib
 import json
 import math
 import sys
@@ -37,7 +36,6 @@ from contextlib import nullcontext
 from dataclasses import fields
 from functools import partial
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 from scenarios import doctor
@@ -80,7 +78,11 @@ def run(chosen: argparse.Namespace) -> int:
     scenario, out = find(chosen.name), chosen.out
     options = Options(**{item.name: getattr(chosen, item.name) for item in fields(Options)})
     check(scenario, options)
-    further = partial(pages("html_report").write_report, scenario) if chosen.html else None
+    further = None
+    if chosen.html:
+        from scenarios.reporting.html_report import write_report  # Plotly: for pages alone
+
+        further = partial(write_report, scenario)
     if out.exists() and not out.is_dir():
         raise BadInputError(f"{out} is a file; give --out a folder.")
     elapsed = stopwatch()
@@ -112,18 +114,14 @@ def show(scenario: Scenario, result: Result, folder: Path) -> None:
         print(f"Report: {folder / 'report.html'}")
 
 
-def pages(module: str) -> ModuleType:
-    """What writes pages, imported when it is asked for: it needs packages of its own. Raises BadInputError."""
-    try:
-        return importlib.import_module(f"scenarios.reporting.{module}")
-    except ModuleNotFoundError as error:
-        advice = 'install what reports need: pip install -e ".[reports]"'
-        raise BadInputError(f"Pages need the package {error.name}, which is not here; {advice}") from error
-
-
 def index(out: Path) -> int:
-    """Joins all results of a folder into one page."""
-    print(f"Index: {pages('index').write_index(out)}")
+    """Joins all results of a folder into one page, and says what is not on it."""
+    from scenarios.reporting.index import write_index  # Plotly: for pages alone
+
+    page, skipped = write_index(out)
+    for sentence in skipped:
+        print(sentence, file=sys.stderr)
+    print(f"Index: {page}")
     return HOLDS
 
 

@@ -31,11 +31,9 @@ from scenarios.reporting.report import versions
 from scenarios.scenario import BadInputError, Scenario, Sweepable
 from scenarios.sweep.cluster import cluster
 from scenarios.sweep.grid import Grid, grid_of, points_of
-from scenarios.sweep.journal import Journal
+from scenarios.sweep.journal import JOURNAL, Journal
 from scenarios.sweep.points import Evaluator, in_processes, point_function, sources
 from scenarios.sweep.table import Rows, remove_table, write_table
-
-JOURNAL = "journal.jsonl"
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,11 @@ from typing import Any
 from scenarios.scenario import BadInputError
 from scenarios.sweep.points import Outcome, Point
 
+#: Its name in the folder of a sweep.
+JOURNAL = "journal.jsonl"
+#: What to do where it is not of the sweep that is asked for.
+ADVICE = "Give another --out and both stay; --restart begins anew in its place."
+
 
 class Journal:
     """The finished points of one sweep, kept in a file; as a context manager it is open for more of them.
@@ -65,7 +70,7 @@ def _parse(path: Path, line: int, text: bytes) -> dict[str, Any]:
     except ValueError:
         found = None
     if not isinstance(found, dict):
-        raise BadInputError(f"{path}, line {line} cannot be read; begin anew with --restart.")
+        raise BadInputError(f"{path}, line {line} cannot be read. {ADVICE}")
     return found
 
 
@@ -75,7 +80,7 @@ def _outcome(path: Path, line: int, text: bytes, points: int) -> tuple[int, Outc
     number, results, failure = found.get("point"), found.get("results"), found.get("failure")
     known = isinstance(number, int) and 0 <= number < points
     if not (known and isinstance(results, dict) != isinstance(failure, str)):
-        raise BadInputError(f"{path}, line {line} is no point of this sweep; begin anew with --restart.")
+        raise BadInputError(f"{path}, line {line} is no point of this sweep. {ADVICE}")
     return int(found["point"]), Outcome(results, failure)
 
 
@@ -93,10 +98,7 @@ def _check_head(path: Path, old: Mapping[str, Any], new: Mapping[str, Any]) -> N
         if was == now and list(was) != list(now):  # the numbers of the points hang on it
             differences.append(f"the order of {key} ({', '.join(was)}, now {', '.join(now)})")
     if differences:
-        raise BadInputError(
-            f"{path} belongs to another sweep; different: {'; '.join(differences)}. Begin anew with --restart, or keep "
-            "both with another --out."
-        )
+        raise BadInputError(f"{path} belongs to another sweep; different: {'; '.join(differences)}. {ADVICE}")
 
 
 def _names(first: Iterable[str], second: Iterable[str]) -> list[str]:

@@ -356,19 +356,6 @@ def test_columns_share_a_chart_with_their_like() -> None:
     assert list(together(series)) == [["distance"], ["lateral_1", "lateral_2"], ["speed"], ["none"]]
 
 
-def test_without_plotly_one_sentence_says_what_to_install(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.delitem(sys.modules, "scenarios.reporting.html_report")
-    monkeypatch.setitem(sys.modules, "plotly", None)
-    monkeypatch.delitem(sys.modules, "plotly.graph_objects", raising=False)
-    assert main(["run", NAME, "--html", "--out", str(tmp_path / "out")]) == 2
-    said = capsys.readouterr().err
-    assert "plotly" in said
-    assert 'pip install -e ".[reports]"' in said
-    assert not (tmp_path / "out").exists()
-
-
 def test_what_pages_need_is_imported_for_pages_alone() -> None:
     asked = "import sys, scenarios.__main__; print([name for name in ('plotly', 'jinja2') if name in sys.modules])"
     done = subprocess.run([sys.executable, "-c", asked], cwd=ROOT, capture_output=True, text=True, check=True)
@@ -380,9 +367,46 @@ def test_no_results_are_refused_with_a_sentence(tmp_path: Path, capsys: pytest.C
     assert f"There are no results in {tmp_path}; run a scenario first" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("text", ["{", "[]", '{"scenario": "levels", "rows": [{}], "wall_seconds": 1.0}'])
-def test_an_index_refuses_what_is_no_summary(text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (tmp_path / "levels").mkdir()
-    (tmp_path / "levels" / "summary.json").write_text(text)
+#: A row, and a sweep, that lack something.
+BARE_RUN = '{"scenario": "levels", "rows": [{"holds": true}], "wall_seconds": 1.0}'
+BARE_SWEEP = '{"sweep": "levels", "vary": {"level": []}, "units": {"level": "1"}, "points": 0, "failed": 0}'
+
+
+@pytest.mark.parametrize(
+    ("file", "text", "reason"),
+    [
+        ("summary.json", '{"scenario": "levels", "ro', "summary.json cannot be read"),
+        ("summary.json", "\x00", "summary.json cannot be read"),
+        ("summary.json", "[]", "that of no scenario and no sweep"),
+        ("summary.json", "{}", "that of no scenario and no sweep"),
+        ("summary.json", BARE_RUN, "that of no scenario and no sweep"),
+        ("summary.json", BARE_SWEEP, "that of no scenario and no sweep"),
+        ("journal.jsonl", "{}\n", "its sweep has not come to its end, and the same command goes on from there"),
+        ("holiday.txt", "sun", "it has no summary.json"),
+    ],
+)
+def test_what_is_neither_run_nor_sweep_is_named_and_left_and_the_rest_is_shown(
+    file: str, text: str, reason: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other" / file).write_text(text)
     assert main(["report", "--out", str(tmp_path)]) == 2
-    assert "is no summary of a scenario" in capsys.readouterr().err
+    assert "There are no results in" in capsys.readouterr().err
+    save(nasty_result(), "nasty", tmp_path, 1.0)
+    assert main(["report", "--out", str(tmp_path)]) == 0
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert said.startswith(f"{tmp_path / 'other'} is not shown: ")
+    assert reason in said
+    page = (tmp_path / "index.html").read_text(encoding="utf-8")
+    assert reason in page
+    assert 'href="nasty/figure.png"' in page
+    assert (tmp_path / "other" / file).read_text() == text
+
+
+def test_what_is_being_written_is_not_shown(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for name in ("nasty", ".nasty-abc"):
+        save(nasty_result(), name, tmp_path, 1.0)
+    assert main(["report", "--out", str(tmp_path)]) == 0
+    assert capsys.readouterr().err == ""
+    assert ".nasty" not in (tmp_path / "index.html").read_text(encoding="utf-8")

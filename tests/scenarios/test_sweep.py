@@ -9,6 +9,7 @@ import multiprocessing
 import os
 import pickle
 import random
+import re
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -123,6 +124,27 @@ def test_table_has_the_order_of_the_grid_units_and_all_digits(points: ModuleType
     assert summary["failed"] == 0
     assert summary["vary"]["y"] == [0.0, 1.5, -2.0]
     assert {"bogie-braking", "python", "sources"} <= set(summary["versions"])
+
+
+def test_a_report_shows_a_sweep_as_long_as_it_is_whole(
+    points: ModuleType, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert points.run(["sweep", "moody", "--vary", "mood=0,1", "--jobs", "1", "--out", str(tmp_path)]) == 1
+    folder = tmp_path / "sweep-moody"
+    capsys.readouterr()
+    assert main(["report", "--out", str(tmp_path)]) == 0
+    assert capsys.readouterr() == (f"Index: {tmp_path / 'index.html'}\n", "")
+    page = (tmp_path / "index.html").read_text(encoding="utf-8")
+    [shown] = re.findall(r'<table id="sweeps">.*?</table>', page, re.DOTALL)
+    assert 'href="sweep-moody/table.csv"' in shown
+    assert re.findall(r">([^<>\n]+)</td>", shown) == ["mood 0, 1", "2", "1"]
+    # An interrupted sweep has its journal alone.
+    for name in FILES:
+        (folder / name).unlink(missing_ok=True)
+    assert main(["report", "--out", str(tmp_path)]) == 2
+    said = capsys.readouterr().err
+    assert f"{folder} is not shown: its sweep has not come to its end" in said
+    assert (folder / JOURNAL).exists()
 
 
 def test_parquet_is_the_csv_with_units_in_its_fields(points: ModuleType, tmp_path: Path) -> None:
@@ -247,7 +269,7 @@ def test_journal_of_another_sweep_is_refused(
     journal, table = path.read_bytes(), files(tmp_path / "sweep-cheap")
     capsys.readouterr()
     for vary, difference in (
-        (["x=1,3", "y=1"], "different: vary x (1.0, 2.0, now 1.0, 3.0). Begin anew with --restart"),
+        (["x=1,3", "y=1"], "different: vary x (1.0, 2.0, now 1.0, 3.0). Give another --out and both stay"),
         (["x=1,2"], "different: vary y (1.0, now absent); held y (absent, now 2.0)."),
         (["y=1", "x=1,2"], "different: the order of vary (x, y, now y, x)."),
     ):
@@ -262,7 +284,7 @@ def test_journal_of_another_sweep_is_refused(
     monkeypatch.syspath_prepend(str(HERE))
     path.write_bytes(journal + b"nonsense\n")
     assert points.run([*command, "--vary", "x=1,2", "--vary", "y=1"]) == 2
-    assert "journal.jsonl, line 4 cannot be read; begin anew with --restart." in capsys.readouterr().err
+    assert "journal.jsonl, line 4 cannot be read. Give another --out and both stay" in capsys.readouterr().err
     assert points.run([*command, "--restart", "--vary", "x=1,3", "--vary", "y=1"]) == 0
     assert [row[0] for row in rows(tmp_path / "sweep-cheap")[1:]] == ["1.0", "3.0"]
 
