@@ -19,7 +19,7 @@ ROOT = Path(__file__).parents[1]
 PAGES = ["README.md", "CHANGELOG.md", "EQUATIONS.md", *sorted(f"docs/{path.name}" for path in ROOT.glob("docs/*.md"))]
 #: Written when something is built or run, or named as an example.
 MADE = ("build/", "results/", "rbd_model/roller_rig.py")
-GENERATORS = ("charts", "equations", "variables", "catalogue")
+GENERATORS = ("charts", "counts", "equations", "variables", "catalogue")
 PACKAGES = ("fmu_src", "rbd_model", "brake_controller", "scenarios")
 #: A file with its folder, and a name in it.
 PLACE = re.compile(r'(?<![\w/.*"-])((?:[\w-]+/)+[\w-]+(?:\.\w+)+)(?::[ :](\w+(?:\.\w+)*)(?=[`|<\s]))?')
@@ -131,6 +131,20 @@ def test_generated_page_is_what_it_is_made_from(generator: str) -> None:
     environment = os.environ | {"PYTHONPATH": str(ROOT)}
     done = subprocess.run([sys.executable, script, "--check"], env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
+
+
+def test_numbers_of_checks_are_those_of_the_tests_wherever_they_are_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Random states, random calls: each in words that the generator knows, which writes a wrong one anew."""
+    monkeypatch.syspath_prepend(str(ROOT / "docs" / "generate"))
+    counts = importlib.import_module("counts")
+    for words, value in counts.PHRASES.items():
+        behind = r"\s+".join(map(re.escape, words.split()))
+        assert any(re.search(rf"\d\s+{behind}", path.read_text("utf-8")) for path in counts.PAGES), words
+        assert counts.filled(f"7 {words}").replace(" ", "") == f"{value}{words}".replace(" ", "")
+    for path in counts.PAGES:
+        said = re.findall(r"\d\s+(random\s+(?:states|FMI\s+calls|calls)[^,;(]*)", path.read_text("utf-8"))
+        strange = [one for one in said if not " ".join(one.split()).startswith(tuple(counts.PHRASES))]
+        assert strange == [], path
 
 
 def test_options_of_the_commands_on_the_pages_are_known() -> None:

@@ -1,0 +1,68 @@
+"""Puts numbers that tests and scenarios know into the sentences of the pages that say them. --check only compares.
+
+A sentence says a number in the words of `PHRASES`, wherever it stands; the number before them is written anew.
+"""
+
+from __future__ import annotations
+
+import ast
+import json
+import re
+import sys
+from typing import Any
+
+from pages import DOCS, ROOT, write_or_check
+
+PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted(DOCS.glob("*.md"))]
+STATES, LINES = "tests/thesis/test_against_kernel.py", "tests/thesis/test_on_line.py"
+CALLS, STEPS = "tests/fmu/test_native_runtime.py", "tests/fmu/test_edges.py"
+#: Vehicles whose states are drawn on lines: a wheelset, and a bogie.
+ON_LINES = 2
+#: What is small, and the scenario that measured by how much [%].
+SLIP = "planar: largest error of peak slip of the trailing wheelset, no lock-up"
+#: A number in the text, its thousands parted.
+NUMBER = r"\d+(?: \d{3})*"
+
+
+def constant(file: str, name: str) -> Any:
+    """The value of a constant of a test. Raises KeyError where there is none of that name."""
+    for node in ast.parse((ROOT / file).read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.Assign):
+            (target,) = node.targets
+            names = target.elts if isinstance(target, ast.Tuple) else [target]
+            values = (
+                node.value.elts if isinstance(target, ast.Tuple) and isinstance(node.value, ast.Tuple) else [node.value]
+            )
+            for one, value in zip(names, values, strict=False):
+                if isinstance(one, ast.Name) and one.id == name:
+                    return ast.literal_eval(value)
+    raise KeyError(f"{file} has no constant {name}, which docs/generate/counts.py puts into the pages.")
+
+
+def slip_that_is_missing() -> float:
+    """Share of its slip that the planar level leaves out [%]."""
+    rows = json.loads((DOCS / "data" / "levels.json").read_text(encoding="utf-8"))["rows"]
+    return next(float(row["simulated"]) for row in rows if row["quantity"] == SLIP)
+
+
+#: The words behind a number, and its value.
+PHRASES = {
+    "random states on straight track": sum(constant(STATES, "STATES").values()),
+    "random states on lines": ON_LINES * constant(LINES, "STATES"),
+    "random FMI calls": constant(CALLS, "SEEDS") * constant(CALLS, "CALLS"),
+    "random calls of FMI 3.0": constant(STEPS, "SEEDS") * constant(STEPS, "STEPS"),
+    "% small": round(slip_that_is_missing()),
+}
+
+
+def filled(text: str) -> str:
+    """A page with its numbers."""
+    for words, value in PHRASES.items():
+        behind = r"\s+".join(map(re.escape, words.split()))
+        number = f"{value:,}".replace(",", " ") if value >= 10_000 else str(value)
+        text = re.sub(rf"\b{NUMBER}(?=\s+{behind})", number, text)
+    return text
+
+
+if __name__ == "__main__":
+    sys.exit(write_or_check({page: filled(page.read_text(encoding="utf-8")) for page in PAGES}, sys.argv[1:]))
