@@ -50,7 +50,7 @@ from scenarios.completion import SHELLS, completion
 from scenarios.cosimulation.slave import CosimulationError
 from scenarios.live.page import write_page
 from scenarios.reporting.progress import ticking, without_bars
-from scenarios.reporting.report import Result, save, stopwatch, table
+from scenarios.reporting.report import Result, save, short_table, stopwatch, table
 from scenarios.scenario import BadInputError, Options, Scenario
 from scenarios.sweep import command as sweep
 from scenarios.sweep.points import SweepError
@@ -92,7 +92,7 @@ def run(chosen: argparse.Namespace) -> int:
     if chosen.json:
         print((folder / "summary.json").read_text(encoding="utf-8"), end="")
     elif not chosen.quiet:
-        show(scenario, result, folder)
+        show(scenario, result, folder, chosen.all)
     return HOLDS if result.holds else DOES_NOT_HOLD
 
 
@@ -104,9 +104,9 @@ def last_time(folder: Path) -> float | None:
         return None
 
 
-def show(scenario: Scenario, result: Result, folder: Path) -> None:
+def show(scenario: Scenario, result: Result, folder: Path, whole: bool) -> None:
     print(f"{scenario.name}: {scenario.summary}\n")
-    print(table(result.rows))
+    print(table(result.rows) if whole else short_table(result.rows, folder))
     for remark in result.remarks:
         print(f"\n{remark}")
     print(f"\nPicture: {folder / 'figure.png'}")
@@ -188,6 +188,7 @@ def main(arguments: list[str] | None = None) -> int:
     )
     text = "error of one step in nominal values; chooses the macro steps"
     runner.add_argument("--coupling-tolerance", type=float, metavar="ERROR", help=text)
+    runner.add_argument("--all", action="store_true", help="print the rows that are not judged too, in their order")
     runner.add_argument("--html", action="store_true", help="write report.html too, a page that needs nothing else")
     text = "line for line-from-file, a table with its head: distance, curvature, cant, gradient and more (docs/line.md)"
     runner.add_argument("--line", type=Path, metavar="FILE", help=text)

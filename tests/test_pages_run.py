@@ -32,7 +32,7 @@ DRY = {f"make {target}": f"make --dry-run {target}" for target in ("demo", "test
 #: Commands that take more than some seconds, and what is called in their place; `make test-long` calls them themselves.
 SHORT = {
     "python build_fmu.py ssp": "python build_fmu.py brake",
-    "python -m scenarios run bogie-lateral --html": "python -m scenarios run creep-forces --html",
+    "python -m scenarios run wheelset-constant-speed --html": "python -m scenarios run critical-speed --html",
     "python -m scenarios live": "python -m scenarios live --help",
     "python study.py": "python -m py_compile study.py",
 } | {
@@ -141,7 +141,7 @@ def test_a_page_runs_whole(page: str, checkout: Path) -> None:
 def test_a_newcomer_gets_from_equations_to_an_fmu_and_its_pages(checkout: Path) -> None:
     run_page((checkout / WRITING).read_text(encoding="utf-8"), {})
     # What make pages does: the new system has its table, and the other pages can be written.
-    for generator in ("charts", "equations", "variables", "catalogue"):
+    for generator in ("charts", "counts", "equations", "variables", "catalogue"):
         shown_by_commands(f"python docs/generate/{generator}.py", {})
     assert "## RollerRig\n" in (checkout / "docs" / "variables.md").read_text(encoding="utf-8")
 

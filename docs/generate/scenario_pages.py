@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -21,7 +21,7 @@ from tqdm import tqdm
 from scenarios.__main__ import DOES_NOT_HOLD
 from scenarios.catalogue import SCENARIOS
 from scenarios.reporting.progress import PATIENCE
-from scenarios.reporting.report import VERDICTS, number
+from scenarios.reporting.report import VERDICTS, number, parted
 from scenarios.scenario import Scenario
 
 RESULTS = ROOT / "results"
@@ -56,9 +56,18 @@ def scenario_page(scenario: Scenario, module: ModuleType) -> str:
     if summary is None:
         lines += ["Its picture and its table come here when it has been run: `make docs` does."]
     else:
-        lines += [HEAD + "\n".join(row(one) for one in summary["rows"]), *summary["remarks"]]
+        lines += [*tables(summary["rows"]), *summary["remarks"]]
         lines += [f"It took {summary['wall_seconds']:.1f} s."]
     return "\n\n".join([*lines, f"In the code: `{module.__name__.replace('.', '/')}.py`."]) + "\n"
+
+
+def tables(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """What is judged, those rows first that do not hold; the others folded."""
+    judged, others = parted(rows, lambda one: one["holds"])
+    held, rest = (HEAD + "\n".join(map(row, some)) for some in (judged, others))
+    words = f"{len(others)} rows that are not judged"
+    folded = f'<details markdown="1">\n<summary>{words}</summary>\n\n{rest}\n\n</details>'
+    return [held] * bool(judged) + [folded] * bool(others)
 
 
 def row(one: Mapping[str, Any]) -> str:

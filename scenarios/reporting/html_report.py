@@ -23,7 +23,7 @@ from rbd_model.track import TrackParameters
 from scenarios.cosimulation.recording import Recording
 from scenarios.reporting import plots
 from scenarios.reporting.motion import MOST_EXAGGERATION, packed
-from scenarios.reporting.report import Result, number
+from scenarios.reporting.report import Result, number, parted
 from scenarios.scenario import Scenario
 
 #: Colours and dashes of the lines of a chart, one after the other: neighbours differ in both.
@@ -53,12 +53,15 @@ def write_report(scenario: Scenario, result: Result, folder: Path) -> None:
     """Beside summary.json and the figures, which it takes from there."""
     summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
     motion = result.motion and result.motion()
+    judged, others = parted(summary["rows"], lambda row: row["holds"])
     page = environment().get_template("report.html.jinja")
     text = page.render(
         title=scenario.name,
         text=scenario.summary,
         summary=summary,
         counts=counts(summary["rows"]),
+        judged=judged,
+        others=others,
         columns=columns(summary["rows"]),
         motion=motion and packed(motion) | {"colours": plots.FOUR if len(motion.vehicle.wheelsets) > 2 else COLOURS},
         motion_text=motion and motion.text,

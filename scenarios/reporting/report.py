@@ -52,13 +52,19 @@ def near(value: float, band: float) -> Bound:
     return Bound(value - band, value + band, f"{number(value)} +- {number(band)}")
 
 
+def rounding(printed: str) -> float:
+    """Half of the last digit of a number as it is printed: all that it leaves open."""
+    return 0.5 * 10.0 ** -len(printed.partition(".")[2])
+
+
 @dataclass(frozen=True)
 class Row:
     """One comparison.
 
-    thesis: what it prints, and nothing else. asked: how far from that the value may be, in the unit of the quantity, or
-    a `Bound` where nothing is printed; None: the row is not judged. Where the thesis also prints VAMPIRE's value, the
-    row holds between the two programs, the band added.
+    thesis: what it prints, and nothing else. asked: how far from that the value may be, in the unit of the quantity,
+    which is its `rounding`, or a `Bound` where nothing is printed. None: the row is not judged, because it hangs on
+    something that is not printed, or because a parameter was fitted to it; `assumption` says which. Where the thesis
+    also prints VAMPIRE's value, the row holds between the two programs, the band added.
     """
 
     quantity: str
@@ -207,11 +213,32 @@ def number(value: float | None) -> str:
     return f"{value:.3e}"
 
 
+#: Rows that are not judged and yet printed.
+FEW = 5
+#: Columns that are left out where no row has a value.
+EMPTY = {"thesis", "VAMPIRE", "deviation"}
 VERDICTS = {True: "holds", False: "DOES NOT HOLD", None: "not judged"}
 
 
+def parted(rows: Sequence[Any], holds: Callable[[Any], bool | None]) -> tuple[list[Any], list[Any]]:
+    """Rows that are judged, those that do not hold first, and rows that are not; holds: what tells it of a row."""
+    of = {verdict: [row for row in rows if holds(row) is verdict] for verdict in VERDICTS}
+    return [*of[False], *of[True]], of[None]
+
+
+def short_table(rows: Sequence[Row], folder: Path) -> str:
+    """The table of what is judged, and of FEW rows that are not; where the others are."""
+    judged, others = parted(rows, lambda row: row.holds)
+    left = len(others) - FEW
+    shown = table([*judged, *others[:FEW]])
+    if left < 1:
+        return shown
+    more = f"{left} more row{'s' * (left > 1)} that {'are' if left > 1 else 'is'} not judged"
+    return f"{shown}\n\n{more}: {folder / 'summary.json'}, the page of --html, or the table of --all."
+
+
 def table(rows: Sequence[Row]) -> str:
-    """The rows as text, with units; the assumption of each row stands below it."""
+    """The rows as text, with units, without columns that would be empty; below each what was assumed."""
     heads = ["quantity", "unit", "thesis", "VAMPIRE", "simulated", "deviation", "asked", "verdict"]
     lines = [
         [
@@ -226,8 +253,8 @@ def table(rows: Sequence[Row]) -> str:
         ]
         for row in rows
     ]
-    if all(row.vampire is None for row in rows):
-        heads, lines = heads[:3] + heads[4:], [line[:3] + line[4:] for line in lines]
+    kept = [i for i, head in enumerate(heads) if head not in EMPTY or any(line[i] != "-" for line in lines)]
+    heads, lines = [heads[i] for i in kept], [[line[i] for i in kept] for line in lines]
     widths = [max(len(line[i]) for line in [heads, *lines]) for i in range(len(heads))]
 
     def text(line: Sequence[str]) -> str:

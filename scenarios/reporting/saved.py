@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from scenarios.reporting.report import parted
 from scenarios.sweep.journal import JOURNAL
 
 #: Keys of a row that the pages show as text, and as a number or nothing.
@@ -27,8 +28,9 @@ class Run:
 
     @property
     def printed(self) -> list[dict[str, Any]]:
-        """Rows of which the thesis prints a value."""
-        return [row for row in self.rows if row["thesis"] is not None]
+        """Rows of which the thesis prints a value, those that are judged first."""
+        judged, others = parted(self.rows, lambda row: row["holds"])
+        return [row for row in [*judged, *others] if row["thesis"] is not None]
 
 
 @dataclass(frozen=True)

@@ -36,37 +36,39 @@ from scenarios.bench.drive import RIGID
 from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import LEADING, THREE, TRAILING, plt, titled
-from scenarios.reporting.report import Result, Row, at_least
+from scenarios.reporting.report import Result, Row, at_least, rounding
 from scenarios.scenario import Options, Scenario
+
+FITTED = "not judged: the half spacing is fitted to it"
+CONTOUR = "not judged: hangs on the wheel's contour, which is not public"
 
 
 def rows_of(case: Case, outcome: Outcome) -> list[Row]:
-    """Judged are, with the rotating axis, stop times and derailments; peaks stand beside the printed ones."""
+    """Judged are, with the rotating axis, stop times; peaks stand beside the printed ones."""
     table = f"Table 9.{case.wheelset + 1}"
     rows = []
     derails = case.wheelset == 1 and case.error == 75
     if derails:
-        judged = 0.35 if case.reading == AS_THESIS else None
         rows.append(
             Row(
                 f"{case.name}: speed at derailment",
                 "m/s",
                 DERAILED_AT[case.application],
                 outcome.derailed_at,
-                judged,
+                None,
                 table,
+                FITTED,
             )
         )
     else:
-        # Printed to 0.1 s: 18.3 and 18.4 stand for the same case in different places.
-        judged = 0.15 if case.reading == AS_THESIS else None
+        judged = rounding("22.9") if case.reading == AS_THESIS else None
         printed = STOP_TIME[case.application]
         rows.append(Row(f"{case.name}: time to stop", "s", printed, outcome.stop_time, judged, table))
     printed_peaks = PEAKS.get((case.wheelset, case.error))
     for i, place in enumerate(("leading", "trailing")):
         value = None if printed_peaks is None else printed_peaks[APPLICATION_TIMES.index(case.application)][i]
         name = f"{case.name}: peak shift of the {place} wheelset"
-        rows.append(Row(name, "mm", value, 1e3 * outcome.peaks[i], None, table))
+        rows.append(Row(name, "mm", value, 1e3 * outcome.peaks[i], None, table, CONTOUR))
     return rows
 
 
@@ -91,7 +93,16 @@ def rows_of_loads(outcomes: dict[Case, Outcome]) -> list[Row]:
         for case in (printed, *others):
             name, load = f"{case.name}: largest load of a flanging wheel", 1e-3 * outcomes[case].flanging_load(1)
             asked = None if case is printed else at_least(least)
-            rows.append(Row(name, "kN", None, load, asked, "more than with the force at the centre (3.106)"))
+            rows.append(
+                Row(
+                    name,
+                    "kN",
+                    None,
+                    load,
+                    asked,
+                    "statics: a force at the rail presses its wheel down, one at the centre (3.106) does not",
+                )
+            )
     return rows
 
 
@@ -111,10 +122,25 @@ IMPACTS_REMARK = (
 )
 
 
+def shares_of_peaks(outcomes: dict[Case, Outcome]) -> list[float]:
+    """Peak shifts over the printed ones, in the thesis's reading."""
+    return [
+        1e3 * found / printed
+        for case, outcome in outcomes.items()
+        if case.reading == AS_THESIS and (case.wheelset, case.error) in PEAKS
+        for found, printed in zip(
+            outcome.peaks, PEAKS[case.wheelset, case.error][APPLICATION_TIMES.index(case.application)], strict=True
+        )
+    ]
+
+
 def remarks_of(outcomes: dict[Case, Outcome]) -> list[str]:
     """What the rows do not say, and what each case said of itself."""
     lifting = outcomes[Case(2, 75, FASTEST, ON_PATCHES[AS_THESIS])]
+    shares = shares_of_peaks(outcomes)
     return [
+        f"With the rotating axis peak shifts are {min(shares):.2f} to {max(shares):.2f} of the printed ones: most fall "
+        "short, and scenario thesis-step tells how far the thesis's own step explains it.",
         "With the axis of the yaw torque fixed to the vertical, the physical reading, nothing in chapter 9 fits: the "
         "flange touches at 25 % already. With an axis that turns with the wheelset, which the body's matrix in place "
         "of the global one in (3.36) does, the thesis's derailments appear, and only those. They also need the flange "

@@ -29,10 +29,13 @@ from scenarios.bench.irregularities import (
 from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.motion import Motion, irregular, motion_columns
 from scenarios.reporting.plots import LEADING, TRAILING, plt, titled
-from scenarios.reporting.report import Result, Row, at_most, near
+from scenarios.reporting.report import Result, Row, near, rounding
 from scenarios.scenario import Options, Scenario
 
-SPACING = "half spacing of the suspension 0.7 m, frame height 0.8 m: fitted"
+SPACING = "half spacing of the suspension 0.7 m and frame height 0.8 m are fitted, to other values"
+FLANGE = "not judged: the flange's stiffness is fitted to it"
+#: Of a closed form.
+BAND = 1e-3
 AT_RAIL = "a flange pushed at the rail, and where it meets it"
 
 
@@ -46,12 +49,21 @@ def lateral_rows(runs: dict[float, Recording]) -> list[Row]:
             "mm",
             LATERAL_PEAK[0],
             1e3 * abs(float(slow["lateral_1"][peak])),
-            0.5,
+            None,
             source,
-            SPACING,
+            FLANGE,
             vampire=LATERAL_PEAK[1],
         ),
-        Row("15 m/s: where that is", "m", 17.0, place, 1.0, source, "position of the leading axle", vampire=17.0),
+        Row(
+            "15 m/s: where that is",
+            "m",
+            17.0,
+            place,
+            rounding("17"),
+            source,
+            "position of the leading axle",
+            vampire=17.0,
+        ),
         Row(
             f"15 m/s: largest shift, {AT_RAIL}",
             "mm",
@@ -59,19 +71,18 @@ def lateral_rows(runs: dict[float, Recording]) -> list[Row]:
             1e3 * float(np.abs(travel(LATERAL, 15.0, flange_at_rail=1)[1]["lateral_1"]).max()),
             None,
             source,
-            SPACING,
+            FLANGE,
             vampire=LATERAL_PEAK[1],
         ),
     ]
     for speed, (thesis, vampire) in HUNTING_PEAK.items():
         frequency = kinematic_peak(runs[speed])
         name = f"{speed:g} m/s: spectral peak of the hunting"
-        rows.append(Row(name, "Hz", thesis, frequency, None, source, "of a decaying motion", vampire=vampire))
+        asked, note = rounding("0.774" if speed < 20.0 else "1.45"), "of a decaying motion"
+        rows.append(Row(name, "Hz", thesis, frequency, asked, source, note, vampire=vampire))
     late = runs[25.0]["time"] > DURATION - 2.0
     ratio = np.abs(runs[25.0]["lateral_1"][late]).max() / np.abs(runs[25.0]["lateral_1"]).max()
-    rows.append(
-        Row("25 m/s: shift of the last 2 s over the largest", "1", None, float(ratio), at_most(0.05), source, "stable")
-    )
+    rows.append(Row("25 m/s: shift of the last 2 s over the largest", "1", None, float(ratio), None, source, "stable"))
     return rows
 
 
@@ -86,15 +97,17 @@ def bounce_mode(system: System) -> float:
 def vertical_rows(runs: dict[float, Recording]) -> list[Row]:
     source = "section 5.3.2"
     p = tables_5_1_and_5_2()
-    formula = float(np.sqrt(4 * p.vertical_stiffness / p.frame_mass) / (2 * np.pi))
-    other = "the other value: sqrt(4k/M)/2 pi"
+    undamped = float(np.sqrt(4 * p.vertical_stiffness / p.frame_mass))
+    damping = 4 * p.vertical_damping / (2 * p.frame_mass * undamped)
+    formula = undamped * float(np.sqrt(1 - damping**2)) / (2 * np.pi)
+    other = "the other value: sqrt(4k/M) sqrt(1 - D^2)/2 pi"
     rows = [
         Row(
             "bounce frequency by eigenvalue",
             "Hz",
             None,
             bounce_mode(levels(two_axle_bogie())[2]),
-            near(formula, 0.02),
+            near(formula, BAND * formula),
             other,
         )
     ]
@@ -105,10 +118,19 @@ def vertical_rows(runs: dict[float, Recording]) -> list[Row]:
         forced = (frequency > 0.2) & (frequency < 1.5)
         found = float(frequency[free][np.argmax(density[free])])
         rows.append(
-            Row(f"{speed:g} m/s: natural frequency in the spectrum", "Hz", 2.31, found, 0.11, source, vampire=2.34)
+            Row(
+                f"{speed:g} m/s: natural frequency in the spectrum",
+                "Hz",
+                2.31,
+                found,
+                rounding("2.31"),
+                source,
+                f"the printed mass, stiffness and damping give {formula:.3f} Hz",
+                vampire=2.34,
+            )
         )
         found = float(frequency[forced][np.argmax(density[forced])])
-        rows.append(Row(f"{speed:g} m/s: forced peak", "Hz", thesis, found, None, source, vampire=vampire))
+        rows.append(Row(f"{speed:g} m/s: forced peak", "Hz", thesis, found, rounding("0.48"), source, vampire=vampire))
     return rows
 
 
@@ -122,7 +144,16 @@ def cross_level_rows(runs: dict[float, Recording]) -> list[Row]:
         source, (load, load_vampire) = "section 5.3.3", WHEEL_LOAD[speed]
         found = float(np.abs(runs[speed]["frame_roll"]).max())
         rows.append(
-            Row(f"{speed:g} m/s: largest roll", "rad", roll, found, 0.1 * roll, source, SPACING, vampire=roll_vampire)
+            Row(
+                f"{speed:g} m/s: largest roll",
+                "rad",
+                roll,
+                found,
+                rounding("0.021"),
+                source,
+                SPACING,
+                vampire=roll_vampire,
+            )
         )
         rows.append(
             Row(
@@ -130,8 +161,7 @@ def cross_level_rows(runs: dict[float, Recording]) -> list[Row]:
                 "kN",
                 load,
                 largest_wheel_load(runs[speed]),
-                # At 25 m/s the load falls short of both programs with these fitted values; see docs/fitted.md.
-                0.0 if speed < 20.0 else None,
+                rounding("188"),
                 source,
                 "half of the cross level on each rail: assumed",
                 vampire=load_vampire,

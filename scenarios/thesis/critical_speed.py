@@ -53,10 +53,10 @@ def run(options: Options) -> Result:
     around = np.array([-0.5, 0.5]) + critical[FITTED]
     slopes = [growth_in_time(float(speed), FITTED) for speed in around]
     in_time = float(around[0] - slopes[0] * (around[1] - around[0]) / (slopes[1] - slopes[0]))
-    source, fitted = "section 4.4", f"half spacing fitted: {FITTED} m"
+    source, fitted = "section 4.4", f"not judged: the half spacing, {FITTED} m, is fitted to it"
     rows = [
-        Row("critical speed by eigenvalues", "m/s", 27.0, critical[FITTED], 0.5, source, fitted),
-        Row("critical speed by simulation in time", "m/s", 27.0, in_time, 0.5, source, fitted),
+        Row("critical speed by eigenvalues", "m/s", 27.0, critical[FITTED], None, source, fitted),
+        Row("critical speed by simulation in time", "m/s", 27.0, in_time, None, source, fitted),
         Row(
             "simulation in time over eigenvalues",
             "1",

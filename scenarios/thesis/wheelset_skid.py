@@ -12,13 +12,16 @@ from scenarios.bench.drive import play, prepare
 from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.motion import Motion, irregular, motion_columns
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, titled
-from scenarios.reporting.report import Result, Row, at_least, at_most, between
+from scenarios.reporting.report import Result, Row, at_least, at_most, between, near
 from scenarios.scenario import Options, Scenario
 
 TORQUE, APPLIED, SPEED = 25e3, 2.0, 25.0
 FRICTIONS = (0.3, 0.1)
+#: The text that says 'about 1 sec' also speaks of half a second: nearer to 1 s than to that [s].
+ABOUT_A_SECOND = between(0.75, 1.25)
 #: The disturbance is not printed.
 WAVE = {"lateral_irregularity": 4e-3, "lateral_wave_number": 0.2}
+#: Of the record: a lock is seen up to one interval late, and creep takes up to another to saturate.
 DURATION, INTERVAL = 6.0, 2e-3
 RECORDED = ("speed", "angular_velocity_1", "locked_1", "lateral_1", "yaw_1")
 
@@ -29,12 +32,22 @@ def brake(friction: float, reading: Mapping[str, float] = AS_PRINTED, columns: S
     return play("wheelset", kernel, DURATION, INTERVAL, columns, {"brake_torque_1": history})
 
 
+SATURATED = "J V/r over the brake torque less mu m g r, printed values"
+
+
+def lock_in_closed_form(friction: float) -> float:
+    """Time from brake to lock with creep that is saturated from the start [s]."""
+    p = tables_4_1_and_4_2()
+    rail = friction * (p.frame_mass + p.wheelset_mass) * p.gravity * p.wheel_radius
+    return p.wheelset_pitch_inertia * SPEED / p.wheel_radius / (TORQUE - rail)
+
+
 def run(options: Options) -> Result:
     runs = {friction: brake(friction) for friction in FRICTIONS}
     rows = []
     for friction, (printed, asked, words) in zip(
         FRICTIONS,
-        ((1.0, between(0.55, 1.0), "'about 1 sec'"), (None, at_most(0.5), "'less than a half second'")),
+        ((1.0, ABOUT_A_SECOND, "'about 1 sec'"), (None, at_most(0.5), "'less than a half second'")),
         strict=True,
     ):
         series = runs[friction]
@@ -42,6 +55,8 @@ def run(options: Options) -> Result:
         delay = None if locked is None else locked - APPLIED
         name = f"friction {friction}: time from brake to lock"
         rows.append(Row(name, "s", printed, delay, asked, "section 4.7", words))
+        closed = lock_in_closed_form(friction)
+        rows.append(Row(f"{name}, closed form", "s", None, delay, near(closed, 2 * INTERVAL), SATURATED))
         speed = None if locked is None else float(series["speed"][series["time"] >= locked][0])
         words = "'more than 20 m/s', of 25 m/s at the start"
         above = at_least(20.0) if friction == FRICTIONS[0] else None

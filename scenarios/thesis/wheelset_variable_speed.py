@@ -12,6 +12,7 @@ from rbd_model.linear import critical_speed, oscillations
 from rbd_model.parameters import AS_PRINTED, as_printed, tables_4_1_and_4_2
 from rbd_model.vehicles import wheelset_under_frame
 from scenarios.bench.drive import peaks, play, prepare
+from scenarios.bench.hunting_wheelset import WAVELENGTH
 from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.motion import Motion, irregular, motion_columns
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, plt, titled
@@ -63,6 +64,17 @@ def turning_speed(series: Recording, expected: float) -> float:
     return float(-slope / (2 * bend))
 
 
+NOT_JUDGED = "not judged: hangs on the torque, which is not printed; the half spacing is fitted to 27 m/s"
+
+
+def change_in_a_wave(series: Recording, speed: float) -> float:
+    """Change of the speed [m/s] while the wheelset hunts once at a speed: no turn is seen more finely."""
+    steps = np.diff(series["speed"])
+    place = int(np.argmin(np.abs(series["speed"][1:] - speed)))
+    acceleration = abs(float(steps[place])) / INTERVAL
+    return acceleration * WAVELENGTH[1] / speed
+
+
 def run(options: Options) -> Result:
     runs = {(kind, torque): drive(kind, torque) for torque in TORQUES for kind in START}
     rows = []
@@ -71,8 +83,7 @@ def run(options: Options) -> Result:
         found = turning_speed(one, expected)
         change = "growth turns to decay" if kind == "braking" else "decay turns to growth"
         name = f"{kind} with {torque / 1e3:g} kN.m: speed at which {change}"
-        judged = 1.5 if torque == TORQUES[0] else None
-        rows.append(Row(name, "m/s", CRITICAL, found, judged, "section 4.6: 'around 27 m/s'", "torque not printed"))
+        rows.append(Row(name, "m/s", CRITICAL, found, None, "section 4.6: 'around 27 m/s'", NOT_JUDGED))
         source = "the other value: eigenvalues under the same torque, not the thesis"
         rows.append(
             Row(
@@ -80,8 +91,9 @@ def run(options: Options) -> Result:
                 "m/s",
                 None,
                 found,
-                near(expected, 0.6),
+                near(expected, change_in_a_wave(one, expected)),
                 source,
+                "within the change of speed in one wave",
             )
         )
     series = runs["braking", TORQUES[1]]

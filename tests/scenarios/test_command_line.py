@@ -20,7 +20,7 @@ from scenarios import doctor
 from scenarios.__main__ import last_time, main
 from scenarios.catalogue import SCENARIOS
 from scenarios.fmus import prebuilt
-from scenarios.reporting import progress
+from scenarios.reporting import progress, report
 from scenarios.reporting.progress import without_bars
 from scenarios.sources import digest
 
@@ -28,21 +28,33 @@ ROOT = Path(__file__).parents[2]
 
 
 def test_quiet_says_nothing_but_writes_the_results(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    assert main(["run", "creep-forces", "--quiet", "--out", str(tmp_path)]) == 0
+    assert main(["run", "critical-speed", "--quiet", "--out", str(tmp_path)]) == 0
     assert capfd.readouterr() == ("", "")
-    assert (tmp_path / "creep-forces" / "figure.png").exists()
+    assert (tmp_path / "critical-speed" / "figure.png").exists()
+
+
+def test_all_prints_what_is_else_left_out(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(report, "FEW", 1)
+    for extra, whole in ([], False), (["--all"], True):
+        assert main(["run", "critical-speed", "--out", str(tmp_path), *extra]) == 0
+        shown = capsys.readouterr().out
+        assert ("more rows that are not judged" in shown) is not whole
+        rows = json.loads((tmp_path / "critical-speed" / "summary.json").read_text())["rows"]
+        assert all(row["quantity"] in shown for row in rows) is whole
 
 
 def test_json_is_the_summary_and_nothing_else(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    assert main(["run", "creep-forces", "--json", "--out", str(tmp_path)]) == 0
+    assert main(["run", "critical-speed", "--json", "--out", str(tmp_path)]) == 0
     shown = json.loads(capfd.readouterr().out)
-    assert shown == json.loads((tmp_path / "creep-forces" / "summary.json").read_text())
+    assert shown == json.loads((tmp_path / "critical-speed" / "summary.json").read_text())
     assert {row["holds"] for row in shown["rows"]} <= {True, None}
 
 
 def test_a_refusal_is_said_also_where_quiet_is_asked_for(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["run", "creep-force", "--quiet"]) == 2
-    assert capsys.readouterr().err == "There is no scenario creep-force; did you mean creep-forces?\n"
+    assert main(["run", "critical-spee", "--quiet"]) == 2
+    assert capsys.readouterr().err == "There is no scenario critical-spee; did you mean critical-speed?\n"
 
 
 def test_list_for_programs(capsys: pytest.CaptureFixture[str]) -> None:
