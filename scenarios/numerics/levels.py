@@ -43,8 +43,8 @@ TOLERANCE = 1e-8
 INTERVAL = 2e-3
 #: Width to which the utilisation that just locks a wheelset is enclosed.
 RESOLUTION = 1e-4
-#: Of the difference of two boundaries: what each is enclosed to.
-BOUNDARY_TOLERANCE = 2 * RESOLUTION
+#: Of the difference of two boundaries: what they are enclosed to, and what spin and suspension may add.
+BOUNDARY_TOLERANCE = 3e-4
 #: Utilisations of the stops whose cost is measured: the wheels turn in the first, the trailing wheelset skids in the
 #: second, where the level knows it.
 COSTED = (0.5, 1.0)
