@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import ast
 import os
 import subprocess
+import sys
 import time
 import venv
 import zipfile
 from collections.abc import Iterator, Mapping
+from importlib.metadata import requires
 from pathlib import Path
 
 import pytest
+from packaging.requirements import Requirement
 from packaging.tags import platform_tags
 
 import release
@@ -131,6 +135,40 @@ def test_a_release_made_again_is_the_same(wheels: Path, tmp_path: Path) -> None:
     assert len(names) == 2
     for name in names:
         assert (tmp_path / name).read_bytes() == (wheels / name).read_bytes(), name
+
+
+ROOT = Path(release.__file__).parent
+PACKAGES = ("fmu_src", "rbd_model", "brake_controller", "scenarios")
+#: Looked for before they are imported (`scenarios/methods/sundials.py: is_installed`, `scenarios/sweep/cluster.py:
+#: client_of`).
+LOOKED_FOR = {"sksundae", "distributed"}
+
+
+def imported_without_a_way_out(body: list[ast.stmt]) -> Iterator[str]:
+    """Packages that statements import, but for those that say what to do when they are not there."""
+    for node in body:
+        guarded = isinstance(node, ast.Try) and "ImportError" in ast.unparse(node.handlers)
+        for_types = isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"
+        if guarded or for_types:
+            continue
+        if isinstance(node, ast.Import):
+            yield from (alias.name.split(".")[0] for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            yield node.module.split(".")[0]
+        for inner in ("body", "orelse", "finalbody"):
+            yield from imported_without_a_way_out(getattr(node, inner, []))
+
+
+def test_what_is_imported_without_a_way_out_is_installed_with_the_rest() -> None:
+    """No command needs an extra, unless it says so."""
+    asked = {Requirement(text).name for text in requires("bogie-braking") or [] if "extra ==" not in text}
+    files = [path for package in PACKAGES for path in (ROOT / package).rglob("*.py") if "hosts" not in path.parts]
+    found = {
+        name for path in files for name in imported_without_a_way_out(ast.parse(path.read_text(encoding="utf-8")).body)
+    }
+    others = found - set(sys.stdlib_module_names) - {*PACKAGES, "build_fmu"} - LOOKED_FOR
+    assert {"plotly", "jinja2", "casadi"} <= others
+    assert others <= asked
 
 
 @pytest.mark.long

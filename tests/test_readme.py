@@ -1,14 +1,20 @@
-"""What there is can be found from the README, in minutes."""
+"""What there is can be found from the README, in minutes, and its commands work in a fresh clone."""
 
 from __future__ import annotations
 
 import ast
+import os
 import re
+import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
+from fmu_src.compile import CACHE
 from fmu_src.model_description import variable_table
+from scenarios.__main__ import DOES_NOT_HOLD, main
 from scenarios.catalogue import SCENARIOS
 from scenarios.fmus.registry import DIFFERENT, FMUS, model_of
 
@@ -50,3 +56,82 @@ def test_numbers_of_equations_are_those_of_the_thesis() -> None:
     assert last
     numbered = ast.literal_eval(last.group(1))
     assert numbered == {chapter: found[chapter] for chapter in numbered}
+
+
+# -- its commands ----------------------------------------------------------------------------------------------------
+
+BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+#: Take minutes, and are tests, or are run by tests, themselves: in a fresh clone they are looked at only.
+MINUTES = ("make test", "make charts", "make docs")
+#: What stands for NAME, and what people do next: a page, a sweep, and all on one page.
+NAME = "wheelset-constant-speed --html"
+FURTHER = (
+    "python -m scenarios run wheelset-skid",
+    "python -m scenarios sweep levels --vary utilisation=0.5:1.1:2 --vary level=1 --jobs 1",
+    "python -m scenarios report",
+)
+
+
+def commands() -> list[str]:
+    """Of the README, for a shell, in their order, each once."""
+    shown = [line.split("#")[0] for kind, text in BLOCK.findall(README) if kind == "sh" for line in text.splitlines()]
+    said = re.findall(r"`((?:make|python)\s[^`]+)`", BLOCK.sub("", README))
+    return list(dict.fromkeys(" ".join(command.split()) for command in (*shown, *said)))
+
+
+def test_every_command_is_one_that_there_is(capsys: pytest.CaptureFixture[str]) -> None:
+    """A short form: make says what it would do, programs say how they are used; also of what a newcomer does next."""
+    found = commands()
+    assert found[0] == "make demo"
+    assert set(MINUTES) < set(found)
+    for command in (*found, *FURTHER):
+        program, *arguments = command.split()
+        if program == "make":
+            subprocess.run(["make", "--dry-run", *arguments], cwd=ROOT, capture_output=True, check=True)
+        elif arguments[:2] == ["-m", "scenarios"]:
+            with pytest.raises(SystemExit, match="0"):
+                main([*arguments[2:], "--help"])
+        else:
+            subprocess.run([sys.executable, *arguments, "--help"], cwd=ROOT, capture_output=True, check=True)
+    assert "usage: python -m scenarios report" in capsys.readouterr().out
+
+
+def fresh_clone(folder: Path) -> None:
+    """What git tracks, as it is in the working tree."""
+    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True)
+    if listed.returncode != 0:
+        pytest.skip("not a git checkout")
+    for name in listed.stdout.splitlines():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(ROOT / name, folder / name)
+
+
+@pytest.mark.long
+def test_every_command_works_in_a_fresh_clone(tmp_path: Path) -> None:
+    """From `make demo`, whose environment the others use, to all results on one page; the Python that is shown too."""
+    clone = tmp_path / "clone"
+    fresh_clone(clone)
+    environment = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "VIRTUAL_ENV"))}
+    environment |= {"HOME": str(tmp_path), "BOGIE_BRAKING_CACHE": str(CACHE), "PYTHON": sys.executable}
+    python = clone / ".venv" / "bin" / "python"
+
+    def call(*command: str | Path) -> int:
+        done = subprocess.run(command, cwd=clone, env=environment, capture_output=True, text=True)
+        assert done.returncode in (0, DOES_NOT_HOLD), f"{command}\n{done.stdout}{done.stderr}"
+        assert "Traceback" not in done.stderr
+        return done.returncode
+
+    for command in (*commands(), *FURTHER):
+        program, *arguments = command.replace("NAME", NAME).split()
+        if program == "make":
+            assert call("make", *["--dry-run"] * (command in MINUTES), *arguments) == 0
+        else:
+            status = call(python, *arguments)
+            assert (status == DOES_NOT_HOLD) is ("wheelset-skid" in arguments), command
+    assert call(python, "-c", "\n".join(text for kind, text in BLOCK.findall(README) if kind == "python")) == 0
+    results = clone / "results"
+    page = (results / "index.html").read_text(encoding="utf-8")
+    for name in ("qr30-180kpa/figure.png", f"{NAME.split()[0]}/report.html", "sweep-levels/table.csv"):
+        assert f'href="{name}"' in page
+        assert (results / name).exists()
+    assert (results / "live.html").exists()
