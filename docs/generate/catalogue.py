@@ -15,11 +15,12 @@ PAGE = DOCS / "scenarios.md"
 HEAD = """# Scenarios
 
 Written by `docs/generate/catalogue.py` from `scenarios/catalogue.py`. `python -m scenarios run NAME` runs one,
-prints a table of what is expected (the thesis, a closed form, another method) against what was simulated, and
-leaves `summary.json`, `timeseries.csv` and `figure.png` in `results/NAME/`. The exit status is 1 when a row does not
-hold. Options, sweeps and macro steps: [running scenarios](running.md). What the pictures of `speed-accuracy`,
-`stability-atlas`, `coupling-step`, `levels` and `levels-in-curves` say: [choosing](choosing.md); that of
-`sensitivity`: [fitted](fitted.md). In the site that `make docs` builds each has a page with its picture and its table.
+prints a table of what is expected (the thesis, a closed form, another method) against what was simulated, and leaves
+`summary.json`, `timeseries.csv` and `figure.png` in `results/NAME/`. The exit status is 1 when a row does not hold;
+[which do not](checking.md#what-does-not-hold) is known. Options, sweeps and macro steps: [running
+scenarios](running.md). What the pictures of `speed-accuracy`, `stability-atlas`, `coupling-step`, `levels` and
+`levels-in-curves` say: [choosing](choosing.md); that of `sensitivity`: [fitted](fitted.md). In the site that `make
+docs` builds each has a page with its picture and its table.
 """
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -25,7 +25,7 @@ from scenarios.reporting.report import VERDICTS, number, parted
 from scenarios.scenario import Scenario
 
 RESULTS = ROOT / "results"
-HEAD = "| quantity | unit | thesis | simulated | asked | holds | source |\n|---|---|---|---|---|---|---|\n"
+HEADS = ("quantity", "unit", "thesis", "simulated", "asked", "holds", "source")
 
 
 def pictures_of(name: str) -> dict[str, Path]:
@@ -64,17 +64,26 @@ def scenario_page(scenario: Scenario, module: ModuleType) -> str:
 def tables(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """What is judged, those rows first that do not hold; the others folded."""
     judged, others = parted(rows, lambda one: one["holds"])
-    held, rest = (HEAD + "\n".join(map(row, some)) for some in (judged, others))
+    printed = any(one["thesis"] is not None for one in rows)
+    heads = [head for head in HEADS if printed or head != "thesis"]
+    head = [line(heads), line(["---"] * len(heads))]
+    held, rest = ("\n".join([*head, *(row(one, heads) for one in some)]) for some in (judged, others))
     words = f"{len(others)} rows that are not judged"
     folded = f'<details markdown="1">\n<summary>{words}</summary>\n\n{rest}\n\n</details>'
     return [held] * bool(judged) + [folded] * bool(others)
 
 
-def row(one: Mapping[str, Any]) -> str:
+def line(cells: Iterable[str]) -> str:
+    """Of a table."""
+    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
+
+
+def row(one: Mapping[str, Any], heads: Sequence[str]) -> str:
     """One comparison as a line of the table."""
     source = f"{one['source']}; {one['assumption']}" if one["assumption"] else one["source"]
     cells = (one["quantity"], one["unit"], number(one["thesis"]), number(one["simulated"]), one["asked"])
-    return "| " + " | ".join(cell.replace("|", "\\|") for cell in (*cells, VERDICTS[one["holds"]], source)) + " |"
+    shown = dict(zip(HEADS, (*cells, VERDICTS[one["holds"]], source), strict=True))
+    return line(shown[head] for head in heads)
 
 
 def main() -> int:
