@@ -116,9 +116,8 @@ def rows_of(found: Findings) -> list[Row]:
     for name, runs in found.coupled.items():
         errors = {step: found.error(run) for step, run in runs.items()}
         rows.append(Row(f"coupled, {name}: order", "1", None, order(errors), near(ORDERS[name], ORDER_BAND), "theory"))
-        asked = at_most(ALLOWED) if name == "lines" else None
         label = f"coupled, {name}: error of distance at {1e3 * SHOWN:g} ms"
-        rows.append(Row(label, "1", None, errors[SHOWN], asked, source))
+        rows.append(Row(label, "1", None, errors[SHOWN], at_most(ALLOWED), source))
     worst = max(found.error(run) for run in found.composed[TIGHT].values())
     rows.append(Row("one FMU: largest error of distance", "1", None, worst, at_most(1e-9), "any step: no coupling"))
     lost = max(found.error(run) for run in found.composed[DEFAULT].values())
