@@ -11,7 +11,7 @@ from pathlib import Path
 
 from fmpy import read_model_description
 from fmpy.ssp.simulation import simulate_ssp
-from fmpy.ssp.ssd import read_ssd, read_ssv
+from fmpy.ssp.ssd import ParameterSet, read_ssd, read_ssv
 
 ECOS = """
 import ctypes, json, os, sys
@@ -54,10 +54,15 @@ def contents(system: Path) -> Path:
     return folder
 
 
+def parameters_of(system: Path) -> ParameterSet:
+    """The file of parameters in a system."""
+    return read_ssv(str(contents(system) / "resources" / f"{system.stem}.ssv"))
+
+
 def by_fmpy(system: Path, step: float, count: int, outputs: Sequence[Output]) -> list[float]:
     """Values after a number of steps."""
-    parameters = read_ssv(str(contents(system) / "resources" / f"{system.stem}.ssv"))
-    table = simulate_ssp(str(system), stop_time=(count - 0.5) * step, step_size=step, parameter_set=parameters)
+    stop = (count - 0.5) * step
+    table = simulate_ssp(str(system), stop_time=stop, step_size=step, parameter_set=parameters_of(system))
     return [float(table[f"{component}.{name}"][-1]) for component, name in outputs]
 
 

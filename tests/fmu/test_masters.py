@@ -9,12 +9,17 @@ import importlib.util
 import shutil
 import subprocess
 import sys
+import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from fmpy import read_model_description
+from fmpy.ssp.simulation import simulate_ssp
+from fmpy.validation import validate_fmu
 
 from fmu_src.ssp import Component, write_ssp
+from fmu_src.start_values import FILE, with_start_values
 from rbd_model.parameters import manchester_vehicle_1
 from scenarios.bench.braked_machine import coach
 from scenarios.cosimulation.slave import Slave
@@ -22,7 +27,8 @@ from scenarios.fmus.braked_vehicle import FULL_PRESSURE, FULL_TORQUE
 from scenarios.fmus.building import fmu_path
 from scenarios.fmus.registry import DIFFERENT
 from scenarios.fmus.systems import LOW_FRICTION, build_system
-from tests.fmu.masters import MASTERS
+from tests.fmu.hosting import host
+from tests.fmu.masters import MASTERS, parameters_of
 
 #: Band of docs/checking.md for the end speed [m/s].
 SPEED_BAND = 1e-6
@@ -81,6 +87,44 @@ def test_protection_keeps_the_wheels_rolling_in_every_master(systems: Callable[[
     distance, speed, *rolling = master(name)(system, 5e-3, 1000, outputs)
     assert min(rolling) > (1.0 - LARGEST_SLIP) * speed
     assert distance == pytest.approx(MASTERS["fmpy"](system, 5e-3, 1000, outputs)[0], rel=CONTROLLED_BAND)
+
+
+def test_a_master_that_reads_no_parameters_starts_with_those_of_the_system(systems: Callable[[str], Path]) -> None:
+    """FMPy leaves the values in the structure alone; 50 m in place of 5 is what the FMUs' own defaults would give."""
+    system = systems("BogieBraking")
+    alone = simulate_ssp(str(system), stop_time=5.0, step_size=1e-3)
+    given = simulate_ssp(str(system), stop_time=5.0, step_size=1e-3, parameter_set=parameters_of(system))
+    assert 4.0 < alone["bogie.distance"][-1] < 10.0
+    for name in ("bogie.distance", "brake.cylinder_pressure"):
+        assert (alone[name] == given[name]).all()
+
+
+def test_start_values_in_the_resources_are_those_of_the_description_and_survive_a_reset(
+    fmus: dict, tmp_path: Path
+) -> None:
+    path = tmp_path / "Brake.fmu"
+    path.write_bytes(with_start_values(fmus["brake", "native"], {"pressure_demand": 180e3, "valve": 1}))
+    assert validate_fmu(str(path)) == []
+    described = {v.name: v.start for v in read_model_description(str(path)).modelVariables}
+    assert (float(described["pressure_demand"]), int(described["valve"])) == (180e3, 1)
+    with host(path) as brake:
+        for _ in range(2):
+            assert brake["pressure_demand"] == 180e3
+            brake.fmu.reset()
+    with pytest.raises(ValueError, match="has no variable pressure"):
+        with_start_values(path, {"pressure": 1.0})
+
+
+@pytest.mark.parametrize(
+    "row", ["pressure,1", "pressure_demand", "pressure_demand,1 bar", "pressure_demand,-1", 999 * "x"]
+)
+def test_start_values_that_are_none_leave_no_instance(fmus: dict, tmp_path: Path, row: str) -> None:
+    path = tmp_path / "Brake.fmu"
+    shutil.copyfile(fmus["brake", "native"], path)
+    with zipfile.ZipFile(path, "a") as archive:
+        archive.writestr(FILE, f"{row}\n")
+    with pytest.raises(Exception, match="nstantiate"):
+        Slave(path)
 
 
 def test_wheels_lock_on_that_rail_without_protection(fmus: dict) -> None:
