@@ -7,6 +7,7 @@ the archive is compressed with fixed dates.
 from __future__ import annotations
 
 import importlib
+import re
 import shutil
 import sys
 import tempfile
@@ -23,6 +24,7 @@ from fmu_src.model_description import model_description
 from fmu_src.pages import pages
 from fmu_src.system import Model
 
+FUTURE = "from __future__ import annotations\n"
 HERE = Path(__file__).parent
 
 
@@ -55,14 +57,18 @@ def packed(script: Path, files: Sequence[Path] = ()) -> dict[str, bytes]:
         return {entry: archive.read(entry) for entry in archive.namelist()}
 
 
+def joined(sources: Sequence[str], own: Sequence[str]) -> str:
+    """One module from several, without the imports that they make from each other."""
+    text = "\n".join(source.replace(FUTURE, "") for source in sources)
+    for module in own:
+        text = re.sub(rf"^from {re.escape(module)} import (\([^)]*\)|[^\n]*)\n", "", text, flags=re.M)
+    return FUTURE + text
+
+
 def slave_module(model: Model, guid: str) -> str:
-    """One self-contained module: kernel.py, python_slave.py and the class named like the model."""
-    kernel, slave = (HERE / "kernel.py").read_text(), (HERE / "python_slave.py").read_text()
-    future = "from __future__ import annotations\n"
-    parts = [future]
-    for text in (kernel, slave):
-        parts.append(text.replace(future, ""))
-    body = "\n".join(parts).replace("from fmu_src.kernel import DISCARD, Kernel, KernelError, Library\n", "")
+    """One self-contained module: what python_slave.py is made of, and the class named like the model."""
+    files = [HERE / f"{name}.py" for name in ("kernel", "telling_slave", "python_slave")]
+    body = joined([file.read_text(encoding="utf-8") for file in files], ["fmu_src.kernel", "fmu_src.telling_slave"])
     return (
         f"{body}\n\nclass {model.name}(KernelSlave):\n"
         f'    library_file = "kernel{library_suffix()}"\n    guid_of_content = "{guid}"\n'

@@ -10,16 +10,17 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
 from fmu_src.kernel import DISCARD, Kernel, KernelError, Library
+from fmu_src.telling_slave import TellingSlave
 
-#: Keys, beside the value references, of a problem that belongs to no single variable, and of the experiment's.
-WHOLE, EXPERIMENT = -1, -2
+#: Keys, beside the value references, of a problem that belongs to no single variable, of the experiment's, and of what
+#: was read last, which is over with the next value that is set.
+WHOLE, EXPERIMENT, READING = -1, -2, -3
 
 
-class KernelSlave(Fmi2Slave):
+class KernelSlave(TellingSlave):
     """A kernel behind pythonfmu.
 
     pythonfmu turns an exception into fmi2Fatal and crashes the host on the next call, so nothing is raised here: a
@@ -80,7 +81,7 @@ class KernelSlave(Fmi2Slave):
         try:
             return [self.kernel.get_number(reference) for reference in vrs]
         except KernelError as error:
-            self._remember(WHOLE, error)
+            self._remember(READING, error)
             return [0.0] * len(vrs)
 
     def get_integer(self, vrs: list[int]) -> list[int]:
@@ -109,6 +110,7 @@ class KernelSlave(Fmi2Slave):
     def _set(self, setter: Callable[[int, Any], None], vrs: list[int], values: Sequence[Any]) -> None:
         if self.initialising:
             self.kernel.reopen()
+        self.problems.pop(READING, None)
         for reference, value in zip(vrs, values, strict=True):
             try:
                 setter(reference, value)

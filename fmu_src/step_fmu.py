@@ -3,23 +3,22 @@
 from __future__ import annotations
 
 import hashlib
-import re
 import tempfile
-from collections.abc import Sequence
 from pathlib import Path
 
 from fmu_src.archive import write_archive
 from fmu_src.model_description import model_description
-from fmu_src.python_fmu import packed
+from fmu_src.python_fmu import joined, packed
 from fmu_src.system import StepModel
 
-SLAVE = Path(__file__).parent / "step_slave.py"
-FUTURE = "from __future__ import annotations\n"
+SLAVE = [Path(__file__).parent / name for name in ("telling_slave.py", "step_slave.py")]
 
 
 def build_step_fmu(step: StepModel, path: Path) -> None:
     """Writes the pythonfmu FMU. Raises whatever the sources raise when they are loaded."""
-    body = joined([*step.sources, SLAVE.read_text(encoding="utf-8")], step.own)
+    body = joined(
+        [*step.sources, *(file.read_text(encoding="utf-8") for file in SLAVE)], [*step.own, "fmu_src.telling_slave"]
+    )
     digest = hashlib.sha256((body + repr(step)).encode()).hexdigest()
     guid = f"{{{digest[:8]}-{digest[8:12]}-{digest[12:16]}-{digest[16:20]}-{digest[20:32]}}}"
     with tempfile.TemporaryDirectory() as name:
@@ -30,14 +29,6 @@ def build_step_fmu(step: StepModel, path: Path) -> None:
         contents = packed(script)
     contents["modelDescription.xml"] = model_description(step.model, guid, native=False).encode()
     write_archive(path, contents)
-
-
-def joined(sources: Sequence[str], own: Sequence[str]) -> str:
-    """One module from several, without the imports that they make from each other."""
-    text = "\n".join(source.replace(FUTURE, "") for source in sources)
-    for module in own:
-        text = re.sub(rf"^from {re.escape(module)} import (\([^)]*\)|[^\n]*)\n", "", text, flags=re.M)
-    return FUTURE + text
 
 
 def slave_class(step: StepModel, guid: str) -> str:

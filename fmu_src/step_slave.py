@@ -9,8 +9,9 @@ import math
 from collections.abc import Sequence
 from typing import Protocol
 
-from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
+
+from fmu_src.telling_slave import TellingSlave
 
 
 class Stepper(Protocol):
@@ -21,7 +22,7 @@ class Stepper(Protocol):
         ...
 
 
-class StepSlave(Fmi2Slave):
+class StepSlave(TellingSlave):
     """Real inputs, then the parameter `period`, then outputs, numbered in this order.
 
     The object is asked at the start of the first step that begins at or after each multiple of the period, and its

@@ -66,6 +66,18 @@ def test_a_text_of_the_host_is_quoted_on_one_line_with_the_status_of_its_refusal
             assert shown.endswith("The line before it stays in force.")
 
 
+def test_a_text_is_no_format_in_an_fmu_of_pythonfmu_either(fmus: dict) -> None:
+    """pythonfmu hands a sentence to the logger as its format: expanded without a value it must say the text."""
+    with host(fmus["bogie", "python"]) as one:
+        one.set_text("line_file", b"%s%n 30 %\n\x10.csv")
+        one.raw("SetupExperiment", 0, 0.0, 0.0, 0, 0.0)
+        one.raw("EnterInitializationMode")
+        one.raw("ExitInitializationMode")
+        assert one.step(0.0) != OK
+        said = [text.decode() % () for _, text in one.heard]
+        assert any(text.startswith("Line %s%n 30 %??.csv: it cannot be opened") for text in said)
+
+
 def saying(sentence: str, ends: bool = False) -> Kernel:
     """A model that warns, or ends, when its state has come to one half, with a sentence of its own."""
     system = System("warning", "x' = 1")
