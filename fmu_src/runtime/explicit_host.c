@@ -8,13 +8,13 @@
 
 /* Steps in a row that tell Euler's method, and those between two looks; doublings of a step over which growth is looked at,
  * and how much finer the motion is with which it is compared. */
-enum { STEPS_TO_TELL = 2, CHECK_EVERY = 64, DOUBLINGS = 10, FINER = 4 };
+enum { STEPS_TO_TELL = 2, LOOK_EVERY = 64, DOUBLINGS = 10, FINER = 4 };
 /* How many times as much a disturbance grows as in the finer motion, from where on it is no error but a lie; and a number
  * behind which nobody need look. */
 static const double UNSTABLE = 1e3, ENDLESS = 1e100;
 /* What a step may miss, of its way; and how much of a nominal value a change of slope must move within a step, so that no
  * implicit method takes the same step. */
-static const double ROUND_OFF = 1e-12, SEEN = 1e-9;
+static const double MISSED = 1e-12, SEEN = 1e-9;
 
 void explicit_host_begin(kernel *self) {
     memcpy(self->host_state, self->state, (size_t)self->system->states * sizeof(double));
@@ -38,7 +38,7 @@ static int is_step_of_euler(const kernel *self, double size) {
     if (!self->host_slope_known || !(size > 0.0)) return 0;
     for (int i = 0; i < self->system->states; ++i) {
         const double way = size * self->host_slope[i], missed = self->state[i] - self->host_state[i] - way;
-        if (fabs(missed) > ROUND_OFF * (fabs(self->state[i]) + fabs(way))) return 0;
+        if (fabs(missed) > MISSED * (fabs(self->state[i]) + fabs(way))) return 0;
         changed |= size * fabs(self->host_change[i]) > SEEN * self->system->nominal[i];
     }
     return changed;
@@ -72,7 +72,7 @@ int explicit_host_guard(kernel *self) {
     const double size = self->now.time - self->host_time;
     self->host_steps = is_step_of_euler(self, size) ? self->host_steps + 1 : 0;
     explicit_host_begin(self);
-    if (self->now.guard_said > 0.0 || self->host_steps % CHECK_EVERY != STEPS_TO_TELL) return KERNEL_OK;
+    if (self->now.guard_said > 0.0 || self->host_steps % LOOK_EVERY != STEPS_TO_TELL) return KERNEL_OK;
     rosenbrock_linearise(self, 0.0, self->state);
     const double growth = growth_over_steps(self, size, 0);
     if (!(growth > UNSTABLE * growth_over_steps(self, size, FINER))) return KERNEL_OK;
