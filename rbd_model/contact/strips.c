@@ -158,7 +158,7 @@ static double lowest_near(const wheel_on_rail *pair, const stand_of *stand, doub
 /* The part of a segment that overlaps the rail; 0 where none does. least: its smallest gap. */
 static int overlap_of(const wheel_on_rail *pair, const stand_of *stand, const double *segment, double *ends, double *least) {
     double gap[SAMPLES + 1];
-    const double pitch = (segment[1] - segment[0]) / SAMPLES;
+    const double pitch = (segment[1] - segment[0]) / (double)SAMPLES;
     int lowest = 0, first = -1, last = -1;
     for (int i = 0; i <= SAMPLES; ++i) {
         gap[i] = gap_at(pair, stand, segment[0] + i * pitch);
@@ -190,7 +190,7 @@ static void lay_strips(const wheel_on_rail *pair, const stand_of *stand, pressed
         const int overlaps = overlap_of(pair, stand, pair->segment + 2 * segment, ends, &least);
         found->nearest[segment] = -least;
         if (!overlaps) continue;
-        const double pitch = (ends[1] - ends[0]) / STRIPS;
+        const double pitch = (ends[1] - ends[0]) / (double)STRIPS;
         double deepest = 0.0;
         for (int i = 0; i < STRIPS; ++i) {
             strip_of *strip = &found->strip[found->count++];
@@ -210,7 +210,7 @@ static void begin(const fits_of *fits, strip_of *strip, int *touch) {
     for (int i = 0; i < STRIPS; ++i) {
         deepest = fmax(deepest, strip[i].overlap);
         half += 0.5 * strip[i].breadth;
-        along += strip[i].curvature / STRIPS;
+        along += strip[i].curvature / (double)STRIPS;
     }
     const double ratio = within(log(deepest / (half * half * along)), fits->curvatures);
     const double alpha = exp(series(fits->alpha, ratio)), beta = exp(series(fits->alpha, -ratio));
@@ -365,10 +365,10 @@ static void cut(double *stress, double limit, const double *flexible) {
 /* Force of a strip [N] for steady sliding over flexibility [Pa/m], the turning of spin [Pa/m2], and friction. */
 static void creep_of_strip(const strip_of *strip, const double *steady, double turning, double limit,
                            const double *flexible, double *force) {
-    static const double MEAN = 2.0 / 3.0 + 1.0 / (3.0 * CELLS * CELLS); /* of the parabola in the middles of the cells */
+    static const double MEAN = 2.0 / 3.0 + 1.0 / (3.0 * (double)CELLS * (double)CELLS); /* of the parabola in the middles of the cells */
     double stress[2] = {0.0, 0.0}, total[2] = {0.0, 0.0}, before = 1.0;
     for (int cell = 0; cell < CELLS; ++cell) {
-        const double place = 1.0 - (2 * cell + 1.0) / CELLS;
+        const double place = 1.0 - (2 * cell + 1.0) / (double)CELLS;
         const double moved = strip->half_length * (before - place);
         const double turned = 0.5 * (before + place) * strip->half_length;
         before = place;
@@ -379,7 +379,7 @@ static void creep_of_strip(const strip_of *strip, const double *steady, double t
         total[0] += stress[0];
         total[1] += stress[1];
     }
-    for (int i = 0; i < 2; ++i) force[i] = total[i] * 2.0 * strip->half_length / CELLS * strip->breadth;
+    for (int i = 0; i < 2; ++i) force[i] = total[i] * 2.0 * strip->half_length / (double)CELLS * strip->breadth;
 }
 
 /* By how much creepage ahead, to the side and from spin move the surface for each stress [m/Pa], strip_creep.py. */

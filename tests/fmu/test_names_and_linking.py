@@ -207,6 +207,14 @@ LANGUAGES = {
 
 
 #: The bogie has contact by strips, whose C is given and not generated.
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("language", ["C99", "C11", "C++20"])
+def test_largest_sources_are_what_every_language_takes(fmus: dict, tmp_path: Path, version: int, language: str) -> None:
+    """Looked at and not compiled, for the sake of time: names that meet, and what one language alone allows."""
+    folder = archive(fmus, LARGEST, version, tmp_path) / "sources"
+    build(["-Wall", "-Wextra", "-Werror", "-fsyntax-only", "all.c"], folder, LANGUAGES[language])
+
+
 OF_THE_SUITE = ["brake", *(pytest.param(name, marks=pytest.mark.long) for name in FMUS if name != "brake")]
 
 
