@@ -1,39 +1,124 @@
-"""Sensors of the wheels' rotation: pulses of an encoder, sampled, with noise (the shaft encoders of Table 6.3)."""
+"""Sensors of the wheels' rotation: a toothed wheel whose edges are timed, with errors of its pitch."""
 
 from __future__ import annotations
 
 import math
+from collections import deque
 from dataclasses import dataclass, field
 from random import Random
 
-#: Pulses of the encoders of the experiment in one turn (Table 6.3).
-PULSES_OF_THE_EXPERIMENT = 10000
+#: Teeth of the default wheel: real ones have 60 to 300 pulses a turn, mostly 80 to 128.
+TEETH = 100
+#: Time over which edges are averaged at least, resolution of the timer [s], and edges a second below which the wheel
+#: counts as standing [Hz]. Assumed.
+GATE, TIMER, LOWEST_FREQUENCY = 0.03, 1e-6, 5.0
+#: Largest error of an edge, as a share of the pitch: edges keep their order.
+LARGEST_ERROR = 0.45
+
+
+@dataclass(frozen=True)
+class _Passage:
+    """The time between two looks in which edges passed: times [s], places in pitches, and its first edge."""
+
+    start: float
+    begin: float
+    end: float
+    place: float
+    first: int
 
 
 @dataclass
 class Encoder:
-    """Counts pulses and divides by the time between two looks; what is between pulses is not seen.
+    """A toothed wheel under one probe, which sees edges and their times but not their direction.
 
-    pulses: in one turn; jitter: standard deviation of the edges as a share of a pulse, from `seed`.
+    The reading is the mean speed between the last edge and the last one at least `gate` [s] before it. Until the next
+    edge it is at most one pitch over the time since the last one, so that it falls as a wheel stops. Below
+    `lowest_frequency` [Hz] of edges it is 0, as before the first edges: there a wheel that turns slowly and one that
+    stands are the same. Edges between two looks are found as if the wheel had turned evenly between them.
+
+    pulses: teeth, one edge each; jitter: standard deviation of their places as a share of the pitch, from `seed`, the
+    same in every turn; resolution [s]: of the timer. Raises ValueError with a sentence for values that cannot be.
     """
 
-    pulses: int = PULSES_OF_THE_EXPERIMENT
+    pulses: int = TEETH
     jitter: float = 0.0
     seed: int = 1
+    gate: float = GATE
+    resolution: float = TIMER
+    lowest_frequency: float = LOWEST_FREQUENCY
     time: float | None = None
-    count: float = 0.0
-    random: Random = field(init=False)
+    rotation: float = 0.0
+    place: float = 0.0
+    edge: int = 0
+    edge_time: float = -math.inf
+    mean: float = 0.0
+    passages: deque[_Passage] = field(default_factory=deque)
+    errors: list[float] = field(init=False)
 
     def __post_init__(self) -> None:
         if self.pulses < 1:
             raise ValueError(f"Set pulses to at least 1: it was {self.pulses}.")
         if not (math.isfinite(self.jitter) and self.jitter >= 0.0):
             raise ValueError(f"Set jitter to a finite value of at least 0: it was {self.jitter}.")
-        self.random = Random(self.seed)
+        for name in ("gate", "resolution", "lowest_frequency"):
+            if not (math.isfinite(getattr(self, name)) and getattr(self, name) > 0.0):
+                raise ValueError(f"Set {name} to a finite value above 0: it was {getattr(self, name)}.")
+        random = Random(self.seed)
+        drawn = (random.gauss(0.0, self.jitter) for _ in range(self.pulses)) if self.jitter else ()
+        self.errors = [min(max(error, -LARGEST_ERROR), LARGEST_ERROR) for error in drawn]
+
+    @property
+    def pitch(self) -> float:
+        """Angle from one edge to the next [rad]."""
+        return math.tau / self.pulses
 
     def angular_velocity(self, time: float, rotation: float) -> float:
-        """Mean angular velocity [rad/s] since the last look, from the rotation [rad]; 0 at the first look."""
-        count = math.floor(rotation / math.tau * self.pulses + self.random.gauss(0.0, self.jitter))
-        before, self.count = self.count, count
-        last, self.time = self.time, time
-        return 0.0 if last is None or time <= last else (count - before) * math.tau / self.pulses / (time - last)
+        """The reading [rad/s], at least 0, at a time [s], from the rotation of the wheel [rad]."""
+        if self.time is None:
+            self.place = abs(rotation) / self.pitch
+            self.edge = self._last_edge(self.place)
+        elif time > self.time:
+            self._turn(time, self.place + abs(rotation - self.rotation) / self.pitch)
+        self.time, self.rotation = time, rotation
+        reading = min(self.mean, 1.0 / max(time - self.edge_time, self.resolution))
+        return reading * self.pitch if reading >= self.lowest_frequency else 0.0
+
+    def _turn(self, time: float, place: float) -> None:
+        """Goes on to a place, in pitches; where edges passed, the mean from one a gate before the last to the last."""
+        assert self.time is not None
+        edge = self._last_edge(place)
+        if edge > self.edge:
+            passage = _Passage(self.time, self.place, time, place, self.edge + 1)
+            self.passages.append(passage)
+            self.edge, self.edge_time = edge, self._time_of(edge, passage)
+            self.mean = self._mean()
+        self.place = place
+
+    def _mean(self) -> float:
+        """Edges a second up to the last edge; 0 as long as there is none a gate before it."""
+        since, passages = self.edge_time - self.gate, self.passages
+        while len(passages) > 1 and self._time_of(passages[1].first, passages[1]) <= since:
+            passages.popleft()
+        oldest = passages[0]
+        if self._time_of(oldest.first, oldest) > since:
+            return 0.0
+        share = min(1.0, (since - oldest.start) / (oldest.end - oldest.start))
+        before = max(oldest.first, self._last_edge(oldest.begin + share * (oldest.place - oldest.begin)))
+        return (self.edge - before) / (self.edge_time - self._time_of(before, oldest))
+
+    def _place_of(self, edge: int) -> float:
+        """Where an edge stands, in pitches."""
+        return edge + self.errors[edge % self.pulses] if self.errors else float(edge)
+
+    def _last_edge(self, place: float) -> int:
+        """The last edge at or before a place."""
+        edge = math.floor(place)
+        if not self.errors:
+            return edge
+        return next(one for one in (edge + 1, edge, edge - 1) if self._place_of(one) <= place)
+
+    def _time_of(self, edge: int, passage: _Passage) -> float:
+        """When an edge passed, to the resolution of the timer [s]."""
+        share = (self._place_of(edge) - passage.begin) / (passage.place - passage.begin)
+        time = passage.start + share * (passage.end - passage.start)
+        return math.floor(time / self.resolution) * self.resolution

@@ -18,14 +18,21 @@ from typing import Protocol
 #: travel inside an FMU.
 APPLY, HOLD, VENT = 0, 1, 2
 COMMANDS = (APPLY, HOLD, VENT)
-#: Acceleration below which a wheel let go has caught up with the bogie [m/s2].
-ROLLING = 0.3
+#: Acceleration below which a wheel let go has caught up with the bogie, and above which it speeds up [m/s2].
+ROLLING, SPEEDING = 0.3, 0.6
+#: Gain of speed that only a wheel shows which had slid, as a share of its speed.
+GAIN = 0.02
+#: Share of the speed by which all wheels fall behind what any rail allows when they slide together.
+TOGETHER = 0.02
 #: Times of venting after which a wheel is believed to roll, where it was seen to speed up and where not [s].
 SHORTEST_RELEASE, LONGEST_RELEASE = 0.25, 0.8
 #: Time of braking without a command after which the wheels may show that the bogie slows faster than it did [s].
 FREELY_BRAKED = 0.3
 #: Time between two true speeds that gives a deceleration [s], and the least that is believed [m/s2].
 SHORTEST_BETWEEN, LEAST_DECELERATION = 0.5, 0.1
+#: Time for which a sensor is only listened to, between speeds that are kept while nothing slides, and from the first
+#: true speed of a slide to the second [s].
+SETTLING, KEEPING, SECOND_LOOK = 0.5, 1.0, 1.5
 
 
 class WheelSlideController(Protocol):
@@ -52,16 +59,21 @@ class SlideProtectionParameters:
     upper_slip: float
     #: The upper slip in m/s at low speed, below which wheels are not told apart.
     least_slip: float
-    #: Time by which a change of slip is anticipated, and time constant of the filter on wheel speeds [s].
+    #: Slip that is evidence of sliding [1], and the same in m/s at low speed.
+    evident_slip: float
+    least_evident_slip: float
+    #: Time by which a change of slip is anticipated, and time constants of the filters on speeds and slopes [s].
     lead_time: float
     filter_time: float
-    #: Deceleration of the reference speed until one is measured, and the largest one believed [m/s2].
-    first_deceleration: float
+    slope_time: float
+    #: Time constant of the calmer speeds that evidence, the reference and its gains are taken from [s].
+    calm_time: float
+    #: Deceleration that wheels which roll exceed on no rail [m/s2].
     largest_deceleration: float
     #: Longest time of sliding without a look at the true speed, and longest time of venting at a stretch [s].
     synchronising_period: float
     watchdog: float
-    #: Reference speed below which no wheel is protected [m/s].
+    #: Reference speed below which no wheel is protected: all brakes apply [m/s].
     slowest: float
 
     def __post_init__(self) -> None:
@@ -74,7 +86,7 @@ class SlideProtectionParameters:
 
 
 def common_protection() -> SlideProtectionParameters:
-    """Assumed throughout: thresholds as they are common in descriptions of such devices, tuned on the planar bogie.
+    """Assumed throughout, and chosen on half of the rails of scenarios/bench/rail_programme.py; docs/fitted.md has how.
 
     The slip is that of (2.10), with the reference speed as that of the car.
     """
@@ -82,22 +94,29 @@ def common_protection() -> SlideProtectionParameters:
         lower_slip=0.05,
         upper_slip=0.10,
         least_slip=0.3,
-        lead_time=0.2,
+        evident_slip=0.08,
+        least_evident_slip=0.6,
+        lead_time=0.1,
         filter_time=0.02,
-        first_deceleration=1.0,
-        largest_deceleration=1.5,
+        slope_time=0.03,
+        calm_time=0.08,
+        largest_deceleration=4.4,
         synchronising_period=4.0,
         watchdog=5.0,
-        slowest=0.25,
+        slowest=0.3,
     )
 
 
 @dataclass
 class _Wheel:
-    """What the protection knows of a wheelset: filtered speed [m/s] and acceleration [m/s2], since when it vents."""
+    """What the protection knows of a wheelset: speeds [m/s] and slopes [m/s2], filtered; times [s] of what happened."""
 
-    speed: float
+    speed: float = 0.0
     acceleration: float = 0.0
+    calm_speed: float = 0.0
+    calm_acceleration: float = 0.0
+    lowest: float = 0.0
+    turns_since: float | None = None
     vents_since: float | None = None
     speeds_up: bool = False
     blocked_until: float = -math.inf
@@ -105,10 +124,16 @@ class _Wheel:
 
 @dataclass
 class SlideProtection:
-    """Holds the slip of each wheelset in a band around that of the best adhesion.
+    """Holds the slip of each wheelset in a band around that of the best adhesion, once there is evidence of sliding.
 
-    Reference speed: the fastest wheel, or where all slide the last true speed, falling as fast as the bogie last did.
-    From time to time a wheelset is released until it rolls, and shows the true speed.
+    Without evidence the reference speed is that of the fastest wheel, at any deceleration that wheels which roll reach
+    on any rail, and no valve leaves "apply". Evidence is a wheel that falls behind the reference: it disagrees with
+    another wheel, or all slow faster than any rail allows. From then on the reference falls as fast as the bogie last
+    did, and a wheelset is released until it rolls and shows the true speed: at once the slowest, later, from time to
+    time, the fastest. Where no wheel has gained speed since the last such release, as braked wheels that roll never do,
+    the evidence ends.
+
+    A wheel whose sensor has not yet shown a speed for a while is braked, and so are all below the slowest reference.
     """
 
     parameters: SlideProtectionParameters = field(default_factory=common_protection)
@@ -116,80 +141,135 @@ class SlideProtection:
     wheels: list[_Wheel] = field(default_factory=list)
     reference: float = 0.0
     deceleration: float = 0.0
+    evident: bool = False
+    gained: bool = False
+    looks: int = 0
     synchronised_at: float = 0.0
     synchronised_speed: float = 0.0
+    kept_at: float = 0.0
+    kept_speed: float = 0.0
     released: int | None = None
     acted_at: float = -math.inf
 
     def step(self, time: float, wheel_speeds: Sequence[float]) -> list[int]:
         """Valve commands, as `WheelSlideController` has them."""
         if self.time is None:
-            self._start(time, wheel_speeds)
-        size = time - (self.time or 0.0)
+            self.wheels = [_Wheel() for _ in wheel_speeds]
+        size = 0.0 if self.time is None else time - self.time
         self.time = time
-        if size > 0.0:
-            self._observe(size, wheel_speeds)
+        for wheel, speed in zip(self.wheels, wheel_speeds, strict=True):
+            self._filter(wheel, speed, size)
+        fastest = max(self.wheels, key=lambda wheel: wheel.calm_speed)
+        if self.evident:
+            self._slide(size, fastest)
+        else:
+            self._roll(size, fastest)
         return [self._command(time, number) for number in range(len(self.wheels))]
 
-    def _start(self, time: float, wheel_speeds: Sequence[float]) -> None:
-        self.time = self.synchronised_at = time
-        self.wheels = [_Wheel(speed) for speed in wheel_speeds]
-        self.reference = self.synchronised_speed = max(wheel_speeds)
-        self.deceleration = self.parameters.first_deceleration
-
-    def _observe(self, size: float, wheel_speeds: Sequence[float]) -> None:
-        """Filters the speeds and moves the reference: while nothing slides the fastest wheel, then by what is known."""
-        share = size / (size + self.parameters.filter_time)
-        for wheel, speed in zip(self.wheels, wheel_speeds, strict=True):
-            change = share * (speed - wheel.speed)
+    def _filter(self, wheel: _Wheel, speed: float, size: float) -> None:
+        """Takes a reading; a wheel whose sensor has shown nothing yet starts with the first that it shows."""
+        p = self.parameters
+        if wheel.turns_since is None:
+            wheel.turns_since = self.time if speed > 0.0 else None
+            wheel.speed = wheel.calm_speed = wheel.lowest = speed
+        elif size > 0.0:
+            change = (speed - wheel.speed) * size / (size + p.filter_time)
             wheel.speed += change
-            wheel.acceleration += share * (change / size - wheel.acceleration)
-        fastest = max(wheel.speed for wheel in self.wheels)
-        falls = self._believed_deceleration()
-        self.reference = max(fastest, self.reference - falls * size, 0.0)
-        caught_up = [wheel.speed for wheel in self.wheels if self._has_caught_up(wheel)]
+            wheel.acceleration += (change / size - wheel.acceleration) * size / (size + p.slope_time)
+            share = size / (size + p.calm_time)
+            change = (speed - wheel.calm_speed) * share
+            wheel.calm_speed += change
+            wheel.calm_acceleration += (change / size - wheel.calm_acceleration) * share
+
+    def _roll(self, size: float, fastest: _Wheel) -> None:
+        """No wheel has slid: the reference is the fastest one's speed, and falls no faster than any rail allows."""
+        p, before = self.parameters, self.reference
+        self.reference = max(fastest.calm_speed, before - p.largest_deceleration * size)
+        self._keep(self.reference)
+        apart = max(p.evident_slip * self.reference, p.least_evident_slip)
+        together = max(TOGETHER * self.reference, p.least_evident_slip)
+        behind = [self.reference - wheel.calm_speed for wheel in self.wheels if self._is_judged(wheel)]
+        if behind and (max(behind) > apart or min(behind) > together):
+            self.evident = self.gained = True
+            self.looks = 0
+            self._measure(self.reference)
+
+    def _keep(self, speed: float) -> None:
+        """Keeps a speed every now and then; the one before the last was true though a slide may have begun since."""
+        assert self.time is not None
+        if self.kept_speed > 0.0 and self.time - self.kept_at < KEEPING:
+            return
+        known = self.kept_speed > 0.0
+        self.synchronised_at = self.kept_at if known else self.time
+        self.synchronised_speed = self.kept_speed if known else speed
+        self.kept_at, self.kept_speed = self.time, speed
+
+    def _slide(self, size: float, fastest: _Wheel) -> None:
+        """Wheels slide: the reference falls as fast as the bogie last did, until a wheel that is let go rolls."""
+        falls = self._known_deceleration(fastest)
+        self.reference = max(fastest.calm_speed, self.reference - falls * size)
+        for wheel in self.wheels:
+            self._look_for_gain(wheel)
+        caught_up = [wheel.calm_speed for wheel in self.wheels if self._has_caught_up(wheel)]
         if caught_up:
             self._synchronise(max(caught_up))
-        elif self._is_quiet() and self.reference == fastest:
-            self._synchronise(fastest)
+        if self.reference < self.parameters.slowest:
+            self.evident, self.released = False, None
 
-    def _believed_deceleration(self) -> float:
-        """How fast the reference falls: as the bogie last did, or as the fastest wheel while all are braked freely."""
+    def _is_judged(self, wheel: _Wheel) -> bool:
+        """Whether its sensor has shown something for a while."""
         assert self.time is not None
-        if self._is_quiet():
-            return self.parameters.largest_deceleration
+        return wheel.turns_since is not None and self.time - wheel.turns_since > SETTLING
+
+    def _known_deceleration(self, fastest: _Wheel) -> float:
+        """As the bogie last slowed, or as the fastest wheel does while all are braked freely [m/s2]."""
+        assert self.time is not None
         if self.time - self.acted_at < FREELY_BRAKED:
             return self.deceleration
-        fastest = max(self.wheels, key=lambda wheel: wheel.speed)
-        return max(self.deceleration, min(-fastest.acceleration, self.parameters.largest_deceleration))
+        return max(self.deceleration, self._believed(-fastest.calm_acceleration))
 
-    def _is_quiet(self) -> bool:
-        """Whether the protection has had nothing to do for a while, so that the fastest wheel is believed to roll."""
-        assert self.time is not None
-        return self.time - self.acted_at > self.parameters.synchronising_period
+    def _believed(self, deceleration: float) -> float:
+        """A deceleration within what can be [m/s2]."""
+        return min(max(deceleration, LEAST_DECELERATION), self.parameters.largest_deceleration)
+
+    def _look_for_gain(self, wheel: _Wheel) -> None:
+        """Remembers that a wheel has gained speed since the last true speed, or since it was let go."""
+        p = self.parameters
+        wheel.lowest = min(wheel.lowest, wheel.calm_speed)
+        gain = GAIN * max(wheel.calm_speed, p.least_slip / p.upper_slip)
+        if wheel.calm_acceleration > SPEEDING and wheel.calm_speed - wheel.lowest > gain:
+            self.gained = wheel.speeds_up = True
 
     def _has_caught_up(self, wheel: _Wheel) -> bool:
         """A wheel that is vented speeds up until it rolls; one that never slid is believed after a while."""
         assert self.time is not None
         if wheel.vents_since is None:
             return False
-        vented = self.time - wheel.vents_since
-        wheel.speeds_up = wheel.speeds_up or wheel.acceleration > 2 * ROLLING
-        return wheel.acceleration < ROLLING and vented > (SHORTEST_RELEASE if wheel.speeds_up else LONGEST_RELEASE)
+        longest = SHORTEST_RELEASE if wheel.speeds_up else LONGEST_RELEASE
+        return wheel.calm_acceleration < ROLLING and self.time - wheel.vents_since > longest
 
     def _synchronise(self, speed: float) -> None:
         """Takes the true speed, and from two of them the deceleration of the bogie."""
         assert self.time is not None
-        elapsed = self.time - self.synchronised_at
-        if elapsed > SHORTEST_BETWEEN:
-            measured = (self.synchronised_speed - speed) / elapsed
-            self.deceleration = min(max(measured, LEAST_DECELERATION), self.parameters.largest_deceleration)
-            self.synchronised_at, self.synchronised_speed = self.time, speed
+        if self.looks == 0 or self.time - self.synchronised_at > SHORTEST_BETWEEN:
+            self._measure(speed)
+            self.synchronised_at, self.synchronised_speed = self.kept_at, self.kept_speed = self.time, speed
+            self.looks += 1
+            if self.looks > 2:  # the first two follow too soon for wheels to slide in between
+                self.evident, self.gained = self.gained, False
+            for wheel in self.wheels:
+                wheel.lowest = wheel.calm_speed
         self.reference, self.released = speed, None
+
+    def _measure(self, speed: float) -> None:
+        """The mean deceleration since the last true speed."""
+        assert self.time is not None
+        elapsed = max(self.time - self.synchronised_at, SHORTEST_BETWEEN)
+        self.deceleration = self._believed((self.synchronised_speed - speed) / elapsed)
 
     def _command(self, time: float, number: int) -> int:
         p, wheel = self.parameters, self.wheels[number]
-        if self.reference < p.slowest or time < wheel.blocked_until:
+        if not (self.evident and self._is_judged(wheel)) or self.reference < p.slowest or time < wheel.blocked_until:
             wheel.vents_since = None
             return APPLY
         command = VENT if self._is_released(time, number) else self._by_slip(wheel)
@@ -198,7 +278,7 @@ class SlideProtection:
         if command != VENT:
             wheel.vents_since = None
         elif wheel.vents_since is None:
-            wheel.vents_since, wheel.speeds_up = time, False
+            wheel.vents_since, wheel.speeds_up, wheel.lowest = time, False, wheel.calm_speed
         elif time - wheel.vents_since > p.watchdog:
             wheel.blocked_until = time + p.watchdog
             return APPLY
@@ -213,10 +293,12 @@ class SlideProtection:
         return VENT if slip > p.upper_slip else APPLY if slip < p.lower_slip else HOLD
 
     def _is_released(self, time: float, number: int) -> bool:
-        """Whether this wheelset is the one that is let go so that it shows the true speed."""
-        late = time - self.synchronised_at > self.parameters.synchronising_period
-        if self.released is None and late and not self._is_quiet():
-            self.released = max(range(len(self.wheels)), key=lambda one: self.wheels[one].speed)
+        """Whether this wheelset is the one that is let go so that it shows the true speed: first one that slides."""
+        period = self.parameters.synchronising_period
+        due = 0.0 if self.looks == 0 else SECOND_LOOK if self.looks == 1 else period
+        if self.released is None and time - self.synchronised_at > due:
+            choose = max if self.looks else min
+            self.released = choose(range(len(self.wheels)), key=lambda one: self.wheels[one].calm_speed)
         return self.released == number
 
 

@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 
 from scenarios.bench.braked_machine import APPLICATION_TIME, STANDING, Machine
 from scenarios.bench.drive import prepare
-from scenarios.bench.protected_stop import BRAKE_START
+from scenarios.bench.protected_stop import BRAKE_START, LONGEST
 from scenarios.fmus.registry import model_of
 
 
@@ -44,7 +44,10 @@ class PeakAdhesion:
         return max(found), float(self.SLIPS[int(np.argmax(found))])
 
     def stopping_distance(self, speed: float) -> float:
-        """Distance [m] from `speed` with the best slip throughout, as soon as the brake has filled and no faster."""
+        """Distance [m] from `speed` with the best slip throughout, as soon as the brake has filled and no faster.
+
+        Raises ValueError where the rail stops nothing within the longest time of a stop.
+        """
 
         def slope(time: float, state: np.ndarray) -> list[float]:
             return [state[1], -min(self.braking(time), self.best(state[0], max(state[1], STANDING))[0])]
@@ -53,7 +56,9 @@ class PeakAdhesion:
             return float(state[1]) - STANDING
 
         stands.terminal = True  # type: ignore[attr-defined]
-        found = solve_ivp(slope, (0.0, 300.0), [0.0, speed], events=stands, max_step=0.25, rtol=1e-3, atol=1e-2)
+        found = solve_ivp(slope, (0.0, LONGEST), [0.0, speed], events=stands, max_step=0.25, rtol=1e-3, atol=1e-2)
+        if not found.t_events[0].size:
+            raise ValueError(f"Give a rail that stops the vehicle from {speed:g} m/s within {LONGEST:g} s: it did not.")
         return float(found.y[0, -1])
 
     def braking(self, time: float) -> float:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from brake_controller.sensors import Encoder
+from brake_controller.sensors import TEETH, Encoder
 from brake_controller.wheel_slide import APPLY, ControllerError, Supervised, WheelSlideController
 from scenarios.bench.braked_machine import APPLICATION_TIME, STANDING, BrakedMachine
 from scenarios.cosimulation.recording import Recording
@@ -22,7 +23,8 @@ CYLINDER_VOLUME, GAS = 10.3e-3, 287.0 * 293.0
 class Settings:
     """How a stop is run: speed [m/s], controller's period and host step [s], encoder, and the brake.
 
-    strength: torque over that of the full service brake; application_time [s] to 95 % of it.
+    strength: torque over that of the full service brake; application_time [s] to 95 % of it. pulses, jitter: as
+    `Encoder` has them.
     """
 
     speed: float = 25.0
@@ -30,20 +32,40 @@ class Settings:
     application_time: float = APPLICATION_TIME
     period: float = 5e-3
     host_step: float = 5e-3
-    pulses: int = 10000
+    pulses: int = TEETH
     jitter: float = 0.0
 
 
 @dataclass(frozen=True)
 class ProtectedStop:
-    """What a stop came to. `failure`: the sentence of a controller that failed, whose brake stayed applied."""
+    """What a stop came to.
+
+    distance [m]: None where the machine still ran after LONGEST; end_speed [m/s] and time [s]: of the end of the run.
+    failure: the sentence of a controller that failed, whose brake stayed applied.
+    """
 
     series: Recording
     numbers: tuple[int, ...]
-    distance: float
+    distance: float | None
+    end_speed: float
     time: float
     failure: str
     parameters: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def words(self) -> str:
+        """The stopping distance, or that there is none."""
+        if self.distance is None:
+            return f"did not stop: {self.end_speed:.1f} m/s after {self.time:.0f} s"
+        return f"{self.distance:.0f} m"
+
+    def note(self, source: str) -> str:
+        """The source of a row of a table, which says so where the machine did not stop."""
+        return source if self.distance is not None else f"{self.words}; {source}"
+
+    def over(self, distance: float | None) -> float | None:
+        """The stopping distance over another [m]; None where one of them is missing."""
+        return None if self.distance is None or distance is None else self.distance / distance
 
     def slip(self, number: int) -> np.ndarray:
         """Slip ratio of a wheelset: 0 rolling, 1 locked."""
@@ -59,6 +81,15 @@ class ProtectedStop:
             spans = edges[1::2] - edges[::2]
             longest = max(longest, float(spans.max(initial=0)) * self._interval())
         return longest
+
+    def count_of_commands(self) -> int:
+        """At how many looks a valve was told anything but to apply."""
+        return sum(int((self.series[f"valve_{number}"] != APPLY).sum()) for number in self.numbers)
+
+    def locks(self, above: float) -> bool:
+        """Whether every wheelset stood for most of the braked time in which the vehicle ran faster than `above`."""
+        runs = (self.series["speed"] > above) & (self.series["time"] > BRAKE_START)
+        return all(np.mean(self.series[f"wheel_speed_{number}"][runs] == 0.0) > 0.5 for number in self.numbers)
 
     def share_in_band(self, largest: float, above: float) -> float:
         """Share of the braked time above a speed [m/s] in which all wheelsets' slip is at most `largest`."""
@@ -85,7 +116,8 @@ def protected_stop(
     run = _Run(machine, rail, controller, settings or Settings())
     run.play()
     series, numbers = Recording(columns(machine.machine.numbers), run.rows), machine.machine.numbers
-    return ProtectedStop(series, numbers, run.distance, run.rows[-1][0], run.failure, dict(rail))
+    distance = run.distance if run.speed < STANDING else None
+    return ProtectedStop(series, numbers, distance, run.speed, run.time, run.failure, dict(rail))
 
 
 #: What is read of each wheelset.
@@ -109,6 +141,8 @@ class _Run:
     rows: list[list[float]] = field(default_factory=list)
     failure: str = ""
     distance: float = 0.0
+    speed: float = math.inf
+    time: float = 0.0
 
     def __post_init__(self) -> None:
         settings, machine = self.settings, self.machine.machine
@@ -136,9 +170,9 @@ class _Run:
                 self._control(time)
             number += 1
 
-        for _ in machine.coupling().run(LONGEST, settings.host_step, drive):
-            speed, self.distance = machine.vehicle.get(("speed", "distance"))
-            if speed < STANDING:
+        for self.time in machine.coupling().run(LONGEST, settings.host_step, drive):
+            self.speed, self.distance = machine.vehicle.get(("speed", "distance"))
+            if self.speed < STANDING:
                 return
 
     def _control(self, time: float) -> None:
@@ -156,12 +190,11 @@ class _Run:
         self.rows.append(row)
 
     def _speeds(self, time: float, turned: Sequence[float]) -> list[float]:
-        """Circumferential speeds as the encoders see them [m/s]; at the first look the true one."""
-        found = [
+        """Circumferential speeds as the encoders see them [m/s]."""
+        return [
             self.radius * encoder.angular_velocity(time, rotation)
             for encoder, rotation in zip(self.encoders, turned, strict=True)
         ]
-        return [self.settings.speed] * len(found) if time == 0.0 else found
 
     def _ask(self, supervised: Supervised, time: float, speeds: Sequence[float]) -> None:
         """Sets the valves as the controller says; one that fails is not asked again, and its brake is applied."""

@@ -13,8 +13,8 @@ BAND, ABOVE = 0.30, 3.0
 #: Speed above which a lock counts [m/s].
 LOCK_ABOVE = 0.3
 #: What is asked of a protection on a low rail: longest lock [s], share of the time in the band, and the stopping
-#: distance over that of the ideal.
-LONGEST_LOCK, SHARE, OVER_IDEAL = 0.4, 0.8, 1.15
+#: distance over that of the ideal. Assumed; 1.15 was met by sensors of 10000 pulses alone, real ones have 60 to 300.
+LONGEST_LOCK, SHARE, OVER_IDEAL = 0.4, 0.8, 1.25
 
 
 @dataclass(frozen=True)

@@ -35,7 +35,7 @@ def run(options: Options) -> Result:
     for (rail, name), stop in stops.items():
         what = f"{rail} rail, {name}"
         rows += [
-            Row(f"{what}: stopping distance", "m", None, stop.distance, None, "25 m/s, full service"),
+            Row(f"{what}: stopping distance", "m", None, stop.distance, None, stop.note("25 m/s, full service")),
             Row(f"{what}: longest lock", "s", None, stop.longest_lock(LOCK_ABOVE), None, f"above {LOCK_ABOVE:g} m/s"),
             Row(f"{what}: share in the slip band", "1", None, stop.share_in_band(BAND, ABOVE), None, f"up to {BAND:g}"),
             Row(f"{what}: air", "g", None, 1e3 * stop.air(), None, "both cylinders"),
@@ -53,7 +53,7 @@ def draw(stops: dict[tuple[str, str], ProtectedStop]) -> Figure:
         axis.plot(series["time"], series["speed"], color=BOGIE, label="bogie")
         for number, colour, word in ((1, LEADING, "leading wheels"), (2, TRAILING, "trailing wheels")):
             axis.plot(series["time"], series[f"wheel_speed_{number}"], color=colour, linewidth=0.8, label=word)
-        axis.set_title(f"{rail} rail, {name}: {stop.distance:.0f} m")
+        axis.set_title(f"{rail} rail, {name}: {stop.words}")
         axis.set_xlabel("time [s]")
     for axis in grid[:, 0]:
         axis.set_ylabel("speed [m/s]")

@@ -12,6 +12,7 @@ from typing import Any
 
 from tqdm import tqdm
 
+from brake_controller.sensors import Encoder
 from brake_controller.wheel_slide import common_protection
 from fmu_src import __version__
 from fmu_src.codegen import generate, guid_of
@@ -27,6 +28,9 @@ from scenarios.reporting.progress import PATIENCE
 WEB = Path(__file__).parent / "web"
 #: In the order in which they use each other.
 SCRIPTS = ("kernel.js", "protection.js", "simulation.js", "charts.js", "side_view.js", "section_view.js", "page.js")
+
+#: What the page knows of the sensors of the wheels.
+SENSOR = ("pulses", "gate", "resolution", "lowest_frequency")
 
 
 def write_page(path: Path) -> Path:
@@ -45,7 +49,10 @@ def page() -> str:
     data = {
         "version": __version__,
         "colours": FOUR,
-        "protection": asdict(common_protection()),
+        "protection": {
+            "thresholds": asdict(common_protection()),
+            "sensor": {name: getattr(Encoder(), name) for name in SENSOR},
+        },
         "machines": {name: machine(name) for name in tqdm(MACHINES, "machines", delay=PATIENCE, leave=False)},
     }
     parts = {

@@ -62,17 +62,15 @@ def rows_of(found: Findings) -> list[Row]:
         distance = between(1.0, OVER_IDEAL)
         rows += [
             Row(f"{name}: ideal stopping distance", "m", None, ideal, None, "best slip of all wheels at every instant"),
-            Row(f"{name}: stopping distance", "m", None, stop.distance, None, source),
-            Row(
-                f"{name}: distance over the ideal", "1", None, stop.distance / ideal, distance, "as asked of the bogie"
-            ),
+            Row(f"{name}: stopping distance", "m", None, stop.distance, None, stop.note(source)),
+            Row(f"{name}: distance over the ideal", "1", None, stop.over(ideal), distance, "as asked of the bogie"),
             Row(
                 *(f"{name}: longest lock", "s", None, stop.longest_lock(LOCK_ABOVE), at_most(LONGEST_LOCK)),
                 f"above {LOCK_ABOVE} m/s",
             ),
             Row(f"{name}: share in the slip band", "1", None, stop.share_in_band(BAND, ABOVE), None, f"up to {BAND:g}"),
             Row(f"{name}: air", "g", None, 1e3 * stop.air(), None, "all cylinders"),
-            Row(f"{name}, unprotected: stopping distance", "m", None, free.distance, None, source),
+            Row(f"{name}, unprotected: stopping distance", "m", None, free.distance, None, free.note(source)),
             Row(f"{name}, unprotected: longest lock", "s", None, free.longest_lock(LOCK_ABOVE), None, ""),
         ]
     used = used_adhesion(found.protected["low, cleaned"])
@@ -110,8 +108,8 @@ def draw(found: Findings) -> Figure:
             style = {"color": colour, "linewidth": 0.8, "label": f"wheelset {number}"}
             top.plot(series["time"], series[f"wheel_speed_{number}"], **style)
             bottom.plot(series["time"], series[f"pressure_{number}"] / 1e3, **style)
-        distances = f"{stop.distance:.0f} m, ideal {found.ideal[name]:.0f} m"
-        top.set_title(f"{name}: speeds [m/s], {distances}, unprotected {found.unprotected[name].distance:.0f} m")
+        distances = f"{stop.words}, ideal {found.ideal[name]:.0f} m"
+        top.set_title(f"{name}: speeds [m/s], {distances}, unprotected {found.unprotected[name].words}")
         bottom.set_title(f"{name}: cylinder pressures [kPa]")
         bottom.set_xlabel("time [s]")
     grid[0, 0].legend(fontsize=8)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import pytest
@@ -47,7 +47,8 @@ def test_a_wheel_that_slides_away_is_vented_and_the_other_is_not() -> None:
 
     commands = played(speeds, 3.0)
     vented = [time for time, (_, trailing) in commands if trailing == VENT]
-    assert 2.0 < vented[0] < 2.25
+    # At a slip of 12 %: nothing acts before there is evidence, 8 % seen through a filter.
+    assert 2.0 < vented[0] < 2.4
     assert all(leading == APPLY for _, (leading, _) in commands)
 
 
@@ -56,21 +57,24 @@ def test_slip_within_the_band_is_held() -> None:
 
     def speeds(time: float) -> Sequence[float]:
         rolling = 20.0 - 0.5 * time
-        share = 1.0 - middle * min(1.0, max(0.0, (time - 4.0) / 2.0))
-        return [rolling, rolling * share]
+        slip = 2.0 * middle if 2.0 < time < 3.0 else middle if time > 2.0 else 0.0  # first as much as is evidence
+        return [rolling, rolling * (1.0 - slip)]
 
-    commands = [command for time, (_, command) in played(speeds, 8.0) if time > 6.5]
+    commands = [command for time, (_, command) in played(speeds, 6.0) if time > 4.5]
     assert commands.count(HOLD) > 0.9 * len(commands)
 
 
 def test_reference_follows_the_true_speed_though_all_wheels_slide() -> None:
-    """Wheels that slide further while braked, and roll again while vented: a wheelset let go shows the true speed."""
+    """Wheels that slide further while braked, and roll again while vented: a wheelset let go shows the true speed.
+
+    They slow by 10 m/s2 at 20 m/s, twice what rolling wheels can; slower slides of all together have a test below.
+    """
     protection, slips, looks, errors = SlideProtection(), [0.0, 0.0], 0, []
     for number in range(round(15.0 / PERIOD)):
         true = 20.0 - 0.6 * number * PERIOD
         commands = protection.step(number * PERIOD, [true * (1.0 - slip) for slip in slips])
         for wheel, command in enumerate(commands):
-            rate = {APPLY: 0.25, HOLD: 0.0, VENT: -slips[wheel] / 0.2}[command]
+            rate = {APPLY: 0.5 if number * PERIOD > 1.0 else 0.0, HOLD: 0.0, VENT: -slips[wheel] / 0.2}[command]
             slips[wheel] = max(0.0, slips[wheel] + PERIOD * rate)
         looks += protection.released is not None
         errors.append(abs(protection.reference - true) / true)
@@ -111,24 +115,85 @@ def test_thresholds_in_the_wrong_order_are_refused() -> None:
 # ---- sensors ---------------------------------------------------------------------------------------------------------
 
 
-def test_encoder_is_right_to_a_pulse() -> None:
-    encoder, omega = Encoder(pulses=100), 7.3
-    errors = []
-    for number in range(1, 400):
+#: Teeth and errors of the teeth as shares of their pitch; the last are those of the encoders of the experiment.
+TEETH, JITTERS = (80, 100, 128, 10000), (0.0, 0.1, 0.3)
+
+
+@pytest.mark.parametrize("teeth", TEETH)
+@pytest.mark.parametrize("jitter", JITTERS)
+def test_constant_speed_is_read_within_the_timer_and_the_errors_of_the_teeth(teeth: int, jitter: float) -> None:
+    encoder, omega = Encoder(teeth, jitter), 7.3
+    spread = max(encoder.errors) - min(encoder.errors) if encoder.errors else 0.0
+    pitches = encoder.gate * omega / encoder.pitch
+    timer = 2.0 * encoder.resolution / encoder.gate
+    # At least the gate less what the errors of two edges take; until a late edge comes the reading falls.
+    low, high = 1.0 / (1.0 + spread), 1.0 + spread / max(1.0, pitches - spread)
+    found = [encoder.angular_velocity(number * PERIOD, omega * number * PERIOD) for number in range(400)][20:]
+    assert omega * (low - timer) <= min(found)
+    assert max(found) <= omega * (high + timer)
+    if jitter == 0.0:
+        assert found == pytest.approx([omega] * len(found), rel=timer)
+
+
+@pytest.mark.parametrize("teeth", [80, 100, 128])
+def test_uniform_deceleration_reads_the_mean_between_two_edges(teeth: int) -> None:
+    """Edge k of theta = w t - a t2 / 2 passes at (w - sqrt(w2 - 2 a theta)) / a."""
+    encoder, omega, slows, look = Encoder(teeth), 20.0, 4.0, 1e-3
+
+    def passes(edge: int) -> float:
+        return (omega - math.sqrt(omega**2 - 2.0 * slows * edge * encoder.pitch)) / slows
+
+    for number in range(round(4.5 / look)):
+        time = number * look
+        angle = omega * time - slows * time**2 / 2.0
+        found = encoder.angular_velocity(time, angle)
+        last = math.floor(angle / encoder.pitch + 1e-9)
+        if last > 20:
+            # An edge between two looks is found as if the speed were constant: off by a look2 / 8 / w at most.
+            late = 2.0 * (slows * look**2 / 8.0 / (omega - slows * time) + encoder.resolution)
+            since, edges = passes(last) - encoder.gate, range(last - 20, last)
+            firsts = {max(edge for edge in edges if passes(edge) <= since + shift) for shift in (-late, late)}
+            means = [(last - first) * encoder.pitch / (passes(last) - passes(first)) for first in firsts]
+            age = max(time - passes(last), encoder.resolution)
+            band = late / min(encoder.gate, age) * found
+            assert min(abs(found - min(mean, encoder.pitch / age)) for mean in means) <= band
+
+
+def test_a_wheel_that_stops_is_read_ever_slower_and_then_as_standing() -> None:
+    encoder, omega, stops = Encoder(100), 10.0, 1.0
+    for number in range(500):
         time = number * PERIOD
-        found = encoder.angular_velocity(time, omega * time)
-        if number > 1:
-            errors.append(abs(found - omega))
-    pulse = math.tau / 100 / PERIOD
-    assert max(errors) <= pulse
-    assert max(errors) > 0.2 * pulse  # a hundred pulses are few: it shows
+        found = encoder.angular_velocity(time, omega * min(time, stops))
+        if time > stops + encoder.pitch / omega:
+            assert found <= encoder.pitch / (time - stops)
+        if time > stops + 1.0 / encoder.lowest_frequency:
+            assert found == 0.0
 
 
-def test_encoder_counts_backwards_and_forgets_nothing() -> None:
-    encoder, total = Encoder(pulses=1000), 0.0
-    for number in range(1, 200):
-        total += PERIOD * encoder.angular_velocity(number * PERIOD, -0.01 * number)
-    assert total == pytest.approx(-0.01 * 198, abs=math.tau / 1000)
+def test_a_standing_wheel_and_one_below_the_lowest_frequency_are_read_as_zero() -> None:
+    encoder = Encoder(100)
+    slow = 0.9 * encoder.lowest_frequency * encoder.pitch
+    assert all(Encoder().angular_velocity(number * PERIOD, 1.234) == 0.0 for number in range(50))
+    assert all(encoder.angular_velocity(number * PERIOD, slow * number * PERIOD) == 0.0 for number in range(400))
+
+
+def test_the_reading_does_not_depend_on_how_often_it_is_looked_at() -> None:
+    """Two sensors of one wheel at constant speeds with a jump, looked at every 1 and every 5 ms."""
+    often, seldom = Encoder(80, jitter=0.2), Encoder(80, jitter=0.2)
+    for number in range(2000):
+        time = number * 1e-3
+        angle = 30.0 * min(time, 1.0) + 12.0 * max(0.0, time - 1.0)
+        found = often.angular_velocity(time, angle)
+        if number % 5 == 0:
+            timer = 2.0 * often.resolution / often.gate
+            assert seldom.angular_velocity(time, angle) == pytest.approx(found, rel=2.0 * timer)
+
+
+def test_one_probe_does_not_see_the_direction() -> None:
+    forward, backward = Encoder(), Encoder()
+    for number in range(100):
+        found = backward.angular_velocity(number * PERIOD, -0.1 * number)
+        assert found == forward.angular_velocity(number * PERIOD, 0.1 * number)
 
 
 def test_jitter_is_the_same_for_the_same_seed() -> None:
@@ -143,6 +208,144 @@ def test_jitter_is_the_same_for_the_same_seed() -> None:
 def test_encoder_without_pulses_is_refused() -> None:
     with pytest.raises(ValueError, match="Set pulses to at least 1: it was 0"):
         Encoder(pulses=0)
+
+
+@pytest.mark.parametrize("name", ["gate", "resolution", "lowest_frequency"])
+def test_encoder_that_cannot_be_is_refused(name: str) -> None:
+    with pytest.raises(ValueError, match=f"Set {name} to a finite value above 0: it was 0"):
+        Encoder(**{name: 0.0})
+
+
+# ---- rolling and sliding wheels as sensors see them ------------------------------------------------------------------
+
+
+def commands_of_a_rolling_stop(
+    speed: float, slows: float, teeth: int = 100, jitter: float = 0.0, period: float = PERIOD, error: float = 0.0
+) -> int:
+    """How many commands other than to apply two wheels get that roll to rest; error: of the radius of the second."""
+    encoders = [Encoder(teeth, jitter, seed) for seed in (1, 2)]
+    protection, stands, radius = SlideProtection(), speed / slows, 0.46
+    count = 0
+    for number in range(round((stands + 1.0) / period)):
+        time = number * period
+        run = min(time, stands)
+        way = speed * run - slows * run**2 / 2.0
+        angles = [way / radius, 0.3 + way / (radius * (1.0 - error))]
+        seen = [radius * one.angular_velocity(time, angle) for one, angle in zip(encoders, angles, strict=True)]
+        count += sum(command != APPLY for command in protection.step(time, seen))
+    return count
+
+
+@pytest.mark.parametrize("slows", [0.5, 1.2, 2.2, 3.0, 4.0])
+def test_wheels_that_roll_are_left_alone_at_any_deceleration(slows: float) -> None:
+    assert commands_of_a_rolling_stop(25.0, slows) == 0
+
+
+@pytest.mark.parametrize("teeth", TEETH)
+def test_wheels_that_roll_are_left_alone_by_any_sensor(teeth: int) -> None:
+    assert commands_of_a_rolling_stop(25.0, 2.2, teeth, jitter=0.1) == 0
+
+
+@pytest.mark.parametrize(("speed", "period"), [(10.0, 2e-3), (40.0, 2e-2), (60.0, 1e-2)])
+def test_wheels_that_roll_are_left_alone_from_any_speed_at_any_period(speed: float, period: float) -> None:
+    assert commands_of_a_rolling_stop(speed, 3.0, period=period) == 0
+
+
+@pytest.mark.parametrize("error", [-0.01, 0.01])
+def test_wheels_of_different_radii_are_left_alone(error: float) -> None:
+    assert commands_of_a_rolling_stop(40.0, 2.2, jitter=0.1, error=error) == 0
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("slows", [0.5, 1.0, 2.2, 4.0])
+@pytest.mark.parametrize("speed", [10.0, 25.0, 60.0])
+@pytest.mark.parametrize("jitter", [0.0, 0.1, 0.2])
+def test_wheels_that_roll_are_left_alone_at_length(slows: float, speed: float, jitter: float) -> None:
+    for teeth in TEETH:
+        for period in (2e-3, 5e-3, 2e-2):
+            assert commands_of_a_rolling_stop(speed, slows, teeth, jitter, period, error=0.01) == 0
+
+
+@dataclass
+class EqualWheels:
+    """Two wheels with the same load and rail under a mass: a bogie whose wheels can only slide together.
+
+    Per mass on a wheel: friction falls with sliding speed w by share (1 - ratio) exp(-decay w) + ratio and is reached
+    at 1 % of slip; the brake, torque over radius and mass, is `excess` above it. A wheel turns like 1/40 of its load.
+    """
+
+    excess: float
+    ratio: float
+    friction: float = 0.08
+    decay: float = 0.2
+
+    def stop(self, controller: SlideProtection | None, speed: float = 25.0) -> tuple[float, float]:
+        """Distance to 0.05 m/s [m], and the longest lock above 0.5 m/s [s]."""
+        size, radius, light, best = 5e-4, 0.46, 40.0, 9.81 * self.friction
+        rims, angles, shares, encoders = [speed] * 2, [0.0] * 2, [0.0] * 2, [Encoder(), Encoder()]
+        commands, locked, longest, way = [APPLY] * 2, [0.0] * 2, 0.0, 0.0
+        for number in range(round(150.0 / size)):
+            if controller and number % round(PERIOD / size) == 0:
+                time = number * size
+                seen = [radius * e.angular_velocity(time, a) for e, a in zip(encoders, angles, strict=True)]
+                commands = controller.step(time, seen)
+            pull = 0.0
+            for one in range(2):
+                rate = {APPLY: (1.0 - shares[one]) / 0.67, HOLD: 0.0, VENT: -shares[one] / 0.2}[commands[one]]
+                shares[one] += size * rate
+                sliding = speed - rims[one]
+                fall = (1.0 - self.ratio) * math.exp(-self.decay * abs(sliding)) + self.ratio
+                force = best * fall * max(-1.0, min(1.0, sliding / (0.01 * max(speed, 1.0))))
+                rims[one] = max(0.0, rims[one] + size * light * (force - (1.0 + self.excess) * best * shares[one]))
+                angles[one] += size * rims[one] / radius
+                locked[one] = locked[one] + size if rims[one] == 0.0 and speed > 0.5 else 0.0
+                longest, pull = max(longest, locked[one]), pull + force / 2.0
+            speed, way = speed - size * pull, way + size * speed
+            if speed < 0.05:
+                break
+        return way, longest
+
+
+#: Longest lock asked for, and distance over that of the best friction with a brake that is full at once (rails.py).
+LONGEST_LOCK, OVER_IDEAL = 0.4, 1.25
+
+
+@pytest.mark.parametrize("excess", [0.005, 0.05])
+def test_a_slow_slide_of_all_wheels_together_is_caught_where_friction_falls(excess: float) -> None:
+    """No wheel differs from another: the slide shows as friction falls and wheels slow faster than any rail allows."""
+    wheels = EqualWheels(excess, ratio=0.4)
+    ideal = 25.0**2 / 2.0 / (9.81 * wheels.friction) + 25.0 * 0.67
+    way, lock = wheels.stop(SlideProtection())
+    assert lock <= LONGEST_LOCK
+    assert way < OVER_IDEAL * ideal
+    assert wheels.stop(None)[1] > 10.0
+
+
+def test_a_slow_slide_of_equal_wheels_where_friction_does_not_fall_is_not_seen_and_costs_no_distance() -> None:
+    """Said in docs/limits.md: nothing that wheels show tells it from a harder brake."""
+    wheels = EqualWheels(0.05, ratio=1.0)
+    protection = SlideProtection()
+    way, lock = wheels.stop(protection)
+    assert lock > LONGEST_LOCK
+    assert way <= wheels.stop(None)[0] * (1.0 + 1e-9)
+    assert way < 25.0**2 / 2.0 / (9.81 * wheels.friction) + 25.0 * 0.67
+
+
+def test_below_the_slowest_speed_the_brake_applies_whatever_the_wheels_do() -> None:
+    slowest = common_protection().slowest
+
+    def speeds(time: float) -> Sequence[float]:
+        bogie = max(0.5 * slowest, 5.0 - 0.6 * time)
+        return [bogie, 0.5 * bogie if time > 1.0 else bogie]
+
+    found = played(speeds, 12.0)
+    assert any(VENT in commands for _, commands in found)
+    assert all(commands == [APPLY, APPLY] for time, commands in found if time > 9.0)
+
+
+def test_a_sensor_that_never_showed_a_speed_leaves_its_wheel_braked() -> None:
+    commands = played(lambda time: [max(0.0, 20.0 - 0.8 * time), 0.0], 20.0)
+    assert all(command == [APPLY, APPLY] for _, command in commands)
 
 
 # ---- controllers that fail -------------------------------------------------------------------------------------------

@@ -1,88 +1,191 @@
-// Wheel-slide protection: brake_controller/wheel_slide.py in the page's language, line by line; a test holds both to the
-// same commands. A page cannot run Python, and a controller has no equations that C could be made from.
+// The sensors of the wheels and the wheel-slide protection: brake_controller/sensors.py (without errors of the teeth) and
+// wheel_slide.py in the page's language, line by line; a test holds them to the same commands. A page cannot run Python,
+// and a controller has no equations that C could be made from.
+
+class Encoder {
+  // sensor: of page.py.
+  constructor({ pulses, gate, resolution, lowest_frequency }) {
+    Object.assign(this, { pulses, gate, resolution, lowestFrequency: lowest_frequency });
+    Object.assign(this, { time: null, place: 0, edge: 0, edgeTime: -Infinity, mean: 0, passages: [] });
+    this.pitch = (2 * Math.PI) / pulses;
+  }
+
+  angularVelocity(time, rotation) {
+    if (this.time === null) {
+      this.place = Math.abs(rotation) / this.pitch;
+      this.edge = Math.floor(this.place);
+    } else if (time > this.time) this.turn(time, this.place + Math.abs(rotation - this.rotation) / this.pitch);
+    Object.assign(this, { time, rotation });
+    const reading = Math.min(this.mean, 1 / Math.max(time - this.edgeTime, this.resolution));
+    return reading >= this.lowestFrequency ? reading * this.pitch : 0;
+  }
+
+  turn(time, place) {
+    const edge = Math.floor(place);
+    if (edge > this.edge) {
+      const passage = { start: this.time, begin: this.place, end: time, place, first: this.edge + 1 };
+      this.passages.push(passage);
+      Object.assign(this, { edge, edgeTime: this.timeOf(edge, passage) });
+      this.mean = this.meanOfEdges();
+    }
+    this.place = place;
+  }
+
+  meanOfEdges() {
+    const since = this.edgeTime - this.gate, passages = this.passages;
+    while (passages.length > 1 && this.timeOf(passages[1].first, passages[1]) <= since) passages.shift();
+    const oldest = passages[0];
+    if (this.timeOf(oldest.first, oldest) > since) return 0;
+    const share = Math.min(1, (since - oldest.start) / (oldest.end - oldest.start));
+    const before = Math.max(oldest.first, Math.floor(oldest.begin + share * (oldest.place - oldest.begin)));
+    return (this.edge - before) / (this.edgeTime - this.timeOf(before, oldest));
+  }
+
+  timeOf(edge, passage) {
+    const share = (edge - passage.begin) / (passage.place - passage.begin);
+    const time = passage.start + share * (passage.end - passage.start);
+    return Math.floor(time / this.resolution) * this.resolution;
+  }
+}
 
 const APPLY = 0, HOLD = 1, VENT = 2;
-const ROLLING = 0.3, SHORTEST_RELEASE = 0.25, LONGEST_RELEASE = 0.8, FREELY_BRAKED = 0.3;
-const SHORTEST_BETWEEN = 0.5, LEAST_DECELERATION = 0.1;
+const ROLLING = 0.3, SPEEDING = 0.6, GAIN = 0.02, TOGETHER = 0.02, SHORTEST_RELEASE = 0.25, LONGEST_RELEASE = 0.8;
+const FREELY_BRAKED = 0.3, SHORTEST_BETWEEN = 0.5, LEAST_DECELERATION = 0.1;
+const SETTLING = 0.5, KEEPING = 1, SECOND_LOOK = 1.5;
 
 class SlideProtection {
   constructor(parameters) {
-    Object.assign(this, { parameters, time: null, wheels: [], released: null, actedAt: -Infinity });
+    Object.assign(this, { parameters, time: null, wheels: [], reference: 0, deceleration: 0, evident: false });
+    Object.assign(this, { gained: false, looks: 0, synchronisedAt: 0, synchronisedSpeed: 0, keptAt: 0, keptSpeed: 0 });
+    Object.assign(this, { released: null, actedAt: -Infinity });
   }
 
   step(time, speeds) {
-    if (this.time === null) this.start(time, speeds);
-    const size = time - this.time;
+    if (this.time === null) {
+      this.wheels = speeds.map(() => ({
+        speed: 0, acceleration: 0, calmSpeed: 0, calmAcceleration: 0, lowest: 0,
+        turnsSince: null, ventsSince: null, speedsUp: false, blockedUntil: -Infinity,
+      }));
+    }
+    const size = this.time === null ? 0 : time - this.time;
     this.time = time;
-    if (size > 0) this.observe(size, speeds);
+    this.wheels.forEach((wheel, number) => this.filter(wheel, speeds[number], size));
+    const fastest = this.wheels[this.chosen(Math.max)];
+    if (this.evident) this.slide(size, fastest);
+    else this.roll(size, fastest);
     return this.wheels.map((_, number) => this.command(number));
   }
 
-  start(time, speeds) {
-    this.time = this.synchronisedAt = time;
-    this.wheels = speeds.map((speed) => ({
-      speed, acceleration: 0, ventsSince: null, speedsUp: false, blockedUntil: -Infinity,
-    }));
-    this.reference = this.synchronisedSpeed = Math.max(...speeds);
-    this.deceleration = this.parameters.first_deceleration;
+  // The number of the wheelset that `choose`, Math.max or Math.min, takes by its speed.
+  chosen(choose) {
+    const speeds = this.wheels.map((wheel) => wheel.calmSpeed);
+    return speeds.indexOf(choose(...speeds));
   }
 
-  observe(size, speeds) {
-    const share = size / (size + this.parameters.filter_time);
-    this.wheels.forEach((wheel, number) => {
-      const change = share * (speeds[number] - wheel.speed);
+  filter(wheel, speed, size) {
+    const p = this.parameters;
+    if (wheel.turnsSince === null) {
+      wheel.turnsSince = speed > 0 ? this.time : null;
+      wheel.speed = wheel.calmSpeed = wheel.lowest = speed;
+    } else if (size > 0) {
+      let change = ((speed - wheel.speed) * size) / (size + p.filter_time);
       wheel.speed += change;
-      wheel.acceleration += share * (change / size - wheel.acceleration);
-    });
-    const fastest = Math.max(...this.wheels.map((wheel) => wheel.speed));
-    this.reference = Math.max(fastest, this.reference - this.believedDeceleration() * size, 0);
-    const caughtUp = this.wheels.filter((wheel) => this.hasCaughtUp(wheel)).map((wheel) => wheel.speed);
+      wheel.acceleration += ((change / size - wheel.acceleration) * size) / (size + p.slope_time);
+      const share = size / (size + p.calm_time);
+      change = (speed - wheel.calmSpeed) * share;
+      wheel.calmSpeed += change;
+      wheel.calmAcceleration += (change / size - wheel.calmAcceleration) * share;
+    }
+  }
+
+  roll(size, fastest) {
+    const p = this.parameters, before = this.reference;
+    this.reference = Math.max(fastest.calmSpeed, before - p.largest_deceleration * size);
+    this.keep(this.reference);
+    const apart = Math.max(p.evident_slip * this.reference, p.least_evident_slip);
+    const together = Math.max(TOGETHER * this.reference, p.least_evident_slip);
+    const judged = this.wheels.filter((wheel) => this.isJudged(wheel));
+    const behind = judged.map((wheel) => this.reference - wheel.calmSpeed);
+    if (behind.length && (Math.max(...behind) > apart || Math.min(...behind) > together)) {
+      this.evident = this.gained = true;
+      this.looks = 0;
+      this.measure(this.reference);
+    }
+  }
+
+  keep(speed) {
+    const known = this.keptSpeed > 0;
+    if (known && this.time - this.keptAt < KEEPING) return;
+    this.synchronisedAt = known ? this.keptAt : this.time;
+    this.synchronisedSpeed = known ? this.keptSpeed : speed;
+    Object.assign(this, { keptAt: this.time, keptSpeed: speed });
+  }
+
+  slide(size, fastest) {
+    const falls = this.knownDeceleration(fastest);
+    this.reference = Math.max(fastest.calmSpeed, this.reference - falls * size);
+    this.wheels.forEach((wheel) => this.lookForGain(wheel));
+    const caughtUp = this.wheels.filter((wheel) => this.hasCaughtUp(wheel)).map((wheel) => wheel.calmSpeed);
     if (caughtUp.length) this.synchronise(Math.max(...caughtUp));
-    else if (this.isQuiet() && this.reference === fastest) this.synchronise(fastest);
+    if (this.reference < this.parameters.slowest) Object.assign(this, { evident: false, released: null });
   }
 
-  believedDeceleration() {
-    const largest = this.parameters.largest_deceleration;
-    if (this.isQuiet()) return largest;
+  isJudged(wheel) {
+    return wheel.turnsSince !== null && this.time - wheel.turnsSince > SETTLING;
+  }
+
+  knownDeceleration(fastest) {
     if (this.time - this.actedAt < FREELY_BRAKED) return this.deceleration;
-    const fastest = this.wheels.reduce((one, other) => (other.speed > one.speed ? other : one));
-    return Math.max(this.deceleration, Math.min(-fastest.acceleration, largest));
+    return Math.max(this.deceleration, this.believed(-fastest.calmAcceleration));
   }
 
-  isQuiet() {
-    return this.time - this.actedAt > this.parameters.synchronising_period;
+  believed(deceleration) {
+    return Math.min(Math.max(deceleration, LEAST_DECELERATION), this.parameters.largest_deceleration);
+  }
+
+  lookForGain(wheel) {
+    const p = this.parameters;
+    wheel.lowest = Math.min(wheel.lowest, wheel.calmSpeed);
+    const gain = GAIN * Math.max(wheel.calmSpeed, p.least_slip / p.upper_slip);
+    if (wheel.calmAcceleration > SPEEDING && wheel.calmSpeed - wheel.lowest > gain) this.gained = wheel.speedsUp = true;
   }
 
   hasCaughtUp(wheel) {
     if (wheel.ventsSince === null) return false;
-    wheel.speedsUp ||= wheel.acceleration > 2 * ROLLING;
-    const longEnough = wheel.speedsUp ? SHORTEST_RELEASE : LONGEST_RELEASE;
-    return wheel.acceleration < ROLLING && this.time - wheel.ventsSince > longEnough;
+    const longest = wheel.speedsUp ? SHORTEST_RELEASE : LONGEST_RELEASE;
+    return wheel.calmAcceleration < ROLLING && this.time - wheel.ventsSince > longest;
   }
 
   synchronise(speed) {
-    const elapsed = this.time - this.synchronisedAt;
-    if (elapsed > SHORTEST_BETWEEN) {
-      const measured = (this.synchronisedSpeed - speed) / elapsed;
-      this.deceleration = Math.min(Math.max(measured, LEAST_DECELERATION), this.parameters.largest_deceleration);
-      this.synchronisedAt = this.time;
-      this.synchronisedSpeed = speed;
+    if (this.looks === 0 || this.time - this.synchronisedAt > SHORTEST_BETWEEN) {
+      this.measure(speed);
+      this.synchronisedAt = this.keptAt = this.time;
+      this.synchronisedSpeed = this.keptSpeed = speed;
+      this.looks += 1;
+      if (this.looks > 2) Object.assign(this, { evident: this.gained, gained: false });
+      for (const wheel of this.wheels) wheel.lowest = wheel.calmSpeed;
     }
-    this.reference = speed;
-    this.released = null;
+    Object.assign(this, { reference: speed, released: null });
+  }
+
+  measure(speed) {
+    const elapsed = Math.max(this.time - this.synchronisedAt, SHORTEST_BETWEEN);
+    this.deceleration = this.believed((this.synchronisedSpeed - speed) / elapsed);
   }
 
   command(number) {
     const { slowest, watchdog } = this.parameters, wheel = this.wheels[number];
-    if (this.reference < slowest || this.time < wheel.blockedUntil) {
+    const judged = this.evident && this.isJudged(wheel);
+    if (!judged || this.reference < slowest || this.time < wheel.blockedUntil) {
       wheel.ventsSince = null;
       return APPLY;
     }
     const command = this.isReleased(number) ? VENT : this.bySlip(wheel);
     if (command !== APPLY) this.actedAt = this.time;
     if (command !== VENT) wheel.ventsSince = null;
-    else if (wheel.ventsSince === null) Object.assign(wheel, { ventsSince: this.time, speedsUp: false });
-    else if (this.time - wheel.ventsSince > watchdog) {
+    else if (wheel.ventsSince === null) {
+      Object.assign(wheel, { ventsSince: this.time, speedsUp: false, lowest: wheel.calmSpeed });
+    } else if (this.time - wheel.ventsSince > watchdog) {
       wheel.blockedUntil = this.time + watchdog;
       return APPLY;
     }
@@ -97,11 +200,9 @@ class SlideProtection {
   }
 
   isReleased(number) {
-    const late = this.time - this.synchronisedAt > this.parameters.synchronising_period;
-    if (this.released === null && late && !this.isQuiet()) {
-      const speeds = this.wheels.map((wheel) => wheel.speed);
-      this.released = speeds.indexOf(Math.max(...speeds));
-    }
+    const due = this.looks === 0 ? 0 : this.looks === 1 ? SECOND_LOOK : this.parameters.synchronising_period;
+    const late = this.time - this.synchronisedAt > due;
+    if (this.released === null && late) this.released = this.chosen(this.looks ? Math.max : Math.min);
     return this.released === number;
   }
 }

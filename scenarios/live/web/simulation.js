@@ -5,9 +5,9 @@ const WINDOW = 30; // of the history [s]
 const KEPT = 10; // every so many steps one point of the history
 
 class Simulation {
-  // machine: as page.py writes it; thresholds: of the protection.
-  constructor(kernel, machine, thresholds) {
-    Object.assign(this, { kernel, machine, thresholds });
+  // machine and protection, with its thresholds and sensor: as page.py writes them.
+  constructor(kernel, machine, protection) {
+    Object.assign(this, { kernel, machine, protection });
     this.controls = { handle: 0, friction: 0.3, protection: true };
     this.count = machine.wheelsets.length;
   }
@@ -21,7 +21,8 @@ class Simulation {
     this.history = [];
     this.ended = "";
     this.sentences = [];
-    this.guard = new SlideProtection(this.thresholds);
+    this.guard = new SlideProtection(this.protection.thresholds);
+    this.encoders = this.machine.wheelsets.map(() => new Encoder(this.protection.sensor));
     this.valves = Array(this.count).fill(APPLY);
     this.keep();
   }
@@ -63,8 +64,8 @@ class Simulation {
 
   step() {
     const { handle, protection } = this.controls;
-    const speeds = this.machine.wheelsets.map(
-      ({ radius }, number) => radius * this.kernel.get(`angular_velocity_${number + 1}`));
+    const speeds = this.read("rotation").map(
+      (rotation, i) => this.machine.wheelsets[i].radius * this.encoders[i].angularVelocity(this.time, rotation));
     const commands = this.guard.step(this.time, speeds);
     this.valves = protection ? commands : commands.map(() => APPLY);
     const inputs = {}, distance = this.kernel.get("distance");
@@ -96,8 +97,8 @@ class Simulation {
 }
 
 // How many times faster than real time a level runs here: a stop by full brake on dry rail, the least of three.
-async function timesRealTime(module, machine, thresholds, level) {
-  const simulation = new Simulation(await Kernel.create(module, machine.variables), machine, thresholds);
+async function timesRealTime(module, machine, protection, level) {
+  const simulation = new Simulation(await Kernel.create(module, machine.variables), machine, protection);
   let best = 0;
   for (let run = 0; run < 3; run += 1) {
     simulation.restart({ level, initial_speed: 25 });

@@ -1,0 +1,72 @@
+"""A programme of rails for wheel-slide protection, in two halves: one to choose its thresholds on, one to report."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+
+from brake_controller.wheel_slide import SlideProtection, SlideProtectionParameters
+from rbd_model.adhesion import RailCondition, constant_friction, low, wet
+from scenarios.bench.braked_machine import BrakedMachine
+from scenarios.bench.peak_adhesion import PeakAdhesion
+from scenarios.bench.protected_stop import Settings, protected_stop
+from scenarios.bench.rails import LOCK_ABOVE, RailCase
+
+#: Friction, whether it falls with sliding speed as in Polach's low set, and initial speeds [m/s].
+FRICTIONS, FALLS, SPEEDS = (0.04, 0.06, 0.08, 0.10, 0.12, 0.15), (False, True), (15.0, 25.0, 40.0)
+#: Leaves on a wet rail: factor on its friction, and where they begin [m]; they lie over 100 m.
+LEAVES, BEGINNINGS, LEAVES_LENGTH = (0.15, 0.25), (40.0, 80.0), 100.0
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A rail and the speed of the stop on it [m/s]."""
+
+    rail: RailCase
+    speed: float
+
+
+def programme() -> list[Trial]:
+    """All trials: every friction with and without its fall from every speed, then wet rails with leaves."""
+    trials = []
+    for friction, falls, speed in product(FRICTIONS, FALLS, SPEEDS):
+        condition = RailCondition(friction, low().law if falls else constant_friction(), verified=False)
+        trials.append(Trial(RailCase(f"{friction}{' falling' if falls else ''}", condition), speed))
+    for factor, begin in product(LEAVES, BEGINNINGS):
+        leaves = (("patch_friction", factor), ("patch_start", begin), ("patch_length", LEAVES_LENGTH))
+        trials.append(Trial(RailCase(f"leaves {factor} from {begin:g} m", wet(), leaves), SPEEDS[1]))
+    return trials
+
+
+def for_choosing() -> list[Trial]:
+    """Every second trial, from the first on: those that thresholds may be chosen on."""
+    return programme()[::2]
+
+
+def for_reporting() -> list[Trial]:
+    """The others, on which no threshold was chosen."""
+    return programme()[1::2]
+
+
+@dataclass(frozen=True)
+class Score:
+    """A stop: its distance over the ideal, None where it did not come to rest, and the longest lock [s]."""
+
+    trial: Trial
+    over_ideal: float | None
+    longest_lock: float
+
+
+def scores(
+    machine: BrakedMachine, trials: Sequence[Trial], parameters: SlideProtectionParameters, settings: Settings
+) -> list[Score]:
+    """Protected stops on these rails."""
+    found = []
+    for trial in trials:
+        rail = trial.rail.values(len(machine.machine.numbers))
+        stop = protected_stop(machine, rail, SlideProtection(parameters), replace(settings, speed=trial.speed))
+        ideal = PeakAdhesion(machine.machine, rail).stopping_distance(trial.speed)
+        over = None if stop.distance is None else stop.distance / ideal
+        found.append(Score(trial, over, stop.longest_lock(LOCK_ABOVE)))
+    return found
