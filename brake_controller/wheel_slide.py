@@ -111,6 +111,7 @@ def common_protection() -> SlideProtectionParameters:
 class _Wheel:
     """What the protection knows of a wheelset: speeds [m/s] and slopes [m/s2], filtered; times [s] of what happened."""
 
+    reading: float = 0.0
     speed: float = 0.0
     acceleration: float = 0.0
     calm_speed: float = 0.0
@@ -177,9 +178,11 @@ class SlideProtection:
             wheel.speed += change
             wheel.acceleration += (change / size - wheel.acceleration) * size / (size + p.slope_time)
             share = size / (size + p.calm_time)
-            change = (speed - wheel.calm_speed) * share
+            # A tooth that comes late is seen as slowness at one look; a wheel that slows is slow at the next one too.
+            change = (max(speed, wheel.reading) - wheel.calm_speed) * share
             wheel.calm_speed += change
             wheel.calm_acceleration += (change / size - wheel.calm_acceleration) * share
+        wheel.reading = speed
 
     def _roll(self, size: float, fastest: _Wheel) -> None:
         """No wheel has slid: the reference is the fastest one's speed, and falls no faster than any rail allows."""
@@ -255,7 +258,9 @@ class SlideProtection:
             self._measure(speed)
             self.synchronised_at, self.synchronised_speed = self.kept_at, self.kept_speed = self.time, speed
             self.looks += 1
-            if self.looks > 2:  # the first two follow too soon for wheels to slide in between
+            p = self.parameters
+            # The first two follow too soon for wheels to slide in between; slowly run wheels lock before new evidence.
+            if self.looks > 2 and speed > p.least_slip / p.upper_slip:
                 self.evident, self.gained = self.gained, False
             for wheel in self.wheels:
                 wheel.lowest = wheel.calm_speed

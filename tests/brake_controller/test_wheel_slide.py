@@ -242,8 +242,9 @@ def test_wheels_that_roll_are_left_alone_at_any_deceleration(slows: float) -> No
 
 
 @pytest.mark.parametrize("teeth", TEETH)
-def test_wheels_that_roll_are_left_alone_by_any_sensor(teeth: int) -> None:
-    assert commands_of_a_rolling_stop(25.0, 2.2, teeth, jitter=0.1) == 0
+@pytest.mark.parametrize("period", [5e-3, 2e-2])
+def test_wheels_that_roll_are_left_alone_by_any_sensor(teeth: int, period: float) -> None:
+    assert commands_of_a_rolling_stop(25.0, 2.2, teeth, jitter=0.1, period=period) == 0
 
 
 @pytest.mark.parametrize(("speed", "period"), [(10.0, 2e-3), (40.0, 2e-2), (60.0, 1e-2)])
@@ -261,8 +262,9 @@ def test_wheels_of_different_radii_are_left_alone(error: float) -> None:
 @pytest.mark.parametrize("speed", [10.0, 25.0, 60.0])
 @pytest.mark.parametrize("jitter", [0.0, 0.1, 0.2])
 def test_wheels_that_roll_are_left_alone_at_length(slows: float, speed: float, jitter: float) -> None:
+    """Errors of 0.2 of the pitch are too large for looks every 20 ms alone (docs/limits.md)."""
     for teeth in TEETH:
-        for period in (2e-3, 5e-3, 2e-2):
+        for period in (2e-3, 5e-3) if jitter > 0.1 else (2e-3, 5e-3, 2e-2):
             assert commands_of_a_rolling_stop(speed, slows, teeth, jitter, period, error=0.01) == 0
 
 

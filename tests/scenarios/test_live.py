@@ -29,8 +29,8 @@ PERIOD = 5e-3
 FRICTION, LEAVES, AHEAD, LENGTH = 0.08, 0.05, 50.0, 40.0
 #: Of outputs that may be small: forces of contacts, loads [N].
 NOMINAL = {"lateral_force": 1e3, "flange_force": 1e3, "guiding_force": 1e3, "creep_force": 1e3}
-#: Looks of a stop without and with protection, 20 and 12 s: valves that act on sliding wheels enlarge rounding in time.
-STEPS = {"false": round(20 / PERIOD), "true": round(12 / PERIOD)}
+#: Looks of a stop without and with protection, 20 and 8 s: valves that act on sliding wheels enlarge rounding in time.
+STEPS = {"false": round(20 / PERIOD), "true": round(8 / PERIOD)}
 #: Amplitude of the rails' wave at level 3 [m].
 WAVE = 5e-3
 #: Resolution of the timers of the wheels' sensors [s], so fine that it does not enlarge rounding; the real one is that

@@ -63,7 +63,7 @@ class SlideProtection {
   step(time, speeds) {
     if (this.time === null) {
       this.wheels = speeds.map(() => ({
-        speed: 0, acceleration: 0, calmSpeed: 0, calmAcceleration: 0, lowest: 0,
+        reading: 0, speed: 0, acceleration: 0, calmSpeed: 0, calmAcceleration: 0, lowest: 0,
         turnsSince: null, ventsSince: null, speedsUp: false, blockedUntil: -Infinity,
       }));
     }
@@ -92,10 +92,11 @@ class SlideProtection {
       wheel.speed += change;
       wheel.acceleration += ((change / size - wheel.acceleration) * size) / (size + p.slope_time);
       const share = size / (size + p.calm_time);
-      change = (speed - wheel.calmSpeed) * share;
+      change = (Math.max(speed, wheel.reading) - wheel.calmSpeed) * share;
       wheel.calmSpeed += change;
       wheel.calmAcceleration += (change / size - wheel.calmAcceleration) * share;
     }
+    wheel.reading = speed;
   }
 
   roll(size, fastest) {
@@ -162,7 +163,8 @@ class SlideProtection {
       this.synchronisedAt = this.keptAt = this.time;
       this.synchronisedSpeed = this.keptSpeed = speed;
       this.looks += 1;
-      if (this.looks > 2) Object.assign(this, { evident: this.gained, gained: false });
+      const { least_slip: least, upper_slip: upper } = this.parameters;
+      if (this.looks > 2 && speed > least / upper) Object.assign(this, { evident: this.gained, gained: false });
       for (const wheel of this.wheels) wheel.lowest = wheel.calmSpeed;
     }
     Object.assign(this, { reference: speed, released: null });
