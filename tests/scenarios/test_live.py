@@ -68,6 +68,19 @@ async function stop(name, level, protection, outputs) {{
   }}
   return {{ vented, values: outputs.map((output) => kernel.get(output)) }};
 }}
+async function commandsOnDryRail(name, level) {{
+  const machine = DATA.machines[name];
+  const kernel = await Kernel.create(await moduleOf(name), machine.variables);
+  const simulation = new Simulation(kernel, machine, DATA.protection);
+  simulation.restart({{ level, initial_speed: 25 }});
+  let commands = 0;
+  for (let step = 0; step < {round(40 / PERIOD)}; step += 1) {{
+    simulation.controls.handle = step < {round(3 / PERIOD)} ? -0.5 : -1;
+    simulation.advance({PERIOD});
+    commands += simulation.valves.filter((valve) => valve !== APPLY).length;
+  }}
+  return [commands, kernel.get("speed")];
+}}
 function commandsOf(rotations) {{
   const encoders = rotations[0].map(() => new Encoder(DATA.protection.sensor));
   const guard = new SlideProtection(DATA.protection.thresholds);
@@ -149,6 +162,15 @@ def test_the_page_computes_what_python_does(still: Page, name: str, level: int, 
     for output, one in zip(outputs, found["values"], strict=True):
         size = BANDS[protection] * max(abs(kernel[output]), NOMINAL.get(output.rstrip("_1234"), 1.0))
         assert abs(one - kernel[output]) <= size, (output, one, kernel[output])
+
+
+@pytest.mark.parametrize("level", [1, 2])
+@pytest.mark.parametrize("name", MACHINES)
+def test_no_valve_of_the_page_leaves_apply_on_dry_rail(still: Page, name: str, level: int) -> None:
+    """Half the brake and then all of it, to rest and beyond, on rails with the friction that the page starts with."""
+    commands, speed = still.evaluate(f"commandsOnDryRail({name!r}, {level})")
+    assert commands == 0
+    assert abs(speed) < 0.01
 
 
 def test_sensors_and_protection_of_the_page_give_the_same_commands(still: Page) -> None:
