@@ -6,6 +6,7 @@ import math
 from collections import deque
 from dataclasses import dataclass, field
 from random import Random
+from typing import NamedTuple
 
 #: Teeth of the default wheel: real ones have 60 to 300 pulses a turn, mostly 80 to 128.
 TEETH = 100
@@ -16,15 +17,15 @@ GATE, TIMER, LOWEST_FREQUENCY = 0.03, 1e-6, 5.0
 LARGEST_ERROR = 0.45
 
 
-@dataclass(frozen=True)
-class _Passage:
-    """The time between two looks in which edges passed: times [s], places in pitches, and its first edge."""
+class _Passage(NamedTuple):
+    """The time between two looks in which edges passed: times [s], places in pitches, its first edge and when [s]."""
 
     start: float
     begin: float
     end: float
     place: float
     first: int
+    first_time: float
 
 
 @dataclass
@@ -54,6 +55,8 @@ class Encoder:
     mean: float = 0.0
     passages: deque[_Passage] = field(default_factory=deque)
     errors: list[float] = field(init=False)
+    #: Angle from one edge to the next [rad].
+    pitch: float = field(init=False)
 
     def __post_init__(self) -> None:
         if self.pulses < 1:
@@ -63,14 +66,10 @@ class Encoder:
         for name in ("gate", "resolution", "lowest_frequency"):
             if not (math.isfinite(getattr(self, name)) and getattr(self, name) > 0.0):
                 raise ValueError(f"Set {name} to a finite value above 0: it was {getattr(self, name)}.")
+        self.pitch = math.tau / self.pulses
         random = Random(self.seed)
         drawn = (random.gauss(0.0, self.jitter) for _ in range(self.pulses)) if self.jitter else ()
         self.errors = [min(max(error, -LARGEST_ERROR), LARGEST_ERROR) for error in drawn]
-
-    @property
-    def pitch(self) -> float:
-        """Angle from one edge to the next [rad]."""
-        return math.tau / self.pulses
 
     def angular_velocity(self, time: float, rotation: float) -> float:
         """The reading [rad/s], at least 0, at a time [s], from the rotation of the wheel [rad]."""
@@ -88,23 +87,24 @@ class Encoder:
         assert self.time is not None
         edge = self._last_edge(place)
         if edge > self.edge:
-            passage = _Passage(self.time, self.place, time, place, self.edge + 1)
-            self.passages.append(passage)
-            self.edge, self.edge_time = edge, self._time_of(edge, passage)
+            between = self.time, self.place, time, place
+            first_time = self._time_of(self.edge + 1, *between)
+            self.passages.append(_Passage(*between, self.edge + 1, first_time))
+            self.edge, self.edge_time = edge, self._time_of(edge, *between)
             self.mean = self._mean()
         self.place = place
 
     def _mean(self) -> float:
         """Edges a second up to the last edge; 0 as long as there is none a gate before it."""
         since, passages = self.edge_time - self.gate, self.passages
-        while len(passages) > 1 and self._time_of(passages[1].first, passages[1]) <= since:
+        while len(passages) > 1 and passages[1].first_time <= since:
             passages.popleft()
-        oldest = passages[0]
-        if self._time_of(oldest.first, oldest) > since:
+        start, begin, end, place, first, first_time = passages[0]
+        if first_time > since:
             return 0.0
-        share = min(1.0, (since - oldest.start) / (oldest.end - oldest.start))
-        before = max(oldest.first, self._last_edge(oldest.begin + share * (oldest.place - oldest.begin)))
-        return (self.edge - before) / (self.edge_time - self._time_of(before, oldest))
+        share = min(1.0, (since - start) / (end - start))
+        before = max(first, self._last_edge(begin + share * (place - begin)))
+        return (self.edge - before) / (self.edge_time - self._time_of(before, start, begin, end, place))
 
     def _place_of(self, edge: int) -> float:
         """Where an edge stands, in pitches."""
@@ -117,8 +117,7 @@ class Encoder:
             return edge
         return next(one for one in (edge + 1, edge, edge - 1) if self._place_of(one) <= place)
 
-    def _time_of(self, edge: int, passage: _Passage) -> float:
-        """When an edge passed, to the resolution of the timer [s]."""
-        share = (self._place_of(edge) - passage.begin) / (passage.place - passage.begin)
-        time = passage.start + share * (passage.end - passage.start)
-        return math.floor(time / self.resolution) * self.resolution
+    def _time_of(self, edge: int, start: float, begin: float, end: float, place: float) -> float:
+        """When an edge passed on the way from one place to another, to the resolution of the timer [s]."""
+        share = (self._place_of(edge) - begin) / (place - begin)
+        return math.floor((start + share * (end - start)) / self.resolution) * self.resolution

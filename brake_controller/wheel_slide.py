@@ -9,8 +9,7 @@ from __future__ import annotations
 import math
 import signal
 import threading
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, fields
 from typing import Protocol
 
@@ -221,8 +220,7 @@ class SlideProtection:
 
     def _is_judged(self, wheel: _Wheel) -> bool:
         """Whether its sensor has shown something for a while."""
-        assert self.time is not None
-        return wheel.turns_since is not None and self.time - wheel.turns_since > SETTLING
+        return wheel.turns_since is not None and self.time is not None and self.time - wheel.turns_since > SETTLING
 
     def _known_deceleration(self, fastest: _Wheel) -> float:
         """As the bogie last slowed, or as the fastest wheel does while all are braked freely [m/s2]."""
@@ -311,20 +309,8 @@ class _LateError(BaseException):
     """Raised inside a controller that takes too long; no `except Exception` of its own stops it."""
 
 
-@contextmanager
-def _alarm(patience: float) -> Iterator[None]:
-    """Raises _LateError in the main thread after some seconds, even out of a call that waits."""
-
-    def ring(*_: object) -> None:
-        raise _LateError
-
-    before = signal.signal(signal.SIGALRM, ring)
-    signal.setitimer(signal.ITIMER_REAL, patience)
-    try:
-        yield
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        signal.signal(signal.SIGALRM, before)
+def _ring(*_: object) -> None:
+    raise _LateError
 
 
 def within(patience: float, call: Callable[[], object]) -> object:
@@ -334,8 +320,13 @@ def within(patience: float, call: Callable[[], object]) -> object:
     alone when it is late.
     """
     if hasattr(signal, "setitimer") and threading.current_thread() is threading.main_thread():
-        with _alarm(patience):
+        before = signal.signal(signal.SIGALRM, _ring)
+        signal.setitimer(signal.ITIMER_REAL, patience)
+        try:
             return call()
+        finally:
+            signal.setitimer(signal.ITIMER_REAL, 0.0)
+            signal.signal(signal.SIGALRM, before)
     answers: list[tuple[bool, object]] = []
 
     def work() -> None:

@@ -142,13 +142,14 @@ class _Run:
     failure: str = ""
     distance: float = 0.0
     speed: float = math.inf
+    seen: Sequence[float] = ()
     time: float = 0.0
 
     def __post_init__(self) -> None:
         settings, machine = self.settings, self.machine.machine
         count = len(machine.numbers)
         self.commands = [APPLY] * count
-        self.read = ["speed", *(f"{name}_{n}" for name in READ for n in machine.numbers)]
+        self.read = ("speed", "distance", *(f"{name}_{n}" for name in READ for n in machine.numbers))
         self.supervised = Supervised(self.controller, count) if self.controller else None
         self.encoders = [Encoder(settings.pulses, settings.jitter, number) for number in machine.numbers]
         self.radius = machine.parameters.wheel_radius
@@ -160,6 +161,7 @@ class _Run:
         machine, settings = self.machine, self.settings
         every = max(1, round(settings.period / settings.host_step))
         number, braking = 0, False
+        self.seen = machine.vehicle.get(self.read)
 
         def drive(time: float) -> None:
             nonlocal number, braking
@@ -171,13 +173,14 @@ class _Run:
             number += 1
 
         for self.time in machine.coupling().run(LONGEST, settings.host_step, drive):
-            self.speed, self.distance = machine.vehicle.get(("speed", "distance"))
+            self.seen = machine.vehicle.get(self.read)
+            self.speed, self.distance = self.seen[:2]
             if self.speed < STANDING:
                 return
 
     def _control(self, time: float) -> None:
         """Asks the controller, and records."""
-        speed, *turned = self.machine.vehicle.get(self.read)
+        speed, _, *turned = self.seen
         count = len(self.encoders)
         speeds = self._speeds(time, turned[:count])
         if self.supervised and not self.failure:

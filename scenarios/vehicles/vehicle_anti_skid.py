@@ -81,7 +81,7 @@ def rows_of(found: Findings) -> list[Row]:
     label = "low, cleaned: least rise of adhesion from one wheelset to the next"
     asked = at_least(HALF_OF_IT * (CLEANED - 1.0) * used[0])
     rows.append(Row(label, "1", None, rise, asked, "leading wheelsets meet the dirtier rail", "half of the factor"))
-    return rows
+    return sorted(rows, key=lambda row: row.asked is None)  # what is judged comes first
 
 
 def run(options: Options) -> Result:

@@ -24,6 +24,7 @@ class Encoder {
     const edge = Math.floor(place);
     if (edge > this.edge) {
       const passage = { start: this.time, begin: this.place, end: time, place, first: this.edge + 1 };
+      passage.firstTime = this.timeOf(passage.first, passage);
       this.passages.push(passage);
       Object.assign(this, { edge, edgeTime: this.timeOf(edge, passage) });
       this.mean = this.meanOfEdges();
@@ -33,9 +34,9 @@ class Encoder {
 
   meanOfEdges() {
     const since = this.edgeTime - this.gate, passages = this.passages;
-    while (passages.length > 1 && this.timeOf(passages[1].first, passages[1]) <= since) passages.shift();
+    while (passages.length > 1 && passages[1].firstTime <= since) passages.shift();
     const oldest = passages[0];
-    if (this.timeOf(oldest.first, oldest) > since) return 0;
+    if (oldest.firstTime > since) return 0;
     const share = Math.min(1, (since - oldest.start) / (oldest.end - oldest.start));
     const before = Math.max(oldest.first, Math.floor(oldest.begin + share * (oldest.place - oldest.begin)));
     return (this.edge - before) / (this.edgeTime - this.timeOf(before, oldest));
