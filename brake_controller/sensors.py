@@ -79,7 +79,8 @@ class Encoder:
         elif time > self.time:
             self._turn(time, self.place + abs(rotation - self.rotation) / self.pitch)
         self.time, self.rotation = time, rotation
-        reading = min(self.mean, 1.0 / max(time - self.edge_time, self.resolution))
+        age = time - self.edge_time - self.resolution  # at least: the timer cuts off what is below its resolution
+        reading = min(self.mean, 1.0 / max(age, self.resolution))
         return reading * self.pitch if reading >= self.lowest_frequency else 0.0
 
     def _turn(self, time: float, place: float) -> None:

@@ -16,7 +16,8 @@ class Encoder {
       this.edge = Math.floor(this.place);
     } else if (time > this.time) this.turn(time, this.place + Math.abs(rotation - this.rotation) / this.pitch);
     Object.assign(this, { time, rotation });
-    const reading = Math.min(this.mean, 1 / Math.max(time - this.edgeTime, this.resolution));
+    const age = time - this.edgeTime - this.resolution;
+    const reading = Math.min(this.mean, 1 / Math.max(age, this.resolution));
     return reading >= this.lowestFrequency ? reading * this.pitch : 0;
   }
 
