@@ -47,8 +47,9 @@ ENERGY_BAND = 1e-6
 DEPTH_BAND = 0.02
 #: Between the nearest point of rigid profiles by Newton's method and by a search [m]: the pitch of that search.
 PLACE_BAND = 0.02e-3
-#: Of forces from exact theory, as a share of mu N: that of the scenario contact-manchester.
-FORCE_BAND = manchester.OF_ELLIPSES[3] / 100
+#: Of forces from exact theory, as a share of mu N: a guard of what the law of flanges is known to miss there, 7 %, and
+#: Polach's 27 % (`contact-manchester`), so that no change makes it worse unseen.
+FORCE_BAND = 0.09
 #: Load of a wheel of the chapter 5 bogie [N]; how far from rest it starts: spin takes a little less than in proportion.
 STATIC_LOAD, AT_REST = (60000 / 2 + 1200) * 9.81 / 2, 1e-4
 #: Load of 8 strips at the approach of an ellipse: that of test_strips_in_c.py. Of derivatives by differences.
