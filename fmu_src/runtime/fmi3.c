@@ -267,6 +267,9 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
                       fmi3Boolean *terminateSimulation, fmi3Boolean *earlyReturn, fmi3Float64 *lastSuccessfulTime) {
     REQUIRE(instance, STEPPING | STOPPED, "fmi3DoStep");
     (void)noSetFMUStatePriorToCurrentPoint;
+    if (face_missing(self, 1, eventHandlingNeeded, terminateSimulation) ||
+        face_missing(self, 1, earlyReturn, lastSuccessfulTime))
+        return fmi3Error;
     const double end = currentCommunicationPoint + communicationStepSize;
     *eventHandlingNeeded = *terminateSimulation = *earlyReturn = fmi3False;
     *lastSuccessfulTime = kernel_time(self->machine);
