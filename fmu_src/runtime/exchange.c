@@ -88,10 +88,8 @@ int kernel_get_states(kernel *self, double *state) {
     return status;
 }
 
-int kernel_get_nominals(kernel *self, double *nominal) {
-    const int status = prepare(self);
-    if (status == KERNEL_OK) memcpy(nominal, self->system->nominal, (size_t)self->system->states * sizeof(double));
-    return status;
+void kernel_get_nominals(double *nominal) {
+    memcpy(nominal, MODEL.system[MODEL.exchanged].nominal, (size_t)kernel_exchange_states() * sizeof(double));
 }
 
 /* All slopes, in self->slope; of algebraic states residuals. */

@@ -48,6 +48,15 @@ int face_missing(const component *self, size_t count, const void *one, const voi
     return count && (!one || !other) && face_error(self, "An array is missing: a null pointer was given for its values.");
 }
 
+/* Event mode and the end are of both interfaces: what only one of them may do asks for it. */
+int face_is_cosimulation(const component *self) {
+    return !self->exchange && face_error(self, "This instance is one of co-simulation, not of model exchange.");
+}
+
+int face_is_exchange(const component *self) {
+    return self->exchange && face_error(self, "This instance is one of model exchange, not of co-simulation.");
+}
+
 int face_log(component *self, int logging, size_t count, const char *const categories[]) {
     if (count == 0) {
         self->logged = logging ? EVERYTHING : 0;
@@ -256,19 +265,24 @@ int face_fixed(component *self, size_t count, const unsigned *reference, int kin
     return 0;
 }
 
+int face_refuses(component *self, unsigned reference, double value) {
+    return face_report(self, kernel_check_set(self->machine, (int)reference, value)) != KERNEL_OK;
+}
+
 int face_set(component *self, unsigned reference, double value) {
     if (self->now == INITIALISING) kernel_reopen(self->machine);
     return face_report(self, kernel_set(self->machine, (int)reference, value));
 }
 
 static int set_text(component *self, unsigned reference, const char *text) {
-    if (wrong_type(self, reference, KIND_STRING)) return KERNEL_ERROR;
     if (self->now == INITIALISING) kernel_reopen(self->machine);
     return face_report(self, kernel_set_text(self->machine, (int)reference, text));
 }
 
 int face_set_texts(component *self, size_t count, const unsigned *reference, const char *const *text) {
     int worst = KERNEL_OK;
+    for (size_t i = 0; i < count; ++i)
+        if (wrong_type(self, reference[i], KIND_STRING)) return KERNEL_ERROR;
     for (size_t i = 0; i < count; ++i) {
         const int status = set_text(self, reference[i], text[i]);
         if (status > worst) worst = status;
@@ -287,10 +301,15 @@ int face_get_texts(component *self, size_t count, const unsigned *reference, con
     return worst;
 }
 
-int face_set_rate(component *self, unsigned reference, double rate) {
-    if (self->exchange) return face_error(self, "Derivatives of inputs belong to co-simulation.");
-    if (wrong_type(self, reference, KIND_REAL)) return KERNEL_ERROR;
-    return face_report(self, kernel_set_rate(self->machine, (int)reference, rate));
+int face_set_rates(component *self, size_t count, const unsigned *reference, const double *rate) {
+    if (face_is_exchange(self)) return KERNEL_ERROR;
+    int status = KERNEL_OK;
+    for (size_t i = 0; i < count && status == KERNEL_OK; ++i)
+        status = wrong_type(self, reference[i], KIND_REAL) ? KERNEL_ERROR
+                                                           : kernel_check_rate(self->machine, (int)reference[i], rate[i]);
+    for (size_t i = 0; i < count && status == KERNEL_OK; ++i)
+        status = kernel_set_rate(self->machine, (int)reference[i], rate[i]);
+    return face_report(self, status);
 }
 
 /* ---- saved states: a copy of the kernel's one block, and the phase ---- */
@@ -348,6 +367,8 @@ int face_restore(component *self, const void *state) {
     memcpy(&header, state, sizeof header);
     if (header.exchange != self->exchange)
         return face_error(self, "The saved state is one of the other interface, co-simulation or model exchange.");
+    if (header.now == AT_EVENT && !self->exchange && !self->events)
+        return face_error(self, "The saved state is one in event mode; instantiate with eventModeUsed = true.");
     const int status = kernel_restore(self->machine, (const char *)state + sizeof header);
     if (status <= KERNEL_WARNING) {
         self->now = (phase)header.now;

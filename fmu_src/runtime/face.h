@@ -53,6 +53,9 @@ INSIDE int face_error(const component *self, const char *sentence);
 /* Passes the kernel's journal on to the host and returns `status` unchanged. */
 INSIDE int face_report(component *self, int status);
 INSIDE int face_legal(const component *self, int phases, const char *function);
+/* Whether the instance is of the other interface than the call, which is then said. */
+INSIDE int face_is_cosimulation(const component *self);
+INSIDE int face_is_exchange(const component *self);
 /* Whether one of two arrays of `count` values is missing, which is then said. */
 INSIDE int face_missing(const component *self, size_t count, const void *one, const void *other);
 /* What the host says before initialisation; null: it says nothing. */
@@ -64,10 +67,12 @@ INSIDE int face_initialise(component *self);
 INSIDE int face_get(component *self, unsigned reference, int kind, double *value);
 /* Whether one of the variables cannot be set now, which is then said: then none is set. */
 INSIDE int face_fixed(component *self, size_t count, const unsigned *reference, int kind);
+/* Whether the variable forbids this value, which is then said. */
+INSIDE int face_refuses(component *self, unsigned reference, double value);
 INSIDE int face_set(component *self, unsigned reference, double value);
 INSIDE int face_set_texts(component *self, size_t count, const unsigned *reference, const char *const *text);
 INSIDE int face_get_texts(component *self, size_t count, const unsigned *reference, const char **text);
-INSIDE int face_set_rate(component *self, unsigned reference, double rate);
+INSIDE int face_set_rates(component *self, size_t count, const unsigned *reference, const double *rate);
 INSIDE int face_terminate(component *self);
 INSIDE int face_reset(component *self);
 INSIDE size_t face_saved_size(const component *self);
@@ -79,6 +84,7 @@ INSIDE int face_deserialise(component *self, const void *bytes, size_t size, voi
 INSIDE int face_set_time(component *self, double time);
 INSIDE int face_set_states(component *self, const double *state, size_t count);
 INSIDE int face_read(component *self, double *value, size_t count, int expected, int (*read)(kernel *, double *));
+INSIDE int face_nominals(component *self, double *nominal, size_t count);
 INSIDE int face_enter(component *self, phase next);
 INSIDE int face_find_modes(component *self, int *ended, int *jumped);
 INSIDE int face_complete_step(component *self, int *crossed);

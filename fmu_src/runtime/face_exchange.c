@@ -11,25 +11,26 @@ static int wrong_size(const component *self, size_t count, int expected, const v
     return 1;
 }
 
-/* Event mode is of co-simulation too: what only an integrator may do asks for the interface. */
-static int is_cosimulation(const component *self) {
-    return !self->exchange && face_error(self, "This instance is one of co-simulation, not of model exchange.");
-}
-
 int face_set_time(component *self, double time) {
-    if (is_cosimulation(self)) return KERNEL_ERROR;
+    if (face_is_cosimulation(self)) return KERNEL_ERROR;
     return face_report(self, kernel_set_time(self->machine, time));
 }
 
 int face_set_states(component *self, const double *state, size_t count) {
-    if (is_cosimulation(self) || wrong_size(self, count, kernel_exchange_states(), state)) return KERNEL_ERROR;
+    if (face_is_cosimulation(self) || wrong_size(self, count, kernel_exchange_states(), state)) return KERNEL_ERROR;
     return face_report(self, kernel_set_states(self->machine, state));
 }
 
 int face_read(component *self, double *value, size_t count, int expected, int (*read)(kernel *, double *)) {
-    if (is_cosimulation(self) || wrong_size(self, count, expected, value)) return KERNEL_ERROR;
+    if (face_is_cosimulation(self) || wrong_size(self, count, expected, value)) return KERNEL_ERROR;
     const int status = face_initialise_if_asked(self);
     return status > KERNEL_WARNING ? status : face_report(self, read(self->machine, value));
+}
+
+int face_nominals(component *self, double *nominal, size_t count) {
+    if (face_is_cosimulation(self) || wrong_size(self, count, kernel_exchange_states(), nominal)) return KERNEL_ERROR;
+    kernel_get_nominals(nominal);
+    return KERNEL_OK;
 }
 
 int face_enter(component *self, phase next) {

@@ -94,6 +94,8 @@ fmi2Status fmi2Reset(fmi2Component c) {
         REQUIRE(c, SETTABLE, #function);                                       \
         if (face_missing(self, nvr, vr, value)) return fmi2Error;                                            \
         if (face_fixed(self, nvr, vr, kind)) return fmi2Error;                                               \
+        for (size_t i = 0; i < nvr; ++i)                                                                     \
+            if (face_refuses(self, vr[i], (double)value[i])) return fmi2Error;                               \
         int worst = KERNEL_OK;                                                                               \
         for (size_t i = 0; i < nvr; ++i) {                                                                   \
             const int status = face_set(self, vr[i], (double)value[i]);                                      \
@@ -165,17 +167,15 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference
                                        const fmi2Integer order[], const fmi2Real value[]) {
     REQUIRE(c, INSTANTIATED | INITIALISING | STEPPING, "fmi2SetRealInputDerivatives");
     if (face_missing(self, nvr, vr, value) || face_missing(self, nvr, order, order)) return fmi2Error;
-    for (size_t i = 0; i < nvr; ++i) {
+    for (size_t i = 0; i < nvr; ++i)
         if (order[i] != 1) return (fmi2Status)face_error(self, "Only first derivatives of inputs are used.");
-        const int status = face_set_rate(self, vr[i], value[i]);
-        if (status != KERNEL_OK) return (fmi2Status)status;
-    }
-    return fmi2OK;
+    return (fmi2Status)face_set_rates(self, nvr, vr, value);
 }
 
 fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
                                         const fmi2Integer order[], fmi2Real value[]) {
     REQUIRE(c, STEPPING | STOPPED | TERMINATED, "fmi2GetRealOutputDerivatives");
+    if (face_is_exchange(self)) return fmi2Error;
     if (face_missing(self, nvr, vr, value) || face_missing(self, nvr, order, order)) return fmi2Error;
     for (size_t i = 0; i < nvr; ++i)
         if (order[i] != 1) return (fmi2Status)face_error(self, "Only first derivatives of outputs are provided.");
@@ -197,7 +197,7 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
 
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint, fmi2Real communicationStepSize,
                       fmi2Boolean noSetFMUStatePriorToCurrentPoint) {
-    REQUIRE(c, STEPPING | STOPPED, "fmi2DoStep");
+    REQUIRE(c, STEPPING, "fmi2DoStep");
     (void)noSetFMUStatePriorToCurrentPoint;
     self->last_step = kernel_step(self->machine, currentCommunicationPoint, communicationStepSize);
     if (self->last_step == KERNEL_DISCARD) self->now = STOPPED;
@@ -215,6 +215,7 @@ fmi2Status fmi2CancelStep(fmi2Component c) {
 #define DEFINE_STATUS(function, type, kind, answer)                                     \
     fmi2Status function(fmi2Component c, const fmi2StatusKind s, type *value) {         \
         REQUIRE(c, INITIALISED, #function);                                             \
+        if (face_is_exchange(self)) return fmi2Error;                                   \
         if (s != (kind)) return fmi2Discard;                                            \
         if (face_missing(self, 1, value, value)) return fmi2Error;                      \
         *value = answer;                                                                \
@@ -227,12 +228,14 @@ DEFINE_STATUS(fmi2GetBooleanStatus, fmi2Boolean, fmi2Terminated, kernel_ended(se
 
 fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind s, fmi2Integer *value) {
     REQUIRE(c, INITIALISED, "fmi2GetIntegerStatus");
+    if (face_is_exchange(self)) return fmi2Error;
     (void)s, (void)value;
     return fmi2Discard;
 }
 
 fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind s, fmi2String *value) {
     REQUIRE(c, INITIALISED, "fmi2GetStringStatus");
+    if (face_is_exchange(self)) return fmi2Error;
     (void)s, (void)value;
     return fmi2Discard;
 }
@@ -242,7 +245,7 @@ fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind s, fmi2Stri
 enum { INTEGRATING = AT_EVENT | CONTINUOUS };
 
 fmi2Status fmi2EnterEventMode(fmi2Component c) {
-    REQUIRE(c, CONTINUOUS, "fmi2EnterEventMode");
+    REQUIRE(c, INTEGRATING, "fmi2EnterEventMode"); /* to stay there is allowed by the table of section 3.2.3 */
     return (fmi2Status)face_enter(self, AT_EVENT);
 }
 
@@ -274,7 +277,7 @@ fmi2Status fmi2SetTime(fmi2Component c, fmi2Real time) {
 }
 
 fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real x[], size_t nx) {
-    REQUIRE(c, INTEGRATING, "fmi2SetContinuousStates");
+    REQUIRE(c, CONTINUOUS, "fmi2SetContinuousStates");
     return (fmi2Status)face_set_states(self, x, nx);
 }
 
@@ -286,5 +289,9 @@ fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real x[], size_t n
 
 DEFINE_READ(fmi2GetDerivatives, kernel_exchange_states, kernel_get_slopes)
 DEFINE_READ(fmi2GetContinuousStates, kernel_exchange_states, kernel_get_states)
-DEFINE_READ(fmi2GetNominalsOfContinuousStates, kernel_exchange_states, kernel_get_nominals)
 DEFINE_READ(fmi2GetEventIndicators, kernel_exchange_indicators, kernel_get_indicators)
+
+fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real x_nominal[], size_t nx) {
+    REQUIRE(c, ALWAYS, "fmi2GetNominalsOfContinuousStates");
+    return (fmi2Status)face_nominals(self, x_nominal, nx);
+}

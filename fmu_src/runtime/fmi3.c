@@ -142,6 +142,8 @@ static int get(component *self, unsigned reference, int kind, double *value) {
         REQUIRE(instance, SETTABLE, #function);                                                                       \
         if (unusable(self, valueReferences, nValueReferences, values, nValues)) return fmi3Error;                     \
         if (face_fixed(self, nValues, valueReferences, kind)) return fmi3Error;                                       \
+        for (size_t i = 0; i < nValues; ++i)                                                                          \
+            if (face_refuses(self, valueReferences[i], (double)values[i])) return fmi3Error;                          \
         int worst = KERNEL_OK;                                                                                        \
         for (size_t i = 0; i < nValues; ++i) {                                                                        \
             const int status = face_set(self, valueReferences[i], (double)values[i]);                                 \
@@ -254,6 +256,7 @@ fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3ValueRefere
                                     size_t nValueReferences, const fmi3Int32 orders[], fmi3Float64 values[],
                                     size_t nValues) {
     REQUIRE(instance, STEPPING | STOPPED | TERMINATED, "fmi3GetOutputDerivatives");
+    if (face_is_exchange(self)) return fmi3Error;
     if (unusable(self, valueReferences, nValueReferences, values, nValues)) return fmi3Error;
     if (face_missing(self, nValues, orders, orders)) return fmi3Error;
     for (size_t i = 0; i < nValues; ++i)
@@ -348,7 +351,7 @@ fmi3Status fmi3SetTime(fmi3Instance instance, fmi3Float64 time) {
 
 fmi3Status fmi3SetContinuousStates(fmi3Instance instance, const fmi3Float64 continuousStates[],
                                    size_t nContinuousStates) {
-    REQUIRE(instance, INTEGRATING, "fmi3SetContinuousStates");
+    REQUIRE(instance, CONTINUOUS, "fmi3SetContinuousStates");
     return (fmi3Status)face_set_states(self, continuousStates, nContinuousStates);
 }
 
@@ -360,12 +363,17 @@ fmi3Status fmi3SetContinuousStates(fmi3Instance instance, const fmi3Float64 cont
 
 DEFINE_READ(fmi3GetContinuousStateDerivatives, kernel_exchange_states, kernel_get_slopes)
 DEFINE_READ(fmi3GetContinuousStates, kernel_exchange_states, kernel_get_states)
-DEFINE_READ(fmi3GetNominalsOfContinuousStates, kernel_exchange_states, kernel_get_nominals)
 DEFINE_READ(fmi3GetEventIndicators, kernel_exchange_indicators, kernel_get_indicators)
+
+fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance instance, fmi3Float64 nominals[], size_t nContinuousStates) {
+    REQUIRE(instance, ALWAYS, "fmi3GetNominalsOfContinuousStates");
+    return (fmi3Status)face_nominals(self, nominals, nContinuousStates);
+}
 
 #define DEFINE_COUNT(function, count)                                \
     fmi3Status function(fmi3Instance instance, size_t *number) {     \
         REQUIRE(instance, ALWAYS, #function);                        \
+        if (face_is_cosimulation(self)) return fmi3Error;            \
         if (face_missing(self, 1, number, number)) return fmi3Error; \
         *number = (size_t)count();                                   \
         return fmi3OK;                                               \

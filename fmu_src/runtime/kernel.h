@@ -35,8 +35,11 @@ typedef struct {
 KERNEL_EXPORT kernel *kernel_create(void);
 KERNEL_EXPORT void kernel_free(kernel *self);
 KERNEL_EXPORT void kernel_reset(kernel *self);
+/* Whether the variable takes this value, before the run and as an input within it: a status, with the sentence. */
+KERNEL_EXPORT int kernel_check_set(kernel *self, int variable, double value);
 KERNEL_EXPORT int kernel_set(kernel *self, int variable, double value);
 KERNEL_EXPORT int kernel_set_rate(kernel *self, int variable, double rate);
+KERNEL_EXPORT int kernel_check_rate(kernel *self, int variable, double rate);
 KERNEL_EXPORT int kernel_get(kernel *self, int variable, double *value);
 /* The variable that names a file: it is read at once; after a refusal the one before it stays. Text that is got belongs to
  * the kernel and lasts until it is set again. */
@@ -59,13 +62,14 @@ KERNEL_EXPORT void kernel_stop_at_events(kernel *self, int stops);
 /* Model exchange: how many states and event indicators it has; none of a model without it. */
 KERNEL_EXPORT int kernel_exchange_states(void);
 KERNEL_EXPORT int kernel_exchange_indicators(void);
+/* Scales of these states, which are those of the model at any time. */
+KERNEL_EXPORT void kernel_get_nominals(double *nominal);
 /* Once initialised: refuses a system with other states, and opens the parameters again. */
 KERNEL_EXPORT int kernel_check_exchange(kernel *self);
 /* The place of an integrator, and what the equations say there; a discard asks it for a shorter step. */
 KERNEL_EXPORT int kernel_set_time(kernel *self, double time);
 KERNEL_EXPORT int kernel_set_states(kernel *self, const double *state);
 KERNEL_EXPORT int kernel_get_states(kernel *self, double *state);
-KERNEL_EXPORT int kernel_get_nominals(kernel *self, double *nominal);
 KERNEL_EXPORT int kernel_get_slopes(kernel *self, double *slope);
 KERNEL_EXPORT int kernel_get_indicators(kernel *self, double *indicator);
 /* Behind the table of variables and one more number, the time's, slopes and indicators are variables too, in any system, 0

@@ -63,8 +63,8 @@ static int check_integration_step(kernel *self, double value) {
                        LEAST_STEP, value, kept);
 }
 
-int kernel_set(kernel *self, int variable, double value) {
-    int status = kernel_check_reference(self, variable);
+int kernel_check_set(kernel *self, int variable, double value) {
+    const int status = kernel_check_reference(self, variable);
     if (status != KERNEL_OK) return status;
     const variable_description *description = &MODEL.variable[variable];
     if (description->causality >= CAUSALITY_OUTPUT)
@@ -72,17 +72,22 @@ int kernel_set(kernel *self, int variable, double value) {
                            description->causality == CAUSALITY_OUTPUT ? "an output" : "a state");
     if (description->kind == KIND_STRING)
         return kernel_fail(self, KERNEL_ERROR, "%s is a text, no number.", description->name);
+    if (isnan(value) && !isnan(description->when_lost)) return KERNEL_OK;
+    if (kernel_check_value(self, description, value, self->value[variable]) != KERNEL_OK) return KERNEL_ERROR;
+    return variable == MODEL.integration_step ? check_integration_step(self, value) : KERNEL_OK;
+}
+
+int kernel_set(kernel *self, int variable, double value) {
+    int status = kernel_check_reference(self, variable);
+    if (status != KERNEL_OK) return status;
+    const variable_description *description = &MODEL.variable[variable];
     if (description->causality == CAUSALITY_PARAMETER && self->system)
         return kernel_fail(self, KERNEL_ERROR, "%s is a parameter and fixed once the run has begun; reset first.",
                            description->name);
+    status = kernel_check_set(self, variable, value);
+    if (status != KERNEL_OK) return status;
     const int lost = isnan(value) && !isnan(description->when_lost);
-    if (lost) {
-        value = description->when_lost;
-    } else {
-        status = kernel_check_value(self, description, value, self->value[variable]);
-        if (status == KERNEL_OK && variable == MODEL.integration_step) status = check_integration_step(self, value);
-        if (status != KERNEL_OK) return status;
-    }
+    if (lost) value = description->when_lost;
     self->now.inputs_jumped |= value != self->value[variable];
     self->value[variable] = value;
     self->input_rate[variable] = 0.0;
@@ -93,8 +98,8 @@ int kernel_set(kernel *self, int variable, double value) {
     return kernel_warn_without_effect(self, variable);
 }
 
-int kernel_set_rate(kernel *self, int variable, double rate) {
-    int status = kernel_check_reference(self, variable);
+int kernel_check_rate(kernel *self, int variable, double rate) {
+    const int status = kernel_check_reference(self, variable);
     if (status != KERNEL_OK) return status;
     const variable_description *description = &MODEL.variable[variable];
     if (description->causality != CAUSALITY_INPUT || description->kind != KIND_REAL)
@@ -102,6 +107,12 @@ int kernel_set_rate(kernel *self, int variable, double rate) {
     if (!isfinite(rate))
         return kernel_fail(self, KERNEL_ERROR, "Set the rate of %s to a finite number: it was given %g.",
                            description->name, rate);
+    return KERNEL_OK;
+}
+
+int kernel_set_rate(kernel *self, int variable, double rate) {
+    const int status = kernel_check_rate(self, variable, rate);
+    if (status != KERNEL_OK) return status;
     self->input_rate[variable] = rate;
     self->now.outputs_stale = 1;
     return KERNEL_OK;

@@ -15,12 +15,12 @@ from rbd_model.bogie import bogie_dynamics
 
 #: Lines of a function that one screen shows.
 SCREEN = 60
-#: What only a face needs: early returns, and model exchange.
+#: What only a face needs: early returns, checks before anything is set, and model exchange.
 OF_FACES = {"kernel_stop_at_events", "kernel_set_time", "kernel_check_exchange", "kernel_find_modes"} | {
     f"kernel_{name}"
     for name in (
         *("exchange_states", "exchange_indicators", "exchanged_number", "get_exchanged", "complete_step"),
-        *("set_states", "get_states", "get_nominals", "get_slopes", "get_indicators"),
+        *("check_set", "check_rate", "set_states", "get_states", "get_nominals", "get_slopes", "get_indicators"),
     )
 }
 #: Types of the headers as Python passes them; an instance is an address, a saved state is bytes.
