@@ -11,42 +11,13 @@ from pathlib import Path
 import pytest
 
 from fmu_src import compile as compiling
-from fmu_src.codegen import RUNTIME, RUNTIME_SOURCES, generate
+from fmu_src.codegen import generate
 from fmu_src.kernel import Kernel, Library
 from fmu_src.system import System, Variable, model_of
-from rbd_model.bogie import bogie_dynamics
 from rbd_model.line import ERRI_HIGH, arc, irregular, line_of, straight
+from tests.fmu.sanitized import driver
 
 DRIVER, FUZZ, FUZZ3 = (Path(__file__).with_name(name) for name in ("driver.c", "fuzz.c", "fuzz3.c"))
-SANITIZERS = ["-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
-
-
-def run(command: list[str | Path], folder: Path) -> subprocess.CompletedProcess:
-    done = subprocess.run([str(part) for part in command], cwd=folder, capture_output=True, text=True)
-    if done.returncode != 0 and "-fsanitize" in " ".join(map(str, command)) and "error:" not in done.stderr:
-        pytest.skip(f"this compiler has no sanitizer libraries: {done.stderr[-200:]}")
-    return done
-
-
-@pytest.fixture(scope="module")
-def objects() -> dict[str, list[str | Path]]:
-    """The bogie's FMU as objects, plain and with sanitizers: what links a driver to them."""
-    links: dict[str, list[str | Path]] = {}
-    sources, runtime = generate(bogie_dynamics()), {name: (RUNTIME / name).read_text() for name in RUNTIME_SOURCES}
-    headers = [f"-I{RUNTIME}", f"-I{compiling.FMI_HEADERS}"]
-    made = compiling.objects_of(sources, [*compiling.FLAGS, compiling.OPTIMISE_GENERATED])
-    made += compiling.objects_of(runtime, [*compiling.FLAGS, compiling.OPTIMISE_RUNTIME])
-    links["plain"] = [*compiling.compiler(), *compiling.FLAGS, *headers, *made]
-    # Unoptimised where they are only checked: a quarter of the time to compile.
-    flags = [*compiling.FLAGS, "-O0", *SANITIZERS]
-    links["sanitized"] = [*compiling.compiler(), *flags, *headers, *compiling.objects_of(sources | runtime, flags)]
-    return links
-
-
-def driver(objects: list[str | Path], source: Path, folder: Path) -> Path:
-    done = run([*objects, source, "-o", folder / "driver", "-lm"], folder)
-    assert done.returncode == 0, done.stderr
-    return folder / "driver"
 
 
 @pytest.mark.parametrize("kind", ["plain", "sanitized"])

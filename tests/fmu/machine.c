@@ -1,0 +1,1165 @@
+/* A host that knows the state machines of the standards: random calls, allowed and forbidden, with sane arguments and
+ * insane ones, on several instances at once, and what each answers is held against the tables below.
+ *
+ * Usage: machine FACE SEED CALLS LINE...; FACE: 0 and 1 are co-simulation and model exchange of FMI 2.0, 2 and 3 those of
+ * FMI 3.0; of the files of lines those whose names begin with "bad" are none. Exit status 1 when an answer is wrong. */
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "fmi2Functions.h"
+#include "fmi3Functions.h"
+#include "kernel.h"
+
+enum { COSIMULATION_2, EXCHANGE_2, COSIMULATION_3, EXCHANGE_3, FACES };
+enum { OK, WARNING, DISCARD, ERROR };
+/* Columns of the tables. FAILED: after the step of FMI 2.0 that was discarded; ENDED: the host was told to terminate. */
+enum { INSTANTIATED, INITIALIZATION, EVENT, CONTINUOUS, STEP, FAILED, ENDED, TERMINATED };
+enum { HOSTS = 4, SAVED = 6, SOME = 4, MOST = 512, PATH = 600, MOST_BROKEN = 20 };
+
+typedef struct host host;
+typedef struct {
+    const char *name;
+    int (*act)(host *h);
+    const char *rule[FACES];
+} call;
+
+/* What an instance is taken to be; what a saved state brings back comes first. */
+typedef struct {
+    int state, wild; /* wild: it was given values far from its start values, with which a call may fail */
+    int event_due;   /* the host was asked to enter event mode */
+    double time, start;
+    double value[MOST]; /* of what is set; NaN: not known */
+    char line[PATH];
+} picture;
+
+struct host {
+    picture is;
+    int face, events, early, quiet, calls_back;
+    double stop; /* of the experiment, which is the instance's: the standards leave open whether a saved state has it */
+    void *instance;
+    unsigned may_hear, must_hear; /* bits of categories */
+    int heard[4], inside;
+    int insane; /* whether the call has arguments that are refused */
+    int excused; /* it may fail for a reason of its own */
+    const call *now;
+    char rule;
+};
+
+static int variables, outputs[MOST], output_count, lines;
+static char **line_files;
+static long long made[3], broken, done_steps, restored, ends;
+enum { ALLOWED, FORBIDDEN, INSANE };
+
+/* ---- chance ---- */
+
+static unsigned long long random_state;
+static unsigned random_number(unsigned below) { /* xorshift64 */
+    random_state ^= random_state << 13;
+    random_state ^= random_state >> 7;
+    random_state ^= random_state << 17;
+    return (unsigned)(random_state >> 20) % below;
+}
+static double fraction(void) { return random_number(1000001) / 1e6; }
+static int one_in(unsigned many) { return random_number(many) == 0; }
+
+static void expect(const host *h, int kept, const char *what) {
+    static const char *const face[] = {"FMI 2.0 co-simulation", "FMI 2.0 model exchange", "FMI 3.0 co-simulation",
+                                       "FMI 3.0 model exchange"};
+    static const char *const state[] = {"instantiated", "initialization", "event", "continuous",
+                                        "step", "failed", "ended", "terminated"};
+    if (kept || ++broken > MOST_BROKEN) return;
+    printf("broken: %s: %s in state %s%s: %s\n", face[h->face], h->now ? h->now->name : "-", state[h->is.state],
+           h->insane ? ", insane" : "", what);
+}
+
+static int is_three(const host *h) { return h->face >= COSIMULATION_3; }
+static int is_exchange(const host *h) { return h->face == EXCHANGE_2 || h->face == EXCHANGE_3; }
+
+/* ---- the log ---- */
+
+static const char *const CATEGORY[] = {"events", "logStatusWarning", "logStatusDiscard", "logStatusError"};
+
+/* Unicode 15, table 3-7, by what a code point is: the shortest form of a number that is no surrogate. */
+static int is_readable(const unsigned char *c) {
+    while (*c) {
+        const int length = *c < 0x80 ? 1 : *c >> 5 == 6 ? 2 : *c >> 4 == 14 ? 3 : *c >> 3 == 30 ? 4 : 0;
+        if (!length) return 0;
+        unsigned long point = length == 1 ? *c : *c & (0x7Fu >> length);
+        for (int i = 1; i < length; ++i) {
+            if (c[i] >> 6 != 2) return 0;
+            point = point << 6 | (c[i] & 0x3F);
+        }
+        static const unsigned long least[] = {0, 0x20, 0x80, 0x800, 0x10000};
+        if (point < least[length] || point == 0x7F || point > 0x10FFFF || (point >= 0xD800 && point < 0xE000)) return 0;
+        c += length;
+    }
+    return 1;
+}
+
+static void hear(host *h, int status, const char *category, const char *sentence) {
+    if (h->inside) return; /* an answer to a question that was asked from here */
+    expect(h, status >= OK && status <= ERROR, "what is told has a status from 0 to 3");
+    if (status >= OK && status <= ERROR) h->heard[status]++;
+    expect(h, sentence && strlen(sentence) >= 10 && is_readable((const unsigned char *)sentence), "what is told is a sentence");
+    int known = -1;
+    for (int i = 0; category && i < 4; ++i)
+        if (strcmp(category, CATEGORY[i]) == 0) known = i;
+    expect(h, known >= 0, "a category is one of modelDescription.xml");
+    expect(h, known < 0 || (h->may_hear & 1u << known), "a category that was switched off is silent");
+    if (!h->calls_back || !h->instance) return;
+    const unsigned first = 0;
+    double value = 0.0;
+    h->inside = 1;
+    (void)(is_three(h) ? (int)fmi3GetFloat64(h->instance, &first, 1, &value, 1)
+                       : (int)fmi2GetReal(h->instance, &first, 1, &value));
+    h->inside = 0;
+}
+
+/* As hosts in C do it: the message is a format. */
+static void hear2(fmi2ComponentEnvironment environment, fmi2String name, fmi2Status status, fmi2String category,
+                  fmi2String format, ...) {
+    char sentence[4096];
+    va_list arguments;
+    va_start(arguments, format);
+    const int length = vsnprintf(sentence, sizeof sentence, format, arguments);
+    va_end(arguments);
+    expect((host *)environment, length >= 0 && length < (int)sizeof sentence, "a message is a format");
+    expect((host *)environment, name && strcmp(name, "machine") == 0, "an instance tells its name");
+    hear((host *)environment, (int)status, category, sentence);
+}
+
+static void hear3(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String category, fmi3String message) {
+    hear((host *)environment, (int)status, category, message);
+}
+
+/* Section 2.1.5 (FMI 2.0), 2.3.1 (FMI 3.0, logMessage): what fails says why, and an error is returned where one is told. */
+static int told(host *h, int status) {
+    expect(h, status >= OK && status <= ERROR, "a call is never fatal or pending");
+    if (status < OK || status > ERROR || h->quiet) return status;
+    if (status == ERROR || (is_three(h) && status > OK))
+        expect(h, h->heard[status] || !(h->must_hear & 1u << status), "what fails tells a sentence with its status");
+    expect(h, status == ERROR || !h->heard[ERROR], "what succeeds tells of no error");
+    return status;
+}
+
+static void *listening(host *h) {
+    memset(h->heard, 0, sizeof h->heard);
+    return h->instance;
+}
+
+/* One call of either standard; `c` is the instance. */
+#define ASK(two, three) (c = listening(h), told(h, is_three(h) ? (int)(three) : (int)(two)))
+#define ASK2(two) (c = listening(h), told(h, (int)(two)))
+#define ASK3(three) (c = listening(h), told(h, (int)(three)))
+static int is_fine(int status) { return status <= WARNING; }
+
+/* ---- variables ---- */
+
+static int get_numbers(host *h, int kind, const unsigned *vr, size_t n, double *value, size_t values) {
+    void *c;
+    int integer[SOME] = {0}, status;
+    bool truth[SOME] = {0};
+    if (kind == KIND_REAL) return ASK(fmi2GetReal(c, vr, n, value), fmi3GetFloat64(c, vr, n, value, values));
+    int *const whole = value ? integer : NULL;
+    bool *const truths = value ? truth : NULL;
+    if (kind == KIND_INTEGER) status = ASK(fmi2GetInteger(c, vr, n, whole), fmi3GetInt32(c, vr, n, whole, values));
+    else status = ASK(fmi2GetBoolean(c, vr, n, whole), fmi3GetBoolean(c, vr, n, truths, values));
+    for (size_t i = 0; value && i < n && i < SOME; ++i)
+        value[i] = kind == KIND_BOOLEAN && is_three(h) ? truth[i] : integer[i];
+    return status;
+}
+
+static int set_numbers(host *h, int kind, const unsigned *vr, size_t n, const double *value, size_t values) {
+    void *c;
+    int integer[SOME] = {0};
+    bool truth[SOME] = {0};
+    if (kind == KIND_REAL) return ASK(fmi2SetReal(c, vr, n, value), fmi3SetFloat64(c, vr, n, value, values));
+    for (size_t i = 0; value && i < n && i < SOME; ++i) truth[i] = (integer[i] = (int)value[i]) != 0;
+    const int *const whole = value ? integer : NULL;
+    const bool *const truths = value ? truth : NULL;
+    if (kind == KIND_INTEGER) return ASK(fmi2SetInteger(c, vr, n, whole), fmi3SetInt32(c, vr, n, whole, values));
+    return ASK(fmi2SetBoolean(c, vr, n, whole), fmi3SetBoolean(c, vr, n, truths, values));
+}
+
+static int get_text(host *h, const unsigned *vr, size_t n, const char **text) {
+    void *c;
+    return ASK(fmi2GetString(c, vr, n, text), fmi3GetString(c, vr, n, text, n));
+}
+
+/* Outputs as bits, of a place where they can be read; whether they could. */
+static int read_outputs(host *h, double *value) {
+    int fine = 1;
+    for (int i = 0; i < output_count; ++i) {
+        const unsigned vr = (unsigned)outputs[i];
+        value[i] = 0.0;
+        fine &= is_fine(get_numbers(h, MODEL.variable[outputs[i]].kind, &vr, 1, &value[i], 1));
+    }
+    return fine;
+}
+
+/* A variable of this causality and kind; -1: there is none. */
+static int any_variable(int causality, int kind) {
+    const int first = (int)random_number((unsigned)variables);
+    for (int i = 0; i < variables; ++i) {
+        const int place = (first + i) % variables;
+        if (MODEL.variable[place].causality == causality && MODEL.variable[place].kind == kind) return place;
+    }
+    return -1;
+}
+
+static unsigned no_reference(int kind) {
+    static const unsigned far[] = {1u << 31, (1u << 31) - 1, 4294967295u, (1u << 31) + 7, 1000000000u};
+    if (random_number(3)) return far[random_number(5)];
+    for (;;) {
+        const unsigned other = random_number((unsigned)variables);
+        if (MODEL.variable[other].kind != kind) return other;
+    }
+}
+
+static double within(const variable_description *of, double value) {
+    return value < of->minimum ? of->minimum : value > of->maximum ? of->maximum : value;
+}
+
+/* A value with which a run goes on; and one that is far from there, but within its limits. */
+static double sane_value(const host *h, int place) {
+    const variable_description *of = &MODEL.variable[place];
+    for (int i = 0; i < MODEL.selectors; ++i) {
+        if (MODEL.selector[i] != place) continue;
+        if (is_exchange(h) && i == 0) return of->start; /* its states are those of the standard's file */
+        const unsigned most = (unsigned)MODEL.selectable[i];
+        return one_in(30) ? 1 + random_number(most) : 1 + random_number(most < 2 ? most : 2);
+    }
+    if (of->kind != KIND_REAL || place >= MODEL.tolerance) return of->start;
+    if (of->start != 0.0) return within(of, of->start * (0.97 + 0.06 * fraction()));
+    if (of->causality == CAUSALITY_PARAMETER) return of->start;
+    const double scale = of->maximum < 1.0 ? 0.1 * of->maximum : strcmp(of->unit, "N") == 0 ? 30.0 : 2e4;
+    return within(of, scale * (fraction() - 0.3));
+}
+static double wild_value(const variable_description *of) {
+    const double value = within(of, random_number(2) ? 0.0 : (fraction() - 0.5) * 1e3 * (fabs(of->start) + 1.0));
+    return of->kind == KIND_REAL ? value : floor(value);
+}
+/* One that the variable forbids; of some kinds there is none. */
+static int forbidden_value(int place, double *value) {
+    const variable_description *of = &MODEL.variable[place];
+    const int real = of->kind == KIND_REAL;
+    switch (random_number(4)) {
+        case 0: return *value = NAN, real && isnan(of->when_lost);
+        case 1: return *value = random_number(2) ? INFINITY : -INFINITY, real;
+        case 2: return *value = of->minimum - 1.0, of->kind != KIND_BOOLEAN && isfinite(of->minimum);
+        default: return *value = of->maximum + 1.0, of->kind != KIND_BOOLEAN && isfinite(of->maximum);
+    }
+}
+
+/* Whether the equations exist: level 3 runs on a line with contact depth 2 alone (docs/line.md). */
+static int has_equations(const host *h) {
+    const int level = MODEL.selectors > 0 ? (int)h->is.value[MODEL.selector[0]] : 0;
+    const int depth = MODEL.selectors > 1 ? (int)h->is.value[MODEL.selector[1]] : 0;
+    if (is_exchange(h) && level != (int)MODEL.variable[MODEL.selector[0]].start) return 0;
+    return !h->is.line[0] || level < 3 || depth == 2;
+}
+
+static int can_read(const host *h) {
+    return h->is.state != INSTANTIATED && !h->is.wild && (h->is.state != INITIALIZATION || has_equations(h));
+}
+
+/* References and sizes: as they should be, or one of them spoilt. */
+typedef struct {
+    unsigned vr[SOME];
+    size_t n, values;
+    int null_references, null_values;
+} request;
+
+static void spoil(const host *h, request *r, int kind) {
+    const unsigned choice = random_number(is_three(h) ? 4 : 3);
+    if (choice == 0) r->null_values = 1;
+    else if (choice == 1) r->null_references = 1;
+    else if (choice == 2) r->vr[random_number((unsigned)r->n)] = no_reference(kind);
+    else r->values += random_number(2) ? 1 : (size_t)-1;
+}
+
+static request request_of(const host *h, int causality, int kind) {
+    request r = {{0}, 1 + random_number(SOME - 1), 0, 0, 0};
+    for (size_t i = 0; i < r.n; ++i) r.vr[i] = (unsigned)any_variable(causality, kind);
+    r.values = r.n;
+    (void)h;
+    return r;
+}
+
+static int set_some(host *h, int causality, int kind) {
+    if (any_variable(causality, kind) < 0) return -1;
+    request r = request_of(h, causality, kind);
+    double value[SOME + 1] = {0}, back[SOME + 1];
+    const int wild = one_in(60);
+    for (size_t i = 0; i < r.n; ++i) {
+        if (i && one_in(2)) r.vr[i] = r.vr[0];
+        value[i] = wild ? wild_value(&MODEL.variable[r.vr[i]]) : sane_value(h, (int)r.vr[i]);
+    }
+    if (h->insane) {
+        const unsigned bad = random_number((unsigned)r.n);
+        if (random_number(2) || !forbidden_value((int)r.vr[bad], &value[bad])) {
+            for (size_t i = 0; i < r.n; ++i) value[i] = sane_value(h, (int)r.vr[i]);
+            spoil(h, &r, kind);
+        }
+    }
+    const int status = set_numbers(h, kind, r.null_references ? NULL : r.vr, r.n, r.null_values ? NULL : value, r.values);
+    if (!is_fine(status) || h->insane) return h->excused = wild, status;
+    h->is.wild |= wild;
+    for (size_t i = 0; i < r.n; ++i) h->is.value[r.vr[i]] = value[i];
+    if (h->is.state != INSTANTIATED && !can_read(h)) return status;
+    expect(h, is_fine(get_numbers(h, kind, r.vr, r.n, back, r.n)), "what was set is read");
+    for (size_t i = 0; i < r.n; ++i)
+        expect(h, back[i] == h->is.value[r.vr[i]], "what was set is what is read");
+    return status;
+}
+
+/* An input is seen in an output at once: the push of the sled by its share, and of the bogie that it slows
+ * uphill while it runs; on a line the gradient is that of the file. */
+static int change_input(host *h) {
+    static const struct { const char *input, *output; double share, change; } PAIR[] = {
+        {"push", "pace", 1e-3, 3.0}, {"gradient", "acceleration", NAN, 0.02}};
+    unsigned in = 0, out = 0, which = 0;
+    for (unsigned p = 0; p < 2; ++p)
+        for (int i = 0; i < variables; ++i) {
+            if (strcmp(MODEL.variable[i].name, PAIR[p].input) == 0) in = (unsigned)i, which = p;
+            if (strcmp(MODEL.variable[i].name, PAIR[p].output) == 0) out = (unsigned)i;
+        }
+    double before = 0.0, after = 0.0, value = 0.0;
+    const int spatial = MODEL.selectors && h->is.value[MODEL.selector[0]] > 2.0; /* a level without this input */
+    const int ready = !spatial && (h->is.state == STEP || h->is.state == EVENT || h->is.state == CONTINUOUS);
+    if (!ready || h->is.wild || h->is.line[0] || h->is.time > h->is.start + 5.0 || get_numbers(h, KIND_REAL, &in, 1, &value, 1) != OK ||
+        get_numbers(h, KIND_REAL, &out, 1, &before, 1) != OK)
+        return set_some(h, CAUSALITY_INPUT, KIND_REAL);
+    h->insane = 0;
+    const double now = value > 0.0 ? value - PAIR[which].change : value + PAIR[which].change;
+    const int status = set_numbers(h, KIND_REAL, &in, 1, &now, 1);
+    if (!is_fine(status)) return status;
+    h->is.value[in] = now;
+    expect(h, is_fine(get_numbers(h, KIND_REAL, &out, 1, &after, 1)), "an output is read behind a set");
+    if (isnan(PAIR[which].share))
+        expect(h, (after - before) * (now - value) < 0.0, "an output follows an input");
+    else
+        expect(h, fabs(after - before - PAIR[which].share * (now - value)) < 1e-12, "an output follows an input by its share");
+    return status;
+}
+
+static int set_input(host *h) { return one_in(4) ? change_input(h) : set_some(h, CAUSALITY_INPUT, KIND_REAL); }
+static int set_discrete_input(host *h) {
+    return set_some(h, CAUSALITY_INPUT, random_number(2) ? KIND_INTEGER : KIND_BOOLEAN);
+}
+static int set_parameter(host *h) { return set_some(h, CAUSALITY_PARAMETER, one_in(3) ? KIND_INTEGER : KIND_REAL); }
+static int set_output(host *h) {
+    const int causality = random_number(2) ? CAUSALITY_OUTPUT : CAUSALITY_LOCAL;
+    return set_some(h, causality, causality == CAUSALITY_OUTPUT && one_in(3) ? KIND_BOOLEAN : KIND_REAL);
+}
+
+/* Numbers are finite, and the same when they are read again. */
+static int get_some(host *h, request *r, int kind) {
+    double value[SOME + 1] = {0}, again[SOME + 1] = {0};
+    if (h->insane) spoil(h, r, kind);
+    const unsigned *const vr = r->null_references ? NULL : r->vr;
+    const int status = get_numbers(h, kind, vr, r->n, r->null_values ? NULL : value, r->values);
+    if (!is_fine(status) || h->insane) return status;
+    for (size_t i = 0; i < r->n; ++i) expect(h, isfinite(value[i]), "a number that comes with OK is finite");
+    expect(h, get_numbers(h, kind, vr, r->n, again, r->values) == status, "a second reading is as good");
+    expect(h, memcmp(value, again, r->n * sizeof *value) == 0, "a second reading has the same bits");
+    for (size_t i = 0; i < r->n; ++i) {
+        const double known = h->is.value[r->vr[i]];
+        if (MODEL.variable[r->vr[i]].causality < CAUSALITY_OUTPUT && !isnan(known))
+            expect(h, value[i] == known, "a value is the one that was set last");
+    }
+    return status;
+}
+
+static int get_output(host *h) {
+    const int causality = random_number(3) ? CAUSALITY_OUTPUT : CAUSALITY_LOCAL;
+    const int kind = causality == CAUSALITY_OUTPUT && one_in(3) ? KIND_BOOLEAN : KIND_REAL;
+    if (any_variable(causality, kind) < 0) return -1;
+    request r = request_of(h, causality, kind);
+    return get_some(h, &r, kind);
+}
+
+static int get_given(host *h) {
+    const int kind = one_in(3) ? KIND_INTEGER : KIND_REAL;
+    request r = request_of(h, random_number(2) && kind == KIND_REAL ? CAUSALITY_INPUT : CAUSALITY_PARAMETER, kind);
+    return get_some(h, &r, kind);
+}
+
+static int get_time(host *h) {
+    const unsigned clock = (unsigned)variables;
+    double time = NAN;
+    void *c;
+    h->insane = 0;
+    const int status = ASK3(fmi3GetFloat64(c, &clock, 1, &time, 1));
+    if (is_fine(status)) expect(h, time == h->is.time, "the time is the one reached");
+    return status;
+}
+
+/* ---- texts ---- */
+
+/* A text that names no line: no file, no UTF-8, of steering letters, of conversions, very long. */
+static const char *bad_text(void) {
+    static char longest[5000];
+    static const char *const bad[] = {"%s%n%d%s", "/nowhere/%s%s%s%s%n", "\xff\xfe\x80", "\x1b[31m\r\n\t\x01", "/\xed\xa0\x80",
+                                      "\xf4\x90\x80\x80%", "/", ".", "\xc3", "no such file %1$s %999999d"};
+    memset(longest, random_number(2) ? '%' : 0xC3, sizeof longest - 1);
+    const unsigned choice = random_number(13);
+    if (choice == 12 && lines)
+        for (int i = 0; i < lines; ++i)
+            if (strstr(line_files[i], "/bad") && random_number(2)) return line_files[i];
+    return choice < 10 ? bad[choice] : longest;
+}
+
+static const char *good_text(const host *h) {
+    if (!lines || one_in(4)) return "";
+    if (one_in(4)) return h->is.line;
+    for (;;) {
+        const char *file = line_files[random_number((unsigned)lines)];
+        if (!strstr(file, "/bad")) return file;
+    }
+}
+
+static void look_at_line(host *h) {
+    const unsigned vr = (unsigned)MODEL.line_file;
+    const char *text = NULL;
+    if (MODEL.line_file < 0) return;
+    const int status = get_text(h, &vr, 1, &text);
+    expect(h, is_fine(status) && text && strcmp(text, h->is.line) == 0, "the line is the one that was set last");
+}
+
+static int set_string(host *h) {
+    if (MODEL.line_file < 0 && !h->insane) return -1;
+    const char *text[SOME] = {good_text(h), NULL};
+    unsigned vr[SOME] = {(unsigned)MODEL.line_file};
+    size_t n = 1, values = 1; /* no model has more texts than one */
+    int null_references = 0;
+    if (h->insane) {
+        const unsigned choice = random_number(is_three(h) ? 5 : 4);
+        if (choice == 0 || MODEL.line_file < 0) n = values = 2, vr[random_number(2)] = no_reference(KIND_STRING), text[1] = "";
+        else if (choice == 1) null_references = 1;
+        else if (choice == 2) text[n - 1] = NULL;
+        else if (choice == 3) text[n - 1] = bad_text();
+        else ++values;
+    }
+    char given[PATH];
+    snprintf(given, sizeof given, "%s", text[n - 1] ? text[n - 1] : "");
+    const unsigned *const references = null_references ? NULL : vr;
+    void *c;
+    const int status = ASK(fmi2SetString(c, references, n, text), fmi3SetString(c, references, n, text, values));
+    if (is_fine(status) && !h->insane) memcpy(h->is.line, given, sizeof given);
+    if (h->is.state == INSTANTIATED) look_at_line(h);
+    return status;
+}
+
+static int get_string(host *h) {
+    const char *text[SOME] = {NULL};
+    unsigned vr = (unsigned)MODEL.line_file;
+    if (MODEL.line_file < 0 && !h->insane) return -1;
+    const unsigned choice = random_number(MODEL.line_file < 0 ? 1 : 3);
+    if (!h->insane) {
+        const int status = get_text(h, &vr, 1, text);
+        if (is_fine(status)) expect(h, strcmp(text[0], h->is.line) == 0, "the line is the one that was set last");
+        return status;
+    }
+    if (choice == 0) vr = no_reference(KIND_STRING);
+    return get_text(h, choice == 1 ? NULL : &vr, 1, choice == 2 ? NULL : text);
+}
+
+/* ---- from state to state ---- */
+
+static void be_new(host *h) {
+    memset(&h->is, 0, sizeof h->is);
+    h->stop = INFINITY;
+    for (int i = 0; i < variables; ++i) h->is.value[i] = MODEL.variable[i].start;
+}
+
+static int step_into(host *h, int status, int state) {
+    if (is_fine(status)) h->is.state = state;
+    return status;
+}
+
+/* Start and stop; insane: no number, or a stop before the start. */
+typedef struct { double start, stop, tolerance; int stops, tolerates; } plan;
+static plan any_plan(const host *h) {
+    static const double starts[] = {0.0, 0.0, 5.0, 1.7e9};
+    plan p = {starts[random_number(4)], 0.0, random_number(2) ? 1e-4 : 1e-5, (int)random_number(2), one_in(3)};
+    p.stop = p.start + 0.125 * random_number(30);
+    if (!h->insane) return p;
+    const unsigned choice = random_number(3);
+    if (choice == 0) p.start = NAN;
+    else if (choice == 1) p.start = INFINITY;
+    else p.stops = 1, p.stop = random_number(2) ? NAN : p.start - 1.0;
+    return p;
+}
+static int take_plan(host *h, plan p, int status) {
+    if (!is_fine(status) || h->insane) return status;
+    h->is.time = h->is.start = p.start;
+    h->stop = p.stops ? p.stop : INFINITY;
+    if (p.tolerates) h->is.value[MODEL.tolerance] = NAN;
+    return status;
+}
+
+static int setup_experiment(host *h) {
+    const plan p = any_plan(h);
+    void *c;
+    return take_plan(h, p, ASK2(fmi2SetupExperiment(c, p.tolerates, p.tolerance, p.start, p.stops, p.stop)));
+}
+
+static int enter_initialization(host *h) {
+    void *c;
+    if (!is_three(h)) return h->insane = 0, step_into(h, ASK2(fmi2EnterInitializationMode(c)), INITIALIZATION);
+    const plan p = any_plan(h);
+    const int status = ASK3(fmi3EnterInitializationMode(c, p.tolerates, p.tolerance, p.start, p.stops, p.stop));
+    return step_into(h, take_plan(h, p, status), INITIALIZATION);
+}
+
+static int exit_initialization(host *h) {
+    void *c;
+    h->insane = h->is.state == INITIALIZATION && !has_equations(h);
+    h->excused = h->is.wild;
+    const int status = ASK(fmi2ExitInitializationMode(c), fmi3ExitInitializationMode(c));
+    return step_into(h, status, is_exchange(h) || h->events ? EVENT : STEP);
+}
+
+static int terminate(host *h) {
+    void *c;
+    h->insane = 0;
+    return step_into(h, ASK(fmi2Terminate(c), fmi3Terminate(c)), TERMINATED);
+}
+
+static int reset(host *h) {
+    void *c;
+    h->insane = 0;
+    const int status = ASK(fmi2Reset(c), fmi3Reset(c));
+    if (is_fine(status)) be_new(h);
+    return status;
+}
+
+static int enter_event(host *h) {
+    void *c;
+    h->insane = 0;
+    const int status = step_into(h, ASK(fmi2EnterEventMode(c), fmi3EnterEventMode(c)), EVENT);
+    if (is_fine(status)) h->is.event_due = 0;
+    return status;
+}
+
+static int enter_continuous(host *h) {
+    void *c;
+    h->insane = 0;
+    return step_into(h, ASK(fmi2EnterContinuousTimeMode(c), fmi3EnterContinuousTimeMode(c)), CONTINUOUS);
+}
+
+static int enter_step(host *h) {
+    void *c;
+    h->insane = 0;
+    return step_into(h, ASK3(fmi3EnterStepMode(c)), STEP);
+}
+
+static int set_logging(host *h) {
+    const char *names[2] = {CATEGORY[random_number(4)], CATEGORY[random_number(4)]};
+    const int on = (int)random_number(3) > 0;
+    const size_t n = h->insane || random_number(2) ? 2 : 0;
+    if (h->insane) names[random_number(2)] = random_number(2) ? NULL : bad_text();
+    const char *const *const given = (h->insane && random_number(2)) || !n ? NULL : names;
+    void *c;
+    const int status = ASK(fmi2SetDebugLogging(c, on, n, given), fmi3SetDebugLogging(c, on, n, given));
+    if (!is_fine(status) || h->insane) return status;
+    unsigned named = n ? 0 : 15;
+    for (size_t i = 0; i < n; ++i)
+        for (unsigned j = 0; j < 4; ++j) named |= strcmp(names[i], CATEGORY[j]) == 0 ? 1u << j : 0;
+    h->must_hear = on ? named : n ? h->must_hear & ~named : 0;
+    h->may_hear = !is_three(h) ? 15 : on ? h->may_hear | named : h->may_hear & ~named;
+    return status;
+}
+
+/* ---- steps ---- */
+
+static double any_size(const host *h) {
+    static const double sane[] = {1e-4, 1e-3, 1e-3, 1e-2, 0.03125}, none[] = {0.0, -1.0, -1e-300, NAN, INFINITY, -INFINITY};
+    const int costly = h->is.wild || (MODEL.selectors && h->is.value[MODEL.selector[0]] > 2.0);
+    if (!h->insane && !MODEL.selectors && one_in(3)) return 0.25; /* the sled comes to its end */
+    return h->insane ? none[random_number(6)] : costly ? 1e-4 : sane[random_number(5)];
+}
+
+/* What the sum of many steps may be off by, so that the last one does not end at the stop time: a hundredth of a step. */
+static double round_off(const host *h, double size) { return 1e-2 * size + 1e3 * 2.3e-16 * (1.0 + fabs(h->is.time)); }
+
+/* What a step that came to its end says; `early`: it was cut short. */
+static void look_at_step(host *h, double end, double reached, int early) {
+    const unsigned clock = (unsigned)variables;
+    double time = NAN, value[MOST];
+    void *c;
+    expect(h, early ? reached > h->is.time && reached < end : reached == end, "a step ends where it was to end, or says so");
+    expect(h, reached <= h->stop + round_off(h, end - h->is.time), "no step goes past the stop time");
+    if (is_three(h))
+        expect(h, ASK3(fmi3GetFloat64(c, &clock, 1, &time, 1)) == OK && time == reached, "the time is the one reached");
+    expect(h, read_outputs(h, value), "outputs are read behind a step");
+    for (int i = 0; i < output_count; ++i) expect(h, isfinite(value[i]), "outputs are finite behind a step");
+    for (int i = 0; i < variables; ++i) /* those with a rate have moved along */
+        if (MODEL.variable[i].causality == CAUSALITY_INPUT && MODEL.variable[i].kind == KIND_REAL) h->is.value[i] = NAN;
+    h->is.time = reached;
+    ++done_steps;
+}
+
+/* Section 4.2.3: where a step was discarded the host may ask how far it went, and whether the run has ended. */
+static int do_step2(host *h, double point, double size) {
+    double reached = NAN;
+    int ended = -1;
+    void *c;
+    const int status = ASK2(fmi2DoStep(c, point, size, fmi2True));
+    const int asked = status != ERROR ? (int)fmi2GetRealStatus(h->instance, fmi2LastSuccessfulTime, &reached) : ERROR;
+    if (is_fine(status)) look_at_step(h, point + size, asked == OK ? reached : NAN, 0);
+    if (status != DISCARD) return status;
+    expect(h, fmi2GetBooleanStatus(h->instance, fmi2Terminated, &ended) == fmi2OK && ended, "a discarded step ends the run");
+    expect(h, asked == OK && reached >= h->is.time && reached <= point + size, "a discarded step says how far it went");
+    h->is.time = reached;
+    h->is.state = FAILED;
+    h->excused = 1;
+    ++ends;
+    return status;
+}
+
+static int do_step3(host *h, double point, double size) {
+    bool event = 1, end = 1, early = 1;
+    double reached = NAN;
+    void *c;
+    const unsigned spoilt = h->insane && one_in(3) ? random_number(4) : 4;
+    if (spoilt < 4) size = 1e-3;
+    const int status = ASK3(fmi3DoStep(c, point, size, true, spoilt == 0 ? NULL : &event, spoilt == 1 ? NULL : &end,
+                                       spoilt == 2 ? NULL : &early, spoilt == 3 ? NULL : &reached));
+    if (h->insane) return status;
+    if (status == DISCARD) {
+        expect(h, !h->early, "with leave to return early no step is discarded");
+        return h->excused = 1, ++ends, status;
+    }
+    if (!is_fine(status)) return status;
+    expect(h, !early || h->early || end, "a step returns early only with leave");
+    expect(h, !event || h->events, "event mode is asked for of those that use it");
+    look_at_step(h, point + size, reached, early);
+    h->is.event_due = event;
+    if (end) h->is.state = ENDED, ++ends;
+    return status;
+}
+
+static int do_step(host *h) {
+    double point = h->is.time, size = any_size(h);
+    if (h->insane && random_number(2)) size = 1e-3, point = random_number(2) ? NAN : h->is.time + (random_number(2) ? 0.5 : -0.5);
+    if (point + size > h->stop + round_off(h, size)) h->insane = 1;
+    h->excused = h->is.wild || h->is.event_due || point + size > h->stop;
+    return is_three(h) ? do_step3(h, point, size) : do_step2(h, point, size);
+}
+
+static int set_rates(host *h) {
+    request r = request_of(h, CAUSALITY_INPUT, KIND_REAL);
+    int order[SOME] = {1, 1, 1, 1};
+    double rate[SOME] = {0};
+    for (size_t i = 0; i < r.n; ++i) rate[i] = 0.0; /* others may leave the limits within a step */
+    if (h->insane) {
+        const unsigned choice = random_number(4);
+        if (choice == 0) order[0] = random_number(2) ? 0 : -1;
+        else if (choice == 1) rate[0] = random_number(2) ? NAN : INFINITY;
+        else spoil(h, &r, KIND_REAL), r.values = r.n;
+    }
+    void *c;
+    return ASK2(fmi2SetRealInputDerivatives(c, r.null_references ? NULL : r.vr, r.n, order, r.null_values ? NULL : rate));
+}
+
+static int get_rates(host *h) {
+    request r = request_of(h, CAUSALITY_OUTPUT, KIND_REAL);
+    int order[SOME] = {1, 1, 1, 1};
+    double rate[SOME + 1] = {0};
+    if (h->insane && one_in(3)) order[0] = 0;
+    else if (h->insane) spoil(h, &r, KIND_REAL);
+    const unsigned *const vr = r.null_references ? NULL : r.vr;
+    double *const value = r.null_values ? NULL : rate;
+    void *c;
+    const int status = ASK(fmi2GetRealOutputDerivatives(c, vr, r.n, order, value),
+                           fmi3GetOutputDerivatives(c, vr, r.n, order, value, r.values));
+    h->excused = h->is.wild;
+    for (size_t i = 0; is_fine(status) && !h->insane && i < r.n; ++i) expect(h, isfinite(rate[i]), "a rate is finite");
+    return status;
+}
+
+static int get_directional(host *h) {
+    request of = request_of(h, CAUSALITY_OUTPUT, KIND_REAL), by = request_of(h, CAUSALITY_INPUT, KIND_REAL);
+    double seed[SOME + 1] = {1.0, 0.0, 0.5, 0.0}, found[SOME + 1] = {0};
+    if (h->insane) spoil(h, random_number(2) ? &of : &by, KIND_REAL);
+    const unsigned *const unknown = of.null_references ? NULL : of.vr, *const known = by.null_references ? NULL : by.vr;
+    double *const answer = of.null_values ? NULL : found, *const given = by.null_values ? NULL : seed;
+    void *c;
+    const int status = ASK(fmi2GetDirectionalDerivative(c, unknown, of.n, known, by.n, given, answer),
+                           fmi3GetDirectionalDerivative(c, unknown, of.n, known, by.n, given, by.values, answer, of.values));
+    h->excused = h->is.wild;
+    for (size_t i = 0; is_fine(status) && !h->insane && i < of.n; ++i)
+        expect(h, isfinite(found[i]), "a directional derivative is finite");
+    return status;
+}
+
+static int cancel_step(host *h) {
+    void *c;
+    return h->insane = 0, ASK2(fmi2CancelStep(c));
+}
+
+/* Section 4.2.3: a status that cannot be told is a discard. */
+static int ask_status(host *h) {
+    const fmi2StatusKind kind = (fmi2StatusKind)random_number(4);
+    fmi2Status status = fmi2OK;
+    double time = NAN;
+    int truth = -1;
+    const char *text = NULL;
+    void *c;
+    h->insane = 0;
+    switch (random_number(4)) {
+        case 0: c = listening(h); h->excused = 1; return (int)fmi2GetStringStatus(c, kind, &text);
+        case 1: c = listening(h); h->excused = 1; return (int)fmi2GetIntegerStatus(c, kind, &truth);
+        case 2: return ASK2(fmi2GetStatus(c, fmi2DoStepStatus, &status));
+        default: {
+            const int answer = ASK2(fmi2GetRealStatus(c, fmi2LastSuccessfulTime, &time));
+            if (is_fine(answer)) expect(h, time == h->is.time, "the last successful time is the one reached");
+            return answer;
+        }
+    }
+}
+
+/* ---- model exchange ---- */
+
+static size_t size_of(const host *h, size_t right) { return h->insane ? right + 1 - 2 * (size_t)random_number(2) : right; }
+
+enum { STATES, SLOPES, NOMINALS, INDICATORS };
+static int read_array(host *h, int which, double *value, size_t n) {
+    void *c;
+    switch (which) {
+        case STATES: return ASK(fmi2GetContinuousStates(c, value, n), fmi3GetContinuousStates(c, value, n));
+        case SLOPES: return ASK(fmi2GetDerivatives(c, value, n), fmi3GetContinuousStateDerivatives(c, value, n));
+        case NOMINALS:
+            return ASK(fmi2GetNominalsOfContinuousStates(c, value, n), fmi3GetNominalsOfContinuousStates(c, value, n));
+        default: return ASK(fmi2GetEventIndicators(c, value, n), fmi3GetEventIndicators(c, value, n));
+    }
+}
+static int get_array(host *h, int which) {
+    double value[MOST] = {0}, again[MOST] = {0};
+    const size_t right = (size_t)(which == INDICATORS ? kernel_exchange_indicators() : kernel_exchange_states());
+    const int missing = h->insane && right && one_in(3);
+    const size_t n = missing ? right : size_of(h, right);
+    const int status = read_array(h, which, missing ? NULL : value, n);
+    h->excused = h->is.wild;
+    if (!is_fine(status) || h->insane) return status;
+    for (size_t i = 0; i < n; ++i) expect(h, isfinite(value[i]), "a number that comes with OK is finite");
+    for (size_t i = 0; which == NOMINALS && i < n; ++i) expect(h, value[i] > 0.0, "a nominal is above zero");
+    expect(h, read_array(h, which, again, n) == status && memcmp(value, again, n * sizeof *value) == 0,
+           "a second reading has the same bits");
+    return status;
+}
+static int get_states(host *h) { return get_array(h, STATES); }
+static int get_slopes(host *h) { return get_array(h, SLOPES); }
+static int get_nominals(host *h) { return get_array(h, NOMINALS); }
+static int get_indicators(host *h) { return get_array(h, INDICATORS); }
+
+static int get_sizes(host *h) {
+    size_t n = 0;
+    void *c;
+    const int states = random_number(2), right = states ? kernel_exchange_states() : kernel_exchange_indicators();
+    size_t *const place = h->insane ? NULL : &n;
+    const int status = states ? ASK3(fmi3GetNumberOfContinuousStates(c, place)) : ASK3(fmi3GetNumberOfEventIndicators(c, place));
+    if (is_fine(status) && !h->insane) expect(h, n == (size_t)right, "sizes are those of modelDescription.xml");
+    return status;
+}
+
+static int set_time(host *h) {
+    const double time = h->insane ? (random_number(2) ? NAN : INFINITY) : h->is.time + 1e-3 * fraction();
+    void *c;
+    const int status = ASK(fmi2SetTime(c, time), fmi3SetTime(c, time));
+    if (is_fine(status) && !h->insane) h->is.time = time;
+    return status;
+}
+
+/* A step of Euler's method that is stable, from where the equations hold; to anywhere else is insane or wild. */
+static int set_states(host *h) {
+    double state[MOST] = {0}, slope[MOST] = {0}, back[MOST] = {0};
+    const size_t right = (size_t)kernel_exchange_states();
+    const int ready = is_exchange(h) && is_fine(read_array(h, STATES, state, right)) && is_fine(read_array(h, SLOPES, slope, right));
+    const double size = ready ? 1e-5 * fraction() : 0.0;
+    for (size_t i = 0; i < right; ++i) state[i] += size * slope[i];
+    const int missing = h->insane && right && one_in(3), far = !h->insane && right && one_in(200);
+    const int no_number = h->insane && !missing && right && one_in(2);
+    if (no_number) state[random_number((unsigned)right)] = random_number(2) ? NAN : INFINITY;
+    if (far) state[random_number((unsigned)right)] = random_number(2) ? 1e300 : -1e9;
+    const size_t n = missing || no_number ? right : size_of(h, right);
+    const double *const given = missing ? NULL : state;
+    void *c;
+    const int status = ASK(fmi2SetContinuousStates(c, given, n), fmi3SetContinuousStates(c, given, n));
+    h->excused = h->is.wild || far;
+    if (!is_fine(status) || h->insane) return status;
+    h->is.wild |= far;
+    expect(h, is_fine(read_array(h, STATES, back, n)) && memcmp(back, state, n * sizeof *back) == 0,
+           "states that were set are read, bit for bit");
+    return status;
+}
+
+/* One event iteration; returns the status, and whether states moved and the run is to end. */
+static int update_once(host *h, int *more, int *moved, int *end) {
+    bool three[5] = {1, 1, 1, 1, 1};
+    double next = NAN;
+    fmi2EventInfo info = {1, 1, 1, 1, 1, NAN};
+    void *c;
+    const unsigned spoilt = h->insane ? random_number(6) : 6;
+    const int status = ASK(fmi2NewDiscreteStates(c, h->insane ? NULL : &info),
+                           fmi3UpdateDiscreteStates(c, spoilt == 0 ? NULL : &three[0], spoilt == 1 ? NULL : &three[1],
+                                                    spoilt == 2 ? NULL : &three[2], spoilt == 3 ? NULL : &three[3],
+                                                    spoilt == 4 ? NULL : &three[4], spoilt == 5 ? NULL : &next));
+    *more = is_three(h) ? three[0] : info.newDiscreteStatesNeeded;
+    *end = is_three(h) ? three[1] : info.terminateSimulation;
+    *moved = is_three(h) ? three[3] : info.valuesOfContinuousStatesChanged;
+    return status;
+}
+
+/* States that move are told; and the iteration comes to an end (3.2.2; FMI 3.0, 2.3.5). */
+static int update(host *h) {
+    double before[MOST] = {0}, after[MOST] = {0};
+    const size_t n = (size_t)kernel_exchange_states();
+    int more, moved, end, known = is_exchange(h) && is_fine(read_array(h, STATES, before, n));
+    int status = update_once(h, &more, &moved, &end);
+    h->excused = h->is.wild;
+    if (!is_fine(status) || h->insane) return status;
+    known &= is_exchange(h) && is_fine(read_array(h, STATES, after, n));
+    if (known && memcmp(before, after, n * sizeof *before) != 0) expect(h, moved, "states that moved at an event are told");
+    for (int i = 0; i < 10 && more && !end; ++i) status = update_once(h, &more, &moved, &end);
+    expect(h, !more, "an event iteration ends");
+    if (end) h->is.state = ENDED, ++ends;
+    if (end || !is_exchange(h)) return status;
+    expect(h, !is_fine(update_once(h, &more, &moved, &end)) || !moved || h->is.wild, "nothing moves at an event that is over");
+    if (end) h->is.state = ENDED;
+    return status;
+}
+
+static int complete_step(host *h) {
+    int two[2] = {-1, -1};
+    bool three[2] = {0, 0};
+    void *c;
+    const unsigned spoilt = h->insane ? random_number(2) : 2;
+    const int status = ASK(fmi2CompletedIntegratorStep(c, fmi2True, spoilt ? &two[0] : NULL, spoilt == 1 ? NULL : &two[1]),
+                           fmi3CompletedIntegratorStep(c, true, spoilt ? &three[0] : NULL, spoilt == 1 ? NULL : &three[1]));
+    h->excused = h->is.wild;
+    if (is_fine(status) && (two[1] > 0 || three[1])) h->is.state = ENDED;
+    return status;
+}
+
+/* ---- saved states ---- */
+
+typedef struct {
+    void *state;
+    picture is;
+    int face, readable;
+    double output[MOST];
+} saved;
+static saved kept[SAVED];
+
+static int take(host *h, void **state) {
+    void *c;
+    return ASK(fmi2GetFMUstate(c, state), fmi3GetFMUState(c, state));
+}
+static int let_go(host *h, void **state) {
+    void *c;
+    return ASK(fmi2FreeFMUstate(c, state), fmi3FreeFMUState(c, state));
+}
+static size_t serialised(host *h, void *state, unsigned char **bytes) {
+    size_t size = 0;
+    void *c;
+    expect(h, ASK(fmi2SerializedFMUstateSize(c, state, &size), fmi3SerializedFMUStateSize(c, state, &size)) == OK, "a state has a size");
+    *bytes = malloc(size ? size : 1);
+    if (!*bytes) exit(2);
+    expect(h, ASK(fmi2SerializeFMUstate(c, state, (char *)*bytes, size), fmi3SerializeFMUState(c, state, *bytes, size)) == OK,
+           "a state is serialised");
+    return size;
+}
+static int deserialised(host *h, const unsigned char *bytes, size_t size, void **state) {
+    void *c;
+    return ASK(fmi2DeSerializeFMUstate(c, (const char *)bytes, size, state), fmi3DeserializeFMUState(c, bytes, size, state));
+}
+
+/* The whole state, bit for bit. */
+static size_t look(host *h, unsigned char **bytes) {
+    void *state = NULL;
+    expect(h, take(h, &state) == OK, "a state is taken");
+    const size_t size = serialised(h, state, bytes);
+    expect(h, let_go(h, &state) == OK && !state, "a state is let go");
+    return size;
+}
+
+static int save(host *h) {
+    saved *const s = &kept[random_number(SAVED)];
+    if (h->insane) {
+        void *c;
+        return ASK(fmi2GetFMUstate(c, NULL), fmi3GetFMUState(c, NULL));
+    }
+    if (s->state && s->face != h->face) (void)let_go(h, &s->state);
+    const int status = take(h, &s->state);
+    s->face = h->face;
+    s->is = h->is;
+    s->readable = can_read(h);
+    if (s->readable) expect(h, read_outputs(h, s->output), "outputs are read where a state is saved");
+    if (random_number(2)) return status;
+    unsigned char *bytes = NULL;
+    void *copy = NULL;
+    const size_t size = serialised(h, s->state, &bytes);
+    expect(h, deserialised(h, bytes, size, &copy) == OK, "a serialised state is read");
+    expect(h, let_go(h, &s->state) == OK, "a state is let go");
+    s->state = copy;
+    free(bytes);
+    return status;
+}
+
+/* Whether two paths lead to the same bytes: whoever moved a line's file has the same line. */
+static int is_same_file(const char *one, const char *other) {
+    if (strcmp(one, other) == 0) return 1;
+    FILE *const a = fopen(one, "rb"), *const b = fopen(other, "rb");
+    int same = a && b, letter = 0;
+    while (same && letter != EOF) same = (letter = getc(a)) == getc(b);
+    if (a) fclose(a);
+    if (b) fclose(b);
+    return same;
+}
+
+/* What is back: mode, time, values, line and outputs. */
+static void look_at_restored(host *h, const saved *s) {
+    double output[MOST];
+    expect(h, h->events || h->face != COSIMULATION_3 || s->is.state != EVENT, "event mode is for hosts that use it");
+    const char *line = "";
+    const unsigned vr = (unsigned)MODEL.line_file;
+    if (MODEL.line_file >= 0) expect(h, is_fine(get_text(h, &vr, 1, &line)) && is_same_file(line, s->is.line), "the line is that of the saved state");
+    h->is = s->is;
+    snprintf(h->is.line, sizeof h->is.line, "%s", line);
+    ++restored;
+    if (!s->readable) return;
+    expect(h, read_outputs(h, output), "outputs are read behind a restore");
+    for (int i = 0; i < output_count; ++i)
+        expect(h, memcmp(&output[i], &s->output[i], sizeof *output) == 0, "outputs are those of the saved state");
+}
+
+static int restore(host *h) {
+    const saved *const s = &kept[random_number(SAVED)];
+    if (!h->insane && !s->state) return -1;
+    h->insane |= s->state && s->face != h->face;
+    void *const state = h->insane && (!s->state || s->face == h->face) ? NULL : s->state;
+    h->excused = s->state && (strcmp(s->is.line, h->is.line) != 0 || (s->is.state == EVENT && !h->events));
+    void *c;
+    const int status = ASK(fmi2SetFMUstate(c, state), fmi3SetFMUState(c, state));
+    if (is_fine(status) && !h->insane) look_at_restored(h, s);
+    else if (!is_fine(status)) look_at_line(h);
+    return status;
+}
+
+/* Bytes that were changed or cut, and arguments that are missing. */
+static int spoil_state(host *h) {
+    unsigned char *bytes = NULL;
+    void *state = NULL, *other = NULL;
+    void *c;
+    size_t size = 0;
+    h->insane = 1;
+    if (take(h, &state) != OK) return -1;
+    const size_t whole = serialised(h, state, &bytes);
+    int status = ERROR;
+    switch (random_number(6)) {
+        case 0:
+            bytes[random_number((unsigned)whole)] ^= (unsigned char)(1 + random_number(255));
+            status = deserialised(h, bytes, whole, &other);
+            break;
+        case 1: status = deserialised(h, bytes, whole - 1 - random_number((unsigned)whole), &other); break;
+        case 2: status = deserialised(h, random_number(2) ? NULL : bytes, 0, &other); break;
+        case 3: status = ASK(fmi2SerializedFMUstateSize(c, NULL, &size), fmi3SerializedFMUStateSize(c, NULL, &size)); break;
+        case 4: status = ASK(fmi2SerializeFMUstate(c, state, (char *)bytes, whole - 1), fmi3SerializeFMUState(c, state, bytes, whole - 1)); break;
+        default: status = ASK(fmi2SerializeFMUstate(c, NULL, (char *)bytes, whole), fmi3SerializeFMUState(c, state, NULL, whole));
+    }
+    free(bytes);
+    expect(h, !is_fine(status) || other, "a state that was read is there");
+    (void)let_go(h, &state);
+    if (other) (void)let_go(h, &other);
+    return status;
+}
+
+static int free_state(host *h) {
+    saved *const s = &kept[random_number(SAVED)];
+    void *nothing = NULL;
+    h->insane = 0;
+    if (random_number(2)) return let_go(h, &nothing);
+    const int status = let_go(h, &s->state);
+    expect(h, !s->state, "a state that was let go is gone");
+    return status;
+}
+
+/* ---- the tables ---- */
+
+/* What is allowed in which state: + succeeds with sane arguments, - is refused, o may be either, . is no state of this
+ * interface. Columns: instantiated, initialization, event, continuous-time, step (FMI 2.0: stepComplete), failed (FMI 2.0:
+ * stepFailed), ended (an event or step has asked the host to terminate), terminated. Tables of FMI 2.0.4, sections 4.2.4
+ * and 3.2.3, and allowed calls of the states of FMI 3.0.2, sections 2.3, 3.2 and 4.2. What is an o:
+ * - FMI 2.0 has no values before initialization and does not list parameters and inputs within it; FMI 3.0 has them;
+ * - inputs have no `initial` in FMI 2.0, so that the table lets no host set them before initialization, and most do;
+ * - time in event mode is one of discrete FMUs (FMI 2.0.4, footnote 8);
+ * - behind a request to terminate the standards know no more than the call that obeys it. */
+static const call CALLS[] = {
+    /*                              FMI 2.0 CS  FMI 2.0 ME  FMI 3.0 CS  FMI 3.0 ME
+     *                              INECSFDT    INECSFDT    INECSFDT    INECSFDT */
+    {"set logging", set_logging, {"++..++.+", "++++..++", "+++.+.++", "++++..++"}},
+    {"setup experiment", setup_experiment, {"+-..--.-", "+---..--", NULL, NULL}},
+    {"enter initialization", enter_initialization, {"+-..--.-", "+---..--", "+--.-.--", "+---..--"}},
+    {"exit initialization", exit_initialization, {"-+..--.-", "-+--..--", "-+-.-.--", "-+--..--"}},
+    {"terminate", terminate, {"--..++.-", "--++..+-", "--+.+.+-", "--++..+-"}},
+    {"reset", reset, {"++..++.+", "++++..++", "+++.+.++", "++++..++"}},
+    {"get outputs", get_output, {"-+..++.+", "-+++..++", "o++.+.++", "o+++..++"}},
+    {"get inputs and parameters", get_given, {"oo..++.+", "oo++..++", "+++.+.++", "++++..++"}},
+    {"get time", get_time, {NULL, NULL, "+++.+.++", "++++..++"}},
+    {"get string", get_string, {"oo..++.+", "oo++..++", "+++.+.++", "++++..++"}},
+    {"set parameters", set_parameter, {"++..--.-", "++--..--", "++-.-.--", "++--..--"}},
+    {"set string", set_string, {"++..--.-", "++--..--", "++-.-.--", "++--..--"}},
+    {"set inputs", set_input, {"o+..+-.-", "o+++..o-", "+++.+.o-", "++++..o-"}},
+    {"set discrete inputs", set_discrete_input, {"o+..+-.-", "o++-..o-", "+++.+.o-", "+++-..o-"}},
+    {"set outputs", set_output, {"--..--.-", "----..--", "---.-.--", "----..--"}},
+    {"save", save, {"++..++.+", "++++..++", "+++.+.++", "++++..++"}},
+    {"restore", restore, {"++..++.+", "++++..++", "+++.+.++", "++++..++"}},
+    {"restore what was spoilt", spoil_state, {"++..++.+", "++++..++", "+++.+.++", "++++..++"}},
+    {"free a state", free_state, {"++..++.+", "++++..++", "+++.+.++", "++++..++"}},
+    {"get directional derivatives", get_directional, {"-+..++.+", "-+++..++", "-++.+.++", "-+++..++"}},
+    {"set input derivatives", set_rates, {"++..+-.-", "----..--", NULL, NULL}},
+    {"get output derivatives", get_rates, {"--..++.+", "----..--", "--o.+.++", "----..--"}},
+    {"do step", do_step, {"--..+-.-", "----..--", "---.+.--", "----..--"}},
+    {"cancel step", cancel_step, {"--..--.-", "----..--", NULL, NULL}},
+    {"get status", ask_status, {"--..++.+", "----..--", NULL, NULL}},
+    {"enter event mode", enter_event, {"--..--.-", "--++..o-", "---.+.o-", "---+..o-"}},
+    {"enter continuous-time mode", enter_continuous, {"--..--.-", "--+-..o-", "---.-.--", "--+-..o-"}},
+    {"enter step mode", enter_step, {NULL, NULL, "--+.-.o-", "----..--"}},
+    {"update discrete states", update, {"--..--.-", "--+-..o-", "--+.-.o-", "--+-..o-"}},
+    {"completed integrator step", complete_step, {"--..--.-", "---+..o-", "---.-.--", "---+..o-"}},
+    {"set time", set_time, {"--..--.-", "--o+..o-", "---.-.--", "--o+..o-"}},
+    {"set continuous states", set_states, {"--..--.-", "---+..o-", "---.-.--", "---+..o-"}},
+    {"get continuous states", get_states, {"--..--.-", "-+++..++", "---.-.--", "-+++..++"}},
+    {"get derivatives", get_slopes, {"--..--.-", "-+++..++", "---.-.--", "-+++..++"}},
+    {"get event indicators", get_indicators, {"--..--.-", "-+++..++", "---.-.--", "-+++..++"}},
+    {"get nominals", get_nominals, {"--..--.-", "++++..++", "---.-.--", "o+++..++"}},
+    {"get numbers of states and indicators", get_sizes, {NULL, NULL, "---.-.--", "+o+o..oo"}},
+};
+enum { CALL_COUNT = sizeof CALLS / sizeof *CALLS };
+
+static char rule_of(const host *h, const call *what) {
+    if (what->act == enter_event && h->face == COSIMULATION_3 && !h->events) return '-';
+    return what->rule[h->face][h->is.state];
+}
+
+/* What it is held against, behind the call. */
+static void judge(host *h, int status) {
+    if (h->rule == '-') expect(h, status == ERROR, "a forbidden call is an error");
+    else if (h->insane) expect(h, status > WARNING, "insane arguments are refused");
+    else if (h->rule == '+' && !h->excused) expect(h, is_fine(status), "an allowed call succeeds");
+    made[h->rule == '-' ? FORBIDDEN : h->insane ? INSANE : ALLOWED]++;
+}
+
+/* One call; of a tenth of those that were refused the whole state is looked at. */
+static void make(host *h, const call *what) {
+    unsigned char *before = NULL, *behind = NULL;
+    double settled[MOST]; /* reading may evaluate what was put off, so it is read first */
+    const int watched = one_in(10) && !(h->calls_back && h->is.state == INITIALIZATION);
+    h->now = what;
+    h->rule = rule_of(h, what);
+    h->insane = h->excused = 0;
+    if (watched && h->is.state != INSTANTIATED) (void)read_outputs(h, settled);
+    const size_t size = watched ? look(h, &before) : 0;
+    h->insane = one_in(6);
+    const int no_start = h->is.state == INITIALIZATION && !can_read(h); /* of the equations, which has to be found first */
+    const int status = what->act(h);
+    h->excused |= no_start;
+    if (status >= 0) judge(h, status);
+    if (watched && status > WARNING && h->is.state == INITIALIZATION) (void)read_outputs(h, settled);
+    if (watched && status > WARNING && h->is.state != FAILED)
+        expect(h, look(h, &behind) == size && memcmp(before, behind, size) == 0, "what is refused leaves the state");
+    free(before);
+    free(behind);
+}
+
+/* ---- instances ---- */
+
+static void instantiate(host *h, int face) {
+    memset(h, 0, sizeof *h);
+    be_new(h);
+    h->face = face;
+    h->events = face == COSIMULATION_3 && random_number(2);
+    h->early = face == COSIMULATION_3 && random_number(2);
+    h->quiet = one_in(5);
+    h->calls_back = !h->quiet && one_in(5);
+    const int logging = random_number(3) > 0;
+    h->must_hear = logging ? 15 : 0;
+    h->may_hear = logging || face <= EXCHANGE_2 ? 15 : 0; /* FMI 2.0, section 2.1.3: of errors a host is told anyway */
+    const fmi2CallbackFunctions callbacks = {h->quiet ? NULL : hear2, calloc, free, NULL, h};
+    const fmi3LogMessageCallback listener = h->quiet ? NULL : hear3;
+    if (face <= EXCHANGE_2)
+        h->instance = fmi2Instantiate("machine", face == EXCHANGE_2 ? fmi2ModelExchange : fmi2CoSimulation, MODEL.guid, "",
+                                      &callbacks, fmi2False, logging);
+    else if (face == EXCHANGE_3)
+        h->instance = fmi3InstantiateModelExchange("machine", MODEL.guid, NULL, false, logging, h, listener);
+    else
+        h->instance = fmi3InstantiateCoSimulation("machine", MODEL.guid, NULL, false, logging, h->events, h->early, NULL, 0, h,
+                                                  listener, NULL);
+    if (!h->instance) exit(2);
+}
+
+static void free_instance(host *h) {
+    if (is_three(h)) fmi3FreeInstance(h->instance);
+    else fmi2FreeInstance(h->instance);
+    h->instance = NULL;
+}
+
+/* The calls that lead on, for without them few would come far. */
+static const call *way_on(const host *h) {
+    static int (*const on[8][4])(host *) = {
+        {enter_initialization, enter_initialization, set_string, set_parameter},
+        {exit_initialization, exit_initialization, exit_initialization, set_input},
+        {update, enter_continuous, enter_step, enter_step},
+        {set_time, set_states, complete_step, enter_event},
+        {do_step, do_step, do_step, set_input},
+        {reset, restore, terminate, reset},
+        {reset, restore, terminate, reset},
+        {reset, restore, reset, reset}};
+    int (*const act)(host *) = on[h->is.state][random_number(4)];
+    for (int i = 0; i < CALL_COUNT; ++i)
+        if (CALLS[i].act == act) return &CALLS[i];
+    return NULL;
+}
+
+static void play(host *h) {
+    const call *what = random_number(3) ? &CALLS[random_number(CALL_COUNT)] : way_on(h);
+    if (!what->rule[h->face]) return;
+    const int ends_life = what->act == reset || what->act == terminate;
+    if (ends_life && h->is.state < FAILED && rule_of(h, what) == '+' && random_number(15)) return;
+    make(h, what);
+}
+
+int main(int argc, char **argv) {
+    if (argc < 4) return 2;
+    const int face = atoi(argv[1]);
+    random_state = strtoull(argv[2], NULL, 10) * 2654435761u + 88172645463325252ull;
+    const long long calls = atoll(argv[3]);
+    lines = argc - 4;
+    line_files = argv + 4;
+    variables = MODEL.variables;
+    for (int i = 0; i < variables; ++i)
+        if (MODEL.variable[i].causality == CAUSALITY_OUTPUT) outputs[output_count++] = i;
+    static host hosts[HOSTS];
+    fmi2FreeInstance(NULL);
+    fmi3FreeInstance(NULL);
+    while (made[ALLOWED] + made[FORBIDDEN] + made[INSANE] < calls) {
+        const unsigned which = random_number(HOSTS);
+        host *const h = &hosts[which];
+        /* The last one is of the other interface, whose saved states are none of the others'. */
+        const int other = which == HOSTS - 1 && one_in(4) && kernel_exchange_states();
+        if (h->instance && one_in(800)) free_instance(h);
+        if (!h->instance) instantiate(h, other ? face ^ 1 : face);
+        play(h);
+    }
+    for (int i = 0; i < SAVED; ++i) (void)let_go(&hosts[0], &kept[i].state);
+    for (int i = 0; i < HOSTS; ++i) free_instance(&hosts[i]);
+    printf("%lld allowed, %lld forbidden, %lld insane, %lld steps, %lld restored, %lld ends, %lld broken\n", made[ALLOWED],
+           made[FORBIDDEN], made[INSANE], done_steps, restored, ends, broken);
+    return broken != 0;
+}
