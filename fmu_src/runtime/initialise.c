@@ -92,9 +92,11 @@ int kernel_initialise(kernel *self, double time) {
                                  kernel_clock(time, 9, when));
     }
     self->now.outputs_stale = self->now.inputs_jumped = 0;
+    int status = KERNEL_OK;
     for (int i = 0; i < MODEL.variables; ++i)
-        if (MODEL.variable[i].causality == CAUSALITY_INPUT) (void)kernel_warn_without_effect(self, i);
-    return KERNEL_OK;
+        if (MODEL.variable[i].causality == CAUSALITY_INPUT && kernel_warn_without_effect(self, i) != KERNEL_OK)
+            status = KERNEL_WARNING;
+    return status;
 }
 
 /* Opens the parameters again, all values kept; initialise afterwards. */
