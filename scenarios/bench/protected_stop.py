@@ -54,10 +54,10 @@ class ProtectedStop:
 
     @property
     def words(self) -> str:
-        """The stopping distance, or that there is none."""
-        if self.distance is None:
-            return f"did not stop: {self.end_speed:.1f} m/s after {self.time:.0f} s"
-        return f"{self.distance:.0f} m"
+        """The stopping distance, or that there is none; and the sentence of a controller that failed."""
+        moves = f"did not stop: {self.end_speed:.1f} m/s after {self.time:.0f} s"
+        found = moves if self.distance is None else f"{self.distance:.0f} m"
+        return f"{found}, no stop of this controller: {self.failure}" if self.failure else found
 
     def note(self, source: str) -> str:
         """The source of a row of a table, which says so where the machine did not stop."""

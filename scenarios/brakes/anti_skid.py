@@ -178,8 +178,8 @@ def run(options: Options) -> Result:
     remarks = [
         "Measures in the manner of EN 15595 (stopping distance, slip, lock, air), without any claim of conformity. "
         "Ideal: the best slip at every instant, as the brake fills. Sets for low adhesion are unverified. Locked "
-        f"wheels are those of the same brake without protection: on {among(found, True)} rail it locks them, on "
-        f"{among(found, False)} rail it does not, and there is nothing to compare.",
+        f"wheels are those of the same brake without protection: on {among(found, True)} rail each stands for most "
+        f"of the way; on {among(found, False)} rail they roll for most of it, and there is nothing to compare.",
         *failures,
     ]
     series = found.stops["low", "protected"].series

@@ -145,10 +145,15 @@ def build_protection(out: Path, controller: StepModel | None = None) -> Path:
 def build_controller(text: str, out: Path) -> int:
     """The FMU of FILE:CLASS; exit status 0, or 2 with a sentence."""
     file, _, name = text.rpartition(":")
+    if not (file and name):
+        print(
+            f"{text} does not become an FMU: it names no class; give FILE:CLASS, such as own.py:LetGo.", file=sys.stderr
+        )
+        return 2
     begin = time.perf_counter()
     try:
         path = build_protection(out, wheel_slide_protection(Path(file), name))
-    except (OSError, ValueError, ImportError, SyntaxError, NameError) as error:
+    except (OSError, ValueError, ImportError, SyntaxError, NameError, TypeError, AttributeError) as error:
         print(f"{text} does not become an FMU: {error}", file=sys.stderr)
         return 2
     return 1 if announce(path, time.perf_counter() - begin) else 0

@@ -227,8 +227,10 @@ def parted(rows: Sequence[Any], holds: Callable[[Any], bool | None]) -> tuple[li
 
 
 def short_table(rows: Sequence[Row], folder: Path) -> str:
-    """The table of what is judged, and of FEW rows that are not; where the others are."""
+    """The table of what is judged, and of FEW rows that are not; where the others are. Where nothing is judged, all."""
     judged, others = parted(rows, lambda row: row.holds)
+    if not judged:
+        return table(rows)
     left = len(others) - FEW
     shown = table([*judged, *others[:FEW]])
     if left < 1:

@@ -202,3 +202,18 @@ def test_prototype_is_below_forty_lines_and_never_locks_for_long(machine: Braked
     assert len(inspect.getsource(FixedSlip).splitlines()) < 40
     stop = protected_stop(machine, LOW, FixedSlip())
     assert stop.longest_lock(LOCK_ABOVE) < protected_stop(machine, LOW, None).longest_lock(LOCK_ABOVE)
+
+
+class Failing:
+    """A controller with a mistake in it."""
+
+    def step(self, time: float, wheel_speeds: Sequence[float]) -> Sequence[int]:
+        raise ValueError("my mistake")
+
+
+def test_a_controller_that_fails_is_told_wherever_its_stop_is(machine: BrakedMachine) -> None:
+    """The brake alone brings the bogie to rest; the words of that stop do not look like those of a controller."""
+    stop = protected_stop(machine, RAILS[0].values(), Failing())
+    assert stop.distance is not None
+    assert stop.words.startswith(f"{stop.distance:.0f} m, no stop of this controller: The controller Failing failed at")
+    assert "my mistake" in stop.words
