@@ -229,14 +229,13 @@ def parted(rows: Sequence[Any], holds: Callable[[Any], bool | None]) -> tuple[li
 def short_table(rows: Sequence[Row], folder: Path) -> str:
     """The table of what is judged, and of FEW rows that are not; where the others are. Where nothing is judged, all."""
     judged, others = parted(rows, lambda row: row.holds)
-    if not judged:
-        return table(rows)
     left = len(others) - FEW
-    shown = table([*judged, *others[:FEW]])
-    if left < 1:
-        return shown
-    more = f"{left} more row{'s' * (left > 1)} that {'are' if left > 1 else 'is'} not judged"
-    return f"{shown}\n\n{more}: {folder / 'summary.json'}, the page of --html, or the table of --all."
+    if not judged or left < 2:
+        return table([*judged, *others])
+    more = (
+        f"{left} more rows that are not judged: {folder / 'summary.json'}, the page of --html, or the table of --all."
+    )
+    return f"{table([*judged, *others[:FEW]])}\n\n{more}"
 
 
 def table(rows: Sequence[Row]) -> str:
