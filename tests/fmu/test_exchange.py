@@ -274,11 +274,11 @@ def test_integrators_that_do_not_lie_are_told_nothing(fmus: dict) -> None:
         begin(one, brake_torque_1=4e3, initial_speed=20.0)
         euler(one, 1e-4, 300, count)
         assert one.said == []
-    brick_path = fmus["brake", "native"]
+    brake_path = fmus["brake", "native"]
     for theta in (0.5, 1.0):
-        with host(brick_path, exchange=True) as one:
+        with host(brake_path, exchange=True) as one:
             begin(one, pressure_demand=180e3)
-            size, count = 1.0, states_of(brick_path)
+            size, count = 1.0, states_of(brake_path)
             states = read(one, "GetContinuousStates", count)
             for number in range(20):
                 before, guess = read(one, "GetDerivatives", count), states
