@@ -29,7 +29,7 @@ class Contact:
     the Y/Q at which a wheel climbs comes out 12 % above Nadal's limit, on the unsafe side. With Shen, Hedrick and
     Elkins on the flange these are 7.3 %, 10.1 % and under 2 %; FASTSIM, 5 x 5, has 7.1 % and 8.3 % at ten times the
     cost. On a tread, which spins without sliding much, theirs is no better than Polach's (scenario creep-laws). Neither
-    is used at depth 3, where every strip creeps by FASTSIM.
+    is used at depth 3, where every strip creeps by FASTSIM with flexibilities of its own.
     """
 
     depth: int = 1

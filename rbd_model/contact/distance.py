@@ -54,7 +54,7 @@ class Strips:
     curvature: np.ndarray
     stretch: np.ndarray
 
-    def part(self, which: slice) -> Strips:
+    def part(self, which: slice | np.ndarray) -> Strips:
         """Some of the strips."""
         return Strips(*(getattr(self, item.name)[..., which] for item in fields(self)))
 

@@ -61,6 +61,11 @@ class ContactArea:
     pressure: np.ndarray
     overlap: np.ndarray
 
+    def of(self, which: np.ndarray) -> ContactArea:
+        """Some of its strips, where `which` is true."""
+        rows = (self.breadth, self.half_length, self.pressure, self.overlap)
+        return ContactArea(self.strips.part(which), *(row[which] for row in rows))
+
     @property
     def loads(self) -> np.ndarray:
         """Normal force of each strip [N], whose pressure is a half ellipse."""

@@ -2,29 +2,41 @@
 
 Kalker (1982), A fast algorithm for the simplified theory of rolling contact. Each strip is followed from its leading to
 its trailing edge; the stress grows with the sliding of the rigid surfaces over the flexibility and is cut at friction
-times pressure. Three flexibilities, for creepage ahead, to the side and from spin, keep Kalker's linear theory exact on
-an ellipse; one weighted mean of them, as is often used, is up to 17 % of mu N off where spin works against creepage.
-They are those of an ellipse as long as the longest strip and of the same area.
+times pressure.
 
-It is cut at a parabola along the strip, as Kalker chose it so that the right places slide, with the load that the strip
-truly has. Half an ellipse instead would be nearer to exact theory where spin is strong and creepage against it, and
-further off elsewhere.
+How flexible a strip is depends on its length and on what pulls beside it, not on the patch as a whole: where a patch
+has a long shoulder, one ellipse for all of it was up to 21 % of mu N off, and no number of strips mended that. So the
+surfaces are asked, as `normal` asks them for the loads. Where nothing slides each strip is pulled as Carter (1926) has
+it, t G ((a - x) / (a + x))^(1/2). Cerruti says how far that stretches both surfaces in the middles of all strips, and
+the t are such that the stretch is the creepage. That finds c = pi^2 / 2 t, which in an ellipse is Kalker's coefficient
+of bodies with Poisson's ratio 0, everywhere in it. What Poisson's ratio adds, for creepage ahead, to the side and from
+spin, is that of the ellipse with the same c.
+
+Such linear forces fall with a strip's length a, FASTSIM's with its square, which is what makes the right places slide.
+So the flexibilities are those with which each strip's linear force is carried by the strips around it in proportion to
+a^2, that of spin to a^3. "Around" is what the inverse cube of the distance makes of it, as everywhere in elasticity.
+On an ellipse the sums are Kalker's linear theory, exactly.
+
+The stress is cut at a parabola along the strip, as Kalker chose it so that the right places slide, with the load that
+the strip truly has. Half an ellipse instead would be nearer to exact theory where spin is strong and creepage against
+it, and further off elsewhere.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
 from rbd_model.contact.creep.kalker import C11, C22, C23
-from rbd_model.contact.normal import TINY, ContactArea, Steel
+from rbd_model.contact.normal import TINY, ContactArea, Steel, lowering_of
 
 #: Cells along each strip; with 128 no creep force changes by more than 1 % of mu N.
 CELLS = 16
-#: ln(a/b) of the columns of Kalker's table.
-LOGARITHMS = np.log([*(i / 10 for i in range(1, 11)), *(10 / i for i in range(9, 0, -1))])
+#: a/b of the columns of Kalker's table, and strips of the ellipses for which they are read.
+AXIS_RATIOS, ELLIPSE_STRIPS = np.array([*(i / 10 for i in range(1, 11)), *(10 / i for i in range(9, 0, -1))]), 120
 
 
 @dataclass(frozen=True)
@@ -35,48 +47,118 @@ class Creepages:
     aside: np.ndarray
     spin: np.ndarray
 
+    def of(self, which: np.ndarray) -> Creepages:
+        """Those of some strips."""
+        return Creepages(self.ahead[which], self.aside[which], self.spin[which])
 
-def flexibilities(patch: ContactArea, steel: Steel) -> tuple[float, float, float]:
-    """L1, L2, L3 [m/Pa] of Kalker (1982): for creepage ahead, to the side, from spin.
 
-    Kalker's coefficients are those of Poisson's ratio 0.25, as everywhere here; at 0.28 those of creepage ahead are 4 %
-    larger. Beyond axis ratios of 10 and 1/10, the ends of his table, they stay.
+def stretches(away: np.ndarray, breadth: np.ndarray, half_length: np.ndarray) -> np.ndarray:
+    """Stretch of both surfaces in the middles of strips (rows) by t = 1 on each (columns) [1], Poisson's ratio 0.
+
+    Johnson (1985), section 3.6: a tangential force moves the surface there as a normal one does, so Carter's stress
+    stretches it by the second derivative of what half an ellipse lowers it by. away: between middles [m], 0 on the
+    diagonal.
     """
-    longest = float(np.max(patch.half_length))
-    across = 2 * float(np.sum(patch.half_length * patch.breadth)) / (math.pi * longest)
-    c11, c22, c23 = (float(np.interp(math.log(longest / across), LOGARITHMS, c)) for c in (C11, C22, C23))
-    size = longest / steel.shear_modulus
-    spin = math.pi * size * math.sqrt(longest / across) / (4 * c23)
-    return 8 * size / (3 * c11), 8 * size / (3 * c22), spin
+    ratio = (away / half_length) ** 2
+    matrix = np.pi / 2 * breadth * lowering_of(away, half_length) / (1 + ratio)
+    # On the strip itself the mean over its breadth, K(m) by the arithmetic-geometric mean.
+    np.fill_diagonal(matrix, breadth / _arithmetic_geometric_mean(np.hypot(half_length, breadth / 2), breadth / 2))
+    return np.asarray(matrix)
 
 
-def creep_forces(patch: ContactArea, creepages: Creepages, steel: Steel, friction: float) -> np.ndarray:
+def _arithmetic_geometric_mean(large: np.ndarray, small: np.ndarray) -> np.ndarray:
+    for _ in range(6):
+        large, small = (large + small) / 2, np.sqrt(large * small)
+    return large
+
+
+@dataclass(frozen=True)
+class Coefficients:
+    """By the logarithm of an ellipse's c: c11 / c, c22 / c and c23 / (c (a/b)^(1/2)), Kalker (1990), table E.3.
+
+    Its Poisson's ratio is 0.25, as everywhere here; at 0.28 those of creepage ahead are 4 % larger. Beyond axis ratios
+    of 10 and 1/10, the ends of his table, they stay.
+    """
+
+    logarithm: np.ndarray
+    ratios: np.ndarray
+
+    def of(self, c: np.ndarray) -> np.ndarray:
+        """The three ratios of strips, shape (3, n)."""
+        known = np.log(np.maximum(c, TINY))
+        return np.array([np.interp(known, self.logarithm, ratio) for ratio in self.ratios])
+
+
+@lru_cache
+def coefficients() -> Coefficients:
+    """Of the ellipses of Kalker (1990), table E.3."""
+    c = np.array([_c_of_ellipse(float(ratio)) for ratio in AXIS_RATIOS])
+    return Coefficients(np.log(c), np.array([C11, C22, np.array(C23) / np.sqrt(AXIS_RATIOS)]) / c)
+
+
+def _c_of_ellipse(axis_ratio: float) -> float:
+    """Force over G a b and the creepage, with b = 1."""
+    y = (2 * np.arange(ELLIPSE_STRIPS) + 1) / ELLIPSE_STRIPS - 1
+    breadth, half_length = np.full_like(y, 2 / ELLIPSE_STRIPS), axis_ratio * np.sqrt(1 - y**2)
+    pull = np.linalg.solve(stretches(np.abs(y[:, None] - y), breadth, half_length), np.ones_like(y))
+    return float(np.pi * np.sum(pull * half_length * breadth) / axis_ratio)
+
+
+#: Least t of a strip for a creepage of 1, of which an ellipse has 0.5 and more: divides where others carry all.
+LEAST_PULL = 0.05
+
+
+@dataclass(frozen=True)
+class Growth:
+    """How the stress grows along each strip while nothing slides: ahead and to the side [Pa/m], shape (2, n), by spin
+    [Pa/m2], and flexibility ahead and to the side over their mean [1], shape (2, n).
+    """
+
+    steady: np.ndarray
+    turning: np.ndarray
+    flexible: np.ndarray
+
+
+def growth_of(patch: ContactArea, creepages: Creepages, steel: Steel) -> Growth:
+    """Of a patch whose strips all touch: Carter (1926) and Kalker (1982), see the module."""
+    a, breadth = patch.half_length, patch.breadth
+    away = np.hypot(*(patch.strips.arm[i][:, None] - patch.strips.arm[i] for i in (1, 2)))
+    asked = np.array([np.ones_like(a), creepages.ahead, creepages.aside])
+    pull, *pulls = np.linalg.solve(stretches(away, breadth, a), asked.T).T
+    pull = np.maximum(pull, LEAST_PULL)
+    c = np.pi**2 / 2 * pull
+    *along, spin = coefficients().of(c)
+    near = (a**2 + away**2) ** -1.5
+    carried, turned = (near.T @ (breadth * a**power) for power in (2, 3))
+    stiff = np.array([near @ (breadth * a * c * ratio / carried) for ratio in along]) / np.pi
+    turning = 9 / 8 * near @ (breadth * a**2 * c * spin / turned)
+    flexible = 2 * np.array(along[::-1]) / (along[0] + along[1])
+    return Growth(steel.shear_modulus * stiff * pulls / pull, steel.shear_modulus * turning * creepages.spin, flexible)
+
+
+def creep_forces(patch: ContactArea, creepages: Creepages, steel: Steel, friction: float | np.ndarray) -> np.ndarray:
     """Forces on the wheel, ahead and to the side, of each strip [N], shape (2, n); Kalker (1982).
 
-    What differs from strip to strip is spin's doing: on a flat patch the creepage ahead falls by spin times breadth.
+    friction: of all strips or of each.
     """
-    ahead, aside, from_spin = flexibilities(patch, steel)
-    mean = patch.centre(creepages.ahead), patch.centre(creepages.aside)
-    steady = np.array(
-        [
-            mean[0] / ahead + (creepages.ahead - mean[0]) / from_spin,
-            mean[1] / aside + (creepages.aside - mean[1]) / from_spin,
-        ]
-    )
-    turning = creepages.spin / from_spin
-    flexible = 2 * np.array([[ahead], [aside]]) / (ahead + aside)
+    touching = patch.half_length > 0.0
+    inside = patch.of(touching)
+    grown = growth_of(inside, creepages.of(touching), steel)
+    limit = (friction * patch.pressure)[touching]
     places = 1 - (2 * np.arange(CELLS) + 1) / CELLS
     # The parabola has the load of half an ellipse, whose mean is pi / 4.
     shape = 1 - places**2
     shape *= math.pi / 4 / np.mean(shape)
-    stress, total, moved = np.zeros_like(steady), np.zeros_like(steady), np.zeros_like(steady)
+    stress, total, moved = (np.zeros_like(grown.steady) for _ in range(3))
     for place, height in zip(places, shape, strict=True):
         # By how much the surfaces would have moved over each other since the leading edge.
-        before, moved = moved, steady * (1 - place)
-        moved[1] += turning * patch.half_length * (1 - place**2) / 2
-        stress = _cut(stress - (moved - before) * patch.half_length, friction * patch.pressure * height, flexible)
+        before, moved = moved, grown.steady * (1 - place)
+        moved[1] += grown.turning * inside.half_length * (1 - place**2) / 2
+        stress = _cut(stress - (moved - before) * inside.half_length, limit * height, grown.flexible)
         total += stress
-    return np.asarray(total * 2 * patch.half_length / CELLS * patch.breadth)
+    forces = np.zeros((2, touching.size))
+    forces[:, touching] = total * 2 * inside.half_length / CELLS * inside.breadth
+    return forces
 
 
 def _cut(stress: np.ndarray, limit: np.ndarray, flexible: np.ndarray) -> np.ndarray:

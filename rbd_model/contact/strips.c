@@ -3,9 +3,9 @@
  * The method is that of distance.py, normal.py and strip_creep.py beside this file, which say where each formula comes
  * from, and are finer and slower. Here every segment of the wheel's contour, between places where contact of rigid
  * bodies would jump, has STRIPS strips from the first to the last place where it overlaps its rail. Strips of different
- * segments feel each other. What the reference does patch by patch, the ellipse's factor kappa and the flexibilities of
- * creep, is done for each segment with all strips that join it without a gap, so that the forces do not jump where
- * patches meet or part.
+ * segments feel each other, as they are pressed and as they creep. What the reference does patch by patch, the ellipse's
+ * factor kappa, is done for each segment with all strips that join it without a gap, so that the forces do not jump
+ * where patches meet or part.
  *
  * Seen from one wheel: x ahead, y outwards, z up; the right wheel is the mirror image of a left one. */
 #include <math.h>
@@ -29,11 +29,11 @@ typedef struct {
     const double *segment;
 } wheel_on_rail;
 
-/* Polynomials: of ln(B/A) for ln(alpha), of ln(kappa (a/b)^2) for ln(kappa), of a/b's logarithm for those of Kalker's
- * coefficients, of m1 for (K - E) / m = P(m1) + Q(m1) ln(1/m1), and the limits of the first three arguments. */
+/* Polynomials: of ln(B/A) for ln(alpha), of ln(kappa (a/b)^2) for ln(kappa), of 1/c for Kalker's coefficients over c
+ * (strip_creep.py), of m1 for (K - E) / m = P(m1) + Q(m1) ln(1/m1), and the limits of the first three arguments. */
 typedef struct {
-    double alpha[TERMS], kappa[TERMS], c11[TERMS], c22[TERMS], c23[TERMS], plain[ELLIPTIC], logarithmic[ELLIPTIC];
-    double curvatures[2], loads[2], axes[2];
+    double alpha[TERMS], kappa[TERMS], ahead[TERMS], aside[TERMS], spin[TERMS], plain[ELLIPTIC], logarithmic[ELLIPTIC];
+    double curvatures[2], loads[2], grips[2];
 } fits_of;
 
 /* Where the wheelset stands, seen from this wheel, and how it moves, in the axes of the track. */
@@ -61,8 +61,10 @@ typedef struct {
     int count;
     strip_of strip[MOST];
     double nearest[MOST_SEGMENTS]; /* largest overlap of each segment, negative where it hangs over the rail [m] */
-    double load[MOST_SEGMENTS], longest[MOST_SEGMENTS], across[MOST_SEGMENTS];
-    double share[MOST_SEGMENTS][MOST]; /* of each strip in the patch of a segment */
+    int touching, inside[MOST];    /* strips that bear a load, in whose order the rest is */
+    double stretch[MOST][MOST];    /* what Carter's stress on one strip stretches at others, as `factorise` leaves it */
+    double pull[MOST];             /* that stress for a creepage of 1 everywhere */
+    double ahead[MOST], aside[MOST], turning[MOST]; /* growth of the stress, over the shear modulus [1/m], [1/m2] */
 } pressed_of;
 
 static double series(const double *coefficient, double x) {
@@ -221,37 +223,52 @@ static void begin(const fits_of *fits, strip_of *strip, int *touch) {
     }
 }
 
+/* (K - E) / m^(1/2) of m = 1 / (1 + ratio), which both lowering and stretch are made of. */
+static double beside(const fits_of *fits, double ratio) {
+    const double m = 1.0 / (1.0 + ratio), m1 = ratio * m;
+    double plain = fits->plain[ELLIPTIC - 1], logarithmic = fits->logarithmic[ELLIPTIC - 1];
+    for (int power = ELLIPTIC - 2; power >= 0; --power) {
+        plain = plain * m1 + fits->plain[power];
+        logarithmic = logarithmic * m1 + fits->logarithmic[power];
+    }
+    return sqrt(m) * (plain - logarithmic * log(m1));
+}
+
+/* Square of the distance between the middles of two strips [m2]. */
+static double away(const strip_of *one, const strip_of *other) {
+    const double y = one->arm[1] - other->arm[1], z = one->arm[2] - other->arm[2];
+    return y * y + z * z;
+}
+
 /* How far 1 N/m on strip `by` lowers the middles of all strips, times the plane modulus: Johnson (1985), section 3.2. */
 static void lower(const fits_of *fits, const pressed_of *found, int by, double *lowering) {
     const strip_of *strip = found->strip, *loaded = strip + by;
     const double mean = loaded->breadth / (2.0 * EULER), inverse = 1.0 / loaded->half_length;
     const double scale = 4.0 / (PI * PI) * loaded->breadth * inverse, square = inverse * inverse;
-    for (int at = 0; at < found->count; ++at) {
-        const double y = strip[at].arm[1] - loaded->arm[1], z = strip[at].arm[2] - loaded->arm[2];
-        const double ratio = (at == by ? mean * mean : y * y + z * z) * square, m = 1.0 / (1.0 + ratio), m1 = ratio * m;
-        double plain = fits->plain[ELLIPTIC - 1], logarithmic = fits->logarithmic[ELLIPTIC - 1];
-        for (int power = ELLIPTIC - 2; power >= 0; --power) {
-            plain = plain * m1 + fits->plain[power];
-            logarithmic = logarithmic * m1 + fits->logarithmic[power];
-        }
-        lowering[at] = scale * sqrt(m) * (plain - logarithmic * log(m1));
-    }
+    for (int at = 0; at < found->count; ++at)
+        lowering[at] = scale * beside(fits, square * (at == by ? mean * mean : away(strip + at, loaded)));
 }
 
-/* Solves for the loads of the strips that touch, in place; the diagonal is the largest of each row. */
-static void solve(int count, double matrix[MOST][MOST], double *value) {
+/* Both triangular factors of a matrix, in place; its diagonal is the largest of each row. */
+static void factorise(int count, double matrix[MOST][MOST]) {
     for (int pivot = 0; pivot < count; ++pivot) {
         const double inverse = 1.0 / matrix[pivot][pivot];
         for (int row = pivot + 1; row < count; ++row) {
             const double factor = matrix[row][pivot] * inverse;
             for (int column = pivot + 1; column < count; ++column)
                 matrix[row][column] -= factor * matrix[pivot][column];
-            value[row] -= factor * value[pivot];
+            matrix[row][pivot] = factor;
         }
     }
+}
+
+/* Solves, in place, with what `factorise` made. */
+static void solve(int count, double factors[MOST][MOST], double *value) {
+    for (int row = 1; row < count; ++row)
+        for (int column = 0; column < row; ++column) value[row] -= factors[row][column] * value[column];
     for (int row = count - 1; row >= 0; --row) {
-        for (int column = row + 1; column < count; ++column) value[row] -= matrix[row][column] * value[column];
-        value[row] /= matrix[row][row];
+        for (int column = row + 1; column < count; ++column) value[row] -= factors[row][column] * value[column];
+        value[row] /= factors[row][row];
     }
 }
 
@@ -275,6 +292,7 @@ static void carry(const fits_of *fits, double plane_modulus, pressed_of *found, 
             load[i] = plane_modulus * strip[inside[i]].overlap;
             for (int j = 0; j < count; ++j) matrix[i][j] = lowering[inside[j]][inside[i]];
         }
+        factorise(count, matrix);
         solve(count, matrix, load);
         for (int i = 0; i < count; ++i) {
             strip[inside[i]].line_load = fmax(load[i], 0.0);
@@ -312,9 +330,8 @@ static int share_of(const pressed_of *found, int segment, double *share) {
 
 /* Half lengths by the loads: p = kappa A a E*, with the ellipse's kappa for each segment, normal.py. */
 static void lengthen(const fits_of *fits, double plane_modulus, pressed_of *found, int segment) {
-    double *share = found->share[segment], load = 0.0, along = 0.0;
+    double share[MOST], load = 0.0, along = 0.0;
     const int top = share_of(found, segment, share);
-    found->load[segment] = 0.0;
     if (top < 0) return;
     for (int i = 0; i < found->count; ++i) {
         const double part = share[i] * found->strip[i].line_load * found->strip[i].breadth;
@@ -332,11 +349,66 @@ static void lengthen(const fits_of *fits, double plane_modulus, pressed_of *foun
         strip->half_length = sqrt(2.0 / PI * strip->line_load / stiffness);
         strip->pressure = stiffness * strip->half_length;
     }
-    found->longest[segment] = found->strip[top].half_length;
-    found->load[segment] = load;
 }
 
-/* Where the wheel touches and how hard, and what creep is asked of each patch. */
+static double arithmetic_geometric_mean(double large, double small) {
+    for (int i = 0; i < 5; ++i) {
+        const double mean = 0.5 * (large + small);
+        small = sqrt(large * small);
+        large = mean;
+    }
+    return large;
+}
+
+/* How the strips that touch stretch each other, and how the stress grows along them: strip_creep.py. */
+static void stiffen(const fits_of *fits, pressed_of *found) {
+    static const double LEAST_PULL = 0.05;
+    double near[MOST][MOST], stiff[2][MOST], turned[MOST];
+    int count = 0;
+    for (int i = 0; i < found->count; ++i)
+        if (found->strip[i].line_load > 0.0) found->inside[count++] = i;
+    found->touching = count;
+    for (int by = 0; by < count; ++by) {
+        const strip_of *strip = &found->strip[found->inside[by]];
+        const double a = strip->half_length, half = 0.5 * strip->breadth, inverse = 1.0 / a, square = inverse * inverse;
+        for (int at = 0; at < count; ++at) {
+            const double ratio = square * away(&found->strip[found->inside[at]], strip), m = 1.0 / (1.0 + ratio);
+            near[at][by] = m * sqrt(m);
+            found->stretch[at][by] =
+                at == by ? 2.0 * half / arithmetic_geometric_mean(sqrt(a * a + half * half), half)
+                         : 4.0 / PI * half * inverse * m * beside(fits, ratio);
+        }
+        found->pull[by] = 1.0;
+    }
+    factorise(count, found->stretch);
+    solve(count, found->stretch, found->pull);
+    for (int by = 0; by < count; ++by) {
+        const strip_of *strip = &found->strip[found->inside[by]];
+        double carried = 0.0, turning = 0.0;
+        for (int i = 0; i < count; ++i) {
+            const strip_of *other = &found->strip[found->inside[i]];
+            const double part = near[i][by] * other->half_length * other->half_length * other->breadth;
+            carried += part;
+            turning += part * other->half_length;
+        }
+        found->pull[by] = fmax(found->pull[by], LEAST_PULL);
+        const double grip = 0.5 * PI * PI * found->pull[by], known = within(1.0 / grip, fits->grips);
+        const double force = grip * strip->half_length * strip->breadth;
+        stiff[0][by] = force * series(fits->ahead, known) / (PI * carried);
+        stiff[1][by] = force * series(fits->aside, known) / (PI * carried);
+        turned[by] = 1.125 * force * strip->half_length * series(fits->spin, known) / turning;
+    }
+    for (int at = 0; at < count; ++at) {
+        found->ahead[at] = found->aside[at] = found->turning[at] = 0.0;
+        for (int by = 0; by < count; ++by) {
+            found->ahead[at] += near[at][by] * stiff[0][by];
+            found->aside[at] += near[at][by] * stiff[1][by];
+            found->turning[at] += near[at][by] * turned[by];
+        }
+    }
+}
+
+/* Where the wheel touches and how hard, and how its strips answer to creepage. */
 static void press(const wheel_on_rail *pair, const fits_of *fits, const stand_of *stand, double plane_modulus,
                   pressed_of *found) {
     int touch[MOST];
@@ -344,12 +416,7 @@ static void press(const wheel_on_rail *pair, const fits_of *fits, const stand_of
     for (int i = 0; i < found->count; i += STRIPS) begin(fits, found->strip + i, touch + i);
     carry(fits, plane_modulus, found, touch);
     for (int segment = 0; segment < pair->segments; ++segment) lengthen(fits, plane_modulus, found, segment);
-    for (int segment = 0; segment < pair->segments; ++segment) {
-        double area = 0.0;
-        for (int i = 0; i < found->count; ++i)
-            area += 2.0 * found->share[segment][i] * found->strip[i].half_length * found->strip[i].breadth;
-        found->across[segment] = found->load[segment] > 0.0 ? area / (PI * found->longest[segment]) : 0.0;
-    }
+    stiffen(fits, found);
 }
 
 /* A stress that is met by friction: FASTSIM with three flexibilities, strip_creep.py. */
@@ -362,7 +429,7 @@ static void cut(double *stress, double limit, const double *flexible) {
     for (int i = 0; i < 2; ++i) stress[i] *= share;
 }
 
-/* Force of a strip [N] for steady sliding over flexibility [Pa/m], the turning of spin [Pa/m2], and friction. */
+/* Force of a strip [N] for the stress's growth [Pa/m], that by spin [Pa/m2], and friction. */
 static void creep_of_strip(const strip_of *strip, const double *steady, double turning, double limit,
                            const double *flexible, double *force) {
     static const double MEAN = 2.0 / 3.0 + 1.0 / (3.0 * (double)CELLS * (double)CELLS); /* of the parabola in the middles of the cells */
@@ -380,16 +447,6 @@ static void creep_of_strip(const strip_of *strip, const double *steady, double t
         total[1] += stress[1];
     }
     for (int i = 0; i < 2; ++i) force[i] = total[i] * 2.0 * strip->half_length / (double)CELLS * strip->breadth;
-}
-
-/* By how much creepage ahead, to the side and from spin move the surface for each stress [m/Pa], strip_creep.py. */
-static void flexibilities(const fits_of *fits, const pressed_of *found, int segment, const steel_of *steel,
-                          double *flexibility) {
-    const double longest = found->longest[segment], slender = longest / found->across[segment];
-    const double logarithm = within(log(slender), fits->axes), size = longest / (steel->modulus * steel->adhesion);
-    flexibility[0] = 8.0 * size / (3.0 * exp(series(fits->c11, logarithm)));
-    flexibility[1] = 8.0 * size / (3.0 * exp(series(fits->c22, logarithm)));
-    flexibility[2] = PI * size * sqrt(slender) / (4.0 * exp(series(fits->c23, logarithm)));
 }
 
 /* How the wheel's surface slides at a strip: ahead, to the side [m/s], spin [rad/s], and closing in on the rail. */
@@ -422,37 +479,34 @@ static void add_strip(const strip_of *strip, const motion_of *motion, const doub
     result[10] += 0.5 * elastic * strip->overlap; /* work of surfaces that are lowered in proportion */
 }
 
-/* Creep forces of a segment's strips, and with them all that it does. */
-static void slide_segment(const fits_of *fits, const pressed_of *found, int segment, const motion_of *motion,
-                          const steel_of *steel, double *result) {
-    result[8] = found->nearest[segment];
-    if (!(found->load[segment] > 0.0)) return;
-    double sliding[MOST][4], mean[2] = {0.0, 0.0}, flexibility[3];
-    for (int i = 0; i < found->count; ++i) {
-        const strip_of *strip = &found->strip[i];
-        if (!(strip->line_load > 0.0)) continue;
-        slide(strip, motion, sliding[i]);
-        const double weight = found->share[segment][i] * strip->line_load * strip->breadth / found->load[segment];
-        for (int k = 0; k < 2; ++k) mean[k] += weight * sliding[i][k];
+/* Friction of a strip that slides, rbd_model/adhesion.py. */
+static double friction_of(const motion_of *motion, const steel_of *steel, const double *sliding) {
+    const double speed = sqrt(sliding[0] * sliding[0] + sliding[1] * sliding[1]);
+    return motion->friction * (steel->fall * exp(-steel->decay * speed) + steel->ratio);
+}
+
+/* Creep forces of all strips, and what each does for its segment. */
+static void creep(pressed_of *found, const motion_of *motion, const steel_of *steel, double *result) {
+    double sliding[MOST][4], pulled[2][MOST];
+    const int count = found->touching;
+    for (int i = 0; i < count; ++i) {
+        slide(&found->strip[found->inside[i]], motion, sliding[i]);
+        for (int k = 0; k < 2; ++k) pulled[k][i] = sliding[i][k];
     }
-    flexibilities(fits, found, segment, steel, flexibility);
-    const double flexible[2] = {2.0 * flexibility[0] / (flexibility[0] + flexibility[1]),
-                                2.0 * flexibility[1] / (flexibility[0] + flexibility[1])};
-    const double speed = motion->velocity[0], least = steel->creepage_speed;
-    const double slowness = 1.0 / sqrt(speed * speed + least * least), ahead = fmax(fmin(speed / least, 1.0), -1.0);
-    const double friction = motion->friction * (steel->fall * exp(-steel->decay * sqrt(mean[0] * mean[0] + mean[1] * mean[1])) +
-                                                steel->ratio);
-    for (int i = 0; i < found->count; ++i) {
-        const strip_of *strip = &found->strip[i];
-        if (strip->segment != segment || !(strip->line_load > 0.0)) continue;
+    for (int k = 0; k < 2; ++k) solve(count, found->stretch, pulled[k]);
+    const double speed = motion->velocity[0], least = steel->creepage_speed, modulus = steel->modulus * steel->adhesion;
+    const double stiffness = modulus / sqrt(speed * speed + least * least), ahead = fmax(fmin(speed / least, 1.0), -1.0);
+    for (int i = 0; i < count; ++i) {
+        const strip_of *strip = &found->strip[found->inside[i]];
         const double elastic = strip->line_load * strip->breadth;
-        const double factor = fmax(1.0 + steel->damping * sliding[i][3], 0.0);
-        double steady[2], force[2];
-        for (int k = 0; k < 2; ++k)
-            steady[k] = slowness * (mean[k] / flexibility[k] + (sliding[i][k] - mean[k]) / flexibility[2]);
-        creep_of_strip(strip, steady, ahead * slowness * sliding[i][2] / flexibility[2],
-                       friction * factor * strip->pressure, flexible, force);
-        add_strip(strip, motion, sliding[i], force, factor * elastic, elastic, result);
+        const double factor = fmax(1.0 + steel->damping * sliding[i][3], 0.0), share = stiffness / found->pull[i];
+        const double steady[2] = {share * found->ahead[i] * pulled[0][i], share * found->aside[i] * pulled[1][i]};
+        const double whole = 2.0 / (found->ahead[i] + found->aside[i]);
+        const double flexible[2] = {whole * found->aside[i], whole * found->ahead[i]};
+        double force[2];
+        creep_of_strip(strip, steady, ahead * stiffness * sliding[i][2] * found->turning[i],
+                       friction_of(motion, steel, sliding[i]) * factor * strip->pressure, flexible, force);
+        add_strip(strip, motion, sliding[i], force, factor * elastic, elastic, result + OF_SEGMENT * strip->segment);
     }
 }
 
@@ -510,10 +564,11 @@ static void forces_of_wheel(const wheel_on_rail *pair, const fits_of *fits, cons
     stand_where(argument, constant, &stand);
     move_how(argument, side, &stand, &motion);
     if (anew) press(pair, fits, &stand, steel.plane_modulus, found);
+    for (int i = 0; i < OF_SEGMENT * pair->segments; ++i) result[i] = 0.0;
+    creep(found, &motion, &steel, result);
     for (int segment = 0; segment < pair->segments; ++segment) {
         double *of = result + OF_SEGMENT * segment, moment[3];
-        for (int i = 0; i < OF_SEGMENT; ++i) of[i] = 0.0;
-        slide_segment(fits, found, segment, &motion, &steel, of);
+        of[8] = found->nearest[segment];
         for (int i = 0; i < 3; ++i) /* in the wheelset's own axes */
             moment[i] = stand.axes[0][i] * of[3] + stand.axes[1][i] * of[4] + stand.axes[2][i] * of[5];
         of[1] *= side;

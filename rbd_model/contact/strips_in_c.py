@@ -15,12 +15,11 @@ import numpy as np
 from scipy.special import ellipe, ellipkm1
 
 from fmu_src.chain import Part, part_in_c
-from rbd_model.contact.creep.kalker import C11, C22, C23
 from rbd_model.contact.geometry import Side
 from rbd_model.contact.normal import ellipses
 from rbd_model.contact.patches import patches_of
 from rbd_model.contact.profiles import Profile
-from rbd_model.contact.strip_creep import LOGARITHMS
+from rbd_model.contact.strip_creep import coefficients
 
 #: Numbers that the part takes: a `PatchState` but for its nearest point; a `Wheel`, the `surroundings` of
 #: patched_wheelset.py and Poisson's ratio. Results of a segment (`Press`) and of the wheel (place, angle, pressure);
@@ -28,6 +27,8 @@ from rbd_model.contact.strip_creep import LOGARITHMS
 ARGUMENTS, CONSTANTS, OF_SEGMENT, OF_WHEEL, MOST_SEGMENTS = 13, 13, 11, 3, 6
 #: Coefficients of a polynomial in strips.c, and a fit's largest distance from what it stands for.
 TERMS, ELLIPTIC_TERMS, FIT_ERROR = 12, 7, 2e-4
+#: The same for what Kalker's coefficients are of c, 0.47 to 1.41: that of spin on the widest ellipses is furthest off.
+KALKER_ERROR = 0.015
 #: Axis ratios of ellipses from 1/30 to 30, and complements of the modulus from far strips to near ones.
 LARGEST_LOGARITHM, LEAST_COMPLEMENT = math.log(30.0), 1e-9
 
@@ -98,17 +99,20 @@ def contour_entry(name: str, profile: Profile) -> str:
 
 
 def fits_in_c() -> str:
-    """The `fits_of` of all wheels: polynomials through Hertz's ellipses (Johnson 1985), table E.3 of Kalker (1990) and
-    K - E.
+    """The `fits_of` of all wheels: polynomials through Hertz's ellipses (Johnson 1985), table E.3 of Kalker (1990) over
+    what strips make of its ellipses, and K - E.
     """
-    table = ellipses()
+    table, kalker = ellipses(), coefficients()
     kept = np.abs(table.axis_ratio) <= LARGEST_LOGARITHM
     ratio, alpha, kappa = (row[kept] for row in (table.curvature_ratio, table.alpha, table.kappa))
     loads = kappa + 2 * table.axis_ratio[kept]
     fits = [fitted(ratio, alpha), fitted(loads, kappa)]
-    fits += [fitted(LOGARITHMS, np.log(column), error=0.01, terms=8) for column in (C11, C22, C23)]
+    # Between the rows of Kalker's table too: a polynomial through the rows alone swings between them.
+    row = np.arange(kalker.logarithm.size)
+    grip = np.exp(np.interp(np.linspace(row[0], row[-1], 20 * row.size), row, kalker.logarithm))
+    fits += [fitted(1 / grip, ratio, KALKER_ERROR, terms=10) for ratio in kalker.of(grip)]
     fits += elliptic_fit()
-    limits = [(row.min(), row.max()) for row in (ratio, loads, LOGARITHMS)]
+    limits = [(row.min(), row.max()) for row in (ratio, loads, 1 / grip)]
     rows = ["{" + ", ".join(repr(float(value)) for value in row) + "}" for row in (*fits, *limits)]
     return f"static const fits_of FITS = {{{', '.join(rows)}}};\n"
 

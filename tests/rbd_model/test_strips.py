@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from rbd_model.contact import normal
 from rbd_model.contact.creep.kalker import C11, C22, C23
 from rbd_model.contact.distance import LEFT, RIGHT, Stand, Strips, areas, stand_of, strips_at, touching
 from rbd_model.contact.geometry import Pair, contact_at
@@ -16,16 +17,18 @@ from rbd_model.contact.normal import ContactArea, Steel, ellipses, patches
 from rbd_model.contact.profiles import from_points
 from rbd_model.contact.strip_creep import Creepages, creep_forces
 from rbd_model.contact.strips import Pressed, creepages_of, motion_of, place_of, pressed, rolling, total, under_load
+from scenarios.bench.wheel_on_strips import press_wheel
 from scenarios.contact import contact_manchester as manchester
 from scenarios.thesis.creep_forces import EXACT, FRICTION, LOAD, SEMI_AXES, SHEAR_MODULUS
+from tests.rolling_half_space import grid_of, pressure, rolling_forces, tractions
 
 STEEL = Steel(82e9, 0.28)
 #: 24 strips across the overlap against closed forms, measured up to 1.2 %: the edge lies somewhere within a strip.
 STRIP_ERROR = 0.02
 #: Against elements: measured up to 1.5 % in load and, where the patch has a shoulder, 0.14 mm in place.
 ELEMENT_ERROR, ELEMENT_PLACE = 0.025, 0.2e-3
-#: FASTSIM on an ellipse against CONTACT [% of mu N], largest and mean: measured 6.9 and 2.2, without strong spin 2.8.
-FASTSIM_ERROR, FASTSIM_MEAN, FASTSIM_CREEP = 7.5, 2.5, 3.0
+#: FASTSIM on an ellipse against CONTACT [% of mu N], largest and mean: measured 6.0 and 1.8, without strong spin 2.7.
+FASTSIM_ERROR, FASTSIM_MEAN, FASTSIM_CREEP = 6.5, 2.0, 3.0
 
 
 def crowned(rail_radius: float, wheel_radius: float = 0.5) -> Pair:
@@ -64,67 +67,8 @@ def test_table_of_ellipses_is_round_where_the_curvatures_are_equal() -> None:
     assert found == pytest.approx([2.0, 4 / math.pi], rel=1e-5)
 
 
-#: Elements of the exact theory, its rounds and the change at which they end.
-ALONG, ACROSS, ROUNDS, CHANGE = 64, 128, 300, 1e-6
-
-
-def normal_loads(
-    pair: Pair, stand: Stand, steel: Steel, on_wheel: tuple[float, float], length: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Normal force of each column of elements along the rail [N], and their positions on the rail [m].
-
-    on_wheel: the part of the wheel that is looked at, length: of the elements together along the rail [m].
-    Love's influence numbers; conjugate gradients of Polonsky and Keer (1999), Wear 231.
-    """
-    strips = strips_at(pair, stand, np.linspace(*on_wheel, 4000))
-    arc = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(strips.arm[1]), np.diff(strips.arm[2])))])
-    broad, long = arc[-1] / ACROSS, length / ALONG
-    y, x = (np.arange(ACROSS) + 0.5) * broad, (np.arange(ALONG) + 0.5) * long - length / 2
-    distance, bend, middle, on_rail = (
-        np.interp(y, arc, row) for row in (strips.distance, strips.curvature, strips.arm[0], strips.on_rail)
-    )
-    gap = distance + bend * (x[:, None] + middle[np.argmin(distance)] - middle) ** 2
-    pressure = _pressure(gap, _influence(long, broad, steel))
-    return np.sum(pressure, axis=0) * long * broad, on_rail
-
-
-def _influence(long: float, broad: float, steel: Steel) -> np.ndarray:
-    """Transformed influence numbers of an element on all others, on a grid twice as large."""
-    x = np.fft.fftfreq(2 * ALONG, 1 / (2 * ALONG))[:, None] * long
-    y = np.fft.fftfreq(2 * ACROSS, 1 / (2 * ACROSS))[None, :] * broad
-
-    def corner(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        away = np.hypot(x, y)
-        return x * np.log(y + away) + y * np.log(x + away)
-
-    a, b = long / 2, broad / 2
-    love = corner(x + a, y + b) + corner(x - a, y - b) - corner(x + a, y - b) - corner(x - a, y + b)
-    return np.fft.rfft2(love * (1 - steel.poisson_ratio) / (np.pi * steel.shear_modulus))
-
-
-def _pressure(gap: np.ndarray, influence: np.ndarray) -> np.ndarray:
-    def lowered(load: np.ndarray) -> np.ndarray:
-        padded = np.fft.rfft2(load, s=(2 * ALONG, 2 * ACROSS))
-        return np.fft.irfft2(padded * influence, s=(2 * ALONG, 2 * ACROSS))[:ALONG, :ACROSS]
-
-    pressure = np.where(gap < 0.0, 1e8, 0.0)
-    direction, before, restart = np.zeros_like(gap), 1.0, True
-    for _ in range(ROUNDS):
-        left = lowered(pressure) + gap
-        touch = pressure > 0.0
-        square = np.sum(left[touch] ** 2)
-        direction = np.where(touch, left + (0.0 if restart else square / before) * direction, 0.0)
-        before = square
-        response = lowered(direction)
-        step = np.sum(left[touch] * direction[touch]) / np.sum(response[touch] * direction[touch])
-        new = np.maximum(pressure - step * direction, 0.0)
-        overlap = (new == 0.0) & (left < 0.0)
-        restart = bool(np.any(overlap))
-        new = np.where(overlap, new - step * left, new)
-        change, pressure = np.sum(np.abs(new - pressure)), new
-        if change < CHANGE * np.sum(pressure):
-            break
-    return pressure
+#: Elements of the exact theory.
+ELEMENTS = (64, 128)
 
 
 def held(name: str, shift: float, load: float = 10e3) -> tuple[Stand, list[Pressed]]:
@@ -140,7 +84,8 @@ def test_load_and_place_are_those_of_elements(shift: float, patch_count: int) ->
     stand, contacts = held("right", shift)
     overlapping = areas(pair, stand)
     length = 3 * max(float(np.max(contact.patch.half_length)) for contact in contacts)
-    loads, on_rail = normal_loads(pair, stand, STEEL, (overlapping[0][0] - 1e-3, overlapping[-1][1] + 1e-3), length)
+    grid = grid_of(pair, stand, (overlapping[0][0] - 1e-3, overlapping[-1][1] + 1e-3), length, ELEMENTS)
+    loads, on_rail = np.sum(pressure(grid, STEEL), axis=0) * grid.area, grid.strips.on_rail
     ours = sum(contact.patch.load for contact in contacts)
     place = sum(contact.patch.load * contact.patch.centre(contact.patch.strips.on_rail) for contact in contacts) / ours
     assert len(contacts) == patch_count
@@ -310,3 +255,78 @@ def test_rail_of_the_benchmark_is_its_contour_and_stands_on_its_gauge() -> None:
     gauge_side = contour[contour[:, 0] < -20.0]
     face = np.interp(-14.0, gauge_side[:, 1], gauge_side[:, 0]) / 1e3
     assert face == pytest.approx(manchester.GAUGE_FACE, abs=1e-7)
+
+
+#: Exact theory by elements against CONTACT on an ellipse [% of mu N]: measured 5.4 with 12 x 12 of them and 2.7
+#: with 20 x 20, as the stretch is taken over a whole element; on the patch at 0.5 mm 64 x 96 are within 0.4 of 24 x 40.
+ELEMENT_CREEP, COARSE, FINE, ROLLING_ELEMENTS = 4.0, 12, 20, (24, 40)
+#: Creep of a patch with a shoulder, which one equivalent ellipse had up to 21 off [% of mu N]: the same as is asked of
+#: the whole benchmark. Measured up to 4.8. How far 24 strips are from 96: measured up to 0.6.
+SHOULDER_ERROR, LIMIT_ERROR = manchester.FORCE_BAND, 1.0
+
+
+def rolling_ellipse(count: int, rows: np.ndarray) -> np.ndarray:
+    """Largest distance of exact theory by count x count elements from rows of CONTACT [% of mu N]."""
+    steel, off = Steel(SHEAR_MODULUS, 0.25), []
+    size = tuple(2 * axis / count for axis in SEMI_AXES)
+    places = np.array(np.meshgrid(np.arange(count), np.arange(count))).reshape(2, -1)
+    x, y = ((places[i] + 0.5) * size[i] - SEMI_AXES[i] for i in range(2))
+    inside = 1 - (x / SEMI_AXES[0]) ** 2 - (y / SEMI_AXES[1]) ** 2
+    touch = inside > 0.0
+    limit = np.sqrt(inside[touch])
+    limit *= FRICTION * LOAD / (np.sum(limit) * size[0] * size[1])
+    for ahead, aside, spin, *force in rows:
+        rigid = np.array([ahead - spin * y[touch], aside + spin * x[touch]])
+        found = np.sum(tractions(places[:, touch], size, limit, rigid, steel), axis=1) * size[0] * size[1]
+        off.append(100 * math.hypot(*(found - force)) / (FRICTION * LOAD))
+    return np.max(off)
+
+
+def test_elements_roll_as_kalkers_program_says_and_more_of_them_are_nearer() -> None:
+    coarse, fine = (rolling_ellipse(count, EXACT[::15]) for count in (COARSE, FINE))
+    assert fine < ELEMENT_CREEP < coarse
+
+
+def creep_of_elements(stand: Stand, motion: manchester.Motion, length: float) -> np.ndarray:
+    """Creep force on the right wheel of the benchmark, ahead, outwards and up, over its friction times load."""
+    overlapping = areas(manchester.manchester_pair(), stand)
+    reach = overlapping[0][0] - 0.2e-3, overlapping[-1][1] + 0.2e-3
+    grid = grid_of(manchester.manchester_pair(), stand, reach, length, ROLLING_ELEMENTS)
+    found = pressure(grid, STEEL)
+    ahead, aside = rolling_forces(grid, found, creepages_of(grid.strips, motion), STEEL, manchester.FRICTION)
+    return in_track(grid.strips.angle, ahead, aside) / (manchester.FRICTION * np.sum(found) * grid.area)
+
+
+def in_track(angle: np.ndarray, ahead: np.ndarray, aside: np.ndarray) -> np.ndarray:
+    """Sum of creep forces, ahead, outwards and up."""
+    return np.array([np.sum(ahead), np.cos(angle) @ aside, np.sin(angle) @ aside])
+
+
+def creep_by_strips(stand: Stand, motion: manchester.Motion) -> np.ndarray:
+    """As `creep_of_elements`, by the study tool."""
+    pair = manchester.manchester_pair()
+    contacts = pressed(pair, stand, STEEL, manchester.FRICTION, lambda s: creepages_of(s, motion))
+    creep = sum(in_track(one.patch.strips.angle, *one.creep) for one in contacts)
+    return np.asarray(creep) / (manchester.FRICTION * sum(one.patch.load for one in contacts))
+
+
+def creep_of_level(stand: Stand, motion: manchester.Motion) -> np.ndarray:
+    """As `creep_of_elements`, by contact depth 3."""
+    pair = manchester.manchester_pair()
+    sliding, smooth = (press_wheel(pair, STEEL, mu, stand, motion).force for mu in (manchester.FRICTION, 0.0))
+    return np.asarray(sliding - smooth) / (manchester.FRICTION * float(np.hypot(*smooth[1:])))
+
+
+@pytest.mark.parametrize("shift", [0.25, 0.5, 0.75])
+def test_patch_with_a_shoulder_creeps_as_elements_do(shift: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where the patch is up to 16 mm wide, three quarters of it flat: with any number of strips, which converge."""
+    stand, contacts = held("right", shift)
+    _, motion = manchester.case("right", shift)
+    exact = creep_of_elements(stand, motion, 2.3 * max(float(np.max(one.patch.half_length)) for one in contacts))
+    found = {0: creep_of_level(stand, motion)}
+    for count in (8, 24, 96):
+        monkeypatch.setattr(normal, "STRIPS", count)
+        found[count] = creep_by_strips(stand, motion)
+    for count, creep in found.items():
+        assert 100 * math.hypot(*(creep - exact)) < SHOULDER_ERROR, count
+    assert 100 * math.hypot(*(found[24] - found[96])) < LIMIT_ERROR
