@@ -45,15 +45,17 @@ def add_ends(assembly: Assembly, wheelsets: Sequence[SpatialWheelset]) -> None:
 
 
 def warn_of_climbing(assembly: Assembly, wheelsets: Sequence[SpatialWheelset]) -> None:
-    """Limit of Y/Q after Nadal (1896) for a wheel whose flange touches.
+    """Limit of Y/Q after Nadal (1896) for a wheel whose flange touches, with the friction of the gauge face.
 
     As a margin of forces, which needs no load to divide by.
     """
+    of_face = assembly.parameter["gauge_face_friction"]
     for wheelset in wheelsets:
         share, angle = assembly.resting_on(wheelset.number) / 2, flange_of(wheelset.data.equal_sides).angle
         for index, (push, side) in enumerate(zip(wheelset.flange.push, SIDES.values(), strict=True)):
             rolled = wheelset.rolled
-            margin = nadal_limit(angle, rolled.frictions[index]) * rolled.loads[index] - rolled.thrusts[index] - push
+            limit = nadal_limit(angle, of_face * rolled.frictions[index])
+            margin = limit * rolled.loads[index] - rolled.thrusts[index] - push
             # The creep forces in it cost as much as half of a right-hand side: only where the flange touches.
             assembly.system.warn_when_negative(
                 ca.if_else(push > 0, margin / share, 1),

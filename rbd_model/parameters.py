@@ -79,6 +79,9 @@ class BogieParameters(ParameterSet):
     shear_modulus: float = quantity("Pa", "Shear modulus of wheel and rail (G)", POSITIVE)
     left_rail_friction: float = quantity("1", "Factor on the friction of the left rail, in space", 0.0)
     right_rail_friction: float = quantity("1", "Factor on the friction of the right rail, in space", 0.0)
+    gauge_face_friction: float = quantity(
+        "1", "Factor on the friction of the rails' gauge faces (contact depth 1: in Nadal's limit alone), in space", 0.0
+    )
     contact_damping: float = quantity(
         "s/m", "Damping of an elastic contact, share of its force by the speed at which it is pressed", 0.0
     )
@@ -203,6 +206,7 @@ def tables_5_1_and_5_2() -> BogieParameters:
         shear_modulus=82e9,
         left_rail_friction=1.0,
         right_rail_friction=1.0,
+        gauge_face_friction=1.0,
         contact_damping=1.0,
         creepage_speed=0.01,
         gravity=9.81,

@@ -260,10 +260,11 @@ def feel_rail(assembly: Assembly, number: int, index: int, standing: Standing) -
     return wheel, state
 
 
-def surroundings(assembly: Assembly) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
+def surroundings(assembly: Assembly) -> tuple[ca.SX, ...]:
     """What all contacts of a vehicle have in common, in the order of `PatchConstants`."""
     p = assembly.parameter
-    return p["creepage_speed"], p["shear_modulus"], assembly.rail.surface.symbols, p["contact_damping"]
+    steel, surface = (p["creepage_speed"], p["shear_modulus"]), assembly.rail.surface.symbols
+    return *steel, surface, p["contact_damping"], p["gauge_face_friction"]
 
 
 def stand_freely(assembly: Assembly, data: Wheelset, body: Body, pressed: Sequence[Press]) -> tuple[ca.SX, ca.SX]:

@@ -12,6 +12,7 @@ from functools import lru_cache
 import casadi as ca
 
 from fmu_src.chain import Bundle, Chain, Part, rows
+from rbd_model.adhesion import friction_over_angle
 from rbd_model.contact.creep.law import CreepLaw
 from rbd_model.contact.elastic import damped, elastic_force
 from rbd_model.creep_of_wheel import creep_of_wheel, how_it_slides
@@ -68,6 +69,7 @@ class PatchConstants(Bundle):
     shear_modulus: ca.SX = rows(1)  # [Pa]
     surface: ca.SX = rows(5)
     damping: ca.SX = rows(1)  # of the contact [s/m]
+    gauge_face: ca.SX = rows(1)  # factor on the friction of the rail's gauge face [1]
 
 
 @dataclass(frozen=True)
@@ -134,7 +136,8 @@ def press(
 
     directions = along, sideways, patch.normal
     slides = chain.narrow(how_it_slides(sliding, own_rate, directions, state.forward, fixed.creepage_speed))
-    given = ca.vertcat(slides, *curvatures, normal, state.friction)
+    friction = state.friction * friction_over_angle(-fixed.wheel[0] * patch.across[0], fixed.gauge_face)
+    given = ca.vertcat(slides, *curvatures, normal, friction)
     creep = chain.call(creeping, given, ca.vertcat(fixed.shear_modulus, fixed.surface))
     # The law knows no load below the smallest; without any there is no creep force.
     share = normal / at_least(normal, SMALLEST_LOAD)

@@ -47,7 +47,7 @@ typedef struct {
 
 /* The steel, and the surface of rbd_model/adhesion.py. */
 typedef struct {
-    double creepage_speed, modulus, plane_modulus, ratio, decay, fall, adhesion, damping;
+    double creepage_speed, modulus, plane_modulus, ratio, decay, fall, adhesion, damping, gauge_face;
 } steel_of;
 
 /* One strip: its nearest point from the wheelset's centre [m], on both contours, gap [m], normal, A [1/m], breadth and
@@ -480,9 +480,11 @@ static void add_strip(const strip_of *strip, const motion_of *motion, const doub
 }
 
 /* Friction of a strip that slides, rbd_model/adhesion.py. */
-static double friction_of(const motion_of *motion, const steel_of *steel, const double *sliding) {
+static double friction_of(const strip_of *strip, const motion_of *motion, const steel_of *steel, const double *sliding) {
+    const double share = fmin(fmax((strip->sine - HEAD_ENDS) / (GAUGE_FACE_BEGINS - HEAD_ENDS), 0.0), 1.0);
+    const double friction = motion->friction * (1.0 + (steel->gauge_face - 1.0) * share * share * (3.0 - 2.0 * share));
     const double speed = sqrt(sliding[0] * sliding[0] + sliding[1] * sliding[1]);
-    return motion->friction * (steel->fall * exp(-steel->decay * speed) + steel->ratio);
+    return friction * (steel->fall * exp(-steel->decay * speed) + steel->ratio);
 }
 
 /* Creep forces of all strips, and what each does for its segment. */
@@ -505,7 +507,7 @@ static void creep(pressed_of *found, const motion_of *motion, const steel_of *st
         const double flexible[2] = {whole * found->aside[i], whole * found->ahead[i]};
         double force[2];
         creep_of_strip(strip, steady, ahead * stiffness * sliding[i][2] * found->turning[i],
-                       friction_of(motion, steel, sliding[i]) * factor * strip->pressure, flexible, force);
+                       friction_of(strip, motion, steel, sliding[i]) * factor * strip->pressure, flexible, force);
         add_strip(strip, motion, sliding[i], force, factor * elastic, elastic, result + OF_SEGMENT * strip->segment);
     }
 }
@@ -557,8 +559,8 @@ static void move_how(const double *argument, double side, const stand_of *stand,
 static void forces_of_wheel(const wheel_on_rail *pair, const fits_of *fits, const double *argument, const double *constant,
                             pressed_of *found, int anew, double *result) {
     const double side = constant[0];
-    const steel_of steel = {constant[4], constant[5], constant[5] / (1.0 - constant[12]), constant[6], constant[7],
-                            constant[8], constant[9], constant[11]};
+    const steel_of steel = {constant[4], constant[5], constant[5] / (1.0 - constant[13]), constant[6], constant[7],
+                            constant[8], constant[9], constant[11], constant[12]};
     stand_of stand;
     motion_of motion;
     stand_where(argument, constant, &stand);

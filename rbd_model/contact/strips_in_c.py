@@ -15,6 +15,7 @@ import numpy as np
 from scipy.special import ellipe, ellipkm1
 
 from fmu_src.chain import Part, part_in_c
+from rbd_model.adhesion import GAUGE_FACE_BEGINS, HEAD_ENDS
 from rbd_model.contact.geometry import Side
 from rbd_model.contact.normal import ellipses
 from rbd_model.contact.patches import patches_of
@@ -24,7 +25,7 @@ from rbd_model.contact.strip_creep import coefficients
 #: Numbers that the part takes: a `PatchState` but for its nearest point; a `Wheel`, the `surroundings` of
 #: patched_wheelset.py and Poisson's ratio. Results of a segment (`Press`) and of the wheel (place, angle, pressure);
 #: most segments. As in strips.c.
-ARGUMENTS, CONSTANTS, OF_SEGMENT, OF_WHEEL, MOST_SEGMENTS = 13, 13, 11, 3, 6
+ARGUMENTS, CONSTANTS, OF_SEGMENT, OF_WHEEL, MOST_SEGMENTS = 13, 14, 11, 3, 6
 #: Coefficients of a polynomial in strips.c, and a fit's largest distance from what it stands for.
 TERMS, ELLIPTIC_TERMS, FIT_ERROR = 12, 7, 2e-4
 #: The same for what Kalker's coefficients are of c, 0.47 to 1.41: that of spin on the widest ellipses is furthest off.
@@ -64,7 +65,8 @@ static void {name}(const double *arguments, const double *constants, double *res
     wheel_on_strips(&PAIR, &FITS, arguments, constants, results, slopes);
 }}
 """
-    common = (Path(__file__).parent / "strips.c").read_text(encoding="utf-8")
+    angles = f"static const double HEAD_ENDS = {HEAD_ENDS!r}, GAUGE_FACE_BEGINS = {GAUGE_FACE_BEGINS!r};\n"
+    common = angles + (Path(__file__).parent / "strips.c").read_text(encoding="utf-8")
     counts = (ARGUMENTS, CONSTANTS, OF_SEGMENT * len(segments) + OF_WHEEL)
     return part_in_c(name, counts, own, f"{common}\n{fits_in_c()}")
 

@@ -86,9 +86,13 @@ class Climb:
         return float(np.median(chosen)) if chosen.size else math.nan
 
 
-def instants(library: Library, friction: float, yaw: float) -> Iterator[Kernel]:
-    """Pushes to the left, ever more, with an angle of attack `yaw` [rad], until the run ends; every INTERVAL."""
-    kernel = Kernel(library, initial_speed=SPEED, friction_1=friction, initial_lateral=START, initial_yaw=yaw)
+def instants(library: Library, friction: float, yaw: float, gauge_face: float = 1.0) -> Iterator[Kernel]:
+    """Pushes to the left, ever more, with an angle of attack `yaw` [rad], until the run ends; every INTERVAL.
+
+    gauge_face: factor on the friction of the rails' gauge faces.
+    """
+    start = {"initial_lateral": START, "initial_yaw": yaw}
+    kernel = Kernel(library, initial_speed=SPEED, friction_1=friction, gauge_face_friction=gauge_face, **start)
     kernel.set(yaw_torque_1=YAW_STIFFNESS * yaw)
     pushed = FIRST_PUSH * friction
     while not kernel.ended:
@@ -102,10 +106,10 @@ def instants(library: Library, friction: float, yaw: float) -> Iterator[Kernel]:
         yield kernel
 
 
-def push(library: Library, friction: float, yaw: float) -> Climb:
-    """What the push at an angle of attack `yaw` [rad] comes to."""
+def push(library: Library, friction: float, yaw: float, gauge_face: float = 1.0) -> Climb:
+    """What the push at an angle of attack `yaw` [rad] comes to; gauge_face: as `instants` has it."""
     noted = []
-    for kernel in instants(library, friction, yaw):
+    for kernel in instants(library, friction, yaw, gauge_face):
         noted.append([kernel[name] for name in ("derailment_quotient_1_left", "state_rise_1", "wheel_rise_1_left")])
     quotient, rise, wheel_rise = np.array(noted).T
     return Climb(quotient, rise, wheel_rise, kernel.journal, kernel.counts["steps"])

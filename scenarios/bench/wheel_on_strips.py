@@ -27,12 +27,15 @@ MOST_APPROACH, FOUND = 0.5e-3, 1e-13
 
 
 @lru_cache
-def library_of_wheel(pair: Pair, steel: Steel) -> Library:
-    """A left wheel of the pair; its inputs and outputs are numbered as the part's arguments and results."""
+def library_of_wheel(pair: Pair, steel: Steel, gauge_face: float = 1.0) -> Library:
+    """A left wheel of the pair; its inputs and outputs are numbered as the part's arguments and results.
+
+    gauge_face: factor on the friction of the rail's gauge face.
+    """
     system, part = System("WheelOnStrips", "one wheel on its rail, by strips"), wheel_on_strips(pair.left)
     given = [system.input(Variable(f"given_{i}", "input", "1", f"Argument {i}")) for i in range(ARGUMENTS)]
     geometry = (LEFT, pair.radius, pair.wheel_half_distance, pair.rail_half_distance)
-    fixed = (*geometry, NO_SPEED, steel.shear_modulus, *CONSTANT_FRICTION, 0.0, steel.poisson_ratio)
+    fixed = (*geometry, NO_SPEED, steel.shear_modulus, *CONSTANT_FRICTION, 0.0, gauge_face, steel.poisson_ratio)
     results = system.call(part, ca.vertcat(*given), ca.SX(fixed))
     for i, result in enumerate(ca.vertsplit(results)):
         system.output(Variable(f"found_{i}", "output", "1", f"Result {i}"), result)
@@ -57,9 +60,11 @@ class PressedWheel:
         return np.asarray(np.sum(self.forces, axis=0))
 
 
-def press_wheel(pair: Pair, steel: Steel, friction: float, stand: Stand, motion: Motion) -> PressedWheel:
-    """The wheel at its stand, in motion."""
-    kernel = Kernel(library_of_wheel(pair, steel))
+def press_wheel(
+    pair: Pair, steel: Steel, friction: float, stand: Stand, motion: Motion, gauge_face: float = 1.0
+) -> PressedWheel:
+    """The wheel at its stand, in motion; gauge_face: factor on the friction of the rail's gauge face."""
+    kernel = Kernel(library_of_wheel(pair, steel, gauge_face))
     axes = np.array(ca.evalf(turned_by(direction_cosines(ca.SX(stand.yaw), ca.SX(stand.roll)))))
     own = axes.T @ np.array(motion.rotation)
     place = (stand.lateral, stand.height, stand.yaw, stand.roll)

@@ -309,6 +309,20 @@ def test_rails_of_unequal_friction_hold_by_their_own(patched: Library, rigid: Li
         assert moved[1] < -1e-4  # to the right, whose rail holds more
 
 
+def test_wheels_on_the_head_brake_by_its_friction_whatever_the_gauge_face_has(patched: Library) -> None:
+    """Locked wheels, which slide with all that the head holds: the same to the last bit."""
+    found = []
+    for gauge_face in (1.0, 0.4):
+        kernel = Kernel(patched, friction_1=0.1, friction_2=0.1, gauge_face_friction=gauge_face)
+        kernel.set(brake_torque_1=40e3, brake_torque_2=40e3)
+        kernel.advance(1.0)
+        load = sum(kernel[f"wheel_load_1_{side}"] for side in ("left", "right"))
+        found.append((kernel["locked_1"], kernel["creep_force_1"] / load))
+    assert found[0] == found[1]
+    assert found[0][0] == 1
+    assert -found[0][1] == pytest.approx(0.1, rel=SLID)
+
+
 @lru_cache
 def unequal(mirrored: bool, depth: int) -> Library:
     """The bogie whose leading wheelset has a wheel of 850 mm and one of 852 mm, and S1002 on one side."""
