@@ -363,7 +363,7 @@ static double arithmetic_geometric_mean(double large, double small) {
 /* How the strips that touch stretch each other, and how the stress grows along them: strip_creep.py. */
 static void stiffen(const fits_of *fits, pressed_of *found) {
     static const double LEAST_PULL = 0.05;
-    double near[MOST][MOST], stiff[2][MOST], turned[MOST];
+    double weight[MOST][MOST], stiff[2][MOST], turned[MOST];
     int count = 0;
     for (int i = 0; i < found->count; ++i)
         if (found->strip[i].line_load > 0.0) found->inside[count++] = i;
@@ -373,7 +373,7 @@ static void stiffen(const fits_of *fits, pressed_of *found) {
         const double a = strip->half_length, half = 0.5 * strip->breadth, inverse = 1.0 / a, square = inverse * inverse;
         for (int at = 0; at < count; ++at) {
             const double ratio = square * away(&found->strip[found->inside[at]], strip), m = 1.0 / (1.0 + ratio);
-            near[at][by] = m * sqrt(m);
+            weight[at][by] = m * sqrt(m);
             found->stretch[at][by] =
                 at == by ? 2.0 * half / arithmetic_geometric_mean(sqrt(a * a + half * half), half)
                          : 4.0 / PI * half * inverse * m * beside(fits, ratio);
@@ -387,7 +387,7 @@ static void stiffen(const fits_of *fits, pressed_of *found) {
         double carried = 0.0, turning = 0.0;
         for (int i = 0; i < count; ++i) {
             const strip_of *other = &found->strip[found->inside[i]];
-            const double part = near[i][by] * other->half_length * other->half_length * other->breadth;
+            const double part = weight[i][by] * other->half_length * other->half_length * other->breadth;
             carried += part;
             turning += part * other->half_length;
         }
@@ -401,9 +401,9 @@ static void stiffen(const fits_of *fits, pressed_of *found) {
     for (int at = 0; at < count; ++at) {
         found->ahead[at] = found->aside[at] = found->turning[at] = 0.0;
         for (int by = 0; by < count; ++by) {
-            found->ahead[at] += near[at][by] * stiff[0][by];
-            found->aside[at] += near[at][by] * stiff[1][by];
-            found->turning[at] += near[at][by] * turned[by];
+            found->ahead[at] += weight[at][by] * stiff[0][by];
+            found->aside[at] += weight[at][by] * stiff[1][by];
+            found->turning[at] += weight[at][by] * turned[by];
         }
     }
 }
