@@ -1,0 +1,186 @@
+"""Kalker's exact theory of one Hertzian patch in steady rolling: slow; what the fast creep laws are held against.
+
+J. J. Kalker (1990), Three-Dimensional Elastic Bodies in Rolling Contact, chapters 3 and 4. Both bodies are half spaces
+of one material, so that pressure and tangential stress do not act on each other. In units of the patch: a b = 1,
+G = 1, friction times load = 1.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from rbd_model.contact.hertz import POISSON_RATIO
+
+#: Where slip is taken, ahead of a cell's middle and in its lengths: where it sticks, so that stress grows from nothing
+#: at the leading edge and does not alternate from cell to cell; where it slips, in the middle of the stress.
+AHEAD_STICKING, AHEAD_SLIPPING = 0.25, 0.0
+#: Newton's steps in all; those in which slipping cells may stick again; largest turn of a stress in one [rad].
+STEPS, STEPS_TO_STICK, LARGEST_TURN = 60, 12, 1.0
+#: Turn of all stresses that ends Newton's iteration [rad], and how far above its bound a stress may be (share of it).
+STILL, ABOVE = 1e-6, 1e-9
+
+
+@dataclass(frozen=True)
+class Cells:
+    """Rectangles of constant stress: ends ahead and behind, to both sides; bound: mean friction over each."""
+
+    behind: np.ndarray
+    ahead: np.ndarray
+    right: np.ndarray
+    left: np.ndarray
+    bound: np.ndarray
+
+    @property
+    def area(self) -> np.ndarray:
+        """Of each cell."""
+        return (self.ahead - self.behind) * (self.left - self.right)
+
+
+@dataclass(frozen=True)
+class HalfSpace:
+    """What a grid knows before creepages are given, n cells; see `half_space`.
+
+    sticking, sliding: slopes of the displacement against the rolling, by the stresses (x of all cells, then y), shape
+    (2 n, 2 n), at the places of AHEAD_STICKING and AHEAD_SLIPPING; x: these places, y: of the cells.
+    """
+
+    cells: Cells
+    sticking: np.ndarray
+    sliding: np.ndarray
+    x: tuple[np.ndarray, np.ndarray]
+    y: np.ndarray
+
+
+@dataclass(frozen=True)
+class Rolling:
+    """A solution: which cells stick, and the stresses (x of all cells, then y) on the wheel."""
+
+    sticks: np.ndarray
+    stress: np.ndarray
+    forces: np.ndarray
+
+
+def cells(axis_ratio: float, count: int) -> Cells:
+    """count x count cells: strips between equal angles across the patch, each cut at equal angles along it.
+
+    A strip is as long as its mean length; the friction of each cell is the integral of Hertz's ellipsoid.
+    """
+    a, b = math.sqrt(axis_ratio), 1 / math.sqrt(axis_ratio)
+    ends = -np.cos(np.pi * np.arange(count + 1) / count)
+    circle = (ends * np.sqrt(np.maximum(1 - ends**2, 0)) + np.arcsin(ends)) / 2
+    half_length = np.diff(circle) / np.diff(ends)
+    behind, ahead = (a * np.outer(half_length, side).ravel() for side in (ends[:-1], ends[1:]))
+    right, left = (np.repeat(b * side, count) for side in (ends[:-1], ends[1:]))
+    friction = np.outer(np.diff(ends - ends**3 / 3), np.diff(circle)).ravel()
+    area = (ahead - behind) * (left - right)
+    return Cells(behind, ahead, right, left, friction / friction.sum() / area)
+
+
+def displacement(x: np.ndarray, y: np.ndarray, grid: Cells) -> np.ndarray:
+    """Displacement of wheel against rail at places (x, y), by the stresses, shape (2 places, 2 cells).
+
+    Boussinesq's and Cerruti's solution summed over each rectangle, Kalker (1990), section 3.1.1:
+    u_x = 1/(pi G) int ((1 - nu)/R + nu x^2/R^3) p_x + nu x y/R^3 p_y.
+    """
+    xx, yy, xy = (np.zeros((x.size, grid.bound.size)) for _ in range(3))
+    for sign_x, end_x in ((1, grid.ahead), (-1, grid.behind)):
+        for sign_y, end_y in ((1, grid.left), (-1, grid.right)):
+            to_x, to_y = end_x - x[:, None], end_y - y[:, None]
+            along, across = log_term(to_x, to_y), log_term(to_y, to_x)
+            xx += sign_x * sign_y * (across + (1 - POISSON_RATIO) * along)
+            yy += sign_x * sign_y * ((1 - POISSON_RATIO) * across + along)
+            xy -= sign_x * sign_y * POISSON_RATIO * np.hypot(to_x, to_y)
+    return np.block([[xx, xy], [xy, yy]]) / math.pi
+
+
+def log_term(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """x arsinh(y/|x|), the antiderivative of 1/R that Kalker (1990) writes as x ln(y + R); 0 at x = 0."""
+    size = np.abs(x)
+    return np.where(size > 0, x * np.arcsinh(y / np.where(size > 0, size, 1.0)), 0.0)
+
+
+@lru_cache(maxsize=4)
+def half_space(axis_ratio: float, count: int) -> HalfSpace:
+    """Of an ellipse a/b = axis_ratio with count x count cells, Kalker (1990), section 4.1.
+
+    The slope at a place is the difference of the displacements half a cell behind it and half a cell ahead.
+    """
+    grid = cells(axis_ratio, count)
+    y, length = (grid.right + grid.left) / 2, grid.ahead - grid.behind
+    places, slopes = [], []
+    for share in (AHEAD_STICKING, AHEAD_SLIPPING):
+        x = (grid.behind + grid.ahead) / 2 + share * length
+        both = displacement(x - length / 2, y, grid) - displacement(x + length / 2, y, grid)
+        places.append(x)
+        slopes.append(both / np.tile(length, 2)[:, None])
+    return HalfSpace(grid, slopes[0], slopes[1], (places[0], places[1]), y)
+
+
+def exact(space: HalfSpace, creepages: np.ndarray, start: Rolling | None = None) -> Rolling:
+    """Steady rolling with creepages (xi_x, xi_y, spin) over mu N/(G a b), the spin also times (a b)^(1/2).
+
+    forces: (F_x, F_y) on the wheel over mu N. Kalker's algorithm TANG: cells stick until the stress would pass the
+    bound, and stick again where they would slip along their stress; with each change one step of Newton's method.
+    start: a solution nearby. Raises ArithmeticError where it does not come to an end.
+    """
+    count = space.y.size
+    sticks, stress = np.ones(count, bool), np.zeros(2 * count)
+    if start is not None:
+        sticks, stress = start.sticks, start.stress
+    for number in range(STEPS):
+        stress, slips_along, turn = newton_step(space, creepages, sticks, stress)
+        size = np.hypot(stress[:count], stress[count:])
+        now = sticks & (size <= space.cells.bound * (1 + ABOVE))
+        if number < STEPS_TO_STICK:
+            now |= slips_along
+        settled, sticks = np.array_equal(now, sticks) and turn < STILL, now
+        if settled:
+            forces = stress.reshape(2, count) @ space.cells.area
+            return Rolling(sticks, stress, forces)
+    raise ArithmeticError(f"The exact theory found no end in {STEPS} steps at creepages {creepages}; use other cells.")
+
+
+def newton_step(
+    space: HalfSpace, creepages: np.ndarray, sticks: np.ndarray, stress: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, float]:
+    """New stresses, the cells that slip along their stress instead of against it, and the largest turn [rad].
+
+    Unknown are both stresses of a sticking cell, whose slip is 0, and the angle of a slipping one, whose stress is the
+    bound and whose slip has no part across the stress; Kalker (1990), section 4.3.
+    """
+    count, (x, y, spin) = sticks.size, creepages
+    stuck, loose = np.flatnonzero(sticks), np.flatnonzero(~sticks)
+    both_stuck, both_loose = np.concatenate([stuck, stuck + count]), np.concatenate([loose, loose + count])
+    angle, bound = np.arctan2(stress[loose + count], stress[loose]), space.cells.bound[loose]
+    cosine, sine = np.cos(angle), np.sin(angle)
+    at = stress.copy()
+    at[both_loose] = np.concatenate([bound * cosine, bound * sine])
+    rigid = [np.concatenate([x - spin * space.y, y + spin * place]) for place in space.x]
+    sticking, sliding = space.sticking[both_stuck], space.sliding[both_loose]
+    slip = rigid[1][both_loose] + sliding @ at
+    slip_x, slip_y = np.split(slip, 2)
+
+    def turning(slopes: np.ndarray) -> np.ndarray:
+        """By the stresses of sticking cells and the angles of slipping ones."""
+        by_angle = slopes[:, loose + count] * (bound * cosine) - slopes[:, loose] * (bound * sine)
+        return np.hstack([slopes[:, both_stuck], by_angle])
+
+    of_sliding = turning(sliding)
+    across = cosine[:, None] * of_sliding[loose.size :] - sine[:, None] * of_sliding[: loose.size]
+    matrix = np.vstack([turning(sticking), across])
+    diagonal = both_stuck.size + np.arange(loose.size)
+    matrix[diagonal, diagonal] -= np.minimum(cosine * slip_x + sine * slip_y, 0.0)
+    wrong = np.concatenate([rigid[0][both_stuck] + sticking @ at, cosine * slip_y - sine * slip_x])
+    change = np.linalg.solve(matrix, -wrong)
+    turn = np.clip(change[both_stuck.size :], -LARGEST_TURN, LARGEST_TURN)
+    at[both_stuck] += change[: both_stuck.size]
+    cosine, sine = np.cos(angle + turn), np.sin(angle + turn)
+    at[both_loose] = np.concatenate([bound * cosine, bound * sine])
+    slip_x, slip_y = np.split(rigid[1][both_loose] + sliding @ at, 2)
+    along = np.zeros(count, bool)
+    along[loose] = cosine * slip_x + sine * slip_y > 0
+    return at, along, float(np.max(np.abs(turn), initial=0.0))
