@@ -103,6 +103,7 @@ PLUMBING = {
         "smallest_level",
         "vehicle_dynamics",
     },
+    "rbd_model/contact/creep/exact.py": {"half_circle"},
     "rbd_model/contact/creep/tabulated.py": {"axes", "larger_by", "part_of", "read_table", "write_table"},
     "rbd_model/contact/hertz.py": {"polynomial"},
     "rbd_model/contact/profiles.py": {"upright"},

@@ -64,20 +64,25 @@ class Rolling:
     forces: np.ndarray
 
 
-def cells(axis_ratio: float, count: int) -> Cells:
-    """count x count cells: strips between equal angles across the patch, each cut at equal angles along it.
+def cells(axis_ratio: float, counts: tuple[int, int]) -> Cells:
+    """Strips between equal angles across the patch, each cut at equal angles along it; counts: along, across.
 
-    A strip is as long as its mean length; the friction of each cell is the integral of Hertz's ellipsoid.
+    After Kalker (1990), section 4.1, whose cells are equal. A strip is as long as its mean length; the friction of each
+    cell is the integral of Hertz's ellipsoid.
     """
     a, b = math.sqrt(axis_ratio), 1 / math.sqrt(axis_ratio)
-    ends = -np.cos(np.pi * np.arange(count + 1) / count)
-    circle = (ends * np.sqrt(np.maximum(1 - ends**2, 0)) + np.arcsin(ends)) / 2
-    half_length = np.diff(circle) / np.diff(ends)
-    behind, ahead = (a * np.outer(half_length, side).ravel() for side in (ends[:-1], ends[1:]))
-    right, left = (np.repeat(b * side, count) for side in (ends[:-1], ends[1:]))
-    friction = np.outer(np.diff(ends - ends**3 / 3), np.diff(circle)).ravel()
+    along, across = (-np.cos(np.pi * np.arange(count + 1) / count) for count in counts)
+    half_length = np.diff(half_circle(across)) / np.diff(across)
+    behind, ahead = (a * np.outer(half_length, side).ravel() for side in (along[:-1], along[1:]))
+    right, left = (np.repeat(b * side, counts[0]) for side in (across[:-1], across[1:]))
+    friction = np.outer(np.diff(across - across**3 / 3), np.diff(half_circle(along))).ravel()
     area = (ahead - behind) * (left - right)
     return Cells(behind, ahead, right, left, friction / friction.sum() / area)
+
+
+def half_circle(place: np.ndarray) -> np.ndarray:
+    """Area of half a unit disk from its middle to a place."""
+    return np.asarray((place * np.sqrt(np.maximum(1 - place**2, 0)) + np.arcsin(place)) / 2)
 
 
 def displacement(x: np.ndarray, y: np.ndarray, grid: Cells) -> np.ndarray:
@@ -104,12 +109,12 @@ def log_term(x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 
 @lru_cache(maxsize=4)
-def half_space(axis_ratio: float, count: int) -> HalfSpace:
-    """Of an ellipse a/b = axis_ratio with count x count cells, Kalker (1990), section 4.1.
+def half_space(axis_ratio: float, counts: tuple[int, int]) -> HalfSpace:
+    """Of an ellipse a/b = axis_ratio with so many cells along and across, Kalker (1990), section 4.1.
 
     The slope at a place is the difference of the displacements half a cell behind it and half a cell ahead.
     """
-    grid = cells(axis_ratio, count)
+    grid = cells(axis_ratio, counts)
     y, length = (grid.right + grid.left) / 2, grid.ahead - grid.behind
     places, slopes = [], []
     for share in (AHEAD_STICKING, AHEAD_SLIPPING):

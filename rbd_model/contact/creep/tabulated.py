@@ -17,15 +17,15 @@ import numpy as np
 from scipy.linalg import solve_banded
 
 from fmu_src.chain import Part, part_in_c
-from rbd_model.contact.creep.kalker import smooth_kalker_coefficients
+from rbd_model.contact.creep.kalker import kalker_coefficients
 from rbd_model.contact.creep.law import ContactPatch, CreepLaw
 
-#: Intervals along each coordinate of `place_in_table`, its first values and its last; a/b as far as Kalker's table E.3.
-INTERVALS = (10, 20, 8, 6)
-FIRST, LAST = (0.0, -1.0, 0.0, -math.log(10.0)), (1.0, 1.0, 1.0, math.log(10.0))
+#: Intervals along each coordinate of `place_in_table`, its first values and its last; a/b from 1 : 20 to 20 : 1.
+INTERVALS = (10, 20, 12, 6)
+FIRST, LAST = (0.0, -1.0, 0.0, -math.log(20.0)), (1.0, 1.0, 1.0, math.log(20.0))
 #: Spin in the middle of the table, that from which creepage has to be larger to make the patch slide, both as in
-#: `Measures`, chosen so that tables of FaStrip err least between their places; and what stands for infinite ones.
-MIDDLE_SPIN, SLIDING_SPIN, INFINITE = 4.0, 0.7, 1 - 1e-6
+#: `Measures`, chosen so that tables err least between their places; and what stands for infinite ones.
+MIDDLE_SPIN, SLIDING_SPIN, INFINITE = 4.0, 1.0, 1 - 1e-6
 #: How far a row of a file may be from its place, in intervals: the digits of a number that is written.
 OFF_PLACE = 1e-4
 COLUMNS = ("longitudinal", "lateral", "spin", "log_axis_ratio", "force_longitudinal", "force_lateral")
@@ -33,7 +33,7 @@ COLUMNS = ("longitudinal", "lateral", "spin", "log_axis_ratio", "force_longitudi
 
 @dataclass(frozen=True)
 class CreepTable:
-    """Forces over mu N at all places of the table, shape (13, 23, 11, 9, 2): see INTERVALS; one row beyond each end.
+    """Forces over mu N at all places of the table, shape (13, 23, 15, 9, 2): see INTERVALS; one row beyond each end.
 
     Raises ValueError for another shape and where one is no number.
     """
@@ -87,7 +87,7 @@ def larger_by(spin: ca.SX) -> ca.SX:
 
 def patch_at(place: ca.SX) -> ContactPatch:
     """A patch with unit load, friction and size at a place of the table; forces of it are over mu N, Kalker (1990)."""
-    stretch, kalker = ca.exp(place[3] / 2), smooth_kalker_coefficients(place[3])
+    stretch, kalker = ca.exp(place[3] / 2), kalker_coefficients(ca.exp(place[3]))
     axes = (stretch, 1 / stretch)
     whole = MIDDLE_SPIN * place[2] / (1 - ca.fabs(place[2]))
     spin = whole / ca.sqrt((kalker.c11 * axes[1]) ** 2 + (kalker.c22 * axes[0]) ** 2)
@@ -109,13 +109,20 @@ def axes() -> list[np.ndarray]:
 
 
 def table_of(law: CreepLaw) -> CreepTable:
-    """The table of a law, Kalker (1990); beyond an end as a straight line goes on, or as the law itself does."""
+    """The table of a law, Kalker (1990)."""
     places = axes()
     inside = [*(np.clip(place, -INFINITE, INFINITE) for place in places[:3]), np.clip(places[3], FIRST[3], LAST[3])]
     grid = np.stack([one.ravel() for one in np.meshgrid(*inside, indexing="ij")])
     place = ca.SX.sym("place", len(places))
     function = ca.Function("law", [place], [ca.vertcat(*law(patch_at(place)))])
     forces = np.array(function.map(grid.shape[1])(grid)).T.reshape(*(place.size for place in places), 2)
+    return continued(forces)
+
+
+def continued(forces: np.ndarray) -> CreepTable:
+    """The table of forces whose outermost rows are open: beyond an end as a straight line goes on; where the creepage
+    ahead or the spin is 0 they are known, since the patch is mirrored there, Kalker (1990).
+    """
     for axis, first in enumerate(FIRST):
         along = np.moveaxis(forces, axis, 0)
         along[-1] = 2 * along[-2] - along[-3]
