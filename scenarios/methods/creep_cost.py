@@ -6,6 +6,7 @@ import ctypes
 import tempfile
 import time
 from collections.abc import Callable
+from functools import lru_cache
 from pathlib import Path
 
 import casadi as ca
@@ -61,11 +62,17 @@ def with_coefficients(points: np.ndarray) -> np.ndarray:
 
 def values(law: CreepLaw, points: np.ndarray) -> np.ndarray:
     """Forces (F_x, F_y) [N] by rows of points."""
-    point, chain = symbols(), Chain()
-    repeat, found = compiled(chain, forces(law, point, chain), point), np.zeros((len(points), 2))
+    repeat, found = of_law(law), np.zeros((len(points), 2))
     for row, result in zip(np.ascontiguousarray(with_coefficients(points)), found, strict=True):
         repeat(1, 1, row.size, row.ctypes.data, result.ctypes.data)
     return found
+
+
+@lru_cache
+def of_law(law: CreepLaw) -> Callable[..., None]:
+    """`repeat` of a law's forces; compiled once, since costly laws are asked several times."""
+    point, chain = symbols(), Chain()
+    return compiled(chain, forces(law, point, chain), point)
 
 
 def cost(law: CreepLaw, points: np.ndarray, derivatives: bool) -> float:

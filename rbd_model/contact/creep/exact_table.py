@@ -50,7 +50,7 @@ def made() -> CreepTable:
 
 
 def of_ellipse(places: list[np.ndarray], log_ratio: float) -> np.ndarray:
-    """Forces over mu N of one ellipse, Kalker (1990), shape (places ahead, aside, of spin, 2), but for the outermost rows."""
+    """Forces over mu N of one ellipse, Kalker (1990), shape (places ahead, aside, of spin, 2); none beyond the ends."""
     counts = next(counts for limit, counts in CELLS if log_ratio < limit)
     space = half_space(math.exp(log_ratio), counts)
     place = ca.SX.sym("place", 4)
