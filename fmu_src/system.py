@@ -145,7 +145,8 @@ class Friction:
     """Dry friction on the velocity state `velocity`, added to that of `other`: `direction` is 1, -1 or, when stuck, 0.
 
     The equations multiply `capacity` with `direction` and hold the velocity where it is 0. `drive` is what the friction
-    must balance to stay stuck, in the unit of `capacity`. still: speed up to which it sticks.
+    must balance to stay stuck, in the unit of `capacity`; a capacity below 0 says that there is none, and never any.
+    still: speed up to which it sticks.
     """
 
     label: str

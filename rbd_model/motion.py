@@ -13,6 +13,7 @@ from rbd_model.assembly import Assembly
 from rbd_model.bodies import MovingBody, move_body
 from rbd_model.connections import Effect, End, Load, Push, connect, seat_of
 from rbd_model.kinematics import Body
+from rbd_model.resistance import Resistance
 from rbd_model.track_frame import HERE, Pose, relative
 from rbd_model.vehicle import ANGLES, DIRECTIONS, RigidBody, Wheelset, wheelset_name
 from rbd_model.wheelset import Rolling, add_wheelset_outputs
@@ -126,6 +127,21 @@ def react(assembly: Assembly, wheelsets: Sequence[Rolling], loads: Loads) -> Non
         carrier, none = wheelset.data.reacts_on, ca.SX.zeros(3)
         moment = assembly.parameter["torque_reaction"] * torque * loads.axle(wheelset)
         loads.of[carrier, carrier].append(Push(none, moment, none))
+
+
+def pull_first_body(
+    assembly: Assembly, resistance: Resistance, pulled: ca.SX, falling: ca.SX, share: ca.SX | float = 1.0
+) -> ca.SX:
+    """Acceleration of the vehicle's first body along the track [m/s2], (3.73), which running resistance holds back.
+
+    pulled [N], falling [m/s2]: by its connections and by gravity. share: 0 where the speed is held (sections 4.2, 5.2).
+    Declare it before what holds wheelsets, whose velocities count from this body's.
+    """
+    first = assembly.vehicle.bodies[0]
+    mass = assembly.value(first.mass)
+    resistance.hold(assembly.system, f"{first.name}_speed", pulled + mass * falling)
+    moves, lightness = share * resistance.moves, share / mass
+    return resistance.moves * lightness * pulled + moves * falling + lightness * resistance.force
 
 
 def move_bodies(assembly: Assembly, bodies: Sequence[MovingBody], loads: Loads, first_acceleration: ca.SX) -> None:

@@ -19,7 +19,15 @@ from rbd_model.adhesion import follow_patch
 from rbd_model.assembly import Assembly, assemble
 from rbd_model.bodies import add_axle_shift, move_along, place_body
 from rbd_model.kinematics import Body
-from rbd_model.motion import add_common_outputs, elevation, loads_of, move_bodies, observe_energy, react
+from rbd_model.motion import (
+    add_common_outputs,
+    elevation,
+    loads_of,
+    move_bodies,
+    observe_energy,
+    pull_first_body,
+    react,
+)
 from rbd_model.resistance import add_resistance
 from rbd_model.track_frame import on_gradient, on_profile
 from rbd_model.vehicle import Motion, Vehicle, wheelset_name
@@ -51,15 +59,13 @@ def planar_vehicle(vehicle: Vehicle, on_line: bool = False) -> System:
     places = [assembly.distance + axle.position[0] for axle in axles.values()]
     follow_patch(system, assembly.rail, f"{vehicle.bodies[0].name}_distance", places)
     loads = loads_of(assembly, bodies, axles)
+    first, falling = vehicle.bodies[0], bodies[0].body.falling(p["gravity"])[0]
+    resistance = add_resistance(assembly, assembly.speed, places)
+    first_acceleration = pull_first_body(assembly, resistance, loads.on(first.name).force[0], falling)
 
     every = [roll_under_load(assembly, n, axles[n], loads.on(wheelset_name(n)).force) for n, _ in vehicle.numbered]
     wheelsets = [rolling for rolling, _ in every]
     react(assembly, wheelsets, loads)
-    first = vehicle.bodies[0]
-    falling = bodies[0].body.falling(p["gravity"])[0]
-    resistance = add_resistance(assembly, assembly.speed, places)
-    pulled = loads.on(first.name).force[0] + resistance[0]
-    first_acceleration = pulled / assembly.value(first.mass) + falling
     move_bodies(assembly, bodies, loads, first_acceleration)
     for wheelset, acceleration in every:
         system.derivative(f"shift_speed_{wheelset.number}", acceleration - first_acceleration)
@@ -74,7 +80,7 @@ def planar_vehicle(vehicle: Vehicle, on_line: bool = False) -> System:
     heights = [elevation(assembly, axle) for axle in axles.values()]
     potential = sum(weight * height for weight, height in zip(weights, heights, strict=True))
     energies = {"kinetic_energy": ca.SX(sum(kinetic)), "potential_energy": ca.SX(potential)}
-    energies["damping_power"] = resistance[1]
+    energies["damping_power"] = resistance.power
     observe_energy(assembly, bodies, wheelsets, loads, energies)
     for wheelset in wheelsets:
         static = assembly.value(wheelset.data.mass) * p["gravity"] + assembly.resting_on(wheelset.number)

@@ -16,7 +16,7 @@ import casadi as ca
 from fmu_src.system import System
 from rbd_model.adhesion import follow_patch
 from rbd_model.assembly import Assembly, assemble
-from rbd_model.resistance import add_resistance
+from rbd_model.resistance import Resistance, add_resistance
 from rbd_model.vehicle import Vehicle
 from rbd_model.wheelset import (
     NOMINAL_DISTANCE,
@@ -61,10 +61,11 @@ def point_vehicle(vehicle: Vehicle, on_line: bool = False) -> System:
     ]
     resistance = add_resistance(assembly, speed, places)
     pulls = [assembly.input[pull.name] for pull in vehicle.pulls]
-    outside = ca.SX(sum([*pulls, resistance[0]])) - mass * assembly.parameter["gravity"] * gradient
+    outside = ca.SX(sum(pulls)) - mass * assembly.parameter["gravity"] * gradient
     pulled = outside + sum((one.force for one in creeping), ca.SX(0))
-    holds, held = stand_on_locked_wheels(assembly, creeping, outside, pulled)
-    acceleration = holds[0].moves * pulled / mass
+    holds, held = stand_on_locked_wheels(assembly, creeping, outside, pulled, resistance)
+    resistance.hold(system, "speed", holds[0].moves * pulled)
+    acceleration = holds[0].moves * (resistance.moves * pulled + resistance.force) / mass
     wheelsets = [
         roll_on_level_rail(assembly, one, hold, speed, axle_load, force)
         for one, hold, (_, axle_load), force in zip(creeping, holds, loads, held, strict=True)
@@ -90,11 +91,12 @@ def mean_gradient(assembly: Assembly) -> ca.SX:
 
 
 def stand_on_locked_wheels(
-    assembly: Assembly, creeping: Sequence[Creeping], outside: ca.SX, pulled: ca.SX
+    assembly: Assembly, creeping: Sequence[Creeping], outside: ca.SX, pulled: ca.SX, resistance: Resistance
 ) -> tuple[list[Hold], list[ca.SX]]:
     """What may hold each wheelset, third line of (2.8), and with what its rails hold a vehicle that stands [N].
 
-    outside, pulled [N]: along the track, without and with creep. Those hold that are locked, each by its `Grip`.
+    outside, pulled [N]: along the track, without and with creep. Those hold that are locked, each by its `Grip`; with
+    them running resistance does, all in proportion to the most that they hold.
     """
     moving = assembly.system.direction("moving")
     holds = [replace(add_hold(assembly.system, one.number), moving=moving) for one in creeping]
@@ -102,7 +104,7 @@ def stand_on_locked_wheels(
     grips = [Grip.of(assembly, one.number, hold, one.static) for hold, one in both]
     rolling = sum((hold.turns * one.force for hold, one in both), ca.SX(0))
     traction = sum(((1 - hold.turns) * traction_force(assembly, one.number) for hold, one in both), ca.SX(0))
-    whole = Grip(sum((grip.braked for grip in grips), ca.SX(0)), sum((grip.whole for grip in grips), ca.SX(0)))
+    whole = Grip(sum((grip.braked for grip in grips), ca.SX(0)), sum((grip.whole for grip in grips), resistance.steady))
     stand_still(assembly, "The vehicle", holds[0], ["speed"], (outside + rolling, traction), whole)
     share = (holds[0].moves - 1) * pulled / at_least(whole.whole, SMALLEST_LOAD)
     return holds, [share * grip.whole for grip in grips]

@@ -1,18 +1,19 @@
-"""What holds a vehicle back beside its brakes where the model has no motion for it: levels point and planar.
+"""What holds a vehicle back beside its brakes where the model has no motion for it.
 
 Running resistance: W. J. Davis (1926), The tractive resistance of electric locomotives and cars, General Electric
-Review 29: a + b V + c V^2. Curves: von Roeckl (1880), as railway handbooks print it: a share of the weight of
-0.650 / (R - 55 m) on main lines, and 0.500 / (R - 30 m) below R = 300 m. All are zero with the start values.
+Review 29: a + b V + c V^2, at all levels. Curves, at levels point and planar: von Roeckl (1880), as railway handbooks
+print it: a share of the weight of 0.650 / (R - 55 m) on main lines, and 0.500 / (R - 30 m) below R = 300 m. All are
+zero with the start values.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi as ca
 
-from fmu_src.system import ParameterSet, quantity
+from fmu_src.system import Friction, ParameterSet, System, quantity
 from rbd_model.assembly import Assembly
 
 #: Von Roeckl (1880): share of the weight times (R - place) [m], and the place [m]; above and below a radius of 300 m.
@@ -21,7 +22,7 @@ WIDE, TIGHT, RADIUS = (0.650, 55.0), (0.500, 30.0), 300.0
 
 @dataclass(frozen=True)
 class RunningResistance(ParameterSet):
-    """Of the whole vehicle; the constant part goes to zero with the speed, over creepage_speed."""
+    """Of the whole vehicle; the constant part is dry friction, which holds at rest up to its size."""
 
     davis_constant: float = quantity("N", "Running resistance that does not change with speed (a of Davis)", 0.0)
     davis_linear: float = quantity("N.s/m", "Running resistance for each m/s (b of Davis)", 0.0)
@@ -36,18 +37,63 @@ def none() -> RunningResistance:
     return RunningResistance(0.0, 0.0, 0.0, 0)
 
 
-def add_resistance(assembly: Assembly, speed: ca.SX, places: Sequence[ca.SX]) -> ca.SX:
-    """Force along the track on the whole vehicle [N] and what it takes [W], Davis (1926) and von Roeckl (1880).
+@dataclass(frozen=True)
+class Resistance:
+    """The symbols of running resistance, Davis (1926).
+
+    speed [m/s]: of the body that it acts on. direction: 1, -1, or 0 where it holds that body. steady [N]: what does
+    not change with the speed; growing [N]: what does, with the sign of the speed. possible: above 0 where some of the
+    steady part may come.
+    """
+
+    speed: ca.SX
+    direction: ca.SX
+    steady: ca.SX
+    growing: ca.SX
+    possible: ca.SX
+
+    @property
+    def moves(self) -> ca.SX:
+        """1, or 0 where it holds."""
+        return self.direction**2
+
+    @property
+    def force(self) -> ca.SX:
+        """Along the track on what moves [N]; where it holds, 0 in place of what that takes."""
+        return -(self.direction * self.steady + self.growing)
+
+    @property
+    def power(self) -> ca.SX:
+        """What it takes [W]."""
+        return -self.force * self.speed
+
+    def hold(self, system: System, state: str, drive: ca.SX) -> None:
+        """Lets it hold the body whose speed is a state, as dry friction does; drive [N]: all other forces on it."""
+        absent = system.derived("no_steady_resistance", self.possible == 0)
+        words = "holds the vehicle", "lets the vehicle go"
+        capacity = self.steady - absent
+        system.dry_friction(Friction("Running resistance", self.direction, state, drive, capacity, *words))
+
+
+def add_resistance(assembly: Assembly, speed: ca.SX, places: Sequence[ca.SX]) -> Resistance:
+    """Of the whole vehicle, Davis (1926) and von Roeckl (1880).
 
     places [m]: distances of the wheelsets, which carry equal shares of the weight.
     """
-    p = {name: assembly.system.parameter(none().variable(name)) for name in none().values()}
-    ahead = speed / ca.sqrt(speed**2 + assembly.parameter["creepage_speed"] ** 2)
+    davis = add_davis(assembly, speed)
+    on_curves = assembly.system.parameter(none().variable("curve_resistance"))
     shares = [curve_share(ca.fabs(curvature)) for curvature in curvatures_at(assembly, places)]
     weight = assembly.total_mass * assembly.parameter["gravity"]
-    steady = p["davis_constant"] + p["curve_resistance"] * ca.SX(sum(shares)) / len(shares) * weight
-    force = -ahead * (steady + p["davis_quadratic"] * speed**2) - p["davis_linear"] * speed
-    return ca.vertcat(force, -force * speed)
+    steady = davis.steady + on_curves * ca.SX(sum(shares)) / len(shares) * weight
+    return replace(davis, steady=steady, possible=davis.possible + on_curves)
+
+
+def add_davis(assembly: Assembly, speed: ca.SX) -> Resistance:
+    """Of the whole vehicle on straight track, Davis (1926): a + b V + c V^2; speed [m/s]: of what it acts on."""
+    names = ("davis_constant", "davis_linear", "davis_quadratic")
+    constant, linear, quadratic = (assembly.system.parameter(none().variable(name)) for name in names)
+    direction = assembly.system.direction("resisting")
+    return Resistance(speed, direction, constant, (linear + quadratic * ca.fabs(speed)) * speed, constant)
 
 
 def curvatures_at(assembly: Assembly, places: Sequence[ca.SX]) -> list[ca.SX]:
@@ -60,5 +106,6 @@ def curvatures_at(assembly: Assembly, places: Sequence[ca.SX]) -> list[ca.SX]:
 def curve_share(curvature: ca.SX) -> ca.SX:
     """Share of the weight that holds a vehicle back in a curve, von Roeckl (1880); curvature [1/m] >= 0."""
     tight = curvature * RADIUS > 1
-    share, place = (ca.if_else(tight, *both) for both in zip(TIGHT, WIDE, strict=True))
+    # A sum in place of a choice, which would cost more, in what is asked after every step.
+    share, place = (wide + tight * (narrow - wide) for narrow, wide in zip(TIGHT, WIDE, strict=True))
     return share * curvature / (1 - place * curvature)

@@ -20,8 +20,18 @@ from rbd_model.bodies import place_body
 from rbd_model.contact.depth import ONE_RIGID_CONTACT, Contact
 from rbd_model.endings import warn_of_limits, watch_patches, watch_rigid, wheel_rise
 from rbd_model.kinematics import Body
-from rbd_model.motion import add_common_outputs, elevation, kinetic_energy, loads_of, move_bodies, observe_energy, react
+from rbd_model.motion import (
+    add_common_outputs,
+    elevation,
+    kinetic_energy,
+    loads_of,
+    move_bodies,
+    observe_energy,
+    pull_first_body,
+    react,
+)
 from rbd_model.patched_wheelset import PatchedWheelset, move_on_patches, place_on_patches
+from rbd_model.resistance import add_davis
 from rbd_model.rolling_contact import SIDES
 from rbd_model.spatial_wheelset import Motion, SpatialWheelset, move_wheelset, place_wheelset
 from rbd_model.track import Track, with_line
@@ -75,8 +85,8 @@ def spatial_vehicle(
 
     # None at constant speed (sections 4.2, 5.2), where something pulls as much as needed.
     share = 1 - p["constant_speed"]
-    falling = bodies[0].body.falling(p["gravity"])[0]
-    first_acceleration = share / assembly.value(first.mass) * loads.on(first.name).force[0] + share * falling
+    falling, resistance = bodies[0].body.falling(p["gravity"])[0], add_davis(assembly, assembly.speed)
+    first_acceleration = pull_first_body(assembly, resistance, loads.on(first.name).force[0], falling, share)
     motions = [
         standing.move(assembly, wheelset, loads.on(wheelset_name(wheelset.number)), first_acceleration)
         for wheelset in wheelsets
@@ -88,6 +98,7 @@ def spatial_vehicle(
     add_common_outputs(assembly, bodies, rolling, [motion.acceleration for motion in motions])
     add_outputs(assembly, wheelsets)
     further = own_energies(assembly, wheelsets, motions)
+    further["damping_power"] += resistance.power
     observe_energy(assembly, bodies, rolling, loads, further)
     if on_line:
         observe_places(assembly, loads.bodies)

@@ -111,14 +111,16 @@ int kernel_get_slopes(kernel *self, double *slope) {
     return KERNEL_OK;
 }
 
-/* Margins, in self->margin. A friction without capacity has its direction watched, for when there is some. */
+/* Margins, in self->margin. A friction without capacity has its direction watched, for when there is some; one whose
+ * capacity is below 0 never gets any. */
 static int find_margins(kernel *self) {
     const int status = prepare(self);
     if (status != KERNEL_OK) return status;
     const system_description *system = self->system;
     (void)modes_margin(self, 0.0, self->state);
     for (int i = 0; i < system->frictions; ++i)
-        if (isinf(self->margin[i])) self->margin[i] = modes_direction_margin(self, i, self->state);
+        if (isinf(self->margin[i]))
+            self->margin[i] = self->capacity[i] < 0.0 ? 1.0 : modes_direction_margin(self, i, self->state);
     const int bad = first_not_finite(self->margin, system->frictions + system->ends);
     return bad < 0 ? KERNEL_OK : discard(self, "An event indicator");
 }

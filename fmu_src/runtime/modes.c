@@ -10,7 +10,9 @@
 #include "internal.h"
 
 enum { ROUNDS = 4 };             /* of modes that wait for one another */
-static const double SPARE = 0.9; /* share of the capacity up to which what moves slowly sticks */
+/* Share of the capacity up to which what moves slowly sticks: a load that grows through it within 1000 s lets go once or a
+ * few times; with 0.999 it did so hundreds of times. */
+static const double SPARE = 0.99;
 /* Events within AGAIN [s] repeat each other; how fast reluctance fades [s], and its least and largest as a share of the
  * capacity. */
 static const double AGAIN = 1e-3, FADING = 1e-4, LEAST_RELUCTANCE = 1e-7, MOST_RELUCTANCE = 1e3;
@@ -25,8 +27,8 @@ static void stop(const friction_description *friction, double *state) {
 }
 
 /* The share of the capacity up to which a drive sticks, or stays stuck. */
-static double share_of(double mode, double still, double reluctant) {
-    return mode != 0.0 && still > 0.0 ? SPARE : 1.0 + reluctant;
+static double share_of(double mode, double velocity, double still, double reluctant) {
+    return mode != 0.0 && velocity != 0.0 && still > 0.0 ? SPARE : 1.0 + reluctant;
 }
 
 /* An integrator of the host leaves errors in the state, and near rest 1e-5 of the running speed is more than the slip that
@@ -72,7 +74,7 @@ static int refresh_once(kernel *self, double offset) {
     for (int i = 0; i < system->frictions; ++i) {
         const friction_description *friction = &system->friction[i];
         const double old = self->mode[i], velocity = velocity_of(friction, self->state);
-        const double share = share_of(old, self->still[i], reluctance(self, offset));
+        const double share = share_of(old, velocity, self->still[i], reluctance(self, offset));
         self->mode[i] = direction_of(velocity, self->drive[i], share * self->capacity[i], self->still[i]);
         if (self->mode[i] == 0.0) stop(friction, self->state);
         if ((old == 0.0) == (self->mode[i] == 0.0)) continue;

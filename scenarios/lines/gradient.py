@@ -116,7 +116,7 @@ def runs(level: int) -> dict[str, Recording]:
 def run(options: Options) -> Result:
     bar = tqdm(LEVELS.items(), "gradient", delay=PATIENCE, leave=False, unit="level")
     found = {name: runs(level) for level, name in bar}
-    ends = {name: terminal(level) for level, name in LEVELS.items() if name != "spatial"}
+    ends = {name: terminal(level) for level, name in LEVELS.items()}
     rows = [row for name, of_level in found.items() for row in acceleration_rows(name, of_level)]
     rows += [terminal_row(name, series) for name, series in ends.items()]
     said = remarks(rows, found)
@@ -143,7 +143,7 @@ def acceleration_rows(name: str, found: Mapping[str, Recording]) -> list[Row]:
 def terminal_row(name: str, series: Recording) -> Row:
     quantity = f"{name}: terminal speed {1e3 * abs(DOWN):g} permille down, braked a little"
     closed = terminal_speed()
-    source = "Davis (1926): a + b V + c V^2 balances gravity and brake; level spatial has no running resistance"
+    source = "Davis (1926): a + b V + c V^2 balances gravity and brake"
     return Row(quantity, "m/s", None, float(series["speed"][-1]), near(closed, BAND * closed), source)
 
 

@@ -19,6 +19,7 @@ from fmpy.fmi2 import fmi2EventInfo
 from fmu_src.model_description import NOMINAL
 from fmu_src.native_fmu import build_native_fmu, build_native_fmu3
 from fmu_src.system import Friction, Model, System, Variable, model_of_choices
+from rbd_model.vehicles import two_axle_bogie
 from tests.fmu.hosting import DISCARD, ERROR, OK, WARNING, Host, host
 from tests.fmu.sled import build_sled
 
@@ -313,6 +314,35 @@ def test_stop_with_lock_up_through_cvode_is_that_of_co_simulation(fmus: dict, ki
     assert abs(table["speed"][-1]) < 1e-9
 
 
+@pytest.mark.parametrize("kind", NATIVE)
+def test_run_out_through_cvode_stops_where_resistance_says(fmus: dict, kind: str) -> None:
+    """v^2 / 2a with a = A / (m + J / r^2), against the constant part alone; then it stands."""
+    p, begin, deceleration = two_axle_bogie().parameters, 5.0, 0.5
+    rolling = p.frame_mass + 2 * (p.wheelset_mass + p.wheelset_pitch_inertia / p.wheel_radius**2)
+    values = {"davis_constant": deceleration * rolling, "rolling_resistance_torque": 0.0, "initial_speed": begin}
+    how = {"relative_tolerance": 1e-7, "start_values": values}
+    table = integrated(fmus["bogie", kind], begin / deceleration + 2.0, ["distance", "state_frame_speed"], **how)
+    assert table["distance"][-1] == pytest.approx(begin**2 / (2 * deceleration), rel=DISTANCE_BAND)
+    assert abs(table["state_frame_speed"][-1]) < 1e-9
+
+
+@pytest.mark.parametrize("kind", NATIVE)
+def test_resistance_that_is_none_makes_no_event_of_a_passage_through_rest(fmus: dict, kind: str) -> None:
+    """Its indicator is one number forwards and backwards; with some resistance it changes its sign."""
+    for constant, same in ((0.0, True), (1e3, False)):
+        with host(fmus["bogie", kind], exchange=True) as one:
+            assert one.set("davis_constant", constant) == OK
+            begin(one)
+            states = read(one, "GetContinuousStates", 14)
+            moving, found = states.index(one["state_frame_speed"]), []
+            for speed in (1.0, -1.0):
+                states[moving] = speed
+                assert put(one, 0.0, states) == OK
+                found.append(read(one, "GetEventIndicators", 7)[0])
+            assert (found[0] == found[1] > 0.0) == same
+            assert same or found[0] > 0.0 > found[1]
+
+
 def lock_times(path: Path, values: dict[str, float]) -> tuple[dict[str, float], float]:
     """In co-simulation with early return: when each wheelset locks first [s], and the distance after 10 s [m]."""
     found: dict[str, float] = {}
@@ -523,13 +553,15 @@ def test_description_names_states_derivatives_and_indicators(fmus: dict, kind: s
     about = read_model_description(str(fmus["bogie", kind]))
     assert about.modelExchange.modelIdentifier == about.coSimulation.modelIdentifier == "BogieDynamics"
     assert about.numberOfContinuousStates == 14
-    assert about.numberOfEventIndicators == 4 + 2
+    # Of each wheelset a lock and a hold, of the vehicle its running resistance; and ends.
+    assert about.numberOfEventIndicators == 4 + 1 + 2
     speed = next(unknown.variable for unknown in about.derivatives if unknown.variable.name == "der(state_bounce_rate)")
     assert speed.derivative.name == "state_bounce_rate"
     assert speed.unit == "m/s2"
     with zipfile.ZipFile(fmus["bogie", kind]) as archive:
         [variables] = ElementTree.fromstring(archive.read("modelDescription.xml")).iter("ModelVariables")
     anew = {v.get("name") for v in variables if any(one.get("reinit") == "true" for one in (v, *v))}
-    assert anew == {f"state_{name}_{number}" for name in ("shift_speed", "angular_velocity") for number in (1, 2)}
+    of_wheelsets = {f"state_{name}_{number}" for name in ("shift_speed", "angular_velocity") for number in (1, 2)}
+    assert anew == of_wheelsets | {"state_frame_speed"}
     references = [v.valueReference for v in about.modelVariables]
     assert all(after - before in (1, 2) for before, after in pairwise(references))

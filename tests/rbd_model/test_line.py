@@ -209,10 +209,9 @@ def test_energy_closes_over_curves_and_hills(level, braked, written, request) ->
     library = request.getfixturevalue(level)
     kernel = Kernel(library, line_file=written(line_of(winding())), initial_speed=22.0, tolerance=1e-9)
     kernel.set(brake_torque_1=braked, brake_torque_2=braked)
+    kernel.set(davis_constant=500.0, davis_linear=20.0, davis_quadratic=5.0)
     if level == "planar":
-        kernel.set(
-            davis_constant=500.0, davis_linear=20.0, davis_quadratic=5.0, curve_resistance=1.0, drive_inertia=50.0
-        )
+        kernel.set(curve_resistance=1.0, drive_inertia=50.0)
     names = [*ENERGIES, *(f"integral_{name}" for name in POWERS)]
     table = kernel.record(18.0, 0.2, names)
     energy = np.sum([table[name] for name in names], axis=0)
