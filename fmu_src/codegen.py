@@ -15,6 +15,7 @@ import casadi as ca
 from tqdm import tqdm
 
 from fmu_src.chain import Call, Chain, Part, shared, symbols_in
+from fmu_src.effects import without_effect
 from fmu_src.elimination import Elimination, elimination, elimination_source
 from fmu_src.exchange import exchanged, serves_exchange
 from fmu_src.model_description import model_description
@@ -411,6 +412,7 @@ def _system_arrays(model: Model, system: System, solving: Elimination) -> Iterab
         yield _array("int", f"{prefix}_{suffix}_variable", [str(model.index(name)) for name in names])
     shown = [-1 if s.algebraic else model.index(state_variable(s.name)) for s in system.states.values()]
     yield _array("int", f"{prefix}_state_variable", map(str, shown))
+    yield _array("int", f"{prefix}_idle", [str(model.index(name)) for name in without_effect(model, system)])
     yield _array("double", f"{prefix}_nominal", [_number(state.nominal) for state in system.states.values()])
     yield _array("int", f"{prefix}_order", map(str, solving.order))
     yield _array("int", f"{prefix}_jacobian_place", map(str, solving.jacobian_place))
@@ -477,12 +479,14 @@ def _system_entry(model: Model, system: System, made: dict[str, Generated], solv
         "ends": len(system.end_conditions),
         "conditions": len(system.end_conditions) + len(system.warnings),
         "exchanged": int(serves_exchange(model, system)),
+        "idles": len(without_effect(model, system)),
     }
     arrays = {
         "input_variable": "inputs",
         "parameter_variable": "parameters",
         "output_variable": "outputs",
         "state_variable": "states",
+        "idle": "idles",
         "nominal": "states",
         "order": "states",
         "jacobian_place": "nonzeros",

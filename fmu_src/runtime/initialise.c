@@ -96,7 +96,7 @@ int kernel_initialise(kernel *self, double time) {
     for (int i = 0; i < MODEL.variables; ++i)
         if (MODEL.variable[i].causality == CAUSALITY_INPUT && kernel_warn_without_effect(self, i) != KERNEL_OK)
             status = KERNEL_WARNING;
-    return status;
+    return kernel_warn_of_idle_parameters(self) != KERNEL_OK ? KERNEL_WARNING : status;
 }
 
 /* Opens the parameters again, all values kept; initialise afterwards. */

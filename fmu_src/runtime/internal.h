@@ -105,6 +105,7 @@ INSIDE int kernel_check_reference(kernel *self, int variable);
 INSIDE const char *kernel_name_of_line(void);
 INSIDE int kernel_check_value(kernel *self, const variable_description *variable, double value, double kept);
 INSIDE int kernel_warn_without_effect(kernel *self, int variable);
+INSIDE int kernel_warn_of_idle_parameters(kernel *self);
 /* Whether a step may begin and end there. */
 INSIDE int kernel_check_times(kernel *self, double time, double size);
 /* Says that the run ended `reached` seconds into a step that is taken back; there were `noted` records before it. */

@@ -77,8 +77,10 @@ typedef struct {
     int limits;           /* what may not change too far within a step */
     int ends, conditions; /* the conditions that end a run, and with those that only warn */
     int exchanged;        /* whether its states and switches are those of model exchange */
+    int idles;            /* the model's parameters that nothing in it depends on */
     const int *input_variable, *parameter_variable, *output_variable; /* indices into the model's variables */
     const int *state_variable;                                        /* the same; -1: an algebraic state */
+    const int *idle;
     const double *nominal;                                            /* scale of each state, for the error control */
     const int *order; /* of elimination: entry i is the state that comes i-th in the linear equations */
     const int *jacobian_place; /* of each nonzero of the Jacobian in a matrix of that order, stored by columns */

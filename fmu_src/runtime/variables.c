@@ -54,6 +54,37 @@ int kernel_warn_without_effect(kernel *self, int variable) {
                        MODEL.variable[variable].name, self->system->name);
 }
 
+/* Writes a name behind others, as far as there is room; whether there was. */
+static int add_name(char *names, size_t size, const char *before, const char *name) {
+    const size_t length = strlen(names);
+    if (length + strlen(before) + strlen(name) >= size) return 0;
+    snprintf(names + length, size - length, "%s%s", before, name);
+    return 1;
+}
+
+/* Parameters that were set and that nothing in the chosen system depends on: all in one sentence, which is said once. */
+int kernel_warn_of_idle_parameters(kernel *self) {
+    char names[256] = "", selectors[96] = "", others[48] = "";
+    int count = 0, left = 0, unsaid = 0;
+    for (int i = 0; i < self->system->idles; ++i) {
+        const int variable = self->system->idle[i];
+        if (self->value[variable] == MODEL.variable[variable].start) continue;
+        left += left > 0 || !add_name(names, sizeof names, count ? ", " : "", MODEL.variable[variable].name);
+        unsaid |= !self->warned[variable];
+        self->warned[variable] = 1;
+        ++count;
+    }
+    if (count == 0) return KERNEL_OK;
+    if (!unsaid) return KERNEL_WARNING;
+    if (left) snprintf(others, sizeof others, " and %d more", left);
+    for (int i = 0; i < MODEL.selectors; ++i)
+        (void)add_name(selectors, sizeof selectors, i ? " or " : "; choose another ",
+                       MODEL.variable[MODEL.selector[i]].name);
+    return kernel_fail(self, KERNEL_WARNING,
+                       "Nothing in the system \"%s\" depends on %s%s, so that setting this has no effect%s.",
+                       self->system->name, names, others, selectors);
+}
+
 /* A step that the clock cannot tell from none would take for ever. */
 static int check_integration_step(kernel *self, double value) {
     const double kept = self->value[MODEL.integration_step];
