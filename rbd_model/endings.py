@@ -65,9 +65,8 @@ def warn_of_climbing(assembly: Assembly, wheelsets: Sequence[SpatialWheelset]) -
             )
 
 
-#: What a wheel on patches has done at its end, in the order of its `lost`.
-PATCH_ENDINGS = ("ran off the end of its tread or of the rail's head", "climbed over its flange")
-#: Rise of a climbing wheel that is told of [m]: more than a flange's root gives, less than the end of its steep face.
+#: Rise of a wheel that is told of as it climbs or as its vehicle tips over [m]: more than a flange's root gives, less
+#: than the end of its steep face.
 CLIMBED = 5e-3
 #: Approach by which margins of patches are counted [m]: that of a loaded tread.
 COUNTED = 1e-4
@@ -92,11 +91,12 @@ def watch_patches(assembly: Assembly, wheelsets: Sequence[PatchedWheelset]) -> N
     still runs on the gauge corner.
     """
     system = assembly.system
+    for index in range(len(SIDES)):
+        warn_of_tipping(assembly, wheelsets, index)
     for wheelset in wheelsets:
         for index, side in enumerate(SIDES.values()):
             name = f"{side} wheel of wheelset {wheelset.number}"
-            for margin, word in zip(ca.vertsplit(wheelset.lost[index]), PATCH_ENDINGS, strict=True):
-                system.end_when_negative(margin, f"Derailed: the {name} {word} at %s s; results up to there are kept.")
+            end_on_patches(assembly, wheelset, index)
             *others, steepest = (near.approach / COUNTED for near in wheelset.nearest[index])
             tread, flange = ca.mmax(ca.vertcat(*others)), steepest
             climbing = f"Flange climb: the {name} left its tread and climbed on its flange at %s s."
@@ -106,6 +106,44 @@ def watch_patches(assembly: Assembly, wheelsets: Sequence[PatchedWheelset]) -> N
             system.warn_when_negative(ca.if_else(flange > 0, room, 1), risen)
             lifted = f"Wheel lift: the {name} carried no load at %s s, and came off its rail."
             system.warn_when_negative(ca.if_else(flange > 0, 1, tread), lifted)
+
+
+def end_on_patches(assembly: Assembly, wheelset: PatchedWheelset, index: int) -> None:
+    """Where the profiles of the left (0) or right wheel (1) and its rail end (section 9.4.1).
+
+    The tip of a flange comes up to the rail's head in two ways: towards that rail, where the wheel has climbed, or away
+    from it, where it hangs in the air because its wheelset tips over the other wheel.
+    """
+    side, other = list(SIDES.values())[index], list(SIDES.values())[1 - index]
+    name, kept = f"the {side} wheel of wheelset {wheelset.number}", "at %s s; results up to there are kept."
+    tread, flange = ca.vertsplit(wheelset.lost[index])
+    towards = list(SIDES)[index] * wheelset.offset > 0
+    tipped = f"wheelset {wheelset.number} tipped over its {other} wheel and lifted the {side} one off its rail"
+    endings = {
+        f"Derailed: {name} ran off the end of its tread or of the rail's head {kept}": tread,
+        f"Derailed: {name} climbed over its flange {kept}": ca.if_else(towards, flange, 1),
+        f"Overturned: {tipped} {kept}": ca.if_else(towards, 1, flange),
+    }
+    for sentence, margin in endings.items():
+        assembly.system.end_when_negative(margin, sentence)
+
+
+def warn_of_tipping(assembly: Assembly, wheelsets: Sequence[PatchedWheelset], index: int) -> None:
+    """Says when all left (0) or right wheels (1) are CLIMBED above their rails and none bears: the vehicle tips over.
+
+    Statics, as in EN 14067-6 (2018): it does where the resultant of weight and lateral forces passes outside of the
+    other wheels, and the wheels on this side are unloaded.
+    """
+    side, other = list(SIDES.values())[index], list(SIDES.values())[1 - index]
+    rooms = []
+    for wheelset in wheelsets:
+        approach = ca.mmax(ca.vertcat(*[near.approach for near in wheelset.nearest[index]]))
+        rooms.append(ca.if_else(approach > 0, CLIMBED, CLIMBED - wheel_rise(assembly, wheelset, index)))
+    sentence = (
+        f"Overturning: all {side} wheels were {1e3 * CLIMBED:g} mm off their rails at %s s; the vehicle tips over its "
+        f"{other} wheels."
+    )
+    assembly.system.warn_when_negative(ca.mmax(ca.vertcat(*rooms)) / COUNTED, sentence)
 
 
 #: EN 14363:2016, running safety: limit of Y/Q of a guiding wheel, and of the sum of both Y by the static load of the

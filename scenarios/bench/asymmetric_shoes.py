@@ -36,7 +36,7 @@ STANDING, DURATION, INTERVAL = 0.01, 24.0, 2e-3
 TOLERANCE = 1e-6
 LOADS = tuple(f"wheel_load_{n}_{side}" for n in (1, 2) for side in ("left", "right"))
 RECORDED = ("speed", "lateral_1", "lateral_2", "flange_force_1", "flange_force_2", *LOADS)
-SAID = ("Wheel lift", "Flange climb", "Derailed")
+SAID = ("Wheel lift", "Flange climb", "Derailed", "Overturn")
 
 
 #: Whether the yaw torque's axis turns with the wheelset, and what reacts where; the first is what the thesis did.

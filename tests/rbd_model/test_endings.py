@@ -1,0 +1,60 @@
+"""How runs in space end: a vehicle that tips over, by rigid statics, against one that climbs its rail."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+
+from fmu_src.kernel import Kernel, KernelError, Library
+from fmu_src.system import model_of
+from rbd_model import variables
+from rbd_model.contact.geometry import thesis_pair
+from rbd_model.line import arc, clothoid, line_of, straight
+from tests.quick_library import quick_library
+from tests.rbd_model.test_standing import MAKERS, MASS, P
+
+RADIUS = 300.0
+#: Height of the centre of mass over the rails [m]: that of a rigid vehicle, frame and wheelsets.
+HEIGHT = P.wheel_radius + P.frame_mass * P.frame_height / MASS
+#: Where the outer wheels bear [m] from the middle of the track: no further out than the middle of the rail's head, no
+#: further in than its gauge face; and how far the vehicle moves to them, the play of its flanges.
+HEAD, PLAY = thesis_pair().left.rail_half_distance, P.flange_clearance
+FACE = HEAD - max(thesis_pair().left.rail.limits)
+#: Springs so stiff that the vehicle is rigid.
+STIFF = {name: 30 * getattr(P, name) for name in ("lateral_stiffness", "vertical_stiffness", "vertical_damping")}
+
+
+@pytest.fixture(scope="module")
+def patched() -> Library:
+    return quick_library(model_of(MAKERS["patched"](), 1e-6, variables.line_file()))
+
+
+def said_in_curve(library: Library, folder: Path, arm: float, sign: float) -> list[str]:
+    """Sentences of a bogie in a level curve to the left (1) or right (-1), fast enough to tip it over wheels that stand
+    `arm` [m] outside of its middle: M v^2 / R h = M g b.
+    """
+    speed = math.sqrt(P.gravity * arm / HEIGHT * RADIUS)
+    before, curve = straight(20.0), arc(8 * speed, sign * RADIUS)
+    path = str(line_of([before, clothoid(4 * speed, before, curve), curve]).write(folder / "line.csv"))
+    kernel = Kernel(library, line_file=path, initial_speed=speed, constant_speed=1.0, **STIFF)
+    try:
+        kernel.advance(10.0)
+    except KernelError:
+        assert kernel.ended
+    return kernel.journal
+
+
+@pytest.mark.parametrize(("sign", "inner", "outer"), [(1.0, "left", "right"), (-1.0, "right", "left")])
+def test_a_vehicle_overturns_where_rigid_statics_say(patched: Library, tmp_path: Path, sign, inner, outer) -> None:  # type: ignore[no-untyped-def]
+    assert not any("verturn" in line for line in said_in_curve(patched, tmp_path, FACE - PLAY, sign))
+    said = said_in_curve(patched, tmp_path, HEAD, sign)
+    lifted = [line for line in said if line.startswith("Wheel lift")]
+    assert [line.split(" carried")[0] for line in sorted(lifted)] == [
+        f"Wheel lift: the {inner} wheel of wheelset {number}" for number in (1, 2)
+    ]
+    warned, ended = (line for line in said if "verturn" in line)
+    assert warned.startswith(f"Overturning: all {inner} wheels were 5 mm off their rails at ")
+    assert f"tipped over its {outer} wheel and lifted the {inner} one off its rail" in ended
+    assert not any("limb" in line or "Derailed" in line for line in said)
