@@ -9,15 +9,16 @@ from scipy.integrate import solve_ivp
 
 from scenarios.bench.braked_machine import APPLICATION_TIME, STANDING, Machine
 from scenarios.bench.drive import prepare
-from scenarios.bench.protected_stop import BRAKE_START, LONGEST
+from scenarios.bench.protected_stop import BRAKE_START, LONGEST, ProtectedStop
+from scenarios.bench.rails import ABOVE
 from scenarios.fmus.registry import model_of
 
 
 class PeakAdhesion:
     """Largest deceleration that a rail can give, from a machine's own equations: the creep force at its best slip."""
 
-    #: Slip ratios that are tried.
-    SLIPS = np.geomspace(2e-3, 0.4, 28)
+    #: Slip ratios that are tried, and instants of a stop that are looked at.
+    SLIPS, INSTANTS = np.geomspace(2e-3, 0.4, 28), 50
 
     def __init__(self, machine: Machine, rail: Mapping[str, float]) -> None:
         self.machine = machine
@@ -44,7 +45,9 @@ class PeakAdhesion:
         return max(found), float(self.SLIPS[int(np.argmax(found))])
 
     def stopping_distance(self, speed: float) -> float:
-        """Distance [m] from `speed` with the best slip throughout, as soon as the brake has filled and no faster.
+        """Distance [m] from `speed` with the best slip wherever the brake, as it fills, asks for as much.
+
+        Where it asks for less than the rail gives, it is the brake's distance and says nothing of the rail: see `used`.
 
         Raises ValueError where the rail stops nothing within the longest time of a stop.
         """
@@ -60,6 +63,18 @@ class PeakAdhesion:
         if not found.t_events[0].size:
             raise ValueError(f"Give a rail that stops the vehicle from {speed:g} m/s within {LONGEST:g} s: it did not.")
         return float(found.y[0, -1])
+
+    def used(self, stop: ProtectedStop) -> np.ndarray:
+        """Braking force over the largest that the rail gives at that speed and place, shape (INSTANTS,).
+
+        From the first to the last instant at which the machine was braked and faster than ABOVE.
+        """
+        time, speed = stop.series["time"], stop.series["speed"]
+        way = np.concatenate([[0.0], np.cumsum((speed[1:] + speed[:-1]) / 2 * np.diff(time))])
+        looked_at = np.flatnonzero(stop.braked(ABOVE))
+        instants = looked_at[np.linspace(0, looked_at.size - 1, self.INSTANTS).astype(int)]
+        largest = [self.machine.mass * self.best(way[i], speed[i])[0] for i in instants]
+        return np.asarray(stop.series["braking_force"][instants] / largest)
 
     def braking(self, time: float) -> float:
         """Deceleration that the filling brake allows [m/s2]."""

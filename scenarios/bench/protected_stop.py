@@ -88,14 +88,18 @@ class ProtectedStop:
 
     def locks(self, above: float) -> bool:
         """Whether every wheelset stood for most of the braked time in which the vehicle ran faster than `above`."""
-        runs = (self.series["speed"] > above) & (self.series["time"] > BRAKE_START)
+        runs = self.braked(above)
         return all(np.mean(self.series[f"wheel_speed_{number}"][runs] == 0.0) > 0.5 for number in self.numbers)
 
     def share_in_band(self, largest: float, above: float) -> float:
         """Share of the braked time above a speed [m/s] in which all wheelsets' slip is at most `largest`."""
-        chosen = (self.series["speed"] > above) & (self.series["time"] > BRAKE_START)
+        chosen = self.braked(above)
         good = np.all([self.slip(number)[chosen] <= largest for number in self.numbers], axis=0)
         return float(good.mean())
+
+    def braked(self, above: float) -> np.ndarray:
+        """At which instants it was braked and faster than `above` [m/s]."""
+        return np.asarray((self.series["speed"] > above) & (self.series["time"] > BRAKE_START))
 
     def air(self) -> float:
         """Air that the cylinders took [kg]: every rise of pressure fills their volume, which is taken as constant."""
@@ -127,7 +131,8 @@ READ = ("rotation", "angular_velocity", "creep_force", "axle_load")
 def columns(numbers: Sequence[int]) -> dict[str, str]:
     """What is recorded, with units."""
     of_each = (("wheel_speed", "m/s"), ("pressure", "Pa"), ("valve", "1"), ("adhesion", "1"))
-    return {"time": "s", "speed": "m/s"} | {f"{name}_{n}": unit for n in numbers for name, unit in of_each}
+    of_all = {"time": "s", "speed": "m/s", "braking_force": "N"}
+    return of_all | {f"{name}_{n}": unit for n in numbers for name, unit in of_each}
 
 
 @dataclass
@@ -185,8 +190,8 @@ class _Run:
         speeds = self._speeds(time, turned[:count])
         if self.supervised and not self.failure:
             self._ask(self.supervised, time, speeds)
-        row = [time, speed]
         rates, forces, loads = (turned[count * i : count * (i + 1)] for i in (1, 2, 3))
+        row = [time, speed, -sum(forces)]
         wheelsets = zip(rates, forces, loads, self.machine.brakes, self.commands, strict=True)
         for omega, force, load, brake, command in wheelsets:
             row += [self.radius * omega, brake["cylinder_pressure"], command, -force / load]

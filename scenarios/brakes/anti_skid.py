@@ -46,16 +46,23 @@ STRENGTHS, JITTERS = (1.0, 1.25, 1.5), (0.0, 0.1)
 COUNTED = 24
 
 
+#: What is meant by the ideal, and by the largest force of a rail.
+IDEAL = "1 too where the brake asks for less than the rail gives"
+BEST = f"mean above {ABOVE:g} m/s; largest: at the best slip of all wheels, at that speed and place"
 #: What stands between wheels and valves.
 MODES: dict[str, Callable[[], WheelSlideController] | None] = {"unprotected": None, "protected": SlideProtection}
 
 
 @dataclass(frozen=True)
 class Findings:
-    """Stops by rail and mode, ideal distances by rail [m]; low-rail ones by (period, host step) and teeth; dry ones."""
+    """Stops by rail and mode, ideal distances by rail [m]; low-rail ones by (period, host step) and teeth; dry ones.
+
+    used: by rail and mode, the mean of braking force over the largest that the rail gives.
+    """
 
     stops: dict[tuple[str, str], ProtectedStop]
     ideal: dict[str, float]
+    used: dict[tuple[str, str], float]
     low: dict[tuple[float, float], ProtectedStop]
     teeth: dict[int, ProtectedStop]
     dry: list[ProtectedStop]
@@ -83,8 +90,10 @@ def measure() -> Findings:
         for settings in dry_tries:
             dry_stops.append(one_stop(machine, RAILS[0], "protected", settings))
             bar.update()
-    ideal = {rail.name: PeakAdhesion(bogie(), rail.values()).stopping_distance(Settings().speed) for rail in RAILS}
-    return Findings(stops, ideal, low_stops, teeth, dry_stops, stops_per_minute())
+    best = {rail.name: PeakAdhesion(bogie(), rail.values()) for rail in RAILS}
+    ideal = {name: one.stopping_distance(Settings().speed) for name, one in best.items()}
+    used = {(rail, mode): float(best[rail].used(stop).mean()) for (rail, mode), stop in stops.items()}
+    return Findings(stops, ideal, used, low_stops, teeth, dry_stops, stops_per_minute())
 
 
 def one_stop(machine: BrakedMachine, rail: RailCase, mode: str, settings: Settings) -> ProtectedStop:
@@ -122,20 +131,32 @@ def rows_of(found: Findings) -> list[Row]:
         ideal = found.ideal[rail.name]
         rows.append(Row(f"{rail.name}: ideal stopping distance", "m", None, ideal, None, source, verified))
         for mode in MODES:
-            stop = found.stops[rail.name, mode]
+            stop, used = found.stops[rail.name, mode], found.used[rail.name, mode]
             name = f"{rail.name}, {mode}{', wheels locked' if stop.locks(LOCK_ABOVE) else ''}"
             share = stop.share_in_band(BAND, ABOVE)
             rows += [
                 Row(f"{name}: stopping distance", "m", None, stop.distance, None, stop.note(source)),
                 Row(f"{name}: longest lock", "s", None, stop.longest_lock(LOCK_ABOVE), None, f"above {LOCK_ABOVE} m/s"),
                 Row(f"{name}: share in the slip band", "1", None, share, None, "up to 0.3"),
-                Row(f"{name}: distance over the ideal", "1", None, stop.over(ideal), None, ""),
+                Row(f"{name}: distance over the ideal", "1", None, stop.over(ideal), None, IDEAL),
+                Row(f"{name}: braking force over the rail's largest", "1", None, used, None, BEST),
+                *without_sliding(name, rail, stop),
                 Row(f"{name}: air", "g", None, 1e3 * stop.air(), None, "both cylinders"),
             ]
     for pulses, stop in found.teeth.items():
         name = f"low, protected, {pulses} teeth: stopping distance"
         rows.append(Row(name, "m", None, stop.distance, None, stop.note("of each sensor")))
     return rows
+
+
+def without_sliding(name: str, rail: RailCase, stop: ProtectedStop) -> list[Row]:
+    """Mean braking force over what friction without sliding would give, on a rail that is the same everywhere."""
+    if rail.changes:
+        return []
+    chosen, weight = stop.braked(ABOVE), bogie().mass * bogie().parameters.gravity
+    share = float(stop.series["braking_force"][chosen].mean()) / (rail.condition.friction * weight)
+    source = f"mean above {ABOVE:g} m/s; mu0 = {rail.condition.friction:g}"
+    return [Row(f"{name}: braking force over friction without sliding", "1", None, share, None, source)]
 
 
 def judged_rows(found: Findings) -> list[Row]:

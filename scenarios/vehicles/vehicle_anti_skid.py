@@ -22,7 +22,7 @@ from scenarios.scenario import Options, Scenario
 #: Factor on the friction under each wheelset, whose rail the one before it has cleaned. Assumed.
 CLEANED = 1.1
 RAILS = (RailCase("low", low_rail()), RailCase("low, cleaned", low_rail(), (("cleaned_friction", CLEANED),)))
-#: Part of that factor that must be seen from one wheelset to the next in the adhesion that they use.
+#: Part of that factor that must be seen from one wheelset to the next in braking force over load.
 HALF_OF_IT = 0.5
 
 
@@ -48,7 +48,7 @@ def measure() -> Findings:
     return Findings(protected, unprotected, ideal)
 
 
-def used_adhesion(stop: ProtectedStop) -> list[float]:
+def force_over_load(stop: ProtectedStop) -> list[float]:
     """Mean of braking force over axle load of each wheelset, while the brake was full and the vehicle ran."""
     chosen = (stop.series["time"] > 2 * BRAKE_START) & (stop.series["speed"] > ABOVE)
     return [float(stop.series[f"adhesion_{number}"][chosen].mean()) for number in stop.numbers]
@@ -73,12 +73,12 @@ def rows_of(found: Findings) -> list[Row]:
             Row(f"{name}, unprotected: stopping distance", "m", None, free.distance, None, free.note(source)),
             Row(f"{name}, unprotected: longest lock", "s", None, free.longest_lock(LOCK_ABOVE), None, ""),
         ]
-    used = used_adhesion(found.protected["low, cleaned"])
+    used = force_over_load(found.protected["low, cleaned"])
     for number, share in zip(NUMBERS, used, strict=True):
-        label = f"low, cleaned: mean adhesion that wheelset {number} used"
-        rows.append(Row(label, "1", None, share, None, "braking force over axle load"))
+        label = f"low, cleaned: mean braking force over load of wheelset {number}"
+        rows.append(Row(label, "1", None, share, None, "full brake"))
     rise = float(np.diff(used).min())
-    label = "low, cleaned: least rise of adhesion from one wheelset to the next"
+    label = "low, cleaned: least rise of braking force over load from one wheelset to the next"
     asked = at_least(HALF_OF_IT * (CLEANED - 1.0) * used[0])
     rows.append(Row(label, "1", None, rise, asked, "leading wheelsets meet the dirtier rail", "half of the factor"))
     return sorted(rows, key=lambda row: row.asked is None)  # what is judged comes first

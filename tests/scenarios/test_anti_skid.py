@@ -17,8 +17,11 @@ from scenarios.bench.protected_stop import Settings, protected_stop
 from scenarios.bench.rail_programme import for_choosing, for_reporting, programme, scores
 from scenarios.bench.rails import ABOVE, BAND, LOCK_ABOVE, LONGEST_LOCK, OVER_IDEAL, RAILS, SHARE
 from scenarios.brakes import anti_skid
+from tests.rbd_model.test_adhesion import adhesion
 
 DRY, _, LOW, _ = (rail.values() for rail in RAILS)
+#: Braking force and largest creep force: the brake fills to 1e-3, slip ratios are tried 20 % apart.
+USED_BAND = 3e-3
 
 
 @pytest.fixture(scope="module")
@@ -49,6 +52,23 @@ def test_without_protection_the_wheels_lock_and_the_stop_is_longer(machine: Brak
     assert stop.share_in_band(BAND, ABOVE) < SHARE
     assert stop.distance is not None
     assert stop.distance > 1.5 * ideal
+
+
+def test_what_a_stop_uses_of_a_rail_is_told_apart_from_its_distance(machine: BrakedMachine) -> None:
+    """On the wet rail the brake alone decides the distance, which is the ideal one; at its end 0.6 of the largest creep
+    force are used, by Polach (2005), and in the mean 0.5 of friction without sliding, by momentum.
+    """
+    rail, own = RAILS[1], bogie()
+    stop, best = protected_stop(machine, rail.values(), None), PeakAdhesion(own, rail.values())
+    braked = np.flatnonzero(stop.braked(ABOVE))
+    (begin, speed), (start, end) = (stop.series[name][braked[[0, -1]]] for name in ("speed", "time"))
+    asked = own.deceleration(own.full_torque) / own.parameters.gravity
+    largest = max(adhesion(rail.condition, slip * speed, speed) for slip in np.geomspace(1e-3, 0.5, 2000))
+    assert stop.over(best.stopping_distance(25.0)) == pytest.approx(1.0, abs=1e-3)
+    assert best.used(stop)[-1] == pytest.approx(asked / largest, rel=USED_BAND)
+    [row] = anti_skid.without_sliding("wet", rail, stop)
+    slowed = (begin - speed) / (end - start) / own.parameters.gravity
+    assert row.simulated == pytest.approx(slowed / rail.condition.friction, rel=USED_BAND)
 
 
 #: Teeth, and errors of their places as a share of the pitch.

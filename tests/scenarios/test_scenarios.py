@@ -140,7 +140,7 @@ MISSES = {
     "creep-forces": {"largest distance from exact theory, with spin"},
     # And the 99 % at random states of FASTSIM, FaStrip and the table of exact theory, which short_laws leaves out.
     "creep-laws": {f"Polach: {kind}, largest distance" for kind in ("mixed", "spin-dominated", "saturated")},
-    "vehicle-anti-skid": {"low, cleaned: least rise of adhesion from one wheelset to the next"},
+    "vehicle-anti-skid": {"low, cleaned: least rise of braking force over load from one wheelset to the next"},
     "vehicle-composed": {"coupled, held: error of distance at 2 ms"},  # as short_vehicles has it
     "wheelset-skid": {"friction 0.3: time from brake to lock"},
     "wheelset-torque": {"distance slipped while braking"},
