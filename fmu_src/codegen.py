@@ -22,7 +22,7 @@ from fmu_src.model_description import model_description
 from fmu_src.own_names import PREFIX, with_own_names
 from fmu_src.pieces import in_pieces
 from fmu_src.progress import PATIENCE
-from fmu_src.system import LINE_COLUMNS, Model, System, integration_variables, state_variable
+from fmu_src.system import LINE_COLUMNS, Model, SteadyStart, System, integration_variables, state_variable
 
 RUNTIME = Path(__file__).parent / "runtime"
 #: Each calls only those before it; faces belong to FMUs, studies to the library for kernel.py.
@@ -44,6 +44,7 @@ KERNEL_SOURCES = (
     "modes.c",
     "locate.c",
     "integrate.c",
+    "steady.c",
     "initialise.c",
     "explicit_host.c",
     "exchange.c",
@@ -73,6 +74,8 @@ FUNCTIONS = (
     "output_along",
     "residual_along",
 )
+#: Those of its steady start, in the order of `steady_start` there.
+STEADY_FUNCTIONS = ("course", "pace")
 KINDS = {"real": "KIND_REAL", "integer": "KIND_INTEGER", "boolean": "KIND_BOOLEAN", "string": "KIND_STRING"}
 
 
@@ -120,6 +123,10 @@ def functions(system: System) -> dict[str, Generated]:
         "warning_margin": [ca.vertcat(*[c.margin for c in system.warnings])] if costly else [],
         "largest_change": [ca.vertcat(*[largest for _, largest in system.largest_changes])],
     }
+    if system.steady_start:
+        given = system.parameter_symbols[system.steady_start.given]
+        start = system.without_waists(_start(system))
+        results |= {"course": [system.steady_start.course], "pace": [ca.densify(ca.jacobian(start, given))]}
     for rank in range(_table_ranks(system)):
         asked = [table.argument for table in system.ranked_tables if table.rank == rank]
         results[f"table_argument_{rank}"] = [ca.vertcat(*asked)]
@@ -453,8 +460,28 @@ def _system_arrays(model: Model, system: System, solving: Elimination) -> Iterab
     yield _array("table_description", f"{prefix}_table", entries)
     ranks = [f"{prefix}_table_argument_{rank}" for rank in range(_table_ranks(system))]
     yield _array("generated_function", f"{prefix}_table_argument", ranks)
+    if system.steady_start:
+        yield from _steady_arrays(system, system.steady_start)
     sentences = [_text(condition.sentence) for condition in (*system.end_conditions, *system.warnings)]
     yield _array("char *const", f"{prefix}_sentence", sentences)
+
+
+def _steady_arrays(system: System, start: SteadyStart) -> Iterable[str]:
+    """The description of a steady start, its members by position."""
+    prefix = f"{system.name}_steady"
+    states, inputs, parameters = map(list, (system.states, system.input_symbols, system.parameter_symbols))
+    places = {
+        "kept": [states.index(name) for name in start.kept],
+        "last": [states.index(name) for name in start.last],
+        "drive": [inputs.index(name) for name in start.drives],
+        "place": [parameters.index(name) for name in start.places],
+    }
+    for name, numbers in places.items():
+        yield _array("int", f"{prefix}_{name}", map(str, numbers))
+    fields = [str(states.index(start.speed)), *(str(len(numbers)) for numbers in places.values())]
+    fields += [f"{prefix}_{name}" if numbers else "0" for name, numbers in places.items()]
+    fields += [_text(start.sentence), *(f"{system.name}_{name}" for name in STEADY_FUNCTIONS)]
+    yield f"static const steady_start {prefix}_start = {{{', '.join(fields)}}};"
 
 
 def _system_entry(model: Model, system: System, made: dict[str, Generated], solving: Elimination) -> str:
@@ -501,6 +528,7 @@ def _system_entry(model: Model, system: System, made: dict[str, Generated], solv
     fields |= {name: f"{prefix}_{name}" if counts[count] else "0" for name, count in arrays.items()}
     fields |= {name: f"{prefix}_{name}" if name in made else "0" for name in FUNCTIONS}
     fields |= {name: f"{prefix}_{name}" for name in ("factorise", "substitute")}
+    fields["steady_start"] = f"&{prefix}_steady_start" if system.steady_start else "0"
     fields["table_argument"] = f"{prefix}_table_argument" if counts["tables"] else "0"
     return "    {" + ",\n     ".join(f"/* {name} */ {value}" for name, value in fields.items()) + "}"
 

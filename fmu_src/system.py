@@ -188,6 +188,29 @@ class Condition:
 
 
 @dataclass(frozen=True)
+class SteadyStart:
+    """Runs start in a steady state where `course` is above 0 at the start values, and with these where it is not.
+
+    There no state changes, but for those that keep their start values and for what grows with the speed as the machine
+    rolls faster or slower: by so much as its start value grows with the parameter `given`. States that friction could
+    hold in many places lie where it holds nothing. Rails go on along the line's axes as they lie where it stands.
+    speed: the state that starts with `given` and keeps that. kept: further ones, places and angles without end. last:
+    states that settle once the others have; not, where one of the parameters `places` is not 0, which say where they
+    stand. drives: inputs that are 0 there, and act from then on. sentence: an error where there is no such state; its
+    %s is the time.
+    """
+
+    course: ca.SX
+    speed: str
+    given: str
+    kept: tuple[str, ...]
+    last: tuple[str, ...]
+    drives: tuple[str, ...]
+    places: tuple[str, ...]
+    sentence: str
+
+
+@dataclass(frozen=True)
 class Observable:
     """An expression that is not a variable of the FMU but of interest to tests and studies."""
 
@@ -235,6 +258,8 @@ class System(Chain):
     end_conditions: list[Condition] = field(default_factory=list)
     warnings: list[Condition] = field(default_factory=list)
     observables: dict[str, Observable] = field(default_factory=dict)
+    #: None: a run starts with the start values.
+    steady_start: SteadyStart | None = None
     #: Names of one or two states, and by how much their sum may change within a step that is chosen by the error.
     largest_changes: list[tuple[tuple[str, ...], ca.SX]] = field(default_factory=list)
 
@@ -344,6 +369,10 @@ class System(Chain):
         """
         self.largest_changes.append((states, largest))
 
+    def start_steady(self, start: SteadyStart) -> None:
+        """Lets runs start in a steady state. `compose` leaves it out: what it joins may have none together."""
+        self.steady_start = start
+
     def output(self, variable: Variable, expression: ca.SX | float) -> None:
         """An output and the expression it has at every instant. Raises ValueError for a variable that is none."""
         if variable.causality != "output":
@@ -408,6 +437,9 @@ class System(Chain):
             symbol = copy.state(f"integral_{name}", unit, 0.0, nominal=1e3)
             copy.derivative(f"integral_{name}", observable.expression)
             copy.output(Variable(f"integral_{name}", "output", unit, f"Time integral of {name}"), symbol)
+        if self.steady_start:
+            endless = (f"integral_{name}" for name in names)
+            copy.steady_start = replace(self.steady_start, kept=(*self.steady_start.kept, *endless))
         return copy
 
     def with_outputs(self, names: Sequence[str]) -> System:

@@ -29,6 +29,7 @@ from rbd_model.motion import (
     react,
 )
 from rbd_model.resistance import add_resistance
+from rbd_model.steady import start_steady
 from rbd_model.track_frame import on_gradient, on_profile
 from rbd_model.vehicle import Motion, Vehicle, wheelset_name
 from rbd_model.wheelset import (
@@ -70,6 +71,7 @@ def planar_vehicle(vehicle: Vehicle, on_line: bool = False) -> System:
     for wheelset, acceleration in every:
         system.derivative(f"shift_speed_{wheelset.number}", acceleration - first_acceleration)
 
+    start_steady(assembly, loads.bodies.values())
     add_common_outputs(assembly, bodies, wheelsets, [acceleration for _, acceleration in every])
     kinetic = [
         assembly.value(w.data.mass) * w.forward**2 / 2

@@ -34,6 +34,7 @@ from rbd_model.patched_wheelset import PatchedWheelset, move_on_patches, place_o
 from rbd_model.resistance import add_davis
 from rbd_model.rolling_contact import SIDES
 from rbd_model.spatial_wheelset import Motion, SpatialWheelset, move_wheelset, place_wheelset
+from rbd_model.steady import start_steady
 from rbd_model.track import Track, with_line
 from rbd_model.track_frame import on_line as frame_on_line
 from rbd_model.vehicle import Vehicle, wheelset_name
@@ -44,19 +45,23 @@ WheelsetInSpace = SpatialWheelset | PatchedWheelset
 
 @dataclass(frozen=True)
 class Standing:
-    """What a depth of contact brings: a wheelset on its rails, its equations of motion, and where they end."""
+    """What a depth of contact brings: a wheelset on its rails, its equations of motion, and where they end.
+
+    settles: on a line a steady start is sought, on the way to which a rigid contact would leap along its profile.
+    """
 
     name: str
     place: Callable[..., WheelsetInSpace]
     move: Callable[..., Motion]
     watch: Callable[..., None]
+    settles: bool
 
 
 #: By the depth of contact.
 STANDING = {
-    1: Standing("spatial", place_wheelset, move_wheelset, watch_rigid),
-    2: Standing("spatial_patches", place_on_patches, move_on_patches, watch_patches),
-    3: Standing("spatial_strips", place_on_patches, move_on_patches, watch_patches),
+    1: Standing("spatial", place_wheelset, move_wheelset, watch_rigid, False),
+    2: Standing("spatial_patches", place_on_patches, move_on_patches, watch_patches, True),
+    3: Standing("spatial_strips", place_on_patches, move_on_patches, watch_patches, True),
 }
 
 
@@ -77,8 +82,9 @@ def spatial_vehicle(
         track = with_line(track)
     assembly.axle_height = assembly.radius(vehicle.wheelsets[0])
     bodies = [place_body(assembly, data) for data in vehicle.bodies]
-    section = track(system)
+    section, of_bodies = track(system), set(system.states)
     wheelsets = [standing.place(assembly, number, section) for number, _ in vehicle.numbered]
+    of_wheelsets = [name for name in system.states if name not in of_bodies]
     places = [assembly.distance + wheelset.body.position[0] for wheelset in wheelsets]
     follow_patch(system, assembly.rail, f"{first.name}_distance", places)
     loads = loads_of(assembly, bodies, {wheelset.number: wheelset.body for wheelset in wheelsets})
@@ -102,6 +108,8 @@ def spatial_vehicle(
     observe_energy(assembly, bodies, rolling, loads, further)
     if on_line:
         observe_places(assembly, loads.bodies)
+        if standing.settles:
+            start_steady(assembly, loads.bodies.values(), of_wheelsets)
     standing.watch(assembly, wheelsets)
     warn_of_limits(assembly, wheelsets)
     return system

@@ -76,6 +76,11 @@ int kernel_initialise(kernel *self, double time) {
     memcpy(self->state, self->trial, (size_t)system->states * sizeof(double));
     for (int i = 0; i < system->frictions; ++i) self->mode[i] = 1.0;
     for (int i = 0; i < system->conditions; ++i) self->said[i] = 0.0;
+    if (!steady_find(self)) {
+        char when[CLOCK_SIZE];
+        kernel_reopen(self);
+        return kernel_say_when(self, KERNEL_ERROR, system->steady->sentence, kernel_clock(time, 9, when));
+    }
     rosenbrock_linearise(self, 0.0, self->state);
     const int solved = algebraic_solve(self, 0.0, self->state, self->value[MODEL.tolerance]);
     modes_refresh(self, 0.0);

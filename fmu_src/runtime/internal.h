@@ -77,6 +77,7 @@ struct kernel {
     int kept_ready;    /* what there is of the kept Jacobian besides its place */
     int factors_serve; /* the factors `algebraic` are good enough for Newton's method */
     int stops_at_events, whole_steps;
+    int rails_go_on; /* as they lie where they are looked up, along the line's axes */
     double stop_time; /* infinite: the host named none */
     char *warned; /* one flag per variable: "has no effect here" is said once */
     kernel_counters counters;
@@ -175,7 +176,11 @@ INSIDE int reuse_serves(const kernel *self, double offset);
 INSIDE double reuse_short_step(kernel *self, double offset, double size);
 INSIDE double runge_kutta_try(kernel *self, double offset, double size); /* its error is 0 or NaN */
 INSIDE int runge_kutta_guard(kernel *self, double offset, double size);
-/* Modes and end conditions. */
+/* Where the system asks for it, takes the start values in self->state to a steady state. 0: there is none. */
+INSIDE int steady_find(kernel *self);
+/* Modes and end conditions. The velocity that a friction acts on, and a state in which that is exactly 0. */
+INSIDE double modes_velocity(const friction_description *friction, const double *state);
+INSIDE void modes_stop(const friction_description *friction, double *state);
 INSIDE void modes_refresh(kernel *self, double offset);
 INSIDE void modes_hold(const kernel *self, double *state);
 INSIDE double modes_direction_margin(const kernel *self, int i, const double *state);

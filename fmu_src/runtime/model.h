@@ -68,6 +68,19 @@ typedef struct {
     int state, other; /* indices; -1: there is no other */
 } limited_change;
 
+/* A start that is a steady state where `course` is above 0. Indices of states, inputs and parameters of the system. */
+typedef struct {
+    int speed; /* that of the machine, which keeps its start value as those in `kept` do */
+    int kepts, lasts, drives, places;
+    const int *kept;   /* states */
+    const int *last;   /* states that settle once the others have */
+    const int *drive;  /* inputs that are 0 in the steady state */
+    const int *place;  /* parameters; where one is not 0, what settles last stays as it starts */
+    const char *sentence; /* said where there is none; the time in place of its %s */
+    generated_function course;
+    generated_function pace; /* how the start values of all states grow with that of `speed` */
+} steady_start;
+
 typedef struct {
     const char *name;
     int states, algebraics, nonzeros;
@@ -100,6 +113,7 @@ typedef struct {
      * inverted; and the solution in place of a vector in the order of the states. */
     generated_factors factorise;
     generated_solution substitute;
+    const steady_start *steady; /* null: a run starts with the start values */
     const generated_function *table_argument; /* one for each rank */
 } system_description;
 

@@ -17,12 +17,12 @@ static const double SPARE = 0.99;
  * capacity. */
 static const double AGAIN = 1e-3, FADING = 1e-4, LEAST_RELUCTANCE = 1e-7, MOST_RELUCTANCE = 1e3;
 
-static double velocity_of(const friction_description *friction, const double *state) {
+double modes_velocity(const friction_description *friction, const double *state) {
     return state[friction->velocity] + (friction->other < 0 ? 0.0 : state[friction->other]);
 }
 
 /* Exactly zero, also where it is a sum. */
-static void stop(const friction_description *friction, double *state) {
+void modes_stop(const friction_description *friction, double *state) {
     state[friction->velocity] = friction->other < 0 ? 0.0 : -state[friction->other];
 }
 
@@ -59,7 +59,7 @@ static void find_drive_and_capacity(kernel *self, double offset, const double *s
     kernel_evaluate_again(self, system->capacity, offset, state, self->capacity);
     self->still = self->capacity + system->frictions;
     for (int i = 0; i < system->frictions; ++i)
-        if (self->mode[i] == 0.0 || fabs(velocity_of(&system->friction[i], state)) <= self->still[i]) {
+        if (self->mode[i] == 0.0 || fabs(modes_velocity(&system->friction[i], state)) <= self->still[i]) {
             kernel_evaluate_again(self, system->drive, offset, state, self->drive);
             return;
         }
@@ -73,10 +73,10 @@ static int refresh_once(kernel *self, double offset) {
     find_drive_and_capacity(self, offset, self->state);
     for (int i = 0; i < system->frictions; ++i) {
         const friction_description *friction = &system->friction[i];
-        const double old = self->mode[i], velocity = velocity_of(friction, self->state);
+        const double old = self->mode[i], velocity = modes_velocity(friction, self->state);
         const double share = share_of(old, velocity, self->still[i], reluctance(self, offset));
         self->mode[i] = direction_of(velocity, self->drive[i], share * self->capacity[i], self->still[i]);
-        if (self->mode[i] == 0.0) stop(friction, self->state);
+        if (self->mode[i] == 0.0) modes_stop(friction, self->state);
         if ((old == 0.0) == (self->mode[i] == 0.0)) continue;
         const char *word = self->mode[i] == 0.0 ? friction->stuck_word : friction->sliding_word;
         char when[CLOCK_SIZE];
@@ -96,13 +96,13 @@ void modes_refresh(kernel *self, double offset) {
 /* What is stuck stays exactly where it is: its slope says so, but row exchanges in the factorisation leave round-off. */
 void modes_hold(const kernel *self, double *state) {
     for (int i = 0; i < self->system->frictions; ++i)
-        if (self->mode[i] == 0.0) stop(&self->system->friction[i], state);
+        if (self->mode[i] == 0.0) modes_stop(&self->system->friction[i], state);
 }
 
 /* Of a friction that slides, as long as it slides in its direction. */
 double modes_direction_margin(const kernel *self, int i, const double *state) {
     const friction_description *friction = &self->system->friction[i];
-    return self->mode[i] * velocity_of(friction, state) / self->system->nominal[friction->velocity];
+    return self->mode[i] * modes_velocity(friction, state) / self->system->nominal[friction->velocity];
 }
 
 /* Smallest of all margins; negative or NaN when a mode must switch or the run must end within the step.
@@ -115,7 +115,7 @@ double modes_margin(kernel *self, double offset, const double *state) {
     const double reluctant = reluctance(self, offset);
     for (int i = 0; i < system->frictions; ++i) {
         const friction_description *friction = &system->friction[i];
-        const double velocity = velocity_of(friction, state), capacity = self->capacity[i], still = self->still[i];
+        const double velocity = modes_velocity(friction, state), capacity = self->capacity[i], still = self->still[i];
         if (capacity <= 0.0)
             self->margin[i] = self->mode[i] == 0.0 ? -1.0 : INFINITY;
         else if (self->mode[i] == 0.0)
@@ -141,7 +141,7 @@ int modes_switch(kernel *self, double offset, double least) {
         if (!(self->margin[system->frictions + i] >= 0.0)) return 1 + i;
     for (int i = 0; i < system->frictions; ++i) /* what is still below a speed stops where it is found to stick */
         if ((self->margin[i] < 0.0 || self->margin[i] == least) && self->mode[i] != 0.0 && self->still[i] == 0.0)
-            stop(&system->friction[i], self->state);
+            modes_stop(&system->friction[i], self->state);
     /* A stuck friction whose drive exceeds the capacity starts to slide in modes_refresh. */
     self->counters.events++;
     modes_refresh(self, offset);

@@ -1,0 +1,176 @@
+/* The start as a steady state, for systems that ask for it where they stand.
+ *
+ * Sought are states whose derivatives are those of a motion that stays as it is: none, but for what grows with the speed
+ * as the machine rolls faster or slower. Steps of the implicit Euler method follow the motion in time with artificial
+ * damping, which all motions have that are fast beside a step; they grow until they are steps of Newton's method. So
+ * states are found from afar, and those too about which a motion would grow (Kelley and Keyes (1998), Convergence
+ * analysis of pseudo-transient continuation, SIAM Journal on Numerical Analysis 35, 508-523). */
+#include <math.h>
+#include <string.h>
+
+#include "internal.h"
+
+enum { MOST_STEPS = 300, MOST_CORRECTIONS = 8, QUICK = 4 };
+/* Sizes of steps [s]: the first; below which there is no way on; from which a change in a step is what is left of all. */
+static const double FIRST = 1e-3, LEAST = 1e-8, LONG = 1e6;
+/* Scaled changes: corrections at which an implicit step is solved, and a long step that changes nothing any more. */
+static const double SOLVED_STEP = 1e-6, SETTLED = 1e-9;
+/* Directions of a friction that has no velocity to oppose: it gives way with this share of its capacity. */
+static const double GIVES_WAY = 1e-4;
+/* As the mass of a state that is held. */
+static const double HELD = 1e200;
+
+/* What `stage` is used for. */
+enum { CHANGE, ANSWER, PACE };
+
+static int is_held(const kernel *self, int i) { return self->differential[i] == HELD; }
+
+static double largest_scaled(const kernel *self, const double *change) {
+    double largest = 0.0;
+    for (int i = 0; i < self->system->states; ++i) {
+        const double scaled = fabs(change[i]) / self->system->nominal[i];
+        if (isnan(scaled)) return NAN;
+        if (scaled > largest) largest = scaled;
+    }
+    return largest;
+}
+
+/* A correction of self->trial by Newton's method, in a step of `size` from self->state. Returns its largest scaled entry;
+ * NaN: there is none. How the acceleration follows from all states is a matrix of rank 1: Sherman and Morrison (1950). */
+static double correct(kernel *self, double size) {
+    const system_description *system = self->system;
+    const int n = system->states, speed = system->steady->speed;
+    double *change = self->stage[CHANGE], *answer = self->stage[ANSWER], *pace = self->stage[PACE];
+    rosenbrock_linearise(self, 0.0, self->trial);
+    const double acceleration = self->slope[speed];
+    for (int i = 0; i < n; ++i) {
+        const int held = is_held(self, i);
+        const double moved = held ? 0.0 : self->differential[i] * (self->trial[i] - self->state[i]) / size;
+        change[i] = held ? 0.0 : self->slope[i] - pace[i] * acceleration - moved;
+        answer[i] = held ? 0.0 : pace[i];
+    }
+    if (!linear_factorise_step(self, &self->whole, self->jacobian, 1.0 / size)) return NAN;
+    linear_solve_step(self, &self->whole, change);
+    linear_solve_step(self, &self->whole, answer);
+    double gained = 0.0, divisor = 1.0;
+    for (int i = 0; i < n; ++i) {
+        const double entry = self->jacobian[self->place[i] * n + self->place[speed]];
+        gained += entry * change[i];
+        divisor += entry * answer[i];
+    }
+    for (int i = 0; i < n; ++i) {
+        change[i] -= answer[i] * gained / divisor;
+        self->trial[i] += change[i];
+    }
+    return largest_scaled(self, change);
+}
+
+/* A step of the implicit Euler method to self->trial. Returns the corrections that it took; 0: it was not solved. */
+static int implicit_step(kernel *self, double size) {
+    double before = INFINITY;
+    memcpy(self->trial, self->state, (size_t)self->system->states * sizeof(double));
+    for (int count = 1; count <= MOST_CORRECTIONS; ++count) {
+        const double largest = correct(self, size);
+        if (!(largest <= 2.0 * before)) return 0;
+        if (largest <= SOLVED_STEP) return count;
+        before = largest;
+    }
+    return 0;
+}
+
+/* Until nothing changes any more. 0: that is never so. */
+static int settle(kernel *self) {
+    double size = FIRST;
+    for (int count = 0; count < MOST_STEPS && size > LEAST; ++count) {
+        const int corrections = implicit_step(self, size);
+        if (!corrections) {
+            size /= 4.0;
+            continue;
+        }
+        for (int i = 0; i < self->system->states; ++i) self->stage[CHANGE][i] = self->trial[i] - self->state[i];
+        memcpy(self->state, self->trial, (size_t)self->system->states * sizeof(double));
+        if (size >= LONG && largest_scaled(self, self->stage[CHANGE]) <= SETTLED) return 1;
+        size *= corrections <= QUICK ? 4.0 : 1.5;
+    }
+    return 0;
+}
+
+/* Frictions as in the steady state: against the velocity that there is, and without one not at all. */
+static void release_frictions(kernel *self) {
+    if (self->system->frictions == 0) return;
+    kernel_evaluate(self, self->system->capacity, 0.0, self->state, self->capacity);
+    for (int i = 0; i < self->system->frictions; ++i) {
+        const double velocity = modes_velocity(&self->system->friction[i], self->state);
+        self->mode[i] = velocity < 0.0 ? -1.0 : velocity > 0.0 || self->capacity[i] <= 0.0 ? 1.0 : GIVES_WAY;
+    }
+}
+
+/* What had no velocity at the start has none exactly, so that its friction holds it from then on. */
+static void stop_frictions(kernel *self, const double *start) {
+    for (int i = 0; i < self->system->frictions; ++i) {
+        if (modes_velocity(&self->system->friction[i], start) == 0.0) modes_stop(&self->system->friction[i], self->state);
+        self->mode[i] = 1.0;
+    }
+}
+
+static void hold(kernel *self, const int *state, int count, double mass) {
+    for (int i = 0; i < count; ++i) self->differential[state[i]] = mass;
+}
+
+/* Whether a parameter says where what settles last stands: there it stays. */
+static int is_placed(const kernel *self) {
+    const steady_start *steady = self->system->steady;
+    for (int i = 0; i < steady->places; ++i)
+        if (self->parameter[steady->place[i]] != 0.0) return 1;
+    return 0;
+}
+
+/* What drives or brakes begins when the run does. */
+static void leave_drives(kernel *self) {
+    const steady_start *steady = self->system->steady;
+    for (int i = 0; i < steady->drives; ++i) self->input[steady->drive[i]] = self->rate[steady->drive[i]] = 0.0;
+}
+
+/* From the start values, in self->state: first all but what settles last, then all. */
+static int find(kernel *self) {
+    const steady_start *steady = self->system->steady;
+    double *pace = self->stage[PACE];
+    hold(self, steady->kept, steady->kepts, HELD);
+    hold(self, &steady->speed, 1, HELD);
+    kernel_evaluate(self, steady->pace, 0.0, self->state, pace);
+    if (self->state[steady->speed] == 0.0) memset(pace, 0, (size_t)self->system->states * sizeof(double));
+    hold(self, steady->last, steady->lasts, HELD);
+    int found = steady->lasts == 0 || settle(self);
+    hold(self, steady->last, steady->lasts, 1.0);
+    if (found && !is_placed(self)) found = settle(self);
+    hold(self, steady->kept, steady->kepts, 1.0);
+    hold(self, &steady->speed, 1, 1.0);
+    return found;
+}
+
+/* Whether a condition that ends runs has come true. */
+static int has_ended(kernel *self) {
+    if (self->system->ends == 0) return 0;
+    kernel_evaluate(self, self->system->condition_margin, 0.0, self->state, self->margin);
+    for (int i = 0; i < self->system->ends; ++i)
+        if (!(self->margin[i] >= 0.0)) return 1;
+    return 0;
+}
+
+int steady_find(kernel *self) {
+    const steady_start *steady = self->system->steady;
+    double course = 0.0, *start = self->point;
+    if (!steady) return 1;
+    kernel_evaluate(self, steady->course, 0.0, self->state, &course);
+    if (course <= 0.0) return 1;
+    memcpy(start, self->state, (size_t)self->system->states * sizeof(double));
+    leave_drives(self);
+    release_frictions(self);
+    self->rails_go_on = 1;
+    const int found = find(self) && !has_ended(self);
+    stop_frictions(self, start);
+    kernel_enter_system(self); /* look-ups as the run has them */
+    self->rails_go_on = 0;
+    kernel_gather_inputs(self);
+    return found;
+}

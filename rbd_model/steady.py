@@ -1,0 +1,51 @@
+"""The start on a line: the steady state of rolling freely where a vehicle stands, by curvature, cant, gradient, speed.
+
+On straight and level track a vehicle stands at rest in its start values. In a curve its bodies lie beside the track
+that carries them, by 15 cm for 19 m between bogies at R 300 m, wheelsets run at a flange and springs are bent.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import casadi as ca
+
+from fmu_src.system import SteadyStart
+from rbd_model import variables
+from rbd_model.assembly import Assembly
+from rbd_model.kinematics import Body
+
+#: Turning [rad/m] and lean [1] of the track up to which it counts as straight and level: at R 10 000 km and 50 m/s
+#: 0.25 mm/s2 push outwards, and a body of 19 m between its bogies lies 5 um beside the track.
+STRAIGHT = 1e-7
+NO_STEADY_STATE = (
+    "The vehicle has no steady state of rolling freely where it starts on its line at %s s: at this initial_speed it "
+    "would not stay on its rails there; lower initial_speed, or begin the line with straight and level track."
+)
+
+
+def start_steady(assembly: Assembly, bodies: Iterable[Body], last: Iterable[str] = ()) -> None:
+    """Lets a vehicle start in a steady state where its bodies' track turns or leans, by (3.73) without accelerations.
+
+    But for that along the track, which all parts share, and which turns its wheelsets as fast as they roll. last: names
+    of the states that settle behind those of the bodies above them.
+    """
+    system, vehicle = assembly.system, assembly.vehicle
+    first = vehicle.bodies[0].name
+    leans = [ca.vertcat(body.track.turning, body.track.up[:2]) for body in bodies]
+    kept = f"{first}_distance", *(f"rotation_{n}" for n, _ in vehicle.numbered)
+    torques = [f"{kind}_{n}" for kind in ("brake_torque", "traction_torque", "yaw_torque") for n, _ in vehicle.numbered]
+    drives = [*torques, *(pull.name for pull in vehicle.pulls)]
+    offsets = [offset.name for offset in variables.initial_offsets()]
+    system.start_steady(
+        SteadyStart(
+            ca.mmax(ca.fabs(ca.vertcat(*leans))) - STRAIGHT,
+            f"{first}_speed",
+            variables.initial_speed(0.0).name,
+            kept,
+            tuple(name for name in last if name not in kept),
+            tuple(name for name in drives if name in system.input_symbols),
+            tuple(name for name in offsets if name in system.parameter_symbols),
+            NO_STEADY_STATE,
+        )
+    )
