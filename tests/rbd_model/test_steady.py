@@ -1,0 +1,368 @@
+"""Starts on a line: the steady state of rolling freely, against statics, geometry and vehicles led into a curve."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Mapping
+from dataclasses import replace
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fmu_src.kernel import Kernel, KernelError, Library
+from fmu_src.system import System, model_of
+from rbd_model import variables
+from rbd_model.contact.depth import Contact
+from rbd_model.line import ERRI_LOW, GAUGE, Line, arc, clothoid, irregular, line_of, straight
+from rbd_model.spatial import spatial_vehicle
+from rbd_model.steady import NO_STEADY_STATE
+from rbd_model.track import irregular_track, section_5_3
+from rbd_model.vehicle import FrictionSlider, SeriesDamper, Vehicle
+from rbd_model.vehicles import loaded_coal_wagon, passenger_coach, two_axle_bogie
+from scenarios.bench.curves import suited_speed
+from scenarios.bench.drive import library
+from tests.quick_library import quick_library
+
+VEHICLES = {"bogie": two_axle_bogie(), "vehicle": passenger_coach(), "coal-wagon": loaded_coal_wagon()}
+GRAVITY = 9.81
+SIDES = ("left", "right")
+#: A line begins so far ahead of the first body, behind the last wheelset [m].
+BEHIND = -25.0
+#: Of the weight: guiding forces count across the track where each wheelset is, 0.03 rad apart along a coach, so that what
+#: drags it has a share in their sum; 3e-5.
+FORCE_BAND = 1e-4
+#: Behind the transition until nothing sways any more [s].
+SETTLED = 10.0
+#: Rails lie 3 um elsewhere where an axle is a millimetre from its place.
+PLACE_BAND = 1e-3
+#: Of the acceleration; measured 3e-8 on wheels that roll on the radius where they touch.
+GRADIENT_BAND = 1e-6
+#: A ten thousandth of the friction is left in the sliders: 0.5 N.
+STUCK_BAND = 1e-4
+MOST_JACOBIANS = 400
+#: Change of wheel loads within a second, below which a vehicle that was led in has come to rest; of the mean load.
+QUIET = 0.02
+#: Of the static wheel load and of a yaw that is no number of its own [rad], [m]: led in or started within.
+LED_BAND = 1e-3
+#: What a start that is one keeps in a second, of a static wheel load, at a tolerance of 1e-8; measured 1e-9.
+KEPT_BAND = 1e-7
+#: Sums of a mirrored curve are the same numbers in another order.
+MIRROR_BAND = 1e-9
+#: The chord of a coach between its pivots; its springs are bent by what its bogies' yaw asks of them.
+CHORD_BAND = 1e-2
+
+
+def on_line(name: str, line: Line, folder: Path, **values: float) -> Kernel:
+    """An FMU's kernel in space on a line."""
+    path = line.write(folder / "line.csv")
+    return Kernel(library(name), line_file=str(path), **{"level": 3.0, "constant_speed": 1.0, **values})
+
+
+def curve(radius: float, cant: float, length: float = 400.0) -> Line:
+    return line_of([arc(length, radius, cant)], BEHIND)
+
+
+def led_into(radius: float, cant: float, speed: float, settled: float) -> tuple[Line, float]:
+    """A line with a transition that takes 3 s at least, and the time until the curve has lasted for `settled` [s]."""
+    way = max(200.0, 3 * speed)
+    after = arc(speed * (settled + 5.0), radius, cant)
+    return line_of([straight(40.0), clothoid(way, straight(1), after), after], BEHIND), (40 + way) / speed + settled
+
+
+def columns(name: str) -> dict[str, list[str]]:
+    """What a steady state is compared by."""
+    numbers = range(1, len(VEHICLES[name].wheelsets) + 1)
+    return {
+        "load": [f"wheel_load_{n}_{side}" for n in numbers for side in SIDES],
+        "guiding": [f"guiding_force_{n}" for n in numbers],
+        "lateral": [f"lateral_{n}" for n in numbers],
+        "yaw": [f"yaw_{n}" for n in numbers],
+    }
+
+
+def seen(kernel: Kernel, name: str) -> dict[str, np.ndarray]:
+    return {kind: np.array([kernel[one] for one in names]) for kind, names in columns(name).items()}
+
+
+def differences(one: Mapping[str, np.ndarray], other: Mapping[str, np.ndarray]) -> dict[str, float]:
+    """Largest of each kind, forces over the mean wheel load [1], places in centimetres, angles in 10 mrad."""
+    load = float(np.mean(one["load"]))
+    sizes = {"load": load, "guiding": load, "lateral": 1e-2, "yaw": 1e-2}
+    return {kind: float(np.max(np.abs(one[kind] - other[kind]))) / size for kind, size in sizes.items()}
+
+
+# ---- what the steady state is -----------------------------------------------------------------------------------
+
+
+def asked(vehicle: Vehicle, kernel: Kernel, radius: float, cant: float, speed: float) -> tuple[float, float]:
+    """What sideways and upward forces of the rails must add up to in a curve to the left [N], Newton's second law.
+
+    By masses where they lie, which all go round as fast.
+    """
+    angle, size = math.asin(cant / GAUGE), vehicle.number
+    tops = [(kernel[body.variable("lateral")], size(body.height)) for body in vehicle.bodies]
+    places = [*tops, *((kernel[f"lateral_{n}"], 0.0) for n, _ in vehicle.numbered)]
+    height = size(vehicle.wheelsets[0].mean_radius)
+    ways = [1 - (y * math.cos(angle) + (z + height) * math.sin(angle)) / radius for y, z in places]
+    masses = [size(part.mass) for part in vehicle.parts]
+    pulls = [speed**2 / radius * way / ways[0] ** 2 for way in ways]
+    rows = list(zip(masses, pulls, strict=True))
+    aside = sum(m * (a * math.cos(angle) - GRAVITY * math.sin(angle)) for m, a in rows)
+    return aside, sum(m * (a * math.sin(angle) + GRAVITY * math.cos(angle)) for m, a in rows)
+
+
+@pytest.mark.parametrize("name", ["bogie", "vehicle", pytest.param("coal-wagon", marks=pytest.mark.long)])
+@pytest.mark.parametrize(("radius", "cant", "deficiency"), [(300, 0.1, 0.05), (500, 0.15, -0.1), (1500, 0.0, 0.13)])
+def test_rails_carry_weight_and_centrifugal_force_at_the_start(
+    name: str, radius: float, cant: float, deficiency: float, tmp_path: Path
+) -> None:
+    """At R 300 and 500 m a coach that started with its bodies on the track derailed within 0.05 s."""
+    speed = suited_speed(radius, cant, deficiency)
+    kernel = on_line(name, curve(radius, cant), tmp_path, initial_speed=speed)
+    kernel.initialise()
+    found = seen(kernel, name)
+    aside, down = asked(VEHICLES[name], kernel, radius, cant, speed)
+    assert np.sum(found["guiding"]) == pytest.approx(aside, abs=FORCE_BAND * down)
+    assert np.sum(found["load"]) == pytest.approx(down, rel=FORCE_BAND)
+    assert np.min(found["load"]) > 0.0
+
+
+def test_a_coach_lies_on_the_chord_between_its_bogies(tmp_path: Path) -> None:
+    """p^2 / 2R inside of its frames, where cant balances its speed and nothing pulls it aside."""
+    radius, cant = 600.0, 0.1
+    kernel = on_line("vehicle", curve(radius, cant), tmp_path, initial_speed=suited_speed(radius, cant))
+    kernel.initialise()
+    half = VEHICLES["vehicle"].number("pivot_distance") / 2
+    inside = kernel["body_lateral"] - (kernel["front_frame_lateral"] + kernel["rear_frame_lateral"]) / 2
+    assert inside == pytest.approx(half**2 / (2 * radius), rel=CHORD_BAND)
+
+
+# ---- led into the curve, or started within it ---------------------------------------------------------------------
+
+
+def led_and_started(name: str, radius: float, cant: float, deficiency: float, folder: Path) -> dict[str, float]:
+    """Differences between a start in a curve and the mean of a second there, led in over a long transition."""
+    speed = suited_speed(radius, cant, deficiency)
+    started = on_line(name, curve(radius, cant), folder, initial_speed=speed)
+    started.initialise()
+    line, time = led_into(radius, cant, speed, SETTLED)
+    led = on_line(name, line, folder, initial_speed=speed)
+    led.advance(time)
+    kinds = columns(name)
+    table = led.record(1.0, 0.01, [one for names in kinds.values() for one in names])
+    means = {kind: np.array([np.mean(table[one]) for one in names]) for kind, names in kinds.items()}
+    return differences(seen(started, name), means) | {"quiet": quiet(table, kinds["load"])}
+
+
+def quiet(table: Mapping[str, list[float]], loads: list[str]) -> float:
+    """Largest change of a wheel load in a record, over the mean of all."""
+    return float(max(np.ptp(table[one]) for one in loads) / np.mean([table[one] for one in loads]))
+
+
+@pytest.mark.parametrize(
+    ("name", "radius", "cant", "deficiency"),
+    [("bogie", 300, 0.1, 0.0), ("vehicle", 800, 0.1, 0.05), ("vehicle", 300, 0.0, 0.1)],
+)
+def test_who_starts_in_a_curve_stands_as_who_was_led_into_it(
+    name: str, radius: float, cant: float, deficiency: float, tmp_path: Path
+) -> None:
+    found = led_and_started(name, radius, cant, deficiency, tmp_path)
+    assert max(found[kind] for kind in columns(name)) < LED_BAND, found
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", ["bogie", "vehicle"])
+@pytest.mark.parametrize("radius", [200, 300, 500, 800, 1500])
+def test_who_starts_in_any_curve_stands_as_who_was_led_into_it(name: str, radius: float, tmp_path: Path) -> None:
+    """Where a vehicle that was led in comes to rest: at R 1500 m the bogie of chapter 5 hunts from 36 m/s on, and on
+    rigid rails a coach in canted curves up to R 500 m vibrates.
+    """
+    compared = 0
+    for cant, deficiency in product((0.0, 0.1, 0.15), (-0.1, 0.0, 0.1, 0.13)):
+        if cant + deficiency <= 0.01:
+            continue
+        found = led_and_started(name, radius, cant, deficiency, tmp_path)
+        if found.pop("quiet") < QUIET:
+            assert max(found.values()) < LED_BAND, (cant, deficiency, found)
+            compared += 1
+    assert compared >= 2
+
+
+# ---- a start that is one ------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("name", "radius"), [("bogie", 300.0), ("vehicle", 800.0)])
+def test_nothing_moves_from_the_start_on(name: str, radius: float, tmp_path: Path) -> None:
+    """Drawn along at constant speed."""
+    speed = suited_speed(radius, 0.1, 0.05)
+    kernel = on_line(name, curve(radius, 0.1), tmp_path, initial_speed=speed, tolerance=1e-8)
+    kernel.initialise()
+    start = seen(kernel, name)
+    kernel.advance(1.0)
+    assert max(differences(start, seen(kernel, name)).values()) < KEPT_BAND
+
+
+def test_a_mirrored_curve_has_the_mirrored_start(tmp_path: Path) -> None:
+    line, found = curve(400.0, 0.1), []
+    for one in (line, line.mirrored()):
+        kernel = on_line("vehicle", one, tmp_path, initial_speed=20.0)
+        kernel.initialise()
+        found.append(seen(kernel, "vehicle"))
+    swapped = found[1]["load"].reshape(-1, 2)[:, ::-1].ravel()
+    mirrored = {"load": swapped} | {kind: -found[1][kind] for kind in ("guiding", "lateral", "yaw")}
+    assert max(differences(found[0], mirrored).values()) < MIRROR_BAND
+
+
+def test_torques_act_from_the_start_on_and_not_before(tmp_path: Path) -> None:
+    """Brake, motor, yaw torque and drawbar are no part of the steady state."""
+    found = []
+    driven = {"brake_torque_1": 5e3, "traction_torque_2": 3e3, "yaw_torque_1": 2e3, "drawbar_force": 1e4}
+    for inputs in ({}, driven):
+        kernel = on_line("bogie", curve(400.0, 0.1), tmp_path, initial_speed=20.0, constant_speed=0.0, **inputs)
+        kernel.initialise()
+        state = kernel.linearise().state
+        kernel.advance(0.5)
+        found.append((state, kernel["speed"]))
+    assert found[0][0] == found[1][0]
+    assert found[1][1] > found[0][1]
+
+
+def test_where_offsets_are_given_wheelsets_stand_there_and_bodies_settle_above_them(tmp_path: Path) -> None:
+    """A coach does not derail as it did with its body on the track, and sways to where it starts without offsets."""
+    line, offset = curve(800.0, 0.1), -4e-3
+    steady, aside = (
+        on_line("vehicle", line, tmp_path, initial_speed=26.0, initial_lateral=lateral) for lateral in (0.0, offset)
+    )
+    for kernel in (steady, aside):
+        kernel.initialise()
+    assert seen(aside, "vehicle")["lateral"] == pytest.approx(np.full(4, offset), abs=1e-15)
+    aside.advance(8.0)
+    assert not any("Derailed" in sentence for sentence in aside.journal)
+    assert max(differences(seen(steady, "vehicle"), seen(aside, "vehicle")).values()) < LED_BAND
+
+
+def test_irregular_rails_count_as_they_lie_and_not_as_they_lead_aside(tmp_path: Path) -> None:
+    """A slope of 3 mrad under both wheelsets is no yaw that goes on for ever: the start is that on rails which run
+    along the track there, as far aside under each.
+    """
+    smooth, half = curve(1500.0, 0.05), two_axle_bogie().number("wheel_base") / 2
+    distance = np.arange(-25.0, 100.0, 0.1)
+    rows = {name: np.interp(distance, smooth.rows["distance"], smooth.rows[name]) for name in smooth.rows}
+    leading = 3e-3 * np.clip(distance, -5.0, 5.0)
+    found = []
+    for aside in (leading, 3e-3 * half * np.sign(distance)):
+        kernel = on_line("bogie", Line(rows | {"left_lateral": aside, "right_lateral": aside}), tmp_path)
+        kernel.set(initial_speed=20.0)
+        kernel.initialise()
+        found.append(seen(kernel, "bogie"))
+    assert max(differences(*found).values()) < PLACE_BAND
+
+
+@pytest.mark.parametrize("level", [2.0, 3.0])
+def test_on_a_gradient_a_vehicle_accelerates_from_the_first_moment_on_as_its_masses_say(
+    level: float, tmp_path: Path
+) -> None:
+    """g i m / (m + J / r^2) with nothing that rocks; a coach that starts in the middle of its springs rocks for long."""
+    gradient, vehicle = -0.02, VEHICLES["bogie"]
+    line = line_of([straight(400.0, gradient)], BEHIND)
+    kernel = on_line("bogie", line, tmp_path, level=level, constant_speed=0.0, initial_speed=20.0, tolerance=1e-9)
+    kernel.set(rolling_resistance_torque=0.0)
+    mass = sum(vehicle.number(part.mass) for part in vehicle.parts)
+    turning = sum(vehicle.number(one.inertia[1]) / vehicle.number(one.mean_radius) ** 2 for one in vehicle.wheelsets)
+    kernel.initialise()
+    expected = -GRAVITY * gradient * mass / (mass + turning)
+    assert kernel["acceleration"] == pytest.approx(expected, rel=GRADIENT_BAND)
+    table = kernel.record(2.0, 0.01, ["acceleration", "pitch"])
+    assert table["acceleration"] == pytest.approx([expected] * len(table["time"]), rel=GRADIENT_BAND)
+    assert np.ptp(table["pitch"]) < 1e-9
+
+
+def test_the_input_gradient_starts_level_2_as_a_line_does(tmp_path: Path) -> None:
+    """Without a line, and from rest too: brakes lock at once what stands."""
+    for speed in (0.0, 20.0):
+        line = line_of([straight(400.0, -0.02)], BEHIND)
+        one = on_line("bogie", line, tmp_path, level=2.0, initial_speed=speed, brake_torque_1=2e4, brake_torque_2=2e4)
+        other = Kernel(library("bogie"), level=2.0, gradient=-0.02, initial_speed=speed)
+        other.set(brake_torque_1=2e4, brake_torque_2=2e4)
+        for kernel in (one, other):
+            kernel.initialise()
+            assert kernel["locked_1"] == (speed == 0.0)
+        names = ("pitch", "bounce", "axle_load_1", "axle_load_2", "acceleration")
+        assert [one[name] for name in names] == pytest.approx([other[name] for name in names], rel=1e-9, abs=1e-12)
+
+
+# ---- where there is nothing to find ---------------------------------------------------------------------------------
+
+
+def test_a_speed_that_overturns_is_refused_with_a_sentence_and_leaves_all_open(tmp_path: Path) -> None:
+    kernel = on_line("vehicle", curve(300.0, 0.0), tmp_path, initial_speed=45.0)
+    with pytest.raises(KernelError) as refusal:
+        kernel.initialise()
+    assert str(refusal.value) == NO_STEADY_STATE % "0"
+    assert refusal.value.status == 3
+    assert not kernel.initialised
+    kernel.set(initial_speed=15.0)
+    kernel.initialise()
+    assert kernel["speed"] == pytest.approx(15.0, rel=1e-3)
+
+
+def in_space(vehicle: Vehicle) -> System:
+    return spatial_vehicle(vehicle, irregular_track(section_5_3()), Contact(2), True)
+
+
+def test_on_straight_and_level_track_nothing_is_sought(tmp_path: Path) -> None:
+    """A line that begins straight and level: bit for bit as of equations that know no steady start, irregular or not."""
+    system = in_space(two_axle_bogie())
+    own, plain = (
+        quick_library(model_of(one, 1e-6, variables.line_file()))
+        for one in (system, replace(system, steady_start=None))
+    )
+    before, behind = straight(30.0), arc(60.0, 400.0, 0.05)
+    line = line_of([before, clothoid(30.0, before, behind), behind], BEHIND)
+    for number, one in enumerate((line, irregular(line_of([straight(200.0)], -60.0), ERRI_LOW, seed=1))):
+        path, saved = str(one.write(tmp_path / f"{number}.csv")), []
+        for library_ in (own, plain):
+            kernel = Kernel(library_, line_file=path, initial_speed=20.0, initial_lateral=1e-3)
+            kernel.initialise()
+            assert kernel.counts["jacobians"] == 1
+            kernel.advance(1.0)
+            saved.append(kernel.linearise().state)
+        assert saved[0] == saved[1]
+
+
+# ---- suspensions that could stand anywhere ----------------------------------------------------------------------------
+
+
+def test_dampers_and_sliders_start_without_a_force(tmp_path: Path) -> None:
+    """Beside the springs of a bogie: the start is that without them, to what is left of the friction, and stays."""
+    plain = two_axle_bogie()
+    ends = "frame", "wheelset_1", plain.connections[0].place, True
+    extra = (
+        SeriesDamper("yaw_damper", *ends, "longitudinal", 5e6, 2e5),
+        FrictionSlider("slider", *ends, "longitudinal", 5e6, 1e3, 5e3, 5.0),
+    )
+    found = []
+    for vehicle in (plain, replace(plain, connections=(*plain.connections, *extra))):
+        own = quick_library(model_of(in_space(vehicle), 1e-6, variables.line_file()))
+        path = str(curve(300.0, 0.1).write(tmp_path / "line.csv"))
+        kernel = Kernel(own, line_file=path, initial_speed=16.0, constant_speed=1.0)
+        kernel.initialise()
+        found.append(seen(kernel, "bogie"))
+    assert max(differences(*found).values()) < STUCK_BAND
+    assert [f"slider_{side} sticks at 0 s." in kernel.journal for side in SIDES] == [True, True]
+    kernel.advance(1.0)
+    assert max(differences(found[1], seen(kernel, "bogie")).values()) < STUCK_BAND
+
+
+def test_a_start_costs_some_hundred_jacobians(tmp_path: Path) -> None:
+    """And some milliseconds, which are printed."""
+    for name, (radius, cant, deficiency) in product(("bogie", "vehicle"), ((300, 0.1, 0.05), (1500, 0.15, 0.1))):
+        kernel = on_line(name, curve(radius, cant), tmp_path, initial_speed=suited_speed(radius, cant, deficiency))
+        begin = time.perf_counter()
+        kernel.initialise()
+        taken = time.perf_counter() - begin
+        print(f"{name}, R {radius} m: {1e3 * taken:.1f} ms, {kernel.counts['jacobians']} Jacobians")
+        assert kernel.counts["jacobians"] < MOST_JACOBIANS
