@@ -469,7 +469,7 @@ def _system_arrays(model: Model, system: System, solving: Elimination) -> Iterab
 def _steady_arrays(system: System, start: SteadyStart) -> Iterable[str]:
     """The description of a steady start, its members by position."""
     prefix = f"{system.name}_steady"
-    states, inputs, parameters = map(list, (system.states, system.input_symbols, system.parameter_symbols))
+    states, inputs, parameters = list(system.states), list(system.input_symbols), list(system.parameter_symbols)
     places = {
         "kept": [states.index(name) for name in start.kept],
         "last": [states.index(name) for name in start.last],

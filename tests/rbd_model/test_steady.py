@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fmu_src.kernel import Kernel, KernelError, Library
+from fmu_src.kernel import Kernel, KernelError
 from fmu_src.system import System, model_of
 from rbd_model import variables
 from rbd_model.contact.depth import Contact
@@ -31,8 +31,8 @@ GRAVITY = 9.81
 SIDES = ("left", "right")
 #: A line begins so far ahead of the first body, behind the last wheelset [m].
 BEHIND = -25.0
-#: Of the weight: guiding forces count across the track where each wheelset is, 0.03 rad apart along a coach, so that what
-#: drags it has a share in their sum; 3e-5.
+#: Of the weight: guiding forces count across the track where each wheelset is, 0.03 rad apart along a coach, so that
+#: what drags it has a share in their sum; 3e-5.
 FORCE_BAND = 1e-4
 #: Behind the transition until nothing sways any more [s].
 SETTLED = 10.0
@@ -265,7 +265,7 @@ def test_irregular_rails_count_as_they_lie_and_not_as_they_lead_aside(tmp_path: 
 def test_on_a_gradient_a_vehicle_accelerates_from_the_first_moment_on_as_its_masses_say(
     level: float, tmp_path: Path
 ) -> None:
-    """g i m / (m + J / r^2) with nothing that rocks; a coach that starts in the middle of its springs rocks for long."""
+    """g i m / (m + J / r^2) with nothing that rocks, as what starts in the middle of its springs does for long."""
     gradient, vehicle = -0.02, VEHICLES["bogie"]
     line = line_of([straight(400.0, gradient)], BEHIND)
     kernel = on_line("bogie", line, tmp_path, level=level, constant_speed=0.0, initial_speed=20.0, tolerance=1e-9)
@@ -314,7 +314,7 @@ def in_space(vehicle: Vehicle) -> System:
 
 
 def test_on_straight_and_level_track_nothing_is_sought(tmp_path: Path) -> None:
-    """A line that begins straight and level: bit for bit as of equations that know no steady start, irregular or not."""
+    """A line that begins straight and level: bit for bit as by equations that know no steady start, irregular or not."""
     system = in_space(two_axle_bogie())
     own, plain = (
         quick_library(model_of(one, 1e-6, variables.line_file()))
@@ -333,7 +333,7 @@ def test_on_straight_and_level_track_nothing_is_sought(tmp_path: Path) -> None:
         assert saved[0] == saved[1]
 
 
-# ---- suspensions that could stand anywhere ----------------------------------------------------------------------------
+# ---- suspensions that could stand anywhere ---------------------------------------------------------------------------
 
 
 def test_dampers_and_sliders_start_without_a_force(tmp_path: Path) -> None:
