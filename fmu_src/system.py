@@ -193,7 +193,7 @@ class SteadyStart:
 
     There no state changes, but for those that keep their start values and for what grows with the speed as the machine
     rolls faster or slower: by so much as its start value grows with the parameter `given`. States that friction could
-    hold in many places lie where it holds nothing. Rails go on along the line's axes as they lie where it stands.
+    hold in many places lie where it holds nothing.
     speed: the state that starts with `given` and keeps that. kept: further ones, places and angles without end. last:
     states that settle once the others have; not, where one of the parameters `places` is not 0, which say where they
     stand. drives: inputs that are 0 there, and act from then on. sentence: an error where there is no such state; its

@@ -77,7 +77,6 @@ struct kernel {
     int kept_ready;    /* what there is of the kept Jacobian besides its place */
     int factors_serve; /* the factors `algebraic` are good enough for Newton's method */
     int stops_at_events, whole_steps;
-    int rails_go_on; /* as they lie where they are looked up, along the line's axes */
     double stop_time; /* infinite: the host named none */
     char *warned; /* one flag per variable: "has no effect here" is said once */
     kernel_counters counters;

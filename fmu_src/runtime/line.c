@@ -194,19 +194,6 @@ static void go_on(int column, double width, double *c) {
 /* Degrees of the columns' pieces, as LINE_COLUMNS in system.py has them. */
 static const int DEGREE[LINE_DISTANCE] = {4, 5, 4, 5, 0, 5, 0, 5, 0, 5, 5, 5, 5, 1, 1, 0};
 
-void line_lay_straight(const table_description *table, double at, double held[2], double *coefficient) {
-    const double x = at - *coefficient++;
-    for (int i = 0; i < table->columns; ++i) {
-        const int column = table->column[i], degree = DEGREE[column];
-        if (column >= LINE_LATERAL && column <= LINE_RIGHT) {
-            for (int power = degree - 1; power >= 0; --power) coefficient[power] += x * coefficient[power + 1];
-            memset(coefficient + 1, 0, (size_t)degree * sizeof *coefficient);
-        }
-        coefficient += 1 + degree;
-    }
-    held[0] = held[1] = at;
-}
-
 void line_look_up(const line_data *self, const table_description *table, double at, int *guess, double held[2],
                   double *coefficient) {
     const double *s = self->row[LINE_DISTANCE];

@@ -42,8 +42,6 @@ INSIDE void line_integrate(line_data *self);
 /* Origin at a place, coefficients of a table's columns, and the range in which they hold; guess: of the node before it. */
 INSIDE void line_look_up(const line_data *self, const table_description *table, double at, int *guess, double held[2],
                          double *coefficient);
-/* The same where both rails go on as they lie there, along the axes of the track; it holds there alone. */
-INSIDE void line_lay_straight(const table_description *table, double at, double held[2], double *coefficient);
 /* The line in a file; or null, and a sentence with its row and value. */
 /* A number in decimal writing, whatever the host's language. 0: it is none. */
 INSIDE int line_read_number(const char *text, double *value);

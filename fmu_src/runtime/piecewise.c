@@ -54,7 +54,6 @@ static void renew(kernel *self, int number, double at) {
         line_look_up(self->line, table, at, &self->node[number], held, coefficient);
     else
         look_up(table, at, held, coefficient);
-    if (table->columns && self->rails_go_on) line_lay_straight(table, at, held, coefficient);
 }
 
 /* Most arguments have not left the piece that stands there. */

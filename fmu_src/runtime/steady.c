@@ -37,7 +37,7 @@ static double largest_scaled(const kernel *self, const double *change) {
 
 /* A correction of self->trial by Newton's method, in a step of `size` from self->state. Returns its largest scaled entry;
  * NaN: there is none. How the acceleration follows from all states is a matrix of rank 1: Sherman and Morrison (1950). */
-static double correct(kernel *self, double size) {
+static double newton_correction(kernel *self, double size) {
     const system_description *system = self->system;
     const int n = system->states, speed = system->steady->speed;
     double *change = self->stage[CHANGE], *answer = self->stage[ANSWER], *pace = self->stage[PACE];
@@ -59,7 +59,7 @@ static double correct(kernel *self, double size) {
         divisor += entry * answer[i];
     }
     for (int i = 0; i < n; ++i) {
-        change[i] -= answer[i] * gained / divisor;
+        change[i] = is_held(self, i) ? 0.0 : change[i] - answer[i] * gained / divisor;
         self->trial[i] += change[i];
     }
     return largest_scaled(self, change);
@@ -70,7 +70,7 @@ static int implicit_step(kernel *self, double size) {
     double before = INFINITY;
     memcpy(self->trial, self->state, (size_t)self->system->states * sizeof(double));
     for (int count = 1; count <= MOST_CORRECTIONS; ++count) {
-        const double largest = correct(self, size);
+        const double largest = newton_correction(self, size);
         if (!(largest <= 2.0 * before)) return 0;
         if (largest <= SOLVED_STEP) return count;
         before = largest;
@@ -114,7 +114,8 @@ static void stop_frictions(kernel *self, const double *start) {
 }
 
 static void hold(kernel *self, const int *state, int count, double mass) {
-    for (int i = 0; i < count; ++i) self->differential[state[i]] = mass;
+    for (int i = 0; i < count; ++i)
+        if (self->differential[state[i]] != 0.0) self->differential[state[i]] = mass; /* algebraic states have none */
 }
 
 /* Whether a parameter says where what settles last stands: there it stays. */
@@ -166,11 +167,8 @@ int steady_find(kernel *self) {
     memcpy(start, self->state, (size_t)self->system->states * sizeof(double));
     leave_drives(self);
     release_frictions(self);
-    self->rails_go_on = 1;
     const int found = find(self) && !has_ended(self);
     stop_frictions(self, start);
-    kernel_enter_system(self); /* look-ups as the run has them */
-    self->rails_go_on = 0;
     kernel_gather_inputs(self);
     return found;
 }

@@ -126,6 +126,61 @@ def test_fmi_3_takes_a_line_as_well(fmus: Mapping[tuple[str, str], Path], curve:
     assert variable.type == "String"
 
 
+#: What tells how a vehicle stands in a curve.
+STANDING = ("lateral_1", "lateral_2", "yaw_1", "guiding_force_1", "wheel_load_1_left", "wheel_load_2_right")
+
+
+@pytest.mark.parametrize("kind", ["native", "fmi3", "python"])
+def test_an_fmu_starts_in_the_steady_state_of_its_curve(
+    fmus: Mapping[tuple[str, str], Path], bogie: Library, tmp_path: Path, kind: str
+) -> None:
+    """That of the kernel, from the first output on, on a brake that acts from then on."""
+    path = str(line_of([arc(200.0, 400.0, 0.05)], -10.0).write(tmp_path / "curve.csv"))
+    kernel = Kernel(bogie, line_file=path, brake_torque_1=1e3, **SPACE)
+    kernel.initialise()
+    start = SPACE | {"line_file": path, "brake_torque_1": 1e3}
+    found = simulate_fmu(
+        str(fmus["bogie", kind]),
+        fmi_type="CoSimulation",
+        stop_time=0.01,
+        output_interval=0.01,
+        start_values=start,
+        output=STANDING,
+    )
+    expected = [kernel[name] for name in STANDING]
+    assert [found[name][0] for name in STANDING] == pytest.approx(expected, rel=1e-9, abs=1e-12)
+    assert expected[0] < -5e-3
+
+
+@pytest.mark.parametrize("kind", ["native", "fmi3"])
+def test_model_exchange_starts_in_the_steady_state_of_its_gradient(
+    fmus: Mapping[tuple[str, str], Path], tmp_path: Path, kind: str
+) -> None:
+    """Rolling freely downhill, nothing rocks and the acceleration is what it stays."""
+    path = str(line_of([straight(400.0, -0.02)], -10.0).write(tmp_path / "down.csv"))
+    found = simulate_fmu(
+        str(fmus["bogie", kind]),
+        fmi_type="ModelExchange",
+        stop_time=2.0,
+        output_interval=0.1,
+        relative_tolerance=1e-8,
+        start_values={"initial_speed": 20.0, "line_file": path},
+        output=["acceleration", "pitch"],
+    )
+    assert found["acceleration"] == pytest.approx(found["acceleration"][0], rel=1e-4)
+    assert found["pitch"] == pytest.approx(found["pitch"][0], abs=1e-7)
+    assert found["acceleration"][0] > 0.18
+
+
+def test_a_start_without_a_steady_state_is_refused(fmus: Mapping[tuple[str, str], Path], tmp_path: Path) -> None:
+    path = str(line_of([arc(200.0, 100.0)], -10.0).write(tmp_path / "curve.csv"))
+    with (
+        Slave(fmus["bogie", "native"], level=3, initial_speed=40.0, line_file=path) as one,
+        pytest.raises(CosimulationError, match="no steady state of rolling freely where it starts on its line at 0 s"),
+    ):
+        one.start()
+
+
 def test_a_model_without_a_line_takes_no_text(fmus: Mapping[tuple[str, str], Path]) -> None:
     with (
         Slave(fmus["brake", "native"]) as brake,
