@@ -478,10 +478,11 @@ def _steady_arrays(system: System, start: SteadyStart) -> Iterable[str]:
     }
     for name, numbers in places.items():
         yield _array("int", f"{prefix}_{name}", map(str, numbers))
-    fields = [str(states.index(start.speed)), *(str(len(numbers)) for numbers in places.values())]
-    fields += [f"{prefix}_{name}" if numbers else "0" for name, numbers in places.items()]
-    fields += [_text(start.sentence), *(f"{system.name}_{name}" for name in STEADY_FUNCTIONS)]
-    yield f"static const steady_start {prefix}_start = {{{', '.join(fields)}}};"
+    fields = {"speed": str(states.index(start.speed))} | {f"{name}s": str(len(some)) for name, some in places.items()}
+    fields |= {name: f"{prefix}_{name}" if numbers else "0" for name, numbers in places.items()}
+    fields |= {"sentence": _text(start.sentence)} | {name: f"{system.name}_{name}" for name in STEADY_FUNCTIONS}
+    members = ", ".join(f"/* {name} */ {value}" for name, value in fields.items())
+    yield f"static const steady_start {prefix}_start = {{{members}}};"
 
 
 def _system_entry(model: Model, system: System, made: dict[str, Generated], solving: Elimination) -> str:
@@ -528,7 +529,7 @@ def _system_entry(model: Model, system: System, made: dict[str, Generated], solv
     fields |= {name: f"{prefix}_{name}" if counts[count] else "0" for name, count in arrays.items()}
     fields |= {name: f"{prefix}_{name}" if name in made else "0" for name in FUNCTIONS}
     fields |= {name: f"{prefix}_{name}" for name in ("factorise", "substitute")}
-    fields["steady_start"] = f"&{prefix}_steady_start" if system.steady_start else "0"
+    fields["steady"] = f"&{prefix}_steady_start" if system.steady_start else "0"
     fields["table_argument"] = f"{prefix}_table_argument" if counts["tables"] else "0"
     return "    {" + ",\n     ".join(f"/* {name} */ {value}" for name, value in fields.items()) + "}"
 

@@ -126,11 +126,20 @@ def test_python_numbers_statuses_and_counters_as_the_header_does() -> None:
     assert tuple(fields.split(", ")) == kernel.COUNTERS
 
 
+def members_of(type_name: str) -> list[str]:
+    """Names of the members of a struct in model.h, in their order."""
+    [body] = re.findall(rf"typedef struct \{{([^}}]*)\}} {type_name};", code_of(RUNTIME / "model.h"))
+    return [name for line in body.split(";") for name in re.findall(r"\w+(?=,|$)", line.strip())]
+
+
 def test_description_of_a_system_has_the_order_of_its_type(bogie_sources: dict[str, str]) -> None:
     """The members are given by position: one that is out of place would be another one's value."""
-    [body] = re.findall(r"typedef struct \{([^}]*)\} system_description;", code_of(RUNTIME / "model.h"))
-    members = [name for line in body.split(";") for name in re.findall(r"\w+(?=,|$)", line.strip())]
+    members = members_of("system_description")
     entries = re.findall(r"^    \{(/\* name \*/ .*?)\}(?=,?$)", bogie_sources["model.c"], re.M | re.S)
     assert len(entries) == 8  # point, planar, three depths of contact in space; on a line point, planar and one depth
     for entry in entries:
         assert re.findall(r"/\* (\w+) \*/", entry) == members
+    starts = re.findall(r"^static const steady_start \w+ = \{(.*)\};$", bogie_sources["model.c"], re.M)
+    assert len(starts) == 3  # planar, and both systems with a suspension on a line
+    for entry in starts:
+        assert re.findall(r"/\* (\w+) \*/", entry) == members_of("steady_start")
