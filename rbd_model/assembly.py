@@ -12,6 +12,7 @@ from rbd_model import variables
 from rbd_model.adhesion import Rail, add_rail
 from rbd_model.contact.depth import ONE_RIGID_CONTACT, Contact
 from rbd_model.statics import Statics, statics
+from rbd_model.track import ballasted_track
 from rbd_model.track_frame import LEVEL, TrackFrame
 from rbd_model.vehicle import Size, Vehicle, Wheelset, size_of, wheelset_name
 
@@ -96,8 +97,9 @@ def assemble(level: str, description: str, vehicle: Vehicle, speed: float = 25.0
     initial = system.parameter(variables.initial_speed(speed))
     drive = system.parameter(variables.drive_inertia())
     rows = variables.inputs(vehicle)
-    offsets = {offset.name: offset for offset in variables.initial_offsets()}
-    parameter = Declared(lambda name: system.parameter(offsets.get(name) or vehicle.parameters.variable(name)))
+    support = ballasted_track()
+    others = {one.name: one for one in (*variables.initial_offsets(), *map(support.variable, support.values()))}
+    parameter = Declared(lambda name: system.parameter(others.get(name) or vehicle.parameters.variable(name)))
     inputs = Declared(lambda name: system.input(rows[name]))
     rail = add_rail(system, len(vehicle.wheelsets))
     at_rest = statics(vehicle, lambda size: size_of(size, parameter), parameter["gravity"])

@@ -37,6 +37,7 @@ from rbd_model.track import Section
 from rbd_model.variables import LARGEST_LATERAL
 from rbd_model.vehicle import Wheelset
 from rbd_model.wheelset import NOMINAL_TRAVEL_SPEED
+from rbd_model.yielding_track import Give, add_give, press_rails
 
 #: How far a patch may be from its rail and still be looked at [m]: more than its nearest point without yaw errs by.
 NEAR = 0.5e-3
@@ -69,6 +70,7 @@ class PatchedWheelset:
     nearest: list[list[Nearest]]
     acceleration: ca.SX
     turning: ca.SX
+    give: Give
 
     def of_wheels(self, value: Callable[[Press], ca.SX]) -> ca.SX:
         """A value of the patches, summed up for the (left, right) wheel."""
@@ -106,13 +108,13 @@ class PatchedWheelset:
 
     @property
     def stored(self) -> ca.SX:
-        """Energy in the contacts [J]."""
-        return ca.sum1(self.of_wheels(lambda patch: patch.stored))
+        """Energy in the contacts and in the track below [J]."""
+        return ca.sum1(self.of_wheels(lambda patch: patch.stored)) + self.give.stored
 
     @property
     def damping_power(self) -> ca.SX:
-        """What the contacts lose as they are pressed [W]."""
-        return ca.sum1(self.of_wheels(lambda patch: patch.damping_power))
+        """What the contacts and the track below lose as they are pressed [W]."""
+        return ca.sum1(self.of_wheels(lambda patch: patch.damping_power)) + self.give.damping_power
 
 
 @dataclass(frozen=True)
@@ -120,9 +122,11 @@ class Standing:
     """How a wheelset stands: on the track, with its height over it [m], its roll and their rates.
 
     settled [m]: how much higher than the track's axes level rails lie, as places are counted from where it rests.
+    give: of the rails below it.
     """
 
     on: OnTrack
+    give: Give
     height: ca.SX
     settled: ca.SX
     rise: ca.SX
@@ -149,7 +153,8 @@ def place_on_patches(assembly: Assembly, number: int, section: Callable[[int, ca
     rising = system.state(f"rise_speed_{number}", "m/s", 0.0, NOMINAL_TRAVEL_SPEED)
     roll = system.state(f"roll_{number}", "rad", roll, NOMINAL_ROLL)
     roll_rate = system.state(f"roll_rate_{number}", "rad/s", 0.0, NOMINAL_TRAVEL_SPEED)
-    standing = Standing(on, height, settled, rising, roll, roll_rate, direction_cosines(on.yaw, roll))
+    give = add_give(assembly, number) if assembly.on_line else Give.rigid()
+    standing = Standing(on, give, height, settled, rising, roll, roll_rate, direction_cosines(on.yaw, roll))
     body = Body(
         ca.vertcat(on.along, on.lateral, assembly.radius(data) + risen),
         ca.vertcat(on.forward, on.sideways, rising),
@@ -165,8 +170,11 @@ def place_on_patches(assembly: Assembly, number: int, section: Callable[[int, ca
     found = [press(assembly, number, index, standing, body) for index in range(len(SIDES))]
     pressed, nearest = [wheel for wheel, _ in found], [near for _, near in found]
     acceleration, turning = stand_freely(assembly, data, body, [patch for wheel in pressed for patch in wheel])
-    on_rails = on.rotated, on.yaw, on.offset, on.heights, on.frictions
-    return PatchedWheelset(number, data, body, *on_rails, pressed, nearest, acceleration, turning)
+    on_rails = on.rotated, on.yaw, on.offset, on.heights + give.moved[1:], on.frictions
+    wheelset = PatchedWheelset(number, data, body, *on_rails, pressed, nearest, acceleration, turning, give)
+    if assembly.on_line:
+        press_rails(assembly, number, give, wheelset.thrusts[0] - wheelset.thrusts[1], wheelset.loads)
+    return wheelset
 
 
 WheelPressed = tuple[list[Press], list[Nearest]]
@@ -181,8 +189,9 @@ def press_patches(assembly: Assembly, number: int, index: int, standing: Standin
     wheel, state = feel_rail(assembly, number, index, standing)
     track = TurningTrack(body.track.turning, body.stretch)
     # As the track turns about its own axis, so does the rail's place; what lies beside it the patch itself adds.
-    on = standing.on
+    on, moved = standing.on, standing.give.moved
     lies = ca.vertcat(0, on.centre + wheel.side * on.spread, on.heights[index] + standing.settled)
+    lies += ca.vertcat(0, moved[0], moved[1 + index])
     slopes = state.slopes + ca.cross(ca.vertcat(track.turning[0], 0, 0), lies)[1:]
     state = replace(state, slopes=assembly.system.narrow(slopes))
     placement = replace(standing.placement, lateral=state.offset)
@@ -239,18 +248,19 @@ def side_of(assembly: Assembly, number: int, index: int) -> Side:
 def feel_rail(assembly: Assembly, number: int, index: int, standing: Standing) -> tuple[Wheel, PatchState]:
     """A wheel, and how it stands and moves on its rail (section 3.2); its nearest point is not known yet (0)."""
     data, on, one = assembly.vehicle.wheelsets[number - 1], standing.on, side_of(assembly, number, index)
+    moved, speed = standing.give.moved, standing.give.speed
     distances = ca.SX(one.wheel_half_distance), ca.SX(one.rail_half_distance)
     side, spreading = list(SIDES)[index], ca.jacobian(on.spread, assembly.distance)
     wheel = Wheel(ca.SX(side), assembly.value(data.radius[index]), *distances)
     state = PatchState(
         on.forward,
-        on.sideways,
-        standing.rise,
+        on.sideways - speed[0],
+        standing.rise - speed[1 + index],
         standing.roll_rate,
         on.angular_velocity,
         on.yaw_rate,
-        on.offset - side * on.spread,
-        standing.height - on.heights[index],
+        on.offset - side * on.spread - moved[0],
+        standing.height - on.heights[index] - moved[1 + index],
         on.yaw,
         standing.roll,
         rail_slopes(side, on.slopes, index, spreading),

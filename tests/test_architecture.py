@@ -124,6 +124,7 @@ PLUMBING = {
     },
     "rbd_model/vehicle.py": {"as_sum", "size_of", "wheelset_name", "check"},
     "rbd_model/wheelset.py": {"at_least"},
+    "rbd_model/yielding_track.py": {"add_give", "rows_of"},
     "brake_controller/cylinder.py": {"brake_model"},
     "brake_controller/protection_fmu.py": {"wheel_slide_protection"},
     "brake_controller/wheel_slide.py": {"within"},

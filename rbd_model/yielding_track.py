@@ -1,0 +1,84 @@
+"""The track below a wheelset, which yields to it: both rails move sideways as one, and each of them up and down.
+
+Springs and dampers without mass carry these motions and go along with the wheelset: what yields under one is not felt
+by the next. Heights of both rails that differ are the roll of the track. On straight track without a line rails are
+rigid.
+
+The speed of a rail is what the wheel's force leaves beside the spring, over the damper, and that force follows from how
+fast the wheel closes in on the rail and slides over it: so the speeds are algebraic states, solved for within the steps.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from rbd_model.assembly import Assembly
+from rbd_model.rolling_contact import SIDES
+from rbd_model.wheelset import NOMINAL_TRAVEL_SPEED
+
+#: Scale of the error control: with tolerance 1e-6, 1 nm of a rail that gives way by 1 mm [m].
+NOMINAL_GIVE = 1e-3
+
+
+@dataclass(frozen=True)
+class Give:
+    """How far and how fast rails give way below a wheelset; rows: both to the left, the left one up, the right one up.
+
+    Heights are counted from where the rails lie under the static load, as those of the bodies that they carry are.
+    stiffness, damping: of each row; static [N]: what pushes at rest.
+    """
+
+    moved: ca.SX  # [m]
+    speed: ca.SX  # [m/s]
+    stiffness: ca.SX
+    damping: ca.SX
+    static: ca.SX
+
+    @classmethod
+    def rigid(cls) -> Give:
+        """Rails that do not move."""
+        return cls(*(ca.SX(3, 1) for _ in range(5)))
+
+    @property
+    def stored(self) -> ca.SX:
+        """Energy in the springs, from where the rails lie under the static load [J]."""
+        return ca.dot(self.stiffness, self.moved**2) / 2 + ca.dot(self.static, self.moved)
+
+    @property
+    def damping_power(self) -> ca.SX:
+        """What the dampers take [W]."""
+        return ca.dot(self.damping, self.speed**2)
+
+
+def rows_of(number: int) -> list[str]:
+    """Names of the rows of a wheelset's `Give`."""
+    return [f"track_{number}", *(f"track_{number}_{word}" for word in SIDES.values())]
+
+
+def add_give(assembly: Assembly, number: int) -> Give:
+    """Declares how the rails below a wheelset move; they start where the static load has pressed them."""
+    system, p = assembly.system, assembly.parameter
+    moved = [system.state(name, "m", 0.0, NOMINAL_GIVE) for name in rows_of(number)]
+    speed = [system.algebraic(f"{name}_speed", "m/s", 0.0, NOMINAL_TRAVEL_SPEED) for name in rows_of(number)]
+    for name, rate in zip(rows_of(number), speed, strict=True):
+        system.derivative(name, rate)
+    stiffness, damping = (
+        ca.vertcat(*[p[f"track_{direction}_{kind}"] for direction in ("lateral", "vertical", "vertical")])
+        for kind in ("stiffness", "damping")
+    )
+    weight = assembly.value(assembly.vehicle.wheelsets[number - 1].mass) * p["gravity"]
+    load = (assembly.resting_on(number) + weight) / 2
+    return Give(ca.vertcat(*moved), ca.vertcat(*speed), stiffness, damping, -ca.vertcat(0, load, load))
+
+
+def press_rails(assembly: Assembly, number: int, give: Give, sideways: ca.SX, loads: ca.SX) -> None:
+    """Rails that are pushed against their springs and dampers: Newton's second law (3.73) without mass.
+
+    sideways [N]: of both wheels on the rails, to the left; loads [N]: of each wheel, downwards.
+    """
+    left_over = ca.vertcat(sideways, -loads) - give.static - give.stiffness * give.moved
+    speed = assembly.parameter["track_yields"] * left_over / give.damping
+    for row, name in enumerate(rows_of(number)):
+        assembly.system.residual(f"{name}_speed", speed[row] - give.speed[row])
