@@ -107,6 +107,11 @@ class PatchedWheelset:
         return self.of_wheels(lambda patch: patch.creep_along), self.of_wheels(lambda patch: patch.creep_power)
 
     @property
+    def kinetic_of_track(self) -> ca.SX:
+        """Energy of the rails that move below [J]."""
+        return self.give.kinetic
+
+    @property
     def stored(self) -> ca.SX:
         """Energy in the contacts and in the track below [J]."""
         return ca.sum1(self.of_wheels(lambda patch: patch.stored)) + self.give.stored

@@ -165,10 +165,10 @@ def add_outputs(assembly: Assembly, wheelsets: Sequence[WheelsetInSpace]) -> Non
 def own_energies(
     assembly: Assembly, wheelsets: Sequence[WheelsetInSpace], motions: Sequence[Motion]
 ) -> dict[str, ca.SX]:
-    """Energies of the wheelsets themselves [J] and power of the yaw torques [W], for section 2.4."""
+    """Energies of the wheelsets and the rails below them [J] and power of the yaw torques [W], for section 2.4."""
     kinetic, potential, brake, damping = ca.SX(0), ca.SX(0), ca.SX(0), ca.SX(0)
     for wheelset, motion in zip(wheelsets, motions, strict=True):
-        kinetic += kinetic_energy(assembly, wheelset.data, wheelset.body)
+        kinetic += kinetic_energy(assembly, wheelset.data, wheelset.body) + wheelset.kinetic_of_track
         weight = assembly.value(wheelset.data.mass) * assembly.parameter["gravity"]
         potential += weight * elevation(assembly, wheelset.body) + wheelset.stored
         brake -= motion.yaw_power

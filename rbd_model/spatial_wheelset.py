@@ -100,6 +100,11 @@ class SpatialWheelset:
         return self.rolled.creep_along, self.rolled.creep_powers
 
     @property
+    def kinetic_of_track(self) -> ca.SX:
+        """Energy of the rails, which are rigid [J]."""
+        return ca.SX(0)
+
+    @property
     def stored(self) -> ca.SX:
         """Energy in the contacts [J]."""
         return self.flange.potential

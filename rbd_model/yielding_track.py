@@ -1,11 +1,10 @@
 """The track below a wheelset, which yields to it: both rails move sideways as one, and each of them up and down.
 
-Springs and dampers without mass carry these motions and go along with the wheelset: what yields under one is not felt
-by the next. Heights of both rails that differ are the roll of the track. On straight track without a line rails are
-rigid.
+Springs, dampers and the mass of the rails carry these motions and go along with the wheelset: what yields under one is
+not felt by the next. Heights of both rails that differ are the roll of the track. Without a line rails are rigid.
 
-The speed of a rail is what the wheel's force leaves beside the spring, over the damper, and that force follows from how
-fast the wheel closes in on the rail and slides over it: so the speeds are algebraic states, solved for within the steps.
+Rails without mass would have their speed from an equation without derivatives, as forces hang on it by creep and the
+contacts' damping. That has no solution where the force of a contact jumps; with mass there are no more unknowns.
 """
 
 from __future__ import annotations
@@ -27,11 +26,12 @@ class Give:
     """How far and how fast rails give way below a wheelset; rows: both to the left, the left one up, the right one up.
 
     Heights are counted from where the rails lie under the static load, as those of the bodies that they carry are.
-    stiffness, damping: of each row; static [N]: what pushes at rest.
+    mass, stiffness, damping: of each row; static [N]: what pushes at rest.
     """
 
     moved: ca.SX  # [m]
     speed: ca.SX  # [m/s]
+    mass: ca.SX
     stiffness: ca.SX
     damping: ca.SX
     static: ca.SX
@@ -39,7 +39,12 @@ class Give:
     @classmethod
     def rigid(cls) -> Give:
         """Rails that do not move."""
-        return cls(*(ca.SX(3, 1) for _ in range(5)))
+        return cls(*(ca.SX(3, 1) for _ in range(6)))
+
+    @property
+    def kinetic(self) -> ca.SX:
+        """Energy of the rails' motion [J]."""
+        return ca.dot(self.mass, self.speed**2) / 2
 
     @property
     def stored(self) -> ca.SX:
@@ -61,7 +66,7 @@ def add_give(assembly: Assembly, number: int) -> Give:
     """Declares how the rails below a wheelset move; they start where the static load has pressed them."""
     system, p = assembly.system, assembly.parameter
     moved = [system.state(name, "m", 0.0, NOMINAL_GIVE) for name in rows_of(number)]
-    speed = [system.algebraic(f"{name}_speed", "m/s", 0.0, NOMINAL_TRAVEL_SPEED) for name in rows_of(number)]
+    speed = [system.state(f"{name}_speed", "m/s", 0.0, NOMINAL_TRAVEL_SPEED) for name in rows_of(number)]
     for name, rate in zip(rows_of(number), speed, strict=True):
         system.derivative(name, rate)
     stiffness, damping = (
@@ -70,15 +75,16 @@ def add_give(assembly: Assembly, number: int) -> Give:
     )
     weight = assembly.value(assembly.vehicle.wheelsets[number - 1].mass) * p["gravity"]
     load = (assembly.resting_on(number) + weight) / 2
-    return Give(ca.vertcat(*moved), ca.vertcat(*speed), stiffness, damping, -ca.vertcat(0, load, load))
+    mass = p["track_rail_mass"] * ca.SX([2, 1, 1])
+    return Give(ca.vertcat(*moved), ca.vertcat(*speed), mass, stiffness, damping, -ca.vertcat(0, load, load))
 
 
 def press_rails(assembly: Assembly, number: int, give: Give, sideways: ca.SX, loads: ca.SX) -> None:
-    """Rails that are pushed against their springs and dampers: Newton's second law (3.73) without mass.
+    """Rails that are pushed against their springs and dampers: Newton's second law, as (3.73).
 
     sideways [N]: of both wheels on the rails, to the left; loads [N]: of each wheel, downwards.
     """
-    left_over = ca.vertcat(sideways, -loads) - give.static - give.stiffness * give.moved
-    speed = assembly.parameter["track_yields"] * left_over / give.damping
-    for row, name in enumerate(rows_of(number)):
-        assembly.system.residual(f"{name}_speed", speed[row] - give.speed[row])
+    held = give.static + give.stiffness * give.moved + give.damping * give.speed
+    rates = assembly.parameter["track_yields"] * (ca.vertcat(sideways, -loads) - held) / give.mass
+    for name, rate in zip(rows_of(number), ca.vertsplit(rates), strict=True):
+        assembly.system.derivative(f"{name}_speed", rate)

@@ -7,7 +7,7 @@ import difflib
 from scenarios.brakes import anti_skid, brake_timing, controller_prototype, uneven_brakes
 from scenarios.contact import contact_depth, contact_manchester, creep_laws, flange_climb
 from scenarios.coupling import coupling_step
-from scenarios.lines import curve_braking, curve_steering, gradient, line_from_file, transition
+from scenarios.lines import curve_braking, curve_steering, gradient, line_from_file, track_yields, transition
 from scenarios.numerics import levels, levels_in_curves, oracle, speed, speed_accuracy, stability_atlas
 from scenarios.scenario import BadInputError, Scenario
 from scenarios.thesis import (
@@ -71,6 +71,7 @@ SCENARIOS: list[Scenario] = [
     vehicle_or_bogie.SCENARIO,
     curve_steering.SCENARIO,
     line_from_file.SCENARIO,
+    track_yields.SCENARIO,
     transition.SCENARIO,
     gradient.SCENARIO,
     curve_braking.SCENARIO,

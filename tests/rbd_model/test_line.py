@@ -460,7 +460,12 @@ def test_a_wave_of_both_rails_is_one_of_the_line(depth, way, written, request) -
         "vertical": ("wheelset_1_above", "frame_above", "wheel_load_2_right"),
     }[way]
     one, other = (
-        Kernel(request.getfixturevalue(depth), line_file=written(with_columns(level, **columns)), initial_speed=15.0)
+        Kernel(
+            request.getfixturevalue(depth),
+            line_file=written(with_columns(level, **columns)),
+            initial_speed=15.0,
+            tolerance=1e-9,
+        )
         for columns in (of_line, of_rails)
     )
     names += ("wheel_load_1_left",)

@@ -21,6 +21,7 @@ from scenarios.brakes import anti_skid
 from scenarios.catalogue import SCENARIOS
 from scenarios.contact import contact_depth, creep_laws
 from scenarios.coupling import coupling_step
+from scenarios.lines import track_yields
 from scenarios.methods import scenes as six_scenes
 from scenarios.numerics import oracle, speed, speed_accuracy, stability_atlas
 from scenarios.reporting import report
@@ -102,6 +103,15 @@ def short_vehicles(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
+def short_track(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What does not vibrate on rigid rails; tests/rbd_model/test_yielding_track.py has what does."""
+    calm = [scene for scene in track_yields.scenes() if scene.name in ("curve 800 m", "straight, braked")]
+    monkeypatch.setattr(track_yields, "scenes", lambda: calm)
+    monkeypatch.setattr(track_yields, "SHOWN", "curve 800 m")
+    monkeypatch.setattr(track_yields, "REPEATS", 1)
+
+
+@pytest.fixture
 def short_thesis_step(monkeypatch: pytest.MonkeyPatch) -> None:
     """Two steps, and the stops alone; the whole takes a minute and a half."""
     monkeypatch.setattr(thesis_step, "RUNS", tuple(thesis_step.SHOES.values()))
@@ -153,7 +163,9 @@ MOTION = re.compile(r'<script id="motion-data" type="application/json">(.*?)</sc
 
 
 @pytest.mark.usefixtures("short_oracle", "short_coupling", "short_study")
-@pytest.mark.usefixtures("short_anti_skid", "short_measurements", "short_vehicles", "short_thesis_step", "short_laws")
+@pytest.mark.usefixtures(
+    "short_anti_skid", "short_measurements", "short_vehicles", "short_thesis_step", "short_laws", "short_track"
+)
 @pytest.mark.parametrize("name", [scenario.name for scenario in SCENARIOS])
 def test_scenario_holds_but_for_its_known_misses_and_leaves_table_data_and_picture(name: str, tmp_path: Path) -> None:
     status = main(["run", name, "--html", "--out", str(tmp_path)])

@@ -1,0 +1,207 @@
+"""When do rails have to yield? Largest wheel loads of a coach on rigid rails and on rails that yield, and their cost.
+
+On rigid rails a wheelset that slides on its flange vibrates at 140 to 170 Hz: friction in proportion to the normal
+force couples its bounce and its roll, which lie close together, and what stops it is a damping of the contacts that is
+assumed. Each scene runs on both kinds of rails, with 0.5 to 2 times that damping.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field
+from functools import partial
+
+import numpy as np
+from matplotlib.figure import Figure
+from tqdm import tqdm
+
+from fmu_src.kernel import Kernel
+from rbd_model.line import ERRI_LOW, Line, irregular, line_of, straight
+from scenarios.bench.curves import into_curve, suited_speed
+from scenarios.bench.drive import prepare_on_line
+from scenarios.cosimulation.recording import Recording
+from scenarios.reporting.plots import LEADING, TRAILING, plt, titled
+from scenarios.reporting.progress import PATIENCE
+from scenarios.reporting.report import Result, Row, at_most
+from scenarios.scenario import Options, Scenario
+
+WHEELS = [f"{number}_{side}" for number in (1, 2, 3, 4) for side in ("left", "right")]
+LOADS, QUOTIENTS = ([f"{name}_{wheel}" for wheel in WHEELS] for name in ("wheel_load", "derailment_quotient"))
+#: Way in the curve, and what the first wheelset leaves of a line [m]; time between samples of a peak [s].
+CURVE, LEFT, INTERVAL = 60.0, 25.0, 1e-3
+#: Straight track behind the first wheelset and in front of it [m].
+BEHIND, AHEAD = 30.0, 300.0
+#: Dampings of the contacts [s/m], the assumed one first, and what peaks may hang on them (and on the tolerance).
+DAMPINGS, BAND = (1.0, 0.5, 2.0), 0.02
+#: Runs that a time is the least of.
+REPEATS = 2
+#: The scene whose wheel load is drawn, and how much of its end [m].
+SHOWN, DRAWN = "curve 300 m", 10.0
+RIGID, YIELDING = {"track_yields": 0.0}, {"track_yields": 1.0}
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A coach on a line: speed [m/s], how long [s], and values."""
+
+    name: str
+    line: Line
+    speed: float
+    duration: float
+    values: dict[str, float] = field(default_factory=dict)
+
+    def kernel(self, **values: float) -> Kernel:
+        """The coach at its start."""
+        return prepare_on_line(
+            "vehicle", self.line, **{"level": 3.0, "initial_speed": self.speed} | self.values | values
+        )
+
+
+def curve(radius: float, cant: float, deficiency: float = 0.0, friction: float = 0.3, name: str = "") -> Scene:
+    """Straight track, a transition, and a curve at the speed that suits it."""
+    line, speed = into_curve(radius, cant, CURVE), suited_speed(radius, cant, deficiency)
+    values = {"constant_speed": 1.0} | {f"friction_{number}": friction for number in (1, 2, 3, 4)}
+    return Scene(name, line, speed, (line.length - LEFT) / speed, values)
+
+
+def swerving(shift: float, length: float) -> Line:
+    """Both rails go aside by `shift` [m] over a length [m], 20 m ahead."""
+    distance = np.arange(-BEHIND, AHEAD, 0.25)
+    share = np.clip((distance - 20.0) / length, 0.0, 1.0)
+    aside = shift * share**3 * (10 - 15 * share + 6 * share**2)
+    level = np.zeros_like(distance)
+    rows = {"distance": distance, "curvature": level, "cant": level, "gradient": level}
+    return Line(rows | {"left_lateral": aside, "right_lateral": aside})
+
+
+def scenes() -> list[Scene]:
+    """Curves, and straight track: smooth, rough, and with a place where flanges meet their rails."""
+    cant, smooth = 0.15, line_of([straight(BEHIND + AHEAD)], -BEHIND)
+    braked = {f"brake_torque_{number}": 15e3 for number in (1, 2, 3, 4)}
+    steady = {"constant_speed": 1.0}
+    return [
+        *(curve(radius, cant, name=f"curve {radius:g} m") for radius in (300.0, 500.0, 800.0, 1500.0)),
+        curve(300.0, cant, friction=0.4, name="curve 300 m, friction 0.4"),
+        Scene("straight, braked", smooth, 25.0, 8.0, braked),
+        Scene("straight, from 8 mm aside", smooth, 40.0, 4.0, steady | {"initial_lateral": 0.008}),
+        Scene("straight, rough (ERRI low)", irregular(smooth, ERRI_LOW, 1), 40.0, 6.0, steady),
+        Scene("straight, flange hits", swerving(0.015, 5.0), 30.0, 4.0, steady),
+    ]
+
+
+def peaks(scene: Scene, **values: float) -> np.ndarray:
+    """Largest wheel load [N] and largest Y/Q of all wheels."""
+    table = scene.kernel(**values).record(scene.duration, INTERVAL, [*LOADS, *QUOTIENTS])
+    return np.array([np.max([table[name] for name in names]) for names in (LOADS, QUOTIENTS)])
+
+
+def seconds(scene: Scene, **values: float) -> float:
+    """Processor time of a run, the least of some [s]."""
+    taken = []
+    for _ in range(REPEATS):
+        kernel = scene.kernel(**values)
+        kernel.initialise()
+        start = time.process_time()
+        kernel.advance(scene.duration)
+        taken.append(time.process_time() - start)
+    return min(taken)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A scene on rigid rails and on rails that yield: loads [N] by DAMPINGS, processor times [s]."""
+
+    scene: str
+    rigid: list[float]
+    yielding: list[float]
+    times: tuple[float, float]
+
+    @property
+    def error(self) -> float:
+        """By how much the largest load on rigid rails is off that on rails that yield."""
+        return abs(self.rigid[0] / self.yielding[0] - 1)
+
+    @property
+    def spread(self) -> tuple[float, float]:
+        """What the damping of the contacts makes of the largest load on (rigid, yielding) rails."""
+        first, second = ((max(loads) - min(loads)) / loads[0] for loads in (self.rigid, self.yielding))
+        return first, second
+
+
+def compare(scene: Scene) -> Outcome:
+    """The scene on both kinds of rails."""
+    rigid, yielding = (
+        [float(peaks(scene, contact_damping=damping, **rails)[0]) for damping in DAMPINGS]
+        for rails in (RIGID, YIELDING)
+    )
+    return Outcome(scene.name, rigid, yielding, (seconds(scene, **RIGID), seconds(scene, **YIELDING)))
+
+
+def rows_of(outcome: Outcome) -> list[Row]:
+    """What is judged is that rails that yield make loads independent of an assumed damping."""
+    rigid, yielding = outcome.spread
+    ratio = outcome.times[1] / outcome.times[0]
+    return [
+        Row(f"{outcome.scene}: largest wheel load hangs on contact damping by", "%", None, 1e2 * yielding,
+            at_most(1e2 * BAND), "rails that yield, 0.5 to 2 s/m"),
+        Row(f"{outcome.scene}: on rigid rails it hangs on that by", "%", None, 1e2 * rigid, None, "rigid rails"),
+        Row(f"{outcome.scene}: error of the largest wheel load on rigid rails", "%", None, 1e2 * outcome.error, None,
+            "rigid rails against those that yield"),
+        Row(f"{outcome.scene}: time of rails that yield over that of rigid ones", "1", None, ratio, None, "processor"),
+    ]  # fmt: skip
+
+
+def shown_loads(scene: Scene) -> Recording:
+    """Load of the outer leading wheel at the end of the scene, on both kinds of rails [N]."""
+    kept = DRAWN / scene.speed
+    found = []
+    for rails in (RIGID, YIELDING):
+        kernel = scene.kernel(**rails)
+        kernel.advance(scene.duration - kept)
+        found.append(kernel.record(kept, INTERVAL / 4, ["wheel_load_1_right"]))
+    both = zip(found[0]["time"], *(one["wheel_load_1_right"] for one in found), strict=True)
+    return Recording({"time": "s", "rigid": "N", "yielding": "N"}, [list(row) for row in both])
+
+
+def run(options: Options) -> Result:
+    every = scenes()
+    outcomes = [compare(scene) for scene in tqdm(every, desc="track-yields", leave=False, delay=PATIENCE)]
+    series = shown_loads(next(scene for scene in every if scene.name == SHOWN))
+    rows = [row for outcome in outcomes for row in rows_of(outcome)]
+    needed = [one.scene for one in outcomes if one.error > BAND]
+    note = f"Rails must yield, or loads are off by more than {1e2 * BAND:g} %: {'; '.join(needed)}."
+    return Result(rows, series, partial(draw, series, outcomes), {}, 0.0, [note])
+
+
+def draw(series: Recording, outcomes: list[Outcome]) -> Figure:
+    figure, (load, cost) = plt.subplots(1, 2, figsize=(11.0, 4.8), width_ratios=(1, 1.5))
+    way = (series["time"] - series["time"][0]) * DRAWN / (series["time"][-1] - series["time"][0])
+    load.plot(way, series["rigid"] / 1e3, color=TRAILING, linewidth=0.8, label="rigid rails")
+    load.plot(way, series["yielding"] / 1e3, color=LEADING, linewidth=2.4, label="rails that yield (default)")
+    load.set_title("load of the outer leading wheel, curve of 300 m [kN]")
+    load.set_xlabel("along the curve [m]")
+    load.set_ylim(0.0)
+    load.legend(loc="lower left")
+    for number, one in enumerate(outcomes):
+        ratio, error = one.times[1] / one.times[0], 1e2 * one.error
+        cost.loglog(ratio, error, "o", color=TRAILING if one.error > BAND else LEADING)
+        offset = (6, 5 if number % 2 else -10)
+        cost.annotate(one.scene, (ratio, error), xytext=offset, textcoords="offset points", fontsize=8)
+    cost.axhspan(1e2 * BAND, 1e3, color=TRAILING, alpha=0.07)
+    cost.axvline(1.0, color="#999999", linewidth=0.8)
+    cost.set_ylim(0.02, 1e3)
+    cost.set_xlim(0.02, 6.0)
+    cost.text(0.022, 1e2 * BAND * 1.15, "above: rails must yield", fontsize=8, color=TRAILING)
+    cost.set_title("error of the largest wheel load on rigid rails [%]")
+    cost.set_xlabel("time with rails that yield, over time with rigid ones")
+    return titled(
+        figure, "Where a flange bears or rails are rough, rails must yield; in tight curves that also saves time"
+    )
+
+
+SCENARIO = Scenario(
+    "track-yields",
+    "When do rails have to yield? Loads of a coach on rigid rails and on rails that yield, and what they cost",
+    run,
+    frozenset(),
+)
