@@ -185,7 +185,7 @@ def draw(series: Recording, outcomes: list[Outcome]) -> Figure:
     for number, one in enumerate(outcomes):
         ratio, error = one.times[1] / one.times[0], 1e2 * one.error
         cost.loglog(ratio, error, "o", color=TRAILING if one.error > BAND else LEADING)
-        offset = (6, 5 if number % 2 else -10)
+        offset = (6, -10 if number % 2 else 5)
         cost.annotate(one.scene, (ratio, error), xytext=offset, textcoords="offset points", fontsize=8)
     cost.axhspan(1e2 * BAND, 1e3, color=TRAILING, alpha=0.07)
     cost.axvline(1.0, color="#999999", linewidth=0.8)

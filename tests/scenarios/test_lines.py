@@ -102,9 +102,11 @@ def test_load_that_a_twist_moves_is_that_of_statics() -> None:
     assert moved != pytest.approx(transition.statics(transition.Case(410.0, transition.SLOW)), rel=transition.BAND)
 
 
-def test_contacts_are_hundreds_of_times_as_stiff_as_springs_across() -> None:
+def test_a_twist_goes_into_springs_a_ninth_into_the_track_and_next_to_nothing_into_contacts() -> None:
     springs = 2 * transition.BOGIE.vertical_stiffness * transition.BOGIE.vertical_half_spacing**2
-    assert 0.995 < transition.roll_stiffness() / springs < 0.999
+    rails = 2 * transition.TRACK.track_vertical_stiffness * transition.SPACING**2
+    assert transition.roll_stiffness() / springs == pytest.approx(1 / (1 + springs / rails), rel=0.005)
+    assert 0.87 < transition.FELT < 0.9
 
 
 @pytest.mark.parametrize("level", [1, 2, 3])
