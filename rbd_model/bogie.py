@@ -13,7 +13,7 @@ from rbd_model.parameters import BogieParameters
 from rbd_model.planar import planar_vehicle
 from rbd_model.point import point_vehicle
 from rbd_model.spatial import spatial_vehicle
-from rbd_model.track import irregular_track, section_5_3
+from rbd_model.track import ballasted_track, irregular_track, section_5_3
 from rbd_model.vehicle import Vehicle
 from rbd_model.vehicles import loaded_coal_wagon, passenger_coach, two_axle_bogie, wheelset_under_frame
 
@@ -149,11 +149,11 @@ def smallest_level(driven: Iterable[str], read: Iterable[str]) -> Choice:
                 2,
                 f"{reason} {name} asks for contact depth 2: the flange has its own place, force and creep.",
             )
-    on_line = variables.line_file().name
-    if level == 3 and depth < DEPTH_ON_LINE and on_line in needed:
+    on_line = [name for name in needed if name in (variables.line_file().name, *ballasted_track().values())]
+    if level == 3 and depth < DEPTH_ON_LINE and on_line:
         depth, reason = (
             DEPTH_ON_LINE,
-            f"{reason} {on_line} asks for contact depth {DEPTH_ON_LINE}: no other knows a line.",
+            f"{reason} {on_line[0]} asks for contact depth {DEPTH_ON_LINE}: no other knows a line.",
         )
     if level == 3 and depth == 1:
         reason = f"{reason} No flange is asked about: contact_depth 1 serves, which must be asked for."
@@ -169,10 +169,17 @@ def family_of(name: str) -> str:
 
 @lru_cache
 def names_of_levels(whole: bool) -> dict[str, set[str]]:
-    """Names of the variables of each level of one bogie or the vehicle, least first; all have tolerance and line."""
+    """Names of the variables of each level of one bogie or the vehicle, least first; all have tolerance and line.
+
+    Those of rails that yield are in space only, where there is a line.
+    """
     systems = levels(passenger_coach() if whole else two_axle_bogie())
     common = {variable.name for variable in integration_variables(DEFAULT_TOLERANCE)} | {variables.line_file().name}
-    return {system.name: common | {variable.name for variable in system.variables} for system in systems}
+    names = {system.name: common | {variable.name for variable in system.variables} for system in systems}
+    return {
+        name: known | set(ballasted_track().values() if number > 2 else ())
+        for number, (name, known) in enumerate(names.items(), 1)
+    }
 
 
 def wheelset_in_frame(defaults: BogieParameters | None = None) -> System:

@@ -219,6 +219,24 @@ def test_energy_closes_over_curves_and_hills(level, braked, written, request) ->
     assert np.ptp(energy) < ENERGY_BAND * np.max(table["kinetic_energy"])
 
 
+def test_energy_closes_while_a_flange_pushes_rails_aside(written, patched) -> None:  # type: ignore[no-untyped-def]
+    """What rails store, move with and lose is in it: without what their dampers take it would not close."""
+    distance = np.arange(-10.0, 60.0, 0.25)
+    aside = 0.015 * blend_in(distance, 10.0, 15.0)
+    line = Line({name: np.zeros_like(distance) for name in COLUMNS[:4]} | {"distance": distance})
+    line = with_columns(line, left_lateral=aside, right_lateral=aside)
+    rails = {f"state_track_{number}{side}_speed": side for number in (1, 2) for side in ("", "_left", "_right")}
+    names = [*ENERGIES, *(f"integral_{name}" for name in POWERS)]
+    kernel = Kernel(patched, line_file=written(line), initial_speed=20.0, tolerance=1e-9)
+    table = kernel.record(2.0, 1e-3, [*names, *rails])
+    band = ENERGY_BAND * np.max(table["kinetic_energy"])
+    assert np.ptp(np.sum([table[name] for name in names], axis=0)) < band
+    track = ballasted_track()
+    dampings = {"": track.track_lateral_damping, "_left": track.track_vertical_damping}
+    lost = [dampings.get(side, track.track_vertical_damping) * np.square(table[name]) for name, side in rails.items()]
+    assert np.sum(lost) * 1e-3 > 10 * band
+
+
 @pytest.mark.parametrize("depth", ["rigid", "patched"])
 def test_a_curve_of_a_million_kilometres_is_straight(depth, written, request) -> None:  # type: ignore[no-untyped-def]
     """But for the rolling line itself, r0 l / (conicity R) = 4.5 nm at 1e9 m, which goes with the curvature."""
