@@ -17,7 +17,7 @@ from rbd_model.track import ballasted_track
 from scenarios.fmus.registry import model_of
 from scenarios.lines.track_yields import RIGID, Scene, curve, peaks
 
-#: Asked of peaks over tolerances and dampings of the contact; measured are at most 2e-4 of loads and 1e-4 of Y/Q.
+#: Asked of peaks over tolerances and dampings of the contact; measured is at most 5e-5 of either.
 PEAK_BAND = 0.02
 #: Tolerance and damping of the contacts [s/m]; first the default.
 DEFAULT, OTHERS = (1e-6, 1.0), ((1e-5, 1.0), (1e-7, 1.0), (1e-8, 1.0), (1e-6, 0.5), (1e-6, 2.0))
