@@ -62,6 +62,7 @@ def start_equations(system: System) -> list[tuple[ca.SX, ca.SX]]:
     """What is found at the start, each with an expression of all that it is found from."""
     found = [(symbol, system.derived_expressions[name]) for name, symbol in system.derived_symbols.items()]
     found += [(state.symbol, state.start) for state in system.states.values() if not state.algebraic]
+    found += settled_equations(system)
     found += [(table.symbols, table.argument) for table in system.tables]
     found += link_equations(system)
     for friction in system.frictions:
@@ -75,6 +76,21 @@ def start_equations(system: System) -> list[tuple[ca.SX, ca.SX]]:
         _, rows, columns, *_ = pattern.btf()
         found += [(unknowns[column], residuals[row]) for row, column in zip(rows, columns, strict=True)]
     return found
+
+
+def settled_equations(system: System) -> list[tuple[ca.SX, ca.SX]]:
+    """States that a steady start looks for, each with all by which nothing changes while nothing drives or holds."""
+    if system.steady_start is None:
+        return []
+    steady, drives = (
+        system.steady_start,
+        ca.vertcat(*[system.input_symbols[name] for name in system.steady_start.drives]),
+    )
+    changes = ca.vertcat(steady.course, *[system.derivatives[name] for name in system.states])
+    released = ca.vertcat(drives, *[friction.direction for friction in system.frictions])
+    found_by = ca.substitute(system.without_waists(changes), released, ca.SX.zeros(released.numel()))
+    settling = [name for name in system.states if name not in {steady.speed, *steady.kept}]
+    return [(system.states[name].symbol, found_by) for name in settling if not system.states[name].algebraic]
 
 
 def link_equations(system: System) -> list[tuple[ca.SX, ca.SX]]:

@@ -9,7 +9,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 #: Of all that computes; and with what travels in an FMU or makes a page.
 CODE = {".py", ".c", ".h"}
-KINDS = CODE | {".cpp", ".cs", ".png", ".js", ".css", ".html"}
+KINDS = CODE | {".cpp", ".cs", ".png", ".js", ".css", ".html", ".npz"}
 #: What a release has made from them, empty in a checkout; `make release` fills it in wheels.
 PREBUILT = ROOT / "scenarios" / "fmus" / "prebuilt"
 

@@ -65,17 +65,14 @@ static int add_name(char *names, size_t size, const char *before, const char *na
 /* Parameters that were set and that nothing in the chosen system depends on: all in one sentence, which is said once. */
 int kernel_warn_of_idle_parameters(kernel *self) {
     char names[256] = "", selectors[96] = "", others[48] = "";
-    int count = 0, left = 0, unsaid = 0;
+    int count = 0, left = 0;
     for (int i = 0; i < self->system->idles; ++i) {
         const int variable = self->system->idle[i];
         if (self->value[variable] == MODEL.variable[variable].start) continue;
         left += left > 0 || !add_name(names, sizeof names, count ? ", " : "", MODEL.variable[variable].name);
-        unsaid |= !self->warned[variable];
-        self->warned[variable] = 1;
         ++count;
     }
     if (count == 0) return KERNEL_OK;
-    if (!unsaid) return KERNEL_WARNING;
     if (left) snprintf(others, sizeof others, " and %d more", left);
     for (int i = 0; i < MODEL.selectors; ++i)
         (void)add_name(selectors, sizeof selectors, i ? " or " : "; choose another ",
