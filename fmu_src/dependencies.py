@@ -80,17 +80,16 @@ def start_equations(system: System) -> list[tuple[ca.SX, ca.SX]]:
 
 def settled_equations(system: System) -> list[tuple[ca.SX, ca.SX]]:
     """States that a steady start looks for, each with all by which nothing changes while nothing drives or holds."""
-    if system.steady_start is None:
+    steady = system.steady_start
+    if steady is None:
         return []
-    steady, drives = (
-        system.steady_start,
-        ca.vertcat(*[system.input_symbols[name] for name in system.steady_start.drives]),
+    released = ca.vertcat(
+        *[system.input_symbols[name] for name in steady.drives], *[friction.direction for friction in system.frictions]
     )
-    changes = ca.vertcat(steady.course, *[system.derivatives[name] for name in system.states])
-    released = ca.vertcat(drives, *[friction.direction for friction in system.frictions])
-    found_by = ca.substitute(system.without_waists(changes), released, ca.SX.zeros(released.numel()))
-    settling = [name for name in system.states if name not in {steady.speed, *steady.kept}]
-    return [(system.states[name].symbol, found_by) for name in settling if not system.states[name].algebraic]
+    changes = system.without_waists(ca.vertcat(steady.course, system.ode))
+    found_by = ca.substitute(changes, released, ca.SX.zeros(released.numel()))
+    settling = [state for name, state in system.states.items() if name not in {steady.speed, *steady.kept}]
+    return [(state.symbol, found_by) for state in settling if not state.algebraic]
 
 
 def link_equations(system: System) -> list[tuple[ca.SX, ca.SX]]:

@@ -36,6 +36,7 @@ def expressions_of(system: System) -> list[ca.SX]:
     """All that the runtime computes of a system, without the observables, which it does not."""
     conditions = (*system.end_conditions, *system.warnings)
     return [
+        *([system.steady_start.course] if system.steady_start else []),
         system.ode,
         *(state.start for state in system.states.values()),
         *system.outputs.values(),

@@ -62,7 +62,7 @@ static int add_name(char *names, size_t size, const char *before, const char *na
     return 1;
 }
 
-/* Parameters that were set and that nothing in the chosen system depends on: all in one sentence, which is said once. */
+/* Parameters that were set and that nothing in the chosen system depends on: all in one sentence. */
 int kernel_warn_of_idle_parameters(kernel *self) {
     char names[256] = "", selectors[96] = "", others[48] = "";
     int count = 0, left = 0;
