@@ -170,7 +170,10 @@ EXPLICIT = {"integration_method": 3, "integration_step": 1e-3, "tolerance": 1e-2
 
 @pytest.mark.parametrize("host_step", [2.0, 1e-3, 1e-4])
 def test_stop_with_explicit_steps_above_their_limit_ends_in_a_sentence_whatever_the_host_step(host_step: float) -> None:
-    """A motor that pulls backwards lets sliding and sticking take turns for ever; host steps of 1 ms each held a thousand of them."""
+    """A motor that pulls backwards lets sliding and sticking take turns for ever.
+
+    Host steps of 1 ms each held a thousand of them.
+    """
     sentence = "a friction chatters; above its stability limit an explicit method cannot come to rest"
     with pytest.raises(KernelError, match=sentence) as ended:
         stop_from_walking_pace(host_step, traction_torque_1=-5e3, **EXPLICIT)
