@@ -46,10 +46,23 @@ def axes_rate(tangent: ca.SX, rate: ca.SX) -> ca.SX:
     return ca.vertcat(rate[0], rate[2] * tangent, rate[2])
 
 
-def angles_of(axes: ca.SX) -> ca.SX:
-    """Roll, pitch and yaw of axes that are turned by Rz(yaw) Rx(roll) Ry(pitch), section 3.2.1."""
-    roll = ca.asin(axes[2, 1])
-    return ca.vertcat(roll, ca.atan2(-axes[2, 0], axes[2, 2]), ca.atan2(-axes[0, 1], axes[1, 1]))
+def angle_of(axes: ca.SX, angle: int) -> ca.SX:
+    """Roll, pitch or yaw, 0 to 2, of axes that are turned by Rz(yaw) Rx(roll) Ry(pitch), section 3.2.1."""
+    if angle == 0:
+        return ca.asin(axes[2, 1])
+    return ca.atan2(-axes[2, 0], axes[2, 2]) if angle == 1 else ca.atan2(-axes[0, 1], axes[1, 1])
+
+
+def axis_of(axes: ca.SX, angle: int) -> ca.SX:
+    """Vector whose product with their angular velocity is the rate of that angle of such axes.
+
+    The inverse of section 3.2.2 for Rz(yaw) Rx(roll) Ry(pitch), row by row.
+    """
+    level = 1 - axes[2, 1] ** 2
+    if angle == 0:
+        return ca.vertcat(axes[1, 1], -axes[0, 1], 0) / ca.sqrt(level)
+    pitching = ca.vertcat(axes[0, 1], axes[1, 1], 0) / level
+    return pitching if angle == 1 else ca.vertcat(0, 0, 1) - axes[2, 1] * pitching
 
 
 @dataclass(frozen=True)
@@ -111,7 +124,7 @@ class Body:
             return replace(self, position=self.place)
         axes = pose.axes @ self.axes
         position, velocity = pose.place + pose.axes @ self.place, pose.axes @ self.velocity
-        return replace(self, position=position, velocity=velocity, axes=axes, angles=angles_of(axes))
+        return replace(self, position=position, velocity=velocity, axes=axes)
 
     @property
     def rate(self) -> ca.SX:
@@ -125,13 +138,3 @@ class Body:
     def velocity_at(self, arm: ca.SX) -> ca.SX:
         """Velocity of the point at `arm` from the centre, eq. (3.12)."""
         return self.velocity + ca.cross(self.rate, arm)
-
-    def axis_of(self, angle: int) -> ca.SX:
-        """Vector in the axes of the track whose product with the angular velocity is the rate of an angle, 0 to 2.
-
-        The inverse of section 3.2.2 for Rz(yaw) Rx(roll) Ry(pitch), row by row.
-        """
-        frame = yaw_roll(self.angles[2], self.angles[0])
-        level = ca.vertcat(-frame[1, 0], frame[0, 0], 0)
-        secant = 1 / ca.cos(self.angles[0])
-        return (frame[:, 0], level * secant, frame[:, 2] * secant)[angle]

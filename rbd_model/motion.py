@@ -11,86 +11,111 @@ import casadi as ca
 from fmu_src.system import System
 from rbd_model.assembly import Assembly
 from rbd_model.bodies import MovingBody, move_body
-from rbd_model.connections import Effect, End, Load, Push, connect, seat_of
+from rbd_model.connections import NO_LOAD, Effect, Load, along, connect, sum_of
 from rbd_model.kinematics import Body
+from rbd_model.relation import Box, End, Relation, narrow
 from rbd_model.resistance import Resistance
-from rbd_model.track_frame import HERE, Pose, relative
-from rbd_model.vehicle import ANGLES, DIRECTIONS, RigidBody, Wheelset, wheelset_name
+from rbd_model.track_frame import Pose, relative
+from rbd_model.vehicle import ANGLES, RigidBody, Wheelset, wheelset_name
 from rbd_model.wheelset import Rolling, add_wheelset_outputs
-
-#: Operations down to which arms are compared: places of a description are sums of a few sizes.
-DEPTH = 10
 
 
 def end_of(assembly: Assembly, name: str, data: RigidBody | Wheelset, body: Body) -> End:
     """A body or wheelset as an end of connections, with the place of its centre at rest, eq. (3.1)."""
     height = assembly.value(data.height) if isinstance(data, RigidBody) else 0
-    return End(name, body, ca.vertcat(assembly.value(data.along), 0, height))
+    return End(name, body, ca.vertcat(assembly.value(data.along), 0, height), isinstance(data, Wheelset))
 
 
 @dataclass
 class Loads:
-    """Pushes while they are added up, by body and by the body that gives them their axes; what did them."""
+    """What acts on each body while it is added up, and the axle boxes of each wheelset by the body they pitch with."""
 
     system: System
-    bodies: dict[str, Body]
+    ends: dict[str, End]
     poses: dict[tuple[str, str], Pose] = field(default_factory=dict)
-    bodies_seen: dict[tuple[str, str], Body] = field(default_factory=dict)
-    of: defaultdict[tuple[str, str], list[Push]] = field(default_factory=lambda: defaultdict(list))
+    boxes: dict[tuple[str, str], Box] = field(default_factory=dict)
+    of: defaultdict[str, list[Load]] = field(default_factory=lambda: defaultdict(list))
     effects: list[Effect] = field(default_factory=list)
+
+    @property
+    def bodies(self) -> dict[str, Body]:
+        """All bodies and wheelsets by name."""
+        return {name: end.body for name, end in self.ends.items()}
 
     def on(self, name: str) -> Load:
         """What all of them do to one body, eqs (3.35), (3.36)."""
-        load = Load(ca.SX.zeros(3), ca.SX.zeros(3))
-        for found in [self.total(seat, name) for on, seat in self.of if on == name]:
-            load = Load(load.force + found.force, load.moment + found.moment)
-        return load
-
-    def total(self, seat: str, name: str) -> Load:
-        """What those on one body do that have the axes of `seat`, eqs (3.35), (3.36).
-
-        The moment of forces is u x (A^T F), with arms u that do not change: added up by their components before
-        anything is turned.
-        """
-        pushes, own = self.of[name, seat], self.seen(seat, name).axes
-        moment = own.T @ sum((push.moment for push in pushes), ca.SX.zeros(3))
-        for component in range(3):
-            shifted = levered([(push.arm[component], push.force) for push in pushes])
-            moment += ca.cross(ca.SX.eye(3)[:, component], own.T @ shifted)
-        force = self.system.narrow(sum((push.force for push in pushes), ca.SX.zeros(3)))
-        return Load(self.pose(seat, name).axes.T @ force, moment)
+        total = sum(self.of[name], NO_LOAD)
+        return replace(total, force=self.system.narrow(total.force))
 
     def pose(self, seat: str, name: str) -> Pose:
         """The track where a body is as seen from where `seat` is, section 3.2.1."""
         if (seat, name) not in self.poses:
-            pose = relative(self.system, self.bodies[seat].track, self.bodies[name].track)
+            pose = relative(self.system, self.ends[seat].body.track, self.ends[name].body.track)
             self.poses |= {(seat, name): pose, (name, seat): pose.back}
         return self.poses[seat, name]
 
     def seen(self, seat: str, name: str) -> Body:
         """A body in the axes of the track where `seat` is, eq. (3.1)."""
-        if (seat, name) not in self.bodies_seen:
-            pose = self.pose(seat, name)
-            body = self.bodies[name].seen(pose)
-            if pose is not HERE:
-                moved = ca.densify(ca.vertcat(body.position, body.velocity, ca.vec(body.axes)))
-                position, velocity, axes = ca.vertsplit(self.system.narrow(moved), [0, 3, 6, 15])
-                body = replace(body, position=position, velocity=velocity, axes=ca.reshape(axes, 3, 3))
-            self.bodies_seen[seat, name] = body
-        return self.bodies_seen[seat, name]
+        return self.ends[name].body.seen(self.pose(seat, name))
+
+    def box(self, seat: str, wheelset: str) -> Box:
+        """The axle boxes of a wheelset that pitch with the body `seat`."""
+        if (seat, wheelset) not in self.boxes:
+            body, wheels = self.ends[seat].body, self.seen(seat, wheelset)
+            rate = wheels.axes[:, 0] * wheels.own_rate[0] + wheels.axes[:, 2] * wheels.own_rate[2]
+            axle, against = body.axes.T @ wheels.axes[:, 1], body.axes.T @ rate - body.own_rate
+            self.boxes[seat, wheelset] = Box.of(*narrow(self.system, axle, against))
+        return self.boxes[seat, wheelset]
 
     def axle(self, wheelset: Rolling) -> ca.SX:
-        """Unit vector along an axle in the axes of the track where its torque reacts on a body (section 9.2)."""
-        return self.seen(wheelset.data.reacts_on, wheelset_name(wheelset.number)).axes[:, 1]
+        """Unit vector along an axle in the axes of the body on which its torque reacts (section 9.2)."""
+        return self.box(wheelset.data.reacts_on, wheelset_name(wheelset.number)).axle
 
+    def relation(self, upper: str, lower: str) -> Relation:
+        """How two ends stand and move against each other, eqs (3.1), (3.12)."""
+        if self.ends[upper].boxed:
+            return self.relation_of_box(upper, lower)
+        centres = self.ends[upper].centre, self.ends[lower].centre
+        body, beside = self.ends[upper].body, self.seen(upper, lower)
+        apart = body.axes.T @ (body.place - beside.position)
+        velocity = body.axes.T @ (body.velocity - beside.velocity) - ca.cross(body.own_rate, apart)
+        if self.ends[lower].boxed:
+            box = self.box(upper, lower)
+            return Relation(box.axes, apart, velocity, box.spin, centres)
+        axes = beside.axes.T @ body.axes
+        spin = axes.T @ beside.own_rate - body.own_rate
+        axes, spin = narrow(self.system, axes, spin)
+        return Relation(axes, apart, velocity, spin, centres)
 
-def levered(pushes: Sequence[tuple[ca.SX, ca.SX]]) -> ca.SX:
-    """Sum of arms [m] times forces [N], of (3.42), shape (3,); forces on equal arms are added up before."""
-    groups: list[tuple[ca.SX, ca.SX]] = []
-    for arm, force in pushes:
-        place = next((i for i, (known, _) in enumerate(groups) if ca.is_equal(known, arm, DEPTH)), len(groups))
-        groups[place:] = [(arm, force if place == len(groups) else groups[place][1] + force), *groups[place + 1 :]]
-    return sum((arm * force for arm, force in groups), ca.SX.zeros(3))
+    def relation_of_box(self, upper: str, lower: str) -> Relation:
+        """The same of axle boxes that are the upper end."""
+        body, beside, box = self.ends[lower].body, self.seen(lower, upper), self.box(lower, upper)
+        apart = body.axes.T @ (beside.position - body.place)
+        velocity = body.axes.T @ (beside.velocity - body.velocity) - ca.cross(body.own_rate + box.spin, apart)
+        apart, velocity, spin = (box.axes @ one for one in (apart, velocity, -box.spin))
+        return Relation(box.axes.T, apart, velocity, spin, (self.ends[upper].centre, self.ends[lower].centre))
+
+    def push(self, upper: str, lower: str, relation: Relation, effect: Effect) -> None:
+        """Adds what connections do to both ends, eqs (3.35), (3.36): together no force and no moment."""
+        moments = {upper: effect.raised, lower: effect.lowered}
+        seat, other = (lower, upper) if self.ends[upper].boxed else (upper, lower)
+        if self.ends[other].boxed:
+            box = self.box(seat, other)
+            passed = box.passed_on(moments[other])
+            moments[seat] += box.axes.T @ passed
+            moments[other] = self.turned_to(seat, other) @ (moments[other] - passed)
+        body = self.ends[seat].body
+        force = body.axes @ (effect.force if seat == lower else relation.axes.T @ effect.force)
+        (force,) = narrow(self.system, force if seat == lower else -force)
+        self.of[seat].append(Load(force, moments[seat]))
+        self.of[other].append(Load(-self.pose(seat, other).axes.T @ force, moments[other]))
+
+    def turned_to(self, seat: str, wheelset: str) -> ca.SX:
+        """From the axes of boxes that pitch with `seat` to those of their wheelset, about the axle (section 3.2.1)."""
+        axes = self.seen(seat, wheelset).axes
+        upright, leaning = (ca.dot(axes[:, i], self.ends[seat].body.axes[:, 2]) for i in (2, 0))
+        c, s = (one / self.box(seat, wheelset).axes[2, 2] for one in (upright, leaning))
+        return ca.vertcat(ca.horzcat(c, 0, s), ca.horzcat(0, 0, 0), ca.horzcat(-s, 0, c))
 
 
 def loads_of(assembly: Assembly, bodies: Sequence[MovingBody], axles: Mapping[int, Body]) -> Loads:
@@ -100,20 +125,19 @@ def loads_of(assembly: Assembly, bodies: Sequence[MovingBody], axles: Mapping[in
     for number, wheelset in vehicle.numbered:
         name = wheelset_name(number)
         ends[name] = end_of(assembly, name, wheelset, axles[number])
-    loads = Loads(assembly.system, {name: end.body for name, end in ends.items()})
-    for connection in vehicle.connections:
-        seat = seat_of(vehicle, connection)
-        both = [replace(ends[name], body=loads.seen(seat, name)) for name in (connection.upper, connection.lower)]
-        effects = connect(assembly, connection, (both[0], both[1]), ends[seat].body.spin)
-        for effect in effects:
-            for name, push in effect.pushes:
-                loads.of[name, seat].append(push)
+    loads = Loads(assembly.system, ends)
+    for upper, lower in dict.fromkeys((one.upper, one.lower) for one in vehicle.connections):
+        relation = loads.relation(upper, lower)
+        between = [one for one in vehicle.connections if (one.upper, one.lower) == (upper, lower)]
+        effects = [connect(assembly, one, relation) for one in between]
         loads.effects += effects
+        loads.push(upper, lower, relation, sum_of(effects))
     for pull in vehicle.pulls:
         end = ends[pull.body]
         place = ca.vertcat(*[ca.SX(assembly.value(size)) for size in pull.place])
-        force = ca.vertcat(*[assembly.input[pull.name] if pull.direction == along else 0 for along in DIRECTIONS])
-        loads.of[pull.body, pull.body].append(Push(force, ca.SX.zeros(3), place - end.centre))
+        force = along(pull.direction, assembly.input[pull.name])
+        moment = ca.cross(place - end.centre, end.body.axes.T @ force)
+        loads.of[pull.body].append(Load(force, moment))
     return loads
 
 
@@ -124,9 +148,8 @@ def react(assembly: Assembly, wheelsets: Sequence[Rolling], loads: Loads) -> Non
     """
     for wheelset in wheelsets:
         torque = wheelset.rotation.brake_torque - wheelset.rotation.traction_torque
-        carrier, none = wheelset.data.reacts_on, ca.SX.zeros(3)
         moment = assembly.parameter["torque_reaction"] * torque * loads.axle(wheelset)
-        loads.of[carrier, carrier].append(Push(none, moment, none))
+        loads.of[wheelset.data.reacts_on].append(Load(ca.SX.zeros(3), moment))
 
 
 def pull_first_body(
@@ -194,7 +217,7 @@ def observe_energy(
     for wheelset in wheelsets:
         # A torque that reacts on a body works on the difference of the two rotations.
         carrier = carriers[wheelset.data.reacts_on].body
-        turned = ca.dot(loads.axle(wheelset), carrier.rate)
+        turned = ca.dot(loads.axle(wheelset), carrier.own_rate)
         rotation = wheelset.rotation
         kinetic += assembly.drive_inertia * rotation.angular_velocity**2 / 2
         brake += rotation.friction_torque * rotation.angular_velocity - reaction * rotation.brake_torque * turned

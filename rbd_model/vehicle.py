@@ -272,6 +272,7 @@ def check(vehicle: Vehicle) -> None:
         if what in POSITIVE_SIZES and not value > 0.0:
             raise _refused(vehicle, f"{part} has a {what} of {value:g}; it must be above 0")
     for connection in vehicle.connections:
+        _check_ends(vehicle, connection)
         _check_law(vehicle, connection)
     _check_places(vehicle)
     _check_supports(vehicle)
@@ -324,6 +325,23 @@ def _references(vehicle: Vehicle, ends: list[str]) -> Iterator[tuple[str, str, l
     for pull in vehicle.pulls:
         yield f"the force {pull.name}", pull.body, ends
         yield f"the force {pull.name}, which has a direction,", pull.direction, list(DIRECTIONS)
+
+
+def _check_ends(vehicle: Vehicle, connection: Connection) -> None:
+    """What joins axle boxes, which pitch with the body at the other end."""
+    wheelsets = [end for end in (connection.upper, connection.lower) if end not in {b.name for b in vehicle.bodies}]
+    if len(wheelsets) == 2:
+        sentence = (
+            f"{connection.name} joins {wheelsets[0]} and {wheelsets[1]}, whose axle boxes nothing would hold level; "
+            "give it a body at one end"
+        )
+        raise _refused(vehicle, sentence)
+    if wheelsets and isinstance(connection, Torsion) and connection.angle == "pitch":
+        sentence = (
+            f"{connection.name} twists about the axle of {wheelsets[0]}, whose axle boxes pitch with the other end, so "
+            "that it does nothing; leave it out, or give it another angle"
+        )
+        raise _refused(vehicle, sentence)
 
 
 def _check_law(vehicle: Vehicle, connection: Connection) -> None:

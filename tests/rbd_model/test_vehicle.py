@@ -119,9 +119,21 @@ def bar_about_no_axis() -> Vehicle:
     return with_one(Torsion, angle="lateral", stiffness=1e5)
 
 
+def link_between_wheelsets() -> Vehicle:
+    good = two_axle_bogie()
+    link = Springs("link", "wheelset_1", "wheelset_2", (0.0, 0.0, 0.0), False, (1e6, 0.0, 0.0))
+    return bogie_with(connections=(*good.connections, link))
+
+
+def bar_about_an_axle() -> Vehicle:
+    return with_one(Torsion, angle="pitch", stiffness=1e5)
+
+
 @pytest.mark.parametrize(
     ("build", "words"),
     [
+        (link_between_wheelsets, ["link joins wheelset_1 and wheelset_2", "a body at one end"]),
+        (bar_about_an_axle, ["added twists about the axle of wheelset_1", "another angle"]),
         (hung_from_its_axle, ["wheelset_1, which reacts on a body, names wheelset_2", "there are frame"]),
         (damper_without_damping, ["added has a series damping of 0", "above 0"]),
         (slider_without_mass, ["added has a slider mass of 0", "above 0"]),

@@ -1,0 +1,111 @@
+"""How two bodies that connections join stand and move against each other, and the axle boxes that hold a wheelset."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import casadi as ca
+import numpy as np
+
+from fmu_src.system import System
+from rbd_model.assembly import Assembly
+from rbd_model.kinematics import Body
+from rbd_model.vehicle import Place
+
+
+@dataclass(frozen=True)
+class End:
+    """One end of connections: the body's name, its symbols, and the place of its centre in the vehicle at rest [m].
+
+    boxed: a wheelset, which connections hold by its axle boxes.
+    """
+
+    name: str
+    body: Body
+    centre: ca.SX
+    boxed: bool
+
+
+@dataclass(frozen=True)
+class Box:
+    """The axle boxes of a wheelset, whose pitch follows a body: y along the axle, x square to it and to the body's z.
+
+    All in the body's axes. axle: unit vector; axes: the box's, its rows; spin [rad/s]: of the box against the body.
+    """
+
+    axle: ca.SX
+    axes: ca.SX
+    spin: ca.SX
+
+    @classmethod
+    def of(cls, axle: ca.SX, rate: ca.SX) -> Box:
+        """rate [rad/s]: of the wheelset against the body, of which what is about the axle does not count.
+
+        The box turns about its own x and the body's z axis alone.
+        """
+        ahead = ca.vertcat(axle[1], -axle[0], 0) / ca.sqrt(1 - axle[2] ** 2)
+        upright = ca.cross(ahead, axle)
+        spin = ca.dot(ahead, rate) * ahead + ca.vertcat(0, 0, ca.dot(upright, rate) / upright[2])
+        return cls(axle, ca.vertcat(ahead.T, axle.T, upright.T), spin)
+
+    def passed_on(self, moment: ca.SX) -> ca.SX:
+        """What the body takes of a moment on the boxes [N.m], both in the box's axes: the wheelset turns freely.
+
+        It is square to both axes about which the box turns against the body, where nothing but the body holds it.
+        """
+        return moment[1] * ca.vertcat(0, 1, -self.axle[2] / self.axes[2, 2])
+
+
+@dataclass(frozen=True)
+class Relation:
+    """How the axes of the lower end, which give directions, stand and move against the upper end, in the upper's axes.
+
+    axes: the lower's, its rows; apart [m]: of the upper centre from the lower one; velocity [m/s]: how that changes as
+    seen from the upper end; spin [rad/s]: of the lower's axes; centres [m]: of the (upper, lower) end in the vehicle at
+    rest. found: stretches by their place.
+    """
+
+    axes: ca.SX
+    apart: ca.SX
+    velocity: ca.SX
+    spin: ca.SX
+    centres: tuple[ca.SX, ca.SX]
+    found: dict[Place, Stretch] = field(default_factory=dict)
+
+    def stretch(self, assembly: Assembly, place: Place) -> Stretch:
+        """Between the points of both ends that are at one place of the vehicle at rest, eqs (3.1), (3.12)."""
+        if place not in self.found:
+            at = ca.vertcat(*[ca.SX(assembly.value(size)) for size in place])
+            upper, lower = (at - centre for centre in self.centres)
+            reach = self.apart + upper
+            rate = self.velocity - ca.cross(self.spin, reach)
+            both = narrow(assembly.system, self.axes @ reach - lower, self.axes @ rate)
+            self.found[place] = Stretch(upper, lower, *both)
+        return self.found[place]
+
+    def spread(self, place: ca.SX) -> Stretch:
+        """Half of what two points have more than each other, `place` [m] and its opposite added to both."""
+        return Stretch(place, place, self.axes @ place - place, self.axes @ ca.cross(place, self.spin))
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """Upper end less lower end of a single connection, in the axes of the lower one: way [m] and rate [m/s].
+
+    upper, lower [m]: the points that it is between, from the centre of each end in its own axes.
+    """
+
+    upper: ca.SX
+    lower: ca.SX
+    way: ca.SX
+    rate: ca.SX
+
+
+def narrow(system: System, *values: ca.SX) -> list[ca.SX]:
+    """The values, with all that is not constant as something by which what comes behind is differentiated."""
+    every = ca.densify(ca.vertcat(*[ca.vec(value) for value in values]))
+    varying = [i for i in range(every.numel()) if not every[i].is_constant()]
+    if varying:
+        every[varying] = system.narrow(every[varying])
+    ends = np.cumsum([0, *(value.numel() for value in values)]).tolist()
+    return [ca.reshape(one, value.shape) for one, value in zip(ca.vertsplit(every, ends), values, strict=True)]

@@ -1,0 +1,171 @@
+"""What connections do to the bodies they join: laws that hold whatever the law of a spring is.
+
+An isolated vehicle keeps its linear and angular momentum (Newton's third law in its strong form), and the power of its
+connections is what their potential gives up less what they lose. Nothing here knows how a connection is stretched.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from rbd_model.assembly import Assembly, assemble
+from rbd_model.bodies import angle_rates
+from rbd_model.connections import Load, connect
+from rbd_model.kinematics import Body, pitch_rotation, yaw_roll
+from rbd_model.motion import Loads
+from rbd_model.relation import End
+from rbd_model.vehicle import BumpStop, FrictionSlider, SeriesDamper, Springs, Torsion
+from rbd_model.vehicles import passenger_coach
+
+#: Sums that cancel, as a share of the largest of what is added.
+ROUND_OFF = 1e-10
+#: Of a rate found by differences over 1e-6 s to both sides, as a share of the powers in it.
+DIFFERENCED = 1e-6
+
+PLACE = (1.1, 0.7, 0.2)
+FRAME, AXLE = ("body", "front_frame"), ("front_frame", "wheelset_1")
+BETWEEN = {"bodies": FRAME, "box_below": AXLE, "box_above": ("wheelset_1", "front_frame")}
+LAWS = {
+    "springs": (Springs, {"stiffness": (3e6, 2e6, 1e6), "damping": (3e4, 2e4, 1e4)}),
+    "one_spring": (Springs, {"both_sides": False, "stiffness": (0.0, 2e6, 0.0), "damping": (0.0, 0.0, 1e4)}),
+    "roll": (Torsion, {"angle": "roll", "stiffness": 1e6, "damping": 1e4}),
+    "pitch": (Torsion, {"angle": "pitch", "stiffness": 1e6, "damping": 1e4}),
+    "yaw": (Torsion, {"angle": "yaw", "stiffness": 1e6, "damping": 1e4}),
+    "bump_stop": (BumpStop, {"direction": "lateral", "travel": (0.01, 0.02), "force": (0.0, 1e5)}),
+    "series_damper": (SeriesDamper, {"direction": "longitudinal", "stiffness": 1e6, "damping": 1e4}),
+    "friction_slider": (
+        FrictionSlider,
+        {"direction": "vertical", "stiffness": 1e6, "damping": 1e3, "capacity": 1e3, "slider_mass": 5.0},
+    ),
+}
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two ends of one connection, each with its position, velocity, axes and own rate; what the connection does."""
+
+    assembly: Assembly
+    bodies: tuple[Body, Body]
+    loads: tuple[Load, Load]
+    potential: ca.SX
+    power: ca.SX
+
+    def value(self, expression: ca.SX, state: np.ndarray, chosen: dict[str, float]) -> np.ndarray:
+        """At a state of both ends; all other symbols have the values that were drawn for them."""
+        both = ca.vertcat(*[one for body in self.bodies for one in (body.position, body.angles, rates(body))])
+        value = ca.substitute(self.assembly.system.expand(ca.densify(expression)), both, state)
+        symbols = ca.symvar(ca.vec(value))
+        (found,) = ca.Function("value", symbols, [value]).call([chosen[one.name()] for one in symbols])
+        return found.full().ravel()
+
+
+def rates(body: Body) -> ca.SX:
+    return ca.vertcat(body.velocity, body.own_rate)
+
+
+def end(name: str) -> Body:
+    """Anywhere in space; the pitch of a wheelset is not one of its axes'."""
+    place, velocity, angles, rate = (ca.SX.sym(f"{name}_{word}", 3) for word in ("place", "velocity", "angles", "rate"))
+    axes = yaw_roll(angles[2], angles[0])
+    return Body(place, velocity, axes if "wheelset" in name else axes @ pitch_rotation(angles[1]), rate, angles)
+
+
+def pair(law: str, between: str) -> Pair:
+    """The connection has the name of one of the vehicle's, so that it has a preload."""
+    kind, sizes = LAWS[law]
+    names = BETWEEN[between]
+    connection = kind("front_secondary", *names, PLACE, **{"both_sides": kind is not Torsion} | sizes)
+    assembly = assemble("pair", "", passenger_coach())
+    both = [End(name, end(name), ca.SX([0.5 * i, 0, 0.1]), "wheelset" in name) for i, name in enumerate(names)]
+    loads = Loads(assembly.system, {one.name: one for one in both})
+    relation = loads.relation(*names)
+    effect = connect(assembly, connection, relation)
+    loads.push(*names, relation, effect)
+    found = [loads.on(name) for name in names]
+    return Pair(assembly, (both[0].body, both[1].body), (found[0], found[1]), effect.potential, effect.power)
+
+
+class Drawn(dict[str, float]):
+    """Values of parameters, states and tables that are drawn when they are asked for."""
+
+    def __init__(self, chosen: dict[str, float], generator: np.random.Generator) -> None:
+        super().__init__(chosen)
+        self.generator = generator
+
+    def __missing__(self, name: str) -> float:
+        drawn = float(self.generator.uniform(-1.0, 1.0))
+        self[name] = math.copysign(1.0, drawn) if name.endswith("_direction") else drawn
+        return self[name]
+
+
+def drawn(one: Pair, seed: int) -> tuple[np.ndarray, Drawn]:
+    """A state of both ends, turned by up to 0.3 rad and 0.3 m apart from rest; a wheelset turns fast."""
+    generator = np.random.default_rng(seed)
+    state = generator.uniform(-0.3, 0.3, 24)
+    state[[10, 22]] += 50.0
+    parameters = {name: float(value) for name, value in passenger_coach().parameters.values().items()}
+    return state, Drawn(parameters, generator)
+
+
+#: A wheelset's boxes pitch with the body, so that nothing can twist there.
+CASES = [(law, between) for law in LAWS for between in BETWEEN if between == "bodies" or law != "pitch"]
+
+
+@pytest.mark.parametrize(("law", "between"), CASES)
+def test_two_ends_of_a_connection_get_no_force_and_no_moment_together(law: str, between: str) -> None:
+    one = pair(law, between)
+    for seed in range(5):
+        state, chosen = drawn(one, seed)
+        force, moment, size = ca.SX(3, 1), ca.SX(3, 1), ca.SX(0)
+        for body, load in zip(one.bodies, one.loads, strict=True):
+            about = ca.cross(body.position, load.force) + body.axes @ load.moment
+            force, moment, size = force + load.force, moment + about, size + ca.norm_1(load.force) + ca.norm_1(about)
+        *sums, largest = one.value(ca.vertcat(force, moment, size), state, chosen)
+        assert largest > 1.0
+        assert np.max(np.abs(sums)) < ROUND_OFF * largest
+
+
+@pytest.mark.parametrize(("law", "between"), CASES)
+def test_a_connection_gives_what_its_potential_loses_less_what_it_turns_to_heat(law: str, between: str) -> None:
+    one = pair(law, between)
+    working = ca.SX(0)
+    for body, load in zip(one.bodies, one.loads, strict=True):
+        working += ca.dot(load.force, body.velocity) + ca.dot(load.moment, body.own_rate)
+    states = one.assembly.system.states
+    for seed in range(5):
+        state, chosen = drawn(one, seed)
+        given, lost, _ = (number(one.value(value, state, chosen)) for value in (working, one.power, one.potential))
+        stored = []
+        for step in (-1e-6, 1e-6):
+            moved = Drawn(dict(chosen), chosen.generator)
+            for name, own in states.items():
+                rate = number(one.value(one.assembly.system.derivatives[name], state, chosen))
+                moved[own.symbol.name()] = chosen[own.symbol.name()] + step * rate
+            stored.append(number(one.value(one.potential, advanced(one, state, step), moved)))
+        size = abs(given) + abs(lost)
+        assert size > 1.0
+        assert given + lost + (stored[1] - stored[0]) / 2e-6 == pytest.approx(0.0, abs=DIFFERENCED * size)
+
+
+def number(value: np.ndarray) -> float:
+    return float(value[0])
+
+
+def advanced(one: Pair, state: np.ndarray, time: float) -> np.ndarray:
+    """The state after a time in which both ends move on; a wheelset's angles have no pitch."""
+    moved = state.copy()
+    for i, body in enumerate(one.bodies):
+        place, angles, velocity, rate = (state[12 * i + k : 12 * i + k + 3] for k in (0, 3, 6, 9))
+        moved[12 * i : 12 * i + 3] = place + time * velocity
+        wheels = "wheelset" in body.angles[0].name()
+        rate = rate * [1, 0, 1] if wheels else rate
+        changes = angle_rates(ca.SX(angles * [1, 0, 1] if wheels else angles), ca.SX(rate))
+        moved[12 * i + 3 : 12 * i + 6] = angles + time * np.array([float(change) for change in changes]) * (
+            [1, 0, 1] if wheels else 1
+        )
+    return moved
