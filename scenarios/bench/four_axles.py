@@ -19,7 +19,8 @@ def rigid_axle_loads(p: VehicleParameters, deceleration: float, torque: float, r
     """Axle loads [N] of a vehicle that slows without rocking, by statics with all moments about the rail.
 
     deceleration [m/s2]; torque [N.m]: of the brake of each wheelset, of which the share `reaction` hangs in its frame.
-    Bogies pass on no moment at their pivots; what slows the body pulls at the height of the secondary springs.
+    Bogies pass on no moment at their pivots; what slows the body pulls at the height of the secondary springs. They
+    and the primary springs give way along axes that pitch with the frames: what they carry stands ahead of them.
     """
     pivot, base, radius = p.pivot_distance / 2, p.wheel_base / 2, p.wheel_radius
     spring, body = p.secondary_height + radius, p.body_height + radius
@@ -30,6 +31,15 @@ def rigid_axle_loads(p: VehicleParameters, deceleration: float, torque: float, r
     moment -= 2 * (1 - reaction) * torque
     loads = []
     for sign in (1, -1):
+        carried, frame = p.body_mass * p.gravity / 2 + sign * moved, p.frame_mass * p.gravity
+        tipping = moment
+        for _ in range(4):  # what gives way adds to what makes it give way
+            pitch = tipping / (p.vertical_stiffness * p.wheel_base**2)
+            ahead = (inertial / 2 + carried * pitch) / (2 * p.secondary_longitudinal_stiffness)
+            pushing = inertial / 2 + p.frame_mass * deceleration + (carried + frame) * pitch
+            frame_ahead = pushing / (4 * p.longitudinal_stiffness)
+            tipping = moment + carried * (ahead + frame_ahead + pitch * p.secondary_height)
+            tipping += frame * (frame_ahead + pitch * p.frame_height)
         axle = p.body_mass * p.gravity / 4 + sign * moved / 2 + (p.frame_mass / 2 + p.wheelset_mass) * p.gravity
-        loads += [axle + moment / (2 * base), axle - moment / (2 * base)]
+        loads += [axle + tipping / (2 * base), axle - tipping / (2 * base)]
     return loads

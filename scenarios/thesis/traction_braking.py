@@ -59,12 +59,13 @@ def expected_acceleration(p: BogieParameters, torque: float) -> float:
 def load_transfer(p: BogieParameters, deceleration: float, pitch: float) -> float:
     """Load [N] that moves to the leading wheelset so that all moments about the rail balance, whatever reacts inside.
 
-    Sprung mass and wheelsets push forward at their heights, the wheels turn more and more slowly, and the pitch [rad]
-    carries the weight of the sprung mass forward.
+    Sprung mass and wheelsets push forward at their heights, the wheels turn more and more slowly, and the sprung mass
+    stands ahead of its wheelsets: by its pitch [rad], and as far as its springs give way along the track.
     """
     push = p.frame_mass * (p.wheel_radius + p.frame_height) + 2 * p.wheelset_mass * p.wheel_radius
     push += 2 * p.wheelset_pitch_inertia / p.wheel_radius
-    return (push * deceleration + p.frame_mass * p.gravity * p.frame_height * pitch) / p.wheel_base
+    ahead = p.frame_height * pitch + p.frame_mass * deceleration / (4 * p.longitudinal_stiffness)
+    return (push * deceleration + p.frame_mass * p.gravity * ahead) / p.wheel_base
 
 
 def mean_where(values: np.ndarray, where: np.ndarray) -> float | None:

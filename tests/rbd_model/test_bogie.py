@@ -103,14 +103,15 @@ def test_bogie_at_rest_stays_in_static_equilibrium(bogie: Library) -> None:
 
 @pytest.mark.parametrize("reaction", [0.0, 1.0])
 def test_load_moves_forward_by_the_moment_of_inertia_force_and_reaction(bogie: Library, reaction: float) -> None:
-    """Steady braking: dN L = M_s (a + g pitch) h + reaction x torque; the pitch moves the centre of mass forward."""
+    """Braking: dN L = M_s (a h + g d) + reaction x torque; the centre of mass is d ahead, by pitch and springs."""
     p = tables_5_1_and_5_2()
     one = chapter_5(bogie, PLANAR, 25.0, brake_torque_1=20e3, brake_torque_2=20e3, torque_reaction=reaction)
     one.advance(12.0)
     table = one.record(3.0, 0.01, ["acceleration", "axle_load_1", "axle_load_2", "pitch"])
     moved = float(np.mean(np.subtract(table["axle_load_1"], table["axle_load_2"]))) / 2
-    push = p.gravity * float(np.mean(table["pitch"])) - float(np.mean(table["acceleration"]))
-    moment = p.frame_mass * push * p.frame_height + reaction * 40e3
+    slowed, pitch = -float(np.mean(table["acceleration"])), float(np.mean(table["pitch"]))
+    ahead = p.frame_height * pitch + p.frame_mass * slowed / (4 * p.longitudinal_stiffness)
+    moment = p.frame_mass * (slowed * p.frame_height + p.gravity * ahead) + reaction * 40e3
     assert moved * p.wheel_base == pytest.approx(moment, rel=2e-3)
     total = np.add(table["axle_load_1"], table["axle_load_2"])
     assert np.mean(total) == pytest.approx((p.frame_mass + 2 * p.wheelset_mass) * p.gravity, rel=1e-3)
@@ -131,7 +132,10 @@ MOTION = ("speed", "pitch")
 def test_brakes_and_motors_in_the_frame_move_the_load_that_the_rails_ask_for(
     bogie: Library, level: int, kind: str, sign: float
 ) -> None:
-    """15 kN.m: 52.2 kN, of which 2.5 kN come with the pitch; with torques that react on nothing a third is missing."""
+    """15 kN.m: 52.8 kN, of which 2.5 kN come with the pitch, 0.6 kN as springs give way.
+
+    With torques that react on nothing a third is missing.
+    """
     p = tables_5_1_and_5_2()
     torques = {f"{kind}_torque_{n}": 15e3 for n in (1, 2)}
     found = {}

@@ -433,7 +433,7 @@ def test_wheelset_of_chapter_4_hunts_as_printed(wheelset: Library) -> None:
     printed = critical_speed(
         lambda v: growth(wheelset, v, longitudinal_half_spacing=0.35, vertical_half_spacing=0.35), 15.0, 40.0
     )
-    assert printed == pytest.approx(22.5, abs=0.2)  # too low for the thesis's 27: docs/fitted.md
+    assert printed == pytest.approx(22.1, abs=0.2)  # too low for the thesis's 27: docs/fitted.md
 
 
 def test_lateral_wave_of_chapter_5(bogie: Library) -> None:
