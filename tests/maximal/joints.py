@@ -1,0 +1,209 @@
+"""What acts between two bodies: a potential that is differenced, and dampers by virtual power of differenced rates."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from rbd_model.vehicle import (
+    ANGLES,
+    DIRECTIONS,
+    BumpStop,
+    Connection,
+    FrictionSlider,
+    SeriesDamper,
+    Size,
+    Springs,
+    Torsion,
+    Vehicle,
+)
+from tests.maximal.motion import Moving, roll_pitch_yaw
+
+#: Step of central differences [m], [rad]: their error is of second order, 1e-9 of the forces.
+STEP = 1e-5
+
+
+@dataclass(frozen=True)
+class End:
+    """One end: the body as it moves, the place of its centre at rest [m], whether it is a wheelset."""
+
+    body: Moving
+    centre: np.ndarray
+    rolls: bool
+
+
+Ends = tuple[End, End]
+
+
+@dataclass(frozen=True)
+class Carried:
+    """Axes (columns) in which the attachment points of upper and lower end stay, and those of the directions."""
+
+    above: np.ndarray
+    below: np.ndarray
+    directions: np.ndarray
+
+
+@dataclass(frozen=True)
+class Carriers:
+    """What carries points and directions, as both bodies move, and how fast the directions turn beside that [rad/s]."""
+
+    at: Callable[[Moving, Moving], Carried]
+    turning: np.ndarray
+
+
+def box(axle: np.ndarray, up: np.ndarray) -> np.ndarray:
+    """Axes that have the axle as their second one and are square to `up` with the first, as those of an axle box."""
+    ahead = np.cross(axle, up)
+    ahead = ahead / np.linalg.norm(ahead)
+    return np.column_stack([ahead, axle, np.cross(ahead, axle)])
+
+
+def on_bodies(ends: Ends) -> Carriers:
+    """The lower body carries the directions. A wheelset does it, and carries its points, by its axle box.
+
+    That yaws and rolls with the axle and pitches with the other body.
+    """
+
+    def at(upper: Moving, lower: Moving) -> Carried:
+        above = box(upper.axes[:, 1], lower.axes[:, 2]) if ends[0].rolls else upper.axes
+        below = box(lower.axes[:, 1], upper.axes[:, 2]) if ends[1].rolls else lower.axes
+        return Carried(above, below, below)
+
+    return Carriers(at, np.zeros(3))
+
+
+#: Of upper and lower body: what is stretched, shape (n,).
+Stretch = Callable[[Moving, Moving], np.ndarray]
+
+
+def between(place: np.ndarray, ends: Ends, carriers: Carriers) -> Stretch:
+    """Way between two points that are one place at rest [m], along the directions."""
+    arms = [place - end.centre for end in ends]
+
+    def stretch(upper: Moving, lower: Moving) -> np.ndarray:
+        by = carriers.at(upper, lower)
+        way = upper.position + by.above @ arms[0] - lower.position - by.below @ arms[1]
+        return np.asarray(by.directions.T @ way)
+
+    return stretch
+
+
+def angle_between(angle: int, carriers: Carriers) -> Stretch:
+    """Roll (0), pitch or yaw of the upper end against the lower one [rad]."""
+
+    def stretch(upper: Moving, lower: Moving) -> np.ndarray:
+        by = carriers.at(upper, lower)
+        return roll_pitch_yaw(by.below.T @ by.above)[[angle]]
+
+    return stretch
+
+
+def differenced(value: Stretch, bodies: tuple[Moving, Moving], step: float) -> np.ndarray:
+    """Derivatives of values, shape (n,), by small displacements of both bodies, shape (n, 12)."""
+    columns = []
+    for which in (0, 1):
+        for way in step * np.eye(6):
+            ahead, behind = (
+                value(*[body.displaced(sign * way) if body is bodies[which] else body for body in bodies])
+                for sign in (1, -1)
+            )
+            columns.append((ahead - behind) / (2 * step))
+    return np.column_stack(columns)
+
+
+@dataclass(frozen=True)
+class Law:
+    """Potential of a stretch [J], and what pulls beside that, by the rate of the stretch [N]."""
+
+    potential: Callable[[np.ndarray], float]
+    beside: Callable[[np.ndarray], np.ndarray] = np.zeros_like
+
+
+def wrenches_of(stretch: Stretch, law: Law, ends: Ends, turning: np.ndarray, step: float) -> np.ndarray:
+    """Force and moment about the centre of upper and lower body, inertial, shape (12,).
+
+    Less the slope of the potential, and less what the rest takes by virtual power.
+    """
+    bodies = ends[0].body, ends[1].body
+    by_place = differenced(stretch, bodies, step)
+    carried_along = [np.concatenate([np.cross(turning, body.position), turning]) for body in bodies]
+    rate = by_place @ np.concatenate([body.twist - along for body, along in zip(bodies, carried_along, strict=True)])
+    elastic = differenced(lambda *moved: np.array([law.potential(stretch(*moved))]), bodies, step)[0]
+    return -elastic - by_place.T @ law.beside(rate)
+
+
+def wrenches(
+    vehicle: Vehicle,
+    connection: Connection,
+    ends: Ends,
+    carriers: Carriers,
+    preload: float,
+    states: Mapping[str, float],
+    step: float = STEP,
+) -> np.ndarray:
+    """Of a connection on both its sides: on upper and lower body, shape (12,).
+
+    preload [N]: of each side; states: ways of dampers and sliders, and rates of these, by name.
+    """
+
+    def number(*sizes: Size) -> np.ndarray:
+        return np.array([vehicle.number(size) for size in sizes])
+
+    if isinstance(connection, Torsion):
+        law = beside_a_damper(number(connection.stiffness), number(connection.damping), preload=0.0)
+        stretch = angle_between(ANGLES.index(connection.angle), carriers)
+        return wrenches_of(stretch, law, ends, carriers.turning, step)
+    total = np.zeros(12)
+    for side, place in connection.sides():
+        stretch = between(number(*place), ends, carriers)
+        if isinstance(connection, Springs):
+            law = beside_a_damper(number(*connection.stiffness), number(*connection.damping), preload)
+        elif isinstance(connection, BumpStop):
+            law = stop(connection)
+        elif isinstance(connection, SeriesDamper):
+            law = behind_a_spring(float(number(connection.stiffness)[0]), 0.0, states[f"{side}_travel"], 0.0)
+        elif isinstance(connection, FrictionSlider):
+            sizes = number(connection.stiffness, connection.damping)
+            law = behind_a_spring(*sizes.tolist(), states[f"{side}_travel"], states[f"{side}_travel_rate"])
+        if isinstance(connection, (BumpStop, SeriesDamper, FrictionSlider)):
+            stretch = component(stretch, DIRECTIONS.index(connection.direction))
+        total += wrenches_of(stretch, law, ends, carriers.turning, step)
+    return total
+
+
+def component(stretch: Stretch, which: int) -> Stretch:
+    """One component of a stretch."""
+    return lambda upper, lower: stretch(upper, lower)[[which]]
+
+
+def beside_a_damper(stiffness: np.ndarray, damping: np.ndarray, preload: float) -> Law:
+    """Springs and dampers side by side, and a constant force that holds the upper body up."""
+    held = np.zeros_like(stiffness)
+    held[-1] = preload
+    return Law(lambda way: float(stiffness @ way**2) / 2 - float(held @ way), lambda rate: damping * rate)
+
+
+def behind_a_spring(stiffness: float, damping: float, travel: float, travel_rate: float) -> Law:
+    """A spring, with a damper beside it, whose other end has gone a way [m] and moves on [m/s] by itself."""
+    return Law(
+        lambda way: stiffness * float((way[0] - travel) ** 2) / 2,
+        lambda rate: damping * (rate - travel_rate),
+    )
+
+
+def stop(connection: BumpStop) -> Law:
+    """Straight lines over the travel."""
+    return Law(lambda way: stop_energy(connection.travel, connection.force, float(way[0])))
+
+
+def stop_energy(travel: tuple[float, ...], force: tuple[float, ...], way: float) -> float:
+    """Work of straight lines through (travel, force), the same both ways, the last one going on [J]."""
+    x, f = np.array([0.0, *travel]), np.array([0.0, *force])
+    slope, reached = (f[-1] - f[-2]) / (x[-1] - x[-2]), abs(way)
+    before = x < reached
+    there = f[-1] + slope * (reached - x[-1]) if reached > x[-1] else np.interp(reached, x, f)
+    x, f = np.append(x[before], reached), np.append(f[before], there)
+    return float(np.sum(np.diff(x) * (f[:-1] + f[1:])) / 2)

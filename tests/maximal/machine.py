@@ -1,0 +1,99 @@
+"""The fast model at level 3, contact depth 2, compiled, beside the oracle of the same vehicle."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from fmu_src.kernel import Kernel, Library
+from fmu_src.system import model_of
+from rbd_model import variables
+from rbd_model.contact.depth import Contact
+from rbd_model.spatial import spatial_vehicle
+from rbd_model.track import irregular_track, section_5_3
+from rbd_model.vehicle import Vehicle
+from tests.maximal.correspondence import file_of, touching_rise
+from tests.maximal.motion import Moving
+from tests.maximal.oracle import Oracle
+from tests.maximal.rails import STRAIGHT, Course, Curve, RailData, Rails, prisms
+from tests.maximal.states import Snapshot
+from tests.maximal.touch import touches
+from tests.quick_library import quick_library
+
+SIDES = {1: "left", -1: "right"}
+#: Rounds in which the height is found at which a wheel touches its rail.
+ROUNDS = 3
+ENERGIES = ("kinetic_energy", "potential_energy")
+POWERS = ("brake_power", "creep_power", "damping_power")
+
+
+@dataclass(frozen=True)
+class Answer:
+    """Slopes of the states by name; of each wheel its rail's force to the left and up, and what an axle has together:
+    creep force along the track and lateral force on its flanges (side 0) [N].
+    """
+
+    slope: dict[str, float]
+    forces: dict[tuple[int, int], np.ndarray]
+
+
+class Machine:
+    """A vehicle on straight track or on a line; equal wheels on equal rails."""
+
+    def __init__(self, vehicle: Vehicle, on_line: bool) -> None:
+        self.vehicle, self.on_line = vehicle, on_line
+        system = spatial_vehicle(vehicle, irregular_track(section_5_3()), Contact(2), on_line)
+        system = system.with_outputs([*ENERGIES, *POWERS])
+        self.names = list(system.states)
+        self.library: Library = quick_library(model_of(system, 1e-7, variables.line_file() if on_line else None))
+        side = vehicle.wheelsets[0].pair.left
+        self.half_distance, self.curve = side.rail_half_distance, Curve(side.rail)
+
+    def kernel(self, scene: Mapping[str, float], course: Course, folder: Path) -> Kernel:
+        """An instance on the course, which is written to the folder."""
+        line = {"line_file": file_of(course, folder / "line.csv")} if self.on_line else {}
+        kernel = Kernel(self.library, **scene, **line)
+        kernel.initialise()
+        return kernel
+
+    def answer(self, snapshot: Snapshot, folder: Path) -> Answer:
+        """What the fast model makes of a state."""
+        rows = {"friction": snapshot.scene.friction, "brake_torque": snapshot.scene.brake}
+        rows["traction_torque"] = snapshot.scene.traction
+        given = {f"{name}_{n}": value for name, row in rows.items() for n, value in enumerate(row, 1)}
+        kernel = self.kernel(given, snapshot.course, folder)
+        place = [snapshot.value[name] for name in self.names]
+        kernel.arrive(0.0, place)
+        forces = {}
+        for number, _ in self.vehicle.numbered:
+            for side, word in SIDES.items():
+                aside, up = (kernel[f"{name}_{number}_{word}"] for name in ("lateral_force", "wheel_load"))
+                forces[number, side] = np.array([-side * aside, up])
+            forces[number, 0] = np.array([kernel[f"creep_force_{number}"], kernel[f"flange_force_{number}"]])
+        return Answer(dict(zip(self.names, kernel.slopes_at(0.0, place), strict=True)), forces)
+
+    def oracle(
+        self, course: Course, base: float, rails: Callable[[Course, RailData], Rails] = prisms, **changes: object
+    ) -> Oracle:
+        """The oracle on the course; base [m]: how high level rails lie; rails: `prisms` or `swept`."""
+        both = [self.rails(side, base, course, rails) for side in SIDES]
+        return Oracle(self.vehicle, (both[0], both[1]), course, **changes)  # type: ignore[arg-type]
+
+    def rails(self, side: int, base: float, course: Course, kind: Callable[[Course, RailData], Rails]) -> Rails:
+        """One of both rails."""
+        return kind(course, RailData(side, (self.half_distance, base), self.curve))
+
+    def base(self, folder: Path) -> float:
+        """How high level rails lie in the model's axes of the track [m]: there a centred wheelset begins to touch them."""
+        still = {"initial_speed": 0.0, "left_rail_friction": 0.0, "right_rail_friction": 0.0}
+        rise = touching_rise(self.kernel(still, STRAIGHT, folder), self.names)
+        radius = self.vehicle.number(self.vehicle.wheelsets[0].mean_radius)
+        oracle, height = self.oracle(STRAIGHT, 0.0), radius
+        for _ in range(ROUNDS):
+            body = Moving(np.array([0.0, 0.0, height]), np.eye(3), np.zeros(3), np.zeros(3))
+            found = touches(body, oracle.wheel_of(1, 0), oracle.rails[0], oracle.grid)
+            height += max(one.approach for one in found)
+        return radius + rise - height

@@ -1,0 +1,99 @@
+"""Creep forces of one patch in plain numbers: Polach (1999) on treads, Shen, Hedrick and Elkins (1983) on flanges."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+#: Kalker (1990), Three-Dimensional Elastic Bodies in Rolling Contact, table E.3, Poisson's ratio 0.25:
+#: a/b, c11, c22, c23.
+TABLE_E3 = (
+    (0.1, 3.31, 2.52, 0.473),
+    (0.2, 3.37, 2.63, 0.603),
+    (0.3, 3.44, 2.75, 0.715),
+    (0.4, 3.53, 2.88, 0.823),
+    (0.5, 3.62, 3.01, 0.929),
+    (0.6, 3.72, 3.14, 1.03),
+    (0.7, 3.81, 3.28, 1.14),
+    (0.8, 3.91, 3.41, 1.25),
+    (0.9, 4.01, 3.54, 1.36),
+    (1.0, 4.12, 3.67, 1.47),
+    (1 / 0.9, 4.22, 3.81, 1.59),
+    (1 / 0.8, 4.36, 3.99, 1.75),
+    (1 / 0.7, 4.54, 4.21, 1.95),
+    (1 / 0.6, 4.78, 4.50, 2.23),
+    (1 / 0.5, 5.10, 4.90, 2.62),
+    (1 / 0.4, 5.57, 5.48, 3.24),
+    (1 / 0.3, 6.34, 6.40, 4.32),
+    (1 / 0.2, 7.78, 8.14, 6.63),
+    (1 / 0.1, 11.7, 12.8, 14.6),
+)
+#: The law that ships draws its coefficients through the table as ln(c) by a polynomial of ln(a/b): its degree, and how
+#: far it is used.
+DEGREE, FAR = 5, 2.35
+
+
+@lru_cache
+def _fits() -> tuple[np.ndarray, ...]:
+    ratio, *columns = np.log(np.array(TABLE_E3)).T
+    return tuple(np.polyfit(ratio, column, DEGREE) for column in columns)
+
+
+def kalker(axis_ratio: float) -> tuple[float, float, float]:
+    """c11, c22 and c23 of an ellipse a/b; a little beyond the table, 10.5, they stay."""
+    logarithm = min(max(math.log(axis_ratio), -FAR), FAR)
+    c11, c22, c23 = (math.exp(np.polyval(fit, logarithm)) for fit in _fits())
+    return c11, c22, c23
+
+
+@dataclass(frozen=True)
+class Rolling:
+    """A patch that rolls: creepages along, sideways [1] and spin [1/m], load [N], friction, semi-axes [m], G [Pa]."""
+
+    creepages: tuple[float, float, float]
+    load: float
+    friction: float
+    semi_axes: tuple[float, float]
+    shear_modulus: float
+
+
+def polach(patch: Rolling) -> tuple[float, float]:
+    """Forces on the wheel along and sideways [N] with spin: O. Polach (1999), as chapter 3 prints it, (3.92)-(3.105).
+
+    The force of spin has the sign of right-handed axes and is divided by the creepage that holds the spin.
+    """
+    (x, y, spin), (a, b) = patch.creepages, patch.semi_axes
+    c11, c22, c23 = kalker(a / b)
+    limit = patch.friction * patch.load
+    corrected = y + spin * a if abs(y + spin * a) > abs(y) else y
+    total = math.hypot(x, corrected)
+    if total == 0.0:
+        return 0.0, 0.0
+    plain = math.hypot(x, y)
+    mean = math.hypot(c11 * x, c22 * y) / plain if plain > 0.0 else c22
+    gradient = math.pi / 4 * patch.shear_modulus * a * b * mean * total / limit
+    force = -2 * limit / math.pi * (gradient / (1 + gradient**2) + math.atan(gradient))
+
+    # The force of spin alone.
+    shape = 1 + 6.3 * (1 - math.exp(-a / b))
+    e = 8 / 3 * patch.shear_modulus * b * math.sqrt(a * b) / limit * c23 * abs(corrected) / shape
+    d = (e**2 - 1) / (e**2 + 1)
+    part = e * (d**3 / 3 - d**2 / 2 + 1 / 6) - math.sqrt((1 - d**2) ** 3) / 3
+    from_spin = 9 / 16 * a * limit * part * shape * spin / total
+    return force * x / total, force * y / total + from_spin
+
+
+def shen_hedrick_elkins(patch: Rolling) -> tuple[float, float]:
+    """Forces on the wheel [N]: Kalker's linear ones, shortened together by the cubic of Vermeulen and Johnson."""
+    (x, y, spin), (a, b) = patch.creepages, patch.semi_axes
+    c11, c22, c23 = kalker(a / b)
+    linear = -patch.shear_modulus * a * b * np.array([c11 * x, c22 * y + math.sqrt(a * b) * c23 * spin])
+    limit = patch.friction * patch.load
+    size = float(np.linalg.norm(linear)) / limit
+    if size == 0.0:
+        return 0.0, 0.0
+    share = 1 - size / 3 + size**2 / 27 if size < 3.0 else 1 / size
+    return float(share * linear[0]), float(share * linear[1])
