@@ -85,7 +85,7 @@ def bodies_of(vehicle: Vehicle, course: Course, value: Mapping[str, float]) -> d
 
 @dataclass(frozen=True)
 class Rate:
-    """Of a body by the model's slopes: by how much its place and axes change otherwise than by velocity and rate, and its
+    """Of a body by the slopes: by how much its place and axes change otherwise than by velocity and rate, and its
     accelerations, shape (6,) each.
     """
 

@@ -87,7 +87,7 @@ class Machine:
         return kind(course, RailData(side, (self.half_distance, base), self.curve))
 
     def base(self, folder: Path) -> float:
-        """How high level rails lie in the model's axes of the track [m]: there a centred wheelset begins to touch them."""
+        """How high level rails lie in the axes of the track [m]: there a centred wheelset begins to touch them."""
         still = {"initial_speed": 0.0, "left_rail_friction": 0.0, "right_rail_friction": 0.0}
         rise = touching_rise(self.kernel(still, STRAIGHT, folder), self.names)
         radius = self.vehicle.number(self.vehicle.wheelsets[0].mean_radius)
