@@ -21,7 +21,7 @@ from rbd_model.vehicle import (
 )
 from tests.maximal.motion import Moving, roll_pitch_yaw
 
-#: Step of central differences [m], [rad]: their error is of second order, 1e-9 of the forces.
+#: Step of central differences [m], [rad]: their error is of second order, 2e-9 of the largest force.
 STEP = 1e-5
 
 
@@ -46,12 +46,8 @@ class Carried:
     directions: np.ndarray
 
 
-@dataclass(frozen=True)
-class Carriers:
-    """What carries points and directions, as both bodies move, and how fast the directions turn beside that [rad/s]."""
-
-    at: Callable[[Moving, Moving], Carried]
-    turning: np.ndarray
+#: What carries points and directions of two ends, as upper and lower body move.
+Carriers = Callable[[Moving, Moving], Carried]
 
 
 def box(axle: np.ndarray, up: np.ndarray) -> np.ndarray:
@@ -72,7 +68,7 @@ def on_bodies(ends: Ends) -> Carriers:
         below = box(lower.axes[:, 1], upper.axes[:, 2]) if ends[1].rolls else lower.axes
         return Carried(above, below, below)
 
-    return Carriers(at, np.zeros(3))
+    return at
 
 
 #: Of upper and lower body: what is stretched, shape (n,).
@@ -84,7 +80,7 @@ def between(place: np.ndarray, ends: Ends, carriers: Carriers) -> Stretch:
     arms = [place - end.centre for end in ends]
 
     def stretch(upper: Moving, lower: Moving) -> np.ndarray:
-        by = carriers.at(upper, lower)
+        by = carriers(upper, lower)
         way = upper.position + by.above @ arms[0] - lower.position - by.below @ arms[1]
         return np.asarray(by.directions.T @ way)
 
@@ -95,7 +91,7 @@ def angle_between(angle: int, carriers: Carriers) -> Stretch:
     """Roll (0), pitch or yaw of the upper end against the lower one [rad]."""
 
     def stretch(upper: Moving, lower: Moving) -> np.ndarray:
-        by = carriers.at(upper, lower)
+        by = carriers(upper, lower)
         return roll_pitch_yaw(by.below.T @ by.above)[[angle]]
 
     return stretch
@@ -122,15 +118,14 @@ class Law:
     beside: Callable[[np.ndarray], np.ndarray] = np.zeros_like
 
 
-def wrenches_of(stretch: Stretch, law: Law, ends: Ends, turning: np.ndarray, step: float) -> np.ndarray:
+def wrenches_of(stretch: Stretch, law: Law, ends: Ends, step: float) -> np.ndarray:
     """Force and moment about the centre of upper and lower body, inertial, shape (12,).
 
     Less the slope of the potential, and less what the rest takes by virtual power.
     """
     bodies = ends[0].body, ends[1].body
     by_place = differenced(stretch, bodies, step)
-    carried_along = [np.concatenate([np.cross(turning, body.position), turning]) for body in bodies]
-    rate = by_place @ np.concatenate([body.twist - along for body, along in zip(bodies, carried_along, strict=True)])
+    rate = by_place @ np.concatenate([body.twist for body in bodies])
     elastic = differenced(lambda *moved: np.array([law.potential(stretch(*moved))]), bodies, step)[0]
     return -elastic - by_place.T @ law.beside(rate)
 
@@ -155,7 +150,7 @@ def wrenches(
     if isinstance(connection, Torsion):
         law = beside_a_damper(number(connection.stiffness), number(connection.damping), preload=0.0)
         stretch = angle_between(ANGLES.index(connection.angle), carriers)
-        return wrenches_of(stretch, law, ends, carriers.turning, step)
+        return wrenches_of(stretch, law, ends, step)
     total = np.zeros(12)
     for side, place in connection.sides():
         stretch = between(number(*place), ends, carriers)
@@ -170,7 +165,7 @@ def wrenches(
             law = behind_a_spring(*sizes.tolist(), states[f"{side}_travel"], states[f"{side}_travel_rate"])
         if isinstance(connection, (BumpStop, SeriesDamper, FrictionSlider)):
             stretch = component(stretch, DIRECTIONS.index(connection.direction))
-        total += wrenches_of(stretch, law, ends, carriers.turning, step)
+        total += wrenches_of(stretch, law, ends, step)
     return total
 
 

@@ -25,17 +25,18 @@ GRID, STEP = 0.05e-3, 1e-5
 
 @dataclass(frozen=True)
 class WheelForces:
-    """What the rail does to one wheel: forces along, to the left and up in the axes of the track, creep along [N]."""
+    """What the rail does to one wheel [N]: force ahead, to the left and up in the axes of the track; creep force along
+    the rail; what the flange has of the force to the left.
+    """
 
     force: np.ndarray
     creep_along: float
     flange: float
-    approach: tuple[float, ...]
 
 
 @dataclass(frozen=True)
 class Scene:
-    """What acts from outside: friction and brake and traction torque [N.m] of each wheelset, which way it turns."""
+    """Of each wheelset, which turns ahead: friction of its rails, brake and traction torque [N.m]."""
 
     friction: list[float]
     brake: list[float]
@@ -120,13 +121,12 @@ class Oracle:
         """What the rail does to the left (0) or right wheel of a wheelset: wrench about its centre (6,), and forces."""
         found = touches(body, self.wheel_of(number, index), self.rails[index], self.grid)
         track = self.track(body)
-        wrench, force, creep, flange, approaches = np.zeros(6), np.zeros(3), 0.0, 0.0, []
+        wrench, force, creep, flange = np.zeros(6), np.zeros(3), 0.0, 0.0
         for on_flange in (False, True):
             part = [one for one in found if (one.slope > FLANGE_SLOPE) == on_flange]
             if not part:
                 continue
             deepest = max(part, key=lambda one: one.approach)
-            approaches.append(deepest.approach)
             if deepest.approach <= 0.0:
                 continue
             pushed, creeping = self.press(index, body, deepest, friction, on_flange)
@@ -134,7 +134,7 @@ class Oracle:
             force += track.T @ pushed[:3]
             creep += creeping
             flange += on_flange * float(track[:, 1] @ pushed[:3])
-        return wrench, WheelForces(force, creep, flange, tuple(approaches))
+        return wrench, WheelForces(force, creep, flange)
 
     def wheel_of(self, number: int, index: int) -> Wheel:
         """The left (0) or right wheel of a wheelset."""

@@ -132,7 +132,7 @@ def parts(vehicle: Vehicle) -> dict[str, tuple[float, np.ndarray]]:
 def pushed(body: Moving, mass: float, inertia: np.ndarray, acceleration: np.ndarray, gravity: float) -> np.ndarray:
     """Force and moment about the origin, beside the weight, that accelerate a body so: Newton, Euler; shape (6,)."""
     tensor = body.axes @ np.diag(inertia) @ body.axes.T
-    force = mass * ([*acceleration[:3], 0.0, 0.0, gravity])
+    force = mass * (acceleration[:3] + np.array([0.0, 0.0, gravity]))
     turned = tensor @ acceleration[3:] + np.cross(body.rate, tensor @ body.rate)
     return np.concatenate([force, np.cross(body.position, force) + turned])
 
