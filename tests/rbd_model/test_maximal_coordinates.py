@@ -41,8 +41,8 @@ PLACE_BAND = 4e-4
 #: Without them: polynomials for Hertz, 2e-4 on treads. Flange ellipses are 17 times as long as broad, and count as
 #: 10.5; measured 1.2e-2.
 EXACT_TREAD_BAND, EXACT_BAND = 3e-4, 2e-2
-#: On rails that are swept along the line; measured 4.5e-3, with a lateral creepage of 3e-4 on a flange: on a ramp a wheel
-#: slides up or down its rail by the slope, which a prism does not have.
+#: On rails that are swept along the line; measured 7.8e-3. On a ramp a wheel slides up or down its rail by the slope,
+#: which a prism does not have: a lateral creepage of 3e-4 on a flange makes 4.5e-3.
 SWEPT_BAND = 1e-2
 #: Steps of displacements by which connections are differenced [m], [rad]; what that errs by, of the largest force.
 STEPS, STEP_BAND = (4e-3, 2e-3, 1e-3), 1e-8
