@@ -8,9 +8,6 @@ import numpy as np
 
 from rbd_model.thesis.euler import cross, g_bar, rotation_matrix
 
-#: The inertial axes of section 3.2.1, which do not change.
-INERTIAL = np.eye(3), np.zeros((3, 3))
-
 
 @dataclass(frozen=True)
 class Motion:
@@ -92,19 +89,46 @@ def axle_box(
     frame: Motion,
     place_in_frame: np.ndarray,
     law: tuple[np.ndarray, np.ndarray, float],
-    directions: tuple[np.ndarray, np.ndarray] = INERTIAL,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Generalised forces on wheelset and frame of one suspension element of Tables 4.1 and 5.1, by (3.33), (3.34).
 
-    law: stiffness (3,) [N/m] and damping (3,) [N.s/m] along the directions, and the static load [N] it carries.
-    directions: columns (3, 3), and how they change [1/s]: the inertial axes or, on a line, those of the track.
+    law: stiffness (3,) [N/m] and damping (3,) [N.s/m] along the axes of the box, and the static load [N] it carries.
+    The box has its y axis along the axle and its x axis square to the frame's z axis too; place: in its axes.
     Differs from the thesis, which draws three elements (3.37) at right angles and prints no length of them: this is
-    what they become when they are long.
+    what they become when they are long and turn with the box.
     """
-    (stiffness, damping, load), (axes, change) = law, directions
-    stretch = frame.point(place_in_frame) - wheelset.point(place)
-    rate = frame.velocity_of(place_in_frame) - wheelset.velocity_of(place)
-    components = stiffness * (stretch @ axes) + damping * (rate @ axes + stretch @ change)
+    stiffness, damping, load = law
+    axle, upright = wheelset.axes[:, 1], frame.axes[:, 2]
+    ahead = cross(axle, upright)
+    ahead = ahead / np.sqrt(ahead @ ahead)
+    axes = np.column_stack([ahead, axle, cross(ahead, axle)])
+    held = cross(ahead, upright)  # about it the box turns as the frame does, so that x stays square to z
+    rate_of_wheelset, rate_of_frame = wheelset.axes @ wheelset.omega, frame.axes @ frame.omega
+    spin = rate_of_wheelset + axle * ((rate_of_frame - rate_of_wheelset) @ held) / (axle @ held)
+    reach = frame.point(place_in_frame) - wheelset.position
+    rate = frame.velocity_of(place_in_frame) - wheelset.velocity - cross(spin, reach)
+    components = stiffness * (axes.T @ reach - place) + damping * (axes.T @ rate)
     components[2] -= load
     pull = axes @ components
-    return of_force(wheelset, pull, place), of_force(frame, -pull, place_in_frame)
+    turning = cross(reach, pull)
+    passed = held * (turning @ axle) / (held @ axle)  # the wheelset turns freely
+    on_wheelset = of_force(wheelset, pull, np.zeros(3)) + of_moment(wheelset, turning - passed)
+    return on_wheelset, of_force(frame, -pull, place_in_frame) + of_moment(frame, passed)
+
+
+def between_frames(
+    lower: Motion,
+    place: np.ndarray,
+    upper: Motion,
+    place_in_upper: np.ndarray,
+    law: tuple[np.ndarray, np.ndarray, float],
+) -> tuple[np.ndarray, np.ndarray]:
+    """The same between two bodies above wheelsets, along the axes of the lower one."""
+    stiffness, damping, load = law
+    reach = upper.point(place_in_upper) - lower.position
+    rate = upper.velocity_of(place_in_upper) - lower.velocity - lower.axes @ cross(lower.omega, lower.axes.T @ reach)
+    components = stiffness * (lower.axes.T @ reach - place) + damping * (lower.axes.T @ rate)
+    components[2] -= load
+    pull = lower.axes @ components
+    on_lower = of_force(lower, pull, np.zeros(3)) + of_moment(lower, cross(reach, pull))
+    return on_lower, of_force(upper, -pull, place_in_upper)

@@ -15,7 +15,7 @@ from rbd_model.parameters import AS_PRINTED, BogieParameters, VehicleParameters
 from rbd_model.thesis.constraints import EQUATIONS, quadratic_terms, residual, sub_jacobian
 from rbd_model.thesis.creep import EllipseLaw, flange_force, hertz_ellipse, polach
 from rbd_model.thesis.euler import cross, mass_matrix, norm_error, quadratic_velocity
-from rbd_model.thesis.forces import Motion, axle_box, of_body_moment, of_force
+from rbd_model.thesis.forces import Motion, axle_box, between_frames, of_body_moment, of_force
 from rbd_model.thesis.layout import bogie_layout, inertia, vehicle_layout
 from rbd_model.thesis.rails import STRAIGHT, Distance, Rails, Section
 from rbd_model.thesis.surfaces import ORDERS, RailSurface, Surface, wheel_surface
@@ -307,13 +307,10 @@ class Mechanism:
             lower = below if element.on_wheelset else self.layout.upper[element.lower].centre
             above = self.frame + element.upper
             upper = self.layout.upper[element.upper].centre
-            # On a line an element stands in the frame of the bogie, whose axes of the track it acts along.
-            seat = motions[above if element.on_wheelset else number]
-            at, section = self.there(seat)
-            pull, reaction = axle_box(
+            act = axle_box if element.on_wheelset else between_frames
+            pull, reaction = act(
                 *(motions[number], element.place - lower, motions[above], element.place - upper),
                 (element.stiffness, element.damping, element.load),
-                (section.axes[0], section.axes[1] * float(at.slope @ seat.velocity)),
             )
             q[self.body(number)] += pull
             q[self.body(above)] += reaction
