@@ -20,7 +20,7 @@ import numpy as np
 
 from fmu_src.system import Friction
 from rbd_model.assembly import Assembly
-from rbd_model.kinematics import angle_of, axis_of
+from rbd_model.kinematics import axis_of
 from rbd_model.relation import Relation, Stretch
 from rbd_model.vehicle import (
     ANGLES,
@@ -142,7 +142,7 @@ def torsion(assembly: Assembly, connection: Torsion, relation: Relation) -> Effe
     torque is about the vector with which its spin makes the rate of that angle, so that it does the work of the spring.
     """
     angle = ANGLES.index(connection.angle)
-    way, axis = angle_of(relation.axes, angle), axis_of(relation.axes, angle)
+    way, axis = relation.angle(angle), axis_of(relation.axes, angle)
     rate = -ca.dot(relation.axes.T @ axis, relation.spin)
     stiffness, damping = assembly.value(connection.stiffness), assembly.value(connection.damping)
     moment = (stiffness * way + damping * rate) * axis

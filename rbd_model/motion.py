@@ -15,7 +15,7 @@ from rbd_model.connections import NO_LOAD, Effect, Load, along, connect, sum_of
 from rbd_model.kinematics import Body
 from rbd_model.relation import Box, End, Relation, narrow
 from rbd_model.resistance import Resistance
-from rbd_model.track_frame import Pose, relative
+from rbd_model.track_frame import HERE, Pose, relative
 from rbd_model.vehicle import ANGLES, RigidBody, Wheelset, wheelset_name
 from rbd_model.wheelset import Rolling, add_wheelset_outputs
 
@@ -63,8 +63,8 @@ class Loads:
         if (seat, wheelset) not in self.boxes:
             body, wheels = self.ends[seat].body, self.seen(seat, wheelset)
             rate = wheels.axes[:, 0] * wheels.own_rate[0] + wheels.axes[:, 2] * wheels.own_rate[2]
-            axle, against = body.axes.T @ wheels.axes[:, 1], body.axes.T @ rate - body.own_rate
-            self.boxes[seat, wheelset] = Box.of(*narrow(self.system, axle, against))
+            (axle,) = narrow(self.system, body.axes.T @ wheels.axes[:, 1])
+            self.boxes[seat, wheelset] = Box.of(self.system, axle, body.axes.T @ rate - body.own_rate)
         return self.boxes[seat, wheelset]
 
     def axle(self, wheelset: Rolling) -> ca.SX:
@@ -77,15 +77,18 @@ class Loads:
             return self.relation_of_box(upper, lower)
         centres = self.ends[upper].centre, self.ends[lower].centre
         body, beside = self.ends[upper].body, self.seen(upper, lower)
-        apart = body.axes.T @ (body.place - beside.position)
-        velocity = body.axes.T @ (body.velocity - beside.velocity) - ca.cross(body.own_rate, apart)
+        way, moving = narrow(self.system, body.place - beside.position, body.velocity - beside.velocity)
+        apart = body.axes.T @ way
+        velocity = body.axes.T @ moving - ca.cross(body.own_rate, apart)
         if self.ends[lower].boxed:
             box = self.box(upper, lower)
             return Relation(box.axes, apart, velocity, box.spin, centres)
         axes = beside.axes.T @ body.axes
         spin = axes.T @ beside.own_rate - body.own_rate
         axes, spin = narrow(self.system, axes, spin)
-        return Relation(axes, apart, velocity, spin, centres)
+        (roll, pitch, yaw) = ca.vertsplit(body.angles - beside.angles)
+        in_plane = self.pose(upper, lower) is HERE and roll.is_zero() and yaw.is_zero()
+        return Relation(axes, apart, velocity, spin, centres, pitch if in_plane else None)
 
     def relation_of_box(self, upper: str, lower: str) -> Relation:
         """The same of axle boxes that are the upper end."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from fmu_src.system import System
 from rbd_model.assembly import Assembly
-from rbd_model.kinematics import Body
+from rbd_model.kinematics import Body, angle_of
 from rbd_model.vehicle import Place
 
 
@@ -38,15 +38,15 @@ class Box:
     spin: ca.SX
 
     @classmethod
-    def of(cls, axle: ca.SX, rate: ca.SX) -> Box:
+    def of(cls, system: System, axle: ca.SX, rate: ca.SX) -> Box:
         """rate [rad/s]: of the wheelset against the body, of which what is about the axle does not count.
 
         The box turns about its own x and the body's z axis alone.
         """
         ahead = ca.vertcat(axle[1], -axle[0], 0) / ca.sqrt(1 - axle[2] ** 2)
         upright = ca.cross(ahead, axle)
-        spin = ca.dot(ahead, rate) * ahead + ca.vertcat(0, 0, ca.dot(upright, rate) / upright[2])
-        return cls(axle, ca.vertcat(ahead.T, axle.T, upright.T), spin)
+        rolling, yawing = narrow(system, ca.dot(ahead, rate), ca.dot(upright, rate) / upright[2])
+        return cls(axle, ca.vertcat(ahead.T, axle.T, upright.T), rolling * ahead + ca.vertcat(0, 0, yawing))
 
     def passed_on(self, moment: ca.SX) -> ca.SX:
         """What the body takes of a moment on the boxes [N.m], both in the box's axes: the wheelset turns freely.
@@ -62,7 +62,7 @@ class Relation:
 
     axes: the lower's, its rows; apart [m]: of the upper centre from the lower one; velocity [m/s]: how that changes as
     seen from the upper end; spin [rad/s]: of the lower's axes; centres [m]: of the (upper, lower) end in the vehicle at
-    rest. found: stretches by their place.
+    rest; pitch [rad]: of the upper end against the lower one where both do nothing but pitch. found: stretches by place.
     """
 
     axes: ca.SX
@@ -70,7 +70,12 @@ class Relation:
     velocity: ca.SX
     spin: ca.SX
     centres: tuple[ca.SX, ca.SX]
+    pitch: ca.SX | None = None
     found: dict[Place, Stretch] = field(default_factory=dict)
+
+    def angle(self, angle: int) -> ca.SX:
+        """Roll, pitch or yaw, 0 to 2, by which the upper end is turned against the lower one's axes [rad]."""
+        return self.pitch if angle == 1 and self.pitch is not None else angle_of(self.axes, angle)
 
     def stretch(self, assembly: Assembly, place: Place) -> Stretch:
         """Between the points of both ends that are at one place of the vehicle at rest, eqs (3.1), (3.12)."""
