@@ -179,7 +179,16 @@ def place_on_patches(assembly: Assembly, number: int, section: Callable[[int, ca
     wheelset = PatchedWheelset(number, data, body, *on_rails, pressed, nearest, acceleration, turning, give)
     if assembly.on_line:
         press_rails(assembly, number, give, wheelset.thrusts[0] - wheelset.thrusts[1], wheelset.loads)
+    observe_patches(assembly, wheelset)
     return wheelset
+
+
+def observe_patches(assembly: Assembly, wheelset: PatchedWheelset) -> None:
+    """Force of the rail on each patch of each wheel [N], in the axes of the track where the wheelset is, (3.35)."""
+    for side, wheel in zip(SIDES.values(), wheelset.pressed, strict=True):
+        for place, patch in enumerate(wheel):
+            for row, force in zip(("ahead", "aside", "above"), ca.vertsplit(patch.force), strict=True):
+                assembly.system.observe(f"force_{place}_{wheelset.number}_{side}_{row}", "N", force)
 
 
 WheelPressed = tuple[list[Press], list[Nearest]]

@@ -23,12 +23,11 @@ from rbd_model.vehicle import (
     Springs,
     Torsion,
     Vehicle,
-    wheelset_name,
 )
 from rbd_model.vehicles import two_axle_bogie
+from tests.balance import parts, pushed
 from tests.maximal.correspondence import bodies_of, rates_of
 from tests.maximal.machine import ENERGIES, POWERS, Machine
-from tests.maximal.motion import Moving
 from tests.maximal.oracle import Scene
 from tests.maximal.rails import STRAIGHT
 from tests.maximal.states import random_course
@@ -119,22 +118,6 @@ class Flying:
         slope = self.slope
         self.arrive({name: start + time * slope[name] for name, start in self.value.items()})
         return sum(self.kernel[name] for name in ENERGIES)
-
-
-def parts(vehicle: Vehicle) -> dict[str, tuple[float, np.ndarray]]:
-    """Mass [kg] and moments of inertia of bodies and wheelsets by name."""
-    every = {body.name: body for body in vehicle.bodies}
-    every |= {wheelset_name(number): data for number, data in vehicle.numbered}  # type: ignore[dict-item]
-    number = vehicle.number
-    return {name: (number(one.mass), np.array([number(size) for size in one.inertia])) for name, one in every.items()}
-
-
-def pushed(body: Moving, mass: float, inertia: np.ndarray, acceleration: np.ndarray, gravity: float) -> np.ndarray:
-    """Force and moment about the origin, beside the weight, that accelerate a body so: Newton, Euler; shape (6,)."""
-    tensor = body.axes @ np.diag(inertia) @ body.axes.T
-    force = mass * (acceleration[:3] + np.array([0.0, 0.0, gravity]))
-    turned = tensor @ acceleration[3:] + np.cross(body.rate, tensor @ body.rate)
-    return np.concatenate([force, np.cross(body.position, force) + turned])
 
 
 @pytest.mark.parametrize("on_line", TRACKS)

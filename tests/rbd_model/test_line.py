@@ -17,7 +17,6 @@ from rbd_model.contact.creep.kalker import kalker_coefficients
 from rbd_model.contact.creep.kalker_linear import kalker_linear
 from rbd_model.contact.depth import Contact
 from rbd_model.contact.geometry import (
-    contact_at,
     equivalent_conicity,
     flange_of,
     rolling_radius_difference,
@@ -398,55 +397,6 @@ def steering(radius: float, stiffness: float) -> np.ndarray:
     matrix[5, :4] = base * across, -base * across, yawing, yawing
     matrix[5, 5] = -2 * base**2 * across - 2 * yawing
     return np.linalg.solve(matrix, right)
-
-
-@pytest.mark.parametrize("depth", ["rigid", "patched"])
-@pytest.mark.parametrize("factor", [0.1, 1.0, 10.0])
-def test_rails_carry_what_statics_say(depth, factor, written, request) -> None:  # type: ignore[no-untyped-def]
-    """Moments about the track's centre: cant deficiency at the centre of mass, bodies beside it, and the gyroscopes.
-
-    Whatever the springs are that let the bodies go aside; factor: on their lateral stiffness.
-    """
-    radius, cant, speed = 2000.0, 0.15, 10.0
-    p = two_axle_bogie().parameters
-    library = request.getfixturevalue(depth)
-    kernel = Kernel(library, line_file=written(line_of([arc(1000, radius, cant)])), initial_speed=speed)
-    kernel.set(constant_speed=1.0, tolerance=1e-9)
-    kernel.set(lateral_stiffness=factor * two_axle_bogie().parameters.lateral_stiffness)
-    kernel.advance(60.0)
-    moved, tipping, whole = moments_about_centre(kernel, radius, cant, speed)
-    turning = speed / radius * math.cos(math.asin(cant / GAUGE))
-    spinning = 2 * p.wheelset_pitch_inertia * speed / p.wheel_radius * turning
-    assert abs(tipping) > 0.1 * whole
-    assert moved == pytest.approx(tipping + spinning, abs=LOAD_BAND * whole)
-
-
-def moments_about_centre(kernel: Kernel, radius: float, cant: float, speed: float) -> tuple[float, float, float]:
-    """Of the rails' loads, of weight and centrifugal force on bodies where they are, and what one rail could carry, all
-    about the track's centre [N.m].
-    """
-    p, angle, spacing = two_axle_bogie().parameters, math.asin(cant / GAUGE), thesis_pair().rail_half_distance
-    deficiency = speed**2 / radius * math.cos(angle) - GRAVITY * math.sin(angle)
-    weight = GRAVITY * math.cos(angle) + speed**2 / radius * math.sin(angle)
-    bodies = [(p.frame_mass, kernel["frame_lateral"], p.wheel_radius + p.frame_height)]
-    bodies += [(p.wheelset_mass, kernel[f"lateral_{number}"], p.wheel_radius) for number in (1, 2)]
-    tipping = sum(mass * (deficiency * height - weight * aside) for mass, aside, height in bodies)
-    loads = {n: [kernel[f"wheel_load_{n}_{side}"] for side in ("left", "right")] for n in (1, 2)}
-    moved = sum(-float(np.dot(loads[n], contact_places(kernel[f"lateral_{n}"]))) for n in (1, 2))
-    # Rails that yield lie beside the track's centre.
-    shifts = ((kernel[f"axle_load_{number}"], kernel[f"guiding_force_{number}"]) for number in (1, 2))
-    beside = sum(axle * guiding * softness(kernel, "lateral") for axle, guiding in shifts)
-    whole = (p.frame_mass + 2 * p.wheelset_mass) * weight * spacing
-    assert sum(map(sum, loads.values())) * spacing == pytest.approx(whole, rel=LOAD_BAND)
-    return moved + beside, tipping, whole
-
-
-def contact_places(shift: float) -> np.ndarray:
-    """Where the (left, right) wheel of a wheelset at a shift touches its rail, from the track's centre [m]."""
-    pair = thesis_pair()
-    contact = contact_at(pair, shift)
-    outwards = pair.wheel_half_distance + np.array(contact.position)
-    return shift + np.array([1.0, -1.0]) * outwards + contact.roll * np.array(contact.radius)
 
 
 def softness(kernel: Kernel, direction: str) -> float:
