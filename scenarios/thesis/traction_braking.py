@@ -60,11 +60,13 @@ def load_transfer(p: BogieParameters, deceleration: float, pitch: float) -> floa
     """Load [N] that moves to the leading wheelset so that all moments about the rail balance, whatever reacts inside.
 
     Sprung mass and wheelsets push forward at their heights, the wheels turn more and more slowly, and the sprung mass
-    stands ahead of its wheelsets: by its pitch [rad], and as far as its springs give way along the track.
+    stands ahead of its wheelsets: by its pitch [rad], and as far as its springs give way to its push and, as they pitch
+    with it, to its weight.
     """
     push = p.frame_mass * (p.wheel_radius + p.frame_height) + 2 * p.wheelset_mass * p.wheel_radius
     push += 2 * p.wheelset_pitch_inertia / p.wheel_radius
-    ahead = p.frame_height * pitch + p.frame_mass * deceleration / (4 * p.longitudinal_stiffness)
+    along = p.frame_mass * (deceleration + p.gravity * pitch)
+    ahead = p.frame_height * pitch + along / (4 * p.longitudinal_stiffness)
     return (push * deceleration + p.frame_mass * p.gravity * ahead) / p.wheel_base
 
 

@@ -27,6 +27,8 @@ POINT, PLANAR, SPATIAL = 1, 2, 3
 #: Bands of docs/checking.md: acceleration 0.1 %, energy 1e-6 of what was lost, load transfer 0.5 % beside moments about
 #: the rail.
 ACCELERATION_BAND, ENERGY_BAND, MOMENT_BAND = 1e-3, 1e-6, 5e-3
+#: Load that moves forward, settled, against statics of first order in a pitch of 9 mrad; measured 1.1e-4.
+STATICS_BAND = 2e-4
 
 
 def kernel(library: Library, parameters: BogieParameters, level: int, speed: float, **values: float) -> Kernel:
@@ -110,9 +112,9 @@ def test_load_moves_forward_by_the_moment_of_inertia_force_and_reaction(bogie: L
     table = one.record(3.0, 0.01, ["acceleration", "axle_load_1", "axle_load_2", "pitch"])
     moved = float(np.mean(np.subtract(table["axle_load_1"], table["axle_load_2"]))) / 2
     slowed, pitch = -float(np.mean(table["acceleration"])), float(np.mean(table["pitch"]))
-    ahead = p.frame_height * pitch + p.frame_mass * slowed / (4 * p.longitudinal_stiffness)
+    ahead = p.frame_height * pitch + p.frame_mass * (slowed + p.gravity * pitch) / (4 * p.longitudinal_stiffness)
     moment = p.frame_mass * (slowed * p.frame_height + p.gravity * ahead) + reaction * 40e3
-    assert moved * p.wheel_base == pytest.approx(moment, rel=2e-3)
+    assert moved * p.wheel_base == pytest.approx(moment, rel=STATICS_BAND)
     total = np.add(table["axle_load_1"], table["axle_load_2"])
     assert np.mean(total) == pytest.approx((p.frame_mass + 2 * p.wheelset_mass) * p.gravity, rel=1e-3)
 
@@ -132,7 +134,7 @@ MOTION = ("speed", "pitch")
 def test_brakes_and_motors_in_the_frame_move_the_load_that_the_rails_ask_for(
     bogie: Library, level: int, kind: str, sign: float
 ) -> None:
-    """15 kN.m: 52.8 kN, of which 2.5 kN come with the pitch, 0.6 kN as springs give way.
+    """15 kN.m: 52.9 kN, of which 2.5 kN come with the pitch, 0.7 kN as springs give way.
 
     With torques that react on nothing a third is missing.
     """
@@ -140,12 +142,12 @@ def test_brakes_and_motors_in_the_frame_move_the_load_that_the_rails_ask_for(
     torques = {f"{kind}_torque_{n}": 15e3 for n in (1, 2)}
     found = {}
     for reaction in (p.torque_reaction, 0.0):
-        one = chapter_5(bogie, level, 20.0, **torques, torque_reaction=reaction)
-        one.advance(8.0)
+        one = chapter_5(bogie, level, 25.0, **torques, torque_reaction=reaction)
+        one.advance(16.0)
         moved, slowed, pitch = load_moved(one)
         found[reaction] = moved / load_transfer(p, slowed, pitch)
     assert sign * slowed == pytest.approx(1.1092, rel=ACCELERATION_BAND)
-    assert found[1.0] == pytest.approx(1.0, abs=MOMENT_BAND)
+    assert found[1.0] == pytest.approx(1.0, abs=STATICS_BAND)
     assert found[0.0] < 0.7
 
 
@@ -157,8 +159,8 @@ def test_load_transfer_on_a_stiff_suspension_is_that_of_rigid_bodies(bogie: Libr
     stiff = {name: 100 * getattr(p, name) for name in names}
     one = chapter_5(bogie, level, brake_torque_1=15e3, brake_torque_2=15e3, **stiff)
     one.advance(4.0)
-    moved, slowed, _ = load_moved(one)
-    assert moved == pytest.approx(load_transfer(p, slowed, 0.0), rel=MOMENT_BAND)
+    moved, slowed, pitch = load_moved(one)
+    assert moved == pytest.approx(load_transfer(replace(p, **stiff), slowed, pitch), rel=STATICS_BAND)
     assert moved == pytest.approx(49.7e3, rel=MOMENT_BAND)
 
 

@@ -23,6 +23,8 @@ PLANAR, SPATIAL = 2, 3
 NUMBERS = (1, 2, 3, 4)
 #: Of frequencies and loads beside closed forms, and of what was lost beside the work of dampers and brakes.
 CLOSED_FORM, ENERGY_BAND, MIRROR_BAND = 1e-3, 1e-8, 1e-9
+#: Of axle loads beside statics of first order in the pitch of the frames, 5 mrad; measured 1.4e-4.
+STATICS_BAND = 2e-4
 
 
 @pytest.fixture(scope="module")
@@ -131,7 +133,7 @@ def test_braking_moves_load_as_rigid_statics_say(vehicle: Library, level: int, r
     kernel.advance(12.0)
     expected = rigid_axle_loads(p, -kernel["acceleration"], torque, reaction)
     for number, load in zip(NUMBERS, expected, strict=True):
-        assert kernel[f"axle_load_{number}"] == pytest.approx(load, rel=CLOSED_FORM)
+        assert kernel[f"axle_load_{number}"] == pytest.approx(load, rel=STATICS_BAND)
     assert expected[0] > 1.01 * expected[2] or reaction == 0.0
 
 

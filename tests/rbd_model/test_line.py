@@ -59,8 +59,6 @@ GRADIENT_BAND, BALANCE_BAND = 1e-6, 1e-6
 #: Rolling line of a free wheelset in the mean of whole waves, and the length of these about it with the conicity about
 #: the centre; measured 1.1e-5 and 1e-6.
 ROLLING_BAND, KLINGEL_BAND = 1e-4, 1e-5
-#: Quasi-static loads in a curve: contacts move on the rails' heads, 5e-4.
-LOAD_BAND = 1e-3
 GRAVITY = 9.81
 #: Closed forms of steering leave out gravity and spin.
 STEERING_BAND = 0.02
