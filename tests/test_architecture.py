@@ -111,6 +111,7 @@ PLUMBING = {
     "rbd_model/line.py": {"arc", "clothoid", "irregular", "joined", "line_of", "read_line", "straight"},
     "rbd_model/patched_wheelset.py": {"surroundings"},
     "rbd_model/rail_recovery.py": {"rail_adhesion"},
+    "rbd_model/relation.py": {"narrow"},
     "rbd_model/track.py": {"track_from_file", "track_from_points", "with_line"},
     "rbd_model/variables.py": {
         "words",

@@ -123,7 +123,7 @@ def between_frames(
     place_in_upper: np.ndarray,
     law: tuple[np.ndarray, np.ndarray, float],
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The same between two bodies above wheelsets, along the axes of the lower one."""
+    """The same between two bodies above wheelsets, by (3.33), (3.34), along the axes of the lower one."""
     stiffness, damping, load = law
     reach = upper.point(place_in_upper) - lower.position
     rate = upper.velocity_of(place_in_upper) - lower.velocity - lower.axes @ cross(lower.omega, lower.axes.T @ reach)

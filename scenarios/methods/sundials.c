@@ -42,7 +42,9 @@ extern int IDAGetNumSteps(object, long int *), IDASetInitStep(object, double), I
 extern int IDASetStopTime(object, double), IDAReInit(object, double, object, object);
 extern void IDAFree(object *);
 
-enum { BDF = 2, ONE_STEP = 2, ROOT_RETURN = 2, MOST_STEPS = 2000000 };
+enum { BDF = 2, ONE_STEP = 2, ROOT_RETURN = 2, MOST_STEPS = 2000000, MISSED = -1000 };
+/* A margin is at zero where something has just switched; below this a switch has been passed. */
+static const double PASSED = 1e-6;
 static const double FIRST_STEP = 1e-6; /* s; the error control takes over */
 
 /* A run that stands at `time` and goes to `end`; samples every `interval` s, counted from time 0. */
@@ -186,6 +188,12 @@ void cvode_open(run *of) {
     if (isfinite(of->longest_step)) CVodeSetMaxStep(of->memory, of->longest_step);
 }
 
+/* Its search for roots once passed a switch at a tolerance of 1e-10 without a word, between others that found it. */
+static int has_passed_a_switch(run *of) {
+    double margin = 0.0;
+    return !of->rooted && !cvode_root(of->time, of->vector, &margin, of) && margin < -PASSED;
+}
+
 /* Starts anew at of->place and of->time and goes to of->end or to a switch. Returns SUNDIALS's flag; negative: failed. */
 int cvode_advance(run *of) {
     memcpy(N_VGetArrayPointer(of->vector), of->place, (size_t)of->size * sizeof(double));
@@ -203,7 +211,7 @@ int cvode_advance(run *of) {
     }
     of->steps += steps;
     memcpy(of->place, N_VGetArrayPointer(of->vector), (size_t)of->size * sizeof(double));
-    return flag;
+    return has_passed_a_switch(of) ? MISSED : flag;
 }
 
 void cvode_close(run *of) {

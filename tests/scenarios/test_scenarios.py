@@ -130,7 +130,7 @@ MISSES = {
     "asymmetric-braking": {
         *(f"rotating axis, leading, {error} %, 1 s: time to stop" for error in (25, 50)),
         *(f"rotating axis, trailing, {error} %, 1 s: time to stop" for error in (25, 50)),
-        *(f"rotating axis, trailing, 75 %, {application} s: time to stop" for application in (5, 10)),
+        *(f"rotating axis, trailing, 75 %, {application} s: time to stop" for application in (1, 5, 10)),
     },
     "bogie-crosslevel": {"15 m/s: largest roll", "25 m/s: largest wheel load, leading wheelset"},
     "bogie-lateral": {"25 m/s: spectral peak of the hunting"},
