@@ -93,7 +93,8 @@ class BogieParameters(ParameterSet):
 class VehicleParameters(BogieParameters):
     """A car body on two bogies; what `BogieParameters` calls the sprung mass is one bogie's frame.
 
-    Heights are above the wheelset axes. Secondary stiffness and damping are those of one side of one bogie.
+    Heights are above the wheelset axes. Secondary stiffness and damping are those of one side of one bogie. A traction
+    rod joins the body to the middle of a frame, at the height of the secondary springs.
     """
 
     body_mass: float = quantity("kg", "Car body, mass", POSITIVE)
@@ -116,6 +117,8 @@ class VehicleParameters(BogieParameters):
     anti_roll_stiffness: float = quantity("N.m/rad", "Anti-roll bar of one bogie", 0.0)
     coupler_distance: float = quantity("m", "Distance between the couplers of both ends", POSITIVE)
     coupler_height: float = quantity("m", "Height of the couplers above the wheelset axes")
+    traction_rod_stiffness: float = quantity("N/m", "Traction rod of one bogie, stiffness along the track", 0.0)
+    traction_rod_damping: float = quantity("N.s/m", "Traction rod of one bogie, damping along the track", 0.0)
 
 
 def as_printed(parameters: BogieParameters) -> BogieParameters:
@@ -247,7 +250,7 @@ def manchester_vehicle_1() -> VehicleParameters:
 
     As transcribed in public code that cites it: masses, inertias, spacings, wheel radius, heights of the
     centres (1.8 and 0.6 m above the rail), springs, dampers, anti-roll bar, bending of the air springs. The vertical
-    primary stiffness is found as 1.220 and as 1.200 MN/m; here 1.220.
+    primary stiffness is found as 1.220 and as 1.200 MN/m; here 1.220. No transcription has a traction rod.
     Assumed: height of the secondary springs 0.9 m above the rail, couplers 20 m apart and 1.0 m above the rail; wheels
     and rails (`synthetic_pair`), flange and contact as in `tables_5_1_and_5_2`, no rolling resistance.
     """
@@ -293,7 +296,22 @@ def manchester_vehicle_1() -> VehicleParameters:
         anti_roll_stiffness=940e3,
         coupler_distance=20.0,
         coupler_height=1.0 - radius,
+        traction_rod_stiffness=0.0,
+        traction_rod_damping=0.0,
     )
+
+
+def coach_with_traction_rods() -> VehicleParameters:
+    """The passenger coach: vehicle 1 of the Manchester benchmarks, Iwnicki (1998), with a traction rod in each bogie.
+
+    Printed: all of `manchester_vehicle_1`, whose body nothing damps along the track.
+    Assumed: the rods. 5 MN/m is the size of a rod between rubber bushes, soft against the wheelsets' guidance, stiff
+    against the secondary springs: body and bogies swing against each other on it at 4.8 Hz, and it gives way by 4 mm
+    when the coach brakes at 1.2 m/s2. 25 kN.s/m gives the bushes a loss factor, damping times circular frequency over
+    stiffness, of 0.15 there, as filled natural rubber has 0.1 to 0.2: the swing falls to 1/e in half a second. One
+    transcription of vehicle 1 has 25 kN.s/m along the track on each side of the secondary suspension, others none.
+    """
+    return replace(manchester_vehicle_1(), traction_rod_stiffness=5e6, traction_rod_damping=25e3)
 
 
 def one_bogie_of(vehicle: VehicleParameters) -> BogieParameters:
@@ -329,7 +347,7 @@ def coal_wagon() -> VehicleParameters:
     Assumed: how the sprung mass of 60 t of each bogie divides into a frame of 2 t, with its inertias, and half a body
     of 116 t, whose centre makes the height of the whole that fitted for chapter 5, 0.8 m; the body's inertias, those
     of a box of 15 m x 2.9 m x 2.4 m; pivots 10.4 m apart; secondary springs as stiff as a centre bowl and side
-    bearers may be; couplers 15.5 m apart, 0.9 m above the rail.
+    bearers may be, which need no traction rod; couplers 15.5 m apart, 0.9 m above the rail.
     """
     chapter_5 = tables_5_1_and_5_2()
     frame_height = 0.1
@@ -361,4 +379,6 @@ def coal_wagon() -> VehicleParameters:
         anti_roll_stiffness=0.0,
         coupler_distance=15.5,
         coupler_height=0.9 - chapter_5.wheel_radius,
+        traction_rod_stiffness=0.0,
+        traction_rod_damping=0.0,
     )

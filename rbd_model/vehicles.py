@@ -6,8 +6,8 @@ from rbd_model.contact.geometry import Pair, synthetic_pair, thesis_pair
 from rbd_model.parameters import (
     BogieParameters,
     VehicleParameters,
+    coach_with_traction_rods,
     coal_wagon,
-    manchester_vehicle_1,
     tables_4_1_and_4_2,
     tables_5_1_and_5_2,
 )
@@ -84,16 +84,21 @@ MANCHESTER_FORCE = (0.0, 600.0, 1760.0, 3730.0, 6870.0, 11580.0, 17170.0, 29200.
 
 
 def secondary(bogie: str, along: Size) -> tuple[Connection, ...]:
-    """Between body and one bogie's frame, left and right (Iwnicki (1998)): springs, their bending, an anti-roll bar."""
+    """Between body and one bogie's frame: springs left and right, their bending, an anti-roll bar (Iwnicki (1998)).
+
+    In the middle a traction rod between rubber bushes: a spring and a damper along the track, which carry no weight.
+    """
     frame, place = f"{bogie}_frame", (along, "secondary_half_spacing", "secondary_height")
     stiffness = tuple(f"secondary_{direction}_stiffness" for direction in DIRECTIONS)
     damping = tuple(f"secondary_{direction}_damping" for direction in DIRECTIONS)
     both = Sum((("secondary_bending_stiffness", 2.0),))
     ends = "body", frame, place
+    rod = ("traction_rod_stiffness", 0.0, 0.0), ("traction_rod_damping", 0.0, 0.0)
     return (
         Springs(f"{bogie}_secondary", *ends, True, stiffness, damping),  # type: ignore[arg-type]
         Torsion(f"{bogie}_anti_roll_bar", *ends, False, "roll", both + "anti_roll_stiffness"),
         Torsion(f"{bogie}_bending", *ends, False, "pitch", both),
+        Springs(f"{bogie}_traction_rod", "body", frame, (along, 0.0, "secondary_height"), False, *rod),
     )
 
 
@@ -128,9 +133,9 @@ def four_axle_vehicle(name: str, parameters: VehicleParameters, pair: Pair, stop
     return Vehicle(name, parameters, tuple(bodies), tuple(wheelsets), tuple(connections), tuple(pulls))
 
 
-def passenger_coach() -> Vehicle:
-    """Vehicle 1 of the Manchester benchmarks, Iwnicki (1998), on synthetic profiles."""
-    return four_axle_vehicle("VehicleDynamics", manchester_vehicle_1(), synthetic_pair(), stops=True)
+def passenger_coach(parameters: VehicleParameters | None = None) -> Vehicle:
+    """Vehicle 1 of the Manchester benchmarks, Iwnicki (1998), on synthetic profiles; by default with traction rods."""
+    return four_axle_vehicle("VehicleDynamics", parameters or coach_with_traction_rods(), synthetic_pair(), stops=True)
 
 
 def loaded_coal_wagon() -> Vehicle:

@@ -9,7 +9,7 @@ from types import TracebackType
 
 from rbd_model.parameters import BogieParameters, VehicleParameters
 from scenarios.bench.braked_bogie import BOGIE, FULL_PRESSURE, FULL_TORQUE, brake_values
-from scenarios.bench.four_axles import ALONG_DAMPING, COACH
+from scenarios.bench.four_axles import COACH
 from scenarios.cosimulation.master import Connection, Coupling
 from scenarios.cosimulation.slave import Slave
 from scenarios.fmus import braked_vehicle
@@ -25,7 +25,7 @@ APPLICATION_TIME, RELEASE_TIME = braked_vehicle.APPLICATION_TIME, braked_vehicle
 class Machine:
     """What is braked: its FMU, numbers of its wheelsets, mass [kg], and the full brake of one wheelset [Pa], [N.m].
 
-    counted: the body whose distance and speed are states. values: parameters that its stops need.
+    counted: the body whose distance and speed are states.
     """
 
     fmu: str
@@ -36,7 +36,6 @@ class Machine:
     full_pressure: float
     full_torque: float
     brake: Mapping[str, float]
-    values: Mapping[str, float]
 
     def deceleration(self, torque: float) -> float:
         """On a dry rail with this torque on each wheelset [N.m], whose rotation is included [m/s2]."""
@@ -53,16 +52,15 @@ class Machine:
 def bogie() -> Machine:
     """The bogie of chapter 5."""
     mass = BOGIE.frame_mass + 2 * BOGIE.wheelset_mass
-    return Machine("bogie", (1, 2), BOGIE, mass, "frame", FULL_PRESSURE, FULL_TORQUE, brake_values(), {})
+    return Machine("bogie", (1, 2), BOGIE, mass, "frame", FULL_PRESSURE, FULL_TORQUE, brake_values())
 
 
 def coach() -> Machine:
-    """The complete vehicle: vehicle 1 of the Manchester benchmarks, with a damper along the track that is assumed."""
+    """The complete vehicle: vehicle 1 of the Manchester benchmarks with traction rods."""
     p: VehicleParameters = COACH
     mass = p.body_mass + 2 * p.frame_mass + 4 * p.wheelset_mass
     full = braked_vehicle.FULL_PRESSURE, braked_vehicle.FULL_TORQUE
-    damped = {"secondary_longitudinal_damping": ALONG_DAMPING}
-    return Machine("vehicle", (1, 2, 3, 4), p, mass, "body", *full, braked_vehicle.coach_brake().values(), damped)
+    return Machine("vehicle", (1, 2, 3, 4), p, mass, "body", *full, braked_vehicle.coach_brake().values())
 
 
 class BrakedMachine:
@@ -85,7 +83,7 @@ class BrakedMachine:
 
     def start(self, vehicle: Mapping[str, float], brakes: Sequence[Mapping[str, float]]) -> None:
         """Parameters of the vehicle and of each cylinder, which is empty."""
-        self.vehicle.restart({**self.machine.values, **vehicle})
+        self.vehicle.restart(vehicle)
         for brake, values in zip(self.brakes, brakes, strict=True):
             brake.restart(values, pressure_demand=0.0)
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from rbd_model.parameters import VehicleParameters, manchester_vehicle_1
+from rbd_model.parameters import VehicleParameters, coach_with_traction_rods, manchester_vehicle_1
 
-COACH = manchester_vehicle_1()
+COACH = coach_with_traction_rods()
+#: What makes the published vehicle of the coach: it has no traction rods.
+AS_PUBLISHED = {key: value for key, value in manchester_vehicle_1().values().items() if value != COACH.values()[key]}
 NUMBERS = (1, 2, 3, 4)
-#: Damping that the published data do not have, without which the body swings along the track on and on [N.s/m].
-ALONG_DAMPING = 60e3
 
 
 def brakes(torque: float) -> dict[str, float]:
@@ -19,8 +19,9 @@ def rigid_axle_loads(p: VehicleParameters, deceleration: float, torque: float, r
     """Axle loads [N] of a vehicle that slows without rocking, by statics with all moments about the rail.
 
     deceleration [m/s2]; torque [N.m]: of the brake of each wheelset, of which the share `reaction` hangs in its frame.
-    Bogies pass on no moment at their pivots; what slows the body pulls at the height of the secondary springs. They
-    and the primary springs give way along axes that pitch with the frames: what they carry stands ahead of them.
+    Bogies pass on no moment at their pivots; what slows the body pulls at the height of the secondary springs. They,
+    the traction rods and the primary springs give way along axes that pitch with the frames: what they carry stands
+    ahead of them.
     """
     pivot, base, radius = p.pivot_distance / 2, p.wheel_base / 2, p.wheel_radius
     spring, body = p.secondary_height + radius, p.body_height + radius
@@ -29,13 +30,14 @@ def rigid_axle_loads(p: VehicleParameters, deceleration: float, torque: float, r
     moment = inertial / 2 * spring + p.frame_mass * deceleration * (p.frame_height + radius)
     moment += 2 * p.wheelset_mass * deceleration * radius + 2 * p.wheelset_pitch_inertia * deceleration / radius
     moment -= 2 * (1 - reaction) * torque
+    along = 2 * p.secondary_longitudinal_stiffness + p.traction_rod_stiffness
     loads = []
     for sign in (1, -1):
         carried, frame = p.body_mass * p.gravity / 2 + sign * moved, p.frame_mass * p.gravity
         tipping = moment
         for _ in range(4):  # what gives way adds to what makes it give way
             pitch = tipping / (p.vertical_stiffness * p.wheel_base**2)
-            ahead = (inertial / 2 + carried * pitch) / (2 * p.secondary_longitudinal_stiffness)
+            ahead = (inertial / 2 + carried * pitch) / along
             pushing = inertial / 2 + p.frame_mass * deceleration + (carried + frame) * pitch
             frame_ahead = pushing / (4 * p.longitudinal_stiffness)
             tipping = moment + carried * (ahead + frame_ahead + pitch * p.secondary_height)

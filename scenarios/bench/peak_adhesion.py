@@ -22,7 +22,7 @@ class PeakAdhesion:
 
     def __init__(self, machine: Machine, rail: Mapping[str, float]) -> None:
         self.machine = machine
-        self.kernel = prepare(machine.fmu, **{**machine.values, "level": 2, "initial_speed": 25.0, **rail})
+        self.kernel = prepare(machine.fmu, level=2, initial_speed=25.0, **rail)
         self.kernel.initialise()
         planar = model_of(machine.fmu).systems[1]
         self.states = list(planar.states)

@@ -12,6 +12,7 @@ from fmu_src.system import ParameterSet
 from rbd_model.adhesion import RailCondition, dry, low, very_low, wet
 from rbd_model.parameters import (
     as_printed,
+    coach_with_traction_rods,
     coal_wagon,
     manchester_vehicle_1,
     one_bogie_of,
@@ -64,9 +65,16 @@ MACHINES: dict[str, NamedSet] = {
         "bogie", "One bogie of the coal wagon under half its body", lambda: one_bogie_of(coal_wagon())
     ),
     "wheelset-chapter-4": NamedSet("wheelset", "Wheelset in a frame, Tables 4.1 and 4.2", tables_4_1_and_4_2),
-    "coach": NamedSet("vehicle", "Passenger coach, vehicle 1 of the Manchester benchmarks", manchester_vehicle_1),
+    "coach": NamedSet(
+        "vehicle",
+        "Passenger coach, vehicle 1 of the Manchester benchmarks with traction rods",
+        coach_with_traction_rods,
+    ),
+    "coach-as-published": NamedSet(
+        "vehicle", "Vehicle 1 of the Manchester benchmarks as published", manchester_vehicle_1
+    ),
     "coal-wagon": NamedSet("coal-wagon", "Coal wagon on two bogies of chapter 5", coal_wagon),
-    "braked-coach": NamedSet("braked-vehicle", "The coach and its brakes", manchester_vehicle_1, coach_brake),
+    "braked-coach": NamedSet("braked-vehicle", "The coach and its brakes", coach_with_traction_rods, coach_brake),
     "brake-qr30-130kpa": NamedSet("brake", QR30.format(130), lambda: qr30_experiment(130)),
     "brake-qr30-150kpa": NamedSet("brake", QR30.format(150), lambda: qr30_experiment(150)),
     "brake-qr30-180kpa": NamedSet("brake", QR30.format(180), lambda: qr30_experiment(180)),

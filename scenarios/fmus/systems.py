@@ -9,7 +9,7 @@ from brake_controller.parameters import qr30
 from brake_controller.protection_fmu import wheel_slide_protection
 from fmu_src.ssp import Component, Connection, write_ssp
 from rbd_model.parameters import tables_8_1_and_8_2
-from scenarios.bench.four_axles import ALONG_DAMPING, NUMBERS
+from scenarios.bench.four_axles import NUMBERS
 from scenarios.fmus.braked_vehicle import FULL_PRESSURE
 from scenarios.fmus.building import build_protection, fmu_path
 from scenarios.fmus.parameter_sets import PARAMETER_SETS, values_for
@@ -43,7 +43,7 @@ def bogie_braking(path: Path, out: Path) -> None:
 def braked_coach(out: Path, **scene: float) -> Component:
     """The coach and its brake cylinders in one FMU, fully braked from 25 m/s."""
     values = PARAMETER_SETS["braked-coach"].values()
-    values |= {"level": 2, "initial_speed": 25.0, "secondary_longitudinal_damping": ALONG_DAMPING}
+    values |= {"level": 2, "initial_speed": 25.0}
     values |= {f"pressure_demand_{number}": FULL_PRESSURE for number in NUMBERS}
     return Component("vehicle", fmu_path("braked-vehicle", "native", out), values | scene, SHOWN)
 

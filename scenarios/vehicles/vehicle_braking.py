@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from rbd_model.vehicles import passenger_coach
 from scenarios.bench.drive import located_lock_time, play, prepare
-from scenarios.bench.four_axles import ALONG_DAMPING, COACH, NUMBERS, brakes, rigid_axle_loads
+from scenarios.bench.four_axles import COACH, NUMBERS, brakes, rigid_axle_loads
 from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import FOUR, panels
@@ -23,7 +23,7 @@ BAND = 1e-3
 #: Ramp up to torques that the rail cannot turn the wheels against, at this friction [N.m], [s], [1].
 RAMP, RAMP_TIME, FRICTION = 9e3, 30.0, 0.12
 #: Bending of the air springs passes moments to the frames, which rigid statics do not tell.
-STATICS = {"secondary_bending_stiffness": 0.0, "secondary_longitudinal_damping": ALONG_DAMPING}
+STATICS = {"secondary_bending_stiffness": 0.0}
 LOADS = tuple(f"axle_load_{number}" for number in NUMBERS)
 RECORDED = ("speed", *LOADS, *(f"angular_velocity_{number}" for number in NUMBERS))
 REACTIONS = {"hung in the frame": 1.0, "on nothing": 0.0}
@@ -44,7 +44,7 @@ def locking(reaction: float, record: Sequence[str] = RECORDED) -> tuple[Recordin
     """The torque rises until wheelsets lock; when each did [s]."""
     friction = {f"friction_{number}": FRICTION for number in NUMBERS}
     values = {"torque_reaction": reaction, "initial_speed": SPEED, "level": PLANAR}
-    kernel = prepare("vehicle", **values, **friction, secondary_longitudinal_damping=ALONG_DAMPING)
+    kernel = prepare("vehicle", **values, **friction)
     inputs = {name: [(0.0, 0.0), (RAMP_TIME, RAMP)] for name in brakes(RAMP)}
     series = play("vehicle", kernel, RAMP_TIME, INTERVAL, record, inputs)
     return series, {number: located_lock_time(kernel, series, number) for number in NUMBERS}
@@ -66,8 +66,8 @@ def run(options: Options) -> Result:
             rows.append(Row(f"torque that locks wheelset {number}, brakes {name}", "kN.m", None, torque, None, source))
     remarks = [f"Brakes {name}: {order(times)}." for name, (_, times) in ramps.items()]
     remarks.append(
-        f"Assumed: {ALONG_DAMPING / 1e3:g} kN.s/m along the track on each side of the secondary suspension; the "
-        "published vehicle has none, and its body swings there at 1.26 Hz for the whole stop."
+        "Assumed: the traction rods. The published vehicle has none, and its body swings along the track at 1.26 Hz "
+        "for the whole stop."
     )
     first = ramps["hung in the frame"][0]
     parameters = STATICS | {"torque": TORQUE}

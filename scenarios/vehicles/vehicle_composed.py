@@ -64,7 +64,7 @@ def composed(slave: Slave, tolerance: float, step: float) -> Braking:
     machine = coach()
     demands = {f"pressure_demand_{number}": machine.full_pressure for number in machine.numbers}
     values = {"level": 2.0, "initial_speed": SPEED, "tolerance": tolerance}
-    slave.restart({**machine.values, **values}, **demands)
+    slave.restart(values, **demands)
     begin = clock.perf_counter()
     for number in range(round(DURATION / step)):
         slave.step(number * step, step)

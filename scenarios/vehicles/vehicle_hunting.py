@@ -13,7 +13,7 @@ from tqdm import tqdm
 from fmu_src.kernel import Kernel
 from rbd_model.linear import Mode, critical_speed, oscillations, reduced_jacobian
 from scenarios.bench.drive import RIGID, prepare, system_of
-from scenarios.bench.four_axles import COACH, NUMBERS
+from scenarios.bench.four_axles import AS_PUBLISHED, COACH, NUMBERS
 from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.plots import LEADING, THESIS, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE
@@ -54,7 +54,7 @@ CASES = (
 
 def run_at(case: Case, speed: float, **more: float) -> Kernel:
     """The vehicle at a constant speed; small motions on the treads ask for no flange."""
-    values = {**RIGID, **case.values, **more, "tolerance": TOLERANCE}
+    values = {**RIGID, **AS_PUBLISHED, **case.values, **more, "tolerance": TOLERANCE}
     values["rolling_resistance_torque"] = DRAG
     return prepare("vehicle", **values, initial_speed=speed, constant_speed=1)
 

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from rbd_model.linear import Mode, oscillations
 from scenarios.bench.drive import RIGID, prepare, system_of
-from scenarios.bench.four_axles import COACH, NUMBERS
+from scenarios.bench.four_axles import AS_PUBLISHED, COACH, NUMBERS
 from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, titled
 from scenarios.reporting.report import Result, Row, near
@@ -42,7 +42,7 @@ MOTIONS = ("shift", "lateral", "bounce", "roll", "pitch", "yaw")
 
 def modes(level: int, **values: float) -> list[Mode]:
     """Oscillations of the vehicle at a level, the slowest first; on rigid contacts, without their own vibrations."""
-    place = RIGID | {"level": level}
+    place = RIGID | AS_PUBLISHED | {"level": level}
     kernel = prepare("vehicle", tolerance=1e-10, **place, **values)
     kernel.initialise()
     found = oscillations(system_of("vehicle", **place), np.array(kernel.linearise().jacobian))

@@ -14,7 +14,7 @@ from fmu_src.kernel import Kernel
 from rbd_model.parameters import one_bogie_of
 from scenarios.bench.braked_machine import coach
 from scenarios.bench.drive import located_lock_time, play, prepare
-from scenarios.bench.four_axles import ALONG_DAMPING, COACH, NUMBERS, rigid_axle_loads
+from scenarios.bench.four_axles import COACH, NUMBERS, rigid_axle_loads
 from scenarios.cosimulation.recording import Recording
 from scenarios.methods.timing import LEVELS, least
 from scenarios.reporting.plots import LEADING, THREE, TRAILING, plt, titled
@@ -37,7 +37,7 @@ DISTANCE = 1e-3
 WHOLE = "vehicle"
 ONE = "bogie"
 VALUES: dict[str, dict[str, float]] = {
-    WHOLE: {"secondary_longitudinal_damping": ALONG_DAMPING, "secondary_bending_stiffness": 0.0},
+    WHOLE: {"secondary_bending_stiffness": 0.0},
     ONE: dict(one_bogie_of(COACH).values()),
 }
 OWN = {WHOLE: NUMBERS, ONE: NUMBERS[:2]}
@@ -185,7 +185,7 @@ def run(options: Options) -> Result:
         "springs. It tells speed, distance and rotation as the vehicle does; it knows no load that moves between the "
         "bogies, so that its trailing wheelset locks a little later than the vehicle's last one. Hunting and all that "
         "the secondary suspension decides ask for the vehicle.",
-        f"Assumed: {ALONG_DAMPING / 1e3:g} kN.s/m along the track on each side of the secondary suspension.",
+        "Assumed: the traction rods of the vehicle, and their height, that of the secondary springs.",
     ]
     return Result(rows_of(found), series, lambda: draw(found), dict(VALUES[ONE]), len(table) * 2 * DURATION, remarks)
 

@@ -33,6 +33,7 @@ BETWEEN = {"bodies": FRAME, "box_below": AXLE, "box_above": ("wheelset_1", "fron
 LAWS = {
     "springs": (Springs, {"stiffness": (3e6, 2e6, 1e6), "damping": (3e4, 2e4, 1e4)}),
     "one_spring": (Springs, {"both_sides": False, "stiffness": (0.0, 2e6, 0.0), "damping": (0.0, 0.0, 1e4)}),
+    "traction_rod": (Springs, {"both_sides": False, "stiffness": (5e6, 0.0, 0.0), "damping": (25e3, 0.0, 0.0)}),
     "roll": (Torsion, {"angle": "roll", "stiffness": 1e6, "damping": 1e4}),
     "pitch": (Torsion, {"angle": "pitch", "stiffness": 1e6, "damping": 1e4}),
     "yaw": (Torsion, {"angle": "yaw", "stiffness": 1e6, "damping": 1e4}),
