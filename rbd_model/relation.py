@@ -62,7 +62,8 @@ class Relation:
 
     axes: the lower's, its rows; apart [m]: of the upper centre from the lower one; velocity [m/s]: how that changes as
     seen from the upper end; spin [rad/s]: of the lower's axes; centres [m]: of the (upper, lower) end in the vehicle at
-    rest; pitch [rad]: of the upper end against the lower one where both do nothing but pitch. found: stretches by place.
+    rest; pitch [rad]: of the upper end against the lower one where both do nothing but pitch. found: stretches by their
+    place.
     """
 
     axes: ca.SX

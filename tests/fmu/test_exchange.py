@@ -223,8 +223,8 @@ def test_wheels_do_not_chatter_on_the_way_to_rest(fmus: dict, torque: float, tol
     assert events <= MOST_EVENTS
 
 
-#: Two wheelsets lock and stand; a few tries more where a tolerance is coarse: 73 at 8 kN.m and 1e-4, at most 14 in 23 other
-#: stops from 6 to 20 kN.m. Without an end there are thousands.
+#: Two wheelsets lock and stand; a few tries more where a tolerance is coarse: 73 at 8 kN.m and 1e-4, at most 14 in 23
+#: other stops from 6 to 20 kN.m. Without an end there are thousands.
 MOST_EVENTS, FEW_SECONDS = 100, 20.0
 
 
