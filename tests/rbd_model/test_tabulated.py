@@ -22,7 +22,7 @@ from scenarios.contact.creep_laws import exact
 from scenarios.methods.creep_cost import values
 from tests.quick_library import quick_library
 
-#: Between the places of the table, of mu N: measured 0.66 % at the cases of exact theory, 0.11 % on average.
+#: Between the places of the table, of mu N: measured 0.53 % at the cases of exact theory, 0.07 % on average.
 TABLE_ERROR, MEAN_ERROR = 0.01, 0.003
 #: Values are stored as float.
 STORED = 1e-5

@@ -148,7 +148,7 @@ MISSES = {
         for quantity in ("the place on the rail", "the force ahead", "the force sideways")
     },
     "creep-forces": {"largest distance from exact theory, with spin"},
-    # And the 99 % at random states of FASTSIM, FaStrip and the table of exact theory, which short_laws leaves out.
+    # And the 99 % at random states of FASTSIM and FaStrip, which short_laws leaves out.
     "creep-laws": {f"Polach: {kind}, largest distance" for kind in ("mixed", "spin-dominated", "saturated")},
     "vehicle-anti-skid": {"low, cleaned: least rise of braking force over load from one wheelset to the next"},
     "vehicle-composed": {"coupled, held: error of distance at 2 ms"},  # as short_vehicles has it

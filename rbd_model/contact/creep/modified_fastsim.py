@@ -44,7 +44,8 @@ def modified_fastsim(count: int, reduction: SlopeReduction) -> CreepLaw:
     """FASTSIM with count x count cells, Spiryagin, Polach and Cole (2013).
 
     The coefficient of friction is the patch's `friction_at`, of the speed of rigid sliding in each cell; without one it
-    is the patch's everywhere. Differs from the source: three flexibilities instead of one.
+    is the patch's everywhere. Differs from the source: three flexibilities instead of one, stress at the centres of the
+    cells.
     """
     grid = cells(count)
 
@@ -52,7 +53,7 @@ def modified_fastsim(count: int, reduction: SlopeReduction) -> CreepLaw:
         fall = patch.friction_at
         friction = patch.friction if fall is None else fall(ca.SX(0))
         limit = friction * patch.load
-        rigid = rigid_slip(patch, limit, grid.creepage_share).times(reduction.at(patch, friction))
+        rigid = grid.shared(rigid_slip(patch, limit)).times(reduction.at(patch, friction))
 
         def left(offset: float, place: float) -> ca.SX:
             assert fall is not None

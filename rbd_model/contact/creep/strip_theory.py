@@ -130,7 +130,7 @@ def strip_theory(count: int) -> CreepLaw:
         first, _, third = flexibilities(patch)
         limit = patch.friction * patch.load
         sticking = adhesive_slip(patch, limit, grid.creepage_share)
-        sliding = rigid_slip(patch, 0.75 * limit, 1.0)
+        sliding = rigid_slip(patch, 0.75 * limit)
         sliding = replace(sliding, twist=sliding.twist * third / first)
         x, y = ca.SX(0), ca.SX(0)
         for offset, half_length, weight in zip(grid.offsets, grid.half_lengths, grid.weights, strict=True):

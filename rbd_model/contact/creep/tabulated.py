@@ -21,7 +21,7 @@ from rbd_model.contact.creep.kalker import kalker_coefficients
 from rbd_model.contact.creep.law import ContactPatch, CreepLaw
 
 #: Intervals along each coordinate of `place_in_table`, its first values and its last; a/b from 1 : 20 to 20 : 1.
-INTERVALS = (10, 20, 12, 6)
+INTERVALS = (12, 24, 14, 8)
 FIRST, LAST = (0.0, -1.0, 0.0, -math.log(20.0)), (1.0, 1.0, 1.0, math.log(20.0))
 #: Spin in the middle of the table, that from which creepage has to be larger to make the patch slide, both as in
 #: `Measures`, chosen so that tables err least between their places; and what stands for infinite ones.
@@ -33,7 +33,7 @@ COLUMNS = ("longitudinal", "lateral", "spin", "log_axis_ratio", "force_longitudi
 
 @dataclass(frozen=True)
 class CreepTable:
-    """Forces over mu N at all places of the table, shape (13, 23, 15, 9, 2): see INTERVALS; one row beyond each end.
+    """Forces over mu N at all places of the table, shape (15, 27, 17, 11, 2): see INTERVALS; one row beyond each end.
 
     Raises ValueError for another shape and where one is no number.
     """
