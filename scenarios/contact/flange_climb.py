@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from tqdm import tqdm
 
-from rbd_model.contact.creep.fastsim import fastsim
+from rbd_model.contact.creep.exact_table import exact_law
 from rbd_model.contact.creep.polach import polach
 from rbd_model.contact.depth import Contact
 from rbd_model.rolling_wheelset import nadal_limit
@@ -32,8 +32,8 @@ BAND = 0.02
 YAWS = (0.0005, 0.001, 0.002, 0.0035, 0.005, 0.0075, 0.01, 0.015, 0.02, 0.035, 0.05)
 CURVE_ANGLE, CURVE_FRICTION = 70.3, 0.3
 #: Contacts by the creep law of the flange; the default is that of Shen, Hedrick and Elkins.
-LAWS = {"default": Contact(2), "FASTSIM": Contact(2, flange_law=fastsim(5)), "Polach": Contact(2, flange_law=polach)}
-COLOURS = {"default": LEADING, "FASTSIM": TRAILING, "Polach": BOGIE}
+LAWS = {"default": Contact(2), "exact": Contact(2, flange_law=exact_law), "Polach": Contact(2, flange_law=polach)}
+COLOURS = {"default": LEADING, "exact": TRAILING, "Polach": BOGIE}
 #: Without lateral creep a wheel climbs at tan of its flange, twice Nadal's limit; a tenth of the way is far from none.
 FALLS = 1.1
 SOURCE = "Nadal (1896)"
@@ -95,10 +95,10 @@ def remarks(series: Recording) -> list[Row]:
             "less yaw, less lateral creep, a higher limit; above saturation it stays, but for the steeper contact",
         ),
         Row(
-            f"{fall}: FASTSIM",
+            f"{fall}: exact theory",
             "1",
             None,
-            falls["FASTSIM"],
+            falls["exact"],
             at_least(FALLS),
             SOURCE,
             "a curve that does not feel the yaw would hold Nadal's limit everywhere",
@@ -111,8 +111,8 @@ def remarks(series: Recording) -> list[Row]:
             None,
             SOURCE,
             "not judged: in the law of Shen, Hedrick and Elkins spin alone reaches all of mu N, so that little yaw is "
-            f"as much as more; the limit is up to {percent_under(curves['default'], curves['FASTSIM']):.0f} % under "
-            "that by FASTSIM, on the safe side",
+            f"as much as more; the limit is up to {percent_under(curves['default'], curves['exact']):.0f} % under "
+            "that by exact theory, on the safe side",
         ),
         Row(
             f"{place}: by Polach's law at {ATTACK} rad over Nadal's",
