@@ -13,8 +13,9 @@ from fmu_src.system import model_of
 from rbd_model import variables
 from rbd_model.contact.depth import Contact
 from rbd_model.spatial import spatial_vehicle
-from rbd_model.track import irregular_track, section_5_3
+from rbd_model.track import ballasted_track, irregular_track, section_5_3
 from rbd_model.vehicle import Vehicle
+from rbd_model.yielding_track import rows_of
 from tests.maximal.correspondence import file_of, touching_rise
 from tests.maximal.motion import Moving
 from tests.maximal.oracle import Oracle
@@ -33,18 +34,20 @@ POWERS = ("brake_power", "creep_power", "damping_power")
 @dataclass(frozen=True)
 class Answer:
     """Slopes of the states by name; of each wheel its rail's force to the left and up, and what an axle has together:
-    creep force along the track and lateral force on its flanges (side 0) [N].
+    creep force along the track and lateral force on its flanges (side 0) [N]. rails: what moves those below an axle, to
+    the left, and each of them up [N].
     """
 
     slope: dict[str, float]
     forces: dict[tuple[int, int], np.ndarray]
+    rails: dict[int, np.ndarray]
 
 
 class Machine:
     """A vehicle on straight track or on a line; equal wheels on equal rails. depth: of contact."""
 
     def __init__(self, vehicle: Vehicle, on_line: bool, depth: int = 2) -> None:
-        self.vehicle, self.on_line = vehicle, on_line
+        self.vehicle, self.on_line, self.support = vehicle, on_line, ballasted_track()
         system = spatial_vehicle(vehicle, irregular_track(section_5_3()), Contact(depth), on_line)
         seen = [name for name in system.observables if name.startswith("force_") or name.endswith("_above")]
         system = system.with_outputs(list(dict.fromkeys([*ENERGIES, *POWERS, *seen])))
@@ -74,14 +77,28 @@ class Machine:
                 aside, up = (kernel[f"{name}_{number}_{word}"] for name in ("lateral_force", "wheel_load"))
                 forces[number, side] = np.array([-side * aside, up])
             forces[number, 0] = np.array([kernel[f"creep_force_{number}"], kernel[f"flange_force_{number}"]])
-        return Answer(dict(zip(self.names, kernel.slopes_at(0.0, place), strict=True)), forces)
+        slope = dict(zip(self.names, kernel.slopes_at(0.0, place), strict=True))
+        moving = [self.support.track_rail_mass * count for count in (2, 1, 1)]
+        rails = {
+            number: moving * np.array([slope[f"{row}_speed"] for row in rows_of(number)])
+            for number, _ in self.vehicle.numbered
+            if self.on_line
+        }
+        return Answer(slope, forces, rails)
 
     def oracle(
         self, course: Course, base: float, rails: Callable[[Course, RailData], Rails] = prisms, **changes: object
     ) -> Oracle:
         """The oracle on the course; base [m]: how high level rails lie; rails: `prisms` or `swept`."""
         both = [self.rails(side, base, course, rails) for side in SIDES]
-        return Oracle(self.vehicle, (both[0], both[1]), course, **changes)  # type: ignore[arg-type]
+        held = np.zeros((2, 3))
+        if self.on_line:
+            lateral, vertical = (
+                (getattr(self.support, f"track_{way}_stiffness"), getattr(self.support, f"track_{way}_damping"))
+                for way in ("lateral", "vertical")
+            )
+            held = np.array([lateral, vertical, vertical]).T
+        return Oracle(self.vehicle, (both[0], both[1]), course, below=held, **changes)  # type: ignore[arg-type]
 
     def rails(self, side: int, base: float, course: Course, kind: Callable[[Course, RailData], Rails]) -> Rails:
         """One of both rails."""

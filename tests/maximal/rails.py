@@ -131,6 +131,26 @@ class Surface(Protocol):
         """Of the contour beside a point, in its section [1/m]."""
 
 
+@dataclass(frozen=True)
+class Shifted:
+    """A rail that has given way [m]."""
+
+    rail: Surface
+    way: np.ndarray
+
+    def distance(self, points: np.ndarray) -> np.ndarray:
+        """As in `Surface`."""
+        return self.rail.distance(points - self.way)
+
+    def along(self, point: np.ndarray) -> np.ndarray:
+        """As in `Surface`."""
+        return self.rail.along(point - self.way)
+
+    def curvature(self, point: np.ndarray) -> float:
+        """As in `Surface`."""
+        return self.rail.curvature(point - self.way)
+
+
 #: Of a wheelset's centre: how the rail lies that its wheel meets.
 Rails = Callable[[np.ndarray], Surface]
 

@@ -9,12 +9,14 @@ from random import Random
 
 from rbd_model.vehicle import Vehicle, wheelset_name
 from tests.maximal.correspondence import bodies_of
-from tests.maximal.oracle import FLANGE_SLOPE, Oracle, Scene
+from tests.maximal.oracle import FLANGE_SLOPE, GivenWay, Oracle, Scene
 from tests.maximal.rails import Course
 from tests.maximal.touch import touches
 
-#: Largest motions of bodies: ways [m], angles [rad], and their rates.
-WAYS, ANGLES = 0.02, 0.02
+#: Largest motions of bodies: ways [m] and angles [rad].
+WAYS = 0.02
+#: By which rails give way, to either side, up and down [m].
+GIVE = 1e-3
 #: Approaches of treads and of flanges that are laid on [m]; grid and rounds by which a wheelset is laid on its rails.
 TREAD, FLANGE = (0.04e-3, 0.16e-3), (0.02e-3, 0.12e-3)
 COARSE, ROUNDS = 0.2e-3, 5
@@ -52,6 +54,8 @@ def random_state(vehicle: Vehicle, oracle: Oracle, course: Course, names: list[s
             value[name] = rng.uniform(-0.1, 0.1)
         elif "shift" in name:
             value[name] = rng.uniform(-0.01, 0.01)
+        elif name.startswith("track_"):
+            value[name] = rng.uniform(-GIVE, GIVE)
         else:
             value[name] = rng.uniform(-WAYS, WAYS)
     first = vehicle.bodies[0].name
@@ -99,7 +103,8 @@ def approaches(
     body = bodies_of(vehicle, course, value)[wheelset_name(number)]
     found: dict[tuple[int, bool], float] = {}
     for index, side in enumerate((1, -1)):
-        for one in touches(body, oracle.wheel_of(number, index), oracle.rails[index], COARSE):
+        rail = GivenWay(oracle, index, oracle.give(number, value))
+        for one in touches(body, oracle.wheel_of(number, index), rail, COARSE):
             key = side, one.slope > FLANGE_SLOPE
             found[key] = max(one.approach, found.get(key, -1.0))
     return found

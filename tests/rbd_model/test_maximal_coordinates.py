@@ -66,7 +66,7 @@ def base(name: str) -> float:
 
 
 def oracle(name: str, course: Course, rails: Callable = prisms, **changes: object) -> Oracle:  # type: ignore[type-arg]
-    return machine(name, False).oracle(course, base(name), rails, **changes)
+    return machine(name, course is not STRAIGHT).oracle(course, base(name), rails, **changes)
 
 
 def as_shipped(name: str, course: Course, **changes: object) -> Oracle:
@@ -104,7 +104,7 @@ def differences(
 ) -> Differences:
     """Between the fast model's answer at a state and the oracle there, or at the one beside it."""
     there = beside or at
-    accelerations, wheels = asked.answer(bodies_of(vehicle, at.course, there.value), at.scene, there.value)
+    accelerations, wheels, below = asked.answer(bodies_of(vehicle, at.course, there.value), at.scene, there.value)
     rates = rates_of(vehicle, at.course, at.value, answer.slope)
     away = {name: rates[name].acceleration - accelerations[name] for name in accelerations}
     largest = max(np.max(np.abs(one)) for one in accelerations.values())
@@ -119,6 +119,8 @@ def differences(
         pair = wheels[number, 1], wheels[number, -1]
         axle = np.array([sum(one.creep_along for one in pair), sum(one.flange for one in pair)])
         forces.append(float(np.max(np.abs(answer.forces[number, 0] - axle))) / load)
+    for number, moving in answer.rails.items():
+        forces.append(float(np.max(np.abs(moving - below[number]))) / load)
     bodies = {body.name for body in vehicle.bodies}
     return Differences(
         max(float(np.max(np.abs(away[name]))) for name in bodies) / largest,
