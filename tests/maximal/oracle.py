@@ -92,7 +92,7 @@ class Oracle:
     def answer(
         self, bodies: Mapping[str, Moving], scene: Scene, states: Mapping[str, float]
     ) -> tuple[dict[str, np.ndarray], dict[tuple[int, int], WheelForces], dict[int, np.ndarray]]:
-        """Accelerations, (6,) by body, forces by wheelset's number and side, what moves rails (3,) by its number [N]."""
+        """Accelerations, (6,) by body, forces by wheelset's number and side, what moves rails (3,) by number [N]."""
         total = {name: np.zeros(6) for name in bodies}
         for connection in self.vehicle.connections:
             both = self.ends(connection, bodies)
