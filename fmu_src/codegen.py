@@ -233,8 +233,8 @@ def equations_in_c(name: str, made: Mapping[str, Generated]) -> str:
     # CasADi's squares, absolute values and minima are functions; inlined, a right-hand side takes 5 to 14 % less.
     text = re.sub(r"^casadi_real (?=casadi_\w+\()", "static inline casadi_real ", text, flags=re.MULTILINE)
     # Those of C are calls, since they take the other number in place of NaN; here NaN in the second place stays.
-    for name, sign in (("fmin", "<"), ("fmax", ">")):
-        text = text.replace(f"return {name}(x, y);", f"return x{sign}y ? x : y;")
+    for call, sign in (("fmin", "<"), ("fmax", ">")):
+        text = text.replace(f"return {call}(x, y);", f"return x{sign}y ? x : y;")
     text = _without_questions(text, {function.name() for function in every})
     for one in called:
         text = _with_calls(text, one)
