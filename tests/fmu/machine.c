@@ -379,6 +379,7 @@ static int get_output(host *h) {
     const int kind = causality == CAUSALITY_OUTPUT && one_in(3) ? KIND_BOOLEAN : KIND_REAL;
     if (any_variable(causality, kind) < 0) return -1;
     request r = request_of(h, causality, kind);
+    h->excused = h->is.wild; /* no output is finite everywhere */
     return get_some(h, &r, kind);
 }
 
