@@ -85,6 +85,44 @@ class Press(Bundle):
     stored: ca.SX = rows(1)  # its energy [J]
 
 
+@dataclass(frozen=True)
+class RailSlope:
+    """How a rail leaves the track's direction where a patch touches it, to first order of its slopes, for (3.89).
+
+    Along the rail it goes sideways by `aside` and into the wheel by `drift` for each metre [1]. A wheel touches a rail
+    that rises ahead of its axle, by r drift / n_z, and its surface moves down there: sideways on the patch by `lead`
+    for each radian that it turns [m]. What slides and what forces do are of one virtual work.
+    """
+
+    aside: ca.SX
+    drift: ca.SX
+    lead: ca.SX
+
+    @classmethod
+    def of(
+        cls, chain: Chain, track: TurningTrack, patch: TouchingPatch, sideways: ca.SX, sections: ca.SX, drift: ca.SX
+    ) -> RailSlope:
+        """sideways: in the wheelset's axes; sections: slopes for each metre of the track; drift: see `press`."""
+        if track.turning.is_zero():
+            return cls(ca.SX(0), ca.SX(0), ca.SX(0))
+        aside = (patch.across[1] * sections[0] - patch.across[0] * sections[1]) / track.stretch
+        lead = patch.arm[2] * drift * sideways[2] / patch.normal[2]
+        return cls(chain.narrow(aside), drift, chain.narrow(lead))
+
+    def slides(self, slides: ca.SX, closing: ca.SX, rolling: ca.SX) -> ca.SX:
+        """Of `how_it_slides` along the track: along the rail, (3.89)-(3.91); rolling: angular velocity [rad/s]."""
+        along, sideways = slides[0], slides[1]
+        on_rail = along + self.aside * sideways - self.drift * closing
+        return ca.vertcat(on_rail, sideways - self.aside * along + self.lead * rolling, slides[2:])
+
+    def forces(self, along: ca.SX, sideways: ca.SX, normal: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
+        """Forces along the rail, sideways and normal to it [N], (3.105), in the directions of the track and the patch.
+
+        But for what the normal force has along the track, see `press`.
+        """
+        return along - self.aside * sideways, sideways + self.aside * along, normal + self.drift * along
+
+
 @lru_cache
 def pressing_patch(wheel_terms: int, rail_terms: int, flange: bool, creep_law: CreepLaw, on_line: bool = False) -> Part:
     """A `Press` of a `PatchState`, (3.82)-(3.105) with Hertz' force by the approach; constants: with the pieces.
@@ -135,20 +173,23 @@ def press(
     normal = chain.narrow(damped(elastic, closing, fixed.damping))
 
     directions = along, sideways, patch.normal
-    slides = chain.narrow(how_it_slides(sliding, own_rate, directions, state.forward, fixed.creepage_speed))
+    slides = how_it_slides(sliding, own_rate, directions, state.forward, fixed.creepage_speed)
+    slope = RailSlope.of(chain, track, patch, sideways, sections, drift)
+    slides = chain.narrow(slope.slides(slides, closing, state.angular_velocity))
     friction = state.friction * friction_over_angle(-fixed.wheel[0] * patch.across[0], fixed.gauge_face)
     given = ca.vertcat(slides, *curvatures, normal, friction)
     creep = chain.call(creeping, given, ca.vertcat(fixed.shear_modulus, fixed.surface))
     # The law knows no load below the smallest; without any there is no creep force.
     share = normal / at_least(normal, SMALLEST_LOAD)
-    ahead_force, side_force = share * creep[0], share * creep[1]
-    own = ahead_force * along + side_force * sideways + normal * patch.normal
-    across = normal * patch.across + side_force * ca.vertcat(patch.across[1], -patch.across[0])
+    creep_along, creep_aside = share * creep[0], share * creep[1]
+    ahead_force, side_force, pressing = slope.forces(creep_along, creep_aside, normal)
+    own = ahead_force * along + side_force * sideways + pressing * patch.normal
+    across = pressing * patch.across + side_force * ca.vertcat(patch.across[1], -patch.across[0])
     return Press(
-        ca.vertcat(ahead_force - drift * normal, across),
-        ca.cross(patch.arm, own),
-        ahead_force,
-        -ahead_force * slides[0] - side_force * slides[1],
+        ca.vertcat(ahead_force - drift * pressing, across),
+        ca.cross(patch.arm, own) + ca.vertcat(0, slope.lead * creep_aside, 0),
+        creep_along,
+        -creep_along * slides[0] - creep_aside * slides[1],
         patch.approach,
         (normal - elastic) * closing,
         0.4 * elastic * ca.fmax(patch.approach, 0),

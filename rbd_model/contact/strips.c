@@ -41,8 +41,10 @@ typedef struct {
     double axes[3][3], lateral, height, level, outwards, radius, wheel_half, rail_half;
 } stand_of;
 
+/* axle: its direction, outwards and upwards; slope: of the rail, the same; creeps_on_slope: 1 where creepage is along
+ * the rail as it slopes, else 0. */
 typedef struct {
-    double velocity[3], rate[3], slope[2], friction;
+    double velocity[3], rate[3], axle[2], slope[2], friction, creeps_on_slope;
 } motion_of;
 
 /* The steel, and the surface of rbd_model/adhesion.py. */
@@ -449,31 +451,48 @@ static void creep_of_strip(const strip_of *strip, const double *steady, double t
     for (int i = 0; i < 2; ++i) force[i] = total[i] * 2.0 * strip->half_length / (double)CELLS * strip->breadth;
 }
 
+/* As `RailSlope` of pressing_patch.py; ahead [m]: where the strip touches, and so moves down. */
+typedef struct {
+    double aside, drift, ahead;
+} rail_slope_of;
+
+static rail_slope_of rail_slope(const strip_of *strip, const motion_of *motion) {
+    const double *slope = motion->slope, *axle = motion->axle, radius = strip->cosine / (2.0 * strip->curvature);
+    const double drift = motion->creeps_on_slope * (strip->cosine * slope[1] - strip->sine * slope[0]);
+    const rail_slope_of found = {motion->creeps_on_slope * (strip->cosine * slope[0] + strip->sine * slope[1]), drift,
+                                 radius * drift / (strip->cosine * axle[0] + strip->sine * axle[1])};
+    return found;
+}
+
 /* How the wheel's surface slides at a strip: ahead, to the side [m/s], spin [rad/s], and closing in on the rail. */
 static void slide(const strip_of *strip, const motion_of *motion, double *sliding) {
     const double *w = motion->rate, *r = strip->arm;
     const double v[3] = {motion->velocity[0] + w[1] * r[2] - w[2] * r[1], motion->velocity[1] + w[2] * r[0] - w[0] * r[2],
                          motion->velocity[2] + w[0] * r[1] - w[1] * r[0]};
     const double drift = strip->cosine * motion->slope[1] - strip->sine * motion->slope[0];
-    sliding[0] = v[0];
-    sliding[1] = strip->cosine * v[1] + strip->sine * v[2];
+    const double sideways = strip->cosine * v[1] + strip->sine * v[2];
+    const rail_slope_of on = rail_slope(strip, motion);
     sliding[2] = strip->cosine * w[2] - strip->sine * w[1];
     sliding[3] = motion->velocity[0] * drift + strip->sine * v[1] - strip->cosine * v[2];
+    sliding[0] = v[0] + on.aside * sideways - on.drift * sliding[3];
+    sliding[1] = sideways - on.aside * v[0] - on.ahead * (strip->sine * w[1] - strip->cosine * w[2]);
 }
 
 /* Adds what a strip does to its wheelset: `force` ahead and to the side, and the load that presses it. */
 static void add_strip(const strip_of *strip, const motion_of *motion, const double *sliding, const double *force,
                       double load, double elastic, double *result) {
     const double drift = strip->cosine * motion->slope[1] - strip->sine * motion->slope[0], *r = strip->arm;
-    const double f[3] = {force[0], strip->cosine * force[1] - strip->sine * load,
-                         strip->sine * force[1] + strip->cosine * load};
-    result[0] += f[0] - drift * load;
+    const rail_slope_of on = rail_slope(strip, motion);
+    const double ahead = force[0] - on.aside * force[1], aside = force[1] + on.aside * force[0];
+    const double normal = load + on.drift * force[0];
+    const double f[3] = {ahead, strip->cosine * aside - strip->sine * normal, strip->sine * aside + strip->cosine * normal};
+    result[0] += f[0] - drift * normal;
     result[1] += f[1];
     result[2] += f[2];
     result[3] += r[1] * f[2] - r[2] * f[1];
-    result[4] += r[2] * f[0] - r[0] * f[2];
-    result[5] += r[0] * f[1] - r[1] * f[0];
-    result[6] += f[0];
+    result[4] += r[2] * f[0] - r[0] * f[2] - on.ahead * strip->sine * force[1];
+    result[5] += r[0] * f[1] - r[1] * f[0] + on.ahead * strip->cosine * force[1];
+    result[6] += force[0];
     result[7] -= force[0] * sliding[0] + force[1] * sliding[1];
     result[9] += (load - elastic) * sliding[3];
     result[10] += 0.5 * elastic * strip->overlap; /* work of surfaces that are lowered in proportion */
@@ -547,6 +566,8 @@ static void move_how(const double *argument, double side, const stand_of *stand,
     const double own[3] = {side * argument[3], argument[4], side * argument[5]};
     for (int i = 0; i < 3; ++i)
         motion->rate[i] = stand->axes[i][0] * own[0] + stand->axes[i][1] * own[1] + stand->axes[i][2] * own[2];
+    motion->axle[0] = stand->axes[1][1];
+    motion->axle[1] = stand->axes[2][1];
     motion->velocity[0] = argument[0];
     motion->velocity[1] = side * argument[1];
     motion->velocity[2] = argument[2];
@@ -565,6 +586,7 @@ static void forces_of_wheel(const wheel_on_rail *pair, const fits_of *fits, cons
     motion_of motion;
     stand_where(argument, constant, &stand);
     move_how(argument, side, &stand, &motion);
+    motion.creeps_on_slope = constant[14];
     if (anew) press(pair, fits, &stand, steel.plane_modulus, found);
     for (int i = 0; i < OF_SEGMENT * pair->segments; ++i) result[i] = 0.0;
     creep(found, &motion, &steel, result);

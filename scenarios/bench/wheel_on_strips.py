@@ -35,7 +35,7 @@ def library_of_wheel(pair: Pair, steel: Steel, gauge_face: float = 1.0) -> Libra
     system, part = System("WheelOnStrips", "one wheel on its rail, by strips"), wheel_on_strips(pair.left)
     given = [system.input(Variable(f"given_{i}", "input", "1", f"Argument {i}")) for i in range(ARGUMENTS)]
     geometry = (LEFT, pair.radius, pair.wheel_half_distance, pair.rail_half_distance)
-    fixed = (*geometry, NO_SPEED, steel.shear_modulus, *CONSTANT_FRICTION, 0.0, gauge_face, steel.poisson_ratio)
+    fixed = (*geometry, NO_SPEED, steel.shear_modulus, *CONSTANT_FRICTION, 0.0, gauge_face, steel.poisson_ratio, 0.0)
     results = system.call(part, ca.vertcat(*given), ca.SX(fixed))
     for i, result in enumerate(ca.vertsplit(results)):
         system.output(Variable(f"found_{i}", "output", "1", f"Result {i}"), result)
