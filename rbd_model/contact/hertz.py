@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -96,15 +97,24 @@ def ellipse_shape(
 FIT_RANGE, FIT_POINTS = 2.35, 400
 #: Terms of the polynomials; they are within 1e-4 of the axis ratio and 2e-4 of the mean semi-axis.
 RATIO_TERMS, SIZE_TERMS = 4, 5
+#: Range of ln(a/b) of ellipses that are long along the rail, as those of a flange are, of 17 to 18: cubics go on behind
+#: the polynomials, with their value and slope, within 3e-4 of the axis ratio and 5e-4 of the mean semi-axis.
+LONGEST = math.log(30.0)
 
 
 @dataclass(frozen=True)
 class EllipseFit:
-    """Polynomials in q = ln(B/A), |q| <= limit: ln(a/b) = q sum r_i q^2i, and ln(E / sqrt(g)) = sum s_i q^2i."""
+    """Polynomials in q = ln(B/A), |q| <= limit: ln(a/b) = q sum r_i q^2i, and ln(E / sqrt(g)) = sum s_i q^2i.
+
+    From the limit on, up to q = end, what `ratio_on` and `size_on` make of q - limit is added to the values there.
+    """
 
     limit: float
     ratio: tuple[float, ...]
     size: tuple[float, ...]
+    end: float
+    ratio_on: tuple[float, ...]
+    size_on: tuple[float, ...]
 
 
 @lru_cache
@@ -118,7 +128,24 @@ def ellipse_fit() -> EllipseFit:
     odd = np.column_stack([q ** (2 * i + 1) for i in range(RATIO_TERMS)])
     even = np.column_stack([q ** (2 * i) for i in range(SIZE_TERMS)])
     ratio, sizes = (np.linalg.lstsq(matrix, y, rcond=None)[0] for matrix, y in ((odd, logarithm), (even, size)))
-    return EllipseFit(float(q[-1]), tuple(ratio.tolist()), tuple(sizes.tolist()))
+    limit = float(q[-1])
+    longer = np.linspace(FIT_RANGE, LONGEST, FIT_POINTS)
+    q, size = (np.array(column).ravel() for column in exact(np.exp(-longer)[None, :]))
+    # As polynomials of q itself.
+    own = np.kron(ratio, [0.0, 1.0]), np.kron(sizes, [1.0, 0.0])
+    on = [going_on(one, limit, q, y) for one, y in zip(own, (longer, size), strict=True)]
+    return EllipseFit(limit, tuple(ratio.tolist()), tuple(sizes.tolist()), float(q[-1]), *on)
+
+
+def going_on(terms: np.ndarray, limit: float, x: np.ndarray, y: np.ndarray) -> tuple[float, ...]:
+    """Coefficients of a cubic of x - limit that goes on behind a polynomial, to be added to its value at the limit.
+
+    It takes on value and slope there, and for the rest is the least squares through y, such as E of (3.87).
+    """
+    inside, past = np.polynomial.Polynomial(terms), x - limit
+    slope = float(inside.deriv()(limit))
+    bends = np.linalg.lstsq(past[:, None] ** [2, 3], y - inside(limit) - slope * past, rcond=None)[0]
+    return 0.0, slope, *bends.tolist()
 
 
 def polynomial(coefficients: tuple[float, ...], x: ca.SX) -> ca.SX:
@@ -132,14 +159,17 @@ def polynomial(coefficients: tuple[float, ...], x: ca.SX) -> ca.SX:
 def moving_ellipse(along: ca.SX, across: ca.SX, load: ca.SX, shear_modulus: ca.SX) -> tuple[ca.SX, ca.SX]:
     """ln(a/b) and semi-axis (a b)^(1/2) [m], eqs (3.82), (3.84), (3.87), of a contact that moves.
 
-    along, across: the curvatures A and B [1/m], which change; load [N]. Equal to `ellipse_shape` within the fit; beyond
-    axis ratios of 10 the ratio stays, so that a contact that loses its curvature (`across` near 0, or below in a trial
-    step) remains finite.
+    along, across: the curvatures A and B [1/m], which change; load [N]. Equal to `ellipse_shape` within the fit; where
+    the ellipse would be 30 times as long along the rail as across, or 10 times as broad as long, the ratio stays, so
+    that a contact that loses its curvature (`across` near 0, or below in a trial step) remains finite.
     """
     fit = ellipse_fit()
     floor = along * np.exp(-fit.limit)
-    q = ca.fmin(ca.log(ca.fmax(across, floor) / along), fit.limit)
-    logarithm = q * polynomial(fit.ratio, q**2)
+    whole = ca.log(ca.fmax(across, floor) / along)
+    q = ca.fmin(whole, fit.limit)
+    past = ca.fmin(whole, fit.end) - q
+    logarithm = q * polynomial(fit.ratio, q**2) + polynomial(fit.ratio_on, past)
     scale = 3 * (1 - POISSON_RATIO) / (2 * ca.pi * shear_modulus)
     cube = scale * load / (along + ca.fmax(across, floor))
-    return logarithm, ca.exp((ca.log(cube) + polynomial(fit.size, q**2)) / 3)
+    size = polynomial(fit.size, q**2) + polynomial(fit.size_on, past)
+    return logarithm, ca.exp((ca.log(cube) + size) / 3)
