@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from rbd_model.vehicle import Connection, Vehicle, wheelset_name
-from tests.maximal.hertz import EXACT, Hertz
+from tests.maximal.hertz import load_of, semi_axes_of
 from tests.maximal.joints import Carriers, End, Ends, on_bodies, wrenches
 from tests.maximal.motion import Moving, accelerations
 from tests.maximal.rails import Course, Rails, Shifted
@@ -69,10 +69,9 @@ class GivenWay:
 class Oracle:
     """A vehicle on its rails. rails: for each wheelset's left and right wheel, on the course.
 
-    carriers: what carries the directions of a connection. hertz, square: two things that the fast model has simpler
-    than they are, its polynomials in place of elliptic integrals, and `Touch.square` in place of curvatures of a wheel
-    that yaws. grid, step [m]: of contacts, and of differences. below: stiffness [N/m] and damping [N.s/m] that hold
-    the rails below a wheelset, in the order of `give`.
+    carriers: what carries the directions of a connection. square: what the fast model has simpler than it is,
+    `Touch.square` in place of curvatures of a wheel that yaws. grid, step [m]: of contacts, and of differences. below:
+    stiffness [N/m] and damping [N.s/m] that hold the rails below a wheelset, in the order of `give`.
     """
 
     vehicle: Vehicle
@@ -80,7 +79,6 @@ class Oracle:
     course: Course
     carriers: Callable[[Connection, Ends], Carriers] = lambda connection, ends: on_bodies(ends)
     below: np.ndarray = field(default_factory=lambda: np.zeros((2, 3)))
-    hertz: Hertz = EXACT
     square: bool = False
     grid: float = GRID
     step: float = STEP
@@ -196,7 +194,7 @@ class Oracle:
         by_place, moved = self.parting(rail, body, touch), rail.speed(body)
         closing = float(by_place[:3] @ moved - by_place @ body.twist)
         curvatures = touch.square if self.square else touch.curvatures
-        elastic = self.hertz.load(touch.approach, *curvatures, modulus)
+        elastic = load_of(touch.approach, *curvatures, modulus)
         load = elastic * max(1 + number("contact_damping") * closing, 0.0)
         if load <= 0.0:
             return np.zeros(6), 0.0
@@ -206,7 +204,7 @@ class Oracle:
         least, forward = number("creepage_speed"), float(self.track(body.position)[:, 0] @ body.velocity)
         slides = sliding @ touch.along, sliding @ sideways, body.rate @ touch.normal * np.clip(forward / least, -1, 1)
         creepages = np.array(slides) / math.hypot(forward, least)
-        axes = self.hertz.semi_axes(load, *curvatures, modulus)
+        axes = semi_axes_of(load, *curvatures, modulus)
         patch = Rolling(tuple(creepages.tolist()), load, friction, axes, modulus)  # type: ignore[arg-type]
         along, aside = (shen_hedrick_elkins if flange else polach)(patch)
         creep = along * touch.along + aside * sideways

@@ -11,10 +11,12 @@ from scipy.spatial import cKDTree
 
 from rbd_model.contact.profiles import Profile
 
-#: Gauss's quadrature of the way in the plan: on a line of 100 m with a curve of 200 m it is right to round-off.
-POINTS, WEIGHTS = np.polynomial.legendre.leggauss(16)
-#: Pitch of the points of a rail from which the search for the nearest one starts [m], and its rounds.
-POINT_PITCH, ROUNDS = 0.05e-3, 4
+#: Gauss's quadrature of the way in the plan: on a line of 100 m with a curve of 200 m it is right to round-off; with
+#: fewer points from the middle of some places to each of them, a metre away.
+GAUSS, SHORT_GAUSS = np.polynomial.legendre.leggauss(16), np.polynomial.legendre.leggauss(5)
+#: Pitch of the points of a rail from which the search for the nearest one starts [m], and its rounds; those that are
+#: left for points beside one whose place on the line is known.
+POINT_PITCH, ROUNDS, MORE_ROUNDS = 0.05e-3, 4, 3
 #: Distance of the rails' heads over which cant is measured, EN 13803 [m].
 GAUGE = 1.5
 #: Of the difference by which the direction of a swept rail is found [m].
@@ -41,12 +43,19 @@ class Course:
         return self.curvature[0] * s + self.curvature[1] * s**2 / 2
 
     def origin(self, s: np.ndarray) -> np.ndarray:
-        """Places of the centre line [m], shape (n, 3), by quadrature of its direction from 0."""
+        """Places of the centre line [m], shape (n, 3), by quadrature of its direction from 0, over their middle."""
         s = np.atleast_1d(s)
-        at = s[:, None] * (1 + POINTS) / 2
+        middle = np.mean(s, keepdims=True)
+        return self._way(np.zeros(1), middle, GAUSS) + self._way(middle, s, SHORT_GAUSS)
+
+    def _way(self, start: np.ndarray, end: np.ndarray, gauss: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+        """From places of the line to others [m], shape (n, 3)."""
+        points, weights = gauss
+        half = (end - start) / 2
+        at = (start + half)[:, None] + half[:, None] * points
         level = np.sqrt(1 - self._linear(self.gradient, at) ** 2)
         ahead = [level * np.cos(self.heading(at)), level * np.sin(self.heading(at)), self._linear(self.gradient, at)]
-        return np.stack([s / 2 * (one @ WEIGHTS) for one in ahead], axis=-1)
+        return np.stack([half * (one @ weights) for one in ahead], axis=-1)
 
     def axes(self, s: np.ndarray) -> np.ndarray:
         """Axes of the track (columns), shape (n, 3, 3): Rz(heading), then the gradient, then the roll about it."""
@@ -61,11 +70,16 @@ class Course:
 
     def place_of(self, points: np.ndarray) -> np.ndarray:
         """Distances s at which points, shape (n, 3), lie in the section square to the line [m], by Newton's method."""
-        s = points[:, 0].copy()
-        for _ in range(ROUNDS):
+        middle = np.mean(points, axis=0, keepdims=True)
+        known = self._newton(middle, middle[:, 0], ROUNDS)
+        return self._newton(points, known + (points - middle) @ self.axes(known)[0][:, 0], MORE_ROUNDS)
+
+    def _newton(self, points: np.ndarray, s: np.ndarray, rounds: int) -> np.ndarray:
+        """Better distances s than these."""
+        for _ in range(rounds):
             axes, away = self.axes(s), points - self.origin(s)
             ahead, aside = (np.einsum("ni,ni->n", axes[..., i], away) for i in (0, 1))
-            s += ahead / (1 - self._linear(self.curvature, s) * aside)
+            s = s + ahead / (1 - self._linear(self.curvature, s) * aside)
         return s
 
 

@@ -31,9 +31,9 @@ TABLE_E3 = (
     (1 / 0.2, 7.78, 8.14, 6.63),
     (1 / 0.1, 11.7, 12.8, 14.6),
 )
-#: The law that ships draws its coefficients through the table as ln(c) by a polynomial of ln(a/b): its degree, and how
-#: far it is used.
-DEGREE, FAR = 5, 2.35
+#: The law that ships draws its coefficients through the table as ln(c) by a polynomial of ln(a/b): its degree, and the
+#: a/b where the table ends.
+DEGREE, END = 5, 10.0
 
 
 @lru_cache
@@ -43,10 +43,30 @@ def _fits() -> tuple[np.ndarray, ...]:
 
 
 def kalker(axis_ratio: float) -> tuple[float, float, float]:
-    """c11, c22 and c23 of an ellipse a/b; a little beyond the table, 10.5, they stay."""
-    logarithm = min(max(math.log(axis_ratio), -FAR), FAR)
-    c11, c22, c23 = (math.exp(np.polyval(fit, logarithm)) for fit in _fits())
-    return c11, c22, c23
+    """c11, c22 and c23 of an ellipse a/b: by the table, and where it is longer beside the limits for slender ellipses.
+
+    Over these the coefficients are what they are at the end of the table, which goes to 1 with b/a.
+    """
+    inside = min(axis_ratio, END)
+    found = np.exp([np.polyval(fit, math.log(inside)) for fit in _fits()])
+    if axis_ratio > END:
+        share = END / axis_ratio
+        found = slender(axis_ratio) * (1 + share * (found / slender(END) - 1))
+    return float(found[0]), float(found[1]), float(found[2])
+
+
+def slender(axis_ratio: float) -> np.ndarray:
+    """Limits of c11, c22, c23 for b/a -> 0: Kalker (1990), table E.3, its last row."""
+    g, nu = 1 / axis_ratio, 0.25
+    size = math.log(16 / g**2)
+    of_x, of_y = size - 2 * nu, (1 - nu) * size + 2 * nu
+    return np.array(
+        [
+            2 * math.pi / (of_x * g) * (1 + (3 - math.log(4)) / of_x),
+            2 * math.pi / (of_y * g) * (1 + (1 - nu) * (3 - math.log(4)) / of_y),
+            2 * math.pi / (3 * g * math.sqrt(g) * ((1 - nu) * size - 2 + 4 * nu)),
+        ]
+    )
 
 
 @dataclass(frozen=True)

@@ -1,49 +1,52 @@
 """Level 3 at contact depth 2, which runs by default, against an oracle in maximal coordinates that shares nothing.
 
 The oracle has an inertial frame, a potential that is differenced for each connection, surfaces that are searched for
-contacts, and laws of its own. It is compared twice: with two simplifications of the fast model taken over, Hertz by
-polynomials and curvatures of a wheel that is square to its rail, to what half a micrometre makes; and without them.
+contacts, and laws of its own. On a line its rails are the contour swept along the line. It is compared twice: with one
+simplification of the fast model taken over, curvatures of a wheel that is square to its rail, and without.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, fields, replace
 from functools import cache
+from itertools import count, islice
 from pathlib import Path
 from random import Random
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 import pytest
 
-from rbd_model.vehicle import Connection, Vehicle
+from rbd_model.vehicle import Connection, Springs, Vehicle
 from rbd_model.vehicles import passenger_coach, two_axle_bogie
+from tests.maximal import joints
 from tests.maximal import oracle as oracles
 from tests.maximal.correspondence import bodies_of, rates_of
-from tests.maximal.hertz import by_polynomials
 from tests.maximal.joints import STEP, Carriers, Ends, on_bodies, wrenches
 from tests.maximal.machine import Answer, Machine
+from tests.maximal.motion import Moving
 from tests.maximal.oracle import Oracle
 from tests.maximal.rails import STRAIGHT, Course, prisms, swept
-from tests.maximal.states import Snapshot, random_course, random_state
+from tests.maximal.states import Snapshot, random_course, random_state, rivals
 
 VEHICLES: dict[str, Callable[[], Vehicle]] = {"bogie": two_axle_bogie, "coach": passenger_coach}
 #: Grids of the contacts [m], each half of the one before.
 GRIDS = (0.1e-3, 0.05e-3, 0.025e-3)
 #: Of the largest acceleration. Bodies see connections alone, differenced over 10 um: 2e-9 of a force; measured 6e-10.
 BODY_BAND = 3e-9
-#: Of the largest acceleration and wheel load, with both simplifications; measured 3.1e-4. The grid errs by 2e-5. The
-#: rest is the place of a flange contact, half a micrometre, where the spline through the gauge corner changes its
-#: curvature by 1 % in a micrometre.
-PLACE_BAND = 4e-4
-#: Without them: polynomials for Hertz, 2e-4 on treads. Flange ellipses are 17 times as long as broad, and count as
-#: 10.5; measured 1.2e-2.
-EXACT_TREAD_BAND, EXACT_BAND = 3e-4, 2e-2
-#: On rails that are swept along the line; measured 7.8e-3. On a ramp a wheel slides up or down its rail by the slope,
-#: which a prism does not have: a lateral creepage of 3e-4 on a flange makes 4.5e-3.
-SWEPT_BAND = 1e-2
+#: Of the largest acceleration and wheel load, with the simplification. On treads polynomials for Hertz err by 2e-4, and
+#: by as much on flanges; there the place of the contact, half a micrometre, adds 3e-4, where the spline through the
+#: gauge corner changes its curvature by 1 % in a micrometre. The grid errs by 2e-5.
+TREAD_BAND, SQUARE_BAND = 3e-4, 6e-4
+#: Of wheelsets on lines: a rail that rises pushes back beside the middle of the axle and so turns it, by slope x half
+#: gauge x load, 0.1 kN.m on a ramp of 1 : 600. The fast model knows no such moment; measured 8.5e-4.
+RAMP_BAND = 1e-3
+#: Without it: a flange that yaws by 9 mrad is 1.5 % flatter along the rail than one that is square to it; measured
+#: 3.9e-3. Of that the grid makes 4e-4, as second differences of a surface ask for a fine one.
+EXACT_BAND = 5e-3
 #: Steps of displacements by which connections are differenced [m], [rad]; what that errs by, of the largest force.
 STEPS, STEP_BAND = (4e-3, 2e-3, 1e-3), 1e-8
 #: Least share by which the error of the grid falls when it is halved: 4 is the second order.
@@ -67,11 +70,6 @@ def base(name: str) -> float:
 
 def oracle(name: str, course: Course, rails: Callable = prisms, **changes: object) -> Oracle:  # type: ignore[type-arg]
     return machine(name, course is not STRAIGHT).oracle(course, base(name), rails, **changes)
-
-
-def as_shipped(name: str, course: Course, **changes: object) -> Oracle:
-    """The oracle with the two simplifications of the fast model."""
-    return oracle(name, course, hertz=by_polynomials(), square=True, **changes)
 
 
 @cache
@@ -131,31 +129,58 @@ def differences(
     )
 
 
-def compare(name: str, on_line: bool, seed: int, grid: float) -> None:
-    """One state of the fast model against its oracle."""
-    at, answer = snapshot(name, on_line, seed), answered(name, on_line, seed)
-    vehicle = VEHICLES[name]()
-    found = differences(vehicle, as_shipped(name, at.course, grid=grid), at, answer)
+def found_at(name: str, on_line: bool, seed: int, **changes: object) -> Differences:
+    """One state of the fast model against its oracle.
+
+    On a line the wheelsets of the oracle lie some micrometres beside those of the fast model, at the same pressures:
+    the wheels of a yawed one stand ahead of its middle and behind it, where a twisted track is higher or lower. Bodies,
+    which see no rails, are compared where they are.
+    """
+    at, answer, vehicle = snapshot(name, on_line, seed), answered(name, on_line, seed), VEHICLES[name]()
+    rails = swept if on_line else prisms
+    there = snapshot(name, on_line, seed, rails)
+    found = differences(vehicle, oracle(name, at.course, rails, **changes), at, answer, there)
+    if there is at:
+        return found
+    same = differences(vehicle, oracle(name, at.course, **changes), at, answer)
+    return replace(found, bodies=same.bodies)
+
+
+def compare(name: str, on_line: bool, seed: int) -> None:
+    """One state of the fast model against its oracle, with the simplification and without."""
+    found = found_at(name, on_line, seed, square=True, grid=GRIDS[-1])
     assert found.bodies < BODY_BAND, (seed, found)
-    assert max(found.wheelsets, found.forces) < PLACE_BAND, (seed, found)
+    assert found.treads < TREAD_BAND, (seed, found)
+    assert found.forces < SQUARE_BAND, (seed, found)
+    assert found.wheelsets < (RAMP_BAND if on_line else SQUARE_BAND), (seed, found)
     assert found.places < KINEMATIC, (seed, found)
-    exact = differences(vehicle, oracle(name, at.course, grid=grid), at, answer)
-    assert exact.treads < EXACT_TREAD_BAND, (seed, exact)
+    exact = found_at(name, on_line, seed, grid=GRIDS[-1])
+    assert exact.treads < TREAD_BAND, (seed, exact)
     assert max(exact.wheelsets, exact.forces) < EXACT_BAND, (seed, exact)
+
+
+def judged(name: str, on_line: bool, many: int) -> Iterator[int]:
+    """Seeds of so many states; those are left out in which a tread touches its rail in two places that are as deep.
+
+    Between these the fast model finds no place, and presses with up to nine times the load (docs/limits.md).
+    """
+    vehicle = VEHICLES[name]()
+    states = ((seed, snapshot(name, on_line, seed)) for seed in count())
+    return islice((seed for seed, at in states if not rivals(vehicle, oracle(name, at.course), at)), many)
 
 
 @pytest.mark.parametrize("on_line", [False, True])
 def test_accelerations_and_wheel_forces_are_those_of_maximal_coordinates(on_line: bool) -> None:
-    for seed in range(FEW):
-        compare("bogie", on_line, seed, GRIDS[-1])
+    for seed in judged("bogie", on_line, FEW):
+        compare("bogie", on_line, seed)
 
 
 @pytest.mark.long
 @pytest.mark.parametrize("on_line", [False, True])
 @pytest.mark.parametrize("name", VEHICLES)
 def test_they_are_at_many_states_of_bogie_and_coach(name: str, on_line: bool) -> None:
-    for seed in range(MANY):
-        compare(name, on_line, seed, GRIDS[-1])
+    for seed in judged(name, on_line, MANY):
+        compare(name, on_line, seed)
 
 
 def flanging(name: str, on_line: bool) -> int:
@@ -170,25 +195,11 @@ def test_error_of_the_grid_falls_with_the_square_of_its_pitch() -> None:
     bodies = bodies_of(VEHICLES["bogie"](), at.course, at.value)
     forces = []
     for grid in GRIDS:
-        wheels = as_shipped("bogie", at.course, grid=grid).answer(bodies, at.scene, at.value)[1]
+        wheels = oracle("bogie", at.course, grid=grid).answer(bodies, at.scene, at.value)[1]
         forces.append(np.array([one.force for one in wheels.values()]))
     coarse, fine = (np.max(np.abs(forces[i] - forces[i + 1])) for i in (0, 1))
     assert coarse > ORDER * fine
     assert fine > 0.0
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("name", VEHICLES)
-def test_wheels_meet_rails_that_are_swept_along_the_line_as_they_meet_prisms(name: str) -> None:
-    """On rails that are what they are wherever the wheelset is, at the same pressures: micrometres beside the state.
-
-    The wheels of a yawed wheelset stand ahead of its middle and behind it, where a twisted track is higher or lower.
-    """
-    for seed in range(MANY):
-        at, beside = snapshot(name, True, seed), snapshot(name, True, seed, swept)
-        asked = oracle(name, at.course, swept, hertz=by_polynomials(), square=True, grid=GRIDS[-1])
-        found = differences(VEHICLES[name](), asked, at, answered(name, True, seed), beside)
-        assert max(found.bodies, found.wheelsets, found.forces) < SWEPT_BAND, (seed, found)
 
 
 #: What of the package the oracle may read: data. Beside it stand the files that know what the fast model's states mean.
@@ -218,12 +229,17 @@ def test_error_of_a_differenced_connection_falls_with_the_square_of_its_step() -
     assert fine * (STEP / STEPS[1]) ** 2 < STEP_BAND * np.max(np.abs(found[-1]))
 
 
-#: What the oracle must not do without, with one thing wrong in each.
-WRONG: dict[str, Callable[[Oracle], Oracle]] = {
-    "contact without damping": lambda one: with_parameter(one, "contact_damping", 0.0),
-    "gravity by a thousandth": lambda one: with_parameter(one, "gravity", 1.001),
-    "stiffer by a thousandth": lambda one: with_parameter(one, "lateral_stiffness", 1.001),
-    "carried by the upper body": lambda one: replace(one, carriers=carried_by_the_upper_body),
+#: What the oracle must not do without, with one thing wrong in each: whether on a line, and how.
+WRONG: dict[str, tuple[bool, Callable[[Oracle], Oracle]]] = {
+    "contact without damping": (False, lambda one: with_parameter(one, "contact_damping", 0.0)),
+    "gravity by a thousandth": (False, lambda one: with_parameter(one, "gravity", 1.001)),
+    "stiffer by a thousandth": (False, lambda one: with_parameter(one, "lateral_stiffness", 1.001)),
+    "carried by the upper body": (False, lambda one: replace(one, carriers=carried_by_the_upper_body)),
+    "springs 1 mm higher": (False, lambda one: with_springs_higher(one, 1e-3)),
+    "dampers without moment": (False, lambda one: of_kind(DampersWithoutMoment, one)),
+    "wheelsets without gyroscopic moment": (False, lambda one: of_kind(WithoutGyroscope, one)),
+    "no centrifugal force": (True, lambda one: of_kind(WithoutCentrifugal, one)),
+    "no rate of cant": (True, lambda one: of_kind(WithoutRateOfCant, one)),
 }
 
 
@@ -237,9 +253,82 @@ def carried_by_the_upper_body(connection: Connection, ends: Ends) -> Carriers:
     return lambda upper, lower: replace(own(upper, lower), directions=upper.axes)
 
 
+def with_springs_higher(one: Oracle, way: float) -> Oracle:
+    def higher(connection: Connection) -> Connection:
+        if not isinstance(connection, Springs):
+            return connection
+        x, y, z = connection.place
+        return replace(connection, place=(x, y, one.vehicle.number(z) + way))
+
+    connections = tuple(higher(connection) for connection in one.vehicle.connections)
+    return replace(one, vehicle=replace(one.vehicle, connections=connections))
+
+
+def of_kind(kind: type[Oracle], one: Oracle) -> Oracle:
+    return kind(**{entry.name: getattr(one, entry.name) for entry in fields(one) if entry.init})
+
+
+class DampersWithoutMoment(Oracle):
+    """Each pushes at the centres of both bodies."""
+
+    def answer(self, *given: Any) -> Any:
+        right = joints.wrenches_of
+
+        def wrong(stretch: joints.Stretch, law: joints.Law, ends: Ends, step: float) -> np.ndarray:
+            alone = right(stretch, joints.Law(law.potential), ends, step)
+            damped = right(stretch, law, ends, step) - alone
+            return alone + damped * np.tile([1, 1, 1, 0, 0, 0], 2)
+
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(joints, "wrenches_of", wrong)
+            return super().answer(*given)
+
+
+class WithoutGyroscope(Oracle):
+    """What turns a wheelset by its own spin."""
+
+    def acceleration(self, name: str, body: Moving, wrench: np.ndarray) -> np.ndarray:
+        found = super().acceleration(name, body, wrench)
+        if name in self.wheelsets:
+            inertia = [self.vehicle.number(size) for size in self.vehicle.wheelsets[0].inertia]
+            tensor = body.axes @ np.diag(inertia) @ body.axes.T
+            found[3:] += np.linalg.solve(tensor, np.cross(body.rate, tensor @ body.rate))
+        return found
+
+
+class WithoutCentrifugal(Oracle):
+    """What the axes of the track that go along with a body add as they turn."""
+
+    kept = np.array([1.0, 1.0, 1.0])
+
+    def acceleration(self, name: str, body: Moving, wrench: np.ndarray) -> np.ndarray:
+        found = super().acceleration(name, body, wrench)
+        axes, step = self.track(body.position), 1e-3
+        ahead, behind = (self.track(body.position + sign * step * axes[:, 0]) for sign in (1, -1))
+        turning = axes.T @ (ahead - behind) / (2 * step)
+        spin = axes @ (self.kept * [turning[2, 1], turning[0, 2], turning[1, 0]]) * (axes[:, 0] @ body.velocity)
+        found[:3] += np.cross(spin, body.velocity)
+        return found
+
+
+class WithoutRateOfCant(WithoutCentrifugal):
+    """What they add as they roll."""
+
+    kept = np.array([1.0, 0.0, 0.0])
+
+
+def on_ramp() -> int:
+    """The first state of the bogie where cant changes."""
+    return next(seed for seed in range(MANY) if snapshot("bogie", True, seed).course.roll[1] != 0.0)
+
+
 @pytest.mark.parametrize("wrong", WRONG)
 def test_one_thing_wrong_in_the_oracle_shows(wrong: str) -> None:
-    at = snapshot("bogie", False, 0)
-    one = WRONG[wrong](as_shipped("bogie", at.course, grid=GRIDS[-1]))
-    found = differences(one.vehicle, one, at, answered("bogie", False, 0))
-    assert found.bodies > 10 * BODY_BAND or max(found.wheelsets, found.forces) > 2 * PLACE_BAND
+    """On a line by the bodies, as rails that slope are no prisms."""
+    on_line, change = WRONG[wrong]
+    seed = on_ramp() if on_line else 0
+    at = snapshot("bogie", on_line, seed)
+    one = change(oracle("bogie", at.course, square=True, grid=GRIDS[-1]))
+    found = differences(one.vehicle, one, at, answered("bogie", on_line, seed))
+    on_rails = 0.0 if on_line else max(found.wheelsets, found.forces)
+    assert found.bodies > 10 * BODY_BAND or on_rails > 2 * SQUARE_BAND
