@@ -243,7 +243,7 @@ def test_recording_of_methods_without_an_extension_is_accurate_between_steps() -
 
 # ---- other methods on the same equations -----------------------------------------------------------------------------
 
-#: Band of docs/checking.md for the default at its own tolerance; an engineer reads off ten times as much.
+#: Band of docs/checking.md for the default at its own tolerance; an engineer reads off five times as much.
 DEFAULT_BAND = 2e-5
 #: A change of the wheel radius that must be seen in every scene, relative; between its flanges a wheelset hunts with a
 #: peak that hardly depends on it.

@@ -172,7 +172,9 @@ def test_lock_time_is_located_and_not_sampled() -> None:
 
 
 #: Share of an output's largest value; what static loads are to keep, and what is clearly wrong.
-RIGHT, WRONG = 2.1e-3, 0.1
+RIGHT, WRONG = 2e-3, 0.1
+#: The spatial level's creep force rocks for a second after the torque has grown, by 2.0e-3 of its largest value.
+ROCKING = 2.1e-3
 ALWAYS_WRONG = ("slip", "slip_ratio", "axle_load")
 WRONG_NEAR_THE_LIMIT = ("locked", "creep_force")
 RIGHT_BELOW = ("speed", "distance", "angular_velocity", "rotation")
@@ -203,7 +205,8 @@ def point_off(utilisation: float) -> dict[str, float]:
 def test_smallest_level_takes_load_transfer_where_its_absence_is_seen() -> None:
     assert set(DECIDED_BY_LOAD_TRANSFER) == {*ALWAYS_WRONG, *WRONG_NEAR_THE_LIMIT}
     below, above = point_off(STATIC_LOADS_UP_TO), point_off(0.9)
-    assert max(below[family] for family in (*RIGHT_BELOW, *WRONG_NEAR_THE_LIMIT)) < RIGHT
+    assert max(below[family] for family in RIGHT_BELOW) < RIGHT
+    assert max(below[family] for family in WRONG_NEAR_THE_LIMIT) < ROCKING
     assert min(below[family] for family in ALWAYS_WRONG) > WRONG
     assert min(above[family] for family in DECIDED_BY_LOAD_TRANSFER) > WRONG
     # Above the limit static loads are wrong for everything: the bound on what the brakes ask for is needed.
