@@ -21,7 +21,7 @@ from rbd_model.rolling_contact import Pieces, Placement, Touch, Wheel, follow_co
 
 #: Least sum of the curvatures of wheel and rail across the track with which a common normal is looked for [1/m], and
 #: how far from the nearest point of the table [m]: half of a profile's piece, beyond which its polynomial means little.
-LEAST_CURVATURE, LARGEST_STEP = 0.5, KNOT_DISTANCE / 2
+LEAST_CURVATURE, LARGEST_STEP = 0.5, KNOT_DISTANCE / 10
 
 
 @dataclass(frozen=True)
@@ -96,19 +96,43 @@ def patch_of_wheel(wheel_terms: int, rail_terms: int) -> Part:
     return Part(f"patch_{wheel_terms}_{rail_terms}", given, constants, results.vector, chain)
 
 
-def offset_along(patch: Patch, placement: Placement, on: Wheel, height: ca.SX) -> ca.SX:
-    """How far the wheel's profile lies along the patch's direction from the rail's (3.1) [m], the table's argument.
+@dataclass(frozen=True)
+class Outline:
+    """A wheel's outline in the axes of a patch, from the rail's origin, as far as yaw and roll move it there.
 
-    As if the wheelset neither rolled nor yawed. Seen from the wheel, a roll moves the rail's arc as its centre moves. A
-    wheel that yaws touches ahead of or behind its axle where it is steep: with the slope tan(g) of the direction by
-    r tan(g) yaw, (3.54), which moves its outline outwards by r tan(g) yaw^2 and up by half of r tan(g)^2 yaw^2.
+    along, square [m]: of its y = 0; cosine, sine: of its roll.
     """
-    origin = turned_by(placement.cosines) @ ca.vertcat(0, on.side * on.wheel_half_distance, -on.radius)
-    outward = on.side * (placement.lateral + origin[1]) - on.rail_half_distance
-    cosine, sine = direction_of(patch)
-    rolled = patch.radius * on.side * placement.cosines[3]
-    yawed = on.radius * sine * (1 + (sine / cosine) ** 2 / 2) * placement.yaw**2
-    return cosine * outward + sine * (height + origin[2]) + rolled + yawed
+
+    along: ca.SX
+    square: ca.SX
+    cosine: ca.SX
+    sine: ca.SX
+
+    @classmethod
+    def of(cls, patch: Patch, placement: Placement, on: Wheel, height: ca.SX) -> Outline:
+        """Of a wheel that stands as `placement` says; height [m]: of the wheelset's centre over the rail.
+
+        A wheel that yaws touches ahead of or behind its axle where it is steep: with the slope tan(g) of the direction
+        by r tan(g) yaw, (3.54), which moves its outline outwards by r tan(g) yaw^2 and up by half of r tan(g)^2 yaw^2.
+        """
+        origin = turned_by(placement.cosines) @ ca.vertcat(0, on.side * on.wheel_half_distance, -on.radius)
+        outward = on.side * (placement.lateral + origin[1]) - on.rail_half_distance
+        up = height + origin[2]
+        cosine, sine = direction_of(patch)
+        slope, yawed = sine / cosine, on.radius * sine * placement.yaw**2
+        level, leaning = placement.cosines[2], on.side * placement.cosines[3]
+        return cls(
+            cosine * outward + sine * up + yawed * (1 + slope**2 / 2),
+            cosine * up - sine * outward - yawed * slope / 2,
+            level,
+            leaning,
+        )
+
+    def at(self, along: ca.SX, square: ca.SX | float) -> tuple[ca.SX, ca.SX]:
+        """Along and square coordinates from the rail's origin of a point that has these from its y = 0 [m], (3.77)."""
+        return self.along + self.cosine * along - self.sine * square, (
+            self.square + self.sine * along + self.cosine * square
+        )
 
 
 def direction_of(patch: Patch) -> tuple[float, float]:
@@ -120,12 +144,12 @@ def direction_of(patch: Patch) -> tuple[float, float]:
 class Nearest:
     """The point of a patch that is nearest to its rail without yaw, (3.77), (3.78).
 
-    approach [m]: what it says of the approach, at least micrometres below the true one: enough to tell who touches.
+    approach [m]: what it says of the approach, to some hundredths of a millimetre: enough to tell who touches.
     """
 
     position: ca.SX
     pieces: Pieces
-    on_rail: ca.SX  # position on the rail's profile [m]
+    on_rail: ca.SX  # position on the rail's profile in the patch's axes [m]
     approach: ca.SX
 
 
@@ -134,15 +158,17 @@ def look_up_patch(
 ) -> Nearest:
     """Nearest point of a patch and pieces of both profiles there (3.77), (3.78).
 
-    at: where the wheelset stands, its wheel, and its height over the rail. Adds the tables, named after `name`.
+    at: where the wheelset stands, its wheel, and its height over the rail. Adds the tables, named after `name`. Seen
+    from the wheel, a roll moves the rail's arc as its centre moves.
     """
-    placement, on, height = at
-    direction = ca.SX(direction_of(patch))
-    guess = system.table(f"nearest_{name}", *patch.nearest, offset_along(patch, *at))
+    placement, on, _ = at
+    outline = Outline.of(patch, *at)
+    offset = outline.along + patch.radius * on.side * placement.cosines[3]
+    guess = system.table(f"nearest_{name}", *patch.nearest, offset)
     piece = system.look_up(f"wheel_{name}", *wheel.pieces, guess)
-    one = touch(placement, on, guess, piece)
-    along, square = along_and_square(one, height, direction)
-    rail = system.look_up(f"rail_{name}", *patch.rail.pieces, along)
-    above = square - polynomials(rail, along, 0)[0]
-    upright = direction[0] * one.across[1] - direction[1] * on.side * one.across[0]
-    return Nearest(guess, Pieces(piece, rail), one.on_rail, -above * upright)
+    beside = system.table(f"along_{name}", *patch.along, offset)
+    rail = system.look_up(f"rail_{name}", *patch.rail.pieces, outline.at(beside, patch.square)[0])
+    cosine, sine = direction_of(patch)
+    rises = polynomials(piece, guess, 0)[0]
+    along, square = outline.at(cosine * guess + sine * rises, cosine * rises - sine * guess)
+    return Nearest(guess, Pieces(piece, rail), along, polynomials(rail, along, 0)[0] - square)

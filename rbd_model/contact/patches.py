@@ -19,6 +19,8 @@ from rbd_model.contact.profiles import Profile, from_points
 
 #: How much further from the rail than the rest of the wheel a part may be to be looked at, and which jumps count [m].
 RELEVANT, JUMP = 0.3e-3, 1e-3
+#: Roll of a wheelset against its rails up to which jumps are looked for [rad]: one 6 mm higher than the other.
+TILT = 4e-3
 #: A part that bears on less slope is described along the track's own level [rad]; one on more of it is a flange.
 TREAD_SLOPE = math.radians(20.0)
 #: Largest angle between a rail's contour and the direction along which it is described [rad].
@@ -39,7 +41,8 @@ class Patch:
 
     direction [rad]: slope of the line along which both are described; limits [m]: of the wheel's part; rail: the
     contour of the rail in axes along and square to that line; nearest: breakpoints and coefficients of the position on
-    the wheel [m] that is nearest to the rail, by how far the wheel's y = 0 lies along the line from the rail's.
+    the wheel [m] that is nearest to the rail, by how far the wheel's y = 0 lies along the line from the rail's; along:
+    the same for how far that position lies along the line from y = 0 [m]; square [m]: and square to it, on the mean.
     radius [m]: of the rail's contour where the part bears. A roll leaves that arc as it is and only moves the wheel
     along it, about its centre.
     """
@@ -49,6 +52,8 @@ class Patch:
     limits: tuple[float, float]
     rail: Profile
     nearest: tuple[np.ndarray, np.ndarray]
+    along: tuple[np.ndarray, np.ndarray]
+    square: float
 
     @property
     def flange(self) -> bool:
@@ -69,7 +74,7 @@ def patches_of(one: Side) -> tuple[Patch, ...]:
     parts, whole = [], [(0, s.size)]
     while whole:
         first, last = whole.pop()
-        cut = ridge(s, gaps, first, last)
+        cut = ridge(one, s, gaps, first, last)
         if cut is None:
             parts.append((first, last))
         else:
@@ -94,18 +99,31 @@ def gap_of(one: Side, s: np.ndarray, offset: float) -> np.ndarray:
     return np.where(np.isfinite(gap), gap, np.inf)
 
 
-def ridge(s: np.ndarray, gaps: list[np.ndarray], first: int, last: int) -> int | None:
-    """Where to cut a part of the wheel whose nearest point (section 9.4.1) jumps: at the highest point jumped over."""
-    before: int | None = None
-    for gap in gaps:
-        own = gap[first:last]
-        here = int(np.argmin(own))
-        near = own[here] < np.min(gap) + RELEVANT and 0 < here < own.size - 1
-        if near and before is not None and abs(s[here] - s[before]) > JUMP:
-            low, high = sorted((here, before))
-            return first + low + int(np.argmax(own[low:high]))
-        before = here if near else None
+def ridge(one: Side, s: np.ndarray, gaps: list[np.ndarray], first: int, last: int) -> int | None:
+    """Where to cut a part of the wheel whose nearest point (section 9.4.1) jumps: at the highest point jumped over.
+
+    A roll moves the wheel along each arc of the rail by its radius times the roll, and so a jump from one arc to
+    another by the difference of both: it counts if wheelsets that roll by up to TILT may meet it.
+    """
+    offsets, own = offsets_of(one), np.array([gap[first:last] for gap in gaps])
+    places = np.argmin(own, axis=1)
+    inside = (places > 0) & (places < own.shape[1] - 1)
+    bears = inside & (np.min(own, axis=1) < np.array([np.min(gap) for gap in gaps]) + RELEVANT)
+    jumps = inside[1:] & inside[:-1] & (np.abs(np.diff(s[first + places])) > JUMP)
+    for after in 1 + np.flatnonzero(jumps):
+        both = [1 / max(rail_bend(one, s[first + places[i]] + offsets[i]), LEAST_BEND) for i in (after - 1, after)]
+        reached = TILT * abs(both[1] - both[0])
+        near = (offsets[after - 1] - reached <= offsets) & (offsets <= offsets[after] + reached)
+        if np.any(bears & near):
+            low, high = sorted(places[after - 1 : after + 1])
+            return first + low + int(np.argmax(own[after, low:high]))
     return None
+
+
+def rail_bend(one: Side, y: float) -> float:
+    """Curvature of a rail's contour [1/m], positive where it is a head's (3.83)."""
+    slope, bend = (float(one.rail.height(y, n)) for n in (1, 2))
+    return -bend / (1 + slope**2) ** 1.5
 
 
 def bearing(one: Side, s: np.ndarray, gaps: list[np.ndarray], first: int, last: int) -> tuple[list[float], list[float]]:
@@ -115,8 +133,7 @@ def bearing(one: Side, s: np.ndarray, gaps: list[np.ndarray], first: int, last: 
         here = first + int(np.argmin(gap[first:last]))
         if gap[here] < np.min(gap) + RELEVANT and first < here < last - 1:
             slopes.append(math.atan(float(one.wheel.height(s[here], 1))))
-            slope, bend = (float(one.rail.height(s[here] + offset, n)) for n in (1, 2))
-            bends.append(-bend / (1 + slope**2) ** 1.5)
+            bends.append(rail_bend(one, s[here] + offset))
     return slopes, bends
 
 
@@ -138,18 +155,29 @@ def patch(one: Side, s: np.ndarray, gaps: list[np.ndarray], first: int, last: in
     for i, offset in enumerate(offsets):
         gap = square - rail.height(along + offset)
         if np.any(np.isfinite(gap)):
-            found[i] = lowest_point(inside, gap)
+            found[i] = nearest_point(inside, gap, (first > 0, last < s.size))
     known = np.isfinite(found)
-    curve = PchipInterpolator(offsets[known], found[known])
-    return Patch(direction, radius, limits, rail, (curve.x, curve.c[::-1].T))
+    place = in_direction(found[known], one.wheel.height(found[known]), direction)
+    nearest, beside = (PchipInterpolator(offsets[known], each) for each in (found[known], place[0]))
+    tables = [(curve.x, curve.c[::-1].T) for curve in (nearest, beside)]
+    return Patch(direction, radius, limits, rail, *tables, float(np.mean(place[1])))
 
 
-def lowest_point(s: np.ndarray, gap: np.ndarray) -> float:
-    """Where a gap over equally spaced positions is smallest (section 4.3), by a parabola through three of them [m]."""
-    here = int(np.nanargmin(gap))
+def nearest_point(s: np.ndarray, gap: np.ndarray, cut: tuple[bool, bool]) -> float:
+    """Where a gap over equally spaced positions is smallest (section 4.3), by a parabola through three of them [m].
+
+    cut: whether the first and the last position lie at a cut. There nothing touches, as what is nearer lies in the part
+    beyond: without a place that is nearer than those beside it NaN.
+    """
+    known = np.where(np.isfinite(gap), gap, np.inf)
+    beside = np.concatenate([[-np.inf if cut[0] else np.inf], known, [-np.inf if cut[1] else np.inf]])
+    lower = (known < beside[:-2]) & (known <= beside[2:])
+    if not np.any(lower):
+        return math.nan
+    here = int(np.argmin(np.where(lower, known, np.inf)))
     near = gap[max(here - 1, 0) : here + 2]
-    bend = near[0] - 2 * near[1] + near[-1]
-    if near.size < 3 or not bend > 0.0:
+    bend = near[0] - 2 * near[1] + near[-1] if near.size == 3 else math.nan
+    if not bend > 0.0:
         return float(s[here])
     return float(s[here] + 0.5 * (near[0] - near[2]) / bend * (s[1] - s[0]))
 

@@ -161,14 +161,11 @@ class Oracle:
         found = touches(body, self.wheel_of(number, rail.index), rail, self.grid)
         track = self.track(body.position)
         wrench, force, creep, flange = np.zeros(6), np.zeros(3), 0.0, 0.0
-        for on_flange in (False, True):
-            part = [one for one in found if (one.slope > FLANGE_SLOPE) == on_flange]
-            if not part:
+        for touch in found:
+            if touch.approach <= 0.0:
                 continue
-            deepest = max(part, key=lambda one: one.approach)
-            if deepest.approach <= 0.0:
-                continue
-            pushed, creeping = self.press(rail, body, deepest, friction, on_flange)
+            on_flange = touch.slope > FLANGE_SLOPE
+            pushed, creeping = self.press(rail, body, touch, friction, on_flange)
             wrench += pushed
             force += track.T @ pushed[:3]
             creep += creeping

@@ -20,8 +20,6 @@ GIVE = 1e-3
 #: Approaches of treads and of flanges that are laid on [m]; grid and rounds by which a wheelset is laid on its rails.
 TREAD, FLANGE = (0.04e-3, 0.16e-3), (0.02e-3, 0.12e-3)
 COARSE, ROUNDS = 0.2e-3, 9
-#: Places of a tread that are so far apart [m] are two; they are as deep if they differ by less than this [m].
-APART, RIVAL = 3e-3, 5e-6
 #: Share of the lines on which curvature, cant and gradient change.
 TRANSITIONS = 0.6
 
@@ -96,21 +94,6 @@ def lay_on_rails(
         value[f"roll_{number}"] -= (missing[1] - missing[-1]) / (2 * half)
         if flanging:
             value[f"lateral_{number}"] += flanging * (flange - found.get((flanging, True), -1e-3))
-
-
-def rivals(vehicle: Vehicle, oracle: Oracle, at: Snapshot) -> bool:
-    """Whether a tread touches its rail in two places, one less deep than the other by less than RIVAL."""
-    bodies = bodies_of(vehicle, at.course, at.value)
-    for number, _ in vehicle.numbered:
-        for index in (0, 1):
-            rail = GivenWay(oracle, index, oracle.give(number, at.value))
-            found = touches(bodies[wheelset_name(number)], oracle.wheel_of(number, index), rail, COARSE)
-            treads = [one for one in found if one.slope <= FLANGE_SLOPE]
-            deepest = max(treads, key=lambda one: one.approach)
-            others = [one for one in treads if abs(one.across - deepest.across) > APART]
-            if any(deepest.approach - one.approach < RIVAL for one in others):
-                return True
-    return False
 
 
 def approaches(

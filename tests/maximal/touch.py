@@ -88,7 +88,8 @@ def touches(wheelset: Moving, wheel: Wheel, rails: Rails, step: float) -> list[T
     inner = np.arange(1, across.size - 1)
     lowest = inner[(best[inner] < best[inner - 1]) & (best[inner] <= best[inner + 1]) & (np.abs(best[inner]) < NEAR)]
     starts = [(across[i], turned[int(np.argmin(gap[i]))]) for i in lowest[::-1]]
-    return [look_closer(wheelset, wheel, surface, axle, start, step) for start in starts]
+    found = [look_closer(wheelset, wheel, surface, axle, start, step) for start in starts]
+    return [one for i, one in enumerate(found) if all(abs(one.across - other.across) > PITCH for other in found[:i])]
 
 
 #: Farther from its rail, or deeper in it, than this [m] nothing is a contact but an end of a profile.

@@ -8,10 +8,9 @@ simplification of the fast model taken over, curvatures of a wheel that is squar
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from functools import cache
-from itertools import count, islice
 from pathlib import Path
 from random import Random
 from tempfile import TemporaryDirectory
@@ -30,7 +29,7 @@ from tests.maximal.machine import Answer, Machine
 from tests.maximal.motion import Moving
 from tests.maximal.oracle import Oracle
 from tests.maximal.rails import STRAIGHT, Course, prisms, swept
-from tests.maximal.states import Snapshot, random_course, random_state, rivals
+from tests.maximal.states import Snapshot, random_course, random_state
 
 VEHICLES: dict[str, Callable[[], Vehicle]] = {"bogie": two_axle_bogie, "coach": passenger_coach}
 #: Grids of the contacts [m], each half of the one before.
@@ -42,7 +41,8 @@ BODY_BAND = 3e-9
 #: gauge corner changes its curvature by 1 % in a micrometre. The grid errs by 2e-5.
 TREAD_BAND, SQUARE_BAND = 3e-4, 6e-4
 #: Of wheelsets on lines: a rail that rises pushes back beside the middle of the axle and so turns it, by slope x half
-#: gauge x load, 0.1 kN.m on a ramp of 1 : 600. The fast model knows no such moment; measured 8.5e-4.
+#: gauge x load, 0.1 kN.m on a ramp of 1 : 600. The fast model knows no such moment; measured 8.5e-4. Of forces there:
+#: along a wheel that yaws both places of its tread meet the twisted rail 0.2 mm apart along it, 0.2 um higher or lower.
 RAMP_BAND = 1e-3
 #: Without it: a flange that yaws by 9 mrad is 1.5 % flatter along the rail than one that is square to it; measured
 #: 3.9e-3. Of that the grid makes 4e-4, as second differences of a surface ask for a fine one.
@@ -151,27 +151,16 @@ def compare(name: str, on_line: bool, seed: int) -> None:
     found = found_at(name, on_line, seed, square=True, grid=GRIDS[-1])
     assert found.bodies < BODY_BAND, (seed, found)
     assert found.treads < TREAD_BAND, (seed, found)
-    assert found.forces < SQUARE_BAND, (seed, found)
-    assert found.wheelsets < (RAMP_BAND if on_line else SQUARE_BAND), (seed, found)
+    assert max(found.wheelsets, found.forces) < (RAMP_BAND if on_line else SQUARE_BAND), (seed, found)
     assert found.places < KINEMATIC, (seed, found)
     exact = found_at(name, on_line, seed, grid=GRIDS[-1])
     assert exact.treads < TREAD_BAND, (seed, exact)
     assert max(exact.wheelsets, exact.forces) < EXACT_BAND, (seed, exact)
 
 
-def judged(name: str, on_line: bool, many: int) -> Iterator[int]:
-    """Seeds of so many states; those are left out in which a tread touches its rail in two places that are as deep.
-
-    Between these the fast model finds no place, and presses with up to nine times the load (docs/limits.md).
-    """
-    vehicle = VEHICLES[name]()
-    states = ((seed, snapshot(name, on_line, seed)) for seed in count())
-    return islice((seed for seed, at in states if not rivals(vehicle, oracle(name, at.course), at)), many)
-
-
 @pytest.mark.parametrize("on_line", [False, True])
 def test_accelerations_and_wheel_forces_are_those_of_maximal_coordinates(on_line: bool) -> None:
-    for seed in judged("bogie", on_line, FEW):
+    for seed in range(FEW):
         compare("bogie", on_line, seed)
 
 
@@ -179,7 +168,7 @@ def test_accelerations_and_wheel_forces_are_those_of_maximal_coordinates(on_line
 @pytest.mark.parametrize("on_line", [False, True])
 @pytest.mark.parametrize("name", VEHICLES)
 def test_they_are_at_many_states_of_bogie_and_coach(name: str, on_line: bool) -> None:
-    for seed in judged(name, on_line, MANY):
+    for seed in range(MANY):
         compare(name, on_line, seed)
 
 

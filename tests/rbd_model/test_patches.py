@@ -6,10 +6,12 @@ import math
 import re
 from dataclasses import replace
 from functools import lru_cache
+from itertools import pairwise
 
 import casadi as ca
 import numpy as np
 import pytest
+from scipy.interpolate import PPoly
 from scipy.special import ellipe, ellipk
 
 from fmu_src.kernel import Kernel, Library
@@ -24,7 +26,10 @@ from rbd_model.contact.elastic import damped, elastic_force
 from rbd_model.contact.geometry import Sides, european_pair, synthetic_pair, thesis_pair
 from rbd_model.contact.hertz import POISSON_RATIO
 from rbd_model.contact.patches import patches_of, stand_on_treads
+from rbd_model.kinematics import direction_cosines
+from rbd_model.rolling_contact import Placement, Wheel, touch
 from rbd_model.spatial import spatial_vehicle
+from rbd_model.touching_patch import Outline, along_and_square, direction_of
 from rbd_model.track import irregular_track, section_5_3
 from rbd_model.vehicle import as_sum
 from rbd_model.vehicles import two_axle_bogie
@@ -50,6 +55,11 @@ PLACE_BAND = 0.02e-3
 #: Of forces from exact theory, as a share of mu N: a guard of what the law of flanges is known to miss there, 7 %, and
 #: Polach's 27 % (`contact-manchester`), so that no change makes it worse unseen.
 FORCE_BAND = 0.09
+#: Two places of a wheel that both bear lie at least this far from the cut between them [m].
+CLEAR = 1e-3
+#: How far beside the point that touches the piece of the rail's profile may be looked up [m], pieces being 0.5 mm long:
+#: where the wheel has the slope of its patch's direction, within so many radians; and where it bears seldom.
+BESIDE, WELL_BESIDE, BEARING_SLOPE = 0.05e-3, 0.2e-3, 0.1
 #: Load of a wheel of the chapter 5 bogie [N]; how far from rest it starts: spin takes a little less than in proportion.
 STATIC_LOAD, AT_REST = (60000 / 2 + 1200) * 9.81 / 2, 1e-4
 #: Load of 8 strips at the approach of an ellipse: that of test_strips_in_c.py. Of derivatives by differences.
@@ -80,11 +90,50 @@ def test_bodies_that_are_apart_do_not_press_and_damping_does_not_pull() -> None:
 
 
 @pytest.mark.parametrize("pair", [thesis_pair, synthetic_pair])
-def test_wheel_whose_contact_jumps_once_has_a_tread_and_a_flange(pair) -> None:  # type: ignore[no-untyped-def]
-    tread, flange = patches_of(pair().left)
-    assert tread.direction == 0.0
+def test_synthetic_wheel_bears_on_two_arcs_of_its_rail_and_on_its_flange(pair) -> None:  # type: ignore[no-untyped-def]
+    """R300 and R80 of the 60 kg rail. On level rails it is on its flange before contact would jump to the second."""
+    tread, shoulder, flange = patches_of(pair().left)
+    assert (tread.direction, shoulder.direction) == (0.0, 0.0)
+    assert [tread.radius, shoulder.radius] == pytest.approx([0.300, 0.080], rel=0.1)
     assert math.degrees(flange.direction) == pytest.approx(70.3, abs=0.5)
-    assert flange.limits[1] < tread.limits[0] < -30e-3
+    assert flange.limits[1] < shoulder.limits[0] < -30e-3 < shoulder.limits[1] < tread.limits[0] < -10e-3
+
+
+def test_no_part_touches_at_its_cut() -> None:
+    """What is nearer lies beyond it, in the next part: the nearest places of neighbours are apart, on the cut none."""
+    for one in (synthetic_pair().left, european_pair().left):
+        for outer, inner in pairwise(patches_of(one)):
+            cut = inner.limits[1]
+            assert np.min(outer.nearest[1][:, 0]) > cut + CLEAR
+            assert np.max(inner.nearest[1][:, 0]) < cut - CLEAR
+
+
+@pytest.mark.parametrize("pair", [synthetic_pair, european_pair])
+def test_pieces_of_a_rail_are_those_where_the_wheel_is_nearest(pair) -> None:  # type: ignore[no-untyped-def]
+    """Beside the point of a wheel that rolls and yaws, by its surface of revolution, (3.77)."""
+    rng, one = np.random.default_rng(5), pair().left
+    axle, height = ca.SX.sym("axle", 3), ca.SX(one.radius)
+    placement = Placement(axle[1], axle[2], direction_cosines(axle[1], axle[2]), axle[0])
+    on = Wheel(*map(ca.SX, (1.0, one.radius, one.wheel_half_distance, one.rail_half_distance)))
+    for patch in patches_of(one):
+        direction, place = direction_of(patch), ca.SX.sym("place")
+        piece = ca.SX.sym("piece", 1 + one.wheel.pieces[1].shape[1])
+        outline = Outline.of(patch, placement, on, height)
+        roll = patch.radius * ca.sin(axle[2])
+        exact = along_and_square(touch(placement, on, place, piece), height, ca.SX(direction))[0]
+        look = ca.Function("look", [axle], [outline.along + roll])
+        beside = ca.Function("beside", [axle, place], [outline.at(place, patch.square)[0]])
+        true = ca.Function("true", [axle, place, piece], [exact])
+        nearest, along = (PPoly(rows.T[::-1], knots) for knots, rows in (patch.nearest, patch.along))
+        for offset in rng.uniform(nearest.x[0], nearest.x[-1], 50):
+            at = [0.0, rng.uniform(-0.01, 0.01), rng.uniform(-3e-3, 3e-3)]
+            at[0] = (offset - float(look(at))) / direction[0]
+            s = float(nearest(offset))
+            number = min(int(np.searchsorted(one.wheel.pieces[0], s, "right")) - 1, len(one.wheel.pieces[1]) - 1)
+            rows = [one.wheel.pieces[0][number], *one.wheel.pieces[1][number]]
+            bears = abs(math.atan(float(one.wheel.height(np.array(s), 1))) - patch.direction) < BEARING_SLOPE
+            off = abs(float(beside(at, float(along(offset)))) - float(true(at, s, rows)))
+            assert off < (BESIDE if bears else WELL_BESIDE), (patch.limits, at)
 
 
 def test_wheel_s1002_has_more_patches_and_none_of_them_jumps() -> None:
