@@ -14,18 +14,21 @@ from pathlib import Path
 import numpy as np
 
 from fmu_src.kernel import Kernel
-from rbd_model.contact.patches import patches_of
+from rbd_model.contact.patches import Patch, patches_of
 from rbd_model.line import GAUGE, Segment, line_of
+from rbd_model.touching_patch import LARGEST_STEP
 from rbd_model.vehicle import Vehicle, wheelset_name
 from tests.maximal.correspondence import bodies_of, rates_of
 from tests.maximal.machine import SIDES, Machine
 from tests.maximal.motion import Moving
 from tests.maximal.oracle import FLANGE_SLOPE
 from tests.maximal.rails import Course, RailData, Rails, prisms
-from tests.maximal.touch import Touch, touches
+from tests.maximal.touch import Touch, Wheel, axle_axes, touches
 
 #: Grid of the contacts [m], and where a line of one curve begins and how long it is [m].
 GRID, BEGIN, LENGTH = 0.05e-3, -30.0, 3000.0
+#: How far about the axle a wheel is looked at [rad], from whose lowest point a yawed tread is nearest.
+FADING = 0.01
 #: `prisms` or `swept`.
 Shape = Callable[[Course, RailData], Rails]
 #: States of a wheelset that a level may not have.
@@ -129,31 +132,54 @@ def in_plane(now: Now, kernel: Kernel) -> list[Reaction]:
     return found
 
 
-def places(
-    machine: Machine, now: Now, base: float, rails: Shape = prisms
-) -> Iterator[tuple[int, int, Moving, list[Touch]]]:
-    """Number, side, wheelset and contacts of each wheel of level 3; base [m]: how high level rails lie."""
+@dataclass(frozen=True)
+class OnRail:
+    """A wheel on its rail: number and body of its wheelset, its side, its surface and where that is nearest."""
+
+    number: int
+    side: int
+    body: Moving
+    wheel: Wheel
+    rails: Rails
+    near: list[Touch]
+
+    def arm(self, patch: Patch) -> np.ndarray:
+        """From the wheelset's centre to where a patch bears [m].
+
+        One that has no place of its own, but fades, bears on the last that it had, towards the field, where the wheel
+        is nearest to the rail about its axle.
+        """
+        own = [one for one in self.near if patch.limits[0] <= one.across <= patch.limits[1]]
+        if own:
+            return max(own, key=lambda one: one.approach).arm
+        rail, turned = self.rails(self.body.position), np.linspace(-FADING, FADING, 401)
+        across = np.full_like(turned, np.max(patch.nearest[1][:, 0]) + LARGEST_STEP)
+        points = self.wheel.points(across, turned, axle_axes(self.body, rail.along(self.body.position)))
+        return np.asarray(points[np.argmin(rail.distance(self.body.position + points))])
+
+
+def wheels(machine: Machine, now: Now, base: float, shape: Shape = prisms) -> Iterator[OnRail]:
+    """All of level 3; base [m]: how high level rails lie."""
     bodies, oracle = now.bodies, machine.oracle(now.course, base)
     for number, _ in now.vehicle.numbered:
         body = bodies[wheelset_name(number)]
         for index, (side, word) in enumerate(SIDES.items()):
             beside, above = (now.value.get(name, 0.0) for name in (f"track_{number}", f"track_{number}_{word}"))
             rail = RailData(side, (machine.half_distance + side * beside, base + above), machine.curve)
-            yield number, side, body, touches(body, oracle.wheel_of(number, index), rails(now.course, rail), GRID)
+            wheel, rails = oracle.wheel_of(number, index), shape(now.course, rail)
+            yield OnRail(number, side, body, wheel, rails, touches(body, wheel, rails, GRID))
 
 
-def in_space(machine: Machine, now: Now, kernel: Kernel, base: float, rails: Shape = prisms) -> list[Reaction]:
+def in_space(machine: Machine, now: Now, kernel: Kernel, base: float, shape: Shape = prisms) -> list[Reaction]:
     """Of the rails of level 3, contact depth 2, on each patch of each wheel."""
     found = []
-    for number, side, body, near in places(machine, now, base, rails):
-        track, data = now.track(body.position), now.vehicle.wheelsets[number - 1]
-        for which, patch in enumerate(patches_of(data.pair.both[(1 - side) // 2])):
-            names = [f"force_{which}_{number}_{SIDES[side]}_{row}" for row in ("ahead", "aside", "above")]
+    for one in wheels(machine, now, base, shape):
+        track, data = now.track(one.body.position), now.vehicle.wheelsets[one.number - 1]
+        for which, patch in enumerate(patches_of(data.pair.both[(1 - one.side) // 2])):
+            names = [f"force_{which}_{one.number}_{SIDES[one.side]}_{row}" for row in ("ahead", "aside", "above")]
             force = np.array([kernel[name] for name in names])
             if force.any():
-                on_part = [one for one in near if (one.slope > FLANGE_SLOPE) == patch.flange]
-                deepest = max(on_part, key=lambda one: one.approach)
-                found.append(Reaction(body.position + deepest.arm, track @ force))
+                found.append(Reaction(one.body.position + one.arm(patch), track @ force))
     return found + [one for number, _ in now.vehicle.numbered for one in holding(now, kernel, number)]
 
 
@@ -171,9 +197,10 @@ def on_treads(machine: Machine, now: Now, kernel: Kernel, base: float) -> list[R
     Both wheels of an axle share its creep force along the track: yaw is not told.
     """
     found = []
-    for number, side, body, near in places(machine, now, base):
-        deepest = max((one for one in near if one.slope < FLANGE_SLOPE), key=lambda one: one.approach)
-        aside, up = (kernel[f"{name}_{number}_{SIDES[side]}"] for name in ("lateral_force", "wheel_load"))
-        force = np.array([kernel[f"creep_force_{number}"] / 2, -side * aside, up])
-        found.append(Reaction(body.position + deepest.arm, now.track(body.position) @ force))
+    for one in wheels(machine, now, base):
+        deepest = max((at for at in one.near if at.slope < FLANGE_SLOPE), key=lambda at: at.approach)
+        names = (f"{name}_{one.number}_{SIDES[one.side]}" for name in ("lateral_force", "wheel_load"))
+        aside, up = (kernel[name] for name in names)
+        force = np.array([kernel[f"creep_force_{one.number}"] / 2, -one.side * aside, up])
+        found.append(Reaction(one.body.position + deepest.arm, now.track(one.body.position) @ force))
     return found

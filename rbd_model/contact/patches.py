@@ -122,7 +122,7 @@ def ridge(one: Side, s: np.ndarray, gaps: list[np.ndarray], first: int, last: in
 
 def rail_bend(one: Side, y: float) -> float:
     """Curvature of a rail's contour [1/m], positive where it is a head's (3.83)."""
-    slope, bend = (float(one.rail.height(y, n)) for n in (1, 2))
+    slope, bend = (float(one.rail.height(np.array(y), n)) for n in (1, 2))
     return -bend / (1 + slope**2) ** 1.5
 
 
@@ -159,8 +159,8 @@ def patch(one: Side, s: np.ndarray, gaps: list[np.ndarray], first: int, last: in
     known = np.isfinite(found)
     place = in_direction(found[known], one.wheel.height(found[known]), direction)
     nearest, beside = (PchipInterpolator(offsets[known], each) for each in (found[known], place[0]))
-    tables = [(curve.x, curve.c[::-1].T) for curve in (nearest, beside)]
-    return Patch(direction, radius, limits, rail, *tables, float(np.mean(place[1])))
+    near, along_line = ((curve.x, curve.c[::-1].T) for curve in (nearest, beside))
+    return Patch(direction, radius, limits, rail, near, along_line, float(np.mean(place[1])))
 
 
 def nearest_point(s: np.ndarray, gap: np.ndarray, cut: tuple[bool, bool]) -> float:

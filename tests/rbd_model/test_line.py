@@ -51,6 +51,9 @@ ENERGIES = ("kinetic_energy", "potential_energy")
 POWERS = ("brake_power", "creep_power", "damping_power")
 #: Bands of docs/checking.md: the same answer from the same line told in another way, mirrored, and energy.
 SAME_BAND, MIRROR_BAND, ENERGY_BAND = 1e-9, 1e-9, 1e-8
+#: Where flanges bear in space, and second places of treads beside them: these begin where the rail goes from R300 to
+#: R80, and Hertz' force has a potential at one stiffness. A joule in 15 MJ; measured 4e-8 and 6e-8.
+BORN_BAND = 1e-7
 #: Mirrored irregularities: the third derivative jumps at their rows, each 11 ms, and round-off chooses other steps;
 #: with a tolerance of 1e-9 what is left at the end was 1.1e-8.
 IRREGULAR_BAND = 1e-7
@@ -219,7 +222,7 @@ def test_energy_closes_over_curves_and_hills(level, braked, written, request) ->
     table = kernel.record(18.0, 0.2, names)
     energy = np.sum([table[name] for name in names], axis=0)
     assert np.ptp(table["potential_energy"]) > 1e4
-    assert np.ptp(energy) < ENERGY_BAND * np.max(table["kinetic_energy"])
+    assert np.ptp(energy) < (BORN_BAND if level == "patched" else ENERGY_BAND) * np.max(table["kinetic_energy"])
 
 
 def test_energy_closes_while_a_flange_pushes_rails_aside(written, patched) -> None:  # type: ignore[no-untyped-def]
@@ -232,7 +235,7 @@ def test_energy_closes_while_a_flange_pushes_rails_aside(written, patched) -> No
     names = [*ENERGIES, *(f"integral_{name}" for name in POWERS)]
     kernel = Kernel(patched, line_file=written(line), initial_speed=20.0, tolerance=1e-9)
     table = kernel.record(2.0, 1e-3, [*names, *rails])
-    band = ENERGY_BAND * np.max(table["kinetic_energy"])
+    band = BORN_BAND * np.max(table["kinetic_energy"])
     assert np.ptp(np.sum([table[name] for name in names], axis=0)) < band
     track = ballasted_track()
     dampings = {"": track.track_lateral_damping, "_left": track.track_vertical_damping}

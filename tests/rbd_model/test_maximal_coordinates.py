@@ -41,9 +41,10 @@ BODY_BAND = 3e-9
 #: gauge corner changes its curvature by 1 % in a micrometre. The grid errs by 2e-5.
 TREAD_BAND, SQUARE_BAND = 3e-4, 6e-4
 #: Of wheelsets on lines: a rail that rises pushes back beside the middle of the axle and so turns it, by slope x half
-#: gauge x load, 0.1 kN.m on a ramp of 1 : 600. The fast model knows no such moment; measured 8.5e-4. Of forces there:
-#: along a wheel that yaws both places of its tread meet the twisted rail 0.2 mm apart along it, 0.2 um higher or lower.
-RAMP_BAND = 1e-3
+#: gauge x load, 0.1 kN.m on a ramp of 1 : 600. The fast model knows no such moment; measured 7.2e-4. Of forces: of two
+#: places of a tread that yaws by 10 mrad the steeper one lies 0.2 mm further ahead, where a rail that rises by 1 : 600
+#: is 0.3 um higher, which the fast model does not see: 400 N where 100 kN press 0.12 mm; measured 1.6e-3.
+RAMP_BAND, TWIST_BAND = 1e-3, 2.5e-3
 #: Without it: a flange that yaws by 9 mrad is 1.5 % flatter along the rail than one that is square to it; measured
 #: 3.9e-3. Of that the grid makes 4e-4, as second differences of a surface ask for a fine one.
 EXACT_BAND = 5e-3
@@ -151,7 +152,8 @@ def compare(name: str, on_line: bool, seed: int) -> None:
     found = found_at(name, on_line, seed, square=True, grid=GRIDS[-1])
     assert found.bodies < BODY_BAND, (seed, found)
     assert found.treads < TREAD_BAND, (seed, found)
-    assert max(found.wheelsets, found.forces) < (RAMP_BAND if on_line else SQUARE_BAND), (seed, found)
+    assert found.forces < (TWIST_BAND if on_line else SQUARE_BAND), (seed, found)
+    assert found.wheelsets < (RAMP_BAND if on_line else SQUARE_BAND), (seed, found)
     assert found.places < KINEMATIC, (seed, found)
     exact = found_at(name, on_line, seed, grid=GRIDS[-1])
     assert exact.treads < TREAD_BAND, (seed, exact)

@@ -22,10 +22,12 @@ PEAK_BAND = 0.02
 #: Tolerance and damping of the contacts [s/m]; first the default.
 DEFAULT, OTHERS = (1e-6, 1.0), ((1e-5, 1.0), (1e-7, 1.0), (1e-8, 1.0), (1e-6, 0.5), (1e-6, 2.0))
 ORDINARY = curve(300.0, 0.15)
-#: Damping of the contacts with which the coach runs calmly on rigid rails [s/m], and the default.
+#: Where the coach flutters on rigid rails.
+FLUTTERS = curve(500.0, 0.15, friction=0.5)
+#: Damping of the contacts with which it runs calmly there [s/m], and the default.
 CALM, ASSUMED = 2.5, 1.0
 #: Bounce and roll of a wheelset on rigid rails [Hz]; what is quicker than the slowest of wheel on rail.
-CONTACT_MODES, QUICK = (150.0, 180.0), 60.0
+CONTACT_MODES, QUICK = (175.0, 205.0), 60.0
 #: Statics of the track, of the static wheel load: the body still sways a little, and rails are damped; measured 2e-4.
 STATIC_BAND = 1e-3
 #: A track ten thousand times as stiff and damped against one that is rigid, both calm: of the largest load.
@@ -44,9 +46,10 @@ def test_peaks_in_a_curve_hang_neither_on_the_tolerance_nor_on_the_damping_of_co
 
 
 def test_on_rigid_rails_they_hang_on_both() -> None:
-    """So that the test above can fail; half a second in the curve, where it has begun to vibrate."""
-    calm = replace(ORDINARY, values=ORDINARY.values | RIGID)
-    assert np.all(spread(calm, ((1e-4, 1.0), (1e-6, 2.0))) > 10 * PEAK_BAND)
+    """So that the test above can fail; there the same curve is calm on rails that yield."""
+    rigid = replace(FLUTTERS, values=FLUTTERS.values | RIGID)
+    assert np.all(spread(rigid, ((1e-4, 1.0), (1e-6, 2.0))) > 10 * PEAK_BAND)
+    assert np.all(spread(FLUTTERS, ((1e-4, 1.0), (1e-6, 2.0))) < PEAK_BAND)
 
 
 @pytest.mark.long
@@ -62,10 +65,10 @@ def test_no_curve_makes_peaks_hang_on_the_tolerance_or_on_the_damping_of_contact
             assert np.all(found < PEAK_BAND), (cant, deficiency, found.tolist())
 
 
-def settled(**values: float) -> Kernel:
+def settled(scene: Scene = ORDINARY, **values: float) -> Kernel:
     """The coach calm in its curve."""
-    kernel = ORDINARY.kernel(tolerance=1e-7, **values)
-    kernel.advance(ORDINARY.duration)
+    kernel = scene.kernel(tolerance=1e-7, **values)
+    kernel.advance(scene.duration)
     return kernel
 
 
@@ -96,11 +99,11 @@ def leading_wheelset(names: list[str], matrix: np.ndarray, symmetric: bool) -> n
 
 def test_rigid_rails_let_friction_that_follows_the_load_shake_a_wheelset() -> None:
     """Bounce and roll of the outer leading wheelset grow together; with a symmetric stiffness they do not."""
-    place = settled(**RIGID, contact_damping=CALM).linearise().state
-    kernel = ORDINARY.kernel(**RIGID, contact_damping=ASSUMED)
+    place = settled(FLUTTERS, **RIGID, contact_damping=CALM).linearise().state
+    kernel = FLUTTERS.kernel(**RIGID, contact_damping=ASSUMED)
     kernel.initialise()
     names = list(system_on_line().states)
-    matrix = np.array(kernel.jacobian_at(ORDINARY.duration, place))
+    matrix = np.array(kernel.jacobian_at(FLUTTERS.duration, place))
     rate, frequency = growth(matrix)
     assert rate > 5.0
     assert CONTACT_MODES[0] < frequency < CONTACT_MODES[1]
