@@ -22,7 +22,13 @@ static const char *after_number(const variable_description *variable, char text[
     return text;
 }
 
+static int is_allowed(const variable_description *variable, double value) {
+    const int whole = variable->kind != KIND_INTEGER || value == floor(value);
+    return isfinite(value) && value >= variable->minimum && value <= variable->maximum && whole;
+}
+
 int kernel_check_value(kernel *self, const variable_description *variable, double value, double kept) {
+    if (is_allowed(variable, value)) return KERNEL_OK; /* asked at every step of a host */
     const char *name = variable->name;
     char text[32];
     const char *unit = after_number(variable, text);
@@ -37,10 +43,8 @@ int kernel_check_value(kernel *self, const variable_description *variable, doubl
         return kernel_fail(self, KERNEL_ERROR,
                            "Set %s to at most %g%s: %g%s is above this limit, and %g%s stays in force.", name,
                            variable->maximum, unit, value, unit, kept, unit);
-    if (variable->kind == KIND_INTEGER && value != floor(value))
-        return kernel_fail(self, KERNEL_ERROR, "Set %s to a whole number: it was given %g, and %g stays in force.", name,
-                           value, kept);
-    return KERNEL_OK;
+    return kernel_fail(self, KERNEL_ERROR, "Set %s to a whole number: it was given %g, and %g stays in force.", name,
+                       value, kept);
 }
 
 /* Says once that an input does nothing in the chosen system, so that it is not ignored in silence. */

@@ -36,6 +36,8 @@ STOP = replace(STANDING, name="22.9 s stop", duration=22.9)
 #: Bands of that stop: 1 ms of 16.9 s, 1 mm of 211 m; and of the peak over flange contact: 0.01 mm of 1.57 mm.
 STOP_TIME, DISTANCE, PEAK = 1e-3, 1e-3, 1e-5
 HOST_STEPS = (1e-3, 5e-3, 1e-2)
+#: Tolerances at which CVODE and IDA run through the stop, each so often.
+TOLERANCES, RUNS = (1e-4, 1e-5, 1e-6, 1e-7), 2
 #: Style of each line: colour, marker, dashes. Ours are filled and thick, those of others open.
 STYLE = {
     DEFAULT: ("#0072b2", "o", "-"),
@@ -163,7 +165,7 @@ def sundials_stop_rows(exact: dict[str, float], ours: float) -> list[Row]:
     """The fastest way of CVODE and IDA through the stop to an error of `EXPECTED`, at whichever tolerance passes."""
     rows = []
     for method in sundials.METHODS if sundials.is_installed() else ():
-        runs = [(sundials.sundials(STOP, method, value), value) for value in (1e-4, 1e-5, 1e-6, 1e-7) for _ in range(2)]
+        runs = [(sundials.sundials(STOP, method, value), value) for value in TOLERANCES for _ in range(RUNS)]
         errors = [(run, value, difference(STOP.measure(run.samples), exact)) for run, value in runs if run.samples]
         good = [(run.seconds, value, error) for run, value, error in errors if error <= EXPECTED]
         if good:
