@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
+from threading import RLock
 
 from brake_controller.cylinder import brake_cylinder
 from fmu_src.system import Model
@@ -40,7 +41,16 @@ FMUS: dict[str, Fmu] = {
 DIFFERENT = [name for name, fmu in FMUS.items() if fmu.alike is None]
 
 
-@lru_cache
+#: CasADi counts the users of its expressions without a lock: two threads that write equations crash or hang.
+ONE_WRITES = RLock()
+
+
 def model_of(name: str) -> Model:
-    """The model behind an FMU of the list, written once in a process."""
+    """The model behind an FMU of the list, written once in a process, whichever threads ask."""
+    with ONE_WRITES:
+        return _written(name)
+
+
+@lru_cache
+def _written(name: str) -> Model:
     return FMUS[name].model()

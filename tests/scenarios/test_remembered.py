@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import threading
+import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -10,9 +13,10 @@ import pytest
 from brake_controller.cylinder import brake_cylinder
 from brake_controller.parameters import qr30
 from fmu_src import compile as compiling
+from fmu_src.system import Model
 from scenarios.fmus import building, remembered
 from scenarios.fmus.prebuilt import PAGE_SOURCES
-from scenarios.fmus.registry import FMUS, Fmu
+from scenarios.fmus.registry import FMUS, Fmu, model_of
 from scenarios.sources import KINDS, ROOT
 
 
@@ -89,3 +93,21 @@ def test_every_file_that_an_fmu_or_the_live_page_is_made_from_is_looked_at() -> 
 def test_units_are_those_of_the_variables() -> None:
     units = building.units_of("brake")
     assert units == {variable.name: variable.unit for variable in building.model_of("brake").variables}
+
+
+def test_a_model_is_written_once_however_many_threads_ask(monkeypatch: pytest.MonkeyPatch) -> None:
+    """CasADi bears one thread that writes equations: several crash the process, or hang it, where a cache is empty."""
+    begun, writing = [], threading.Semaphore()
+
+    def slow() -> Model:
+        begun.append(threading.get_ident())
+        assert writing.acquire(blocking=False), "two threads write at once"
+        time.sleep(0.05)
+        writing.release()
+        return brake_cylinder()
+
+    monkeypatch.setitem(FMUS, "slow", Fmu(slow))
+    with ThreadPoolExecutor(4) as pool:
+        models = list(pool.map(model_of, ["slow"] * 4))
+    assert len(begun) == 1
+    assert all(model is models[0] for model in models)
