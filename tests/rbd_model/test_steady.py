@@ -31,6 +31,8 @@ GRAVITY = 9.81
 SIDES = ("left", "right")
 #: A line begins so far ahead of the first body, behind the last wheelset [m].
 BEHIND = -25.0
+#: So much further it goes on than its last station asks for, before the first wheelset [m].
+AHEAD = 50.0
 #: Of the weight: guiding forces count across the track where each wheelset is, 0.03 rad apart along a coach, so that
 #: what drags it has a share in their sum; 3e-5.
 FORCE_BAND = 1e-4
@@ -42,7 +44,12 @@ GRADIENT_BAND = 1e-6
 STUCK_BAND = 1e-4
 MOST_JACOBIANS = 400
 #: Change of wheel loads within a second, below which a vehicle that was led in has come to rest; of the mean load.
+#: Measured at most 0.019 at rest and at least 0.09 where the bogie hunts.
 QUIET = 0.02
+#: The bogie of chapter 5 hunts in curves wider than this [m] and from this speed on [m/s], with 2.3 to 2.7 Hz: beside a
+#: steady state that is unstable (R 1500 m from 26.5 m/s on, straight track from 33 m/s), or in which it could stay but
+#: to which it does not come from the straight (R 800 m), however long the transition.
+HUNTING_RADIUS, HUNTING_SPEED = 500.0, 27.0
 #: Of the static wheel load and of a yaw that is no number of its own [rad], [m]: led in or started within.
 LED_BAND = 1e-3
 #: What a start that is one keeps in a second, of a static wheel load, at a tolerance of 1e-8; measured 1e-9.
@@ -66,7 +73,7 @@ def curve(radius: float, cant: float, length: float = 400.0) -> Line:
 def led_into(radius: float, cant: float, speed: float, settled: float) -> tuple[Line, float]:
     """A line with a transition that takes 3 s at least, and the time until the curve has lasted for `settled` [s]."""
     way = max(200.0, 3 * speed)
-    after = arc(speed * (settled + 5.0), radius, cant)
+    after = arc(speed * (settled + 5.0) + AHEAD, radius, cant)
     return line_of([straight(40.0), clothoid(way, straight(1), after), after], BEHIND), (40 + way) / speed + settled
 
 
@@ -184,18 +191,16 @@ def test_who_starts_in_a_curve_stands_as_who_was_led_into_it(
 @pytest.mark.parametrize("name", ["bogie", "vehicle"])
 @pytest.mark.parametrize("radius", [200, 300, 500, 800, 1500])
 def test_who_starts_in_any_curve_stands_as_who_was_led_into_it(name: str, radius: float, tmp_path: Path) -> None:
-    """Where a vehicle that was led in comes to rest: at R 1500 m the bogie of chapter 5 hunts from 36 m/s on, and on
-    rigid rails a coach in canted curves up to R 500 m vibrates.
-    """
-    compared = 0
+    """But for the bogie of chapter 5 where it hunts: there it goes on moving."""
     for cant, deficiency in product((0.0, 0.1, 0.15), (-0.1, 0.0, 0.1, 0.13)):
         if cant + deficiency <= 0.01:
             continue
+        fast = suited_speed(radius, cant, deficiency) > HUNTING_SPEED
+        hunts = name == "bogie" and radius > HUNTING_RADIUS and fast
         found = led_and_started(name, radius, cant, deficiency, tmp_path, LONG_SETTLED)
-        if found.pop("quiet") < QUIET:
+        assert (found.pop("quiet") > QUIET) == hunts, (cant, deficiency)
+        if not hunts:
             assert max(found.values()) < LED_BAND, (cant, deficiency, found)
-            compared += 1
-    assert compared >= 2
 
 
 # ---- a start that is one ------------------------------------------------------------------------------------------
