@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import casadi as ca
+import numpy as np
 
 from fmu_src.chain import Part, symbols_in
 from fmu_src.system import Model, System, integration_variables
+
+#: Draws of all parameters, their seed, and how little of a constant counts as nothing: round-off of what cancels in it.
+DRAWS, SEED, NOTHING = 3, 29, 1e-9
 
 
 def without_effect(model: Model, system: System) -> list[str]:
@@ -26,10 +30,36 @@ def with_effect(system: System) -> set[str]:
             taken = ca.vertsplit(call.plain)
             for place in places_that_matter(call.part, len(taken)):
                 needed |= symbols_in(taken[place])
-    for name, symbol in system.derived_symbols.items():
+    for symbol, moving in zip(system.derived_symbols.values(), what_moves_constants(system), strict=True):
         if not needed.isdisjoint(symbols_in(symbol)):
-            needed |= symbols_in(system.derived_expressions[name])
+            needed |= moving
     return {name for name, symbol in system.parameter_symbols.items() if not needed.isdisjoint(symbols_in(symbol))}
+
+
+def what_moves_constants(system: System) -> list[frozenset[int]]:
+    """The parameters on which each constant that is made of parameters depends, seen where all have random values.
+
+    Many cancel in statics: half of the weight rests on each of two springs, how far apart they ever are.
+    """
+    parameters = ca.vertcat(*system.parameter_symbols.values())
+    constants = ca.vertcat(*system.derived_expressions.values())
+    if constants.is_empty() or parameters.is_empty():
+        return [frozenset() for _ in system.derived_expressions]
+    slopes = ca.Function("slopes", [parameters], [constants, ca.jacobian(constants, parameters)])
+    start, random = start_values(system), np.random.default_rng(SEED)
+    moved = np.zeros((constants.numel(), parameters.numel()), bool)
+    for _ in range(DRAWS):
+        values = start * random.uniform(0.7, 1.4, start.size)
+        found, slope = (np.array(one) for one in slopes(values))
+        moved |= ~(np.abs(slope * values) <= NOTHING * np.abs(found))  # what is no number moves
+    hashes = np.array([symbol.element_hash() for symbol in ca.vertsplit(parameters)], object)
+    return [frozenset(hashes[row]) for row in moved]
+
+
+def start_values(system: System) -> np.ndarray:
+    """Of a system's parameters, 1 in place of 0, so that each can be made larger and smaller."""
+    known = {variable.name: variable.start for variable in system.variables}
+    return np.array([known[name] or 1.0 for name in system.parameter_symbols], float)
 
 
 def expressions_of(system: System) -> list[ca.SX]:

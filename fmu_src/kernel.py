@@ -145,12 +145,10 @@ class Kernel:
         A text is the path of a file, which is read at once.
         """
         for name, value in values.items():
-            if name not in self.library.index:
-                raise KernelError(f"There is no variable {name}; {self._suggestion(name)}", ERROR)
             if isinstance(value, str):
-                self.set_text(self.library.index[name], value)
+                self.set_text(self._number_of(name), value)
             else:
-                self.set_number(self.library.index[name], value)
+                self.set_number(self._number_of(name), value)
 
     def set_number(self, variable: int, value: float) -> None:
         """As `set`, one variable by its number in `Library.names`."""
@@ -167,12 +165,12 @@ class Kernel:
         return os.fsdecode(found.value or b"")
 
     def set_rate(self, **rates: float) -> None:
-        """Rates of change of inputs for the next step, so that they are ramps instead of stairs."""
+        """Rates of change of inputs for the next step, so that they are ramps instead of stairs. Raises KernelError."""
         for name, rate in rates.items():
-            self._check(self._call.kernel_set_rate(self._handle, self.library.index[name], rate))
+            self._check(self._call.kernel_set_rate(self._handle, self._number_of(name), rate))
 
     def __getitem__(self, name: str) -> float:
-        return self.get_number(self.library.index[name])
+        return self.get_number(self._number_of(name))
 
     def get_number(self, variable: int) -> float:
         """Value of a variable by its number in `Library.names`, in its unit. Raises KernelError."""
@@ -326,7 +324,7 @@ class Kernel:
         return list(found)
 
     def _numbers(self, names: Iterable[str]):  # type: ignore[no-untyped-def]
-        numbers = [self.library.index[name] for name in names]
+        numbers = [self._number_of(name) for name in names]
         return (ctypes.c_int * len(numbers))(*numbers)
 
     def repeat_right_hand_side(self, repeat: int) -> None:
@@ -350,6 +348,13 @@ class Kernel:
         self._drain()
         if status > WARNING:
             raise KernelError(self._call.kernel_message(self._handle).decode(), status)
+
+    def _number_of(self, name: str) -> int:
+        """Of a variable in `Library.names`. Raises KernelError."""
+        number = self.library.index.get(name)
+        if number is None:
+            raise KernelError(f"There is no variable {name}; {self._suggestion(name)}", ERROR)
+        return number
 
     def _suggestion(self, name: str) -> str:
         import difflib

@@ -244,7 +244,9 @@ def press_strips(assembly: Assembly, number: int, index: int, standing: Standing
         for place, patch in enumerate(patches)
     ]
     given = state.vector[: -state.nearest.numel()]
-    constants = ca.vertcat(wheel.vector, *surroundings(assembly), POISSON_RATIO, assembly.on_line)
+    *steel, surface, damping, gauge_face = surroundings(assembly)
+    without_slip = surface[: surface.numel() - 1]
+    constants = ca.vertcat(wheel.vector, *steel, without_slip, damping, gauge_face, POISSON_RATIO, assembly.on_line)
     found = assembly.system.call(wheel_on_strips(one), given, constants)
     rows = [found[OF_SEGMENT * i : OF_SEGMENT * (i + 1)] for i in reversed(range(len(patches)))]
     return [Press.of(row) for row in rows], nearest

@@ -19,8 +19,9 @@ from rbd_model.kinematics import Body
 #: 0.25 mm/s2 push outwards, and a body of 19 m between its bogies lies 5 um beside the track.
 STRAIGHT = 1e-7
 NO_STEADY_STATE = (
-    "The vehicle has no steady state of rolling freely where it starts on its line at %s s: at this initial_speed it "
-    "would not stay on its rails there; lower initial_speed, or begin the line with straight and level track."
+    "The vehicle has no steady state of rolling freely where it starts on its line at %s s: with these parameters it "
+    "would not stay upright on its rails there at this initial_speed; bring initial_speed nearer to what the cant "
+    "suits, take stiffer springs, or begin the line with straight and level track."
 )
 
 

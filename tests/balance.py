@@ -146,14 +146,15 @@ class OnRail:
     def arm(self, patch: Patch) -> np.ndarray:
         """From the wheelset's centre to where a patch bears [m].
 
-        One that has no place of its own, but fades, bears on the last that it had, towards the field, where the wheel
-        is nearest to the rail about its axle.
+        One that has no place of its own, but fades, or lies flat on its rail beside that, bears on the last that its
+        table has, towards the field, where the wheel is nearest to the rail about its axle.
         """
-        own = [one for one in self.near if patch.limits[0] <= one.across <= patch.limits[1]]
+        last = np.max(patch.nearest[1][:, 0]) + LARGEST_STEP
+        own = [one for one in self.near if one.approach > 0.0 and patch.limits[0] <= one.across <= last]
         if own:
             return max(own, key=lambda one: one.approach).arm
         rail, turned = self.rails(self.body.position), np.linspace(-FADING, FADING, 401)
-        across = np.full_like(turned, np.max(patch.nearest[1][:, 0]) + LARGEST_STEP)
+        across = np.full_like(turned, last)
         points = self.wheel.points(across, turned, axle_axes(self.body, rail.along(self.body.position)))
         return np.asarray(points[np.argmin(rail.distance(self.body.position + points))])
 

@@ -580,13 +580,13 @@ static void move_how(const double *argument, double side, const stand_of *stand,
 static void forces_of_wheel(const wheel_on_rail *pair, const fits_of *fits, const double *argument, const double *constant,
                             pressed_of *found, int anew, double *result) {
     const double side = constant[0];
-    const steel_of steel = {constant[4], constant[5], constant[5] / (1.0 - constant[13]), constant[6], constant[7],
-                            constant[8], constant[9], constant[11], constant[12]};
+    const steel_of steel = {constant[4], constant[5], constant[5] / (1.0 - constant[12]), constant[6], constant[7],
+                            constant[8], constant[9], constant[10], constant[11]};
     stand_of stand;
     motion_of motion;
     stand_where(argument, constant, &stand);
     move_how(argument, side, &stand, &motion);
-    motion.creeps_on_slope = constant[14];
+    motion.creeps_on_slope = constant[13];
     if (anew) press(pair, fits, &stand, steel.plane_modulus, found);
     for (int i = 0; i < OF_SEGMENT * pair->segments; ++i) result[i] = 0.0;
     creep(found, &motion, &steel, result);

@@ -23,9 +23,10 @@ from rbd_model.contact.profiles import Profile
 from rbd_model.contact.strip_creep import coefficients
 
 #: Numbers that the part takes: a `PatchState` but for its nearest point; a `Wheel`, the `surroundings` of
-#: patched_wheelset.py, Poisson's ratio and whether creepage is along the rail as it slopes (1 or 0). Results of a
-#: segment (`Press`) and of the wheel (place, angle, pressure); most segments. As in strips.c.
-ARGUMENTS, CONSTANTS, OF_SEGMENT, OF_WHEEL, MOST_SEGMENTS = 13, 15, 11, 3, 6
+#: patched_wheelset.py but for the slip reduction, which FASTSIM has none of, Poisson's ratio and whether creepage is
+#: along the rail as it slopes (1 or 0). Results of a segment (`Press`) and of the wheel (place, angle, pressure); most
+#: segments. As in strips.c.
+ARGUMENTS, CONSTANTS, OF_SEGMENT, OF_WHEEL, MOST_SEGMENTS = 13, 14, 11, 3, 6
 #: Coefficients of a polynomial in strips.c, and a fit's largest distance from what it stands for.
 TERMS, ELLIPTIC_TERMS, FIT_ERROR = 12, 7, 2e-4
 #: The same for what Kalker's coefficients are of c, 0.47 to 1.41: that of spin on the widest ellipses is furthest off.

@@ -19,9 +19,9 @@ from rbd_model.contact.strips import Motion
 from rbd_model.contact.strips_in_c import ARGUMENTS, OF_SEGMENT, segments_of, wheel_on_strips
 from rbd_model.kinematics import direction_cosines, turned_by
 
-#: Of every depth here: constant friction as a `Surface`, and a creepage speed that changes nothing at a speed of metres
-#: a second [m/s].
-CONSTANT_FRICTION, NO_SPEED = (1.0, 0.0, 0.0, 1.0, 1.0), 1e-6
+#: Of every depth here: constant friction as a `Surface` without slip reduction, and a creepage speed that changes
+#: nothing at a speed of metres a second [m/s].
+CONSTANT_FRICTION, NO_SPEED = (1.0, 0.0, 0.0, 1.0), 1e-6
 #: An approach at which any contact carries more than is asked for [m], and how well it is found [m].
 MOST_APPROACH, FOUND = 0.5e-3, 1e-13
 

@@ -187,12 +187,13 @@ def rows_of(found: Mapping[str, Measured]) -> list[Row]:
 
 
 def failures(found: Mapping[str, Measured]) -> list[str]:
-    """One sentence for each law: where it is farther off than `EVERYWHERE`."""
+    """One sentence for each law: at which kinds of published rows it is farther off than `EVERYWHERE`."""
     sentences = []
     for name, one in found.items():
         bad = [f"{kind} ({one.distance[kind]:.1f})" for kind in KINDS if one.distance[kind] > EVERYWHERE]
-        where = f"is more than {EVERYWHERE:g} % of mu N off: {', '.join(bad)}" if bad else "holds in every case"
-        sentences.append(f"{name} {where}.")
+        off = f"more than {EVERYWHERE:g} % of mu N off"
+        where = f"is {off}: {', '.join(bad)}" if bad else f"is never {off}"
+        sentences.append(f"At the published rows {name} {where}.")
     return sentences
 
 

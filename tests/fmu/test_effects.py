@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import casadi as ca
@@ -9,7 +10,7 @@ import pytest
 
 from fmu_src.chain import Part
 from fmu_src.effects import without_effect
-from fmu_src.kernel import Kernel, Library
+from fmu_src.kernel import Kernel, KernelError, Library
 from fmu_src.native_fmu import build_native_fmu, build_native_fmu3
 from fmu_src.system import Model, System, Variable, model_of_choices
 from rbd_model.bogie import bogie_dynamics
@@ -94,13 +95,27 @@ def test_a_kernel_in_python_has_it_in_its_journal() -> None:
     assert one.journal == [SENTENCE]
 
 
+def test_a_name_that_there_is_not_is_told_however_it_is_used() -> None:
+    one = Kernel(quick_library(stones()))
+    ways: list[Callable[[], object]] = [
+        lambda: one.set(sped=1.0),
+        lambda: one.set_rate(sped=1.0),
+        lambda: one["sped"],
+        lambda: one.record(1.0, 0.1, ["sped"]),
+    ]
+    for way in ways:
+        with pytest.raises(KernelError, match=r"There is no variable sped; did you mean speed\?"):
+            way()
+
+
 #: By level and depth of contact of the bogie: some of the parameters that have no effect there.
 NAMED = {
-    (1, 1): {"constant_speed", "wheel_lift_ends", "frame_height"},
-    (2, 1): {"constant_speed", "lateral_stiffness"},
+    (1, 1): {"constant_speed", "wheel_lift_ends", "frame_height", "vertical_stiffness", "vertical_half_spacing"},
+    (2, 1): {"constant_speed", "lateral_stiffness", "vertical_half_spacing"},
     (3, 1): {"wheel_profile_curvature", "contact_damping", "curve_resistance"},
     (3, 2): {"rail_head_radius", "wheel_profile_curvature", "flange_clearance", "flange_stiffness", "flange_at_rail"}
     | {"wheel_lift_ends", "curve_resistance"},
+    (3, 3): {"slip_reduction", "rail_head_radius"},
 }
 
 
