@@ -19,9 +19,9 @@ from rbd_model.contact.strips import Motion
 from rbd_model.contact.strips_in_c import ARGUMENTS, OF_SEGMENT, segments_of, wheel_on_strips
 from rbd_model.kinematics import direction_cosines, turned_by
 
-#: Of every depth here: constant friction as a `Surface` without slip reduction, and a creepage speed that changes
-#: nothing at a speed of metres a second [m/s].
-CONSTANT_FRICTION, NO_SPEED = (1.0, 0.0, 0.0, 1.0), 1e-6
+#: Of every depth here: constant friction as a `Surface`, and a creepage speed that changes nothing at a speed of metres
+#: a second [m/s].
+CONSTANT_FRICTION, NO_SPEED = (1.0, 0.0, 0.0, 1.0, 1.0), 1e-6
 #: An approach at which any contact carries more than is asked for [m], and how well it is found [m].
 MOST_APPROACH, FOUND = 0.5e-3, 1e-13
 
@@ -35,7 +35,8 @@ def library_of_wheel(pair: Pair, steel: Steel, gauge_face: float = 1.0) -> Libra
     system, part = System("WheelOnStrips", "one wheel on its rail, by strips"), wheel_on_strips(pair.left)
     given = [system.input(Variable(f"given_{i}", "input", "1", f"Argument {i}")) for i in range(ARGUMENTS)]
     geometry = (LEFT, pair.radius, pair.wheel_half_distance, pair.rail_half_distance)
-    fixed = (*geometry, NO_SPEED, steel.shear_modulus, *CONSTANT_FRICTION, 0.0, gauge_face, steel.poisson_ratio, 0.0)
+    without_slip = CONSTANT_FRICTION[:-1]
+    fixed = (*geometry, NO_SPEED, steel.shear_modulus, *without_slip, 0.0, gauge_face, steel.poisson_ratio, 0.0)
     results = system.call(part, ca.vertcat(*given), ca.SX(fixed))
     for i, result in enumerate(ca.vertsplit(results)):
         system.output(Variable(f"found_{i}", "output", "1", f"Result {i}"), result)
