@@ -11,7 +11,7 @@
                                          FixedSlip.fmu (pythonfmu): wheel-slide protection by a class of one's own
   python build_fmu.py --describe         no FMUs: the table of variables as Markdown
 
-A new FMU is one function that returns a Model, and one line in scenarios/fmus/registry.py.
+A new FMU is one function that returns a Model, and one line in products/registry.py.
 """
 
 import argparse
@@ -20,10 +20,10 @@ from pathlib import Path
 
 from fmu_src.compile import CompilerError
 from fmu_src.model_description import variable_table
-from scenarios.fmus.building import KINDS, NATIVE, build_all, build_controller
-from scenarios.fmus.parameter_sets import write_sets
-from scenarios.fmus.registry import FMUS, model_of
-from scenarios.fmus.systems import build_systems
+from products.building import KINDS, NATIVE, build_all, build_controller
+from products.parameter_sets import write_sets
+from products.registry import FMUS, model_of
+from products.systems import build_systems
 
 
 def main(arguments: list[str] | None = None) -> int:

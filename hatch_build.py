@@ -8,11 +8,11 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 
 class CustomBuildHook(BuildHookInterface):
-    """Tags a wheel with the platform that scenarios/fmus/prebuilt/contents.json names."""
+    """Tags a wheel with the platform that products/prebuilt/contents.json names."""
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         """Called before the wheel is written."""
-        contents = Path(self.root) / "scenarios" / "fmus" / "prebuilt" / "contents.json"
+        contents = Path(self.root) / "products" / "prebuilt" / "contents.json"
         if contents.exists():
             build_data["tag"] = f"py3-none-{json.loads(contents.read_text(encoding='utf-8'))['platform']}"
             build_data["pure_python"] = False

@@ -23,13 +23,13 @@ from fmu_src.archive import write_archive
 from fmu_src.codegen import generate
 from fmu_src.compile import CompilerError
 from fmu_src.native_fmu import PLATFORMS, binary_of, build_native_fmu
-from scenarios.fmus.building import NATIVE, build_all, extras, license_text
-from scenarios.fmus.parameter_sets import write_sets
-from scenarios.fmus.prebuilt import PAGE, write_contents
-from scenarios.fmus.registry import DIFFERENT, FMUS, model_of
-from scenarios.fmus.systems import build_systems
+from products.building import NATIVE, build_all, extras, license_text
+from products.parameter_sets import write_sets
+from products.prebuilt import PAGE, write_contents
+from products.registry import DIFFERENT, FMUS, model_of
+from products.sources import PREBUILT, ROOT
+from products.systems import build_systems
 from scenarios.live.page import write_page
-from scenarios.sources import PREBUILT, ROOT
 
 #: Platforms of wheels -> folder in binaries/ of an FMU.
 WHEELS = {

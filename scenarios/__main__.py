@@ -44,10 +44,10 @@ if __name__ == "__main__" and sys.argv[1:2] == ["doctor"]:  # before the imports
     sys.exit(doctor.main())
 
 from fmu_src.compile import CompilerError
+from fmu_src.cosimulation.slave import CosimulationError
 from fmu_src.kernel import KernelError
 from scenarios.catalogue import SCENARIOS, find
 from scenarios.completion import SHELLS, completion
-from scenarios.cosimulation.slave import CosimulationError
 from scenarios.live.page import write_page
 from scenarios.reporting.progress import ticking, without_bars
 from scenarios.reporting.report import Result, save, short_table, stopwatch, table

@@ -99,7 +99,7 @@ def group(extra: str, asked: Mapping[str, Any]) -> Finding:
 
 def prebuilt() -> Finding:
     """What a wheel brings compiled."""
-    from scenarios.fmus.prebuilt import contents, sources_here
+    from products.prebuilt import contents, sources_here
 
     about = contents()
     if not about:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 
-from scenarios.cosimulation.master import Master
+from fmu_src.cosimulation.master import Master
 from scenarios.reporting.report import Result
 
 

@@ -14,9 +14,9 @@ import pytest
 
 from fmu_src.compile import CACHE
 from fmu_src.model_description import variable_table
+from products.registry import DIFFERENT, FMUS, model_of
 from scenarios.__main__ import DOES_NOT_HOLD, main
 from scenarios.catalogue import SCENARIOS
-from scenarios.fmus.registry import DIFFERENT, FMUS, model_of
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")

@@ -9,7 +9,7 @@ from pages import DOCS, write_or_check
 from brake_controller.protection_fmu import wheel_slide_protection
 from fmu_src.model_description import variable_table
 from fmu_src.system import Model
-from scenarios.fmus.registry import FMUS, model_of
+from products.registry import FMUS, model_of
 
 PAGE = DOCS / "variables.md"
 HEAD = """# Variables of the FMUs

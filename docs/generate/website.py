@@ -71,7 +71,7 @@ def on_config(config: MkDocsConfig) -> MkDocsConfig:
 
 def contents() -> Iterator[tuple[str, str | Path]]:
     """What is added, by its name on the site: a text, or the file that it is."""
-    for path in (*(ROOT / name for name in OUTSIDE), *ROOT.glob("scenarios/fmus/pictures/*.png")):
+    for path in (*(ROOT / name for name in OUTSIDE), *ROOT.glob("products/pictures/*.png")):
         yield path.relative_to(ROOT).as_posix(), path
     for module in chain.from_iterable(catalogue.modules().values()):
         for one in catalogue.scenarios_of(module):

@@ -10,10 +10,10 @@ from itertools import product
 import numpy as np
 from tqdm import tqdm
 
+from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel
 from rbd_model.parameters import AS_PRINTED
 from scenarios.bench.drive import bogie, play
-from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.progress import PATIENCE
 
 BRAKE_TORQUE, BRAKE_START, SPEED = 20e3, 1.0, 25.0

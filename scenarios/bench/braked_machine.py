@@ -7,13 +7,13 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from types import TracebackType
 
+from fmu_src.cosimulation.master import Connection, Coupling
+from fmu_src.cosimulation.slave import Slave
+from products import braked_vehicle
+from products.building import up_to_date
+from products.coach import COACH
 from rbd_model.parameters import BogieParameters, VehicleParameters
 from scenarios.bench.braked_bogie import BOGIE, FULL_PRESSURE, FULL_TORQUE, brake_values
-from scenarios.bench.four_axles import COACH
-from scenarios.cosimulation.master import Connection, Coupling
-from scenarios.cosimulation.slave import Slave
-from scenarios.fmus import braked_vehicle
-from scenarios.fmus.building import up_to_date
 
 #: Speed at which a machine counts as standing [m/s].
 STANDING = 0.02

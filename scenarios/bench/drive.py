@@ -11,13 +11,13 @@ from pathlib import Path
 
 import numpy as np
 
+from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel, Library
 from fmu_src.system import System
+from products.building import kernel_of, units_of
+from products.registry import model_of
 from rbd_model.bogie import smallest_level
 from rbd_model.line import Line
-from scenarios.cosimulation.recording import Recording
-from scenarios.fmus.building import kernel_of, units_of
-from scenarios.fmus.registry import model_of
 
 #: Points (time [s], value) of an input; straight lines between them, held after the last, a jump at a repeated time.
 History = Sequence[tuple[float, float]]

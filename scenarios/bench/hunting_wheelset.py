@@ -6,12 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel
 from fmu_src.system import System
 from rbd_model.linear import Mode, oscillations
 from rbd_model.parameters import AS_PRINTED
 from scenarios.bench.drive import period, play, prepare
-from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.report import rounding
 
 #: The disturbance: a short lateral wave of the track. Its size is not printed.

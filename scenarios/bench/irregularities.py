@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel
 from rbd_model.parameters import AS_PRINTED
 from rbd_model.track import section_5_3
 from scenarios.bench.drive import bogie, play, spectrum
-from scenarios.cosimulation.recording import Recording
 
 SPEEDS = (15.0, 25.0)
 DURATION, INTERVAL = 12.0, 2e-3

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from scenarios.cosimulation.slave import Slave
-from scenarios.fmus.building import up_to_date
+from fmu_src.cosimulation.slave import Slave
+from products.building import up_to_date
 from scenarios.scenario import Options
 
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from brake_controller.sensors import TEETH, Encoder
 from brake_controller.wheel_slide import APPLY, ControllerError, Supervised, WheelSlideController
+from fmu_src.cosimulation.recording import Recording
 from scenarios.bench.braked_machine import APPLICATION_TIME, STANDING, BrakedMachine
-from scenarios.cosimulation.recording import Recording
 
 #: Start of braking [s], and time [s] after which a run that still moves is ended.
 BRAKE_START, LONGEST = 1.0, 300.0

@@ -37,11 +37,11 @@ from brake_controller.shoe_friction import (
     MEASURED_AGAINST_FORCE,
 )
 from brake_controller.timing import APPLIED_SHARE, RELEASED_SHARE
+from fmu_src.cosimulation.master import couple
+from fmu_src.cosimulation.recording import Recording
+from fmu_src.cosimulation.slave import Slave
 from scenarios.bench.brake_air import balance_rows, closed_form_rows
 from scenarios.bench.open_fmus import open_brake
-from scenarios.cosimulation.master import couple
-from scenarios.cosimulation.recording import Recording
-from scenarios.cosimulation.slave import Slave
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, THREE, TRAILING, plt, titled
 from scenarios.reporting.report import Result, Row, between
 from scenarios.scenario import Options, Scenario

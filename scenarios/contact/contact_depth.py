@@ -17,6 +17,7 @@ from matplotlib.figure import Figure
 from tqdm import tqdm
 
 from fmu_src.compile import build_library
+from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel, Library
 from fmu_src.system import model_of
 from rbd_model.bogie import DEFAULT_TOLERANCE
@@ -27,7 +28,6 @@ from rbd_model.track import irregular_track, section_5_3
 from rbd_model.vehicles import two_axle_bogie
 from scenarios.bench.asymmetric_shoes import BRAKE_START, BRAKE_TORQUE, SPEED, YAW_TORQUE
 from scenarios.bench.drive import History, play, prepare
-from scenarios.cosimulation.recording import Recording
 from scenarios.methods.integrators import Run, layout, own
 from scenarios.methods.scenes import SMOOTH, Scene, lateral_peak
 from scenarios.methods.timing import least

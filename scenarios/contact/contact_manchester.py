@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 from scipy.optimize import brentq
 from tqdm import tqdm
 
+from fmu_src.cosimulation.recording import Recording
 from fmu_src.system import System, Table
 from rbd_model.contact.creep.kalker import smooth_kalker_coefficients
 from rbd_model.contact.creep.law import ContactPatch
@@ -34,7 +35,6 @@ from rbd_model.pressing_patch import PatchConstants, PatchState, Press, find_pat
 from rbd_model.rolling_contact import Placement, Wheel
 from rbd_model.touching_patch import direction_of, look_up_patch
 from scenarios.bench.wheel_on_strips import CONSTANT_FRICTION, NO_SPEED, wheel_under_load
-from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.plots import BOGIE, FOUR, LEADING, THESIS, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row, at_most

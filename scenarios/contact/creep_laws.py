@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from tqdm import tqdm
 
+from fmu_src.cosimulation.recording import Recording
 from rbd_model.contact.creep.exact_table import exact_law
 from rbd_model.contact.creep.fastrip import fastrip
 from rbd_model.contact.creep.fastsim import fastsim
@@ -25,7 +26,6 @@ from rbd_model.contact.creep.polach import polach
 from rbd_model.contact.creep.shen_hedrick_elkins import shen_hedrick_elkins
 from rbd_model.contact.creep.strip_theory import strip_theory
 from rbd_model.contact.creep.tabulated import table_of, tabulated
-from scenarios.cosimulation.recording import Recording
 from scenarios.methods import exact_states
 from scenarios.methods.creep_cost import cost, values, with_coefficients
 from scenarios.reporting.plots import plt, titled

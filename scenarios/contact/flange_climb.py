@@ -9,12 +9,12 @@ import numpy as np
 from matplotlib.figure import Figure
 from tqdm import tqdm
 
+from fmu_src.cosimulation.recording import Recording
 from rbd_model.contact.creep.exact_table import exact_law
 from rbd_model.contact.creep.polach import polach
 from rbd_model.contact.depth import Contact
 from rbd_model.rolling_wheelset import nadal_limit
 from scenarios.bench.climbing_wheelset import GROWTH, SPEED, climbing_wheelset, instants, push, vehicle_that_climbs
-from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, THREE, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE

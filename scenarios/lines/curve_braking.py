@@ -15,6 +15,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from tqdm import tqdm
 
+from fmu_src.cosimulation.recording import Recording
 from rbd_model.line import Line
 from rbd_model.vehicles import two_axle_bogie
 from scenarios.bench.curves import (
@@ -27,7 +28,6 @@ from scenarios.bench.curves import (
     transition_length,
 )
 from scenarios.bench.drive import play, prepare_on_line
-from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import FOUR, THREE, plt, titled
 from scenarios.reporting.progress import PATIENCE

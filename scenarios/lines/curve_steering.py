@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from tqdm import tqdm
 
+from fmu_src.cosimulation.recording import Recording
 from scenarios.bench.curves import (
     BOGIE,
     MASS,
@@ -16,7 +17,6 @@ from scenarios.bench.curves import (
     suited_speed,
 )
 from scenarios.bench.drive import prepare_on_line
-from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.plots import LEADING, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row, at_most, near

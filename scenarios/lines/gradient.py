@@ -13,10 +13,10 @@ import numpy as np
 from matplotlib.figure import Figure
 from tqdm import tqdm
 
+from fmu_src.cosimulation.recording import Recording
 from rbd_model.line import line_of, straight
 from scenarios.bench.curves import BOGIE, MASS, TURNING_MASS
 from scenarios.bench.drive import History, play, prepare_on_line
-from scenarios.cosimulation.recording import Recording
 from scenarios.methods.timing import LEVELS
 from scenarios.reporting.plots import BOGIE as GREY
 from scenarios.reporting.plots import LEADING, TRAILING, plt, titled

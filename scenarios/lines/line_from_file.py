@@ -16,7 +16,9 @@ import numpy as np
 from matplotlib.figure import Figure
 from tqdm import tqdm
 
+from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel, KernelError
+from products.building import units_of
 from rbd_model.line import (
     ERRI_LOW,
     GAUGE,
@@ -32,8 +34,6 @@ from rbd_model.line import (
 from rbd_model.vehicles import two_axle_bogie
 from scenarios.bench.curves import BOGIE, MASS, WHEEL_LOAD
 from scenarios.bench.drive import prepare, prepare_on_line
-from scenarios.cosimulation.recording import Recording
-from scenarios.fmus.building import units_of
 from scenarios.reporting.line_picture import draw_line
 from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import LEADING, THESIS, TRAILING, legend_above, plt, titled

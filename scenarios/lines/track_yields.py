@@ -15,11 +15,11 @@ import numpy as np
 from matplotlib.figure import Figure
 from tqdm import tqdm
 
+from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel
 from rbd_model.line import ERRI_LOW, Line, irregular, line_of, straight
 from scenarios.bench.curves import into_curve, suited_speed
 from scenarios.bench.drive import prepare_on_line
-from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.plots import LEADING, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row, at_most

@@ -17,6 +17,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from tqdm import tqdm
 
+from fmu_src.cosimulation.recording import Recording
+from products.building import units_of
 from rbd_model.contact.elastic import elastic_force
 from rbd_model.contact.geometry import rolling_radius_difference, thesis_pair
 from rbd_model.line import GAUGE, Line, Segment, arc, clothoid, line_of, straight
@@ -24,8 +26,6 @@ from rbd_model.track import ballasted_track
 from rbd_model.vehicles import two_axle_bogie
 from scenarios.bench.curves import BOGIE, MASS, WHEEL_LOAD, suited_speed
 from scenarios.bench.drive import prepare_on_line
-from scenarios.cosimulation.recording import Recording
-from scenarios.fmus.building import units_of
 from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import BOGIE as GREY
 from scenarios.reporting.plots import LEADING, THESIS, THREE, TRAILING, legend_above, plt, titled

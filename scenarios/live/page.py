@@ -17,9 +17,9 @@ from brake_controller.wheel_slide import common_protection
 from fmu_src import __version__
 from fmu_src.codegen import generate, guid_of
 from fmu_src.compile import web_module
+from products.braked_vehicle import FULL_PRESSURE
+from products.prebuilt import prebuilt_page
 from rbd_model.vehicle import size_of
-from scenarios.fmus.braked_vehicle import FULL_PRESSURE
-from scenarios.fmus.prebuilt import prebuilt_page
 from scenarios.live.machines import MACHINES, model_of
 from scenarios.reporting.motion import drawn
 from scenarios.reporting.plots import FOUR

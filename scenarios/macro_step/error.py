@@ -12,6 +12,8 @@ from scipy.optimize import brentq
 
 from brake_controller.experiment import APPLICATION_TIME
 from brake_controller.pneumatics import TIME_CONSTANTS_TO_95_PERCENT
+from fmu_src.cosimulation.master import GAUSS_SEIDEL, JACOBI, Coupling, Master
+from fmu_src.cosimulation.slave import Slave
 from rbd_model.planar import planar_vehicle
 from rbd_model.vehicles import two_axle_bogie
 from scenarios.bench.braked_bogie import (
@@ -24,8 +26,6 @@ from scenarios.bench.braked_bogie import (
     start_brake,
 )
 from scenarios.bench.drive import prepare
-from scenarios.cosimulation.master import GAUSS_SEIDEL, JACOBI, Coupling, Master
-from scenarios.cosimulation.slave import Slave
 
 MASTERS = {
     "Jacobi, held": Master(JACOBI),

@@ -18,6 +18,8 @@ from scipy.optimize import bisect, brentq
 
 from brake_controller.experiment import APPLICATION_TIME
 from brake_controller.pneumatics import TIME_CONSTANTS_TO_95_PERCENT
+from fmu_src.cosimulation.master import GAUSS_SEIDEL, Coupling, Master
+from fmu_src.cosimulation.slave import Slave
 from fmu_src.kernel import Kernel
 from rbd_model.planar import planar_vehicle
 from rbd_model.vehicles import two_axle_bogie
@@ -29,8 +31,6 @@ from scenarios.bench.braked_bogie import (
     start_brake,
 )
 from scenarios.bench.drive import prepare
-from scenarios.cosimulation.master import GAUSS_SEIDEL, Coupling, Master
-from scenarios.cosimulation.slave import Slave
 
 SPEED = 20.0
 #: Steady pressure [Pa]: half of the full brake, creep in its linear range.

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 from tqdm import tqdm
 
+from fmu_src.cosimulation.master import GAUSS_SEIDEL, JACOBI
+from fmu_src.cosimulation.slave import Slave
 from scenarios.bench.open_fmus import open_bogie, open_brake
-from scenarios.cosimulation.master import GAUSS_SEIDEL, JACOBI
-from scenarios.cosimulation.slave import Slave
 from scenarios.macro_step import error as coupling_error
 from scenarios.macro_step import signed_torque
 from scenarios.macro_step.error import MASTERS, CoupledStop

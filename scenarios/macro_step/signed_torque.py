@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import bisect
 
+from fmu_src.cosimulation.master import couple
+from fmu_src.cosimulation.recording import Recording
+from fmu_src.cosimulation.slave import Slave
 from scenarios.bench.braked_bogie import BOGIE, FULL_TORQUE, acceleration_per_torque, bogie_values
-from scenarios.cosimulation.master import couple
-from scenarios.cosimulation.recording import Recording
-from scenarios.cosimulation.slave import Slave
 
 WHEELSETS = (1, 2)
 RECORDED = ("speed", "angular_velocity_1", "angular_velocity_2", "creep_force_1", "creep_force_2")

@@ -10,8 +10,8 @@ from fmpy import extract, read_model_description, simulate_fmu
 from fmpy.fmi2 import FMU2Model
 from fmpy.simulation import instantiate_fmu
 
+from products.building import up_to_date
 from scenarios.bench.drive import History, value_at
-from scenarios.fmus.building import up_to_date
 from scenarios.methods.integrators import BUDGET, Run
 from scenarios.methods.scenes import LOCK_UP, SMOOTH, Scene
 

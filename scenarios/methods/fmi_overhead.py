@@ -10,9 +10,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 from fmu_src.compile import compiler, library_suffix
+from fmu_src.cosimulation.slave import CosimulationError, Slave
 from fmu_src.kernel import Kernel, Library
-from scenarios.cosimulation.slave import CosimulationError, Slave
-from scenarios.fmus.building import up_to_date
+from products.building import up_to_date
 from scenarios.reporting.report import Row
 
 #: A host in C that makes `count` equal steps from time 0.

@@ -17,12 +17,12 @@ from matplotlib.figure import Figure
 from scipy.optimize import bisect
 from tqdm import tqdm
 
+from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel
 from rbd_model.bogie import DEFAULT_TOLERANCE
 from rbd_model.contact.geometry import contact_at, thesis_pair
 from rbd_model.parameters import tables_5_1_and_5_2
 from scenarios.bench.drive import AT_REST, RIGID, located_lock_time, play, prepare
-from scenarios.cosimulation.recording import Recording
 from scenarios.methods.timing import LEVELS, least
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE

@@ -18,6 +18,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from tqdm import tqdm
 
+from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel
 from rbd_model.resistance import curve_share
 from scenarios.bench.curves import (
@@ -31,7 +32,6 @@ from scenarios.bench.curves import (
     transition_length,
 )
 from scenarios.bench.drive import play, prepare_on_line
-from scenarios.cosimulation.recording import Recording
 from scenarios.methods.timing import LEVELS, least
 from scenarios.reporting.plots import BOGIE as GREY
 from scenarios.reporting.plots import LEADING, THREE, TRAILING, plt, titled

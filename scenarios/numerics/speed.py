@@ -10,18 +10,18 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from fmu_src.compile import compiler
+from fmu_src.cosimulation.recording import Recording
+from fmu_src.cosimulation.slave import Slave
 from fmu_src.kernel import Kernel, Library
+from products.building import kernel_of, up_to_date
+from products.coach import AS_PUBLISHED, brakes
+from products.sources import PREBUILT
 from scenarios.bench.asymmetric_shoes import run_all
-from scenarios.bench.four_axles import AS_PUBLISHED, brakes
-from scenarios.cosimulation.recording import Recording
-from scenarios.cosimulation.slave import Slave
-from scenarios.fmus.building import kernel_of, up_to_date
 from scenarios.methods import fmi_overhead
 from scenarios.methods.timing import LEVELS, REPEATS, least
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, titled
 from scenarios.reporting.report import Result, Row
 from scenarios.scenario import Options, Scenario
-from scenarios.sources import PREBUILT
 
 KINDS = ("native", "python")
 #: The stop: 25 m/s, 20 kN.m on both wheelsets, 22.9 s of simulated time (it stands from 16.9 s on).

@@ -12,9 +12,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from tqdm import tqdm
 
+from fmu_src.cosimulation.recording import Recording
 from rbd_model.bogie import DEFAULT_TOLERANCE
 from rbd_model.parameters import tables_5_1_and_5_2
-from scenarios.cosimulation.recording import Recording
 from scenarios.methods import sundials
 from scenarios.methods.exchange import EXCHANGE
 from scenarios.methods.integrators import own

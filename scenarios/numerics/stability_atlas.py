@@ -11,10 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from tqdm import tqdm
 
+from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel, KernelError
 from rbd_model.parameters import tables_5_1_and_5_2
 from scenarios.bench.drive import RIGID, prepare
-from scenarios.cosimulation.recording import Recording
 from scenarios.methods.drift import STEP as DRIFT_STEP
 from scenarios.methods.drift import Drift, drift
 from scenarios.methods.fold import DERAILING, Approach, approach, derail

@@ -15,11 +15,11 @@ from typing import Any
 
 import numpy as np
 
+from fmu_src.cosimulation.recording import Recording
 from rbd_model.contact.profiles import Profile
 from rbd_model.line import GAUGE, Line
 from rbd_model.track import TrackParameters, derivatives_along, section_5_3
 from rbd_model.vehicle import RigidBody, Vehicle, Wheelset, wheelset_name
-from scenarios.cosimulation.recording import Recording
 
 SIDES = ("left", "right")
 RAIL_ROWS = ("lateral", "left", "right", "curvature", "cant", "gradient")

@@ -18,7 +18,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from fmu_src import __version__
-from scenarios.cosimulation.recording import Recording
+from fmu_src.cosimulation.recording import Recording
 from scenarios.reporting.motion import Motion
 from scenarios.reporting.plots import plt
 

@@ -21,8 +21,8 @@ from functools import partial
 from itertools import islice
 from typing import Any
 
+from products.sources import CODE, digest
 from scenarios.reporting.progress import hide_bars
-from scenarios.sources import CODE, digest
 
 SOURCES = ("fmu_src", "rbd_model", "brake_controller", "scenarios")
 #: Points that each worker has before it, so that it need not wait for the next one.

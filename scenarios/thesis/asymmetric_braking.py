@@ -10,6 +10,7 @@ from itertools import product
 
 from matplotlib.figure import Figure
 
+from fmu_src.cosimulation.recording import Recording
 from rbd_model.parameters import as_printed, tables_5_1_and_5_2
 from rbd_model.vehicles import two_axle_bogie
 from scenarios.bench.asymmetric_shoes import (
@@ -33,7 +34,6 @@ from scenarios.bench.asymmetric_shoes import (
     run_all,
 )
 from scenarios.bench.drive import RIGID
-from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import LEADING, THREE, TRAILING, plt, titled
 from scenarios.reporting.report import Result, Row, at_least, rounding

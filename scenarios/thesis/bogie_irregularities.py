@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
+from fmu_src.cosimulation.recording import Recording
 from fmu_src.system import System
 from rbd_model.bogie import levels
 from rbd_model.linear import oscillations
@@ -26,7 +27,6 @@ from scenarios.bench.irregularities import (
     largest_wheel_load,
     travel,
 )
-from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.motion import Motion, irregular, motion_columns
 from scenarios.reporting.plots import LEADING, TRAILING, plt, titled
 from scenarios.reporting.report import Result, Row, near, rounding

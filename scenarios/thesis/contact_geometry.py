@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from tqdm import tqdm
 
+from fmu_src.cosimulation.recording import Recording
 from rbd_model.contact.geometry import (
     ON_FLANGE,
     Contact,
@@ -27,7 +28,6 @@ from rbd_model.contact.geometry import (
     thesis_pair,
 )
 from scenarios.bench.profile_files import gauge_of, sides_from_files
-from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.plots import LEADING, THESIS, TRAILING, mark, plt, titled
 from scenarios.reporting.report import Result, Row, rounding
 from scenarios.scenario import BadInputError, Options, Scenario

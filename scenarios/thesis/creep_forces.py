@@ -6,10 +6,10 @@ import casadi as ca
 import numpy as np
 from matplotlib.figure import Figure
 
+from fmu_src.cosimulation.recording import Recording
 from rbd_model.contact.creep.kalker import kalker_coefficients
 from rbd_model.contact.creep.law import ContactPatch
 from rbd_model.contact.creep.polach import polach
-from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.plots import BOGIE, LEADING, THREE, plt, titled
 from scenarios.reporting.report import Result, Row, at_most
 from scenarios.scenario import Options, Scenario

@@ -16,15 +16,15 @@ from tqdm import tqdm
 
 from brake_controller.experiment import APPLICATION_TIME, EXPERIMENT
 from brake_controller.parameters import qr30
+from fmu_src.cosimulation.master import Connection, Coupling, couple
+from fmu_src.cosimulation.recording import Recording
+from products.building import units_of
 from rbd_model.parameters import AS_PRINTED, tables_8_1_and_8_2
 from rbd_model.vehicles import two_axle_bogie
 from scenarios.bench.drive import AT_REST, play, prepare
 from scenarios.bench.open_fmus import open_bogie, open_brake
 from scenarios.bench.qr30_bogie import FRICTION, RECORDED, bogie_parameters
 from scenarios.bench.torque_history import read_torque_history
-from scenarios.cosimulation.master import Connection, Coupling, couple
-from scenarios.cosimulation.recording import Recording
-from scenarios.fmus.building import units_of
 from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, mark, panels
 from scenarios.reporting.progress import PATIENCE

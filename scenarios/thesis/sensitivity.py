@@ -14,6 +14,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from tqdm import tqdm
 
+from fmu_src.cosimulation.recording import Recording
 from rbd_model.bogie import wheelset_in_frame
 from rbd_model.linear import critical_speed
 from rbd_model.parameters import AS_PRINTED, as_printed, tables_4_1_and_4_2, tables_5_1_and_5_2
@@ -32,7 +33,6 @@ from scenarios.bench.asymmetric_shoes import (
 from scenarios.bench.drive import bogie, play
 from scenarios.bench.hunting_wheelset import RANGE, growth_by_eigenvalue
 from scenarios.bench.irregularities import CROSS_LEVEL, LATERAL_PEAK, WHEEL_LOAD, largest_wheel_load, travel
-from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.plots import LEADING, THESIS, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row

@@ -16,13 +16,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from tqdm import tqdm
 
+from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel
 from rbd_model.parameters import AS_PRINTED, tables_5_1_and_5_2
 from scenarios.bench import asymmetric_shoes, hunting_wheelset, irregularities
 from scenarios.bench.asymmetric_shoes import APPLICATION_TIMES, AS_THESIS, PEAKS, Case
 from scenarios.bench.drive import PADDING, RIGID, in_space, library
 from scenarios.bench.irregularities import CROSS_LEVEL, HUNTING_PEAK, LATERAL, LATERAL_PEAK, WHEEL_LOAD
-from scenarios.cosimulation.recording import Recording
 from scenarios.methods.stability import RUNGE_KUTTA, Machine, limit
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE

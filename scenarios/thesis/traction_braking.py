@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from matplotlib.figure import Figure
 
+from fmu_src.cosimulation.master import couple
+from fmu_src.cosimulation.recording import Recording
+from fmu_src.cosimulation.slave import Slave
 from rbd_model.bogie import smallest_level
 from rbd_model.parameters import BogieParameters, as_printed, tables_5_1_and_5_2
 from scenarios.bench.open_fmus import open_bogie
-from scenarios.cosimulation.master import couple
-from scenarios.cosimulation.recording import Recording
-from scenarios.cosimulation.slave import Slave
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, mark, panels
 from scenarios.reporting.report import Result, Row, near, rounding
 from scenarios.scenario import Options, Scenario

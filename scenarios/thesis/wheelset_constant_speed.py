@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
+from fmu_src.cosimulation.recording import Recording
 from rbd_model.parameters import as_printed, tables_4_1_and_4_2
 from rbd_model.vehicles import wheelset_under_frame
 from scenarios.bench.hunting_wheelset import (
@@ -16,7 +17,6 @@ from scenarios.bench.hunting_wheelset import (
     hunt,
     hunting_period,
 )
-from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.motion import Motion, irregular, motion_columns
 from scenarios.reporting.plots import LEADING, TRAILING, plt, titled
 from scenarios.reporting.report import Result, Row

@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 
 from matplotlib.figure import Figure
 
+from fmu_src.cosimulation.recording import Recording
 from rbd_model.parameters import AS_PRINTED, as_printed, tables_4_1_and_4_2
 from rbd_model.vehicles import wheelset_under_frame
 from scenarios.bench.drive import play, prepare
-from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.motion import Motion, irregular, motion_columns
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, titled
 from scenarios.reporting.report import Result, Row, at_least, at_most, between, near

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
+from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel
 from rbd_model.bogie import wheelset_in_frame
 from rbd_model.linear import critical_speed, oscillations
@@ -14,7 +15,6 @@ from rbd_model.parameters import AS_PRINTED, as_printed, tables_4_1_and_4_2
 from rbd_model.vehicles import wheelset_under_frame
 from scenarios.bench.drive import peaks, play, prepare
 from scenarios.bench.hunting_wheelset import WAVELENGTH
-from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.motion import Motion, irregular, motion_columns
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, plt, titled
 from scenarios.reporting.report import Result, Row, near

@@ -9,8 +9,8 @@ from matplotlib.figure import Figure
 from tqdm import tqdm
 
 from brake_controller.wheel_slide import SlideProtection
+from products.coach import NUMBERS
 from scenarios.bench.braked_machine import BrakedMachine, coach
-from scenarios.bench.four_axles import NUMBERS
 from scenarios.bench.peak_adhesion import PeakAdhesion
 from scenarios.bench.protected_stop import BRAKE_START, ProtectedStop, Settings, protected_stop
 from scenarios.bench.rails import ABOVE, BAND, LOCK_ABOVE, LONGEST_LOCK, OVER_IDEAL, RailCase, low_rail

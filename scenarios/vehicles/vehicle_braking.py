@@ -7,10 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
+from fmu_src.cosimulation.recording import Recording
+from products.coach import COACH, NUMBERS, brakes
 from rbd_model.vehicles import passenger_coach
 from scenarios.bench.drive import located_lock_time, play, prepare
-from scenarios.bench.four_axles import COACH, NUMBERS, brakes, rigid_axle_loads
-from scenarios.cosimulation.recording import Recording
+from scenarios.bench.four_axles import rigid_axle_loads
 from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import FOUR, panels
 from scenarios.reporting.report import Result, Row, near

@@ -12,11 +12,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from tqdm import tqdm
 
+from fmu_src.cosimulation.master import Coupling, Master
+from fmu_src.cosimulation.recording import Recording
+from fmu_src.cosimulation.slave import Slave
+from products.building import up_to_date
 from scenarios.bench.braked_machine import BrakedMachine, coach
-from scenarios.cosimulation.master import Coupling, Master
-from scenarios.cosimulation.recording import Recording
-from scenarios.cosimulation.slave import Slave
-from scenarios.fmus.building import up_to_date
 from scenarios.reporting.plots import LEADING, THESIS, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row, at_most, near

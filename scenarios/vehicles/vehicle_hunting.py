@@ -10,11 +10,11 @@ from matplotlib.figure import Figure
 from scipy.linalg import eig
 from tqdm import tqdm
 
+from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel
+from products.coach import AS_PUBLISHED, COACH, NUMBERS
 from rbd_model.linear import Mode, critical_speed, oscillations, reduced_jacobian
 from scenarios.bench.drive import RIGID, prepare, system_of
-from scenarios.bench.four_axles import AS_PUBLISHED, COACH, NUMBERS
-from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.plots import LEADING, THESIS, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row, near

@@ -6,10 +6,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from fmu_src.cosimulation.recording import Recording
+from products.coach import AS_PUBLISHED, COACH, NUMBERS
 from rbd_model.linear import Mode, oscillations
 from scenarios.bench.drive import RIGID, prepare, system_of
-from scenarios.bench.four_axles import AS_PUBLISHED, COACH, NUMBERS
-from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, titled
 from scenarios.reporting.report import Result, Row, near
 from scenarios.scenario import Options, Scenario

@@ -10,12 +10,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from tqdm import tqdm
 
+from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel
+from products.coach import COACH, NUMBERS
 from rbd_model.parameters import one_bogie_of
 from scenarios.bench.braked_machine import coach
 from scenarios.bench.drive import located_lock_time, play, prepare
-from scenarios.bench.four_axles import COACH, NUMBERS, rigid_axle_loads
-from scenarios.cosimulation.recording import Recording
+from scenarios.bench.four_axles import rigid_axle_loads
 from scenarios.methods.timing import LEVELS, least
 from scenarios.reporting.plots import LEADING, THREE, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE

@@ -6,7 +6,7 @@ import subprocess
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from scenarios.cosimulation.slave import Slave
+from fmu_src.cosimulation.slave import Slave
 
 #: What each program does.
 STEPS, STEP = 100, 0.01

@@ -10,7 +10,7 @@ from fmu_src.dependencies import start_dependencies
 from fmu_src.kernel import Kernel, KernelError, Library
 from fmu_src.model_description import NOMINAL
 from fmu_src.system import Model, Variable
-from scenarios.fmus.registry import DIFFERENT, model_of
+from products.registry import DIFFERENT, model_of
 
 #: Algebraic states are found to this tolerance; twice that, of an output's size, is no change.
 SOLVED = 1e-12

@@ -24,7 +24,7 @@ from fmpy.fmi3 import FMU3Slave, fmi3LogMessageCallback
 from fmu_src import compile as compiling
 from fmu_src.codegen import RUNTIME, RUNTIME_SOURCES, generate
 from fmu_src.compliance import CHECKS
-from scenarios.cosimulation.slave import CosimulationError, Slave
+from fmu_src.cosimulation.slave import CosimulationError, Slave
 from tests.fmu.hosting import DISCARD, ERROR, OK, STEP, WARNING, host
 
 sys.path.insert(0, str(Path(__file__).parent))

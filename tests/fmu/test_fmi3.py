@@ -18,9 +18,9 @@ from fmpy.validation import validate_fmu
 from fmu_src.exchange import derivatives, indicators
 from fmu_src.model_description3 import TIME
 from fmu_src.native_fmu import PLATFORMS3
-from scenarios.fmus import building
-from scenarios.fmus.building import write_fmu
-from scenarios.fmus.registry import DIFFERENT, model_of
+from products import building
+from products.building import write_fmu
+from products.registry import DIFFERENT, model_of
 
 
 @contextmanager

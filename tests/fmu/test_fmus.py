@@ -15,8 +15,8 @@ from fmpy.validation import validate_fmu
 
 from build_fmu import main
 from fmu_src import compile as compiling
-from scenarios.cosimulation.slave import CosimulationError, Slave
-from scenarios.fmus.registry import DIFFERENT
+from fmu_src.cosimulation.slave import CosimulationError, Slave
+from products.registry import DIFFERENT
 
 #: Of FMI 2.0.
 KINDS = ["native", "python"]

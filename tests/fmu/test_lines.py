@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 from fmpy import read_model_description, simulate_fmu
 
+from fmu_src.cosimulation.slave import CosimulationError, Slave
 from fmu_src.kernel import Kernel, Library
 from rbd_model.line import arc, clothoid, line_of, straight
-from scenarios.cosimulation.slave import CosimulationError, Slave
 
 SPACE = {"level": 3, "initial_speed": 15.0}
 SEEN = ("speed", "distance", "lateral_1", "yaw_2", "wheel_load_1_left")

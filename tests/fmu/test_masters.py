@@ -18,15 +18,15 @@ from fmpy import read_model_description
 from fmpy.ssp.simulation import simulate_ssp
 from fmpy.validation import validate_fmu
 
+from fmu_src.cosimulation.slave import Slave
 from fmu_src.ssp import Component, write_ssp
 from fmu_src.start_values import FILE, with_start_values
+from products.braked_vehicle import FULL_PRESSURE, FULL_TORQUE
+from products.building import fmu_path
+from products.registry import DIFFERENT
+from products.systems import LOW_FRICTION, build_system
 from rbd_model.parameters import manchester_vehicle_1
 from scenarios.bench.braked_machine import coach
-from scenarios.cosimulation.slave import Slave
-from scenarios.fmus.braked_vehicle import FULL_PRESSURE, FULL_TORQUE
-from scenarios.fmus.building import fmu_path
-from scenarios.fmus.registry import DIFFERENT
-from scenarios.fmus.systems import LOW_FRICTION, build_system
 from tests.fmu.hosting import host
 from tests.fmu.masters import MASTERS, parameters_of
 

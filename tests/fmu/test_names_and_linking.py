@@ -16,10 +16,10 @@ import pytest
 from fmu_src import compile as compiling
 from fmu_src.codegen import generate, guid_of
 from fmu_src.compile import build_library, compiler, library_of
+from fmu_src.cosimulation.slave import Slave
 from fmu_src.kernel import _SIGNATURES
 from fmu_src.system import Model
-from scenarios.cosimulation.slave import Slave
-from scenarios.fmus.registry import DIFFERENT, FMUS, model_of
+from products.registry import DIFFERENT, FMUS, model_of
 from tests.fmu.exports import exports
 
 HERE = Path(__file__).parent

@@ -8,11 +8,11 @@ import pytest
 from fmpy.ssp.ssd import ParameterSet, read_ssv
 
 from build_fmu import main
+from fmu_src.cosimulation.slave import Slave
 from fmu_src.parameter_file import parameter_file
+from products.parameter_sets import PARAMETER_SETS, set_files, write_sets
+from products.registry import FMUS, model_of
 from rbd_model.vehicles import loaded_coal_wagon, passenger_coach, two_axle_bogie, wheelset_under_frame
-from scenarios.cosimulation.slave import Slave
-from scenarios.fmus.parameter_sets import PARAMETER_SETS, set_files, write_sets
-from scenarios.fmus.registry import FMUS, model_of
 
 
 @pytest.fixture(scope="module")

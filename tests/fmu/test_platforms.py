@@ -10,9 +10,9 @@ import pytest
 from fmu_src import compile as compiling
 from fmu_src.codegen import generate
 from fmu_src.native_fmu import PLATFORMS, universal
-from scenarios.fmus import building
-from scenarios.fmus.building import write_fmu
-from scenarios.fmus.registry import model_of
+from products import building
+from products.building import write_fmu
+from products.registry import model_of
 from tests.fmu.exports import exports
 from tests.fmu.programs import found_here, shown
 from tests.needed import needed

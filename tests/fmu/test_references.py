@@ -18,11 +18,11 @@ from lxml import etree
 
 from fmu_src import references
 from fmu_src.references import DIGITS, FOLDER, NAMESPACE, PAGE, reference_files
+from products.building import NATIVE
+from products.experiments import experiments_of
+from products.parameter_sets import PARAMETER_SETS, set_files
+from products.registry import DIFFERENT, FMUS, model_of
 from rbd_model.adhesion import wet
-from scenarios.fmus.building import NATIVE
-from scenarios.fmus.experiments import experiments_of
-from scenarios.fmus.parameter_sets import PARAMETER_SETS, set_files
-from scenarios.fmus.registry import DIFFERENT, FMUS, model_of
 
 #: Of the largest value of a column: half a unit of its last digit, and as much for round-off of times.
 ROUNDED = 10.0 ** (1 - DIGITS)

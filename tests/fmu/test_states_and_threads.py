@@ -16,11 +16,11 @@ import numpy as np
 import pytest
 
 from fmu_src import compile as compiling
+from fmu_src.cosimulation.slave import Slave
 from fmu_src.kernel import Kernel, KernelError, Library
 from fmu_src.system import state_variable
 from rbd_model.bogie import bogie_dynamics, levels
 from rbd_model.vehicles import two_axle_bogie
-from scenarios.cosimulation.slave import Slave
 
 HOST = Path(__file__).with_name("host.c")
 PACKAGES = ("fmu_src", "rbd_model", "brake_controller", "scenarios")

@@ -12,8 +12,8 @@ from fmpy.validation import validate_fmu
 import build_fmu
 from brake_controller.protection_fmu import wheel_slide_protection
 from brake_controller.wheel_slide import APPLY, VENT, SlideProtection
-from scenarios.cosimulation.slave import CosimulationError, Slave
-from scenarios.fmus.building import build_protection
+from fmu_src.cosimulation.slave import CosimulationError, Slave
+from products.building import build_protection
 
 ROOT = Path(__file__).parents[2]
 PERIOD = 5e-3

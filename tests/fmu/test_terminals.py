@@ -12,8 +12,8 @@ import pytest
 from fmpy import read_model_description
 from lxml import etree
 
-from scenarios.fmus.building import NATIVE
-from scenarios.fmus.registry import DIFFERENT
+from products.building import NATIVE
+from products.registry import DIFFERENT
 
 SCHEMA = Path(fmpy.__file__).parent / "schema" / "fmi3" / "fmi3TerminalsAndIcons.xsd"
 PNG = b"\x89PNG\r\n\x1a\n"

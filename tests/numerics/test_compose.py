@@ -13,9 +13,9 @@ from fmu_src.compose import compose, scope
 from fmu_src.elimination import elimination
 from fmu_src.kernel import Kernel, Library
 from fmu_src.system import System, Variable, interpolation, model_of
+from products.braked_vehicle import coach_brake, timed_brake, with_brakes
 from rbd_model.planar import planar_vehicle
 from rbd_model.vehicles import passenger_coach
-from scenarios.fmus.braked_vehicle import coach_brake, timed_brake, with_brakes
 
 #: The same expressions in another order: round-off.
 ROUND_OFF = 1e-12

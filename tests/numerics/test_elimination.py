@@ -7,7 +7,7 @@ import pytest
 
 from fmu_src.elimination import Elimination, elimination
 from fmu_src.system import System
-from scenarios.fmus.registry import model_of
+from products.registry import model_of
 
 #: Round-off of a few hundred operations on numbers of order 1.
 ROUND_OFF = 1e-11

@@ -16,13 +16,13 @@ from tqdm import tqdm
 from brake_controller.cylinder import brake_cylinder
 from fmu_src import codegen
 from fmu_src import compile as compiling
+from products import prebuilt
+from products.sources import digest
 from scenarios import doctor
 from scenarios.__main__ import last_time, main
 from scenarios.catalogue import SCENARIOS
-from scenarios.fmus import prebuilt
 from scenarios.reporting import progress, report
 from scenarios.reporting.progress import without_bars
-from scenarios.sources import digest
 
 ROOT = Path(__file__).parents[2]
 

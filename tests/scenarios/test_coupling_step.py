@@ -9,10 +9,10 @@ from contextlib import closing
 import numpy as np
 import pytest
 
+from fmu_src.cosimulation.master import GAUSS_SEIDEL, JACOBI
+from fmu_src.cosimulation.slave import Slave
 from scenarios.bench.braked_bogie import bogie_values
 from scenarios.bench.drive import prepare
-from scenarios.cosimulation.master import GAUSS_SEIDEL, JACOBI
-from scenarios.cosimulation.slave import Slave
 from scenarios.macro_step.error import MASTERS, RATE, CoupledStop, coupled_stop, error_on_paper, order, reference
 from scenarios.macro_step.feedback_boundary import (
     FEEDBACK,

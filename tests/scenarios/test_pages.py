@@ -14,13 +14,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from fmu_src.cosimulation.recording import Recording
 from rbd_model.line import GAUGE, Line, Segment, line_of
 from rbd_model.parameters import AS_PRINTED
 from rbd_model.vehicles import two_axle_bogie
 from scenarios.__main__ import DOES_NOT_HOLD, main
 from scenarios.bench.drive import RIGID, prepare, prepare_on_line
 from scenarios.bench.irregularities import DURATION, INTERVAL, LATERAL, SPEEDS
-from scenarios.cosimulation.recording import Recording
 from scenarios.reporting.html_report import together, write_report
 from scenarios.reporting.motion import Motion, Rails, box, motion_columns
 from scenarios.reporting.plots import single

@@ -10,9 +10,9 @@ from packaging.tags import platform_tags
 import release
 from brake_controller.cylinder import brake_cylinder
 from brake_controller.parameters import qr30
+from fmu_src.cosimulation.slave import Slave
 from fmu_src.kernel import Kernel, Library
-from scenarios.cosimulation.slave import Slave
-from scenarios.fmus import building, prebuilt
+from products import building, prebuilt
 from scenarios.live import page as live
 
 PLATFORM = next(tag for tag in platform_tags() if tag in release.WHEELS)

@@ -14,10 +14,10 @@ from brake_controller.cylinder import brake_cylinder
 from brake_controller.parameters import qr30
 from fmu_src import compile as compiling
 from fmu_src.system import Model
-from scenarios.fmus import building, remembered
-from scenarios.fmus.prebuilt import PAGE_SOURCES
-from scenarios.fmus.registry import FMUS, Fmu, model_of
-from scenarios.sources import KINDS, ROOT
+from products import building, remembered
+from products.prebuilt import PAGE_SOURCES
+from products.registry import FMUS, Fmu, model_of
+from products.sources import KINDS, ROOT
 
 
 @pytest.fixture

@@ -405,7 +405,7 @@ def test_help_opens_with_examples_and_names_what_can_be_varied(capsys: pytest.Ca
 
 
 def test_code_parts_sweeps_and_how_pages_look_does_not(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("scenarios.sources.ROOT", tmp_path)
+    monkeypatch.setattr("products.sources.ROOT", tmp_path)
     folder = tmp_path / "scenarios"
     folder.mkdir()
     before = sources_of_points()

@@ -22,12 +22,12 @@ from fmu_src.references import reference_files
 from fmu_src.step_fmu import build_step_fmu
 from fmu_src.system import StepModel
 from fmu_src.terminals import FILE, ICON, terminals_and_icons
-from scenarios.fmus.experiments import experiments_of
-from scenarios.fmus.parameter_sets import set_files
-from scenarios.fmus.prebuilt import content_of, prebuilt
-from scenarios.fmus.registry import FMUS, model_of
-from scenarios.fmus.remembered import remembered, remembered_path
-from scenarios.fmus.terminals import terminals_of
+from products.experiments import experiments_of
+from products.parameter_sets import set_files
+from products.prebuilt import content_of, prebuilt
+from products.registry import FMUS, model_of
+from products.remembered import remembered, remembered_path
+from products.terminals import terminals_of
 
 PICTURES = Path(__file__).parent / "pictures"
 #: Native for FMI 2.0 and for FMI 3.0, and pythonfmu, which has binaries of its own.

@@ -10,9 +10,9 @@ from importlib.metadata import version
 from pathlib import Path
 
 from fmu_src.compile import cache, compiler
-from scenarios.fmus.prebuilt import SOURCES, sources_here
-from scenarios.fmus.registry import FMUS
-from scenarios.sources import ROOT
+from products.prebuilt import SOURCES, sources_here
+from products.registry import FMUS
+from products.sources import ROOT
 
 
 def remembered(name: str, what: str, make: Callable[[], str], good: Callable[[str], bool] = bool) -> str:

@@ -10,9 +10,9 @@ from typing import NamedTuple
 
 from tqdm import tqdm
 
-from scenarios.cosimulation.recording import Recording
-from scenarios.cosimulation.slave import CosimulationError, Slave
-from scenarios.reporting.progress import PATIENCE
+from fmu_src.cosimulation.recording import Recording
+from fmu_src.cosimulation.slave import CosimulationError, Slave
+from fmu_src.progress import PATIENCE
 
 
 class Connection(NamedTuple):

@@ -8,11 +8,11 @@ from pathlib import Path
 from brake_controller.parameters import qr30
 from brake_controller.protection_fmu import wheel_slide_protection
 from fmu_src.ssp import Component, Connection, write_ssp
+from products.braked_vehicle import FULL_PRESSURE
+from products.building import build_protection, fmu_path
+from products.coach import NUMBERS
+from products.parameter_sets import PARAMETER_SETS, values_for
 from rbd_model.parameters import tables_8_1_and_8_2
-from scenarios.bench.four_axles import NUMBERS
-from scenarios.fmus.braked_vehicle import FULL_PRESSURE
-from scenarios.fmus.building import build_protection, fmu_path
-from scenarios.fmus.parameter_sets import PARAMETER_SETS, values_for
 
 #: Friction of a rail on which the full brake slides. Assumed.
 LOW_FRICTION = 0.08

@@ -9,6 +9,8 @@ from pathlib import Path
 from brake_controller.ready_sets import ReadySet, qr30_experiment, uic_g, uic_p, with_dump_valve
 from fmu_src.parameter_file import parameter_file
 from fmu_src.system import ParameterSet
+from products.braked_vehicle import coach_brake
+from products.registry import model_of
 from rbd_model.adhesion import RailCondition, dry, low, very_low, wet
 from rbd_model.parameters import (
     as_printed,
@@ -21,8 +23,6 @@ from rbd_model.parameters import (
     tables_8_1_and_8_2,
 )
 from rbd_model.rail_recovery import RecoveryParameters, assumed_recovery, easy_recovery, hard_recovery, no_recovery
-from scenarios.fmus.braked_vehicle import coach_brake
-from scenarios.fmus.registry import model_of
 
 #: What a file says of itself, with the pressure of the experiment.
 QR30 = "Brake of one wheelset in the experiment at {} kPa, chapters 6 and 7"

@@ -13,15 +13,15 @@ from pathlib import Path
 
 import fmu_src
 from fmu_src.codegen import generate, guid_of
-from scenarios.fmus.experiments import experiments_of
-from scenarios.fmus.parameter_sets import set_files
-from scenarios.fmus.registry import model_of
-from scenarios.fmus.terminals import terminals_of
-from scenarios.sources import PREBUILT, digest
+from products.experiments import experiments_of
+from products.parameter_sets import set_files
+from products.registry import model_of
+from products.sources import PREBUILT, digest
+from products.terminals import terminals_of
 
 CONTENTS = "contents.json"
 #: What FMUs and kernels are made from.
-SOURCES = ("fmu_src", "rbd_model", "brake_controller", "scenarios/fmus")
+SOURCES = ("fmu_src", "rbd_model", "brake_controller", "products")
 #: The live page in the folder, and what it is made from.
 PAGE = "live.html"
 PAGE_SOURCES = (*SOURCES, "scenarios/live", "scenarios/reporting/motion.py", "scenarios/reporting/plots.py")

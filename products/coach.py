@@ -1,0 +1,15 @@
+"""The coach, the complete vehicle of the FMU `vehicle`: its numbers, and what brakes all its wheelsets."""
+
+from __future__ import annotations
+
+from rbd_model.parameters import coach_with_traction_rods, manchester_vehicle_1
+
+COACH = coach_with_traction_rods()
+#: What makes the published vehicle of the coach: it has no traction rods.
+AS_PUBLISHED = {key: value for key, value in manchester_vehicle_1().values().items() if value != COACH.values()[key]}
+NUMBERS = (1, 2, 3, 4)
+
+
+def brakes(torque: float) -> dict[str, float]:
+    """The same torque capacity on all four wheelsets [N.m]."""
+    return {f"brake_torque_{number}": torque for number in NUMBERS}
