@@ -10,7 +10,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 
 demo: $(VENV)/demo-installed
 	$(RUN) build_fmu.py ssp
-	$(RUN) -m scenarios run qr30-180kpa
+	$(RUN) -m bogie_braking run qr30-180kpa
 
 test: $(VENV)/test-installed check
 	$(RUN) -m pytest -n 2 --dist worksteal
@@ -42,7 +42,7 @@ $(VENV)/test-installed: pyproject.toml | $(VENV)/bin/python
 # Draws the pictures of docs/choosing.md anew, some seven minutes, and puts what they measured into the text.
 CHARTS := speed-accuracy stability-atlas coupling-step levels levels-in-curves contact-depth thesis-step
 charts: $(VENV)/charts-installed
-	for name in $(CHARTS); do $(RUN) -m scenarios run $$name || [ $$? = 1 ] || exit 1; done  # 1: a row does not hold
+	for name in $(CHARTS); do $(RUN) -m bogie_braking run $$name || [ $$? = 1 ] || exit 1; done  # 1: a row does not hold
 	$(RUN) docs/generate/charts.py --collect
 
 $(VENV)/charts-installed: pyproject.toml | $(VENV)/bin/python

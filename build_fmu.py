@@ -26,9 +26,10 @@ from products.registry import FMUS, model_of
 from products.systems import build_systems
 
 
-def main(arguments: list[str] | None = None) -> int:
+def main(arguments: list[str] | None = None, program: str | None = None) -> int:
     """Exit status: 0, 1 after a failed build or validation, 2 bad input, 130 interrupted."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    shape = argparse.RawDescriptionHelpFormatter
+    parser = argparse.ArgumentParser(program, description=__doc__, formatter_class=shape)
     add = parser.add_argument
     add("model", nargs="?", default="all", choices=[*FMUS, "ssp", "all"])
     add("--kind", default="all", choices=[*KINDS, "all"], help="FMI 2.0, FMI 3.0, pythonfmu or all")

@@ -9,7 +9,7 @@ from fmu_src.system import StepModel, Variable
 
 #: Place of the protocol, the supervision and the protection that comes with the brake.
 PROTECTION = Path(__file__).parent / "wheel_slide.py"
-OWN_MODULE, OWN_CLASS = "brake_controller.wheel_slide", "SlideProtection"
+OWN_MODULE, OWN_CLASS = f"{__package__}.wheel_slide", "SlideProtection"
 PERIOD = 5e-3
 #: Wheelsets of a bogie.
 BOGIE = 2

@@ -68,7 +68,8 @@ def joined(sources: Sequence[str], own: Sequence[str]) -> str:
 def slave_module(model: Model, guid: str) -> str:
     """One self-contained module: what python_slave.py is made of, and the class named like the model."""
     files = [HERE / f"{name}.py" for name in ("kernel", "telling_slave", "python_slave")]
-    body = joined([file.read_text(encoding="utf-8") for file in files], ["fmu_src.kernel", "fmu_src.telling_slave"])
+    own = [f"{__package__}.{name}" for name in ("kernel", "telling_slave")]
+    body = joined([file.read_text(encoding="utf-8") for file in files], own)
     return (
         f"{body}\n\nclass {model.name}(KernelSlave):\n"
         f'    library_file = "kernel{library_suffix()}"\n    guid_of_content = "{guid}"\n'

@@ -16,9 +16,8 @@ SLAVE = [Path(__file__).parent / name for name in ("telling_slave.py", "step_sla
 
 def build_step_fmu(step: StepModel, path: Path) -> None:
     """Writes the pythonfmu FMU. Raises whatever the sources raise when they are loaded."""
-    body = joined(
-        [*step.sources, *(file.read_text(encoding="utf-8") for file in SLAVE)], [*step.own, "fmu_src.telling_slave"]
-    )
+    slave = [file.read_text(encoding="utf-8") for file in SLAVE]
+    body = joined([*step.sources, *slave], [*step.own, f"{__package__}.telling_slave"])
     digest = hashlib.sha256((body + repr(step)).encode()).hexdigest()
     guid = f"{{{digest[:8]}-{digest[8:12]}-{digest[12:16]}-{digest[16:20]}-{digest[20:32]}}}"
     with tempfile.TemporaryDirectory() as name:

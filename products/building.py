@@ -7,26 +7,27 @@ import json
 import sys
 import time
 from collections.abc import Sequence
+from dataclasses import asdict
 from functools import lru_cache
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 
 from fmpy.validation import validate_fmu
 
-import fmu_src
 from brake_controller.protection_fmu import wheel_slide_protection
 from fmu_src.compile import CompilerError, build_library, cache, compiler, library_suffix
 from fmu_src.native_fmu import PLATFORMS, PLATFORMS3, build_native_fmu, build_native_fmu3
 from fmu_src.python_fmu import build_python_fmu
 from fmu_src.references import reference_files
 from fmu_src.step_fmu import build_step_fmu
-from fmu_src.system import StepModel
+from fmu_src.system import StepModel, Variable
 from fmu_src.terminals import FILE, ICON, terminals_and_icons
 from products.experiments import experiments_of
 from products.parameter_sets import set_files
 from products.prebuilt import content_of, prebuilt
-from products.registry import FMUS, model_of
+from products.registry import FMUS, ONE_WRITES, model_of
 from products.remembered import remembered, remembered_path
+from products.sources import ROOT
 from products.terminals import terminals_of
 
 PICTURES = Path(__file__).parent / "pictures"
@@ -37,7 +38,7 @@ KINDS = (*NATIVE, "python")
 
 def license_text() -> bytes:
     """The license, from the checkout or from what pip has installed."""
-    beside = Path(fmu_src.__file__).parents[1] / "LICENSE"
+    beside = ROOT / "LICENSE"
     if beside.exists():
         return beside.read_bytes()
     try:
@@ -89,7 +90,8 @@ def write_fmu(name: str, kind: str, out: Path, all_platforms: bool = False) -> P
 def up_to_date(name: str, kind: str) -> Path:
     """Path of an FMU that came with the package or lies in the cache of the user, built now unless one is there."""
     file = f"{kind}/{name}.fmu"
-    return prebuilt(name, file) or remembered_path(name, file, lambda: _in_cache(name, kind))
+    with ONE_WRITES:
+        return prebuilt(name, file) or remembered_path(name, file, lambda: _in_cache(name, kind))
 
 
 def _in_cache(name: str, kind: str) -> Path:
@@ -103,14 +105,23 @@ def _in_cache(name: str, kind: str) -> Path:
 def kernel_of(name: str) -> Path:
     """Path of the library of an FMU's equations for fmu_src/kernel.py, likewise."""
     file = f"kernel/{name}{library_suffix()}"
-    return prebuilt(name, file) or remembered_path(name, file, lambda: build_library(model_of(name)))
+    with ONE_WRITES:
+        return prebuilt(name, file) or remembered_path(name, file, lambda: build_library(model_of(name)))
 
 
 @lru_cache
+def variables_of(name: str) -> dict[str, Variable]:
+    """The variables of an FMU by name, known without writing its equations anew."""
+
+    def written() -> str:
+        return json.dumps([asdict(variable) for variable in model_of(name).variables])
+
+    return {found["name"]: Variable(**found) for found in json.loads(remembered(name, "variables", written))}
+
+
 def units_of(name: str) -> dict[str, str]:
     """Units of the variables of an FMU."""
-    made = remembered(name, "units", lambda: json.dumps({v.name: v.unit for v in model_of(name).variables}))
-    return dict(json.loads(made))
+    return {key: variable.unit for key, variable in variables_of(name).items()}
 
 
 def announce(path: Path, seconds: float) -> list[str]:

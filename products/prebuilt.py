@@ -11,15 +11,16 @@ import hashlib
 import json
 from pathlib import Path
 
-import fmu_src
 from fmu_src.codegen import generate, guid_of
 from products.experiments import experiments_of
 from products.parameter_sets import set_files
 from products.registry import model_of
-from products.sources import PREBUILT, digest
+from products.sources import PREBUILT, ROOT, content, digest
 from products.terminals import terminals_of
 
 CONTENTS = "contents.json"
+#: What makes files of FMUs.
+MAKERS = ROOT / "fmu_src"
 #: What FMUs and kernels are made from.
 SOURCES = ("fmu_src", "rbd_model", "brake_controller", "products")
 #: The live page in the folder, and what it is made from.
@@ -38,9 +39,8 @@ def content_of(name: str) -> str:
     """
     found = hashlib.sha256(guid_of(generate(model_of(name))).encode())
     found.update(repr([terminals_of(model_of(name)), set_files(name), experiments_of(name)]).encode())
-    here = Path(fmu_src.__file__).parent
-    for source in sorted([*here.glob("*.py"), *here.glob("hosts/*.*")]):
-        found.update(source.read_bytes())
+    for source in sorted([*MAKERS.glob("*.py"), *MAKERS.glob("hosts/*.*")]):
+        found.update(content(source))
     return found.hexdigest()[:24]
 
 

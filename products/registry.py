@@ -41,7 +41,7 @@ FMUS: dict[str, Fmu] = {
 DIFFERENT = [name for name, fmu in FMUS.items() if fmu.alike is None]
 
 
-#: CasADi counts the users of its expressions without a lock: two threads that write equations crash or hang.
+#: CasADi counts the users of its expressions without a lock: two threads that write equations or C crash or hang.
 ONE_WRITES = RLock()
 
 

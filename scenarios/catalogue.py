@@ -94,5 +94,5 @@ def find(name: str) -> Scenario:
     if name in by_name:
         return by_name[name]
     near = difflib.get_close_matches(name, by_name, 1)
-    advice = f"did you mean {near[0]}?" if near else "'python -m scenarios list' shows what there is."
+    advice = f"did you mean {near[0]}?" if near else "'python -m bogie_braking list' shows what there is."
     raise BadInputError(f"There is no scenario {name}; {advice}")

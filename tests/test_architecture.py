@@ -10,14 +10,32 @@ from pathlib import Path
 
 import pytest
 
+import hatch_build
+from products.sources import ROOMS
+
 ROOT = Path(__file__).parents[1]
 #: Which of our packages a package may import.
 ALLOWED = {
     "fmu_src": {"fmu_src"},
     "rbd_model": {"rbd_model", "fmu_src.system", "fmu_src.chain"},
     "brake_controller": {"brake_controller", "fmu_src.system", "fmu_src.chain"},
+    "products": {"products", "fmu_src", "rbd_model", "brake_controller"},
 }
-OURS = {"fmu_src", "rbd_model", "brake_controller", "scenarios", "build_fmu"}
+OURS = {*ROOMS, "build_fmu"}
+
+
+def test_rooms_are_imported_from_by_name() -> None:
+    """`import fmu_src.system` has no form that a wheel could put below its one name (hatch_build.py)."""
+    for room in (*ROOMS, "bogie_braking"):
+        for path in (ROOT / room).rglob("*.py"):
+            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+                if isinstance(node, ast.Import):
+                    found = {alias.name.split(".")[0] for alias in node.names} & OURS
+                    assert not found, f"{path.relative_to(ROOT)}: write from {found.pop()} import ..."
+
+
+def test_a_wheel_has_all_rooms() -> None:
+    assert hatch_build.ROOMS == ROOMS
 
 
 def imported(path: Path) -> set[str]:

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from products.sources import HOUSE
 from scenarios.catalogue import SCENARIOS
 
 ROOT = Path(__file__).parents[1]
@@ -20,7 +21,6 @@ PAGES = ["README.md", "CHANGELOG.md", "EQUATIONS.md", *sorted(f"docs/{path.name}
 #: Written when something is built or run, or named as an example.
 MADE = ("build/", "results/", "rbd_model/roller_rig.py")
 GENERATORS = ("charts", "counts", "equations", "variables", "catalogue")
-PACKAGES = ("fmu_src", "rbd_model", "brake_controller", "scenarios")
 #: A file with its folder, and a name in it.
 PLACE = re.compile(r'(?<![\w/.*"-])((?:[\w-]+/)+[\w-]+(?:\.\w+)+)(?::[ :](\w+(?:\.\w+)*)(?=[`|<\s]))?')
 
@@ -84,13 +84,12 @@ def unknown_names(text: str) -> list[str]:
     runtime = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "fmu_src/runtime").glob("*.[ch]"))
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
     scenarios = {"NAME", *(scenario.name for scenario in SCENARIOS)}
-    dotted = re.findall(r"`((?:fmu_src|rbd_model|brake_controller|scenarios)\.[\w.]+)`", text)
+    dotted = re.findall(rf"`((?:{'|'.join(HOUSE)})\.[\w.]+)`", text)
     unknown = [name for name in dotted if not exists_in_packages(name)]
     unknown += [name for name in re.findall(r"`((?:kernel|face|fmi[23])_?\w+)`", text) if name not in runtime]
     unknown += [name for name in re.findall(r"`make (\w+)`", text) if f"\n{name}:" not in makefile]
-    return unknown + [
-        name for name in re.findall(r"-m scenarios (?:run|sweep) (\w[\w-]*)", text) if name not in scenarios
-    ]
+    run = re.findall(r"(?:-m bogie_braking|bogie-braking) (?:run|sweep) (\w[\w-]*)", text)
+    return unknown + [name for name in run if name not in scenarios]
 
 
 @pytest.mark.parametrize("page", PAGES)
@@ -108,16 +107,14 @@ def test_what_does_not_exist_is_found() -> None:
     ]
     text = "`rbd_model/nowhere.py`, `rbd_model/point.py: nothing`, `rbd_model/point.py: point_vehicle`, docs/none.md"
     assert unknown_places(text) == ["rbd_model/nowhere.py", "rbd_model/point.py nothing", "docs/none.md"]
-    text = (
-        "`rbd_model.bogie.none` `rbd_model.bogie.smallest_level` `kernel_none` `make none` python -m scenarios run none"
-    )
+    text = "`rbd_model.bogie.none` `rbd_model.bogie.smallest_level` `kernel_none` `make none` bogie-braking run none"
     assert unknown_names(text) == ["rbd_model.bogie.none", "kernel_none", "none", "none"]
 
 
 def test_code_and_tests_cite_pages_that_are_here() -> None:
     """A document that does not travel with the code explains nothing."""
     pages = {Path(page).name for page in PAGES}
-    sources = [path for package in (*PACKAGES, "tests", "docs/generate") for path in (ROOT / package).rglob("*.[pch]*")]
+    sources = [path for package in (*HOUSE, "tests", "docs/generate") for path in (ROOT / package).rglob("*.[pch]*")]
     for path in [ROOT / "Makefile", ROOT / "build_fmu.py", *sources]:
         if path.suffix in {".py", ".c", ".h", ""} and path != Path(__file__):
             cited = re.findall(r"([\w-]+\.md)\b(?!\.in)", path.read_text(encoding="utf-8"))
@@ -149,13 +146,14 @@ def test_numbers_of_checks_are_those_of_the_tests_wherever_they_are_said(monkeyp
 
 def test_options_of_the_commands_on_the_pages_are_known() -> None:
     known = {}
-    for program in ("build_fmu.py", "-m scenarios run", "-m scenarios sweep"):
+    for program in ("build_fmu.py", "-m bogie_braking run", "-m bogie_braking sweep"):
         call = [sys.executable, *program.split(), "--help"]
         known[program] = subprocess.run(call, cwd=ROOT, capture_output=True, text=True, check=True).stdout
     asked = 0
     for page in PAGES:
         for program, rest in re.findall(
-            r"python (build_fmu\.py|-m scenarios run|-m scenarios sweep)([^`\n]*)", (ROOT / page).read_text("utf-8")
+            r"python (build_fmu\.py|-m bogie_braking run|-m bogie_braking sweep)([^`\n]*)",
+            (ROOT / page).read_text("utf-8"),
         ):
             for option in re.findall(r"--[\w-]+", rest):
                 asked += 1

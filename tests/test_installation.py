@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import os
+import re
 import subprocess
 import sys
 import time
@@ -18,9 +19,11 @@ from packaging.requirements import Requirement
 from packaging.tags import platform_tags
 
 import release
+from bogie_braking.exit_status import DOES_NOT_HOLD
+from fmu_src import __version__
 from fmu_src.compile import CACHE
 from fmu_src.native_fmu import PLATFORMS
-from scenarios.__main__ import DOES_NOT_HOLD
+from products.sources import ROOMS
 from scenarios.live.page import page
 
 #: Of the FMUs that a release compiles, that of the scenario that runs here.
@@ -87,21 +90,22 @@ def test_wheel_runs_a_scenario_without_a_compiler_and_is_left_as_it_was(
 ) -> None:
     packages = packages_of(installed, tmp_path)
     before = contents(packages)
-    shown = call(installed, tmp_path, "-m", "scenarios", "run", "critical-speed", **no_compiler)
+    shown = call(installed, tmp_path, "-m", "bogie_braking", "run", "critical-speed", **no_compiler)
     assert "DOES NOT HOLD" not in shown
     assert (tmp_path / "results" / "critical-speed" / "figure.png").exists()
-    call(installed, tmp_path, "-m", "scenarios", "live", **no_compiler)
+    call(installed, tmp_path, "-m", "bogie_braking", "live", **no_compiler)
     assert (tmp_path / "results" / "live.html").read_text(encoding="utf-8") == page()
     assert not [path for path in (tmp_path / "cache").rglob("*") if path.suffix in (".c", ".o", ".so", ".dll")]
     # Pages need nothing that the wheel does not ask for.
-    call(installed, tmp_path, "-m", "scenarios", "run", "creep-forces", "--html", status=DOES_NOT_HOLD, **no_compiler)
-    call(installed, tmp_path, "-m", "scenarios", "report", **no_compiler)
+    pages = ("run", "creep-forces", "--html")
+    call(installed, tmp_path, "-m", "bogie_braking", *pages, status=DOES_NOT_HOLD, **no_compiler)
+    call(installed, tmp_path, "-m", "bogie_braking", "report", **no_compiler)
     assert "creep-forces/report.html" in (tmp_path / "results" / "index.html").read_text(encoding="utf-8")
     # The guard bites: what no wheel brings is compiled, and cannot be.
-    shown = call(installed, tmp_path, "-m", "scenarios", "run", "qr30-180kpa", status=3, **no_compiler)
+    shown = call(installed, tmp_path, "-m", "bogie_braking", "run", "qr30-180kpa", status=3, **no_compiler)
     assert "The C compiler" in shown
     assert "ziglang" in shown
-    shown = call(installed, tmp_path, "-m", "scenarios", "doctor", **no_compiler)
+    shown = call(installed, tmp_path, "-m", "bogie_braking", "doctor", **no_compiler)
     assert f"ok       prebuilt FMUs: wheelset for {OWN}" in shown
     assert "without  C compiler" in shown
     assert contents(packages) == before
@@ -111,7 +115,7 @@ def test_installed_package_builds_fmus_and_is_left_as_it_was(installed: Path, tm
     packages = packages_of(installed, tmp_path)
     before = contents(packages)
     assert not (packages / "tests").exists()
-    shown = call(installed, tmp_path, "-m", "build_fmu", "brake")
+    shown = call(installed, tmp_path, "-m", "bogie_braking", "build", "brake")
     assert shown.count("valid") == 3
     kinds = {path.parent.name for path in (tmp_path / "build").rglob("BrakeCylinder.fmu")}
     assert kinds == {"native", "fmi3", "python"}
@@ -120,11 +124,54 @@ def test_installed_package_builds_fmus_and_is_left_as_it_was(installed: Path, tm
 
 def test_installed_package_is_the_one_that_runs(installed: Path, tmp_path: Path) -> None:
     """Not this checkout, which the tests have on their path; the command is the same as the module."""
-    place = call(installed, tmp_path, "-c", "import scenarios; print(scenarios.__file__)").strip()
+    place = call(installed, tmp_path, "-c", "import bogie_braking; print(bogie_braking.__file__)").strip()
     assert Path(place).is_relative_to(installed.parents[1])
+    assert call(installed, tmp_path, "-m", "bogie_braking", "--version") == f"bogie-braking {__version__}\n"
     command = installed.with_name("bogie-braking" + installed.suffix)
     done = subprocess.run([command, "list", "--quiet"], cwd=tmp_path, capture_output=True, text=True, check=True)
     assert "qr30-180kpa" in done.stdout.splitlines()
+
+
+def test_a_wheel_brings_one_name_and_minds_no_folder_of_the_user(installed: Path, tmp_path: Path) -> None:
+    """A folder that is called as one of our rooms hides none."""
+    files = "print(*importlib.metadata.files('bogie-braking'), sep='\\n')"
+    names = call(installed, tmp_path, "-c", f"import importlib.metadata; {files}").splitlines()
+    info = f"bogie_braking-{__version__}.dist-info"
+    assert {Path(name).parts[0] for name in names} - {".."} == {"bogie_braking", info}
+    assert [name for name in names if name.startswith("..")] == ["../../../bin/bogie-braking"]
+    for room in (*ROOMS, "tests", "build_fmu"):
+        (tmp_path / room).mkdir()
+        (tmp_path / room / "__init__.py").write_text("raise ImportError('This is the folder of a user.')\n")
+    assert "qr30-180kpa" in call(installed, tmp_path, "-m", "bogie_braking", "list")
+    assert "usage: bogie-braking build" in call(installed, tmp_path, "-m", "bogie_braking", "build", "--help")
+
+
+def test_the_page_of_the_public_face_runs_from_a_wheel(installed: Path, tmp_path: Path) -> None:
+    """Its blocks one after another, and what they print."""
+    page = (ROOT / "docs" / "public.md").read_text(encoding="utf-8")
+    blocks = re.findall(r"^```(\w+)\n(.*?)^```$", page, re.DOTALL | re.MULTILINE)
+    (tmp_path / "page.py").write_text("".join(text for kind, text in blocks if kind == "python"), encoding="utf-8")
+    environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
+    environment |= {"BOGIE_BRAKING_CACHE": str(CACHE), "HOME": str(tmp_path)}
+    done = subprocess.run([installed, "page.py"], cwd=tmp_path, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout == "".join(text for kind, text in blocks if kind == "text")
+
+
+def test_a_wheel_that_is_uninstalled_leaves_nothing(wheels: Path, tmp_path: Path) -> None:
+    venv.create(tmp_path / "environment", with_pip=True)
+    python = tmp_path / "environment" / ("Scripts" if os.name == "nt" else "bin") / "python"
+    packages = packages_of(python, tmp_path)
+    before = {path.name for path in packages.iterdir()}
+    [wheel] = wheels.glob(f"*{OWN}.whl")
+    pip = (python, tmp_path, "-m", "pip", "--quiet", "--disable-pip-version-check")
+    call(*pip, "install", "--no-deps", "--no-index", str(wheel))
+    assert {path.name for path in packages.iterdir()} - before == {
+        "bogie_braking",
+        f"bogie_braking-{__version__}.dist-info",
+    }
+    call(*pip, "uninstall", "--yes", "bogie-braking")
+    assert {path.name for path in packages.iterdir()} == before
 
 
 def test_a_release_made_again_is_the_same(wheels: Path, tmp_path: Path) -> None:
@@ -138,7 +185,6 @@ def test_a_release_made_again_is_the_same(wheels: Path, tmp_path: Path) -> None:
 
 
 ROOT = Path(release.__file__).parent
-PACKAGES = ("fmu_src", "rbd_model", "brake_controller", "scenarios")
 #: Looked for before they are imported (`scenarios/methods/sundials.py: is_installed`, `scenarios/sweep/cluster.py:
 #: client_of`).
 LOOKED_FOR = {"sksundae", "distributed"}
@@ -162,11 +208,11 @@ def imported_without_a_way_out(body: list[ast.stmt]) -> Iterator[str]:
 def test_what_is_imported_without_a_way_out_is_installed_with_the_rest() -> None:
     """No command needs an extra, unless it says so."""
     asked = {Requirement(text).name for text in requires("bogie-braking") or [] if "extra ==" not in text}
-    files = [path for package in PACKAGES for path in (ROOT / package).rglob("*.py") if "hosts" not in path.parts]
+    files = [path for package in ROOMS for path in (ROOT / package).rglob("*.py") if "hosts" not in path.parts]
     found = {
         name for path in files for name in imported_without_a_way_out(ast.parse(path.read_text(encoding="utf-8")).body)
     }
-    others = found - set(sys.stdlib_module_names) - {*PACKAGES, "build_fmu"} - LOOKED_FOR
+    others = found - set(sys.stdlib_module_names) - {*ROOMS, "build_fmu"} - LOOKED_FOR
     assert {"plotly", "jinja2", "casadi"} <= others
     assert others <= asked
 
@@ -199,7 +245,7 @@ def test_from_an_empty_machine_to_the_picture_in_a_minute(tmp_path: Path) -> Non
     python = install(tmp_path / "one", tmp_path / "environment")
     ready = time.perf_counter()
     no_cache = {"CC": "no-compiler", "BOGIE_BRAKING_CACHE": str(tmp_path / "cache")}
-    call(python, tmp_path, "-m", "scenarios", "run", "qr30-180kpa", **no_cache)
+    call(python, tmp_path, "-m", "bogie_braking", "run", "qr30-180kpa", **no_cache)
     done = time.perf_counter()
     assert (tmp_path / "results" / "qr30-180kpa" / "figure.png").exists()
     assert done - ready < 15.0

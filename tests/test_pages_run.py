@@ -21,8 +21,9 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import pytest
 
+from products.sources import HOUSE
+
 ROOT = Path(__file__).parents[1]
-PACKAGES = ("fmu_src", "rbd_model", "brake_controller", "scenarios")
 #: A fenced block: its language and its text.
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 #: What a block may be: Python, commands, changes, what is printed; `bat` is for Windows, where it is not tested.
@@ -32,11 +33,11 @@ DRY = {f"make {target}": f"make --dry-run {target}" for target in ("demo", "test
 #: Commands that take more than some seconds, and what is called in their place; `make test-long` calls them themselves.
 SHORT = {
     "python build_fmu.py ssp": "python build_fmu.py brake",
-    "python -m scenarios run wheelset-constant-speed --html": "python -m scenarios run critical-speed --html",
-    "python -m scenarios live": "python -m scenarios live --help",
+    "python -m bogie_braking run wheelset-constant-speed --html": "python -m bogie_braking run critical-speed --html",
+    "python -m bogie_braking live": "python -m bogie_braking live --help",
     "python study.py": "python -m py_compile study.py",
 } | {
-    f"python -m scenarios {command} {rest}": f"python -m scenarios {command} --help"
+    f"python -m bogie_braking {command} {rest}": f"python -m bogie_braking {command} --help"
     for command, rest in (
         ("run", "controller-prototype"),
         ("run", "qr30-180kpa"),
@@ -59,7 +60,7 @@ def name(page: Path) -> str:
 @pytest.fixture
 def checkout(tmp_path: Path, fmus: dict, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A copy of what a newcomer has after `make demo`, to work in."""
-    for package in (*PACKAGES, "docs", "tests"):
+    for package in (*HOUSE, "docs", "tests"):
         shutil.copytree(ROOT / package, tmp_path / package, ignore=shutil.ignore_patterns("__pycache__"))
     for file in ("build_fmu.py", "LICENSE", "README.md", "EQUATIONS.md", "CHANGELOG.md", "Makefile", "pyproject.toml"):
         shutil.copyfile(ROOT / file, tmp_path / file)

@@ -12,10 +12,11 @@ from pathlib import Path
 
 import pytest
 
+from bogie_braking.__main__ import main
+from bogie_braking.exit_status import DOES_NOT_HOLD
 from fmu_src.compile import CACHE
 from fmu_src.model_description import variable_table
 from products.registry import DIFFERENT, FMUS, model_of
-from scenarios.__main__ import DOES_NOT_HOLD, main
 from scenarios.catalogue import SCENARIOS
 
 ROOT = Path(__file__).parents[1]
@@ -66,9 +67,9 @@ MINUTES = ("make test", "make charts", "make docs")
 #: What stands for NAME, and what people do next: a page, a sweep, and all on one page.
 NAME = "wheelset-constant-speed --html"
 FURTHER = (
-    "python -m scenarios run wheelset-skid",
-    "python -m scenarios sweep levels --vary utilisation=0.5:1.1:2 --vary level=1 --jobs 1",
-    "python -m scenarios report",
+    "python -m bogie_braking run wheelset-skid",
+    "python -m bogie_braking sweep levels --vary utilisation=0.5:1.1:2 --vary level=1 --jobs 1",
+    "python -m bogie_braking report",
 )
 
 
@@ -88,12 +89,12 @@ def test_every_command_is_one_that_there_is(capsys: pytest.CaptureFixture[str]) 
         program, *arguments = command.split()
         if program == "make":
             subprocess.run(["make", "--dry-run", *arguments], cwd=ROOT, capture_output=True, check=True)
-        elif arguments[:2] == ["-m", "scenarios"]:
+        elif arguments[:2] == ["-m", "bogie_braking"]:
             with pytest.raises(SystemExit, match="0"):
                 main([*arguments[2:], "--help"])
         else:
             subprocess.run([sys.executable, *arguments, "--help"], cwd=ROOT, capture_output=True, check=True)
-    assert "usage: python -m scenarios report" in capsys.readouterr().out
+    assert "usage: bogie-braking report" in capsys.readouterr().out
 
 
 def fresh_clone(folder: Path) -> None:

@@ -14,13 +14,13 @@ from pathlib import Path
 
 import pytest
 
+from products.sources import HOUSE
 from scenarios.catalogue import SCENARIOS
 
 mkdocstrings = pytest.importorskip("mkdocstrings", reason="install the extra: pip install -e .[docs]")
 yaml = pytest.importorskip("yaml")
 
 ROOT = Path(__file__).parents[1]
-PACKAGES = ("fmu_src", "rbd_model", "brake_controller", "scenarios")
 
 
 class Leads(HTMLParser):
@@ -76,7 +76,7 @@ def public_names() -> Iterator[str]:
                 if isinstance(node, ast.ClassDef):
                     yield from within(node.body, f"{outer}.{node.name}")
 
-    for path in [ROOT / "build_fmu.py", *(path for package in PACKAGES for path in (ROOT / package).rglob("*.py"))]:
+    for path in [ROOT / "build_fmu.py", *(path for package in HOUSE for path in (ROOT / package).rglob("*.py"))]:
         in_package = path.parent == ROOT or (path.parent / "__init__.py").exists()
         if path.name == "__main__.py" or not in_package:
             continue
@@ -107,7 +107,7 @@ def test_every_scenario_has_a_page(site: Path) -> None:
     table = (site / "scenarios.html").read_text(encoding="utf-8")
     for scenario in SCENARIOS:
         assert f'href="scenarios/{scenario.name}.html"' in table
-        assert f"python -m scenarios run {scenario.name}" in text_of(site / "scenarios" / f"{scenario.name}.html")
+        assert f"python -m bogie_braking run {scenario.name}" in text_of(site / "scenarios" / f"{scenario.name}.html")
 
 
 def text_of(path: Path) -> str:

@@ -14,7 +14,7 @@ from scenarios.scenario import Scenario
 PAGE = DOCS / "scenarios.md"
 HEAD = """# Scenarios
 
-Written by `docs/generate/catalogue.py` from `scenarios/catalogue.py`. `python -m scenarios run NAME` runs one,
+Written by `docs/generate/catalogue.py` from `scenarios/catalogue.py`. `python -m bogie_braking run NAME` runs one,
 prints a table of what is expected (the thesis, a closed form, another method) against what was simulated, and leaves
 `summary.json`, `timeseries.csv` and `figure.png` in `results/NAME/`. The exit status is 1 when a row does not hold;
 [which do not](checking.md#what-does-not-hold) is known. Options, sweeps and macro steps: [running

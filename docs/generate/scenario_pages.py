@@ -18,7 +18,7 @@ from typing import Any
 from pages import DOCS, ROOT
 from tqdm import tqdm
 
-from scenarios.__main__ import DOES_NOT_HOLD
+from bogie_braking.exit_status import DOES_NOT_HOLD
 from scenarios.catalogue import SCENARIOS
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import VERDICTS, number, parted
@@ -50,7 +50,7 @@ def summary_of(name: str) -> Mapping[str, Any] | None:
 def scenario_page(scenario: Scenario, module: ModuleType) -> str:
     """The text of its page; module: the file that holds it."""
     lines = [f"# {scenario.name}", f"{scenario.summary}.", (module.__doc__ or "").strip()]
-    lines += [f"```sh\npython -m scenarios run {scenario.name}\n```"]
+    lines += [f"```sh\npython -m bogie_braking run {scenario.name}\n```"]
     lines += [f"![{scenario.name}]({name})" for name in pictures_of(scenario.name)]
     summary = summary_of(scenario.name)
     if summary is None:
@@ -90,7 +90,7 @@ def main() -> int:
     missing = [one.name for one in SCENARIOS if summary_of(one.name) is None]
     for name in (progress := tqdm(missing, unit="scenario", delay=PATIENCE, leave=False)):
         progress.set_postfix_str(name)
-        command = [sys.executable, "-m", "scenarios", "run", name]
+        command = [sys.executable, "-m", "bogie_braking", "run", name]
         done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
         if done.returncode > DOES_NOT_HOLD:  # a row that does not hold is said on the page
             print(f"{name} failed. {done.stderr}", file=sys.stderr)

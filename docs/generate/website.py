@@ -27,14 +27,14 @@ from nbconvert.preprocessors import ExecutePreprocessor
 from pages import DOCS, ROOT
 from scenario_pages import pictures_of, scenario_page
 
+from products.sources import HOUSE
 from scenarios.live import page as live
 
 LIVE = "live.html"
 OUTSIDE = ("README.md", "EQUATIONS.md", "CHANGELOG.md")
-PACKAGES = ("fmu_src", "rbd_model", "brake_controller", "scenarios")
 #: Of a Python file of ours, and a name in it; the same as a name with dots.
-PLACE = rf"(?<![\w/])((?:{'|'.join(PACKAGES)})/[\w/]+|build_fmu)\.py(?::\s(\w+(?:\.\w+)*))?"
-DOTTED = rf"((?:{'|'.join(PACKAGES)})(?:\.\w+)+)"
+PLACE = rf"(?<![\w/])((?:{'|'.join(HOUSE)})/[\w/]+|build_fmu)\.py(?::\s(\w+(?:\.\w+)*))?"
+DOTTED = rf"((?:{'|'.join(HOUSE)})(?:\.\w+)+)"
 #: Pages that people wrote come first in a search.
 API_PAGE = "---\nsearch:\n  boost: 0.5\n---\n\n::: {}\n"
 
@@ -46,7 +46,7 @@ def is_module(path: Path) -> bool:
 
 def modules() -> list[str]:
     """Dotted names of what can be imported of ours, but for the sentences about rooms and the command line."""
-    files = [path for package in PACKAGES for path in sorted((ROOT / package).rglob("[!_]*.py")) if is_module(path)]
+    files = [path for package in HOUSE for path in sorted((ROOT / package).rglob("[!_]*.py")) if is_module(path)]
     return [".".join(path.relative_to(ROOT).with_suffix("").parts) for path in [*files, ROOT / "build_fmu.py"]]
 
 

@@ -1,27 +1,53 @@
-"""Time series by name, with units."""
+"""Time series by name, with units: what every run gives."""
 
 from __future__ import annotations
 
+import csv
 import math
 from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 
 class Recording:
-    """Time series by name, each with its unit; `time` is the first."""
+    """Time series by name, each with its unit; `time` is the first.
 
-    def __init__(self, units: Mapping[str, str], rows: Sequence[Sequence[float]]) -> None:
+    sentences: what the run said, in its order; counts: what it took, steps among it. Both are empty where nobody told.
+    """
+
+    def __init__(
+        self,
+        units: Mapping[str, str],
+        rows: Sequence[Sequence[float]],
+        sentences: Sequence[str] = (),
+        counts: Mapping[str, int] | None = None,
+    ) -> None:
         self.units = dict(units)
+        self.sentences, self.counts = list(sentences), dict(counts or {})
         table = np.array(rows, dtype=float).reshape(-1, len(self.units))
         self._columns = dict(zip(self.units, table.T, strict=True))
 
     def __getitem__(self, name: str) -> np.ndarray:
         return self._columns[name]
 
+    def __repr__(self) -> str:
+        columns = ", ".join(f"{name} [{unit}]" for name, unit in self.units.items())
+        return f"<Recording of {len(next(iter(self._columns.values())))} rows: {columns}>"
+
     @property
     def names(self) -> list[str]:
+        """Of the columns, in their order."""
         return list(self.units)
+
+    @property
+    def status(self) -> str:
+        """What the run said, in one line."""
+        return " ".join(self.sentences)
 
     def add(self, name: str, unit: str, values: np.ndarray) -> None:
         """Adds a column with as many rows as `time`, for example of a second run."""
@@ -37,3 +63,59 @@ class Recording:
         """Time of the first row where the condition holds; None when it never does."""
         rows = np.flatnonzero(condition)
         return float(self["time"][rows[0]]) if rows.size else None
+
+    def plot(self, *names: str) -> Figure:
+        """Columns over the first one, by default all: a chart for each unit, in the order in which units come."""
+        from matplotlib.figure import Figure  # heavy
+
+        first, *others = self.names
+        shown = names or tuple(others)
+        units = list(dict.fromkeys(self.units[name] for name in shown))
+        figure = Figure(figsize=(8.0, 1.0 + 2.2 * len(units)), layout="constrained")
+        charts = figure.subplots(len(units), sharex=True, squeeze=False)[:, 0]
+        for chart, unit in zip(charts, units, strict=True):
+            for name in (one for one in shown if self.units[one] == unit):
+                chart.plot(self[first], self[name], label=name)
+            chart.set_ylabel(f"[{unit}]")
+            chart.legend(loc="best")
+            chart.grid(True, linewidth=0.3)
+        charts[-1].set_xlabel(f"{first} [{self.units[first]}]")
+        return figure
+
+    def write(self, path: str | Path) -> Path:
+        """The table as a file: .csv, ten digits, names with units in its head, or .parquet, units as metadata of its
+        columns.
+
+        Raises ValueError for another ending, ImportError where Parquet has no package.
+        """
+        path = Path(path)
+        if path.suffix == ".csv":
+            self._write_csv(path)
+        elif path.suffix == ".parquet":
+            self._write_parquet(path)
+        else:
+            raise ValueError(f"{path.name} ends with {path.suffix or 'nothing'}; a table is a .csv or a .parquet.")
+        return path
+
+    def to_pandas(self) -> Any:
+        """A data frame; `attrs["units"]` has the units. Raises ImportError where pandas is not installed."""
+        import pandas
+
+        frame = pandas.DataFrame(self._columns)
+        frame.attrs["units"] = dict(self.units)
+        return frame
+
+    def _write_csv(self, path: Path) -> None:
+        with path.open("w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow([f"{name} [{unit}]" for name, unit in self.units.items()])
+            for row in zip(*(self[name] for name in self.units), strict=True):
+                writer.writerow([f"{value:.10g}" for value in row])
+
+    def _write_parquet(self, path: Path) -> None:
+        import pyarrow
+        import pyarrow.parquet
+
+        fields = [pyarrow.field(name, pyarrow.float64(), metadata={"unit": unit}) for name, unit in self.units.items()]
+        table = pyarrow.Table.from_pydict(self._columns, schema=pyarrow.schema(fields))
+        pyarrow.parquet.write_table(table, path)

@@ -87,6 +87,7 @@ class Slave:
         self.start(**inputs)
 
     def set(self, **values: float | str) -> None:
+        """Sets variables. Raises CosimulationError with the FMU's sentence where it refuses a value."""
         for name, value in values.items():
             reference, kind = self._reference(name)
             given = value if kind in ("Real", "String") else int(value)
@@ -116,6 +117,7 @@ class Slave:
         return plan
 
     def step(self, time: float, size: float) -> None:
+        """From `time` on by `size` [s]. Raises CosimulationError."""
         self._call(self.fmu.doStep, time, size)
 
     def nominal(self, name: str) -> float:
@@ -142,6 +144,7 @@ class Slave:
         return self._call(self.fmu.getFMUstate)
 
     def restore(self, state: object) -> None:
+        """Takes the instance back to a saved state."""
         self._call(self.fmu.setFMUstate, state)
 
     def forget(self, state: object) -> None:

@@ -1,6 +1,6 @@
 """Random states of a contact patch and their forces by Kalker's exact theory, for the bands of fast creep laws.
 
-`python -m scenarios.methods.exact_states` makes the table anew, in some twenty minutes.
+`python -m bogie_braking.methods.exact_states` makes the table anew, in some twenty minutes.
 """
 
 from __future__ import annotations

@@ -76,7 +76,7 @@ def write_report(scenario: Scenario, result: Result, folder: Path) -> None:
 
 def environment() -> Environment:
     """Templates of the pages; what they are given is escaped."""
-    found = Environment(loader=PackageLoader("scenarios.reporting", "page"), autoescape=True, trim_blocks=True)
+    found = Environment(loader=PackageLoader(__package__, "page"), autoescape=True, trim_blocks=True)
     found.filters |= {"figure": number, "note": note}
     return found
 

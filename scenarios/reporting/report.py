@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import math
 import platform
@@ -178,7 +177,7 @@ def save(
         }
         (partial / "summary.json").write_text(json.dumps(summary, indent=2, allow_nan=False) + "\n", encoding="utf-8")
         for file, series in {"timeseries": result.series, **result.other_series}.items():
-            _write_series(series, partial / f"{file}.csv")
+            series.write(partial / f"{file}.csv")
         for file, draw in {"figure": result.draw, **result.other_figures}.items():
             figure = draw()
             figure.savefig(partial / f"{file}.png", dpi=130)
@@ -194,14 +193,6 @@ def save(
     except BaseException:
         shutil.rmtree(partial, ignore_errors=True)
         raise
-
-
-def _write_series(series: Recording, path: Path) -> None:
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow([f"{name} [{series.units[name]}]" for name in series.names])
-        for row in zip(*(series[name] for name in series.names), strict=True):
-            writer.writerow([f"{value:.10g}" for value in row])
 
 
 def number(value: float | None) -> str:

@@ -1,10 +1,10 @@
 """Runs one scenario at every combination of the given parameters, into one table.
 
-  python -m scenarios sweep levels --vary utilisation=0.5:1.3:9              nine evenly spaced values
-  python -m scenarios sweep levels --vary utilisation=0.5:1.3:9 --vary level=1,2,3 --jobs 2
+  bogie-braking sweep levels --vary utilisation=0.5:1.3:9              nine evenly spaced values
+  bogie-braking sweep levels --vary utilisation=0.5:1.3:9 --vary level=1,2,3 --jobs 2
                                                                              27 points in two worker processes
-  python -m scenarios sweep levels --vary utilisation=0.5:1.3:9 --restart    forget the points of an earlier sweep
-  python -m scenarios sweep levels --vary utilisation=0.5:1.3:9 --scheduler tcp://127.0.0.1:8786
+  bogie-braking sweep levels --vary utilisation=0.5:1.3:9 --restart    forget the points of an earlier sweep
+  bogie-braking sweep levels --vary utilisation=0.5:1.3:9 --scheduler tcp://127.0.0.1:8786
                                                                              on a Dask cluster
 
 results/sweep-NAME/ has table.csv, table.parquet, summary.json, and journal.jsonl with each point that is done: after an

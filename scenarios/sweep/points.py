@@ -21,10 +21,9 @@ from functools import partial
 from itertools import islice
 from typing import Any
 
-from products.sources import CODE, digest
+from products.sources import CODE, ROOMS, digest
 from scenarios.reporting.progress import hide_bars
 
-SOURCES = ("fmu_src", "rbd_model", "brake_controller", "scenarios")
 #: Points that each worker has before it, so that it need not wait for the next one.
 AHEAD = 2
 #: Windows cannot wait for more processes than that.
@@ -84,7 +83,7 @@ def sources() -> str:
 
     How results look, pictures and styles of pages, changes none.
     """
-    return digest("build_fmu.py", *SOURCES, kinds=CODE)
+    return digest("build_fmu.py", *ROOMS, kinds=CODE)
 
 
 def outcomes_from(

@@ -126,7 +126,7 @@ def test_refused_c_source_names_the_compiler_and_its_words(tmp_path: Path) -> No
 def test_cache_that_cannot_be_made_gets_a_sentence(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    from scenarios.__main__ import main
+    from bogie_braking.__main__ import main
 
     (tmp_path / "taken").write_text("")
     monkeypatch.setattr(compiling, "CACHE", tmp_path / "taken" / "cache")

@@ -19,11 +19,11 @@ from fmu_src import compile as compiling
 from fmu_src.cosimulation.slave import Slave
 from fmu_src.kernel import Kernel, KernelError, Library
 from fmu_src.system import state_variable
+from products.sources import ROOMS
 from rbd_model.bogie import bogie_dynamics, levels
 from rbd_model.vehicles import two_axle_bogie
 
 HOST = Path(__file__).with_name("host.c")
-PACKAGES = ("fmu_src", "rbd_model", "brake_controller", "scenarios")
 #: Scenes over lock-up, flange contact with a turning yaw torque, and rest.
 SCENES = {
     "lock-up": {"level": 2, "initial_speed": 20.0, "brake_torque_1": 60e3, "brake_torque_2": 60e3},
@@ -235,15 +235,7 @@ def test_two_builds_on_two_paths_have_equal_bytes(fmus: dict, tmp_path: Path) ->
     for name in ("one", "another/place"):
         copy = tmp_path / name
         copy.mkdir(parents=True)
-        for part in (
-            "fmu_src",
-            "rbd_model",
-            "brake_controller",
-            "scenarios",
-            "build_fmu.py",
-            "LICENSE",
-            "pyproject.toml",
-        ):
+        for part in (*ROOMS, "build_fmu.py", "LICENSE", "pyproject.toml"):
             source = root / part
             if source.is_dir():
                 shutil.copytree(source, copy / part, ignore=shutil.ignore_patterns("__pycache__"))

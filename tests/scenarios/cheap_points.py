@@ -52,8 +52,8 @@ def ticks(token: float) -> dict[str, float]:
 
 def run(arguments: list[str]) -> int:
     """The command line with these points as scenarios, also in a process of its own."""
+    from bogie_braking.__main__ import main
     from scenarios import catalogue
-    from scenarios.__main__ import main
     from scenarios.scenario import Scenario, Sweepable
 
     def scenario(name: str, sweep: Sweepable) -> Scenario:

@@ -13,13 +13,14 @@ from pathlib import Path
 import pytest
 from tqdm import tqdm
 
+from bogie_braking.__main__ import main
+from bogie_braking.commands import last_time
 from brake_controller.cylinder import brake_cylinder
 from fmu_src import codegen
 from fmu_src import compile as compiling
 from products import prebuilt
 from products.sources import digest
 from scenarios import doctor
-from scenarios.__main__ import last_time, main
 from scenarios.catalogue import SCENARIOS
 from scenarios.reporting import progress, report
 from scenarios.reporting.progress import without_bars
@@ -166,7 +167,7 @@ def test_all_that_is_needed_is_there(capsys: pytest.CaptureFixture[str]) -> None
 
 def test_doctor_works_where_packages_are_missing(tmp_path: Path) -> None:
     """In a Python that has none of them it says what to install, before anything of theirs is imported."""
-    command = [sys.executable, "-S", "-m", "scenarios", "doctor"]
+    command = [sys.executable, "-S", "-m", "bogie_braking", "doctor"]
     done = subprocess.run(command, cwd=ROOT, env={"PATH": ""}, capture_output=True, text=True)
     assert done.returncode == 1, done.stderr
     assert "MISSING  bogie-braking: not installed\n         -> Install its wheel" in done.stdout

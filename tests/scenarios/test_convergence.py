@@ -8,9 +8,9 @@ import pytest
 
 from fmu_src.kernel import Kernel, Library
 from rbd_model.bogie import DEFAULT_TOLERANCE
-from scenarios.__main__ import find
 from scenarios.bench import drive as scene
 from scenarios.bench.asymmetric_shoes import FASTEST
+from scenarios.catalogue import find
 from scenarios.reporting.report import Row
 from scenarios.scenario import Options
 from scenarios.thesis import asymmetric_braking

@@ -10,9 +10,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from bogie_braking.__main__ import main
 from fmu_src.cosimulation.master import GAUSS_SEIDEL, JACOBI, Connection, Coupling, Master, couple
 from fmu_src.cosimulation.slave import CosimulationError, Slave
-from scenarios.__main__ import main
 
 #: A full application by the measured law, in which the shoe friction falls with the force, and a stop behind it.
 SECONDS = 1.2

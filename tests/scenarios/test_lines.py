@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from bogie_braking.__main__ import main
 from rbd_model.line import Line, arc, clothoid, line_of, straight
-from scenarios.__main__ import main
 from scenarios.lines import curve_braking, gradient, transition
 from scenarios.lines.line_from_file import MOST_DEFICIENCY, SPEED, speed_on
 from scenarios.numerics import levels_in_curves

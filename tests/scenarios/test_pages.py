@@ -14,11 +14,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from bogie_braking.__main__ import main
+from bogie_braking.exit_status import DOES_NOT_HOLD
 from fmu_src.cosimulation.recording import Recording
 from rbd_model.line import GAUGE, Line, Segment, line_of
 from rbd_model.parameters import AS_PRINTED
 from rbd_model.vehicles import two_axle_bogie
-from scenarios.__main__ import DOES_NOT_HOLD, main
 from scenarios.bench.drive import RIGID, prepare, prepare_on_line
 from scenarios.bench.irregularities import DURATION, INTERVAL, LATERAL, SPEEDS
 from scenarios.reporting.html_report import together, write_report
@@ -358,7 +359,7 @@ def test_columns_share_a_chart_with_their_like() -> None:
 
 
 def test_what_pages_need_is_imported_for_pages_alone() -> None:
-    asked = "import sys, scenarios.__main__; print([name for name in ('plotly', 'jinja2') if name in sys.modules])"
+    asked = "import sys, bogie_braking.commands; print([name for name in ('plotly', 'jinja2') if name in sys.modules])"
     done = subprocess.run([sys.executable, "-c", asked], cwd=ROOT, capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
 

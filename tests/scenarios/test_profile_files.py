@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from bogie_braking.__main__ import main
 from rbd_model.contact.geometry import contact_at, gauge_face
 from rbd_model.contact.profiles import JOINTS_60KG, rail_60kg, rail_head
-from scenarios.__main__ import main
 from scenarios.bench.profile_files import sides_from_files
 from scenarios.scenario import Options
 from scenarios.thesis import contact_geometry

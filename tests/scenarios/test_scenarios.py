@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from scenarios.__main__ import main
+from bogie_braking.__main__ import main
 from scenarios.bench.torque_history import read_torque_history
 from scenarios.brakes import anti_skid
 from scenarios.catalogue import SCENARIOS
@@ -276,7 +276,7 @@ def test_bad_history_is_refused_with_its_line(
     ("arguments", "sentence"),
     [
         (["qr30-170kpa"], "There is no scenario qr30-170kpa; did you mean qr30-1"),
-        (["zzz"], "There is no scenario zzz; 'python -m scenarios list'"),
+        (["zzz"], "There is no scenario zzz; 'python -m bogie_braking list'"),
         (["qr30-180kpa", "--step", "0"], "Give --step a value above 0"),
         (["qr30-180kpa", "--step", "-0.01"], "Give --step a value above 0"),
         (["qr30-180kpa", "--step", "nan"], "Give --step a value above 0"),

@@ -19,8 +19,8 @@ from typing import Any
 
 import pytest
 
+from bogie_braking.__main__ import main
 from rbd_model.parameters import AS_PRINTED
-from scenarios.__main__ import main
 from scenarios.catalogue import SCENARIOS
 from scenarios.numerics.levels import one_stop as stop_of_levels
 from scenarios.scenario import Options
@@ -80,7 +80,7 @@ def wait_for(condition: Callable[[], bool], seconds: float) -> None:
 def start(points: ModuleType) -> Callable[[list[str]], Any]:
     """Starts a command in a process of its own that has imported what takes long."""
     forkserver = multiprocessing.get_context("forkserver")
-    forkserver.set_forkserver_preload(["scenarios.__main__"])
+    forkserver.set_forkserver_preload(["bogie_braking.commands"])
 
     def process(arguments: list[str]) -> Any:
         made = forkserver.Process(target=points.run, args=(arguments,))
@@ -400,7 +400,7 @@ def test_help_opens_with_examples_and_names_what_can_be_varied(capsys: pytest.Ca
     with pytest.raises(SystemExit, match="0"):
         main(["sweep", "--help"])
     shown = capsys.readouterr().out
-    assert shown.index("python -m scenarios sweep levels --vary") < shown.index("options:")
+    assert shown.index("bogie-braking sweep levels --vary") < shown.index("options:")
     assert all(f"{name} [{unit}]" in shown for s in SCENARIOS if s.sweep for name, unit in s.sweep.parameters.items())
 
 

@@ -1,0 +1,58 @@
+"""Brake a railway vehicle in simulation: torque goes in; speed, wheel rotation, slip and lock-up come out.
+
+What is promised stands in docs/public.md; nothing below this name is, but what is here.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from fmu_src import __name__ as _place_of_a_room
+from fmu_src import __version__ as __version__
+
+if TYPE_CHECKING:
+    from bogie_braking.fitting import Fit as Fit
+    from bogie_braking.fitting import fit as fit
+    from bogie_braking.fitting import measured_from as measured_from
+    from bogie_braking.simulation import Simulation as Simulation
+    from bogie_braking.simulation import fmu as fmu
+    from bogie_braking.simulation import run as run
+    from bogie_braking.sweeping import sweep as sweep
+    from fmu_src.cosimulation.master import Connection as Connection
+    from fmu_src.cosimulation.master import couple as couple
+    from fmu_src.cosimulation.recording import Recording as Recording
+    from fmu_src.cosimulation.slave import CosimulationError as CosimulationError
+    from fmu_src.cosimulation.slave import Slave as Slave
+    from fmu_src.kernel import KernelError as KernelError
+    from rbd_model.line import Line as Line
+    from rbd_model.line import arc as arc
+    from rbd_model.line import clothoid as clothoid
+    from rbd_model.line import line_of as line_of
+    from rbd_model.line import straight as straight
+
+#: Where each public name lives; it is imported when it is first asked for.
+_HOMES = {
+    "bogie_braking.fitting": ("Fit", "fit", "measured_from"),
+    "bogie_braking.simulation": ("Simulation", "fmu", "run"),
+    "bogie_braking.sweeping": ("sweep",),
+    "fmu_src.cosimulation.master": ("Connection", "couple"),
+    "fmu_src.cosimulation.recording": ("Recording",),
+    "fmu_src.cosimulation.slave": ("CosimulationError", "Slave"),
+    "fmu_src.kernel": ("KernelError",),
+    "rbd_model.line": ("Line", "arc", "clothoid", "line_of", "straight"),
+}
+_HOME = {name: home for home, names in _HOMES.items() for name in names}
+#: What stands before the name of a room: nothing in a checkout, this package in a wheel.
+_BELOW = _place_of_a_room.removesuffix("fmu_src")
+__all__ = ["__version__", *_HOME]
+
+
+def __getattr__(name: str) -> Any:
+    """A public name, with what it needs. Raises AttributeError."""
+    if name not in _HOME:
+        raise AttributeError(f"bogie_braking has no public name {name}; it has {', '.join(__all__)}.")
+    home = _HOME[name]
+    return getattr(import_module(home if home.startswith(__name__) else _BELOW + home), name)
+
+
+def __dir__() -> list[str]:
+    return __all__

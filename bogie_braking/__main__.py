@@ -1,0 +1,135 @@
+"""The command line of bogie-braking; `python -m bogie_braking` is the same.
+
+  bogie-braking list                                             what there is
+  bogie-braking run qr30-180kpa                                  run one; results/qr30-180kpa/ has table, data, figure
+  bogie-braking run bogie-heavy-braking --kind python            with the pythonfmu FMUs
+  bogie-braking run qr30-180kpa --step 0.0001                    with another macro step
+  bogie-braking run qr30-180kpa --coupling-tolerance 1e-4        macro steps chosen by the error of the coupling
+  bogie-braking run qr30-180kpa --torque-csv measured.csv        with a measured history (time [s], torque [N.m])
+  bogie-braking run contact-geometry --wheel left.csv right.csv --rail 60e1.csv --diameter 920 918
+                                                                 equivalent conicity (EN 15302) of profiles of yours
+  bogie-braking run line-from-file --line mine.csv               a bogie along a line of yours
+  bogie-braking run bogie-lateral --html                         and report.html: charts that zoom, the motion in space
+  bogie-braking report                                           results/index.html: all results on one page
+  bogie-braking sweep bogie-heavy-braking --vary friction=0.1:0.3:11 --vary frame_height=0.4,0.8,1.2 --jobs 2
+                                                                 every combination, one table; interrupted, it resumes
+  bogie-braking sweep levels --vary utilisation=0.5:1.3:81 --scheduler tcp://127.0.0.1:8786
+                                                                 on a Dask cluster
+  bogie-braking live                                             a page that brakes a bogie in any browser
+  bogie-braking run levels --json | jq .rows                     the summary for a program; --quiet: the status alone
+  for name in $(bogie-braking list --quiet); do ...              names alone
+  bogie-braking doctor                                           what is there, what is missing, what to do
+  eval "$(bogie-braking completion bash)"                        completes the command bogie-braking, which is the same
+
+Exit status: 0 all rows hold (sweep: all points are good), 1 a row does not hold (a point failed; doctor: something that
+is needed is missing), 2 bad input, 3 a simulation (the sweep) failed, 130 interrupted (Ctrl-C): finished points of a
+sweep are kept, results as they were.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any
+
+from fmu_src import __version__
+
+
+def add_speech(parser: argparse.ArgumentParser, quiet: str, document: str) -> None:
+    group = parser.add_mutually_exclusive_group()
+    group.add_argument("--quiet", action="store_true", help=quiet)
+    group.add_argument("--json", action="store_true", help=f"{document} as one JSON document instead")
+
+
+PROFILES = """Equivalent conicity (EN 15302), rolling radii and contact angles of wheels on rails from files: lines of
+y, z in mm, y = 0 of a wheel on its tape circle, 70 mm from the flange's back. One file or diameter is for both sides,
+two are left and right: run contact-geometry --wheel new.csv worn.csv --rail 60e1.csv --diameter 920 918"""
+
+
+def add_profiles(runner: argparse.ArgumentParser) -> None:
+    group = runner.add_argument_group("profiles of yours, for contact-geometry", PROFILES)
+    sides: dict[str, Any] = {"nargs": "+", "action": "extend"}
+    group.add_argument("--wheel", type=Path, metavar="FILE", help="profile of both wheels, or left and right", **sides)
+    group.add_argument("--rail", type=Path, metavar="FILE", help="profile of both rails, or left and right", **sides)
+    text = "at the tape circle, of both wheels, or left and right (default: 920)"
+    group.add_argument("--diameter", type=float, metavar="MM", help=text, **sides)
+    text = "lays the rails by their gauge faces, 14 mm below the top (default: y = 0 of their files 1500 mm apart)"
+    group.add_argument("--gauge", type=float, metavar="MM", help=text)
+    group.add_argument(
+        "--flange-back", type=float, metavar="MM", help="between the backs of the flanges (default: 1360)"
+    )
+    text = "inclines rails that stand upright in their files by 1:N (default: they lie as in the files)"
+    group.add_argument("--inclination", type=float, metavar="N", help=text)
+
+
+def parser_of(asked: str) -> tuple[argparse.ArgumentParser, Any]:
+    """The command line and its commands; asked: the command that is given, which alone needs to know all of itself."""
+    from scenarios.completion import SHELLS
+
+    parser = argparse.ArgumentParser(
+        prog="bogie-braking", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--version", action="version", version=f"bogie-braking {__version__}")
+    commands = parser.add_subparsers(dest="command", required=True)
+    add_speech(commands.add_parser("list", help="what there is"), "names alone", "names, summaries and options")
+    commands.add_parser("doctor", help="what is there and what is missing, each with what to do")
+    shell = commands.add_parser("completion", help="a script with which a shell completes the command bogie-braking")
+    shell.add_argument("shell", choices=SHELLS)
+    runner = commands.add_parser("run", help="run one scenario")
+    runner.add_argument("name", help="a name from 'list'")
+    runner.add_argument("--out", type=Path, default=Path("results"), help="folder of the results (default: results)")
+    runner.add_argument("--kind", choices=["native", "python"], help="which FMUs (default: native)")
+    runner.add_argument("--step", type=float, metavar="SECONDS", help="macro step (default: 0.001; lock boundary 0.01)")
+    runner.add_argument(
+        "--torque-csv", type=Path, metavar="FILE", help="time [s], torque [N.m] of the trailing wheelset"
+    )
+    text = "error of one step in nominal values; chooses the macro steps"
+    runner.add_argument("--coupling-tolerance", type=float, metavar="ERROR", help=text)
+    runner.add_argument("--all", action="store_true", help="print the rows that are not judged too, in their order")
+    runner.add_argument("--html", action="store_true", help="write report.html too, a page that needs nothing else")
+    text = "line for line-from-file, a table with its head: distance, curvature, cant, gradient and more (docs/line.md)"
+    runner.add_argument("--line", type=Path, metavar="FILE", help=text)
+    add_profiles(runner)
+    reporter = commands.add_parser("report", help="join all results into one page")
+    text = "folder of the results (default: results)"
+    reporter.add_argument("--out", type=Path, default=Path("results"), help=text)
+    if asked in ("sweep", "completion"):
+        from scenarios.sweep.command import add_command  # heavy: all scenarios, and what each lets vary
+
+        add_command(commands)
+    else:
+        commands.add_parser("sweep", help="run one scenario over a grid of parameters")
+    page = commands.add_parser("live", help="write a page that brakes a bogie, or a coach, in any browser")
+    page.add_argument("--out", type=Path, default=Path("results"), help="folder of live.html (default: results)")
+    for command in ("run", "sweep"):
+        add_speech(commands.choices[command], "no progress, no table: the exit status tells", "the summary")
+    commands.add_parser("build", help="build FMUs, as build_fmu.py does", add_help=False)
+    return parser, commands
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Exit status as the description says. What is heavy is imported where a command needs it."""
+    given = sys.argv[1:] if arguments is None else arguments
+    asked = given[0] if given else ""
+    if asked == "build":
+        from build_fmu import main as build
+
+        return build(given[1:], "bogie-braking build")
+    if given == ["doctor"]:  # before the imports of what it may find missing
+        from scenarios import doctor
+
+        return doctor.main()
+    parser, commands = parser_of(asked)
+    chosen = parser.parse_args(given)
+    from bogie_braking import commands as does
+
+    if chosen.command == "list":
+        return does.show_list(chosen)
+    if chosen.command == "completion":
+        return does.show_completion(parser, commands, chosen.shell)
+    return does.carry_out(chosen)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,141 @@
+"""What the commands of the command line do, once it is known which one is asked for."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import sys
+from contextlib import nullcontext
+from dataclasses import fields
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from bogie_braking.exit_status import BAD_INPUT, DOES_NOT_HOLD, FAILED, HOLDS, INTERRUPTED
+from fmu_src.compile import CompilerError
+from fmu_src.cosimulation.slave import CosimulationError
+from fmu_src.kernel import KernelError
+from scenarios.catalogue import SCENARIOS, find
+from scenarios.completion import completion
+from scenarios.live.page import write_page
+from scenarios.reporting.progress import ticking, without_bars
+from scenarios.reporting.report import Result, save, short_table, stopwatch, table
+from scenarios.scenario import BadInputError, Options, Scenario
+from scenarios.sweep import command as sweep
+from scenarios.sweep.points import SweepError
+
+#: The largest macro step that any scenario is meant for [s].
+LARGEST_STEP = 0.1
+
+
+def check(scenario: Scenario, options: Options) -> None:
+    step = options.macro_step()
+    if not (math.isfinite(step) and 0.0 < step <= LARGEST_STEP):
+        raise BadInputError(f"Give --step a value above 0 and up to {LARGEST_STEP} s: it was {step} s.")
+    tolerance = options.coupling_tolerance
+    if tolerance is not None and not (math.isfinite(tolerance) and tolerance > 0.0):
+        raise BadInputError(f"Give --coupling-tolerance a value above 0: it was {tolerance}.")
+    for name in sorted(options.given - scenario.takes):
+        takers = ", ".join(one.name for one in SCENARIOS if name in one.takes)
+        raise BadInputError(f"--{name.replace('_', '-')} has no effect on {scenario.name}; it belongs to {takers}.")
+
+
+def run(chosen: argparse.Namespace) -> int:
+    scenario, out = find(chosen.name), chosen.out
+    options = Options(**{item.name: getattr(chosen, item.name) for item in fields(Options)})
+    check(scenario, options)
+    further = None
+    if chosen.html:
+        from scenarios.reporting.html_report import write_report  # Plotly: for pages alone
+
+        further = partial(write_report, scenario)
+    if out.exists() and not out.is_dir():
+        raise BadInputError(f"{out} is a file; give --out a folder.")
+    elapsed = stopwatch()
+    with ticking(scenario.name, last_time(out / scenario.name)):
+        result = scenario.run(options)
+        folder = save(result, scenario.name, out, elapsed(), further)
+    if chosen.json:
+        print((folder / "summary.json").read_text(encoding="utf-8"), end="")
+    elif not chosen.quiet:
+        show(scenario, result, folder, chosen.all)
+    return HOLDS if result.holds else DOES_NOT_HOLD
+
+
+def last_time(folder: Path) -> float | None:
+    """What the results of a scenario, if there are any, say that its run took [s]."""
+    try:
+        return float(json.loads((folder / "summary.json").read_text(encoding="utf-8"))["wall_seconds"])
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+
+
+def show(scenario: Scenario, result: Result, folder: Path, whole: bool) -> None:
+    print(f"{scenario.name}: {scenario.summary}\n")
+    print(table(result.rows) if whole else short_table(result.rows, folder))
+    if any(row.holds is False for row in result.rows):
+        print("\nWhat is known not to hold stands with its reason in docs/checking.md, What does not hold.")
+    for remark in result.remarks:
+        print(f"\n{remark}")
+    print(f"\nPicture: {folder / 'figure.png'}")
+    if (folder / "report.html").exists():
+        print(f"Report: {folder / 'report.html'}")
+
+
+def index(out: Path) -> int:
+    """Joins all results of a folder into one page, and says what is not on it."""
+    from scenarios.reporting.index import write_index  # Plotly: for pages alone
+
+    page, skipped = write_index(out)
+    for sentence in skipped:
+        print(sentence, file=sys.stderr)
+    print(f"Index: {page}")
+    return HOLDS
+
+
+def show_list(chosen: argparse.Namespace) -> int:
+    width = max(len(scenario.name) for scenario in SCENARIOS)
+    if chosen.json:
+        about = [{"name": one.name, "summary": one.summary, "options": sorted(one.takes)} for one in SCENARIOS]
+        print(json.dumps(about, indent=2))
+        return HOLDS
+    for scenario in SCENARIOS:
+        print(scenario.name if chosen.quiet else f"{scenario.name.ljust(width)}  {scenario.summary}")
+    return HOLDS
+
+
+def show_completion(parser: argparse.ArgumentParser, commands: Any, shell: str) -> int:
+    names = {"run": [one.name for one in SCENARIOS], "sweep": [one.name for one in SCENARIOS if one.sweep]}
+    print(completion(parser, commands.choices, names, shell))
+    return HOLDS
+
+
+def carry_out(chosen: argparse.Namespace) -> int:
+    """Runs one of the commands that write results; the exit status."""
+    try:
+        if chosen.command == "live":
+            print(f"Open in a browser: {write_page(chosen.out / 'live.html')}")
+            return HOLDS
+        if chosen.command == "report":
+            return index(chosen.out)
+        with without_bars() if chosen.quiet else nullcontext():
+            if chosen.command == "sweep":
+                return HOLDS if sweep.run(chosen) else DOES_NOT_HOLD
+            return run(chosen)
+    except BadInputError as error:
+        print(error, file=sys.stderr)
+        return BAD_INPUT
+    except KeyboardInterrupt as interrupt:
+        earlier = f"Interrupted; what {chosen.out} held before is as it was."
+        print(interrupt if interrupt.args else earlier, file=sys.stderr)
+        return INTERRUPTED
+    except (CosimulationError, CompilerError, KernelError, SweepError) as error:
+        print(error, file=sys.stderr)
+        return FAILED
+    except OSError as error:
+        print(
+            f"The results cannot be written to {chosen.out} ({error}); choose another folder with --out.",
+            file=sys.stderr,
+        )
+        return FAILED

@@ -1,0 +1,163 @@
+"""Parameters with which a run meets what was measured: least squares, and what the data cannot tell."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from bogie_braking.simulation import Simulation, suggestion
+from fmu_src.cosimulation.recording import Recording
+from products.building import variables_of
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+#: A parameter is changed by this share of itself for a slope: the runs are good to a tolerance of 1e-6.
+STEP = 1e-3
+#: Where parameters change what was measured together by so little of what each alone does, the data cannot part them.
+TOLD_APART = 1e-3
+#: Share of a direction that cannot be told from which a parameter is named in it.
+NAMED = 0.1
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Fitted values and their standard errors by name, in the parameters' units; infinite where data cannot tell.
+
+    together: groups of parameters that the data cannot tell apart: only one combination of each matters. deviations: of
+    the measured values from the run in each column, their standard deviation in its unit. measured, fitted: what was
+    measured, and the run with the fitted values at the same instants.
+    """
+
+    values: dict[str, float]
+    standard_errors: dict[str, float]
+    together: list[tuple[str, ...]]
+    deviations: dict[str, float]
+    measured: Recording
+    fitted: Recording
+
+    @property
+    def status(self) -> str:
+        """The result in sentences."""
+        said = [f"{key} = {self.values[key]:.4g} +- {self.standard_errors[key]:.2g}." for key in self.values]
+        for group in self.together:
+            alone = f"The data cannot tell {group[0]}: nothing that was measured hangs on it."
+            several = f"The data cannot tell {' and '.join(group)} apart: hold one of them, or measure something else."
+            said.append(several if len(group) > 1 else alone)
+        return " ".join(said)
+
+    def plot(self) -> Figure:
+        """What was measured, and the run that meets it."""
+        both = Recording(self.measured.units, np.column_stack([self.measured[n] for n in self.measured.names]).tolist())
+        for name in self.measured.names[1:]:
+            both.add(f"{name}, fitted", both.units[name], self.fitted[name])
+        return both.plot()
+
+
+def measured_from(path: str | Path) -> Recording:
+    """A table of a measured run: a head of names with units, `time [s],speed [m/s]`, and rows of numbers.
+
+    Raises ValueError with the line where it is none.
+    """
+    with Path(path).open(encoding="utf-8", newline="") as file:
+        lines = list(csv.reader(file))
+    heads = [re.fullmatch(r"\s*(\w+)\s*\[(.+)\]\s*", one) for one in lines[0]] if lines else []
+    if not heads or None in heads or heads[0][1] != "time":  # type: ignore[index]
+        raise ValueError(f"{path}: give the first line names with units, time first, such as: time [s],speed [m/s]")
+    rows = []
+    for number, line in enumerate(lines[1:], 2):
+        try:
+            row = [float(one) for one in line]
+        except ValueError:
+            row = []
+        if len(row) != len(heads) or not np.all(np.isfinite(row)):
+            raise ValueError(f"{path}, line {number}: give {len(heads)} finite numbers; there is {','.join(line)!r}.")
+        rows.append(row)
+    times = np.array([row[0] for row in rows])
+    if times.size < 2 or np.any(np.diff(times) <= 0.0):
+        raise ValueError(f"{path}: give at least two rows whose time grows.")
+    return Recording({head[1]: head[2] for head in heads if head}, rows)
+
+
+def fit(name: str, measured: Recording | str | Path, parameters: Mapping[str, float], **values: float | str) -> Fit:
+    """Fits parameters of a run of the FMU `name` to what was measured, by SciPy's least squares.
+
+    measured: a table, or the CSV file of one, whose columns are outputs over time from the start on. parameters: their
+    names and values to begin with, not 0. values: all else, as `run` takes it. Each column counts by the spread of its
+    own values. Standard errors are those of independent errors of equal size in each column, to first order. Raises
+    ValueError for what is no table or has fewer rows than parameters, KernelError for what the FMU refuses.
+    """
+    table = measured if isinstance(measured, Recording) else measured_from(measured)
+    names, times = table.names[1:], table["time"]
+    begin = np.array(list(parameters.values()), float)
+    known = {one.name for one in variables_of(name).values() if one.causality == "parameter"}
+    for unknown in (one for one in parameters if one not in known):
+        raise ValueError(f"{name} has no parameter {unknown}; {suggestion(unknown, sorted(known))}")
+    if np.any(begin == 0.0):
+        raise ValueError("Begin each parameter with a value that is not 0: it is changed by shares of it.")
+    if times.size * len(names) <= begin.size:
+        raise ValueError(f"{times.size * len(names)} measured values do not decide on {begin.size} parameters.")
+    sizes = np.array([np.ptp(table[one]) or 1.0 for one in names])
+    wanted = np.column_stack([table[one] for one in names]) / sizes
+
+    def answer(share: np.ndarray) -> np.ndarray:
+        given = dict(values) | dict(zip(parameters, (share * begin).tolist(), strict=True))
+        return at_times(name, names, times, given) / sizes
+
+    limits = np.array([[variables_of(name)[one].minimum, variables_of(name)[one].maximum] for one in parameters])
+    bounds = np.sort(limits / begin[:, None]).T
+    found = least_squares(
+        lambda share: (answer(share) - wanted).ravel(), np.ones_like(begin), bounds=bounds, diff_step=STEP
+    )
+    errors, together = what_is_told(found.jac, found.fun, list(parameters))
+    off = found.fun.reshape(wanted.shape) * sizes
+    return Fit(
+        dict(zip(parameters, (found.x * begin).tolist(), strict=True)),
+        dict(zip(parameters, (errors * np.abs(begin)).tolist(), strict=True)),
+        together,
+        dict(zip(names, np.sqrt(np.mean(off**2, axis=0)).tolist(), strict=True)),
+        table,
+        Recording(table.units, np.column_stack([times, off + wanted * sizes]).tolist()),
+    )
+
+
+def at_times(name: str, names: Sequence[str], times: np.ndarray, values: Mapping[str, float | str]) -> np.ndarray:
+    """Outputs of a run at instants [s], shape (instants, names); where it ended before, as it ended."""
+    simulation = Simulation(name)
+    simulation.set(**dict(values))
+    step = float(np.min(np.diff(times)))
+    series = simulation.advance(float(times[-1]) + step, names, step)
+    return np.column_stack([np.interp(times, series["time"], series[one]) for one in names])
+
+
+def what_is_told(
+    slopes: np.ndarray, residuals: np.ndarray, names: Sequence[str]
+) -> tuple[np.ndarray, list[tuple[str, ...]]]:
+    """Standard errors of parameters, and groups of them that slopes cannot part; shape of slopes (values, parameters).
+
+    By the singular values of slopes whose columns all have length 1: Golub and Van Loan (2013), section 5.5.
+    """
+    lengths = np.linalg.norm(slopes, axis=0)
+    silent = lengths <= TOLD_APART * np.max(lengths)
+    together: list[tuple[str, ...]] = [(name,) for name, none in zip(names, silent, strict=True) if none]
+    errors = np.full(len(names), np.inf)
+    heard = np.flatnonzero(~silent)
+    _, sizes, directions = np.linalg.svd(slopes[:, heard] / lengths[heard], full_matrices=False)
+    lost = sizes < TOLD_APART
+    mixed = np.zeros(heard.size, bool)
+    for direction in directions[lost]:
+        group = np.abs(direction) > NAMED
+        together.append(tuple(names[place] for place in heard[group]))
+        mixed |= group
+    noise = np.sum(residuals**2) / (residuals.size - np.sum(~lost))
+    variances = np.sum((directions[~lost] / sizes[~lost, None]) ** 2, axis=0) * noise
+    kept = heard[~mixed]
+    errors[kept] = np.sqrt(variances[~mixed]) / lengths[kept]
+    return errors, together
