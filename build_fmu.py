@@ -22,6 +22,7 @@ from fmu_src.compile import CompilerError
 from fmu_src.model_description import variable_table
 from products.building import KINDS, NATIVE, build_all, build_controller
 from products.parameter_sets import write_sets
+from products.promise import changes
 from products.registry import FMUS, model_of
 from products.systems import build_systems
 
@@ -54,6 +55,8 @@ def main(arguments: list[str] | None = None, program: str | None = None) -> int:
         write_sets(names, chosen.out)
         if "native" in kinds:
             build_systems(names, chosen.out)
+        for sentence in (one for name in names for one in changes(name)):
+            print(sentence)
     except (CompilerError, OSError) as error:
         print(f"The FMUs in {chosen.out} are not complete ({error}).", file=sys.stderr)
         return 1

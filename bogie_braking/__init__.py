@@ -1,6 +1,6 @@
 """Brake a railway vehicle in simulation: torque goes in; speed, wheel rotation, slip and lock-up come out.
 
-What is promised stands in docs/public.md; nothing below this name is, but what is here.
+docs/public.md says what is promised of the names here. What else lies below this package may change.
 """
 
 from importlib import import_module
@@ -13,8 +13,9 @@ if TYPE_CHECKING:
     from bogie_braking.fitting import Fit as Fit
     from bogie_braking.fitting import fit as fit
     from bogie_braking.fitting import measured_from as measured_from
+    from bogie_braking.fmus import fmu as fmu
+    from bogie_braking.fmus import write_fmu as write_fmu
     from bogie_braking.simulation import Simulation as Simulation
-    from bogie_braking.simulation import fmu as fmu
     from bogie_braking.simulation import run as run
     from bogie_braking.sweeping import sweep as sweep
     from fmu_src.cosimulation.master import Connection as Connection
@@ -23,6 +24,9 @@ if TYPE_CHECKING:
     from fmu_src.cosimulation.slave import CosimulationError as CosimulationError
     from fmu_src.cosimulation.slave import Slave as Slave
     from fmu_src.kernel import KernelError as KernelError
+    from fmu_src.system import Model as Model
+    from fmu_src.system import System as System
+    from fmu_src.system import Variable as Variable
     from rbd_model.line import Line as Line
     from rbd_model.line import arc as arc
     from rbd_model.line import clothoid as clothoid
@@ -32,12 +36,14 @@ if TYPE_CHECKING:
 #: Where each public name lives; it is imported when it is first asked for.
 _HOMES = {
     "bogie_braking.fitting": ("Fit", "fit", "measured_from"),
-    "bogie_braking.simulation": ("Simulation", "fmu", "run"),
+    "bogie_braking.fmus": ("fmu", "write_fmu"),
+    "bogie_braking.simulation": ("Simulation", "run"),
     "bogie_braking.sweeping": ("sweep",),
     "fmu_src.cosimulation.master": ("Connection", "couple"),
     "fmu_src.cosimulation.recording": ("Recording",),
     "fmu_src.cosimulation.slave": ("CosimulationError", "Slave"),
     "fmu_src.kernel": ("KernelError",),
+    "fmu_src.system": ("Model", "System", "Variable"),
     "rbd_model.line": ("Line", "arc", "clothoid", "line_of", "straight"),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}

@@ -29,10 +29,12 @@ sweep are kept, results as they were.
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from pathlib import Path
 from typing import Any
 
+from bogie_braking.exit_status import NOBODY_READS
 from fmu_src import __version__
 
 
@@ -109,8 +111,18 @@ def parser_of(asked: str) -> tuple[argparse.ArgumentParser, Any]:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Exit status as the description says. What is heavy is imported where a command needs it."""
-    given = sys.argv[1:] if arguments is None else arguments
+    """Exit status as the description says."""
+    try:
+        status = answer(sys.argv[1:] if arguments is None else arguments)
+        sys.stdout.flush()
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # what is left would be written at the exit
+        return NOBODY_READS
+    return status
+
+
+def answer(given: list[str]) -> int:
+    """Does what is asked. What is heavy is imported where a command needs it."""
     asked = given[0] if given else ""
     if asked == "build":
         from build_fmu import main as build

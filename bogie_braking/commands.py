@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import os
 import sys
 from contextlib import nullcontext
 from dataclasses import fields
@@ -52,6 +53,7 @@ def run(chosen: argparse.Namespace) -> int:
         further = partial(write_report, scenario)
     if out.exists() and not out.is_dir():
         raise BadInputError(f"{out} is a file; give --out a folder.")
+    look_for_room(out)
     elapsed = stopwatch()
     with ticking(scenario.name, last_time(out / scenario.name)):
         result = scenario.run(options)
@@ -61,6 +63,13 @@ def run(chosen: argparse.Namespace) -> int:
     elif not chosen.quiet:
         show(scenario, result, folder, chosen.all)
     return HOLDS if result.holds else DOES_NOT_HOLD
+
+
+def look_for_room(out: Path) -> None:
+    """Raises OSError before a run whose results could not be written; makes no folder."""
+    place = next(one for one in (out.absolute(), *out.absolute().parents) if one.exists())
+    if not (place.is_dir() and os.access(place, os.W_OK)):
+        raise OSError(f"{place} is no folder that can be written")
 
 
 def last_time(folder: Path) -> float | None:
@@ -133,6 +142,8 @@ def carry_out(chosen: argparse.Namespace) -> int:
     except (CosimulationError, CompilerError, KernelError, SweepError) as error:
         print(error, file=sys.stderr)
         return FAILED
+    except BrokenPipeError:
+        raise
     except OSError as error:
         print(
             f"The results cannot be written to {chosen.out} ({error}); choose another folder with --out.",

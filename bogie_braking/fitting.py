@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.optimize import least_squares
 
-from bogie_braking.simulation import Simulation, suggestion
+from bogie_braking.fmus import suggestion
+from bogie_braking.simulation import Simulation
 from fmu_src.cosimulation.recording import Recording
 from products.building import variables_of
 
@@ -54,11 +55,17 @@ class Fit:
         return " ".join(said)
 
     def plot(self) -> Figure:
-        """What was measured, and the run that meets it."""
-        both = Recording(self.measured.units, np.column_stack([self.measured[n] for n in self.measured.names]).tolist())
-        for name in self.measured.names[1:]:
-            both.add(f"{name}, fitted", both.units[name], self.fitted[name])
-        return both.plot()
+        """What was measured, as dots, and the run that meets it."""
+        figure, first = self.fitted.plot(), self.measured.names[0]
+        for chart in figure.axes:
+            for line in list(chart.lines):
+                name = str(line.get_label())
+                chart.plot(
+                    self.measured[first], self.measured[name], ".", color="0.6", label=f"{name}, measured", zorder=1
+                )
+                line.set_label(f"{name}, fitted")
+            chart.legend(loc="best")
+        return figure
 
 
 def measured_from(path: str | Path) -> Recording:

@@ -2,61 +2,48 @@
 
 from __future__ import annotations
 
-import difflib
 import tempfile
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
 
+from bogie_braking.fmus import known
+from fmu_src.compile import build_library
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel, Library
-from products.building import kernel_of, up_to_date, variables_of
-from products.registry import FMUS
+from fmu_src.system import Model
+from products.building import kernel_of, variables_of
+from products.registry import ONE_WRITES
 from rbd_model.line import Line
 
 #: Columns of a recording are this far apart unless another interval is asked for [s].
 INTERVAL = 0.01
 
 
-def fmu(name: str, kind: str = "native") -> Path:
-    """Path of an FMU by its name, such as "bogie", built now unless it is there.
-
-    kind: "native" for FMI 2.0, "fmi3" for FMI 3.0, "python" for pythonfmu. Raises KeyError for another name.
-    """
-    return up_to_date(known(name), kind)
-
-
-def known(name: str) -> str:
-    """The name, if there is such an FMU. Raises KeyError with a sentence."""
-    if name not in FMUS:
-        raise KeyError(f"There is no FMU {name}; {suggestion(name, FMUS)}")
-    return name
-
-
-def suggestion(name: str, known_ones: Iterable[str]) -> str:
-    """The end of a sentence on a name that there is not."""
-    near = difflib.get_close_matches(name, list(known_ones), 1)
-    return f"did you mean {near[0]}?" if near else f"there are {', '.join(known_ones)}."
-
-
 @lru_cache
-def library_of(name: str) -> Library:
-    """The compiled equations of an FMU, loaded once."""
+def library_of(name: str | Model) -> Library:
+    """The compiled equations of an FMU, or of a model of one's own, loaded once."""
+    if isinstance(name, Model):
+        with ONE_WRITES:
+            return Library(build_library(name))
     return Library(kernel_of(known(name)))
 
 
 class Simulation:
     """One vehicle or brake on its way through time.
 
-    name: as `fmu` has it. line: what it runs on; None: straight, level track. values: parameters and first inputs, by
-    name and in SI units. Raises KeyError for another name, KernelError with a sentence for a value that cannot be.
+    name: as `fmu` has it, or a model of one's own. line: what it runs on; None: straight, level track. values:
+    parameters and first inputs, by name and in SI units. Raises KeyError for another name, KernelError with a sentence
+    for a value that cannot be.
 
     >>> stop = Simulation("bogie", initial_speed=25.0, brake_torque_1=20e3)
     >>> stop.advance(5.0).status
     """
 
-    def __init__(self, name: str, line: Line | None = None, **values: float | str) -> None:
-        self.name = name
+    def __init__(self, name: str | Model, line: Line | None = None, **values: float | str) -> None:
+        self._variables = (
+            {one.name: one for one in name.variables} if isinstance(name, Model) else variables_of(known(name))
+        )
         self._kernel = Kernel(library_of(name))
         if line is not None:
             with tempfile.TemporaryDirectory() as folder:  # a kernel reads a line once and keeps it
@@ -87,12 +74,12 @@ class Simulation:
         Neither changes the steps. A run that ends early keeps what came before, and its status says why. Raises
         KernelError.
         """
-        known, asked = variables_of(self.name), list(names or ())
+        every, asked = self._variables, list(names or ())
         if names is None:
-            asked = [one.name for one in known.values() if one.causality == "output"]
+            asked = [one.name for one in every.values() if one.causality == "output"]
         heard, before = len(self._kernel.journal), self._kernel.counts if self._kernel.initialised else {}
         table = self._kernel.record(duration, interval, asked)
-        units = {"time": "s"} | {name: known[name].unit for name in asked}
+        units = {"time": "s"} | {name: every[name].unit for name in asked}
         counts = {name: count - before.get(name, 0) for name, count in self._kernel.counts.items()}
         rows = list(zip(*(table[name] for name in units), strict=True))
         return Recording(units, rows, self._kernel.journal[heard:], counts)
@@ -107,7 +94,7 @@ class Simulation:
 
 
 def run(
-    name: str,
+    name: str | Model,
     duration: float,
     line: Line | None = None,
     names: Sequence[str] | None = None,

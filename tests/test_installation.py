@@ -23,7 +23,7 @@ from bogie_braking.exit_status import DOES_NOT_HOLD
 from fmu_src import __version__
 from fmu_src.compile import CACHE
 from fmu_src.native_fmu import PLATFORMS
-from products.sources import ROOMS
+from products.sources import HOUSE, ROOMS
 from scenarios.live.page import page
 
 #: Of the FMUs that a release compiles, that of the scenario that runs here.
@@ -208,11 +208,11 @@ def imported_without_a_way_out(body: list[ast.stmt]) -> Iterator[str]:
 def test_what_is_imported_without_a_way_out_is_installed_with_the_rest() -> None:
     """No command needs an extra, unless it says so."""
     asked = {Requirement(text).name for text in requires("bogie-braking") or [] if "extra ==" not in text}
-    files = [path for package in ROOMS for path in (ROOT / package).rglob("*.py") if "hosts" not in path.parts]
+    files = [path for package in HOUSE for path in (ROOT / package).rglob("*.py") if "hosts" not in path.parts]
     found = {
         name for path in files for name in imported_without_a_way_out(ast.parse(path.read_text(encoding="utf-8")).body)
     }
-    others = found - set(sys.stdlib_module_names) - {*ROOMS, "build_fmu"} - LOOKED_FOR
+    others = found - set(sys.stdlib_module_names) - {*HOUSE, "build_fmu"} - LOOKED_FOR
     assert {"plotly", "jinja2", "casadi"} <= others
     assert others <= asked
 

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 import bogie_braking as bb
+from fmu_src.system import model_of
 
 ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "docs" / "public.md").read_text(encoding="utf-8")
@@ -115,6 +116,26 @@ def test_an_fmu_gives_the_numbers_of_a_run() -> None:
         for number in range(100):
             bogie.step(0.1 * number, 0.1)
         assert bogie["distance"] == pytest.approx(bb.run("bogie", 10.0, **BRAKED)["distance"][-1], rel=1e-7)
+
+
+def test_equations_of_ones_own_become_an_fmu_of_any_kind(tmp_path: Path) -> None:
+    """A body that falls, against its closed form; a model of several systems goes the same way."""
+    fall = bb.System("Fall", "A body that falls")
+    gravity = fall.parameter(bb.Variable("gravity", "parameter", "m/s2", "Gravity", 9.81))
+    height, speed = fall.state("height", "m", 0.0, 1.0), fall.state("speed", "m/s", 0.0, 1.0)
+    fall.derivative("height", speed)
+    fall.derivative("speed", -gravity)
+    fall.output(bb.Variable("above", "output", "m", "Height"), height)
+    for kind in ("native", "fmi3"):
+        with bb.Slave(bb.write_fmu(fall, tmp_path / f"{kind}.fmu", kind), gravity=2.0) as slave:
+            slave.start()
+            slave.step(0.0, 3.0)
+            assert slave["above"] == pytest.approx(-9.0, rel=1e-6)
+    in_process = bb.run(model_of(fall, 1e-6), 3.0, gravity=2.0)
+    assert in_process.units == {"time": "s", "above": "m"}
+    assert in_process["above"] == pytest.approx(-(in_process["time"] ** 2), rel=1e-6)
+    with pytest.raises(KeyError, match="There is no kind of FMU fmi2; did you mean fmi3"):
+        bb.write_fmu(fall, tmp_path / "none.fmu", "fmi2")
 
 
 # ---- many runs -----------------------------------------------------------------------------------------------------

@@ -99,8 +99,10 @@ class Recording:
 
     def to_pandas(self) -> Any:
         """A data frame; `attrs["units"]` has the units. Raises ImportError where pandas is not installed."""
-        import pandas
-
+        try:
+            import pandas
+        except ImportError as error:
+            raise ImportError("A data frame needs pandas: pip install pandas") from error
         frame = pandas.DataFrame(self._columns)
         frame.attrs["units"] = dict(self.units)
         return frame
@@ -113,9 +115,11 @@ class Recording:
                 writer.writerow([f"{value:.10g}" for value in row])
 
     def _write_parquet(self, path: Path) -> None:
-        import pyarrow
-        import pyarrow.parquet
-
+        try:
+            import pyarrow
+            import pyarrow.parquet
+        except ImportError as error:
+            raise ImportError("A .parquet needs pyarrow: pip install 'bogie-braking[sweep]'") from error
         fields = [pyarrow.field(name, pyarrow.float64(), metadata={"unit": unit}) for name, unit in self.units.items()]
         table = pyarrow.Table.from_pydict(self._columns, schema=pyarrow.schema(fields))
         pyarrow.parquet.write_table(table, path)

@@ -1,4 +1,4 @@
-"""FMUs through fmpy, with variables by name."""
+"""FMUs of FMI 2.0 and 3.0 through fmpy, with variables by name."""
 
 from __future__ import annotations
 
@@ -6,18 +6,16 @@ import shutil
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
+from typing import Any
 
-from fmpy import calloc, extract, free, read_model_description
+import numpy as np
+from fmpy import extract, read_model_description
 from fmpy.fmi1 import FMICallException
-from fmpy.fmi2 import (
-    FMU2Slave,
-    fmi2CallbackAllocateMemoryTYPE,
-    fmi2CallbackFreeMemoryTYPE,
-    fmi2CallbackFunctions,
-    fmi2CallbackLoggerTYPE,
-)
 
-TYPES = {"Real": "Real", "Integer": "Integer", "Boolean": "Boolean", "Enumeration": "Integer", "String": "String"}
+from fmu_src.cosimulation.faces import EndedError, face_of
+
+#: What a variable may be set to; a sequence where it is an array, row by row.
+Value = float | str | Sequence[float]
 
 
 class CosimulationError(RuntimeError):
@@ -35,32 +33,22 @@ class Slave:
     ...     bogie["speed"]
     """
 
-    def __init__(self, path: str | Path, instance: str | None = None, /, **parameters: float | str) -> None:
+    def __init__(self, path: str | Path, instance: str | None = None, /, **parameters: Value) -> None:
         description = read_model_description(str(path))
         self.name = instance or description.modelName
         self.guid = description.guid
         self.messages: list[str] = []
-        self._variables = {v.name: (v.valueReference, TYPES[v.type]) for v in description.modelVariables}
-        self.units = {v.name: v.unit or "1" for v in description.modelVariables}
-        able = description.coSimulation
-        self._nominals = {v.name: float(v.nominal) if v.nominal else 1.0 for v in description.modelVariables}
-        self._saves, self._takes_rates = able.canGetAndSetFMUstate, able.canInterpolateInputs
-        self._provides_rates = able.maxOutputDerivativeOrder > 0
-        self._parameters: dict[str, float | str] = parameters
-        self._plans: dict[tuple[str, ...], list[tuple[Callable, list[int], list[int]]]] = {}
         self._folder = extract(str(path))
-        self._logger = fmi2CallbackLoggerTYPE(self._listen)  # referenced here as long as the FMU may call it
-        self._callbacks = fmi2CallbackFunctions()
-        self._callbacks.logger = self._logger
-        self._callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
-        self._callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
-        self.fmu = FMU2Slave(
-            guid=description.guid,
-            unzipDirectory=self._folder,
-            modelIdentifier=description.coSimulation.modelIdentifier,
-            instanceName=self.name,
-        )
-        self._call(self.fmu.instantiate, callbacks=self._callbacks, loggingOn=True)
+        self._face = face_of(description, self._folder, self.name, self.messages.append)
+        self.fmu = self._face.fmu
+        known = [v for v in description.modelVariables if v.type in self._face.types]
+        self._variables = {v.name: (v.valueReference, self._face.types[v.type]) for v in known}
+        self._shapes = {v.name: tuple(v.shape) for v in known if v.shape}
+        self.units = {v.name: v.unit or "1" for v in description.modelVariables}
+        self._nominals = {v.name: float(v.nominal) if v.nominal else 1.0 for v in description.modelVariables}
+        self._parameters: dict[str, Value] = parameters
+        self._plans: dict[tuple[str, ...], list[tuple[str, list[int], list[int]]]] = {}
+        self._call(self._face.instantiate)
 
     def __enter__(self) -> Slave:
         return self
@@ -71,54 +59,69 @@ class Slave:
         self.fmu.freeInstance()
         shutil.rmtree(self._folder, ignore_errors=True)
 
-    def start(self, time: float = 0.0, **inputs: float) -> None:
+    def start(self, time: float = 0.0, **inputs: Value) -> None:
         """Sets parameters and first inputs and initialises."""
-        self._call(self.fmu.setupExperiment, startTime=time)
-        self.set(**self._parameters)
-        self._call(self.fmu.enterInitializationMode)
-        self.set(**inputs)
-        self._call(self.fmu.exitInitializationMode)
+        self._call(self._face.begin, time, lambda: self.set(**self._parameters), lambda: self.set(**inputs))
 
-    def restart(self, parameters: Mapping[str, float | str], **inputs: float) -> None:
+    def restart(self, parameters: Mapping[str, Value], time: float = 0.0, **inputs: Value) -> None:
         """Resets the instance and starts it with other parameters."""
         self._call(self.fmu.reset)
         self.messages.clear()
         self._parameters = dict(parameters)
-        self.start(**inputs)
+        self.start(time, **inputs)
 
-    def set(self, **values: float | str) -> None:
+    def set(self, **values: Value) -> None:
         """Sets variables. Raises CosimulationError with the FMU's sentence where it refuses a value."""
         for name, value in values.items():
             reference, kind = self._reference(name)
-            given = value if kind in ("Real", "String") else int(value)
-            self._call(getattr(self.fmu, f"set{kind}"), [reference], [given])
+            self._call(self._face.set, kind, reference, self._as(kind, name, value))
 
     def __getitem__(self, name: str) -> float:
         return self.get([name])[0]
 
+    def array(self, name: str) -> np.ndarray:
+        """Values of a variable that is an array, in its shape. Raises CosimulationError."""
+        reference, kind = self._reference(name)
+        shape = self._shapes.get(name, ())
+        return np.array(self._call(self._face.get, kind, [reference], self._size(name))).reshape(shape)
+
     def get(self, names: Sequence[str]) -> list[float]:
-        """Values of some variables, in their order; one call for each type."""
+        """Values of some variables that are no arrays, in their order; one call for each type."""
         key = tuple(names)
         found = [0.0] * len(key)
-        for getter, references, places in self._plans.get(key) or self._plan(key):
-            for place, value in zip(places, self._call(getter, references), strict=True):
+        for kind, references, places in self._plans.get(key) or self._plan(key):
+            for place, value in zip(places, self._call(self._face.get, kind, references, len(references)), strict=True):
                 found[place] = float(value)
         return found
 
-    def _plan(self, names: tuple[str, ...]) -> list[tuple[Callable, list[int], list[int]]]:
-        """The calls that read some variables: function, value references, and their places among the names."""
+    def _plan(self, names: tuple[str, ...]) -> list[tuple[str, list[int], list[int]]]:
+        """The calls that read some variables: kind, value references, and their places among the names."""
+        for name in names:
+            if self._reference(name)[1] == "String" or self._size(name) != 1:
+                raise CosimulationError(f"{name} of {self.name} is no single number; take `array` for an array.")
+        kinds = dict.fromkeys(self._reference(name)[1] for name in names)
         plan = []
-        for kind in ("Real", "Integer", "Boolean"):
+        for kind in kinds:
             places = [place for place, name in enumerate(names) if self._reference(name)[1] == kind]
-            if places:
-                references = [self._reference(names[place])[0] for place in places]
-                plan.append((getattr(self.fmu, f"get{kind}"), references, places))
+            plan.append((kind, [self._reference(names[place])[0] for place in places], places))
         self._plans[names] = plan
         return plan
 
+    def _size(self, name: str) -> int:
+        return int(np.prod(self._shapes.get(name, ())))
+
+    def _as(self, kind: str, name: str, value: Value) -> list[Any]:
+        """A value as a call takes it. Raises CosimulationError where an array has another length."""
+        if kind == "String":
+            return [value]
+        given = np.ravel(value).tolist()
+        if len(given) != self._size(name):
+            raise CosimulationError(f"Give {name} of {self.name} {self._size(name)} numbers; there are {len(given)}.")
+        return given if kind in self._face.reals else [int(one) for one in given]
+
     def step(self, time: float, size: float) -> None:
         """From `time` on by `size` [s]. Raises CosimulationError."""
-        self._call(self.fmu.doStep, time, size)
+        self._call(self._face.step, time, size)
 
     def nominal(self, name: str) -> float:
         """Typical size of a variable, from the FMU; 1 where it says nothing."""
@@ -127,43 +130,39 @@ class Slave:
 
     def rate(self, name: str) -> float:
         """First derivative of an output by time; 0 where the FMU provides none."""
-        if not self._provides_rates:
+        if not self._face.provides_rates:
             return 0.0
-        found = self._call(self.fmu.getRealOutputDerivatives, [self._reference(name)[0]], [1])
-        return float(found[0])
+        return float(self._call(self._face.rate, self._reference(name)[0]))
 
     def set_rate(self, name: str, rate: float) -> None:
         """Lets an input go on with this rate within the next step; without effect where the FMU takes none."""
-        if self._takes_rates:
-            self._call(self.fmu.setRealInputDerivatives, [self._reference(name)[0]], [1], [rate])
+        if self._face.takes_rates:
+            self._call(self._face.set_rate, self._reference(name)[0], rate)
 
     def save(self) -> object:
         """The FMU's state; `forget` it when it is no longer needed. Raises CosimulationError where it cannot."""
-        if not self._saves:
+        if not self._face.saves:
             raise CosimulationError(f"{self.name} cannot save its state: give no tolerance, or take the native FMU.")
-        return self._call(self.fmu.getFMUstate)
+        return self._call(self._face.save)
 
     def restore(self, state: object) -> None:
         """Takes the instance back to a saved state."""
-        self._call(self.fmu.setFMUstate, state)
+        self._call(self._face.restore, state)
 
     def forget(self, state: object) -> None:
         """Frees a saved state."""
-        self._call(self.fmu.freeFMUstate, state)
+        self._call(self._face.forget, state)
 
     def _reference(self, name: str) -> tuple[int, str]:
         if name not in self._variables:
             raise CosimulationError(f"{self.name} has no variable {name}; it has {', '.join(self._variables)}.")
         return self._variables[name]
 
-    def _listen(self, environment: object, instance: bytes, status: int, category: bytes, message: bytes) -> None:
-        self.messages.append(message.decode(errors="replace").replace("%%", "%"))
-
     def _call(self, function: Callable, *arguments: object, **named: object):  # type: ignore[no-untyped-def]
         heard = len(self.messages)
         try:
             return function(*arguments, **named)
-        except FMICallException as error:
+        except (FMICallException, EndedError) as error:
             # Only what this call said: an older sentence is no reason.
             sentence = self.messages[-1] if len(self.messages) > heard else str(error)
             raise CosimulationError(f"{self.name}: {sentence}") from error

@@ -13,8 +13,10 @@ from pathlib import Path
 import pytest
 from tqdm import tqdm
 
+from bogie_braking import commands
 from bogie_braking.__main__ import main
 from bogie_braking.commands import last_time
+from bogie_braking.exit_status import NOBODY_READS
 from brake_controller.cylinder import brake_cylinder
 from fmu_src import codegen
 from fmu_src import compile as compiling
@@ -147,6 +149,26 @@ def test_bash_completes(typed: str, offered: str, tmp_path: Path, capsys: pytest
     )
     done = subprocess.run(["bash", "script"], cwd=tmp_path, capture_output=True, text=True)
     assert done.stdout.split() == [offered], done.stderr
+
+
+def test_a_reader_who_goes_is_no_failure() -> None:
+    for command in ("list", "doctor"):
+        call = [sys.executable, "-m", "bogie_braking", command]
+        with subprocess.Popen(call, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as running:
+            assert running.stdout
+            running.stdout.close()
+            assert running.stderr
+            assert running.stderr.read() == b""
+        assert running.returncode == NOBODY_READS
+
+
+def test_a_folder_that_cannot_be_is_told_before_the_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "file").write_text("")
+    monkeypatch.setattr(commands, "save", lambda *_: pytest.fail("It ran."))
+    assert main(["run", "critical-speed", "--out", str(tmp_path / "file" / "results")]) == 3
+    assert "choose another folder with --out" in capsys.readouterr().err
 
 
 # -- doctor --------------------------------------------------------------------------------------------------------

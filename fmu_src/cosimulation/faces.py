@@ -1,0 +1,167 @@
+"""The calls of FMI 2.0 and 3.0 that a slave needs, each standard behind the same few functions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from fmpy import calloc, free
+from fmpy.fmi2 import (
+    FMU2Slave,
+    fmi2CallbackAllocateMemoryTYPE,
+    fmi2CallbackFreeMemoryTYPE,
+    fmi2CallbackFunctions,
+    fmi2CallbackLoggerTYPE,
+)
+from fmpy.fmi3 import FMU3Slave
+from fmpy.model_description import ModelDescription
+
+#: What a face tells a listener: a sentence.
+Listener = Callable[[str], None]
+
+
+class Face2:
+    """FMI 2.0: one instance for co-simulation. Calls raise fmpy's FMICallException."""
+
+    #: Types of variables by those of their functions.
+    types = {"Real": "Real", "Integer": "Integer", "Boolean": "Boolean", "Enumeration": "Integer", "String": "String"}
+    reals = ("Real",)
+
+    def __init__(self, about: ModelDescription, folder: str, name: str, listen: Listener) -> None:
+        able = about.coSimulation
+        self.saves, self.takes_rates = able.canGetAndSetFMUstate, able.canInterpolateInputs
+        self.provides_rates = able.maxOutputDerivativeOrder > 0
+        self.fmu = FMU2Slave(
+            guid=about.guid, unzipDirectory=folder, modelIdentifier=able.modelIdentifier, instanceName=name
+        )
+        self._callbacks = fmi2CallbackFunctions()
+        self._callbacks.logger = fmi2CallbackLoggerTYPE(
+            lambda environment, instance, status, category, text: listen(
+                text.decode(errors="replace").replace("%%", "%")
+            )
+        )
+        self._callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
+        self._callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
+
+    def instantiate(self) -> None:
+        """As the standard's function of this name; so are the others."""
+        self.fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
+
+    def begin(self, time: float, set_parameters: Callable[[], None], set_inputs: Callable[[], None]) -> None:
+        """From an instance to its first step: parameters before initialisation, inputs within."""
+        self.fmu.setupExperiment(startTime=time)
+        set_parameters()
+        self.fmu.enterInitializationMode()
+        set_inputs()
+        self.fmu.exitInitializationMode()
+
+    def set(self, kind: str, reference: int, values: Sequence[Any]) -> None:
+        """Of a variable, all its values."""
+        getattr(self.fmu, f"set{kind}")([reference], list(values))
+
+    def get(self, kind: str, references: Sequence[int], count: int) -> list[Any]:
+        """Of variables of one kind, that have so many values in all."""
+        return list(getattr(self.fmu, f"get{kind}")(list(references)))
+
+    def step(self, time: float, size: float) -> None:
+        """Times in s."""
+        self.fmu.doStep(time, size)
+
+    def rate(self, reference: int) -> float:
+        """First derivative of an output by time."""
+        return float(self.fmu.getRealOutputDerivatives([reference], [1])[0])
+
+    def set_rate(self, reference: int, rate: float) -> None:
+        """Of an input, within the next step."""
+        self.fmu.setRealInputDerivatives([reference], [1], [rate])
+
+    def save(self) -> Any:
+        """The state."""
+        return self.fmu.getFMUstate()
+
+    def restore(self, state: Any) -> None:
+        """Back to it."""
+        self.fmu.setFMUstate(state)
+
+    def forget(self, state: Any) -> None:
+        """Frees it."""
+        self.fmu.freeFMUstate(state)
+
+
+class Face3:
+    """FMI 3.0, likewise. Inputs are held within a step: rates would need intermediate updates, which are not used."""
+
+    _numbers = ("Float64", "Float32", *(f"{sign}Int{bits}" for sign in ("", "U") for bits in (8, 16, 32, 64)))
+    types = {name: name for name in (*_numbers, "Boolean", "String")} | {"Enumeration": "Int64"}
+    reals = ("Float64", "Float32")
+
+    def __init__(self, about: ModelDescription, folder: str, name: str, listen: Listener) -> None:
+        able = about.coSimulation
+        self.saves, self.takes_rates = able.canGetAndSetFMUstate, False
+        self.provides_rates = able.maxOutputDerivativeOrder > 0
+        self.fmu = FMU3Slave(
+            guid=about.guid, unzipDirectory=folder, modelIdentifier=able.modelIdentifier, instanceName=name
+        )
+        self._listen = listen
+
+    def instantiate(self) -> None:
+        """As the standard's function of this name; so are the others."""
+        self.fmu.instantiate(
+            loggingOn=True,
+            logMessage=lambda environment, status, category, text: self._listen(text.decode(errors="replace")),
+        )
+
+    def begin(self, time: float, set_parameters: Callable[[], None], set_inputs: Callable[[], None]) -> None:
+        """From an instance to its first step: parameters before initialisation, inputs within."""
+        set_parameters()
+        self.fmu.enterInitializationMode(startTime=time)
+        set_inputs()
+        self.fmu.exitInitializationMode()
+
+    def set(self, kind: str, reference: int, values: Sequence[Any]) -> None:
+        """Of a variable, all its values, those of an array row by row."""
+        getattr(self.fmu, f"set{kind}")([reference], list(values))
+
+    def get(self, kind: str, references: Sequence[int], count: int) -> list[Any]:
+        """Of variables of one kind, that have so many values in all."""
+        return list(getattr(self.fmu, f"get{kind}")(list(references), count))
+
+    def step(self, time: float, size: float) -> None:
+        """Times in s. Raises EndedError where the FMU asks to end the run."""
+        *_, ended, _, _ = self.fmu.doStep(time, size)
+        if ended:
+            raise EndedError
+
+    def rate(self, reference: int) -> float:
+        """First derivative of an output by time."""
+        return float(self.fmu.getOutputDerivatives([reference], [1])[0])
+
+    def set_rate(self, reference: int, rate: float) -> None:
+        """Without effect, see `takes_rates`."""
+
+    def save(self) -> Any:
+        """The state."""
+        return self.fmu.getFMUState()
+
+    def restore(self, state: Any) -> None:
+        """Back to it."""
+        self.fmu.setFMUState(state)
+
+    def forget(self, state: Any) -> None:
+        """Frees it."""
+        self.fmu.freeFMUState(state)
+
+
+class EndedError(Exception):
+    """The FMU asked to end the run, terminateSimulation of FMI 3.0, section 4.2.1.2."""
+
+    def __init__(self) -> None:
+        super().__init__("The FMU asked to end the run.")
+
+
+def face_of(about: ModelDescription, folder: str, name: str, listen: Listener) -> Face2 | Face3:
+    """An instance's face, by the version of its standard. Raises ValueError for another one."""
+    faces: dict[str, type[Face2] | type[Face3]] = {"2.0": Face2, "3.0": Face3}
+    if about.fmiVersion not in faces:
+        raise ValueError(f"{about.modelName} is of FMI {about.fmiVersion}; this master knows 2.0 and 3.0.")
+    return faces[about.fmiVersion](about, folder, name, listen)

@@ -1,0 +1,70 @@
+"""What is promised of the variables of the FMUs: the table of the last version, and what has changed since.
+
+`python -m products.promise`, in a checkout, writes the table anew, as a version is made.
+"""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterable
+from functools import lru_cache
+from pathlib import Path
+
+from fmu_src import __version__
+from fmu_src.system import Variable
+from products.registry import FMUS, model_of
+
+TABLE = Path(__file__).parent / "variables.csv"
+COLUMNS = ("version", "fmu", "name", "causality", "unit", "start")
+#: What a host can be built upon: causality, unit and value at the start, empty for what is computed.
+Promise = tuple[str, str, str]
+
+
+def promise_of(variable: Variable) -> Promise:
+    """Of one variable; a text starts as none."""
+    start = f"{variable.start:.12g}" if variable.causality in ("input", "parameter") else ""
+    return variable.causality, variable.unit, start
+
+
+@lru_cache
+def last_version() -> tuple[str, dict[str, dict[str, Promise]]]:
+    """Which one it was, and what it promised by FMU and variable."""
+    version, promised = "", dict[str, dict[str, Promise]]()
+    with TABLE.open(encoding="utf-8", newline="") as file:
+        for row in csv.DictReader(file):
+            version = row["version"]
+            promised.setdefault(row["fmu"], {})[row["name"]] = row["causality"], row["unit"], row["start"]
+    return version, promised
+
+
+def changes(name: str, variables: Iterable[Variable] | None = None) -> list[str]:
+    """What has changed in an FMU's variables since the last version, a sentence each; variables: as they are now."""
+    version, promised = last_version()
+    if name not in promised:
+        return []  # nothing was promised of an FMU that there was not
+    now = {one.name: promise_of(one) for one in (model_of(name).variables if variables is None else variables)}
+    before = promised[name]
+    said = [f"{key} is new, {now[key][0]} [{now[key][1]}]" for key in now if key not in before]
+    said += [f"{key} is gone" for key in before if key not in now]
+    for key in (one for one in now if one in before):
+        pairs = zip(("causality", "unit", "start value"), before[key], now[key], strict=True)
+        said += [
+            f"the {what} of {key} is {new or 'none'} in place of {old or 'none'}"
+            for what, old, new in pairs
+            if old != new
+        ]
+    return [f"{name}: {one}, since version {version}." for one in said]
+
+
+def write_table() -> None:
+    """The table of this version."""
+    with TABLE.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(COLUMNS)
+        for name in FMUS:
+            rows = ([__version__, name, one.name, *promise_of(one)] for one in model_of(name).variables)
+            writer.writerows(rows)
+
+
+if __name__ == "__main__":
+    write_table()

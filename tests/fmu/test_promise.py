@@ -1,0 +1,38 @@
+"""What the variables of the FMUs promise, and what is said where one changes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from products.promise import changes, last_version
+from products.registry import FMUS, model_of
+
+
+@pytest.mark.parametrize("name", FMUS)
+def test_what_has_changed_since_the_last_version_is_in_the_changelog(name: str) -> None:
+    unreleased = (Path(__file__).parents[2] / "CHANGELOG.md").read_text(encoding="utf-8").split("\n## ")[1]
+    for sentence in changes(name):
+        assert any(word in unreleased for word in sentence.split() if "_" in word), sentence
+
+
+def test_nothing_was_promised_of_an_fmu_that_there_was_not() -> None:
+    assert changes("roller-rig", model_of("brake").variables) == []
+
+
+def test_each_change_of_a_variable_is_a_sentence() -> None:
+    version, _ = last_version()
+    first, second, *others = model_of("brake").variables
+    now = [
+        replace(first, name="hurry"),
+        replace(second, unit="bar"),
+        *(replace(one, start=0.3) if one.name == "constant_shoe_friction" else one for one in others),
+    ]
+    assert changes("brake", now) == [
+        f"brake: hurry is new, {first.causality} [{first.unit}], since version {version}.",
+        f"brake: {first.name} is gone, since version {version}.",
+        f"brake: the unit of {second.name} is bar in place of {second.unit}, since version {version}.",
+        f"brake: the start value of constant_shoe_friction is 0.3 in place of 0.25, since version {version}.",
+    ]
