@@ -23,7 +23,7 @@
 
 Exit status: 0 all rows hold (sweep: all points are good), 1 a row does not hold (a point failed; doctor: something that
 is needed is missing), 2 bad input, 3 a simulation (the sweep) failed, 130 interrupted (Ctrl-C): finished points of a
-sweep are kept, results as they were.
+sweep are kept, results as they were; 141 nobody reads what is printed.
 """
 
 from __future__ import annotations

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.optimize import least_squares
 
-from bogie_braking.fmus import suggestion
+from bogie_braking.fmus import known, suggestion
 from bogie_braking.simulation import Simulation
 from fmu_src.cosimulation.recording import Recording
 from products.building import variables_of
@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 #: A parameter is changed by this share of itself for a slope: the runs are good to a tolerance of 1e-6.
 STEP = 1e-3
+#: Rows of a run between which measured instants are drawn in.
+MOST_ROWS = 1_000_000
 #: Where parameters change what was measured together by so little of what each alone does, the data cannot part them.
 TOLD_APART = 1e-3
 #: Share of a direction that cannot be told from which a parameter is named in it.
@@ -104,9 +106,10 @@ def fit(name: str, measured: Recording | str | Path, parameters: Mapping[str, fl
     table = measured if isinstance(measured, Recording) else measured_from(measured)
     names, times = table.names[1:], table["time"]
     begin = np.array(list(parameters.values()), float)
-    known = {one.name for one in variables_of(name).values() if one.causality == "parameter"}
-    for unknown in (one for one in parameters if one not in known):
-        raise ValueError(f"{name} has no parameter {unknown}; {suggestion(unknown, sorted(known))}")
+    every = variables_of(known(name))
+    able = {one.name for one in every.values() if one.causality == "parameter"}
+    for unknown in (one for one in parameters if one not in able):
+        raise ValueError(f"{name} has no parameter {unknown}; {suggestion(unknown, sorted(able))}")
     if np.any(begin == 0.0):
         raise ValueError("Begin each parameter with a value that is not 0: it is changed by shares of it.")
     if times.size * len(names) <= begin.size:
@@ -118,7 +121,7 @@ def fit(name: str, measured: Recording | str | Path, parameters: Mapping[str, fl
         given = dict(values) | dict(zip(parameters, (share * begin).tolist(), strict=True))
         return at_times(name, names, times, given) / sizes
 
-    limits = np.array([[variables_of(name)[one].minimum, variables_of(name)[one].maximum] for one in parameters])
+    limits = np.array([[every[one].minimum, every[one].maximum] for one in parameters])
     bounds = np.sort(limits / begin[:, None]).T
     found = least_squares(
         lambda share: (answer(share) - wanted).ravel(), np.ones_like(begin), bounds=bounds, diff_step=STEP
@@ -139,7 +142,7 @@ def at_times(name: str, names: Sequence[str], times: np.ndarray, values: Mapping
     """Outputs of a run at instants [s], shape (instants, names); where it ended before, as it ended."""
     simulation = Simulation(name)
     simulation.set(**dict(values))
-    step = float(np.min(np.diff(times)))
+    step = max(float(np.min(np.diff(times))), float(times[-1]) / MOST_ROWS)
     series = simulation.advance(float(times[-1]) + step, names, step)
     return np.column_stack([np.interp(times, series["time"], series[one]) for one in names])
 

@@ -6,10 +6,12 @@ import math
 import os
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
+from contextlib import nullcontext
 from functools import partial
 
 from tqdm import tqdm
 
+from bogie_braking.fmus import known
 from bogie_braking.simulation import Simulation
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import KernelError
@@ -43,19 +45,18 @@ def sweep(
     Columns are the row's number, what is varied, and the variables `names` after the duration [s], or as a run ended
     before. The sentence of a row is what its run said. A run that is refused has NaN there, and its sentence says why.
     executor: what runs them, such as `dask.distributed.Client(...).get_executor()`; by default a thread for each
-    processor, as the equations leave Python's lock. Raises ValueError where columns differ in length.
+    processor, as the equations leave Python's lock. Raises KeyError for a name that there is not, ValueError where
+    columns differ in length.
     """
     counts = {len(column) for column in vary.values()}
+    every = variables_of(known(name))
+    units = {"number": "1"} | {key: every[known(key, every, "variable")].unit for key in (*vary, *names)}
     if len(counts) != 1:
         raise ValueError(f"Give all that varies the same number of values: there are {sorted(counts)}.")
     rows = [dict(zip(vary, map(float, row), strict=True)) for row in zip(*vary.values(), strict=True)]
     one = partial(end_of, name, duration, list(names))
     given: list[dict[str, float | str]] = [{**values, **row} for row in rows]
-    if executor is None:
-        with ThreadPoolExecutor(os.cpu_count()) as threads:
-            ends = list(tqdm(threads.map(one, given), name, len(rows), delay=PATIENCE, leave=False, unit="run"))
-    else:
-        ends = list(tqdm(executor.map(one, given), name, len(rows), delay=PATIENCE, leave=False, unit="run"))
-    units = {"number": "1"} | {key: variables_of(name)[key].unit for key in (*vary, *names)}
+    with nullcontext(executor) if executor else ThreadPoolExecutor(os.cpu_count()) as runs:
+        ends = list(tqdm(runs.map(one, given), name, len(rows), delay=PATIENCE, leave=False, unit="run"))
     table = [[number, *row.values(), *end] for number, (row, (end, _)) in enumerate(zip(rows, ends, strict=True))]
     return Recording(units, table, [said for _, said in ends], {"runs": len(rows)})

@@ -8,8 +8,10 @@ import numpy as np
 from fmu_src.chain import Part, symbols_in
 from fmu_src.system import Model, System, integration_variables
 
-#: Draws of all parameters, their seed, and how little of a constant counts as nothing: round-off of what cancels in it.
-DRAWS, SEED, NOTHING = 3, 29, 1e-9
+#: Draws of all parameters, their seed, and how far from their start values [decades].
+DRAWS, SEED, DECADES = 16, 29, 1.0
+#: How little of a constant counts as nothing: round-off of what cancels in it, of springs a hundred times as stiff.
+NOTHING = 1e-9
 
 
 def without_effect(model: Model, system: System) -> list[str]:
@@ -47,11 +49,15 @@ def what_moves_constants(system: System) -> list[frozenset[int]]:
         return [frozenset() for _ in system.derived_expressions]
     slopes = ca.Function("slopes", [parameters], [constants, ca.jacobian(constants, parameters)])
     start, random = start_values(system), np.random.default_rng(SEED)
-    moved = np.zeros((constants.numel(), parameters.numel()), bool)
+    structure = np.array(ca.DM(ca.jacobian_sparsity(constants, parameters), 1), bool)
+    moved, silent = np.zeros_like(structure), np.ones((constants.numel(), 1), bool)
     for _ in range(DRAWS):
-        values = start * random.uniform(0.7, 1.4, start.size)
+        values = start * 10 ** random.uniform(-DECADES, DECADES, start.size)
         found, slope = (np.array(one) for one in slopes(values))
-        moved |= ~(np.abs(slope * values) <= NOTHING * np.abs(found))  # what is no number moves
+        told = np.all(np.isfinite(slope), axis=1, keepdims=True) & np.isfinite(found)
+        moved |= told & (np.abs(slope * values) > NOTHING * np.abs(found))
+        silent &= ~told
+    moved |= silent & structure  # a constant that is no number at any draw: by what stands in it
     hashes = np.array([symbol.element_hash() for symbol in ca.vertsplit(parameters)], object)
     return [frozenset(hashes[row]) for row in moved]
 

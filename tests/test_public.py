@@ -153,6 +153,8 @@ def test_a_sweep_is_its_runs_in_their_order_whoever_makes_them() -> None:
     assert np.isnan(threads["distance"][3])
     assert "Set friction_1 to at least" in threads.sentences[3]
     assert threads.units == {"number": "1", "friction_1": "1", "friction_2": "1", "distance": "m"}
+    with pytest.raises(KeyError, match=r"There is no variable distanze; did you mean distance\?"):
+        bb.sweep("bogie", 1.0, ["distanze"], {"friction_1": [0.1]})
     with pytest.raises(ValueError, match="the same number of values"):
         bb.sweep("bogie", 1.0, ["distance"], {"friction_1": [0.1], "friction_2": [0.1, 0.2]})
 

@@ -12,7 +12,7 @@ from fmu_src.chain import Part
 from fmu_src.effects import without_effect
 from fmu_src.kernel import Kernel, KernelError, Library
 from fmu_src.native_fmu import build_native_fmu, build_native_fmu3
-from fmu_src.system import Model, System, Variable, model_of_choices
+from fmu_src.system import Model, System, Variable, model_of, model_of_choices
 from rbd_model.bogie import bogie_dynamics
 from tests.fmu.hosting import OK, WARNING, Host, host
 from tests.quick_library import quick_library
@@ -47,6 +47,18 @@ def test_effect_is_told_by_what_equations_depend_on() -> None:
     model = stones()
     assert without_effect(model, model.systems[0]) == list(DETAILED)
     assert without_effect(model, model.systems[1]) == []
+
+
+def test_parameters_that_cancel_in_a_constant_have_no_effect_and_a_branch_that_rests_has() -> None:
+    """Half of a weight on each of two springs, however far apart; a limit that is five times the value at the start."""
+    system = System("scales", "A weight on two springs")
+    names = {"weight": 10.0, "apart": 2.0, "limit": 50.0}
+    p = {n: system.parameter(Variable(n, "parameter", "1", n, start, 0.0)) for n, start in names.items()}
+    moment = p["weight"] * p["apart"] / 2
+    left = system.derived("left", moment / p["apart"])
+    kept = system.derived("kept", ca.fmin(p["weight"], p["limit"]))
+    system.derivative("v", left + kept - system.state("v", "1", 0.0, 1.0))
+    assert without_effect(model_of(system, 1e-6), system) == ["apart"]
 
 
 SENTENCE = (

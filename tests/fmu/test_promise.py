@@ -18,6 +18,12 @@ def test_what_has_changed_since_the_last_version_is_in_the_changelog(name: str) 
         assert any(word in unreleased for word in sentence.split() if "_" in word), sentence
 
 
+def test_the_table_is_of_all_fmus() -> None:
+    _, promised = last_version()
+    assert set(promised) == set(FMUS)
+    assert promised["bogie"]["brake_torque_1"] == ("input", "N.m", "0")
+
+
 def test_nothing_was_promised_of_an_fmu_that_there_was_not() -> None:
     assert changes("roller-rig", model_of("brake").variables) == []
 
