@@ -27,11 +27,11 @@ if TYPE_CHECKING:
     from fmu_src.system import Model as Model
     from fmu_src.system import System as System
     from fmu_src.system import Variable as Variable
-    from rbd_model.line import Line as Line
-    from rbd_model.line import arc as arc
-    from rbd_model.line import clothoid as clothoid
-    from rbd_model.line import line_of as line_of
-    from rbd_model.line import straight as straight
+    from rbd_model.track.line import Line as Line
+    from rbd_model.track.line import arc as arc
+    from rbd_model.track.line import clothoid as clothoid
+    from rbd_model.track.line import line_of as line_of
+    from rbd_model.track.line import straight as straight
 
 #: Where each public name lives; it is imported when it is first asked for.
 _HOMES = {
@@ -44,7 +44,7 @@ _HOMES = {
     "fmu_src.cosimulation.slave": ("CosimulationError", "Slave"),
     "fmu_src.kernel": ("KernelError",),
     "fmu_src.system": ("Model", "System", "Variable"),
-    "rbd_model.line": ("Line", "arc", "clothoid", "line_of", "straight"),
+    "rbd_model.track.line": ("Line", "arc", "clothoid", "line_of", "straight"),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
 #: What stands before the name of a room: nothing in a checkout, this package in a wheel.

@@ -14,7 +14,7 @@ from fmu_src.kernel import Kernel, Library
 from fmu_src.system import Model
 from products.building import kernel_of, variables_of
 from products.registry import ONE_WRITES
-from rbd_model.line import Line
+from rbd_model.track.line import Line
 
 #: Columns of a recording are this far apart unless another interval is asked for [s].
 INTERVAL = 0.01

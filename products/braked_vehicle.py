@@ -9,9 +9,9 @@ from brake_controller.cylinder import timed_brake
 from brake_controller.parameters import BrakeParameters, qr30
 from fmu_src.compose import compose, scope
 from fmu_src.system import Model, System, Variable, model_of_choices
-from rbd_model.bogie import CHOICE, DEFAULT_TOLERANCE, levels, selectors
-from rbd_model.vehicle import Vehicle
-from rbd_model.vehicles import passenger_coach
+from rbd_model.levels.models import CHOICE, DEFAULT_TOLERANCE, levels, selectors
+from rbd_model.vehicle.description import Vehicle
+from rbd_model.vehicle.ready import passenger_coach
 
 #: Pressure [Pa] and torque capacity of one wheelset [N.m] of the coach's full brake, which slows it at 1.2 m/s2; times
 #: of its cylinder with a dump valve [s]. Assumed: the benchmark prints no brake.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rbd_model.parameters import coach_with_traction_rods, manchester_vehicle_1
+from rbd_model.vehicle.parameters import coach_with_traction_rods, manchester_vehicle_1
 
 COACH = coach_with_traction_rods()
 #: What makes the published vehicle of the coach: it has no traction rods.

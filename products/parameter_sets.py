@@ -11,8 +11,9 @@ from fmu_src.parameter_file import parameter_file
 from fmu_src.system import ParameterSet
 from products.braked_vehicle import coach_brake
 from products.registry import model_of
-from rbd_model.adhesion import RailCondition, dry, low, very_low, wet
-from rbd_model.parameters import (
+from rbd_model.track.friction import RailCondition, dry, low, very_low, wet
+from rbd_model.track.recovery import RecoveryParameters, assumed_recovery, easy_recovery, hard_recovery, no_recovery
+from rbd_model.vehicle.parameters import (
     as_printed,
     coach_with_traction_rods,
     coal_wagon,
@@ -22,7 +23,6 @@ from rbd_model.parameters import (
     tables_5_1_and_5_2,
     tables_8_1_and_8_2,
 )
-from rbd_model.rail_recovery import RecoveryParameters, assumed_recovery, easy_recovery, hard_recovery, no_recovery
 
 #: What a file says of itself, with the pressure of the experiment.
 QR30 = "Brake of one wheelset in the experiment at {} kPa, chapters 6 and 7"

@@ -10,8 +10,8 @@ from threading import RLock
 from brake_controller.cylinder import brake_cylinder
 from fmu_src.system import Model
 from products.braked_vehicle import braked_vehicle
-from rbd_model.bogie import bogie_dynamics, coal_wagon_dynamics, vehicle_dynamics, wheelset_dynamics
-from rbd_model.rail_recovery import rail_adhesion
+from rbd_model.levels.models import bogie_dynamics, coal_wagon_dynamics, vehicle_dynamics, wheelset_dynamics
+from rbd_model.track.recovery import rail_adhesion
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from products.braked_vehicle import FULL_PRESSURE
 from products.building import build_protection, fmu_path
 from products.coach import NUMBERS
 from products.parameter_sets import PARAMETER_SETS, values_for
-from rbd_model.parameters import tables_8_1_and_8_2
+from rbd_model.vehicle.parameters import tables_8_1_and_8_2
 
 #: Friction of a rail on which the full brake slides. Assumed.
 LOW_FRICTION = 0.08

@@ -15,9 +15,9 @@ import numpy as np
 
 from fmu_src.kernel import Kernel
 from rbd_model.contact.patches import Patch, patches_of
-from rbd_model.line import GAUGE, Segment, line_of
-from rbd_model.touching_patch import LARGEST_STEP
-from rbd_model.vehicle import Vehicle, wheelset_name
+from rbd_model.track.line import GAUGE, Segment, line_of
+from rbd_model.vehicle.description import Vehicle, wheelset_name
+from rbd_model.wheelset.touching_patch import LARGEST_STEP
 from tests.maximal.correspondence import bodies_of, rates_of
 from tests.maximal.machine import SIDES, Machine
 from tests.maximal.motion import Moving

@@ -12,7 +12,7 @@ from fmu_src.compile import build_library
 from fmu_src.kernel import Library
 from products.building import KINDS, up_to_date
 from products.registry import DIFFERENT
-from rbd_model.bogie import bogie_dynamics
+from rbd_model.levels.models import bogie_dynamics
 
 #: Files whose fixtures take a minute: they come first, for whoever comes to them last lets the other processor wait.
 SLOW_TO_BEGIN = {"test_installation.py", "test_pages_run.py"}

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rbd_model.vehicle import Connection, Vehicle, wheelset_name
+from rbd_model.vehicle.description import Connection, Vehicle, wheelset_name
 from tests.balance import curve, parts
 from tests.maximal.correspondence import bodies_of
 from tests.maximal.joints import End, on_bodies, wrenches

@@ -109,8 +109,8 @@ CITATION = re.compile(
 )
 #: Functions without physics of their own, by file: they build FMUs, declare variables, read files, serve numerics.
 PLUMBING = {
-    "rbd_model/assembly.py": {"assemble"},
-    "rbd_model/bogie.py": {
+    "rbd_model/vehicle/assembly.py": {"assemble"},
+    "rbd_model/levels/models.py": {
         "levels",
         "levels_on_line",
         "model_of_levels",
@@ -126,12 +126,12 @@ PLUMBING = {
     "rbd_model/contact/hertz.py": {"polynomial"},
     "rbd_model/contact/profiles.py": {"upright"},
     "rbd_model/contact/strips_in_c.py": {"array_in_c", "checked", "contour_entry", "contour_in_c", "fitted"},
-    "rbd_model/line.py": {"arc", "clothoid", "irregular", "joined", "line_of", "read_line", "straight"},
-    "rbd_model/patched_wheelset.py": {"surroundings"},
-    "rbd_model/rail_recovery.py": {"rail_adhesion"},
-    "rbd_model/relation.py": {"narrow"},
-    "rbd_model/track.py": {"track_from_file", "track_from_points", "with_line"},
-    "rbd_model/variables.py": {
+    "rbd_model/track/line.py": {"arc", "clothoid", "irregular", "joined", "line_of", "read_line", "straight"},
+    "rbd_model/wheelset/elastic.py": {"surroundings"},
+    "rbd_model/track/recovery.py": {"rail_adhesion"},
+    "rbd_model/body/relation.py": {"narrow"},
+    "rbd_model/track/irregularity.py": {"track_from_file", "track_from_points", "with_line"},
+    "rbd_model/vehicle/variables.py": {
         "words",
         "inputs",
         "line_inputs",
@@ -141,9 +141,9 @@ PLUMBING = {
         "drive_inertia",
         "initial_offsets",
     },
-    "rbd_model/vehicle.py": {"as_sum", "size_of", "wheelset_name", "check"},
-    "rbd_model/wheelset.py": {"at_least"},
-    "rbd_model/yielding_track.py": {"add_give", "rows_of"},
+    "rbd_model/vehicle/description.py": {"as_sum", "size_of", "wheelset_name", "check"},
+    "rbd_model/wheelset/rotation.py": {"at_least"},
+    "rbd_model/wheelset/yielding_rails.py": {"add_give", "rows_of"},
     "brake_controller/cylinder.py": {"brake_model"},
     "brake_controller/protection_fmu.py": {"wheel_slide_protection"},
     "brake_controller/wheel_slide.py": {"within"},

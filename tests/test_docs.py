@@ -105,10 +105,12 @@ def test_what_does_not_exist_is_found() -> None:
         "nowhere.md",
         "choosing.md#nowhere",
     ]
-    text = "`rbd_model/nowhere.py`, `rbd_model/point.py: nothing`, `rbd_model/point.py: point_vehicle`, docs/none.md"
-    assert unknown_places(text) == ["rbd_model/nowhere.py", "rbd_model/point.py nothing", "docs/none.md"]
-    text = "`rbd_model.bogie.none` `rbd_model.bogie.smallest_level` `kernel_none` `make none` bogie-braking run none"
-    assert unknown_names(text) == ["rbd_model.bogie.none", "kernel_none", "none", "none"]
+    text = "`rbd_model/nowhere.py`, `rbd_model/levels/point.py: nothing`, docs/none.md"
+    text += " `rbd_model/levels/point.py: point_vehicle`"
+    assert unknown_places(text) == ["rbd_model/nowhere.py", "rbd_model/levels/point.py nothing", "docs/none.md"]
+    text = "`rbd_model.levels.models.none` `kernel_none` `make none` bogie-braking run none"
+    text += " `rbd_model.levels.models.smallest_level`"
+    assert unknown_names(text) == ["rbd_model.levels.models.none", "kernel_none", "none", "none"]
 
 
 def test_code_and_tests_cite_pages_that_are_here() -> None:

@@ -121,7 +121,7 @@ def test_formulas_and_places_in_the_code_are_what_they_should_be(site: Path) -> 
     source = (ROOT / "docs" / "physics.md").read_text(encoding="utf-8")
     assert physics.count('display="block"') == source.count("$$") // 2
     assert "arithmatex" not in physics
-    assert 'href="api/rbd_model.point.html#rbd_model.point.point_vehicle"' in physics
+    assert 'href="api/rbd_model.levels.point.html#rbd_model.levels.point.point_vehicle"' in physics
     assert 'href="api/rbd_model.thesis.euler.html' in (site / "EQUATIONS.html").read_text(encoding="utf-8")
 
 

@@ -47,7 +47,7 @@ typedef struct {
     double velocity[3], rate[3], axle[2], slope[2], friction, creeps_on_slope;
 } motion_of;
 
-/* The steel, and the surface of rbd_model/adhesion.py. */
+/* The steel, and the surface of rbd_model/track/friction.py. */
 typedef struct {
     double creepage_speed, modulus, plane_modulus, ratio, decay, fall, adhesion, damping, gauge_face;
 } steel_of;
@@ -498,7 +498,7 @@ static void add_strip(const strip_of *strip, const motion_of *motion, const doub
     result[10] += 0.5 * elastic * strip->overlap; /* work of surfaces that are lowered in proportion */
 }
 
-/* Friction of a strip that slides, rbd_model/adhesion.py. */
+/* Friction of a strip that slides, rbd_model/track/friction.py. */
 static double friction_of(const strip_of *strip, const motion_of *motion, const steel_of *steel, const double *sliding) {
     const double share = fmin(fmax((strip->sine - HEAD_ENDS) / (GAUGE_FACE_BEGINS - HEAD_ENDS), 0.0), 1.0);
     const double friction = motion->friction * (1.0 + (steel->gauge_face - 1.0) * share * share * (3.0 - 2.0 * share));

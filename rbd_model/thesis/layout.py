@@ -1,7 +1,7 @@
 """What the systems of sections 4.2 and 5.2 consist of, and the complete vehicle that chapter 10 recommends, in numbers.
 
 Bodies above the wheelsets, and the suspension elements between them and down to the wheelsets: the formulation of
-chapter 3 knows nothing else of a vehicle. Written by hand beside `rbd_model/vehicles.py`, as the oracle shares no
+chapter 3 knows nothing else of a vehicle. Written by hand beside `rbd_model/vehicle/ready.py`, as the oracle shares no
 equation and no description with the fast model.
 """
 
@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rbd_model.parameters import BogieParameters, VehicleParameters
+from rbd_model.vehicle.parameters import BogieParameters, VehicleParameters
 
 ANGLES = ("roll", "pitch", "yaw")
 DIRECTIONS = ("longitudinal", "lateral", "vertical")

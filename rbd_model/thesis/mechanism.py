@@ -11,7 +11,6 @@ import numpy as np
 from scipy.linalg.lapack import dgetrf, dgetrs
 
 from rbd_model.contact.geometry import Pair
-from rbd_model.parameters import AS_PRINTED, BogieParameters, VehicleParameters
 from rbd_model.thesis.constraints import EQUATIONS, quadratic_terms, residual, sub_jacobian
 from rbd_model.thesis.creep import EllipseLaw, flange_force, hertz_ellipse, polach
 from rbd_model.thesis.euler import cross, mass_matrix, norm_error, quadratic_velocity
@@ -19,6 +18,7 @@ from rbd_model.thesis.forces import Motion, axle_box, between_frames, of_body_mo
 from rbd_model.thesis.layout import bogie_layout, inertia, vehicle_layout
 from rbd_model.thesis.rails import STRAIGHT, Distance, Rails, Section
 from rbd_model.thesis.surfaces import ORDERS, RailSurface, Surface, wheel_surface
+from rbd_model.vehicle.parameters import AS_PRINTED, BogieParameters, VehicleParameters
 
 #: Bodies in the order of (4.1), (5.1): right rail, left rail, wheelsets, what is above; contacts: right, then left, of
 #: each wheelset.

@@ -17,8 +17,8 @@ import numpy as np
 from scipy.interpolate import BPoly, CubicHermiteSpline, PPoly
 
 from rbd_model.contact.profiles import Profile
-from rbd_model.line import GAUGE, Line
 from rbd_model.thesis.surfaces import ORDERS, RailSurface, rail_surface
+from rbd_model.track.line import GAUGE, Line
 
 #: Factors between the coefficients of a series and derivatives.
 FACTORIALS = np.array([math.factorial(order) for order in range(ORDERS)], dtype=float)

@@ -12,7 +12,7 @@ from tqdm import tqdm
 
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel
-from rbd_model.parameters import AS_PRINTED
+from rbd_model.vehicle.parameters import AS_PRINTED
 from scenarios.bench.drive import bogie, play
 from scenarios.reporting.progress import PATIENCE
 

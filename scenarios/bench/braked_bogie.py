@@ -5,7 +5,7 @@ from __future__ import annotations
 from brake_controller.parameters import qr30
 from fmu_src.cosimulation.master import Connection
 from fmu_src.cosimulation.slave import Slave
-from rbd_model.parameters import AS_PRINTED, tables_5_1_and_5_2
+from rbd_model.vehicle.parameters import AS_PRINTED, tables_5_1_and_5_2
 
 BOGIE = tables_5_1_and_5_2()
 #: Pressure [Pa] and torque capacity on each wheelset [N.m] of the full brake, which slows the bogie at 1.48 m/s2.

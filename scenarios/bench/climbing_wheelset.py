@@ -12,15 +12,15 @@ import numpy as np
 from fmu_src.compile import build_library
 from fmu_src.kernel import Kernel, KernelError, Library
 from fmu_src.system import model_of
-from rbd_model.bogie import DEFAULT_TOLERANCE
 from rbd_model.contact.depth import Contact
 from rbd_model.contact.geometry import Pair
 from rbd_model.contact.profiles import from_points, rail_60kg, synthetic_wheel
-from rbd_model.parameters import tables_5_1_and_5_2
-from rbd_model.spatial import spatial_vehicle
-from rbd_model.track import irregular_track, section_5_3
-from rbd_model.vehicle import Pull, Vehicle, Wheelset
-from rbd_model.vehicles import axle_box_springs, sprung_mass
+from rbd_model.levels.models import DEFAULT_TOLERANCE
+from rbd_model.levels.spatial import spatial_vehicle
+from rbd_model.track.irregularity import irregular_track, section_5_3
+from rbd_model.vehicle.description import Pull, Vehicle, Wheelset
+from rbd_model.vehicle.parameters import tables_5_1_and_5_2
+from rbd_model.vehicle.ready import axle_box_springs, sprung_mass
 
 #: The wheelset of chapter 5 under 10 t; its springs hold the yaw and leave it free sideways, where a damper makes the
 #: push a slow one. All assumed.

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from rbd_model.line import GAUGE, Line, arc, clothoid, line_of, straight
-from rbd_model.parameters import tables_5_1_and_5_2
+from rbd_model.track.line import GAUGE, Line, arc, clothoid, line_of, straight
+from rbd_model.vehicle.parameters import tables_5_1_and_5_2
 
 BOGIE = tables_5_1_and_5_2()
 #: The whole bogie [kg], and the load of each of its wheels at rest [N].

@@ -16,8 +16,8 @@ from fmu_src.kernel import Kernel, Library
 from fmu_src.system import System
 from products.building import kernel_of, units_of
 from products.registry import model_of
-from rbd_model.bogie import smallest_level
-from rbd_model.line import Line
+from rbd_model.levels.models import smallest_level
+from rbd_model.track.line import Line
 
 #: Points (time [s], value) of an input; straight lines between them, held after the last, a jump at a repeated time.
 History = Sequence[tuple[float, float]]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rbd_model.parameters import VehicleParameters
+from rbd_model.vehicle.parameters import VehicleParameters
 
 
 def rigid_axle_loads(p: VehicleParameters, deceleration: float, torque: float, reaction: float) -> list[float]:

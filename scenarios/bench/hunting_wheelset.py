@@ -10,7 +10,7 @@ from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel
 from fmu_src.system import System
 from rbd_model.linear import Mode, oscillations
-from rbd_model.parameters import AS_PRINTED
+from rbd_model.vehicle.parameters import AS_PRINTED
 from scenarios.bench.drive import period, play, prepare
 from scenarios.reporting.report import rounding
 

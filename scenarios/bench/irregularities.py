@@ -9,8 +9,8 @@ import numpy as np
 
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel
-from rbd_model.parameters import AS_PRINTED
-from rbd_model.track import section_5_3
+from rbd_model.track.irregularity import section_5_3
+from rbd_model.vehicle.parameters import AS_PRINTED
 from scenarios.bench.drive import bogie, play, spectrum
 
 SPEEDS = (15.0, 25.0)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from rbd_model.bogie import smallest_level
-from rbd_model.parameters import tables_8_1_and_8_2
+from rbd_model.levels.models import smallest_level
+from rbd_model.vehicle.parameters import tables_8_1_and_8_2
 
 #: Wheel-rail friction of the thesis's simulations (section 8.1) and its measured range (section 7.4.2).
 FRICTION, FRICTION_RANGE = 0.18, (0.15, 0.20)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from rbd_model.adhesion import RailCondition, dry, low, wet
+from rbd_model.track.friction import RailCondition, dry, low, wet
 
-#: Friction of the low rail, with the fall of Polach's set for low adhesion, unverified (rbd_model/adhesion.py).
+#: Friction of the low rail, with the fall of Polach's set for low adhesion, unverified (rbd_model/track/friction.py).
 LOW_FRICTION = 0.08
 #: Slip ratio up to which a wheel counts as protected, and speed [m/s] above which it is looked at.
 BAND, ABOVE = 0.30, 3.0

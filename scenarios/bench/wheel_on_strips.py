@@ -12,12 +12,12 @@ from scipy.optimize import brentq
 from fmu_src.compile import build_library
 from fmu_src.kernel import Kernel, Library
 from fmu_src.system import System, Variable, model_of
+from rbd_model.body.kinematics import direction_cosines, turned_by
 from rbd_model.contact.distance import LEFT, Stand, touching
 from rbd_model.contact.geometry import Pair
 from rbd_model.contact.normal import Steel
 from rbd_model.contact.strips import Motion
 from rbd_model.contact.strips_in_c import ARGUMENTS, OF_SEGMENT, segments_of, wheel_on_strips
-from rbd_model.kinematics import direction_cosines, turned_by
 
 #: Of every depth here: constant friction as a `Surface`, and a creepage speed that changes nothing at a speed of metres
 #: a second [m/s].

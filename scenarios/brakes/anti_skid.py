@@ -15,8 +15,8 @@ from matplotlib.figure import Figure
 from tqdm import tqdm
 
 from brake_controller.wheel_slide import SlideProtection, WheelSlideController
-from rbd_model.adhesion import low
-from rbd_model.parameters import tables_5_1_and_5_2
+from rbd_model.track.friction import low
+from rbd_model.vehicle.parameters import tables_5_1_and_5_2
 from scenarios.bench.braked_machine import APPLICATION_TIME, BrakedMachine, bogie
 from scenarios.bench.peak_adhesion import PeakAdhesion
 from scenarios.bench.protected_stop import ProtectedStop, Settings, protected_stop

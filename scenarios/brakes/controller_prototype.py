@@ -7,7 +7,7 @@ from collections.abc import Callable
 from matplotlib.figure import Figure
 
 from brake_controller.wheel_slide import SlideProtection, WheelSlideController
-from rbd_model.parameters import tables_5_1_and_5_2
+from rbd_model.vehicle.parameters import tables_5_1_and_5_2
 from scenarios.bench.braked_machine import BrakedMachine
 from scenarios.bench.own_controller import FixedSlip
 from scenarios.bench.protected_stop import ProtectedStop, protected_stop

@@ -20,12 +20,12 @@ from fmu_src.compile import build_library
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel, Library
 from fmu_src.system import model_of
-from rbd_model.bogie import DEFAULT_TOLERANCE
 from rbd_model.contact.depth import DEPTHS, Contact
-from rbd_model.parameters import tables_5_1_and_5_2
-from rbd_model.spatial import spatial_vehicle
-from rbd_model.track import irregular_track, section_5_3
-from rbd_model.vehicles import two_axle_bogie
+from rbd_model.levels.models import DEFAULT_TOLERANCE
+from rbd_model.levels.spatial import spatial_vehicle
+from rbd_model.track.irregularity import irregular_track, section_5_3
+from rbd_model.vehicle.parameters import tables_5_1_and_5_2
+from rbd_model.vehicle.ready import two_axle_bogie
 from scenarios.bench.asymmetric_shoes import BRAKE_START, BRAKE_TORQUE, SPEED, YAW_TORQUE
 from scenarios.bench.drive import History, play, prepare
 from scenarios.methods.integrators import Run, layout, own

@@ -18,6 +18,7 @@ from tqdm import tqdm
 
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.system import System, Table
+from rbd_model.body.kinematics import direction_cosines, turned_by
 from rbd_model.contact.creep.kalker import smooth_kalker_coefficients
 from rbd_model.contact.creep.law import ContactPatch
 from rbd_model.contact.creep.polach import polach
@@ -30,10 +31,9 @@ from rbd_model.contact.normal import Steel, patches
 from rbd_model.contact.patches import Patch, patches_of
 from rbd_model.contact.profiles import from_points, wheel_s1002
 from rbd_model.contact.strips import Motion, creepages_of, place_of, rolling, total, under_load
-from rbd_model.kinematics import direction_cosines, turned_by
-from rbd_model.pressing_patch import PatchConstants, PatchState, Press, find_patch, pressing_patch
-from rbd_model.rolling_contact import Placement, Wheel
-from rbd_model.touching_patch import direction_of, look_up_patch
+from rbd_model.wheelset.pressing_patch import PatchConstants, PatchState, Press, find_patch, pressing_patch
+from rbd_model.wheelset.rigid_contact import Placement, Wheel
+from rbd_model.wheelset.touching_patch import direction_of, look_up_patch
 from scenarios.bench.wheel_on_strips import CONSTANT_FRICTION, NO_SPEED, wheel_under_load
 from scenarios.reporting.plots import BOGIE, FOUR, LEADING, THESIS, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE

@@ -13,7 +13,7 @@ from fmu_src.cosimulation.recording import Recording
 from rbd_model.contact.creep.exact_table import exact_law
 from rbd_model.contact.creep.polach import polach
 from rbd_model.contact.depth import Contact
-from rbd_model.rolling_wheelset import nadal_limit
+from rbd_model.wheelset.rigid_part import nadal_limit
 from scenarios.bench.climbing_wheelset import GROWTH, SPEED, climbing_wheelset, instants, push, vehicle_that_climbs
 from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, THREE, TRAILING, plt, titled

@@ -16,8 +16,8 @@ from matplotlib.figure import Figure
 from tqdm import tqdm
 
 from fmu_src.cosimulation.recording import Recording
-from rbd_model.line import Line
-from rbd_model.vehicles import two_axle_bogie
+from rbd_model.track.line import Line
+from rbd_model.vehicle.ready import two_axle_bogie
 from scenarios.bench.curves import (
     APPROACH,
     BOGIE,

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from tqdm import tqdm
 
 from fmu_src.cosimulation.recording import Recording
-from rbd_model.line import line_of, straight
+from rbd_model.track.line import line_of, straight
 from scenarios.bench.curves import BOGIE, MASS, TURNING_MASS
 from scenarios.bench.drive import History, play, prepare_on_line
 from scenarios.methods.timing import LEVELS

@@ -19,7 +19,7 @@ from tqdm import tqdm
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel, KernelError
 from products.building import units_of
-from rbd_model.line import (
+from rbd_model.track.line import (
     ERRI_LOW,
     GAUGE,
     Line,
@@ -31,7 +31,7 @@ from rbd_model.line import (
     read_line,
     straight,
 )
-from rbd_model.vehicles import two_axle_bogie
+from rbd_model.vehicle.ready import two_axle_bogie
 from scenarios.bench.curves import BOGIE, MASS, WHEEL_LOAD
 from scenarios.bench.drive import prepare, prepare_on_line
 from scenarios.reporting.line_picture import draw_line

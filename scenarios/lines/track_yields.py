@@ -17,7 +17,7 @@ from tqdm import tqdm
 
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel
-from rbd_model.line import ERRI_LOW, Line, irregular, line_of, straight
+from rbd_model.track.line import ERRI_LOW, Line, irregular, line_of, straight
 from scenarios.bench.curves import into_curve, suited_speed
 from scenarios.bench.drive import prepare_on_line
 from scenarios.reporting.plots import LEADING, TRAILING, plt, titled

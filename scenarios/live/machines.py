@@ -10,15 +10,15 @@ from brake_controller.cylinder import timed_brake
 from brake_controller.parameters import BrakeParameters
 from fmu_src.system import Model, System, Variable, model_of_choices
 from products.braked_vehicle import brake_of, coach_brake, with_brakes
-from rbd_model.bogie import DEFAULT_DEPTH, DEFAULT_TOLERANCE
 from rbd_model.contact.depth import Contact
 from rbd_model.contact.geometry import Pair, synthetic_pair, thesis_pair
-from rbd_model.planar import planar_vehicle
-from rbd_model.point import point_vehicle
-from rbd_model.spatial import spatial_vehicle
-from rbd_model.track import irregular_track, section_5_3
-from rbd_model.vehicle import Vehicle
-from rbd_model.vehicles import passenger_coach, two_axle_bogie
+from rbd_model.levels.models import DEFAULT_DEPTH, DEFAULT_TOLERANCE
+from rbd_model.levels.planar import planar_vehicle
+from rbd_model.levels.point import point_vehicle
+from rbd_model.levels.spatial import spatial_vehicle
+from rbd_model.track.irregularity import irregular_track, section_5_3
+from rbd_model.vehicle.description import Vehicle
+from rbd_model.vehicle.ready import passenger_coach, two_axle_bogie
 
 #: Torque capacity of one wheelset of the bogie, fully braked [N.m]: two thirds of what dry rails bear. Assumed.
 BOGIE_TORQUE = 26e3

@@ -19,7 +19,7 @@ from fmu_src.codegen import generate, guid_of
 from fmu_src.compile import web_module
 from products.braked_vehicle import FULL_PRESSURE
 from products.prebuilt import prebuilt_page
-from rbd_model.vehicle import size_of
+from rbd_model.vehicle.description import size_of
 from scenarios.live.machines import MACHINES, model_of
 from scenarios.reporting.motion import drawn
 from scenarios.reporting.plots import FOUR

@@ -14,8 +14,8 @@ from brake_controller.experiment import APPLICATION_TIME
 from brake_controller.pneumatics import TIME_CONSTANTS_TO_95_PERCENT
 from fmu_src.cosimulation.master import GAUSS_SEIDEL, JACOBI, Coupling, Master
 from fmu_src.cosimulation.slave import Slave
-from rbd_model.planar import planar_vehicle
-from rbd_model.vehicles import two_axle_bogie
+from rbd_model.levels.planar import planar_vehicle
+from rbd_model.vehicle.ready import two_axle_bogie
 from scenarios.bench.braked_bogie import (
     BOGIE,
     FULL_PRESSURE,

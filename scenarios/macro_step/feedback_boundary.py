@@ -21,8 +21,8 @@ from brake_controller.pneumatics import TIME_CONSTANTS_TO_95_PERCENT
 from fmu_src.cosimulation.master import GAUSS_SEIDEL, Coupling, Master
 from fmu_src.cosimulation.slave import Slave
 from fmu_src.kernel import Kernel
-from rbd_model.planar import planar_vehicle
-from rbd_model.vehicles import two_axle_bogie
+from rbd_model.levels.planar import planar_vehicle
+from rbd_model.vehicle.ready import two_axle_bogie
 from scenarios.bench.braked_bogie import (
     BOGIE,
     TORQUE_PER_PRESSURE,

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from rbd_model.contact.geometry import thesis_pair
-from rbd_model.parameters import as_printed, tables_4_1_and_4_2
 from rbd_model.thesis.kinematic_analysis import rolling
 from rbd_model.thesis.mechanism import FIRST_WHEELSET, Inputs, Mechanism, State
 from rbd_model.thesis.program import STAGES, moved
 from rbd_model.thesis.program import step as partitioned_step
-from rbd_model.track import derivatives_along, section_5_3
+from rbd_model.track.irregularity import derivatives_along, section_5_3
+from rbd_model.vehicle.parameters import as_printed, tables_4_1_and_4_2
 
 #: A wheelset of chapter 4 under braking: start [m/s], torque [N.m], length and step [s].
 SPEED, TORQUE, DURATION, STEP = 15.0, 1e3, 0.08, 5e-4

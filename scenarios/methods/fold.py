@@ -8,8 +8,8 @@ import numpy as np
 from scipy.optimize import curve_fit
 
 from fmu_src.kernel import Kernel, KernelError
-from rbd_model.parameters import AS_PRINTED
-from rbd_model.spatial_wheelset import FOLD_MARGIN
+from rbd_model.vehicle.parameters import AS_PRINTED
+from rbd_model.wheelset.rigid import FOLD_MARGIN
 from scenarios.methods.integrators import layout_of
 from scenarios.methods.scenes import ASYMMETRIC, Scene, asymmetric
 

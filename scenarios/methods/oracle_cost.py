@@ -7,11 +7,11 @@ import time as clock
 import numpy as np
 
 from rbd_model.contact.geometry import thesis_pair
-from rbd_model.parameters import AS_PRINTED, as_printed, tables_5_1_and_5_2
 from rbd_model.thesis.kinematic_analysis import rolling
 from rbd_model.thesis.mechanism import FIRST_WHEELSET, Inputs, Mechanism
 from rbd_model.thesis.program import run as run_program
-from rbd_model.track import derivatives_along, section_5_3
+from rbd_model.track.irregularity import derivatives_along, section_5_3
+from rbd_model.vehicle.parameters import AS_PRINTED, as_printed, tables_5_1_and_5_2
 from scenarios.methods.scenes import FULL, SMOOTH
 from scenarios.methods.work_precision import Point
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from fmu_src.cosimulation.slave import CosimulationError, Slave
 from products.building import up_to_date
-from rbd_model.bogie import DEFAULT_TOLERANCE
+from rbd_model.levels.models import DEFAULT_TOLERANCE
 from scenarios.methods import sundials
 from scenarios.methods.exchange import EXCHANGE, IN_THE_PLANE, LEVEL, exchange
 from scenarios.methods.integrators import BUDGET, Run, own, scipy

@@ -19,9 +19,9 @@ from tqdm import tqdm
 
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel
-from rbd_model.bogie import DEFAULT_TOLERANCE
 from rbd_model.contact.geometry import contact_at, thesis_pair
-from rbd_model.parameters import tables_5_1_and_5_2
+from rbd_model.levels.models import DEFAULT_TOLERANCE
+from rbd_model.vehicle.parameters import tables_5_1_and_5_2
 from scenarios.bench.drive import AT_REST, RIGID, located_lock_time, play, prepare
 from scenarios.methods.timing import LEVELS, least
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, titled

@@ -20,7 +20,7 @@ from tqdm import tqdm
 
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel
-from rbd_model.resistance import curve_share
+from rbd_model.levels.resistance import curve_share
 from scenarios.bench.curves import (
     APPROACH,
     BOGIE,

@@ -12,12 +12,12 @@ from tqdm import tqdm
 
 from fmu_src.cosimulation.recording import Recording
 from rbd_model.contact.geometry import thesis_pair
-from rbd_model.parameters import AS_PRINTED, as_printed, tables_4_1_and_4_2, tables_5_1_and_5_2
 from rbd_model.thesis.kinematic_analysis import rolling
 from rbd_model.thesis.mechanism import FIRST_WHEELSET, Inputs, Mechanism, State
 from rbd_model.thesis.program import run as run_program
 from rbd_model.thesis.program import spin
-from rbd_model.track import derivatives_along, section_5_3
+from rbd_model.track.irregularity import derivatives_along, section_5_3
+from rbd_model.vehicle.parameters import AS_PRINTED, as_printed, tables_4_1_and_4_2, tables_5_1_and_5_2
 from scenarios.bench.drive import in_space, play, prepare
 from scenarios.reporting.plots import BOGIE, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE

@@ -13,8 +13,8 @@ from matplotlib.figure import Figure
 from tqdm import tqdm
 
 from fmu_src.cosimulation.recording import Recording
-from rbd_model.bogie import DEFAULT_TOLERANCE
-from rbd_model.parameters import tables_5_1_and_5_2
+from rbd_model.levels.models import DEFAULT_TOLERANCE
+from rbd_model.vehicle.parameters import tables_5_1_and_5_2
 from scenarios.methods import sundials
 from scenarios.methods.exchange import EXCHANGE
 from scenarios.methods.integrators import own

@@ -13,7 +13,7 @@ from tqdm import tqdm
 
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel, KernelError
-from rbd_model.parameters import tables_5_1_and_5_2
+from rbd_model.vehicle.parameters import tables_5_1_and_5_2
 from scenarios.bench.drive import RIGID, prepare
 from scenarios.methods.drift import STEP as DRIFT_STEP
 from scenarios.methods.drift import Drift, drift

@@ -19,8 +19,8 @@ from plotly.offline import get_plotlyjs
 from brake_controller.flow_parameters import FlowParameters
 from brake_controller.parameters import BrakeParameters
 from fmu_src.cosimulation.recording import Recording
-from rbd_model.parameters import VehicleParameters
-from rbd_model.track import TrackParameters
+from rbd_model.track.irregularity import TrackParameters
+from rbd_model.vehicle.parameters import VehicleParameters
 from scenarios.reporting import plots
 from scenarios.reporting.motion import MOST_EXAGGERATION, packed
 from scenarios.reporting.report import Result, number, parted

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 
-from rbd_model.line import Line
+from rbd_model.track.line import Line
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, legend_above
 
 #: In curves to the left, on straight track, in curves to the right: a third of a line's steepest curvature tells which.

@@ -11,8 +11,8 @@ from itertools import product
 from matplotlib.figure import Figure
 
 from fmu_src.cosimulation.recording import Recording
-from rbd_model.parameters import as_printed, tables_5_1_and_5_2
-from rbd_model.vehicles import two_axle_bogie
+from rbd_model.vehicle.parameters import as_printed, tables_5_1_and_5_2
+from rbd_model.vehicle.ready import two_axle_bogie
 from scenarios.bench.asymmetric_shoes import (
     APPLICATION_TIMES,
     AS_THESIS,

@@ -7,11 +7,11 @@ from matplotlib.figure import Figure
 
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.system import System
-from rbd_model.bogie import levels
+from rbd_model.levels.models import levels
 from rbd_model.linear import oscillations
-from rbd_model.parameters import as_printed, tables_5_1_and_5_2
-from rbd_model.track import section_5_3
-from rbd_model.vehicles import two_axle_bogie
+from rbd_model.track.irregularity import section_5_3
+from rbd_model.vehicle.parameters import as_printed, tables_5_1_and_5_2
+from rbd_model.vehicle.ready import two_axle_bogie
 from scenarios.bench.drive import RIGID, bogie, spectrum
 from scenarios.bench.irregularities import (
     CROSS_LEVEL,

@@ -8,9 +8,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from fmu_src.cosimulation.recording import Recording
-from rbd_model.bogie import smallest_level
-from rbd_model.parameters import AS_PRINTED, as_printed, tables_5_1_and_5_2
-from rbd_model.vehicles import two_axle_bogie
+from rbd_model.levels.models import smallest_level
+from rbd_model.vehicle.parameters import AS_PRINTED, as_printed, tables_5_1_and_5_2
+from rbd_model.vehicle.ready import two_axle_bogie
 from scenarios.bench.drive import bogie, play
 from scenarios.reporting.motion import Motion, irregular, motion_columns
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, mark, plt, titled

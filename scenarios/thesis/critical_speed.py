@@ -6,9 +6,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from fmu_src.cosimulation.recording import Recording
-from rbd_model.bogie import wheelset_in_frame
+from rbd_model.levels.models import wheelset_in_frame
 from rbd_model.linear import Mode, critical_speed
-from rbd_model.parameters import tables_4_1_and_4_2
+from rbd_model.vehicle.parameters import tables_4_1_and_4_2
 from scenarios.bench.drive import peaks, play, prepare
 from scenarios.bench.hunting_wheelset import RANGE, growth_by_eigenvalue, modes_at
 from scenarios.reporting.plots import LEADING, THESIS, TRAILING, plt, titled

@@ -10,8 +10,8 @@ from tqdm import tqdm
 
 from fmu_src.cosimulation.master import couple
 from fmu_src.cosimulation.recording import Recording
-from rbd_model.parameters import AS_PRINTED, as_printed, tables_5_1_and_5_2
-from rbd_model.vehicles import two_axle_bogie
+from rbd_model.vehicle.parameters import AS_PRINTED, as_printed, tables_5_1_and_5_2
+from rbd_model.vehicle.ready import two_axle_bogie
 from scenarios.bench.drive import AT_REST, located_lock_time, play, prepare
 from scenarios.bench.open_fmus import open_bogie
 from scenarios.reporting.motion import Motion, motion_columns

@@ -13,7 +13,7 @@ from brake_controller.parameters import qr30
 from fmu_src.cosimulation.master import Connection, Coupling
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.cosimulation.slave import Slave
-from rbd_model.parameters import AS_PRINTED, tables_8_1_and_8_2
+from rbd_model.vehicle.parameters import AS_PRINTED, tables_8_1_and_8_2
 from scenarios.bench.drive import AT_REST
 from scenarios.bench.open_fmus import open_bogie, open_brake
 from scenarios.bench.qr30_bogie import FRICTION, FRICTION_RANGE, bogie_parameters

@@ -19,8 +19,8 @@ from brake_controller.parameters import qr30
 from fmu_src.cosimulation.master import Connection, Coupling, couple
 from fmu_src.cosimulation.recording import Recording
 from products.building import units_of
-from rbd_model.parameters import AS_PRINTED, tables_8_1_and_8_2
-from rbd_model.vehicles import two_axle_bogie
+from rbd_model.vehicle.parameters import AS_PRINTED, tables_8_1_and_8_2
+from rbd_model.vehicle.ready import two_axle_bogie
 from scenarios.bench.drive import AT_REST, play, prepare
 from scenarios.bench.open_fmus import open_bogie, open_brake
 from scenarios.bench.qr30_bogie import FRICTION, RECORDED, bogie_parameters

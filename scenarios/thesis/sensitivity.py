@@ -15,10 +15,10 @@ from matplotlib.figure import Figure
 from tqdm import tqdm
 
 from fmu_src.cosimulation.recording import Recording
-from rbd_model.bogie import wheelset_in_frame
+from rbd_model.levels.models import wheelset_in_frame
 from rbd_model.linear import critical_speed
-from rbd_model.parameters import AS_PRINTED, as_printed, tables_4_1_and_4_2, tables_5_1_and_5_2
-from rbd_model.track import section_5_3
+from rbd_model.track.irregularity import section_5_3
+from rbd_model.vehicle.parameters import AS_PRINTED, as_printed, tables_4_1_and_4_2, tables_5_1_and_5_2
 from scenarios.bench.asymmetric_shoes import (
     AS_THESIS,
     BRAKE_START,

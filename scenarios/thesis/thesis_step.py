@@ -18,7 +18,7 @@ from tqdm import tqdm
 
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel
-from rbd_model.parameters import AS_PRINTED, tables_5_1_and_5_2
+from rbd_model.vehicle.parameters import AS_PRINTED, tables_5_1_and_5_2
 from scenarios.bench import asymmetric_shoes, hunting_wheelset, irregularities
 from scenarios.bench.asymmetric_shoes import APPLICATION_TIMES, AS_THESIS, PEAKS, Case
 from scenarios.bench.drive import PADDING, RIGID, in_space, library

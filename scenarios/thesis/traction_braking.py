@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from fmu_src.cosimulation.master import couple
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.cosimulation.slave import Slave
-from rbd_model.bogie import smallest_level
-from rbd_model.parameters import BogieParameters, as_printed, tables_5_1_and_5_2
+from rbd_model.levels.models import smallest_level
+from rbd_model.vehicle.parameters import BogieParameters, as_printed, tables_5_1_and_5_2
 from scenarios.bench.open_fmus import open_bogie
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, mark, panels
 from scenarios.reporting.report import Result, Row, near, rounding

@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from fmu_src.cosimulation.recording import Recording
-from rbd_model.parameters import as_printed, tables_4_1_and_4_2
-from rbd_model.vehicles import wheelset_under_frame
+from rbd_model.vehicle.parameters import as_printed, tables_4_1_and_4_2
+from rbd_model.vehicle.ready import wheelset_under_frame
 from scenarios.bench.hunting_wheelset import (
     FREQUENCY,
     FREQUENCY_BAND,

@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from matplotlib.figure import Figure
 
 from fmu_src.cosimulation.recording import Recording
-from rbd_model.parameters import AS_PRINTED, as_printed, tables_4_1_and_4_2
-from rbd_model.vehicles import wheelset_under_frame
+from rbd_model.vehicle.parameters import AS_PRINTED, as_printed, tables_4_1_and_4_2
+from rbd_model.vehicle.ready import wheelset_under_frame
 from scenarios.bench.drive import play, prepare
 from scenarios.reporting.motion import Motion, irregular, motion_columns
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, titled

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from fmu_src.cosimulation.recording import Recording
-from rbd_model.parameters import AS_PRINTED, as_printed, tables_4_1_and_4_2
+from rbd_model.vehicle.parameters import AS_PRINTED, as_printed, tables_4_1_and_4_2
 from scenarios.bench.drive import play, prepare
 from scenarios.reporting.plots import BOGIE, THESIS, panels
 from scenarios.reporting.report import Result, Row, rounding

@@ -9,10 +9,10 @@ from matplotlib.figure import Figure
 
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel
-from rbd_model.bogie import wheelset_in_frame
+from rbd_model.levels.models import wheelset_in_frame
 from rbd_model.linear import critical_speed, oscillations
-from rbd_model.parameters import AS_PRINTED, as_printed, tables_4_1_and_4_2
-from rbd_model.vehicles import wheelset_under_frame
+from rbd_model.vehicle.parameters import AS_PRINTED, as_printed, tables_4_1_and_4_2
+from rbd_model.vehicle.ready import wheelset_under_frame
 from scenarios.bench.drive import peaks, play, prepare
 from scenarios.bench.hunting_wheelset import WAVELENGTH
 from scenarios.reporting.motion import Motion, irregular, motion_columns

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from fmu_src.cosimulation.recording import Recording
 from products.coach import COACH, NUMBERS, brakes
-from rbd_model.vehicles import passenger_coach
+from rbd_model.vehicle.ready import passenger_coach
 from scenarios.bench.drive import located_lock_time, play, prepare
 from scenarios.bench.four_axles import rigid_axle_loads
 from scenarios.reporting.motion import Motion, motion_columns

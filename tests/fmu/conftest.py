@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from fmu_src.codegen import generate
-from rbd_model.bogie import bogie_dynamics
+from rbd_model.levels.models import bogie_dynamics
 from tests.fmu.sanitized import plain, sanitized
 
 

@@ -13,7 +13,7 @@ from fmu_src.effects import without_effect
 from fmu_src.kernel import Kernel, KernelError, Library
 from fmu_src.native_fmu import build_native_fmu, build_native_fmu3
 from fmu_src.system import Model, System, Variable, model_of, model_of_choices
-from rbd_model.bogie import bogie_dynamics
+from rbd_model.levels.models import bogie_dynamics
 from tests.fmu.hosting import OK, WARNING, Host, host
 from tests.quick_library import quick_library
 

@@ -19,7 +19,7 @@ from fmpy.fmi2 import fmi2EventInfo
 from fmu_src.model_description import NOMINAL
 from fmu_src.native_fmu import build_native_fmu, build_native_fmu3
 from fmu_src.system import Friction, Model, System, Variable, model_of_choices
-from rbd_model.vehicles import two_axle_bogie
+from rbd_model.vehicle.ready import two_axle_bogie
 from tests.fmu.hosting import DISCARD, ERROR, OK, WARNING, Host, host
 from tests.fmu.sled import build_sled
 

@@ -12,7 +12,7 @@ from fmpy import read_model_description, simulate_fmu
 
 from fmu_src.cosimulation.slave import CosimulationError, Slave
 from fmu_src.kernel import Kernel, Library
-from rbd_model.line import arc, clothoid, line_of, straight
+from rbd_model.track.line import arc, clothoid, line_of, straight
 
 SPACE = {"level": 3, "initial_speed": 15.0}
 SEEN = ("speed", "distance", "lateral_1", "yaw_2", "wheel_load_1_left")

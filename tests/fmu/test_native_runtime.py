@@ -14,7 +14,7 @@ from fmu_src import compile as compiling
 from fmu_src.codegen import generate
 from fmu_src.kernel import Kernel, Library
 from fmu_src.system import System, Variable, model_of
-from rbd_model.line import ERRI_HIGH, arc, irregular, line_of, straight
+from rbd_model.track.line import ERRI_HIGH, arc, irregular, line_of, straight
 from tests.fmu.sanitized import driver
 
 DRIVER, FUZZ, FUZZ3 = (Path(__file__).with_name(name) for name in ("driver.c", "fuzz.c", "fuzz3.c"))

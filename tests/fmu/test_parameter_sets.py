@@ -12,7 +12,7 @@ from fmu_src.cosimulation.slave import Slave
 from fmu_src.parameter_file import parameter_file
 from products.parameter_sets import PARAMETER_SETS, set_files, write_sets
 from products.registry import FMUS, model_of
-from rbd_model.vehicles import loaded_coal_wagon, passenger_coach, two_axle_bogie, wheelset_under_frame
+from rbd_model.vehicle.ready import loaded_coal_wagon, passenger_coach, two_axle_bogie, wheelset_under_frame
 
 
 @pytest.fixture(scope="module")

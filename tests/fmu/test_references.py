@@ -22,7 +22,7 @@ from products.building import NATIVE
 from products.experiments import experiments_of
 from products.parameter_sets import PARAMETER_SETS, set_files
 from products.registry import DIFFERENT, FMUS, model_of
-from rbd_model.adhesion import wet
+from rbd_model.track.friction import wet
 
 #: Of the largest value of a column: half a unit of its last digit, and as much for round-off of times.
 ROUNDED = 10.0 ** (1 - DIGITS)

@@ -18,7 +18,7 @@ import pytest
 from fmu_src.compile import build_library
 from fmu_src.kernel import Kernel, KernelError, Library
 from fmu_src.system import Model, System, Variable, model_of
-from rbd_model.line import arc, line_of, straight
+from rbd_model.track.line import arc, line_of, straight
 from scenarios.bench.rails import low_rail
 from tests.fmu.hosting import ERROR, OK, STEP, host
 

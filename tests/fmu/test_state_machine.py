@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from fmu_src.codegen import generate
-from rbd_model.line import arc, line_of, straight
+from rbd_model.track.line import arc, line_of, straight
 from tests.fmu.sanitized import driver, sanitized
 from tests.fmu.sled import sled
 

@@ -20,8 +20,8 @@ from fmu_src.cosimulation.slave import Slave
 from fmu_src.kernel import Kernel, KernelError, Library
 from fmu_src.system import state_variable
 from products.sources import ROOMS
-from rbd_model.bogie import bogie_dynamics, levels
-from rbd_model.vehicles import two_axle_bogie
+from rbd_model.levels.models import bogie_dynamics, levels
+from rbd_model.vehicle.ready import two_axle_bogie
 
 HOST = Path(__file__).with_name("host.c")
 #: Scenes over lock-up, flange contact with a turning yaw torque, and rest.

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rbd_model.vehicle import (
+from rbd_model.vehicle.description import (
     ANGLES,
     DIRECTIONS,
     BumpStop,

@@ -10,12 +10,12 @@ import numpy as np
 
 from fmu_src.kernel import Kernel, Library
 from fmu_src.system import model_of
-from rbd_model import variables
 from rbd_model.contact.depth import Contact
-from rbd_model.spatial import spatial_vehicle
-from rbd_model.track import ballasted_track, irregular_track, section_5_3
-from rbd_model.vehicle import Vehicle
-from rbd_model.yielding_track import rows_of
+from rbd_model.levels.spatial import spatial_vehicle
+from rbd_model.track.irregularity import ballasted_track, irregular_track, section_5_3
+from rbd_model.vehicle import variables
+from rbd_model.vehicle.description import Vehicle
+from rbd_model.wheelset.yielding_rails import rows_of
 from tests.maximal.correspondence import file_of, touching_rise
 from tests.maximal.motion import Moving
 from tests.maximal.oracle import Oracle

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from rbd_model.vehicle import Connection, Vehicle, wheelset_name
+from rbd_model.vehicle.description import Connection, Vehicle, wheelset_name
 from tests.maximal.hertz import load_of, semi_axes_of
 from tests.maximal.joints import Carriers, End, Ends, on_bodies, wrenches
 from tests.maximal.motion import Moving, accelerations

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from random import Random
 
-from rbd_model.vehicle import Vehicle, wheelset_name
+from rbd_model.vehicle.description import Vehicle, wheelset_name
 from tests.maximal.correspondence import bodies_of
 from tests.maximal.oracle import FLANGE_SLOPE, GivenWay, Oracle, Scene
 from tests.maximal.rails import Course

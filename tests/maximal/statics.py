@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rbd_model.vehicle import Vehicle
+from rbd_model.vehicle.description import Vehicle
 
 #: Moment of the loads about the middle of the springs that counts as none, over their sum [m].
 EVEN = 1e-9

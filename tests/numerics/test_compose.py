@@ -14,8 +14,8 @@ from fmu_src.elimination import elimination
 from fmu_src.kernel import Kernel, Library
 from fmu_src.system import System, Variable, interpolation, model_of
 from products.braked_vehicle import coach_brake, timed_brake, with_brakes
-from rbd_model.planar import planar_vehicle
-from rbd_model.vehicles import passenger_coach
+from rbd_model.levels.planar import planar_vehicle
+from rbd_model.vehicle.ready import passenger_coach
 
 #: The same expressions in another order: round-off.
 ROUND_OFF = 1e-12

@@ -12,8 +12,8 @@ import pytest
 
 from fmu_src.kernel import ERROR, Kernel, KernelError, Library
 from fmu_src.system import LINE_COLUMNS, System, Variable, model_of
-from rbd_model.line import Line, Segment, arc, clothoid, line_of, straight
-from rbd_model.variables import line_file
+from rbd_model.track.line import Line, Segment, arc, clothoid, line_of, straight
+from rbd_model.vehicle.variables import line_file
 from tests.quick_library import quick_library
 
 HEAD = "distance,curvature,cant,gradient\n"

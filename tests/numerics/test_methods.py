@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 from fmu_src.compile import build_library
 from fmu_src.kernel import ERROR, Kernel, KernelError, Library
 from fmu_src.system import System, Variable, model_of
-from rbd_model.parameters import tables_4_1_and_4_2, tables_5_1_and_5_2
+from rbd_model.vehicle.parameters import tables_4_1_and_4_2, tables_5_1_and_5_2
 from scenarios.bench.drive import RIGID, prepare
 from scenarios.methods import sundials
 from scenarios.methods.exchange import IN_THE_PLANE, exchange

@@ -11,7 +11,7 @@ import pytest
 
 from fmu_src import kernel
 from fmu_src.codegen import RUNTIME, RUNTIME_HEADERS, RUNTIME_SOURCES, generate
-from rbd_model.bogie import bogie_dynamics
+from rbd_model.levels.models import bogie_dynamics
 
 #: Lines of a function that one screen shows.
 SCREEN = 60

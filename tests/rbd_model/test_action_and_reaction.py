@@ -13,14 +13,14 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from rbd_model.assembly import Assembly, assemble
-from rbd_model.bodies import angle_rates
-from rbd_model.connections import Load, connect
-from rbd_model.kinematics import Body, pitch_rotation, yaw_roll
-from rbd_model.motion import Loads
-from rbd_model.relation import End
-from rbd_model.vehicle import BumpStop, FrictionSlider, SeriesDamper, Springs, Torsion
-from rbd_model.vehicles import passenger_coach
+from rbd_model.body.bodies import angle_rates
+from rbd_model.body.connections import Load, connect
+from rbd_model.body.kinematics import Body, pitch_rotation, yaw_roll
+from rbd_model.body.loads import Loads
+from rbd_model.body.relation import End
+from rbd_model.vehicle.assembly import Assembly, assemble
+from rbd_model.vehicle.description import BumpStop, FrictionSlider, SeriesDamper, Springs, Torsion
+from rbd_model.vehicle.ready import passenger_coach
 
 #: Sums that cancel, as a share of the largest of what is added.
 ROUND_OFF = 1e-10

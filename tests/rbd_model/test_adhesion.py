@@ -12,17 +12,17 @@ from scipy.integrate import quad
 
 from fmu_src.kernel import Kernel, Library
 from fmu_src.system import model_of
-from rbd_model.adhesion import CONDITIONS, RailCondition, dry, even_rail, wet
-from rbd_model.bogie import DEFAULT_TOLERANCE, levels
 from rbd_model.contact.creep.kalker import kalker_coefficients
 from rbd_model.contact.creep.law import ContactPatch, Reduction
 from rbd_model.contact.creep.polach import polach, polach_force
 from rbd_model.contact.hertz import ellipse_shape
-from rbd_model.parameters import tables_5_1_and_5_2
-from rbd_model.planar import planar_vehicle
-from rbd_model.spatial import spatial_vehicle
-from rbd_model.track import irregular_track, section_5_3
-from rbd_model.vehicles import two_axle_bogie
+from rbd_model.levels.models import DEFAULT_TOLERANCE, levels
+from rbd_model.levels.planar import planar_vehicle
+from rbd_model.levels.spatial import spatial_vehicle
+from rbd_model.track.friction import CONDITIONS, RailCondition, dry, even_rail, wet
+from rbd_model.track.irregularity import irregular_track, section_5_3
+from rbd_model.vehicle.parameters import tables_5_1_and_5_2
+from rbd_model.vehicle.ready import two_axle_bogie
 from tests.quick_library import quick_library
 
 BOGIE = tables_5_1_and_5_2()

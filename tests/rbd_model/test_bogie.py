@@ -15,11 +15,11 @@ from scipy.integrate import solve_ivp
 from fmu_src.codegen import functions
 from fmu_src.kernel import DISCARD, Kernel, KernelError, Library
 from fmu_src.system import model_of
-from rbd_model.bogie import DEFAULT_TOLERANCE
+from rbd_model.levels.models import DEFAULT_TOLERANCE
+from rbd_model.levels.planar import planar_vehicle
 from rbd_model.linear import oscillations
-from rbd_model.parameters import BogieParameters, tables_5_1_and_5_2, tables_8_1_and_8_2
-from rbd_model.planar import planar_vehicle
-from rbd_model.vehicles import two_axle_bogie
+from rbd_model.vehicle.parameters import BogieParameters, tables_5_1_and_5_2, tables_8_1_and_8_2
+from rbd_model.vehicle.ready import two_axle_bogie
 from scenarios.thesis.traction_braking import load_transfer
 from tests.quick_library import quick_library
 

@@ -9,9 +9,9 @@ import pytest
 
 from fmu_src.kernel import Kernel, KernelError, Library
 from fmu_src.system import model_of
-from rbd_model import variables
 from rbd_model.contact.geometry import thesis_pair
-from rbd_model.line import arc, clothoid, line_of, straight
+from rbd_model.track.line import arc, clothoid, line_of, straight
+from rbd_model.vehicle import variables
 from tests.quick_library import quick_library
 from tests.rbd_model.test_standing import MAKERS, MASS, P
 

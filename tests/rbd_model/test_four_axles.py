@@ -10,12 +10,12 @@ import pytest
 from fmu_src.compile import build_library
 from fmu_src.kernel import Kernel, Library
 from fmu_src.system import System, model_of
-from rbd_model.bogie import levels, vehicle_dynamics
+from rbd_model.levels.models import levels, vehicle_dynamics
+from rbd_model.levels.spatial import spatial_vehicle
 from rbd_model.linear import oscillations
-from rbd_model.parameters import VehicleParameters, coach_with_traction_rods, coal_wagon, manchester_vehicle_1
-from rbd_model.spatial import spatial_vehicle
-from rbd_model.track import irregular_track, section_5_3
-from rbd_model.vehicles import passenger_coach
+from rbd_model.track.irregularity import irregular_track, section_5_3
+from rbd_model.vehicle.parameters import VehicleParameters, coach_with_traction_rods, coal_wagon, manchester_vehicle_1
+from rbd_model.vehicle.ready import passenger_coach
 from scenarios.bench.four_axles import rigid_axle_loads
 from tests.quick_library import quick_library
 

@@ -9,11 +9,11 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from rbd_model.adhesion import friction_over_angle
 from rbd_model.contact.depth import Contact
 from rbd_model.contact.distance import Stand, touching
 from rbd_model.contact.normal import patches
 from rbd_model.contact.strips import Motion
+from rbd_model.track.friction import friction_over_angle
 from scenarios.bench.climbing_wheelset import climbing_wheelset, push
 from scenarios.bench.wheel_on_strips import press_wheel
 from scenarios.contact import contact_manchester as manchester

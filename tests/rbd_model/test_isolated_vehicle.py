@@ -15,7 +15,7 @@ from random import Random
 import numpy as np
 import pytest
 
-from rbd_model.vehicle import (
+from rbd_model.vehicle.description import (
     BumpStop,
     FrictionSlider,
     RigidBody,
@@ -24,7 +24,7 @@ from rbd_model.vehicle import (
     Torsion,
     Vehicle,
 )
-from rbd_model.vehicles import two_axle_bogie
+from rbd_model.vehicle.ready import two_axle_bogie
 from tests.balance import parts, pushed
 from tests.maximal.correspondence import bodies_of, rates_of
 from tests.maximal.machine import ENERGIES, POWERS, Machine

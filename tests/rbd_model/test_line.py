@@ -12,7 +12,6 @@ import pytest
 
 from fmu_src.kernel import Kernel, Library
 from fmu_src.system import System, model_of
-from rbd_model import variables
 from rbd_model.contact.creep.kalker import kalker_coefficients
 from rbd_model.contact.creep.kalker_linear import kalker_linear
 from rbd_model.contact.depth import Contact
@@ -23,7 +22,12 @@ from rbd_model.contact.geometry import (
     thesis_pair,
 )
 from rbd_model.contact.hertz import ellipse_shape
-from rbd_model.line import (
+from rbd_model.levels.planar import planar_vehicle
+from rbd_model.levels.point import point_vehicle
+from rbd_model.levels.resistance import curve_share
+from rbd_model.levels.spatial import spatial_vehicle
+from rbd_model.track.irregularity import ballasted_track, irregular_track, section_5_3
+from rbd_model.track.line import (
     COLUMNS,
     ERRI_HIGH,
     ERRI_LOW,
@@ -37,13 +41,9 @@ from rbd_model.line import (
     read_line,
     straight,
 )
-from rbd_model.planar import planar_vehicle
-from rbd_model.point import point_vehicle
-from rbd_model.resistance import curve_share
-from rbd_model.spatial import spatial_vehicle
-from rbd_model.track import ballasted_track, irregular_track, section_5_3
-from rbd_model.vehicle import HOLDABLE, RigidBody, Springs, Vehicle, Wheelset
-from rbd_model.vehicles import two_axle_bogie
+from rbd_model.vehicle import variables
+from rbd_model.vehicle.description import HOLDABLE, RigidBody, Springs, Vehicle, Wheelset
+from rbd_model.vehicle.ready import two_axle_bogie
 from tests.quick_library import quick_library
 
 SIDES = (("left", "right"), ("right", "left"))

@@ -19,8 +19,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rbd_model.vehicle import Connection, Springs, Vehicle
-from rbd_model.vehicles import passenger_coach, two_axle_bogie
+from rbd_model.vehicle.description import Connection, Springs, Vehicle
+from rbd_model.vehicle.ready import passenger_coach, two_axle_bogie
 from tests.maximal import joints
 from tests.maximal import oracle as oracles
 from tests.maximal.correspondence import bodies_of, rates_of
@@ -194,7 +194,7 @@ def test_error_of_the_grid_falls_with_the_square_of_its_pitch() -> None:
 
 
 #: What of the package the oracle may read: data. Beside it stand the files that know what the fast model's states mean.
-DATA = {"rbd_model.vehicle", "rbd_model.contact.profiles"}
+DATA = {"rbd_model.vehicle.description", "rbd_model.contact.profiles"}
 ORACLE = ("hertz", "joints", "motion", "oracle", "rails", "slip", "statics", "touch")
 
 

@@ -19,10 +19,10 @@ import pytest
 
 from fmu_src.kernel import Kernel, Library
 from fmu_src.system import model_of
-from rbd_model import variables
-from rbd_model.planar import planar_vehicle
-from rbd_model.vehicle import Vehicle, as_sum
-from rbd_model.vehicles import passenger_coach, two_axle_bogie
+from rbd_model.levels.planar import planar_vehicle
+from rbd_model.vehicle import variables
+from rbd_model.vehicle.description import Vehicle, as_sum
+from rbd_model.vehicle.ready import passenger_coach, two_axle_bogie
 from tests.balance import Now, Reaction, curve, file_of, imbalance, in_plane, in_space, on_treads, parts
 from tests.leaning import Pushed, Springs
 from tests.maximal.machine import Machine

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from rbd_model.parameters import tables_5_1_and_5_2, tables_8_1_and_8_2
+from rbd_model.vehicle.parameters import tables_5_1_and_5_2, tables_8_1_and_8_2
 
 
 def test_chapter_5_bogie_is_that_of_tables_5_1_and_5_2() -> None:

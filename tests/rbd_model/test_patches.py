@@ -16,6 +16,7 @@ from scipy.special import ellipe, ellipk
 
 from fmu_src.kernel import Kernel, Library
 from fmu_src.system import System, model_of
+from rbd_model.body.kinematics import direction_cosines
 from rbd_model.contact.creep.kalker_linear import kalker_linear
 from rbd_model.contact.creep.law import CreepLaw
 from rbd_model.contact.creep.polach import polach
@@ -26,13 +27,12 @@ from rbd_model.contact.elastic import damped, elastic_force
 from rbd_model.contact.geometry import Sides, european_pair, synthetic_pair, thesis_pair
 from rbd_model.contact.hertz import POISSON_RATIO
 from rbd_model.contact.patches import patches_of, stand_on_treads
-from rbd_model.kinematics import direction_cosines
-from rbd_model.rolling_contact import Placement, Wheel, touch
-from rbd_model.spatial import spatial_vehicle
-from rbd_model.touching_patch import Outline, along_and_square, direction_of
-from rbd_model.track import irregular_track, section_5_3
-from rbd_model.vehicle import as_sum
-from rbd_model.vehicles import two_axle_bogie
+from rbd_model.levels.spatial import spatial_vehicle
+from rbd_model.track.irregularity import irregular_track, section_5_3
+from rbd_model.vehicle.description import as_sum
+from rbd_model.vehicle.ready import two_axle_bogie
+from rbd_model.wheelset.rigid_contact import Placement, Wheel, touch
+from rbd_model.wheelset.touching_patch import Outline, along_and_square, direction_of
 from scenarios.bench.climbing_wheelset import INTERVAL, climbing_wheelset, push
 from scenarios.contact import contact_manchester as manchester
 from tests.quick_library import quick_library

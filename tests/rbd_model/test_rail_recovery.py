@@ -10,7 +10,7 @@ import pytest
 from fmu_src.compile import build_library
 from fmu_src.kernel import Kernel, Library
 from products.registry import model_of
-from rbd_model.rail_recovery import SCATTER, SLOWEST, assumed_recovery, easy_recovery, hard_recovery, no_recovery
+from rbd_model.track.recovery import SCATTER, SLOWEST, assumed_recovery, easy_recovery, hard_recovery, no_recovery
 from scenarios.bench.drive import prepare
 
 P = assumed_recovery()

@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 from fmu_src.kernel import Kernel, Library
-from rbd_model.line import Line
-from rbd_model.vehicles import two_axle_bogie
+from rbd_model.track.line import Line
+from rbd_model.vehicle.ready import two_axle_bogie
 from tests.maximal.machine import Machine
 
 #: Slope of the rails [1], speed [m/s], and where the leading wheelset is on the line [m].

@@ -10,8 +10,8 @@ import pytest
 
 from fmu_src.kernel import Kernel, Library
 from fmu_src.system import model_of
-from rbd_model import variables
-from rbd_model.line import line_of, straight
+from rbd_model.track.line import line_of, straight
+from rbd_model.vehicle import variables
 from tests.quick_library import quick_library
 from tests.rbd_model.test_standing import MAKERS, MASS, P
 

@@ -14,18 +14,25 @@ from scipy.integrate import solve_ivp
 from fmu_src.compile import build_library
 from fmu_src.kernel import DISCARD, Kernel, KernelError, Library
 from fmu_src.system import model_of
-from rbd_model.bogie import DEPTH_ON_LINE, bogie_dynamics, levels, smallest_level, wheelset_in_frame
 from rbd_model.contact.geometry import contact_at, equivalent_conicity, flange_of, thesis_pair
 from rbd_model.contact.hertz import ellipse_fit, ellipse_shape, moving_ellipse
+from rbd_model.levels.models import DEPTH_ON_LINE, bogie_dynamics, levels, smallest_level, wheelset_in_frame
+from rbd_model.levels.spatial import spatial_vehicle
 from rbd_model.linear import critical_speed, oscillations
-from rbd_model.parameters import AS_PRINTED, tables_5_1_and_5_2
-from rbd_model.rolling_contact import SIDES
-from rbd_model.rolling_wheelset import nadal_limit
-from rbd_model.spatial import spatial_vehicle
-from rbd_model.spatial_wheelset import END_MARGIN
-from rbd_model.track import Track, derivatives_along, irregular_track, section_5_3, track_from_file, track_from_points
-from rbd_model.variables import LARGEST_LATERAL, LARGEST_YAW
-from rbd_model.vehicles import two_axle_bogie, wheelset_under_frame
+from rbd_model.track.irregularity import (
+    Track,
+    derivatives_along,
+    irregular_track,
+    section_5_3,
+    track_from_file,
+    track_from_points,
+)
+from rbd_model.vehicle.parameters import AS_PRINTED, tables_5_1_and_5_2
+from rbd_model.vehicle.ready import two_axle_bogie, wheelset_under_frame
+from rbd_model.vehicle.variables import LARGEST_LATERAL, LARGEST_YAW
+from rbd_model.wheelset.rigid import END_MARGIN
+from rbd_model.wheelset.rigid_contact import SIDES
+from rbd_model.wheelset.rigid_part import nadal_limit
 from tests.quick_library import quick_library
 
 ENERGIES = ("kinetic_energy", "potential_energy")

@@ -8,14 +8,14 @@ import pytest
 
 from fmu_src.kernel import Kernel, Library
 from fmu_src.system import System, model_of
-from rbd_model import variables
 from rbd_model.contact.depth import Contact
-from rbd_model.line import line_of, straight
-from rbd_model.planar import planar_vehicle
-from rbd_model.point import point_vehicle
-from rbd_model.spatial import spatial_vehicle
-from rbd_model.track import irregular_track, section_5_3
-from rbd_model.vehicles import two_axle_bogie
+from rbd_model.levels.planar import planar_vehicle
+from rbd_model.levels.point import point_vehicle
+from rbd_model.levels.spatial import spatial_vehicle
+from rbd_model.track.irregularity import irregular_track, section_5_3
+from rbd_model.track.line import line_of, straight
+from rbd_model.vehicle import variables
+from rbd_model.vehicle.ready import two_axle_bogie
 from tests.quick_library import quick_library
 
 BOGIE = two_axle_bogie()

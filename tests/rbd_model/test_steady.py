@@ -14,14 +14,14 @@ import pytest
 
 from fmu_src.kernel import Kernel, KernelError
 from fmu_src.system import System, model_of
-from rbd_model import variables
 from rbd_model.contact.depth import Contact
-from rbd_model.line import ERRI_HIGH, ERRI_LOW, GAUGE, Line, arc, clothoid, irregular, line_of, straight
-from rbd_model.spatial import spatial_vehicle
-from rbd_model.steady import NO_STEADY_STATE
-from rbd_model.track import irregular_track, section_5_3
-from rbd_model.vehicle import FrictionSlider, SeriesDamper, Vehicle
-from rbd_model.vehicles import loaded_coal_wagon, passenger_coach, two_axle_bogie
+from rbd_model.levels.spatial import spatial_vehicle
+from rbd_model.levels.steady import NO_STEADY_STATE
+from rbd_model.track.irregularity import irregular_track, section_5_3
+from rbd_model.track.line import ERRI_HIGH, ERRI_LOW, GAUGE, Line, arc, clothoid, irregular, line_of, straight
+from rbd_model.vehicle import variables
+from rbd_model.vehicle.description import FrictionSlider, SeriesDamper, Vehicle
+from rbd_model.vehicle.ready import loaded_coal_wagon, passenger_coach, two_axle_bogie
 from scenarios.bench.curves import suited_speed
 from scenarios.bench.drive import library
 from tests.quick_library import quick_library

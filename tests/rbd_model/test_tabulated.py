@@ -15,9 +15,9 @@ from rbd_model.contact.creep.law import CreepLaw
 from rbd_model.contact.creep.polach import polach
 from rbd_model.contact.creep.tabulated import CreepTable, axes, read_table, table_of, tabulated, write_table
 from rbd_model.contact.depth import Contact
-from rbd_model.spatial import spatial_vehicle
-from rbd_model.track import irregular_track, section_5_3
-from rbd_model.vehicles import two_axle_bogie
+from rbd_model.levels.spatial import spatial_vehicle
+from rbd_model.track.irregularity import irregular_track, section_5_3
+from rbd_model.vehicle.ready import two_axle_bogie
 from scenarios.contact.creep_laws import exact
 from scenarios.methods.creep_cost import values
 from tests.quick_library import quick_library

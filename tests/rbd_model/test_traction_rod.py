@@ -11,9 +11,9 @@ from scipy.linalg import eigvals, expm
 
 from fmu_src.kernel import Kernel
 from fmu_src.system import model_of
-from rbd_model.parameters import VehicleParameters, coach_with_traction_rods, manchester_vehicle_1
-from rbd_model.planar import planar_vehicle
-from rbd_model.vehicles import passenger_coach
+from rbd_model.levels.planar import planar_vehicle
+from rbd_model.vehicle.parameters import VehicleParameters, coach_with_traction_rods, manchester_vehicle_1
+from rbd_model.vehicle.ready import passenger_coach
 from scenarios.bench.drive import prepare, system_of
 from tests.quick_library import quick_library
 

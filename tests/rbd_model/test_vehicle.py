@@ -12,9 +12,8 @@ import pytest
 from fmu_src.compile import build_library
 from fmu_src.kernel import Kernel, Library
 from fmu_src.system import model_of
-from rbd_model.parameters import tables_5_1_and_5_2
-from rbd_model.planar import planar_vehicle
-from rbd_model.vehicle import (
+from rbd_model.levels.planar import planar_vehicle
+from rbd_model.vehicle.description import (
     BumpStop,
     Connection,
     FrictionSlider,
@@ -27,7 +26,8 @@ from rbd_model.vehicle import (
     Vehicle,
     size_of,
 )
-from rbd_model.vehicles import two_axle_bogie
+from rbd_model.vehicle.parameters import tables_5_1_and_5_2
+from rbd_model.vehicle.ready import two_axle_bogie
 
 #: Tolerance of the runs below, and how far they may be from a closed form.
 TOLERANCE, CLOSED_FORM = 1e-9, 1e-6

@@ -13,8 +13,8 @@ from fmu_src.kernel import Kernel
 from fmu_src.system import System
 from products.registry import model_of
 from rbd_model.linear import reduced_jacobian
-from rbd_model.parameters import manchester_vehicle_1
-from rbd_model.track import ballasted_track
+from rbd_model.track.irregularity import ballasted_track
+from rbd_model.vehicle.parameters import manchester_vehicle_1
 from scenarios.lines.track_yields import RIGID, Scene, curve, peaks
 
 #: Asked of peaks over tolerances and dampings of the contact; measured is at most 5e-5 of either.

@@ -7,7 +7,7 @@ import math
 import pytest
 
 from fmu_src.kernel import Kernel, Library
-from rbd_model.bogie import DEFAULT_TOLERANCE
+from rbd_model.levels.models import DEFAULT_TOLERANCE
 from scenarios.bench import drive as scene
 from scenarios.bench.asymmetric_shoes import FASTEST
 from scenarios.catalogue import find

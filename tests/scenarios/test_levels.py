@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from rbd_model.bogie import DECIDED_BY_LOAD_TRANSFER, STATIC_LOADS_UP_TO
 from rbd_model.contact.creep.kalker import kalker_coefficients
 from rbd_model.contact.creep.law import ContactPatch
 from rbd_model.contact.creep.polach import polach
 from rbd_model.contact.geometry import contact_at, thesis_pair
 from rbd_model.contact.hertz import ellipse_shape
-from rbd_model.parameters import tables_5_1_and_5_2
+from rbd_model.levels.models import DECIDED_BY_LOAD_TRANSFER, STATIC_LOADS_UP_TO
+from rbd_model.vehicle.parameters import tables_5_1_and_5_2
 from scenarios.bench.drive import located_lock_time, play
 from scenarios.numerics import levels
 from scenarios.numerics.levels import FRICTION, Answers, brake, error, lock_boundary, start, stop

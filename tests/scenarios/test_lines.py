@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from bogie_braking.__main__ import main
-from rbd_model.line import Line, arc, clothoid, line_of, straight
+from rbd_model.track.line import Line, arc, clothoid, line_of, straight
 from scenarios.lines import curve_braking, gradient, transition
 from scenarios.lines.line_from_file import MOST_DEFICIENCY, SPEED, speed_on
 from scenarios.numerics import levels_in_curves

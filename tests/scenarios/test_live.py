@@ -16,7 +16,7 @@ from brake_controller.wheel_slide import APPLY, HOLD, VENT, SlideProtection
 from fmu_src.compile import build_library
 from fmu_src.kernel import Kernel, Library
 from products.braked_vehicle import FULL_PRESSURE
-from rbd_model.vehicle import size_of
+from rbd_model.vehicle.description import size_of
 from scenarios.live.machines import MACHINES, model_of
 from scenarios.live.page import write_page
 from tests.browser import Browser, Page, browser

@@ -20,7 +20,7 @@ from typing import Any
 import pytest
 
 from bogie_braking.__main__ import main
-from rbd_model.parameters import AS_PRINTED
+from rbd_model.vehicle.parameters import AS_PRINTED
 from scenarios.catalogue import SCENARIOS
 from scenarios.numerics.levels import one_stop as stop_of_levels
 from scenarios.scenario import Options

@@ -16,30 +16,30 @@ import pytest
 
 from fmu_src.kernel import DISCARD, Kernel, KernelError, Library
 from fmu_src.system import System, model_of
-from rbd_model import variables
-from rbd_model import vehicle as descriptions
-from rbd_model.bogie import levels, wheelset_in_frame
 from rbd_model.contact.creep.kalker import smooth_kalker_coefficients
 from rbd_model.contact.depth import Contact
 from rbd_model.contact.geometry import Pair, synthetic_pair, thesis_pair
 from rbd_model.contact.hertz import moving_ellipse
-from rbd_model.parameters import (
-    BogieParameters,
-    as_printed,
-    manchester_vehicle_1,
-    tables_4_1_and_4_2,
-    tables_5_1_and_5_2,
-)
-from rbd_model.spatial import spatial_vehicle
+from rbd_model.levels.models import levels, wheelset_in_frame
+from rbd_model.levels.spatial import spatial_vehicle
 from rbd_model.thesis.creep import Ellipse
 from rbd_model.thesis.euler import composed, cross, from_angles, from_matrix
 from rbd_model.thesis.forces import Motion
 from rbd_model.thesis.kinematic_analysis import Frame, Wheelset, centred, drive_to
 from rbd_model.thesis.mechanism import FIRST_WHEELSET, Answer, Inputs, Mechanism, State
 from rbd_model.thesis.rails import STRAIGHT, Rails, Section
-from rbd_model.track import derivatives_along, irregular_track, section_5_3
-from rbd_model.vehicle import Springs
-from rbd_model.vehicles import passenger_coach, two_axle_bogie, wheelset_under_frame
+from rbd_model.track.irregularity import derivatives_along, irregular_track, section_5_3
+from rbd_model.vehicle import variables
+from rbd_model.vehicle.description import Springs
+from rbd_model.vehicle.description import description as descriptions
+from rbd_model.vehicle.parameters import (
+    BogieParameters,
+    as_printed,
+    manchester_vehicle_1,
+    tables_4_1_and_4_2,
+    tables_5_1_and_5_2,
+)
+from rbd_model.vehicle.ready import passenger_coach, two_axle_bogie, wheelset_under_frame
 from tests.quick_library import quick_library
 
 WORDS = ("right", "left")

@@ -13,13 +13,13 @@ from rbd_model.contact.creep.polach import polach as polach_forces
 from rbd_model.contact.geometry import thesis_pair
 from rbd_model.contact.hertz import ellipse_shape
 from rbd_model.contact.profiles import Profile
-from rbd_model.parameters import as_printed, tables_4_1_and_4_2, tables_5_1_and_5_2
 from rbd_model.thesis import constraints, euler, forces
 from rbd_model.thesis.creep import Ellipse, flange_force, hertz_ellipse, polach
 from rbd_model.thesis.forces import Motion
 from rbd_model.thesis.kinematic_analysis import rolling
 from rbd_model.thesis.mechanism import Mechanism
 from rbd_model.thesis.surfaces import OffTheProfileError, profile_derivatives, rail_surface, wheel_surface
+from rbd_model.vehicle.parameters import as_printed, tables_4_1_and_4_2, tables_5_1_and_5_2
 
 #: Band of docs/checking.md for derivatives by hand against automatic ones.
 DERIVATIVE_BAND = 1e-9

@@ -15,8 +15,6 @@ import pytest
 
 from rbd_model.contact.geometry import thesis_pair
 from rbd_model.contact.profiles import Profile
-from rbd_model.line import ERRI_LOW, GAUGE, Line, arc, irregular, line_of, straight
-from rbd_model.parameters import as_printed, tables_4_1_and_4_2, tables_5_1_and_5_2
 from rbd_model.thesis import mechanism as mechanisms
 from rbd_model.thesis.constraints import quadratic_terms
 from rbd_model.thesis.euler import composed, from_angles, from_matrix, g_bar
@@ -26,7 +24,9 @@ from rbd_model.thesis.mechanism import FIRST_WHEELSET, Answer, Inputs, Mechanism
 from rbd_model.thesis.program import run
 from rbd_model.thesis.rails import STRAIGHT, Rails, SectionRails, SweptRails
 from rbd_model.thesis.surfaces import profile_derivatives
-from rbd_model.track import derivatives_along, section_5_3
+from rbd_model.track.irregularity import derivatives_along, section_5_3
+from rbd_model.track.line import ERRI_LOW, GAUGE, Line, arc, irregular, line_of, straight
+from rbd_model.vehicle.parameters import as_printed, tables_4_1_and_4_2, tables_5_1_and_5_2
 from thesis import correspondence
 from thesis.correspondence import Snapshot, machine_on_line, mechanism_of, reach
 from thesis.test_against_kernel import ACCELERATION_BAND, FORCE_BAND, differences, random_scene

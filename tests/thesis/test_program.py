@@ -9,14 +9,14 @@ import pytest
 
 from fmu_src.kernel import Kernel, KernelError
 from rbd_model.contact.geometry import last_tread_contact, rolling_radius_difference, thesis_pair
-from rbd_model.parameters import as_printed, tables_4_1_and_4_2, tables_5_1_and_5_2
 from rbd_model.thesis import program
 from rbd_model.thesis.euler import norm_error
 from rbd_model.thesis.kinematic_analysis import Wheelset, centred, drive_to, frames_at_rest, rolling, rolling_radii
 from rbd_model.thesis.mechanism import FIRST_WHEELSET, Inputs, Mechanism, State
 from rbd_model.thesis.partition import NoSolutionError, choose
 from rbd_model.thesis.program import run, spin, step
-from rbd_model.track import derivatives_along, section_5_3
+from rbd_model.track.irregularity import derivatives_along, section_5_3
+from rbd_model.vehicle.parameters import as_printed, tables_4_1_and_4_2, tables_5_1_and_5_2
 from thesis.correspondence import fitted_ellipse, machine
 
 #: Bands of docs/checking.md: residual of the constraints [m, 1], norm of the Euler parameters, place of the fold [m].

@@ -17,8 +17,8 @@ import casadi as ca
 
 from fmu_src.chain import Chain, Part
 from fmu_src.system import System, polynomials
+from rbd_model.body.kinematics import turned_by
 from rbd_model.contact.geometry import Pair
-from rbd_model.kinematics import turned_by
 
 LEFT, RIGHT = 1, -1
 SIDES = {LEFT: "left", RIGHT: "right"}

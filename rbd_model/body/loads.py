@@ -9,15 +9,15 @@ from dataclasses import dataclass, field, replace
 import casadi as ca
 
 from fmu_src.system import System
-from rbd_model.assembly import Assembly
-from rbd_model.bodies import MovingBody, move_body
-from rbd_model.connections import NO_LOAD, Effect, Load, along, connect, sum_of
-from rbd_model.kinematics import Body
-from rbd_model.relation import Box, End, Relation, narrow
-from rbd_model.resistance import Resistance
-from rbd_model.track_frame import HERE, Pose, relative
-from rbd_model.vehicle import ANGLES, RigidBody, Wheelset, wheelset_name
-from rbd_model.wheelset import Rolling, add_wheelset_outputs
+from rbd_model.body.bodies import MovingBody, move_body
+from rbd_model.body.connections import NO_LOAD, Effect, Load, along, connect, sum_of
+from rbd_model.body.kinematics import Body
+from rbd_model.body.relation import Box, End, Relation, narrow
+from rbd_model.levels.resistance import Resistance
+from rbd_model.track.frame import HERE, Pose, relative
+from rbd_model.vehicle.assembly import Assembly
+from rbd_model.vehicle.description import ANGLES, RigidBody, Wheelset, wheelset_name
+from rbd_model.wheelset.rotation import Rolling, add_wheelset_outputs
 
 
 def end_of(assembly: Assembly, name: str, data: RigidBody | Wheelset, body: Body) -> End:

@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 import casadi as ca
 
 from fmu_src.system import System
-from rbd_model.assembly import Assembly
-from rbd_model.connections import Load
-from rbd_model.kinematics import Body, axes_rate, pitch_rotation, yaw_roll
-from rbd_model.vehicle import ANGLES, Motion, RigidBody
-from rbd_model.wheelset import (
+from rbd_model.body.connections import Load
+from rbd_model.body.kinematics import Body, axes_rate, pitch_rotation, yaw_roll
+from rbd_model.vehicle.assembly import Assembly
+from rbd_model.vehicle.description import ANGLES, Motion, RigidBody
+from rbd_model.wheelset.rotation import (
     NOMINAL_DISTANCE,
     NOMINAL_SPEED,
     NOMINAL_TRAVEL,

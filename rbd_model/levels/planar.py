@@ -15,11 +15,9 @@ from dataclasses import replace
 import casadi as ca
 
 from fmu_src.system import System
-from rbd_model.adhesion import follow_patch
-from rbd_model.assembly import Assembly, assemble
-from rbd_model.bodies import add_axle_shift, move_along, place_body
-from rbd_model.kinematics import Body
-from rbd_model.motion import (
+from rbd_model.body.bodies import add_axle_shift, move_along, place_body
+from rbd_model.body.kinematics import Body
+from rbd_model.body.loads import (
     add_common_outputs,
     elevation,
     loads_of,
@@ -28,11 +26,13 @@ from rbd_model.motion import (
     pull_first_body,
     react,
 )
-from rbd_model.resistance import add_resistance
-from rbd_model.steady import start_steady
-from rbd_model.track_frame import on_gradient, on_profile
-from rbd_model.vehicle import Motion, Vehicle, wheelset_name
-from rbd_model.wheelset import (
+from rbd_model.levels.resistance import add_resistance
+from rbd_model.levels.steady import start_steady
+from rbd_model.track.frame import on_gradient, on_profile
+from rbd_model.track.friction import follow_patch
+from rbd_model.vehicle.assembly import Assembly, assemble
+from rbd_model.vehicle.description import Motion, Vehicle, wheelset_name
+from rbd_model.wheelset.rotation import (
     Grip,
     Rolling,
     add_hold,

@@ -12,13 +12,16 @@ from typing import TYPE_CHECKING
 import casadi as ca
 
 from fmu_src.system import System
-from rbd_model.assembly import Assembly
-from rbd_model.bodies import add_axle_shift, move_along, start_along
-from rbd_model.connections import Load
+from rbd_model.body.bodies import add_axle_shift, move_along, start_along
+from rbd_model.body.connections import Load
+from rbd_model.body.kinematics import Body, turned_by
 from rbd_model.contact.geometry import flange_of
-from rbd_model.kinematics import Body, turned_by
-from rbd_model.rolling_contact import SIDES, Pieces, end_of_contact, given_to_contact, inside, look_up_profiles
-from rbd_model.rolling_wheelset import (
+from rbd_model.track.frame import TrackFrame
+from rbd_model.track.irregularity import Section
+from rbd_model.vehicle.assembly import Assembly
+from rbd_model.vehicle.description import Wheelset
+from rbd_model.wheelset.rigid_contact import SIDES, Pieces, end_of_contact, given_to_contact, inside, look_up_profiles
+from rbd_model.wheelset.rigid_part import (
     FlangePush,
     LinePieces,
     OnLine,
@@ -28,10 +31,7 @@ from rbd_model.rolling_wheelset import (
     push_flanges,
     rolling_wheelset,
 )
-from rbd_model.track import Section
-from rbd_model.track_frame import TrackFrame
-from rbd_model.vehicle import Wheelset
-from rbd_model.wheelset import (
+from rbd_model.wheelset.rotation import (
     NOMINAL_TRAVEL,
     NOMINAL_TRAVEL_SPEED,
     Grip,
@@ -45,7 +45,7 @@ from rbd_model.wheelset import (
 )
 
 if TYPE_CHECKING:
-    from rbd_model.patched_wheelset import PatchedWheelset
+    from rbd_model.wheelset.elastic import PatchedWheelset
 
 #: Scales of the error control: with tolerance 1e-7, 0.1 nm at the contact, 0.1 nrad of roll and 0.01 N.
 NOMINAL_CONTACT = 1e-3

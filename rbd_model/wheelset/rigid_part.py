@@ -18,11 +18,11 @@ import casadi as ca
 
 from fmu_src.chain import Bundle, Chain, Part, rows
 from fmu_src.system import LINE_COLUMNS, polynomials
+from rbd_model.body.kinematics import axes_rate, direction_cosines, turned_by
 from rbd_model.contact.creep.law import CreepLaw
-from rbd_model.creep_of_wheel import creep_of_wheel, how_it_slides
-from rbd_model.kinematics import axes_rate, direction_cosines, turned_by
-from rbd_model.rolling_contact import SIDES, Pieces, Placement, Wheel, WheelContact, wheel_contact
-from rbd_model.track_frame import LEVEL, Course
+from rbd_model.contact.creep_of_wheel import creep_of_wheel, how_it_slides
+from rbd_model.track.frame import LEVEL, Course
+from rbd_model.wheelset.rigid_contact import SIDES, Pieces, Placement, Wheel, WheelContact, wheel_contact
 
 
 @dataclass(frozen=True)

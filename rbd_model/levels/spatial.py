@@ -14,13 +14,9 @@ from dataclasses import dataclass
 import casadi as ca
 
 from fmu_src.system import System
-from rbd_model.adhesion import follow_patch
-from rbd_model.assembly import Assembly, assemble
-from rbd_model.bodies import place_body
-from rbd_model.contact.depth import ONE_RIGID_CONTACT, Contact
-from rbd_model.endings import warn_of_limits, watch_patches, watch_rigid, wheel_rise
-from rbd_model.kinematics import Body
-from rbd_model.motion import (
+from rbd_model.body.bodies import place_body
+from rbd_model.body.kinematics import Body
+from rbd_model.body.loads import (
     add_common_outputs,
     elevation,
     kinetic_energy,
@@ -30,15 +26,19 @@ from rbd_model.motion import (
     pull_first_body,
     react,
 )
-from rbd_model.patched_wheelset import PatchedWheelset, move_on_patches, place_on_patches
-from rbd_model.resistance import add_davis
-from rbd_model.rolling_contact import SIDES
-from rbd_model.spatial_wheelset import Motion, SpatialWheelset, move_wheelset, place_wheelset
-from rbd_model.steady import start_steady
-from rbd_model.track import Track, with_line
-from rbd_model.track_frame import on_line as frame_on_line
-from rbd_model.vehicle import Vehicle, wheelset_name
-from rbd_model.wheelset import SMALLEST_LOAD, Rolling, at_least
+from rbd_model.contact.depth import ONE_RIGID_CONTACT, Contact
+from rbd_model.levels.endings import warn_of_limits, watch_patches, watch_rigid, wheel_rise
+from rbd_model.levels.resistance import add_davis
+from rbd_model.levels.steady import start_steady
+from rbd_model.track.frame import on_line as frame_on_line
+from rbd_model.track.friction import follow_patch
+from rbd_model.track.irregularity import Track, with_line
+from rbd_model.vehicle.assembly import Assembly, assemble
+from rbd_model.vehicle.description import Vehicle, wheelset_name
+from rbd_model.wheelset.elastic import PatchedWheelset, move_on_patches, place_on_patches
+from rbd_model.wheelset.rigid import Motion, SpatialWheelset, move_wheelset, place_wheelset
+from rbd_model.wheelset.rigid_contact import SIDES
+from rbd_model.wheelset.rotation import SMALLEST_LOAD, Rolling, at_least
 
 WheelsetInSpace = SpatialWheelset | PatchedWheelset
 

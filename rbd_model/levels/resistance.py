@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import casadi as ca
 
 from fmu_src.system import Friction, ParameterSet, System, quantity
-from rbd_model.assembly import Assembly
+from rbd_model.vehicle.assembly import Assembly
 
 #: Von Roeckl (1880): share of the weight times (R - place) [m], and the place [m]; above and below a radius of 300 m.
 WIDE, TIGHT, RADIUS = (0.650, 55.0), (0.500, 30.0), 300.0

@@ -8,9 +8,9 @@ import casadi as ca
 import numpy as np
 
 from fmu_src.system import System
-from rbd_model.assembly import Assembly
-from rbd_model.kinematics import Body, angle_of
-from rbd_model.vehicle import Place
+from rbd_model.body.kinematics import Body, angle_of
+from rbd_model.vehicle.assembly import Assembly
+from rbd_model.vehicle.description import Place
 
 
 @dataclass(frozen=True)

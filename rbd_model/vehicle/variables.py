@@ -6,7 +6,7 @@ import math
 from itertools import product
 
 from fmu_src.system import Variable
-from rbd_model.vehicle import RigidBody, Vehicle
+from rbd_model.vehicle.description import RigidBody, Vehicle
 
 #: What wheelsets are called, by how many there are.
 WORDS = {1: ("leading",), 2: ("leading", "trailing"), 3: ("leading", "middle", "trailing")}

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import casadi as ca
 
-from rbd_model.track_frame import HERE, LEVEL, Pose, TrackFrame
+from rbd_model.track.frame import HERE, LEVEL, Pose, TrackFrame
 
 
 def yaw_roll(yaw: ca.SX, roll: ca.SX) -> ca.SX:

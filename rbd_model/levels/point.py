@@ -14,11 +14,11 @@ from dataclasses import replace
 import casadi as ca
 
 from fmu_src.system import System
-from rbd_model.adhesion import follow_patch
-from rbd_model.assembly import Assembly, assemble
-from rbd_model.resistance import Resistance, add_resistance
-from rbd_model.vehicle import Vehicle
-from rbd_model.wheelset import (
+from rbd_model.levels.resistance import Resistance, add_resistance
+from rbd_model.track.friction import follow_patch
+from rbd_model.vehicle.assembly import Assembly, assemble
+from rbd_model.vehicle.description import Vehicle
+from rbd_model.wheelset.rotation import (
     NOMINAL_DISTANCE,
     NOMINAL_SPEED,
     SMALLEST_LOAD,

@@ -6,12 +6,12 @@ from collections.abc import Sequence
 
 import casadi as ca
 
-from rbd_model.assembly import Assembly
 from rbd_model.contact.geometry import flange_of
-from rbd_model.patched_wheelset import PatchedWheelset
-from rbd_model.rolling_contact import SIDES
-from rbd_model.rolling_wheelset import nadal_limit
-from rbd_model.spatial_wheelset import ENDINGS, SpatialWheelset
+from rbd_model.vehicle.assembly import Assembly
+from rbd_model.wheelset.elastic import PatchedWheelset
+from rbd_model.wheelset.rigid import ENDINGS, SpatialWheelset
+from rbd_model.wheelset.rigid_contact import SIDES
+from rbd_model.wheelset.rigid_part import nadal_limit
 
 
 def watch_rigid(assembly: Assembly, wheelsets: Sequence[SpatialWheelset]) -> None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from rbd_model.vehicle import Place, RigidBody, Size, Vehicle, wheelset_name
+from rbd_model.vehicle.description import Place, RigidBody, Size, Vehicle, wheelset_name
 
 
 @dataclass(frozen=True)

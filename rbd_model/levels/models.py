@@ -7,15 +7,15 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from fmu_src.system import NONE, Model, System, Variable, integration_variables
-from rbd_model import variables
 from rbd_model.contact.depth import DEPTHS, Contact
-from rbd_model.parameters import BogieParameters
-from rbd_model.planar import planar_vehicle
-from rbd_model.point import point_vehicle
-from rbd_model.spatial import spatial_vehicle
-from rbd_model.track import ballasted_track, irregular_track, section_5_3
-from rbd_model.vehicle import Vehicle
-from rbd_model.vehicles import loaded_coal_wagon, passenger_coach, two_axle_bogie, wheelset_under_frame
+from rbd_model.levels.planar import planar_vehicle
+from rbd_model.levels.point import point_vehicle
+from rbd_model.levels.spatial import spatial_vehicle
+from rbd_model.track.irregularity import ballasted_track, irregular_track, section_5_3
+from rbd_model.vehicle import variables
+from rbd_model.vehicle.description import Vehicle
+from rbd_model.vehicle.parameters import BogieParameters
+from rbd_model.vehicle.ready import loaded_coal_wagon, passenger_coach, two_axle_bogie, wheelset_under_frame
 
 #: Local error per step in nominal values, chosen from the pictures of `speed-accuracy`: docs/choosing.md.
 DEFAULT_TOLERANCE = 1e-6

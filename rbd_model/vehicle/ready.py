@@ -3,15 +3,7 @@
 from __future__ import annotations
 
 from rbd_model.contact.geometry import Pair, synthetic_pair, thesis_pair
-from rbd_model.parameters import (
-    BogieParameters,
-    VehicleParameters,
-    coach_with_traction_rods,
-    coal_wagon,
-    tables_4_1_and_4_2,
-    tables_5_1_and_5_2,
-)
-from rbd_model.vehicle import (
+from rbd_model.vehicle.description import (
     DIRECTIONS,
     BumpStop,
     Connection,
@@ -24,6 +16,14 @@ from rbd_model.vehicle import (
     Vehicle,
     Wheelset,
     wheelset_name,
+)
+from rbd_model.vehicle.parameters import (
+    BogieParameters,
+    VehicleParameters,
+    coach_with_traction_rods,
+    coal_wagon,
+    tables_4_1_and_4_2,
+    tables_5_1_and_5_2,
 )
 
 HALF_BASE = Sum((("wheel_base", 0.5),))

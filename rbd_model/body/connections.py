@@ -19,10 +19,10 @@ import casadi as ca
 import numpy as np
 
 from fmu_src.system import Friction
-from rbd_model.assembly import Assembly
-from rbd_model.kinematics import axis_of
-from rbd_model.relation import Relation, Stretch
-from rbd_model.vehicle import (
+from rbd_model.body.kinematics import axis_of
+from rbd_model.body.relation import Relation, Stretch
+from rbd_model.vehicle.assembly import Assembly
+from rbd_model.vehicle.description import (
     ANGLES,
     DIRECTIONS,
     BumpStop,
@@ -32,7 +32,7 @@ from rbd_model.vehicle import (
     Springs,
     Torsion,
 )
-from rbd_model.wheelset import NOMINAL_TRAVEL, NOMINAL_TRAVEL_SPEED
+from rbd_model.wheelset.rotation import NOMINAL_TRAVEL, NOMINAL_TRAVEL_SPEED
 
 #: Travel beyond the last point of a bump stop up to which its last slope goes on [m]; no vehicle gets there.
 BEYOND = 1.0

@@ -9,20 +9,21 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 
-from rbd_model.assembly import Assembly
-from rbd_model.bodies import at_start
-from rbd_model.connections import Load
+from rbd_model.body.bodies import at_start
+from rbd_model.body.connections import Load
+from rbd_model.body.kinematics import Body, axes_rate, direction_cosines, turned_by
 from rbd_model.contact.creep.kalker import smooth_kalker_coefficients
 from rbd_model.contact.elastic import elastic_force
 from rbd_model.contact.geometry import Side, Sides
 from rbd_model.contact.hertz import POISSON_RATIO, moving_ellipse
 from rbd_model.contact.patches import patches_of, stand_on_treads
 from rbd_model.contact.strips_in_c import OF_SEGMENT, wheel_on_strips
-from rbd_model.kinematics import Body, axes_rate, direction_cosines, turned_by
-from rbd_model.pressing_patch import PatchConstants, PatchState, Press, TurningTrack, pressing_patch
-from rbd_model.rolling_contact import SIDES, Placement, Wheel
-from rbd_model.rolling_wheelset import rail_slopes
-from rbd_model.spatial_wheelset import (
+from rbd_model.track.irregularity import Section
+from rbd_model.vehicle.assembly import Assembly
+from rbd_model.vehicle.description import Wheelset
+from rbd_model.vehicle.variables import LARGEST_LATERAL
+from rbd_model.wheelset.pressing_patch import PatchConstants, PatchState, Press, TurningTrack, pressing_patch
+from rbd_model.wheelset.rigid import (
     END_MARGIN,
     NOMINAL_ROLL,
     Carried,
@@ -32,12 +33,11 @@ from rbd_model.spatial_wheelset import (
     push_wheelset,
     stand_on_track,
 )
-from rbd_model.touching_patch import Nearest, direction_of, look_up_patch
-from rbd_model.track import Section
-from rbd_model.variables import LARGEST_LATERAL
-from rbd_model.vehicle import Wheelset
-from rbd_model.wheelset import NOMINAL_TRAVEL_SPEED
-from rbd_model.yielding_track import Give, add_give, press_rails
+from rbd_model.wheelset.rigid_contact import SIDES, Placement, Wheel
+from rbd_model.wheelset.rigid_part import rail_slopes
+from rbd_model.wheelset.rotation import NOMINAL_TRAVEL_SPEED
+from rbd_model.wheelset.touching_patch import Nearest, direction_of, look_up_patch
+from rbd_model.wheelset.yielding_rails import Give, add_give, press_rails
 
 #: How far a patch may be from its rail and still be looked at [m]: more than its nearest point without yaw errs by.
 NEAR = 0.5e-3

@@ -9,12 +9,12 @@ from dataclasses import dataclass
 import casadi as ca
 
 from fmu_src.system import Friction, System
-from rbd_model.assembly import Assembly
 from rbd_model.contact.creep.kalker import kalker_coefficients
 from rbd_model.contact.creep.law import creepage
 from rbd_model.contact.creep.polach import saturated
 from rbd_model.contact.hertz import ellipse_shape
-from rbd_model.vehicle import Wheelset
+from rbd_model.vehicle.assembly import Assembly
+from rbd_model.vehicle.description import Wheelset
 
 #: Used where a trial step would ask for the contact of a wheel that carries nothing; a run ends before (wheel lift).
 SMALLEST_LOAD = 1.0

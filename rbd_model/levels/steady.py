@@ -11,9 +11,9 @@ from collections.abc import Iterable
 import casadi as ca
 
 from fmu_src.system import SteadyStart
-from rbd_model import variables
-from rbd_model.assembly import Assembly
-from rbd_model.kinematics import Body
+from rbd_model.body.kinematics import Body
+from rbd_model.vehicle import variables
+from rbd_model.vehicle.assembly import Assembly
 
 #: Turning [rad/m] and lean [1] of the track up to which it counts as straight and level: at R 10 000 km and 50 m/s
 #: 0.25 mm/s2 push outwards, and a body of 19 m between its bogies lies 5 um beside the track.

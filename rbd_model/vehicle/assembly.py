@@ -8,13 +8,13 @@ from dataclasses import dataclass, field
 import casadi as ca
 
 from fmu_src.system import System, Variable
-from rbd_model import variables
-from rbd_model.adhesion import Rail, add_rail
 from rbd_model.contact.depth import ONE_RIGID_CONTACT, Contact
-from rbd_model.statics import Statics, statics
-from rbd_model.track import ballasted_track
-from rbd_model.track_frame import LEVEL, TrackFrame
-from rbd_model.vehicle import Size, Vehicle, Wheelset, size_of, wheelset_name
+from rbd_model.track.frame import LEVEL, TrackFrame
+from rbd_model.track.friction import Rail, add_rail
+from rbd_model.track.irregularity import ballasted_track
+from rbd_model.vehicle import variables
+from rbd_model.vehicle.description import Size, Vehicle, Wheelset, size_of, wheelset_name
+from rbd_model.vehicle.statics import Statics, statics
 
 
 class Declared(dict[str, ca.SX]):

@@ -1,0 +1,1 @@
+"""Rigid bodies, how they move, and what connects them."""

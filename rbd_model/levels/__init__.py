@@ -1,0 +1,1 @@
+"""The levels of detail, and what they share."""

@@ -1,0 +1,1 @@
+"""What a vehicle runs on: the axes of the track, the line, irregularities, friction along it."""

@@ -1,0 +1,1 @@
+"""Vehicles as data: their description, the ready ones, parameters with their sources, what rests on what."""
