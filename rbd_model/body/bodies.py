@@ -12,13 +12,7 @@ from rbd_model.body.connections import Load
 from rbd_model.body.kinematics import Body, axes_rate, pitch_rotation, yaw_roll
 from rbd_model.vehicle.assembly import Assembly
 from rbd_model.vehicle.description import ANGLES, Motion, RigidBody
-from rbd_model.wheelset.rotation import (
-    NOMINAL_DISTANCE,
-    NOMINAL_SPEED,
-    NOMINAL_TRAVEL,
-    NOMINAL_TRAVEL_SPEED,
-    follow_creep,
-)
+from rbd_model.vehicle.scales import NOMINAL_DISTANCE, NOMINAL_SPEED, NOMINAL_TRAVEL, NOMINAL_TRAVEL_SPEED
 
 
 @dataclass(frozen=True)
@@ -142,14 +136,6 @@ def add_shift(assembly: Assembly, name: str, speed_name: str | None = None) -> t
     shift = system.state(name, "m", 0.0, NOMINAL_TRAVEL)
     shift_speed = system.state(speed_name, "m/s", 0.0, NOMINAL_TRAVEL_SPEED)
     return shift, assembly.speed + shift_speed
-
-
-def add_axle_shift(assembly: Assembly, number: int) -> tuple[ca.SX, ca.SX]:
-    """The same for an axle (section 5.2), whose creep the steps must follow."""
-    names = f"shift_{number}", f"shift_speed_{number}"
-    shift, speed = add_shift(assembly, *names)
-    follow_creep(assembly, speed, f"{assembly.vehicle.bodies[0].name}_speed", names[1])
-    return shift, speed
 
 
 def move_along(assembly: Assembly, body: Body, shift: str = "") -> None:

@@ -32,7 +32,7 @@ from rbd_model.vehicle.description import (
     Springs,
     Torsion,
 )
-from rbd_model.wheelset.rotation import NOMINAL_TRAVEL, NOMINAL_TRAVEL_SPEED
+from rbd_model.vehicle.scales import NOMINAL_TRAVEL, NOMINAL_TRAVEL_SPEED
 
 #: Travel beyond the last point of a bump stop up to which its last slope goes on [m]; no vehicle gets there.
 BEYOND = 1.0

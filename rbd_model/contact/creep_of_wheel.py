@@ -8,10 +8,9 @@ import casadi as ca
 
 from fmu_src.chain import Chain, Part
 from rbd_model.contact.creep.kalker import smooth_kalker_coefficients
-from rbd_model.contact.creep.law import ContactPatch, CreepLaw
+from rbd_model.contact.creep.law import SMALLEST_FRICTION, SMALLEST_LOAD, ContactPatch, CreepLaw, at_least
+from rbd_model.contact.friction import Surface
 from rbd_model.contact.hertz import moving_ellipse
-from rbd_model.track.friction import Surface
-from rbd_model.wheelset.rotation import SMALLEST_FRICTION, SMALLEST_LOAD, at_least
 
 #: Smallest sliding speed that is told from none [m/s]; the falling friction is smooth through zero on this scale.
 SLIDING_FLOOR = 1e-9

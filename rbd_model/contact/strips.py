@@ -21,7 +21,7 @@ from rbd_model.contact.strip_creep import Creepages, creep_forces
 
 
 @dataclass(frozen=True)
-class Motion:
+class WheelVelocity:
     """Of a wheelset, in the axes of the stand: velocity of its centre [m/s], ahead above 0, and rotation [rad/s].
 
     Rotation about an axis counts as in right-handed axes of a left wheel; the right one is its mirror image.
@@ -31,19 +31,21 @@ class Motion:
     rotation: tuple[float, float, float]
 
 
-def motion_of(side: int, velocity: tuple[float, float, float], rotation: tuple[float, float, float]) -> Motion:
+def motion_of(side: int, velocity: tuple[float, float, float], rotation: tuple[float, float, float]) -> WheelVelocity:
     """The motion in the track's axes of section 3.2 (ahead, left, up), seen from the LEFT or the RIGHT wheel."""
-    return Motion((velocity[0], side * velocity[1], velocity[2]), (side * rotation[0], rotation[1], side * rotation[2]))
+    return WheelVelocity(
+        (velocity[0], side * velocity[1], velocity[2]), (side * rotation[0], rotation[1], side * rotation[2])
+    )
 
 
-def rolling(stand: Stand, speed: float, pitch_rate: float) -> Motion:
+def rolling(stand: Stand, speed: float, pitch_rate: float) -> WheelVelocity:
     """Straight ahead, turning about its axle alone, whose direction is that of section 3.2's yaw and roll."""
     sin_yaw, cos_yaw = np.sin(stand.yaw), np.cos(stand.yaw)
     axle = (-sin_yaw * np.cos(stand.roll), cos_yaw * np.cos(stand.roll), np.sin(stand.roll))
-    return Motion((speed, 0.0, 0.0), (pitch_rate * axle[0], pitch_rate * axle[1], pitch_rate * axle[2]))
+    return WheelVelocity((speed, 0.0, 0.0), (pitch_rate * axle[0], pitch_rate * axle[1], pitch_rate * axle[2]))
 
 
-def creepages_of(strips: Strips, motion: Motion) -> Creepages:
+def creepages_of(strips: Strips, motion: WheelVelocity) -> Creepages:
     """Velocity of the wheel's surface over the speed, at each strip along its own tangent plane, eqs (2.3), (3.89)."""
     speed = motion.velocity[0]
     sliding = np.array(motion.velocity)[:, None] + np.cross(motion.rotation, strips.arm.T).T

@@ -15,12 +15,12 @@ import numpy as np
 from scipy.special import ellipe, ellipkm1
 
 from fmu_src.chain import Part, part_in_c
+from rbd_model.contact.friction import GAUGE_FACE_BEGINS, HEAD_ENDS
 from rbd_model.contact.geometry import Side
 from rbd_model.contact.normal import ellipses
 from rbd_model.contact.patches import patches_of
 from rbd_model.contact.profiles import Profile
 from rbd_model.contact.strip_creep import coefficients
-from rbd_model.track.friction import GAUGE_FACE_BEGINS, HEAD_ENDS
 
 #: Numbers that the part takes: a `PatchState` but for its nearest point; a `Wheel`, the `surroundings` of
 #: patched_wheelset.py but for the slip reduction, which FASTSIM has none of, Poisson's ratio and whether creepage is

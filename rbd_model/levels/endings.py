@@ -8,13 +8,14 @@ import casadi as ca
 
 from rbd_model.contact.geometry import flange_of
 from rbd_model.vehicle.assembly import Assembly
-from rbd_model.wheelset.elastic import PatchedWheelset
-from rbd_model.wheelset.rigid import ENDINGS, SpatialWheelset
-from rbd_model.wheelset.rigid_contact import SIDES
+from rbd_model.wheelset.elastic import ElasticWheelset
+from rbd_model.wheelset.in_space import WheelsetOnRails
+from rbd_model.wheelset.rigid import ENDINGS, RigidWheelset
 from rbd_model.wheelset.rigid_part import nadal_limit
+from rbd_model.wheelset.touch import SIDES
 
 
-def watch_rigid(assembly: Assembly, wheelsets: Sequence[SpatialWheelset]) -> None:
+def watch_rigid(assembly: Assembly, wheelsets: Sequence[RigidWheelset]) -> None:
     """Ends and warnings of rigid contacts (section 9.4.1), and an observable of how well their constraints hold."""
     system = assembly.system
     gaps = [system.derivatives[f"roll_{wheelset.number}"] for wheelset in wheelsets]
@@ -23,7 +24,7 @@ def watch_rigid(assembly: Assembly, wheelsets: Sequence[SpatialWheelset]) -> Non
     warn_of_climbing(assembly, wheelsets)
 
 
-def add_ends(assembly: Assembly, wheelsets: Sequence[SpatialWheelset]) -> None:
+def add_ends(assembly: Assembly, wheelsets: Sequence[RigidWheelset]) -> None:
     """Where the model ends: a tread contact reaches its fold (section 9.4.1) or an end, or a wheel carries nothing."""
     system = assembly.system
     for wheelset in wheelsets:
@@ -44,7 +45,7 @@ def add_ends(assembly: Assembly, wheelsets: Sequence[SpatialWheelset]) -> None:
             )
 
 
-def warn_of_climbing(assembly: Assembly, wheelsets: Sequence[SpatialWheelset]) -> None:
+def warn_of_climbing(assembly: Assembly, wheelsets: Sequence[RigidWheelset]) -> None:
     """Limit of Y/Q after Nadal (1896) for a wheel whose flange touches, with the friction of the gauge face.
 
     As a margin of forces, which needs no load to divide by.
@@ -72,7 +73,7 @@ CLIMBED = 5e-3
 COUNTED = 1e-4
 
 
-def wheel_rise(assembly: Assembly, wheelset: SpatialWheelset | PatchedWheelset, index: int) -> ca.SX:
+def wheel_rise(assembly: Assembly, wheelset: WheelsetOnRails, index: int) -> ca.SX:
     """How much higher over its rail the left (0) or right wheel (1) stands than on its tread at rest [m], (3.1).
 
     Told by where the nominal radius has its lowest point: how far the wheel has climbed or lifted (section 9.4.1).
@@ -83,7 +84,7 @@ def wheel_rise(assembly: Assembly, wheelset: SpatialWheelset | PatchedWheelset, 
     return wheelset.body.position[2] + lowest - wheelset.rail_heights[index]
 
 
-def watch_patches(assembly: Assembly, wheelsets: Sequence[PatchedWheelset]) -> None:
+def watch_patches(assembly: Assembly, wheelsets: Sequence[ElasticWheelset]) -> None:
     """A wheel that runs off its profile ends the run; one that climbs or lifts goes on, and is told of (section 9.4.1).
 
     It climbs while the steepest part of its flange bears on the rail and nothing else does, which is told as it begins
@@ -108,7 +109,7 @@ def watch_patches(assembly: Assembly, wheelsets: Sequence[PatchedWheelset]) -> N
             system.warn_when_negative(ca.if_else(flange > 0, 1, tread), lifted)
 
 
-def end_on_patches(assembly: Assembly, wheelset: PatchedWheelset, index: int) -> None:
+def end_on_patches(assembly: Assembly, wheelset: ElasticWheelset, index: int) -> None:
     """Where the profiles of the left (0) or right wheel (1) and its rail end (section 9.4.1).
 
     The tip of a flange comes up to the rail's head in two ways: towards that rail, where the wheel has climbed, or away
@@ -117,7 +118,7 @@ def end_on_patches(assembly: Assembly, wheelset: PatchedWheelset, index: int) ->
     side, other = list(SIDES.values())[index], list(SIDES.values())[1 - index]
     name, kept = f"the {side} wheel of wheelset {wheelset.number}", "at %s s; results up to there are kept."
     tread, flange = ca.vertsplit(wheelset.lost[index])
-    towards = list(SIDES)[index] * wheelset.offset > 0
+    towards = list(SIDES)[index] * wheelset.on.offset > 0
     tipped = f"wheelset {wheelset.number} tipped over its {other} wheel and lifted the {side} one off its rail"
     endings = {
         f"Derailed: {name} ran off the end of its tread or of the rail's head {kept}": tread,
@@ -128,7 +129,7 @@ def end_on_patches(assembly: Assembly, wheelset: PatchedWheelset, index: int) ->
         assembly.system.end_when_negative(margin, sentence)
 
 
-def warn_of_tipping(assembly: Assembly, wheelsets: Sequence[PatchedWheelset], index: int) -> None:
+def warn_of_tipping(assembly: Assembly, wheelsets: Sequence[ElasticWheelset], index: int) -> None:
     """Says when all left (0) or right wheels (1) are CLIMBED above their rails and none bears: the vehicle tips over.
 
     Statics, as in EN 14067-6 (2018): it does where the resultant of weight and lateral forces passes outside of the
@@ -151,7 +152,7 @@ def warn_of_tipping(assembly: Assembly, wheelsets: Sequence[PatchedWheelset], in
 QUOTIENT_LIMIT, GUIDING_LIMIT, GUIDING_SHARE = 0.8, 10e3, 1 / 3
 
 
-def warn_of_limits(assembly: Assembly, wheelsets: Sequence[SpatialWheelset | PatchedWheelset]) -> None:
+def warn_of_limits(assembly: Assembly, wheelsets: Sequence[WheelsetOnRails]) -> None:
     """Limits of EN 14363 (2016) as warnings, where running_safety_warnings asks for them.
 
     Of instantaneous values: the standard takes them over 2 m of track and in percentiles, which are milder.

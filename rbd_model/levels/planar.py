@@ -15,33 +15,18 @@ from dataclasses import replace
 import casadi as ca
 
 from fmu_src.system import System
-from rbd_model.body.bodies import add_axle_shift, move_along, place_body
+from rbd_model.body.bodies import move_along, place_body
 from rbd_model.body.kinematics import Body
-from rbd_model.body.loads import (
-    add_common_outputs,
-    elevation,
-    loads_of,
-    move_bodies,
-    observe_energy,
-    pull_first_body,
-    react,
-)
+from rbd_model.body.loads import loads_of
+from rbd_model.levels.common import add_common_outputs, elevation, move_bodies, observe_energy, pull_first_body, react
 from rbd_model.levels.resistance import add_resistance
 from rbd_model.levels.steady import start_steady
 from rbd_model.track.frame import on_gradient, on_profile
 from rbd_model.track.friction import follow_patch
 from rbd_model.vehicle.assembly import Assembly, assemble
 from rbd_model.vehicle.description import Motion, Vehicle, wheelset_name
-from rbd_model.wheelset.rotation import (
-    Grip,
-    Rolling,
-    add_hold,
-    centred_load,
-    creep_on_level_rail,
-    roll_on_level_rail,
-    stand_still,
-    traction_force,
-)
+from rbd_model.wheelset.level_rail import centred_load, creep_on_level_rail, roll_on_level_rail
+from rbd_model.wheelset.rotation import Grip, RollingWheelset, add_axle_shift, add_hold, stand_still, traction_force
 
 OUT_OF_PLANE: frozenset[Motion] = frozenset({"lateral", "roll", "yaw"})
 
@@ -91,7 +76,7 @@ def planar_vehicle(vehicle: Vehicle, on_line: bool = False) -> System:
     return system
 
 
-def roll_under_load(assembly: Assembly, number: int, axle: Body, pull: ca.SX) -> tuple[Rolling, ca.SX]:
+def roll_under_load(assembly: Assembly, number: int, axle: Body, pull: ca.SX) -> tuple[RollingWheelset, ca.SX]:
     """A wheelset under what its suspension carries, eq. (2.8), and its acceleration along the track [m/s2].
 
     pull [N]: of its suspension on it.

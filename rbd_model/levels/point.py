@@ -14,25 +14,19 @@ from dataclasses import replace
 import casadi as ca
 
 from fmu_src.system import System
+from rbd_model.contact.creep.law import SMALLEST_LOAD, at_least
 from rbd_model.levels.resistance import Resistance, add_resistance
 from rbd_model.track.friction import follow_patch
 from rbd_model.vehicle.assembly import Assembly, assemble
 from rbd_model.vehicle.description import Vehicle
+from rbd_model.vehicle.scales import NOMINAL_DISTANCE, NOMINAL_SPEED
+from rbd_model.wheelset.level_rail import CentredLoad, Creeping, centred_load, creep_on_level_rail, roll_on_level_rail
 from rbd_model.wheelset.rotation import (
-    NOMINAL_DISTANCE,
-    NOMINAL_SPEED,
-    SMALLEST_LOAD,
-    CentredLoad,
-    Creeping,
     Grip,
     Hold,
     add_hold,
     add_wheelset_outputs,
-    at_least,
-    centred_load,
-    creep_on_level_rail,
     follow_creep,
-    roll_on_level_rail,
     stand_still,
     traction_force,
 )

@@ -16,17 +16,18 @@ import casadi as ca
 from fmu_src.system import System
 from rbd_model.body.bodies import place_body
 from rbd_model.body.kinematics import Body
-from rbd_model.body.loads import (
+from rbd_model.body.loads import loads_of
+from rbd_model.contact.creep.law import SMALLEST_LOAD, at_least
+from rbd_model.contact.depth import ONE_RIGID_CONTACT, Contact
+from rbd_model.levels.common import (
     add_common_outputs,
     elevation,
     kinetic_energy,
-    loads_of,
     move_bodies,
     observe_energy,
     pull_first_body,
     react,
 )
-from rbd_model.contact.depth import ONE_RIGID_CONTACT, Contact
 from rbd_model.levels.endings import warn_of_limits, watch_patches, watch_rigid, wheel_rise
 from rbd_model.levels.resistance import add_davis
 from rbd_model.levels.steady import start_steady
@@ -35,12 +36,11 @@ from rbd_model.track.friction import follow_patch
 from rbd_model.track.irregularity import Track, with_line
 from rbd_model.vehicle.assembly import Assembly, assemble
 from rbd_model.vehicle.description import Vehicle, wheelset_name
-from rbd_model.wheelset.elastic import PatchedWheelset, move_on_patches, place_on_patches
-from rbd_model.wheelset.rigid import Motion, SpatialWheelset, move_wheelset, place_wheelset
-from rbd_model.wheelset.rigid_contact import SIDES
-from rbd_model.wheelset.rotation import SMALLEST_LOAD, Rolling, at_least
-
-WheelsetInSpace = SpatialWheelset | PatchedWheelset
+from rbd_model.wheelset.elastic import move_elastic, place_elastic
+from rbd_model.wheelset.in_space import WheelsetMotion, WheelsetOnRails
+from rbd_model.wheelset.rigid import move_rigid, place_rigid
+from rbd_model.wheelset.rotation import RollingWheelset
+from rbd_model.wheelset.touch import SIDES
 
 
 @dataclass(frozen=True)
@@ -51,17 +51,17 @@ class Standing:
     """
 
     name: str
-    place: Callable[..., WheelsetInSpace]
-    move: Callable[..., Motion]
+    place: Callable[..., WheelsetOnRails]
+    move: Callable[..., WheelsetMotion]
     watch: Callable[..., None]
     settles: bool
 
 
 #: By the depth of contact.
 STANDING = {
-    1: Standing("spatial", place_wheelset, move_wheelset, watch_rigid, False),
-    2: Standing("spatial_patches", place_on_patches, move_on_patches, watch_patches, True),
-    3: Standing("spatial_strips", place_on_patches, move_on_patches, watch_patches, True),
+    1: Standing("spatial", place_rigid, move_rigid, watch_rigid, False),
+    2: Standing("spatial_patches", place_elastic, move_elastic, watch_patches, True),
+    3: Standing("spatial_strips", place_elastic, move_elastic, watch_patches, True),
 }
 
 
@@ -134,21 +134,21 @@ def observe_places(assembly: Assembly, bodies: Mapping[str, Body]) -> None:
         assembly.system.observe(f"{name}_heading", "rad", plan.turned + ca.atan2(forward[1], forward[0]))
 
 
-def rolling_of(wheelset: WheelsetInSpace, motion: Motion) -> Rolling:
+def rolling_of(wheelset: WheelsetOnRails, motion: WheelsetMotion) -> RollingWheelset:
     """A wheelset in space as every level has it: sums of its two wheels, (3.35)."""
-    body, (creep_along, creep_power) = wheelset.body, wheelset.creep
-    along, load, power = (ca.sum1(both) for both in (creep_along, wheelset.loads, creep_power))
-    return Rolling(wheelset.number, wheelset.data, motion.rotation, body.velocity[0], along + motion.held, load, power)
+    along, load, power = (ca.sum1(both) for both in (wheelset.creep_along, wheelset.loads, wheelset.creep_powers))
+    forward = wheelset.body.velocity[0]
+    return RollingWheelset(wheelset.number, wheelset.data, motion.rotation, forward, along + motion.held, load, power)
 
 
-def add_outputs(assembly: Assembly, wheelsets: Sequence[WheelsetInSpace]) -> None:
+def add_outputs(assembly: Assembly, wheelsets: Sequence[WheelsetOnRails]) -> None:
     """Outputs that only this level has; the derailment quotient is that of section 9.4.1."""
     system = assembly.system
     rows: dict[str, ca.SX] = {"derailed": ca.SX(0)}
     for wheelset in wheelsets:
         number = wheelset.number
-        rows[f"lateral_{number}"] = wheelset.offset
-        rows[f"yaw_{number}"] = wheelset.yaw
+        rows[f"lateral_{number}"] = wheelset.on.offset
+        rows[f"yaw_{number}"] = wheelset.on.yaw
         rows[f"flange_force_{number}"] = wheelset.flange_force
         for index, side in enumerate(SIDES.values()):
             load, thrust = wheelset.loads[index], wheelset.thrusts[index]
@@ -163,7 +163,7 @@ def add_outputs(assembly: Assembly, wheelsets: Sequence[WheelsetInSpace]) -> Non
 
 
 def own_energies(
-    assembly: Assembly, wheelsets: Sequence[WheelsetInSpace], motions: Sequence[Motion]
+    assembly: Assembly, wheelsets: Sequence[WheelsetOnRails], motions: Sequence[WheelsetMotion]
 ) -> dict[str, ca.SX]:
     """Energies of the wheelsets and the rails below them [J] and power of the yaw torques [W], for section 2.4."""
     kinetic, potential, brake, damping = ca.SX(0), ca.SX(0), ca.SX(0), ca.SX(0)

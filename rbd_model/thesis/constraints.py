@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rbd_model.thesis.euler import cross
-from rbd_model.thesis.forces import Motion
+from rbd_model.thesis.forces import BodyMotion
 from rbd_model.thesis.surfaces import RailSurface, Surface
 
 #: Equations of one contact: three for the point (3.54), two for the orientation (3.57).
@@ -24,7 +24,7 @@ class SubJacobian:
     rail_parameters: np.ndarray
 
 
-def residual(i: Motion, j: Motion, wheel: Surface, rail: RailSurface) -> np.ndarray:
+def residual(i: BodyMotion, j: BodyMotion, wheel: Surface, rail: RailSurface) -> np.ndarray:
     """C (5,): the same point (3.46), (3.47), (3.54)-(3.56) [m], and one normal (3.52), (3.53), (3.57), (3.58)."""
     out = np.empty(EQUATIONS)
     out[:3] = i.point(wheel.point) - j.point(rail.point)
@@ -32,7 +32,7 @@ def residual(i: Motion, j: Motion, wheel: Surface, rail: RailSurface) -> np.ndar
     return out
 
 
-def sub_jacobian(i: Motion, j: Motion, wheel: Surface, rail: RailSurface) -> SubJacobian:
+def sub_jacobian(i: BodyMotion, j: BodyMotion, wheel: Surface, rail: RailSurface) -> SubJacobian:
     """C_q and C_s, eqs (3.61)-(3.65), as derived in Appendix I.
 
     v^T w~ is written as (v x w)^T.
@@ -67,7 +67,7 @@ def _skew_times(v: np.ndarray, matrix: np.ndarray) -> np.ndarray:
 
 
 def quadratic_terms(
-    i: Motion, j: Motion, wheel: Surface, rail: RailSurface, rates: tuple[np.ndarray, np.ndarray]
+    i: BodyMotion, j: BodyMotion, wheel: Surface, rail: RailSurface, rates: tuple[np.ndarray, np.ndarray]
 ) -> np.ndarray:
     """Q_d (5,): what is left of the second derivative of C without accelerations, eqs (3.69)-(3.72).
 
@@ -97,11 +97,11 @@ def _twice(derivative: np.ndarray, rates: np.ndarray) -> np.ndarray:
     return (derivative @ rates) @ rates
 
 
-def _first(body: Motion, vector: np.ndarray, rate: np.ndarray) -> np.ndarray:
+def _first(body: BodyMotion, vector: np.ndarray, rate: np.ndarray) -> np.ndarray:
     """Rate of A v when v changes in body axes at `rate`."""
     return body.axes @ (cross(body.omega, vector) + rate)
 
 
-def _second(body: Motion, vector: np.ndarray, rate: np.ndarray, bend: np.ndarray) -> np.ndarray:
+def _second(body: BodyMotion, vector: np.ndarray, rate: np.ndarray, bend: np.ndarray) -> np.ndarray:
     """Second derivative of A v without the angular acceleration, eqs (3.15)-(3.19), and with `bend` for that of v."""
     return body.axes @ (cross(body.omega, cross(body.omega, vector) + 2.0 * rate) + bend)

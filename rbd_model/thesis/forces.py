@@ -10,7 +10,7 @@ from rbd_model.thesis.euler import cross, g_bar, rotation_matrix
 
 
 @dataclass(frozen=True)
-class Motion:
+class BodyMotion:
     """Where a body is and how it moves: R (3.3), A, G bar, and velocities; omega in body axes."""
 
     position: np.ndarray
@@ -22,10 +22,10 @@ class Motion:
     omega: np.ndarray
 
     @staticmethod
-    def of(q: np.ndarray, q_rate: np.ndarray) -> Motion:
+    def of(q: np.ndarray, q_rate: np.ndarray) -> BodyMotion:
         """From the seven generalised coordinates of the body and their rates."""
         g = g_bar(q[3:])
-        return Motion(q[:3], q[3:], rotation_matrix(q[3:]), g, q_rate[:3], q_rate[3:], g @ q_rate[3:])
+        return BodyMotion(q[:3], q[3:], rotation_matrix(q[3:]), g, q_rate[:3], q_rate[3:], g @ q_rate[3:])
 
     def point(self, place: np.ndarray) -> np.ndarray:
         """Position of the point `place` (3.4) given in body axes, eq. (3.1)."""
@@ -36,7 +36,7 @@ class Motion:
         return self.velocity + self.axes @ cross(self.omega, place)
 
 
-def of_force(body: Motion, force: np.ndarray, place: np.ndarray) -> np.ndarray:
+def of_force(body: BodyMotion, force: np.ndarray, place: np.ndarray) -> np.ndarray:
     """Generalised force (7,) of a force in inertial axes [N] on the point `place`, eqs (3.29)-(3.35).
 
     -(A u~ G)^T F is written as G^T (u x A^T F).
@@ -44,18 +44,18 @@ def of_force(body: Motion, force: np.ndarray, place: np.ndarray) -> np.ndarray:
     return np.concatenate([force, body.g.T @ cross(place, body.axes.T @ force)])
 
 
-def of_moment(body: Motion, moment: np.ndarray) -> np.ndarray:
+def of_moment(body: BodyMotion, moment: np.ndarray) -> np.ndarray:
     """Generalised force of a moment in inertial axes [N.m], first part of eq. (3.36); G = A G bar."""
     return of_body_moment(body, body.axes.T @ moment)
 
 
-def of_body_moment(body: Motion, moment: np.ndarray) -> np.ndarray:
+def of_body_moment(body: BodyMotion, moment: np.ndarray) -> np.ndarray:
     """The same for a moment in the axes of the body, which turn with it: (3.36) with G bar."""
     return np.concatenate([np.zeros(3), body.g.T @ moment])
 
 
 def spring_damper(
-    i: Motion, place_i: np.ndarray, j: Motion, place_j: np.ndarray, law: tuple[float, float, float]
+    i: BodyMotion, place_i: np.ndarray, j: BodyMotion, place_j: np.ndarray, law: tuple[float, float, float]
 ) -> tuple[np.ndarray, np.ndarray]:
     """Generalised forces on both bodies of an element along the line between two points, eqs (3.37)-(3.42).
 
@@ -71,7 +71,7 @@ def spring_damper(
 
 
 def torsional_spring_damper(
-    i: Motion, j: Motion, axis: np.ndarray, angle: float, law: tuple[float, float]
+    i: BodyMotion, j: BodyMotion, axis: np.ndarray, angle: float, law: tuple[float, float]
 ) -> tuple[np.ndarray, np.ndarray]:
     """Generalised forces of a torsional element about `axis` (inertial axes), eqs (3.43)-(3.45).
 
@@ -84,9 +84,9 @@ def torsional_spring_damper(
 
 
 def axle_box(
-    wheelset: Motion,
+    wheelset: BodyMotion,
     place: np.ndarray,
-    frame: Motion,
+    frame: BodyMotion,
     place_in_frame: np.ndarray,
     law: tuple[np.ndarray, np.ndarray, float],
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -117,9 +117,9 @@ def axle_box(
 
 
 def between_frames(
-    lower: Motion,
+    lower: BodyMotion,
     place: np.ndarray,
-    upper: Motion,
+    upper: BodyMotion,
     place_in_upper: np.ndarray,
     law: tuple[np.ndarray, np.ndarray, float],
 ) -> tuple[np.ndarray, np.ndarray]:

@@ -14,7 +14,7 @@ from rbd_model.contact.geometry import Pair
 from rbd_model.thesis.constraints import EQUATIONS, quadratic_terms, residual, sub_jacobian
 from rbd_model.thesis.creep import EllipseLaw, flange_force, hertz_ellipse, polach
 from rbd_model.thesis.euler import cross, mass_matrix, norm_error, quadratic_velocity
-from rbd_model.thesis.forces import Motion, axle_box, between_frames, of_body_moment, of_force
+from rbd_model.thesis.forces import BodyMotion, axle_box, between_frames, of_body_moment, of_force
 from rbd_model.thesis.layout import bogie_layout, inertia, vehicle_layout
 from rbd_model.thesis.rails import STRAIGHT, Distance, Rails, Section
 from rbd_model.thesis.surfaces import ORDERS, RailSurface, Surface, wheel_surface
@@ -78,8 +78,8 @@ class Touch:
     """One contact: the bodies' motions and surfaces at it."""
 
     number: int
-    wheel_body: Motion
-    rail_body: Motion
+    wheel_body: BodyMotion
+    rail_body: BodyMotion
     wheel: Surface
     rail: RailSurface
     radius: np.ndarray  # r and its derivatives by the position on the profile
@@ -171,11 +171,11 @@ class Mechanism:
         shifts = self.shifts(distance)
         return np.column_stack([shifts[:, 0] + side * shifts[:, 3], shifts[:, 2 if side < 0 else 1]])
 
-    def motions(self, q: np.ndarray, q_rate: np.ndarray) -> list[Motion]:
+    def motions(self, q: np.ndarray, q_rate: np.ndarray) -> list[BodyMotion]:
         """Motions of all bodies from their coordinates and rates, shapes (q_count,)."""
-        return [Motion.of(q[self.body(n)], q_rate[self.body(n)]) for n in range(self.bodies)]
+        return [BodyMotion.of(q[self.body(n)], q_rate[self.body(n)]) for n in range(self.bodies)]
 
-    def touches(self, motions: Sequence[Motion], s: np.ndarray) -> list[Touch]:
+    def touches(self, motions: Sequence[BodyMotion], s: np.ndarray) -> list[Touch]:
         """All contacts: right and left rail with the wheels of each wheelset."""
         made = []
         half, rail_half = self.pair.wheel_half_distance, self.pair.rail_half_distance
@@ -238,7 +238,7 @@ class Mechanism:
             out[-1] = -self.speed
         return out
 
-    def quadratic(self, motions: Sequence[Motion], touches: Sequence[Touch], s_rate: np.ndarray) -> np.ndarray:
+    def quadratic(self, motions: Sequence[BodyMotion], touches: Sequence[Touch], s_rate: np.ndarray) -> np.ndarray:
         """Q_d, shape (equations,), eq. (3.72)."""
         out = np.zeros(self.equations)
         out[: self.bodies] = [-2.0 * float(body.theta_rate @ body.theta_rate) for body in motions]
@@ -256,7 +256,7 @@ class Mechanism:
 
     # -- forces --------------------------------------------------------------------------------------------------
 
-    def applied(self, state: State, inputs: Inputs, motions: Sequence[Motion]) -> np.ndarray:
+    def applied(self, state: State, inputs: Inputs, motions: Sequence[BodyMotion]) -> np.ndarray:
         """Q_e + Q_v of (3.73), (3.76) without creep forces, shape (q_count,)."""
         p = self.parameters
         q = np.zeros(self.q_count)
@@ -277,12 +277,12 @@ class Mechanism:
         self.suspend(q, motions)
         return q
 
-    def there(self, body: Motion) -> tuple[Distance, Section]:
+    def there(self, body: BodyMotion) -> tuple[Distance, Section]:
         """Where along the line a body (3.3) is, and the line there."""
         at = self.rails.distance(body.position)
         return at, self.rails.section(at.value)
 
-    def flange(self, body: Motion) -> np.ndarray:
+    def flange(self, body: BodyMotion) -> np.ndarray:
         """Force of the rails on the flanges of a wheelset (3.106) in inertial axes, shape (3,) [N].
 
         Differs from the thesis on a line: the spring gives back what it took, so that its force has a part along the
@@ -299,7 +299,7 @@ class Mechanism:
             direction = direction + (nearing - math.copysign(1.0, offset) * shifts[1, 3]) * at.slope
         return np.asarray(force * direction)
 
-    def suspend(self, q: np.ndarray, motions: Sequence[Motion]) -> None:
+    def suspend(self, q: np.ndarray, motions: Sequence[BodyMotion]) -> None:
         """Adds the generalised forces of all suspension elements, (3.33), (3.34)."""
         for element in self.layout.elements:
             number = FIRST_WHEELSET + element.lower if element.on_wheelset else self.frame + element.lower
@@ -315,7 +315,7 @@ class Mechanism:
             q[self.body(number)] += pull
             q[self.body(above)] += reaction
 
-    def torques(self, number: int, state: State, inputs: Inputs, body: Motion) -> np.ndarray:
+    def torques(self, number: int, state: State, inputs: Inputs, body: BodyMotion) -> np.ndarray:
         """Brake, traction, rolling resistance and yaw torque on a wheelset, eq. (3.36).
 
         Differs from the thesis: the yaw torque of chapter 9 acts about the axis at right angles to the axle in the
@@ -399,7 +399,7 @@ class Mechanism:
         return self._balance(touches, creep, inputs, solution, locked)
 
     def mass_matrix(
-        self, motions: Sequence[Motion], masses: Sequence[float], inertias: Sequence[np.ndarray]
+        self, motions: Sequence[BodyMotion], masses: Sequence[float], inertias: Sequence[np.ndarray]
     ) -> np.ndarray:
         """M of (3.73). The rails stand on the ground: any mass serves, here 1 kg and 1 kg.m2."""
         matrix = np.zeros((self.q_count, self.q_count))

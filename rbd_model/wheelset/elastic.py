@@ -1,4 +1,4 @@
-"""One wheelset on elastic patches at its place in a vehicle: its states, track and suspension around its part."""
+"""Elastic contact, depths 2 and 3: a wheelset on patches or strips at its place in a vehicle."""
 
 from __future__ import annotations
 
@@ -21,21 +21,20 @@ from rbd_model.contact.strips_in_c import OF_SEGMENT, wheel_on_strips
 from rbd_model.track.irregularity import Section
 from rbd_model.vehicle.assembly import Assembly
 from rbd_model.vehicle.description import Wheelset
+from rbd_model.vehicle.scales import NOMINAL_TRAVEL_SPEED
 from rbd_model.vehicle.variables import LARGEST_LATERAL
-from rbd_model.wheelset.pressing_patch import PatchConstants, PatchState, Press, TurningTrack, pressing_patch
-from rbd_model.wheelset.rigid import (
+from rbd_model.wheelset.in_space import (
     END_MARGIN,
     NOMINAL_ROLL,
-    Carried,
-    Motion,
     OnTrack,
+    WheelsetMotion,
+    WheelsetOnRails,
     follow_track,
     push_wheelset,
     stand_on_track,
 )
-from rbd_model.wheelset.rigid_contact import SIDES, Placement, Wheel
-from rbd_model.wheelset.rigid_part import rail_slopes
-from rbd_model.wheelset.rotation import NOMINAL_TRAVEL_SPEED
+from rbd_model.wheelset.pressing_patch import PatchConstants, PatchState, Press, TurningTrack, pressing_patch
+from rbd_model.wheelset.touch import SIDES, Placement, Wheel
 from rbd_model.wheelset.touching_patch import Nearest, direction_of, look_up_patch
 from rbd_model.wheelset.yielding_rails import Give, add_give, press_rails
 
@@ -50,80 +49,20 @@ STAND_PITCH = 0.25e-3
 
 
 @dataclass(frozen=True)
-class PatchedWheelset:
-    """What a wheelset is and does before its suspension's forces are added up; see `SpatialWheelset`.
+class ElasticWheelset(WheelsetOnRails):
+    """A wheelset on elastic contacts.
 
     pressed: what each patch does, by wheel (left, right) and in the order of `patches_of`; nearest: where they are
-    nearest to their rails. acceleration [m/s2], turning: what all patches and the weight make of it, moments over
-    inertia about x and z [rad/s2], between them that about the axle [N.m].
+    nearest to their rails; give: of the rails below it.
     """
 
-    number: int
-    data: Wheelset
-    body: Body
-    rotated: ca.SX
-    yaw: ca.SX
-    offset: ca.SX
-    rail_heights: ca.SX
-    frictions: ca.SX
     pressed: list[list[Press]]
     nearest: list[list[Nearest]]
-    acceleration: ca.SX
-    turning: ca.SX
     give: Give
-
-    def of_wheels(self, value: Callable[[Press], ca.SX]) -> ca.SX:
-        """A value of the patches, summed up for the (left, right) wheel."""
-        return ca.vertcat(*[sum((value(patch) for patch in wheel), ca.SX(0)) for wheel in self.pressed])
-
-    @property
-    def lost(self) -> list[ca.SX]:
-        """What is left of each wheel's tread and flange until they have run off their ends [1], see `room_left`."""
-        each = zip(self.data.pair.both, self.nearest, strict=True)
-        return [room_left(one, wheel) / END_MARGIN - 1 for one, wheel in each]
-
-    @property
-    def loads(self) -> ca.SX:
-        """Vertical forces of the rails [N]."""
-        return self.of_wheels(lambda patch: patch.force[2])
-
-    @property
-    def thrusts(self) -> ca.SX:
-        """Lateral forces on the rails' heads, away from the track's centre [N]."""
-        return -ca.vertcat(*SIDES) * self.of_wheels(lambda patch: patch.force[1])
-
-    @property
-    def flange_force(self) -> ca.SX:
-        """Lateral force of the rails on the flanges, to the left [N]."""
-        sides = zip(self.data.pair.both, self.pressed, strict=True)
-        every = [
-            found for one, wheel in sides for patch, found in zip(patches_of(one), wheel, strict=True) if patch.flange
-        ]
-        return sum((found.force[1] for found in every), ca.SX(0))
-
-    @property
-    def creep(self) -> tuple[ca.SX, ca.SX]:
-        """Creep forces along the rails [N] and what all creep forces take [W]."""
-        return self.of_wheels(lambda patch: patch.creep_along), self.of_wheels(lambda patch: patch.creep_power)
-
-    @property
-    def kinetic_of_track(self) -> ca.SX:
-        """Energy of the rails that move below [J]."""
-        return self.give.kinetic
-
-    @property
-    def stored(self) -> ca.SX:
-        """Energy in the contacts and in the track below [J]."""
-        return ca.sum1(self.of_wheels(lambda patch: patch.stored)) + self.give.stored
-
-    @property
-    def damping_power(self) -> ca.SX:
-        """What the contacts and the track below lose as they are pressed [W]."""
-        return ca.sum1(self.of_wheels(lambda patch: patch.damping_power)) + self.give.damping_power
 
 
 @dataclass(frozen=True)
-class Standing:
+class Stance:
     """How a wheelset stands: on the track, with its height over it [m], its roll and their rates.
 
     settled [m]: how much higher than the track's axes level rails lie, as places are counted from where it rests.
@@ -145,7 +84,7 @@ class Standing:
         return Placement(self.on.yaw, self.roll, self.cosines, self.on.offset)
 
 
-def place_on_patches(assembly: Assembly, number: int, section: Callable[[int, ca.SX], Section]) -> PatchedWheelset:
+def place_elastic(assembly: Assembly, number: int, section: Callable[[int, ca.SX], Section]) -> ElasticWheelset:
     """Declares the states of a wheelset and lets its patches meet the rails, by (3.54), (3.57) and Hertz."""
     system, data = assembly.system, assembly.vehicle.wheelsets[number - 1]
     on = follow_track(assembly, number, section)
@@ -159,11 +98,11 @@ def place_on_patches(assembly: Assembly, number: int, section: Callable[[int, ca
     roll = system.state(f"roll_{number}", "rad", roll, NOMINAL_ROLL)
     roll_rate = system.state(f"roll_rate_{number}", "rad/s", 0.0, NOMINAL_TRAVEL_SPEED)
     give = add_give(assembly, number) if assembly.on_line else Give.rigid()
-    standing = Standing(on, give, height, settled, rising, roll, roll_rate, direction_cosines(on.yaw, roll))
+    stance = Stance(on, give, height, settled, rising, roll, roll_rate, direction_cosines(on.yaw, roll))
     body = Body(
         ca.vertcat(on.along, on.lateral, assembly.radius(data) + risen),
         ca.vertcat(on.forward, on.sideways, rising),
-        turned_by(standing.cosines),
+        turned_by(stance.cosines),
         ca.vertcat(roll_rate, on.angular_velocity, on.yaw_rate),
         ca.vertcat(roll, 0, on.yaw),
         on.track,
@@ -172,18 +111,52 @@ def place_on_patches(assembly: Assembly, number: int, section: Callable[[int, ca
     system.derivative(f"rise_{number}", body.moving[1])
     system.derivative(f"roll_{number}", body.turning[0])
     press = STRIPS_OR_PATCHES[assembly.contact.depth]
-    found = [press(assembly, number, index, standing, body) for index in range(len(SIDES))]
-    pressed, nearest = [wheel for wheel, _ in found], [near for _, near in found]
-    acceleration, turning = stand_freely(assembly, data, body, [patch for wheel in pressed for patch in wheel])
-    on_rails = on.rotated, on.yaw, on.offset, on.heights + give.moved[1:], on.frictions
-    wheelset = PatchedWheelset(number, data, body, *on_rails, pressed, nearest, acceleration, turning, give)
+    found = [press(assembly, number, index, stance, body) for index in range(len(SIDES))]
+    wheelset = add_up(assembly, number, body, stance, found)
     if assembly.on_line:
         press_rails(assembly, number, give, wheelset.thrusts[0] - wheelset.thrusts[1], wheelset.loads)
     observe_patches(assembly, wheelset)
     return wheelset
 
 
-def observe_patches(assembly: Assembly, wheelset: PatchedWheelset) -> None:
+def add_up(
+    assembly: Assembly, number: int, body: Body, stance: Stance, found: Sequence[WheelPressed]
+) -> ElasticWheelset:
+    """What all patches of a wheelset do together, (3.35), (3.36); found: of the (left, right) wheel."""
+    data, give = assembly.vehicle.wheelsets[number - 1], stance.give
+    pressed, nearest = [wheel for wheel, _ in found], [near for _, near in found]
+    every = [
+        (one, patch)
+        for side, wheel in zip(data.pair.both, pressed, strict=True)
+        for one, patch in zip(patches_of(side), wheel, strict=True)
+    ]
+
+    def of_wheels(value: Callable[[Press], ca.SX]) -> ca.SX:
+        return ca.vertcat(*[sum((value(patch) for patch in wheel), ca.SX(0)) for wheel in pressed])
+
+    return ElasticWheelset(
+        number,
+        data,
+        body,
+        stance.on,
+        rail_heights=stance.on.heights + give.moved[1:],
+        loads=of_wheels(lambda patch: patch.force[2]),
+        thrusts=-ca.vertcat(*SIDES) * of_wheels(lambda patch: patch.force[1]),
+        flange_force=sum((patch.force[1] for one, patch in every if one.flange), ca.SX(0)),
+        creep_along=of_wheels(lambda patch: patch.creep_along),
+        creep_powers=of_wheels(lambda patch: patch.creep_power),
+        kinetic_of_track=give.kinetic,
+        stored=ca.sum1(of_wheels(lambda patch: patch.stored)) + give.stored,
+        damping_power=ca.sum1(of_wheels(lambda patch: patch.damping_power)) + give.damping_power,
+        free=stand_freely(assembly, data, body, [patch for _, patch in every]),
+        lost=[room_left(*one) / END_MARGIN - 1 for one in zip(data.pair.both, nearest, strict=True)],
+        pressed=pressed,
+        nearest=nearest,
+        give=give,
+    )
+
+
+def observe_patches(assembly: Assembly, wheelset: ElasticWheelset) -> None:
     """Force of the rail on each patch of each wheel [N], in the axes of the track where the wheelset is, (3.35)."""
     for side, wheel in zip(SIDES.values(), wheelset.pressed, strict=True):
         for place, patch in enumerate(wheel):
@@ -194,26 +167,26 @@ def observe_patches(assembly: Assembly, wheelset: PatchedWheelset) -> None:
 WheelPressed = tuple[list[Press], list[Nearest]]
 
 
-def press_patches(assembly: Assembly, number: int, index: int, standing: Standing, body: Body) -> WheelPressed:
+def press_patches(assembly: Assembly, number: int, index: int, stance: Stance, body: Body) -> WheelPressed:
     """What each patch of a wheel does, and where it is nearest to its rail, (3.77), (3.78).
 
     number: of the wheelset; index: of its wheel, 0 the left one.
     """
     one, on_line = side_of(assembly, number, index), assembly.on_line
-    wheel, state = feel_rail(assembly, number, index, standing)
+    wheel, state = feel_rail(assembly, number, index, stance)
     track = TurningTrack(body.track.turning, body.stretch)
     # As the track turns about its own axis, so does the rail's place; what lies beside it the patch itself adds.
-    on, moved = standing.on, standing.give.moved
-    lies = ca.vertcat(0, on.centre + wheel.side * on.spread, on.heights[index] + standing.settled)
+    on, moved = stance.on, stance.give.moved
+    lies = ca.vertcat(0, on.centre + wheel.side * on.spread, on.heights[index] + stance.settled)
     lies += ca.vertcat(0, moved[0], moved[1 + index])
     slopes = state.slopes + ca.cross(ca.vertcat(track.turning[0], 0, 0), lies)[1:]
     state = replace(state, slopes=assembly.system.narrow(slopes))
-    placement = replace(standing.placement, lateral=state.offset)
+    placement = replace(stance.placement, lateral=state.offset)
     pressed, nearest = [], []
     for place, patch in enumerate(patches_of(one)):
         name = f"{place}_{number}_{list(SIDES.values())[index]}"
         near = look_up_patch(assembly.system, name, patch, one.wheel, (placement, wheel, state.height))
-        fixed = PatchConstants(standing.cosines, wheel.vector, ca.SX(direction_of(patch)), *surroundings(assembly))
+        fixed = PatchConstants(stance.cosines, wheel.vector, ca.SX(direction_of(patch)), *surroundings(assembly))
         terms = near.pieces.wheel.numel(), near.pieces.rail.numel()
         part = pressing_patch(*terms, patch.flange, assembly.contact.law_of(patch.flange), on_line)
         given = replace(state, nearest=near.position).vector
@@ -226,7 +199,7 @@ def press_patches(assembly: Assembly, number: int, index: int, standing: Standin
     return pressed, nearest
 
 
-def press_strips(assembly: Assembly, number: int, index: int, standing: Standing, body: Body) -> WheelPressed:
+def press_strips(assembly: Assembly, number: int, index: int, stance: Stance, body: Body) -> WheelPressed:
     """As `press_patches`, by strips: Knothe (1984), Kalker (1982), see contact/strips.c.
 
     Nearest points only tell where tread and flange end. On a line all strips of a wheel see the rail twist as its
@@ -234,11 +207,11 @@ def press_strips(assembly: Assembly, number: int, index: int, standing: Standing
     """
     one = side_of(assembly, number, index)
     middle = ca.vertcat(0, list(SIDES)[index] * one.rail_half_distance, 0)
-    wheel, state = feel_rail(assembly, number, index, standing)
+    wheel, state = feel_rail(assembly, number, index, stance)
     slopes = (state.slopes + ca.cross(body.track.turning, middle)[1:]) / body.stretch
     state = replace(state, slopes=slopes)
     word, patches = list(SIDES.values())[index], patches_of(one)
-    at = replace(standing.placement, lateral=state.offset), wheel, state.height
+    at = replace(stance.placement, lateral=state.offset), wheel, state.height
     nearest = [
         look_up_patch(assembly.system, f"{place}_{number}_{word}", patch, one.wheel, at)
         for place, patch in enumerate(patches)
@@ -261,25 +234,25 @@ def side_of(assembly: Assembly, number: int, index: int) -> Side:
     return assembly.vehicle.wheelsets[number - 1].pair.both[index]
 
 
-def feel_rail(assembly: Assembly, number: int, index: int, standing: Standing) -> tuple[Wheel, PatchState]:
+def feel_rail(assembly: Assembly, number: int, index: int, stance: Stance) -> tuple[Wheel, PatchState]:
     """A wheel, and how it stands and moves on its rail (section 3.2); its nearest point is not known yet (0)."""
-    data, on, one = assembly.vehicle.wheelsets[number - 1], standing.on, side_of(assembly, number, index)
-    moved, speed = standing.give.moved, standing.give.speed
+    data, on, one = assembly.vehicle.wheelsets[number - 1], stance.on, side_of(assembly, number, index)
+    moved, speed = stance.give.moved, stance.give.speed
     distances = ca.SX(one.wheel_half_distance), ca.SX(one.rail_half_distance)
     side, spreading = list(SIDES)[index], ca.jacobian(on.spread, assembly.distance)
     wheel = Wheel(ca.SX(side), assembly.value(data.radius[index]), *distances)
     state = PatchState(
         on.forward,
         on.sideways - speed[0],
-        standing.rise - speed[1 + index],
-        standing.roll_rate,
+        stance.rise - speed[1 + index],
+        stance.roll_rate,
         on.angular_velocity,
         on.yaw_rate,
         on.offset - side * on.spread - moved[0],
-        standing.height - on.heights[index] - moved[1 + index],
+        stance.height - on.heights[index] - moved[1 + index],
         on.yaw,
-        standing.roll,
-        rail_slopes(side, on.slopes, index, spreading),
+        stance.roll,
+        ca.vertcat(on.slopes[0] + side * spreading, on.slopes[1 + index]),
         on.frictions[index],
         nearest=ca.SX(0),
     )
@@ -293,8 +266,8 @@ def surroundings(assembly: Assembly) -> tuple[ca.SX, ...]:
     return *steel, surface, p["contact_damping"], p["gauge_face_friction"]
 
 
-def stand_freely(assembly: Assembly, data: Wheelset, body: Body, pressed: Sequence[Press]) -> tuple[ca.SX, ca.SX]:
-    """Newton's and Euler's equations of a wheelset on its patches without suspension, as (3.73): see PatchedWheelset.
+def stand_freely(assembly: Assembly, data: Wheelset, body: Body, pressed: Sequence[Press]) -> ca.SX:
+    """Newton's and Euler's equations of a wheelset on its patches without suspension, as (3.73): `free`.
 
     In axes that yaw and roll with it, in which its inertia is constant.
     """
@@ -304,8 +277,7 @@ def stand_freely(assembly: Assembly, data: Wheelset, body: Body, pressed: Sequen
     gyroscopic = ca.cross(axes_rate(ca.tan(roll), rate - spin) + spin, ca.vertcat(*inertia) * rate)
     moment = sum((patch.moment for patch in pressed), -gyroscopic)
     moved = ca.vertcat((1 / mass) * force, moment[0] / inertia[0], moment[1], moment[2] / inertia[2])
-    acceleration, turning = ca.vertsplit(assembly.system.narrow(moved), 3)
-    return acceleration, turning
+    return assembly.system.narrow(moved)
 
 
 def room_left(one: Side, nearest: Sequence[Nearest]) -> ca.SX:
@@ -360,12 +332,12 @@ def sinking_of_wheel(one: Side, on_wheel: float, radius: ca.SX, load: ca.SX, mod
     return secant * (normal / stiffness) ** (2 / 3)
 
 
-def move_on_patches(
-    assembly: Assembly, wheelset: PatchedWheelset, suspension: Load, first_acceleration: ca.SX
-) -> Motion:
+def move_elastic(
+    assembly: Assembly, wheelset: ElasticWheelset, suspension: Load, first_acceleration: ca.SX
+) -> WheelsetMotion:
     """Equations of motion of a wheelset, as (3.73): to what the rails do comes what the suspension does."""
-    number, free = wheelset.number, ca.vertcat(wheelset.acceleration, wheelset.turning)
-    push, motion = push_wheelset(assembly, Carried.of(wheelset), suspension, free, first_acceleration)
-    assembly.system.derivative(f"rise_speed_{number}", free[2] + push[2])
-    assembly.system.derivative(f"roll_rate_{number}", free[3] + push[3])
+    number = wheelset.number
+    push, motion = push_wheelset(assembly, wheelset, suspension, first_acceleration)
+    assembly.system.derivative(f"rise_speed_{number}", wheelset.free[2] + push[2])
+    assembly.system.derivative(f"roll_rate_{number}", wheelset.free[3] + push[3])
     return motion

@@ -13,12 +13,11 @@ import casadi as ca
 
 from fmu_src.chain import Bundle, Chain, Part, rows
 from rbd_model.body.kinematics import turned_by
-from rbd_model.contact.creep.law import CreepLaw
+from rbd_model.contact.creep.law import SMALLEST_LOAD, CreepLaw, at_least
 from rbd_model.contact.creep_of_wheel import creep_of_wheel, how_it_slides
 from rbd_model.contact.elastic import damped, elastic_force
-from rbd_model.track.friction import friction_over_angle
-from rbd_model.wheelset.rigid_contact import Pieces, follow_cosines
-from rbd_model.wheelset.rotation import SMALLEST_LOAD, at_least
+from rbd_model.contact.friction import friction_over_angle
+from rbd_model.wheelset.touch import Pieces, follow_cosines
 from rbd_model.wheelset.touching_patch import TouchingPatch, patch_of_wheel
 
 

@@ -1,4 +1,6 @@
-"""What two rails do to a wheelset in space: constraints, creep, flange, and its equations of motion without suspension.
+"""The contact of the thesis, depth 1: what two rails do to a wheelset on straight track.
+
+Constraints, creep, flange, and its equations of motion without suspension.
 
 Six velocities (v_x, v_y, v_z in the axes of the track; omega_x, omega_y, omega_z in those that yaw and roll with the
 wheelset) are bound by two contacts. v_z and omega_x follow from the constraints at the level of velocities (3.67), the
@@ -11,18 +13,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 
 import casadi as ca
 
 from fmu_src.chain import Bundle, Chain, Part, rows
-from fmu_src.system import LINE_COLUMNS, polynomials
 from rbd_model.body.kinematics import axes_rate, direction_cosines, turned_by
 from rbd_model.contact.creep.law import CreepLaw
 from rbd_model.contact.creep_of_wheel import creep_of_wheel, how_it_slides
-from rbd_model.track.frame import LEVEL, Course
-from rbd_model.wheelset.rigid_contact import SIDES, Pieces, Placement, Wheel, WheelContact, wheel_contact
+from rbd_model.wheelset.rigid_contact import WheelContact, wheel_contact
+from rbd_model.wheelset.touch import SIDES, Pieces, Placement, Wheel
 
 
 @dataclass(frozen=True)
@@ -47,60 +48,6 @@ class RollingState(Bundle):
     def placement(self) -> Placement:
         """Where the wheelset stands."""
         return Placement(self.yaw, self.roll, direction_cosines(self.yaw, self.roll), self.offset)
-
-    def placed_over(self, side: int, spread: ca.SX) -> Placement:
-        """Where it stands over the left (1) or the right rail (-1), which is `spread` further outwards [m]."""
-        return replace(self.placement, lateral=self.offset - side * spread)
-
-
-@dataclass(frozen=True)
-class OnLine(Bundle):
-    """Where a wheelset is on a line, beside its `RollingState`: distance and lateral position from its centre."""
-
-    distance: ca.SX = rows(1)  # [m]
-    lateral: ca.SX = rows(1)  # [m]
-
-
-@dataclass(frozen=True)
-class LinePieces(Bundle):
-    """Pieces of a line where a wheelset is, (origin, c0 ...), as `System.line_piece` has them."""
-
-    heading: ca.SX = rows(2 + LINE_COLUMNS["heading"])
-    rise: ca.SX = rows(2 + LINE_COLUMNS["rise"])
-    cant: ca.SX = rows(2 + LINE_COLUMNS["cant"])
-    spread: ca.SX = rows(2 + LINE_COLUMNS["spread"])
-
-
-@dataclass(frozen=True)
-class TrackThere:
-    """How the track turns and widens where a wheelset is; straight track does neither.
-
-    turning, turning_rate: as in `TrackFrame`, and its change along the line [rad/m], [rad/m2]; up: in the axes of the
-    track; lateral [m]: the wheelset's from their origin; spread [m]: of each rail, outwards, and its slope and bend.
-    """
-
-    turning: ca.SX
-    turning_rate: ca.SX
-    up: ca.SX
-    lateral: ca.SX
-    spread: tuple[ca.SX, ca.SX, ca.SX]
-
-    @classmethod
-    def straight(cls) -> TrackThere:
-        """Straight and level track."""
-        none = ca.SX.zeros(3)
-        return cls(none, none, LEVEL.up, ca.SX(0), (ca.SX(0), ca.SX(0), ca.SX(0)))
-
-    @classmethod
-    def of(cls, place: OnLine, pieces: LinePieces) -> TrackThere:
-        """Of the pieces of a line, section 3.2.2."""
-        _, curvature = polynomials(pieces.heading, place.distance, 1)
-        _, sine, steepening = polynomials(pieces.rise, place.distance, 2)
-        cant, twist = polynomials(pieces.cant, place.distance, 1)
-        course = Course(curvature, sine, cant, steepening, twist)
-        spread, slope, bend = polynomials(pieces.spread, place.distance, 2)
-        bends = ca.jacobian(course.turning, place.distance)
-        return cls(course.turning, bends, course.tilt[2, :].T, place.lateral, (spread, slope, bend))
 
 
 @dataclass(frozen=True)
@@ -140,9 +87,7 @@ class RolledMotion(Bundle):
     left_row: ca.SX = rows(5)  # of the constraint, on (v_x, v_y, v_z, omega_x, omega_z)
     right_row: ca.SX = rows(5)
     loads: ca.SX = rows(2)  # vertical forces of the rails [N]
-    thrusts: ca.SX = rows(
-        2
-    )  # lateral forces on the rails' heads, away from the track's centre, without the flanges' [N]
+    thrusts: ca.SX = rows(2)  # lateral forces on the rails' heads, outwards, without the flanges' [N]
     creep_along: ca.SX = rows(2)  # creep forces along the rails [N]
     creep_powers: ca.SX = rows(2)  # what all creep forces take [W]
     frictions: ca.SX = rows(2)  # coefficients that are left where the wheels slide [1]
@@ -201,162 +146,45 @@ class OnRails:
     velocity: ca.SX
     axes: ca.SX
     own_rate: ca.SX
-    spin: ca.SX  # of the axes of the track [rad/s]
-    up: ca.SX  # in the axes of the track
     wheels: tuple[RollingWheel, ...]
     flange: FlangePush
-    dragging: ca.SX  # of the flanges, along the track [N]
 
 
 def meet_rails(
-    chain: Chain,
-    state: RollingState,
-    there: TrackThere,
-    fixed: RollingConstants,
-    pieces: Sequence[Pieces],
-    creep_law: CreepLaw,
+    chain: Chain, state: RollingState, fixed: RollingConstants, pieces: Sequence[Pieces], creep_law: CreepLaw
 ) -> OnRails:
     """Contacts of a wheelset and what acts there, by (3.54), (3.57), (3.67) and (3.82)-(3.106)."""
-    placements = [state.placed_over(side, there.spread[0]) for side in SIDES]
-    cosines = placements[0].cosines
+    placement = state.placement
     contacts = [
-        wheel_contact(chain, placements[i], fixed.wheel(i), state.positions[i], piece) for i, piece in enumerate(pieces)
+        wheel_contact(chain, placement, fixed.wheel(index), state.positions[index], piece)
+        for index, piece in enumerate(pieces)
     ]
     heights = [contact.height + state.heights[i] for i, contact in enumerate(contacts)]
-    axes = turned_by(cosines)
-    moving = MovingTrack(there, axes, (heights[0] + heights[1]) / 2)
-    drifts = [rail_slopes(side, state.slopes, i, there.spread[1]) for i, side in enumerate(SIDES)]
-    row = [moving.constraint_row(contact, drift) for contact, drift in zip(contacts, drifts, strict=True)]
+    axes = turned_by(placement.cosines)
+    drifts = [rail_slopes(state.slopes, i) for i in range(len(SIDES))]
+    row = [constraint_row(contact, drift) for contact, drift in zip(contacts, drifts, strict=True)]
     rise, roll_rate = dependent_velocities(row, state.forward, state.sideways, state.yaw_rate)
     height, rise, roll_rate = ca.vertsplit(chain.narrow(ca.vertcat((heights[0] + heights[1]) / 2, rise, roll_rate)))
     velocity = ca.vertcat(state.forward, state.sideways, rise)
     own_rate = ca.vertcat(roll_rate, state.angular_velocity, state.yaw_rate)
-    rates = moving.rates(velocity, own_rate, cosines)
+    turning = ca.vertcat(own_rate[2] / placement.cosines[2], own_rate[0])
     wheels = []
-    for i, (side, contact) in enumerate(zip(SIDES, contacts, strict=True)):
-        change = contact.rate(ca.vertcat(rates.lateral - drifts[i][0] * rates.travel, rates.turning))
-        bend = rail_slopes(side, state.bends, i, there.spread[2])
-        row_rate = moving.row_rate(contact, change, row[i][0], drifts[i], bend, rates)
-        sliding = axes.T @ velocity + ca.cross(own_rate, contact.arm)
-        moved = sliding, own_rate
-        wheels.append(roll_wheel(chain, state, fixed, i, contact, (row[i], row_rate), moved, creep_law))
-    flange = push_flanges(fixed, state.offset, there.spread[0], cosines)
-    gap, dragging = heights[1] - heights[0], moving.dragging(flange, drifts)
-    return OnRails(height, gap, velocity, axes, own_rate, rates.spin, there.up, tuple(wheels), flange, dragging)
+    for i, contact in enumerate(contacts):
+        change = contact.rate(ca.vertcat(velocity[1] - drifts[i][0] * velocity[0], turning))
+        bending = ca.dot(change[:2], drifts[i]) + ca.dot(contact.across, velocity[0] * rail_slopes(state.bends, i))
+        constraint = row[i], ca.vertcat(-bending, change)
+        moved = axes.T @ velocity + ca.cross(own_rate, contact.arm), own_rate
+        wheels.append(roll_wheel(chain, state, fixed, i, contact, constraint, moved, creep_law))
+    flange = push_flanges(fixed, state.offset, placement.cosines)
+    return OnRails(height, heights[1] - heights[0], velocity, axes, own_rate, tuple(wheels), flange)
 
 
-def rail_slopes(side: int, slopes: ca.SX, index: int, spreading: ca.SX) -> ca.SX:
-    """Slopes of a rail's section along the track, sideways and upwards (section 5.3); or, of bends, its bends."""
-    return ca.vertcat(slopes[0] + side * spreading, slopes[1 + index])
+def constraint_row(contact: WheelContact, drift: ca.SX) -> ca.SX:
+    """A contact's motion along its normal, linear in (v_x, v_y, v_z, omega_x, omega_z), eq. (3.67).
 
-
-@dataclass(frozen=True)
-class Rates:
-    """How a wheelset moves against axes of the track that go along with it.
-
-    travel [m/s]: of these axes along the line; lateral, rise [m/s]; turning: of yaw and roll [rad/s]; spin: of the axes
-    [rad/s]; relative: angular velocity against them, in the axes that yaw and roll with the wheelset.
+    drift: slopes of the rail's section, sideways and upwards, as the wheelset moves along.
     """
-
-    travel: ca.SX
-    lateral: ca.SX
-    rise: ca.SX
-    turning: ca.SX
-    spin: ca.SX
-    relative: ca.SX
-
-
-@dataclass(frozen=True)
-class MovingTrack:
-    """The axes of the track under a wheelset, which turn as it goes along the line, in its constraints (3.67), (3.71).
-
-    A contact's motion along its normal is linear in (v_x, v_y, v_z, omega_x, omega_z), which are inertial. In axes that
-    go along with v_x / stretch and turn by `turning` for each metre of it, lateral position and height change by
-    v - spin x (0, y, z), yaw and roll by omega - spin: so the first entry of the row holds what the axes take away.
-    The axes are those of `axes`, the wheelset's own that yaw and roll with it.
-    """
-
-    there: TrackThere
-    axes: ca.SX
-    height: ca.SX
-
-    @property
-    def stretch(self) -> ca.SX:
-        """Way of the wheelset's centre for each metre along the line [1], as `Body.stretch`."""
-        turning = self.there.turning
-        return 1 + turning[1] * self.height - turning[2] * self.there.lateral
-
-    @property
-    def own_turning(self) -> ca.SX:
-        """The turning of the track in the wheelset's axes [rad/m]."""
-        return self.axes.T @ self.there.turning
-
-    def carried(self, drift: ca.SX) -> tuple[ca.SX, ca.SX]:
-        """What the axes take from the motion, for each metre: of sideways and upwards; of omega_x and omega_z.
-
-        drift: slopes of the rails' section.
-        """
-        twist = self.there.turning[0]
-        sections = drift + twist * ca.vertcat(-self.height, self.there.lateral)
-        turned = self.own_turning
-        return sections, ca.vertcat(turned[0], turned[2])
-
-    def constraint_row(self, contact: WheelContact, drift: ca.SX) -> ca.SX:
-        """A contact's motion along its normal, linear in (v_x, v_y, v_z, omega_x, omega_z), eq. (3.67).
-
-        drift: slopes of the rails' section, sideways and upwards, as the wheelset moves along.
-        """
-        sections, turned = self.carried(drift)
-        first = -(ca.dot(contact.across, sections) + ca.dot(contact.lever, turned)) / self.stretch
-        return ca.vertcat(first, contact.across, contact.lever)
-
-    def dragging(self, flange: FlangePush, drifts: Sequence[ca.SX]) -> ca.SX:
-        """Force along the track of flanges that press (3.106), so that on a line they give back what they took [N].
-
-        Their rails move sideways and turn against a wheelset that goes along. On straight track there is none, as
-        printed: what an irregularity of it would take is left out.
-        """
-        if self.there.turning.is_zero():
-            return ca.SX(0)
-        (left, turned), (right, _) = (self.carried(drift) for drift in drifts)
-        pushed = flange.push[0] * left[0] - flange.push[1] * right[0] - flange.moment * turned[0]
-        return pushed / self.stretch
-
-    def rates(self, velocity: ca.SX, own_rate: ca.SX, cosines: ca.SX) -> Rates:
-        """The motion against the axes of the track, eq. (3.12)."""
-        travel = velocity[0] / self.stretch
-        twist = travel * self.there.turning[0]
-        relative = own_rate - travel * self.own_turning
-        return Rates(
-            travel,
-            velocity[1] + twist * self.height,
-            velocity[2] - twist * self.there.lateral,
-            ca.vertcat(relative[2] / cosines[2], relative[0]),
-            travel * self.there.turning,
-            relative,
-        )
-
-    def row_rate(
-        self, contact: WheelContact, change: ca.SX, first: ca.SX, drift: ca.SX, bend: ca.SX, rates: Rates
-    ) -> ca.SX:
-        """Rate of `constraint_row`, for (3.71); change: that of (across, lever), first: the row's first entry."""
-        there, travel = self.there, rates.travel
-        sections, turned = self.carried(drift)
-        new_turning = travel * there.turning_rate
-        moved = ca.vertcat(-rates.rise, rates.lateral)
-        twisting = new_turning[0] * ca.vertcat(-self.height, there.lateral) + there.turning[0] * moved
-        # The wheelset's axes turn against those of the track.
-        tangent = self.axes[2, 1] / self.axes[2, 2]
-        leaving = self.axes.T @ new_turning - ca.cross(axes_rate(tangent, rates.relative), self.own_turning)
-        stretching = (
-            new_turning[1] * self.height
-            + there.turning[1] * rates.rise
-            - new_turning[2] * there.lateral
-            - there.turning[2] * rates.lateral
-        )
-        bending = ca.dot(change[:2], sections) + ca.dot(contact.across, travel * bend + twisting)
-        turning = ca.dot(change[2:], turned) + ca.dot(contact.lever, ca.vertcat(leaving[0], leaving[2]))
-        return ca.vertcat(-(bending + turning + first * stretching) / self.stretch, change)
+    return ca.vertcat(-ca.dot(contact.across, drift), contact.across, contact.lever)
 
 
 def dependent_velocities(row: Sequence[ca.SX], forward: ca.SX, sideways: ca.SX, yaw_rate: ca.SX) -> tuple[ca.SX, ca.SX]:
@@ -365,6 +193,11 @@ def dependent_velocities(row: Sequence[ca.SX], forward: ca.SX, sideways: ca.SX, 
     inverse = 1 / (row[0][2] * row[1][3] - row[1][2] * row[0][3])
     rise = inverse * (row[0][3] * right - row[1][3] * left)
     return rise, inverse * (row[1][2] * left - row[0][2] * right)
+
+
+def rail_slopes(slopes: ca.SX, index: int) -> ca.SX:
+    """Slopes of the left (0) or right rail (1) along the track, sideways and upwards (section 5.3); or its bends."""
+    return ca.vertcat(slopes[0], slopes[1 + index])
 
 
 def roll_wheel(
@@ -393,11 +226,10 @@ def roll_wheel(
     return RollingWheel(contact, *constraint, friction, normal_force, along, sideways, power)
 
 
-def push_flanges(fixed: RollingConstants, offset: ca.SX, spread: ca.SX, cosines: ca.SX) -> FlangePush:
+def push_flanges(fixed: RollingConstants, offset: ca.SX, cosines: ca.SX) -> FlangePush:
     """Lateral push of the rails on the flanges, eq. (3.106), where they touch or, as printed, at the wheelset's centre.
 
-    offset [m]: of the wheelset's centre from that of the track; spread [m]: of each rail, outwards; cosines: the
-    wheelset's `direction_cosines`.
+    offset [m]: of the wheelset's centre from that of the track; cosines: the wheelset's `direction_cosines`.
     Differs from the thesis with flange_at_rail 1: the force acts at the gauge face, a wheel radius and the flange's
     depth below the axle, so that it presses the flanging wheel down and lifts the other one, each by force x arm over
     the distance of the contacts; and what meets the rail is the displacement down there, to which the roll adds, so
@@ -405,30 +237,24 @@ def push_flanges(fixed: RollingConstants, offset: ca.SX, spread: ca.SX, cosines:
     vertical part of a flange's force is missing here as it is in (3.106).
     """
     displacement = offset + fixed.flange_arm * cosines[3]
-    left = ca.fmax(displacement - fixed.flange_clearance - spread, 0)
-    right = ca.fmax(-displacement - fixed.flange_clearance - spread, 0)
+    left = ca.fmax(displacement - fixed.flange_clearance, 0)
+    right = ca.fmax(-displacement - fixed.flange_clearance, 0)
     push = fixed.flange_stiffness * left, fixed.flange_stiffness * right
     moment = (push[1] - push[0]) * fixed.flange_arm * cosines[2]
     return FlangePush(push, moment, (push[0] * left + push[1] * right) / 2)
 
 
 @lru_cache
-def rolling_wheelset(wheel_terms: int, rail_terms: int, creep_law: CreepLaw, on_line: bool = False) -> Part:
+def rolling_wheelset(wheel_terms: int, rail_terms: int, creep_law: CreepLaw) -> Part:
     """A `RolledMotion` of a `RollingState`, (3.67), (3.71), (3.73): all that is between two rails and a suspension.
 
-    Constants: `RollingConstants`, then the pieces of both profiles with so many terms, left wheel first. on_line: where
-    the track is not straight, an `OnLine` comes behind the state, and `LinePieces` behind the constants.
+    Constants: `RollingConstants`, then the pieces of both profiles with so many terms, left wheel first.
     """
     state, fixed, chain = RollingState.symbols("state"), RollingConstants.symbols("constants"), Chain()
     pieces = [Pieces(ca.SX.sym("wheel", wheel_terms), ca.SX.sym("rail", rail_terms)) for _ in SIDES]
-    given, constants = state.vector, ca.vertcat(fixed.vector, *[piece.vector for piece in pieces])
-    there = TrackThere.straight()
-    if on_line:
-        place, line = OnLine.symbols("place"), LinePieces.symbols("line")
-        given, constants = ca.vertcat(given, place.vector), ca.vertcat(constants, line.vector)
-        there = TrackThere.of(place, line)
-    results = roll_freely(chain, meet_rails(chain, state, there, fixed, pieces, creep_law), fixed).vector
-    return Part(f"wheelset_{wheel_terms}_{rail_terms}", given, constants, results, chain)
+    constants = ca.vertcat(fixed.vector, *[piece.vector for piece in pieces])
+    results = roll_freely(chain, meet_rails(chain, state, fixed, pieces, creep_law), fixed).vector
+    return Part(f"wheelset_{wheel_terms}_{rail_terms}", state.vector, constants, results, chain)
 
 
 def roll_freely(chain: Chain, wheelset: OnRails, fixed: RollingConstants) -> RolledMotion:
@@ -438,12 +264,8 @@ def roll_freely(chain: Chain, wheelset: OnRails, fixed: RollingConstants) -> Rol
     inertia is constant.
     """
     rate = wheelset.own_rate
-    turned = ca.cross(wheelset.spin, wheelset.velocity)
-    force = ca.vertcat(wheelset.dragging, wheelset.flange.force, 0) - fixed.mass * (
-        fixed.gravity * wheelset.up + turned
-    )
-    tangent, spin = wheelset.axes[2, 1] / wheelset.axes[2, 2], wheelset.axes.T @ wheelset.spin
-    own_axes = axes_rate(tangent, rate - spin) + spin
+    force = ca.vertcat(0, wheelset.flange.force, -fixed.mass * fixed.gravity)
+    own_axes = axes_rate(wheelset.axes[2, 1] / wheelset.axes[2, 2], rate)
     moment = ca.vertcat(wheelset.flange.moment, 0, 0) - ca.cross(own_axes, fixed.inertia * rate)
     for wheel in wheelset.wheels:
         contact = wheel.contact

@@ -2,23 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import casadi as ca
 
 from fmu_src.system import Friction, System
-from rbd_model.contact.creep.kalker import kalker_coefficients
-from rbd_model.contact.creep.law import creepage
-from rbd_model.contact.creep.polach import saturated
-from rbd_model.contact.hertz import ellipse_shape
+from rbd_model.body.bodies import add_shift
+from rbd_model.contact.creep.law import SMALLEST_LOAD, at_least, creepage
 from rbd_model.vehicle.assembly import Assembly
 from rbd_model.vehicle.description import Wheelset
-
-#: Used where a trial step would ask for the contact of a wheel that carries nothing; a run ends before (wheel lift).
-SMALLEST_LOAD = 1.0
-SMALLEST_FRICTION = 1e-9
+from rbd_model.vehicle.scales import NOMINAL_ANGULAR_VELOCITY, NOMINAL_ROTATION
 
 #: Creepage at which wheels of any load begin to slide as a whole; its order of magnitude, from (3.92) and (3.94).
 BENDING = 0.01
@@ -26,18 +20,6 @@ BENDING = 0.01
 #: Share of creepage_speed up to which an axle on a locked wheelset counts as still: ten times what BENDING says is all
 #: that is left of sliding there, and stopping from it is 0.1 um of way.
 STILL = 0.1
-
-#: Longer over shorter semi-axis of a contact that a run may start with; where Kalker's table ends.
-MOST_SLENDER = 10.0
-
-#: Scales of the error control: with tolerance 1e-7, a local error of 1 um/s in speed.
-NOMINAL_SPEED = 10.0
-NOMINAL_DISTANCE = 10.0
-NOMINAL_ANGULAR_VELOCITY = 25.0
-NOMINAL_ROTATION = 25.0
-#: Motions in the suspension: with tolerance 1e-7, 1 nm and 0.1 um/s.
-NOMINAL_TRAVEL = 0.01
-NOMINAL_TRAVEL_SPEED = 1.0
 
 
 @dataclass(frozen=True)
@@ -74,21 +56,6 @@ class Rotation:
     moving: ca.SX
 
 
-@dataclass(frozen=True)
-class CentredContact:
-    """Contact of a wheel that does not move sideways: G pi a b c11 / 4 of eq. (3.94) over N^(2/3) [N^(1/3)]."""
-
-    stiffness: ca.SX
-
-
-@dataclass(frozen=True)
-class CentredLoad:
-    """Vertical force of one rail N [N], and N^(1/3), with which the semi-axes grow, eq. (3.87)."""
-
-    wheel: ca.SX
-    growth: ca.SX
-
-
 def follow_creep(assembly: Assembly, speed: ca.SX, *states: str) -> None:
     """No step may change an axle's speed, the sum of the states, by more than half: (2.3) goes with its reciprocal.
 
@@ -100,68 +67,8 @@ def follow_creep(assembly: Assembly, speed: ca.SX, *states: str) -> None:
     assembly.system.limit_change(ca.sqrt(speed**2 + least**2) / 2, *states)
 
 
-def centred_contact(assembly: Assembly, wheelset: Wheelset) -> CentredContact:
-    """Factor of (3.94), with the ellipse of `ellipse_shape`: constant from the curvatures, computed once at the start.
-
-    Not a number, so that a run is refused at its start, for an ellipse more slender than 1 : 10: on half-spaces, as
-    Hertz and Kalker have them, no wheel touches a rail like that.
-    """
-    p, radius = assembly.parameter, wheelset.mean_radius
-    same = next(number for number, other in assembly.vehicle.numbered if other.mean_radius == radius)
-    name = f"contact_stiffness_{same}"
-    if name not in assembly.system.derived_symbols:
-        curvatures = p["wheel_profile_curvature"], p["rail_head_radius"]
-        shape = ellipse_shape(assembly.value(radius), *curvatures, p["shear_modulus"])
-        slender = ca.fmax(shape.axis_ratio, 1 / shape.axis_ratio) > MOST_SLENDER
-        c11 = ca.if_else(slender, math.nan, kalker_coefficients(shape.axis_ratio).c11)
-        assembly.system.derived(name, 0.25 * ca.pi * p["shear_modulus"] * shape.longitudinal * shape.lateral * c11)
-    return CentredContact(assembly.system.derived_symbols[name])
-
-
-def centred_load(load: ca.SX) -> CentredLoad:
-    """Of an axle that carries `load` [N], kept above zero for the creep law; growth as in (3.87)."""
-    wheel = at_least(load / 2, SMALLEST_LOAD)
-    return CentredLoad(wheel, wheel ** (1 / 3))
-
-
-def rail_friction(assembly: Assembly, number: int, distance: ca.SX) -> ca.SX:
-    """Friction coefficient without sliding, mu0 of Polach (2005), under a wheelset at a distance [m]."""
-    return assembly.input[f"friction_{number}"] * assembly.rail.factor(number, distance)
-
-
-def at_least(value: ca.SX, least: float) -> ca.SX:
-    """The larger of both; as a comparison, which costs less in C than fmax."""
-    return ca.if_else(value > least, value, least)
-
-
-def creep_force_of_wheelset(
-    assembly: Assembly, friction: ca.SX, contact: CentredContact, load: CentredLoad, sliding: ca.SX, forward: ca.SX
-) -> ca.SX:
-    """Longitudinal force of both rails on a wheelset that slides at `sliding` [m/s], (3.94), (3.97); friction: mu0."""
-    # The corner of the absolute value is not felt: without sliding the force does not depend on friction.
-    friction = at_least(friction * assembly.rail.surface.remaining(ca.fabs(sliding)), SMALLEST_FRICTION)
-    # Eq. (3.94) with the creepage over sqrt(V^2 + v_eps^2). All divisors in one: they are what this costs.
-    divisor = friction * load.growth * ca.sqrt(forward**2 + assembly.parameter["creepage_speed"] ** 2)
-    return 2 * saturated(contact.stiffness * sliding / divisor, friction * load.wheel, assembly.rail.surface.reduction)
-
-
 @dataclass(frozen=True)
-class Creeping:
-    """A wheelset that creeps on a level rail, eq. (2.8).
-
-    rotated: angle that it has turned by; sliding [m/s]; force [N]: of both rails; static [N]: the most that they hold.
-    """
-
-    number: int
-    rotated: ca.SX
-    angular_velocity: ca.SX
-    sliding: ca.SX
-    force: ca.SX
-    static: ca.SX
-
-
-@dataclass(frozen=True)
-class Rolling:
+class RollingWheelset:
     """A wheelset that rolls, skids or is locked, as every level has it.
 
     number: from 1. forward [m/s]: speed of its axle. creep_force, load [N]: of both rails on it, along the track and
@@ -175,32 +82,6 @@ class Rolling:
     creep_force: ca.SX
     load: ca.SX
     creep_power: ca.SX
-
-
-def creep_on_level_rail(
-    assembly: Assembly, number: int, distance: ca.SX, forward: ca.SX, load: CentredLoad, axle_load: ca.SX
-) -> Creeping:
-    """A wheelset on a level rail, eq. (2.8); it declares the states of its rotation.
-
-    distance [m], forward [m/s]: of its axle; load: of each wheel; axle_load [N]: of both.
-    """
-    data = assembly.vehicle.wheelsets[number - 1]
-    rotated, omega = add_rotation_states(assembly, number)
-    sliding = forward - assembly.radius(data) * omega
-    friction = rail_friction(assembly, number, distance)
-    force = creep_force_of_wheelset(assembly, friction, centred_contact(assembly, data), load, sliding, forward)
-    return Creeping(number, rotated, omega, sliding, force, friction * axle_load)
-
-
-def roll_on_level_rail(
-    assembly: Assembly, creeping: Creeping, hold: Hold, forward: ca.SX, axle_load: ca.SX, held: ca.SX
-) -> Rolling:
-    """Its rotation, third line of eq. (2.8); held [N]: with what the rails hold an axle that stands, else 0."""
-    number, data = creeping.number, assembly.vehicle.wheelsets[creeping.number - 1]
-    turned, radius = (creeping.rotated, creeping.angular_velocity), assembly.radius(data)
-    rotation = add_rotation(assembly, number, hold, turned, -creeping.force * radius, -held * radius)
-    power = -creeping.force * creeping.sliding
-    return Rolling(number, data, rotation, forward, creeping.force + held, axle_load, power)
 
 
 @dataclass(frozen=True)
@@ -295,7 +176,7 @@ def add_rotation(
     return Rotation(number, rotated, omega, friction_torque, share * friction_torque, traction, moving)
 
 
-def add_wheelset_outputs(assembly: Assembly, rolling: Rolling, speed: ca.SX) -> None:
+def add_wheelset_outputs(assembly: Assembly, rolling: RollingWheelset, speed: ca.SX) -> None:
     """Outputs of one wheelset; the slip ratio is (2.10), regularised as the creepage is; speed [m/s]: the vehicle's."""
     system, number, rotation = assembly.system, rolling.number, rolling.rotation
     slip = speed - assembly.radius(rolling.data) * rotation.angular_velocity
@@ -310,3 +191,16 @@ def add_wheelset_outputs(assembly: Assembly, rolling: Rolling, speed: ca.SX) -> 
     }
     for name, expression in rows.items():
         system.output(assembly.outputs[f"{name}_{number}"], expression)
+
+
+def add_axle_shift(assembly: Assembly, number: int) -> tuple[ca.SX, ca.SX]:
+    """`add_shift` of an axle (section 5.2), whose creep the steps must follow."""
+    names = f"shift_{number}", f"shift_speed_{number}"
+    shift, speed = add_shift(assembly, *names)
+    follow_creep(assembly, speed, f"{assembly.vehicle.bodies[0].name}_speed", names[1])
+    return shift, speed
+
+
+def rail_friction(assembly: Assembly, number: int, distance: ca.SX) -> ca.SX:
+    """Friction coefficient without sliding, mu0 of Polach (2005), under a wheelset at a distance [m]."""
+    return assembly.input[f"friction_{number}"] * assembly.rail.factor(number, distance)

@@ -17,7 +17,7 @@ from fmu_src.system import System, polynomials
 from rbd_model.body.kinematics import turned_by
 from rbd_model.contact.patches import Patch
 from rbd_model.contact.profiles import KNOT_DISTANCE, Profile
-from rbd_model.wheelset.rigid_contact import Pieces, Placement, Touch, Wheel, follow_cosines, touch
+from rbd_model.wheelset.touch import Pieces, Placement, Touch, Wheel, follow_cosines, touch
 
 #: Least sum of the curvatures of wheel and rail across the track with which a common normal is looked for [1/m], and
 #: how far from the nearest point of the table [m]: half of a profile's piece, beyond which its polynomial means little.

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import casadi as ca
 
 from rbd_model.vehicle.assembly import Assembly
-from rbd_model.wheelset.rigid_contact import SIDES
-from rbd_model.wheelset.rotation import NOMINAL_TRAVEL_SPEED
+from rbd_model.vehicle.scales import NOMINAL_TRAVEL_SPEED
+from rbd_model.wheelset.touch import SIDES
 
 #: Scale of the error control: with tolerance 1e-6, 1 nm of a rail that gives way by 1 mm [m].
 NOMINAL_GIVE = 1e-3

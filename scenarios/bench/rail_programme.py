@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 from itertools import product
 
 from brake_controller.wheel_slide import SlideProtection, SlideProtectionParameters
-from rbd_model.track.friction import RailCondition, constant_friction, low, wet
+from rbd_model.contact.friction import constant_friction
+from rbd_model.track.friction import RailCondition, low, wet
 from scenarios.bench.braked_machine import BrakedMachine
 from scenarios.bench.peak_adhesion import PeakAdhesion
 from scenarios.bench.protected_stop import Settings, protected_stop

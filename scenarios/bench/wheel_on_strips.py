@@ -16,7 +16,7 @@ from rbd_model.body.kinematics import direction_cosines, turned_by
 from rbd_model.contact.distance import LEFT, Stand, touching
 from rbd_model.contact.geometry import Pair
 from rbd_model.contact.normal import Steel
-from rbd_model.contact.strips import Motion
+from rbd_model.contact.strips import WheelVelocity
 from rbd_model.contact.strips_in_c import ARGUMENTS, OF_SEGMENT, segments_of, wheel_on_strips
 
 #: Of every depth here: constant friction as a `Surface`, and a creepage speed that changes nothing at a speed of metres
@@ -62,7 +62,7 @@ class PressedWheel:
 
 
 def press_wheel(
-    pair: Pair, steel: Steel, friction: float, stand: Stand, motion: Motion, gauge_face: float = 1.0
+    pair: Pair, steel: Steel, friction: float, stand: Stand, motion: WheelVelocity, gauge_face: float = 1.0
 ) -> PressedWheel:
     """The wheel at its stand, in motion; gauge_face: factor on the friction of the rail's gauge face."""
     kernel = Kernel(library_of_wheel(pair, steel, gauge_face))
@@ -78,7 +78,7 @@ def press_wheel(
 
 
 def wheel_under_load(
-    pair: Pair, steel: Steel, friction: float, stand: Stand, motion: Motion, load: float
+    pair: Pair, steel: Steel, friction: float, stand: Stand, motion: WheelVelocity, load: float
 ) -> PressedWheel:
     """The wheel at the height at which the vertical force on it is the load [N]; that of the stand is not used."""
     top, _ = touching(pair, stand)

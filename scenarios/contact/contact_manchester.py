@@ -30,9 +30,9 @@ from rbd_model.contact.hertz import moving_ellipse
 from rbd_model.contact.normal import Steel, patches
 from rbd_model.contact.patches import Patch, patches_of
 from rbd_model.contact.profiles import from_points, wheel_s1002
-from rbd_model.contact.strips import Motion, creepages_of, place_of, rolling, total, under_load
+from rbd_model.contact.strips import WheelVelocity, creepages_of, place_of, rolling, total, under_load
 from rbd_model.wheelset.pressing_patch import PatchConstants, PatchState, Press, find_patch, pressing_patch
-from rbd_model.wheelset.rigid_contact import Placement, Wheel
+from rbd_model.wheelset.touch import Placement, Wheel
 from rbd_model.wheelset.touching_patch import direction_of, look_up_patch
 from scenarios.bench.wheel_on_strips import CONSTANT_FRICTION, NO_SPEED, wheel_under_load
 from scenarios.reporting.plots import BOGIE, FOUR, LEADING, THESIS, TRAILING, plt, titled
@@ -94,7 +94,7 @@ def exact(name: str) -> dict[float, Found]:
     }
 
 
-def case(name: str, shift: float) -> tuple[Stand, Motion]:
+def case(name: str, shift: float) -> tuple[Stand, WheelVelocity]:
     """How the wheelset stands and moves at the shift [mm], seen from the wheel of this name; linear between rows."""
     course = table("course")
     roll, yaw, pitch_rate = (
@@ -105,7 +105,7 @@ def case(name: str, shift: float) -> tuple[Stand, Motion]:
     return stand, rolling(stand, SPEED, -pitch_rate)
 
 
-def depth_1(stand: Stand, motion: Motion) -> Found:
+def depth_1(stand: Stand, motion: WheelVelocity) -> Found:
     """One ellipse where the rigid profiles touch, Hertz and Polach: the contact of the level `spatial`."""
     pair = manchester_pair()
     _, place = touching(pair, stand)
@@ -223,7 +223,7 @@ def elastic_patch(patch: Patch, contact: Contact) -> Elastic:
     return Elastic(system.tables, arguments, ca.Function("bearing", [given, pieces], [results]))
 
 
-def bearings(stand: Stand, motion: Motion, contact: Contact = ON_PATCHES) -> list[Bearing]:
+def bearings(stand: Stand, motion: WheelVelocity, contact: Contact = ON_PATCHES) -> list[Bearing]:
     """All patches of a wheel at the height at which they carry the load; seen from it, every wheel is a left one."""
     top, _ = touching(manchester_pair(), stand)
     axes = turned_by(direction_cosines(ca.SX(stand.yaw), ca.SX(stand.roll)))
@@ -237,7 +237,7 @@ def bearings(stand: Stand, motion: Motion, contact: Contact = ON_PATCHES) -> lis
     return at(float(approach))
 
 
-def depth_2(stand: Stand, motion: Motion) -> Found:
+def depth_2(stand: Stand, motion: WheelVelocity) -> Found:
     """Elastic ellipses that part where contact would jump: the level `spatial` at contact depth 2, with its laws.
 
     Places are weighted with the square of the normal force, which for ellipses is near the squared overlap that exact
@@ -252,13 +252,13 @@ def depth_2(stand: Stand, motion: Motion) -> Found:
     return Found(place, angle, -ahead, -outwards, max(one.pressure for one in found if one.load > 0.0))
 
 
-def depth_3(stand: Stand, motion: Motion) -> Found:
+def depth_3(stand: Stand, motion: WheelVelocity) -> Found:
     """Strips with their own creep forces, some 8 in each part of the wheel: the level `spatial` at contact depth 3."""
     wheel = wheel_under_load(manchester_pair(), STEEL, FRICTION, stand, motion, LOAD)
     return Found(wheel.place, wheel.angle, -float(wheel.force[0]), -float(wheel.force[1]), wheel.pressure)
 
 
-def strips_of_patches(stand: Stand, motion: Motion) -> Found:
+def strips_of_patches(stand: Stand, motion: WheelVelocity) -> Found:
     """The finer study tool behind it: as many patches of any shape as the undeformed distance has, by 24 strips."""
     _, contacts = under_load(
         manchester_pair(), stand, STEEL, FRICTION, lambda strips: creepages_of(strips, motion), LOAD
@@ -273,7 +273,7 @@ class Method:
     """A depth of contact: its name, what it finds, its limit, its line in the picture."""
 
     name: str
-    find: Callable[[Stand, Motion], Found]
+    find: Callable[[Stand, WheelVelocity], Found]
     limit: str
     colour: str
 

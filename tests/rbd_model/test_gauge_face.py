@@ -11,9 +11,9 @@ import pytest
 
 from rbd_model.contact.depth import Contact
 from rbd_model.contact.distance import Stand, touching
+from rbd_model.contact.friction import friction_over_angle
 from rbd_model.contact.normal import patches
-from rbd_model.contact.strips import Motion
-from rbd_model.track.friction import friction_over_angle
+from rbd_model.contact.strips import WheelVelocity
 from scenarios.bench.climbing_wheelset import climbing_wheelset, push
 from scenarios.bench.wheel_on_strips import press_wheel
 from scenarios.contact import contact_manchester as manchester
@@ -51,7 +51,7 @@ def test_wheel_climbs_at_nadals_limit_for_the_friction_of_the_gauge_face(depth: 
     assert found > 1.4 * nadal(CURVE_ANGLE, HEAD)
 
 
-def creep(stand: Stand, motion: Motion, friction: float, gauge_face: float) -> np.ndarray:
+def creep(stand: Stand, motion: WheelVelocity, friction: float, gauge_face: float) -> np.ndarray:
     """What friction adds to the force on a wheel by strips [N]."""
     smooth = press_wheel(PAIR, STEEL, 0.0, stand, motion).force
     return press_wheel(PAIR, STEEL, friction, stand, motion, gauge_face).force - smooth

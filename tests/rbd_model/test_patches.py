@@ -31,7 +31,7 @@ from rbd_model.levels.spatial import spatial_vehicle
 from rbd_model.track.irregularity import irregular_track, section_5_3
 from rbd_model.vehicle.description import as_sum
 from rbd_model.vehicle.ready import two_axle_bogie
-from rbd_model.wheelset.rigid_contact import Placement, Wheel, touch
+from rbd_model.wheelset.touch import Placement, Wheel, touch
 from rbd_model.wheelset.touching_patch import Outline, along_and_square, direction_of
 from scenarios.bench.climbing_wheelset import INTERVAL, climbing_wheelset, push
 from scenarios.contact import contact_manchester as manchester

@@ -30,9 +30,9 @@ from rbd_model.track.irregularity import (
 from rbd_model.vehicle.parameters import AS_PRINTED, tables_5_1_and_5_2
 from rbd_model.vehicle.ready import two_axle_bogie, wheelset_under_frame
 from rbd_model.vehicle.variables import LARGEST_LATERAL, LARGEST_YAW
-from rbd_model.wheelset.rigid import END_MARGIN
-from rbd_model.wheelset.rigid_contact import SIDES
+from rbd_model.wheelset.in_space import END_MARGIN
 from rbd_model.wheelset.rigid_part import nadal_limit
+from rbd_model.wheelset.touch import SIDES
 from tests.quick_library import quick_library
 
 ENERGIES = ("kinetic_energy", "potential_energy")

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from brake_controller.wheel_slide import SlideProtection, common_protection
-from rbd_model.track.friction import FallingFriction, RailCondition, constant_friction, low
+from rbd_model.contact.friction import FallingFriction, constant_friction
+from rbd_model.track.friction import RailCondition, low
 from scenarios.bench.braked_machine import BrakedMachine, Machine, bogie, coach
 from scenarios.bench.own_controller import FixedSlip
 from scenarios.bench.peak_adhesion import PeakAdhesion

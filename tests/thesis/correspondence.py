@@ -24,14 +24,14 @@ from rbd_model.levels.models import levels, wheelset_in_frame
 from rbd_model.levels.spatial import spatial_vehicle
 from rbd_model.thesis.creep import Ellipse
 from rbd_model.thesis.euler import composed, cross, from_angles, from_matrix
-from rbd_model.thesis.forces import Motion
+from rbd_model.thesis.forces import BodyMotion
 from rbd_model.thesis.kinematic_analysis import Frame, Wheelset, centred, drive_to
 from rbd_model.thesis.mechanism import FIRST_WHEELSET, Answer, Inputs, Mechanism, State
 from rbd_model.thesis.rails import STRAIGHT, Rails, Section
 from rbd_model.track.irregularity import derivatives_along, irregular_track, section_5_3
+from rbd_model.vehicle import description as descriptions
 from rbd_model.vehicle import variables
 from rbd_model.vehicle.description import Springs
-from rbd_model.vehicle.description import description as descriptions
 from rbd_model.vehicle.parameters import (
     BogieParameters,
     as_printed,
@@ -249,7 +249,7 @@ def in_track_axes(
     own axes, and of the third component of that in axes that do not pitch with it [rad/s2].
     """
     columns = mechanism.body(number)
-    body, second = Motion.of(state.q[columns], state.q_rate[columns]), answer.q_second[columns]
+    body, second = BodyMotion.of(state.q[columns], state.q_rate[columns]), answer.q_second[columns]
     at, section = mechanism.there(body)
     travel = float(at.slope @ body.velocity)
     linear = section.axes[0].T @ second[:3] + travel * section.axes[1].T @ body.velocity
@@ -257,7 +257,7 @@ def in_track_axes(
     return linear, alpha, in_yaw_roll_axes(section, body, travel, alpha)
 
 
-def in_yaw_roll_axes(section: Section, body: Motion, travel: float, alpha: np.ndarray) -> float:
+def in_yaw_roll_axes(section: Section, body: BodyMotion, travel: float, alpha: np.ndarray) -> float:
     """Rate of the third component of the angular velocity in the axes that do not pitch with the wheelset."""
     axes = section.axes[0].T @ body.axes
     sine_roll = axes[2, 1]  # height of the axle's unit vector over the track

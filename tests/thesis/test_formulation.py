@@ -15,7 +15,7 @@ from rbd_model.contact.hertz import ellipse_shape
 from rbd_model.contact.profiles import Profile
 from rbd_model.thesis import constraints, euler, forces
 from rbd_model.thesis.creep import Ellipse, flange_force, hertz_ellipse, polach
-from rbd_model.thesis.forces import Motion
+from rbd_model.thesis.forces import BodyMotion
 from rbd_model.thesis.kinematic_analysis import rolling
 from rbd_model.thesis.mechanism import Mechanism
 from rbd_model.thesis.surfaces import OffTheProfileError, profile_derivatives, rail_surface, wheel_surface
@@ -31,11 +31,11 @@ def random_theta(rng: np.random.Generator) -> np.ndarray:
     return np.asarray(theta / np.linalg.norm(theta))
 
 
-def random_motion(rng: np.random.Generator) -> Motion:
+def random_motion(rng: np.random.Generator) -> BodyMotion:
     theta = random_theta(rng)
     rate = rng.normal(size=4)
     rate -= theta * (theta @ rate)
-    return Motion.of(np.concatenate([rng.normal(size=3), theta]), np.concatenate([rng.normal(size=3), rate]))
+    return BodyMotion.of(np.concatenate([rng.normal(size=3), theta]), np.concatenate([rng.normal(size=3), rate]))
 
 
 # -- Euler parameters, eqs (3.1)-(3.28) --------------------------------------------------------------------------
@@ -81,7 +81,7 @@ def test_free_body_turns_as_euler_said() -> None:
         matrix[:7, :7] = euler.mass_matrix(1200.0, inertia, body.theta)
         matrix[7, 3:7] = matrix[3:7, 7] = 2 * body.theta
 
-        def alpha(q_v: np.ndarray, body: Motion = body, matrix: np.ndarray = matrix) -> np.ndarray:
+        def alpha(q_v: np.ndarray, body: BodyMotion = body, matrix: np.ndarray = matrix) -> np.ndarray:
             right = np.concatenate([q_v, [-2 * body.theta_rate @ body.theta_rate]])
             return np.asarray(body.g @ np.linalg.solve(matrix, right)[3:7])
 
@@ -136,8 +136,8 @@ def test_axle_box_is_three_long_springs_at_right_angles() -> None:
     What they turn the box by about the axle is the frame's: the wheelset turns freely in its boxes.
     """
     rng = np.random.default_rng(7)
-    wheelset = Motion.of(np.array([0.0, 0.0, 0.425, 1.0, 0.0, 0.0, 0.0]), np.array([15, 0.1, 0, 0, 0.02, 0, 0.01]))
-    frame = Motion.of(np.array([0.0, 0.0, 1.2, 1.0, 0.0, 0.0, 0.0]), np.array([15.1, 0.0, 0.1, 0, 0, 0, 0]))
+    wheelset = BodyMotion.of(np.array([0.0, 0.0, 0.425, 1.0, 0.0, 0.0, 0.0]), np.array([15, 0.1, 0, 0, 0.02, 0, 0.01]))
+    frame = BodyMotion.of(np.array([0.0, 0.0, 1.2, 1.0, 0.0, 0.0, 0.0]), np.array([15.1, 0.0, 0.1, 0, 0, 0, 0]))
     place, in_frame = np.array([0.0, 0.7, 0.0]), np.array([0.0, 0.7, -0.775]) + 1e-3 * rng.normal(size=3)
     stiffness, damping = np.array([9.5e6, 6e6, 3.5e6]), np.array([8e4, 4e4, 2.5e4])
     boxes = forces.axle_box(wheelset, place, frame, in_frame, (stiffness, damping, 0.0))

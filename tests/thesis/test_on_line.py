@@ -18,7 +18,7 @@ from rbd_model.contact.profiles import Profile
 from rbd_model.thesis import mechanism as mechanisms
 from rbd_model.thesis.constraints import quadratic_terms
 from rbd_model.thesis.euler import composed, from_angles, from_matrix, g_bar
-from rbd_model.thesis.forces import Motion
+from rbd_model.thesis.forces import BodyMotion
 from rbd_model.thesis.kinematic_analysis import Frame, Wheelset, drive_to, driving_constraints, frames_at_rest, rolling
 from rbd_model.thesis.mechanism import FIRST_WHEELSET, Answer, Inputs, Mechanism, State
 from rbd_model.thesis.program import run
@@ -124,7 +124,7 @@ def without(term: str, patch: pytest.MonkeyPatch) -> Callable[[Snapshot, Line], 
         def forgotten(mechanism: Mechanism, number: int, state: State, answer: Answer):  # type: ignore[no-untyped-def]
             _, alpha, yawing = turning(mechanism, number, state, answer)
             columns = mechanism.body(number)
-            _, section = mechanism.there(Motion.of(state.q[columns], state.q_rate[columns]))
+            _, section = mechanism.there(BodyMotion.of(state.q[columns], state.q_rate[columns]))
             return section.axes[0].T @ answer.q_second[columns][:3], alpha, yawing
 
         patch.setattr(correspondence, "in_track_axes", forgotten)
@@ -134,7 +134,7 @@ def without(term: str, patch: pytest.MonkeyPatch) -> Callable[[Snapshot, Line], 
     elif term == "what flanges drag":
         own_flange = Mechanism.flange
 
-        def across(self: Mechanism, body: Motion) -> np.ndarray:
+        def across(self: Mechanism, body: BodyMotion) -> np.ndarray:
             lateral = self.there(body)[1].axes[0, :, 1]
             return np.asarray(lateral * (lateral @ own_flange(self, body)))
 

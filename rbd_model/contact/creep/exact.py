@@ -57,7 +57,7 @@ class HalfSpace:
 
 
 @dataclass(frozen=True)
-class Rolling:
+class StickAndSlip:
     """A solution: which cells stick, and the stresses (x of all cells, then y) on the wheel."""
 
     sticks: np.ndarray
@@ -126,7 +126,7 @@ def half_space(axis_ratio: float, counts: tuple[int, int]) -> HalfSpace:
     return HalfSpace(grid, slopes[0], slopes[1], (places[0], places[1]), y)
 
 
-def exact(space: HalfSpace, creepages: np.ndarray, start: Rolling | None = None) -> Rolling:
+def exact(space: HalfSpace, creepages: np.ndarray, start: StickAndSlip | None = None) -> StickAndSlip:
     """Steady rolling with creepages (xi_x, xi_y, spin) over mu N/(G a b), the spin also times (a b)^(1/2).
 
     forces: (F_x, F_y) on the wheel over mu N. Kalker's algorithm TANG: cells stick until the stress would pass the
@@ -148,7 +148,7 @@ def exact(space: HalfSpace, creepages: np.ndarray, start: Rolling | None = None)
         settled = np.array_equal(now, sticks) and np.max(np.abs(forces - last)) < STILL
         sticks, last = now, forces
         if settled:
-            return Rolling(sticks, stress, forces)
+            return StickAndSlip(sticks, stress, forces)
     raise ArithmeticError(f"The exact theory found no end in {STEPS} steps at creepages {creepages}; use other cells.")
 
 

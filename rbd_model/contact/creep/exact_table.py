@@ -13,7 +13,7 @@ import casadi as ca
 import numpy as np
 from tqdm import tqdm
 
-from rbd_model.contact.creep.exact import HalfSpace, Rolling, exact, half_space
+from rbd_model.contact.creep.exact import HalfSpace, StickAndSlip, exact, half_space
 from rbd_model.contact.creep.law import ContactPatch
 from rbd_model.contact.creep.tabulated import INFINITE, CreepTable, axes, continued, patch_at, tabulated
 
@@ -62,7 +62,7 @@ def of_ellipse(places: list[np.ndarray], log_ratio: float) -> np.ndarray:
     forces = np.zeros((*(one.size for one in places[:3]), 2))
     for turn in range(1, places[2].size - 1):
         for ahead in range(1, places[0].size - 1):
-            last: Rolling | None = None
+            last: StickAndSlip | None = None
             for aside in range(1, places[1].size - 1):
                 at = np.array([places[0][ahead], places[1][aside], places[2][turn]])
                 given = np.array(creepages([*np.clip(at, -INFINITE, INFINITE), log_ratio])).ravel()
@@ -82,7 +82,7 @@ def sliding_force(space: HalfSpace, creepages: np.ndarray) -> np.ndarray:
     return np.asarray(-slip / np.maximum(np.hypot(*slip), 1e-300) @ friction)
 
 
-def nearly_exact(space: HalfSpace, creepages: np.ndarray, start: Rolling | None) -> Rolling:
+def nearly_exact(space: HalfSpace, creepages: np.ndarray, start: StickAndSlip | None) -> StickAndSlip:
     """Steady rolling, Kalker (1990), at these creepages, or at some nearby where these find no end; see NUDGES.
 
     Raises ArithmeticError where none do.

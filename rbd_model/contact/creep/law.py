@@ -59,3 +59,14 @@ class ContactPatch:
 #: Creep forces (F_x, F_y) [N] on the wheel of a patch; for small creepages F_x = -G a b c11 xi_x and
 #: F_y = -G a b c22 xi_y - G (a b)^1.5 c23 xi_s (Kalker), for large ones of the size of friction times load.
 CreepLaw = Callable[[ContactPatch], tuple[ca.SX, ca.SX]]
+
+
+#: Used where a trial step would ask for the contact of a wheel that carries nothing; a run ends before (wheel lift).
+SMALLEST_LOAD = 1.0
+
+SMALLEST_FRICTION = 1e-9
+
+
+def at_least(value: ca.SX, least: float) -> ca.SX:
+    """The larger of both; as a comparison, which costs less in C than fmax."""
+    return ca.if_else(value > least, value, least)

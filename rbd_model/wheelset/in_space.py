@@ -1,0 +1,187 @@
+"""A wheelset in space at its place in a vehicle, as all depths of contact have it: states, track, suspension, brake."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import casadi as ca
+
+from rbd_model.body.bodies import move_along, start_along
+from rbd_model.body.connections import Load
+from rbd_model.body.kinematics import Body
+from rbd_model.track.frame import TrackFrame
+from rbd_model.track.irregularity import Section
+from rbd_model.vehicle.assembly import Assembly
+from rbd_model.vehicle.description import Wheelset
+from rbd_model.vehicle.scales import NOMINAL_TRAVEL, NOMINAL_TRAVEL_SPEED
+from rbd_model.wheelset.rotation import (
+    Grip,
+    Rotation,
+    add_axle_shift,
+    add_hold,
+    add_rotation,
+    add_rotation_states,
+    rail_friction,
+    stand_still,
+    traction_force,
+)
+from rbd_model.wheelset.touch import SIDES
+
+NOMINAL_ROLL = 1e-3
+
+#: Distance from the end of a profile at which a contact counts as run off it [m]; beyond the end there is no contact.
+END_MARGIN = 1e-3
+
+
+@dataclass(frozen=True)
+class WheelsetMotion:
+    """What the forces do: longitudinal acceleration [m/s2], rotation, power of the yaw torque [W].
+
+    held [N]: force along the track with which the rails hold an axle that stands, else 0.
+    """
+
+    acceleration: ca.SX
+    held: ca.SX
+    rotation: Rotation
+    yaw_power: ca.SX
+
+
+@dataclass(frozen=True)
+class OnTrack:
+    """The states of a wheelset that do not depend on how it touches its rails, and the track under it."""
+
+    along: ca.SX  # from the vehicle's place [m]
+    forward: ca.SX
+    lateral: ca.SX
+    sideways: ca.SX
+    yaw: ca.SX
+    yaw_rate: ca.SX
+    rotated: ca.SX
+    angular_velocity: ca.SX
+    centre: ca.SX  # lateral position of both rails' middle [m]
+    heights: ca.SX  # of the (left, right) rail [m]
+    slopes: ca.SX  # along the track, of its lateral position and of the heights [1]
+    frictions: ca.SX  # of the (left, right) rail
+    distance: ca.SX  # [m]
+    spread: ca.SX  # of each rail, outwards [m]
+    track: TrackFrame
+
+    @property
+    def offset(self) -> ca.SX:
+        """Lateral displacement from the track's centre [m]."""
+        return self.lateral - self.centre
+
+
+def follow_track(assembly: Assembly, number: int, section: Callable[[int, ca.SX], Section]) -> OnTrack:
+    """Declares the states of a wheelset along and across the track (section 5.2) and looks at the track there."""
+    system, data = assembly.system, assembly.vehicle.wheelsets[number - 1]
+    shift, forward = add_axle_shift(assembly, number)
+    lateral = system.state(f"lateral_{number}", "m", assembly.parameter["initial_lateral"], NOMINAL_TRAVEL)
+    sideways = system.state(f"lateral_speed_{number}", "m/s", 0.0, NOMINAL_TRAVEL_SPEED)
+    yaw = system.state(f"yaw_{number}", "rad", assembly.parameter["initial_yaw"], NOMINAL_TRAVEL)
+    yaw_rate = system.state(f"yaw_rate_{number}", "rad/s", 0.0, NOMINAL_TRAVEL_SPEED)
+    rotated, omega = add_rotation_states(assembly, number)
+    along = assembly.value(data.along) + shift
+    distance = assembly.distance + along
+    track = section(number, distance)
+    system.limit_change(1 / track.density, f"{assembly.vehicle.bodies[0].name}_distance")
+    rails = ca.vertcat(track.lateral, track.left, track.right)
+    slopes = ca.jacobian(rails, assembly.distance)
+    of_rails = ca.vertcat(*[assembly.parameter[f"{side}_rail_friction"] for side in SIDES.values()])
+    frictions = rail_friction(assembly, number, distance) * track.friction * of_rails
+    frame = assembly.track_at(along)
+    motion = forward, lateral, sideways, yaw, yaw_rate, rotated, omega
+    return OnTrack(along, *motion, track.lateral, rails[1:], slopes, frictions, distance, track.spread, frame)
+
+
+def stand_on_track(assembly: Assembly, number: int, body: Body) -> None:
+    """How place, lateral position and yaw of a wheelset change, by (3.12) and section 3.2.2."""
+    move_along(assembly, body, f"shift_{number}")
+    assembly.system.derivative(f"lateral_{number}", body.moving[0])
+    assembly.system.derivative(f"yaw_{number}", body.turning[2] / ca.cos(body.angles[0]))
+    if assembly.on_line:
+        names = ("lateral_speed", "rise_speed", "roll_rate", "", "yaw_rate")
+        # Before its contacts are found, it stands as high as its wheels are.
+        place = ca.vertcat(body.position[:2], assembly.radius(assembly.vehicle.wheelsets[number - 1]))
+        start_along(assembly, replace(body, position=place), [f"{name}_{number}" for name in names])
+
+
+def yaw_torque_of(assembly: Assembly, number: int, rotated: ca.SX) -> ca.SX:
+    """Yaw torque in the axes that yaw and roll with a wheelset [N.m]; rotated: the angle that it has turned by.
+
+    It acts about their upright axis, as the couple of the shoe forces (9.1) does, which are square to the axle; the
+    vertical of the track, the other reading, is a roll (1e-3) away and would turn the axle by its sine. About an axis
+    that turns with the wheelset's rotation as well when yaw_torque_rotates is 1, which the body's matrix in place of
+    the global one in (3.36) does.
+    """
+    angle = assembly.parameter["yaw_torque_rotates"] * rotated
+    return assembly.input[f"yaw_torque_{number}"] * ca.vertcat(ca.sin(angle), 0, ca.cos(angle))
+
+
+@dataclass(frozen=True)
+class WheelsetOnRails:
+    """A wheelset on its rails before its suspension's forces are added up; pairs are (left, right).
+
+    The body's own axes are those that yaw and roll with the wheelset. rail_heights [m]: of rails that may yield.
+    loads, thrusts [N]: vertical forces of the rails, and lateral ones on their heads, outwards; flange_force [N]: of
+    the rails on the flanges, to the left. creep_along [N]: creep forces along the rails; creep_powers [W]: what all
+    creep forces take. stored [J]: in the contacts and the track below; damping_power [W]: what both lose. free:
+    acceleration [m/s2] and turning by rails and weight alone, moments over inertia about x and z [rad/s2], between them
+    that about the axle [N.m]. lost: what is left of each wheel's contact until it ends, negative where it has (section
+    9.4.1).
+    """
+
+    number: int
+    data: Wheelset
+    body: Body
+    on: OnTrack
+    rail_heights: ca.SX
+    loads: ca.SX
+    thrusts: ca.SX
+    flange_force: ca.SX
+    creep_along: ca.SX
+    creep_powers: ca.SX
+    kinetic_of_track: ca.SX
+    stored: ca.SX
+    damping_power: ca.SX
+    free: ca.SX
+    lost: list[ca.SX]
+
+    @property
+    def static(self) -> ca.SX:
+        """The most that both rails hold along the track [N], friction times load as (3.97) ends."""
+        return ca.dot(self.on.frictions, ca.fmax(self.loads, 0))
+
+
+def push_wheelset(
+    assembly: Assembly, wheelset: WheelsetOnRails, suspension: Load, first_acceleration: ca.SX
+) -> tuple[ca.SX, WheelsetMotion]:
+    """What the suspension adds to what the rails do, and the motion along, across and about the vertical, (3.73).
+
+    What is added has the rows of `free`; with it comes what the rails add that hold an axle which stands.
+    """
+    system, data, body = assembly.system, wheelset.data, wheelset.body
+    number, rotated = wheelset.number, wheelset.on.rotated
+    mass, inertia = assembly.value(data.mass), [assembly.value(size) for size in data.inertia]
+    yaw_torque = yaw_torque_of(assembly, number, rotated)
+    moment = suspension.moment + yaw_torque
+    turning = ca.vertcat(moment[0] / inertia[0], moment[1], moment[2] / inertia[2])
+    push = system.narrow(ca.vertcat((1 / mass) * suspension.force, turning))
+    moved = wheelset.free + push
+    hold = add_hold(system, number)
+    held = (hold.moves - 1) * mass * moved[0]
+    states = [f"shift_speed_{number}", f"{assembly.vehicle.bodies[0].name}_speed"]
+    pushed = mass * moved[0] - ca.sum1(wheelset.creep_along), traction_force(assembly, number)
+    grip = Grip.of(assembly, number, hold, wheelset.static)
+    stand_still(assembly, f"Wheelset {number}", hold, states, pushed, grip)
+    turned = rotated, body.own_rate[1]
+    rotation = add_rotation(assembly, number, hold, turned, moved[4], -held * assembly.radius(data))
+    # It reacts on all angles of a body.
+    rotation = replace(rotation, brake_torque=system.narrow(rotation.brake_torque))
+    acceleration = hold.moves * moved[0]
+    system.derivative(f"shift_speed_{number}", acceleration - first_acceleration)
+    system.derivative(f"lateral_speed_{number}", moved[1])
+    system.derivative(f"yaw_rate_{number}", moved[5])
+    motion = WheelsetMotion(acceleration, held, rotation, ca.dot(yaw_torque, body.own_rate))
+    return push + ca.vertcat(held / mass, ca.SX(5, 1)), motion

@@ -1,0 +1,110 @@
+"""A wheelset that rolls, skids or is locked on a level rail, its wheels centred: what levels 1 and 2 share."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import casadi as ca
+
+from rbd_model.contact.creep.kalker import kalker_coefficients
+from rbd_model.contact.creep.law import SMALLEST_FRICTION, SMALLEST_LOAD, at_least
+from rbd_model.contact.creep.polach import saturated
+from rbd_model.contact.hertz import ellipse_shape
+from rbd_model.vehicle.assembly import Assembly
+from rbd_model.vehicle.description import Wheelset
+from rbd_model.wheelset.rotation import Hold, RollingWheelset, add_rotation, add_rotation_states, rail_friction
+
+#: Longer over shorter semi-axis of a contact that a run may start with; where Kalker's table ends.
+MOST_SLENDER = 10.0
+
+
+@dataclass(frozen=True)
+class CentredContact:
+    """Contact of a wheel that does not move sideways: G pi a b c11 / 4 of eq. (3.94) over N^(2/3) [N^(1/3)]."""
+
+    stiffness: ca.SX
+
+
+@dataclass(frozen=True)
+class CentredLoad:
+    """Vertical force of one rail N [N], and N^(1/3), with which the semi-axes grow, eq. (3.87)."""
+
+    wheel: ca.SX
+    growth: ca.SX
+
+
+def centred_contact(assembly: Assembly, wheelset: Wheelset) -> CentredContact:
+    """Factor of (3.94), with the ellipse of `ellipse_shape`: constant from the curvatures, computed once at the start.
+
+    Not a number, so that a run is refused at its start, for an ellipse more slender than 1 : 10: on half-spaces, as
+    Hertz and Kalker have them, no wheel touches a rail like that.
+    """
+    p, radius = assembly.parameter, wheelset.mean_radius
+    same = next(number for number, other in assembly.vehicle.numbered if other.mean_radius == radius)
+    name = f"contact_stiffness_{same}"
+    if name not in assembly.system.derived_symbols:
+        curvatures = p["wheel_profile_curvature"], p["rail_head_radius"]
+        shape = ellipse_shape(assembly.value(radius), *curvatures, p["shear_modulus"])
+        slender = ca.fmax(shape.axis_ratio, 1 / shape.axis_ratio) > MOST_SLENDER
+        c11 = ca.if_else(slender, math.nan, kalker_coefficients(shape.axis_ratio).c11)
+        assembly.system.derived(name, 0.25 * ca.pi * p["shear_modulus"] * shape.longitudinal * shape.lateral * c11)
+    return CentredContact(assembly.system.derived_symbols[name])
+
+
+def centred_load(load: ca.SX) -> CentredLoad:
+    """Of an axle that carries `load` [N], kept above zero for the creep law; growth as in (3.87)."""
+    wheel = at_least(load / 2, SMALLEST_LOAD)
+    return CentredLoad(wheel, wheel ** (1 / 3))
+
+
+def creep_force_of_wheelset(
+    assembly: Assembly, friction: ca.SX, contact: CentredContact, load: CentredLoad, sliding: ca.SX, forward: ca.SX
+) -> ca.SX:
+    """Longitudinal force of both rails on a wheelset that slides at `sliding` [m/s], (3.94), (3.97); friction: mu0."""
+    # The corner of the absolute value is not felt: without sliding the force does not depend on friction.
+    friction = at_least(friction * assembly.rail.surface.remaining(ca.fabs(sliding)), SMALLEST_FRICTION)
+    # Eq. (3.94) with the creepage over sqrt(V^2 + v_eps^2). All divisors in one: they are what this costs.
+    divisor = friction * load.growth * ca.sqrt(forward**2 + assembly.parameter["creepage_speed"] ** 2)
+    return 2 * saturated(contact.stiffness * sliding / divisor, friction * load.wheel, assembly.rail.surface.reduction)
+
+
+@dataclass(frozen=True)
+class Creeping:
+    """A wheelset that creeps on a level rail, eq. (2.8).
+
+    rotated: angle that it has turned by; sliding [m/s]; force [N]: of both rails; static [N]: the most that they hold.
+    """
+
+    number: int
+    rotated: ca.SX
+    angular_velocity: ca.SX
+    sliding: ca.SX
+    force: ca.SX
+    static: ca.SX
+
+
+def creep_on_level_rail(
+    assembly: Assembly, number: int, distance: ca.SX, forward: ca.SX, load: CentredLoad, axle_load: ca.SX
+) -> Creeping:
+    """A wheelset on a level rail, eq. (2.8); it declares the states of its rotation.
+
+    distance [m], forward [m/s]: of its axle; load: of each wheel; axle_load [N]: of both.
+    """
+    data = assembly.vehicle.wheelsets[number - 1]
+    rotated, omega = add_rotation_states(assembly, number)
+    sliding = forward - assembly.radius(data) * omega
+    friction = rail_friction(assembly, number, distance)
+    force = creep_force_of_wheelset(assembly, friction, centred_contact(assembly, data), load, sliding, forward)
+    return Creeping(number, rotated, omega, sliding, force, friction * axle_load)
+
+
+def roll_on_level_rail(
+    assembly: Assembly, creeping: Creeping, hold: Hold, forward: ca.SX, axle_load: ca.SX, held: ca.SX
+) -> RollingWheelset:
+    """Its rotation, third line of eq. (2.8); held [N]: with what the rails hold an axle that stands, else 0."""
+    number, data = creeping.number, assembly.vehicle.wheelsets[creeping.number - 1]
+    turned, radius = (creeping.rotated, creeping.angular_velocity), assembly.radius(data)
+    rotation = add_rotation(assembly, number, hold, turned, -creeping.force * radius, -held * radius)
+    power = -creeping.force * creeping.sliding
+    return RollingWheelset(number, data, rotation, forward, creeping.force + held, axle_load, power)
