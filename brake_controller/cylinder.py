@@ -94,7 +94,7 @@ def timed_brake(defaults: BrakeParameters, table: FrictionTable = EXAMPLE_TABLE)
     p = brake.parameter
     pressure = brake.system.state("cylinder_pressure", "Pa", 0.0, NOMINAL_PRESSURE)
     rate = pressure_rate(pressure, brake.target, brake.valve, p["application_time"], p["release_time"])
-    brake.system.derivative("cylinder_pressure", rate)
+    brake.system.derivative(pressure, rate)
     return _finish(brake, pressure, p["touch_pressure"], table)
 
 
@@ -111,8 +111,8 @@ def flow_brake(defaults: BrakeParameters, air: FlowParameters, table: FrictionTa
     temperature = air_temperature(pressure, mass, position, flow)
     flows = valve_flows(pressure, temperature, brake.target, brake.valve, flow)
     rates = air_rates(pressure, temperature, position, flows, flow)
-    system.derivative("cylinder_pressure", rates.pressure)
-    system.derivative("air_mass", flows[0] - flows[1])
+    system.derivative(pressure, rates.pressure)
+    system.derivative(mass, flows[0] - flows[1])
     for name, unit, observed in (
         ("air_temperature_in_cylinder", "K", temperature),
         ("piston_travel", "m", position.travel),

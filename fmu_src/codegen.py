@@ -438,7 +438,7 @@ def _system_arrays(model: Model, system: System, solving: Elimination) -> Iterab
         f"{prefix}_friction",
         [
             f"{{{_text(f.label)}, {_text(f.stuck_word)}, {_text(f.sliding_word)}, "
-            f"{position[f.velocity]}, {position[f.other] if f.other else -1}}}"
+            f"{position[f.states[0]]}, {position[f.states[1]] if f.states[1:] else -1}}}"
             for f in system.frictions
         ],
     )

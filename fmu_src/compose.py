@@ -39,10 +39,7 @@ def scope(system: System, before: str = "", after: str = "", common: Collection[
         states={named(name): replace(state, name=named(name)) for name, state in system.states.items()},
         derivatives=keyed(system.derivatives),
         tables=[replace(table, name=named(table.name)) for table in system.tables],
-        frictions=[
-            replace(friction, velocity=named(friction.velocity), other=friction.other and named(friction.other))
-            for friction in system.frictions
-        ],
+        frictions=[replace(friction, states=tuple(map(named, friction.states))) for friction in system.frictions],
         outputs=keyed(system.outputs),
         observables=keyed(system.observables),
         largest_changes=[(tuple(map(named, names)), largest) for names, largest in system.largest_changes],

@@ -45,7 +45,7 @@ def exchanged_states(model: Model) -> list[State]:
 def reset_at_events(model: Model) -> set[str]:
     """Names of the states that an event may set to another value: velocities that begin to stick."""
     of = exchanged(model)
-    return {friction.velocity for friction in of.frictions} if of else set()
+    return {friction.states[0] for friction in of.frictions} if of else set()
 
 
 def derivative_name(state: str) -> str:

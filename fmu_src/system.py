@@ -142,7 +142,7 @@ class Table:
 
 @dataclass(frozen=True)
 class Friction:
-    """Dry friction on the velocity state `velocity`, added to that of `other`: `direction` is 1, -1 or, when stuck, 0.
+    """Dry friction on a velocity, one of the `states` or the sum of two: `direction` is 1, -1 or, when stuck, 0.
 
     The equations multiply `capacity` with `direction` and hold the velocity where it is 0. `drive` is what the friction
     must balance to stay stuck, in the unit of `capacity`; a capacity below 0 says that there is none, and never any.
@@ -151,18 +151,12 @@ class Friction:
 
     label: str
     direction: ca.SX
-    velocity: str
+    states: tuple[str, ...]
     drive: ca.SX
     capacity: ca.SX
     stuck_word: str
     sliding_word: str
-    other: str = ""
-    still: ca.SX = field(default_factory=lambda: ca.SX(0))
-
-    @property
-    def states(self) -> tuple[str, ...]:
-        """Names of the states whose sum the velocity is."""
-        return (self.velocity, self.other) if self.other else (self.velocity,)
+    still: ca.SX
 
 
 @dataclass(frozen=True)
@@ -283,7 +277,10 @@ class System(Chain):
         return symbol
 
     def state(self, name: str, unit: str, start: ca.SX | float, nominal: float) -> ca.SX:
-        """Symbol of a state; `nominal` (> 0, in `unit`) is the size at which the tolerance is counted."""
+        """Symbol of a state; `nominal` (> 0, in `unit`) is the size at which the tolerance is counted.
+
+        Equations, frictions and limits take the symbol; no other place asks for a state by its name.
+        """
         return self._add_state(name, unit, start, nominal, algebraic=False)
 
     def algebraic(self, name: str, unit: str, guess: ca.SX | float, nominal: float) -> ca.SX:
@@ -350,24 +347,53 @@ class System(Chain):
 
     # -- equations ----------------------------------------------------------------------------------------------
 
-    def derivative(self, state: str, expression: ca.SX) -> None:
+    def derivative(self, state: ca.SX, expression: ca.SX) -> None:
         """The equation of a state: its derivative by time, in its unit per second."""
-        self.derivatives[state] = ca.SX(expression)
+        self.derivatives[self.name_of(state)] = ca.SX(expression)
 
-    def residual(self, algebraic: str, expression: ca.SX) -> None:
+    def residual(self, algebraic: ca.SX, expression: ca.SX) -> None:
         """The equation `expression` = 0 of an algebraic state; together they must be solvable for all of them."""
-        self.derivatives[algebraic] = ca.SX(expression)
+        self.derivatives[self.name_of(algebraic)] = ca.SX(expression)
 
-    def dry_friction(self, friction: Friction) -> None:
-        """A friction that sticks and slides; its direction is a symbol from `direction`."""
-        self.frictions.append(friction)
+    def dry_friction(
+        self,
+        label: str,
+        direction: ca.SX,
+        velocity: Sequence[ca.SX],
+        drive: ca.SX,
+        capacity: ca.SX,
+        words: tuple[str, str],
+        still: ca.SX | float = 0.0,
+    ) -> None:
+        """A friction that sticks and slides, see `Friction`; its direction is a symbol from `direction`.
 
-    def limit_change(self, largest: ca.SX, *states: str) -> None:
+        velocity: the state that it acts on, or two whose sum it is. words: what is said when it sticks and when it
+        slides, behind the label.
+        """
+        states = tuple(self.name_of(state) for state in velocity)
+        self.frictions.append(Friction(label, direction, states, drive, ca.SX(capacity), *words, ca.SX(still)))
+
+    def limit_change(self, largest: ca.SX, *states: ca.SX) -> None:
         """Steps chosen by the error end before a state, or the sum of two, has changed by `largest` at its rate.
 
         For what the error of a step cannot tell: what would be stepped over, a stiffness that changes with the state.
         """
-        self.largest_changes.append((states, largest))
+        self.largest_changes.append((tuple(self.name_of(state) for state in states), largest))
+
+    def add_to_start(self, state: ca.SX, more: ca.SX) -> None:
+        """Adds to the start value of a state."""
+        name = self.name_of(state)
+        self.states[name] = replace(self.states[name], start=self.states[name].start + more)
+
+    def name_of(self, state: ca.SX) -> str:
+        """Name of a state. Raises ValueError for what is no symbol that `state` or `algebraic` returned."""
+        found = (name for name, known in self.states.items() if ca.is_equal(known.symbol, ca.SX(state)))
+        name = next(found, "")
+        if not name:
+            raise ValueError(
+                f"{state} is no state of {self.name}; give the symbol that state() or algebraic() returned."
+            )
+        return name
 
     def start_steady(self, start: SteadyStart) -> None:
         """Lets runs start in a steady state. `compose` leaves it out: what it joins may have none together."""
@@ -435,7 +461,7 @@ class System(Chain):
             observable = self.observables[name]
             unit = {"W": "J", "kg/s": "kg"}.get(observable.unit, f"{observable.unit}.s")
             symbol = copy.state(f"integral_{name}", unit, 0.0, nominal=1e3)
-            copy.derivative(f"integral_{name}", observable.expression)
+            copy.derivative(symbol, observable.expression)
             copy.output(Variable(f"integral_{name}", "output", unit, f"Time integral of {name}"), symbol)
         if self.steady_start:
             endless = (f"integral_{name}" for name in names)

@@ -123,8 +123,8 @@ def test_equations_of_ones_own_become_an_fmu_of_any_kind(tmp_path: Path) -> None
     fall = bb.System("Fall", "A body that falls")
     gravity = fall.parameter(bb.Variable("gravity", "parameter", "m/s2", "Gravity", 9.81))
     height, speed = fall.state("height", "m", 0.0, 1.0), fall.state("speed", "m/s", 0.0, 1.0)
-    fall.derivative("height", speed)
-    fall.derivative("speed", -gravity)
+    fall.derivative(height, speed)
+    fall.derivative(speed, -gravity)
     fall.output(bb.Variable("above", "output", "m", "Height"), height)
     for kind in ("native", "fmi3"):
         with bb.Slave(bb.write_fmu(fall, tmp_path / f"{kind}.fmu", kind), gravity=2.0) as slave:

@@ -12,7 +12,7 @@ from rbd_model.body.connections import Load
 from rbd_model.body.kinematics import Body, axes_rate, pitch_rotation, yaw_roll
 from rbd_model.vehicle.assembly import Assembly
 from rbd_model.vehicle.description import ANGLES, Motion, RigidBody
-from rbd_model.vehicle.scales import NOMINAL_DISTANCE, NOMINAL_SPEED, NOMINAL_TRAVEL, NOMINAL_TRAVEL_SPEED
+from rbd_model.vehicle.scales import NOMINAL_TRAVEL, NOMINAL_TRAVEL_SPEED
 
 
 @dataclass(frozen=True)
@@ -29,12 +29,30 @@ class Turning:
 
 
 @dataclass(frozen=True)
+class Shift:
+    """A longitudinal displacement from the place in the vehicle, section 5.2.
+
+    States: place [m]; lead [m/s]: by how much it is faster than the first body. speed [m/s]: in all.
+    """
+
+    place: ca.SX
+    lead: ca.SX
+    speed: ca.SX
+
+
+@dataclass(frozen=True)
 class MovingBody:
-    """A body of the vehicle with its symbols."""
+    """A body of the vehicle with its symbols; position, rates: its states and their rates' by the motions it has.
+
+    shift: None for the first body, whose place and speed are those of the vehicle.
+    """
 
     data: RigidBody
     body: Body
     turning: Turning
+    shift: Shift | None
+    position: dict[str, ca.SX]
+    rates: dict[str, ca.SX]
 
 
 def place_body(assembly: Assembly, data: RigidBody, held: frozenset[Motion] = frozenset()) -> MovingBody:
@@ -45,8 +63,9 @@ def place_body(assembly: Assembly, data: RigidBody, held: frozenset[Motion] = fr
     """
     held = held | data.held
     system = assembly.system
-    shift, speed = place_along(assembly, data)
-    place = assembly.value(data.along) + shift
+    shift = None if data is assembly.vehicle.bodies[0] else add_shift(assembly, f"{data.name}_shift")
+    place = assembly.value(data.along) + (shift.place if shift else ca.SX(0))
+    speed = shift.speed if shift else assembly.speed
     position: dict[str, ca.SX] = {}
     rates: dict[str, ca.SX] = {}
     for motion in ("lateral", "bounce", *ANGLES):
@@ -69,16 +88,23 @@ def place_body(assembly: Assembly, data: RigidBody, held: frozenset[Motion] = fr
     )
     if assembly.on_line:
         body = carry_along(data, body, turning, held)
-        names = [f"{data.variable(motion)}_rate" for motion in ("lateral", "bounce", *ANGLES)]
-        start_along(assembly, body, names)
+        start_along(assembly, body, [rates.get(motion) for motion in ("lateral", "bounce", *ANGLES)])
     for motion, change in zip(("lateral", "bounce"), ca.vertsplit(body.moving), strict=True):
         if motion in position:
-            system.derivative(data.variable(motion), change)
+            system.derivative(position[motion], change)
     for angle, change in zip(ANGLES, angle_rates(angles, body.turning), strict=True):
         if angle in turning.free:
-            system.derivative(data.variable(angle), change)
-    move_along(assembly, body, f"{data.name}_shift" if data is not assembly.vehicle.bodies[0] else "")
-    return MovingBody(data, body, turning)
+            system.derivative(position[angle], change)
+    move_along(assembly, body, shift)
+    return MovingBody(data, body, turning, shift, position, rates)
+
+
+def place_bodies(assembly: Assembly, held: frozenset[Motion] = frozenset()) -> tuple[Assembly, list[MovingBody]]:
+    """All bodies of a vehicle, see `place_body`; the assembly then knows the way of the first, eq. (3.12)."""
+    first, *others = assembly.vehicle.bodies
+    leading = place_body(assembly, first, held)
+    assembly = replace(assembly, first_stretch=leading.body.stretch)
+    return assembly, [leading, *(place_body(assembly, data, held) for data in others)]
 
 
 def carry_along(data: RigidBody, body: Body, turning: Turning, held: frozenset[Motion]) -> Body:
@@ -98,17 +124,17 @@ def carry_along(data: RigidBody, body: Body, turning: Turning, held: frozenset[M
     return body if turning.free else replace(body, own_rate=body.axes.T @ body.spin)
 
 
-def start_along(assembly: Assembly, body: Body, names: Sequence[str]) -> None:
+def start_along(assembly: Assembly, body: Body, states: Sequence[ca.SX | None]) -> None:
     """Start values with which a body goes along a line that turns at once: eq. (3.12) without motion against the track.
 
-    names: of the states of its velocity across and upwards and of its angular velocity, those that there are.
+    states: of its velocity across and upwards and of its angular velocity, those that there are.
     """
     spin = assembly.initial_speed / body.stretch * body.track.turning
     carried = ca.cross(spin, ca.vertcat(0, body.position[1:]))
-    states, values = assembly.system.states, at_start(assembly.system, ca.vertcat(carried[1:], spin))
-    for place, name in enumerate(names):
-        if name in states:
-            states[name] = replace(states[name], start=states[name].start + values[place])
+    values = ca.vertsplit(at_start(assembly.system, ca.vertcat(carried[1:], spin)))
+    for state, value in zip(states, values, strict=True):
+        if state is not None:
+            assembly.system.add_to_start(state, value)
 
 
 def at_start(system: System, expression: ca.SX) -> ca.SX:
@@ -117,39 +143,24 @@ def at_start(system: System, expression: ca.SX) -> ca.SX:
     return ca.substitute(expression, ca.vertcat(*[s.symbol for s in known]), ca.vertcat(*[s.start for s in known]))
 
 
-def place_along(assembly: Assembly, data: RigidBody) -> tuple[ca.SX, ca.SX]:
-    """Longitudinal displacement from the place in the vehicle [m] and speed [m/s], section 5.2."""
-    system, first = assembly.system, assembly.vehicle.bodies[0]
-    if data is not first:
-        return add_shift(assembly, f"{data.name}_shift")
-    assembly.distance = system.state(f"{data.name}_distance", "m", 0.0, NOMINAL_DISTANCE)
-    assembly.speed = system.state(f"{data.name}_speed", "m/s", assembly.initial_speed, NOMINAL_SPEED)
-    return ca.SX(0), assembly.speed
+def add_shift(assembly: Assembly, name: str, speed_name: str = "") -> Shift:
+    """Declares a longitudinal displacement from the place in the vehicle, section 5.2."""
+    place = assembly.system.state(name, "m", 0.0, NOMINAL_TRAVEL)
+    lead = assembly.system.state(speed_name or f"{name}_speed", "m/s", 0.0, NOMINAL_TRAVEL_SPEED)
+    return Shift(place, lead, assembly.speed + lead)
 
 
-def add_shift(assembly: Assembly, name: str, speed_name: str | None = None) -> tuple[ca.SX, ca.SX]:
-    """States of a longitudinal displacement from the place in the vehicle, section 5.2; it [m] and the speed [m/s].
-
-    The state of the speed is its difference from that of the first body.
-    """
-    system, speed_name = assembly.system, speed_name or f"{name}_speed"
-    shift = system.state(name, "m", 0.0, NOMINAL_TRAVEL)
-    shift_speed = system.state(speed_name, "m/s", 0.0, NOMINAL_TRAVEL_SPEED)
-    return shift, assembly.speed + shift_speed
-
-
-def move_along(assembly: Assembly, body: Body, shift: str = "") -> None:
+def move_along(assembly: Assembly, body: Body, shift: Shift | None) -> None:
     """How the place of a body on the line changes, eq. (3.12): the first one's distance, a displacement of the others.
 
     Where the line is curved, bodies beside its centre go at another speed along it than through space.
     """
-    if not shift:
-        assembly.first_stretch = body.stretch
-        assembly.system.derivative(f"{assembly.vehicle.bodies[0].name}_distance", body.travel)
+    if shift is None:
+        assembly.system.derivative(assembly.distance, body.travel)
         return
     ahead = body.velocity[0] - assembly.speed
     gained = assembly.speed * (1 / body.stretch - 1 / assembly.first_stretch)
-    assembly.system.derivative(shift, ahead / body.stretch + gained)
+    assembly.system.derivative(shift.place, ahead / body.stretch + gained)
 
 
 def angle_rates(angles: ca.SX, own_rate: ca.SX) -> Sequence[ca.SX]:
@@ -186,18 +197,17 @@ def move_body(assembly: Assembly, moving: MovingBody, load: Load, first_accelera
     """Newton's and Euler's equations of a body: (3.73) in its own axes; first_acceleration [m/s2]: of the first one."""
     system, data, body = assembly.system, moving.data, moving.body
     lightness, falling = 1 / assembly.value(data.mass), body.falling(assembly.parameter["gravity"])
-    if data is assembly.vehicle.bodies[0]:
-        system.derivative(f"{data.name}_speed", first_acceleration)
+    if moving.shift is None:
+        system.derivative(assembly.speed, first_acceleration)
     else:
-        system.derivative(f"{data.name}_shift_speed", lightness * load.force[0] + falling[0] - first_acceleration)
+        system.derivative(moving.shift.lead, lightness * load.force[0] + falling[0] - first_acceleration)
     for motion, component in (("lateral", 1), ("bounce", 2)):
-        rate = f"{data.variable(motion)}_rate"
-        if rate in system.states:
-            system.derivative(rate, lightness * load.force[component] + falling[component])
+        if motion in moving.rates:
+            system.derivative(moving.rates[motion], lightness * load.force[component] + falling[component])
     inertia = ca.vertcat(*[assembly.value(size) for size in data.inertia])
     moment = load.moment - ca.cross(body.own_rate, inertia * body.own_rate)
     for angle, acceleration in turning_accelerations(moving.turning, inertia, moment).items():
-        system.derivative(f"{data.variable(angle)}_rate", acceleration)
+        system.derivative(moving.rates[angle], acceleration)
 
 
 def turning_accelerations(turning: Turning, inertia: ca.SX, moment: ca.SX) -> dict[str, ca.SX]:

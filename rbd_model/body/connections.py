@@ -18,7 +18,6 @@ from itertools import accumulate
 import casadi as ca
 import numpy as np
 
-from fmu_src.system import Friction
 from rbd_model.body.kinematics import axis_of
 from rbd_model.body.relation import Relation, Stretch
 from rbd_model.vehicle.assembly import Assembly
@@ -176,7 +175,7 @@ def series_damper(
     damper = assembly.system.state(f"{side}_travel", "m", 0.0, NOMINAL_TRAVEL)
     pull = assembly.value(connection.stiffness) * (stretch.way[which] - damper)
     rate = pull / assembly.value(connection.damping)
-    assembly.system.derivative(f"{side}_travel", rate)
+    assembly.system.derivative(damper, rate)
     return Effect.of(
         relation, stretch, along(connection.direction, pull), pull * (stretch.way[which] - damper) / 2, pull * rate
     )
@@ -198,10 +197,10 @@ def friction_slider(
     bent, bending = stretch.way[which] - travel, stretch.rate[which] - rate
     drive = stiffness * bent + damping * bending
     moving = direction**2
-    system.derivative(f"{side}_travel", rate)
+    system.derivative(travel, rate)
     mass = assembly.value(connection.slider_mass)
-    system.derivative(f"{side}_travel_rate", moving * (drive - direction * capacity) / mass)
-    system.dry_friction(Friction(side, direction, f"{side}_travel_rate", drive, capacity, "sticks", "slides again"))
+    system.derivative(rate, moving * (drive - direction * capacity) / mass)
+    system.dry_friction(side, direction, [rate], drive, capacity, ("sticks", "slides again"))
     power = damping * bending**2 + moving * direction * capacity * rate
     return Effect.of(
         relation, stretch, along(connection.direction, drive), stiffness * bent**2 / 2 + mass * rate**2 / 2, power

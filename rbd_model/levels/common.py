@@ -37,7 +37,7 @@ def pull_first_body(
     """
     first = assembly.vehicle.bodies[0]
     mass = assembly.value(first.mass)
-    resistance.hold(assembly.system, f"{first.name}_speed", pulled + mass * falling)
+    resistance.hold(assembly.system, assembly.speed, pulled + mass * falling)
     moves, lightness = share * resistance.moves, share / mass
     return resistance.moves * lightness * pulled + moves * falling + lightness * resistance.force
 
@@ -60,15 +60,15 @@ def add_common_outputs(
     """
     system, outputs, count = assembly.system, assembly.outputs, len(wheelsets)
     speed = ca.SX(sum(wheelset.forward for wheelset in wheelsets)) / count
-    shifts = sum(system.states[f"shift_{wheelset.number}"].symbol for wheelset in wheelsets) / count
+    shifts = sum(wheelset.displacement for wheelset in wheelsets) / count
     system.output(outputs["speed"], speed)
     system.output(outputs["distance"], assembly.distance + shifts)
     system.output(outputs["acceleration"], ca.SX(sum(accelerations)) / count)
     for moving in bodies:
         for motion in ("lateral", "bounce", *ANGLES):
             name = moving.data.variable(motion)
-            if name in system.states:
-                system.output(outputs[name], system.states[name].symbol)
+            if motion in moving.position:
+                system.output(outputs[name], moving.position[motion])
             elif motion in moving.data.held:
                 system.output(outputs[name], 0)
     for wheelset in wheelsets:

@@ -18,7 +18,7 @@ from rbd_model.wheelset.touch import SIDES
 def watch_rigid(assembly: Assembly, wheelsets: Sequence[RigidWheelset]) -> None:
     """Ends and warnings of rigid contacts (section 9.4.1), and an observable of how well their constraints hold."""
     system = assembly.system
-    gaps = [system.derivatives[f"roll_{wheelset.number}"] for wheelset in wheelsets]
+    gaps = [wheelset.rolled.gap for wheelset in wheelsets]
     system.observe("largest_gap", "m", ca.mmax(ca.fabs(ca.vertcat(*gaps))))
     add_ends(assembly, wheelsets)
     warn_of_climbing(assembly, wheelsets)

@@ -11,11 +11,12 @@ its place in the vehicle; the axle heights do not change.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import casadi as ca
 
 from fmu_src.system import System
-from rbd_model.body.bodies import move_along, place_body
+from rbd_model.body.bodies import Shift, move_along, place_bodies
 from rbd_model.body.kinematics import Body
 from rbd_model.body.loads import loads_of
 from rbd_model.levels.common import add_common_outputs, elevation, move_bodies, observe_energy, pull_first_body, react
@@ -36,27 +37,28 @@ def planar_vehicle(vehicle: Vehicle, on_line: bool = False) -> System:
 
     on_line: with the gradients and vertical curves of the line that an instance runs on.
     """
-    name = "planar_on_line" if on_line else "planar"
-    assembly = assemble(name, "Bounce, pitch, load transfer, suspension", vehicle)
+    first = vehicle.bodies[0]
+    assembly = assemble("planar", "Bounce, pitch, load transfer, suspension", vehicle, f"{first.name}_", on_line)
+    assembly = put_in_plane(assembly)
     system, p = assembly.system, assembly.parameter
-    put_in_plane(assembly, on_line)
-    bodies = [place_body(assembly, data, OUT_OF_PLANE) for data in vehicle.bodies]
-    axles = {number: place_axle(assembly, number) for number, _ in vehicle.numbered}
+    assembly, bodies = place_bodies(assembly, OUT_OF_PLANE)
+    placed = {number: place_axle(assembly, number) for number, _ in vehicle.numbered}
+    axles = {number: axle for number, (axle, _) in placed.items()}
     places = [assembly.distance + axle.position[0] for axle in axles.values()]
-    follow_patch(system, assembly.rail, f"{vehicle.bodies[0].name}_distance", places)
+    follow_patch(system, assembly.rail, assembly.distance, places)
     loads = loads_of(assembly, bodies, axles)
-    first, falling = vehicle.bodies[0], bodies[0].body.falling(p["gravity"])[0]
+    falling = bodies[0].body.falling(p["gravity"])[0]
     resistance = add_resistance(assembly, assembly.speed, places)
     first_acceleration = pull_first_body(assembly, resistance, loads.on(first.name).force[0], falling)
 
-    every = [roll_under_load(assembly, n, axles[n], loads.on(wheelset_name(n)).force) for n, _ in vehicle.numbered]
+    every = [roll_under_load(assembly, n, *placed[n], loads.on(wheelset_name(n)).force) for n, _ in vehicle.numbered]
     wheelsets = [rolling for rolling, _ in every]
     react(assembly, wheelsets, loads)
     move_bodies(assembly, bodies, loads, first_acceleration)
     for wheelset, acceleration in every:
-        system.derivative(f"shift_speed_{wheelset.number}", acceleration - first_acceleration)
+        system.derivative(placed[wheelset.number][1].lead, acceleration - first_acceleration)
 
-    start_steady(assembly, loads.bodies.values())
+    start_steady(assembly, loads.bodies.values(), wheelsets)
     add_common_outputs(assembly, bodies, wheelsets, [acceleration for _, acceleration in every])
     kinetic = [
         assembly.value(w.data.mass) * w.forward**2 / 2
@@ -76,7 +78,9 @@ def planar_vehicle(vehicle: Vehicle, on_line: bool = False) -> System:
     return system
 
 
-def roll_under_load(assembly: Assembly, number: int, axle: Body, pull: ca.SX) -> tuple[RollingWheelset, ca.SX]:
+def roll_under_load(
+    assembly: Assembly, number: int, axle: Body, shift: Shift, pull: ca.SX
+) -> tuple[RollingWheelset, ca.SX]:
     """A wheelset under what its suspension carries, eq. (2.8), and its acceleration along the track [m/s2].
 
     pull [N]: of its suspension on it.
@@ -87,36 +91,34 @@ def roll_under_load(assembly: Assembly, number: int, axle: Body, pull: ca.SX) ->
     distance, forward = assembly.distance + axle.position[0], axle.velocity[0]
     creeping = creep_on_level_rail(assembly, number, distance, forward, centred_load(axle_load), axle_load)
     hold, outside = add_hold(assembly.system, number), pull[0] + mass * falling[0]
-    states = [f"shift_speed_{number}", f"{assembly.vehicle.bodies[0].name}_speed"]
     pushed, grip = (outside, traction_force(assembly, number)), Grip.of(assembly, number, hold, creeping.static)
-    stand_still(assembly, f"Wheelset {number}", hold, states, pushed, grip)
+    stand_still(assembly, f"Wheelset {number}", hold, [shift.lead, assembly.speed], pushed, grip)
     pulled = outside + creeping.force
     held = (hold.moves - 1) * pulled
-    return roll_on_level_rail(assembly, creeping, hold, forward, axle_load, held), hold.moves * pulled / mass
+    return roll_on_level_rail(
+        assembly, creeping, hold, (shift.place, forward), axle_load, held
+    ), hold.moves * pulled / mass
 
 
-def place_axle(assembly: Assembly, number: int) -> Body:
+def place_axle(assembly: Assembly, number: int) -> tuple[Body, Shift]:
     """A wheelset that moves along the track only, as a body that connections pull at; section 5.2."""
-    shift, speed = add_axle_shift(assembly, number)
-    along = assembly.value(assembly.vehicle.wheelsets[number - 1].along)
+    shift = add_axle_shift(assembly, number)
+    along = assembly.value(assembly.vehicle.wheelsets[number - 1].along) + shift.place
     none = ca.SX.zeros(3)
-    place = ca.vertcat(along + shift, 0, assembly.axle_height)
-    track = assembly.track_at(along + shift)
-    body = Body(place, ca.vertcat(speed, 0, 0), ca.SX.eye(3), none, none, track)
+    place = ca.vertcat(along, 0, assembly.axle_height)
+    body = Body(place, ca.vertcat(shift.speed, 0, 0), ca.SX.eye(3), none, none, assembly.track_at(along))
     body = replace(body, own_rate=body.spin)
-    move_along(assembly, body, f"shift_{number}")
-    return body
+    move_along(assembly, body, shift)
+    return body, shift
 
 
-def put_in_plane(assembly: Assembly, on_line: bool) -> None:
-    """Lets all bodies find what is up along the track: the input gradient, or the line's profile as well.
+def put_in_plane(assembly: Assembly) -> Assembly:
+    """With the axes of the track in its vertical plane: on the input gradient, or with the profile of the line.
 
     On a line places count from the rails, as they do in space; an input gradient turns gravity alone (section 5.2).
     """
-    system = assembly.system
-    if not on_line:
+    if not assembly.on_line:
         everywhere = on_gradient(assembly.input["gradient"])
-        assembly.frame_at = lambda distance: everywhere
-        return
-    assembly.on_line, assembly.axle_height = True, assembly.radius(assembly.vehicle.wheelsets[0])
-    assembly.frame_at = lambda distance: on_profile(system, distance)
+        return replace(assembly, frame_at=lambda distance: everywhere)
+    radius = assembly.radius(assembly.vehicle.wheelsets[0])
+    return replace(assembly, axle_height=radius, frame_at=partial(on_profile, assembly.system))

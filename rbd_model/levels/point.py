@@ -19,7 +19,6 @@ from rbd_model.levels.resistance import Resistance, add_resistance
 from rbd_model.track.friction import follow_patch
 from rbd_model.vehicle.assembly import Assembly, assemble
 from rbd_model.vehicle.description import Vehicle
-from rbd_model.vehicle.scales import NOMINAL_DISTANCE, NOMINAL_SPEED
 from rbd_model.wheelset.level_rail import CentredLoad, Creeping, centred_load, creep_on_level_rail, roll_on_level_rail
 from rbd_model.wheelset.rotation import (
     Grip,
@@ -37,15 +36,11 @@ def point_vehicle(vehicle: Vehicle, on_line: bool = False) -> System:
 
     on_line: with gradient and curvature of the line that an instance runs on, in place of those inputs.
     """
-    name = "point_on_line" if on_line else "point"
-    assembly = assemble(name, "Speed and wheel speeds, static loads", vehicle)
-    assembly.on_line = on_line
-    system = assembly.system
-    assembly.distance = distance = system.state("distance", "m", 0.0, NOMINAL_DISTANCE)
-    assembly.speed = speed = system.state("speed", "m/s", assembly.initial_speed, NOMINAL_SPEED)
-    follow_creep(assembly, speed, "speed")
+    assembly = assemble("point", "Speed and wheel speeds, static loads", vehicle, "", on_line)
+    system, distance, speed = assembly.system, assembly.distance, assembly.speed
+    follow_creep(assembly, speed, speed)
     places = [distance + assembly.value(data.along) for data in vehicle.wheelsets]
-    follow_patch(system, assembly.rail, "distance", places)
+    follow_patch(system, assembly.rail, distance, places)
 
     mass, gradient = assembly.total_mass, mean_gradient(assembly) if on_line else assembly.input["gradient"]
     loads = [static_load(assembly, number) for number, _ in vehicle.numbered]
@@ -58,14 +53,14 @@ def point_vehicle(vehicle: Vehicle, on_line: bool = False) -> System:
     outside = ca.SX(sum(pulls)) - mass * assembly.parameter["gravity"] * gradient
     pulled = outside + sum((one.force for one in creeping), ca.SX(0))
     holds, held = stand_on_locked_wheels(assembly, creeping, outside, pulled, resistance)
-    resistance.hold(system, "speed", holds[0].moves * pulled)
+    resistance.hold(system, speed, holds[0].moves * pulled)
     acceleration = holds[0].moves * (resistance.moves * pulled + resistance.force) / mass
     wheelsets = [
-        roll_on_level_rail(assembly, one, hold, speed, axle_load, force)
+        roll_on_level_rail(assembly, one, hold, (ca.SX(0), speed), axle_load, force)
         for one, hold, (_, axle_load), force in zip(creeping, holds, loads, held, strict=True)
     ]
-    system.derivative("distance", speed)
-    system.derivative("speed", acceleration)
+    system.derivative(distance, speed)
+    system.derivative(speed, acceleration)
 
     system.output(assembly.outputs["speed"], speed)
     system.output(assembly.outputs["distance"], distance)
@@ -99,7 +94,7 @@ def stand_on_locked_wheels(
     rolling = sum((hold.turns * one.force for hold, one in both), ca.SX(0))
     traction = sum(((1 - hold.turns) * traction_force(assembly, one.number) for hold, one in both), ca.SX(0))
     whole = Grip(sum((grip.braked for grip in grips), ca.SX(0)), sum((grip.whole for grip in grips), resistance.steady))
-    stand_still(assembly, "The vehicle", holds[0], ["speed"], (outside + rolling, traction), whole)
+    stand_still(assembly, "The vehicle", holds[0], [assembly.speed], (outside + rolling, traction), whole)
     share = (holds[0].moves - 1) * pulled / at_least(whole.whole, SMALLEST_LOAD)
     return holds, [share * grip.whole for grip in grips]
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import casadi as ca
 
-from fmu_src.system import Friction, ParameterSet, System, quantity
+from fmu_src.system import ParameterSet, System, quantity
 from rbd_model.vehicle.assembly import Assembly
 
 #: Von Roeckl (1880): share of the weight times (R - place) [m], and the place [m]; above and below a radius of 300 m.
@@ -67,12 +67,11 @@ class Resistance:
         """What it takes [W]."""
         return -self.force * self.speed
 
-    def hold(self, system: System, state: str, drive: ca.SX) -> None:
-        """Lets it hold the body whose speed is a state, as dry friction does; drive [N]: all other forces on it."""
+    def hold(self, system: System, state: ca.SX, drive: ca.SX) -> None:
+        """Lets it hold the body whose speed is this state, as dry friction does; drive [N]: all other forces on it."""
         absent = system.derived("no_steady_resistance", self.possible == 0)
         words = "holds the vehicle", "lets the vehicle go"
-        capacity = self.steady - absent
-        system.dry_friction(Friction("Running resistance", self.direction, state, drive, capacity, *words))
+        system.dry_friction("Running resistance", self.direction, [state], drive, self.steady - absent, words)
 
 
 def add_resistance(assembly: Assembly, speed: ca.SX, places: Sequence[ca.SX]) -> Resistance:

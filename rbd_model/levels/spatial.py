@@ -9,12 +9,13 @@ Positions along the track are counted from the vehicle's place; `shift` is that 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 
 import casadi as ca
 
 from fmu_src.system import System
-from rbd_model.body.bodies import place_body
+from rbd_model.body.bodies import place_bodies
 from rbd_model.body.kinematics import Body
 from rbd_model.body.loads import loads_of
 from rbd_model.contact.creep.law import SMALLEST_LOAD, at_least
@@ -44,24 +45,20 @@ from rbd_model.wheelset.touch import SIDES
 
 
 @dataclass(frozen=True)
-class Standing:
-    """What a depth of contact brings: a wheelset on its rails, its equations of motion, and where they end.
-
-    settles: on a line a steady start is sought, on the way to which a rigid contact would leap along its profile.
-    """
+class Depth:
+    """What a depth of contact brings: a wheelset on its rails, its equations of motion, and where they end."""
 
     name: str
     place: Callable[..., WheelsetOnRails]
     move: Callable[..., WheelsetMotion]
     watch: Callable[..., None]
-    settles: bool
 
 
-#: By the depth of contact.
-STANDING = {
-    1: Standing("spatial", place_rigid, move_rigid, watch_rigid, False),
-    2: Standing("spatial_patches", place_elastic, move_elastic, watch_patches, True),
-    3: Standing("spatial_strips", place_elastic, move_elastic, watch_patches, True),
+#: By their number.
+DEPTHS = {
+    1: Depth("spatial", place_rigid, move_rigid, watch_rigid),
+    2: Depth("spatial_patches", place_elastic, move_elastic, watch_patches),
+    3: Depth("spatial_strips", place_elastic, move_elastic, watch_patches),
 }
 
 
@@ -72,21 +69,20 @@ def spatial_vehicle(
 
     on_line: the track follows the line that an instance runs on.
     """
-    standing = STANDING[contact.depth]
-    name = f"{standing.name}_on_line" if on_line else standing.name
-    assembly = assemble(name, "3-D contact, hunting, derailment", vehicle)
-    system, p, first = assembly.system, assembly.parameter, vehicle.bodies[0]
-    assembly.contact = contact
+    depth = DEPTHS[contact.depth]
+    first = vehicle.bodies[0]
+    assembly = assemble(depth.name, "3-D contact, hunting, derailment", vehicle, f"{first.name}_", on_line)
+    assembly = replace(assembly, contact=contact, axle_height=assembly.radius(vehicle.wheelsets[0]))
+    system, p = assembly.system, assembly.parameter
     if on_line:
-        follow_line(assembly)
-        track = with_line(track)
-    assembly.axle_height = assembly.radius(vehicle.wheelsets[0])
-    bodies = [place_body(assembly, data) for data in vehicle.bodies]
-    section, of_bodies = track(system), set(system.states)
-    wheelsets = [standing.place(assembly, number, section) for number, _ in vehicle.numbered]
-    of_wheelsets = [name for name in system.states if name not in of_bodies]
+        # Each body has the axes of the track at its own place on the line (section 3.2.1).
+        assembly, track = replace(assembly, frame_at=partial(frame_on_line, system)), with_line(track)
+    assembly, bodies = place_bodies(assembly)
+    section, of_bodies = track(system), len(system.states)
+    wheelsets = [depth.place(assembly, number, section) for number, _ in vehicle.numbered]
+    of_wheelsets = list(system.states)[of_bodies:]
     places = [assembly.distance + wheelset.body.position[0] for wheelset in wheelsets]
-    follow_patch(system, assembly.rail, f"{first.name}_distance", places)
+    follow_patch(system, assembly.rail, assembly.distance, places)
     loads = loads_of(assembly, bodies, {wheelset.number: wheelset.body for wheelset in wheelsets})
 
     # None at constant speed (sections 4.2, 5.2), where something pulls as much as needed.
@@ -94,7 +90,7 @@ def spatial_vehicle(
     falling, resistance = bodies[0].body.falling(p["gravity"])[0], add_davis(assembly, assembly.speed)
     first_acceleration = pull_first_body(assembly, resistance, loads.on(first.name).force[0], falling, share)
     motions = [
-        standing.move(assembly, wheelset, loads.on(wheelset_name(wheelset.number)), first_acceleration)
+        depth.move(assembly, wheelset, loads.on(wheelset_name(wheelset.number)), first_acceleration)
         for wheelset in wheelsets
     ]
     rolling = [rolling_of(wheelset, motion) for wheelset, motion in zip(wheelsets, motions, strict=True)]
@@ -108,17 +104,10 @@ def spatial_vehicle(
     observe_energy(assembly, bodies, rolling, loads, further)
     if on_line:
         observe_places(assembly, loads.bodies)
-        if standing.settles:
-            start_steady(assembly, loads.bodies.values(), of_wheelsets)
-    standing.watch(assembly, wheelsets)
+        start_steady(assembly, loads.bodies.values(), rolling, of_wheelsets)
+    depth.watch(assembly, wheelsets)
     warn_of_limits(assembly, wheelsets)
     return system
-
-
-def follow_line(assembly: Assembly) -> None:
-    """Gives each body the axes of the track at its own place on the line (section 3.2.1)."""
-    assembly.on_line = True
-    assembly.frame_at = lambda distance: frame_on_line(assembly.system, distance)
 
 
 def observe_places(assembly: Assembly, bodies: Mapping[str, Body]) -> None:
@@ -137,8 +126,17 @@ def observe_places(assembly: Assembly, bodies: Mapping[str, Body]) -> None:
 def rolling_of(wheelset: WheelsetOnRails, motion: WheelsetMotion) -> RollingWheelset:
     """A wheelset in space as every level has it: sums of its two wheels, (3.35)."""
     along, load, power = (ca.sum1(both) for both in (wheelset.creep_along, wheelset.loads, wheelset.creep_powers))
-    forward = wheelset.body.velocity[0]
-    return RollingWheelset(wheelset.number, wheelset.data, motion.rotation, forward, along + motion.held, load, power)
+    shift = wheelset.on.shift
+    return RollingWheelset(
+        wheelset.number,
+        wheelset.data,
+        motion.rotation,
+        shift.place,
+        shift.speed,
+        along + motion.held,
+        load,
+        power,
+    )
 
 
 def add_outputs(assembly: Assembly, wheelsets: Sequence[WheelsetOnRails]) -> None:

@@ -14,6 +14,7 @@ from fmu_src.system import SteadyStart
 from rbd_model.body.kinematics import Body
 from rbd_model.vehicle import variables
 from rbd_model.vehicle.assembly import Assembly
+from rbd_model.wheelset.rotation import RollingWheelset
 
 #: Turning [rad/m] and lean [1] of the track up to which it counts as straight and level: at R 10 000 km and 50 m/s
 #: 0.25 mm/s2 push outwards, and a body of 19 m between its bogies lies 5 um beside the track.
@@ -25,25 +26,26 @@ NO_STEADY_STATE = (
 )
 
 
-def start_steady(assembly: Assembly, bodies: Iterable[Body], last: Iterable[str] = ()) -> None:
+def start_steady(
+    assembly: Assembly, bodies: Iterable[Body], wheelsets: Iterable[RollingWheelset], last: Iterable[str] = ()
+) -> None:
     """Lets a vehicle start in a steady state where its bodies' track turns or leans, by (3.73) without accelerations.
 
     But for that along the track, which all parts share, and which turns its wheelsets as fast as they roll. last: names
     of the states that settle behind those of the bodies above them.
     """
     system, vehicle = assembly.system, assembly.vehicle
-    first = vehicle.bodies[0].name
     leans = [ca.vertcat(body.track.turning, body.track.up[:2]) for body in bodies]
-    kept = f"{first}_distance", *(f"rotation_{n}" for n, _ in vehicle.numbered)
+    kept = [system.name_of(one) for one in (assembly.distance, *(wheelset.rotation.angle for wheelset in wheelsets))]
     torques = [f"{kind}_{n}" for kind in ("brake_torque", "traction_torque", "yaw_torque") for n, _ in vehicle.numbered]
     drives = [*torques, *(pull.name for pull in vehicle.pulls)]
     offsets = [offset.name for offset in variables.initial_offsets()]
     system.start_steady(
         SteadyStart(
             ca.mmax(ca.fabs(ca.vertcat(*leans))) - STRAIGHT,
-            f"{first}_speed",
+            system.name_of(assembly.speed),
             variables.initial_speed(0.0).name,
-            kept,
+            tuple(kept),
             tuple(name for name in last if name not in kept),
             tuple(name for name in drives if name in system.input_symbols),
             tuple(name for name in offsets if name in system.parameter_symbols),

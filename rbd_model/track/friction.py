@@ -124,7 +124,7 @@ def add_rail(system: System, wheelsets: int) -> Rail:
     )
 
 
-def follow_patch(system: System, rail: Rail, distance: str, places: Sequence[ca.SX]) -> None:
+def follow_patch(system: System, rail: Rail, distance: ca.SX, places: Sequence[ca.SX]) -> None:
     """No step may pass over an end of the patch, nor over more than half of one: of section 2.5.2.
 
     distance: the state that carries all places along; places [m]: of the wheelsets.

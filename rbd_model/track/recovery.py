@@ -86,7 +86,7 @@ def rail_between_axles(system: System, speed: ca.SX, cleaned: dict[int, ca.SX], 
     for i in range(MOMENTS):
         below = ca.SX(sum(signs[j] * moments[j] for j in range(i - 1, -1, -2)))
         change = (2 * i + 1) * ((-1) ** i * written - found + 2 * below)
-        system.derivative(f"between_{i}", signs[i] * ca.fabs(speed) / wheel_base * change)
+        system.derivative(moments[i], signs[i] * ca.fabs(speed) / wheel_base * change)
     return {number: ca.fmin(ca.fmax(end, 0), 1) for number, end in ends.items()}
 
 
@@ -106,7 +106,7 @@ def rail_adhesion_system(defaults: RecoveryParameters) -> System:
         energy = ca.fabs(force * slip) / forward
         share = system.state(f"cleaned_{number}", "1", 0.0, 1.0)
         following = (1 - ca.exp(-energy / p["recovery_energy"]) - share) * ca.fabs(speed) / p["recovery_length"]
-        system.derivative(f"cleaned_{number}", following)
+        system.derivative(share, following)
         cleaned[number] = share
     ends = rail_between_axles(system, speed, cleaned, p["wheel_base"])
     backwards = ca.fmin(ca.fmax(-speed / SLOWEST, 0), 1)

@@ -14,7 +14,11 @@ from rbd_model.track.friction import Rail, add_rail
 from rbd_model.track.irregularity import ballasted_track
 from rbd_model.vehicle import variables
 from rbd_model.vehicle.description import Size, Vehicle, Wheelset, size_of, wheelset_name
+from rbd_model.vehicle.scales import NOMINAL_DISTANCE, NOMINAL_SPEED
 from rbd_model.vehicle.statics import Statics, statics
+
+#: Start value of initial_speed [m/s], that of chapter 5.
+INITIAL_SPEED = 25.0
 
 
 class Declared(dict[str, ca.SX]):
@@ -29,9 +33,9 @@ class Declared(dict[str, ca.SX]):
         return self[name]
 
 
-@dataclass
+@dataclass(frozen=True)
 class Assembly:
-    """The symbols of a vehicle while a level of detail writes its System."""
+    """The symbols of a vehicle while a level of detail writes its System; what a level adds makes a new one."""
 
     system: System
     vehicle: Vehicle
@@ -42,17 +46,17 @@ class Assembly:
     drive_inertia: ca.SX
     rail: Rail
     at_rest: Statics
-    #: Height of the wheelset axes in which positions are counted [m].
-    axle_height: ca.SX
-    #: Distance [m] and speed [m/s] of the first body, from which all other places along the track are counted.
+    #: States: distance [m] and speed [m/s] of the first body, from which all other places along the track are counted.
     distance: ca.SX
     speed: ca.SX
-    #: How wheels touch rails in space.
-    contact: Contact = ONE_RIGID_CONTACT
-    #: The axes of the track where a body is, by its distance [m].
-    frame_at: Callable[[ca.SX], TrackFrame] = lambda distance: LEVEL
     #: Whether the line comes from a file.
     on_line: bool = False
+    #: How wheels touch rails in space.
+    contact: Contact = ONE_RIGID_CONTACT
+    #: Height of the wheelset axes in which positions are counted [m].
+    axle_height: ca.SX = field(default_factory=lambda: ca.SX(0))
+    #: The axes of the track where a body is, by its distance [m].
+    frame_at: Callable[[ca.SX], TrackFrame] = lambda distance: LEVEL
     #: Way of the first body for each metre along the line [1].
     first_stretch: ca.SX = field(default_factory=lambda: ca.SX(1))
 
@@ -91,10 +95,14 @@ class Assembly:
         return self.value(wheelset.mean_radius)
 
 
-def assemble(level: str, description: str, vehicle: Vehicle, speed: float = 25.0) -> Assembly:
-    """A System with the parameters of the rail's friction; all other parameters and inputs come as they are needed."""
-    system = System(level, description)
-    initial = system.parameter(variables.initial_speed(speed))
+def assemble(level: str, description: str, vehicle: Vehicle, moving: str, on_line: bool) -> Assembly:
+    """A System with the parameters of the rail's friction and the states of what moves along the track.
+
+    All other parameters and inputs come as they are needed. moving: what begins the names of these states. on_line:
+    with the line that an instance runs on.
+    """
+    system = System(f"{level}_on_line" if on_line else level, description)
+    initial = system.parameter(variables.initial_speed(INITIAL_SPEED))
     drive = system.parameter(variables.drive_inertia())
     rows = variables.inputs(vehicle)
     support = ballasted_track()
@@ -103,7 +111,7 @@ def assemble(level: str, description: str, vehicle: Vehicle, speed: float = 25.0
     inputs = Declared(lambda name: system.input(rows[name]))
     rail = add_rail(system, len(vehicle.wheelsets))
     at_rest = statics(vehicle, lambda size: size_of(size, parameter), parameter["gravity"])
-    zero = ca.SX(0)
+    distance = system.state(f"{moving}distance", "m", 0.0, NOMINAL_DISTANCE)
     return Assembly(
         system,
         vehicle,
@@ -114,7 +122,7 @@ def assemble(level: str, description: str, vehicle: Vehicle, speed: float = 25.0
         drive,
         rail,
         at_rest,
-        axle_height=zero,
-        distance=zero,
-        speed=zero,
+        distance,
+        system.state(f"{moving}speed", "m/s", initial, NOMINAL_SPEED),
+        on_line,
     )

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 
-from rbd_model.body.bodies import at_start
+from rbd_model.body.bodies import at_start, start_along
 from rbd_model.body.connections import Load
 from rbd_model.body.kinematics import Body, axes_rate, direction_cosines, turned_by
 from rbd_model.contact.creep.kalker import smooth_kalker_coefficients
@@ -53,12 +53,12 @@ class ElasticWheelset(WheelsetOnRails):
     """A wheelset on elastic contacts.
 
     pressed: what each patch does, by wheel (left, right) and in the order of `patches_of`; nearest: where they are
-    nearest to their rails; give: of the rails below it.
+    nearest to their rails.
     """
 
+    stance: Stance
     pressed: list[list[Press]]
     nearest: list[list[Nearest]]
-    give: Give
 
 
 @dataclass(frozen=True)
@@ -107,14 +107,18 @@ def place_elastic(assembly: Assembly, number: int, section: Callable[[int, ca.SX
         ca.vertcat(roll, 0, on.yaw),
         on.track,
     )
-    stand_on_track(assembly, number, body)
-    system.derivative(f"rise_{number}", body.moving[1])
-    system.derivative(f"roll_{number}", body.turning[0])
+    stand_on_track(assembly, on, body)
+    if assembly.on_line:
+        # Before its contacts are found, it stands as high as its wheels are.
+        standing = replace(body, position=ca.vertcat(body.position[:2], assembly.radius(data)))
+        start_along(assembly, standing, [on.sideways, rising, roll_rate, None, on.yaw_rate])
+    system.derivative(risen, body.moving[1])
+    system.derivative(roll, body.turning[0])
     press = STRIPS_OR_PATCHES[assembly.contact.depth]
     found = [press(assembly, number, index, stance, body) for index in range(len(SIDES))]
     wheelset = add_up(assembly, number, body, stance, found)
     if assembly.on_line:
-        press_rails(assembly, number, give, wheelset.thrusts[0] - wheelset.thrusts[1], wheelset.loads)
+        press_rails(assembly, give, wheelset.thrusts[0] - wheelset.thrusts[1], wheelset.loads)
     observe_patches(assembly, wheelset)
     return wheelset
 
@@ -150,9 +154,9 @@ def add_up(
         damping_power=ca.sum1(of_wheels(lambda patch: patch.damping_power)) + give.damping_power,
         free=stand_freely(assembly, data, body, [patch for _, patch in every]),
         lost=[room_left(*one) / END_MARGIN - 1 for one in zip(data.pair.both, nearest, strict=True)],
+        stance=stance,
         pressed=pressed,
         nearest=nearest,
-        give=give,
     )
 
 
@@ -336,8 +340,7 @@ def move_elastic(
     assembly: Assembly, wheelset: ElasticWheelset, suspension: Load, first_acceleration: ca.SX
 ) -> WheelsetMotion:
     """Equations of motion of a wheelset, as (3.73): to what the rails do comes what the suspension does."""
-    number = wheelset.number
     push, motion = push_wheelset(assembly, wheelset, suspension, first_acceleration)
-    assembly.system.derivative(f"rise_speed_{number}", wheelset.free[2] + push[2])
-    assembly.system.derivative(f"roll_rate_{number}", wheelset.free[3] + push[3])
+    assembly.system.derivative(wheelset.stance.rise, wheelset.free[2] + push[2])
+    assembly.system.derivative(wheelset.stance.roll_rate, wheelset.free[3] + push[3])
     return motion

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import casadi as ca
 
-from rbd_model.body.bodies import move_along, start_along
+from rbd_model.body.bodies import Shift, move_along
 from rbd_model.body.connections import Load
 from rbd_model.body.kinematics import Body
 from rbd_model.track.frame import TrackFrame
@@ -51,8 +51,8 @@ class WheelsetMotion:
 class OnTrack:
     """The states of a wheelset that do not depend on how it touches its rails, and the track under it."""
 
+    shift: Shift
     along: ca.SX  # from the vehicle's place [m]
-    forward: ca.SX
     lateral: ca.SX
     sideways: ca.SX
     yaw: ca.SX
@@ -68,6 +68,11 @@ class OnTrack:
     track: TrackFrame
 
     @property
+    def forward(self) -> ca.SX:
+        """Speed of the axle [m/s]."""
+        return self.shift.speed
+
+    @property
     def offset(self) -> ca.SX:
         """Lateral displacement from the track's centre [m]."""
         return self.lateral - self.centre
@@ -76,35 +81,30 @@ class OnTrack:
 def follow_track(assembly: Assembly, number: int, section: Callable[[int, ca.SX], Section]) -> OnTrack:
     """Declares the states of a wheelset along and across the track (section 5.2) and looks at the track there."""
     system, data = assembly.system, assembly.vehicle.wheelsets[number - 1]
-    shift, forward = add_axle_shift(assembly, number)
+    shift = add_axle_shift(assembly, number)
     lateral = system.state(f"lateral_{number}", "m", assembly.parameter["initial_lateral"], NOMINAL_TRAVEL)
     sideways = system.state(f"lateral_speed_{number}", "m/s", 0.0, NOMINAL_TRAVEL_SPEED)
     yaw = system.state(f"yaw_{number}", "rad", assembly.parameter["initial_yaw"], NOMINAL_TRAVEL)
     yaw_rate = system.state(f"yaw_rate_{number}", "rad/s", 0.0, NOMINAL_TRAVEL_SPEED)
     rotated, omega = add_rotation_states(assembly, number)
-    along = assembly.value(data.along) + shift
+    along = assembly.value(data.along) + shift.place
     distance = assembly.distance + along
     track = section(number, distance)
-    system.limit_change(1 / track.density, f"{assembly.vehicle.bodies[0].name}_distance")
+    system.limit_change(1 / track.density, assembly.distance)
     rails = ca.vertcat(track.lateral, track.left, track.right)
     slopes = ca.jacobian(rails, assembly.distance)
     of_rails = ca.vertcat(*[assembly.parameter[f"{side}_rail_friction"] for side in SIDES.values()])
     frictions = rail_friction(assembly, number, distance) * track.friction * of_rails
     frame = assembly.track_at(along)
-    motion = forward, lateral, sideways, yaw, yaw_rate, rotated, omega
-    return OnTrack(along, *motion, track.lateral, rails[1:], slopes, frictions, distance, track.spread, frame)
+    motion = lateral, sideways, yaw, yaw_rate, rotated, omega
+    return OnTrack(shift, along, *motion, track.lateral, rails[1:], slopes, frictions, distance, track.spread, frame)
 
 
-def stand_on_track(assembly: Assembly, number: int, body: Body) -> None:
+def stand_on_track(assembly: Assembly, on: OnTrack, body: Body) -> None:
     """How place, lateral position and yaw of a wheelset change, by (3.12) and section 3.2.2."""
-    move_along(assembly, body, f"shift_{number}")
-    assembly.system.derivative(f"lateral_{number}", body.moving[0])
-    assembly.system.derivative(f"yaw_{number}", body.turning[2] / ca.cos(body.angles[0]))
-    if assembly.on_line:
-        names = ("lateral_speed", "rise_speed", "roll_rate", "", "yaw_rate")
-        # Before its contacts are found, it stands as high as its wheels are.
-        place = ca.vertcat(body.position[:2], assembly.radius(assembly.vehicle.wheelsets[number - 1]))
-        start_along(assembly, replace(body, position=place), [f"{name}_{number}" for name in names])
+    move_along(assembly, body, on.shift)
+    assembly.system.derivative(on.lateral, body.moving[0])
+    assembly.system.derivative(on.yaw, body.turning[2] / ca.cos(body.angles[0]))
 
 
 def yaw_torque_of(assembly: Assembly, number: int, rotated: ca.SX) -> ca.SX:
@@ -171,17 +171,17 @@ def push_wheelset(
     moved = wheelset.free + push
     hold = add_hold(system, number)
     held = (hold.moves - 1) * mass * moved[0]
-    states = [f"shift_speed_{number}", f"{assembly.vehicle.bodies[0].name}_speed"]
+    states, on = [wheelset.on.shift.lead, assembly.speed], wheelset.on
     pushed = mass * moved[0] - ca.sum1(wheelset.creep_along), traction_force(assembly, number)
     grip = Grip.of(assembly, number, hold, wheelset.static)
     stand_still(assembly, f"Wheelset {number}", hold, states, pushed, grip)
-    turned = rotated, body.own_rate[1]
+    turned = rotated, wheelset.on.angular_velocity
     rotation = add_rotation(assembly, number, hold, turned, moved[4], -held * assembly.radius(data))
     # It reacts on all angles of a body.
     rotation = replace(rotation, brake_torque=system.narrow(rotation.brake_torque))
     acceleration = hold.moves * moved[0]
-    system.derivative(f"shift_speed_{number}", acceleration - first_acceleration)
-    system.derivative(f"lateral_speed_{number}", moved[1])
-    system.derivative(f"yaw_rate_{number}", moved[5])
+    system.derivative(on.shift.lead, acceleration - first_acceleration)
+    system.derivative(on.sideways, moved[1])
+    system.derivative(on.yaw_rate, moved[5])
     motion = WheelsetMotion(acceleration, held, rotation, ca.dot(yaw_torque, body.own_rate))
     return push + ca.vertcat(held / mass, ca.SX(5, 1)), motion

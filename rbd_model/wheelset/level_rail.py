@@ -100,11 +100,20 @@ def creep_on_level_rail(
 
 
 def roll_on_level_rail(
-    assembly: Assembly, creeping: Creeping, hold: Hold, forward: ca.SX, axle_load: ca.SX, held: ca.SX
+    assembly: Assembly,
+    creeping: Creeping,
+    hold: Hold,
+    axle: tuple[ca.SX, ca.SX],
+    axle_load: ca.SX,
+    held: ca.SX,
 ) -> RollingWheelset:
-    """Its rotation, third line of eq. (2.8); held [N]: with what the rails hold an axle that stands, else 0."""
+    """Its rotation, third line of eq. (2.8).
+
+    axle: displacement from its place in the vehicle [m] and speed [m/s]; held [N]: with what the rails hold an axle
+    that stands, else 0.
+    """
     number, data = creeping.number, assembly.vehicle.wheelsets[creeping.number - 1]
     turned, radius = (creeping.rotated, creeping.angular_velocity), assembly.radius(data)
     rotation = add_rotation(assembly, number, hold, turned, -creeping.force * radius, -held * radius)
     power = -creeping.force * creeping.sliding
-    return RollingWheelset(number, data, rotation, forward, creeping.force + held, axle_load, power)
+    return RollingWheelset(number, data, rotation, *axle, creeping.force + held, axle_load, power)

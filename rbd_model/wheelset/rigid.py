@@ -93,10 +93,10 @@ def place_rigid(assembly: Assembly, number: int, section: Callable[[int, ca.SX],
         ca.vertcat(roll, 0, on.yaw),
         on.track,
     )
-    stand_on_track(assembly, number, body)
-    system.residual(f"roll_{number}", rolled.gap)
-    for index, word in enumerate(SIDES.values()):
-        system.residual(f"contact_{number}_{word}", rolled.slope_errors[index])
+    stand_on_track(assembly, on, body)
+    system.residual(roll, rolled.gap)
+    for position, error in zip(*map(ca.vertsplit, (state.positions, rolled.slope_errors)), strict=True):
+        system.residual(position, error)
     ends = ends_alone(assembly, data, state, fixed, pieces)
     known = zip(*map(ca.vertsplit, (rolled.bends, state.positions, rolled.on_rails)), strict=True)
     flange = push_flanges(fixed, state.offset, state.placement.cosines)
@@ -207,10 +207,11 @@ def move_rigid(
     To what the rails do comes what the suspension does. first_acceleration [m/s2]: of the vehicle's first body along
     the track.
     """
-    number, rolled, mass = wheelset.number, wheelset.rolled, assembly.value(wheelset.data.mass)
+    rolled, mass = wheelset.rolled, assembly.value(wheelset.data.mass)
     push, motion = push_wheelset(assembly, wheelset, suspension, first_acceleration)
     pushed = ca.vertcat(push[:4], push[5])
-    for index, (word, row) in enumerate(zip(SIDES.values(), (rolled.left_row, rolled.right_row), strict=True)):
+    rows = zip(ca.vertsplit(wheelset.normal_forces), (rolled.left_row, rolled.right_row), strict=True)
+    for index, (normal_force, row) in enumerate(rows):
         parting = rolled.parting[index] + ca.dot(row, pushed)
-        assembly.system.residual(f"normal_{number}_{word}", mass * parting)
+        assembly.system.residual(normal_force, mass * parting)
     return motion

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from fmu_src.system import Friction, System
-from rbd_model.body.bodies import add_shift
+from fmu_src.system import System
+from rbd_model.body.bodies import Shift, add_shift
 from rbd_model.contact.creep.law import SMALLEST_LOAD, at_least, creepage
 from rbd_model.vehicle.assembly import Assembly
 from rbd_model.vehicle.description import Wheelset
@@ -56,7 +56,7 @@ class Rotation:
     moving: ca.SX
 
 
-def follow_creep(assembly: Assembly, speed: ca.SX, *states: str) -> None:
+def follow_creep(assembly: Assembly, speed: ca.SX, *states: ca.SX) -> None:
     """No step may change an axle's speed, the sum of the states, by more than half: (2.3) goes with its reciprocal.
 
     Nor, near rest, by more than half of what bends the creep curve there, BENDING of the creepage's smallest speed. The
@@ -71,13 +71,14 @@ def follow_creep(assembly: Assembly, speed: ca.SX, *states: str) -> None:
 class RollingWheelset:
     """A wheelset that rolls, skids or is locked, as every level has it.
 
-    number: from 1. forward [m/s]: speed of its axle. creep_force, load [N]: of both rails on it, along the track and
-    upwards; creep_power [W]: what both take.
+    number: from 1. displacement [m]: of its axle from its place in the vehicle; forward [m/s]: speed of the axle.
+    creep_force, load [N]: of both rails on it, along the track and upwards; creep_power [W]: what both take.
     """
 
     number: int
     data: Wheelset
     rotation: Rotation
+    displacement: ca.SX
     forward: ca.SX
     creep_force: ca.SX
     load: ca.SX
@@ -103,7 +104,7 @@ class Grip:
 
 
 def stand_still(
-    assembly: Assembly, label: str, hold: Hold, states: Sequence[str], pushed: tuple[ca.SX, ca.SX], grip: Grip
+    assembly: Assembly, label: str, hold: Hold, states: Sequence[ca.SX], pushed: tuple[ca.SX, ca.SX], grip: Grip
 ) -> None:
     """Lets rails hold what stands on locked wheels, as the third line of (2.8) holds a locked wheelset.
 
@@ -112,12 +113,11 @@ def stand_still(
     the rails must hold, without their creep, and traction torque over radius.
     """
     still = STILL * assembly.parameter["creepage_speed"]
-    velocity, other = [*states, ""][:2]
     push = ca.fmax(ca.fabs(pushed[0]), ca.fabs(pushed[0] + pushed[1]))
     # The capacity is looked at after each step, the drive only where something is still: so the loads are in that.
     drive = push * grip.braked / at_least(grip.whole, SMALLEST_LOAD)
     words = "stands", "moves again"
-    assembly.system.dry_friction(Friction(label, hold.moving, velocity, drive, grip.braked, *words, other, still))
+    assembly.system.dry_friction(label, hold.moving, states, drive, grip.braked, words, still)
 
 
 def traction_force(assembly: Assembly, number: int) -> ca.SX:
@@ -166,12 +166,11 @@ def add_rotation(
     # Sliding, the friction is the capacity; locked, it is whatever balances the drive, shared in proportion.
     moving, holding = hold.turns, drive + held_torque
     friction_torque = moving * direction * capacity + (1 - moving) * holding
-    velocity, own = f"angular_velocity_{number}", assembly.vehicle.wheelsets[number - 1].inertia[1]
+    own = assembly.vehicle.wheelsets[number - 1].inertia[1]
     inertia = system.derived(f"turning_inertia_{number}", assembly.value(own) + assembly.drive_inertia)
-    system.derivative(f"rotation_{number}", omega)
-    system.derivative(velocity, moving * (drive - direction * capacity) / inertia)
-    words = "locked", "turns again"
-    system.dry_friction(Friction(f"Wheelset {number}", direction, velocity, holding, capacity, *words))
+    system.derivative(rotated, omega)
+    system.derivative(omega, moving * (drive - direction * capacity) / inertia)
+    system.dry_friction(f"Wheelset {number}", direction, [omega], holding, capacity, ("locked", "turns again"))
     share = brake / ca.fmax(capacity, 1e-9)
     return Rotation(number, rotated, omega, friction_torque, share * friction_torque, traction, moving)
 
@@ -193,12 +192,11 @@ def add_wheelset_outputs(assembly: Assembly, rolling: RollingWheelset, speed: ca
         system.output(assembly.outputs[f"{name}_{number}"], expression)
 
 
-def add_axle_shift(assembly: Assembly, number: int) -> tuple[ca.SX, ca.SX]:
-    """`add_shift` of an axle (section 5.2), whose creep the steps must follow."""
-    names = f"shift_{number}", f"shift_speed_{number}"
-    shift, speed = add_shift(assembly, *names)
-    follow_creep(assembly, speed, f"{assembly.vehicle.bodies[0].name}_speed", names[1])
-    return shift, speed
+def add_axle_shift(assembly: Assembly, number: int) -> Shift:
+    """The displacement of an axle along the track (section 5.2), whose creep the steps must follow."""
+    shift = add_shift(assembly, f"shift_{number}", f"shift_speed_{number}")
+    follow_creep(assembly, shift.speed, assembly.speed, shift.lead)
+    return shift
 
 
 def rail_friction(assembly: Assembly, number: int, distance: ca.SX) -> ca.SX:

@@ -67,8 +67,8 @@ def add_give(assembly: Assembly, number: int) -> Give:
     system, p = assembly.system, assembly.parameter
     moved = [system.state(name, "m", 0.0, NOMINAL_GIVE) for name in rows_of(number)]
     speed = [system.state(f"{name}_speed", "m/s", 0.0, NOMINAL_TRAVEL_SPEED) for name in rows_of(number)]
-    for name, rate in zip(rows_of(number), speed, strict=True):
-        system.derivative(name, rate)
+    for place, rate in zip(moved, speed, strict=True):
+        system.derivative(place, rate)
     stiffness, damping = (
         ca.vertcat(*[p[f"track_{direction}_{kind}"] for direction in ("lateral", "vertical", "vertical")])
         for kind in ("stiffness", "damping")
@@ -79,12 +79,12 @@ def add_give(assembly: Assembly, number: int) -> Give:
     return Give(ca.vertcat(*moved), ca.vertcat(*speed), mass, stiffness, damping, -ca.vertcat(0, load, load))
 
 
-def press_rails(assembly: Assembly, number: int, give: Give, sideways: ca.SX, loads: ca.SX) -> None:
+def press_rails(assembly: Assembly, give: Give, sideways: ca.SX, loads: ca.SX) -> None:
     """Rails that are pushed against their springs and dampers: Newton's second law, as (3.73).
 
     sideways [N]: of both wheels on the rails, to the left; loads [N]: of each wheel, downwards.
     """
     held = give.static + give.stiffness * give.moved + give.damping * give.speed
     rates = assembly.parameter["track_yields"] * (ca.vertcat(sideways, -loads) - held) / give.mass
-    for name, rate in zip(rows_of(number), ca.vertsplit(rates), strict=True):
-        assembly.system.derivative(f"{name}_speed", rate)
+    for speed, rate in zip(*map(ca.vertsplit, (give.speed, rates)), strict=True):
+        assembly.system.derivative(speed, rate)

@@ -40,7 +40,8 @@ def library_of_wheel(pair: Pair, steel: Steel, gauge_face: float = 1.0) -> Libra
     results = system.call(part, ca.vertcat(*given), ca.SX(fixed))
     for i, result in enumerate(ca.vertsplit(results)):
         system.output(Variable(f"found_{i}", "output", "1", f"Result {i}"), result)
-    system.derivative("none", -system.state("none", "1", 0.0, 1.0))  # a kernel has a state
+    none = system.state("none", "1", 0.0, 1.0)  # a kernel has a state
+    system.derivative(none, -none)
     return Library(build_library(model_of(system, 1e-6)))
 
 

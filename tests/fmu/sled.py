@@ -6,7 +6,7 @@ from pathlib import Path
 
 from fmu_src.native_fmu import build_native_fmu, build_native_fmu3
 from fmu_src.python_fmu import build_python_fmu
-from fmu_src.system import Friction, Model, System, Variable, model_of
+from fmu_src.system import Model, System, Variable, model_of
 
 MASS, SPEED, LENGTH = 10.0, 2.0, 3.0
 #: Without push or brake the sled keeps its speed and comes to the end of the track [s].
@@ -28,10 +28,10 @@ def sled() -> Model:
     v = system.state("speed", "m/s", speed, 1.0)
     load = system.algebraic("load", "N", mass * 9.81, 100.0)
     direction, drive = system.direction("direction"), push + growth * system.time
-    system.derivative("distance", v)
-    system.derivative("speed", (drive - direction * brake) / mass * (direction * direction))
-    system.residual("load", load - mass * 9.81 + lift)
-    system.dry_friction(Friction("Sled", direction, "speed", drive, brake, "stopped", "moved again"))
+    system.derivative(x, v)
+    system.derivative(v, (drive - direction * brake) / mass * (direction * direction))
+    system.residual(load, load - mass * 9.81 + lift)
+    system.dry_friction("Sled", direction, [v], drive, brake, ("stopped", "moved again"))
     system.end_when_negative(1.0 - x / length, "The sled left the track at %s s.")
     system.output(Variable("distance", "output", "m", "Distance"), x)
     system.output(Variable("speed", "output", "m/s", "Speed"), v)

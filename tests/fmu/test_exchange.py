@@ -18,7 +18,7 @@ from fmpy.fmi2 import fmi2EventInfo
 
 from fmu_src.model_description import NOMINAL
 from fmu_src.native_fmu import build_native_fmu, build_native_fmu3
-from fmu_src.system import Friction, Model, System, Variable, model_of_choices
+from fmu_src.system import Model, System, Variable, model_of_choices
 from rbd_model.vehicle.ready import two_axle_bogie
 from tests.fmu.hosting import DISCARD, ERROR, OK, WARNING, Host, host
 from tests.fmu.sled import build_sled
@@ -41,17 +41,16 @@ def brick(detail: int) -> System:
     gear = system.input(Variable("gear", "input", "1", "Multiplies the push", 1.0, 0.0, 3.0, kind="integer"))
     x, v = system.state("x", "m", 0.0, 1.0), system.state("v", "m/s", SPEED, 2.0)
     direction = system.direction("direction")
-    system.derivative("x", v)
-    system.derivative("v", direction**2 * (gear * push - direction * grip))
-    system.dry_friction(Friction("The brick", direction, "v", gear * push, grip, "stuck", "slides"))
+    system.derivative(x, v)
+    system.derivative(v, direction**2 * (gear * push - direction * grip))
+    system.dry_friction("The brick", direction, [v], gear * push, grip, ("stuck", "slides"))
     system.end_when_negative(1 - x / LENGTH, "The brick fell off at %s s.")
     system.warn_when_negative(0.5 - x, "The brick passed half a metre at %s s.")
     system.output(Variable("way", "output", "m", "Way"), x)
     system.output(Variable("speed", "output", "m/s", "Speed"), v)
     system.output(Variable("stuck", "output", "1", "It is stuck", kind="boolean"), direction == 0)
     if detail == 2:
-        system.state("heat", "J", 0.0, 1.0)
-        system.derivative("heat", grip * v)
+        system.derivative(system.state("heat", "J", 0.0, 1.0), grip * v)
     return system
 
 

@@ -64,7 +64,7 @@ def test_random_calls_of_model_exchange_of_fmi3_keep_their_promises(objects: dic
 def decay() -> System:
     system = System("decay", "x' = -x")
     x = system.state("x", "1", 1.0, 1.0)
-    system.derivative("x", -x)
+    system.derivative(x, -x)
     system.output(Variable("x", "output", "1", "x"), x)
     return system
 

@@ -82,7 +82,7 @@ def saying(sentence: str, ends: bool = False) -> Kernel:
     """A model that warns, or ends, when its state has come to one half, with a sentence of its own."""
     system = System("warning", "x' = 1")
     x = system.state("x", "1", 0.0, 1.0)
-    system.derivative("x", 1 + 0 * x)
+    system.derivative(x, 1 + 0 * x)
     (system.end_when_negative if ends else system.warn_when_negative)(0.5 - x, sentence)
     system.output(Variable("x", "output", "1", "x"), x)
     return Kernel(Library(build_library(model_of(system, 1e-6))))
@@ -181,7 +181,7 @@ def root(outputs: Callable[[ca.SX], ca.SX]) -> Kernel:
     system = System("root", "x' = 1")
     level = system.input(Variable("level", "input", "1", "Level", 4.0))
     x = system.state("x", "1", 0.0, 1.0)
-    system.derivative("x", 1 + 0 * x)
+    system.derivative(x, 1 + 0 * x)
     system.output(Variable("root", "output", "1", "Root"), outputs(level))
     return Kernel(Library(build_library(model_of(system, 1e-6))))
 
@@ -313,13 +313,14 @@ def system_on_a_line() -> System:
     system = System("on_line", "A point on a line")
     x = system.state("x", "m", 0.0, 1.0)
     [rise] = system.along_line("rise", x)
-    system.derivative("x", 1 + 0 * rise)
+    system.derivative(x, 1 + 0 * rise)
     return system
 
 
 def root_system() -> System:
     system = System("root", "x' = 1")
-    system.derivative("x", 1 + 0 * system.state("x", "1", 0.0, 1.0))
+    x = system.state("x", "1", 0.0, 1.0)
+    system.derivative(x, 1 + 0 * x)
     return system
 
 

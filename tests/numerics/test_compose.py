@@ -39,7 +39,7 @@ def follower(unit: str = "m") -> System:
     x = system.state("x", "m", gain / 10, 1.0)
     bent = system.table("bent", *interpolation([-9.0, 0.0, 9.0], [-9.0, 0.0, 18.0]), target)
     doubled = system.call(SQUARE, system.narrow(bent + x), ca.SX(0, 1))
-    system.derivative("x", gain * (doubled[1] - x) + system.time)
+    system.derivative(x, gain * (doubled[1] - x) + system.time)
     system.output(Variable("place", "output", "m", "Where it is"), x)
     system.output(Variable("wish", "output", "m", "What it wants to do next"), doubled[0])
     return system

@@ -23,8 +23,9 @@ HEAD = "distance,curvature,cant,gradient\n"
 def surveyor() -> Library:
     """Goes along a line at 1 m/s and tells what it finds there, with slopes and bends."""
     system = System("Surveyor", "looks at a line")
-    distance = system.state("distance", "m", 0.0, 1.0) + system.input(Variable("away", "input", "m", "Added"))
-    system.derivative("distance", system.parameter(Variable("speed", "parameter", "m/s", "How fast")))
+    place = system.state("distance", "m", 0.0, 1.0)
+    distance = place + system.input(Variable("away", "input", "m", "Added"))
+    system.derivative(place, system.parameter(Variable("speed", "parameter", "m/s", "How fast")))
     for column, degree in LINE_COLUMNS.items():
         values = system.along_line(column, distance, min(degree, 2))
         for order, value in enumerate(values):

@@ -67,8 +67,8 @@ def test_w_method_keeps_its_order_with_a_jacobian_of_elsewhere() -> None:
     def write(system: System) -> None:
         x = system.state("x", "1", 1.0, 1.0)
         y = system.state("y", "1", 0.0, 1.0)
-        system.derivative("x", y)
-        system.derivative("y", -ca.sin(3 * x) + ca.cos(2 * system.time))
+        system.derivative(x, y)
+        system.derivative(y, -ca.sin(3 * x) + ca.cos(2 * system.time))
         system.output(Variable("x", "output", "1", "x"), x)
 
     made = small(write, tolerance=1e-2)
@@ -144,7 +144,7 @@ def test_explicit_method_without_a_step_is_refused_with_a_sentence() -> None:
 def test_failed_fixed_step_leaves_the_last_good_state(method: int) -> None:
     def write(system: System) -> None:
         x = system.state("x", "1", 1.0, 1.0)
-        system.derivative("x", -1 - ca.sqrt(x))
+        system.derivative(x, -1 - ca.sqrt(x))
         system.output(Variable("x", "output", "1", "x"), x)
 
     kernel = Kernel(small(write, tolerance=1e-2), integration_method=method, integration_step=0.1)
@@ -222,8 +222,8 @@ def test_wave_of_the_track_is_not_stepped_over() -> None:
 def test_step_ends_before_a_limited_state_has_changed_too_far() -> None:
     def write(system: System) -> None:
         x = system.state("x", "m", 0.0, 1.0)
-        system.derivative("x", ca.SX(2.0))
-        system.limit_change(ca.SX(0.5), "x")
+        system.derivative(x, ca.SX(2.0))
+        system.limit_change(ca.SX(0.5), x)
         system.output(Variable("x", "output", "m", "x"), x)
 
     kernel = Kernel(small(write, tolerance=1e-2))

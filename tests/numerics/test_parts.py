@@ -76,9 +76,9 @@ def two_masses(parts: bool, of: Callable[[], Part] | None = None) -> System:
     second = law(x[1] - x[0] + 0.1 * first[1], v[1] - v[0] + push)
     pull = system.narrow(second[0] + 0.01 * second[1]) if parts else second[0] + 0.01 * second[1]
     for n in (0, 1):
-        system.derivative(f"x_{n + 1}", v[n])
-    system.derivative("v_1", pull - first[0])
-    system.derivative("v_2", push - pull)
+        system.derivative(x[n], v[n])
+    system.derivative(v[0], pull - first[0])
+    system.derivative(v[1], push - pull)
     system.output(Variable("carried", "output", "N", "Force of the first spring"), first[0] * pull)
     return system
 
@@ -202,7 +202,7 @@ def test_two_parts_of_one_name_are_refused() -> None:
     system = two_masses(parts=True)
     softer = replace(hardening(), results=2 * hardening().results)
     softer_force = system.call(softer, system.arguments[1][:2], system.parameter_symbols["hard"])
-    system.derivative("v_1", softer_force[0] + system.calls[0].symbols[0])
+    system.derivative(system.states["v_1"].symbol, softer_force[0] + system.calls[0].symbols[0])
     with pytest.raises(ValueError, match=r"Two parts have one name, hardening; give each part a name of its own\."):
         generate(model_of(system, 1e-9))
 

@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 from fmu_src.codegen import functions
 from fmu_src.compile import build_library
 from fmu_src.kernel import DISCARD, ERROR, Kernel, KernelError, Library
-from fmu_src.system import Friction, System, Variable, interpolation, model_of
+from fmu_src.system import System, Variable, interpolation, model_of
 
 #: Theory: RODAS5P (Steinebach 2023), ROS34PW2 with any matrix (Rang and Angermann 2005), Runge-Kutta.
 ORDERS, ORDER_BAND = {1: 5.0, 2: 3.0, 3: 4.0}, 0.2
@@ -33,8 +33,8 @@ def oscillator(system: System, nominal: float = 1.0) -> None:
     """A nonlinear pendulum, driven in time."""
     angle = system.state("angle", "rad", 1.0, nominal)
     rate = system.state("rate", "rad/s", 0.0, nominal)
-    system.derivative("angle", rate)
-    system.derivative("rate", -ca.sin(angle) + ca.cos(3 * system.time))
+    system.derivative(angle, rate)
+    system.derivative(rate, -ca.sin(angle) + ca.cos(3 * system.time))
     system.output(real("angle", "output"), angle)
     system.output(real("rate", "output"), rate)
 
@@ -82,7 +82,7 @@ def test_stiff_solution_is_followed_with_steps_far_above_the_time_constant() -> 
 
     def write(system: System) -> None:
         x = system.state("x", "1", 1.0, 1.0)
-        system.derivative("x", -1e6 * (x - ca.cos(system.time)) - ca.sin(system.time))
+        system.derivative(x, -1e6 * (x - ca.cos(system.time)) - ca.sin(system.time))
         system.output(real("x", "output"), x)
 
     kernel = Kernel(library(write, tolerance=1e-6))
@@ -128,7 +128,7 @@ def test_jacobian_is_that_of_finite_differences() -> None:
 def integrator(system: System) -> None:
     u = system.input(real("u", "input", minimum=-10.0, maximum=10.0))
     x = system.state("x", "1", 0.0, 1.0)
-    system.derivative("x", u)
+    system.derivative(x, u)
     system.output(real("x", "output"), x)
     system.output(real("u_seen", "output"), u)
 
@@ -156,7 +156,7 @@ def test_ramp_that_would_leave_the_limits_is_refused_and_nothing_moves() -> None
 def test_equations_without_a_finite_solution_end_in_a_sentence_and_keep_the_last_good_state() -> None:
     def write(system: System) -> None:
         x = system.state("x", "1", 1.0, 1.0)
-        system.derivative("x", -1 / ca.sqrt(x))  # reaches 0 at t = 2/3 and is not a number beyond
+        system.derivative(x, -1 / ca.sqrt(x))  # reaches 0 at t = 2/3 and is not a number beyond
         system.output(real("x", "output"), x)
 
     kernel = Kernel(library(write))
@@ -176,7 +176,7 @@ def test_table_is_the_piecewise_polynomial_and_holds_its_ends() -> None:
     def write(system: System) -> None:
         u = system.input(real("u", "input"))
         x = system.state("x", "1", 0.0, 1.0)
-        system.derivative("x", 0 * x)
+        system.derivative(x, 0 * x)
         system.output(real("value", "output"), system.table("polynomial", breaks, coefficients, u))
         system.output(real("line", "output"), system.table("line", *interpolation([0, 1, 3], [2.0, 4.0, 0.0]), u))
 
@@ -198,11 +198,11 @@ def constrained_pendulum(system: System) -> None:
     y = system.algebraic("y", "m", -1.0, 1.0)
     v = system.algebraic("v", "m/s", 0.0, 1.0)
     tension = system.algebraic("tension", "m/s2", 9.0, 10.0)
-    system.derivative("x", u)
-    system.derivative("u", -tension * x)
-    system.residual("y", x**2 + y**2 - 1)
-    system.residual("v", x * u + y * v)
-    system.residual("tension", -tension * (x**2 + y**2) - 9.81 * y + u**2 + v**2)
+    system.derivative(x, u)
+    system.derivative(u, -tension * x)
+    system.residual(y, x**2 + y**2 - 1)
+    system.residual(v, x * u + y * v)
+    system.residual(tension, -tension * (x**2 + y**2) - 9.81 * y + u**2 + v**2)
     system.output(real("x", "output"), x)
     system.output(real("gap", "output"), x**2 + y**2 - 1)
 
@@ -245,8 +245,8 @@ def test_start_and_a_jump_of_an_input_are_made_consistent() -> None:
         level = system.input(real("level", "input", 4.0))
         x = system.state("x", "1", 0.0, 1.0)
         root = system.algebraic("root", "1", 1.0, 1.0)
-        system.derivative("x", root + 0 * x)
-        system.residual("root", root**2 - level)
+        system.derivative(x, root + 0 * x)
+        system.residual(root, root**2 - level)
         system.output(real("x", "output"), x)
 
     kernel = Kernel(library(write))
@@ -269,7 +269,7 @@ def test_start_and_a_jump_of_an_input_are_made_consistent() -> None:
 def test_a_table_may_have_the_value_of_another_as_its_argument() -> None:
     def write(system: System) -> None:
         x = system.state("x", "1", 0.0, 1.0)
-        system.derivative("x", 1.0 + 0 * x)
+        system.derivative(x, 1.0 + 0 * x)
         inner = system.table("inner", *interpolation([0.0, 1.0, 2.0], [0.0, 3.0, 4.0]), x)
         value, slope = system.curve("outer", *interpolation([0.0, 2.0, 4.0], [1.0, 5.0, 6.0]), inner, 1)
         system.output(real("value", "output"), value)
@@ -288,9 +288,9 @@ def test_a_vanishing_diagonal_is_exchanged_for_another_pivot() -> None:
         x = system.state("x", "1", 1.0, 1.0)
         a = system.algebraic("a", "1", 0.0, 1.0)
         b = system.algebraic("b", "1", 0.0, 1.0)
-        system.derivative("x", -a)
-        system.residual("a", b - 2 * x)
-        system.residual("b", a - b / 2)
+        system.derivative(x, -a)
+        system.residual(a, b - 2 * x)
+        system.residual(b, a - b / 2)
         system.output(real("x", "output"), x)
 
     kernel = Kernel(library(write))
@@ -314,9 +314,9 @@ def sliding_block(system: System) -> None:
     x = system.state("x", "m", 0.0, 1.0)
     v = system.state("v", "m/s", 3.0, 1.0)
     direction = system.direction("direction")
-    system.derivative("x", v)
-    system.derivative("v", direction**2 * (force - direction * capacity))
-    system.dry_friction(Friction("The block", direction, "v", force, capacity, "stuck", "slides"))
+    system.derivative(x, v)
+    system.derivative(v, direction**2 * (force - direction * capacity))
+    system.dry_friction("The block", direction, [v], force, capacity, ("stuck", "slides"))
     system.output(real("x", "output"), x)
     system.output(real("v", "output"), v)
 
@@ -358,7 +358,7 @@ def test_friction_larger_than_the_drive_reverses_nothing_and_smaller_one_turns_t
 def test_run_ends_at_the_located_time_with_its_sentence() -> None:
     def write(system: System) -> None:
         x = system.state("x", "1", 0.0, 1.0)
-        system.derivative("x", 1.0 + 0 * x)
+        system.derivative(x, 1.0 + 0 * x)
         system.end_when_negative(1 - x / 2, "The glass was full at %s s.")
         system.output(real("x", "output"), x)
 
@@ -430,8 +430,8 @@ def test_candidate_of_a_warning_changes_nothing_of_what_is_said() -> None:
 
     def write(system: System) -> None:
         x = system.state("x", "s", 0.0, 1.0)
-        system.derivative("x", ca.SX(1.0))
-        system.limit_change(ca.SX(0.1), "x")
+        system.derivative(x, ca.SX(1.0))
+        system.limit_change(ca.SX(0.1), x)
         system.warn_when_negative(3.0 - x, "Plain at %s s.")
         system.warn_when_negative(3.0 - x, "Costly at %s s.", candidate=2.0 - x)
         system.warn_when_negative(5.0 - x, "Never at %s s.", candidate=2.0 - x)
@@ -443,3 +443,12 @@ def test_candidate_of_a_warning_changes_nothing_of_what_is_said() -> None:
     assert set(said) == {"Plain", "Costly"}
     assert said["Plain"] == said["Costly"]
     assert 3.0 < said["Plain"] < 3.2
+
+
+def test_an_equation_of_what_is_no_state_is_refused() -> None:
+    """Equations take the symbol of a state, no name and no expression of it, and none of another system."""
+    one, other = System("one", "a state"), System("other", "a state of the same name")
+    x = one.state("x", "1", 0.0, 1.0)
+    for wrong in (2 * x, other.state("x", "1", 0.0, 1.0)):
+        with pytest.raises(ValueError, match=r"is no state of one; give the symbol that state\(\) or algebraic\(\)"):
+            one.derivative(wrong, x)

@@ -63,7 +63,6 @@ CreepLaw = Callable[[ContactPatch], tuple[ca.SX, ca.SX]]
 
 #: Used where a trial step would ask for the contact of a wheel that carries nothing; a run ends before (wheel lift).
 SMALLEST_LOAD = 1.0
-
 SMALLEST_FRICTION = 1e-9
 
 
