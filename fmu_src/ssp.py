@@ -38,7 +38,7 @@ class Component:
 
 
 @dataclass(frozen=True)
-class Connection:
+class Wire:
     """(component, output) -> (component, input)"""
 
     source: tuple[str, str]
@@ -49,7 +49,7 @@ def write_ssp(
     path: Path,
     name: str,
     components: Sequence[Component],
-    connections: Sequence[Connection],
+    connections: Sequence[Wire],
     experiment: tuple[float, float],
 ) -> None:
     """Writes the archive; experiment: stop time and macro step [s]."""
@@ -69,7 +69,7 @@ def write_ssp(
 def _structure(
     name: str,
     components: Sequence[Component],
-    connections: Sequence[Connection],
+    connections: Sequence[Wire],
     experiment: tuple[float, float],
 ) -> ET.Element:
     root = ET.Element("ssd:SystemStructureDescription", NAMESPACES | {"name": name, "version": "1.0"})
@@ -91,7 +91,7 @@ def _structure(
     return root
 
 
-def _component(elements: ET.Element, system: str, component: Component, connections: Sequence[Connection]) -> None:
+def _component(elements: ET.Element, system: str, component: Component, connections: Sequence[Wire]) -> None:
     element = ET.SubElement(
         elements,
         "ssd:Component",

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from brake_controller.parameters import qr30
 from brake_controller.protection_fmu import wheel_slide_protection
-from fmu_src.ssp import Component, Connection, write_ssp
+from fmu_src.ssp import Component, Wire, write_ssp
 from products.braked_vehicle import FULL_PRESSURE
 from products.building import build_protection, fmu_path
 from products.coach import NUMBERS
@@ -33,8 +33,8 @@ def bogie_braking(path: Path, out: Path) -> None:
             Component("bogie", fmu_path("bogie", "native", out), bogie, ["speed", "distance"]),
         ],
         [
-            Connection(("brake", "brake_torque"), ("bogie", "brake_torque_2")),
-            Connection(("bogie", "angular_velocity_2"), ("brake", "angular_velocity")),
+            Wire(("brake", "brake_torque"), ("bogie", "brake_torque_2")),
+            Wire(("bogie", "angular_velocity_2"), ("brake", "angular_velocity")),
         ],
         (5.0, 1e-3),
     )
@@ -60,8 +60,8 @@ def vehicle_protection(path: Path, out: Path) -> None:
     vehicle = braked_coach(out, **{f"friction_{number}": LOW_FRICTION for number in NUMBERS})
     wires = []
     for number in NUMBERS:
-        wires.append(Connection(("vehicle", f"wheel_speed_{number}"), ("controller", f"wheel_speed_{number}")))
-        wires.append(Connection(("controller", f"valve_{number}"), ("vehicle", f"valve_{number}")))
+        wires.append(Wire(("vehicle", f"wheel_speed_{number}"), ("controller", f"wheel_speed_{number}")))
+        wires.append(Wire(("controller", f"valve_{number}"), ("vehicle", f"valve_{number}")))
     write_ssp(path, path.stem, [vehicle, controller], wires, (25.0, step.period))
 
 

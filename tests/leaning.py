@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rbd_model.vehicle.description import Connection, Vehicle, wheelset_name
+from rbd_model.vehicle.description import SuspensionElement, Vehicle, wheelset_name
 from tests.balance import curve, parts
 from tests.maximal.correspondence import bodies_of
 from tests.maximal.joints import End, on_bodies, wrenches
@@ -47,14 +47,14 @@ class Springs:
         """Of a part."""
         return 6 * self.names.index(name) + np.arange(6)
 
-    def stiffness_of(self, connection: Connection) -> np.ndarray:
+    def stiffness_of(self, connection: SuspensionElement) -> np.ndarray:
         """Slopes of what it does to both ends by displacements of both, with the sign of a stiffness, (12, 12)."""
         columns = []
         for way in AWAY * np.eye(12):
             columns.append((self.wrench(connection, -way) - self.wrench(connection, way)) / (2 * AWAY))
         return np.column_stack(columns)
 
-    def wrench(self, connection: Connection, way: np.ndarray) -> np.ndarray:
+    def wrench(self, connection: SuspensionElement, way: np.ndarray) -> np.ndarray:
         """What it does to both ends that are displaced, (12,)."""
         bodies = [
             self.rest[name].displaced(part)

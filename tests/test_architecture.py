@@ -58,6 +58,56 @@ def test_imports_run_one_way(package: str) -> None:
                 assert allowed, f"{path.relative_to(ROOT)} imports {name}"
 
 
+#: How rbd_model may be built: files beside its rooms, and floors, where a room stands above all that it imports.
+FILES_BESIDE, FLOORS = 4, 6
+
+
+def arrows(package: str) -> dict[str, set[str]]:
+    """What each module of a package imports of it, imports for type checkers among them."""
+    places = {
+        ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): path
+        for path in (ROOT / package).rglob("*.py")
+    }
+    return {module: (imported(path) & places.keys()) - {module, package} for module, path in places.items()}
+
+
+def floors(above: dict[str, set[str]]) -> dict[str, int]:
+    """The floor on which each stands, from 1; raises AssertionError with the ring where there is one."""
+    found: dict[str, int] = {}
+
+    def stand(one: str, way: tuple[str, ...]) -> int:
+        assert one not in way, f"these import each other in a ring: {' -> '.join((*way[way.index(one) :], one))}"
+        if one not in found:
+            found[one] = 1 + max((stand(other, (*way, one)) for other in sorted(above.get(one, set()))), default=0)
+        return found[one]
+
+    for one in above:
+        stand(one, ())
+    return found
+
+
+@pytest.mark.parametrize("package", ALLOWED)
+def test_no_files_and_no_rooms_import_each_other_in_a_ring(package: str) -> None:
+    files = arrows(package)
+    floors({module: {one for one in others if not module.startswith(f"{one}.")} for module, others in files.items()})
+    rooms: dict[str, set[str]] = {}
+    for module, others in files.items():
+        own = module.split(".")[1:2]
+        rooms.setdefault(*own or [package], set()).update(
+            other.split(".")[1] for other in others if other.split(".")[1:2] != own
+        )
+    highest = max(floors(rooms).values())
+    if package == "rbd_model":
+        assert highest <= FLOORS
+        assert len(list((ROOT / package).glob("[!_]*.py"))) <= FILES_BESIDE
+
+
+def test_a_ring_is_found() -> None:
+    with pytest.raises(AssertionError, match="a -> b -> a"):
+        floors({"a": {"b"}, "b": {"a"}})
+    assert floors({"a": {"b", "c"}, "b": {"c"}, "c": set()}) == {"c": 1, "b": 2, "a": 3}
+
+
 #: Rooms of scenarios/ that hold scenarios, one file each; the others are the machinery.
 SUBJECTS = ("thesis", "brakes", "vehicles", "contact", "lines", "numerics", "coupling")
 

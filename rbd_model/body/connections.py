@@ -25,10 +25,10 @@ from rbd_model.vehicle.description import (
     ANGLES,
     DIRECTIONS,
     BumpStop,
-    Connection,
     FrictionSlider,
     SeriesDamper,
     Springs,
+    SuspensionElement,
     Torsion,
 )
 from rbd_model.vehicle.scales import NOMINAL_TRAVEL, NOMINAL_TRAVEL_SPEED
@@ -80,7 +80,7 @@ def sum_of(effects: Sequence[Effect]) -> Effect:
     return reduce(operator.add, effects)
 
 
-def connect(assembly: Assembly, connection: Connection, relation: Relation) -> Effect:
+def connect(assembly: Assembly, connection: SuspensionElement, relation: Relation) -> Effect:
     """Effect of a connection, of both its sides if it has two; the laws are in the functions of the same names.
 
     Each is (3.38) along one direction, or a law of its own in place of a spring and a damper.

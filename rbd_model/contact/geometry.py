@@ -144,7 +144,7 @@ def european_pair() -> Pair:
 
 
 @dataclass(frozen=True)
-class Contact:
+class ContactAtShift:
     """Contact of both wheels (left, right) at one shift: positions s on the wheels, rolling radii [m], angles [rad]."""
 
     shift: float
@@ -180,7 +180,7 @@ def _both(pair: Sides, shift: float, roll: float, search: Search) -> list[tuple[
     return [left, _lowest(pair.right, RIGHT, shift, roll, search[1])]
 
 
-def _touch(pair: Sides, shift: float, search: Search) -> tuple[Contact, bool]:
+def _touch(pair: Sides, shift: float, search: Search) -> tuple[ContactAtShift, bool]:
     """Contact at the roll at which both gaps are equal; the flag: both contacts lie inside their search range."""
 
     def difference(roll: float) -> float:
@@ -192,7 +192,7 @@ def _touch(pair: Sides, shift: float, search: Search) -> tuple[Contact, bool]:
     return _contact(pair, shift, roll, search)
 
 
-def _contact(pair: Sides, shift: float, roll: float, search: Search) -> tuple[Contact, bool]:
+def _contact(pair: Sides, shift: float, roll: float, search: Search) -> tuple[ContactAtShift, bool]:
     """Contact of each wheel for itself at a given roll; the flag as in `_touch`."""
     found = _both(pair, shift, roll, search)
     if not all(math.isfinite(gap) for gap, _, _ in found):
@@ -201,11 +201,11 @@ def _contact(pair: Sides, shift: float, roll: float, search: Search) -> tuple[Co
     ends = list(zip((LEFT, RIGHT), pair.both, positions, strict=True))
     radius = [one.radius - float(one.wheel.height(np.array(s))) for _, one, s in ends]
     angle = [math.atan(float(one.wheel.height(np.array(s), 1))) + side * roll for side, one, s in ends]
-    contact = Contact(shift, roll, (positions[0], positions[1]), (radius[0], radius[1]), (angle[0], angle[1]))
+    contact = ContactAtShift(shift, roll, (positions[0], positions[1]), (radius[0], radius[1]), (angle[0], angle[1]))
     return contact, all(inside for _, _, inside in found)
 
 
-def contact_at(pair: Sides, shift: float, rolls: bool = True) -> Contact:
+def contact_at(pair: Sides, shift: float, rolls: bool = True) -> ContactAtShift:
     """Contact of rigid profiles, wherever on the contour it is (one-sided: nothing penetrates), section 4.3.
 
     shift [m]: of the axle.
@@ -273,7 +273,7 @@ def flange_of(pair: Pair) -> Flange:
 FOLLOW, FOLLOW_GRID = 0.1e-3, 2e-6
 
 
-def last_tread_contact(pair: Sides, largest: float = 15e-3, step: float = 20e-6) -> Contact:
+def last_tread_contact(pair: Sides, largest: float = 15e-3, step: float = 20e-6) -> ContactAtShift:
     """The contact at the largest shift to the left at which a tread contact exists; a fold lies within `step` [m].
 
     There the curvatures of wheel and rail sum to zero. Follows the tread contact even where the flange already touches,

@@ -201,7 +201,7 @@ def turned(rail: Profile, direction: float) -> Profile:
 
 
 @dataclass(frozen=True)
-class Stand:
+class TreadStand:
     """A wheelset on its treads: height of its centre over the rails' origins [m], roll, places (left, right) [m]."""
 
     height: float
@@ -210,7 +210,7 @@ class Stand:
 
 
 @lru_cache
-def stand_on_treads(pair: Sides, shift: float) -> Stand:
+def stand_on_treads(pair: Sides, shift: float) -> TreadStand:
     """Rigid contact of both treads, whatever the flanges do, at a shift of the axle [m], section 4.3."""
     places = []
     for one in pair.both:
@@ -228,4 +228,4 @@ def stand_on_treads(pair: Sides, shift: float) -> Stand:
     roll = float(brentq(difference, -ROLL_LIMITS[-1], ROLL_LIMITS[-1], xtol=1e-14))
     found = gaps(roll)
     left, right = (float(s[np.argmin(gap)]) for s, gap in zip(places, found, strict=True))
-    return Stand(-float(np.min(found[0])), roll, (left, right))
+    return TreadStand(-float(np.min(found[0])), roll, (left, right))

@@ -17,7 +17,7 @@ from rbd_model.contact.friction import FallingFriction, Surface, constant_fricti
 
 
 @dataclass(frozen=True)
-class RailPatches(ParameterSet):
+class FrictionAlongTrack(ParameterSet):
     """Friction along the track: a patch such as leaves, and a rail cleaned by the first wheelset.
 
     Distances are those of each wheelset from the middle of the bogie at the start, so that the leading one is first.
@@ -49,9 +49,9 @@ class RailCondition:
         return {f"friction_{number}": self.friction for number in range(1, wheelsets + 1)} | self.law.values()
 
 
-def even_rail() -> RailPatches:
+def even_rail() -> FrictionAlongTrack:
     """The same friction everywhere, as in section 4.4; the length of a patch of leaves and its blend are assumed."""
-    return RailPatches(
+    return FrictionAlongTrack(
         cleaned_friction=1.0,
         patch_friction=1.0,
         patch_start=50.0,

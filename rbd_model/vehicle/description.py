@@ -123,7 +123,7 @@ def wheelset_name(number: int) -> str:
 
 
 @dataclass(frozen=True)
-class Connection:
+class SuspensionElement:
     """Between a point of one body and a point of another, which are one place at rest; `upper` rests on `lower`.
 
     Ends are bodies by name, and wheelsets as wheelset_1, wheelset_2 ... On both sides: one at y and one at -y.
@@ -146,7 +146,7 @@ class Connection:
 
 
 @dataclass(frozen=True)
-class Springs(Connection):
+class Springs(SuspensionElement):
     """Linear springs and dampers, each along one direction of the track: [N/m] and [N.s/m] for x, y, z.
 
     One with a vertical stiffness carries its share of the weight of what rests on it.
@@ -162,7 +162,7 @@ class Springs(Connection):
 
 
 @dataclass(frozen=True)
-class Torsion(Connection):
+class Torsion(SuspensionElement):
     """A torsion spring and damper about one axis, such as an anti-roll bar: [N.m/rad] and [N.m.s/rad]."""
 
     angle: str = "roll"
@@ -171,7 +171,7 @@ class Torsion(Connection):
 
 
 @dataclass(frozen=True)
-class BumpStop(Connection):
+class BumpStop(SuspensionElement):
     """A piecewise linear force [N] over the travel [m] along one direction, the same both ways.
 
     travel: increasing, the first the clearance, where the force is 0; the last slope goes on beyond the end.
@@ -183,7 +183,7 @@ class BumpStop(Connection):
 
 
 @dataclass(frozen=True)
-class SeriesDamper(Connection):
+class SeriesDamper(SuspensionElement):
     """A spring [N/m] and a damper [N.s/m] one behind the other, along one direction."""
 
     direction: str = "lateral"
@@ -192,7 +192,7 @@ class SeriesDamper(Connection):
 
 
 @dataclass(frozen=True)
-class FrictionSlider(Connection):
+class FrictionSlider(SuspensionElement):
     """Dry friction along one direction, with a true stuck state: a slider of some mass [kg] behind a spring [N/m].
 
     Stuck, it is that spring alone. capacity [N]: a force, such as that of a prestressed friction wedge. The damper
@@ -229,7 +229,7 @@ class Vehicle:
     parameters: ParameterSet
     bodies: tuple[RigidBody, ...]
     wheelsets: tuple[Wheelset, ...]
-    connections: tuple[Connection, ...]
+    connections: tuple[SuspensionElement, ...]
     pulls: tuple[Pull, ...] = ()
 
     def __post_init__(self) -> None:
@@ -303,7 +303,7 @@ def _sizes(vehicle: Vehicle) -> Iterator[tuple[str, str, Size]]:
         yield from zip([name] * 4, INERTIAS, (part.mass, *part.inertia), strict=True)
         own = (part.height,) if isinstance(part, RigidBody) else part.radius
         yield from ((name, "place", size) for size in (part.along, *own))
-    acting: list[Connection | Pull] = [*vehicle.connections, *vehicle.pulls]
+    acting: list[SuspensionElement | Pull] = [*vehicle.connections, *vehicle.pulls]
     for one in acting:
         laws = [getattr(one, name, ()) for name in ("stiffness", "damping", "capacity")]
         sizes = [*one.place, *(size for law in laws for size in (law if isinstance(law, tuple) else (law,)))]
@@ -327,7 +327,7 @@ def _references(vehicle: Vehicle, ends: list[str]) -> Iterator[tuple[str, str, l
         yield f"the force {pull.name}, which has a direction,", pull.direction, list(DIRECTIONS)
 
 
-def _check_ends(vehicle: Vehicle, connection: Connection) -> None:
+def _check_ends(vehicle: Vehicle, connection: SuspensionElement) -> None:
     """What joins axle boxes, which pitch with the body at the other end."""
     wheelsets = [end for end in (connection.upper, connection.lower) if end not in {b.name for b in vehicle.bodies}]
     if len(wheelsets) == 2:
@@ -344,7 +344,7 @@ def _check_ends(vehicle: Vehicle, connection: Connection) -> None:
         raise _refused(vehicle, sentence)
 
 
-def _check_law(vehicle: Vehicle, connection: Connection) -> None:
+def _check_law(vehicle: Vehicle, connection: SuspensionElement) -> None:
     """Words that name no direction or angle, and the points of a bump stop."""
     for word, known in (("direction", DIRECTIONS), ("angle", ANGLES)):
         value = getattr(connection, word, known[0])

@@ -6,12 +6,12 @@ from rbd_model.contact.geometry import Pair, synthetic_pair, thesis_pair
 from rbd_model.vehicle.description import (
     DIRECTIONS,
     BumpStop,
-    Connection,
     Pull,
     RigidBody,
     Size,
     Springs,
     Sum,
+    SuspensionElement,
     Torsion,
     Vehicle,
     Wheelset,
@@ -35,7 +35,7 @@ def sprung_mass(name: str, text: str, along: Size = 0.0, **more: object) -> Rigi
     return RigidBody(name, text, "frame_mass", inertia, along, "frame_height", **more)  # type: ignore[arg-type]
 
 
-def axle_box_springs(frame: str, number: int, along: Size) -> tuple[Connection, ...]:
+def axle_box_springs(frame: str, number: int, along: Size) -> tuple[SuspensionElement, ...]:
     """The elements of one wheelset, left and right, section 3.3.4: in level directions and, at its place, vertical.
 
     The vertical springs, which resist roll, may stand further apart than the level ones, which resist yaw.
@@ -83,7 +83,7 @@ MANCHESTER_TRAVEL = (0.025, 0.030, 0.035, 0.040, 0.045, 0.050, 0.055, 0.060, 0.0
 MANCHESTER_FORCE = (0.0, 600.0, 1760.0, 3730.0, 6870.0, 11580.0, 17170.0, 29200.0, 230000.0)
 
 
-def secondary(bogie: str, along: Size) -> tuple[Connection, ...]:
+def secondary(bogie: str, along: Size) -> tuple[SuspensionElement, ...]:
     """Between body and one bogie's frame: springs left and right, their bending, an anti-roll bar (Iwnicki (1998)).
 
     In the middle a traction rod between rubber bushes: a spring and a damper along the track, which carry no weight.
@@ -108,7 +108,7 @@ def four_axle_vehicle(name: str, parameters: VehicleParameters, pair: Pair, stop
     inertia = ("body_roll_inertia", "body_pitch_inertia", "body_yaw_inertia")
     bodies = [RigidBody("body", "car body", "body_mass", inertia, 0.0, "body_height")]
     wheelsets: list[Wheelset] = []
-    connections: list[Connection] = []
+    connections: list[SuspensionElement] = []
     for bogie, pivot in pivots.items():
         frame = f"{bogie}_frame"
         bodies.append(sprung_mass(frame, f"{bogie} frame", pivot))

@@ -15,7 +15,7 @@ from tqdm import tqdm
 from fmu_src.cosimulation.recording import Recording
 from rbd_model.contact.geometry import (
     ON_FLANGE,
-    Contact,
+    ContactAtShift,
     Pair,
     Side,
     Sides,
@@ -76,7 +76,7 @@ def run(options: Options) -> Result:
     return Result(rows, series, lambda: draw(pair, series, flange), parameters, 0.0, [remark])
 
 
-def add_contacts(series: Recording, contacts: list[Contact]) -> None:
+def add_contacts(series: Recording, contacts: list[ContactAtShift]) -> None:
     for side, name in enumerate(WORDS):
         series.add(f"rolling_radius_{name}", "m", np.array([c.radius[side] for c in contacts]))
         series.add(f"contact_angle_{name}", "rad", np.array([c.angle[side] for c in contacts]))
@@ -176,7 +176,7 @@ def on_rail(side: Side, on_wheel: Places, outwards: Places) -> Places:
     return on_wheel + side.wheel_half_distance - side.rail_half_distance + outwards
 
 
-def fits(sides: Sides, contact: Contact) -> bool:
+def fits(sides: Sides, contact: ContactAtShift) -> bool:
     """Whether both wheels stand on their treads and on the heads of their rails, and on no end of a profile."""
     ends = []
     for one, position, sign in zip(sides.both, contact.position, (1, -1), strict=True):
@@ -190,7 +190,7 @@ def rolling(side: Side) -> float:
     return side.radius - float(side.wheel.height(np.array(0.0)))
 
 
-def rows_of_files(centred: Contact, flanges: list[float], conicity: Recording) -> list[Row]:
+def rows_of_files(centred: ContactAtShift, flanges: list[float], conicity: Recording) -> list[Row]:
     source = "EN 15302, level wheelset"
 
     def row(quantity: str, unit: str, value: float, note: str = "") -> Row:

@@ -11,11 +11,11 @@ from rbd_model.vehicle.description import (
     ANGLES,
     DIRECTIONS,
     BumpStop,
-    Connection,
     FrictionSlider,
     SeriesDamper,
     Size,
     Springs,
+    SuspensionElement,
     Torsion,
     Vehicle,
 )
@@ -132,7 +132,7 @@ def wrenches_of(stretch: Stretch, law: Law, ends: Ends, step: float) -> np.ndarr
 
 def wrenches(
     vehicle: Vehicle,
-    connection: Connection,
+    connection: SuspensionElement,
     ends: Ends,
     carriers: Carriers,
     preload: float,

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from rbd_model.vehicle.description import Connection, Vehicle, wheelset_name
+from rbd_model.vehicle.description import SuspensionElement, Vehicle, wheelset_name
 from tests.maximal.hertz import load_of, semi_axes_of
 from tests.maximal.joints import Carriers, End, Ends, on_bodies, wrenches
 from tests.maximal.motion import Moving, accelerations
@@ -77,7 +77,7 @@ class Oracle:
     vehicle: Vehicle
     rails: tuple[Rails, Rails]
     course: Course
-    carriers: Callable[[Connection, Ends], Carriers] = lambda connection, ends: on_bodies(ends)
+    carriers: Callable[[SuspensionElement, Ends], Carriers] = lambda connection, ends: on_bodies(ends)
     below: np.ndarray = field(default_factory=lambda: np.zeros((2, 3)))
     square: bool = False
     grid: float = GRID
@@ -127,7 +127,7 @@ class Oracle:
         pushed = np.array([-left[1] - right[1], static - left[2], static - right[2]])
         return np.asarray(pushed - np.sum(self.below * give, axis=0))
 
-    def ends(self, connection: Connection, bodies: Mapping[str, Moving]) -> Ends:
+    def ends(self, connection: SuspensionElement, bodies: Mapping[str, Moving]) -> Ends:
         """Upper and lower end."""
         upper, lower = (
             End(bodies[name], self.place(name), name in self.wheelsets) for name in (connection.upper, connection.lower)

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rbd_model.vehicle.description import Connection, Springs, Vehicle
+from rbd_model.vehicle.description import Springs, SuspensionElement, Vehicle
 from rbd_model.vehicle.ready import passenger_coach, two_axle_bogie
 from tests.maximal import joints
 from tests.maximal import oracle as oracles
@@ -239,13 +239,13 @@ def with_parameter(one: Oracle, name: str, factor: float) -> Oracle:
     return replace(one, vehicle=replace(one.vehicle, parameters=parameters))
 
 
-def carried_by_the_upper_body(connection: Connection, ends: Ends) -> Carriers:
+def carried_by_the_upper_body(connection: SuspensionElement, ends: Ends) -> Carriers:
     own = on_bodies(ends)
     return lambda upper, lower: replace(own(upper, lower), directions=upper.axes)
 
 
 def with_springs_higher(one: Oracle, way: float) -> Oracle:
-    def higher(connection: Connection) -> Connection:
+    def higher(connection: SuspensionElement) -> SuspensionElement:
         if not isinstance(connection, Springs):
             return connection
         x, y, z = connection.place

@@ -15,13 +15,13 @@ from fmu_src.system import model_of
 from rbd_model.levels.planar import planar_vehicle
 from rbd_model.vehicle.description import (
     BumpStop,
-    Connection,
     FrictionSlider,
     Pull,
     RigidBody,
     SeriesDamper,
     Springs,
     Sum,
+    SuspensionElement,
     Torsion,
     Vehicle,
     size_of,
@@ -81,7 +81,7 @@ def hung_from_its_axle() -> Vehicle:
     return bogie_with(wheelsets=(replace(first, reacts_on="wheelset_2"), second))
 
 
-def with_one(kind: type[Connection], **law: object) -> Vehicle:
+def with_one(kind: type[SuspensionElement], **law: object) -> Vehicle:
     good = two_axle_bogie()
     one = kind("added", "frame", "wheelset_1", (0.0, 0.0, 0.0), False, **law)
     return bogie_with(connections=(*good.connections, one))
@@ -177,7 +177,7 @@ HELD = frozenset({"lateral", "bounce", "roll", "pitch", "yaw"})
 AT = (0.0, 0.0, "frame_height")
 
 
-def blocks() -> tuple[list[RigidBody], list[Connection], list[Pull]]:
+def blocks() -> tuple[list[RigidBody], list[SuspensionElement], list[Pull]]:
     """The first is held by a spring and a damper, the stop and the wedge each by itself, the damper beside a spring."""
     inertia = (1.0, 1.0, 1.0)
     bodies = [RigidBody(name, name, MASS, inertia, 0.0, "frame_height", HELD) for name in BLOCKS]  # type: ignore[arg-type]

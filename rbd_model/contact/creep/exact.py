@@ -26,7 +26,7 @@ STILL, ABOVE = 1e-5, 1e-9
 
 
 @dataclass(frozen=True)
-class Cells:
+class Rectangles:
     """Rectangles of constant stress: ends ahead and behind, to both sides; bound: mean friction over each."""
 
     behind: np.ndarray
@@ -49,7 +49,7 @@ class HalfSpace:
     (2 n, 2 n), at the places of AHEAD_STICKING and AHEAD_SLIPPING; x: these places, y: of the cells.
     """
 
-    cells: Cells
+    cells: Rectangles
     sticking: np.ndarray
     sliding: np.ndarray
     x: tuple[np.ndarray, np.ndarray]
@@ -65,7 +65,7 @@ class StickAndSlip:
     forces: np.ndarray
 
 
-def cells(axis_ratio: float, counts: tuple[int, int]) -> Cells:
+def cells(axis_ratio: float, counts: tuple[int, int]) -> Rectangles:
     """Strips between equal angles across the patch, each cut at equal angles along it; counts: along, across.
 
     After Kalker (1990), section 4.1, whose cells are equal. A strip is as long as its mean length; the friction of each
@@ -78,7 +78,7 @@ def cells(axis_ratio: float, counts: tuple[int, int]) -> Cells:
     right, left = (np.repeat(b * side, counts[0]) for side in (across[:-1], across[1:]))
     friction = np.outer(np.diff(across - across**3 / 3), np.diff(half_circle(along))).ravel()
     area = (ahead - behind) * (left - right)
-    return Cells(behind, ahead, right, left, friction / friction.sum() / area)
+    return Rectangles(behind, ahead, right, left, friction / friction.sum() / area)
 
 
 def half_circle(place: np.ndarray) -> np.ndarray:
@@ -86,7 +86,7 @@ def half_circle(place: np.ndarray) -> np.ndarray:
     return np.asarray((place * np.sqrt(np.maximum(1 - place**2, 0)) + np.arcsin(place)) / 2)
 
 
-def displacement(x: np.ndarray, y: np.ndarray, grid: Cells) -> np.ndarray:
+def displacement(x: np.ndarray, y: np.ndarray, grid: Rectangles) -> np.ndarray:
     """Displacement of wheel against rail at places (x, y), by the stresses, shape (2 places, 2 cells).
 
     Boussinesq's and Cerruti's solution summed over each rectangle, Kalker (1990), section 3.1.1:

@@ -22,7 +22,7 @@ FLOOR = 1e-12
 
 
 @dataclass(frozen=True)
-class Strips:
+class GaussStrips:
     """Strips at Gauss's points: y/b, half lengths over a, weights; creepage_share: found over exact sum of lengths.
 
     An even number: in the middle one the direction of pure spin would be undefined.
@@ -35,7 +35,7 @@ class Strips:
 
 
 @lru_cache
-def strips(count: int) -> Strips:
+def strips(count: int) -> GaussStrips:
     """Gauss's points; friction and the force of spin add up exactly, that of creepage but for `creepage_share`.
 
     Bound and stress of spin go with the square of a strip's length, that of creepage with its length: Kalker (1967).
@@ -46,7 +46,7 @@ def strips(count: int) -> Strips:
     offsets, weights = np.polynomial.legendre.leggauss(count)
     lengths = np.sqrt(1 - offsets**2)
     share = float(np.sum(weights * lengths) / (math.pi / 2))
-    return Strips(tuple(offsets.tolist()), tuple(lengths.tolist()), tuple(weights.tolist()), share)
+    return GaussStrips(tuple(offsets.tolist()), tuple(lengths.tolist()), tuple(weights.tolist()), share)
 
 
 def adhesive_slip(patch: ContactPatch, limit: ca.SX, creepage_share: float) -> Rigid:
