@@ -44,8 +44,8 @@ def sub_jacobian(i: BodyMotion, j: BodyMotion, wheel: Surface, rail: RailSurface
     tangents, normal = i.axes @ wheel.tangents, j.axes @ rail.normal
     of_wheel[0, 0] = of_wheel[1, 1] = of_wheel[2, 2] = 1.0
     of_rail[0, 0] = of_rail[1, 1] = of_rail[2, 2] = -1.0
-    of_wheel[:3, :3] -= np.outer(j.axes @ rail.tangents[:, 2], rail.distance_slope)
-    of_wheel[3:, :3] = np.outer(tangents.T @ (j.axes @ rail.normal_slope[:, 2]), rail.distance_slope)
+    of_wheel[:3, 0] -= j.axes @ rail.tangents[:, 2]
+    of_wheel[3:, 0] = tangents.T @ (j.axes @ rail.normal_slope[:, 2])
     of_wheel[:3, 3:] = -i.axes @ _skew_times(wheel.point, i.g)
     of_rail[:3, 3:] = j.axes @ _skew_times(rail.point, j.g)
     in_wheel = i.axes.T @ normal
@@ -73,16 +73,14 @@ def quadratic_terms(
 
     rates: of the surface parameters of wheel and rail. Contains third derivatives of the wheel's profile.
     """
-    of_wheel, of_rail = rates[0], np.append(rates[1], rail.distance_slope @ i.velocity)
-    # What is left of the second derivative of the wheelset's distance without its acceleration.
-    gaining = float(_twice(rail.distance_bend, i.velocity))
+    of_wheel, of_rail = rates[0], np.append(rates[1], i.velocity[0])
     relative = wheel.tangents @ of_wheel, rail.tangents @ of_rail
-    bend = _twice(wheel.second, of_wheel), _twice(rail.second, of_rail) + rail.tangents[:, 2] * gaining
+    bend = _twice(wheel.second, of_wheel), _twice(rail.second, of_rail)
     out = np.empty(EQUATIONS)
     out[:3] = _second(j, rail.point, relative[1], bend[1]) - _second(i, wheel.point, relative[0], bend[0])
     normal = j.axes @ rail.normal
     normal_rate = _first(j, rail.normal, rail.normal_slope @ of_rail)
-    normal_bend = _twice(rail.normal_bend, of_rail) + rail.normal_slope[:, 2] * gaining
+    normal_bend = _twice(rail.normal_bend, of_rail)
     normal_second = _second(j, rail.normal, rail.normal_slope @ of_rail, normal_bend)
     for row in range(2):
         tangent, change = wheel.tangents[:, row], wheel.second[:, row] @ of_wheel

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rbd_model.thesis.euler import cross, from_matrix, g_bar, rotation_matrix
+from rbd_model.thesis.euler import cross, g_bar, rotation_matrix
 from rbd_model.thesis.mechanism import FIRST_WHEELSET, Mechanism, State
 from rbd_model.thesis.partition import CLOSED, MAXIMUM_ROUNDS, NoSolutionError
 from rbd_model.thesis.surfaces import OffTheProfileError, profile_derivatives
@@ -16,9 +16,9 @@ from rbd_model.thesis.surfaces import OffTheProfileError, profile_derivatives
 
 @dataclass(frozen=True)
 class Wheelset:
-    """Where a wheelset is driven to: distance, lateral [m], yaw, pitch [rad] in the axes of the track there; and
-    velocities in these, those of yaw and pitch about the third and second of the axes that yaw and roll with it [m/s,
-    rad/s].
+    """Where a wheelset is driven to: distance, lateral [m], yaw, pitch [rad]; and its velocities [m/s, rad/s].
+
+    Those of yaw and pitch are about the third and second of the axes that yaw and roll with it.
     """
 
     distance: float = 0.0
@@ -46,16 +46,13 @@ def frames_at_rest(mechanism: Mechanism) -> list[Frame]:
     """The bodies above the wheelsets at their places over the track, as section 3.3.3 holds them."""
     radius = mechanism.parameters.wheel_radius
     return [
-        Frame(over_track(mechanism, body.along, radius + body.height), np.zeros(3), np.zeros(3))
-        for body in mechanism.layout.upper
+        Frame(over_track(body.along, radius + body.height), np.zeros(3), np.zeros(3)) for body in mechanism.layout.upper
     ]
 
 
-def over_track(mechanism: Mechanism, distance: float, height: float) -> np.ndarray:
-    """Coordinates (7,) of a body in the axes of the track at a distance, over its middle [m], section 3.2.1."""
-    section = mechanism.rails.section(distance)
-    axes = section.axes[0]
-    return np.concatenate([section.origin[0] + height * axes[:, 2], from_matrix(axes)])
+def over_track(distance: float, height: float) -> np.ndarray:
+    """Coordinates (7,) of a body that stands upright over the track's middle [m], section 3.2.1."""
+    return np.array([distance, 0.0, height, 1.0, 0.0, 0.0, 0.0])
 
 
 def centred(mechanism: Mechanism) -> np.ndarray:
@@ -66,7 +63,7 @@ def centred(mechanism: Mechanism) -> np.ndarray:
     for number, frame in enumerate(frames_at_rest(mechanism), mechanism.frame):
         near[mechanism.body(number)] = frame.coordinates
     for number in range(mechanism.wheelsets):
-        place = over_track(mechanism, mechanism.place(number), mechanism.parameters.wheel_radius)
+        place = over_track(mechanism.place(number), mechanism.parameters.wheel_radius)
         near[mechanism.body(FIRST_WHEELSET + number)] = place
     for contact in range(mechanism.contacts):
         near[mechanism.q_count + mechanism.rail_parameters(contact).start] = mechanism.place(contact // 2)
@@ -74,21 +71,10 @@ def centred(mechanism: Mechanism) -> np.ndarray:
 
 
 def rolling(mechanism: Mechanism, speed: float) -> State:
-    """Everything at its place over the track and moving at `speed` [m/s], the wheels rolling (section 2.3.1).
-
-    On a line bodies turn with the track.
-    """
+    """Everything at its place over the track and moving at `speed` [m/s], the wheels rolling (section 2.3.1)."""
     pitch_rate = speed / mechanism.parameters.wheel_radius
-    turning = [speed * mechanism.rails.section(place).turning for place in mechanism.layout.wheelsets]
-    wheelsets = [
-        Wheelset(place, speed=speed, pitch_rate=pitch_rate, yaw_rate=float(turn[2]))
-        for place, turn in zip(mechanism.layout.wheelsets, turning, strict=True)
-    ]
-    frames = []
-    for body, frame in zip(mechanism.layout.upper, frames_at_rest(mechanism), strict=True):
-        section = mechanism.rails.section(body.along)
-        velocity, omega = speed * section.axes[0, :, 0], speed * section.turning
-        frames.append(replace(frame, velocity=velocity, omega=omega))
+    wheelsets = [Wheelset(place, speed=speed, pitch_rate=pitch_rate) for place in mechanism.layout.wheelsets]
+    frames = [replace(frame, velocity=np.array([speed, 0.0, 0.0])) for frame in frames_at_rest(mechanism)]
     return drive_to(mechanism, wheelsets, frames, centred(mechanism))
 
 
@@ -142,11 +128,9 @@ def driving_constraints(
 
     for number, wheelset in enumerate(wheelsets):
         start = mechanism.body(FIRST_WHEELSET + number).start
-        section = mechanism.rails.section(wheelset.distance)
-        place = section.from_origin(coordinates[start : start + 3])
-        errors += [place[0], place[1] - wheelset.lateral]
-        rows += along_track(mechanism, number, wheelset)
-        ahead = section.axes[0] @ np.array([math.cos(wheelset.yaw), math.sin(wheelset.yaw), 0.0])
+        hold(start, wheelset.distance)
+        hold(start + 1, wheelset.lateral)
+        ahead = np.array([math.cos(wheelset.yaw), math.sin(wheelset.yaw), 0.0])
         level(start, ahead, np.array([0.0, 1.0, 0.0]))
         level(start, ahead, np.array([-math.sin(wheelset.pitch), 0.0, math.cos(wheelset.pitch)]))
     for number, frame in enumerate(frames, mechanism.frame):
@@ -156,13 +140,6 @@ def driving_constraints(
     return np.array(errors), np.array(rows)
 
 
-def along_track(mechanism: Mechanism, number: int, wheelset: Wheelset) -> list[np.ndarray]:
-    """Rows of C_q (3.59) for the place of a wheelset along and across the track."""
-    start, rows = mechanism.body(FIRST_WHEELSET + number).start, np.zeros((2, mechanism.unknowns))
-    rows[:, start : start + 3] = mechanism.rails.section(wheelset.distance).axes[0, :, :2].T
-    return list(rows)
-
-
 def square_of_rates(
     mechanism: Mechanism, wheelsets: Sequence[Wheelset], jacobian: np.ndarray, coordinates: np.ndarray
 ) -> np.ndarray:
@@ -170,7 +147,7 @@ def square_of_rates(
     rows = []
     for number, wheelset in enumerate(wheelsets):
         start = mechanism.body(FIRST_WHEELSET + number).start
-        rows += along_track(mechanism, number, wheelset)
+        rows += [np.eye(1, mechanism.unknowns, start + i)[0] for i in (0, 1)]
         g = g_bar(coordinates[start + 3 : start + 7])
         for axis in (np.array([-math.sin(wheelset.pitch), 0.0, math.cos(wheelset.pitch)]), np.array([0.0, 1.0, 0.0])):
             row = np.zeros(mechanism.unknowns)

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
-from functools import partial
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.linalg.lapack import dgetrf, dgetrs
@@ -16,8 +15,7 @@ from rbd_model.thesis.creep import EllipseLaw, flange_force, hertz_ellipse, pola
 from rbd_model.thesis.euler import cross, mass_matrix, norm_error, quadratic_velocity
 from rbd_model.thesis.forces import BodyMotion, axle_box, between_frames, of_body_moment, of_force
 from rbd_model.thesis.layout import bogie_layout, inertia, vehicle_layout
-from rbd_model.thesis.rails import STRAIGHT, Distance, Rails, Section
-from rbd_model.thesis.surfaces import ORDERS, RailSurface, Surface, wheel_surface
+from rbd_model.thesis.surfaces import ORDERS, RailSurface, Surface, rail_surface, wheel_surface
 from rbd_model.vehicle.parameters import AS_PRINTED, BogieParameters, VehicleParameters
 
 #: Bodies in the order of (4.1), (5.1): right rail, left rail, wheelsets, what is above; contacts: right, then left, of
@@ -83,7 +81,6 @@ class Touch:
     wheel: Surface
     rail: RailSurface
     radius: np.ndarray  # r and its derivatives by the position on the profile
-    forward: np.ndarray  # along the track at the wheelset, in inertial axes
 
     @property
     def normal(self) -> np.ndarray:
@@ -107,7 +104,6 @@ class Mechanism:
         irregularity: Irregularity = perfect_track,
         speed: float | None = None,
         ellipse: EllipseLaw = hertz_ellipse,
-        rails: Rails = STRAIGHT,
     ) -> None:
         for name, value in AS_PRINTED.items():
             if getattr(parameters, name) != value:
@@ -117,16 +113,12 @@ class Mechanism:
                 f"Set vertical_half_spacing to longitudinal_half_spacing, {parameters.longitudinal_half_spacing:g} m: "
                 f"each element of chapter 3 has one place, it was {parameters.vertical_half_spacing:g} m."
             )
-        if speed is not None and rails.curved:
-            raise ValueError(f"Leave the speed of {speed:g} m/s free: chapter 3 holds it on straight track alone.")
         self.parameters, self.pair, self.irregularity, self.ellipse = parameters, pair, irregularity, ellipse
-        self.wheelsets, self.speed, self.rails = wheelsets, speed, rails
+        self.wheelsets, self.speed = wheelsets, speed
         if isinstance(parameters, VehicleParameters):
             self.layout = vehicle_layout(parameters)
         else:
             self.layout = bogie_layout(parameters, wheelsets)
-        if rails.curved:
-            self.layout = replace(self.layout, level=False)
         self.frame = FIRST_WHEELSET + wheelsets
         self.bodies = self.frame + len(self.layout.upper)
         self.contacts = 2 * wheelsets
@@ -161,15 +153,9 @@ class Mechanism:
         """Where a contact's parameters on the wheel stand in s, eqs (4.2), (5.2)."""
         return self.rail_parameters(self.contacts + contact)
 
-    def shifts(self, distance: float) -> np.ndarray:
-        """Irregularity (5.3), (5.4) with that of the line, and its widening: (4, 4), as Section's shifts and spread."""
-        section = self.rails.section(distance)
-        return np.column_stack([self.irregularity(distance) + section.shifts, section.spread])
-
     def shift_of(self, side: int, distance: float) -> np.ndarray:
         """Of one rail, to the left and upwards (5.3), (5.4): shape (4, 2) [m]."""
-        shifts = self.shifts(distance)
-        return np.column_stack([shifts[:, 0] + side * shifts[:, 3], shifts[:, 2 if side < 0 else 1]])
+        return self.irregularity(distance)[:, [0, 2 if side < 0 else 1]]
 
     def motions(self, q: np.ndarray, q_rate: np.ndarray) -> list[BodyMotion]:
         """Motions of all bodies from their coordinates and rates, shapes (q_count,)."""
@@ -181,16 +167,15 @@ class Mechanism:
         half, rail_half = self.pair.wheel_half_distance, self.pair.rail_half_distance
         for wheelset in range(self.wheelsets):
             wheel_body = motions[FIRST_WHEELSET + wheelset]
-            at = self.rails.distance(wheel_body.position)
-            forward = self.rails.section(at.value).axes[0, :, 0]
+            distance = float(wheel_body.position[0])
             for rail_number, side in enumerate(SIDES):
                 number = 2 * wheelset + rail_number
                 wheel, radius = wheel_surface(
                     self.pair.wheel, self.parameters.wheel_radius, half, side, s[self.wheel_parameters(number)]
                 )
-                parameters, shift = s[self.rail_parameters(number)], partial(self.shift_of, side)
-                rail = self.rails.rail(self.pair.rail, rail_half, side, parameters, at, shift)
-                made.append(Touch(number, wheel_body, motions[rail_number], wheel, rail, radius, forward))
+                parameters, shift = s[self.rail_parameters(number)], self.shift_of(side, distance)
+                rail = rail_surface(self.pair.rail, rail_half, side, parameters, shift)
+                made.append(Touch(number, wheel_body, motions[rail_number], wheel, rail, radius))
         return made
 
     # -- constraints ---------------------------------------------------------------------------------------------
@@ -265,39 +250,21 @@ class Mechanism:
             total = quadratic_velocity(upper.inertia, body.theta_rate, body.omega)
             total[2] -= upper.mass * p.gravity
             q[self.body(number)] = total
-        ahead = self.there(motions[self.frame])[1].axes[0, :, 0]
-        q[self.body(self.frame)][:3] += inputs.drawbar_force * ahead
+        q[self.body(self.frame)][0] += inputs.drawbar_force
         for number in range(self.wheelsets):
             body = motions[FIRST_WHEELSET + number]
             total = quadratic_velocity(self.wheelset_inertia, body.theta_rate, body.omega)
             total[2] -= p.wheelset_mass * p.gravity
-            total[:3] += self.flange(body)
+            total[1] += self.flange(body)
             total += self.torques(number, state, inputs, body)
             q[self.body(FIRST_WHEELSET + number)] = total
         self.suspend(q, motions)
         return q
 
-    def there(self, body: BodyMotion) -> tuple[Distance, Section]:
-        """Where along the line a body (3.3) is, and the line there."""
-        at = self.rails.distance(body.position)
-        return at, self.rails.section(at.value)
-
-    def flange(self, body: BodyMotion) -> np.ndarray:
-        """Force of the rails on the flanges of a wheelset (3.106) in inertial axes, shape (3,) [N].
-
-        Differs from the thesis on a line: the spring gives back what it took, so that its force has a part along the
-        track where the rails come nearer as the wheelset goes along. On straight track there is none, as printed.
-        """
-        at, section = self.there(body)
-        shifts = self.shifts(at.value)
-        offset = float(section.from_origin(body.position)[1] - shifts[0, 0])
-        clearance = self.parameters.flange_clearance + float(shifts[0, 3])
-        force = flange_force(offset, clearance, self.parameters.flange_stiffness)
-        direction = section.axes[0, :, 1]
-        if self.rails.curved:
-            nearing = (body.position - section.origin[0]) @ section.axes[1, :, 1] - shifts[1, 0]
-            direction = direction + (nearing - math.copysign(1.0, offset) * shifts[1, 3]) * at.slope
-        return np.asarray(force * direction)
+    def flange(self, body: BodyMotion) -> float:
+        """Force of the rails on the flanges of a wheelset to the left, eq. (3.106) [N]."""
+        offset = float(body.position[1] - self.irregularity(float(body.position[0]))[0, 0])
+        return float(flange_force(offset, self.parameters.flange_clearance, self.parameters.flange_stiffness))
 
     def suspend(self, q: np.ndarray, motions: Sequence[BodyMotion]) -> None:
         """Adds the generalised forces of all suspension elements, (3.33), (3.34)."""
@@ -330,7 +297,7 @@ class Mechanism:
         if self.parameters.yaw_torque_rotates:
             moment[2] += yaw
         else:
-            up = body.axes.T @ self.there(body)[1].axes[0, :, 2]
+            up = body.axes[2].copy()
             up[1] = 0.0
             moment += yaw * up / math.hypot(up[0], up[2])
         return of_body_moment(body, moment)
@@ -345,7 +312,7 @@ class Mechanism:
         sideways = cross(touch.normal, along)
         sliding = body.velocity_of(touch.wheel.point)
         omega = body.axes @ body.omega
-        slowness = 1.0 / math.hypot(float(body.velocity @ touch.forward), self.parameters.creepage_speed)
+        slowness = 1.0 / math.hypot(float(body.velocity[0]), self.parameters.creepage_speed)
         return (
             float(sliding @ along) * slowness,
             float(sliding @ sideways) * slowness,

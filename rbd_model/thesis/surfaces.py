@@ -57,8 +57,7 @@ class RailSurface:
     """A rail, in the axes of its body, at the surface parameters s_1, s_2 and the distance of the wheelset on it [m].
 
     point (3,) with first and second derivatives by these three, (3, 3), (3, 3, 3), of (3.48)-(3.51); normal (3.53), of
-    any length, with its own; side: 1 left, -1 right. distance_slope (3,), distance_bend (3, 3): derivatives of that
-    distance by the wheelset's position R of (3.1).
+    any length, with its own; side: 1 left, -1 right. The distance is the x of the wheelset's position R of (3.1).
     """
 
     point: np.ndarray
@@ -68,8 +67,6 @@ class RailSurface:
     normal_slope: np.ndarray
     normal_bend: np.ndarray
     side: int
-    distance_slope: np.ndarray
-    distance_bend: np.ndarray
 
     @property
     def upwards(self) -> np.ndarray:
@@ -135,6 +132,4 @@ def rail_surface(
     second[2, 1, 1], second[1:, 2, 2] = z[2], irregularity[2]
     normal_slope[1, 1], normal_bend[1, 1, 1] = -z[2], -z[3]
     normal = np.array([0.0, -z[1], float(side)])
-    return RailSurface(
-        point, tangents, second, normal, normal_slope, normal_bend, side, np.array([1.0, 0.0, 0.0]), np.zeros((3, 3))
-    )
+    return RailSurface(point, tangents, second, normal, normal_slope, normal_bend, side)

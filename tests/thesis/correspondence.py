@@ -1,8 +1,4 @@
-"""The same motion in both models: states of the spatial level as coordinates of chapter 3, and accelerations back.
-
-The fast model's places, angles and velocities are components in the axes of the track where a body is; its slopes are
-the rates of these components, while the axes turn.
-"""
+"""The same motion in both models: states of the spatial level as coordinates of chapter 3, and accelerations back."""
 
 from __future__ import annotations
 
@@ -12,25 +8,20 @@ from functools import lru_cache
 
 import casadi as ca
 import numpy as np
-import pytest
 
 from fmu_src.kernel import DISCARD, Kernel, KernelError, Library
 from fmu_src.system import System, model_of
 from rbd_model.contact.creep.kalker import smooth_kalker_coefficients
-from rbd_model.contact.depth import Contact
 from rbd_model.contact.geometry import Pair, synthetic_pair, thesis_pair
 from rbd_model.contact.hertz import moving_ellipse
 from rbd_model.levels.models import levels, wheelset_in_frame
 from rbd_model.levels.spatial import spatial_vehicle
 from rbd_model.thesis.creep import Ellipse
-from rbd_model.thesis.euler import composed, cross, from_angles, from_matrix
+from rbd_model.thesis.euler import cross, from_angles
 from rbd_model.thesis.forces import BodyMotion
 from rbd_model.thesis.kinematic_analysis import Frame, Wheelset, centred, drive_to
 from rbd_model.thesis.mechanism import FIRST_WHEELSET, Answer, Inputs, Mechanism, State
-from rbd_model.thesis.rails import STRAIGHT, Rails, Section
 from rbd_model.track.irregularity import derivatives_along, irregular_track, section_5_3
-from rbd_model.vehicle import description as descriptions
-from rbd_model.vehicle import variables
 from rbd_model.vehicle.description import Springs
 from rbd_model.vehicle.parameters import (
     BogieParameters,
@@ -39,7 +30,7 @@ from rbd_model.vehicle.parameters import (
     tables_4_1_and_4_2,
     tables_5_1_and_5_2,
 )
-from rbd_model.vehicle.ready import passenger_coach, two_axle_bogie, wheelset_under_frame
+from rbd_model.vehicle.ready import passenger_coach, two_axle_bogie
 from tests.quick_library import quick_library
 
 WORDS = ("right", "left")
@@ -94,26 +85,6 @@ def machine(wheelsets: int) -> Machine:
     return Machine(wheelsets, parameters, pair, bodies, system, quick_library(model_of(system, 1e-7)))
 
 
-@lru_cache
-def machine_on_line(wheelsets: int) -> Machine:
-    """The wheelset in a frame, whose pitch nothing holds there, or the bogie, on whatever line an instance is given.
-
-    Without the check that finds a frame on one axle about to tip over: in a second it hardly does.
-    """
-    if wheelsets == 1:
-        parameters = as_printed(tables_4_1_and_4_2())
-        held = wheelset_under_frame(parameters)
-        with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(descriptions, "_check_footing", lambda *_: None)
-            vehicle = replace(held, bodies=(replace(held.bodies[0], held=frozenset()),))
-    else:
-        parameters = as_printed(tables_5_1_and_5_2())
-        vehicle = two_axle_bogie(parameters)
-    system = spatial_vehicle(vehicle, irregular_track(section_5_3()), Contact(1), on_line=True)
-    library = quick_library(model_of(system, 1e-7, variables.line_file()))
-    return Machine(wheelsets, parameters, thesis_pair(), ("frame",), system, library)
-
-
 @dataclass(frozen=True)
 class Snapshot:
     """A state of the fast model with its slopes by name, and the scene that led there."""
@@ -125,10 +96,9 @@ class Snapshot:
     locked: tuple[bool, ...]
 
 
-def reach(of: Machine, scene: Mapping[str, float], seconds: float, line_file: str = "") -> Snapshot | None:
+def reach(of: Machine, scene: Mapping[str, float], seconds: float) -> Snapshot | None:
     """Runs the fast model to a state; None where the run ended before."""
-    line = {"line_file": line_file} if line_file else {}
-    kernel = Kernel(of.library, tolerance=1e-7, **line, **scene)
+    kernel = Kernel(of.library, tolerance=1e-7, **scene)
     try:
         kernel.advance(seconds)
     except KernelError as error:
@@ -143,7 +113,7 @@ def reach(of: Machine, scene: Mapping[str, float], seconds: float, line_file: st
     )
 
 
-def mechanism_of(of: Machine, scene: Mapping[str, float], rails: Rails = STRAIGHT) -> Mechanism:
+def mechanism_of(of: Machine, scene: Mapping[str, float]) -> Mechanism:
     """The oracle with the parameters and the track of a scene."""
     own = {name: value for name, value in scene.items() if name in of.parameters.values()}
     track = section_5_3()
@@ -154,7 +124,6 @@ def mechanism_of(of: Machine, scene: Mapping[str, float], rails: Rails = STRAIGH
         of.wheelsets,
         derivatives_along(replace(track, **irregular)),
         ellipse=fitted_ellipse,
-        rails=rails,
     )
 
 
@@ -180,13 +149,11 @@ def frames_of(snapshot: Snapshot, mechanism: Mechanism) -> list[Frame]:
         own = ("shift", "shift_speed") if body != first else ("none", "none")
         distance, speed = v[f"{first}_distance"] + data.along + value(own[0]), v[f"{first}_speed"] + value(own[1])
         height = mechanism.parameters.wheel_radius + data.height + value("bounce")
-        section = mechanism.rails.section(distance)
-        axes = section.axes[0]
-        theta = composed(from_matrix(axes), from_angles(value("yaw"), value("roll"), value("pitch")))
+        theta = from_angles(value("yaw"), value("roll"), value("pitch"))
         found.append(
             Frame(
-                np.concatenate([section.origin[0] + axes @ [0.0, value("lateral"), height], theta]),
-                axes @ [speed, value("lateral_rate"), value("bounce_rate")],
+                np.concatenate([[distance, value("lateral"), height], theta]),
+                np.array([speed, value("lateral_rate"), value("bounce_rate")]),
                 np.array([value("roll_rate"), value("pitch_rate"), value("yaw_rate")]),
             )
         )
@@ -210,10 +177,9 @@ def state_of(snapshot: Snapshot, mechanism: Mechanism) -> State:
             *(v[f"{name}_{number}"] for name in ("lateral_speed", "yaw_rate", "angular_velocity")),
         )
         driven.append(one)
-        body, section = near[mechanism.body(FIRST_WHEELSET + number - 1)], mechanism.rails.section(one.distance)
-        axes = section.axes[0]
-        body[:3] = section.origin[0] + axes @ [0.0, one.lateral, mechanism.parameters.wheel_radius]
-        body[3:] = composed(from_matrix(axes), from_angles(one.yaw, v[f"roll_{number}"], one.pitch))
+        body = near[mechanism.body(FIRST_WHEELSET + number - 1)]
+        body[:3] = one.distance, one.lateral, mechanism.parameters.wheel_radius
+        body[3:] = from_angles(one.yaw, v[f"roll_{number}"], one.pitch)
         for side, word in enumerate(WORDS):
             contact = 2 * (number - 1) + side
             s = near[mechanism.q_count :]
@@ -245,28 +211,25 @@ def accelerations_of(of: Machine, state: State, answer: Answer, mechanism: Mecha
 def in_track_axes(
     mechanism: Mechanism, number: int, state: State, answer: Answer
 ) -> tuple[np.ndarray, np.ndarray, float]:
-    """Rates of a body's velocity in the axes of the track that go along with it [m/s2], of its angular velocity in its
-    own axes, and of the third component of that in axes that do not pitch with it [rad/s2].
+    """Rates of a body's velocity [m/s2], of its angular velocity in its own axes, and of the third component of that in
+    axes that do not pitch with it [rad/s2].
     """
     columns = mechanism.body(number)
     body, second = BodyMotion.of(state.q[columns], state.q_rate[columns]), answer.q_second[columns]
-    at, section = mechanism.there(body)
-    travel = float(at.slope @ body.velocity)
-    linear = section.axes[0].T @ second[:3] + travel * section.axes[1].T @ body.velocity
     alpha = body.g @ second[3:]
-    return linear, alpha, in_yaw_roll_axes(section, body, travel, alpha)
+    return second[:3], alpha, in_yaw_roll_axes(body, alpha)
 
 
-def in_yaw_roll_axes(section: Section, body: BodyMotion, travel: float, alpha: np.ndarray) -> float:
+def in_yaw_roll_axes(body: BodyMotion, alpha: np.ndarray) -> float:
     """Rate of the third component of the angular velocity in the axes that do not pitch with the wheelset."""
-    axes = section.axes[0].T @ body.axes
+    axes = body.axes
     sine_roll = axes[2, 1]  # height of the axle's unit vector over the track
     cosine_roll = np.hypot(axes[2, 0], axes[2, 2])
     # The axes' first vector is level, which gives the pitch angle.
     sine, cosine = -axes[2, 0] / cosine_roll, axes[2, 2] / cosine_roll
     about = np.array([[cosine, 0.0, sine], [0.0, 1.0, 0.0], [-sine, 0.0, cosine]])
-    turned, against_track = about @ body.omega, about @ (body.omega - axes.T @ (travel * section.turning))
-    pitching = against_track[1] - against_track[2] * sine_roll / cosine_roll
+    turned = about @ body.omega
+    pitching = turned[1] - turned[2] * sine_roll / cosine_roll
     relative = cross(np.array([0.0, pitching, 0.0]), turned)
     return float(about[2] @ alpha + relative[2])
 
