@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from fmu_src.kernel import Kernel, Library
-from fmu_src.system import System, model_of
+from fmu_src.system import model_of
 from rbd_model.contact.depth import Contact
 from rbd_model.levels.planar import planar_vehicle
 from rbd_model.levels.point import point_vehicle
@@ -28,21 +28,16 @@ STANDING_BAND, LATE_BAND = 1e-9, 1e-3
 SLIDING_BAND = 0.02
 
 
-def spatial(depth: int) -> System:
-    return spatial_vehicle(BOGIE, irregular_track(section_5_3()), Contact(depth), True)
-
-
 MAKERS = {
     "point": lambda: point_vehicle(BOGIE, True),
     "planar": lambda: planar_vehicle(BOGIE, True),
-    "rigid": lambda: spatial(1),
-    "patched": lambda: spatial(2),
+    "spatial": lambda: spatial_vehicle(BOGIE, irregular_track(section_5_3()), Contact(2), True),
 }
 
 
 @pytest.fixture(scope="module", params=list(MAKERS))
 def library(request) -> Library:  # type: ignore[no-untyped-def]
-    """A bogie on a line, at each level and at two depths of contact."""
+    """A bogie on a line, at each level."""
     return quick_library(model_of(MAKERS[request.param](), 1e-6, variables.line_file()))
 
 
