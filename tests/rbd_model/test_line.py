@@ -400,8 +400,7 @@ def steering(radius: float, stiffness: float) -> np.ndarray:
 
 def softness(kernel: Kernel, direction: str) -> float:
     """How far a rail below a wheelset yields to a force [m/N]."""
-    yields = "track_yields" in kernel.library.index
-    return 1 / ballasted_track().values()[f"track_{direction}_stiffness"] if yields else 0.0
+    return 1 / kernel[f"track_{direction}_stiffness"]
 
 
 def test_a_flange_meets_its_rail_half_of_the_widening_further_out(written, patched: Library) -> None:  # type: ignore[no-untyped-def]
