@@ -6,11 +6,18 @@ RUN := $(VENV)/bin/python
 # Matrices here are small: two processes with two threads of BLAS each take three times as long as with one each.
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: demo test test-fast test-long check charts screenshots pages docs release clean
+# A C compiler comes from PyPI where the machine has none: what this finds is a comma and the extra, or nothing.
+COMPILER := $(shell for name in $$CC cc gcc clang; do command -v $$name > /dev/null && exit; done; echo ,compiler)
+
+.PHONY: demo live test test-fast test-long check charts screenshots pages docs release clean
 
 demo: $(VENV)/demo-installed
 	$(RUN) build_fmu.py ssp
 	$(RUN) -m bogie_braking run qr30-180kpa
+
+# The page that brakes a bogie in a browser; zig compiles its kernels, no other compiler here does.
+live: $(VENV)/compiler-installed
+	$(RUN) -m bogie_braking live
 
 test: $(VENV)/test-installed check
 	$(RUN) -m pytest -n 2 --dist worksteal
@@ -32,12 +39,16 @@ $(VENV)/bin/python:
 	$(PYTHON) -m venv $(VENV)
 
 $(VENV)/demo-installed: pyproject.toml | $(VENV)/bin/python
-	$(RUN) -m pip install --quiet --disable-pip-version-check -e .
+	$(RUN) -m pip install --quiet --disable-pip-version-check -e ".[pages$(COMPILER)]"
 	touch $@
+
+$(VENV)/compiler-installed: pyproject.toml | $(VENV)/bin/python
+	$(RUN) -m pip install --quiet --disable-pip-version-check -e ".[compiler,pages]"
+	touch $@ $(VENV)/demo-installed
 
 $(VENV)/test-installed: pyproject.toml | $(VENV)/bin/python
 	$(RUN) -m pip install --quiet --disable-pip-version-check -e ".[test,masters,charts,sweep,docs]"
-	touch $@ $(VENV)/demo-installed
+	touch $@ $(VENV)/demo-installed $(VENV)/compiler-installed
 
 # Draws the pictures of docs/choosing.md anew, some seven minutes, and puts what they measured into the text.
 CHARTS := speed-accuracy stability-atlas coupling-step levels levels-in-curves contact-depth thesis-step
@@ -46,7 +57,7 @@ charts: $(VENV)/charts-installed
 	$(RUN) docs/generate/charts.py --collect
 
 $(VENV)/charts-installed: pyproject.toml | $(VENV)/bin/python
-	$(RUN) -m pip install --quiet --disable-pip-version-check -e ".[charts]"
+	$(RUN) -m pip install --quiet --disable-pip-version-check -e ".[charts,pages$(COMPILER)]"
 	touch $@ $(VENV)/demo-installed
 
 # The screenshots of the documentation, by the tests of the pages in a browser.
@@ -68,7 +79,7 @@ docs: $(VENV)/docs-installed
 	NO_MKDOCS_2_WARNING=1 $(RUN) -m mkdocs build --strict
 
 $(VENV)/docs-installed: pyproject.toml | $(VENV)/bin/python
-	$(RUN) -m pip install --quiet --disable-pip-version-check -e ".[docs]"
+	$(RUN) -m pip install --quiet --disable-pip-version-check -e ".[docs,compiler,pages]"
 	touch $@ $(VENV)/demo-installed
 
 clean:

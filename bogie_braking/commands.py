@@ -10,6 +10,7 @@ import sys
 from contextlib import nullcontext
 from dataclasses import fields
 from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -48,7 +49,8 @@ def run(chosen: argparse.Namespace) -> int:
     check(scenario, options)
     further = None
     if chosen.html:
-        from scenarios.reporting.html_report import write_report  # Plotly: for pages alone
+        look_for_plotly()
+        from scenarios.reporting.html_report import write_report
 
         further = partial(write_report, scenario)
     if out.exists() and not out.is_dir():
@@ -63,6 +65,12 @@ def run(chosen: argparse.Namespace) -> int:
     elif not chosen.quiet:
         show(scenario, result, folder, chosen.all)
     return HOLDS if result.holds else DOES_NOT_HOLD
+
+
+def look_for_plotly() -> None:
+    """Raises BadInputError, before a run, where what draws the pages is not installed: it is an extra."""
+    if find_spec("plotly") is None:
+        raise BadInputError("A page of results needs Plotly: pip install 'bogie-braking[pages]'.")
 
 
 def look_for_room(out: Path) -> None:
@@ -94,7 +102,8 @@ def show(scenario: Scenario, result: Result, folder: Path, whole: bool) -> None:
 
 def index(out: Path) -> int:
     """Joins all results of a folder into one page, and says what is not on it."""
-    from scenarios.reporting.index import write_index  # Plotly: for pages alone
+    look_for_plotly()
+    from scenarios.reporting.index import write_index
 
     page, skipped = write_index(out)
     for sentence in skipped:

@@ -1,4 +1,4 @@
-"""C sources -> shared library, with the system's compiler where there is one and otherwise zig from PyPI."""
+"""C sources -> shared library, with the system's compiler where there is one and otherwise zig, an extra from PyPI."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import contextmanager, suppress
+from importlib.util import find_spec
 from pathlib import Path
 
 import fmpy
@@ -73,8 +74,15 @@ def cache() -> Path:
     return CACHE
 
 
+#: What brings zig, the compiler from PyPI.
+INSTALL_ZIG = "pip install 'bogie-braking[compiler]'"
+
+
 def compiler(target: str | None = None) -> list[str]:
-    """Command of the C compiler: $CC, or cc, gcc, clang from PATH, or zig from PyPI; zig for a `target` of it."""
+    """Command of the C compiler: $CC, or cc, gcc, clang from PATH, or zig from PyPI; zig for a `target` of it.
+
+    The command does not say that the compiler is there: `run` does.
+    """
     if target:
         return [sys.executable, "-m", "ziglang", "cc", "-target", target, "-mcpu=baseline"]
     if os.environ.get("CC"):
@@ -96,9 +104,23 @@ def run(command: Sequence[str], target: str | None, folder: Path) -> None:
         "ZIG_GLOBAL_CACHE_DIR": os.environ.get("ZIG_GLOBAL_CACHE_DIR", str(CACHE / "zig")),
         "ZIG_LOCAL_CACHE_DIR": str(folder / "zig"),
     }
-    done = subprocess.run([*compiler(target), *command], cwd=folder, env=environment, capture_output=True, text=True)
+    called = compiler(target)
+    if called[1:3] == ["-m", "ziglang"] and find_spec("ziglang") is None:
+        raise CompilerError(_zig_is_missing(target))
+    try:
+        done = subprocess.run([*called, *command], cwd=folder, env=environment, capture_output=True, text=True)
+    except FileNotFoundError:
+        advice = f"name one in $CC that is here, or leave $CC empty and install gcc or clang, or: {INSTALL_ZIG}"
+        raise CompilerError(f"The C compiler {called[0]} of $CC is not on this machine; {advice}") from None
     if done.returncode != 0:
-        raise CompilerError(f"The C compiler ({' '.join(compiler(target))}) failed:\n{done.stderr}")
+        raise CompilerError(f"The C compiler ({' '.join(called)}) failed:\n{done.stderr}")
+
+
+def _zig_is_missing(target: str | None) -> str:
+    """What there is no compiler for, and what to do."""
+    if target:
+        return f"To compile for {target} takes zig, which is not installed: {INSTALL_ZIG}"
+    return f"There is no C compiler on this machine: install gcc or clang, name a compiler in $CC, or: {INSTALL_ZIG}"
 
 
 def objects_of(sources: Mapping[str, str], flags: Sequence[str], target: str | None = None) -> list[Path]:

@@ -122,7 +122,7 @@ def compiler(spared: bool) -> Finding:
             compiling.run(["-shared", "-fPIC", "-o", "probe", "probe.c", "-lm"], None, Path(folder))
     except (compiling.CompilerError, OSError) as error:
         reason = " ".join(str(error).split())
-        advice = "Install gcc or clang, name a compiler in $CC, or: pip install ziglang"
+        advice = f"Install gcc or clang, name a compiler in $CC, or: {compiling.INSTALL_ZIG}"
         if spared:
             advice += "; without one changed equations cannot be run."
         return Finding(WITHOUT if spared else MISSING, f"C compiler: {command} does not work ({reason})", advice)

@@ -113,6 +113,14 @@ def test_what_does_not_exist_is_found() -> None:
     assert unknown_names(text) == ["rbd_model.levels.models.none", "kernel_none", "none", "none"]
 
 
+def test_every_dependency_stands_in_the_table_of_licences() -> None:
+    project = (ROOT / "pyproject.toml").read_text(encoding="utf-8").partition("[tool.")[0]
+    asked = set(re.findall(r'^  "([a-z][a-z0-9-]+)', project, re.MULTILINE)) - {"bogie-braking"}
+    table = (ROOT / "docs" / "installation.md").read_text(encoding="utf-8").partition("\n## Licences\n")[2]
+    assert {"casadi", "ziglang", "scikit-sundae", "mkdocs-material"} < asked
+    assert asked <= set(re.findall(r"[\w-]+", table))
+
+
 def test_code_and_tests_cite_pages_that_are_here() -> None:
     """A document that does not travel with the code explains nothing."""
     pages = {Path(page).name for page in PAGES}

@@ -11,7 +11,7 @@ import time
 import venv
 import zipfile
 from collections.abc import Iterator, Mapping
-from importlib.metadata import requires
+from importlib.metadata import distribution, requires
 from pathlib import Path
 
 import pytest
@@ -19,9 +19,9 @@ from packaging.requirements import Requirement
 from packaging.tags import platform_tags
 
 import release
-from bogie_braking.exit_status import DOES_NOT_HOLD
+from bogie_braking.exit_status import BAD_INPUT, DOES_NOT_HOLD
 from fmu_src import __version__
-from fmu_src.compile import CACHE
+from fmu_src.compile import CACHE, compiler
 from fmu_src.native_fmu import PLATFORMS
 from products.sources import HOUSE, ROOMS
 from scenarios.live.page import page
@@ -29,6 +29,11 @@ from scenarios.live.page import page
 #: Of the FMUs that a release compiles, that of the scenario that runs here.
 FMUS = ["wheelset"]
 OWN = next(tag for tag in platform_tags() if tag in release.WHEELS)
+
+#: The cache and the compiler of all tests, that of an extra where the machine has none.
+HERE = {"BOGIE_BRAKING_CACHE": str(CACHE), "CC": " ".join(compiler())}
+#: Of an installation without what pip itself weighs and what Python compiles on the way [bytes].
+MOST_SIZE = 700e6
 
 
 @pytest.fixture(scope="module")
@@ -65,7 +70,7 @@ def contents(folder: Path) -> dict[str, tuple[int, int]]:
 def call(python: Path, folder: Path, *arguments: str, status: int = 0, **variables: str) -> str:
     """Runs the environment's Python in a folder, with a home of its own and the cache of all tests; what it printed."""
     environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
-    environment |= {"BOGIE_BRAKING_CACHE": str(CACHE), "HOME": str(folder)} | variables
+    environment |= HERE | {"HOME": str(folder)} | variables
     done = subprocess.run([python, *arguments], cwd=folder, env=environment, capture_output=True, text=True)
     assert done.returncode == status, done.stdout + done.stderr
     return done.stdout + done.stderr
@@ -77,16 +82,23 @@ def packages_of(python: Path, folder: Path) -> Path:
 
 
 @pytest.fixture
-def no_compiler(installed: Path, tmp_path: Path) -> Iterator[Mapping[str, str]]:
-    """Variables with which every call of a compiler fails: there is none in PATH, and zig is gone."""
-    zig = packages_of(installed, tmp_path) / "ziglang"
-    away = zig.rename(zig.with_name("ziglang_away"))
-    yield {"PATH": str(tmp_path / "empty"), "CC": "", "BOGIE_BRAKING_CACHE": str(tmp_path / "cache")}
-    away.rename(zig)
+def no_compiler(tmp_path: Path) -> Mapping[str, str]:
+    """Variables with which no compiler is found: the environment has none, which is an extra, and PATH is empty."""
+    return {"PATH": str(tmp_path / "empty"), "CC": "", "BOGIE_BRAKING_CACHE": str(tmp_path / "cache")}
+
+
+@pytest.fixture
+def plotly(tmp_path: Path) -> Mapping[str, str]:
+    """Variables with which Python finds the packages of the extra `pages`, which tests have."""
+    (tmp_path / "pages").mkdir()
+    for one in map(distribution, ("plotly", "narwhals")):
+        for name in {file.parts[0] for file in one.files or []} - {".."}:
+            (tmp_path / "pages" / name).symlink_to(str(one.locate_file(name)))
+    return {"PYTHONPATH": str(tmp_path / "pages")}
 
 
 def test_wheel_runs_a_scenario_without_a_compiler_and_is_left_as_it_was(
-    installed: Path, no_compiler: Mapping[str, str], tmp_path: Path
+    installed: Path, no_compiler: Mapping[str, str], plotly: Mapping[str, str], tmp_path: Path
 ) -> None:
     packages = packages_of(installed, tmp_path)
     before = contents(packages)
@@ -96,19 +108,32 @@ def test_wheel_runs_a_scenario_without_a_compiler_and_is_left_as_it_was(
     call(installed, tmp_path, "-m", "bogie_braking", "live", **no_compiler)
     assert (tmp_path / "results" / "live.html").read_text(encoding="utf-8") == page()
     assert not [path for path in (tmp_path / "cache").rglob("*") if path.suffix in (".c", ".o", ".so", ".dll")]
-    # Pages need nothing that the wheel does not ask for.
-    pages = ("run", "creep-forces", "--html")
-    call(installed, tmp_path, "-m", "bogie_braking", *pages, status=DOES_NOT_HOLD, **no_compiler)
-    call(installed, tmp_path, "-m", "bogie_braking", "report", **no_compiler)
+    # Pages need their extra, and nothing else that the wheel does not ask for.
+    pages = ("-m", "bogie_braking", "run", "creep-forces", "--html")
+    shown = call(installed, tmp_path, *pages, status=BAD_INPUT, **no_compiler)
+    assert shown == "A page of results needs Plotly: pip install 'bogie-braking[pages]'.\n"
+    assert not (tmp_path / "results" / "creep-forces").exists()
+    shown = call(installed, tmp_path, *pages, status=DOES_NOT_HOLD, **no_compiler, **plotly)
+    assert "report.html" in shown
+    call(installed, tmp_path, "-m", "bogie_braking", "report", **no_compiler, **plotly)
     assert "creep-forces/report.html" in (tmp_path / "results" / "index.html").read_text(encoding="utf-8")
     # The guard bites: what no wheel brings is compiled, and cannot be.
     shown = call(installed, tmp_path, "-m", "bogie_braking", "run", "qr30-180kpa", status=3, **no_compiler)
-    assert "The C compiler" in shown
-    assert "ziglang" in shown
+    assert "There is no C compiler on this machine" in shown
+    assert "pip install 'bogie-braking[compiler]'" in shown
     shown = call(installed, tmp_path, "-m", "bogie_braking", "doctor", **no_compiler)
     assert f"ok       prebuilt FMUs: wheelset for {OWN}" in shown
     assert "without  C compiler" in shown
     assert contents(packages) == before
+
+
+def test_an_installation_is_light(installed: Path, tmp_path: Path) -> None:
+    """A compiler and what draws pages are extras. With pip and compiled Python it is below 800 MB."""
+    packages = packages_of(installed, tmp_path)
+    ours = {one.name for one in packages.iterdir()} - {"pip", "setuptools"}
+    size = sum(path.lstat().st_size for name in ours for path in (packages / name).rglob("*"))
+    assert 300e6 < size < MOST_SIZE
+    assert not ours & {"ziglang", "plotly"}
 
 
 def test_installed_package_builds_fmus_and_is_left_as_it_was(installed: Path, tmp_path: Path) -> None:
@@ -152,7 +177,7 @@ def test_the_page_of_the_public_face_runs_from_a_wheel(installed: Path, tmp_path
     blocks = re.findall(r"^```(\w+)\n(.*?)^```$", page, re.DOTALL | re.MULTILINE)
     (tmp_path / "page.py").write_text("".join(text for kind, text in blocks if kind == "python"), encoding="utf-8")
     environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
-    environment |= {"BOGIE_BRAKING_CACHE": str(CACHE), "HOME": str(tmp_path)}
+    environment |= HERE | {"HOME": str(tmp_path)}
     done = subprocess.run([installed, "page.py"], cwd=tmp_path, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert done.stdout == "".join(text for kind, text in blocks if kind == "text")
@@ -186,8 +211,8 @@ def test_a_release_made_again_is_the_same(wheels: Path, tmp_path: Path) -> None:
 
 ROOT = Path(release.__file__).parent
 #: Looked for before they are imported (`scenarios/methods/sundials.py: is_installed`, `scenarios/sweep/cluster.py:
-#: client_of`).
-LOOKED_FOR = {"sksundae", "distributed"}
+#: client_of`, `bogie_braking/commands.py: look_for_plotly`).
+LOOKED_FOR = {"sksundae", "distributed", "plotly"}
 
 
 def imported_without_a_way_out(body: list[ast.stmt]) -> Iterator[str]:
@@ -213,7 +238,7 @@ def test_what_is_imported_without_a_way_out_is_installed_with_the_rest() -> None
         name for path in files for name in imported_without_a_way_out(ast.parse(path.read_text(encoding="utf-8")).body)
     }
     others = found - set(sys.stdlib_module_names) - {*HOUSE, "build_fmu"} - LOOKED_FOR
-    assert {"plotly", "jinja2", "casadi"} <= others
+    assert {"jinja2", "casadi"} <= others
     assert others <= asked
 
 

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import ctypes
-import subprocess
 import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
 
-from fmu_src.compile import compiler, library_suffix
+from fmu_src import compile as compiling
 from fmu_src.cosimulation.slave import CosimulationError, Slave
 from fmu_src.kernel import Kernel, Library
 from products.building import up_to_date
@@ -36,8 +35,8 @@ THROUGH_FMPY, FROM_C, INSTANTIATE = 1.0, 0.05, 1000.0
 
 def host_library(folder: Path) -> ctypes.CDLL:
     (folder / "host.c").write_text(HOST)
-    name = f"host{library_suffix()}"
-    subprocess.run([*compiler(), "-O2", "-shared", "-fPIC", "-o", name, "host.c"], cwd=folder, check=True)
+    name = f"host{compiling.library_suffix()}"
+    compiling.run(["-O2", "-shared", "-fPIC", "-o", name, "host.c"], None, folder)
     return ctypes.CDLL(str(folder / name))
 
 

@@ -6,7 +6,6 @@ import ctypes
 import hashlib
 import math
 import os
-import subprocess
 import tempfile
 import time as clock
 from collections.abc import Callable
@@ -16,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fmu_src.compile import CompilerError, cache, compiler, library_suffix
+from fmu_src import compile as compiling
 from fmu_src.kernel import Kernel, KernelError
 from scenarios.methods.integrators import BUDGET, Run, failed, finish, layout_of
 from scenarios.methods.scenes import SMOOTH, Scene
@@ -65,16 +64,15 @@ def driver() -> ctypes.CDLL:
 
     folder = Path(sksundae.__file__).parent.parent / "scikit_sundae.libs"
     libraries = [str(next(folder.glob(f"libsundials_{name}-*"))) for name in LIBRARIES]
-    digest = hashlib.sha256(SOURCE.read_bytes() + " ".join([*compiler(), *FLAGS, *libraries]).encode()).hexdigest()
-    path = cache() / f"sundials-{digest[:16]}{library_suffix()}"
+    words = " ".join([*compiling.compiler(), *FLAGS, *libraries])
+    digest = hashlib.sha256(SOURCE.read_bytes() + words.encode()).hexdigest()
+    path = compiling.cache() / f"sundials-{digest[:16]}{compiling.library_suffix()}"
     if not path.exists():
         path.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=path.parent) as place:
             made = Path(place) / "driver"
-            command = [*compiler(), *FLAGS, "-o", str(made), str(SOURCE), *libraries, f"-Wl,-rpath,{folder}"]
-            done = subprocess.run(command, capture_output=True, text=True)
-            if done.returncode != 0:
-                raise CompilerError(f"The C compiler ({' '.join(compiler())}) failed:\n{done.stderr}")
+            command = [*FLAGS, "-o", str(made), str(SOURCE), *libraries, f"-Wl,-rpath,{folder}"]
+            compiling.run(command, None, path.parent)
             os.replace(made, path)
     return ctypes.CDLL(str(path))
 

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -31,6 +34,11 @@ BOGIE_TORQUES = {"brake_torque_1": TORQUE, "brake_torque_2": TORQUE}
 VEHICLE_TORQUE = 8e3
 HOST_STEP, HOST_STEPS = 1e-3, 5000
 CALLS = 20000
+#: What a user waits for before anything is computed, and how long that may be [s].
+BEGINNINGS = {
+    "import bogie_braking": (["-c", "import bogie_braking"], 0.3),
+    "bogie-braking --help": (["-m", "bogie_braking", "--help"], 0.5),
+}
 #: What the project wants to reach; printed beside the measurement, never tested by the clock.
 TARGETS = {"point": 10000.0, "planar": 2000.0, "spatial": 380.0}
 PYTHON_OVERHEAD_TARGET = 10.0
@@ -86,6 +94,17 @@ def vehicle_rows() -> list[Row]:
             seconds = min(stop_time(library, values) for _ in range(REPEATS))
             what = f"complete vehicle {words}: 22.9 s stop in one call, {LEVELS[level]}"
             rows.append(Row(what, "ms", None, 1e3 * seconds, None, "measured now, least of several runs"))
+    return rows
+
+
+def beginning_rows() -> list[Row]:
+    """How long a new Python takes from its start until a name, or the help, is there."""
+    rows = []
+    for what, (arguments, most) in BEGINNINGS.items():
+        command = [sys.executable, *arguments]
+        seconds = least(partial(subprocess.run, command, check=True, stdout=subprocess.DEVNULL))
+        source = f"measured now; to stay below {most}"
+        rows.append(Row(f"{what}, with the start of Python", "s", None, seconds, None, source))
     return rows
 
 
@@ -161,6 +180,7 @@ def run(options: Options) -> Result:
             )
         )
     rows += vehicle_rows()
+    rows += beginning_rows()
     rows += fmi_overhead.rows(library)
     begin = time.perf_counter()
     cases = len(run_all())

@@ -11,6 +11,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib.metadata import version
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -148,7 +149,9 @@ class Result:
 
 
 def versions() -> dict[str, str]:
-    packages = ("casadi", "fmpy", "matplotlib", "numpy", "pythonfmu", "scipy", "ziglang")
+    """What a result came out of; zig is an extra."""
+    packages = ["casadi", "fmpy", "matplotlib", "numpy", "pythonfmu", "scipy"]
+    packages += [name for name in ["ziglang"] if find_spec(name)]
     return {"bogie-braking": __version__, "python": platform.python_version()} | {
         name: version(name) for name in packages
     }

@@ -117,6 +117,24 @@ def test_machine_without_a_c_compiler_builds_with_zig(tmp_path: Path, monkeypatc
     assert kernel["x"] == pytest.approx(0.36787944, abs=1e-7)
 
 
+@pytest.mark.parametrize(
+    ("cc", "target", "sentence"),
+    [
+        ("", None, "There is no C compiler on this machine: install gcc or clang"),
+        ("", "aarch64-linux-gnu", "To compile for aarch64-linux-gnu takes zig, which is not installed"),
+        ("no-such-compiler -m32", None, r"The C compiler no-such-compiler of \$CC is not on this machine"),
+    ],
+)
+def test_where_nothing_compiles_a_sentence_says_what_to_install(
+    cc: str, target: str | None, sentence: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.setenv("CC", cc)
+    monkeypatch.setattr(compiling, "find_spec", lambda _: None)
+    with pytest.raises(compiling.CompilerError, match=rf"{sentence}.*pip install 'bogie-braking\[compiler\]'"):
+        compiling.run(["-c", "nothing.c"], target, tmp_path)
+
+
 def test_refused_c_source_names_the_compiler_and_its_words(tmp_path: Path) -> None:
     with pytest.raises(compiling.CompilerError, match=r"failed:\n.*error"):
         compiling.compile_library({"model.c": "int broken("}, tmp_path / "x")
