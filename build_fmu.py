@@ -1,17 +1,17 @@
-"""Builds the FMUs and validates them with fmpy.
+"""Builds FMUs and validates them with FMPy.
 
-  python build_fmu.py                    all FMUs, native for FMI 2.0 and 3.0 and pythonfmu, into build/, with the
-                                         parameter sets (.ssv) and the systems (.ssp) that they make
+  python build_fmu.py                    all FMUs, native for FMI 2.0 and 3.0 and pythonfmu, into build/, with their
+                                         parameter sets (.ssv) and the systems (.ssp) that connect them
   python build_fmu.py bogie              the bogie only
-  python build_fmu.py ssp                the system BogieBraking.ssp of both native FMUs; those of the braked vehicle
-                                         come with its FMU, `python build_fmu.py braked-vehicle`
+  python build_fmu.py ssp                bogie and brake, native for FMI 2.0, and BogieBraking.ssp, which connects them
+  python build_fmu.py braked-vehicle     the braked vehicle, and the systems that it is part of
   python build_fmu.py --kind native      the native ones for FMI 2.0 only
   python build_fmu.py --platforms all    native FMUs for Linux (x86-64 and ARM), Windows and macOS, compiled with zig
-  python build_fmu.py --controller scenarios/bench/own_controller.py:FixedSlip
-                                         FixedSlip.fmu (pythonfmu): wheel-slide protection by a class of one's own
+  python build_fmu.py --controller mine.py:FixedSlip
+                                         FixedSlip.fmu (pythonfmu): wheel-slide protection by your class FixedSlip
   python build_fmu.py --describe         no FMUs: the table of variables as Markdown
 
-A new FMU is one function that returns a Model, and one line in products/registry.py.
+Exit status: 0, 1 after a failed build or validation, 2 after bad input, 130 when it was interrupted.
 """
 
 import argparse
@@ -20,19 +20,31 @@ from pathlib import Path
 
 from fmu_src.compile import CompilerError
 from fmu_src.model_description import variable_table
+from fmu_src.suggestion import suggestion
 from products.building import KINDS, NATIVE, build_all, build_controller
 from products.parameter_sets import write_sets
 from products.promise import changes
 from products.registry import FMUS, model_of
 from products.systems import build_systems
 
+#: What can be built.
+NAMES = (*FMUS, "ssp", "all")
+
+
+def known(name: str) -> str:
+    """The name of what can be built. Raises ArgumentTypeError."""
+    if name not in NAMES:
+        raise argparse.ArgumentTypeError(f"there is no FMU {name}; {suggestion(name, NAMES)}")
+    return name
+
 
 def main(arguments: list[str] | None = None, program: str | None = None) -> int:
     """Exit status: 0, 1 after a failed build or validation, 2 bad input, 130 interrupted."""
     shape = argparse.RawDescriptionHelpFormatter
-    parser = argparse.ArgumentParser(program, description=__doc__, formatter_class=shape)
+    about = (__doc__ or "").replace("python build_fmu.py", program or "python build_fmu.py")
+    parser = argparse.ArgumentParser(program, description=about, formatter_class=shape)
     add = parser.add_argument
-    add("model", nargs="?", default="all", choices=[*FMUS, "ssp", "all"])
+    add("model", nargs="?", default="all", type=known, metavar="FMU", help=f"{', '.join(NAMES)} (default: all)")
     add("--kind", default="all", choices=[*KINDS, "all"], help="FMI 2.0, FMI 3.0, pythonfmu or all")
     add("--out", type=Path, default=Path("build"), help="folder of the FMUs (default: build)")
     add("--platforms", choices=["own", "all"], default="own", help="of native FMUs (default: own)")

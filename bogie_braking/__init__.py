@@ -1,6 +1,7 @@
 """Brake a railway vehicle in simulation: torque goes in; speed, wheel rotation, slip and lock-up come out.
 
-docs/public.md says what is promised of the names here. What else lies below this package may change.
+The page *In Python, one name* of the documentation says what is promised of the names here. What else lies below this
+package may change.
 """
 
 from importlib import import_module

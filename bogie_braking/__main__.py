@@ -1,29 +1,31 @@
 """The command line of bogie-braking; `python -m bogie_braking` is the same.
 
-  bogie-braking list                                             what there is
-  bogie-braking run qr30-180kpa                                  run one; results/qr30-180kpa/ has table, data, figure
+  bogie-braking list                                             all scenarios, each in a sentence
+  bogie-braking run qr30-180kpa                                  runs one: table, data, figure in results/qr30-180kpa/
   bogie-braking run bogie-heavy-braking --kind python            with the pythonfmu FMUs
   bogie-braking run qr30-180kpa --step 0.0001                    with another macro step
-  bogie-braking run qr30-180kpa --coupling-tolerance 1e-4        macro steps chosen by the error of the coupling
-  bogie-braking run qr30-180kpa --torque-csv measured.csv        with a measured history (time [s], torque [N.m])
+  bogie-braking run qr30-180kpa --coupling-tolerance 1e-4        with macro steps chosen by the error of the coupling
+  bogie-braking run qr30-180kpa --torque-csv measured.csv        with a measured torque (time [s], torque [N.m])
   bogie-braking run contact-geometry --wheel left.csv right.csv --rail 60e1.csv --diameter 920 918
-                                                                 equivalent conicity (EN 15302) of profiles of yours
-  bogie-braking run line-from-file --line mine.csv               a bogie along a line of yours
-  bogie-braking run bogie-lateral --html                         and report.html: charts that zoom, the motion in space
+                                                                 equivalent conicity (EN 15302) of your profiles
+  bogie-braking run line-from-file --line mine.csv               a bogie along your line
+  bogie-braking run bogie-lateral --html                         also report.html: charts that zoom, the motion in space
   bogie-braking report                                           results/index.html: all results on one page
   bogie-braking sweep bogie-heavy-braking --vary friction=0.1:0.3:11 --vary frame_height=0.4,0.8,1.2 --jobs 2
-                                                                 every combination, one table; interrupted, it resumes
+                                                                 every combination in one table; the same command
+                                                                 resumes a sweep that was interrupted
   bogie-braking sweep levels --vary utilisation=0.5:1.3:81 --scheduler tcp://127.0.0.1:8786
                                                                  on a Dask cluster
   bogie-braking live                                             a page that brakes a bogie in any browser
-  bogie-braking run levels --json | jq .rows                     the summary for a program; --quiet: the status alone
-  for name in $(bogie-braking list --quiet); do ...              names alone
-  bogie-braking doctor                                           what is there, what is missing, what to do
-  eval "$(bogie-braking completion bash)"                        completes the command bogie-braking, which is the same
+  bogie-braking build bogie                                      FMUs; build --help says more
+  bogie-braking run levels --json | jq .rows                     the summary for a program
+  for name in $(bogie-braking list --quiet); do ...              the names alone
+  bogie-braking doctor                                           what is installed, what is missing, what to do
+  eval "$(bogie-braking completion bash)"                        completion of this command in a shell
 
-Exit status: 0 all rows hold (sweep: all points are good), 1 a row does not hold (a point failed; doctor: something that
-is needed is missing), 2 bad input, 3 a simulation (the sweep) failed, 130 interrupted (Ctrl-C): finished points of a
-sweep are kept, results as they were; 141 nobody reads what is printed.
+Exit status: 0 all rows hold, or all points of a sweep were run; 1 a row does not hold, a point failed, or doctor misses
+something that is needed; 2 bad input; 3 a simulation or a sweep failed; 130 interrupted with Ctrl-C: earlier results
+and the finished points of a sweep stay; 141 the program that read the output has ended.
 """
 
 from __future__ import annotations
@@ -41,27 +43,28 @@ from fmu_src import __version__
 def add_speech(parser: argparse.ArgumentParser, quiet: str, document: str) -> None:
     group = parser.add_mutually_exclusive_group()
     group.add_argument("--quiet", action="store_true", help=quiet)
-    group.add_argument("--json", action="store_true", help=f"{document} as one JSON document instead")
+    group.add_argument("--json", action="store_true", help=f"{document} as one JSON document")
 
 
-PROFILES = """Equivalent conicity (EN 15302), rolling radii and contact angles of wheels on rails from files: lines of
-y, z in mm, y = 0 of a wheel on its tape circle, 70 mm from the flange's back. One file or diameter is for both sides,
-two are left and right: run contact-geometry --wheel new.csv worn.csv --rail 60e1.csv --diameter 920 918"""
+PROFILES = """Equivalent conicity (EN 15302), rolling radii and contact angles of wheels on rails from files. A line of
+a file is y, z in mm; y = 0 of a wheel is its tape circle, 70 mm from the back of the flange. One file or diameter
+serves both sides; two are left and right: run contact-geometry --wheel new.csv worn.csv --rail 60e1.csv --diameter 920
+918"""
 
 
 def add_profiles(runner: argparse.ArgumentParser) -> None:
-    group = runner.add_argument_group("profiles of yours, for contact-geometry", PROFILES)
+    group = runner.add_argument_group("your profiles, for contact-geometry", PROFILES)
     sides: dict[str, Any] = {"nargs": "+", "action": "extend"}
     group.add_argument("--wheel", type=Path, metavar="FILE", help="profile of both wheels, or left and right", **sides)
     group.add_argument("--rail", type=Path, metavar="FILE", help="profile of both rails, or left and right", **sides)
-    text = "at the tape circle, of both wheels, or left and right (default: 920)"
+    text = "diameter of both wheels at the tape circle, or left and right (default: 920)"
     group.add_argument("--diameter", type=float, metavar="MM", help=text, **sides)
-    text = "lays the rails by their gauge faces, 14 mm below the top (default: y = 0 of their files 1500 mm apart)"
+    text = "gauge, measured 14 mm below the top (default: the y = 0 of both files lie 1500 mm apart)"
     group.add_argument("--gauge", type=float, metavar="MM", help=text)
     group.add_argument(
-        "--flange-back", type=float, metavar="MM", help="between the backs of the flanges (default: 1360)"
+        "--flange-back", type=float, metavar="MM", help="distance between the backs of the flanges (default: 1360)"
     )
-    text = "inclines rails that stand upright in their files by 1:N (default: they lie as in the files)"
+    text = "inclines the rails by 1:N, for files in which they stand upright (default: as in the files)"
     group.add_argument("--inclination", type=float, metavar="N", help=text)
 
 
@@ -74,9 +77,9 @@ def parser_of(asked: str) -> tuple[argparse.ArgumentParser, Any]:
     )
     parser.add_argument("--version", action="version", version=f"bogie-braking {__version__}")
     commands = parser.add_subparsers(dest="command", required=True)
-    add_speech(commands.add_parser("list", help="what there is"), "names alone", "names, summaries and options")
-    commands.add_parser("doctor", help="what is there and what is missing, each with what to do")
-    shell = commands.add_parser("completion", help="a script with which a shell completes the command bogie-braking")
+    add_speech(commands.add_parser("list", help="list all scenarios"), "names alone", "names, summaries and options")
+    commands.add_parser("doctor", help="say what is installed and what is missing, each with what to do")
+    shell = commands.add_parser("completion", help="print a script with which a shell completes this command")
     shell.add_argument("shell", choices=SHELLS)
     runner = commands.add_parser("run", help="run one scenario")
     runner.add_argument("name", help="a name from 'list'")
@@ -84,13 +87,16 @@ def parser_of(asked: str) -> tuple[argparse.ArgumentParser, Any]:
     runner.add_argument("--kind", choices=["native", "python"], help="which FMUs (default: native)")
     runner.add_argument("--step", type=float, metavar="SECONDS", help="macro step (default: 0.001; lock boundary 0.01)")
     runner.add_argument(
-        "--torque-csv", type=Path, metavar="FILE", help="time [s], torque [N.m] of the trailing wheelset"
+        "--torque-csv",
+        type=Path,
+        metavar="FILE",
+        help="torque of the trailing wheelset: time [s], torque [N.m]",
     )
-    text = "error of one step in nominal values; chooses the macro steps"
+    text = "largest error of a macro step, in nominal values; the steps are chosen by it"
     runner.add_argument("--coupling-tolerance", type=float, metavar="ERROR", help=text)
-    runner.add_argument("--all", action="store_true", help="print the rows that are not judged too, in their order")
-    runner.add_argument("--html", action="store_true", help="write report.html too, a page that needs nothing else")
-    text = "line for line-from-file, a table with its head: distance, curvature, cant, gradient and more (docs/line.md)"
+    runner.add_argument("--all", action="store_true", help="also print the rows that are not judged, in their order")
+    runner.add_argument("--html", action="store_true", help="also write report.html, one page that needs no other file")
+    text = "line for line-from-file: a CSV with the columns distance, curvature, cant, gradient, and more if you like"
     runner.add_argument("--line", type=Path, metavar="FILE", help=text)
     add_profiles(runner)
     reporter = commands.add_parser("report", help="join all results into one page")
@@ -105,8 +111,8 @@ def parser_of(asked: str) -> tuple[argparse.ArgumentParser, Any]:
     page = commands.add_parser("live", help="write a page that brakes a bogie, or a coach, in any browser")
     page.add_argument("--out", type=Path, default=Path("results"), help="folder of live.html (default: results)")
     for command in ("run", "sweep"):
-        add_speech(commands.choices[command], "no progress, no table: the exit status tells", "the summary")
-    commands.add_parser("build", help="build FMUs, as build_fmu.py does", add_help=False)
+        add_speech(commands.choices[command], "no progress and no table, only the exit status", "the summary")
+    commands.add_parser("build", help="build FMUs", add_help=False)
     return parser, commands
 
 

@@ -92,7 +92,7 @@ def show(scenario: Scenario, result: Result, folder: Path, whole: bool) -> None:
     print(f"{scenario.name}: {scenario.summary}\n")
     print(table(result.rows) if whole else short_table(result.rows, folder))
     if any(row.holds is False for row in result.rows):
-        print("\nWhat is known not to hold stands with its reason in docs/checking.md, What does not hold.")
+        print("\nThe documentation gives the reasons: page How it is checked, section What does not hold.")
     for remark in result.remarks:
         print(f"\n{remark}")
     print(f"\nPicture: {folder / 'figure.png'}")

@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.optimize import least_squares
 
-from bogie_braking.fmus import known, suggestion
+from bogie_braking.fmus import known
 from bogie_braking.simulation import Simulation
 from fmu_src.cosimulation.recording import Recording
+from fmu_src.suggestion import suggestion
 from products.building import variables_of
 
 if TYPE_CHECKING:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -10,6 +9,7 @@ from fmpy.validation import validate_fmu
 
 from fmu_src.native_fmu import build_native_fmu, build_native_fmu3
 from fmu_src.python_fmu import build_python_fmu
+from fmu_src.suggestion import suggestion
 from fmu_src.system import Model, System, model_of
 from products.building import up_to_date
 from products.registry import FMUS
@@ -32,12 +32,6 @@ def known(name: str, those: Iterable[str] = tuple(FMUS), what: str = "FMU") -> s
     if name not in those:
         raise KeyError(f"There is no {what} {name}; {suggestion(name, those)}")
     return name
-
-
-def suggestion(name: str, those: Iterable[str]) -> str:
-    """The end of a sentence on a name that there is not."""
-    near = difflib.get_close_matches(name, list(those), 1)
-    return f"did you mean {near[0]}?" if near else f"there are {', '.join(those)}."
 
 
 def write_fmu(model: Model | System, path: str | Path, kind: str = "native") -> Path:

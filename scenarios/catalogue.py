@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import difflib
-
+from fmu_src.suggestion import suggestion
 from scenarios.brakes import anti_skid, brake_timing, controller_prototype, uneven_brakes
 from scenarios.contact import contact_depth, contact_manchester, creep_laws, flange_climb
 from scenarios.coupling import coupling_step
@@ -93,6 +92,5 @@ def find(name: str) -> Scenario:
     by_name = {scenario.name: scenario for scenario in SCENARIOS}
     if name in by_name:
         return by_name[name]
-    near = difflib.get_close_matches(name, by_name, 1)
-    advice = f"did you mean {near[0]}?" if near else "'python -m bogie_braking list' shows what there is."
-    raise BadInputError(f"There is no scenario {name}; {advice}")
+    shown = "'bogie-braking list' shows what there is."
+    raise BadInputError(f"There is no scenario {name}; {suggestion(name, by_name, shown)}")

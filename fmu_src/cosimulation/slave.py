@@ -13,6 +13,7 @@ from fmpy import extract, read_model_description
 from fmpy.fmi1 import FMICallException
 
 from fmu_src.cosimulation.faces import EndedError, face_of
+from fmu_src.suggestion import suggestion
 
 #: What a variable may be set to; a sequence where it is an array, row by row.
 Value = float | str | Sequence[float]
@@ -155,7 +156,7 @@ class Slave:
 
     def _reference(self, name: str) -> tuple[int, str]:
         if name not in self._variables:
-            raise CosimulationError(f"{self.name} has no variable {name}; it has {', '.join(self._variables)}.")
+            raise CosimulationError(f"{self.name} has no variable {name}; {suggestion(name, self._variables)}")
         return self._variables[name]
 
     def _call(self, function: Callable, *arguments: object, **named: object):  # type: ignore[no-untyped-def]

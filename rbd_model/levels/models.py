@@ -131,7 +131,7 @@ def smallest_level(driven: Iterable[str], read: Iterable[str]) -> Choice:
     for name in needed:
         if name not in set().union(*names.values()):
             asked = "" if name == beyond[0] else f", which {beyond[0]} asks for,"
-            raise ValueError(f"VehicleDynamics{asked} has no variable {name}; build_fmu.py --describe lists them.")
+            raise ValueError(f"VehicleDynamics{asked} has no variable {name}; bogie-braking build --describe has all.")
     reason = (
         "speed and rotation far from the adhesion limit need no more than static loads "
         f"(up to {STATIC_LOADS_UP_TO} of it for the bogie of chapter 5)."

@@ -20,6 +20,7 @@ from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel, KernelError
 from products.building import units_of
 from rbd_model.track.line import (
+    COLUMNS,
     ERRI_LOW,
     GAUGE,
     Line,
@@ -53,7 +54,7 @@ SHORTEST, LEFT_OVER = 50.0, 5.0
 BAND = 1e-3
 SIDES = ("left", "right")
 QUIET_RUN = "Nothing that the kernel tells of: no wheel was lifted, none climbed."
-COLUMNS = (
+RECORDED = (
     *("distance", "speed", "lateral_1", "lateral_2", "guiding_force_1", "guiding_force_2"),
     *(f"wheel_load_{number}_{side}" for number in (1, 2) for side in SIDES),
     *(f"derailment_quotient_1_{side}" for side in SIDES),
@@ -81,7 +82,8 @@ def bogie_on(path: Path | None) -> tuple[Kernel, Line]:
         kernel = prepare("bogie", level=3.0, line_file=str(path))
         line = read_line(path)
     except (KernelError, OSError, ValueError) as error:
-        raise BadInputError(f"{error} The columns of a line are in docs/line.md.") from error
+        columns = f"The columns of a line are {', '.join(COLUMNS)}; the first four must be there."
+        raise BadInputError(f"{error} {columns}") from error
     reaches = float(line.rows["distance"][-1])
     if reaches < SHORTEST:
         raise BadInputError(f"{path} ends at {reaches:g} m; give a line from 0 to {SHORTEST:g} m at least.")
@@ -97,7 +99,7 @@ def speed_on(line: Line) -> float:
     return min(SPEED, math.sqrt(np.min(allowed, initial=SPEED**2)))
 
 
-def drive(kernel: Kernel, line: Line, speed: float, columns: Sequence[str] = COLUMNS) -> Recording:
+def drive(kernel: Kernel, line: Line, speed: float, columns: Sequence[str] = RECORDED) -> Recording:
     """To the end of the line, or of the run."""
     way = float(line.rows["distance"][-1]) - LEFT_OVER
     interval = max(PITCH, way / MOST_ROWS) / speed

@@ -166,7 +166,7 @@ def run(options: Options) -> Result:
                 series.add_from(f"{name}, scene {number}, {word}", one, name)
     remark = (
         "The oracle has exact contact ellipses and Kalker's table with straight lines between its entries. With the "
-        "fast model's polynomials in their place the two agree to 1e-9 in accelerations and forces (tests/thesis)."
+        "fast model's polynomials in their place the two agree to 1e-9 in accelerations and forces, as the tests show."
     )
     seconds = sum(scene.duration for scene in SCENES)
     return Result(rows, series, lambda: draw(outcomes), {"step": STEP, "tolerance": TOLERANCE}, seconds, [remark])

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from itertools import product
 
+from fmu_src.suggestion import suggestion
 from scenarios.scenario import BadInputError
 
 #: Values of each varied parameter, in the order of the command line.
@@ -26,9 +26,7 @@ def grid_of(texts: Sequence[str], parameters: Mapping[str, str], scenario: str) 
         if not (name and equals):
             raise BadInputError(f"--vary {text} cannot be read; {FORMS}.")
         if name not in parameters:
-            near = difflib.get_close_matches(name, parameters, 1)
-            advice = f"did you mean {near[0]}?" if near else f"it has {', '.join(parameters)}."
-            raise BadInputError(f"{scenario} has no parameter {name} to vary; {advice}")
+            raise BadInputError(f"{scenario} has no parameter {name} to vary; {suggestion(name, parameters)}")
         if name in grid:
             raise BadInputError(f"Vary {name} once: --vary {text} is the second.")
         grid[name] = values_of(text, values)

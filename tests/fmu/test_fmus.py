@@ -210,6 +210,7 @@ def test_saved_state_of_the_native_fmu_is_bit_identical(fmus: dict) -> None:
         (lambda b: b.step(0.0, math.nan), "Give a step size above 0 s"),
         (lambda b: b.step(7.0, 0.1), "Step from t = 0 s"),
         (lambda b: b["nothing"], "has no variable nothing"),
+        (lambda b: b["sped"], "has no variable sped; did you mean speed?"),
     ],
 )
 @pytest.mark.parametrize("kind", KINDS)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
 import json
+import re
 import shutil
 import subprocess
 import sys
@@ -58,6 +60,25 @@ def test_json_is_the_summary_and_nothing_else(tmp_path: Path, capfd: pytest.Capt
 def test_a_refusal_is_said_also_where_quiet_is_asked_for(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["run", "critical-spee", "--quiet"]) == 2
     assert capsys.readouterr().err == "There is no scenario critical-spee; did you mean critical-speed?\n"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["build", "bogey"], "there is no FMU bogey; did you mean bogie?"),
+        (["build", "--help"], "  bogie-braking build --kind native "),
+        (["run", "line-from-file", "--line", "nothing.csv"], "The columns of a line are distance, curvature, cant"),
+    ],
+)
+def test_what_is_said_is_right_without_the_sources(
+    arguments: list[str], sentence: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """No file of a checkout is named."""
+    with contextlib.suppress(SystemExit):
+        main(arguments)
+    shown = "".join(capsys.readouterr())
+    assert sentence in shown
+    assert not re.search(r"build_fmu\.py|docs/|tests/|\bmake ", shown)
 
 
 def test_list_for_programs(capsys: pytest.CaptureFixture[str]) -> None:
