@@ -14,13 +14,13 @@ from scenarios.scenario import Scenario
 PAGE = DOCS / "scenarios.md"
 HEAD = """# Scenarios
 
-Written by `docs/generate/catalogue.py` from `scenarios/catalogue.py`. `python -m bogie_braking run NAME` runs one,
-prints a table of what is expected (the thesis, a closed form, another method) against what was simulated, and leaves
-`summary.json`, `timeseries.csv` and `figure.png` in `results/NAME/`. The exit status is 1 when a row does not hold;
-[which do not](checking.md#what-does-not-hold) is known. Options, sweeps and macro steps: [running
-scenarios](running.md). What the pictures of `speed-accuracy`, `stability-atlas`, `coupling-step`, `levels` and
-`levels-in-curves` say: [choosing](choosing.md); that of `sensitivity`: [fitted](fitted.md). In the site that `make
-docs` builds each has a page with its picture and its table.
+`docs/generate/catalogue.py` writes this page from `scenarios/catalogue.py`. `python -m bogie_braking run NAME` runs a
+scenario. It prints a table of what is expected (the thesis, a closed form, another method) beside what was simulated, and
+writes `summary.json`, `timeseries.csv` and `figure.png` into `results/NAME/`. The exit status is 1 if a row does not hold;
+[these rows are known](checking.md#what-does-not-hold). [Running scenarios](running.md) explains options, sweeps and macro
+steps. [Choosing](choosing.md) explains the pictures of `speed-accuracy`, `stability-atlas`, `coupling-step`, `levels` and
+`levels-in-curves`, and [fitted](fitted.md) that of `sensitivity`. In the site that `make docs` builds, each scenario has a
+page with its picture and its table.
 """
 
 
