@@ -26,7 +26,8 @@ def grid_of(texts: Sequence[str], parameters: Mapping[str, str], scenario: str) 
         if not (name and equals):
             raise BadInputError(f"--vary {text} cannot be read; {FORMS}.")
         if name not in parameters:
-            raise BadInputError(f"{scenario} has no parameter {name} to vary; {suggestion(name, parameters)}")
+            advice = suggestion(name, parameters, f"it has {', '.join(parameters)}.")
+            raise BadInputError(f"{scenario} has no parameter {name} to vary; {advice}")
         if name in grid:
             raise BadInputError(f"Vary {name} once: --vary {text} is the second.")
         grid[name] = values_of(text, values)
