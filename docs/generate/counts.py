@@ -14,10 +14,8 @@ from typing import Any
 from pages import DOCS, ROOT, write_or_check
 
 PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted(DOCS.glob("*.md"))]
-STATES, LINES = "tests/thesis/test_against_kernel.py", "tests/thesis/test_on_line.py"
+STATES = "tests/thesis/test_against_kernel.py"
 CALLS, STEPS = "tests/fmu/test_native_runtime.py", "tests/fmu/test_edges.py"
-#: Vehicles whose states are drawn on lines: a wheelset, and a bogie.
-ON_LINES = 2
 #: What is small, and the scenario that measured by how much [%].
 SLIP = "planar: largest error of peak slip of the trailing wheelset, no lock-up"
 #: A number in the text, its thousands parted.
@@ -48,7 +46,6 @@ def slip_that_is_missing() -> float:
 #: The words behind a number, and its value.
 PHRASES = {
     "random states on straight track": sum(constant(STATES, "STATES").values()),
-    "random states on lines": ON_LINES * constant(LINES, "STATES"),
     "random FMI calls": constant(CALLS, "SEEDS") * constant(CALLS, "CALLS"),
     "random calls of FMI 3.0": constant(STEPS, "SEEDS") * constant(STEPS, "STEPS"),
     "% small": round(slip_that_is_missing()),
