@@ -11,11 +11,15 @@ from fmu_src import __name__ as _place_of_a_room
 from fmu_src import __version__ as __version__
 
 if TYPE_CHECKING:
+    from bogie_braking import parts as parts
     from bogie_braking.fitting import Fit as Fit
     from bogie_braking.fitting import fit as fit
     from bogie_braking.fitting import measured_from as measured_from
     from bogie_braking.fmus import fmu as fmu
     from bogie_braking.fmus import write_fmu as write_fmu
+    from bogie_braking.machines import vehicle as vehicle
+    from bogie_braking.protection import protected_stop as protected_stop
+    from bogie_braking.protection import protected_stops as protected_stops
     from bogie_braking.simulation import Simulation as Simulation
     from bogie_braking.simulation import run as run
     from bogie_braking.sweeping import sweep as sweep
@@ -36,8 +40,11 @@ if TYPE_CHECKING:
 
 #: Where each public name lives; it is imported when it is first asked for.
 _HOMES = {
+    "bogie_braking": ("parts",),
     "bogie_braking.fitting": ("Fit", "fit", "measured_from"),
     "bogie_braking.fmus": ("fmu", "write_fmu"),
+    "bogie_braking.machines": ("vehicle",),
+    "bogie_braking.protection": ("protected_stop", "protected_stops"),
     "bogie_braking.simulation": ("Simulation", "run"),
     "bogie_braking.sweeping": ("sweep",),
     "fmu_src.cosimulation.master": ("Connection", "couple"),
@@ -56,8 +63,14 @@ __all__ = ["__version__", *_HOME]
 def __getattr__(name: str) -> Any:
     """A public name, with what it needs. Raises AttributeError."""
     if name not in _HOME:
-        raise AttributeError(f"bogie_braking has no public name {name}; it has {', '.join(__all__)}.")
+        from difflib import get_close_matches
+
+        near = get_close_matches(name, __all__, 1)
+        there = f"did you mean {near[0]}?" if near else f"it has {', '.join(__all__)}."
+        raise AttributeError(f"bogie_braking has no public name {name}; {there}")
     home = _HOME[name]
+    if home == __name__:
+        return import_module(f"{home}.{name}")
     return getattr(import_module(home if home.startswith(__name__) else _BELOW + home), name)
 
 

@@ -41,6 +41,7 @@ from fmu_src import __version__
 
 
 def add_speech(parser: argparse.ArgumentParser, quiet: str, document: str) -> None:
+    """Gives a command its two ways of printing less: --quiet and --json, with what is said of them."""
     group = parser.add_mutually_exclusive_group()
     group.add_argument("--quiet", action="store_true", help=quiet)
     group.add_argument("--json", action="store_true", help=f"{document} as one JSON document")
@@ -53,6 +54,7 @@ serves both sides; two are left and right: run contact-geometry --wheel new.csv 
 
 
 def add_profiles(runner: argparse.ArgumentParser) -> None:
+    """Gives `run` the options of contact-geometry, in a group of their own."""
     group = runner.add_argument_group("your profiles, for contact-geometry", PROFILES)
     sides: dict[str, Any] = {"nargs": "+", "action": "extend"}
     group.add_argument("--wheel", type=Path, metavar="FILE", help="profile of both wheels, or left and right", **sides)

@@ -32,6 +32,7 @@ LARGEST_STEP = 0.1
 
 
 def check(scenario: Scenario, options: Options) -> None:
+    """Raises BadInputError for an option that cannot be, or that a scenario does not take."""
     step = options.macro_step()
     if not (math.isfinite(step) and 0.0 < step <= LARGEST_STEP):
         raise BadInputError(f"Give --step a value above 0 and up to {LARGEST_STEP} s: it was {step} s.")
@@ -44,6 +45,7 @@ def check(scenario: Scenario, options: Options) -> None:
 
 
 def run(chosen: argparse.Namespace) -> int:
+    """Runs a scenario, keeps what it found and shows it; whether it holds, as an exit status. Raises BadInputError."""
     scenario, out = find(chosen.name), chosen.out
     options = Options(**{item.name: getattr(chosen, item.name) for item in fields(Options)})
     check(scenario, options)
@@ -89,6 +91,7 @@ def last_time(folder: Path) -> float | None:
 
 
 def show(scenario: Scenario, result: Result, folder: Path, whole: bool) -> None:
+    """Prints the table of a scenario, `whole` or what is judged alone, its remarks, and where its results lie."""
     print(f"{scenario.name}: {scenario.summary}\n")
     print(table(result.rows) if whole else short_table(result.rows, folder))
     if any(row.holds is False for row in result.rows):
@@ -113,6 +116,7 @@ def index(out: Path) -> int:
 
 
 def show_list(chosen: argparse.Namespace) -> int:
+    """Prints all scenarios, as text, as names alone or as JSON."""
     width = max(len(scenario.name) for scenario in SCENARIOS)
     if chosen.json:
         about = [{"name": one.name, "summary": one.summary, "options": sorted(one.takes)} for one in SCENARIOS]
@@ -124,6 +128,7 @@ def show_list(chosen: argparse.Namespace) -> int:
 
 
 def show_completion(parser: argparse.ArgumentParser, commands: Any, shell: str) -> int:
+    """Prints the script with which a shell completes the command line."""
     names = {"run": [one.name for one in SCENARIOS], "sweep": [one.name for one in SCENARIOS if one.sweep]}
     print(completion(parser, commands.choices, names, shell))
     return HOLDS

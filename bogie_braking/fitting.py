@@ -12,11 +12,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.optimize import least_squares
 
-from bogie_braking.fmus import known
+from bogie_braking.checks import known, line_or_none, number
+from bogie_braking.histories import Value
+from bogie_braking.machines import Machine, Runnable, machine_of, model_from
 from bogie_braking.simulation import Simulation
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.suggestion import suggestion
-from products.building import variables_of
+from fmu_src.system import System
+from rbd_model.track.line import Line
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -82,13 +85,13 @@ def measured_from(path: str | Path) -> Recording:
     if not heads or None in heads or heads[0][1] != "time":  # type: ignore[index]
         raise ValueError(f"{path}: give the first line names with units, time first, such as: time [s],speed [m/s]")
     rows = []
-    for number, line in enumerate(lines[1:], 2):
+    for place, line in enumerate(lines[1:], 2):
         try:
             row = [float(one) for one in line]
         except ValueError:
             row = []
         if len(row) != len(heads) or not np.all(np.isfinite(row)):
-            raise ValueError(f"{path}, line {number}: give {len(heads)} finite numbers; there is {','.join(line)!r}.")
+            raise ValueError(f"{path}, line {place}: give {len(heads)} finite numbers; there is {','.join(line)!r}.")
         rows.append(row)
     times = np.array([row[0] for row in rows])
     if times.size < 2 or np.any(np.diff(times) <= 0.0):
@@ -96,33 +99,39 @@ def measured_from(path: str | Path) -> Recording:
     return Recording({head[1]: head[2] for head in heads if head}, rows)
 
 
-def fit(name: str, measured: Recording | str | Path, parameters: Mapping[str, float], **values: float | str) -> Fit:
-    """Fits parameters of a run of the FMU `name` to what was measured, by SciPy's least squares.
+def fit(
+    what: Runnable,
+    measured: Recording | str | Path,
+    parameters: Mapping[str, float],
+    line: Line | None = None,
+    **values: Value,
+) -> Fit:
+    """Fits parameters of a run to what was measured, by SciPy's least squares.
 
-    measured: a table, or the CSV file of one, whose columns are outputs over time from the start on. parameters: their
-    names and values to begin with, not 0. values: all else, as `run` takes it. Each column counts by the spread of its
-    own values. Standard errors are those of independent errors of equal size in each column, to first order. Raises
-    ValueError for what is no table or has fewer rows than parameters, KernelError for what the FMU refuses.
+    what, line, values: as `run` takes them. measured: a table, or the CSV file of one, whose columns are time [s], from
+    the start of the run on, and variables in their units: outputs that the run is to meet, and inputs that it is given.
+    parameters: their names and values to begin with, not 0, for they are changed by shares of themselves. Each output
+    counts by the spread of its own values.
+    Standard errors are those of independent errors of equal size in each column, to first order. Raises ValueError for
+    what is no table, has other units or has fewer rows than parameters, KeyError for a name that there is not,
+    KernelError for what a run refuses.
     """
     table = measured if isinstance(measured, Recording) else measured_from(measured)
-    names, times = table.names[1:], table["time"]
-    begin = np.array(list(parameters.values()), float)
-    every = variables_of(known(name))
-    able = {one.name for one in every.values() if one.causality == "parameter"}
-    for unknown in (one for one in parameters if one not in able):
-        raise ValueError(f"{name} has no parameter {unknown}; {suggestion(unknown, sorted(able))}")
-    if np.any(begin == 0.0):
-        raise ValueError("Begin each parameter with a value that is not 0: it is changed by shares of it.")
+    machine = machine_of(what, values, line_or_none(line) is not None)
+    what = model_from(what) if isinstance(what, System) else what
+    begin = begin_of(parameters, machine)
+    names, driven, times = *parted(table, machine), table["time"]
+    inputs: dict[str, Value] = {name: (times, table[name]) for name in driven}
     if times.size * len(names) <= begin.size:
         raise ValueError(f"{times.size * len(names)} measured values do not decide on {begin.size} parameters.")
     sizes = np.array([np.ptp(table[one]) or 1.0 for one in names])
     wanted = np.column_stack([table[one] for one in names]) / sizes
 
     def answer(share: np.ndarray) -> np.ndarray:
-        given = dict(values) | dict(zip(parameters, (share * begin).tolist(), strict=True))
-        return at_times(name, names, times, given) / sizes
+        given = values | inputs | dict(zip(parameters, (share * begin).tolist(), strict=True))
+        return at_times(Simulation(what, line, **given), names, times) / sizes
 
-    limits = np.array([[every[one].minimum, every[one].maximum] for one in parameters])
+    limits = np.array([[machine.variables[one].minimum, machine.variables[one].maximum] for one in parameters])
     bounds = np.sort(limits / begin[:, None]).T
     found = least_squares(
         lambda share: (answer(share) - wanted).ravel(), np.ones_like(begin), bounds=bounds, diff_step=STEP
@@ -135,14 +144,42 @@ def fit(name: str, measured: Recording | str | Path, parameters: Mapping[str, fl
         together,
         dict(zip(names, np.sqrt(np.mean(off**2, axis=0)).tolist(), strict=True)),
         table,
-        Recording(table.units, np.column_stack([times, off + wanted * sizes]).tolist()),
+        Recording({one: table.units[one] for one in ("time", *names)}, np.c_[times, off + wanted * sizes].tolist()),
     )
 
 
-def at_times(name: str, names: Sequence[str], times: np.ndarray, values: Mapping[str, float | str]) -> np.ndarray:
+def begin_of(parameters: Mapping[str, float], machine: Machine) -> np.ndarray:
+    """Values that parameters begin with, shape (parameters,). Raises ValueError for one that cannot be fitted."""
+    if not isinstance(parameters, Mapping) or not parameters:
+        raise ValueError(f"Give the parameters with values to begin with, by their names: it was {parameters!r}.")
+    able = [one.name for one in machine.variables.values() if one.causality == "parameter"]
+    for name, value in parameters.items():
+        if name not in able:
+            raise ValueError(f"{machine.name} has no parameter {name}; {suggestion(name, able)}")
+        one = machine.variables[name]
+        if not one.minimum < number(value) < one.maximum or value == 0.0:
+            between = f"between {one.minimum:g} and {one.maximum:g} {one.unit}"
+            raise ValueError(f"Begin {name} with a value {between} that is not 0: it was {value!r}.")
+    return np.array(list(parameters.values()), float)
+
+
+def parted(table: Recording, machine: Machine) -> tuple[list[str], list[str]]:
+    """Outputs and inputs among what was measured. Raises KeyError for other names, ValueError for another unit."""
+    if table.names[0] != "time" or np.any(np.diff(table["time"]) <= 0.0) or table["time"][0] < 0.0:
+        raise ValueError("Let the first column of what was measured be time [s], from 0 s on and growing.")
+    for name in table.names[1:]:
+        unit = machine.variables[known(name, machine.variables, "variable")].unit
+        if table.units[name] != unit:
+            raise ValueError(f"Give {name} in {unit}: what was measured has it in {table.units[name]}.")
+    driven = [name for name in table.names[1:] if machine.variables[name].causality == "input"]
+    names = [name for name in table.names[1:] if name not in driven]
+    if not names:
+        raise ValueError("Give what was measured at least one output, which the run is to meet.")
+    return names, driven
+
+
+def at_times(simulation: Simulation, names: Sequence[str], times: np.ndarray) -> np.ndarray:
     """Outputs of a run at instants [s], shape (instants, names); where it ended before, as it ended."""
-    simulation = Simulation(name)
-    simulation.set(**dict(values))
     step = max(float(np.min(np.diff(times))), float(times[-1]) / MOST_ROWS)
     series = simulation.advance(float(times[-1]) + step, names, step)
     return np.column_stack([np.interp(times, series["time"], series[one]) for one in names])

@@ -1,54 +1,57 @@
-"""Runs of the vehicles and brakes that there are, in this process, by the kernels inside their FMUs."""
+"""Runs of vehicles and brakes in this process, by the kernels inside their FMUs."""
 
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Sequence
-from functools import lru_cache
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+from numbers import Real
 from pathlib import Path
 
-from bogie_braking.fmus import known
-from fmu_src.compile import build_library
+import numpy as np
+
+from bogie_braking.checks import line_or_none, names_of, refused, seconds
+from bogie_braking.histories import History, Value
+from bogie_braking.machines import Runnable, machine_of
 from fmu_src.cosimulation.recording import Recording
-from fmu_src.kernel import Kernel, Library
-from fmu_src.system import Model
-from products.building import kernel_of, variables_of
-from products.registry import ONE_WRITES
+from fmu_src.kernel import Kernel
 from rbd_model.track.line import Line
 
 #: Columns of a recording are this far apart unless another interval is asked for [s].
 INTERVAL = 0.01
-
-
-@lru_cache
-def library_of(name: str | Model) -> Library:
-    """The compiled equations of an FMU, or of a model of one's own, loaded once."""
-    if isinstance(name, Model):
-        with ONE_WRITES:
-            return Library(build_library(name))
-    return Library(kernel_of(known(name)))
+#: Values that differ by so small a share of them are the same, and instants so near to each other [s]; and a share that
+#: rounding may take.
+SAME, CLOCK = 1e-9, 1e-9
+LAST_DIGITS = 1e-15
 
 
 class Simulation:
     """One vehicle or brake on its way through time.
 
-    name: as `fmu` has it, or a model of one's own. line: what it runs on; None: straight, level track. values:
-    parameters and first inputs, by name and in SI units. Raises KeyError for another name, KernelError with a sentence
-    for a value that cannot be.
+    what: an FMU by its name, a vehicle, a system or a model of one's own; of a vehicle the equations of one level of
+    detail are compiled, that which the values `level` and `contact_depth` choose. line: what it runs on; None:
+    straight, level track. values: parameters and inputs by name, in SI units; an input may be a function of time [s],
+    or a pair of columns, times [s] and values, between whose rows it is linear. Raises KeyError for another name,
+    TypeError for what cannot be run, KernelError for a value that cannot be, each with a sentence.
 
-    >>> stop = Simulation("bogie", initial_speed=25.0, brake_torque_1=20e3)
+    >>> stop = Simulation("bogie", initial_speed=25.0, brake_torque_1=([0.0, 2.0], [0.0, 20e3]))
     >>> stop.advance(5.0).status
     """
 
-    def __init__(self, name: str | Model, line: Line | None = None, **values: float | str) -> None:
-        self._variables = (
-            {one.name: one for one in name.variables} if isinstance(name, Model) else variables_of(known(name))
-        )
-        self._kernel = Kernel(library_of(name))
+    def __init__(self, what: Runnable, line: Line | None = None, **values: Value) -> None:
+        line = line_or_none(line)
+        self._machine = machine_of(what, values, line is not None)
+        self._kernel = Kernel(self._machine.library)
+        self._histories: dict[str, History] = {}
         if line is not None:
-            with tempfile.TemporaryDirectory() as folder:  # a kernel reads a line once and keeps it
-                self._kernel.set(line_file=str(line.write(Path(folder) / "line.csv")))
-        self._kernel.set(**values)
+            self._lay(line)
+        self._take(values)
+
+    def _lay(self, line: Line) -> None:
+        if not any(one.name == "line_file" for one in self._machine.variables.values()):
+            raise refused(f"{self._machine.name} runs on no line; leave the line out.")
+        with tempfile.TemporaryDirectory() as folder:  # a kernel reads a line once and keeps it
+            self._kernel.set(line_file=str(line.write(Path(folder) / "line.csv")))
 
     @property
     def time(self) -> float:
@@ -64,25 +67,86 @@ class Simulation:
         """Value of a variable. Raises KernelError."""
         return self._kernel[name]
 
-    def set(self, **values: float | str) -> None:
-        """Sets inputs, before the first step parameters too. Raises KernelError, the old value kept."""
-        self._kernel.set(**values)
+    def set(self, **values: Value) -> None:
+        """Sets inputs, before the first step parameters too, as at the start. Raises KernelError, the old value kept.
+
+        An input over time counts its time from the start of the run.
+        """
+        for name in self._machine.fixed & values.keys():
+            raise refused(f"{name} chose the equations of {self._machine.name}; give it as the simulation is made.")
+        self._take(values)
+
+    def _take(self, values: Mapping[str, Value]) -> None:
+        for name, value in values.items():
+            if name not in self._machine.variables:
+                raise refused(f"There is no variable {name}; {suggestion(name, self._machine.variables)}")
+            if isinstance(value, Real | str):
+                self._kernel.set(**{name: value if isinstance(value, str) else float(value)})
+                self._histories.pop(name, None)
+            else:
+                history = History(self._machine.variables[name], value)
+                self._kernel.set(**{name: history.at(self.time)})
+                self._histories[name] = history
 
     def advance(self, duration: float, names: Sequence[str] | None = None, interval: float = INTERVAL) -> Recording:
         """Goes on for a duration [s] and records outputs, or the variables `names`, every `interval` [s].
 
-        Neither changes the steps. A run that ends early keeps what came before, and its status says why. Raises
-        KernelError.
+        Neither changes the motion beyond its tolerance. A run that ends early keeps what came before, and its status
+        says why. Columns have shape (int(duration / interval) + 1,), the instants at both ends among them. Raises
+        ValueError for a duration or interval that is not above 0, KeyError for a name that there is not, KernelError.
         """
-        every, asked = self._variables, list(names or ())
-        if names is None:
-            asked = [one.name for one in every.values() if one.causality == "output"]
-        heard, before = len(self._kernel.journal), self._kernel.counts if self._kernel.initialised else {}
-        table = self._kernel.record(duration, interval, asked)
-        units = {"time": "s"} | {name: every[name].unit for name in asked}
-        counts = {name: count - before.get(name, 0) for name, count in self._kernel.counts.items()}
-        rows = list(zip(*(table[name] for name in units), strict=True))
-        return Recording(units, rows, self._kernel.journal[heard:], counts)
+        duration, interval = seconds("the duration", duration), seconds("the interval", interval)
+        variables, kernel = self._machine.variables, self._kernel
+        asked = names_of(names, variables)
+        heard, before = len(kernel.journal), kernel.counts if kernel.initialised else {}
+        rows = self._rows(duration, interval, asked)
+        units = {"time": "s"} | {name: variables[name].unit for name in asked}
+        counts = {name: count - before.get(name, 0) for name, count in kernel.counts.items()}
+        return Recording(units, rows, kernel.journal[heard:], counts)
+
+    def _rows(self, duration: float, interval: float, names: Sequence[str]) -> list[list[float]]:
+        """Time and variables every interval from here on, straight line by straight line of the inputs over time."""
+        if not self._kernel.initialised:
+            self._kernel.initialise()
+        begin = self.time
+        corners = {one for history in self._histories.values() for one in history.corners(begin, begin + duration)}
+        rows: list[list[float]] = []
+        if not corners:
+            rows = self._go(begin, begin + duration, duration, interval, names)
+        for first, last in pairwise([begin, *sorted(corners), begin + duration] if corners else []):
+            due = begin + len(rows) * interval
+            middle = first if on_grid(due - first, interval) else min(due, last)
+            for start, stop in ((first, middle), (middle, last)):
+                if stop - start > CLOCK and not self.ended:
+                    rows += self._piece(start, stop, begin + len(rows) * interval, interval, names)
+        times = begin + interval * np.arange(len(rows))
+        return [[time, *row] for time, row in zip(times.tolist(), rows, strict=True)]
+
+    def _piece(self, start: float, stop: float, due: float, interval: float, names: Sequence[str]) -> list[list[float]]:
+        """Goes from one instant to another [s]; the variables from `due` on, the next instant to be recorded."""
+        size = stop - start
+        if on_grid(due - start, interval):
+            return self._go(start, stop, size, interval, names)[round((due - start) / interval) :]
+        ends = self._go(start, stop, size, size, names)
+        return ends[1:] if abs(due - stop) <= CLOCK else []
+
+    def _go(self, first: float, last: float, size: float, interval: float, names: Sequence[str]) -> list[list[float]]:
+        """From one instant to another [s], inputs on straight lines; the variables every interval."""
+        for name, history in self._histories.items():
+            one, value, aim = history.variable, self[name], history.at(first)
+            if abs(value - aim) > SAME * max(abs(value), abs(aim)):
+                self._kernel.set(**{name: aim})
+                value = aim
+            rate = 0.0 if history.steps else (history.at(last, after=False) - value) / size
+            if not one.minimum <= value + size * rate <= one.maximum:  # by the last digit
+                rate *= 1.0 - SAME
+            if rate != 0.0:
+                self._kernel.set_rate(**{name: rate})
+        count = round(size / interval)
+        if count * interval > size and on_grid(size, interval):  # the last row is not lost by the last digit
+            interval = size / count * (1.0 - LAST_DIGITS)
+        table = self._kernel.record(size, interval, names)
+        return [list(row) for row in zip(*(table[name] for name in names), strict=True)]
 
     def save(self) -> bytes:
         """The complete state, to be kept in a file or sent elsewhere."""
@@ -93,13 +157,18 @@ class Simulation:
         self._kernel.restore(state)
 
 
+def on_grid(distance: float, interval: float) -> bool:
+    """Whether a distance in time is a whole number of intervals [s]."""
+    return abs(distance - round(distance / interval) * interval) <= CLOCK
+
+
 def run(
-    name: str | Model,
+    what: Runnable,
     duration: float,
     line: Line | None = None,
     names: Sequence[str] | None = None,
     interval: float = INTERVAL,
-    **values: float | str,
+    **values: Value,
 ) -> Recording:
-    """One run from its start: `Simulation` and `Simulation.advance`."""
-    return Simulation(name, line, **values).advance(duration, names, interval)
+    """One run from its start over a duration [s]: `Simulation` and `Simulation.advance`, which say what they take."""
+    return Simulation(what, line, **values).advance(duration, names, interval)

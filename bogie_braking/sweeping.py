@@ -9,54 +9,78 @@ from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import nullcontext
 from functools import partial
 
+import numpy as np
 from tqdm import tqdm
 
-from bogie_braking.fmus import known
+from bogie_braking.checks import known, line_or_none, names_of, seconds
+from bogie_braking.histories import Column, Value
+from bogie_braking.machines import Runnable, machine_of, model_from
 from bogie_braking.simulation import Simulation
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import KernelError
 from fmu_src.progress import PATIENCE
-from products.building import variables_of
+from fmu_src.system import Model, System
+from rbd_model.track.line import Line
 
 
 def end_of(
-    name: str, duration: float, names: Sequence[str], values: Mapping[str, float | str]
+    what: Runnable, duration: float, line: Line | None, names: Sequence[str], values: Mapping[str, Value]
 ) -> tuple[list[float], str]:
     """Values of `names` at the end of one run, and what it said; NaN, and why, where it could not be made."""
     try:
-        one = Simulation(name)
-        one.set(**dict(values))
+        one = Simulation(what, line, **values)
         found = one.advance(duration, names, duration)
-    except KernelError as error:
+        return [one[asked] for asked in names], found.status
+    except (KernelError, ValueError) as error:
         return [math.nan] * len(names), str(error)
-    return [one[asked] for asked in names], found.status
 
 
 def sweep(
-    name: str,
+    what: Runnable,
     duration: float,
     names: Sequence[str],
-    vary: Mapping[str, Sequence[float]],
+    vary: Mapping[str, Column],
     executor: Executor | None = None,
-    **values: float | str,
+    line: Line | None = None,
+    **values: Value,
 ) -> Recording:
     """Runs as `run` makes them, one for each row of the equally long columns of `vary`: a row for each.
 
-    Columns are the row's number, what is varied, and the variables `names` after the duration [s], or as a run ended
-    before. The sentence of a row is what its run said. A run that is refused has NaN there, and its sentence says why.
-    executor: what runs them, such as `dask.distributed.Client(...).get_executor()`; by default a thread for each
-    processor, as the equations leave Python's lock. Raises KeyError for a name that there is not, ValueError where
-    columns differ in length.
+    Columns have shape (rows,): the row's number, what is varied, and the variables `names` after the duration [s], or
+    as a run ended before. The sentence of a row is what its run said. A run that is refused has NaN there, and its
+    sentence says why. executor: what runs them, such as `dask.distributed.Client(...).get_executor()`; by default a
+    thread for each processor, as the equations leave Python's lock. Raises KeyError for a name that there is not,
+    ValueError where columns differ in length or the duration is not above 0, TypeError for equations of one's own on an
+    executor, which they cannot be sent to.
     """
-    counts = {len(column) for column in vary.values()}
-    every = variables_of(known(name))
-    units = {"number": "1"} | {key: every[known(key, every, "variable")].unit for key in (*vary, *names)}
-    if len(counts) != 1:
-        raise ValueError(f"Give all that varies the same number of values: there are {sorted(counts)}.")
-    rows = [dict(zip(vary, map(float, row), strict=True)) for row in zip(*vary.values(), strict=True)]
-    one = partial(end_of, name, duration, list(names))
-    given: list[dict[str, float | str]] = [{**values, **row} for row in rows]
+    duration, line = seconds("the duration", duration), line_or_none(line)
+    if executor and isinstance(what, System | Model):
+        raise TypeError("Equations of your own cannot be sent to an executor; leave it out, and threads run them here.")
+    columns = columns_of(vary)
+    rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+    what = model_from(what) if isinstance(what, System) else what
+    machine = machine_of(what, {**values, **rows[0]}, line is not None)
+    for name in (*vary, *values):
+        known(name, machine.variables, "variable")
+    names = names_of(names, machine.variables)
+    units = {"number": "1"} | {key: machine.variables[key].unit for key in (*vary, *names)}
+    one = partial(end_of, what, duration, line, names)
+    given: list[dict[str, Value]] = [{**values, **row} for row in rows]
     with nullcontext(executor) if executor else ThreadPoolExecutor(os.cpu_count()) as runs:
-        ends = list(tqdm(runs.map(one, given), name, len(rows), delay=PATIENCE, leave=False, unit="run"))
+        ends = list(tqdm(runs.map(one, given), machine.name, len(rows), delay=PATIENCE, leave=False, unit="run"))
     table = [[number, *row.values(), *end] for number, (row, (end, _)) in enumerate(zip(rows, ends, strict=True))]
     return Recording(units, table, [said for _, said in ends], {"runs": len(rows)})
+
+
+def columns_of(vary: Mapping[str, Column]) -> dict[str, list[float]]:
+    """What varies, as numbers. Raises ValueError, also where nothing does."""
+    columns = {}
+    for name, column in vary.items():
+        values = np.array(column)
+        if values.ndim != 1 or values.size == 0 or values.dtype.kind not in "biuf":
+            raise ValueError(f"Give {name} a list of numbers, one for each run: it was {column!r}.")
+        columns[name] = values.astype(float).tolist()
+    counts = sorted({len(column) for column in columns.values()})
+    if len(counts) != 1:
+        raise ValueError(f"Give all that varies the same number of values: there are {counts or 'none'}.")
+    return columns

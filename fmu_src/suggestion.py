@@ -9,5 +9,5 @@ from collections.abc import Iterable
 def suggestion(name: str, known: Iterable[str], otherwise: str = "") -> str:
     """The end of the sentence: the name that is nearest; where none is near `otherwise`, or all names."""
     names = list(known)
-    near = difflib.get_close_matches(name, names, 1)
+    near = difflib.get_close_matches(str(name), names, 1)
     return f"did you mean {near[0]}?" if near else otherwise or f"there are {', '.join(names)}."

@@ -8,17 +8,21 @@ import subprocess
 import sys
 import time
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import bogie_braking as bb
+from bogie_braking import parts
+from bogie_braking.machines import machine_of
 from fmu_src.system import model_of
 
 ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "docs" / "public.md").read_text(encoding="utf-8")
 MOST_NAMES = 30
+MOST_LINES = 10
 #: What `import bogie_braking` may import of others: nothing that is heavy.
 HEAVY = ("numpy", "casadi", "scipy", "matplotlib", "fmpy", "pandas")
 BRAKED = {"initial_speed": 25.0, "brake_torque_1": 20e3, "brake_torque_2": 20e3}
@@ -50,8 +54,18 @@ def test_type_checkers_and_the_interpreter_find_the_same_names() -> None:
 
 
 def test_a_name_that_there_is_not_is_told() -> None:
-    with pytest.raises(AttributeError, match="no public name stop; it has __version__, "):
-        bb.stop  # noqa: B018
+    with pytest.raises(AttributeError, match="no public name xyz; it has __version__, "):
+        bb.xyz  # noqa: B018
+    with pytest.raises(AttributeError, match=r"no public name vehicles; did you mean vehicle\?"):
+        bb.vehicles  # noqa: B018
+
+
+def test_a_task_of_the_page_takes_ten_lines_at_most() -> None:
+    """Blank lines and imports of other packages are not counted."""
+    blocks = re.findall(r"^```python\n(.*?)^```$", PAGE, re.DOTALL | re.MULTILINE)
+    for block in blocks:
+        lines = [line for line in block.splitlines() if line and not line.startswith("import ")]
+        assert len(lines) <= MOST_LINES, block
 
 
 def test_the_import_is_light_and_so_is_the_help() -> None:
@@ -138,6 +152,221 @@ def test_equations_of_ones_own_become_an_fmu_of_any_kind(tmp_path: Path) -> None
         bb.write_fmu(fall, tmp_path / "none.fmu", "fmi2")
 
 
+# ---- inputs over time ----------------------------------------------------------------------------------------------
+
+
+def test_an_input_over_time_turns_a_shaft_as_its_integral_says() -> None:
+    """A mass of 2 kg, against closed forms: straight lines to the last digits, a function to its samples."""
+    system = bb.System("Pushed", "A mass that is pushed")
+    force = system.input(bb.Variable("force", "input", "N", "Force", 0.0))
+    speed = system.state("speed", "m/s", 0.0, 1.0)
+    system.derivative("speed", force / 2.0)
+    system.output(bb.Variable("forward", "output", "m/s", "Speed"), speed)
+    table = ([0.5, 1.5, 1.5, 2.0], [0.0, 4.0, -2.0, -2.0])  # a ramp, a jump, and held from then on
+    run = bb.run(system, 3.0, None, ["forward", "force"], 0.3, force=table)
+    time = run["time"]
+    ramp = np.clip(time - 0.5, 0.0, 1.0) ** 2
+    assert time == pytest.approx(0.3 * np.arange(11))
+    assert run["forward"] == pytest.approx(ramp - np.clip(time - 1.5, 0.0, None), abs=1e-9)
+    assert run["force"][2:5] == pytest.approx([0.4, 1.6, 2.8])
+    assert run["force"][6:] == pytest.approx(-2.0)
+    swung = bb.run(system, 3.0, None, ["forward"], 0.25, force=lambda time: 2.0 * np.cos(5.0 * time))
+    assert swung["forward"] == pytest.approx(np.sin(5.0 * swung["time"]) / 5.0, abs=5e-6)
+    assert abs(swung["forward"] - np.sin(5.0 * swung["time"]) / 5.0).max() > 1e-9  # its samples do tell
+
+
+def test_a_brake_over_time_is_that_of_the_steps_which_set_it() -> None:
+    """Step by step by hand, and by a table; saved in the middle and continued, the same."""
+    times, torques = [0.0, 2.0, 2.0, 4.0], [0.0, 20e3, 5e3, 5e3]
+    by_table = bb.run(
+        "bogie", 6.0, None, ["speed", "distance"], 0.5, initial_speed=25.0, brake_torque_1=(times, torques)
+    )
+    by_hand = bb.Simulation("bogie", initial_speed=25.0)
+    for number in range(2000):
+        by_hand.set(brake_torque_1=10e3 * (number + 0.5) * 1e-3)
+        by_hand.advance(1e-3, ["speed"])
+    by_hand.set(brake_torque_1=5e3)
+    assert by_hand.advance(4.0, ["distance"])["distance"][-1] == pytest.approx(by_table["distance"][-1], rel=1e-6)
+    first = bb.Simulation("bogie", initial_speed=25.0, brake_torque_1=(times, torques))
+    first.advance(1.25)
+    second = bb.Simulation("bogie", brake_torque_1=(times, torques))
+    second.restore(first.save())
+    assert second.advance(4.75, ["distance"])["distance"][-1] == pytest.approx(by_table["distance"][-1], rel=1e-7)
+
+
+def test_a_ramp_that_ends_at_a_limit_is_not_refused() -> None:
+    """Whatever its last digit: a brake torque is never below 0."""
+    for torque in np.random.default_rng(3).uniform(1.0, 20e3, 50):
+        run = bb.run("bogie", 0.5, None, ["brake_torque_1"], 0.1, level=1, brake_torque_1=([0.1, 0.37], [torque, 0.0]))
+        assert run["brake_torque_1"][-1] == pytest.approx(0.0, abs=1e-4)
+
+
+def test_a_valve_over_time_stays_what_it_was_told_last() -> None:
+    valve = bb.run("brake", 0.5, None, ["valve"], 0.1, valve=([0.0, 0.15, 0.35], [0, 2, 1]))["valve"]
+    assert valve.tolist() == [0.0, 0.0, 2.0, 2.0, 1.0, 1.0]
+
+
+@pytest.mark.parametrize(
+    ("name", "given", "sentence"),
+    [
+        ("brake_torque_1", ([0.0, 2.0, 1.0], [0.0, 1.0, 2.0]), "Let the times of brake_torque_1 grow: row 2 has 1 s."),
+        ("brake_torque_1", ([0.0, np.nan], [0.0, 1.0]), "Let the times of brake_torque_1 grow: row 1 has nan s."),
+        ("brake_torque_1", ([0.0, 1.0], [0.0, np.nan]), "from 0 to inf N.m at all times: at 1 s it was nan."),
+        ("brake_torque_1", ([0.0, 1.0], [0.0, -5.0]), "from 0 to inf N.m at all times: at 1 s it was -5.0."),
+        ("brake_torque_1", lambda time: 1.0 - time, "from 0 to inf N.m at all times: at 1.001 s it was "),
+        ("brake_torque_1", lambda time: None, "at 0 s it was None."),
+        ("brake_torque_1", ([0.0, 1.0], [0.0]), "Give brake_torque_1 one number, a function of time, or a pair"),
+        ("brake_torque_1", None, "Give brake_torque_1 one number, a function of time, or a pair"),
+        ("brake_torque_1", [1.0, 2.0, 3.0], "Give brake_torque_1 one number, a function of time, or a pair"),
+        ("wheel_radius", ([0.0, 1.0], [0.4, 0.5]), "wheel_radius is no input and cannot change over time"),
+        ("speed", lambda time: time, "speed is no input and cannot change over time"),
+        ("brake_torqe_1", ([0.0, 1.0], [0.0, 1.0]), "no variable brake_torqe_1; did you mean brake_torque_1?"),
+    ],
+)
+def test_what_cannot_be_an_input_over_time_is_refused(name: str, given: object, sentence: str) -> None:
+    with pytest.raises(bb.KernelError, match=re.escape(sentence)):
+        bb.run("bogie", 2.0, **{name: given})  # type: ignore[arg-type]
+
+
+#: Share of the load that moves by which a frame still rocks on its springs in the mean of the last second.
+ROCKING = 0.03
+
+
+# ---- vehicles ------------------------------------------------------------------------------------------------------
+
+
+def longer(name: str = "Longer", half_base: float = 1.75) -> parts.Vehicle:
+    """The bogie of chapter 5 with its wheelsets at other places."""
+    bogie = bb.vehicle("bogie")
+    places = {"wheelset_1": half_base, "wheelset_2": -half_base}
+    axles = tuple(parts.Wheelset(place, "frame") for place in places.values())
+    springs = tuple(replace(one, place=(places[one.lower], *one.place[1:])) for one in bogie.connections)
+    return replace(bogie, name=name, wheelsets=axles, connections=springs)
+
+
+def test_a_ready_vehicle_as_data_runs_as_its_fmu_does() -> None:
+    for level in (1, 2):
+        scene = {"level": level, **BRAKED}
+        own, ready = (bb.run(what, 20.0, **scene) for what in (bb.vehicle("bogie"), "bogie"))
+        assert own.names == ready.names
+        for name in ready.names:
+            assert own[name] == pytest.approx(ready[name], rel=1e-9, abs=1e-9), name
+
+
+def test_a_vehicle_of_ones_own_transfers_its_load_by_its_own_base(tmp_path: Path) -> None:
+    """Moments about the rail: the front axle gains what the rear one loses, by the inverse of the base."""
+    loads = ["axle_load_1", "axle_load_2"]
+    near, far = (bb.run(longer(half_base=half), 4.0, names=loads, **BRAKED) for half in (1.5, 3.0))
+    moved = [float(run["axle_load_1"][-100:].mean() - run["axle_load_2"][-100:].mean()) for run in (near, far)]
+    assert moved[0] / moved[1] == pytest.approx(2.0, rel=ROCKING)
+    path = bb.write_fmu(longer(half_base=3.0), tmp_path / "Longer.fmu", level=2)
+    with bb.Slave(path, initial_speed=25.0) as slave:
+        slave.start(brake_torque_1=20e3, brake_torque_2=20e3)
+        slave.step(0.0, 4.0)
+        assert slave["axle_load_1"] == pytest.approx(far["axle_load_1"][-1], rel=1e-6)
+
+
+def test_vehicles_that_differ_in_their_profiles_alone_are_not_taken_for_each_other() -> None:
+    """Profiles do not count when two descriptions are compared."""
+    wheelset, pair = bb.vehicle("wheelset"), bb.vehicle("vehicle").wheelsets[0].pair
+    other = replace(wheelset, wheelsets=tuple(replace(one, pair=pair) for one in wheelset.wheelsets))
+    assert other == wheelset
+    first, second, again = (machine_of(what, {"level": 1}, False) for what in (wheelset, other, wheelset))
+    assert first is again
+    assert first is not second
+
+
+def test_what_cannot_be_of_a_vehicle_is_told_in_a_sentence(tmp_path: Path) -> None:
+    with pytest.raises(KeyError, match=r"There is no vehicle coach; there are bogie, vehicle, coal-wagon, wheelset\."):
+        bb.vehicle("coach")
+    with pytest.raises(ValueError, match=r"Set level to 1, 2 or 3: it was 4\."):
+        bb.run(longer(), 1.0, level=4)
+    with pytest.raises(bb.KernelError, match="level chose the equations of Longer; give it as the simulation is made"):
+        bb.Simulation(longer()).set(level=1)
+    with pytest.raises(ValueError, match=r"Give level 1, 2 or 3, or leave it out for all of them: it was 7\."):
+        bb.write_fmu(longer(), tmp_path / "one.fmu", level=7)
+    with pytest.raises(ValueError, match=r"one must end with .fmu"):
+        bb.write_fmu(longer(), tmp_path / "one")
+
+
+# ---- controllers ---------------------------------------------------------------------------------------------------
+
+
+class LetGo:
+    """Lets go of what is slower than the fastest wheelset."""
+
+    def step(self, time: float, wheel_speeds: list[float]) -> list[int]:
+        return [2 if speed < 0.8 * max(wheel_speeds) else 0 for speed in wheel_speeds]
+
+
+class Fails:
+    """Gives no commands."""
+
+    def step(self, time: float, wheel_speeds: list[float]) -> list[int]:
+        raise RuntimeError("no more")
+
+
+def test_a_controller_of_ones_own_stops_on_all_rails() -> None:
+    stops = bb.protected_stops(LetGo)
+    assert [said.split(":")[0] for said in stops.sentences] == ["dry", "wet", "low", "changing"]
+    assert stops["distance"][0] == pytest.approx(stops["distance"][1], rel=1e-3)
+    assert stops["distance"][2] == stops["distance"].max()
+    assert "low: 893 m, locked for 0.4 s." in stops.status
+    assert stops["air"].min() > 0.0
+    assert stops.units == {
+        "number": "1",
+        "friction": "1",
+        "distance": "m",
+        "duration": "s",
+        "longest_lock": "s",
+        "share_in_band": "1",
+        "air": "kg",
+    }
+
+
+def test_a_stop_over_time_is_that_of_the_table() -> None:
+    """With the protection of the brake and sensors of its own, asked as often as is said."""
+    table = bb.protected_stops("protection", rails=["low"], pulses=80, period=10e-3)
+    stop = bb.protected_stop("protection", "low", pulses=80, period=10e-3)
+    assert stop.status == table.status
+    assert np.diff(stop["time"]) == pytest.approx(10e-3)
+    assert np.trapezoid(stop["speed"], stop["time"]) == pytest.approx(table["distance"][0], abs=0.5)
+    none = bb.protected_stop(None, "low")
+    assert none.counts == {"commands": 0}
+    assert none["wheel_speed_1"].min() == 0.0
+
+
+def test_a_controller_that_fails_has_no_stopping_distance() -> None:
+    stops = bb.protected_stops(Fails, rails=["dry"])
+    assert np.isnan(stops["distance"][0])
+    assert "no stop of this controller: The controller Fails failed at 0 s (RuntimeError: no more)" in stops.status
+
+
+@pytest.mark.parametrize(
+    ("given", "more", "error", "sentence"),
+    [
+        (LetGo(), {}, TypeError, "Give the class LetGo and no object of it: each stop begins with a new controller."),
+        (dict, {}, TypeError, "The class dict has no method step(time, wheel_speeds); give it one."),
+        (3, {}, TypeError, 'Give a controller\'s class, "protection" or None: it was 3.'),
+        ("protecton", {}, TypeError, "Give a controller's class, \"protection\" or None: it was 'protecton'."),
+        (LetGo, {"pulse": 80}, KeyError, "There is no setting pulse; did you mean pulses?"),
+        (LetGo, {"pulses": 0}, ValueError, "Set pulses to a whole number of at least 1: it was 0."),
+        (LetGo, {"period": -1.0}, ValueError, "Set period to a finite number above 0: it was -1.0."),
+        (LetGo, {"rails": ["wett"]}, KeyError, "There is no rail wett; did you mean wet?"),
+        (LetGo, {"rails": "wet"}, TypeError, 'Give the rails as a list, such as ["wet"]'),
+        (
+            LetGo,
+            {"vehicle": "coal-wagon"},
+            KeyError,
+            "There is no vehicle with brakes coal-wagon; there are bogie, vehicle.",
+        ),
+    ],
+)
+def test_what_is_no_controller_is_refused(given: object, more: dict, error: type[Exception], sentence: str) -> None:
+    with pytest.raises(error, match=re.escape(sentence)):
+        bb.protected_stops(given, **more)  # type: ignore[arg-type]
+
+
 # ---- many runs -----------------------------------------------------------------------------------------------------
 
 
@@ -157,6 +386,36 @@ def test_a_sweep_is_its_runs_in_their_order_whoever_makes_them() -> None:
         bb.sweep("bogie", 1.0, ["distanze"], {"friction_1": [0.1]})
     with pytest.raises(ValueError, match="the same number of values"):
         bb.sweep("bogie", 1.0, ["distance"], {"friction_1": [0.1], "friction_2": [0.1, 0.2]})
+
+
+def test_a_dask_cluster_gives_the_numbers_of_threads_here() -> None:
+    """Two workers, processes of their own, which are given an input over time, a vehicle of ours and a line."""
+    distributed = pytest.importorskip("distributed")
+    line = bb.line_of([bb.straight(500.0, gradient=-0.01)])
+    scene = {"level": 2, "initial_speed": 20.0, "brake_torque_1": ([0.0, 1.0], [0.0, 9e3])}
+    vary = {"friction_1": [0.05, 0.1, -1.0]}
+    with (
+        distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        for what in ("bogie", longer()):
+            far = bb.sweep(what, 5.0, ["distance", "speed"], vary, client.get_executor(), line, **scene)
+            near = bb.sweep(what, 5.0, ["distance", "speed"], vary, None, line, **scene)
+            for name in near.names:
+                assert np.array_equal(far[name], near[name], equal_nan=True), name
+            assert far.sentences == near.sentences
+            assert near["speed"][0] > near["speed"][1]
+            assert np.isnan(near["speed"][2])
+
+
+def test_equations_of_ones_own_are_swept_here_and_sent_nowhere() -> None:
+    fall = bb.System("Falling", "A body that falls")
+    speed = fall.state("speed", "m/s", 0.0, 1.0)
+    fall.derivative("speed", -fall.parameter(bb.Variable("gravity", "parameter", "m/s2", "Gravity", 9.81)))
+    fall.output(bb.Variable("upwards", "output", "m/s", "Speed"), speed)
+    assert bb.sweep(fall, 2.0, ["upwards"], {"gravity": [1.0, 2.0]})["upwards"] == pytest.approx([-2.0, -4.0])
+    with ProcessPoolExecutor(1) as executor, pytest.raises(TypeError, match="leave it out, and threads run them here"):
+        bb.sweep(fall, 2.0, ["upwards"], {"gravity": [1.0]}, executor)
 
 
 # ---- fits ----------------------------------------------------------------------------------------------------------
@@ -189,6 +448,25 @@ def test_parameters_that_act_together_alone_and_those_that_do_not_act_are_named(
     assert silent.standard_errors[FRICTION] < 1e-3
 
 
+def table_of(units: dict[str, str]) -> bb.Recording:
+    """Three rows that grow."""
+    return bb.Recording(units, [[0.1 * row + column for column, _ in enumerate(units)] for row in range(3)])
+
+
+@pytest.mark.parametrize(
+    ("units", "error", "sentence"),
+    [
+        ({"time": "s", "speed": "km/h"}, ValueError, "Give speed in m/s: what was measured has it in km/h."),
+        ({"time": "s", "sped": "m/s"}, KeyError, "There is no variable sped; did you mean speed?"),
+        ({"speed": "m/s", "time": "s"}, ValueError, "Let the first column of what was measured be time [s]"),
+        ({"time": "s", "pressure_demand_1": "Pa"}, ValueError, "Give what was measured at least one output"),
+    ],
+)
+def test_a_measured_table_of_something_else_is_refused(units: dict, error: type[Exception], sentence: str) -> None:
+    with pytest.raises(error, match=re.escape(sentence)):
+        bb.fit("braked-vehicle", table_of(units), {FRICTION: 0.2}, **COACH)
+
+
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [
@@ -204,6 +482,22 @@ def test_a_file_that_is_no_measured_run_is_refused(text: str, sentence: str, tmp
     path.write_text(text)
     with pytest.raises(ValueError, match=re.escape(sentence)):
         bb.measured_from(path)
+
+
+def test_a_fit_takes_a_line_and_the_inputs_that_were_measured() -> None:
+    """Down a gradient under a torque that was measured too: the mass that made the data, which neither alone gives."""
+    line = bb.line_of([bb.straight(1000.0, gradient=-0.02)])
+    torque = np.array([0.0, 0.0, 4e3, 9e3, 9e3, 2e3])
+    time = np.arange(6.0)
+    scene = {"level": 1, "initial_speed": 20.0}
+    run = bb.run("bogie", 5.0, line, ["speed"], 1.0, brake_torque_1=(time, torque), frame_mass=30e3, **scene)
+    run.add("brake_torque_1", "N.m", torque)
+    found = bb.fit("bogie", run, {"frame_mass": 20e3}, line, **scene)
+    assert found.values["frame_mass"] == pytest.approx(30e3, rel=1e-5)
+    assert list(found.deviations) == ["speed"]
+    assert "frame_mass = 3e+04" in found.status
+    off = bb.fit("bogie", run, {"frame_mass": 20e3}, **scene)
+    assert off.deviations["speed"] > 1e-2
 
 
 def test_a_fit_without_a_beginning_is_refused() -> None:

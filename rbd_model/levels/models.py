@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import compress, product
 
 from fmu_src.system import NONE, Model, System, Variable, integration_variables
 from rbd_model.contact.depth import DEPTHS, Contact
@@ -23,31 +24,47 @@ DEFAULT_TOLERANCE = 1e-6
 #: tells when it is over.
 DEFAULT_DEPTH = 2.0
 
-#: Which of the systems of `levels` serves, by level and, the last number running first, by depth of contact; and behind
-#: them which of those on a line. NONE: there is no such system.
+#: Which system of a vehicle serves, by level and, the last number running first, by depth of contact; and behind them
+#: which of those on a line. NONE: there is no such system.
 CHOICE = (0, 0, 0, 1, 1, 1, 2, 3, 4)
 CHOICE_ON_LINE = (*CHOICE, 5, 5, 5, 6, 6, 6, NONE, 7, NONE)
+#: The numbers of all systems.
+EVERY = tuple(range(8))
 #: Depth of contact in space on a line: that of the start value, in which a flange has its own place. Each further one
 #: would make every FMU half as large again.
 DEPTH_ON_LINE = 2
 
 
+def system_at(vehicle: Vehicle, place: int) -> System:
+    """The system with this number in CHOICE_ON_LINE."""
+    on_line = place > max(CHOICE)
+    number = place - max(CHOICE) - 1 if on_line else place
+    if number < 2:
+        return (point_vehicle, planar_vehicle)[number](vehicle, on_line)
+    depth = DEPTH_ON_LINE if on_line else list(DEPTHS)[number - 2]
+    return spatial_vehicle(vehicle, irregular_track(section_5_3()), Contact(depth), on_line)
+
+
 def levels(vehicle: Vehicle) -> tuple[System, ...]:
     """The systems in the order of the parameter `level`, the least first; the last one by depth of contact."""
-    track = irregular_track(section_5_3())
-    spatial = [spatial_vehicle(vehicle, track, Contact(depth)) for depth in DEPTHS]
-    return point_vehicle(vehicle), planar_vehicle(vehicle), *spatial
+    return tuple(system_at(vehicle, place) for place in sorted(set(CHOICE)))
 
 
-def levels_on_line(vehicle: Vehicle) -> tuple[System, ...]:
-    """The same for a vehicle on a line, which those on straight track do not pay for."""
-    spatial = spatial_vehicle(vehicle, irregular_track(section_5_3()), Contact(DEPTH_ON_LINE), True)
-    return point_vehicle(vehicle, True), planar_vehicle(vehicle, True), spatial
+def places_of(level: int | None = None, depth: int | None = None, on_line: bool | None = None) -> tuple[int, ...]:
+    """Numbers in CHOICE_ON_LINE of the systems of a level, of a depth of contact, with or without a line; None: all."""
+    asked = (on_line, level, depth)
+    combinations = product((False, True), (1, 2, 3), DEPTHS)
+    good = [all(one in (None, own) for one, own in zip(asked, each, strict=True)) for each in combinations]
+    return tuple(sorted({*compress(CHOICE_ON_LINE, good)} - {NONE}))
 
 
-def model_of_levels(name: str, text: str, vehicle: Vehicle) -> Model:
-    """A vehicle at all levels as one FMU: inputs, outputs, level, parameters in the order of their set."""
-    systems = (*levels(vehicle), *levels_on_line(vehicle))
+def model_of_levels(name: str, text: str, vehicle: Vehicle, places: Sequence[int] = EVERY) -> Model:
+    """A vehicle at all levels as one FMU: inputs, outputs, level, parameters in the order of their set.
+
+    places: which of the systems it has, as `places_of` gives them. Those that it lacks cannot be chosen.
+    """
+    systems = tuple(system_at(vehicle, place) for place in places)
+    choice = tuple(places.index(place) if place in places else NONE for place in CHOICE_ON_LINE)
     chosen_by = selectors()
     table = (
         *variables.inputs(vehicle).values(),
@@ -57,7 +74,7 @@ def model_of_levels(name: str, text: str, vehicle: Vehicle) -> Model:
         variables.line_file(),
         *integration_variables(DEFAULT_TOLERANCE),
     )
-    return Model(name, text, table, systems, tuple(one.name for one in chosen_by), CHOICE_ON_LINE, stop_time=25.0)
+    return Model(name, text, table, systems, tuple(one.name for one in chosen_by), choice, stop_time=25.0)
 
 
 def selectors() -> tuple[Variable, Variable]:

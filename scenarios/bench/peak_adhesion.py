@@ -7,11 +7,11 @@ from collections.abc import Mapping
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from products.protection.braked_machine import APPLICATION_TIME, STANDING, Machine
+from products.protection.protected_stop import BRAKE_START, LONGEST, ProtectedStop
+from products.protection.rails import ABOVE
 from products.registry import model_of
-from scenarios.bench.braked_machine import APPLICATION_TIME, STANDING, Machine
 from scenarios.bench.drive import prepare
-from scenarios.bench.protected_stop import BRAKE_START, LONGEST, ProtectedStop
-from scenarios.bench.rails import ABOVE
 
 
 class PeakAdhesion:

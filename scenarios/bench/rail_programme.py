@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 from itertools import product
 
 from brake_controller.wheel_slide import SlideProtection, SlideProtectionParameters
+from products.protection.braked_machine import BrakedMachine
+from products.protection.protected_stop import Settings, protected_stop
+from products.protection.rails import LOCK_ABOVE, RailCase
 from rbd_model.contact.friction import constant_friction
 from rbd_model.track.friction import RailCondition, low, wet
-from scenarios.bench.braked_machine import BrakedMachine
 from scenarios.bench.peak_adhesion import PeakAdhesion
-from scenarios.bench.protected_stop import Settings, protected_stop
-from scenarios.bench.rails import LOCK_ABOVE, RailCase
 
 #: Friction, whether it falls with sliding speed as in Polach's low set, and initial speeds [m/s].
 FRICTIONS, FALLS, SPEEDS = (0.04, 0.06, 0.08, 0.10, 0.12, 0.15), (False, True), (15.0, 25.0, 40.0)

@@ -15,12 +15,9 @@ from matplotlib.figure import Figure
 from tqdm import tqdm
 
 from brake_controller.wheel_slide import SlideProtection, WheelSlideController
-from rbd_model.track.friction import low
-from rbd_model.vehicle.parameters import tables_5_1_and_5_2
-from scenarios.bench.braked_machine import APPLICATION_TIME, BrakedMachine, bogie
-from scenarios.bench.peak_adhesion import PeakAdhesion
-from scenarios.bench.protected_stop import ProtectedStop, Settings, protected_stop
-from scenarios.bench.rails import (
+from products.protection.braked_machine import APPLICATION_TIME, BrakedMachine, bogie
+from products.protection.protected_stop import ProtectedStop, Settings, protected_stop
+from products.protection.rails import (
     ABOVE,
     BAND,
     LOCK_ABOVE,
@@ -32,6 +29,9 @@ from scenarios.bench.rails import (
     RailCase,
     low_rail,
 )
+from rbd_model.track.friction import low
+from rbd_model.vehicle.parameters import tables_5_1_and_5_2
+from scenarios.bench.peak_adhesion import PeakAdhesion
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row, at_least, at_most, between

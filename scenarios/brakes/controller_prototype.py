@@ -7,11 +7,11 @@ from collections.abc import Callable
 from matplotlib.figure import Figure
 
 from brake_controller.wheel_slide import SlideProtection, WheelSlideController
+from products.protection.braked_machine import BrakedMachine
+from products.protection.protected_stop import ProtectedStop, protected_stop
+from products.protection.rails import ABOVE, BAND, LOCK_ABOVE, RAILS
 from rbd_model.vehicle.parameters import tables_5_1_and_5_2
-from scenarios.bench.braked_machine import BrakedMachine
 from scenarios.bench.own_controller import FixedSlip
-from scenarios.bench.protected_stop import ProtectedStop, protected_stop
-from scenarios.bench.rails import ABOVE, BAND, LOCK_ABOVE, RAILS
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, titled
 from scenarios.reporting.report import Result, Row
 from scenarios.scenario import Options, Scenario

@@ -12,10 +12,10 @@ from tqdm import tqdm
 from fmu_src.cosimulation.master import Connection
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.cosimulation.slave import CosimulationError
+from products.bogie import FULL_PRESSURE, brake_values
+from products.protection.braked_machine import STANDING, BrakedMachine
 from rbd_model.vehicle.parameters import AS_PRINTED, tables_5_1_and_5_2
 from scenarios.bench.asymmetric_shoes import DERAILED_AT
-from scenarios.bench.braked_bogie import FULL_PRESSURE, brake_values
-from scenarios.bench.braked_machine import STANDING, BrakedMachine
 from scenarios.bench.drive import RIGID
 from scenarios.reporting.plots import BOGIE, LEADING, THREE, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE

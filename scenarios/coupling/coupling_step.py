@@ -8,7 +8,7 @@ import numpy as np
 
 from fmu_src.cosimulation.master import GAUSS_SEIDEL, JACOBI
 from fmu_src.cosimulation.recording import Recording
-from scenarios.bench.braked_bogie import BOGIE, FULL_PRESSURE, FULL_TORQUE, brake_values
+from products.bogie import BOGIE, FULL_PRESSURE, FULL_TORQUE, brake_values
 from scenarios.macro_step import error as coupling_error
 from scenarios.macro_step import feedback_boundary, signed_torque
 from scenarios.macro_step.error import MASTERS

@@ -21,15 +21,10 @@ from brake_controller.pneumatics import TIME_CONSTANTS_TO_95_PERCENT
 from fmu_src.cosimulation.master import GAUSS_SEIDEL, Coupling, Master
 from fmu_src.cosimulation.slave import Slave
 from fmu_src.kernel import Kernel
+from products.bogie import BOGIE, TORQUE_PER_PRESSURE
 from rbd_model.levels.planar import planar_vehicle
 from rbd_model.vehicle.ready import two_axle_bogie
-from scenarios.bench.braked_bogie import (
-    BOGIE,
-    TORQUE_PER_PRESSURE,
-    bogie_values,
-    connections,
-    start_brake,
-)
+from scenarios.bench.braked_bogie import bogie_values, connections, start_brake
 from scenarios.bench.drive import prepare
 
 SPEED = 20.0

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fmu_src.cosimulation.master import GAUSS_SEIDEL, JACOBI
-from scenarios.bench.braked_bogie import BOGIE
+from products.bogie import BOGIE
 from scenarios.macro_step import signed_torque
 from scenarios.macro_step.error import MASTERS, error_on_paper
 from scenarios.macro_step.feedback_boundary import SPEED, boundary_on_paper, pressure_per_slip

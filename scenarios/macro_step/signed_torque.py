@@ -10,7 +10,8 @@ from scipy.optimize import bisect
 from fmu_src.cosimulation.master import couple
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.cosimulation.slave import Slave
-from scenarios.bench.braked_bogie import BOGIE, FULL_TORQUE, acceleration_per_torque, bogie_values
+from products.bogie import BOGIE, FULL_TORQUE
+from scenarios.bench.braked_bogie import acceleration_per_torque, bogie_values
 
 WHEELSETS = (1, 2)
 RECORDED = ("speed", "angular_velocity_1", "angular_velocity_2", "creep_force_1", "creep_force_2")

@@ -10,10 +10,10 @@ from tqdm import tqdm
 
 from brake_controller.wheel_slide import SlideProtection
 from products.coach import NUMBERS
-from scenarios.bench.braked_machine import BrakedMachine, coach
+from products.protection.braked_machine import BrakedMachine, coach
+from products.protection.protected_stop import BRAKE_START, ProtectedStop, Settings, protected_stop
+from products.protection.rails import ABOVE, BAND, LOCK_ABOVE, LONGEST_LOCK, OVER_IDEAL, RailCase, low_rail
 from scenarios.bench.peak_adhesion import PeakAdhesion
-from scenarios.bench.protected_stop import BRAKE_START, ProtectedStop, Settings, protected_stop
-from scenarios.bench.rails import ABOVE, BAND, LOCK_ABOVE, LONGEST_LOCK, OVER_IDEAL, RailCase, low_rail
 from scenarios.reporting.plots import BOGIE, FOUR, plt, titled
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row, at_least, at_most, between

@@ -16,7 +16,7 @@ from fmu_src.cosimulation.master import Coupling, Master
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.cosimulation.slave import Slave
 from products.building import up_to_date
-from scenarios.bench.braked_machine import BrakedMachine, coach
+from products.protection.braked_machine import BrakedMachine, coach
 from scenarios.reporting.plots import LEADING, THESIS, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Result, Row, at_most, near

@@ -23,10 +23,10 @@ from fmu_src.ssp import Component, write_ssp
 from fmu_src.start_values import FILE, with_start_values
 from products.braked_vehicle import FULL_PRESSURE, FULL_TORQUE
 from products.building import fmu_path
+from products.protection.braked_machine import coach
 from products.registry import DIFFERENT
 from products.systems import LOW_FRICTION, build_system
 from rbd_model.vehicle.parameters import manchester_vehicle_1
-from scenarios.bench.braked_machine import coach
 from tests.fmu.hosting import host
 from tests.fmu.masters import MASTERS, parameters_of
 

@@ -18,8 +18,8 @@ import pytest
 from fmu_src.compile import build_library
 from fmu_src.kernel import Kernel, KernelError, Library
 from fmu_src.system import Model, System, Variable, model_of
+from products.protection.rails import low_rail
 from rbd_model.track.line import arc, line_of, straight
-from scenarios.bench.rails import low_rail
 from tests.fmu.hosting import ERROR, OK, STEP, host
 
 sys.path.insert(0, str(Path(__file__).parent))

@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 from brake_controller.wheel_slide import SlideProtection, common_protection
+from products.protection.braked_machine import BrakedMachine, Machine, bogie, coach
+from products.protection.protected_stop import Settings, protected_stop
+from products.protection.rails import ABOVE, BAND, LOCK_ABOVE, LONGEST_LOCK, OVER_IDEAL, RAILS, SHARE
 from rbd_model.contact.friction import FallingFriction, constant_friction
 from rbd_model.track.friction import RailCondition, low
-from scenarios.bench.braked_machine import BrakedMachine, Machine, bogie, coach
 from scenarios.bench.own_controller import FixedSlip
 from scenarios.bench.peak_adhesion import PeakAdhesion
-from scenarios.bench.protected_stop import Settings, protected_stop
 from scenarios.bench.rail_programme import for_choosing, for_reporting, programme, scores
-from scenarios.bench.rails import ABOVE, BAND, LOCK_ABOVE, LONGEST_LOCK, OVER_IDEAL, RAILS, SHARE
 from scenarios.brakes import anti_skid
 from tests.rbd_model.test_adhesion import adhesion
 
@@ -128,7 +128,7 @@ class NeverBrakes:
 def test_a_run_that_never_stops_has_no_stopping_distance(
     machine: BrakedMachine, ideal: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("scenarios.bench.protected_stop.LONGEST", 20.0)
+    monkeypatch.setattr("products.protection.protected_stop.LONGEST", 20.0)
     stop = protected_stop(machine, LOW, NeverBrakes())
     assert stop.distance is None
     assert stop.over(ideal) is None
@@ -139,7 +139,7 @@ def test_a_run_that_never_stops_has_no_stopping_distance(
 
 
 def test_a_sweep_says_that_a_run_never_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("scenarios.bench.protected_stop.LONGEST", 5.0)
+    monkeypatch.setattr("products.protection.protected_stop.LONGEST", 5.0)
     point = anti_skid.one_point()
     assert point["stop_distance"] is None
     assert point["stop_time"] is None

@@ -26,6 +26,7 @@ class RailCase:
     changes: tuple[tuple[str, float], ...] = ()
 
     def values(self, wheelsets: int = 2) -> dict[str, float]:
+        """Inputs and parameters by name."""
         return self.condition.values(wheelsets) | dict(self.changes)
 
 

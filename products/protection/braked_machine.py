@@ -10,10 +10,10 @@ from types import TracebackType
 from fmu_src.cosimulation.master import Connection, Coupling
 from fmu_src.cosimulation.slave import Slave
 from products import braked_vehicle
+from products.bogie import BOGIE, FULL_PRESSURE, FULL_TORQUE, brake_values
 from products.building import up_to_date
 from products.coach import COACH
 from rbd_model.vehicle.parameters import BogieParameters, VehicleParameters
-from scenarios.bench.braked_bogie import BOGIE, FULL_PRESSURE, FULL_TORQUE, brake_values
 
 #: Speed at which a machine counts as standing [m/s].
 STANDING = 0.02

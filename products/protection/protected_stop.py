@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from numbers import Real
 
 import numpy as np
 
 from brake_controller.sensors import TEETH, Encoder
 from brake_controller.wheel_slide import APPLY, ControllerError, Supervised, WheelSlideController
 from fmu_src.cosimulation.recording import Recording
-from scenarios.bench.braked_machine import APPLICATION_TIME, STANDING, BrakedMachine
+from products.protection.braked_machine import APPLICATION_TIME, STANDING, BrakedMachine
 
 #: Start of braking [s], and time [s] after which a run that still moves is ended.
 BRAKE_START, LONGEST = 1.0, 300.0
@@ -24,7 +25,7 @@ class Settings:
     """How a stop is run: speed [m/s], controller's period and host step [s], encoder, and the brake.
 
     strength: torque over that of the full service brake; application_time [s] to 95 % of it. pulses, jitter: as
-    `Encoder` has them.
+    `Encoder` has them. Raises ValueError for what cannot be.
     """
 
     speed: float = 25.0
@@ -34,6 +35,14 @@ class Settings:
     host_step: float = 5e-3
     pulses: int = TEETH
     jitter: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("speed", "strength", "application_time", "period", "host_step"):
+            value = getattr(self, name)
+            if not (isinstance(value, Real) and 0.0 < float(value) < math.inf):
+                raise ValueError(f"Set {name} to a finite number above 0: it was {value!r}.")
+        if not (isinstance(self.pulses, Real) and self.pulses >= 1 and self.pulses == int(self.pulses)):
+            raise ValueError(f"Set pulses to a whole number of at least 1: it was {self.pulses!r}.")
 
 
 @dataclass(frozen=True)

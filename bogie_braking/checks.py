@@ -1,0 +1,56 @@
+"""What is given by a user is looked at before anything runs; each refusal is a sentence."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from numbers import Real
+from typing import Any
+
+from fmu_src.kernel import ERROR, KernelError
+from fmu_src.suggestion import suggestion
+from fmu_src.system import Variable
+from rbd_model.track.line import Line
+
+
+def known(name: str, those: Iterable[str], what: str) -> str:
+    """The name, if it is one of those; `what` says of which kind. Raises KeyError with a sentence."""
+    those = list(those)
+    if name not in those:
+        raise KeyError(f"There is no {what} {name}; {suggestion(name, those)}")
+    return name
+
+
+def seconds(what: str, value: Any) -> float:
+    """A time that is above 0 s. Raises ValueError."""
+    if not 0.0 < number(value) < math.inf:
+        raise ValueError(f"Give {what} as a number of seconds above 0: it was {value!r}.")
+    return float(value)
+
+
+def names_of(names: Sequence[str] | None, variables: Mapping[str, Variable]) -> list[str]:
+    """The names of variables that are to be recorded; None: all outputs. Raises TypeError, KeyError."""
+    if isinstance(names, str):
+        raise TypeError(f'Give the names of variables as a list, such as ["{names}"]: it was the text {names!r}.')
+    outputs = [one.name for one in variables.values() if one.causality == "output"]
+    found = outputs if names is None else [known(name, variables, "variable") for name in names]
+    if not found:
+        raise ValueError(f"Name at least one variable to record; there are {', '.join(outputs) or 'no outputs'}.")
+    return found
+
+
+def line_or_none(line: Any) -> Line | None:
+    """What something runs on. Raises TypeError where it is no line."""
+    if line is None or isinstance(line, Line):
+        return line
+    raise TypeError(f"Give the line as line_of(...) makes it, or None for straight, level track: it was {line!r}.")
+
+
+def number(value: Any) -> float:
+    """A number, of NumPy's kinds too; NaN in place of what is none."""
+    return float(value) if isinstance(value, Real) else math.nan
+
+
+def refused(sentence: str) -> KernelError:
+    """The error of a value that is refused here, as that of one that a kernel refuses."""
+    return KernelError(sentence, ERROR)

@@ -1,0 +1,77 @@
+"""Inputs over time: straight lines between the points of a table, or a function of time that is asked every ms."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from bogie_braking.checks import number, refused
+from fmu_src.system import Variable
+
+#: A value of an input or parameter, or the path of a file; of an input also a function of time [s] or a table of times
+#: [s] and values.
+Column = Sequence[float] | np.ndarray
+Value = float | str | Callable[[float], float] | tuple[Column, Column]
+#: A function of time is asked so often [s].
+SAMPLING = 1e-3
+
+
+class History:
+    """One input over time. Before the first point of a table and behind its last one the value is held.
+
+    Where two points have the same time the value jumps. An input of whole numbers keeps the value of the last point.
+    """
+
+    def __init__(self, variable: Variable, given: Any) -> None:
+        """Raises KernelError for what cannot be an input over time."""
+        self.variable, self.steps = variable, variable.kind != "real"
+        if variable.causality != "input":
+            raise refused(f"{variable.name} is no input and cannot change over time; give it one number.")
+        self._function = given if callable(given) else None
+        if not self._function:
+            self._times, self._values = self._table(given)
+
+    def corners(self, begin: float, end: float) -> list[float]:
+        """Instants between two others at which a straight line ends [s]."""
+        if not self._function:
+            return [time for time in self._times.tolist() if begin < time < end]
+        first, last = math.floor(begin / SAMPLING) + 1, math.ceil(end / SAMPLING)
+        return [number * SAMPLING for number in range(first, last) if begin < number * SAMPLING < end]
+
+    def at(self, time: float, after: bool = True) -> float:
+        """Value at a time [s]; where it jumps, that after or that before the jump. Raises KernelError."""
+        if self._function:
+            return self._allowed(time, self._function(time))
+        place = int(np.searchsorted(self._times, time, "right" if after else "left"))
+        if self.steps or place in (0, self._times.size):
+            return float(self._values[max(place - 1, 0)])
+        pair = slice(place - 1, place + 1)
+        return float(np.interp(time, self._times[pair], self._values[pair]))
+
+    def _table(self, given: Any) -> tuple[np.ndarray, np.ndarray]:
+        name = self.variable.name
+        try:
+            times, values = (np.array(column, float) for column in given)
+        except (TypeError, ValueError):
+            times = values = np.zeros(0)
+        if times.ndim != 1 or times.shape != values.shape or times.size == 0:
+            raise refused(
+                f"Give {name} one number, a function of time, or a pair of equally long columns, times [s] and values."
+            )
+        if not np.all(np.isfinite(times)) or np.any(np.diff(times) < 0.0):
+            where = int(np.argmax(~np.isfinite(times) | (np.diff(times, prepend=-math.inf) < 0.0)))
+            raise refused(f"Let the times of {name} grow: row {where} has {times[where]:g} s.")
+        for time, value in zip(times, values, strict=True):
+            self._allowed(float(time), float(value))
+        return times, values
+
+    def _allowed(self, time: float, value: Any) -> float:
+        one = self.variable
+        found = number(value)
+        if one.minimum <= found <= one.maximum and math.isfinite(found):
+            return found
+        limits = f"from {one.minimum:g} to {one.maximum:g} {one.unit}"
+        raise refused(f"Give {one.name} a finite value {limits} at all times: at {time:g} s it was {value!r}.")

@@ -1,0 +1,108 @@
+"""What can be run: an FMU of the list by its name; a vehicle, a system of equations, a model of one's own."""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+from bogie_braking.checks import known
+from fmu_src.compile import build_library
+from fmu_src.kernel import Library
+from fmu_src.system import Model, System, Variable, model_of
+from products.building import kernel_of, variables_of
+from products.registry import FMUS, ONE_WRITES
+from rbd_model.levels.models import DEFAULT_DEPTH, EVERY, model_of_levels, places_of
+from rbd_model.vehicle.description import Vehicle
+from rbd_model.vehicle.ready import loaded_coal_wagon, passenger_coach, two_axle_bogie, wheelset_under_frame
+
+#: What `run`, `Simulation`, `sweep` and `fit` take.
+Runnable = str | Model | System | Vehicle
+#: Error of an integration step in nominal values of the states, unless a model says another.
+TOLERANCE = 1e-6
+#: The level of detail unless another is asked for, and those that there are.
+LEVEL, LEVELS = 2, (1, 2, 3)
+#: Vehicles as data, by the names of their FMUs.
+VEHICLES: Mapping[str, Callable[[], Vehicle]] = {
+    "bogie": two_axle_bogie,
+    "vehicle": passenger_coach,
+    "coal-wagon": loaded_coal_wagon,
+    "wheelset": wheelset_under_frame,
+}
+
+
+@dataclass(frozen=True)
+class Machine:
+    """Compiled equations with their variables; fixed: parameters that chose which equations were compiled."""
+
+    name: str
+    variables: Mapping[str, Variable]
+    library: Library
+    fixed: frozenset[str] = frozenset()
+
+
+def vehicle(name: str) -> Vehicle:
+    """A ready vehicle as data, to be changed with `dataclasses.replace`: bodies, wheelsets, connections, parameters.
+
+    name: "bogie", "vehicle", "coal-wagon" or "wheelset", as `fmu` has them. Raises KeyError for another one.
+    """
+    return VEHICLES[known(name, VEHICLES, "vehicle")]()
+
+
+def machine_of(what: Runnable, values: Mapping[str, Any], on_line: bool) -> Machine:
+    """What is to be run, compiled unless it was; of a vehicle only the level and contact depth that `values` ask for.
+
+    Raises KeyError for a name that there is not, TypeError for what cannot be run, ValueError for a level or depth that
+    there is not, CompilerError where no C compiler works.
+    """
+    if isinstance(what, str):
+        return _of_the_list(known(what, FMUS, "FMU"))
+    with ONE_WRITES:
+        if isinstance(what, Vehicle):
+            level = _chosen("level", values, LEVEL)
+            depth = _chosen("contact_depth", values, int(DEFAULT_DEPTH))
+            return _of_a_vehicle(pickle.dumps(what), places_of(level, depth, on_line) or places_of(level))
+        return _of_a_model(what) if isinstance(what, Model) else _compiled(model_from(what))
+
+
+def model_from(what: Model | System | Vehicle, places: Sequence[int] = EVERY) -> Model:
+    """The model of a system, or of a vehicle with the systems of `places`. Raises TypeError for what has no model."""
+    if isinstance(what, Vehicle):
+        text = f"Railway vehicle of {len(what.wheelsets)} wheelsets under brake and traction torque"
+        return model_of_levels(what.name, text, what, places)
+    if isinstance(what, System):
+        return model_of(what, TOLERANCE)
+    if isinstance(what, Model):
+        return what
+    given = f"the class {what.__name__}" if isinstance(what, type) else repr(what)
+    raise TypeError(f"Give the name of an FMU, a Vehicle, a System or a Model; {given} is none of them.")
+
+
+def _chosen(name: str, values: Mapping[str, Any], start: int) -> int:
+    value = values.get(name, start)
+    if value not in LEVELS:
+        raise ValueError(f"Set {name} to {', '.join(map(str, LEVELS[:-1]))} or {LEVELS[-1]}: it was {value}.")
+    return int(value)
+
+
+@lru_cache
+def _of_the_list(name: str) -> Machine:
+    return Machine(name, variables_of(name), Library(kernel_of(name)))
+
+
+@lru_cache
+def _of_a_vehicle(pickled: bytes, places: tuple[int, ...]) -> Machine:
+    """By its bytes, for vehicles that are equal may have different profiles."""
+    return _compiled(model_from(pickle.loads(pickled), places), frozenset({"level", "contact_depth"}))
+
+
+@lru_cache
+def _of_a_model(model: Model) -> Machine:
+    return _compiled(model)
+
+
+def _compiled(model: Model, fixed: frozenset[str] = frozenset()) -> Machine:
+    variables = {one.name: one for one in model.variables}
+    return Machine(model.name, variables, Library(build_library(model)), fixed)
