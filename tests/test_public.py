@@ -160,7 +160,7 @@ def test_an_input_over_time_turns_a_shaft_as_its_integral_says() -> None:
     system = bb.System("Pushed", "A mass that is pushed")
     force = system.input(bb.Variable("force", "input", "N", "Force", 0.0))
     speed = system.state("speed", "m/s", 0.0, 1.0)
-    system.derivative("speed", force / 2.0)
+    system.derivative(speed, force / 2.0)
     system.output(bb.Variable("forward", "output", "m/s", "Speed"), speed)
     table = ([0.5, 1.5, 1.5, 2.0], [0.0, 4.0, -2.0, -2.0])  # a ramp, a jump, and held from then on
     run = bb.run(system, 3.0, None, ["forward", "force"], 0.3, force=table)
@@ -411,7 +411,7 @@ def test_a_dask_cluster_gives_the_numbers_of_threads_here() -> None:
 def test_equations_of_ones_own_are_swept_here_and_sent_nowhere() -> None:
     fall = bb.System("Falling", "A body that falls")
     speed = fall.state("speed", "m/s", 0.0, 1.0)
-    fall.derivative("speed", -fall.parameter(bb.Variable("gravity", "parameter", "m/s2", "Gravity", 9.81)))
+    fall.derivative(speed, -fall.parameter(bb.Variable("gravity", "parameter", "m/s2", "Gravity", 9.81)))
     fall.output(bb.Variable("upwards", "output", "m/s", "Speed"), speed)
     assert bb.sweep(fall, 2.0, ["upwards"], {"gravity": [1.0, 2.0]})["upwards"] == pytest.approx([-2.0, -4.0])
     with ProcessPoolExecutor(1) as executor, pytest.raises(TypeError, match="leave it out, and threads run them here"):
