@@ -22,7 +22,7 @@ from scenarios.catalogue import SCENARIOS, find
 from scenarios.completion import completion
 from scenarios.live.page import write_page
 from scenarios.reporting.progress import ticking, without_bars
-from scenarios.reporting.report import Result, save, short_table, stopwatch, table
+from scenarios.reporting.report import Report, save, short_table, stopwatch, table
 from scenarios.scenario import BadInputError, Options, Scenario
 from scenarios.sweep import command as sweep
 from scenarios.sweep.points import SweepError
@@ -60,13 +60,13 @@ def run(chosen: argparse.Namespace) -> int:
     look_for_room(out)
     elapsed = stopwatch()
     with ticking(scenario.name, last_time(out / scenario.name)):
-        result = scenario.run(options)
-        folder = save(result, scenario.name, out, elapsed(), further)
+        report = scenario.run(options)
+        folder = save(report, scenario.name, out, elapsed(), further)
     if chosen.json:
         print((folder / "summary.json").read_text(encoding="utf-8"), end="")
     elif not chosen.quiet:
-        show(scenario, result, folder, chosen.all)
-    return HOLDS if result.holds else DOES_NOT_HOLD
+        show(scenario, report, folder, chosen.all)
+    return HOLDS if report.holds else DOES_NOT_HOLD
 
 
 def look_for_plotly() -> None:
@@ -90,13 +90,13 @@ def last_time(folder: Path) -> float | None:
         return None
 
 
-def show(scenario: Scenario, result: Result, folder: Path, whole: bool) -> None:
+def show(scenario: Scenario, report: Report, folder: Path, whole: bool) -> None:
     """Prints the table of a scenario, `whole` or what is judged alone, its remarks, and where its results lie."""
     print(f"{scenario.name}: {scenario.summary}\n")
-    print(table(result.rows) if whole else short_table(result.rows, folder))
-    if any(row.holds is False for row in result.rows):
+    print(table(report.rows) if whole else short_table(report.rows, folder))
+    if any(row.holds is False for row in report.rows):
         print("\nThe documentation gives the reasons: page How it is checked, section What does not hold.")
-    for remark in result.remarks:
+    for remark in report.remarks:
         print(f"\n{remark}")
     print(f"\nPicture: {folder / 'figure.png'}")
     if (folder / "report.html").exists():

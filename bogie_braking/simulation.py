@@ -15,6 +15,7 @@ from bogie_braking.histories import History, Value
 from bogie_braking.machines import Runnable, machine_of
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel
+from fmu_src.suggestion import suggestion
 from rbd_model.track.line import Line
 
 #: Columns of a recording are this far apart unless another interval is asked for [s].

@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 
 from fmu_src.cosimulation.master import Master
-from scenarios.reporting.report import Result
+from scenarios.reporting.report import Report
 
 
 class BadInputError(ValueError):
@@ -66,6 +66,6 @@ class Scenario:
 
     name: str
     summary: str
-    run: Callable[[Options], Result]
+    run: Callable[[Options], Report]
     takes: frozenset[str] = frozenset({"kind", "step"})
     sweep: Sweepable | None = None

@@ -34,7 +34,7 @@ from rbd_model.vehicle.parameters import tables_5_1_and_5_2
 from scenarios.bench.peak_adhesion import PeakAdhesion
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE
-from scenarios.reporting.report import Result, Row, at_least, at_most, between
+from scenarios.reporting.report import Report, Row, at_least, at_most, between
 from scenarios.scenario import Options, Scenario, Sweepable
 
 #: Controller periods and host steps on which the low rail is tried again [s], and teeth of the sensors.
@@ -192,7 +192,7 @@ def longest(stops: Sequence[ProtectedStop], distance: float | None) -> float | N
     return None if None in ratios else max(ratio for ratio in ratios if ratio is not None)
 
 
-def run(options: Options) -> Result:
+def run(options: Options) -> Report:
     found = measure()
     rows = rows_of(found)
     failures = [f"{rail}, {mode}: {stop.failure}" for (rail, mode), stop in found.stops.items() if stop.failure]
@@ -207,7 +207,7 @@ def run(options: Options) -> Result:
     stops = (*found.stops.values(), *found.low.values(), *found.teeth.values(), *found.dry)
     seconds = sum(stop.time for stop in stops)
     parameters = tables_5_1_and_5_2().values() | {"rails": {rail.name: rail.values() for rail in RAILS}}
-    return Result(rows, series, lambda: draw(found), parameters, seconds, remarks)
+    return Report(rows, series, lambda: draw(found), parameters, seconds, remarks)
 
 
 def among(found: Findings, locks: bool) -> str:

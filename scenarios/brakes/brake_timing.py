@@ -43,7 +43,7 @@ from fmu_src.cosimulation.slave import Slave
 from scenarios.bench.brake_air import balance_rows, closed_form_rows
 from scenarios.bench.open_fmus import open_brake
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, THREE, TRAILING, plt, titled
-from scenarios.reporting.report import Result, Row, between
+from scenarios.reporting.report import Report, Row, between
 from scenarios.scenario import Options, Scenario
 
 TIMED, FLOW = 1, 2
@@ -188,7 +188,7 @@ def friction_over_speed(brake: Slave) -> dict[str, np.ndarray]:
     return found
 
 
-def run(options: Options) -> Result:
+def run(options: Options) -> Report:
     rows: list[Row] = []
     series = Recording({"instant": "1"}, [[number] for number in range(INSTANTS + 1)])
     seconds = 0.0
@@ -208,7 +208,7 @@ def run(options: Options) -> Result:
     rows += closed_form_rows() + balance_rows()
     parameters = {case.name: case.ready.values() for case in chosen}
     remarks = [restrictions(case) for case in chosen]
-    return Result(rows, series, lambda: draw(chosen, series, frictions), parameters, seconds, remarks, guids)
+    return Report(rows, series, lambda: draw(chosen, series, frictions), parameters, seconds, remarks, guids)
 
 
 def restrictions(case: Case) -> str:

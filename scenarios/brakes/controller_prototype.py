@@ -13,7 +13,7 @@ from products.protection.rails import ABOVE, BAND, LOCK_ABOVE, RAILS
 from rbd_model.vehicle.parameters import tables_5_1_and_5_2
 from scenarios.bench.own_controller import FixedSlip
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, titled
-from scenarios.reporting.report import Result, Row
+from scenarios.reporting.report import Report, Row
 from scenarios.scenario import Options, Scenario
 
 CONTROLLERS: dict[str, Callable[[], WheelSlideController] | None] = {
@@ -23,7 +23,7 @@ CONTROLLERS: dict[str, Callable[[], WheelSlideController] | None] = {
 }
 
 
-def run(options: Options) -> Result:
+def run(options: Options) -> Report:
     chosen = [rail for rail in RAILS if rail.name in ("low", "changing")]
     with BrakedMachine() as machine:
         stops = {
@@ -43,7 +43,7 @@ def run(options: Options) -> Result:
     remark = "A controller is a class with step(time, wheel_speeds); `protected_stop` tries it."
     seconds = sum(stop.time for stop in stops.values())
     series = stops["low", "fixed slip"].series
-    return Result(rows, series, lambda: draw(stops), tables_5_1_and_5_2().values(), seconds, [remark])
+    return Report(rows, series, lambda: draw(stops), tables_5_1_and_5_2().values(), seconds, [remark])
 
 
 def draw(stops: dict[tuple[str, str], ProtectedStop]) -> Figure:

@@ -19,7 +19,7 @@ from scenarios.bench.asymmetric_shoes import DERAILED_AT
 from scenarios.bench.drive import RIGID
 from scenarios.reporting.plots import BOGIE, LEADING, THREE, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE
-from scenarios.reporting.report import Result, Row
+from scenarios.reporting.report import Report, Row
 from scenarios.scenario import Options, Scenario
 
 SPEED, BRAKE_START, STEP, LONGEST = 25.0, 1.0, 5e-3, 60.0
@@ -141,7 +141,7 @@ def rows_of(uneven: dict[float, UnevenStop], asymmetric: dict[tuple[float, float
     return rows
 
 
-def run(options: Options) -> Result:
+def run(options: Options) -> Report:
     uneven, asymmetric, physical = measure()
     remarks = [
         "Load moves to the leading wheelset under braking, so that it can take more than half of the torque: the share "
@@ -153,7 +153,7 @@ def run(options: Options) -> Result:
     seconds = sum(float(stop.series["time"][-1]) for stop in (*uneven.values(), *asymmetric.values()))
     series = asymmetric[ERRORS[1]].series
     parameters = tables_5_1_and_5_2().values() | {"friction": FRICTION, "shoe_distance": SHOE_DISTANCE}
-    return Result(rows_of(uneven, asymmetric), series, lambda: draw(uneven, asymmetric), parameters, seconds, remarks)
+    return Report(rows_of(uneven, asymmetric), series, lambda: draw(uneven, asymmetric), parameters, seconds, remarks)
 
 
 def draw(uneven: dict[float, UnevenStop], asymmetric: dict[tuple[float, float], UnevenStop]) -> Figure:

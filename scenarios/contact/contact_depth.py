@@ -34,7 +34,7 @@ from scenarios.methods.timing import least
 from scenarios.methods.work_precision import difference
 from scenarios.reporting.plots import LEADING, THESIS, THREE, TRAILING, mark, plt, titled
 from scenarios.reporting.progress import PATIENCE
-from scenarios.reporting.report import Bound, Result, Row, at_least, at_most
+from scenarios.reporting.report import Bound, Report, Row, at_least, at_most
 from scenarios.scenario import Options, Scenario
 
 #: Brakes applied as slowly as in chapter 9 [s], so that the wheelset moves from its tread to its flange step by step.
@@ -278,7 +278,7 @@ def measure() -> Findings:
     )
 
 
-def run(options: Options) -> Result:
+def run(options: Options) -> Report:
     found = measure()
     series = Recording({"time": "s"}, [[time] for time in found.histories[1]["time"]])
     for depth, one in found.histories.items():
@@ -294,7 +294,7 @@ def run(options: Options) -> Result:
         "tolerances": TOLERANCES,
     }
     seconds = DURATION * len(DEPTHS) * (len(TORQUES) + len(TOLERANCES) + 4)
-    return Result(rows, series, lambda: draw(found), parameters, seconds, remarks(found))
+    return Report(rows, series, lambda: draw(found), parameters, seconds, remarks(found))
 
 
 #: Names of what is compared, their unit in the table and how many of it one SI unit is.

@@ -37,7 +37,7 @@ from rbd_model.wheelset.touching_patch import direction_of, look_up_patch
 from scenarios.bench.wheel_on_strips import CONSTANT_FRICTION, NO_SPEED, wheel_under_load
 from scenarios.reporting.plots import BOGIE, FOUR, LEADING, THESIS, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE
-from scenarios.reporting.report import Result, Row, at_most
+from scenarios.reporting.report import Report, Row, at_most
 from scenarios.scenario import Options, Scenario
 
 #: The benchmark: load of each wheel [N], speed [m/s], friction, steel.
@@ -356,7 +356,7 @@ def apart() -> list[Row]:
     return rows
 
 
-def run(options: Options) -> Result:
+def run(options: Options) -> Report:
     lines: dict[tuple[str, str], list[Found]] = {}
     for method in METHODS:
         for name in tqdm(SIDES, desc="contact-manchester", leave=False, delay=PATIENCE):
@@ -368,7 +368,7 @@ def run(options: Options) -> Result:
             label = f"{quantity}_{name}_{method_name.split(',')[0].replace(' ', '_')}"
             series.add(label, unit, np.array([getattr(one, quantity) for one in found]))
     parameters = {"load": LOAD, "speed": SPEED, "friction": FRICTION, "shear_modulus": STEEL.shear_modulus}
-    return Result(rows, series, lambda: draw(lines), parameters | {"poisson_ratio": STEEL.poisson_ratio}, 0.0)
+    return Report(rows, series, lambda: draw(lines), parameters | {"poisson_ratio": STEEL.poisson_ratio}, 0.0)
 
 
 #: Of the methods' lines: where they agree, those behind are seen at both sides of those before.

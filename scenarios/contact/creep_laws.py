@@ -30,7 +30,7 @@ from scenarios.methods import exact_states
 from scenarios.methods.creep_cost import cost, values, with_coefficients
 from scenarios.reporting.plots import plt, titled
 from scenarios.reporting.progress import PATIENCE
-from scenarios.reporting.report import Bound, Result, Row, at_most
+from scenarios.reporting.report import Bound, Report, Row, at_most
 from scenarios.scenario import Options, Scenario
 
 #: The exact theory as CONTACT v25.2 computes it (61 x 61 elements), Poisson's ratio 0.25, G = 82 GPa; its own grid is
@@ -197,7 +197,7 @@ def failures(found: Mapping[str, Measured]) -> list[str]:
     return sentences
 
 
-def run(options: Options) -> Result:
+def run(options: Options) -> Report:
     found = measure()
     points, _, kinds = exact()
     series = Recording({"row": "1"}, [[number] for number in range(len(points))])
@@ -210,9 +210,9 @@ def run(options: Options) -> Result:
         "points": points.tolist(),
         "saturated_from": SATURATED,
     }
-    result = Result(rows_of(found), series, lambda: draw(found, False), parameters, 0.0, failures(found))
-    result.other_figures["with-derivatives"] = lambda: draw(found, True)
-    return result
+    report = Report(rows_of(found), series, lambda: draw(found, False), parameters, 0.0, failures(found))
+    report.other_figures["with-derivatives"] = lambda: draw(found, True)
+    return report
 
 
 # ---- the picture -------------------------------------------------------------------------------------------------

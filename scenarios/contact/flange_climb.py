@@ -18,7 +18,7 @@ from scenarios.bench.climbing_wheelset import GROWTH, SPEED, climbing_wheelset, 
 from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, THREE, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE
-from scenarios.reporting.report import Result, Row, at_least, near
+from scenarios.reporting.report import Report, Row, at_least, near
 from scenarios.scenario import Options, Scenario
 
 ANGLES, FRICTIONS = (60.0, 70.3, 75.0), (0.1, 0.3, 0.5)
@@ -44,7 +44,7 @@ def nadal(angle: float, friction: float) -> float:
     return float(nadal_limit(math.radians(angle), ca.SX(friction)))
 
 
-def run(options: Options) -> Result:
+def run(options: Options) -> Report:
     rows, steps = [], 0
     cases = [(angle, friction) for angle in ANGLES for friction in FRICTIONS]
     for angle, friction in tqdm(cases, desc="flange-climb", leave=False, delay=PATIENCE):
@@ -62,7 +62,7 @@ def run(options: Options) -> Result:
         series.add(f"limit_{name.lower()}", "1", np.array([climb.limit(*ONSET) for climb in climbs]))
     rows += remarks(series)
     parameters = {"speed": SPEED, "growth_of_push": GROWTH, "attack": ATTACK, "steps": steps}
-    return Result(rows, series, lambda: draw(rows, series), parameters, 0.0, motion=motion)
+    return Report(rows, series, lambda: draw(rows, series), parameters, 0.0, motion=motion)
 
 
 def motion() -> Motion:

@@ -14,7 +14,7 @@ from scenarios.macro_step import feedback_boundary, signed_torque
 from scenarios.macro_step.error import MASTERS
 from scenarios.macro_step.figure import draw
 from scenarios.macro_step.findings import Findings, find
-from scenarios.reporting.report import Result, Row, at_least, at_most, near
+from scenarios.reporting.report import Report, Row, at_least, at_most, near
 from scenarios.scenario import Options, Scenario
 
 #: Macro steps [s], evenly on a logarithmic axis.
@@ -157,10 +157,10 @@ def parameters() -> dict[str, Any]:
     return BOGIE.values() | brake_values() | used | feedback | {"stop_speed": coupling_error.INITIAL_SPEED}
 
 
-def run(options: Options) -> Result:
+def run(options: Options) -> Report:
     found = find(STEPS, SHOWN)
     rows = error_rows(found, SIZED, SHOWN) + chatter_rows(found, SHOWN) + boundary_rows(found)
-    return Result(
+    return Report(
         *(rows, series_of(found), lambda: draw(found), parameters(), 0.0, remarks(found, SHOWN), found.guids),
     )
 

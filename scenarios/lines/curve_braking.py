@@ -31,7 +31,7 @@ from scenarios.bench.drive import play, prepare_on_line
 from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import FOUR, THREE, plt, titled
 from scenarios.reporting.progress import PATIENCE
-from scenarios.reporting.report import Result, Row, near
+from scenarios.reporting.report import Report, Row, near
 from scenarios.scenario import Options, Scenario
 
 #: Radii of curves to the left, and straight track [m].
@@ -122,7 +122,7 @@ def read(series: Recording, name: str) -> float:
 Stops = dict[float, dict[float, Recording]]
 
 
-def run(options: Options) -> Result:
+def run(options: Options) -> Report:
     cases = [(radius, utilisation) for radius in RADII for utilisation in UTILISATIONS]
     bar = tqdm(cases, "steady curves", delay=PATIENCE, leave=False)
     series = Recording(GIVEN | COLUMNS, [steady(*case) for case in bar])
@@ -131,7 +131,7 @@ def run(options: Options) -> Result:
     rows += [row for radius in RADII for row in stop_rows(radius, stops[radius])]
     parameters = BOGIE.values() | {"speed": SPEED, "friction": FRICTION}
     seconds = sum(float(one["time"][-1]) for found in stops.values() for one in found.values())
-    return Result(rows, series, lambda: draw(series, stops), parameters, seconds, remarks(series), motion=motion)
+    return Report(rows, series, lambda: draw(series, stops), parameters, seconds, remarks(series), motion=motion)
 
 
 def motion() -> Motion:

@@ -19,7 +19,7 @@ from scenarios.bench.curves import (
 from scenarios.bench.drive import prepare_on_line
 from scenarios.reporting.plots import LEADING, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE
-from scenarios.reporting.report import Result, Row, at_most, near
+from scenarios.reporting.report import Report, Row, at_most, near
 from scenarios.scenario import Options, Scenario
 
 RADII = (150.0, 200.0, 300.0, 450.0, 700.0, 1000.0, 1500.0, 3000.0)
@@ -55,7 +55,7 @@ def curve(radius: float, deficiency: float, cant: float) -> list[float]:
     return [radius, deficiency, speed, cant, *(float(np.mean(steady[name])) for name in COLUMNS)]
 
 
-def run(options: Options) -> Result:
+def run(options: Options) -> Report:
     cases = [(radius, 0.0, suited_cant(radius, SPEED)) for radius in RADII]
     cases += [(RADIUS, one, MOST_CANT) for one in DEFICIENCIES]
     table = [curve(*case) for case in tqdm(cases, desc="curve-steering", leave=False, delay=PATIENCE)]
@@ -78,7 +78,7 @@ def run(options: Options) -> Result:
     rows.append(
         Row("shift of the leading wheelset, R = 3000 m", "mm", None, 1e3 * abs(wide), at_most(9.5), "flange at 9.5 mm")
     )
-    return Result(rows, series, lambda: draw(series), {"speed": SPEED}, 0.0, [who_flanges(series)])
+    return Report(rows, series, lambda: draw(series), {"speed": SPEED}, 0.0, [who_flanges(series)])
 
 
 def who_flanges(series: Recording) -> str:

@@ -21,7 +21,7 @@ from scenarios.methods.timing import LEVELS
 from scenarios.reporting.plots import BOGIE as GREY
 from scenarios.reporting.plots import LEADING, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE
-from scenarios.reporting.report import Result, Row, at_most, near
+from scenarios.reporting.report import Report, Row, at_most, near
 from scenarios.scenario import Options, Scenario
 
 #: Downhill, uphill, and of the track on which the bogie is held [1].
@@ -113,7 +113,7 @@ def runs(level: int) -> dict[str, Recording]:
     }
 
 
-def run(options: Options) -> Result:
+def run(options: Options) -> Report:
     bar = tqdm(LEVELS.items(), "gradient", delay=PATIENCE, leave=False, unit="level")
     found = {name: runs(level) for level, name in bar}
     ends = {name: terminal(level) for level, name in LEVELS.items()}
@@ -124,7 +124,7 @@ def run(options: Options) -> Result:
     parameters = BOGIE.values() | {"down": DOWN, "up": UP, "held": HELD, "brake": BRAKE, "traction": TRACTION}
     series = found["planar"]["started"]
     seconds = len(LEVELS) * (3 * (SETTLED + MEASURED) + SETTLED) + len(ends) * LONG
-    return Result(rows, series, lambda: draw(found, ends), parameters, seconds, said)
+    return Report(rows, series, lambda: draw(found, ends), parameters, seconds, said)
 
 
 def acceleration_rows(name: str, found: Mapping[str, Recording]) -> list[Row]:

@@ -39,7 +39,7 @@ from scenarios.reporting.line_picture import draw_line
 from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import LEADING, THESIS, TRAILING, legend_above, plt, titled
 from scenarios.reporting.progress import PATIENCE
-from scenarios.reporting.report import Result, Row, at_least, near
+from scenarios.reporting.report import Report, Row, at_least, near
 from scenarios.scenario import BadInputError, Options, Scenario
 
 #: Speed, and most cant deficiency at it: EN 13803 has 130 mm for freight trains, here with a margin [m/s], [m].
@@ -116,7 +116,7 @@ def drive(kernel: Kernel, line: Line, speed: float, columns: Sequence[str] = REC
     return Recording({"time": "s"} | {name: units_of("bogie")[name] for name in columns}, rows)
 
 
-def run(options: Options) -> Result:
+def run(options: Options) -> Report:
     kernel, line = bogie_on(options.line)
     speed = speed_on(line)
     series = drive(kernel, line, speed)
@@ -124,7 +124,7 @@ def run(options: Options) -> Result:
     parameters = BOGIE.values() | {"line": str(options.line or "own"), "speed": speed}
     seconds = float(series["time"][-1])
     said = kernel.journal or [QUIET_RUN]
-    return Result(rows, series, lambda: draw(series, line), parameters, seconds, said, motion=partial(motion, options))
+    return Report(rows, series, lambda: draw(series, line), parameters, seconds, said, motion=partial(motion, options))
 
 
 def motion(options: Options) -> Motion:

@@ -22,7 +22,7 @@ from scenarios.bench.curves import into_curve, suited_speed
 from scenarios.bench.drive import prepare_on_line
 from scenarios.reporting.plots import LEADING, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE
-from scenarios.reporting.report import Result, Row, at_most
+from scenarios.reporting.report import Report, Row, at_most
 from scenarios.scenario import Options, Scenario
 
 WHEELS = [f"{number}_{side}" for number in (1, 2, 3, 4) for side in ("left", "right")]
@@ -163,14 +163,14 @@ def shown_loads(scene: Scene) -> Recording:
     return Recording({"time": "s", "rigid": "N", "yielding": "N"}, [list(row) for row in both])
 
 
-def run(options: Options) -> Result:
+def run(options: Options) -> Report:
     every = scenes()
     outcomes = [compare(scene) for scene in tqdm(every, desc="track-yields", leave=False, delay=PATIENCE)]
     series = shown_loads(next(scene for scene in every if scene.name == SHOWN))
     rows = [row for outcome in outcomes for row in rows_of(outcome)]
     needed = [one.scene for one in outcomes if one.error > BAND]
     note = f"Rails must yield, or loads are off by more than {1e2 * BAND:g} %: {'; '.join(needed)}."
-    return Result(rows, series, partial(draw, series, outcomes), {}, 0.0, [note])
+    return Report(rows, series, partial(draw, series, outcomes), {}, 0.0, [note])
 
 
 def draw(series: Recording, outcomes: list[Outcome]) -> Figure:

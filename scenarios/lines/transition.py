@@ -30,7 +30,7 @@ from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import BOGIE as GREY
 from scenarios.reporting.plots import LEADING, THESIS, THREE, TRAILING, legend_above, plt, titled
 from scenarios.reporting.progress import PATIENCE
-from scenarios.reporting.report import Result, Row, near
+from scenarios.reporting.report import Report, Row, near
 from scenarios.scenario import Options, Scenario
 
 #: Cant ramps 1:n; EN 13803 has 1:444 as limit and 1:400 as exception.
@@ -165,7 +165,7 @@ def unloading(series: Recording) -> float:
 Found = dict[Case, Recording]
 
 
-def run(options: Options) -> Result:
+def run(options: Options) -> Report:
     cases = [Case(ramp, SLOW, curved=False, free=True) for ramp in RAMPS]
     cases += [Case(ramp, speed) for speed in (SLOW, FAST) for ramp in RAMPS]
     found = {case: case.run() for case in tqdm(cases, desc="transition", leave=False, delay=PATIENCE)}
@@ -174,7 +174,7 @@ def run(options: Options) -> Result:
     shown = Case(RAMPS[0], SLOW)
     parameters = BOGIE.values() | {"radius": RADIUS, "cant": CANT, "slow": SLOW, "fast": FAST}
     seconds = sum(float(series["time"][-1]) for series in found.values())
-    return Result(rows, found[shown], lambda: draw(found), parameters, seconds, remarks(found), motion=motion)
+    return Report(rows, found[shown], lambda: draw(found), parameters, seconds, remarks(found), motion=motion)
 
 
 def motion() -> Motion:

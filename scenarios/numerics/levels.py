@@ -26,7 +26,7 @@ from scenarios.bench.drive import AT_REST, RIGID, located_lock_time, play, prepa
 from scenarios.methods.timing import LEVELS, least
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE
-from scenarios.reporting.report import Result, Row, at_most, near
+from scenarios.reporting.report import Report, Row, at_most, near
 from scenarios.scenario import Options, Scenario, Sweepable
 
 INITIAL_SPEED, FRICTION = 25.0, 0.3
@@ -210,7 +210,7 @@ def measure() -> Findings:
     return Findings(stops, cone, boundaries, costs)
 
 
-def run(options: Options) -> Result:
+def run(options: Options) -> Report:
     found = measure()
     series = Recording({"utilisation": "1"}, [[utilisation] for utilisation in UTILISATIONS])
     for name, stops in found.stops.items():
@@ -224,7 +224,7 @@ def run(options: Options) -> Result:
         "tolerance": TOLERANCE,
     }
     seconds = len(LEVELS) * sum(duration(utilisation) for utilisation in UTILISATIONS)
-    return Result(rows, series, lambda: draw(found), parameters, seconds, remarks(found))
+    return Report(rows, series, lambda: draw(found), parameters, seconds, remarks(found))
 
 
 def boundary_rows(found: Findings) -> list[Row]:

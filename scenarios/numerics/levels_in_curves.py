@@ -36,7 +36,7 @@ from scenarios.methods.timing import LEVELS, least
 from scenarios.reporting.plots import BOGIE as GREY
 from scenarios.reporting.plots import LEADING, THREE, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE
-from scenarios.reporting.report import Result, Row, near
+from scenarios.reporting.report import Report, Row, near
 from scenarios.scenario import Options, Scenario
 
 RADII = (150.0, 200.0, 250.0, 299.0, 300.0, 400.0, 500.0, 700.0, 1000.0, 1500.0, 2000.0, 3000.0)
@@ -159,7 +159,7 @@ def cost(level: int) -> float:
     return least(once)
 
 
-def run(options: Options) -> Result:
+def run(options: Options) -> Report:
     found = measure()
     series = Recording({"radius": "m"}, [[radius] for radius in RADII])
     series.add("von_roeckl", "1", found.roeckl)
@@ -169,7 +169,7 @@ def run(options: Options) -> Result:
         series.add(f"way_{model.replace(' ', '_')}_{utilisation:g}", "m", ways)
     rows = [*checks(found), *loss_rows(found), *stop_rows(found), *cost_rows(found)]
     parameters = BOGIE.values() | {"speed": SPEED, "friction": FRICTION}
-    return Result(rows, series, lambda: draw(found), parameters, 0.0, remarks(found))
+    return Report(rows, series, lambda: draw(found), parameters, 0.0, remarks(found))
 
 
 def checks(found: Findings) -> list[Row]:

@@ -21,7 +21,7 @@ from rbd_model.vehicle.parameters import AS_PRINTED, as_printed, tables_4_1_and_
 from scenarios.bench.drive import in_space, play, prepare
 from scenarios.reporting.plots import BOGIE, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE
-from scenarios.reporting.report import Result, Row, at_most, near
+from scenarios.reporting.report import Report, Row, at_most, near
 from scenarios.scenario import Options, Scenario
 
 #: Steps of the oracle and samples [s]; Runge-Kutta is unstable above 0.99 ms at 15 m/s and 0.8 ms at 25 m/s.
@@ -130,7 +130,7 @@ def compare(scene: Scene) -> Outcome:
     return Outcome(fast, printed, (fast_seconds, printed_seconds))
 
 
-def run(options: Options) -> Result:
+def run(options: Options) -> Report:
     outcomes = {scene: compare(scene) for scene in SCENES}
     rows = []
     for scene, outcome in outcomes.items():
@@ -169,7 +169,7 @@ def run(options: Options) -> Result:
         "fast model's polynomials in their place the two agree to 1e-9 in accelerations and forces, as the tests show."
     )
     seconds = sum(scene.duration for scene in SCENES)
-    return Result(rows, series, lambda: draw(outcomes), {"step": STEP, "tolerance": TOLERANCE}, seconds, [remark])
+    return Report(rows, series, lambda: draw(outcomes), {"step": STEP, "tolerance": TOLERANCE}, seconds, [remark])
 
 
 def draw(outcomes: dict[Scene, Outcome]) -> Figure:

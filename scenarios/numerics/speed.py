@@ -23,7 +23,7 @@ from scenarios.bench.asymmetric_shoes import run_all
 from scenarios.methods import fmi_overhead
 from scenarios.methods.timing import LEVELS, REPEATS, least
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, titled
-from scenarios.reporting.report import Result, Row
+from scenarios.reporting.report import Report, Row
 from scenarios.scenario import Options, Scenario
 
 KINDS = ("native", "python")
@@ -138,7 +138,7 @@ def fmu_timings(kind: str, level: int) -> list[Timing]:
     return [Timing("doStep of 1 ms", name, kind, host), Timing("22.9 s stop in one doStep", name, kind, stop)]
 
 
-def run(options: Options) -> Result:
+def run(options: Options) -> Report:
     kernel = kernel_of("bogie")
     library = Library(kernel)
     timings = [timing for level in LEVELS for timing in kernel_timings(library, level)]
@@ -193,7 +193,7 @@ def run(options: Options) -> Result:
     compiled_by = "a release's, zig" if kernel.is_relative_to(PREBUILT) else " ".join(compiler()[-3:])
     remark = f"Compiler: {compiled_by}. Machines are noisy: compare within one run only."
     parameters = {"brake_torque": TORQUE, "initial_speed": 25.0, "host_step": HOST_STEP, "runs": REPEATS}
-    return Result(rows, series, lambda: draw(timings), parameters, 0.0, [remark])
+    return Report(rows, series, lambda: draw(timings), parameters, 0.0, [remark])
 
 
 def stop_of(library: Library, level: int) -> dict[str, list[float]]:

@@ -24,7 +24,7 @@ from scenarios.methods.timing import least
 from scenarios.methods.work_precision import DEFAULT, OMITTED, PEERS, Point, Study, difference, study, works
 from scenarios.reporting.plots import plt, titled
 from scenarios.reporting.progress import PATIENCE
-from scenarios.reporting.report import Result, Row, at_most, near
+from scenarios.reporting.report import Report, Row, at_most, near
 from scenarios.scenario import Options, Scenario
 
 #: What a user asks for: relative error of peak lateral displacement, stop time and distance.
@@ -217,7 +217,7 @@ def failures(studies: list[Study]) -> list[str]:
     ]
 
 
-def run(options: Options) -> Result:
+def run(options: Options) -> Report:
     begin = clock.perf_counter()
     studies = all_studies()
     rows = [row for one in studies for row in scene_rows(one)] + stop_rows()
@@ -232,10 +232,10 @@ def run(options: Options) -> Result:
         "uncertainty": {one.scene.name: one.uncertainty for one in studies},
     }
     simulated = sum(one.scene.duration * len(one.points) for one in studies)
-    result = Result(rows, series_of(studies), lambda: draw(studies, "seconds"), parameters, simulated, remarks)
-    result.other_figures["right-hand-sides"] = lambda: draw(studies, "right_hand_sides")
-    result.parameters = dict(parameters) | {"study_seconds": clock.perf_counter() - begin}
-    return result
+    report = Report(rows, series_of(studies), lambda: draw(studies, "seconds"), parameters, simulated, remarks)
+    report.other_figures["right-hand-sides"] = lambda: draw(studies, "right_hand_sides")
+    report.parameters = dict(parameters) | {"study_seconds": clock.perf_counter() - begin}
+    return report
 
 
 def series_of(studies: list[Study]) -> Recording:

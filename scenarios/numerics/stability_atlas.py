@@ -36,7 +36,7 @@ from scenarios.methods.stability import (
 )
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE
-from scenarios.reporting.report import Result, Row, at_least, at_most, near
+from scenarios.reporting.report import Report, Row, at_least, at_most, near
 from scenarios.scenario import Options, Scenario
 
 NAMES = {RODAS5P: "RODAS5P", ROS34PW2: "ROS34PW2", RUNGE_KUTTA: "RK4"}
@@ -398,7 +398,7 @@ def drift_rows(atlas: Atlas) -> list[Row]:
     ]
 
 
-def run(options: Options) -> Result:
+def run(options: Options) -> Report:
     atlas = measure()
     remarks = [
         "RK4's limit is about 32 us for each m/s, 66 us for a single wheelset. Above it nothing blows up: creep "
@@ -410,7 +410,7 @@ def run(options: Options) -> Result:
         "At perfect rolling the law of creep has no unique slope (3.92): limits are taken under light braking.",
     ]
     parameters = tables_5_1_and_5_2().values() | {"speeds": SPEEDS, "steps": STEPS, "drawbar_force": DRAWBAR}
-    return Result(rows_of(atlas), series_of(atlas), lambda: draw(atlas), parameters, 0.0, remarks)
+    return Report(rows_of(atlas), series_of(atlas), lambda: draw(atlas), parameters, 0.0, remarks)
 
 
 def series_of(atlas: Atlas) -> Recording:

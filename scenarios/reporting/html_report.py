@@ -1,4 +1,4 @@
-"""A result as one page that needs no other file and no network: report.html."""
+"""A report as one page that needs no other file and no network: report.html."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from rbd_model.track.irregularity import TrackParameters
 from rbd_model.vehicle.parameters import VehicleParameters
 from scenarios.reporting import plots
 from scenarios.reporting.motion import MOST_EXAGGERATION, packed
-from scenarios.reporting.report import Result, number, parted
+from scenarios.reporting.report import Report, number, parted
 from scenarios.scenario import Scenario
 
 #: Colours and dashes of the lines of a chart, one after the other: neighbours differ in both.
@@ -49,10 +49,10 @@ class Chart:
     html: str
 
 
-def write_report(scenario: Scenario, result: Result, folder: Path) -> None:
+def write_report(scenario: Scenario, report: Report, folder: Path) -> None:
     """Beside summary.json and the figures, which it takes from there."""
     summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-    motion = result.motion and result.motion()
+    motion = report.motion and report.motion()
     judged, others = parted(summary["rows"], lambda row: row["holds"])
     page = environment().get_template("report.html.jinja")
     text = page.render(
@@ -66,7 +66,7 @@ def write_report(scenario: Scenario, result: Result, folder: Path) -> None:
         motion=motion and packed(motion) | {"colours": plots.FOUR if len(motion.vehicle.wheelsets) > 2 else COLOURS},
         motion_text=motion and motion.text,
         most_exaggeration=MOST_EXAGGERATION,
-        charts=list(charts(result)),
+        charts=list(charts(report)),
         figures={path.stem: encoded(path) for path in sorted(folder.glob("*.png"), key=first_figure)},
         parameters=list(parameters(summary["parameters"])),
         plotly=get_plotlyjs(),
@@ -115,9 +115,9 @@ def note(row: Mapping[str, Any]) -> str:
 # -- charts ----------------------------------------------------------------------------------------------------------
 
 
-def charts(result: Result) -> Iterator[Chart]:
+def charts(report: Report) -> Iterator[Chart]:
     """Of each recording, what has one unit and similar sizes together."""
-    for title, series in {"": result.series, **result.other_series}.items():
+    for title, series in {"": report.series, **report.other_series}.items():
         for names in together(series):
             yield Chart(heading(title, names, series.units[names[0]]), len(names), chart(series, names))
 

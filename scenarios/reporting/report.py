@@ -125,7 +125,7 @@ class Row:
 
 
 @dataclass
-class Result:
+class Report:
     """Everything a scenario found. `simulated_seconds`: time simulated over all runs; 0 where that is not the point."""
 
     rows: list[Row]
@@ -158,7 +158,7 @@ def versions() -> dict[str, str]:
 
 
 def save(
-    result: Result, name: str, out: Path, wall_seconds: float, further: Callable[[Result, Path], None] | None = None
+    report: Report, name: str, out: Path, wall_seconds: float, further: Callable[[Report, Path], None] | None = None
 ) -> Path:
     """Writes results/NAME in one move: a run that fails on the way leaves the folder as it was.
 
@@ -169,24 +169,24 @@ def save(
     try:
         summary = {
             "scenario": name,
-            "rows": [row.as_dict() for row in result.rows],
-            "remarks": result.remarks,
-            "parameters": dict(result.parameters),
-            "coupling": dict(result.coupling),
-            "versions": versions() | {"fmus": dict(result.guids)},
+            "rows": [row.as_dict() for row in report.rows],
+            "remarks": report.remarks,
+            "parameters": dict(report.parameters),
+            "coupling": dict(report.coupling),
+            "versions": versions() | {"fmus": dict(report.guids)},
             "wall_seconds": wall_seconds,
             # null where nothing runs in time, or the time of single calls is what is measured
-            "times_real_time": result.simulated_seconds / wall_seconds or None,
+            "times_real_time": report.simulated_seconds / wall_seconds or None,
         }
         (partial / "summary.json").write_text(json.dumps(summary, indent=2, allow_nan=False) + "\n", encoding="utf-8")
-        for file, series in {"timeseries": result.series, **result.other_series}.items():
+        for file, series in {"timeseries": report.series, **report.other_series}.items():
             series.write(partial / f"{file}.csv")
-        for file, draw in {"figure": result.draw, **result.other_figures}.items():
+        for file, draw in {"figure": report.draw, **report.other_figures}.items():
             figure = draw()
             figure.savefig(partial / f"{file}.png", dpi=130)
             plt.close(figure)
         if further:
-            further(result, partial)
+            further(report, partial)
         partial.chmod(0o755)
         target = out / name
         if target.exists():

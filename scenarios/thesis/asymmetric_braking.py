@@ -36,7 +36,7 @@ from scenarios.bench.asymmetric_shoes import (
 from scenarios.bench.drive import RIGID
 from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import LEADING, THREE, TRAILING, plt, titled
-from scenarios.reporting.report import Result, Row, at_least, rounding
+from scenarios.reporting.report import Report, Row, at_least, rounding
 from scenarios.scenario import Options, Scenario
 
 FITTED = "not judged: the half spacing is fitted to it"
@@ -154,7 +154,7 @@ def remarks_of(outcomes: dict[Case, Outcome]) -> list[str]:
     ]
 
 
-def run(options: Options) -> Result:
+def run(options: Options) -> Report:
     outcomes = run_all([*CASES, *FURTHER_CASES])
     rows = [row for case, outcome in outcomes.items() if case.reading != AT_CENTRE for row in rows_of(case, outcome)]
     rows += rows_of_derailments(outcomes) + rows_of_loads(outcomes)
@@ -164,10 +164,10 @@ def run(options: Options) -> Result:
         series.add_from(f"lateral, {case.name}", outcome.series, f"lateral_{case.wheelset}")
     parameters = as_printed(tables_5_1_and_5_2()).values() | RIGID | {"tolerance": TOLERANCE}
     seconds = sum(float(outcome.series["time"][-1]) for outcome in outcomes.values())
-    result = Result(rows, series, lambda: draw(outcomes), parameters, seconds, remarks_of(outcomes))
-    result.other_figures["contact-depth"] = lambda: draw_depths(outcomes)
-    result.motion = motion
-    return result
+    report = Report(rows, series, lambda: draw(outcomes), parameters, seconds, remarks_of(outcomes))
+    report.other_figures["contact-depth"] = lambda: draw_depths(outcomes)
+    report.motion = motion
+    return report
 
 
 def motion() -> Motion:

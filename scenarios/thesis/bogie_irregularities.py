@@ -29,7 +29,7 @@ from scenarios.bench.irregularities import (
 )
 from scenarios.reporting.motion import Motion, irregular, motion_columns
 from scenarios.reporting.plots import LEADING, TRAILING, plt, titled
-from scenarios.reporting.report import Result, Row, near, rounding
+from scenarios.reporting.report import Report, Row, near, rounding
 from scenarios.scenario import Options, Scenario
 
 SPACING = "half spacing of the suspension 0.7 m and frame height 0.8 m are fitted, to other values"
@@ -180,7 +180,7 @@ ROWS = {
 }
 
 
-def run_of(kind: Irregularity) -> Result:
+def run_of(kind: Irregularity) -> Report:
     runs = {speed: travel(kind, speed)[1] for speed in SPEEDS}
     rows = ROWS[kind.name](runs)
     series = runs[15.0]
@@ -189,9 +189,9 @@ def run_of(kind: Irregularity) -> Result:
     parameters = (
         as_printed(tables_5_1_and_5_2()).values() | section_5_3().values() | RIGID | {kind.name: kind.amplitude}
     )
-    result = Result(rows, series, lambda: draw(kind, runs), parameters, DURATION * len(runs))
-    result.motion = lambda: motion(kind)
-    return result
+    report = Report(rows, series, lambda: draw(kind, runs), parameters, DURATION * len(runs))
+    report.motion = lambda: motion(kind)
+    return report
 
 
 def motion(kind: Irregularity) -> Motion:
@@ -215,7 +215,7 @@ def draw(kind: Irregularity, runs: dict[float, Recording]) -> Figure:
 
 
 def scenario(name: str, kind: Irregularity) -> Scenario:
-    def run(options: Options) -> Result:
+    def run(options: Options) -> Report:
         return run_of(kind)
 
     return Scenario(name, kind.summary, run, frozenset())

@@ -14,7 +14,7 @@ from rbd_model.vehicle.ready import two_axle_bogie
 from scenarios.bench.drive import RIGID, bogie, play
 from scenarios.reporting.motion import Motion, irregular, motion_columns
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, titled
-from scenarios.reporting.report import Result, Row, rounding
+from scenarios.reporting.report import Report, Row, rounding
 from scenarios.scenario import Options, Scenario
 
 TORQUE, HIGH_SPEED = 15e3, 20.0
@@ -45,7 +45,7 @@ def drive(name: str, reading: Mapping[str, float] = AS_PRINTED, columns: Sequenc
     return play("bogie", kernel, DURATION, INTERVAL, columns, inputs)
 
 
-def run(options: Options) -> Result:
+def run(options: Options) -> Report:
     runs = {name: drive(name) for name in CASES}
     rows = []
     for name, series in runs.items():
@@ -63,7 +63,7 @@ def run(options: Options) -> Result:
     for name in list(runs)[1:]:
         series.add_from(f"lateral_1, {name}", runs[name], "lateral_1")
     parameters = as_printed(tables_5_1_and_5_2()).values() | section_5_3().values() | WAVE | RIGID
-    return Result(rows, series, lambda: draw(runs), parameters, 2 * DURATION * len(runs), motion=motion)
+    return Report(rows, series, lambda: draw(runs), parameters, 2 * DURATION * len(runs), motion=motion)
 
 
 def motion() -> Motion:

@@ -13,7 +13,7 @@ from rbd_model.vehicle.ready import two_axle_bogie
 from scenarios.bench.drive import RIGID, period, play, prepare
 from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import BOGIE, TRAILING, panels
-from scenarios.reporting.report import Result, Row, at_most
+from scenarios.reporting.report import Report, Row, at_most
 from scenarios.scenario import Options, Scenario
 
 TORQUE = 15e3
@@ -38,7 +38,7 @@ def mean_between(series: Recording, begin: float, end: float) -> float:
     return float(series["pitch"][chosen].mean())
 
 
-def run(options: Options) -> Result:
+def run(options: Options) -> Report:
     runs = {level: drive(level) for level in LEVELS}
     hung = drive(2, tables_5_1_and_5_2().torque_reaction)
     series, source = runs[2], "section 5.4.2, Fig. 5.29"
@@ -71,7 +71,7 @@ def run(options: Options) -> Result:
     series.add_from("pitch, spatial", runs[3], "pitch")
     remark = "Symmetric track and loads: the planar level is enough; the spatial one is run to show it."
     parameters = as_printed(tables_5_1_and_5_2()).values()
-    return Result(rows, series, lambda: draw(series), parameters, DURATION * (len(runs) + 1), [remark], motion=motion)
+    return Report(rows, series, lambda: draw(series), parameters, DURATION * (len(runs) + 1), [remark], motion=motion)
 
 
 def motion() -> Motion:

@@ -14,7 +14,7 @@ from rbd_model.vehicle.ready import two_axle_bogie
 from scenarios.bench.drive import bogie, play
 from scenarios.reporting.motion import Motion, irregular, motion_columns
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, mark, plt, titled
-from scenarios.reporting.report import Result, Row
+from scenarios.reporting.report import Report, Row
 from scenarios.scenario import Options, Scenario
 
 TORQUE, APPLIED, SPEED = 60e3, 4.0, 25.0
@@ -37,7 +37,7 @@ def brake(
     return series, kernel.journal
 
 
-def run(options: Options) -> Result:
+def run(options: Options) -> Report:
     runs = {name: brake(braked) for name, braked in CASES.items()}
     rows, remarks = [], []
     for name, (series, journal) in runs.items():
@@ -56,7 +56,7 @@ def run(options: Options) -> Result:
     choice = smallest_level(("brake_torque_1", *WAVE), RECORDED)
     remarks.append(choice.reason)
     parameters = as_printed(tables_5_1_and_5_2()).values() | WAVE | {"level": choice.level}
-    return Result(rows, first, lambda: draw(runs), parameters, 2 * DURATION * len(runs), remarks, motion=motion)
+    return Report(rows, first, lambda: draw(runs), parameters, 2 * DURATION * len(runs), remarks, motion=motion)
 
 
 def motion() -> Motion:

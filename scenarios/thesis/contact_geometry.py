@@ -29,7 +29,7 @@ from rbd_model.contact.geometry import (
 )
 from scenarios.bench.profile_files import gauge_of, sides_from_files
 from scenarios.reporting.plots import LEADING, THESIS, TRAILING, mark, plt, titled
-from scenarios.reporting.report import Result, Row, rounding
+from scenarios.reporting.report import Report, Row, rounding
 from scenarios.scenario import BadInputError, Options, Scenario
 
 SHIFTS = np.linspace(0.0, 9.0e-3, 91)
@@ -40,7 +40,7 @@ WORDS = ("left", "right")
 Places = TypeVar("Places", float, np.ndarray)
 
 
-def run(options: Options) -> Result:
+def run(options: Options) -> Report:
     if options.given:
         try:
             return run_files(sides_from_files(options))
@@ -73,7 +73,7 @@ def run(options: Options) -> Result:
         series.add(f"equivalent_conicity_{name}", "1", np.interp(SHIFTS, AMPLITUDES, values))
     parameters = {name: f"{one.wheel.name} on {one.rail.name}, r0 {one.radius} m" for name, one in pairs.items()}
     remark = f"S1002 on 60E1: flange contact at {1e3 * flange_contact_shift(pairs['european']):.1f} mm."
-    return Result(rows, series, lambda: draw(pair, series, flange), parameters, 0.0, [remark])
+    return Report(rows, series, lambda: draw(pair, series, flange), parameters, 0.0, [remark])
 
 
 def add_contacts(series: Recording, contacts: list[ContactAtShift]) -> None:
@@ -133,7 +133,7 @@ LEAST_MARGIN = 1e-3
 PRINTED = (1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 6e-3, 7e-3)
 
 
-def run_files(sides: Sides) -> Result:
+def run_files(sides: Sides) -> Report:
     """The level wheelset of EN 15302 on its track; nothing is judged, the standard sets no limits."""
     centre = centred_shift(sides, rolls=False)
     there = contact_at(sides, centre, rolls=False)
@@ -160,7 +160,7 @@ def run_files(sides: Sides) -> Result:
     gauge = gauge_of(sides)
     measured = "not in the files of the rails" if gauge is None else f"{1e3 * gauge:.2f} mm"
     parameters["gauge, 14 mm below the tops"] = f"{measured} (EN 13848-1); --gauge lays the rails by it"
-    return Result(
+    return Report(
         rows_of_files(there, flanges, conicity),
         series,
         lambda: draw_files(sides, series, conicity, centre, flanges),

@@ -11,7 +11,7 @@ from rbd_model.contact.creep.kalker import kalker_coefficients
 from rbd_model.contact.creep.law import ContactPatch
 from rbd_model.contact.creep.polach import polach
 from scenarios.reporting.plots import BOGIE, LEADING, THREE, plt, titled
-from scenarios.reporting.report import Result, Row, at_most
+from scenarios.reporting.report import Report, Row, at_most
 from scenarios.scenario import Options, Scenario
 
 #: One contact: semi-axes [m], load [N], friction, shear modulus [Pa].
@@ -63,7 +63,7 @@ def distance_from_exact() -> np.ndarray:
     return np.asarray(100 * np.hypot(off[:, 0], off[:, 1]) / (FRICTION * LOAD))
 
 
-def run(options: Options) -> Result:
+def run(options: Options) -> Report:
     distance = distance_from_exact()
     with_spin = EXACT[:, 2] != 0
     source = "Kalker's exact theory (CONTACT v25.2)"
@@ -88,7 +88,7 @@ def run(options: Options) -> Result:
         "shear_modulus": SHEAR_MODULUS,
         "exact": EXACT.tolist(),
     }
-    return Result(rows, series, lambda: draw(series), parameters, 0.0)
+    return Report(rows, series, lambda: draw(series), parameters, 0.0)
 
 
 def draw(series: Recording) -> Figure:

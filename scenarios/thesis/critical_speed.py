@@ -12,7 +12,7 @@ from rbd_model.vehicle.parameters import tables_4_1_and_4_2
 from scenarios.bench.drive import peaks, play, prepare
 from scenarios.bench.hunting_wheelset import RANGE, growth_by_eigenvalue, modes_at
 from scenarios.reporting.plots import LEADING, THESIS, TRAILING, plt, titled
-from scenarios.reporting.report import Result, Row, near
+from scenarios.reporting.report import Report, Row, near
 from scenarios.scenario import Options, Scenario
 
 FITTED, PRINTED = tables_4_1_and_4_2().longitudinal_half_spacing, 0.35
@@ -43,7 +43,7 @@ def growth_in_time(speed: float, half_spacing: float) -> float:
     return float(np.polyfit(time[tops], np.log(lateral[tops]), 1)[0])
 
 
-def run(options: Options) -> Result:
+def run(options: Options) -> Report:
     system = wheelset_in_frame()
     loci = {spacing: [modes_at(system, float(speed), spacing) for speed in SPEEDS] for spacing in (FITTED, PRINTED)}
     critical = {
@@ -84,7 +84,7 @@ def run(options: Options) -> Result:
         "thesis does not go that low."
     )
     parameters = tables_4_1_and_4_2().values()
-    return Result(rows, series, lambda: draw(loci, critical), parameters, 0.0, [remark])
+    return Report(rows, series, lambda: draw(loci, critical), parameters, 0.0, [remark])
 
 
 def draw(loci: dict[float, list[list[Mode]]], critical: dict[float, float]) -> Figure:

@@ -17,7 +17,7 @@ from scenarios.bench.open_fmus import open_bogie
 from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, mark, panels
 from scenarios.reporting.progress import PATIENCE
-from scenarios.reporting.report import Result, Row, rounding
+from scenarios.reporting.report import Report, Row, rounding
 from scenarios.scenario import Options, Scenario, Sweepable
 
 INITIAL_SPEED, TORQUE, BRAKE_TIME, DURATION = 25.0, 60e3, 4.0, 20.0
@@ -91,7 +91,7 @@ def point_rows(point: dict[str, Recording]) -> list[Row]:
     ]
 
 
-def run(options: Options) -> Result:
+def run(options: Options) -> Report:
     bar = tqdm(list(product((2, 1), CASES)), "stops", delay=PATIENCE, leave=False, unit="stop")
     runs = {(level, case): brake(options, level, CASES[case]) for level, case in bar}
     hung = {case: brake(options, 2, torque, BOGIE_DATA.torque_reaction)[0] for case, torque in CASES.items()}
@@ -104,7 +104,7 @@ def run(options: Options) -> Result:
     remarks = [f"{case} braked, planar: {' '.join(m for m in runs[2, case][1])}" for case in CASES]
     parameters = as_printed(BOGIE_DATA).values() | {"friction": FRICTION, "brake_torque": TORQUE}
     guids = {"BogieDynamics": runs[2, "both"][2]}
-    return Result(rows, series, lambda: draw(planar), parameters, 6 * DURATION, remarks, guids, motion=motion)
+    return Report(rows, series, lambda: draw(planar), parameters, 6 * DURATION, remarks, guids, motion=motion)
 
 
 def motion() -> Motion:

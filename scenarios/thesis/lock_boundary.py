@@ -18,7 +18,7 @@ from scenarios.bench.drive import AT_REST
 from scenarios.bench.open_fmus import open_bogie, open_brake
 from scenarios.bench.qr30_bogie import FRICTION, FRICTION_RANGE, bogie_parameters
 from scenarios.reporting.plots import BOGIE, THREE, single
-from scenarios.reporting.report import Result, Row, near
+from scenarios.reporting.report import Report, Row, near
 from scenarios.scenario import Options, Scenario
 
 #: Many short runs: the torque of 0.8 s build-up needs no finer macro step [s].
@@ -87,7 +87,7 @@ def locked_share(curve: np.ndarray, shoe_range: tuple[float, float]) -> float:
     return float(np.mean(above))
 
 
-def run(options: Options) -> Result:
+def run(options: Options) -> Report:
     curves: dict[int, np.ndarray] = {}
     step = options.macro_step(DEFAULT_STEP)
     with open_brake(options) as brake, open_bogie(options) as bogie:
@@ -152,7 +152,7 @@ def run(options: Options) -> Result:
     series = Recording(units, np.column_stack([FRICTIONS, *curves.values()]).tolist())
     parameters = tables_8_1_and_8_2().values() | {"macro_step": step, "resolution": RESOLUTION}
     seconds = sum(lasted for _, lasted in found)
-    return Result(rows, series, lambda: draw(curves), parameters, seconds, remarks, guids)
+    return Report(rows, series, lambda: draw(curves), parameters, seconds, remarks, guids)
 
 
 def draw(curves: dict[int, np.ndarray]) -> Figure:

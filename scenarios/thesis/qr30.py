@@ -28,7 +28,7 @@ from scenarios.bench.torque_history import read_torque_history
 from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, mark, panels
 from scenarios.reporting.progress import PATIENCE
-from scenarios.reporting.report import Result, Row, near, number, rounding
+from scenarios.reporting.report import Report, Row, near, number, rounding
 from scenarios.scenario import Options, Scenario
 
 #: Time of brake application [s]. Assumed: the thesis's figures begin about a second before.
@@ -128,7 +128,7 @@ def fitted_history() -> tuple[np.ndarray, np.ndarray]:
     return times, np.array([0.0, 0.0, FITTED_TORQUE, FITTED_TORQUE])
 
 
-def run(pressure: int, options: Options) -> Result:
+def run(pressure: int, options: Options) -> Report:
     if options.torque_csv is not None:
         return run_history(pressure, options)
     row = EXPERIMENT[pressure]
@@ -149,11 +149,11 @@ def run(pressure: int, options: Options) -> Result:
             series.add_from(f"{name} ({label})", one.series, name)
     parameters = tables_8_1_and_8_2().values() | qr30(pressure).values() | {"friction": FRICTION}
     length = DURATION * (len(printed) + 2 * (len(runs) - 1))
-    result = Result(
+    report = Report(
         rows, series, lambda: draw(pressure, runs), parameters, length, remarks, average.guids, average.coupling
     )
-    result.motion = motion if pressure == 180 else None
-    return result
+    report.motion = motion if pressure == 180 else None
+    return report
 
 
 def motion() -> Motion:
@@ -294,7 +294,7 @@ def fitted_rows(one: Run, hung: Run) -> list[Row]:
     ]
 
 
-def run_history(pressure: int, options: Options) -> Result:
+def run_history(pressure: int, options: Options) -> Report:
     assert options.torque_csv is not None
     one = brake_by_history(options, pressure, *read_torque_history(options.torque_csv))
     locked = "did not lock" if one.lock_speed is None else f"locked at {one.lock_speed:.2f} m/s, {one.lock_time:.2f} s"
@@ -321,7 +321,7 @@ def run_history(pressure: int, options: Options) -> Result:
     remark = f"With the torque of {options.torque_csv.name} the trailing wheelset {locked}."
     runs = {options.torque_csv.name: one}
     length = float(one.series["time"][-1])
-    return Result(rows, one.series, lambda: draw(pressure, runs), parameters, length, [remark], one.guids)
+    return Report(rows, one.series, lambda: draw(pressure, runs), parameters, length, [remark], one.guids)
 
 
 def draw(pressure: int, runs: Mapping[str, Run]) -> Figure:

@@ -35,7 +35,7 @@ from scenarios.bench.hunting_wheelset import RANGE, growth_by_eigenvalue
 from scenarios.bench.irregularities import CROSS_LEVEL, LATERAL_PEAK, WHEEL_LOAD, largest_wheel_load, travel
 from scenarios.reporting.plots import LEADING, THESIS, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE
-from scenarios.reporting.report import Result, Row
+from scenarios.reporting.report import Report, Row
 from scenarios.scenario import Options, Scenario
 
 TOLERANCE = 1e-5
@@ -226,7 +226,7 @@ def patch_panels() -> list[Panel]:
     ]
 
 
-def run(options: Options) -> Result:
+def run(options: Options) -> Report:
     asked = [
         (f"{panel.title}{word}", answer, float(value))
         for panel in panels()
@@ -242,7 +242,7 @@ def run(options: Options) -> Result:
         for word, found in (("least", min(answers[name])), ("largest", max(answers[name]))):
             rows.append(Row(f"{name}: {word}", panel.unit, panel.thesis, found, None, source))
     series = Recording({"panel": "1", "varied": "SI", "answer": "m/s, mm or kN"}, table(answers))
-    return Result(rows, series, lambda: draw(answers), as_printed(tables_5_1_and_5_2()).values(), 0.0)
+    return Report(rows, series, lambda: draw(answers), as_printed(tables_5_1_and_5_2()).values(), 0.0)
 
 
 def table(answers: dict[str, list[float]]) -> list[list[float]]:

@@ -26,7 +26,7 @@ from scenarios.bench.irregularities import CROSS_LEVEL, HUNTING_PEAK, LATERAL, L
 from scenarios.methods.stability import RUNGE_KUTTA, Machine, limit
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE
-from scenarios.reporting.report import Result, Row
+from scenarios.reporting.report import Report, Row
 from scenarios.scenario import Options, Scenario
 
 #: Steps of the explicit method [s], and the one that is looked at more closely.
@@ -293,7 +293,7 @@ def remarks_of(found: Study, names: Mapping[str, list[str]], below: float) -> li
     ]
 
 
-def run(options: Options) -> Result:
+def run(options: Options) -> Report:
     found, below = study(), rows_below()
     names = verdicts(found)
     counted = [
@@ -304,7 +304,7 @@ def run(options: Options) -> Result:
     seconds = sum(one.seconds for one in found.values())
     parameters = tables_5_1_and_5_2().values() | thesis_reading() | RIGID | {"steps": STEPS}
     remarks = remarks_of(found, names, below[1].simulated or 0.0)
-    return Result(rows, table(found), lambda: draw(found), parameters, seconds, remarks)
+    return Report(rows, table(found), lambda: draw(found), parameters, seconds, remarks)
 
 
 def table(found: Study) -> Recording:

@@ -14,7 +14,7 @@ from rbd_model.levels.models import smallest_level
 from rbd_model.vehicle.parameters import BogieParameters, as_printed, tables_5_1_and_5_2
 from scenarios.bench.open_fmus import open_bogie
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, mark, panels
-from scenarios.reporting.report import Result, Row, near, rounding
+from scenarios.reporting.report import Report, Row, near, rounding
 from scenarios.scenario import Options, Scenario
 
 DURATION = 40.0
@@ -125,7 +125,7 @@ def load_row(words: str, series: Recording, judged: bool) -> Row:
     return Row(f"braking, {words}: load that moves forward", "kN", None, moved, band, "moments about the rail", lacking)
 
 
-def run(options: Options) -> Result:
+def run(options: Options) -> Report:
     parameters = as_printed(tables_5_1_and_5_2())
     choice = smallest_level(("traction_torque_1", "brake_torque_1"), RECORDED)
     series, sequence, guids = drive(options, choice.level, parameters.torque_reaction)
@@ -164,7 +164,7 @@ def run(options: Options) -> Result:
     ]
     remark = f"Rolling without slip, 2T/r / (M + 2J/r2) = {expected:.4f} m/s2."
     used = parameters.values() | {"level": choice.level}
-    return Result(rows, series, lambda: draw(series, switches), used, 2 * DURATION, [remark, choice.reason], guids)
+    return Report(rows, series, lambda: draw(series, switches), used, 2 * DURATION, [remark, choice.reason], guids)
 
 
 def draw(series: Recording, switches: list[float | None]) -> Figure:

@@ -19,7 +19,7 @@ from scenarios.bench.hunting_wheelset import (
 )
 from scenarios.reporting.motion import Motion, irregular, motion_columns
 from scenarios.reporting.plots import LEADING, TRAILING, plt, titled
-from scenarios.reporting.report import Result, Row
+from scenarios.reporting.report import Report, Row
 from scenarios.scenario import Options, Scenario
 
 SPEEDS = (15.0, 25.0, 30.0)
@@ -35,7 +35,7 @@ def largest(series: Recording, begin: float, end: float) -> float:
     return float(np.abs(series["lateral_1"][chosen]).max())
 
 
-def run(options: Options) -> Result:
+def run(options: Options) -> Report:
     runs = {speed: hunt(speed, DURATION)[1] for speed in SPEEDS}
     slow, fast = hunting_period(runs[15.0]), hunting_period(runs[25.0])
     small, words = hunt(30.0, DURATION, **SMALL)[1], f"from a wave of {1e6 * SMALL['lateral_irregularity']:g} um"
@@ -74,7 +74,7 @@ def run(options: Options) -> Result:
             series.add_from(f"{name} at {speed:g} m/s", runs[speed], name)
     parameters = as_printed(tables_4_1_and_4_2()).values() | WAVE
     seconds = DURATION * (len(runs) + 1)
-    return Result(rows, series, lambda: draw(runs), parameters, seconds, motion=motion)
+    return Report(rows, series, lambda: draw(runs), parameters, seconds, motion=motion)
 
 
 def motion() -> Motion:

@@ -12,7 +12,7 @@ from rbd_model.vehicle.ready import wheelset_under_frame
 from scenarios.bench.drive import play, prepare
 from scenarios.reporting.motion import Motion, irregular, motion_columns
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, titled
-from scenarios.reporting.report import Result, Row, at_least, at_most, between, near
+from scenarios.reporting.report import Report, Row, at_least, at_most, between, near
 from scenarios.scenario import Options, Scenario
 
 TORQUE, APPLIED, SPEED = 25e3, 2.0, 25.0
@@ -42,7 +42,7 @@ def lock_in_closed_form(friction: float) -> float:
     return p.wheelset_pitch_inertia * SPEED / p.wheel_radius / (TORQUE - rail)
 
 
-def run(options: Options) -> Result:
+def run(options: Options) -> Report:
     runs = {friction: brake(friction) for friction in FRICTIONS}
     rows = []
     for friction, (printed, asked, words) in zip(
@@ -70,7 +70,7 @@ def run(options: Options) -> Result:
     for name in RECORDED:
         series.add_from(f"{name}, friction {FRICTIONS[1]}", runs[FRICTIONS[1]], name)
     parameters = as_printed(tables_4_1_and_4_2()).values() | WAVE
-    return Result(rows, series, lambda: draw(runs), parameters, 2 * DURATION * len(runs), motion=motion)
+    return Report(rows, series, lambda: draw(runs), parameters, 2 * DURATION * len(runs), motion=motion)
 
 
 def motion() -> Motion:

@@ -9,7 +9,7 @@ from fmu_src.cosimulation.recording import Recording
 from rbd_model.vehicle.parameters import AS_PRINTED, as_printed, tables_4_1_and_4_2
 from scenarios.bench.drive import play, prepare
 from scenarios.reporting.plots import BOGIE, THESIS, panels
-from scenarios.reporting.report import Result, Row, rounding
+from scenarios.reporting.report import Report, Row, rounding
 from scenarios.scenario import Options, Scenario
 
 TORQUE, LOW, HIGH = 5e3, 10.0, 25.0
@@ -25,7 +25,7 @@ def time_to_high_speed() -> float | None:
     return series.first_time(series["speed"] >= HIGH)
 
 
-def run(options: Options) -> Result:
+def run(options: Options) -> Report:
     reached = time_to_high_speed()
     end = reached or 15.0
     inputs = {
@@ -49,7 +49,7 @@ def run(options: Options) -> Result:
         Row("distance while braking", "m", 199.65, travelled, None, source, assumed),
         Row("distance slipped while braking", "m", 0.10, slip, rounding("0.10"), source, "0.425 m times the rotation"),
     ]
-    return Result(rows, series, lambda: draw(series), as_printed(tables_4_1_and_4_2()).values(), DURATION)
+    return Report(rows, series, lambda: draw(series), as_printed(tables_4_1_and_4_2()).values(), DURATION)
 
 
 def draw(series: Recording) -> Figure:

@@ -17,7 +17,7 @@ from scenarios.bench.drive import peaks, play, prepare
 from scenarios.bench.hunting_wheelset import WAVELENGTH
 from scenarios.reporting.motion import Motion, irregular, motion_columns
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, plt, titled
-from scenarios.reporting.report import Result, Row, near
+from scenarios.reporting.report import Report, Row, near
 from scenarios.scenario import Options, Scenario
 
 #: Neither the torque nor the disturbance is printed. The smaller torque hardly moves the critical speed.
@@ -84,7 +84,7 @@ def change_in_a_wave(series: Recording, speed: float) -> float:
     return acceleration * WAVELENGTH[1] / speed
 
 
-def run(options: Options) -> Result:
+def run(options: Options) -> Report:
     runs = {(kind, torque): drive(kind, torque) for torque in TORQUES for kind in START}
     rows = []
     for (kind, torque), one in runs.items():
@@ -112,7 +112,7 @@ def run(options: Options) -> Result:
     remark = "The torque itself moves the critical speed: braking stabilises, traction destabilises."
     seconds = sum(DURATION[torque] for _, torque in runs)
     parameters = as_printed(tables_4_1_and_4_2()).values() | WAVE
-    return Result(rows, series, lambda: draw(shown), parameters, seconds, [remark], motion=motion)
+    return Report(rows, series, lambda: draw(shown), parameters, seconds, [remark], motion=motion)
 
 
 def motion() -> Motion:

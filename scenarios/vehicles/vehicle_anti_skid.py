@@ -16,7 +16,7 @@ from products.protection.rails import ABOVE, BAND, LOCK_ABOVE, LONGEST_LOCK, OVE
 from scenarios.bench.peak_adhesion import PeakAdhesion
 from scenarios.reporting.plots import BOGIE, FOUR, plt, titled
 from scenarios.reporting.progress import PATIENCE
-from scenarios.reporting.report import Result, Row, at_least, at_most, between
+from scenarios.reporting.report import Report, Row, at_least, at_most, between
 from scenarios.scenario import Options, Scenario
 
 #: Factor on the friction under each wheelset, whose rail the one before it has cleaned. Assumed.
@@ -84,7 +84,7 @@ def rows_of(found: Findings) -> list[Row]:
     return sorted(rows, key=lambda row: row.asked is None)  # what is judged comes first
 
 
-def run(options: Options) -> Result:
+def run(options: Options) -> Report:
     found = measure()
     failures = [f"{name}: {stop.failure}" for name, stop in found.protected.items() if stop.failure]
     remarks = [
@@ -95,7 +95,7 @@ def run(options: Options) -> Result:
     stops = (*found.protected.values(), *found.unprotected.values())
     parameters = dict(coach().brake) | {"rails": {rail.name: rail.values(len(NUMBERS)) for rail in RAILS}}
     series = found.protected["low, cleaned"].series
-    return Result(rows_of(found), series, lambda: draw(found), parameters, sum(stop.time for stop in stops), remarks)
+    return Report(rows_of(found), series, lambda: draw(found), parameters, sum(stop.time for stop in stops), remarks)
 
 
 def draw(found: Findings) -> Figure:

@@ -14,7 +14,7 @@ from scenarios.bench.drive import located_lock_time, play, prepare
 from scenarios.bench.four_axles import rigid_axle_loads
 from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import FOUR, panels
-from scenarios.reporting.report import Result, Row, near
+from scenarios.reporting.report import Report, Row, near
 from scenarios.scenario import Options, Scenario
 
 PLANAR = 2
@@ -51,7 +51,7 @@ def locking(reaction: float, record: Sequence[str] = RECORDED) -> tuple[Recordin
     return series, {number: located_lock_time(kernel, series, number) for number in NUMBERS}
 
 
-def run(options: Options) -> Result:
+def run(options: Options) -> Report:
     rows, ramps = [], {}
     for name, reaction in REACTIONS.items():
         series, expected = steady(reaction)
@@ -72,7 +72,7 @@ def run(options: Options) -> Result:
     )
     first = ramps["hung in the frame"][0]
     parameters = STATICS | {"torque": TORQUE}
-    return Result(rows, first, lambda: draw(ramps), parameters, 4 * DURATION, remarks, motion=motion)
+    return Report(rows, first, lambda: draw(ramps), parameters, 4 * DURATION, remarks, motion=motion)
 
 
 def motion() -> Motion:

@@ -19,7 +19,7 @@ from products.building import up_to_date
 from products.protection.braked_machine import BrakedMachine, coach
 from scenarios.reporting.plots import LEADING, THESIS, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE
-from scenarios.reporting.report import Result, Row, at_most, near
+from scenarios.reporting.report import Report, Row, at_most, near
 from scenarios.scenario import Options, Scenario
 
 #: Full brake from this speed [m/s] at t = 0, looked at after so long [s]: the brake is full by 95 %.
@@ -129,7 +129,7 @@ def rows_of(found: Findings) -> list[Row]:
     return rows
 
 
-def run(options: Options) -> Result:
+def run(options: Options) -> Report:
     found = measure()
     names = [*(f"coupled_{name}" for name in MASTERS), "one_fmu", "one_fmu_default"]
     columns = [*found.coupled.values(), *found.composed.values()]
@@ -144,7 +144,7 @@ def run(options: Options) -> Result:
         f"the tolerance {TIGHT:g}, so that the coupling's error is what is seen."
     ]
     series = Recording({"macro_step": "s"} | units, table)
-    return Result(rows_of(found), series, lambda: draw(found), dict(coach().brake), DURATION, remarks)
+    return Report(rows_of(found), series, lambda: draw(found), dict(coach().brake), DURATION, remarks)
 
 
 def draw(found: Findings) -> Figure:

@@ -17,7 +17,7 @@ from rbd_model.linear import Mode, critical_speed, oscillations, reduced_jacobia
 from scenarios.bench.drive import RIGID, prepare, system_of
 from scenarios.reporting.plots import LEADING, THESIS, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE
-from scenarios.reporting.report import Result, Row, near
+from scenarios.reporting.report import Report, Row, near
 from scenarios.scenario import Options, Scenario
 
 #: Speeds of the picture [m/s].
@@ -175,7 +175,7 @@ def rows_of(onsets: Mapping[str, Onset]) -> list[Row]:
     return rows
 
 
-def run(options: Options) -> Result:
+def run(options: Options) -> Report:
     onsets = {case.name: onset(case) for case in tqdm(CASES, delay=PATIENCE, leave=False, unit="case")}
     series = Recording({"speed": "m/s"}, [[float(speed)] for speed in SPEEDS])
     points = [(case, body, speed) for case in CASES for body in (True, False) for speed in SPEEDS]
@@ -191,7 +191,7 @@ def run(options: Options) -> Result:
         "synthetic profiles (conicity about 0.05); worn wheels hunt earlier.",
         f"With a rolling resistance of {DRAG:g} N.m a wheelset: without any creep Polach's law has no unique slope.",
     ]
-    return Result(rows_of(onsets), series, lambda: draw(onsets, series), COACH.values(), 0.0, remarks)
+    return Report(rows_of(onsets), series, lambda: draw(onsets, series), COACH.values(), 0.0, remarks)
 
 
 def draw(onsets: Mapping[str, Onset], series: Recording) -> Figure:

@@ -11,7 +11,7 @@ from products.coach import AS_PUBLISHED, COACH, NUMBERS
 from rbd_model.linear import Mode, oscillations
 from scenarios.bench.drive import RIGID, prepare, system_of
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, titled
-from scenarios.reporting.report import Result, Row, near
+from scenarios.reporting.report import Report, Row, near
 from scenarios.scenario import Options, Scenario
 
 PLANAR, SPATIAL = 2, 3
@@ -71,7 +71,7 @@ def shown(found: list[Mode]) -> list[Mode]:
     return [mode for mode in found if mode.damping_ratio < OVERDAMPED and mode.frequency > SLOWEST]
 
 
-def run(options: Options) -> Result:
+def run(options: Options) -> Report:
     vertical = np.array([mode.frequency for mode in modes(PLANAR, initial_speed=0.0, **VERTICAL_ALONE)])
     rows = []
     for name, expected in PUBLISHED.items():
@@ -88,7 +88,7 @@ def run(options: Options) -> Result:
         "Complete: weight leans on springs that stand below the centres of mass, dampers act, lateral and yaw motions "
         "couple with roll; bounce stays within the damping's shift, pitch gains what moves along the track with it."
     ]
-    return Result(rows, series, lambda: draw(whole), {"initial_speed": SPEED}, 0.0, remarks)
+    return Report(rows, series, lambda: draw(whole), {"initial_speed": SPEED}, 0.0, remarks)
 
 
 def draw(found: list[Mode]) -> Figure:

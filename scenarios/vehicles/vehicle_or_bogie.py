@@ -20,7 +20,7 @@ from scenarios.bench.four_axles import rigid_axle_loads
 from scenarios.methods.timing import LEVELS, least
 from scenarios.reporting.plots import LEADING, THREE, TRAILING, plt, titled
 from scenarios.reporting.progress import PATIENCE
-from scenarios.reporting.report import Result, Row, at_most, near
+from scenarios.reporting.report import Report, Row, at_most, near
 from scenarios.scenario import Options, Scenario
 
 SPEED, PLANAR = 30.0, 2
@@ -186,7 +186,7 @@ def rows_of(found: Findings) -> list[Row]:
     return rows
 
 
-def run(options: Options) -> Result:
+def run(options: Options) -> Report:
     found = measure()
     columns = {"friction": "1", "share": "1", "deceleration": "m/s2", "distance_error": "1", "missing_transfer": "1"}
     table = [[f, s, d.deceleration, d.distance, d.missing] for (f, s), d in found.differences.items()]
@@ -198,7 +198,7 @@ def run(options: Options) -> Result:
         "the secondary suspension decides ask for the vehicle.",
         "Assumed: the traction rods of the vehicle, and their height, that of the secondary springs.",
     ]
-    return Result(rows_of(found), series, lambda: draw(found), dict(VALUES[ONE]), len(table) * 2 * DURATION, remarks)
+    return Report(rows_of(found), series, lambda: draw(found), dict(VALUES[ONE]), len(table) * 2 * DURATION, remarks)
 
 
 def draw(found: Findings) -> Figure:

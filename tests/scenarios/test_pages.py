@@ -25,7 +25,7 @@ from scenarios.bench.irregularities import DURATION, INTERVAL, LATERAL, SPEEDS
 from scenarios.reporting.html_report import together, write_report
 from scenarios.reporting.motion import Motion, Rails, box, motion_columns
 from scenarios.reporting.plots import single
-from scenarios.reporting.report import Result, Row, at_most, save
+from scenarios.reporting.report import Report, Row, at_most, save
 from scenarios.scenario import Options, Scenario
 from tests.browser import Browser, Page, browser
 
@@ -236,7 +236,7 @@ def test_index_links_to_the_report_and_marks_what_the_thesis_prints(
 BREAKS = "</script><script>document.title = 'broken'</script> <b>&lt; 1 'x' \"y\" {{ 1 }}"
 
 
-def nasty_result() -> Result:
+def nasty_report() -> Report:
     """Every text of it could end the page; one row of each verdict, and a motion in the plane."""
     time = np.linspace(0.0, 1.0, 11)
     series = Recording({"time": "s"}, [[instant] for instant in time])
@@ -251,16 +251,16 @@ def nasty_result() -> Result:
     for name in motion_columns(vehicle):
         recorded.add(name, "m", time if name == "distance" else np.zeros(11))
     parameters = {BREAKS: BREAKS, "group": {"wheel_radius": 0.425}, "long": 99 * ["word"], "longer": 999 * "w"}
-    result = Result(rows, series, lambda: single("title", "x [m]", "y [m]")[0], parameters, 0.0, [BREAKS])
-    result.guids = {BREAKS: BREAKS}
-    result.motion = lambda: Motion(BREAKS, vehicle, recorded)
-    return result
+    report = Report(rows, series, lambda: single("title", "x [m]", "y [m]")[0], parameters, 0.0, [BREAKS])
+    report.guids = {BREAKS: BREAKS}
+    report.motion = lambda: Motion(BREAKS, vehicle, recorded)
+    return report
 
 
 def test_texts_of_a_result_are_shown_and_never_obeyed(browser: Browser, tmp_path: Path) -> None:
-    scenario = Scenario("nasty", BREAKS, lambda options: nasty_result())
-    result = scenario.run(Options())
-    save(result, "nasty", tmp_path, 1.0, lambda result, folder: write_report(scenario, result, folder))
+    scenario = Scenario("nasty", BREAKS, lambda options: nasty_report())
+    report = scenario.run(Options())
+    save(report, "nasty", tmp_path, 1.0, lambda report, folder: write_report(scenario, report, folder))
     page = browser.open(tmp_path / "nasty" / "report.html", NARROW)
     assert page.errors == []
     assert cut(page) == []
@@ -310,9 +310,9 @@ def without_cant(points: np.ndarray, middle: float) -> np.ndarray:
 
 def test_a_curve_bends_before_and_behind_the_vehicle(browser: Browser, curve: Motion, tmp_path: Path) -> None:
     """By x^2 / (2 R) from its tangent, as its wheelsets do, which turn by x / R."""
-    result = Result([], curve.series, lambda: single("title", "x [m]", "y [m]")[0], {}, 1.0, motion=lambda: curve)
-    scenario, factor, row = Scenario("curve", "An arc.", lambda options: result), 20, 5
-    save(result, "curve", tmp_path, 1.0, lambda result, folder: write_report(scenario, result, folder))
+    report = Report([], curve.series, lambda: single("title", "x [m]", "y [m]")[0], {}, 1.0, motion=lambda: curve)
+    scenario, factor, row = Scenario("curve", "An arc.", lambda options: report), 20, 5
+    save(report, "curve", tmp_path, 1.0, lambda report, folder: write_report(scenario, report, folder))
     page = browser.open(tmp_path / "curve" / "report.html", WIDE)
     assert page.errors == []
     parts = shown_at(page, row, factor)
@@ -394,7 +394,7 @@ def test_what_is_neither_run_nor_sweep_is_named_and_left_and_the_rest_is_shown(
     (tmp_path / "other" / file).write_text(text)
     assert main(["report", "--out", str(tmp_path)]) == 2
     assert "There are no results in" in capsys.readouterr().err
-    save(nasty_result(), "nasty", tmp_path, 1.0)
+    save(nasty_report(), "nasty", tmp_path, 1.0)
     assert main(["report", "--out", str(tmp_path)]) == 0
     said = capsys.readouterr().err
     assert said.count("\n") == 1
@@ -408,7 +408,7 @@ def test_what_is_neither_run_nor_sweep_is_named_and_left_and_the_rest_is_shown(
 
 def test_what_is_being_written_is_not_shown(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for name in ("nasty", ".nasty-abc"):
-        save(nasty_result(), name, tmp_path, 1.0)
+        save(nasty_report(), name, tmp_path, 1.0)
     assert main(["report", "--out", str(tmp_path)]) == 0
     assert capsys.readouterr().err == ""
     assert ".nasty" not in (tmp_path / "index.html").read_text(encoding="utf-8")
