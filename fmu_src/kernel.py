@@ -353,5 +353,11 @@ class Kernel:
         """Of a variable in `Library.names`. Raises KernelError."""
         number = self.library.index.get(name)
         if number is None:
-            raise KernelError(f"There is no variable {name}; {suggestion(name, self.library.names)}", ERROR)
+            raise KernelError(f"There is no variable {name}; {self._suggestion(name)}", ERROR)
         return number
+
+    def _suggestion(self, name: str) -> str:
+        import difflib
+
+        near = difflib.get_close_matches(name, self.library.names, 1)
+        return f"did you mean {near[0]}?" if near else f"there are {', '.join(self.library.names)}."
