@@ -14,6 +14,7 @@ from pathlib import Path
 import casadi as ca
 from tqdm import tqdm
 
+from fmu_src.c_literals import c_array, c_number, c_text
 from fmu_src.chain import Call, Chain, Part, shared, symbols_in
 from fmu_src.effects import without_effect
 from fmu_src.elimination import Elimination, elimination, elimination_source
@@ -22,14 +23,16 @@ from fmu_src.model_description import model_description
 from fmu_src.own_names import PREFIX, with_own_names
 from fmu_src.pieces import in_pieces
 from fmu_src.progress import PATIENCE
-from fmu_src.system import LINE_COLUMNS, Model, SteadyStart, System, integration_variables, state_variable
+from fmu_src.system import Model, SteadyStart, System, integration_variables, state_variable
+from fmu_src.table_file import table_file_source
 
 RUNTIME = Path(__file__).parent / "runtime"
 #: Each calls only those before it; faces belong to FMUs, studies to the library for kernel.py.
 KERNEL_SOURCES = (
     "message.c",
-    "line.c",
-    "line_file.c",
+    "decimal.c",
+    "table_pieces.c",
+    "table_file.c",
     "piecewise.c",
     "evaluate.c",
     "variables.c",
@@ -50,14 +53,14 @@ KERNEL_SOURCES = (
     "exchange.c",
     "derivatives.c",
     "step.c",
-    "lines.c",
+    "text.c",
     "saved.c",
     "instance.c",
 )
 FACE_SOURCES = ("face.c", "face_exchange.c", "fmi2.c", "fmi3.c")
 STUDY_SOURCES = ("study.c", "other_methods.c")
 RUNTIME_SOURCES = (*KERNEL_SOURCES, *FACE_SOURCES, *STUDY_SOURCES)
-RUNTIME_HEADERS = ("model.h", "line.h", "kernel.h", "internal.h", "studies.h", "face.h", "fmi2Functions.h")
+RUNTIME_HEADERS = ("model.h", "table_file.h", "kernel.h", "internal.h", "studies.h", "face.h", "fmi2Functions.h")
 
 #: Functions of a system in the order of `system_description` in model.h.
 FUNCTIONS = (
@@ -389,27 +392,6 @@ def _without_guards(text: str) -> str:
     return re.sub(r"\bif \(res\[(\d+)\]!=0\) (?=res\[\1\]\[)", "", text)
 
 
-def _number(value: float) -> str:
-    if math.isnan(value):
-        return "NAN"
-    if math.isinf(value):
-        return "INFINITY" if value > 0 else "-INFINITY"
-    return repr(float(value))
-
-
-def _text(value: str) -> str:
-    """A C string of plain letters; all others are written as the bytes of their UTF-8, and no two question marks are a
-    trigraph.
-    """
-    plain = (chr(byte) if 32 <= byte < 127 and chr(byte) not in '"\\?' else f"\\{byte:03o}" for byte in value.encode())
-    return f'"{"".join(plain)}"'
-
-
-def _array(kind: str, name: str, values: Iterable[str]) -> str:
-    entries = list(values)
-    return f"static const {kind} {name}[] = {{{', '.join(entries)}}};" if entries else ""
-
-
 def _system_arrays(model: Model, system: System, solving: Elimination) -> Iterable[str]:
     """The constants of a system; what equal wheels have in common, the tables of their profile, is stored once."""
     prefix = system.name
@@ -419,25 +401,25 @@ def _system_arrays(model: Model, system: System, solving: Elimination) -> Iterab
         ("parameter", list(system.parameter_symbols)),
         ("output", outputs),
     ):
-        yield _array("int", f"{prefix}_{suffix}_variable", [str(model.index(name)) for name in names])
+        yield c_array("int", f"{prefix}_{suffix}_variable", [str(model.index(name)) for name in names])
     shown = [-1 if s.algebraic else model.index(state_variable(s.name)) for s in system.states.values()]
-    yield _array("int", f"{prefix}_state_variable", map(str, shown))
-    yield _array("int", f"{prefix}_idle", [str(model.index(name)) for name in without_effect(model, system)])
-    yield _array("double", f"{prefix}_nominal", [_number(state.nominal) for state in system.states.values()])
-    yield _array("int", f"{prefix}_order", map(str, solving.order))
-    yield _array("int", f"{prefix}_jacobian_place", map(str, solving.jacobian_place))
+    yield c_array("int", f"{prefix}_state_variable", map(str, shown))
+    yield c_array("int", f"{prefix}_idle", [str(model.index(name)) for name in without_effect(model, system)])
+    yield c_array("double", f"{prefix}_nominal", [c_number(state.nominal) for state in system.states.values()])
+    yield c_array("int", f"{prefix}_order", map(str, solving.order))
+    yield c_array("int", f"{prefix}_jacobian_place", map(str, solving.jacobian_place))
     places = (str(column * len(solving.order) + row) for row, column in solving.place)
-    yield _array("int", f"{prefix}_factor_place", places)
+    yield c_array("int", f"{prefix}_factor_place", places)
     position = {name: number for number, name in enumerate(system.states)}
     limited = [[position[name] for name in names] for names, _ in system.largest_changes]
-    yield _array("limited_change", f"{prefix}_limited", [f"{{{one[0]}, {[*one, -1][1]}}}" for one in limited])
+    yield c_array("limited_change", f"{prefix}_limited", [f"{{{one[0]}, {[*one, -1][1]}}}" for one in limited])
     algebraic = [number for number, state in enumerate(system.states.values()) if state.algebraic]
-    yield _array("int", f"{prefix}_algebraic", map(str, algebraic))
-    yield _array(
+    yield c_array("int", f"{prefix}_algebraic", map(str, algebraic))
+    yield c_array(
         "friction_description",
         f"{prefix}_friction",
         [
-            f"{{{_text(f.label)}, {_text(f.stuck_word)}, {_text(f.sliding_word)}, "
+            f"{{{c_text(f.label)}, {c_text(f.stuck_word)}, {c_text(f.sliding_word)}, "
             f"{position[f.states[0]]}, {position[f.states[1]] if f.states[1:] else -1}}}"
             for f in system.frictions
         ],
@@ -448,25 +430,25 @@ def _system_arrays(model: Model, system: System, solving: Elimination) -> Iterab
     for table in system.ranked_tables:
         first = place
         place += table.symbols.numel()
-        if table.columns:
+        if table.file:
             name = f"{prefix}_{table.name}"
-            yield _array("int", f"{name}_column", [str(list(LINE_COLUMNS).index(column)) for column in table.columns])
-            entries.append(f"{{0, 0, {table.rank}, {first}, {len(table.columns)}, {name}_column, 0, 0}}")
+            yield c_array("int", f"{name}_piece", [str(table.file.pieces.index(piece)) for piece in table.pieces])
+            entries.append(f"{{0, 0, {table.rank}, {first}, {len(table.pieces)}, {name}_piece, 0, 0}}")
             continue
         content = table.breakpoints.tobytes(), table.coefficients.tobytes()
         if content not in stored:
             stored[content] = name = f"{prefix}_{table.name}"
-            yield _array("double", f"{name}_breakpoint", map(_number, table.breakpoints))
-            yield _array("double", f"{name}_coefficient", map(_number, table.coefficients.ravel()))
+            yield c_array("double", f"{name}_breakpoint", map(c_number, table.breakpoints))
+            yield c_array("double", f"{name}_coefficient", map(c_number, table.coefficients.ravel()))
         pieces, degree, name = table.coefficients.shape[0], table.coefficients.shape[1] - 1, stored[content]
         entries.append(f"{{{pieces}, {degree}, {table.rank}, {first}, 0, 0, {name}_breakpoint, {name}_coefficient}}")
-    yield _array("table_description", f"{prefix}_table", entries)
+    yield c_array("table_description", f"{prefix}_table", entries)
     ranks = [f"{prefix}_table_argument_{rank}" for rank in range(_table_ranks(system))]
-    yield _array("generated_function", f"{prefix}_table_argument", ranks)
+    yield c_array("generated_function", f"{prefix}_table_argument", ranks)
     if system.steady_start:
         yield from _steady_arrays(system, system.steady_start)
-    sentences = [_text(condition.sentence) for condition in (*system.end_conditions, *system.warnings)]
-    yield _array("char *const", f"{prefix}_sentence", sentences)
+    sentences = [c_text(condition.sentence) for condition in (*system.end_conditions, *system.warnings)]
+    yield c_array("char *const", f"{prefix}_sentence", sentences)
 
 
 def _steady_arrays(system: System, start: SteadyStart) -> Iterable[str]:
@@ -480,10 +462,10 @@ def _steady_arrays(system: System, start: SteadyStart) -> Iterable[str]:
         "place": [parameters.index(name) for name in start.places],
     }
     for name, numbers in places.items():
-        yield _array("int", f"{prefix}_{name}", map(str, numbers))
+        yield c_array("int", f"{prefix}_{name}", map(str, numbers))
     fields = {"speed": str(states.index(start.speed))} | {f"{name}s": str(len(some)) for name, some in places.items()}
     fields |= {name: f"{prefix}_{name}" if numbers else "0" for name, numbers in places.items()}
-    fields |= {"sentence": _text(start.sentence)} | {name: f"{system.name}_{name}" for name in STEADY_FUNCTIONS}
+    fields |= {"sentence": c_text(start.sentence)} | {name: f"{system.name}_{name}" for name in STEADY_FUNCTIONS}
     members = ", ".join(f"/* {name} */ {value}" for name, value in fields.items())
     yield f"static const steady_start {prefix}_start = {{{members}}};"
 
@@ -528,7 +510,7 @@ def _system_entry(model: Model, system: System, made: dict[str, Generated], solv
         "table": "tables",
         "sentence": "conditions",
     }
-    fields = {"name": _text(system.name)} | {name: str(count) for name, count in counts.items()}
+    fields = {"name": c_text(system.name)} | {name: str(count) for name, count in counts.items()}
     fields |= {name: f"{prefix}_{name}" if counts[count] else "0" for name, count in arrays.items()}
     fields |= {name: f"{prefix}_{name}" if name in made else "0" for name in FUNCTIONS}
     fields |= {name: f"{prefix}_{name}" for name in ("factorise", "substitute")}
@@ -548,12 +530,14 @@ def _description(model: Model, generated: Sequence[dict[str, Generated]], solvin
         lines.append(f"INSIDE void {system.name}_factorise(double *);")
         lines.append(f"INSIDE void {system.name}_substitute(const double *, double *);")
         lines += [line for line in _system_arrays(model, system, solving[system.name]) if line]
+    if model.table_file:
+        lines.append(table_file_source(model.table_file, model.index(model.table_file.variable.name)))
     lines.append("static const variable_description VARIABLE[] = {")
     for v in model.variables:
         lost = math.nan if v.when_lost is None else v.when_lost
-        numbers = ", ".join(_number(x) for x in (v.start, v.minimum, v.maximum, lost))
+        numbers = ", ".join(c_number(x) for x in (v.start, v.minimum, v.maximum, lost))
         lines.append(
-            f"    {{{_text(v.name)}, {_text(v.unit)}, {KINDS[v.kind]}, CAUSALITY_{v.causality.upper()}, {numbers}}},"
+            f"    {{{c_text(v.name)}, {c_text(v.unit)}, {KINDS[v.kind]}, CAUSALITY_{v.causality.upper()}, {numbers}}},"
         )
     lines += ["};", "static const system_description SYSTEM[] = {"]
     systems = zip(model.systems, generated, strict=True)
@@ -562,16 +546,15 @@ def _description(model: Model, generated: Sequence[dict[str, Generated]], solvin
     lines.insert(2, f"static const int CHOICE[] = {{{', '.join(map(str, model.choice))}}};")
     if chosen_by:
         values = [str(int(model.variables[index].maximum)) for index in chosen_by]
-        lines.insert(2, _array("int", "SELECTOR", map(str, chosen_by)) + "\n" + _array("int", "SELECTABLE", values))
-    line_file = model.index(model.line_file) if model.line_file else -1
+        lines.insert(2, c_array("int", "SELECTOR", map(str, chosen_by)) + "\n" + c_array("int", "SELECTABLE", values))
     exchange = exchanged(model)
     integrated = model.systems.index(exchange) if exchange else -1
     integration = ", ".join(str(model.index(variable.name)) for variable in integration_variables(1e-6))
     lines += [
         "};",
-        f"INSIDE const model_description MODEL = {{{_text(model.name)}, {_text('@GUID@')}, {len(model.variables)}, "
+        f"INSIDE const model_description MODEL = {{{c_text(model.name)}, {c_text('@GUID@')}, {len(model.variables)}, "
         f"{len(model.systems)}, {len(chosen_by)}, {'SELECTOR, SELECTABLE' if chosen_by else '0, 0'}, CHOICE, "
-        f"{line_file}, {integrated}, {integration}, VARIABLE, SYSTEM}};",
+        f"{integrated}, {integration}, VARIABLE, SYSTEM, {'&TABLE_FILE' if model.table_file else '0'}}};",
         "",
     ]
     return "\n".join(lines)

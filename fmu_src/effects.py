@@ -17,9 +17,10 @@ NOTHING = 1e-9
 def without_effect(model: Model, system: System) -> list[str]:
     """Names of the parameters that no expression of a system depends on, in the order of the model's table.
 
-    Not those that choose a system or a line, nor those of the integration.
+    Not those that choose a system or name a table file, nor those of the integration.
     """
-    common = {*model.selectors, model.line_file, *(variable.name for variable in integration_variables(1e-6))}
+    named = [model.table_file.variable.name] if model.table_file else []
+    common = {*model.selectors, *named, *(variable.name for variable in integration_variables(1e-6))}
     having = with_effect(system) | common
     return [v.name for v in model.variables if v.causality == "parameter" and v.name not in having]
 

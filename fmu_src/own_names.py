@@ -9,8 +9,8 @@ from collections.abc import Sequence
 PREFIX = "in_c_"
 
 
-def with_own_names(sources: Sequence[str]) -> list[str]:
-    """The sources, which know each other's names, with PREFIX before each name that one of them has at file scope.
+def with_own_names(sources: Sequence[str], prefix: str = PREFIX) -> list[str]:
+    """The sources, which know each other's names, with `prefix` before each name that one of them has at file scope.
 
     Two files of one unit may have the same static name only where they are compiled apart; FMI 2.0 wants one file.
     """
@@ -18,7 +18,7 @@ def with_own_names(sources: Sequence[str]) -> list[str]:
     if not names:
         return list(sources)
     known = re.compile(rf"\b({'|'.join(sorted(names))})\b")
-    return [known.sub(rf"{PREFIX}\1", source) for source in sources]
+    return [known.sub(rf"{prefix}\1", source) for source in sources]
 
 
 def names_at_file_scope(source: str) -> set[str]:

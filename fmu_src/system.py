@@ -97,28 +97,77 @@ class State:
 
 #: In place of a system that a model does not have: in `Model.choice`.
 NONE = -1
-#: What can be looked up of the line that an instance runs on, in the order of line.h, and the degree of its pieces.
-LINE_COLUMNS = {
-    "heading": 4,  # rad, to the left
-    "cant": 5,  # sine of the track's roll
-    "rise": 4,  # m
-    "ahead": 5,  # m, place in the plan along the first heading, less `ahead_far`: its whole metres
-    "ahead_far": 0,
-    "aside": 5,  # m, the same to the left of it
-    "aside_far": 0,
-    "level": 5,  # m, the way seen from above, less `level_far`
-    "level_far": 0,
-    "lateral": 5,  # m, of both rails
-    "spread": 5,  # m, of each rail, outwards
-    "left": 5,  # m, height of the left rail
-    "right": 5,
-    "left_friction": 1,  # factor
-    "right_friction": 1,
-    "felt": 0,  # m, length of the shortest thing that is to be felt
-}
-
-#: Operations down to which the places are compared at which a line is asked: a distance is a sum of a few.
+#: Operations down to which the places are compared at which a table file is asked: a distance is a sum of a few.
 SAME_PLACE = 10
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of a table file: its values are within the limits, in its unit ("1": a pure number)."""
+
+    name: str
+    unit: str
+    minimum: float
+    maximum: float
+    required: bool = False
+
+
+@dataclass(frozen=True)
+class Piece:
+    """What can be looked up of a table file: a polynomial of `degree` (5 at most) between two rows.
+
+    Beyond the ends of the table it keeps its last value or, where it `goes_on`, its last slope.
+    """
+
+    name: str
+    unit: str
+    degree: int
+    goes_on: bool = False
+
+
+#: Columns of a table file, those that the model adds included, and degree of its pieces, as table_file.h has room for.
+MOST_COLUMNS, HIGHEST_DEGREE = 32, 5
+
+
+@dataclass(frozen=True)
+class TableFile:
+    """A table that an instance reads before the start, from the CSV file that `variable`, a string, names.
+
+    noun, preposition: what sentences call it, "line", and that something runs "on" a line. resource: the file that an
+    FMU reads from its resources where the variable is not set. columns: of the file; the first one grows from row to
+    row by `least_growth`, in words `growth_text`. known: the columns in words, for a sentence about one that is not.
+    added: columns that the model computes. source: C with the functions `check_row`, `complete` and `piece_between`
+    of `table_file_description` (model.h). It may call what table_file.h declares; in it, COLUMN_NAME and PIECE_NAME
+    are the places of columns and pieces.
+    """
+
+    variable: Variable
+    noun: str
+    preposition: str
+    resource: str
+    columns: tuple[Column, ...]
+    least_growth: float
+    growth_text: str
+    known: str
+    added: tuple[str, ...]
+    pieces: tuple[Piece, ...]
+    source: str
+
+    def __post_init__(self) -> None:
+        columns, degree = len(self.columns) + len(self.added), max(piece.degree for piece in self.pieces)
+        if columns > MOST_COLUMNS or degree > HIGHEST_DEGREE:
+            raise ValueError(
+                f"Table file {self.noun}: it has {columns} columns and pieces of degree {degree}; give at most "
+                f"{MOST_COLUMNS} columns, those added included, and degrees up to {HIGHEST_DEGREE}."
+            )
+
+    def piece(self, name: str) -> Piece:
+        """One of the pieces by its name."""
+        return next(piece for piece in self.pieces if piece.name == name)
+
+    def column(self, name: str) -> Column:
+        """One of the columns by its name."""
+        return next(column for column in self.columns if column.name == name)
 
 
 @dataclass(frozen=True)
@@ -127,8 +176,8 @@ class Table:
 
     breakpoints: shape (pieces + 1,), increasing; coefficients: shape (pieces, degree + 1), lowest power first, of
     (argument - left breakpoint). `symbols` are (origin, c0, ..., c_degree), supplied by the runtime. The argument may
-    contain values of other tables: those of a lower `rank` are looked up first. columns: of the line in place of
-    breakpoints and coefficients, which are empty then; `symbols` have one origin and the coefficients of each.
+    contain values of other tables: those of a lower `rank` are looked up first. pieces: of the table `file` in
+    place of breakpoints and coefficients, which are empty then; `symbols` have one origin and the coefficients of each.
     """
 
     name: str
@@ -137,7 +186,8 @@ class Table:
     argument: ca.SX
     symbols: ca.SX
     rank: int
-    columns: tuple[str, ...] = ()
+    file: TableFile | None = None
+    pieces: tuple[Piece, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -311,26 +361,32 @@ class System(Chain):
             raise ValueError(f"Table {name}: give increasing breakpoints and one row of coefficients for each piece.")
         return self._add_table(name, breakpoints, coefficients, argument, coefficients.shape[1] - 1)
 
-    def along_line(self, column: str, argument: ca.SX, order: int = 0) -> list[ca.SX]:
-        """Value of one of LINE_COLUMNS at a distance [m], and its derivatives up to `order`.
+    def from_file(self, file: TableFile, name: str, argument: ca.SX, order: int = 0) -> list[ca.SX]:
+        """Value of a piece of a table file at a place in its first column, and its derivatives up to `order`.
 
-        What the line is, the instance learns from its file; a system that asks runs only where there is one.
+        What the table holds, the instance learns from its file; a system that asks runs only where there is one.
         """
-        return polynomials(self.line_piece(column, argument), argument, order)
+        return polynomials(self._piece_of_file(file, name, argument), argument, order)
 
-    def line_piece(self, column: str, argument: ca.SX) -> ca.SX:
-        """Symbols of the line's piece at a distance [m], for `polynomials`; all columns there are looked up as one."""
-        there = (i for i, t in enumerate(self.tables) if t.columns and ca.is_equal(t.argument, argument, SAME_PLACE))
+    def _piece_of_file(self, file: TableFile, name: str, argument: ca.SX) -> ca.SX:
+        """Symbols of a piece of a table file, for `polynomials`; all pieces at one place are looked up as one."""
+        there = (i for i, t in enumerate(self.tables) if t.file and ca.is_equal(t.argument, argument, SAME_PLACE))
         place = next(there, len(self.tables))
         if place == len(self.tables):
-            self._add_table(f"line_{place}", np.zeros(0), np.zeros(0), argument, -1)
-        table = self.tables[place]
-        if column not in table.columns:
-            added = ca.SX.sym(f"{table.name}_{column}", 1 + LINE_COLUMNS[column])
-            columns, symbols = (*table.columns, column), ca.vertcat(table.symbols, added)
-            self.tables[place] = table = replace(table, columns=columns, symbols=symbols)
-        first = 1 + sum(1 + LINE_COLUMNS[before] for before in table.columns[: table.columns.index(column)])
-        return ca.vertcat(table.symbols[0], table.symbols[first : first + 1 + LINE_COLUMNS[column]])
+            self._add_table(f"{file.noun}_{place}", np.zeros(0), np.zeros(0), argument, -1)
+            self.tables[place] = replace(self.tables[place], file=file)
+        table, piece = self.tables[place], file.piece(name)
+        if piece not in table.pieces:
+            added = ca.SX.sym(f"{table.name}_{name}", 1 + piece.degree)
+            pieces, symbols = (*table.pieces, piece), ca.vertcat(table.symbols, added)
+            self.tables[place] = table = replace(table, pieces=pieces, symbols=symbols)
+        first = 1 + sum(1 + before.degree for before in table.pieces[: table.pieces.index(piece)])
+        return ca.vertcat(table.symbols[0], table.symbols[first : first + 1 + piece.degree])
+
+    @property
+    def table_file(self) -> TableFile | None:
+        """The table file that is asked; None: there is none."""
+        return next((table.file for table in self.tables if table.file), None)
 
     def _add_table(
         self, name: str, breakpoints: np.ndarray, coefficients: np.ndarray, argument: ca.SX, degree: int
@@ -528,8 +584,8 @@ class Model:
     """What becomes one FMU: its table of variables and the systems that serve it.
 
     selectors: integer parameters, each counted from 1, that choose a system together: `choice` has its place for each
-    combination of them, the last selector running first; where a variable names the file of a line, first for all of
-    them without a line and then for all on one; NONE where there is no system. Outputs that the chosen system does
+    combination of them, the last selector running first; where a system reads a table file, first for all of
+    them without a table and then for all with one; NONE where there is no system. Outputs that the chosen system does
     not have are 0.
     `step_size` and `stop_time` are the default experiment.
     """
@@ -554,17 +610,24 @@ class Model:
                 if variable not in self.variables:
                     raise ValueError(f"Model {self.name}: {variable.name} of {system.name} differs from the table.")
         combinations = math.prod(int(v.maximum) for v in self.variables if v.name in self.selectors)
-        combinations *= 1 + bool(self.line_file)
+        combinations *= 1 + bool(self.table_file)
         known = range(len(self.systems))
         if self.systems and (len(self.choice) != combinations or max(self.choice) not in known):
             raise ValueError(f"Model {self.name}: give a system for each of {combinations} choices.")
-        on_line = [system.name for system in self.systems if any(table.columns for table in system.tables)]
-        if on_line and not self.line_file:
-            raise ValueError(
-                f"Model {self.name}: {on_line[0]} runs on a line; give a parameter of kind string that names its file."
-            )
+        self._check_table_file()
         if self.systems and "tolerance" not in names:
             raise ValueError(f"Model {self.name}: add integration_variables(...) to the table.")
+
+    def _check_table_file(self) -> None:
+        """Every system reads the same one, and its variable is the one string that the kernel knows."""
+        for table in (table for system in self.systems for table in system.tables if table.file):
+            if table.file != self.table_file:
+                raise ValueError(f"Model {self.name}: give its systems one table file, which its instances read.")
+        own = [self.table_file.variable] if self.table_file else []
+        strings = [variable for variable in self.variables if variable.kind == "string"]
+        if self.systems and strings != own:
+            named, given = (", ".join(variable.name for variable in some) or "none" for some in (own, strings))
+            raise ValueError(f"Model {self.name}: strings name table files; have {named} in the table, not {given}.")
 
     def _state_variables(self) -> list[Variable]:
         """The states that have a derivative, as local variables: hosts may read them and differentiate by them."""
@@ -578,9 +641,9 @@ class Model:
         return list(found.values())
 
     @property
-    def line_file(self) -> str:
-        """Name of the variable that names the file of a line; none: the model knows no line."""
-        return next((variable.name for variable in self.variables if variable.kind == "string"), "")
+    def table_file(self) -> TableFile | None:
+        """The table file of its systems; None: they read none."""
+        return next((system.table_file for system in self.systems if system.table_file), None)
 
     def index(self, name: str) -> int:
         """Value reference of a variable."""
@@ -591,10 +654,11 @@ class Model:
         return {variable.name: number for number, variable in enumerate(self.variables)}
 
 
-def model_of(system: System, tolerance: float, line_file: Variable | None = None, **experiment: float) -> Model:
-    """The FMU of a system that stands alone; line_file: names its line, of a system that runs on one."""
-    variables = (*system.variables, *([line_file] if line_file else []), *integration_variables(tolerance))
-    choice = (0, 0) if line_file else (0,)
+def model_of(system: System, tolerance: float, **experiment: float) -> Model:
+    """The FMU of a system that stands alone, with the variable that names its table file where it reads one."""
+    named = [system.table_file.variable] if system.table_file else []
+    variables = (*system.variables, *named, *integration_variables(tolerance))
+    choice = (0,) * (1 + len(named))
     return Model(system.name, system.description, variables, (system,), (), choice, **experiment)
 
 

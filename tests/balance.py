@@ -15,7 +15,8 @@ import numpy as np
 
 from fmu_src.kernel import Kernel
 from rbd_model.contact.patches import Patch, patches_of
-from rbd_model.track.line import GAUGE, Segment, line_of
+from rbd_model.track.line import Segment, line_of
+from rbd_model.track.line_table import GAUGE
 from rbd_model.vehicle.description import Vehicle, wheelset_name
 from rbd_model.wheelset.touching_patch import LARGEST_STEP
 from tests.maximal.correspondence import bodies_of, rates_of

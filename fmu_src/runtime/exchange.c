@@ -25,7 +25,7 @@ static const char *name_of_choice(const kernel *self) {
         const variable_description *selector = &MODEL.variable[MODEL.selector[i]];
         if (self->value[MODEL.selector[i]] != selector->start) return selector->name;
     }
-    return kernel_name_of_line();
+    return kernel_name_of_table_file();
 }
 
 int kernel_check_exchange(kernel *self) {

@@ -1,6 +1,6 @@
 /* The common part of both faces. It knows the order of calls; the kernel knows the machine. */
 #include "face.h"
-#include "line.h"
+#include "table_file.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,8 +10,7 @@
 static const char *const CATEGORY[] = {"events", "logStatusWarning", "logStatusDiscard", "logStatusError"};
 enum { CATEGORIES = 4, EVERYTHING = 15 };
 
-/* Files among the resources; the first has the longer name. */
-static const char START_VALUES[] = "/start_values.csv", LINE[] = "/line.csv";
+static const char START_VALUES[] = "/start_values.csv"; /* among the resources */
 
 static void say(const component *self, int status, const char *sentence) {
     const unsigned category = status <= KERNEL_ERROR ? (unsigned)status : (unsigned)KERNEL_ERROR;
@@ -137,7 +136,7 @@ static int set_own_start(component *self, char *row) {
     double number;
     if (value) *value++ = '\0';
     for (int i = 0; i < MODEL.variables; ++i)
-        if (value && strcmp(row, MODEL.variable[i].name) == 0 && line_read_number(value, &number))
+        if (value && strcmp(row, MODEL.variable[i].name) == 0 && table_read_number(value, &number))
             return face_report(self, kernel_set(self->machine, i, number));
     snprintf(sentence, sizeof sentence, "resources%s: the row \"%.60s\" does not name a variable of %s and a number behind it.",
              START_VALUES, row, MODEL.name);
@@ -157,23 +156,24 @@ static int own_start_values(component *self) {
     return status;
 }
 
-static int own_line(component *self) {
-    FILE *file = MODEL.line_file < 0 ? NULL : own_file(self, LINE);
+static int own_table(component *self) {
+    FILE *file = MODEL.table_file ? own_file(self, MODEL.table_file->resource) : NULL;
     if (!file) return KERNEL_OK;
     fclose(file);
-    return face_report(self, kernel_set_text(self->machine, MODEL.line_file, self->resources));
+    return face_report(self, kernel_set_text(self->machine, MODEL.table_file->variable, self->resources));
 }
 
 /* What the FMU's own files say, where there are any. */
 static int read_resources(component *self) {
     if (!self->resources) return KERNEL_OK;
     const int status = own_start_values(self);
-    return status <= KERNEL_WARNING ? own_line(self) : status;
+    return status <= KERNEL_WARNING ? own_table(self) : status;
 }
 
 component *face_take_resources(component *self, const char *resources) {
     if (!self || !resources || !*resources) return self;
-    self->resources = (char *)malloc(strlen(resources) + sizeof START_VALUES);
+    const size_t of_table = MODEL.table_file ? strlen(MODEL.table_file->resource) + 1 : 0;
+    self->resources = (char *)malloc(strlen(resources) + (of_table > sizeof START_VALUES ? of_table : sizeof START_VALUES));
     if (self->resources) {
         decode(resources, self->resources);
         self->folder_length = strlen(self->resources);

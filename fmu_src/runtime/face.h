@@ -45,7 +45,8 @@ enum { WARNINGS = 1u << KERNEL_WARNING, ERRORS = 1u << KERNEL_ERROR };
 /* A new instance, or null after `tell` has said why. The caller fills in the fields of the log first. */
 INSIDE component *face_instantiate(const component *log, const char *name, const char *token, int logging);
 /* Tells an instance (null: there is none) where its resources are, a path or a URI of a file. `start_values.csv` there has
- * rows NAME,VALUE in place of start values, and `line.csv` is its line. Gives it back, or null where these are refused. */
+ * rows NAME,VALUE in place of start values, and the resource that a table
+ * file is called is its table. Gives it back, or null where these are refused. */
 INSIDE component *face_take_resources(component *self, const char *resources);
 INSIDE void face_free(component *self);
 INSIDE int face_log(component *self, int logging, size_t count, const char *const categories[]);

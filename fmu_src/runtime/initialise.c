@@ -22,26 +22,28 @@ void kernel_enter_system(kernel *self) {
     for (int i = 0; i < 2 * system->tables; ++i) self->held[i] = NAN; /* nothing is held anywhere */
 }
 
-/* Whether the system asks for a line. */
-static int needs_line(const system_description *system) {
+static bool needs_table_file(const system_description *system) {
     for (int i = 0; i < system->tables; ++i)
-        if (system->table[i].columns) return 1;
-    return 0;
+        if (system->table[i].file_pieces) return true;
+    return false;
 }
 
 /* Says that the model has no system for what was chosen. */
 static int refuse_choice(kernel *self) {
-    const char *line = kernel_name_of_line();
+    const table_file_description *file = MODEL.table_file;
+    const char *name = kernel_name_of_table_file();
+    if (MODEL.selectors == 0 && self->table)
+        return kernel_fail(self, KERNEL_ERROR, "Set %s to no text: %s has no system %s a %s.", name, MODEL.name,
+                           file->in_use, file->noun);
     if (MODEL.selectors == 0)
-        return kernel_fail(self, KERNEL_ERROR, "Set %s to %s: %s has no system %s.", line,
-                           self->line ? "no text" : "the path of a file with a line", MODEL.name,
-                           self->line ? "on a line" : "without a line");
+        return kernel_fail(self, KERNEL_ERROR, "Set %s to the path of a file with a %s: %s has no system without a %s.",
+                           name, file->noun, MODEL.name, file->noun);
     const char *selector = MODEL.variable[MODEL.selector[MODEL.selectors - 1]].name;
-    if (MODEL.line_file < 0)
+    if (!file)
         return kernel_fail(self, KERNEL_ERROR, "Set %s to another value: %s has no system for this one.", selector,
                            MODEL.name);
     return kernel_fail(self, KERNEL_ERROR,
-                       "Set %s to another value, or %s to no text: %s has no system for these two together.", selector, line,
+                       "Set %s to another value, or %s to no text: %s has no system for these two together.", selector, name,
                        MODEL.name);
 }
 
@@ -56,11 +58,11 @@ int kernel_initialise(kernel *self, double time) {
     for (int i = 0; i < MODEL.selectors; ++i) combinations *= MODEL.selectable[i];
     for (int i = 0; i < MODEL.selectors; ++i)
         combination = combination * MODEL.selectable[i] + (int)self->value[MODEL.selector[i]] - 1;
-    if (self->line) combination += combinations;
+    if (self->table) combination += combinations;
     if (MODEL.choice[combination] < 0) return refuse_choice(self);
-    if (!self->line && needs_line(&MODEL.system[MODEL.choice[combination]]))
-        return kernel_fail(self, KERNEL_ERROR, "Set %s to the path of a file with a line; this model has no other.",
-                           kernel_name_of_line());
+    if (!self->table && needs_table_file(&MODEL.system[MODEL.choice[combination]]))
+        return kernel_fail(self, KERNEL_ERROR, "Set %s to the path of a file with a %s; this model has no other.",
+                           kernel_name_of_table_file(), MODEL.table_file->noun);
     self->now.system = MODEL.choice[combination];
     kernel_enter_system(self);
     const system_description *system = self->system;

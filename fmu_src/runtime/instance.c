@@ -110,7 +110,7 @@ kernel *kernel_create(void) {
     self->algebraic.pivot = self->places + 2 * n;
     self->kept.pivot = self->places + 3 * n;
     self->kept_algebraic.pivot = self->places + 4 * n;
-    self->node = self->places + 5 * n;
+    self->row = self->places + 5 * n;
     kernel_reset(self);
     return self;
 }
@@ -120,12 +120,12 @@ void kernel_free(kernel *self) {
     free(self->block);
     free(self->places);
     free(self->warned);
-    kernel_leave_line(self);
+    kernel_leave_table(self);
     free(self);
 }
 
 void kernel_reset(kernel *self) {
-    kernel_leave_line(self);
+    kernel_leave_table(self);
     memset(self->block, 0, self->restored * sizeof(double));
     memset(self->warned, 0, (size_t)MODEL.variables);
     memset(&self->now, 0, sizeof self->now);

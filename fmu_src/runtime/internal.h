@@ -3,14 +3,14 @@
 #define INTERNAL_H
 
 #include "kernel.h"
-#include "line.h"
+#include "table_file.h"
 
 /* What a rollback restores besides the doubles. Plain data. */
 typedef struct {
     double time;
     double proposed_step;
     double kept_time, kept_until, kept_size; /* of the kept Jacobian: when it was taken, how long it serves, its step */
-    unsigned long long line;     /* the line's mark; 0: there is none */
+    unsigned long long table;    /* mark of the table file; 0: there is none */
     double switched, reluctance; /* model exchange: when something switched last, and what that leaves, see modes.c */
     double guard_said;           /* what the last warning about fixed steps was about; 0: none yet */
     int kept_steps;              /* steps that the kept Jacobian has served; -1: there is none */
@@ -70,9 +70,9 @@ struct kernel {
     double *drive, *capacity, *still, *margin, *output, *backup, *seed, *output_rate, *largest_change;
     factors whole, algebraic, kept, kept_algebraic;
     int *place; /* of the states in the order of elimination */
-    line_data *line;      /* null: straight and level */
-    char *line_path;
-    int *node; /* for each table of the line, the one before the place where it was looked up last */
+    table_file *table; /* null: none */
+    char *table_path;
+    int *row; /* for each table that is looked up in the file, the row before the place where that was last */
     int method;
     int kept_ready;    /* what there is of the kept Jacobian besides its place */
     int factors_serve; /* the factors `algebraic` are good enough for Newton's method */
@@ -102,7 +102,7 @@ INSIDE void kernel_take_back(kernel *self, unsigned long long noted);
 INSIDE const char *kernel_clock(double time, int digits, char text[CLOCK_SIZE]);
 /* Variables: a status, with the sentence. */
 INSIDE int kernel_check_reference(kernel *self, int variable);
-INSIDE const char *kernel_name_of_line(void);
+INSIDE const char *kernel_name_of_table_file(void);
 INSIDE int kernel_check_value(kernel *self, const variable_description *variable, double value, double kept);
 INSIDE int kernel_warn_without_effect(kernel *self, int variable);
 INSIDE int kernel_warn_of_idle_parameters(kernel *self);
@@ -110,7 +110,7 @@ INSIDE int kernel_warn_of_idle_parameters(kernel *self);
 INSIDE int kernel_check_times(kernel *self, double time, double size);
 /* Says that the run ended `reached` seconds into a step that is taken back; there were `noted` records before it. */
 INSIDE int kernel_discard(kernel *self, unsigned long long noted, double reached);
-INSIDE void kernel_leave_line(kernel *self);
+INSIDE void kernel_leave_table(kernel *self);
 /* Sets what follows from the chosen system and the parameters and is not restored with them. */
 INSIDE void kernel_enter_system(kernel *self);
 INSIDE void kernel_gather_inputs(kernel *self);

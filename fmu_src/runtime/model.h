@@ -2,6 +2,9 @@
 #ifndef MODEL_H
 #define MODEL_H
 
+#include <stdbool.h>
+#include <stddef.h>
+
 /* Names that files share: known within the one unit that all.c makes of them, and otherwise between them. */
 #ifdef ONE_UNIT
 #define INSIDE static
@@ -45,14 +48,14 @@ typedef struct {
     double when_lost; /* what the equations see when a NaN arrives; NaN: a NaN is refused */
 } variable_description;
 
-/* A piecewise polynomial; tables stand in the order of their ranks. Piece i holds on [breakpoint[i], breakpoint[i+1]] and is a polynomial of `degree` in
- * (argument - breakpoint[i]); outside the breakpoints the end value is held. */
+/* A piecewise polynomial; tables stand in the order of their ranks. Piece i holds on [breakpoint[i], breakpoint[i+1]] and is
+ * a polynomial of `degree` in (argument - breakpoint[i]); outside the breakpoints the end value is held. */
 typedef struct {
     int pieces, degree;
     int rank; /* tables of rank 0 have arguments without tables; rank 1 needs values of rank 0, and so on */
     int place; /* of origin and coefficients among those that the generated functions see */
-    int columns; /* of the instance's line (line.h), in place of breakpoints and coefficients; 0: it has its own */
-    const int *column;
+    int file_pieces; /* of the instance's table file, in place of breakpoints and coefficients; 0: it has its own */
+    const int *file_piece;
     const double *breakpoint;
     const double *coefficient; /* pieces x (degree + 1), lowest power first */
 } table_description;
@@ -117,6 +120,39 @@ typedef struct {
     const generated_function *table_argument; /* one for each rank */
 } system_description;
 
+typedef struct table_file table_file; /* see table_file.h */
+
+/* A column of a table file; a value outside the limits is refused. */
+typedef struct {
+    const char *name, *unit; /* no unit: a pure number */
+    double minimum, maximum;
+    bool required;
+} column_description;
+
+/* What can be looked up of a table file: a polynomial between two rows. Beyond the ends it keeps its value, or its slope. */
+typedef struct {
+    int degree;
+    bool goes_on;
+} piece_description;
+
+/* A table that an instance reads from a file before the start. */
+typedef struct {
+    int variable;         /* the one that names the file */
+    const char *noun, *in_use; /* what sentences call it, and the word before: "line", "on" a line */
+    const char *resource; /* name of the file among the resources of an FMU, after a slash */
+    const char *known;    /* for a sentence: what columns there may be */
+    double least_growth;  /* of the first column from row to row, and in words */
+    const char *growth_text;
+    int columns, added; /* in the file, and behind them those that `complete` computes */
+    const column_description *column;
+    const piece_description *piece;
+    /* The model's rule for a row and the one before it: whether it is met, or else a problem in words. */
+    bool (*check_row)(const table_file *self, int row, char *problem, size_t size);
+    void (*complete)(const table_file *self);
+    /* Coefficients of a piece between a row and the next, lowest power first; all are 0 before. */
+    void (*piece_between)(const table_file *self, int piece, int row, double *coefficient);
+} table_file_description;
+
 typedef struct {
     const char *name, *guid;
     int variables, systems;
@@ -124,12 +160,12 @@ typedef struct {
      * system for each combination, the last selector running first. */
     int selectors;
     const int *selector, *selectable, *choice;
-    int line_file; /* the variable that names a line; `choice` then has first all without a line, then all on one, -1
-                    * where there is no system; -1: none */
     int exchanged; /* the system that the start values choose; -1: there is no model exchange */
     int tolerance, integration_method, integration_step; /* variables that every model has */
     const variable_description *variable;
     const system_description *system;
+    const table_file_description *table_file; /* null: none; otherwise `choice` has first all systems without a table, then
+                                               * all with one, -1 where there is no system */
 } model_description;
 
 #ifndef ONE_UNIT /* there the definition comes first */

@@ -50,8 +50,8 @@ static void look_up(const table_description *table, double at, double held[2], d
 static void renew(kernel *self, int number, double at) {
     const table_description *table = &self->system->table[number];
     double *held = self->held + 2 * number, *coefficient = self->coefficient + table->place;
-    if (table->columns)
-        line_look_up(self->line, table, at, &self->node[number], held, coefficient);
+    if (table->file_pieces)
+        table_look_up(self->table, table, at, &self->row[number], held, coefficient);
     else
         look_up(table, at, held, coefficient);
 }

@@ -13,13 +13,13 @@ void kernel_save(const kernel *self, void *bytes) {
 int kernel_restore(kernel *self, const void *bytes) {
     kernel_snapshot saved;
     memcpy(&saved, bytes, sizeof saved);
-    if (saved.system < -1 || saved.system >= MODEL.systems)
+    if (saved.system < -1 || saved.system >= MODEL.systems || (saved.table && !MODEL.table_file))
         return kernel_fail(self, KERNEL_ERROR, "The saved state is not one of %s; nothing was restored.", MODEL.name);
-    if (saved.line && saved.line != self->now.line)
+    if (saved.table && saved.table != self->now.table)
         return kernel_fail(self, KERNEL_ERROR,
-                           "The saved state is one on another line; set %s as it was then. Nothing was restored.",
-                           kernel_name_of_line());
-    if (!saved.line) kernel_leave_line(self);
+                           "The saved state is one %s another %s; set %s as it was then. Nothing was restored.",
+                           MODEL.table_file->in_use, MODEL.table_file->noun, kernel_name_of_table_file());
+    if (!saved.table) kernel_leave_table(self);
     self->now = saved;
     memcpy(self->block, (const char *)bytes + sizeof saved, self->restored * sizeof(double));
     kernel_enter_system(self);

@@ -13,7 +13,9 @@ int kernel_check_reference(kernel *self, int variable) {
                        MODEL.name, MODEL.variables - 1);
 }
 
-const char *kernel_name_of_line(void) { return MODEL.line_file < 0 ? "the line" : MODEL.variable[MODEL.line_file].name; }
+const char *kernel_name_of_table_file(void) {
+    return MODEL.table_file ? MODEL.variable[MODEL.table_file->variable].name : "the table file";
+}
 
 /* Unit with a blank before it; nothing for pure numbers. */
 static const char *after_number(const variable_description *variable, char text[32]) {

@@ -13,6 +13,7 @@ from rbd_model.levels.planar import planar_vehicle
 from rbd_model.levels.point import point_vehicle
 from rbd_model.levels.spatial import spatial_vehicle
 from rbd_model.track.irregularity import ballasted_track, irregular_track, section_5_3
+from rbd_model.track.line_table import LINE
 from rbd_model.vehicle import variables
 from rbd_model.vehicle.description import Vehicle
 from rbd_model.vehicle.parameters import BogieParameters
@@ -71,7 +72,7 @@ def model_of_levels(name: str, text: str, vehicle: Vehicle, places: Sequence[int
         *variables.outputs(vehicle).values(),
         *chosen_by,
         *parameters_of(vehicle, systems),
-        variables.line_file(),
+        LINE.variable,
         *integration_variables(DEFAULT_TOLERANCE),
     )
     return Model(name, text, table, systems, tuple(one.name for one in chosen_by), choice, stop_time=25.0)
@@ -166,7 +167,7 @@ def smallest_level(driven: Iterable[str], read: Iterable[str]) -> Choice:
                 2,
                 f"{reason} {name} asks for contact depth 2: the flange has its own place, force and creep.",
             )
-    on_line = [name for name in needed if name in (variables.line_file().name, *ballasted_track().values())]
+    on_line = [name for name in needed if name in (LINE.variable.name, *ballasted_track().values())]
     if level == 3 and depth < DEPTH_ON_LINE and on_line:
         depth, reason = (
             DEPTH_ON_LINE,
@@ -191,7 +192,7 @@ def names_of_levels(whole: bool) -> dict[str, set[str]]:
     Those of rails that yield are in space only, where there is a line.
     """
     systems = levels(passenger_coach() if whole else two_axle_bogie())
-    common = {variable.name for variable in integration_variables(DEFAULT_TOLERANCE)} | {variables.line_file().name}
+    common = {variable.name for variable in integration_variables(DEFAULT_TOLERANCE)} | {LINE.variable.name}
     names = {system.name: common | {variable.name for variable in system.variables} for system in systems}
     return {
         name: known | set(ballasted_track().values() if number > 2 else ())

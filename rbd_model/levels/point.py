@@ -17,6 +17,7 @@ from fmu_src.system import System
 from rbd_model.contact.creep.law import SMALLEST_LOAD, at_least
 from rbd_model.levels.resistance import Resistance, add_resistance
 from rbd_model.track.friction import follow_patch
+from rbd_model.track.line_table import along_line
 from rbd_model.vehicle.assembly import Assembly, assemble
 from rbd_model.vehicle.description import Vehicle
 from rbd_model.wheelset.level_rail import CentredLoad, Creeping, centred_load, creep_on_level_rail, roll_on_level_rail
@@ -75,7 +76,7 @@ def mean_gradient(assembly: Assembly) -> ca.SX:
     pull = ca.SX(0)
     for part in assembly.vehicle.parts:
         distance = assembly.distance + assembly.value(part.along)
-        pull += assembly.value(part.mass) * assembly.system.along_line("rise", distance, 1)[1]
+        pull += assembly.value(part.mass) * along_line(assembly.system, "rise", distance, 1)[1]
     return pull / assembly.total_mass
 
 

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import casadi as ca
 
 from fmu_src.system import ParameterSet, System, quantity
+from rbd_model.track.line_table import along_line
 from rbd_model.vehicle.assembly import Assembly
 
 #: Von Roeckl (1880): share of the weight times (R - place) [m], and the place [m]; above and below a radius of 300 m.
@@ -99,7 +100,7 @@ def curvatures_at(assembly: Assembly, places: Sequence[ca.SX]) -> list[ca.SX]:
     """Of the line that an instance runs on [1/m], which holds a vehicle back (section 2.4); without one the input."""
     if not assembly.on_line:
         return [assembly.input["curvature"]]
-    return [assembly.system.along_line("heading", place, 1)[1] for place in places]
+    return [along_line(assembly.system, "heading", place, 1)[1] for place in places]
 
 
 def curve_share(curvature: ca.SX) -> ca.SX:

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from fmu_src.system import System
+from rbd_model.track.line_table import along_line
 
 
 @dataclass(frozen=True)
@@ -114,7 +115,7 @@ def on_line(system: System, distance: ca.SX) -> TrackFrame:
     """
 
     def look_up(column: str, order: int = 0) -> list[ca.SX]:
-        return system.along_line(column, distance, order)
+        return along_line(system, column, distance, order)
 
     height, sine, steepening = look_up("rise", 2)
     cant, twisting = look_up("cant", 1)
@@ -128,8 +129,8 @@ def on_line(system: System, distance: ca.SX) -> TrackFrame:
 
 def on_profile(system: System, distance: ca.SX) -> TrackFrame:
     """The axes in the vertical plane alone (section 5.2), as of a line rolled out straight."""
-    height, sine, steepening = system.along_line("rise", distance, 2)
-    far, near = (ca.vertcat(system.along_line(f"level{which}", distance)[0], 0) for which in ("_far", ""))
+    height, sine, steepening = along_line(system, "rise", distance, 2)
+    far, near = (ca.vertcat(along_line(system, f"level{which}", distance)[0], 0) for which in ("_far", ""))
     none = ca.SX(0)
     course = Course(none, sine, none, steepening, none)
     return frame_of(system, course, Plan(ca.SX([1, 0]), height, course.tilt, far, near, none))

@@ -16,6 +16,7 @@ import numpy as np
 from scipy.interpolate import PPoly, make_interp_spline
 
 from fmu_src.system import ParameterSet, System, quantity
+from rbd_model.track.line_table import along_line
 
 #: Exponent of the plateau, eq. (5.4).
 PLATEAU_POWER = 8
@@ -98,7 +99,7 @@ class Section:
     left: ca.SX
     right: ca.SX
     friction: ca.SX  # factor on the friction coefficient
-    density: ca.SX  # 1/m: nothing that is to be felt is shorter than its reciprocal; 0: level track
+    density: ca.SX  # 1/m: steps resolve what is as short as its reciprocal; 0: level track
     spread: ca.SX = field(default_factory=lambda: ca.SX(0))  # of each rail, outwards
 
 
@@ -162,7 +163,7 @@ def with_line(track: Track) -> Track:
 
         def section(number: int, distance: ca.SX) -> Section:
             def of_line(column: str) -> ca.SX:
-                return system.along_line(column, distance)[0]
+                return along_line(system, column, distance)[0]
 
             there = own(number, distance)
             frictions = ca.vertcat(of_line("left_friction"), of_line("right_friction"))
@@ -171,7 +172,7 @@ def with_line(track: Track) -> Track:
                 there.left + of_line("left"),
                 there.right + of_line("right"),
                 there.friction * frictions,
-                ca.fmax(there.density, 1 / of_line("felt")),
+                ca.fmax(there.density, 1 / of_line("shortest")),
                 of_line("spread"),
             )
 
@@ -199,7 +200,7 @@ def derivatives_along(parameters: TrackParameters) -> Callable[[float], np.ndarr
     return lambda at: np.array(function(at))
 
 
-#: Points of a measured track that make up the shortest thing on it that is to be felt.
+#: Points of a measured track that make up the shortest thing on it that steps resolve.
 POINTS_FELT = 8
 #: Columns of a track file, all in m but the last, which is a factor on the friction coefficient.
 COLUMNS = ("distance", "lateral", "left", "right", "friction")

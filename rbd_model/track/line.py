@@ -1,9 +1,9 @@
 """The line as data: curvature, cant, gradient, widening, irregularity and friction of both rails, by rows along it.
 
 A line is built of segments or read from a file, and written to one: the file is what an FMU or a kernel reads
-(`line_file`). Curvature and cant are positive for a curve to the left, whose right rail is the higher one; distance is
-that along the line, and gradient the rise for each metre of it. Between rows what is read is smooth: curvature and
-gradient have a continuous slope, all else but friction a continuous bend as well (fmu_src/runtime/line.c).
+(`line_file`, line_table.py). Curvature and cant are positive for a curve to the left, whose right rail is the higher
+one; distance is that along the line, and gradient the rise for each metre of it. Between rows what is read is smooth:
+curvature and gradient have a continuous slope, all else but friction a continuous bend as well (line.c).
 """
 
 from __future__ import annotations
@@ -16,23 +16,10 @@ from pathlib import Path
 
 import numpy as np
 
-#: Columns of a line file; those behind the fourth may be missing.
-COLUMNS = (
-    "distance",
-    "curvature",
-    "cant",
-    "gradient",
-    "gauge_widening",
-    "left_lateral",
-    "left_vertical",
-    "right_lateral",
-    "right_vertical",
-    "left_friction",
-    "right_friction",
-)
-UNITS = {"distance": "m", "curvature": "1/m", "gradient": "1", "left_friction": "1", "right_friction": "1"}
-#: Distance of the rails' heads over which cant is measured, EN 13803 [m]: its angle is asin(cant / GAUGE).
-GAUGE = 1.5
+from rbd_model.track.line_table import LINE
+
+#: Names of the columns of a line file.
+NAMES = tuple(column.name for column in LINE.columns)
 #: Rows of a line that is built: at most so far apart [m], and with so much turning between two [rad].
 ROW_DISTANCE, ROW_TURN = 5.0, 0.02
 #: Irregularities begin behind so much of a line and have grown to their size so much further on [m]: a vehicle starts
@@ -81,7 +68,7 @@ def clothoid(length: float, before: Segment, behind: Segment) -> Segment:
 
 @dataclass(frozen=True)
 class Line:
-    """A line by rows: arrays of shape (n,) by name of COLUMNS, all in m but curvature, gradient and friction."""
+    """A line by rows: arrays of shape (n,) by name and in the unit of a column of LINE."""
 
     rows: dict[str, np.ndarray] = field(repr=False)
 
@@ -92,7 +79,7 @@ class Line:
 
     def write(self, path: Path) -> Path:
         """Writes the file that a kernel reads, each number to its last digit; the path."""
-        names = [name for name in COLUMNS if name in self.rows]
+        names = [name for name in NAMES if name in self.rows]
         table = np.column_stack([self.rows[name] for name in names]).tolist()
         lines = [",".join(names), *(",".join(map(repr, row)) for row in table)]
         path.write_text("\n".join(lines) + "\n", encoding="utf-8")
@@ -109,7 +96,7 @@ class Line:
                 sign = -1.0 if rest == "lateral" else 1.0
                 swapped.pop(name, None)
                 swapped[name] = sign * rows.get(f"{other}_{rest}", np.zeros_like(rows["distance"]))
-        return Line({name: swapped[name] for name in COLUMNS if name in swapped})
+        return Line({name: swapped[name] for name in NAMES if name in swapped})
 
 
 def read_line(path: Path) -> Line:
@@ -141,7 +128,7 @@ def line_of(segments: Iterable[Segment], start: float = 0.0) -> Line:
             distances.append(last)
             values.append((piece.ends[1] + pieces[number + 1].ends[0]) / 2)
     curvature, cant, gradient = np.array(values).T
-    return Line(dict(zip(COLUMNS, (np.array(distances), curvature, cant, gradient), strict=False)))
+    return Line(dict(zip(NAMES, (np.array(distances), curvature, cant, gradient), strict=False)))
 
 
 def joined(segments: Sequence[Segment]) -> list[Segment]:
@@ -225,4 +212,4 @@ def irregular(
     added = {"left_lateral": lateral, "right_lateral": lateral}
     added |= {"left_vertical": vertical + level, "right_vertical": vertical - level}
     rows |= {name: rows.get(name, 0.0) + values for name, values in added.items()}
-    return Line({name: rows[name] for name in COLUMNS if name in rows})
+    return Line({name: rows[name] for name in NAMES if name in rows})

@@ -6,6 +6,7 @@ import math
 from itertools import product
 
 from fmu_src.system import Variable
+from rbd_model.track.line_table import LINE
 from rbd_model.vehicle.description import RigidBody, Vehicle
 
 #: What wheelsets are called, by how many there are.
@@ -51,27 +52,13 @@ def inputs(vehicle: Vehicle) -> dict[str, Variable]:
     return {row.name: row for row in rows}
 
 
-#: Steepest gradient of a line, as its sine, and its tightest curve [1/m]: those that line_file.c knows.
-STEEPEST, TIGHTEST = 0.5, 0.02
-
-
 def line_inputs() -> list[Variable]:
     """What a host tells of the line that knows it itself; a line's file takes their place. Not at the spatial level."""
     rise = "Rise of the line for each metre along it (sine of its slope), at levels 1 and 2 without line_file"
     curve = "Curvature of the line for curve_resistance, at levels 1 and 2 without line_file"
-    return [
-        Variable("gradient", "input", "1", rise, 0.0, -STEEPEST, STEEPEST),
-        Variable("curvature", "input", "1/m", curve, 0.0, -TIGHTEST, TIGHTEST),
-    ]
-
-
-def line_file() -> Variable:
-    """Parameter: the line that a vehicle runs on."""
-    text = (
-        "Path of a file with the line (docs/line.md), read when it is set; empty: line.csv in the resources of the FMU "
-        "where there is one, else straight and level track"
-    )
-    return Variable("line_file", "parameter", "1", text, kind="string")
+    texts = {"gradient": rise, "curvature": curve}
+    columns = [LINE.column(name) for name in texts]
+    return [Variable(c.name, "input", c.unit, texts[c.name], 0.0, c.minimum, c.maximum) for c in columns]
 
 
 def _output(name: str, unit: str, description: str, **more: str) -> Variable:

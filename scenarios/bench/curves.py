@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 
-from rbd_model.track.line import GAUGE, Line, arc, clothoid, line_of, straight
+from rbd_model.track.line import Line, arc, clothoid, line_of, straight
+from rbd_model.track.line_table import GAUGE
 from rbd_model.vehicle.parameters import tables_5_1_and_5_2
 
 BOGIE = tables_5_1_and_5_2()

@@ -22,7 +22,6 @@ from products.building import units_of
 from rbd_model.track.line import (
     COLUMNS,
     ERRI_LOW,
-    GAUGE,
     Line,
     Segment,
     arc,
@@ -32,6 +31,7 @@ from rbd_model.track.line import (
     read_line,
     straight,
 )
+from rbd_model.track.line_table import GAUGE
 from rbd_model.vehicle.ready import two_axle_bogie
 from scenarios.bench.curves import BOGIE, MASS, WHEEL_LOAD
 from scenarios.bench.drive import prepare, prepare_on_line

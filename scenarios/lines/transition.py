@@ -22,7 +22,8 @@ from products.building import units_of
 from rbd_model.contact.elastic import elastic_force
 from rbd_model.contact.geometry import rolling_radius_difference, thesis_pair
 from rbd_model.track.irregularity import ballasted_track
-from rbd_model.track.line import GAUGE, Line, Segment, arc, clothoid, line_of, straight
+from rbd_model.track.line import Line, Segment, arc, clothoid, line_of, straight
+from rbd_model.track.line_table import GAUGE
 from rbd_model.vehicle.ready import two_axle_bogie
 from scenarios.bench.curves import BOGIE, MASS, WHEEL_LOAD, suited_speed
 from scenarios.bench.drive import prepare_on_line

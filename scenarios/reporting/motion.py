@@ -18,7 +18,8 @@ import numpy as np
 from fmu_src.cosimulation.recording import Recording
 from rbd_model.contact.profiles import Profile
 from rbd_model.track.irregularity import TrackParameters, derivatives_along, section_5_3
-from rbd_model.track.line import GAUGE, Line
+from rbd_model.track.line import Line
+from rbd_model.track.line_table import GAUGE
 from rbd_model.vehicle.description import RigidBody, Vehicle, Wheelset, wheelset_name
 
 SIDES = ("left", "right")

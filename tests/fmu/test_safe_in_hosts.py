@@ -20,6 +20,7 @@ from fmu_src.kernel import Kernel, KernelError, Library
 from fmu_src.system import Model, System, Variable, model_of
 from products.protection.rails import low_rail
 from rbd_model.track.line import arc, line_of, straight
+from rbd_model.track.line_table import along_line
 from tests.fmu.hosting import ERROR, OK, STEP, host
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -302,9 +303,10 @@ def test_no_reference_is_too_large_to_be_refused(fmus: dict, kind: str) -> None:
 
 def test_a_model_on_a_line_names_its_file() -> None:
     """Otherwise its instances would look for the name of a variable that is not there."""
-    made = system_on_a_line()
-    with pytest.raises(ValueError, match="on_line runs on a line; give a parameter of kind string that names its file"):
-        model_of(made, 1e-6)
+    with pytest.raises(ValueError, match="strings name table files; have line_file in the table, not none"):
+        Model("nameless", "", model_of(root_system(), 1e-6).variables, (system_on_a_line(),), (), (0, 0))
+    with pytest.raises(ValueError, match="strings name table files; have none in the table, not line_file"):
+        Model("idle", "", model_of(system_on_a_line(), 1e-6).variables, (root_system(),))
     with pytest.raises(ValueError, match="give a system for each of 1 choices"):
         Model("none", "No system", model_of(root_system(), 1e-6).variables, (root_system(),), (), (-1,))
 
@@ -312,7 +314,7 @@ def test_a_model_on_a_line_names_its_file() -> None:
 def system_on_a_line() -> System:
     system = System("on_line", "A point on a line")
     x = system.state("x", "m", 0.0, 1.0)
-    [rise] = system.along_line("rise", x)
+    [rise] = along_line(system, "rise", x)
     system.derivative(x, 1 + 0 * rise)
     return system
 
@@ -326,7 +328,6 @@ def root_system() -> System:
 
 def test_a_model_without_a_line_asks_for_the_one_it_needs(tmp_path: Path) -> None:
     """A model with a line's variable and no selector: the sentence names the variable and not one that is not there."""
-    file = Variable("line_file", "parameter", "1", "Line", kind="string")
-    kernel = Kernel(Library(build_library(model_of(system_on_a_line(), 1e-6, file))))
+    kernel = Kernel(Library(build_library(model_of(system_on_a_line(), 1e-6))))
     with pytest.raises(KernelError, match="Set line_file to the path of a file with a line"):
         kernel.initialise()

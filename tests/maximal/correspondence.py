@@ -13,7 +13,8 @@ from pathlib import Path
 import numpy as np
 
 from fmu_src.kernel import Kernel
-from rbd_model.track.line import GAUGE, Line
+from rbd_model.track.line import Line
+from rbd_model.track.line_table import GAUGE
 from rbd_model.vehicle.description import Vehicle, wheelset_name
 from tests.maximal.motion import Moving, about
 from tests.maximal.rails import Course

@@ -13,7 +13,6 @@ from fmu_src.system import model_of
 from rbd_model.contact.depth import Contact
 from rbd_model.levels.spatial import spatial_vehicle
 from rbd_model.track.irregularity import ballasted_track, irregular_track, section_5_3
-from rbd_model.vehicle import variables
 from rbd_model.vehicle.description import Vehicle
 from rbd_model.wheelset.yielding_rails import rows_of
 from tests.maximal.correspondence import file_of, touching_rise
@@ -52,7 +51,7 @@ class Machine:
         seen = [name for name in system.observables if name.startswith("force_") or name.endswith("_above")]
         system = system.with_outputs(list(dict.fromkeys([*ENERGIES, *POWERS, *seen])))
         self.names = list(system.states)
-        self.library: Library = quick_library(model_of(system, 1e-7, variables.line_file() if on_line else None))
+        self.library: Library = quick_library(model_of(system, 1e-7))
         side = vehicle.wheelsets[0].pair.left
         self.half_distance, self.curve = side.rail_half_distance, Curve(side.rail)
 

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from fmu_src.kernel import ERROR, Kernel, KernelError, Library
-from fmu_src.system import LINE_COLUMNS, System, Variable, model_of
+from fmu_src.system import System, Variable, model_of
 from rbd_model.track.line import Line, Segment, arc, clothoid, line_of, straight
-from rbd_model.vehicle.variables import line_file
+from rbd_model.track.line_table import PIECES, along_line
 from tests.quick_library import quick_library
 
 HEAD = "distance,curvature,cant,gradient\n"
@@ -26,11 +26,11 @@ def surveyor() -> Library:
     place = system.state("distance", "m", 0.0, 1.0)
     distance = place + system.input(Variable("away", "input", "m", "Added"))
     system.derivative(place, system.parameter(Variable("speed", "parameter", "m/s", "How fast")))
-    for column, degree in LINE_COLUMNS.items():
-        values = system.along_line(column, distance, min(degree, 2))
+    for piece in PIECES:
+        values = along_line(system, piece.name, distance, min(piece.degree, 2))
         for order, value in enumerate(values):
-            system.output(Variable(f"{column}_{order}", "output", "1", "Looked up"), value)
-    return quick_library(model_of(system, 1e-9, line_file()))
+            system.output(Variable(f"{piece.name}_{order}", "output", "1", "Looked up"), value)
+    return quick_library(model_of(system, 1e-9))
 
 
 def surveyed(library: Library, line: Line, folder: Path, places: Sequence[float], names: Sequence[str]) -> np.ndarray:

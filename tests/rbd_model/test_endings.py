@@ -11,7 +11,6 @@ from fmu_src.kernel import Kernel, KernelError, Library
 from fmu_src.system import model_of
 from rbd_model.contact.geometry import thesis_pair
 from rbd_model.track.line import arc, clothoid, line_of, straight
-from rbd_model.vehicle import variables
 from tests.quick_library import quick_library
 from tests.rbd_model.test_standing import MAKERS, MASS, P
 
@@ -28,7 +27,7 @@ STIFF = {name: 30 * getattr(P, name) for name in ("lateral_stiffness", "vertical
 
 @pytest.fixture(scope="module")
 def patched() -> Library:
-    return quick_library(model_of(MAKERS["patched"](), 1e-6, variables.line_file()))
+    return quick_library(model_of(MAKERS["patched"](), 1e-6))
 
 
 def said_in_curve(library: Library, folder: Path, arm: float, sign: float) -> list[str]:

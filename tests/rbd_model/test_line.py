@@ -28,10 +28,9 @@ from rbd_model.levels.resistance import curve_share
 from rbd_model.levels.spatial import spatial_vehicle
 from rbd_model.track.irregularity import ballasted_track, irregular_track, section_5_3
 from rbd_model.track.line import (
-    COLUMNS,
     ERRI_HIGH,
     ERRI_LOW,
-    GAUGE,
+    NAMES,
     Line,
     Segment,
     arc,
@@ -41,7 +40,7 @@ from rbd_model.track.line import (
     read_line,
     straight,
 )
-from rbd_model.vehicle import variables
+from rbd_model.track.line_table import GAUGE
 from rbd_model.vehicle.description import HOLDABLE, RigidBody, Springs, Vehicle, Wheelset
 from rbd_model.vehicle.ready import two_axle_bogie
 from tests.quick_library import quick_library
@@ -82,7 +81,7 @@ def on_line(system: System) -> Library:
     """A system that runs on a line, with its energies and the places of its bodies as outputs."""
     powers = [name for name in POWERS if name in system.observables]
     shown = [name for name in system.observables if name.endswith(("energy", "ahead", "aside", "above", "heading"))]
-    return quick_library(model_of(system.with_outputs(shown).with_integrals(powers), 1e-7, variables.line_file()))
+    return quick_library(model_of(system.with_outputs(shown).with_integrals(powers), 1e-7))
 
 
 def bogie_in_space(contact: Contact) -> System:
@@ -221,7 +220,7 @@ def test_energy_closes_while_a_flange_pushes_rails_aside(written, patched) -> No
     """What rails store, move with and lose is in it: without what their dampers take it would not close."""
     distance = np.arange(-10.0, 60.0, 0.25)
     aside = 0.015 * blend_in(distance, 10.0, 15.0)
-    line = Line({name: np.zeros_like(distance) for name in COLUMNS[:4]} | {"distance": distance})
+    line = Line({name: np.zeros_like(distance) for name in NAMES[:4]} | {"distance": distance})
     line = with_columns(line, left_lateral=aside, right_lateral=aside)
     rails = {f"state_track_{number}{side}_speed": side for number in (1, 2) for side in ("", "_left", "_right")}
     names = [*ENERGIES, *(f"integral_{name}" for name in POWERS)]
@@ -436,7 +435,7 @@ def test_a_wave_of_both_rails_is_one_of_the_line(way, written, patched: Library)
     shift = 5e-3 * sine**4
     gradient = 5e-3 * number * 4 * sine**3 * cosine
     curvature = 5e-3 * number**2 * (12 * sine**2 * cosine**2 - 4 * sine**4)
-    level = Line({name: np.zeros_like(distance) for name in COLUMNS[:4]} | {"distance": distance})
+    level = Line({name: np.zeros_like(distance) for name in NAMES[:4]} | {"distance": distance})
     of_line = {"lateral": {"curvature": curvature}, "vertical": {"gradient": gradient}}[way]
     of_rails = {f"left_{way}": shift, f"right_{way}": shift}
     names = {

@@ -20,7 +20,6 @@ import pytest
 from fmu_src.kernel import Kernel, Library
 from fmu_src.system import model_of
 from rbd_model.levels.planar import planar_vehicle
-from rbd_model.vehicle import variables
 from rbd_model.vehicle.description import Vehicle, as_sum
 from rbd_model.vehicle.ready import passenger_coach, two_axle_bogie
 from tests.balance import Now, Reaction, curve, file_of, imbalance, in_plane, in_space, on_treads, parts
@@ -142,7 +141,7 @@ def base(name: str) -> float:
 def flat(name: str) -> tuple[Library, list[str]]:
     """Level 2 on a line, and its states."""
     system = planar_vehicle(VEHICLES[name](), True)
-    return quick_library(model_of(system, 1e-7, variables.line_file())), list(system.states)
+    return quick_library(model_of(system, 1e-7)), list(system.states)
 
 
 #: From a vehicle as it stands, what is missing.

@@ -11,7 +11,6 @@ import pytest
 from fmu_src.kernel import Kernel, Library
 from fmu_src.system import model_of
 from rbd_model.track.line import line_of, straight
-from rbd_model.vehicle import variables
 from tests.quick_library import quick_library
 from tests.rbd_model.test_standing import MAKERS, MASS, P
 
@@ -38,7 +37,7 @@ Make = Callable[..., Kernel]
 @pytest.fixture(scope="module", params=list(MAKERS))
 def library(request: pytest.FixtureRequest) -> Library:
     """A bogie on a line, at each level and at two depths of contact."""
-    return quick_library(model_of(MAKERS[request.param](), 1e-6, variables.line_file()))
+    return quick_library(model_of(MAKERS[request.param](), 1e-6))
 
 
 @pytest.fixture

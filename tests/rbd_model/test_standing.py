@@ -14,7 +14,6 @@ from rbd_model.levels.point import point_vehicle
 from rbd_model.levels.spatial import spatial_vehicle
 from rbd_model.track.irregularity import irregular_track, section_5_3
 from rbd_model.track.line import line_of, straight
-from rbd_model.vehicle import variables
 from rbd_model.vehicle.ready import two_axle_bogie
 from tests.quick_library import quick_library
 
@@ -38,7 +37,7 @@ MAKERS = {
 @pytest.fixture(scope="module", params=list(MAKERS))
 def library(request) -> Library:  # type: ignore[no-untyped-def]
     """A bogie on a line, at each level."""
-    return quick_library(model_of(MAKERS[request.param](), 1e-6, variables.line_file()))
+    return quick_library(model_of(MAKERS[request.param](), 1e-6))
 
 
 @pytest.fixture

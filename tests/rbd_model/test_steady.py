@@ -18,8 +18,8 @@ from rbd_model.contact.depth import Contact
 from rbd_model.levels.spatial import spatial_vehicle
 from rbd_model.levels.steady import NO_STEADY_STATE
 from rbd_model.track.irregularity import irregular_track, section_5_3
-from rbd_model.track.line import ERRI_HIGH, ERRI_LOW, GAUGE, Line, arc, clothoid, irregular, line_of, straight
-from rbd_model.vehicle import variables
+from rbd_model.track.line import ERRI_HIGH, ERRI_LOW, Line, arc, clothoid, irregular, line_of, straight
+from rbd_model.track.line_table import GAUGE
 from rbd_model.vehicle.description import FrictionSlider, SeriesDamper, Vehicle
 from rbd_model.vehicle.ready import loaded_coal_wagon, passenger_coach, two_axle_bogie
 from scenarios.bench.curves import suited_speed
@@ -326,10 +326,7 @@ def in_space(vehicle: Vehicle) -> System:
 def test_on_straight_and_level_track_nothing_is_sought(tmp_path: Path) -> None:
     """A line that begins straight and level: bit for bit as by equations without a steady start, irregular or not."""
     system = in_space(two_axle_bogie())
-    own, plain = (
-        quick_library(model_of(one, 1e-6, variables.line_file()))
-        for one in (system, replace(system, steady_start=None))
-    )
+    own, plain = (quick_library(model_of(one, 1e-6)) for one in (system, replace(system, steady_start=None)))
     before, behind = straight(30.0), arc(60.0, 400.0, 0.05)
     line = line_of([before, clothoid(30.0, before, behind), behind], BEHIND)
     for number, one in enumerate((line, irregular(line_of([straight(200.0)], -60.0), ERRI_LOW, seed=1))):
@@ -356,7 +353,7 @@ def test_dampers_and_sliders_start_without_a_force(tmp_path: Path) -> None:
     )
     found = []
     for vehicle in (plain, replace(plain, connections=(*plain.connections, *extra))):
-        own = quick_library(model_of(in_space(vehicle), 1e-6, variables.line_file()))
+        own = quick_library(model_of(in_space(vehicle), 1e-6))
         path = str(curve(300.0, 0.1).write(tmp_path / "line.csv"))
         kernel = Kernel(own, line_file=path, initial_speed=16.0, constant_speed=1.0)
         kernel.initialise()

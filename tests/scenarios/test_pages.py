@@ -17,7 +17,8 @@ import pytest
 from bogie_braking.__main__ import main
 from bogie_braking.exit_status import DOES_NOT_HOLD
 from fmu_src.cosimulation.recording import Recording
-from rbd_model.track.line import GAUGE, Line, Segment, line_of
+from rbd_model.track.line import Line, Segment, line_of
+from rbd_model.track.line_table import GAUGE
 from rbd_model.vehicle.parameters import AS_PRINTED
 from rbd_model.vehicle.ready import two_axle_bogie
 from scenarios.bench.drive import RIGID, prepare, prepare_on_line

@@ -1,4 +1,5 @@
-/* The line that an instance runs on, chosen by the path of its file before the start. */
+/* The one text that a variable may hold: the path of a table file, which is read when it is set, before the start. */
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -6,16 +7,16 @@
 
 static int check_text(kernel *self, int variable) {
     const int status = kernel_check_reference(self, variable);
-    if (status != KERNEL_OK || variable == MODEL.line_file) return status;
+    if (status != KERNEL_OK || (MODEL.table_file && variable == MODEL.table_file->variable)) return status;
     return kernel_fail(self, KERNEL_ERROR, "%s is a number, no text.", MODEL.variable[variable].name);
 }
 
-void kernel_leave_line(kernel *self) {
-    line_free(self->line);
-    free(self->line_path);
-    self->line = NULL;
-    self->line_path = NULL;
-    self->now.line = 0;
+void kernel_leave_table(kernel *self) {
+    table_free(self->table);
+    free(self->table_path);
+    self->table = NULL;
+    self->table_path = NULL;
+    self->now.table = 0;
 }
 
 int kernel_set_text(kernel *self, int variable, const char *text) {
@@ -26,25 +27,27 @@ int kernel_set_text(kernel *self, int variable, const char *text) {
         return kernel_fail(self, KERNEL_ERROR, "%s is a parameter and fixed once the run has begun; reset first.", name);
     if (!text) return kernel_fail(self, KERNEL_ERROR, "Set %s to the path of a file, or to no text for none.", name);
     if (!*text) {
-        kernel_leave_line(self);
+        kernel_leave_table(self);
         return KERNEL_OK;
     }
-    char problem[PROBLEM_SIZE] = "There is not enough memory for a line.";
+    const char *noun = MODEL.table_file->noun;
+    char problem[PROBLEM_SIZE];
+    snprintf(problem, sizeof problem, "There is not enough memory for a %s.", noun);
     char *path = (char *)malloc(strlen(text) + 1);
-    line_data *read = path ? line_read(text, problem) : NULL;
+    table_file *read = path ? table_read(text, problem) : NULL;
     if (!read) {
         free(path);
-        return kernel_fail(self, KERNEL_ERROR, "%s The line before it stays in force.", problem);
+        return kernel_fail(self, KERNEL_ERROR, "%s The %s before it stays in force.", problem, noun);
     }
-    kernel_leave_line(self);
-    self->line = read;
-    self->now.line = read->mark;
-    self->line_path = strcpy(path, text);
+    kernel_leave_table(self);
+    self->table = read;
+    self->now.table = read->mark;
+    self->table_path = strcpy(path, text);
     return KERNEL_OK;
 }
 
 int kernel_get_text(kernel *self, int variable, const char **text) {
     const int status = check_text(self, variable);
-    if (status == KERNEL_OK) *text = self->line_path ? self->line_path : "";
+    if (status == KERNEL_OK) *text = self->table_path ? self->table_path : "";
     return status;
 }

@@ -1,0 +1,84 @@
+"""The line as a table file: its columns with units and limits, and what models look up of it, declared once.
+
+What is integrated along it, and the polynomials between its rows, are in line.c.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import casadi as ca
+
+from fmu_src.system import Column, Piece, System, TableFile, Variable
+
+#: Distance of the rails' heads over which cant is measured, EN 13803 [m]: its angle is asin(cant / GAUGE).
+GAUGE = 1.5
+#: Largest turn between two rows [rad], between which the plan is a polynomial; and how many rows make up the shortest
+#: thing on a line that steps resolve.
+LARGEST_TURN, RESOLVING_ROWS = 0.05, 8.0
+#: Limits: the tightest curve is that of a depot, 50 m; EN 13803 knows no cant above 0.18 m; the steepest railway on
+#: racks rises by 0.48.
+COLUMNS = (
+    Column("distance", "m", -1e7, 1e7, required=True),
+    Column("curvature", "1/m", -0.02, 0.02, required=True),
+    Column("cant", "m", -0.3, 0.3, required=True),
+    Column("gradient", "1", -0.5, 0.5, required=True),
+    Column("gauge_widening", "m", -0.02, 0.1),
+    Column("left_lateral", "m", -0.1, 0.1),
+    Column("left_vertical", "m", -0.1, 0.1),
+    Column("right_lateral", "m", -0.1, 0.1),
+    Column("right_vertical", "m", -0.1, 0.1),
+    Column("left_friction", "1", 0.0, 10.0),
+    Column("right_friction", "1", 0.0, 10.0),
+)
+#: What is looked up; a place in the plan and the way seen from above are sums of whole metres (`_far`) and a rest.
+PIECES = (
+    Piece("heading", "rad", 4),  # to the left
+    Piece("cant", "1", 5),  # sine of the track's roll: negative where the right rail is the higher one
+    Piece("rise", "m", 4, goes_on=True),
+    Piece("ahead", "m", 5, goes_on=True),  # along the first heading
+    Piece("ahead_far", "m", 0),
+    Piece("aside", "m", 5, goes_on=True),  # to the left of it
+    Piece("aside_far", "m", 0),
+    Piece("level", "m", 5, goes_on=True),  # the way seen from above
+    Piece("level_far", "m", 0),
+    Piece("lateral", "m", 5),  # of both rails, the mean
+    Piece("spread", "m", 5),  # of each rail, outwards
+    Piece("left", "m", 5),  # height of the left rail
+    Piece("right", "m", 5),
+    Piece("left_friction", "1", 1),  # factor
+    Piece("right_friction", "1", 1),
+    Piece("shortest", "m", 0),  # length of the shortest thing that steps resolve
+)
+SOURCE = f"""static const double GAUGE = {GAUGE}, LARGEST_TURN = {LARGEST_TURN}, RESOLVING_ROWS = {RESOLVING_ROWS};
+{(Path(__file__).parent / "line.c").read_text(encoding="utf-8")}"""
+
+LINE = TableFile(
+    Variable(
+        "line_file",
+        "parameter",
+        "1",
+        "Path of a file with the line (docs/line.md), read when it is set; empty: line.csv in the resources of the FMU "
+        "where there is one, else straight and level track",
+        kind="string",
+    ),
+    noun="line",
+    preposition="on",
+    resource="line.csv",
+    columns=COLUMNS,
+    least_growth=1e-3,
+    growth_text="1 mm",
+    known="distance, curvature, cant, gradient, and where known gauge_widening and, behind left_ and right_, lateral, "
+    "vertical, friction",
+    added=(
+        *("heading", "rise", "roll", "ahead", "ahead_far", "aside", "aside_far", "level", "level_far"),
+        *("lateral", "spread"),
+    ),
+    pieces=PIECES,
+    source=SOURCE,
+)
+
+
+def along_line(system: System, name: str, distance: ca.SX, order: int = 0) -> list[ca.SX]:
+    """Value of one of PIECES at a distance [m] on an instance's line, and its derivatives up to `order`."""
+    return system.from_file(LINE, name, distance, order)

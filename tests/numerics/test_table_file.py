@@ -1,0 +1,107 @@
+"""Table files of models that are no railways: columns, limits and pieces of their own, through fmu_src alone."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from fmu_src.kernel import Kernel, KernelError, Library
+from fmu_src.system import Column, Piece, System, TableFile, Variable, model_of
+from tests.quick_library import quick_library
+
+#: Head and volume flow of a pump over time; what it has moved is their integral.
+MAP = TableFile(
+    Variable("map_file", "parameter", "1", "Path of the pump's map", kind="string"),
+    noun="map",
+    preposition="by",
+    resource="map.csv",
+    columns=(
+        Column("time", "s", 0.0, 1e6, required=True),
+        Column("flow", "m3/s", 0.0, 2.0, required=True),
+        Column("head", "m", 0.0, 80.0),
+    ),
+    least_growth=0.1,
+    growth_text="0.1 s",
+    known="time, flow and, where known, head",
+    added=("volume",),
+    pieces=(Piece("flow", "m3/s", 1), Piece("head", "m", 5), Piece("volume", "m3", 4, goes_on=True)),
+    source="""
+static bool check_row(const table_file *self, int row, char *problem, size_t size) {
+    const double change = self->column[COLUMN_FLOW][row] - self->column[COLUMN_FLOW][row - 1];
+    if (fabs(change) <= 1.0) return true;
+    snprintf(problem, size, "the flow changes by %g m3/s at once; give rows between", change);
+    return false;
+}
+
+static void complete(const table_file *self) {
+    double c[MOST_TERMS], *volume = self->column[COLUMN_VOLUME];
+    volume[0] = 0.0;
+    for (int row = 0; row + 1 < self->rows; ++row) {
+        table_integral(self, COLUMN_FLOW, row, volume[row], c);
+        volume[row + 1] = table_value(c, self->column[COLUMN_TIME][row + 1] - self->column[COLUMN_TIME][row]);
+    }
+}
+
+static void piece_between(const table_file *self, int piece, int row, double *c) {
+    if (piece == PIECE_FLOW) table_straight(self, COLUMN_FLOW, row, c);
+    if (piece == PIECE_HEAD && self->column[COLUMN_HEAD]) table_smooth(self, COLUMN_HEAD, row, c);
+    if (piece == PIECE_VOLUME) table_integral(self, COLUMN_FLOW, row, self->column[COLUMN_VOLUME][row], c);
+}
+""",
+)
+
+
+@pytest.fixture(scope="module")
+def pump() -> Library:
+    """A tank that a pump fills as its map says."""
+    system = System("Pump", "fills a tank")
+    level = system.state("level", "m3", 0.0, 1.0)
+    flow, slope = system.from_file(MAP, "flow", system.time, 1)
+    system.derivative(level, flow)
+    shown = {"level": level, "flow": flow, "slope": slope, "volume": system.from_file(MAP, "volume", system.time)[0]}
+    shown["head"] = system.from_file(MAP, "head", system.time)[0]
+    for name, value in shown.items():
+        system.output(Variable(f"{name}_out", "output", "1", "Looked up"), value)
+    return quick_library(model_of(system, 1e-9))
+
+
+def test_a_tank_is_filled_by_the_map_of_its_pump(pump: Library, tmp_path: Path) -> None:
+    """A flow that rises evenly from 0 to 1 m3/s in 10 s and then stays moves t^2 / 20, and 5 + (t - 10) behind it."""
+    path = tmp_path / "map.csv"
+    path.write_text("flow,time,head\n" + "".join(f"{min(t / 10, 1)},{t},{t + 1}\n" for t in range(20)))
+    kernel = Kernel(pump, map_file=str(path))
+    kernel.advance(1.0)
+    first = kernel["volume_out"]  # a slope of its own stands at the first row, 0, so that little is missing before
+    kernel.advance(4.5)
+    assert kernel["flow_out"] == pytest.approx(0.55)
+    assert kernel["slope_out"] == pytest.approx(0.1)
+    assert kernel["head_out"] == pytest.approx(6.5)
+    assert kernel["level_out"] == pytest.approx(5.5**2 / 20, rel=1e-6)
+    assert kernel["volume_out"] - first == pytest.approx((5.5**2 - 1.0) / 20, rel=1e-12)
+    kernel.advance(24.5)  # beyond the end: flow stays, volume goes on, head stays
+    assert [kernel[name] for name in ("flow_out", "head_out")] == pytest.approx([1.0, 20.0])
+    assert kernel["level_out"] == pytest.approx(25.0, rel=1e-6)
+    assert kernel["volume_out"] == pytest.approx(kernel["level_out"], abs=0.02)  # bends are rounded
+
+
+@pytest.mark.parametrize(
+    ("rows", "sentence"),
+    [
+        ("time,flow\n0,0\n1,3\n", r"^Map .*row 3: flow is 3 m3/s; give a value from 0 to 2 m3/s\. The map before it"),
+        ("time,flow\n0,0\n1,1.5\n", r"row 3: the flow changes by 1.5 m3/s at once; give rows between\."),
+        ("time,flow\n0,0\n0,1\n", r"row 3: time is 0 s behind 0 s; let it grow by 0.1 s at least\."),
+        ("time,head\n0,0\n1,1\n", r"row 1: the column flow is missing"),
+        ("time,flow,cant\n", r'row 1: the column "cant" is not known; give time, flow and, where known, head'),
+    ],
+)
+def test_a_bad_map_is_refused_in_its_own_words(pump: Library, tmp_path: Path, rows: str, sentence: str) -> None:
+    path = tmp_path / "map.csv"
+    path.write_text(rows)
+    with pytest.raises(KernelError, match=sentence):
+        Kernel(pump, map_file=str(path))
+
+
+def test_a_pump_without_a_map_asks_for_one(pump: Library) -> None:
+    with pytest.raises(KernelError, match="Set map_file to the path of a file with a map; this model has no other"):
+        Kernel(pump).initialise()
