@@ -6,6 +6,7 @@ import hashlib
 import math
 import re
 import tempfile
+from bisect import bisect_left
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -37,7 +38,6 @@ KERNEL_SOURCES = (
     "evaluate.c",
     "variables.c",
     "experiment.c",
-    "sparse.c",
     "linear.c",
     "rosenbrock.c",
     "algebraic.c",
@@ -407,14 +407,21 @@ def _system_arrays(model: Model, system: System, solving: Elimination) -> Iterab
     yield c_array("int", f"{prefix}_idle", [str(model.index(name)) for name in without_effect(model, system)])
     yield c_array("double", f"{prefix}_nominal", [c_number(state.nominal) for state in system.states.values()])
     yield c_array("int", f"{prefix}_order", map(str, solving.order))
-    yield c_array("int", f"{prefix}_jacobian_place", map(str, solving.jacobian_place))
-    places = (str(column * len(solving.order) + row) for row, column in solving.place)
-    yield c_array("int", f"{prefix}_factor_place", places)
+    yield c_array("int", f"{prefix}_position", map(str, solving.position))
+    columns = [column for _, column in solving.nonzeros]
+    starts = (bisect_left(columns, column) for column in range(1 + len(solving.order)))
+    yield c_array("int", f"{prefix}_column_start", map(str, starts if system.states else ()))
+    yield c_array("int", f"{prefix}_row", (str(row) for row, _ in solving.nonzeros))
+    yield c_array("int", f"{prefix}_factor", map(str, solving.factor_of_nonzero))
     position = {name: number for number, name in enumerate(system.states)}
     limited = [[position[name] for name in names] for names, _ in system.largest_changes]
     yield c_array("limited_change", f"{prefix}_limited", [f"{{{one[0]}, {[*one, -1][1]}}}" for one in limited])
     algebraic = [number for number, state in enumerate(system.states.values()) if state.algebraic]
     yield c_array("int", f"{prefix}_algebraic", map(str, algebraic))
+    inside = _algebraic_nonzeros(system, solving)
+    yield c_array("int", f"{prefix}_algebraic_nonzero", map(str, inside))
+    where = [tuple(map(algebraic.index, solving.nonzeros[number])) for number in inside]
+    yield c_array("int", f"{prefix}_algebraic_place", (str(column * len(algebraic) + row) for row, column in where))
     yield c_array(
         "friction_description",
         f"{prefix}_friction",
@@ -451,6 +458,12 @@ def _system_arrays(model: Model, system: System, solving: Elimination) -> Iterab
     yield c_array("char *const", f"{prefix}_sentence", sentences)
 
 
+def _algebraic_nonzeros(system: System, solving: Elimination) -> list[int]:
+    """Which nonzeros of the Jacobian are derivatives of residuals by algebraic states."""
+    algebraic = [state.algebraic for state in system.states.values()]
+    return [number for number, (row, column) in enumerate(solving.nonzeros) if algebraic[row] and algebraic[column]]
+
+
 def _steady_arrays(system: System, start: SteadyStart) -> Iterable[str]:
     """The description of a steady start, its members by position."""
     prefix = f"{system.name}_steady"
@@ -477,6 +490,7 @@ def _system_entry(model: Model, system: System, made: dict[str, Generated], solv
     counts = {
         "states": len(system.states),
         "algebraics": sum(state.algebraic for state in system.states.values()),
+        "algebraic_nonzeros": len(_algebraic_nonzeros(system, solving)),
         "nonzeros": made["jacobian"].function.nnz_out(made["jacobian"].ranks),
         "factors": len(solving.place),
         "lower_factors": solving.lower,
@@ -502,9 +516,13 @@ def _system_entry(model: Model, system: System, made: dict[str, Generated], solv
         "idle": "idles",
         "nominal": "states",
         "order": "states",
-        "jacobian_place": "nonzeros",
-        "factor_place": "factors",
+        "position": "states",
+        "column_start": "states",
+        "row": "nonzeros",
+        "factor": "nonzeros",
         "algebraic": "algebraics",
+        "algebraic_nonzero": "algebraic_nonzeros",
+        "algebraic_place": "algebraic_nonzeros",
         "limited": "limits",
         "friction": "frictions",
         "table": "tables",

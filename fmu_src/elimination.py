@@ -21,17 +21,27 @@ LONGEST = 150
 
 @dataclass(frozen=True)
 class Elimination:
-    """Numbers of states and of places in a dense matrix, and what elimination in the given order fills.
+    """Numbers of states, and what elimination in the given order fills.
 
-    order: the states, so that the factors stay sparse; jacobian_place: of each nonzero of the Jacobian in a matrix of
-    that order, stored by columns; below, right: for each pivot, the rows below it and the columns right of it that are
-    not zero when it is their turn.
+    order: the states, so that the factors stay sparse; nonzeros: row and column of each nonzero of the Jacobian, column
+    by column; below, right: for each pivot, the rows below it and the columns right of it that are not zero when it is
+    their turn.
     """
 
     order: list[int]
-    jacobian_place: list[int]
+    nonzeros: list[tuple[int, int]]
     below: list[list[int]]
     right: list[list[int]]
+
+    @cached_property
+    def position(self) -> list[int]:
+        """Of each state in the order of elimination."""
+        return sorted(range(len(self.order)), key=self.order.__getitem__)
+
+    @property
+    def factor_of_nonzero(self) -> list[int]:
+        """Where each nonzero of the Jacobian is stored among the factors."""
+        return [self.place[self.position[row], self.position[column]] for row, column in self.nonzeros]
 
     @cached_property
     def place(self) -> dict[tuple[int, int], int]:
@@ -116,9 +126,8 @@ def elimination(system: System) -> Elimination:
         for row in users[pivot]:
             row_states[row] |= row_states[pivot] & left
     position = {state: place for place, state in enumerate(order)}
-    places = [position[j] * count + position[i] for i, j in triplets]
     below, right = ([sorted(position[state] for state in one[side]) for one in lists] for side in (0, 1))
-    return Elimination(order, places, below, right)
+    return Elimination(order, triplets, below, right)
 
 
 def elimination_source(name: str, solving: Elimination) -> str:

@@ -13,7 +13,7 @@ static const double ROUND_OFF_FOLLOWING = 1e-11;
 static const double SLOW = 0.1;
 
 /* Solves for the correction of the algebraic states with the factors at hand; its largest entry in nominal values. */
-static double find_correction(kernel *self, const factors *of, double *correction) {
+static double find_correction(kernel *self, const dense_factors *of, double *correction) {
     const int m = self->system->algebraics;
     const int *algebraic = self->system->algebraic;
     for (int i = 0; i < m; ++i) correction[i] = -self->slope[algebraic[i]];
@@ -47,7 +47,7 @@ int algebraic_solve(kernel *self, double offset, double *state, double tolerance
     return 0;
 }
 
-int algebraic_follow(kernel *self, const factors *of, double offset, double *state, double tolerance) {
+int algebraic_follow(kernel *self, const dense_factors *of, double offset, double *state, double tolerance) {
     const int m = self->system->algebraics;
     double *correction = self->ordered, *guess = correction + m, before = INFINITY;
     for (int i = 0; i < m; ++i) guess[i] = state[self->system->algebraic[i]];
@@ -85,22 +85,21 @@ const double *algebraic_place(kernel *self) {
 /* J_dd - J_da J_aa^-1 J_ad, column by column. */
 int algebraic_reduce(kernel *self, double offset, double *jacobian) {
     const system_description *system = self->system;
-    const int n = system->states, m = n - system->algebraics;
-    double *follow = self->stage[0];
+    const int n = system->states, m = n - system->algebraics, *start = system->column_start;
+    double *follow = self->stage[0], *reduced = self->stage[1];
     rosenbrock_linearise(self, offset, self->state);
     if (!linear_factorise_algebraic(self, &self->algebraic, self->jacobian)) return 0;
     for (int j = 0, column = 0; j < n; ++j) {
         if (self->differential[j] == 0.0) continue;
-        const double *entry = self->jacobian + self->place[j] * n;
-        for (int i = 0; i < system->algebraics; ++i) follow[i] = entry[self->place[system->algebraic[i]]];
+        memset(reduced, 0, (size_t)n * sizeof(double));
+        for (int i = start[j]; i < start[j + 1]; ++i) reduced[system->row[i]] = self->jacobian[i];
+        for (int i = 0; i < system->algebraics; ++i) follow[i] = reduced[system->algebraic[i]];
         linear_solve_algebraic(&self->algebraic, follow);
-        for (int i = 0, row = 0; i < n; ++i) {
-            if (self->differential[i] == 0.0) continue;
-            double value = entry[self->place[i]];
-            for (int k = 0; k < system->algebraics; ++k)
-                value -= self->jacobian[self->place[system->algebraic[k]] * n + self->place[i]] * follow[k];
-            jacobian[row++ * m + column] = value;
-        }
+        for (int k = 0; k < system->algebraics; ++k)
+            for (int i = start[system->algebraic[k]]; i < start[system->algebraic[k] + 1]; ++i)
+                reduced[system->row[i]] -= self->jacobian[i] * follow[k];
+        for (int i = 0, row = 0; i < n; ++i)
+            if (self->differential[i] != 0.0) jacobian[row++ * m + column] = reduced[i];
         ++column;
     }
     return 1;

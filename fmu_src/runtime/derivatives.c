@@ -53,11 +53,8 @@ static void differentiate_slopes(kernel *self, const double *place) {
     for (int i = 0; i < n; ++i) self->between[i] = -self->time_slope[i];
     for (int i = 0; i < self->system->inputs; ++i) self->rate[i] += self->seed[1 + n + i];
     rosenbrock_linearise(self, 0.0, place);
-    for (int i = 0; i < n; ++i) {
-        self->between[i] += self->time_slope[i];
-        for (int j = 0; j < n; ++j)
-            self->between[i] += self->jacobian[self->place[j] * n + self->place[i]] * self->seed[1 + j];
-    }
+    for (int i = 0; i < n; ++i) self->between[i] += self->time_slope[i];
+    linear_add_product(self, self->seed + 1, self->between);
 }
 
 /* Of a slope of model exchange; 0 where the system does not have that state. */

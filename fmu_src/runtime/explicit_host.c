@@ -48,11 +48,12 @@ static int is_step_of_euler(const kernel *self, double size) {
  * parts: (I + h J) squared so often. */
 static double growth_over_steps(kernel *self, double size, int finer) {
     const int n = self->system->states;
-    double *matrix = self->whole.matrix, *square = self->whole.packed, largest = 1.0;
+    double *matrix = self->host_growth, *square = matrix + n * n, largest = 1.0;
+    linear_write_by_rows(self, matrix);
     for (int i = 0; i < n; ++i)
         for (int j = 0; j < n; ++j) {
             const double scale = self->system->nominal[j] / self->system->nominal[i];
-            matrix[i * n + j] = (i == j) + ldexp(size, -finer) * scale * self->jacobian[self->place[j] * n + self->place[i]];
+            matrix[i * n + j] = (i == j) + ldexp(size, -finer) * scale * matrix[i * n + j];
         }
     for (int doubling = 0; doubling < DOUBLINGS + finer && largest < ENDLESS; ++doubling) {
         largest = 0.0;

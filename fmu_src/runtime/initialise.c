@@ -12,12 +12,7 @@ void kernel_enter_system(kernel *self) {
     for (int i = 0; i < system->parameters; ++i) self->parameter[i] = self->value[system->parameter_variable[i]];
     self->method = (int)self->value[MODEL.integration_method];
     self->factors_serve = self->kept_ready = 0;
-    memset(self->jacobian, 0, (size_t)(system->states * system->states) * sizeof(double));
-    memset(self->kept_jacobian, 0, (size_t)(system->states * system->states) * sizeof(double));
-    for (int i = 0; i < system->states; ++i) {
-        self->differential[i] = 1.0;
-        self->place[system->order[i]] = i;
-    }
+    for (int i = 0; i < system->states; ++i) self->differential[i] = 1.0;
     for (int i = 0; i < system->algebraics; ++i) self->differential[system->algebraic[i]] = 0.0;
     for (int i = 0; i < 2 * system->tables; ++i) self->held[i] = NAN; /* nothing is held anywhere */
 }

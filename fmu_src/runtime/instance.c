@@ -15,6 +15,7 @@ static system_description largest_dimensions(void) {
         GROW(states);
         GROW(algebraics);
         GROW(nonzeros);
+        GROW(factors);
         GROW(inputs);
         GROW(parameters);
         GROW(derived);
@@ -62,15 +63,13 @@ static size_t lay_out(kernel *self, double *block) {
     self->trial = carve(block, &used, n);
     self->slope = carve(block, &used, n);
     self->time_slope = carve(block, &used, n);
-    self->nonzero = carve(block, &used, most.nonzeros);
-    self->jacobian = carve(block, &used, n * n);
-    self->kept_jacobian = carve(block, &used, n * n);
-    factors *const four[] = {&self->whole, &self->algebraic, &self->kept, &self->kept_algebraic};
-    for (int i = 0; i < 4; ++i) {
-        const int size = i % 2 ? most.algebraics : n;
-        four[i]->matrix = carve(block, &used, size * size);
-        four[i]->packed = carve(block, &used, i % 2 ? 0 : size * size);
-    }
+    self->jacobian = carve(block, &used, most.nonzeros);
+    self->kept_jacobian = carve(block, &used, most.nonzeros);
+    self->whole.packed = carve(block, &used, most.factors);
+    self->kept.packed = carve(block, &used, most.factors);
+    self->algebraic.matrix = carve(block, &used, most.algebraics * most.algebraics);
+    self->kept_algebraic.matrix = carve(block, &used, most.algebraics * most.algebraics);
+    self->dense.matrix = carve(block, &used, n * n);
     for (int i = 0; i < MOST_STAGES; ++i) self->stage[i] = carve(block, &used, n);
     self->point = carve(block, &used, n);
     self->between = carve(block, &used, n);
@@ -78,6 +77,7 @@ static size_t lay_out(kernel *self, double *block) {
     self->host_state = carve(block, &used, n);
     self->host_slope = carve(block, &used, n);
     self->host_change = carve(block, &used, n);
+    self->host_growth = carve(block, &used, 2 * kernel_exchange_states() * kernel_exchange_states());
     self->first_slope = carve(block, &used, n);
     self->last_slope = carve(block, &used, n);
     self->ordered = carve(block, &used, 2 * n);
@@ -98,19 +98,17 @@ kernel *kernel_create(void) {
     const size_t doubles = lay_out(self, NULL);
     self->block = (double *)calloc(doubles, sizeof(double));
     const size_t n = (size_t)largest_dimensions().states;
-    self->places = (int *)calloc(5 * n + (size_t)largest_dimensions().tables + 1, sizeof(int));
+    self->places = (int *)calloc(3 * n + (size_t)largest_dimensions().tables + 1, sizeof(int));
     self->warned = (char *)calloc((size_t)MODEL.variables, 1);
     if (!self->block || !self->places || !self->warned) {
         kernel_free(self);
         return NULL;
     }
     lay_out(self, self->block);
-    self->place = self->places;
-    self->whole.pivot = self->places + n;
-    self->algebraic.pivot = self->places + 2 * n;
-    self->kept.pivot = self->places + 3 * n;
-    self->kept_algebraic.pivot = self->places + 4 * n;
-    self->row = self->places + 5 * n;
+    self->dense.pivot = self->places;
+    self->algebraic.pivot = self->places + n;
+    self->kept_algebraic.pivot = self->places + 2 * n;
+    self->row = self->places + 3 * n;
     kernel_reset(self);
     return self;
 }

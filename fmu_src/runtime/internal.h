@@ -39,13 +39,18 @@ enum { METHOD_EXACT = 1, METHOD_REUSED = 2, METHOD_EXPLICIT = 3 };
 
 enum { KEPT_NOTHING, KEPT_JACOBIAN, KEPT_FACTORS };
 
-/* LU factors: of a matrix by columns, in place, with exchanges (linear.c), or packed and without (sparse.c). */
+/* LU factors of a matrix by columns, in place, with exchanged rows. */
 typedef struct {
-    double *matrix, *packed;
+    double *matrix;
     int *pivot;
     int size;
-    int sparse; /* the packed ones hold */
-} factors;
+} dense_factors;
+
+/* LU factors of a step's matrix: those of the generated elimination, or with exchanges, in the instance's dense matrix. */
+typedef struct {
+    double *packed;
+    bool exchanged;
+} step_factors;
 
 typedef struct rosenbrock_tableau rosenbrock_tableau;
 
@@ -59,17 +64,19 @@ struct kernel {
     /* Not restored: work space of one step. */
     double *parameter, *input, *rate, *stage_input, *coefficient, *table_at;
     double *held; /* for each table, the range of its argument in which `coefficient` holds: from, and below */
-    double *trial, *slope, *time_slope, *nonzero, *jacobian, *kept_jacobian, *stage[MOST_STAGES], *point, *ordered;
+    double *trial, *slope, *time_slope, *jacobian, *kept_jacobian, *stage[MOST_STAGES], *point, *ordered;
     double *differential;
     /* Of the host's integrator: where its step began, the slopes there and how they differ from those before. */
-    double *host_state, *host_slope, *host_change, host_time;
+    double *host_state, *host_slope, *host_change, *host_growth, host_time; /* growth: room for two matrices */
     int host_slope_known, host_steps; /* steps in a row that were those of Euler's method */
     double *place_read; /* where outputs and derivatives are read that have algebraic states */
     /* `ordered` has room for two vectors. */
     double *between, *first_slope, *last_slope;
     double *drive, *capacity, *still, *margin, *output, *backup, *seed, *output_rate, *largest_change;
-    factors whole, algebraic, kept, kept_algebraic;
-    int *place; /* of the states in the order of elimination */
+    step_factors whole, kept;
+    dense_factors algebraic, kept_algebraic;
+    dense_factors dense; /* the one place for a step's matrix whose rows are exchanged, and whose factors it holds */
+    const step_factors *dense_owner;
     table_file *table; /* null: none */
     char *table_path;
     int *row; /* for each table that is looked up in the file, the row before the place where that was last */
@@ -129,21 +136,22 @@ INSIDE void kernel_evaluate(kernel *self, generated_function function, double of
 /* Writes (origin, c0 ... c_degree) of the tables from `first` on that are of its rank, whose arguments are in table_at.
  * Returns the first of the next rank. */
 INSIDE int tables_look_up(kernel *self, int first);
-/* Linear equations: factors of M diagonal - J, in the order of the states; and of the algebraic part of J. 0: singular. */
-INSIDE int linear_factorise_step(kernel *self, factors *of, const double *jacobian, double diagonal);
-INSIDE void linear_solve_step(kernel *self, const factors *of, double *vector);
-INSIDE int linear_factorise_algebraic(kernel *self, factors *of, const double *jacobian);
-INSIDE void linear_solve_algebraic(const factors *of, double *vector);
-/* The first without exchanges; 0: a pivot is next to nothing. */
-#ifndef ONE_UNIT /* there the definition comes first */
-extern const double PIVOT_RATIO;
-#endif
-INSIDE int sparse_factorise(const kernel *self, factors *of, const double *jacobian, double diagonal);
+/* Linear equations: factors of M diagonal - J, in the order of the states; and of the algebraic part of J. Whether the
+ * matrix is regular. */
+INSIDE bool linear_factorise_step(kernel *self, step_factors *of, const double *jacobian, double diagonal);
+INSIDE void linear_solve_step(kernel *self, const step_factors *of, double *vector);
+INSIDE bool linear_factorise_algebraic(const kernel *self, dense_factors *of, const double *jacobian);
+INSIDE void linear_solve_algebraic(const dense_factors *of, double *vector);
+/* Whether factors stand that were made before: others may have taken their place in the dense matrix. */
+INSIDE bool linear_has_factors(const kernel *self, const step_factors *of);
+/* Adds self->jacobian times a vector; and writes it as a matrix by rows. */
+INSIDE void linear_add_product(const kernel *self, const double *vector, double *sum);
+INSIDE void linear_write_by_rows(const kernel *self, double *matrix);
 /* Algebraic states, the others held, solved until their scaled change is below `tolerance` or round-off; all leave the
  * slopes in self->slope, and 0 means no success. Newton's method from self->jacobian, which is that of `state`; */
 INSIDE int algebraic_solve(kernel *self, double offset, double *state, double tolerance);
 /* with given factors throughout, the old values kept where that fails; */
-INSIDE int algebraic_follow(kernel *self, const factors *of, double offset, double *state, double tolerance);
+INSIDE int algebraic_follow(kernel *self, const dense_factors *of, double offset, double *state, double tolerance);
 /* with the last factors while they serve, and otherwise with new ones. */
 INSIDE int algebraic_find(kernel *self, double offset, double *state, double tolerance);
 /* The present state with algebraic states as the inputs now have them, and the Jacobian there; null: there are none. The
@@ -158,9 +166,9 @@ extern const rosenbrock_tableau RODAS5P, ROS34PW2;
 #endif
 INSIDE void rosenbrock_evaluate_jacobian(kernel *self, double offset, const double *state, double *jacobian);
 INSIDE void rosenbrock_linearise(kernel *self, double offset, const double *state);
-INSIDE int rosenbrock_factorise(kernel *self, const rosenbrock_tableau *method, factors *of, const double *jacobian,
+INSIDE int rosenbrock_factorise(kernel *self, const rosenbrock_tableau *method, step_factors *of, const double *jacobian,
                                 double size);
-INSIDE double rosenbrock_step(kernel *self, const rosenbrock_tableau *method, const factors *of, double offset,
+INSIDE double rosenbrock_step(kernel *self, const rosenbrock_tableau *method, const step_factors *of, double offset,
                               double size);
 INSIDE double rosenbrock_try(kernel *self, double offset, double size); /* with RODAS5P; linearise first */
 /* The step whose error would be about the tolerance, and as much of it as one step may differ from the one before. */

@@ -1,13 +1,18 @@
 /* Linear equations of a step: LU factors of M/(gamma h) - J, and of the part of J that belongs to the algebraic states.
  *
- * The first come from sparse.c; where a pivot there is next to nothing, and for the second, all entries count and rows
- * are exchanged. */
+ * The first are those of the generated elimination, without exchanges, on the places that it fills. Where a pivot there is
+ * next to nothing, and for the second, all entries count and rows are exchanged. */
 #include <math.h>
+#include <string.h>
 
 #include "internal.h"
 
-/* Factors of of->matrix, by columns, in place. Returns 0 for a singular matrix. */
-static int factorise(factors *of) {
+/* Largest ratio of a column's entries to the diagonal one at which the diagonal still serves as the pivot. The rows have
+ * different units, so only a diagonal that is next to nothing is refused. */
+static const double PIVOT_RATIO = 1e8;
+
+/* Factors of a matrix by columns, in place; whether it is regular. */
+static bool factorise_dense(dense_factors *of) {
     const int n = of->size;
     for (int pivot = 0; pivot < n; ++pivot) {
         double *head = of->matrix + pivot * n;
@@ -16,7 +21,7 @@ static int factorise(factors *of) {
             if (fabs(head[row]) > fabs(head[best])) best = row;
         if (fabs(head[best]) <= PIVOT_RATIO * fabs(head[pivot])) best = pivot;
         of->pivot[pivot] = best;
-        if (!(fabs(head[best]) > 0.0)) return 0;
+        if (!(fabs(head[best]) > 0.0)) return false;
         for (int column = pivot; column < n && best != pivot; ++column) {
             double *entry = of->matrix + column * n;
             const double swap = entry[pivot];
@@ -32,10 +37,10 @@ static int factorise(factors *of) {
             for (int row = pivot + 1; row < n; ++row) entry[row] -= factor * head[row];
         }
     }
-    return 1;
+    return true;
 }
 
-static void solve(const factors *of, double *vector) {
+static void solve_dense(const dense_factors *of, double *vector) {
     const int n = of->size;
     for (int pivot = 0; pivot < n; ++pivot) {
         const int other = of->pivot[pivot];
@@ -52,35 +57,77 @@ static void solve(const factors *of, double *vector) {
     }
 }
 
-int linear_factorise_step(kernel *self, factors *of, const double *jacobian, double diagonal) {
-    const int n = of->size = self->system->states;
-    self->counters.factorisations++;
-    of->sparse = sparse_factorise(self, of, jacobian, diagonal);
-    if (of->sparse) return 1;
-    for (int i = 0; i < n * n; ++i) of->matrix[i] = -jacobian[i];
-    for (int i = 0; i < n; ++i) of->matrix[self->place[i] * (n + 1)] += diagonal * self->differential[i];
-    return factorise(of);
+/* By the generated elimination; whether no pivot is next to nothing. */
+static bool factorise_sparse(const kernel *self, double *entry, const double *jacobian, double diagonal) {
+    const system_description *system = self->system;
+    const int n = system->states;
+    memset(entry, 0, (size_t)system->factors * sizeof *entry);
+    for (int i = 0; i < system->nonzeros; ++i) entry[system->factor[i]] = -jacobian[i];
+    for (int i = 0; i < n; ++i) entry[system->position[i]] += diagonal * self->differential[i];
+    system->factorise(entry);
+    for (int i = 0; i < n; ++i)
+        if (!isfinite(entry[i])) return false;
+    for (int i = n; i < n + system->lower_factors; ++i)
+        if (!(fabs(entry[i]) <= PIVOT_RATIO)) return false;
+    return true;
 }
 
-void linear_solve_step(kernel *self, const factors *of, double *vector) {
+/* In the one place for a dense matrix, in the order of elimination; other factors that were there are lost. */
+static bool factorise_exchanging(kernel *self, step_factors *of, const double *jacobian, double diagonal) {
+    const system_description *system = self->system;
+    const int n = self->dense.size = system->states, *position = system->position;
+    self->dense_owner = of;
+    memset(self->dense.matrix, 0, (size_t)(n * n) * sizeof(double));
+    for (int j = 0; j < n; ++j)
+        for (int i = system->column_start[j]; i < system->column_start[j + 1]; ++i)
+            self->dense.matrix[position[j] * n + position[system->row[i]]] = -jacobian[i];
+    for (int i = 0; i < n; ++i) self->dense.matrix[position[i] * (n + 1)] += diagonal * self->differential[i];
+    return factorise_dense(&self->dense);
+}
+
+bool linear_factorise_step(kernel *self, step_factors *of, const double *jacobian, double diagonal) {
+    self->counters.factorisations++;
+    of->exchanged = !factorise_sparse(self, of->packed, jacobian, diagonal);
+    return !of->exchanged || factorise_exchanging(self, of, jacobian, diagonal);
+}
+
+bool linear_has_factors(const kernel *self, const step_factors *of) { return !of->exchanged || self->dense_owner == of; }
+
+void linear_solve_step(kernel *self, const step_factors *of, double *vector) {
     const int n = self->system->states;
     const int *order = self->system->order;
-    if (of->sparse) {
+    if (!of->exchanged) {
         self->system->substitute(of->packed, vector);
         return;
     }
     for (int i = 0; i < n; ++i) self->ordered[i] = vector[order[i]];
-    solve(of, self->ordered);
+    solve_dense(&self->dense, self->ordered);
     for (int i = 0; i < n; ++i) vector[order[i]] = self->ordered[i];
 }
 
-int linear_factorise_algebraic(kernel *self, factors *of, const double *jacobian) {
-    const int n = self->system->states, m = of->size = self->system->algebraics;
-    const int *algebraic = self->system->algebraic;
-    for (int j = 0; j < m; ++j)
-        for (int i = 0; i < m; ++i)
-            of->matrix[j * m + i] = jacobian[self->place[algebraic[j]] * n + self->place[algebraic[i]]];
-    return factorise(of);
+bool linear_factorise_algebraic(const kernel *self, dense_factors *of, const double *jacobian) {
+    const system_description *system = self->system;
+    const int m = of->size = system->algebraics;
+    memset(of->matrix, 0, (size_t)(m * m) * sizeof(double));
+    for (int i = 0; i < system->algebraic_nonzeros; ++i)
+        of->matrix[system->algebraic_place[i]] = jacobian[system->algebraic_nonzero[i]];
+    return factorise_dense(of);
 }
 
-void linear_solve_algebraic(const factors *of, double *vector) { solve(of, vector); }
+void linear_solve_algebraic(const dense_factors *of, double *vector) { solve_dense(of, vector); }
+
+void linear_add_product(const kernel *self, const double *vector, double *sum) {
+    const system_description *system = self->system;
+    for (int j = 0; j < system->states; ++j)
+        for (int i = system->column_start[j]; i < system->column_start[j + 1]; ++i)
+            sum[system->row[i]] += self->jacobian[i] * vector[j];
+}
+
+void linear_write_by_rows(const kernel *self, double *matrix) {
+    const system_description *system = self->system;
+    const int n = system->states;
+    memset(matrix, 0, (size_t)(n * n) * sizeof(double));
+    for (int j = 0; j < n; ++j)
+        for (int i = system->column_start[j]; i < system->column_start[j + 1]; ++i)
+            matrix[system->row[i] * n + j] = self->jacobian[i];
+}

@@ -86,7 +86,7 @@ typedef struct {
 
 typedef struct {
     const char *name;
-    int states, algebraics, nonzeros;
+    int states, algebraics, algebraic_nonzeros, nonzeros;
     int factors, lower_factors; /* entries of a step's factors, and of those below the diagonal */
     int inputs, parameters, derived, frictions, outputs;
     int tables, table_ranks, table_coefficients;
@@ -98,10 +98,14 @@ typedef struct {
     const int *state_variable;                                        /* the same; -1: an algebraic state */
     const int *idle;
     const double *nominal;                                            /* scale of each state, for the error control */
-    const int *order; /* of elimination: entry i is the state that comes i-th in the linear equations */
-    const int *jacobian_place; /* of each nonzero of the Jacobian in a matrix of that order, stored by columns */
-    const int *factor_place; /* of each entry of the factors, packed, in a matrix of that order, stored by columns */
+    const int *order;    /* of elimination: entry i is the state that comes i-th in the linear equations */
+    const int *position; /* of each state in that order */
+    /* The Jacobian has its nonzeros alone, column by column: where each column begins and behind the last one, the row of
+     * each nonzero, and its place among the factors of a step's matrix. */
+    const int *column_start, *row, *factor;
     const int *algebraic; /* indices of the states that a residual instead of a derivative determines */
+    /* The nonzeros in rows and columns of algebraic states, and the place of each in a matrix of these, by columns. */
+    const int *algebraic_nonzero, *algebraic_place;
     const limited_change *limited;
     const friction_description *friction;
     const table_description *table;

@@ -42,7 +42,6 @@ int kernel_slopes_at(kernel *self, double time, const double *place, double *slo
 
 int kernel_equations_at(kernel *self, double time, const double *state, double *slope, double *jacobian) {
     if (!self->system) return kernel_fail(self, KERNEL_ERROR, "Initialise %s before its equations.", MODEL.name);
-    const int n = self->system->states;
     const double offset = time - self->now.time;
     self->step_origin = self->now.time;
     kernel_gather_inputs(self);
@@ -50,8 +49,7 @@ int kernel_equations_at(kernel *self, double time, const double *state, double *
     self->counters.right_hand_sides++;
     if (!jacobian) return KERNEL_OK;
     rosenbrock_linearise(self, offset, state);
-    for (int i = 0; i < n; ++i)
-        for (int j = 0; j < n; ++j) jacobian[i * n + j] = self->jacobian[self->place[j] * n + self->place[i]];
+    linear_write_by_rows(self, jacobian);
     return KERNEL_OK;
 }
 

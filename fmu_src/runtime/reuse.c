@@ -32,7 +32,7 @@ static void linearise_at_kept_place(kernel *self) {
 
 /* The Jacobian stays as it is, the factors belong to one step size. Returns 0 for singular ones. */
 static int make_factors(kernel *self, double size) {
-    if (self->kept_ready == KEPT_FACTORS && size == self->now.kept_size) return 1;
+    if (self->kept_ready == KEPT_FACTORS && size == self->now.kept_size && linear_has_factors(self, &self->kept)) return 1;
     if (self->kept_ready == KEPT_NOTHING) linearise_at_kept_place(self);
     self->kept_ready = KEPT_JACOBIAN;
     self->now.kept_size = size;
@@ -57,9 +57,8 @@ static int modes_are_the_kept_ones(const kernel *self) {
 }
 
 void reuse_remember(kernel *self, double offset, double until) {
-    const int *place = self->system->jacobian_place;
     remember_place(self, offset);
-    for (int i = 0; i < self->system->nonzeros; ++i) self->kept_jacobian[place[i]] = self->jacobian[place[i]];
+    memcpy(self->kept_jacobian, self->jacobian, (size_t)self->system->nonzeros * sizeof(double));
     self->kept_ready = KEPT_JACOBIAN;
     self->now.kept_until = until;
 }

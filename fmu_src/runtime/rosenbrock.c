@@ -83,9 +83,8 @@ INSIDE const rosenbrock_tableau ROS34PW2 = {
 };
 
 void rosenbrock_evaluate_jacobian(kernel *self, double offset, const double *state, double *jacobian) {
-    double *result[3] = {self->nonzero, self->time_slope, self->slope};
+    double *result[3] = {jacobian, self->time_slope, self->slope};
     kernel_call(self, self->system->jacobian, offset, state, result);
-    for (int i = 0; i < self->system->nonzeros; ++i) jacobian[self->system->jacobian_place[i]] = self->nonzero[i];
     self->counters.jacobians++;
 }
 
@@ -94,11 +93,11 @@ void rosenbrock_linearise(kernel *self, double offset, const double *state) {
     rosenbrock_evaluate_jacobian(self, offset, state, self->jacobian);
 }
 
-int rosenbrock_factorise(kernel *self, const rosenbrock_tableau *method, factors *of, const double *jacobian, double size) {
+int rosenbrock_factorise(kernel *self, const rosenbrock_tableau *method, step_factors *of, const double *jacobian, double size) {
     return linear_factorise_step(self, of, jacobian, 1.0 / (method->gamma * size));
 }
 
-double rosenbrock_step(kernel *self, const rosenbrock_tableau *method, const factors *of, double offset, double size) {
+double rosenbrock_step(kernel *self, const rosenbrock_tableau *method, const step_factors *of, double offset, double size) {
     const int n = self->system->states, stages = method->stages;
     const double inverse = 1.0 / size;
     for (int stage = 0; stage < stages; ++stage) {

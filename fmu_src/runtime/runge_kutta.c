@@ -34,27 +34,37 @@ double runge_kutta_try(kernel *self, double offset, double size) {
     return 0.0;
 }
 
+/* Change of the slopes of the differential states with a change of these, the algebraic ones following: J times a vector
+ * without algebraic states, which hold what they follow by. */
+static void apply_jacobian(kernel *self, double *vector, double *image) {
+    const system_description *system = self->system;
+    double *follow = self->stage[3];
+    for (int i = 0; i < system->algebraics; ++i) vector[system->algebraic[i]] = 0.0;
+    memset(image, 0, (size_t)system->states * sizeof(double));
+    linear_add_product(self, vector, image);
+    if (system->algebraics == 0) return;
+    for (int i = 0; i < system->algebraics; ++i) follow[i] = image[system->algebraic[i]];
+    linear_solve_algebraic(&self->algebraic, follow);
+    for (int i = 0; i < system->algebraics; ++i) vector[system->algebraic[i]] = -follow[i];
+    memset(image, 0, (size_t)system->states * sizeof(double));
+    linear_add_product(self, vector, image);
+}
+
 /* Magnitude of the fastest eigenvalue [1/s], by the power method on the exact Jacobian without algebraic states; each
  * state counts in its nominal value. */
 static double fastest_eigenvalue(kernel *self, double offset) {
     const system_description *system = self->system;
-    const int m = system->states - system->algebraics;
-    double *jacobian = self->whole.packed, *vector = self->stage[1], *image = self->stage[2], *nominal = self->stage[3];
-    if (!algebraic_reduce(self, offset, jacobian)) return NAN;
-    for (int i = 0, k = 0; i < system->states; ++i)
-        if (self->differential[i] != 0.0) nominal[k++] = system->nominal[i];
-    for (int i = 0; i < m; ++i) vector[i] = 1.0;
-    double growth = 1.0;
+    const int n = system->states;
+    double *vector = self->stage[1], *image = self->stage[2], growth = 1.0;
+    rosenbrock_linearise(self, offset, self->state);
+    if (!linear_factorise_algebraic(self, &self->algebraic, self->jacobian)) return NAN;
+    for (int i = 0; i < n; ++i) vector[i] = system->nominal[i];
     for (int step = 0; step < POWER_STEPS; ++step) {
         double largest = 0.0;
-        for (int i = 0; i < m; ++i) {
-            image[i] = 0.0;
-            for (int j = 0; j < m; ++j) image[i] += jacobian[i * m + j] * nominal[j] * vector[j];
-            image[i] /= nominal[i];
-            if (fabs(image[i]) > largest) largest = fabs(image[i]);
-        }
+        apply_jacobian(self, vector, image);
+        for (int i = 0; i < n; ++i) largest = fmax(largest, self->differential[i] * fabs(image[i]) / system->nominal[i]);
         if (!(largest > 0.0)) return largest;
-        for (int i = 0; i < m; ++i) vector[i] = image[i] / largest;
+        for (int i = 0; i < n; ++i) vector[i] = image[i] / largest;
         if (step >= POWER_STEPS - STEPS_SHOWN) growth *= largest;
     }
     return pow(growth, 1.0 / (double)STEPS_SHOWN);

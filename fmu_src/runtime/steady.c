@@ -53,11 +53,12 @@ static double newton_correction(kernel *self, double size) {
     linear_solve_step(self, &self->whole, change);
     linear_solve_step(self, &self->whole, answer);
     double gained = 0.0, divisor = 1.0;
-    for (int i = 0; i < n; ++i) {
-        const double entry = self->jacobian[self->place[i] * n + self->place[speed]];
-        gained += entry * change[i];
-        divisor += entry * answer[i];
-    }
+    for (int j = 0; j < n; ++j)
+        for (int i = system->column_start[j]; i < system->column_start[j + 1]; ++i) {
+            if (system->row[i] != speed) continue;
+            gained += self->jacobian[i] * change[j];
+            divisor += self->jacobian[i] * answer[j];
+        }
     for (int i = 0; i < n; ++i) {
         change[i] = is_held(self, i) ? 0.0 : change[i] - answer[i] * gained / divisor;
         self->trial[i] += change[i];

@@ -36,8 +36,8 @@ int kernel_linearise(kernel *self, double *state, double *slope, double *jacobia
     for (int i = 0; i < n; ++i) {
         state[i] = self->state[i];
         slope[i] = self->slope[i];
-        for (int j = 0; j < n; ++j) jacobian[i * n + j] = self->jacobian[self->place[j] * n + self->place[i]];
     }
+    linear_write_by_rows(self, jacobian);
     return KERNEL_OK;
 }
 

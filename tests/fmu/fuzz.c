@@ -81,7 +81,7 @@ static char **line_files;
 
 /* The line's variable or any other, a file, none, or nothing at all. */
 static void use_lines(fmi2Component c) {
-    const fmi2ValueReference vr = random_number(4) ? (unsigned)MODEL.line_file : random_number((unsigned)MODEL.variables);
+    const fmi2ValueReference vr = random_number(4) ? (unsigned)MODEL.table_file->variable : random_number((unsigned)MODEL.variables);
     fmi2String path = random_number(3) && lines ? line_files[random_number((unsigned)lines)] : random_number(9) ? "" : NULL;
     count(fmi2SetString(c, &vr, random_number(9) ? 1 : 0, &path));
     fmi2String text = "";
