@@ -60,7 +60,19 @@ KERNEL_SOURCES = (
 FACE_SOURCES = ("face.c", "face_exchange.c", "fmi2.c", "fmi3.c")
 STUDY_SOURCES = ("study.c", "other_methods.c")
 RUNTIME_SOURCES = (*KERNEL_SOURCES, *FACE_SOURCES, *STUDY_SOURCES)
-RUNTIME_HEADERS = ("model.h", "table_file.h", "kernel.h", "internal.h", "studies.h", "face.h", "fmi2Functions.h")
+RUNTIME_HEADERS = (
+    "model.h",
+    "table_file.h",
+    "kernel.h",
+    "status.h",
+    "state.h",
+    "workspace.h",
+    "instance.h",
+    "method.h",
+    "studies.h",
+    "face.h",
+    "fmi2Functions.h",
+)
 
 #: Functions of a system in the order of `system_description` in model.h.
 FUNCTIONS = (
@@ -542,11 +554,11 @@ def _description(model: Model, generated: Sequence[dict[str, Generated]], solvin
     for made in generated:
         for one in made.values():
             lines.append(
-                f"INSIDE int {one.function.name()}(const double **, double **, long long int *, double *, int);"
+                f"RUNTIME_LOCAL int {one.function.name()}(const double **, double **, long long int *, double *, int);"
             )
     for system in model.systems:
-        lines.append(f"INSIDE void {system.name}_factorise(double *);")
-        lines.append(f"INSIDE void {system.name}_substitute(const double *, double *);")
+        lines.append(f"RUNTIME_LOCAL void {system.name}_factorise(double *);")
+        lines.append(f"RUNTIME_LOCAL void {system.name}_substitute(const double *, double *);")
         lines += [line for line in _system_arrays(model, system, solving[system.name]) if line]
     if model.table_file:
         lines.append(table_file_source(model.table_file, model.index(model.table_file.variable.name)))
@@ -565,14 +577,16 @@ def _description(model: Model, generated: Sequence[dict[str, Generated]], solvin
     if chosen_by:
         values = [str(int(model.variables[index].maximum)) for index in chosen_by]
         lines.insert(2, c_array("int", "SELECTOR", map(str, chosen_by)) + "\n" + c_array("int", "SELECTABLE", values))
+    selectors = "SELECTOR, SELECTABLE" if chosen_by else "0, 0"
+    table_file = "&TABLE_FILE" if model.table_file else "0"
     exchange = exchanged(model)
     integrated = model.systems.index(exchange) if exchange else -1
     integration = ", ".join(str(model.index(variable.name)) for variable in integration_variables(1e-6))
     lines += [
         "};",
-        f"INSIDE const model_description MODEL = {{{c_text(model.name)}, {c_text('@GUID@')}, {len(model.variables)}, "
-        f"{len(model.systems)}, {len(chosen_by)}, {'SELECTOR, SELECTABLE' if chosen_by else '0, 0'}, CHOICE, "
-        f"{integrated}, {integration}, VARIABLE, SYSTEM, {'&TABLE_FILE' if model.table_file else '0'}}};",
+        f"RUNTIME_LOCAL const model_description MODEL = {{{c_text(model.name)}, {c_text('@GUID@')}, "
+        f"{len(model.variables)}, {len(model.systems)}, {len(chosen_by)}, {selectors}, CHOICE, "
+        f"{integrated}, {integration}, VARIABLE, SYSTEM, {table_file}}};",
         "",
     ]
     return "\n".join(lines)

@@ -141,5 +141,5 @@ def elimination_source(name: str, solving: Elimination) -> str:
         for number, piece in enumerate(pieces):
             lines += [f"static void {name}_{task}_{number}({taken}) {{", *(f"    {line}" for line in piece), "}"]
         calls = [f"    {name}_{task}_{number}({given});" for number in range(len(pieces))]
-        lines += [f"INSIDE void {name}_{task}({taken}) {{", *calls, "}", ""]
+        lines += [f"RUNTIME_LOCAL void {name}_{task}({taken}) {{", *calls, "}", ""]
     return "\n".join(lines)

@@ -11,6 +11,13 @@ from pathlib import Path
 OK, WARNING, DISCARD, ERROR = range(4)
 COUNTERS = ("right_hand_sides", "jacobians", "factorisations", "steps", "rejected", "events")
 
+
+class _Sentence(ctypes.Structure):
+    """A record of the kernel's journal, `kernel_sentence` in status.h."""
+
+    _fields_ = (("status", ctypes.c_int), ("text", ctypes.c_char_p))
+
+
 _SIGNATURES = {
     "kernel_create": (ctypes.c_void_p, []),
     "kernel_free": (None, [ctypes.c_void_p]),
@@ -45,9 +52,9 @@ _SIGNATURES = {
     "kernel_save": (None, [ctypes.c_void_p, ctypes.c_char_p]),
     "kernel_restore": (ctypes.c_int, [ctypes.c_void_p, ctypes.c_char_p]),
     "kernel_time": (ctypes.c_double, [ctypes.c_void_p]),
-    "kernel_ended": (ctypes.c_int, [ctypes.c_void_p]),
+    "kernel_ended": (ctypes.c_bool, [ctypes.c_void_p]),
     "kernel_message": (ctypes.c_char_p, [ctypes.c_void_p]),
-    "kernel_hear": (ctypes.c_char_p, [ctypes.c_void_p, ctypes.POINTER(ctypes.c_int)]),
+    "kernel_hear": (ctypes.c_bool, [ctypes.c_void_p, ctypes.POINTER(_Sentence)]),
     "kernel_counts": (None, [ctypes.c_void_p, ctypes.POINTER(ctypes.c_longlong)]),
     "kernel_linearise": (
         ctypes.c_int,
@@ -76,7 +83,7 @@ _SIGNATURES = {
     ),
     "kernel_arrive": (
         ctypes.c_int,
-        [ctypes.c_void_p, ctypes.c_double, ctypes.POINTER(ctypes.c_double), ctypes.c_int],
+        [ctypes.c_void_p, ctypes.c_double, ctypes.POINTER(ctypes.c_double), ctypes.c_bool],
     ),
     "kernel_variable_count": (ctypes.c_int, []),
     "kernel_variable_name": (ctypes.c_char_p, [ctypes.c_int]),
@@ -128,7 +135,7 @@ class Kernel:
         self.library = library
         self._call = library.functions
         self._handle = self._call.kernel_create()
-        self._number, self._status = ctypes.c_double(), ctypes.c_int()
+        self._number, self._heard = ctypes.c_double(), _Sentence()
         self.journal: list[str] = []
         if not self._handle:
             raise MemoryError("There is not enough memory for a kernel.")
@@ -190,7 +197,7 @@ class Kernel:
     @property
     def ended(self) -> bool:
         """Whether a condition of the model has ended the run; no step goes further."""
-        return bool(self._call.kernel_ended(self._handle))
+        return self._call.kernel_ended(self._handle)
 
     def plan(self, start: float, stop: float | None = None, tolerance: float | None = None) -> None:
         """Before initialisation: no step will go past `stop` [s]; a tolerance that does not serve is warned of.
@@ -341,8 +348,8 @@ class Kernel:
 
     def _drain(self) -> None:
         """Moves the sentences that the C side has gathered to `journal`."""
-        while sentence := self._call.kernel_hear(self._handle, ctypes.byref(self._status)):
-            self.journal.append(sentence.decode())
+        while self._call.kernel_hear(self._handle, ctypes.byref(self._heard)):
+            self.journal.append(self._heard.text.decode())
 
     def _check(self, status: int) -> None:
         self._drain()

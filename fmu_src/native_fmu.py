@@ -41,7 +41,17 @@ PLATFORMS3: dict[str, tuple[tuple[str, ...], str]] = {
 }
 #: Of Mach-O files: CPU type and subtype by target.
 MACHINES = {"x86_64-macos.11.0": (0x01000007, 3), "aarch64-macos.11.0": (0x0100000C, 0)}
-HEADERS = ("model.h", "table_file.h", "kernel.h", "internal.h", "face.h")
+HEADERS = (
+    "model.h",
+    "table_file.h",
+    "kernel.h",
+    "status.h",
+    "state.h",
+    "workspace.h",
+    "instance.h",
+    "method.h",
+    "face.h",
+)
 #: What sources/ hold besides the generated files, by version of FMI. FMPy's fmi2Functions.h is without the prefix.
 SOURCES = {
     2: (*KERNEL_SOURCES, "face.c", "face_exchange.c", "fmi2.c", *HEADERS, "fmi2Functions.h"),

@@ -2,27 +2,27 @@
 #include <math.h>
 #include <string.h>
 
-#include "internal.h"
+#include "method.h"
 
 /* Derivatives of all outputs along the seed (time, states, inputs), whose algebraic states follow from the residuals. */
-static int differentiate_outputs(kernel *self, const double *place) {
+static kernel_status differentiate_outputs(kernel *self, const double *place) {
     const system_description *system = self->system;
-    double *follow = self->stage[0];
+    double *follow = self->work.follow;
     char when[CLOCK_SIZE];
     if (system->residual_along) {
-        for (int i = 0; i < system->algebraics; ++i) self->seed[1 + system->algebraic[i]] = 0.0;
+        for (int i = 0; i < system->algebraics; ++i) self->given.seed[1 + system->algebraic[i]] = 0.0;
         kernel_evaluate(self, system->residual_along, 0.0, place, follow);
-        if (!linear_factorise_algebraic(self, &self->algebraic, self->jacobian))
+        if (!linear_factorise_algebraic(self, &self->work.algebraic, self->work.jacobian))
             return kernel_fail(self, KERNEL_ERROR, "The outputs have no derivatives at t = %s s.",
-                               kernel_clock(self->now.time, 9, when));
-        linear_solve_algebraic(&self->algebraic, follow);
-        for (int i = 0; i < system->algebraics; ++i) self->seed[1 + system->algebraic[i]] = -follow[i];
+                               kernel_clock(self->run.now->time, 9, when));
+        linear_solve_algebraic(&self->work.algebraic, follow);
+        for (int i = 0; i < system->algebraics; ++i) self->given.seed[1 + system->algebraic[i]] = -follow[i];
     }
-    kernel_evaluate(self, system->output_along, 0.0, place, self->output_rate);
+    kernel_evaluate(self, system->output_along, 0.0, place, self->reading.output_rate);
     for (int i = 0; i < system->outputs; ++i)
-        if (!isfinite(self->output_rate[i]))
+        if (!isfinite(self->reading.output_rate[i]))
             return kernel_fail(self, KERNEL_ERROR, "The output %s has no finite derivative at t = %s s.",
-                               MODEL.variable[system->output_variable[i]].name, kernel_clock(self->now.time, 9, when));
+                               MODEL.variable[system->output_variable[i]].name, kernel_clock(self->run.now->time, 9, when));
     return KERNEL_OK;
 }
 
@@ -34,92 +34,92 @@ static const double *prepare_derivatives(kernel *self) {
         return NULL;
     }
     kernel_gather_inputs(self);
-    self->step_origin = self->now.time;
+    self->given.step_origin = self->run.now->time;
     const double *place = algebraic_place(self);
     if (!place) {
         (void)kernel_fail(self, KERNEL_ERROR, "The equations have no solution at t = %s s; check inputs and parameters.",
-                          kernel_clock(self->now.time, 9, when));
+                          kernel_clock(self->run.now->time, 9, when));
         return NULL;
     }
     rosenbrock_linearise(self, 0.0, place);
-    memset(self->seed, 0, (size_t)(1 + self->system->states + self->system->inputs) * sizeof(double));
+    memset(self->given.seed, 0, (size_t)(1 + self->system->states + self->system->inputs) * sizeof(double));
     return place;
 }
 
-/* Derivatives of all slopes along the seed, in self->between: by states from the Jacobian, by inputs from what the
+/* Derivatives of all slopes along the seed, in self->reading.slope_change: by states from the Jacobian, by inputs from what the
  * derivative by time becomes where they change with it. */
 static void differentiate_slopes(kernel *self, const double *place) {
     const int n = self->system->states;
-    for (int i = 0; i < n; ++i) self->between[i] = -self->time_slope[i];
-    for (int i = 0; i < self->system->inputs; ++i) self->rate[i] += self->seed[1 + n + i];
+    for (int i = 0; i < n; ++i) self->reading.slope_change[i] = -self->work.time_slope[i];
+    for (int i = 0; i < self->system->inputs; ++i) self->given.rate[i] += self->given.seed[1 + n + i];
     rosenbrock_linearise(self, 0.0, place);
-    for (int i = 0; i < n; ++i) self->between[i] += self->time_slope[i];
-    linear_add_product(self, self->seed + 1, self->between);
+    for (int i = 0; i < n; ++i) self->reading.slope_change[i] += self->work.time_slope[i];
+    linear_add_product(self, self->given.seed + 1, self->reading.slope_change);
 }
 
 /* Of a slope of model exchange; 0 where the system does not have that state. */
-static int pick_slope(kernel *self, int number, double *result) {
+static kernel_status pick_slope(kernel *self, int number, double *result) {
     const int state = exchange_state(self, number);
     char when[CLOCK_SIZE];
-    *result = state < 0 ? 0.0 : self->between[state];
+    *result = state < 0 ? 0.0 : self->reading.slope_change[state];
     if (isfinite(*result)) return KERNEL_OK;
     return kernel_fail(self, KERNEL_ERROR, "The slope of %s has no finite derivative at t = %s s.",
-                       MODEL.variable[self->system->state_variable[state]].name, kernel_clock(self->now.time, 9, when));
+                       MODEL.variable[self->system->state_variable[state]].name, kernel_clock(self->run.now->time, 9, when));
 }
 
 /* Copies the derivatives of some outputs; those that the system does not have are constant. */
-static int pick_derivatives(kernel *self, int count, const int *variable, double *result) {
+static kernel_status pick_derivatives(kernel *self, int count, const int *variable, double *result) {
     for (int i = 0; i < count; ++i) {
-        const int status = kernel_check_reference(self, variable[i]);
+        const kernel_status status = kernel_check_reference(self, variable[i]);
         if (status != KERNEL_OK) return status;
         const variable_description *description = &MODEL.variable[variable[i]];
         if (description->causality < CAUSALITY_OUTPUT || description->kind != KIND_REAL)
             return kernel_fail(self, KERNEL_ERROR, "Only real outputs have derivatives; %s is none.", description->name);
         result[i] = 0.0;
         for (int j = 0; j < self->system->states; ++j)
-            if (self->system->state_variable[j] == variable[i]) result[i] = self->seed[1 + j];
+            if (self->system->state_variable[j] == variable[i]) result[i] = self->given.seed[1 + j];
         for (int j = 0; j < self->system->outputs; ++j)
-            if (self->system->output_variable[j] == variable[i]) result[i] = self->output_rate[j];
+            if (self->system->output_variable[j] == variable[i]) result[i] = self->reading.output_rate[j];
     }
     return KERNEL_OK;
 }
 
-int kernel_get_rates(kernel *self, int count, const int *variable, double *rate) {
+kernel_status kernel_get_rates(kernel *self, int count, const int *variable, double *rate) {
     const double *place = prepare_derivatives(self);
     if (!place) return KERNEL_ERROR;
     const system_description *system = self->system;
-    self->seed[0] = 1.0;
-    memcpy(self->seed + 1, self->slope, (size_t)system->states * sizeof(double));
+    self->given.seed[0] = 1.0;
+    memcpy(self->given.seed + 1, self->work.slope, (size_t)system->states * sizeof(double));
     for (int i = 0; i < system->inputs; ++i)
-        self->seed[1 + system->states + i] = self->last_rate[system->input_variable[i]];
-    const int status = differentiate_outputs(self, place);
+        self->given.seed[1 + system->states + i] = self->run.last_rate[system->input_variable[i]];
+    const kernel_status status = differentiate_outputs(self, place);
     return status == KERNEL_OK ? pick_derivatives(self, count, variable, rate) : status;
 }
 
-static int asks_for_slopes(int count, const int *variable) {
+static bool asks_for_slopes(int count, const int *variable) {
     for (int i = 0; i < count; ++i)
-        if (kernel_exchanged_number(variable[i]) >= 0) return 1;
-    return 0;
+        if (kernel_exchanged_number(variable[i]) >= 0) return true;
+    return false;
 }
 
-int kernel_get_directional(kernel *self, int unknowns, const int *unknown, int knowns, const int *known,
+kernel_status kernel_get_directional(kernel *self, int unknowns, const int *unknown, int knowns, const int *known,
                            const double *change, double *result) {
     const double *place = prepare_derivatives(self);
     if (!place) return KERNEL_ERROR;
-    int status = KERNEL_OK;
+    kernel_status status = KERNEL_OK;
     const system_description *system = self->system;
     for (int i = 0; i < knowns; ++i) {
         status = kernel_check_reference(self, known[i]);
         if (status != KERNEL_OK) return status;
         const variable_description *description = &MODEL.variable[known[i]];
-        const int taken = description->causality == CAUSALITY_INPUT || description->causality == CAUSALITY_LOCAL;
+        const bool taken = description->causality == CAUSALITY_INPUT || description->causality == CAUSALITY_LOCAL;
         if (!taken || description->kind != KIND_REAL)
             return kernel_fail(self, KERNEL_ERROR, "Derivatives are taken by real inputs and states; %s is none.",
                                description->name);
         for (int j = 0; j < system->states; ++j)
-            if (system->state_variable[j] == known[i]) self->seed[1 + j] += change[i];
+            if (system->state_variable[j] == known[i]) self->given.seed[1 + j] += change[i];
         for (int j = 0; j < system->inputs; ++j)
-            if (system->input_variable[j] == known[i]) self->seed[1 + system->states + j] += change[i];
+            if (system->input_variable[j] == known[i]) self->given.seed[1 + system->states + j] += change[i];
     }
     status = differentiate_outputs(self, place);
     if (status == KERNEL_OK && asks_for_slopes(unknowns, unknown)) differentiate_slopes(self, place);

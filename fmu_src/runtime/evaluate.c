@@ -1,27 +1,27 @@
 /* Generated functions at a place: with inputs, table pieces and modes as they are there. */
 #include <math.h>
 
-#include "internal.h"
+#include "instance.h"
 
 /* Calls a generated function at `offset` seconds after the start of the step, with the inputs and table pieces that the
  * call before it used: for a second function at the same place. */
 void kernel_call(kernel *self, generated_function function, double offset, const double *state, double **result) {
-    const double time = self->step_origin + offset;
-    const double *argument[ARG_COUNT] = {&time,         state,      self->stage_input, self->rate, self->parameter,
-                                         self->derived, self->mode, self->coefficient, self->seed};
+    const double time = self->given.step_origin + offset;
+    const double *argument[ARG_COUNT] = {&time,         state,      self->given.stage_input, self->given.rate, self->given.parameter,
+                                         self->run.derived, self->run.mode, self->given.coefficient, self->given.seed};
     function(argument, result, NULL, NULL, 0);
 }
 
 void kernel_look_up(kernel *self, double offset, const double *state) {
     const system_description *system = self->system;
     for (int rank = 0, next = 0; rank < system->table_ranks; ++rank) {
-        kernel_call(self, system->table_argument[rank], offset, state, &self->table_at);
+        kernel_call(self, system->table_argument[rank], offset, state, &self->given.table_at);
         next = tables_look_up(self, next);
     }
 }
 
 void kernel_locate(kernel *self, double offset, const double *state) {
-    for (int i = 0; i < self->system->inputs; ++i) self->stage_input[i] = self->input[i] + offset * self->rate[i];
+    for (int i = 0; i < self->system->inputs; ++i) self->given.stage_input[i] = self->given.input[i] + offset * self->given.rate[i];
     kernel_look_up(self, offset, state);
 }
 
@@ -37,21 +37,21 @@ void kernel_evaluate(kernel *self, generated_function function, double offset, c
 void kernel_gather_inputs(kernel *self) {
     for (int i = 0; i < self->system->inputs; ++i) {
         const int variable = self->system->input_variable[i];
-        self->input[i] = self->value[variable];
-        self->rate[i] = self->input_rate[variable];
+        self->given.input[i] = self->run.value[variable];
+        self->given.rate[i] = self->run.input_rate[variable];
     }
 }
 
 void kernel_compute_outputs(kernel *self, double offset, const double *state) {
     const system_description *system = self->system;
-    kernel_evaluate(self, system->output, offset, state, self->output);
-    for (int i = 0; i < system->outputs; ++i) self->value[system->output_variable[i]] = self->output[i];
+    kernel_evaluate(self, system->output, offset, state, self->reading.output);
+    for (int i = 0; i < system->outputs; ++i) self->run.value[system->output_variable[i]] = self->reading.output[i];
     for (int i = 0; i < system->states; ++i)
-        if (system->state_variable[i] >= 0) self->value[system->state_variable[i]] = state[i];
+        if (system->state_variable[i] >= 0) self->run.value[system->state_variable[i]] = state[i];
 }
 
 const char *kernel_output_not_finite(const kernel *self) {
     for (int i = 0; i < self->system->outputs; ++i)
-        if (!isfinite(self->output[i])) return MODEL.variable[self->system->output_variable[i]].name;
+        if (!isfinite(self->reading.output[i])) return MODEL.variable[self->system->output_variable[i]].name;
     return NULL;
 }

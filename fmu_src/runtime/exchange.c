@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "internal.h"
+#include "method.h"
 
 /* An event indicator is the margin of a switch, scaled, and this much more: where it crosses zero the margin is negative
  * beyond the round-off of whoever locates that, and where a run goes on behind an event no indicator is zero. */
@@ -23,12 +23,12 @@ int kernel_exchange_indicators(void) {
 static const char *name_of_choice(const kernel *self) {
     for (int i = 0; i < MODEL.selectors; ++i) {
         const variable_description *selector = &MODEL.variable[MODEL.selector[i]];
-        if (self->value[MODEL.selector[i]] != selector->start) return selector->name;
+        if (self->run.value[MODEL.selector[i]] != selector->start) return selector->name;
     }
     return kernel_name_of_table_file();
 }
 
-int kernel_check_exchange(kernel *self) {
+kernel_status kernel_check_exchange(kernel *self) {
     const system_description *system = self->system;
     if (system->exchanged || MODEL.exchanged < 0) return KERNEL_OK; /* without model exchange there is no instance of it */
     kernel_reopen(self);
@@ -38,9 +38,9 @@ int kernel_check_exchange(kernel *self) {
                        name_of_choice(self), kernel_exchange_states(), MODEL.system[MODEL.exchanged].name, system->name);
 }
 
-static int prepare(kernel *self) {
+static kernel_status prepare(kernel *self) {
     if (!self->system) return kernel_fail(self, KERNEL_ERROR, "Initialise %s before its equations.", MODEL.name);
-    self->step_origin = self->now.time;
+    self->given.step_origin = self->run.now->time;
     kernel_gather_inputs(self);
     return KERNEL_OK;
 }
@@ -53,38 +53,38 @@ static int first_not_finite(const double *number, int count) {
 }
 
 /* What an integrator tries may be no motion: it is told to shorten its step. */
-static int discard(kernel *self, const char *what) {
+static kernel_status discard(kernel *self, const char *what) {
     char when[CLOCK_SIZE];
     return kernel_fail(self, KERNEL_DISCARD, "%s at t = %s s is not a finite number; shorten the step.", what,
-                       kernel_clock(self->now.time, 9, when));
+                       kernel_clock(self->run.now->time, 9, when));
 }
 
 static const char *name_of_state(const kernel *self, int state) {
     return MODEL.variable[self->system->state_variable[state]].name;
 }
 
-int kernel_set_time(kernel *self, double time) {
+kernel_status kernel_set_time(kernel *self, double time) {
     if (!isfinite(time))
         return kernel_fail(self, KERNEL_ERROR, "Set the time to a finite number: it was given %g, and %g s stays in force.",
-                           time, self->now.time);
-    self->now.time = time;
-    self->now.outputs_stale = 1;
+                           time, self->run.now->time);
+    self->run.now->time = time;
+    self->run.now->outputs_stale = true;
     return KERNEL_OK;
 }
 
-int kernel_set_states(kernel *self, const double *state) {
-    const int status = prepare(self);
+kernel_status kernel_set_states(kernel *self, const double *state) {
+    const kernel_status status = prepare(self);
     if (status != KERNEL_OK) return status;
     const int bad = first_not_finite(state, self->system->states);
     if (bad >= 0) return discard(self, name_of_state(self, bad));
-    memcpy(self->state, state, (size_t)self->system->states * sizeof(double));
-    self->now.outputs_stale = 1;
+    memcpy(self->run.state, state, (size_t)self->system->states * sizeof(double));
+    self->run.now->outputs_stale = true;
     return KERNEL_OK;
 }
 
-int kernel_get_states(kernel *self, double *state) {
-    const int status = prepare(self);
-    if (status == KERNEL_OK) memcpy(state, self->state, (size_t)self->system->states * sizeof(double));
+kernel_status kernel_get_states(kernel *self, double *state) {
+    const kernel_status status = prepare(self);
+    if (status == KERNEL_OK) memcpy(state, self->run.state, (size_t)self->system->states * sizeof(double));
     return status;
 }
 
@@ -92,43 +92,43 @@ void kernel_get_nominals(double *nominal) {
     memcpy(nominal, MODEL.system[MODEL.exchanged].nominal, (size_t)kernel_exchange_states() * sizeof(double));
 }
 
-/* All slopes, in self->slope; of algebraic states residuals. */
-static int find_slopes(kernel *self) {
-    const int status = prepare(self);
+/* All slopes, in self->work.slope; of algebraic states residuals. */
+static kernel_status find_slopes(kernel *self) {
+    const kernel_status status = prepare(self);
     if (status != KERNEL_OK) return status;
     const double *place = algebraic_place(self);
-    if (place) kernel_evaluate(self, self->system->ode, 0.0, place, self->slope);
+    if (place) kernel_evaluate(self, self->system->ode, 0.0, place, self->work.slope);
     self->counters.right_hand_sides++;
-    const int finite = place && first_not_finite(self->slope, self->system->states) < 0;
+    const bool finite = place && first_not_finite(self->work.slope, self->system->states) < 0;
     return finite ? KERNEL_OK : discard(self, "A derivative of the states");
 }
 
-int kernel_get_slopes(kernel *self, double *slope) {
-    const int status = find_slopes(self);
+kernel_status kernel_get_slopes(kernel *self, double *slope) {
+    const kernel_status status = find_slopes(self);
     if (status != KERNEL_OK) return status;
-    memcpy(slope, self->slope, (size_t)self->system->states * sizeof(double));
+    memcpy(slope, self->work.slope, (size_t)self->system->states * sizeof(double));
     explicit_host_read(self);
     return KERNEL_OK;
 }
 
-/* Margins, in self->margin. A friction without capacity has its direction watched, for when there is some; one whose
+/* Margins, in self->modes.margin. A friction without capacity has its direction watched, for when there is some; one whose
  * capacity is below 0 never gets any. */
-static int find_margins(kernel *self) {
-    const int status = prepare(self);
+static kernel_status find_margins(kernel *self) {
+    const kernel_status status = prepare(self);
     if (status != KERNEL_OK) return status;
     const system_description *system = self->system;
-    (void)modes_margin(self, 0.0, self->state);
+    (void)modes_margin(self, 0.0, self->run.state);
     for (int i = 0; i < system->frictions; ++i)
-        if (isinf(self->margin[i]))
-            self->margin[i] = self->capacity[i] < 0.0 ? 1.0 : modes_direction_margin(self, i, self->state);
-    const int bad = first_not_finite(self->margin, system->frictions + system->ends);
+        if (isinf(self->modes.margin[i]))
+            self->modes.margin[i] = self->modes.capacity[i] < 0.0 ? 1.0 : modes_direction_margin(self, i, self->run.state);
+    const int bad = first_not_finite(self->modes.margin, system->frictions + system->ends);
     return bad < 0 ? KERNEL_OK : discard(self, "An event indicator");
 }
 
-int kernel_get_indicators(kernel *self, double *indicator) {
-    const int status = find_margins(self);
+kernel_status kernel_get_indicators(kernel *self, double *indicator) {
+    const kernel_status status = find_margins(self);
     if (status != KERNEL_OK) return status;
-    for (int i = 0; i < kernel_exchange_indicators(); ++i) indicator[i] = self->margin[i] + HYSTERESIS;
+    for (int i = 0; i < kernel_exchange_indicators(); ++i) indicator[i] = self->modes.margin[i] + HYSTERESIS;
     return KERNEL_OK;
 }
 
@@ -145,54 +145,54 @@ int kernel_exchanged_number(int variable) {
     return number < kernel_exchange_states() + kernel_exchange_indicators() ? number : -1;
 }
 
-int kernel_get_exchanged(kernel *self, int number, double *value) {
+kernel_status kernel_get_exchanged(kernel *self, int number, double *value) {
     const int states = kernel_exchange_states();
-    int status = prepare(self);
+    kernel_status status = prepare(self);
     *value = 0.0;
     if (status != KERNEL_OK) return status;
     if (number < states) {
         const int state = exchange_state(self, number);
         status = find_slopes(self);
-        if (state >= 0) *value = self->slope[state];
+        if (state >= 0) *value = self->work.slope[state];
     } else if (self->system->exchanged) {
         status = find_margins(self);
-        *value = self->margin[number - states] + HYSTERESIS;
+        *value = self->modes.margin[number - states] + HYSTERESIS;
     }
     return status;
 }
 
 /* Whether some of what a rollback restores is other than in the backup. */
-static int differs(const kernel *self, const double *vector, int count) {
-    return memcmp(self->backup + (vector - self->block), vector, (size_t)count * sizeof(double)) != 0;
+static bool differs(const kernel *self, const double *vector, int count) {
+    return memcmp(self->backup + (vector - self->run.block), vector, (size_t)count * sizeof(double)) != 0;
 }
 
-int kernel_find_modes(kernel *self, int *jumped) {
-    const int status = find_margins(self);
+kernel_status kernel_find_modes(kernel *self, bool *jumped) {
+    const kernel_status status = find_margins(self);
     if (status != KERNEL_OK) return status;
     const system_description *system = self->system;
-    memcpy(self->backup, self->block, self->restored * sizeof(double));
-    kernel_evaluate(self, system->ode, 0.0, self->state, self->between);
-    self->now.ended = modes_switch(self, 0.0, -INFINITY);
-    kernel_evaluate(self, system->ode, 0.0, self->state, self->slope);
-    const int moved = differs(self, self->state, system->states);
-    if (moved || differs(self, self->mode, system->frictions)) modes_grow_reluctant(self);
-    *jumped = moved || self->now.inputs_jumped ||
-              memcmp(self->between, self->slope, (size_t)system->states * sizeof(double)) != 0;
+    memcpy(self->backup, self->run.block, self->run.doubles * sizeof(double));
+    kernel_evaluate(self, system->ode, 0.0, self->run.state, self->host.slope_before);
+    self->run.now->ended = modes_switch(self, 0.0, -INFINITY);
+    kernel_evaluate(self, system->ode, 0.0, self->run.state, self->work.slope);
+    const bool moved = differs(self, self->run.state, system->states);
+    if (moved || differs(self, self->run.mode, system->frictions)) modes_grow_reluctant(self);
+    *jumped = moved || self->run.now->inputs_jumped ||
+              memcmp(self->host.slope_before, self->work.slope, (size_t)system->states * sizeof(double)) != 0;
     explicit_host_begin(self);
-    self->now.inputs_jumped = 0;
-    self->now.outputs_stale = 1;
+    self->run.now->inputs_jumped = false;
+    self->run.now->outputs_stale = true;
     char when[CLOCK_SIZE];
-    if (self->now.ended)
-        (void)kernel_say_when(self, KERNEL_DISCARD, self->system->sentence[self->now.ended - 1],
-                              kernel_clock(self->now.time, 6, when));
+    if (self->run.now->ended)
+        (void)kernel_say_when(self, KERNEL_DISCARD, self->system->sentence[self->run.now->ended - 1],
+                              kernel_clock(self->run.now->time, 6, when));
     return KERNEL_OK;
 }
 
-int kernel_complete_step(kernel *self, int *crossed) {
-    const int status = find_margins(self);
+kernel_status kernel_complete_step(kernel *self, bool *crossed) {
+    const kernel_status status = find_margins(self);
     if (status != KERNEL_OK) return status;
-    *crossed = 0;
-    for (int i = 0; i < kernel_exchange_indicators(); ++i) *crossed |= self->margin[i] < 0.0;
-    const int warned = modes_warn(self, 0.0) > 0;
+    *crossed = false;
+    for (int i = 0; i < kernel_exchange_indicators(); ++i) *crossed |= self->modes.margin[i] < 0.0;
+    const bool warned = modes_warn(self, 0.0);
     return explicit_host_guard(self) != KERNEL_OK || warned ? KERNEL_WARNING : KERNEL_OK;
 }

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "internal.h"
+#include "method.h"
 
 /* Steps in a row that tell Euler's method, and those between two looks; doublings of a step over which growth is looked at,
  * and how much finer the motion is with which it is compared. */
@@ -17,29 +17,29 @@ static const double UNSTABLE = 1e3, ENDLESS = 1e100;
 static const double MISSED = 1e-12, SEEN = 1e-9;
 
 void explicit_host_begin(kernel *self) {
-    memcpy(self->host_state, self->state, (size_t)self->system->states * sizeof(double));
-    self->host_time = self->now.time;
-    self->host_slope_known = 0;
+    memcpy(self->host.state, self->run.state, (size_t)self->system->states * sizeof(double));
+    self->host.time = self->run.now->time;
+    self->host.slope_known = false;
 }
 
 void explicit_host_read(kernel *self) {
-    if (self->host_slope_known || self->now.time != self->host_time) return;
+    if (self->host.slope_known || self->run.now->time != self->host.time) return;
     const int n = self->system->states;
     for (int i = 0; i < n; ++i) {
-        self->host_change[i] = self->slope[i] - self->host_slope[i];
-        self->host_slope[i] = self->slope[i];
+        self->host.change[i] = self->work.slope[i] - self->host.slope[i];
+        self->host.slope[i] = self->work.slope[i];
     }
-    self->host_slope_known = 1;
+    self->host.slope_known = true;
 }
 
 /* Whether the step that ends here was one of Euler's, and one that no implicit method would take. */
-static int is_step_of_euler(const kernel *self, double size) {
-    int changed = 0;
-    if (!self->host_slope_known || !(size > 0.0)) return 0;
+static bool is_step_of_euler(const kernel *self, double size) {
+    bool changed = false;
+    if (!self->host.slope_known || !(size > 0.0)) return false;
     for (int i = 0; i < self->system->states; ++i) {
-        const double way = size * self->host_slope[i], missed = self->state[i] - self->host_state[i] - way;
-        if (fabs(missed) > MISSED * (fabs(self->state[i]) + fabs(way))) return 0;
-        changed |= size * fabs(self->host_change[i]) > SEEN * self->system->nominal[i];
+        const double way = size * self->host.slope[i], missed = self->run.state[i] - self->host.state[i] - way;
+        if (fabs(missed) > MISSED * (fabs(self->run.state[i]) + fabs(way))) return false;
+        changed |= size * fabs(self->host.change[i]) > SEEN * self->system->nominal[i];
     }
     return changed;
 }
@@ -48,7 +48,7 @@ static int is_step_of_euler(const kernel *self, double size) {
  * parts: (I + h J) squared so often. */
 static double growth_over_steps(kernel *self, double size, int finer) {
     const int n = self->system->states;
-    double *matrix = self->host_growth, *square = matrix + n * n, largest = 1.0;
+    double *matrix = self->host.growth, *square = self->host.square, largest = 1.0;
     linear_write_by_rows(self, matrix);
     for (int i = 0; i < n; ++i)
         for (int j = 0; j < n; ++j) {
@@ -69,19 +69,19 @@ static double growth_over_steps(kernel *self, double size, int finer) {
     return largest;
 }
 
-int explicit_host_guard(kernel *self) {
-    const double size = self->now.time - self->host_time;
-    self->host_steps = is_step_of_euler(self, size) ? self->host_steps + 1 : 0;
+kernel_status explicit_host_guard(kernel *self) {
+    const double size = self->run.now->time - self->host.time;
+    self->host.steps = is_step_of_euler(self, size) ? self->host.steps + 1 : 0;
     explicit_host_begin(self);
-    if (self->now.guard_said > 0.0 || self->host_steps % LOOK_EVERY != STEPS_TO_TELL) return KERNEL_OK;
-    rosenbrock_linearise(self, 0.0, self->state);
+    if (self->run.now->guard_said > 0.0 || self->host.steps % LOOK_EVERY != STEPS_TO_TELL) return KERNEL_OK;
+    rosenbrock_linearise(self, 0.0, self->run.state);
     const double growth = growth_over_steps(self, size, 0);
     if (!(growth > UNSTABLE * growth_over_steps(self, size, FINER))) return KERNEL_OK;
-    self->now.guard_said = growth;
+    self->run.now->guard_said = growth;
     char when[CLOCK_SIZE];
     return kernel_fail(self, KERNEL_WARNING,
                        "The host's steps of %.3g s by Euler's method are unstable at t = %s s: a disturbance grows %.1g-fold "
                        "within %d of them; do not trust the motion from here on, integrate with an implicit method such as "
                        "CVODE, or use co-simulation.",
-                       size, kernel_clock(self->now.time, 6, when), growth, 1 << DOUBLINGS);
+                       size, kernel_clock(self->run.now->time, 6, when), growth, 1 << DOUBLINGS);
 }

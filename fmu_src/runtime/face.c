@@ -12,51 +12,51 @@ enum { CATEGORIES = 4, EVERYTHING = 15 };
 
 static const char START_VALUES[] = "/start_values.csv"; /* among the resources */
 
-static void say(const component *self, int status, const char *sentence) {
+static void say(const component *self, kernel_status status, const char *sentence) {
     const unsigned category = status <= KERNEL_ERROR ? (unsigned)status : (unsigned)KERNEL_ERROR;
     if (self->logger && ((self->logged | self->told) & (1u << category)))
         self->tell(self, status, CATEGORY[category], sentence);
 }
 
-int face_error(const component *self, const char *sentence) {
+kernel_status face_error(const component *self, const char *sentence) {
     say(self, KERNEL_ERROR, sentence);
     return KERNEL_ERROR;
 }
 
-int face_report(component *self, int status) {
+kernel_status face_report(component *self, kernel_status status) {
     char sentence[MESSAGE_SIZE]; /* of our own: a logger may call the instance, which then says more */
-    int of_sentence;
-    for (const char *heard; (heard = kernel_hear(self->machine, &of_sentence));) {
-        strcpy(sentence, heard);
-        say(self, of_sentence, sentence);
+    kernel_sentence heard;
+    while (kernel_hear(self->machine, &heard)) {
+        strcpy(sentence, heard.text);
+        say(self, heard.status, sentence);
     }
     return status;
 }
 
-int face_legal(const component *self, int phases, const char *function) {
-    if (!self) return 0;
-    if ((int)self->now & phases) return 1;
+bool face_legal(const component *self, int phases, const char *function) {
+    if (!self) return false;
+    if ((int)self->now & phases) return true;
     char sentence[160];
     snprintf(sentence, sizeof sentence, "%s must not be called now; see the state machine of %s.", function,
              self->standard);
     (void)face_error(self, sentence);
-    return 0;
+    return false;
 }
 
-int face_missing(const component *self, size_t count, const void *one, const void *other) {
+bool face_missing(const component *self, size_t count, const void *one, const void *other) {
     return count && (!one || !other) && face_error(self, "An array is missing: a null pointer was given for its values.");
 }
 
 /* Event mode and the end are of both interfaces: what only one of them may do asks for it. */
-int face_is_cosimulation(const component *self) {
+bool face_is_cosimulation(const component *self) {
     return !self->exchange && face_error(self, "This instance is one of co-simulation, not of model exchange.");
 }
 
-int face_is_exchange(const component *self) {
+bool face_is_exchange(const component *self) {
     return self->exchange && face_error(self, "This instance is one of model exchange, not of co-simulation.");
 }
 
-int face_log(component *self, int logging, size_t count, const char *const categories[]) {
+kernel_status face_log(component *self, int logging, size_t count, const char *const categories[]) {
     if (count == 0) {
         self->logged = logging ? EVERYTHING : 0;
         return KERNEL_OK;
@@ -130,7 +130,7 @@ static FILE *own_file(component *self, const char *name) {
 }
 
 /* A row NAME,VALUE of numbers, as a value that is set. */
-static int set_own_start(component *self, char *row) {
+static kernel_status set_own_start(component *self, char *row) {
     char sentence[MESSAGE_SIZE];
     char *value = strchr(row, ',');
     double number;
@@ -144,9 +144,9 @@ static int set_own_start(component *self, char *row) {
     return face_error(self, sentence);
 }
 
-static int own_start_values(component *self) {
+static kernel_status own_start_values(component *self) {
     char row[256];
-    int status = KERNEL_OK;
+    kernel_status status = KERNEL_OK;
     FILE *file = own_file(self, START_VALUES);
     while (file && status <= KERNEL_WARNING && fgets(row, sizeof row, file)) {
         row[strcspn(row, "\r\n")] = '\0';
@@ -156,7 +156,7 @@ static int own_start_values(component *self) {
     return status;
 }
 
-static int own_table(component *self) {
+static kernel_status own_table(component *self) {
     FILE *file = MODEL.table_file ? own_file(self, MODEL.table_file->resource) : NULL;
     if (!file) return KERNEL_OK;
     fclose(file);
@@ -164,9 +164,9 @@ static int own_table(component *self) {
 }
 
 /* What the FMU's own files say, where there are any. */
-static int read_resources(component *self) {
+static kernel_status read_resources(component *self) {
     if (!self->resources) return KERNEL_OK;
-    const int status = own_start_values(self);
+    const kernel_status status = own_start_values(self);
     return status <= KERNEL_WARNING ? own_table(self) : status;
 }
 
@@ -191,12 +191,12 @@ void face_free(component *self) {
     free(self);
 }
 
-int face_terminate(component *self) {
+kernel_status face_terminate(component *self) {
     self->now = TERMINATED;
     return KERNEL_OK;
 }
 
-int face_reset(component *self) {
+kernel_status face_reset(component *self) {
     kernel_reset(self->machine);
     self->now = INSTANTIATED;
     self->start_time = 0.0;
@@ -204,96 +204,96 @@ int face_reset(component *self) {
     return read_resources(self);
 }
 
-int face_plan(component *self, const double *tolerance, double start, const double *stop) {
-    const int status = kernel_plan(self->machine, tolerance, start, stop);
+kernel_status face_plan(component *self, const double *tolerance, double start, const double *stop) {
+    const kernel_status status = kernel_plan(self->machine, tolerance, start, stop);
     if (status <= KERNEL_WARNING) self->start_time = start;
     return face_report(self, status);
 }
 
 /* ---- variables: every value is a double in the kernel; the type is only checked here ---- */
 
-static int wrong_type(const component *self, unsigned reference, int kind) {
+static bool wrong_type(const component *self, unsigned reference, int kind) {
     static const char *const name[] = {"Real", "Integer", "Boolean", "String"};
-    if (reference < (unsigned)MODEL.variables && MODEL.variable[reference].kind == kind) return 0;
+    if (reference < (unsigned)MODEL.variables && MODEL.variable[reference].kind == kind) return false;
     char sentence[160];
     snprintf(sentence, sizeof sentence, "Value reference %u is not a variable of type %s of %s.", reference, name[kind],
              MODEL.name);
     (void)face_error(self, sentence);
-    return 1;
+    return true;
 }
 
-static int initialise(component *self) {
-    int status = kernel_initialise(self->machine, self->start_time);
+static kernel_status initialise(component *self) {
+    kernel_status status = kernel_initialise(self->machine, self->start_time);
     if (self->exchange && status <= KERNEL_WARNING && kernel_check_exchange(self->machine) != KERNEL_OK)
         status = KERNEL_ERROR;
     return face_report(self, status);
 }
 
-int face_initialise_if_asked(component *self) {
+kernel_status face_initialise_if_asked(component *self) {
     return self->now != INITIALISING || kernel_state_count(self->machine) ? KERNEL_OK : initialise(self);
 }
 
-int face_initialise(component *self) {
-    const int status = initialise(self);
+kernel_status face_initialise(component *self) {
+    const kernel_status status = initialise(self);
     if (status <= KERNEL_WARNING) self->now = self->exchange || self->events ? AT_EVENT : STEPPING;
     return status;
 }
 
-int face_get(component *self, unsigned reference, int kind, double *value) {
+kernel_status face_get(component *self, unsigned reference, int kind, double *value) {
     const int exchanged = kind == KIND_REAL ? kernel_exchanged_number((int)reference) : -1;
     if (exchanged < 0 && wrong_type(self, reference, kind)) return KERNEL_ERROR;
     if (self->now == INSTANTIATED && (exchanged >= 0 || MODEL.variable[reference].causality >= CAUSALITY_OUTPUT))
         return face_error(self, "Outputs and states have values from the initialisation on; enter it first.");
-    const int status = face_initialise_if_asked(self);
+    const kernel_status status = face_initialise_if_asked(self);
     if (status > KERNEL_WARNING) return status;
     return face_report(self, exchanged >= 0 ? kernel_get_exchanged(self->machine, exchanged, value)
                                             : kernel_get(self->machine, (int)reference, value));
 }
 
-int face_fixed(component *self, size_t count, const unsigned *reference, int kind) {
+bool face_fixed(component *self, size_t count, const unsigned *reference, int kind) {
     for (size_t i = 0; i < count; ++i) {
-        if (wrong_type(self, reference[i], kind)) return 1;
+        if (wrong_type(self, reference[i], kind)) return true;
         const int causality = MODEL.variable[reference[i]].causality;
         if (causality == CAUSALITY_INPUT && kind != KIND_REAL && self->now == CONTINUOUS) {
             (void)face_error(self, "Inputs that are no real numbers change at events; enter event mode first.");
-            return 1;
+            return true;
         }
         if (causality == CAUSALITY_INPUT || (causality == CAUSALITY_PARAMETER && !(self->now & RUNNING))) continue;
         (void)face_report(self, kernel_set(self->machine, (int)reference[i], 0.0)); /* which says why not */
-        return 1;
+        return true;
     }
-    return 0;
+    return false;
 }
 
-int face_refuses(component *self, unsigned reference, double value) {
+bool face_refuses(component *self, unsigned reference, double value) {
     return face_report(self, kernel_check_set(self->machine, (int)reference, value)) != KERNEL_OK;
 }
 
-int face_set(component *self, unsigned reference, double value) {
+kernel_status face_set(component *self, unsigned reference, double value) {
     if (self->now == INITIALISING) kernel_reopen(self->machine);
     return face_report(self, kernel_set(self->machine, (int)reference, value));
 }
 
-static int set_text(component *self, unsigned reference, const char *text) {
+static kernel_status set_text(component *self, unsigned reference, const char *text) {
     if (self->now == INITIALISING) kernel_reopen(self->machine);
     return face_report(self, kernel_set_text(self->machine, (int)reference, text));
 }
 
-int face_set_texts(component *self, size_t count, const unsigned *reference, const char *const *text) {
-    int worst = KERNEL_OK;
+kernel_status face_set_texts(component *self, size_t count, const unsigned *reference, const char *const *text) {
+    kernel_status worst = KERNEL_OK;
     for (size_t i = 0; i < count; ++i)
         if (wrong_type(self, reference[i], KIND_STRING)) return KERNEL_ERROR;
     for (size_t i = 0; i < count; ++i) {
-        const int status = set_text(self, reference[i], text[i]);
+        const kernel_status status = set_text(self, reference[i], text[i]);
         if (status > worst) worst = status;
     }
     return worst;
 }
 
-int face_get_texts(component *self, size_t count, const unsigned *reference, const char **text) {
-    int worst = KERNEL_OK;
+kernel_status face_get_texts(component *self, size_t count, const unsigned *reference, const char **text) {
+    kernel_status worst = KERNEL_OK;
     for (size_t i = 0; i < count; ++i) {
-        const int status = wrong_type(self, reference[i], KIND_STRING)
+        const kernel_status status = wrong_type(self, reference[i], KIND_STRING)
                                ? KERNEL_ERROR
                                : face_report(self, kernel_get_text(self->machine, (int)reference[i], &text[i]));
         if (status > worst) worst = status;
@@ -301,9 +301,9 @@ int face_get_texts(component *self, size_t count, const unsigned *reference, con
     return worst;
 }
 
-int face_set_rates(component *self, size_t count, const unsigned *reference, const double *rate) {
+kernel_status face_set_rates(component *self, size_t count, const unsigned *reference, const double *rate) {
     if (face_is_exchange(self)) return KERNEL_ERROR;
-    int status = KERNEL_OK;
+    kernel_status status = KERNEL_OK;
     for (size_t i = 0; i < count && status == KERNEL_OK; ++i)
         status = wrong_type(self, reference[i], KIND_REAL) ? KERNEL_ERROR
                                                            : kernel_check_rate(self->machine, (int)reference[i], rate[i]);
@@ -339,15 +339,15 @@ static unsigned long long checksum(const component *self, saved_header header, c
 }
 
 /* Whether the bytes are a saved state of this model. */
-static int is_saved(const component *self, const void *bytes, size_t size) {
+static bool is_saved(const component *self, const void *bytes, size_t size) {
     saved_header header;
-    if (!bytes || size < face_saved_size(self)) return 0;
+    if (!bytes || size < face_saved_size(self)) return false;
     memcpy(&header, bytes, sizeof header);
     return header.size == face_saved_size(self) &&
            header.checksum == checksum(self, header, (const char *)bytes + sizeof header);
 }
 
-int face_save(component *self, void **state) {
+kernel_status face_save(component *self, void **state) {
     const size_t size = face_saved_size(self);
     if (face_missing(self, 1, state, state)) return KERNEL_ERROR;
     if (!*state) *state = calloc(1, size);
@@ -359,7 +359,7 @@ int face_save(component *self, void **state) {
     return KERNEL_OK;
 }
 
-int face_restore(component *self, const void *state) {
+kernel_status face_restore(component *self, const void *state) {
     saved_header header;
     if (!state) return face_error(self, "There is no saved state to return to.");
     if (!is_saved(self, state, face_saved_size(self)))
@@ -369,7 +369,7 @@ int face_restore(component *self, const void *state) {
         return face_error(self, "The saved state is one of the other interface, co-simulation or model exchange.");
     if (header.now == AT_EVENT && !self->exchange && !self->events)
         return face_error(self, "The saved state is one in event mode; instantiate with eventModeUsed = true.");
-    const int status = kernel_restore(self->machine, (const char *)state + sizeof header);
+    const kernel_status status = kernel_restore(self->machine, (const char *)state + sizeof header);
     if (status <= KERNEL_WARNING) {
         self->now = (phase)header.now;
         self->start_time = header.start_time;
@@ -377,14 +377,14 @@ int face_restore(component *self, const void *state) {
     return face_report(self, status);
 }
 
-int face_serialise(component *self, const void *state, void *bytes, size_t size) {
+kernel_status face_serialise(component *self, const void *state, void *bytes, size_t size) {
     if (!state || !bytes || size < face_saved_size(self))
         return face_error(self, "The buffer is too small for the saved state.");
     memcpy(bytes, state, face_saved_size(self));
     return KERNEL_OK;
 }
 
-int face_deserialise(component *self, const void *bytes, size_t size, void **state) {
+kernel_status face_deserialise(component *self, const void *bytes, size_t size, void **state) {
     if (!is_saved(self, bytes, size))
         return face_error(self, "The serialised state belongs to another model, or its bytes were changed.");
     if (face_missing(self, 1, state, state)) return KERNEL_ERROR;

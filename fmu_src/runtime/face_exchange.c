@@ -3,48 +3,48 @@
 
 #include "face.h"
 
-static int wrong_size(const component *self, size_t count, int expected, const void *array) {
+static bool wrong_size(const component *self, size_t count, int expected, const void *array) {
     if (count == (size_t)expected) return face_missing(self, count, array, array);
     char sentence[160];
     snprintf(sentence, sizeof sentence, "Give an array of %d values, as modelDescription.xml says.", expected);
     (void)face_error(self, sentence);
-    return 1;
+    return true;
 }
 
-int face_set_time(component *self, double time) {
+kernel_status face_set_time(component *self, double time) {
     if (face_is_cosimulation(self)) return KERNEL_ERROR;
     return face_report(self, kernel_set_time(self->machine, time));
 }
 
-int face_set_states(component *self, const double *state, size_t count) {
+kernel_status face_set_states(component *self, const double *state, size_t count) {
     if (face_is_cosimulation(self) || wrong_size(self, count, kernel_exchange_states(), state)) return KERNEL_ERROR;
     return face_report(self, kernel_set_states(self->machine, state));
 }
 
-int face_read(component *self, double *value, size_t count, int expected, int (*read)(kernel *, double *)) {
+kernel_status face_read(component *self, double *value, size_t count, int expected, kernel_status (*read)(kernel *, double *)) {
     if (face_is_cosimulation(self) || wrong_size(self, count, expected, value)) return KERNEL_ERROR;
-    const int status = face_initialise_if_asked(self);
+    const kernel_status status = face_initialise_if_asked(self);
     return status > KERNEL_WARNING ? status : face_report(self, read(self->machine, value));
 }
 
-int face_nominals(component *self, double *nominal, size_t count) {
+kernel_status face_nominals(component *self, double *nominal, size_t count) {
     if (face_is_cosimulation(self) || wrong_size(self, count, kernel_exchange_states(), nominal)) return KERNEL_ERROR;
     kernel_get_nominals(nominal);
     return KERNEL_OK;
 }
 
-int face_enter(component *self, phase next) {
+kernel_status face_enter(component *self, phase next) {
     self->now = next;
     return KERNEL_OK;
 }
 
-int face_find_modes(component *self, int *ended, int *jumped) {
-    const int status = kernel_find_modes(self->machine, jumped);
-    *ended = kernel_ended(self->machine) != 0;
+kernel_status face_find_modes(component *self, bool *ended, bool *jumped) {
+    const kernel_status status = kernel_find_modes(self->machine, jumped);
+    *ended = kernel_ended(self->machine);
     if (*ended) self->now = STOPPED;
     return face_report(self, status);
 }
 
-int face_complete_step(component *self, int *crossed) {
+kernel_status face_complete_step(component *self, bool *crossed) {
     return face_report(self, kernel_complete_step(self->machine, crossed));
 }

@@ -8,7 +8,7 @@
 #define STATUS fmi2Status
 
 /* The sentence is the format itself, so that hosts that do not expand arguments show it too; hence % is doubled. */
-static void tell(const component *self, int status, const char *category, const char *sentence) {
+static void tell(const component *self, kernel_status status, const char *category, const char *sentence) {
     char text[2 * MESSAGE_SIZE]; /* even of nothing but % */
     size_t length = 0;
     for (const char *c = sentence; *c; ++c) {
@@ -79,10 +79,10 @@ fmi2Status fmi2Reset(fmi2Component c) {
     fmi2Status function(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, type value[]) {          \
         REQUIRE(c, ALWAYS, #function);                                                                       \
         if (face_missing(self, nvr, vr, value)) return fmi2Error;                                            \
-        int worst = KERNEL_OK;                                                                               \
+        kernel_status worst = KERNEL_OK;                                                                               \
         for (size_t i = 0; i < nvr; ++i) {                                                                   \
             double number = 0.0;                                                                             \
-            const int status = face_get(self, vr[i], kind, &number);                                         \
+            const kernel_status status = face_get(self, vr[i], kind, &number);                                         \
             value[i] = (type)number;                                                                         \
             if (status > worst) worst = status;                                                              \
         }                                                                                                    \
@@ -96,9 +96,9 @@ fmi2Status fmi2Reset(fmi2Component c) {
         if (face_fixed(self, nvr, vr, kind)) return fmi2Error;                                               \
         for (size_t i = 0; i < nvr; ++i)                                                                     \
             if (face_refuses(self, vr[i], (double)value[i])) return fmi2Error;                               \
-        int worst = KERNEL_OK;                                                                               \
+        kernel_status worst = KERNEL_OK;                                                                               \
         for (size_t i = 0; i < nvr; ++i) {                                                                   \
-            const int status = face_set(self, vr[i], (double)value[i]);                                      \
+            const kernel_status status = face_set(self, vr[i], (double)value[i]);                                      \
             if (status > worst) worst = status;                                                              \
         }                                                                                                    \
         return (fmi2Status)worst;                                                                            \
@@ -188,7 +188,7 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
     REQUIRE(c, KNOWN, "fmi2GetDirectionalDerivative");
     if (face_missing(self, nUnknown, vUnknown_ref, dvUnknown) || face_missing(self, nKnown, vKnown_ref, dvKnown))
         return fmi2Error;
-    const int status = face_initialise_if_asked(self);
+    const kernel_status status = face_initialise_if_asked(self);
     if (status > KERNEL_WARNING) return (fmi2Status)status;
     return (fmi2Status)face_report(
         self, kernel_get_directional(self->machine, (int)nUnknown, (const int *)vUnknown_ref, (int)nKnown,
@@ -224,7 +224,7 @@ fmi2Status fmi2CancelStep(fmi2Component c) {
 
 DEFINE_STATUS(fmi2GetStatus, fmi2Status, fmi2DoStepStatus, (fmi2Status)self->last_step)
 DEFINE_STATUS(fmi2GetRealStatus, fmi2Real, fmi2LastSuccessfulTime, kernel_time(self->machine))
-DEFINE_STATUS(fmi2GetBooleanStatus, fmi2Boolean, fmi2Terminated, kernel_ended(self->machine) != 0)
+DEFINE_STATUS(fmi2GetBooleanStatus, fmi2Boolean, fmi2Terminated, kernel_ended(self->machine))
 
 fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind s, fmi2Integer *value) {
     REQUIRE(c, INITIALISED, "fmi2GetIntegerStatus");
@@ -258,8 +258,11 @@ fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *fmi2eventInfo) 
     REQUIRE(c, AT_EVENT, "fmi2NewDiscreteStates");
     if (face_missing(self, 1, fmi2eventInfo, fmi2eventInfo)) return fmi2Error;
     memset(fmi2eventInfo, 0, sizeof *fmi2eventInfo);
-    return (fmi2Status)face_find_modes(self, &fmi2eventInfo->terminateSimulation,
-                                       &fmi2eventInfo->valuesOfContinuousStatesChanged);
+    bool ended = false, jumped = false;
+    const kernel_status status = face_find_modes(self, &ended, &jumped);
+    fmi2eventInfo->terminateSimulation = ended;
+    fmi2eventInfo->valuesOfContinuousStatesChanged = jumped;
+    return (fmi2Status)status;
 }
 
 fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean noSetFMUStatePriorToCurrentPoint,
@@ -268,7 +271,10 @@ fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean noSetFMUStat
     (void)noSetFMUStatePriorToCurrentPoint;
     if (face_missing(self, 1, enterEventMode, terminateSimulation)) return fmi2Error;
     *terminateSimulation = fmi2False;
-    return (fmi2Status)face_complete_step(self, enterEventMode);
+    bool crossed = false;
+    const kernel_status status = face_complete_step(self, &crossed);
+    *enterEventMode = crossed;
+    return (fmi2Status)status;
 }
 
 fmi2Status fmi2SetTime(fmi2Component c, fmi2Real time) {

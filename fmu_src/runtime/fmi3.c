@@ -10,7 +10,7 @@
 
 #define STATUS fmi3Status
 
-static void tell(const component *self, int status, const char *category, const char *sentence) {
+static void tell(const component *self, kernel_status status, const char *category, const char *sentence) {
     ((fmi3LogMessageCallback)self->logger)(self->environment, (fmi3Status)status, category, sentence);
 }
 
@@ -30,7 +30,7 @@ static fmi3Instance refuse(fmi3LogMessageCallback logMessage, fmi3InstanceEnviro
 }
 
 /* What an instance is told at its birth. */
-static component newborn(fmi3String name, fmi3InstanceEnvironment environment, fmi3LogMessageCallback logMessage) {
+static component log_of(fmi3String name, fmi3InstanceEnvironment environment, fmi3LogMessageCallback logMessage) {
     component log;
     memset(&log, 0, sizeof log);
     log.name = (char *)name;
@@ -50,7 +50,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
                                          fmi3IntermediateUpdateCallback intermediateUpdate) {
     (void)visible, (void)requiredIntermediateVariables;
     (void)nRequiredIntermediateVariables, (void)intermediateUpdate;
-    component log = newborn(instanceName, instanceEnvironment, logMessage);
+    component log = log_of(instanceName, instanceEnvironment, logMessage);
     log.events = eventModeUsed;
     component *self = face_take_resources(face_instantiate(&log, instanceName, instantiationToken, loggingOn), resourcePath);
     if (self) kernel_stop_at_events(self->machine, earlyReturnAllowed);
@@ -62,8 +62,8 @@ fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String in
                                           fmi3InstanceEnvironment instanceEnvironment,
                                           fmi3LogMessageCallback logMessage) {
     (void)visible;
-    component log = newborn(instanceName, instanceEnvironment, logMessage);
-    log.exchange = 1;
+    component log = log_of(instanceName, instanceEnvironment, logMessage);
+    log.exchange = true;
     return face_take_resources(face_instantiate(&log, instanceName, instantiationToken, loggingOn), resourcePath);
 }
 
@@ -84,7 +84,7 @@ void fmi3FreeInstance(fmi3Instance instance) { face_free((component *)instance);
 fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean toleranceDefined, fmi3Float64 tolerance,
                                        fmi3Float64 startTime, fmi3Boolean stopTimeDefined, fmi3Float64 stopTime) {
     REQUIRE(instance, INSTANTIATED, "fmi3EnterInitializationMode");
-    const int status =
+    const kernel_status status =
         face_plan(self, toleranceDefined ? &tolerance : NULL, startTime, stopTimeDefined ? &stopTime : NULL);
     if (status <= KERNEL_WARNING) self->now = INITIALISING;
     return (fmi3Status)status;
@@ -107,15 +107,15 @@ fmi3Status fmi3Reset(fmi3Instance instance) {
 
 /* ---- variables ---- */
 
-static int sizes_differ(const component *self, size_t references, size_t values) {
+static bool sizes_differ(const component *self, size_t references, size_t values) {
     return references != values && face_error(self, "Give one value for each value reference: there are no arrays.");
 }
 
-static int unusable(const component *self, const void *reference, size_t references, const void *value, size_t values) {
+static bool unusable(const component *self, const void *reference, size_t references, const void *value, size_t values) {
     return sizes_differ(self, references, values) || face_missing(self, values, reference, value);
 }
 
-static int get(component *self, unsigned reference, int kind, double *value) {
+static kernel_status get(component *self, unsigned reference, int kind, double *value) {
     if (kind != KIND_REAL || reference != (unsigned)MODEL.variables) return face_get(self, reference, kind, value);
     *value = self->now & (INSTANTIATED | INITIALISING) ? self->start_time : kernel_time(self->machine);
     return KERNEL_OK;
@@ -126,10 +126,10 @@ static int get(component *self, unsigned reference, int kind, double *value) {
                         type values[], size_t nValues) {                                                              \
         REQUIRE(instance, ALWAYS, #function);                                                                         \
         if (unusable(self, valueReferences, nValueReferences, values, nValues)) return fmi3Error;                     \
-        int worst = KERNEL_OK;                                                                                        \
+        kernel_status worst = KERNEL_OK;                                                                                        \
         for (size_t i = 0; i < nValues; ++i) {                                                                        \
             double number = 0.0;                                                                                      \
-            const int status = get(self, valueReferences[i], kind, &number);                                          \
+            const kernel_status status = get(self, valueReferences[i], kind, &number);                                          \
             values[i] = (type)number;                                                                                 \
             if (status > worst) worst = status;                                                                       \
         }                                                                                                             \
@@ -144,9 +144,9 @@ static int get(component *self, unsigned reference, int kind, double *value) {
         if (face_fixed(self, nValues, valueReferences, kind)) return fmi3Error;                                       \
         for (size_t i = 0; i < nValues; ++i)                                                                          \
             if (face_refuses(self, valueReferences[i], (double)values[i])) return fmi3Error;                          \
-        int worst = KERNEL_OK;                                                                                        \
+        kernel_status worst = KERNEL_OK;                                                                                        \
         for (size_t i = 0; i < nValues; ++i) {                                                                        \
-            const int status = face_set(self, valueReferences[i], (double)values[i]);                                 \
+            const kernel_status status = face_set(self, valueReferences[i], (double)values[i]);                                 \
             if (status > worst) worst = status;                                                                       \
         }                                                                                                             \
         return (fmi3Status)worst;                                                                                     \
@@ -245,7 +245,7 @@ fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueRe
     REQUIRE(instance, KNOWN, "fmi3GetDirectionalDerivative");
     if (unusable(self, unknowns, nUnknowns, sensitivity, nSensitivity)) return fmi3Error;
     if (unusable(self, knowns, nKnowns, seed, nSeed)) return fmi3Error;
-    const int status = face_initialise_if_asked(self);
+    const kernel_status status = face_initialise_if_asked(self);
     if (status > KERNEL_WARNING) return (fmi3Status)status;
     return (fmi3Status)face_report(
         self, kernel_get_directional(self->machine, (int)nUnknowns, (const int *)unknowns, (int)nKnowns,
@@ -280,7 +280,7 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
         return (fmi3Status)face_error(self, "The run has ended, as terminateSimulation said; reset it to start again.");
     self->last_step = face_report(
         self, kernel_step(self->machine, currentCommunicationPoint, communicationStepSize));
-    const int ended = kernel_ended(self->machine) != 0;
+    const bool ended = kernel_ended(self->machine);
     if (ended) self->now = STOPPED, self->last_step = KERNEL_OK; /* to reach the end of the run is no failure */
     if (self->last_step > KERNEL_WARNING) return (fmi3Status)self->last_step;
     *terminateSimulation = ended;
@@ -322,9 +322,9 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *discrete
         face_missing(self, 1, nominalsOfContinuousStatesChanged, valuesOfContinuousStatesChanged) ||
         face_missing(self, 1, nextEventTimeDefined, nextEventTime))
         return fmi3Error;
-    int ended = 0, jumped = 0;
+    bool ended = false, jumped = false;
     /* Steps of our own have found modes already, and find them anew after inputs have jumped. */
-    const int status = self->exchange ? face_find_modes(self, &ended, &jumped) : KERNEL_OK;
+    const kernel_status status = self->exchange ? face_find_modes(self, &ended, &jumped) : KERNEL_OK;
     *discreteStatesNeedUpdate = *nominalsOfContinuousStatesChanged = *nextEventTimeDefined = fmi3False;
     *nextEventTime = 0.0;
     *terminateSimulation = ended;
@@ -337,8 +337,8 @@ fmi3Status fmi3CompletedIntegratorStep(fmi3Instance instance, fmi3Boolean noSetF
     REQUIRE(instance, CONTINUOUS, "fmi3CompletedIntegratorStep");
     (void)noSetFMUStatePriorToCurrentPoint;
     if (face_missing(self, 1, enterEventMode, terminateSimulation)) return fmi3Error;
-    int crossed = 0;
-    const int status = face_complete_step(self, &crossed);
+    bool crossed = false;
+    const kernel_status status = face_complete_step(self, &crossed);
     *enterEventMode = crossed;
     *terminateSimulation = fmi3False;
     return (fmi3Status)status;

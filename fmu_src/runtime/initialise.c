@@ -2,19 +2,20 @@
 #include <math.h>
 #include <string.h>
 
-#include "internal.h"
+#include "method.h"
 
 static const double FIRST_STEP = 1e-4; /* s; the error control takes over after one step */
 
 void kernel_enter_system(kernel *self) {
-    const system_description *system = self->system = self->now.system < 0 ? NULL : &MODEL.system[self->now.system];
+    const system_description *system = self->system = self->run.now->system < 0 ? NULL : &MODEL.system[self->run.now->system];
     if (!system) return;
-    for (int i = 0; i < system->parameters; ++i) self->parameter[i] = self->value[system->parameter_variable[i]];
-    self->method = (int)self->value[MODEL.integration_method];
-    self->factors_serve = self->kept_ready = 0;
-    for (int i = 0; i < system->states; ++i) self->differential[i] = 1.0;
-    for (int i = 0; i < system->algebraics; ++i) self->differential[system->algebraic[i]] = 0.0;
-    for (int i = 0; i < 2 * system->tables; ++i) self->held[i] = NAN; /* nothing is held anywhere */
+    for (int i = 0; i < system->parameters; ++i) self->given.parameter[i] = self->run.value[system->parameter_variable[i]];
+    self->work.method = (int)self->run.value[MODEL.integration_method];
+    self->work.algebraic_serve = false;
+    self->kept.ready = KEPT_NOTHING;
+    for (int i = 0; i < system->states; ++i) self->work.differential[i] = 1.0;
+    for (int i = 0; i < system->algebraics; ++i) self->work.differential[system->algebraic[i]] = 0.0;
+    for (int i = 0; i < 2 * system->tables; ++i) self->given.held[i] = NAN; /* nothing is held anywhere */
 }
 
 static bool needs_table_file(const system_description *system) {
@@ -24,7 +25,7 @@ static bool needs_table_file(const system_description *system) {
 }
 
 /* Says that the model has no system for what was chosen. */
-static int refuse_choice(kernel *self) {
+static kernel_status refuse_choice(kernel *self) {
     const table_file_description *file = MODEL.table_file;
     const char *name = kernel_name_of_table_file();
     if (MODEL.selectors == 0 && self->table)
@@ -42,9 +43,9 @@ static int refuse_choice(kernel *self) {
                        MODEL.name);
 }
 
-int kernel_initialise(kernel *self, double time) {
+kernel_status kernel_initialise(kernel *self, double time) {
     if (!isfinite(time)) return kernel_fail(self, KERNEL_ERROR, "Start at a finite time: %g was given.", time);
-    if (self->value[MODEL.integration_method] == (double)METHOD_EXPLICIT && self->value[MODEL.integration_step] == 0.0)
+    if (self->run.value[MODEL.integration_method] == (double)METHOD_EXPLICIT && self->run.value[MODEL.integration_step] == 0.0)
         return kernel_fail(self, KERNEL_ERROR,
                            "Set integration_step above 0 s: integration_method %d, explicit, has no error control that "
                            "could choose its steps.",
@@ -52,36 +53,36 @@ int kernel_initialise(kernel *self, double time) {
     int combination = 0, combinations = 1;
     for (int i = 0; i < MODEL.selectors; ++i) combinations *= MODEL.selectable[i];
     for (int i = 0; i < MODEL.selectors; ++i)
-        combination = combination * MODEL.selectable[i] + (int)self->value[MODEL.selector[i]] - 1;
+        combination = combination * MODEL.selectable[i] + (int)self->run.value[MODEL.selector[i]] - 1;
     if (self->table) combination += combinations;
     if (MODEL.choice[combination] < 0) return refuse_choice(self);
     if (!self->table && needs_table_file(&MODEL.system[MODEL.choice[combination]]))
         return kernel_fail(self, KERNEL_ERROR, "Set %s to the path of a file with a %s; this model has no other.",
                            kernel_name_of_table_file(), MODEL.table_file->noun);
-    self->now.system = MODEL.choice[combination];
+    self->run.now->system = MODEL.choice[combination];
     kernel_enter_system(self);
     const system_description *system = self->system;
-    self->now.time = self->step_origin = time;
-    self->now.proposed_step = FIRST_STEP;
-    self->now.kept_steps = -1;
-    self->now.pause = self->now.guard_wait = self->now.switches = 0;
-    self->now.guard_said = self->now.reluctance = 0.0;
-    self->now.switched = -INFINITY;
+    self->run.now->time = self->given.step_origin = time;
+    self->run.now->proposed_step = FIRST_STEP;
+    self->run.now->kept_steps = -1;
+    self->run.now->pause = self->run.now->guard_wait = self->run.now->switches = 0;
+    self->run.now->guard_said = self->run.now->reluctance = 0.0;
+    self->run.now->switched = -INFINITY;
     kernel_gather_inputs(self);
-    if (system->derive) kernel_call(self, system->derive, 0.0, self->state, &self->derived);
-    kernel_evaluate(self, system->start, 0.0, self->state, self->trial);
-    memcpy(self->state, self->trial, (size_t)system->states * sizeof(double));
-    for (int i = 0; i < system->frictions; ++i) self->mode[i] = 1.0;
-    for (int i = 0; i < system->conditions; ++i) self->said[i] = 0.0;
+    if (system->derive) kernel_call(self, system->derive, 0.0, self->run.state, &self->run.derived);
+    kernel_evaluate(self, system->start, 0.0, self->run.state, self->work.trial);
+    memcpy(self->run.state, self->work.trial, (size_t)system->states * sizeof(double));
+    for (int i = 0; i < system->frictions; ++i) self->run.mode[i] = 1.0;
+    for (int i = 0; i < system->conditions; ++i) self->run.said[i] = 0.0;
     if (!steady_find(self)) {
         char when[CLOCK_SIZE];
         kernel_reopen(self);
         return kernel_say_when(self, KERNEL_ERROR, system->steady->sentence, kernel_clock(time, 9, when));
     }
-    rosenbrock_linearise(self, 0.0, self->state);
-    const int solved = algebraic_solve(self, 0.0, self->state, self->value[MODEL.tolerance]);
+    rosenbrock_linearise(self, 0.0, self->run.state);
+    const bool solved = algebraic_solve(self, 0.0, self->run.state, self->run.value[MODEL.tolerance]);
     modes_refresh(self, 0.0);
-    kernel_compute_outputs(self, 0.0, self->state);
+    kernel_compute_outputs(self, 0.0, self->run.state);
     const char *bad = kernel_output_not_finite(self);
     if (bad || !solved) {
         char when[CLOCK_SIZE];
@@ -93,8 +94,8 @@ int kernel_initialise(kernel *self, double time) {
                                  "The equations have no consistent start at t = %s s; check inputs and parameters.",
                                  kernel_clock(time, 9, when));
     }
-    self->now.outputs_stale = self->now.inputs_jumped = 0;
-    int status = KERNEL_OK;
+    self->run.now->outputs_stale = self->run.now->inputs_jumped = false;
+    kernel_status status = KERNEL_OK;
     for (int i = 0; i < MODEL.variables; ++i)
         if (MODEL.variable[i].causality == CAUSALITY_INPUT && kernel_warn_without_effect(self, i) != KERNEL_OK)
             status = KERNEL_WARNING;
@@ -104,5 +105,5 @@ int kernel_initialise(kernel *self, double time) {
 /* Opens the parameters again, all values kept; initialise afterwards. */
 void kernel_reopen(kernel *self) {
     self->system = NULL;
-    self->now.system = -1;
+    self->run.now->system = -1;
 }

@@ -1,14 +1,15 @@
-/* An instance: its memory in one block, and small questions about it. */
+/* An instance: its memory, and small questions about it. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "internal.h"
+#include "instance.h"
 
-/* The largest of each dimension over the systems, so that one block fits whichever is chosen. */
-static system_description largest_dimensions(void) {
-    system_description most = MODEL.system[0];
-    for (int i = 1; i < MODEL.systems; ++i) {
+/* The largest of each number over the systems, so that the room serves whichever is chosen. */
+static dimensions largest_dimensions(void) {
+    dimensions most;
+    memset(&most, 0, sizeof most);
+    for (int i = 0; i < MODEL.systems; ++i) {
         const system_description *one = &MODEL.system[i];
 #define GROW(member) \
     if (one->member > most.member) most.member = one->member
@@ -20,11 +21,11 @@ static system_description largest_dimensions(void) {
         GROW(parameters);
         GROW(derived);
         GROW(frictions);
+        GROW(outputs);
         GROW(tables);
         GROW(table_coefficients);
-        GROW(outputs);
-        GROW(conditions);
         GROW(limits);
+        GROW(conditions);
 #undef GROW
     }
     return most;
@@ -36,108 +37,130 @@ static double *carve(double *block, size_t *used, int count) {
     return start;
 }
 
-/* Lays the arrays out in one block, or only counts the doubles when `block` is null. */
-static size_t lay_out(kernel *self, double *block) {
-    const system_description most = largest_dimensions();
-    const int n = most.states;
+/* Lays the state of the run out in its block, or only counts the doubles where there is none yet. */
+static size_t lay_out_run(run_state *run, const dimensions *room, double *block) {
     size_t used = 0;
-    self->value = carve(block, &used, MODEL.variables);
-    self->input_rate = carve(block, &used, MODEL.variables);
-    self->last_rate = carve(block, &used, MODEL.variables);
-    self->state = carve(block, &used, n);
-    self->mode = carve(block, &used, most.frictions);
-    self->said = carve(block, &used, most.conditions);
-    self->derived = carve(block, &used, most.derived);
-    self->kept_state = carve(block, &used, n);
-    self->kept_input = carve(block, &used, most.inputs);
-    self->kept_mode = carve(block, &used, most.frictions);
-    self->restored = used;
-    self->backup = carve(block, &used, (int)self->restored);
-    self->parameter = carve(block, &used, most.parameters);
-    self->input = carve(block, &used, most.inputs);
-    self->rate = carve(block, &used, most.inputs);
-    self->stage_input = carve(block, &used, most.inputs);
-    self->coefficient = carve(block, &used, most.table_coefficients);
-    self->table_at = carve(block, &used, most.tables);
-    self->held = carve(block, &used, 2 * most.tables);
-    self->trial = carve(block, &used, n);
-    self->slope = carve(block, &used, n);
-    self->time_slope = carve(block, &used, n);
-    self->jacobian = carve(block, &used, most.nonzeros);
-    self->kept_jacobian = carve(block, &used, most.nonzeros);
-    self->whole.packed = carve(block, &used, most.factors);
-    self->kept.packed = carve(block, &used, most.factors);
-    self->algebraic.matrix = carve(block, &used, most.algebraics * most.algebraics);
-    self->kept_algebraic.matrix = carve(block, &used, most.algebraics * most.algebraics);
-    self->dense.matrix = carve(block, &used, n * n);
-    for (int i = 0; i < MOST_STAGES; ++i) self->stage[i] = carve(block, &used, n);
-    self->point = carve(block, &used, n);
-    self->between = carve(block, &used, n);
-    self->place_read = carve(block, &used, n);
-    self->host_state = carve(block, &used, n);
-    self->host_slope = carve(block, &used, n);
-    self->host_change = carve(block, &used, n);
-    self->host_growth = carve(block, &used, 2 * kernel_exchange_states() * kernel_exchange_states());
-    self->first_slope = carve(block, &used, n);
-    self->last_slope = carve(block, &used, n);
-    self->ordered = carve(block, &used, 2 * n);
-    self->differential = carve(block, &used, n);
-    self->drive = carve(block, &used, most.frictions);
-    self->capacity = carve(block, &used, 2 * most.frictions);
-    self->margin = carve(block, &used, most.frictions + most.conditions);
-    self->output = carve(block, &used, most.outputs);
-    self->seed = carve(block, &used, 1 + n + most.inputs);
-    self->output_rate = carve(block, &used, most.outputs);
-    self->largest_change = carve(block, &used, most.limits);
+    run->now = (run_record *)carve(block, &used, (int)((sizeof(run_record) + sizeof(double) - 1) / sizeof(double)));
+    run->value = carve(block, &used, MODEL.variables);
+    run->input_rate = carve(block, &used, MODEL.variables);
+    run->last_rate = carve(block, &used, MODEL.variables);
+    run->state = carve(block, &used, room->states);
+    run->mode = carve(block, &used, room->frictions);
+    run->said = carve(block, &used, room->conditions);
+    run->derived = carve(block, &used, room->derived);
+    run->kept_state = carve(block, &used, room->states);
+    run->kept_input = carve(block, &used, room->inputs);
+    run->kept_mode = carve(block, &used, room->frictions);
+    run->block = block;
+    return run->doubles = used;
+}
+
+static void lay_out_step(step_workspace *work, const dimensions *room, double *block, size_t *used) {
+    const int n = room->states, m = room->algebraics;
+    double **const vectors[] = {&work->differential, &work->slope, &work->time_slope, &work->point,
+                                &work->trial,        &work->ordered, &work->direction, &work->image};
+    for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; ++i) *vectors[i] = carve(block, used, n);
+    for (int i = 0; i < MOST_STAGES; ++i) work->stage[i] = carve(block, used, n);
+    work->jacobian = carve(block, used, room->nonzeros);
+    work->factors.packed = carve(block, used, room->factors);
+    work->dense.matrix = carve(block, used, n * n);
+    work->algebraic.matrix = carve(block, used, m * m);
+    work->correction = carve(block, used, m);
+    work->guess = carve(block, used, m);
+    work->follow = carve(block, used, m);
+    work->largest_change = carve(block, used, room->limits);
+}
+
+/* The same for the workspaces. */
+static size_t lay_out_work(kernel *self, double *block) {
+    const dimensions *room = &self->room;
+    const int n = room->states, exchanged = kernel_exchange_states();
+    size_t used = 0;
+    self->backup = carve(block, &used, (int)self->run.doubles);
+    self->given.parameter = carve(block, &used, room->parameters);
+    self->given.input = carve(block, &used, room->inputs);
+    self->given.rate = carve(block, &used, room->inputs);
+    self->given.stage_input = carve(block, &used, room->inputs);
+    self->given.coefficient = carve(block, &used, room->table_coefficients);
+    self->given.table_at = carve(block, &used, room->tables);
+    self->given.held = carve(block, &used, 2 * room->tables);
+    self->given.seed = carve(block, &used, 1 + n + room->inputs);
+    lay_out_step(&self->work, room, block, &used);
+    self->kept.jacobian = carve(block, &used, room->nonzeros);
+    self->kept.factors.packed = carve(block, &used, room->factors);
+    self->kept.algebraic.matrix = carve(block, &used, room->algebraics * room->algebraics);
+    self->modes.drive = carve(block, &used, room->frictions);
+    self->modes.capacity = carve(block, &used, 2 * room->frictions);
+    self->modes.margin = carve(block, &used, room->frictions + room->conditions);
+    self->reading.output = carve(block, &used, room->outputs);
+    self->reading.output_rate = carve(block, &used, room->outputs);
+    double **const vectors[] = {&self->reading.slope_change, &self->reading.place,       &self->reading.shown,
+                                &self->reading.first_slope,  &self->reading.last_slope,  &self->steady.start,
+                                &self->steady.change,        &self->steady.answer,       &self->steady.pace,
+                                &self->host.state,           &self->host.slope,          &self->host.change,
+                                &self->host.slope_before};
+    for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; ++i) *vectors[i] = carve(block, &used, n);
+    self->host.growth = carve(block, &used, exchanged * exchanged);
+    self->host.square = carve(block, &used, exchanged * exchanged);
     return used;
+}
+
+static void lay_out_pivots(kernel *self) {
+    self->work.dense.pivot = self->pivots;
+    self->work.algebraic.pivot = self->work.dense.pivot + self->room.states;
+    self->kept.algebraic.pivot = self->work.algebraic.pivot + self->room.algebraics;
+    self->given.row = self->kept.algebraic.pivot + self->room.algebraics;
 }
 
 kernel *kernel_create(void) {
     kernel *self = (kernel *)calloc(1, sizeof *self);
     if (!self) return NULL;
-    const size_t doubles = lay_out(self, NULL);
-    self->block = (double *)calloc(doubles, sizeof(double));
-    const size_t n = (size_t)largest_dimensions().states;
-    self->places = (int *)calloc(3 * n + (size_t)largest_dimensions().tables + 1, sizeof(int));
+    self->room = largest_dimensions();
+    double *block = (double *)calloc(lay_out_run(&self->run, &self->room, NULL), sizeof(double));
+    const int places = self->room.states + 2 * self->room.algebraics + self->room.tables;
+    self->run.block = block;
+    self->scratch = (double *)calloc(lay_out_work(self, NULL), sizeof(double));
+    self->pivots = (int *)calloc((size_t)places + 1, sizeof(int));
     self->warned = (char *)calloc((size_t)MODEL.variables, 1);
-    if (!self->block || !self->places || !self->warned) {
+    if (!block || !self->scratch || !self->pivots || !self->warned) {
         kernel_free(self);
         return NULL;
     }
-    lay_out(self, self->block);
-    self->dense.pivot = self->places;
-    self->algebraic.pivot = self->places + n;
-    self->kept_algebraic.pivot = self->places + 2 * n;
-    self->row = self->places + 3 * n;
+    (void)lay_out_run(&self->run, &self->room, block);
+    (void)lay_out_work(self, self->scratch);
+    lay_out_pivots(self);
     kernel_reset(self);
     return self;
 }
 
+/* Also of one that was made in part only. */
 void kernel_free(kernel *self) {
     if (!self) return;
-    free(self->block);
-    free(self->places);
+    table_free(self->table);
+    free(self->table_path);
+    free(self->run.block);
+    free(self->scratch);
+    free(self->pivots);
     free(self->warned);
-    kernel_leave_table(self);
     free(self);
 }
 
 void kernel_reset(kernel *self) {
     kernel_leave_table(self);
-    memset(self->block, 0, self->restored * sizeof(double));
+    memset(self->run.block, 0, self->run.doubles * sizeof(double));
     memset(self->warned, 0, (size_t)MODEL.variables);
-    memset(&self->now, 0, sizeof self->now);
     memset(&self->counters, 0, sizeof self->counters);
-    for (int i = 0; i < MODEL.variables; ++i) self->value[i] = MODEL.variable[i].start;
-    self->now.system = -1;
-    self->host_steps = self->host_slope_known = 0;
-    self->stop_time = INFINITY;
+    for (int i = 0; i < MODEL.variables; ++i) self->run.value[i] = MODEL.variable[i].start;
+    self->run.now->system = -1;
+    self->host.steps = 0;
+    self->host.slope_known = false;
+    self->asked.stop_time = INFINITY;
     self->system = NULL;
-    self->message[0] = '\0';
-    self->journal_length = self->heard = 0;
-    self->noted = self->lost = 0;
+    self->journal.message[0] = '\0';
+    self->journal.length = self->journal.heard = 0;
+    self->journal.noted = self->journal.lost = 0;
 }
 
-double kernel_time(const kernel *self) { return self->now.time; }
-int kernel_ended(const kernel *self) { return self->now.ended; }
+double kernel_time(const kernel *self) { return self->run.now->time; }
+bool kernel_ended(const kernel *self) { return self->run.now->ended != 0; }
 int kernel_state_count(const kernel *self) { return self->system ? self->system->states : 0; }

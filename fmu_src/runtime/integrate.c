@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "internal.h"
+#include "method.h"
 
 static const int MAXIMUM_SWITCHES = 1000;            /* beyond the steps that end without one; more is chatter */
 /* A step that the host cuts below this share of what the accuracy allows is taken with a kept Jacobian, which serves as
@@ -21,38 +21,38 @@ enum { PAUSE = 16 };
 static void interpolate_by_slopes(kernel *self, double offset, double size, double fraction, double *state) {
     const double other = 1.0 - fraction;
     for (int i = 0; i < self->system->states; ++i) {
-        const double change = self->trial[i] - self->state[i];
-        const double bend = other * (size * self->first_slope[i] - change) - fraction * (size * self->last_slope[i] - change);
-        state[i] = self->state[i] + fraction * (change + self->differential[i] * other * bend);
+        const double change = self->work.trial[i] - self->run.state[i];
+        const double bend = other * (size * self->reading.first_slope[i] - change) - fraction * (size * self->reading.last_slope[i] - change);
+        state[i] = self->run.state[i] + fraction * (change + self->work.differential[i] * other * bend);
     }
-    (void)algebraic_find(self, offset + fraction * size, state, self->value[MODEL.tolerance]);
+    (void)algebraic_find(self, offset + fraction * size, state, self->run.value[MODEL.tolerance]);
 }
 
 static void prepare_interpolation(kernel *self, double offset, double size) {
-    kernel_evaluate(self, self->system->ode, offset, self->state, self->first_slope);
-    kernel_evaluate(self, self->system->ode, offset + size, self->trial, self->last_slope);
+    kernel_evaluate(self, self->system->ode, offset, self->run.state, self->reading.first_slope);
+    kernel_evaluate(self, self->system->ode, offset + size, self->work.trial, self->reading.last_slope);
 }
 
 static void record_until(kernel *self, double offset, double size) {
     kernel_recorder *recorder = self->recorder;
-    const int own_extension = self->method == METHOD_EXACT;
-    int prepared = 0;
+    const bool own_extension = self->work.method == METHOD_EXACT;
+    bool prepared = false;
     while (recorder->written < recorder->capacity) {
         const double at = (double)recorder->written * recorder->interval;
         if (at > (offset + size) * (1.0 + 4.0 * DBL_EPSILON)) return;
         const double share = size > 0.0 ? (at - offset) / size : 0.0, fraction = share < 1.0 ? share : 1.0;
-        double *shown = size > 0.0 ? self->between : self->state;
+        double *shown = size > 0.0 ? self->reading.shown : self->run.state;
         if (size > 0.0 && own_extension) {
             rosenbrock_interpolate(self, fraction, shown);
         } else if (size > 0.0) {
             if (!prepared) prepare_interpolation(self, offset, size);
-            prepared = 1;
+            prepared = true;
             interpolate_by_slopes(self, offset, size, fraction, shown);
         }
         kernel_compute_outputs(self, at, shown);
         double *row = recorder->buffer + recorder->written * recorder->columns;
         for (int i = 0; i < recorder->columns; ++i)
-            row[i] = self->value[recorder->variable[i]] + at * self->input_rate[recorder->variable[i]];
+            row[i] = self->run.value[recorder->variable[i]] + at * self->run.input_rate[recorder->variable[i]];
         recorder->written++;
     }
 }
@@ -65,17 +65,17 @@ typedef struct {
     int trials;
 } progress;
 
-static int start_exact_step(kernel *self, double offset) {
-    rosenbrock_linearise(self, offset, self->state);
-    if (algebraic_solve(self, offset, self->state, self->value[MODEL.tolerance])) return 1;
+static bool start_exact_step(kernel *self, double offset) {
+    rosenbrock_linearise(self, offset, self->run.state);
+    if (algebraic_solve(self, offset, self->run.state, self->run.value[MODEL.tolerance])) return true;
     char when[CLOCK_SIZE];
     kernel_fail(self, KERNEL_ERROR, "The algebraic equations have no solution near t = %s s; check inputs and parameters.",
-                kernel_clock(self->step_origin + offset, 9, when));
-    return 0;
+                kernel_clock(self->given.step_origin + offset, 9, when));
+    return false;
 }
 
-static int is_short(const kernel *self, const progress *now) {
-    return !self->recorder && now->remaining <= SHORT * self->now.proposed_step;
+static bool is_short(const kernel *self, const progress *now) {
+    return !self->recorder && now->remaining <= SHORT * self->run.now->proposed_step;
 }
 
 /* A step to the end of the interval with the kept Jacobian. Returns its length; 0: the default method must take it. */
@@ -83,35 +83,35 @@ static double short_step(kernel *self, progress *now) {
     if (!is_short(self, now) || !reuse_serves(self, now->offset)) return 0.0;
     const double error = reuse_short_step(self, now->offset, now->remaining);
     if (!(error <= SHORT_ERROR)) {
-        self->now.pause = PAUSE;
+        self->run.now->pause = PAUSE;
         return 0.0;
     }
-    now->margin = modes_margin(self, now->offset + now->remaining, self->trial);
+    now->margin = modes_margin(self, now->offset + now->remaining, self->work.trial);
     return now->margin >= 0.0 ? now->remaining : 0.0;
 }
 
 /* Keeps the Jacobian of a short step for those that follow within the time `served`. */
 static void keep_jacobian(kernel *self, const progress *now, double served) {
     if (!is_short(self, now)) return;
-    if (self->now.pause > 0)
-        self->now.pause--;
+    if (self->run.now->pause > 0)
+        self->run.now->pause--;
     else
-        reuse_remember(self, now->offset, self->step_origin + now->offset + served);
+        reuse_remember(self, now->offset, self->given.step_origin + now->offset + served);
 }
 
 /* Time until something limited has changed as much as a step may change it. */
 static double longest_step(kernel *self, double offset) {
     const system_description *system = self->system;
     if (system->limits == 0) return INFINITY;
-    if (self->method != METHOD_EXACT) kernel_evaluate(self, system->ode, offset, self->state, self->slope);
-    kernel_evaluate(self, system->largest_change, offset, self->state, self->largest_change);
-    double haste = 0.0;
+    if (self->work.method != METHOD_EXACT) kernel_evaluate(self, system->ode, offset, self->run.state, self->work.slope);
+    kernel_evaluate(self, system->largest_change, offset, self->run.state, self->work.largest_change);
+    double shares = 0.0; /* of what may change, in a second */
     for (int i = 0; i < system->limits; ++i) {
         const limited_change *of = &system->limited[i];
-        const double rate = self->slope[of->state] + (of->other < 0 ? 0.0 : self->slope[of->other]);
-        haste = fmax(haste, fabs(rate) / self->largest_change[i]);
+        const double rate = self->work.slope[of->state] + (of->other < 0 ? 0.0 : self->work.slope[of->other]);
+        shares = fmax(shares, fabs(rate) / self->work.largest_change[i]);
     }
-    return haste > 0.0 ? 1.0 / haste : INFINITY;
+    return shares > 0.0 ? 1.0 / shares : INFINITY;
 }
 
 typedef struct {
@@ -128,32 +128,32 @@ static double size_by_trials(rejected_trial before, rejected_trial last) {
 
 /* A step that the error control accepts. Returns its length; 0 after a failure, with the sentence set. */
 static double adaptive_step(kernel *self, progress *now) {
-    const rosenbrock_tableau *method = self->method == METHOD_REUSED ? &ROS34PW2 : &RODAS5P;
-    const double proposed = self->now.proposed_step, remaining = now->remaining;
-    if (self->method == METHOD_EXACT && !start_exact_step(self, now->offset)) return 0.0;
+    const rosenbrock_tableau *method = self->work.method == METHOD_REUSED ? &ROS34PW2 : &RODAS5P;
+    const double proposed = self->run.now->proposed_step, remaining = now->remaining;
+    if (self->work.method == METHOD_EXACT && !start_exact_step(self, now->offset)) return 0.0;
     const double longest = longest_step(self, now->offset);
     double wanted = fmin(proposed, longest);
     if (wanted > 0.5 * remaining) wanted = wanted < remaining ? 0.5 * remaining : remaining;
     rejected_trial before = {0.0, 0.0};
     for (double size = wanted;;) {
         char when[CLOCK_SIZE];
-        const double time = self->step_origin + now->offset;
+        const double time = self->given.step_origin + now->offset;
         if (++now->trials > MOST_TRIALS) {
             kernel_fail(self, KERNEL_ERROR, "No progress after %d steps at t = %s s; enlarge the tolerance %g.",
-                        MOST_TRIALS, kernel_clock(time, 9, when), self->value[MODEL.tolerance]);
+                        MOST_TRIALS, kernel_clock(time, 9, when), self->run.value[MODEL.tolerance]);
             return 0.0;
         }
         double error = integrate_try(self, now->offset, size);
         if (error <= 1.0) {
-            now->margin = modes_margin(self, now->offset + size, self->trial);
+            now->margin = modes_margin(self, now->offset + size, self->work.trial);
             if (isnan(now->margin)) error = NAN;
         }
         const double next = rosenbrock_next_size(method, size, error);
         if (error <= 1.0) {
             /* A step cut short by the end of the interval says nothing against the longer one proposed before. */
-            const int cut = size == wanted && wanted < proposed && next < proposed;
-            self->now.proposed_step = cut ? proposed : next;
-            if (self->method == METHOD_EXACT)
+            const bool cut = size == wanted && wanted < proposed && next < proposed;
+            self->run.now->proposed_step = cut ? proposed : next;
+            if (self->work.method == METHOD_EXACT)
                 keep_jacobian(self, now, fmin(rosenbrock_allowed_size(method, size, error), longest));
             return size;
         }
@@ -165,32 +165,32 @@ static double adaptive_step(kernel *self, progress *now) {
             kernel_fail(self, KERNEL_ERROR,
                         "The step size vanished at t = %s s: the equations have no finite solution there, or the "
                         "tolerance %g is below round-off; check inputs and parameters, or enlarge the tolerance.",
-                        kernel_clock(time, 9, when), self->value[MODEL.tolerance]);
+                        kernel_clock(time, 9, when), self->run.value[MODEL.tolerance]);
             return 0.0;
         }
     }
 }
 
 /* Says when the local error of a fixed step exceeds the tolerance, and again when it is ten times what was said. */
-static int guard_error(kernel *self, double time, double size, double error) {
-    if (!(error > 1.0) || error < 10.0 * self->now.guard_said) return KERNEL_OK;
-    self->now.guard_said = error;
+static kernel_status guard_error(kernel *self, double time, double size, double error) {
+    if (!(error > 1.0) || error < 10.0 * self->run.now->guard_said) return KERNEL_OK;
+    self->run.now->guard_said = error;
     char when[CLOCK_SIZE];
     return kernel_fail(self, KERNEL_WARNING,
                        "The local error of the fixed step of %.3g s is %.2g times the tolerance %g at t = %s s; "
                        "shorten integration_step, or set it to 0 for steps chosen by the error.",
-                       size, error, self->value[MODEL.tolerance], kernel_clock(time, 6, when));
+                       size, error, self->run.value[MODEL.tolerance], kernel_clock(time, 6, when));
 }
 
 /* A step of integration_step seconds, right or wrong: what is wrong is said. Returns its length, 0 after a failure. */
-static double fixed_step(kernel *self, progress *now, int *status) {
-    const double fixed = self->value[MODEL.integration_step], time = self->step_origin + now->offset;
+static double fixed_step(kernel *self, progress *now, kernel_status *status) {
+    const double fixed = self->run.value[MODEL.integration_step], time = self->given.step_origin + now->offset;
     const double size = now->remaining <= fixed * (1.0 + 1e-6) ? now->remaining : fixed;
-    if (self->method == METHOD_EXACT && !start_exact_step(self, now->offset)) return 0.0;
-    if (self->method == METHOD_EXPLICIT && runge_kutta_guard(self, now->offset, size) != KERNEL_OK)
+    if (self->work.method == METHOD_EXACT && !start_exact_step(self, now->offset)) return 0.0;
+    if (self->work.method == METHOD_EXPLICIT && runge_kutta_guard(self, now->offset, size) != KERNEL_OK)
         *status = KERNEL_WARNING;
     const double error = integrate_try(self, now->offset, size);
-    now->margin = isfinite(error) ? modes_margin(self, now->offset + size, self->trial) : NAN;
+    now->margin = isfinite(error) ? modes_margin(self, now->offset + size, self->work.trial) : NAN;
     if (isnan(now->margin)) {
         char when[CLOCK_SIZE];
         kernel_fail(self, KERNEL_ERROR,
@@ -203,16 +203,16 @@ static double fixed_step(kernel *self, progress *now, int *status) {
     return size;
 }
 
-static double next_step(kernel *self, progress *now, int *status) {
-    if (self->value[MODEL.integration_step] > 0.0) return fixed_step(self, now, status);
-    const double cut = self->method == METHOD_EXACT ? short_step(self, now) : 0.0;
+static double next_step(kernel *self, progress *now, kernel_status *status) {
+    if (self->run.value[MODEL.integration_step] > 0.0) return fixed_step(self, now, status);
+    const double cut = self->work.method == METHOD_EXACT ? short_step(self, now) : 0.0;
     return cut > 0.0 ? cut : adaptive_step(self, now);
 }
 
 static void accept(kernel *self) {
-    memcpy(self->state, self->trial, (size_t)self->system->states * sizeof(double));
-    modes_hold(self, self->state);
-    if (self->now.kept_steps >= 0) self->now.kept_steps++;
+    memcpy(self->run.state, self->work.trial, (size_t)self->system->states * sizeof(double));
+    modes_hold(self, self->run.state);
+    if (self->run.now->kept_steps >= 0) self->run.now->kept_steps++;
     self->counters.steps++;
 }
 
@@ -220,31 +220,31 @@ static void accept(kernel *self) {
 
 /* Whether steps end in a switch so often that the motion no longer goes on. The count outlives a kernel_step: at rest an
  * explicit method switches thousands of times within each of a host's steps, and never comes to an end. */
-static int chatters(kernel *self, int crossing) {
+static bool chatters(kernel *self, bool crossing) {
     if (crossing)
-        self->now.switches++;
-    else if (self->now.switches > 0)
-        self->now.switches--;
-    return self->now.switches > MAXIMUM_SWITCHES;
+        self->run.now->switches++;
+    else if (self->run.now->switches > 0)
+        self->run.now->switches--;
+    return self->run.now->switches > MAXIMUM_SWITCHES;
 }
 
 static const char *remedy_of_chatter(const kernel *self) {
-    return self->method == METHOD_EXPLICIT ? "above its stability limit an explicit method cannot come to rest, choose "
+    return self->work.method == METHOD_EXPLICIT ? "above its stability limit an explicit method cannot come to rest, choose "
                                              "integration_method 1"
                                            : "check inputs and parameters";
 }
 
-int integrate(kernel *self, double size, double *reached) {
-    int status = KERNEL_OK;
+kernel_status integrate(kernel *self, double size, double *reached) {
+    kernel_status status = KERNEL_OK;
     progress now = {0.0, size, INFINITY, 0};
-    self->factors_serve = 0;
+    self->work.algebraic_serve = 0;
     modes_refresh(self, 0.0);
     if (self->recorder) record_until(self, 0.0, 0.0);
     while (now.offset < size) {
         now.remaining = size - now.offset;
         double step = next_step(self, &now, &status);
         if (step == 0.0) return KERNEL_ERROR;
-        const int crossing = now.margin < 0.0;
+        const bool crossing = now.margin < 0.0;
         if (crossing) step = modes_locate(self, now.offset, step);
         if (self->recorder) record_until(self, now.offset, step);
         const double arrival = step == now.remaining ? size : now.offset + step;
@@ -255,12 +255,12 @@ int integrate(kernel *self, double size, double *reached) {
             return kernel_fail(self, KERNEL_ERROR,
                                "More than %d switches between sliding and sticking with hardly a step between them up to "
                                "t = %s s: a friction chatters; %s.",
-                               MAXIMUM_SWITCHES, kernel_clock(self->step_origin + now.offset, 9, when),
+                               MAXIMUM_SWITCHES, kernel_clock(self->given.step_origin + now.offset, 9, when),
                                remedy_of_chatter(self));
         }
         if (crossing) {
-            self->now.ended = modes_switch(self, now.offset, -INFINITY);
-            if (self->now.ended || self->stops_at_events) break;
+            self->run.now->ended = modes_switch(self, now.offset, -INFINITY);
+            if (self->run.now->ended || self->asked.stops_at_events) break;
         }
         if (modes_warn(self, now.offset)) status = KERNEL_WARNING;
     }

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "internal.h"
+#include "method.h"
 
 /* Largest ratio of a column's entries to the diagonal one at which the diagonal still serves as the pivot. The rows have
  * different units, so only a diagonal that is next to nothing is refused. */
@@ -63,7 +63,7 @@ static bool factorise_sparse(const kernel *self, double *entry, const double *ja
     const int n = system->states;
     memset(entry, 0, (size_t)system->factors * sizeof *entry);
     for (int i = 0; i < system->nonzeros; ++i) entry[system->factor[i]] = -jacobian[i];
-    for (int i = 0; i < n; ++i) entry[system->position[i]] += diagonal * self->differential[i];
+    for (int i = 0; i < n; ++i) entry[system->position[i]] += diagonal * self->work.differential[i];
     system->factorise(entry);
     for (int i = 0; i < n; ++i)
         if (!isfinite(entry[i])) return false;
@@ -75,14 +75,14 @@ static bool factorise_sparse(const kernel *self, double *entry, const double *ja
 /* In the one place for a dense matrix, in the order of elimination; other factors that were there are lost. */
 static bool factorise_exchanging(kernel *self, step_factors *of, const double *jacobian, double diagonal) {
     const system_description *system = self->system;
-    const int n = self->dense.size = system->states, *position = system->position;
-    self->dense_owner = of;
-    memset(self->dense.matrix, 0, (size_t)(n * n) * sizeof(double));
+    const int n = self->work.dense.size = system->states, *position = system->position;
+    self->work.dense_owner = of;
+    memset(self->work.dense.matrix, 0, (size_t)(n * n) * sizeof(double));
     for (int j = 0; j < n; ++j)
         for (int i = system->column_start[j]; i < system->column_start[j + 1]; ++i)
-            self->dense.matrix[position[j] * n + position[system->row[i]]] = -jacobian[i];
-    for (int i = 0; i < n; ++i) self->dense.matrix[position[i] * (n + 1)] += diagonal * self->differential[i];
-    return factorise_dense(&self->dense);
+            self->work.dense.matrix[position[j] * n + position[system->row[i]]] = -jacobian[i];
+    for (int i = 0; i < n; ++i) self->work.dense.matrix[position[i] * (n + 1)] += diagonal * self->work.differential[i];
+    return factorise_dense(&self->work.dense);
 }
 
 bool linear_factorise_step(kernel *self, step_factors *of, const double *jacobian, double diagonal) {
@@ -91,7 +91,7 @@ bool linear_factorise_step(kernel *self, step_factors *of, const double *jacobia
     return !of->exchanged || factorise_exchanging(self, of, jacobian, diagonal);
 }
 
-bool linear_has_factors(const kernel *self, const step_factors *of) { return !of->exchanged || self->dense_owner == of; }
+bool linear_has_factors(const kernel *self, const step_factors *of) { return !of->exchanged || self->work.dense_owner == of; }
 
 void linear_solve_step(kernel *self, const step_factors *of, double *vector) {
     const int n = self->system->states;
@@ -100,9 +100,9 @@ void linear_solve_step(kernel *self, const step_factors *of, double *vector) {
         self->system->substitute(of->packed, vector);
         return;
     }
-    for (int i = 0; i < n; ++i) self->ordered[i] = vector[order[i]];
-    solve_dense(&self->dense, self->ordered);
-    for (int i = 0; i < n; ++i) vector[order[i]] = self->ordered[i];
+    for (int i = 0; i < n; ++i) self->work.ordered[i] = vector[order[i]];
+    solve_dense(&self->work.dense, self->work.ordered);
+    for (int i = 0; i < n; ++i) vector[order[i]] = self->work.ordered[i];
 }
 
 bool linear_factorise_algebraic(const kernel *self, dense_factors *of, const double *jacobian) {
@@ -120,7 +120,7 @@ void linear_add_product(const kernel *self, const double *vector, double *sum) {
     const system_description *system = self->system;
     for (int j = 0; j < system->states; ++j)
         for (int i = system->column_start[j]; i < system->column_start[j + 1]; ++i)
-            sum[system->row[i]] += self->jacobian[i] * vector[j];
+            sum[system->row[i]] += self->work.jacobian[i] * vector[j];
 }
 
 void linear_write_by_rows(const kernel *self, double *matrix) {
@@ -129,5 +129,5 @@ void linear_write_by_rows(const kernel *self, double *matrix) {
     memset(matrix, 0, (size_t)(n * n) * sizeof(double));
     for (int j = 0; j < n; ++j)
         for (int i = system->column_start[j]; i < system->column_start[j + 1]; ++i)
-            matrix[system->row[i] * n + j] = self->jacobian[i];
+            matrix[system->row[i] * n + j] = self->work.jacobian[i];
 }

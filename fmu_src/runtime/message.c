@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "internal.h"
+#include "instance.h"
 
 static const char CUT[] = "..."; /* at the end of a sentence that was too long */
 
@@ -38,28 +38,28 @@ static void mark_cut(char text[MESSAGE_SIZE]) {
     memcpy(end, CUT, sizeof CUT);
 }
 
-static size_t behind_record(const kernel *self, size_t at) { return at + strlen(self->journal + at + 1) + 2; }
+static size_t behind_record(const sentence_journal *journal, size_t at) { return at + strlen(journal->record + at + 1) + 2; }
 
 /* Drops what was heard, and then the oldest of what nobody heard, until there is room. */
-static void make_room(kernel *self, size_t needed) {
-    size_t dropped = self->heard;
-    while (self->journal_length - dropped + needed > JOURNAL_SIZE) {
-        dropped = behind_record(self, dropped);
-        self->lost++;
+static void make_room(sentence_journal *journal, size_t needed) {
+    size_t dropped = journal->heard;
+    while (journal->length - dropped + needed > JOURNAL_SIZE) {
+        dropped = behind_record(journal, dropped);
+        journal->lost++;
     }
-    memmove(self->journal, self->journal + dropped, self->journal_length - dropped);
-    self->journal_length -= dropped;
-    self->heard = 0;
+    memmove(journal->record, journal->record + dropped, journal->length - dropped);
+    journal->length -= dropped;
+    journal->heard = 0;
 }
 
-static void note(kernel *self, int status, const char *sentence) {
+static void note(sentence_journal *journal, kernel_status status, const char *sentence) {
     const size_t needed = strlen(sentence) + 2;
-    if (self->journal_length + needed > JOURNAL_SIZE) make_room(self, needed);
-    char *record = self->journal + self->journal_length;
+    if (journal->length + needed > JOURNAL_SIZE) make_room(journal, needed);
+    char *record = journal->record + journal->length;
     record[0] = (char)status;
     memcpy(record + 1, sentence, needed - 1);
-    self->journal_length += needed;
-    self->noted++;
+    journal->length += needed;
+    journal->noted++;
 }
 
 static void write_sentence(char text[MESSAGE_SIZE], const char *format, va_list arguments) {
@@ -67,55 +67,59 @@ static void write_sentence(char text[MESSAGE_SIZE], const char *format, va_list 
     kernel_make_readable(text);
 }
 
-void kernel_note(kernel *self, int status, const char *format, ...) {
+void kernel_note(kernel *self, kernel_status status, const char *format, ...) {
     char sentence[MESSAGE_SIZE];
     va_list arguments;
     va_start(arguments, format);
     write_sentence(sentence, format, arguments);
     va_end(arguments);
-    note(self, status, sentence);
+    note(&self->journal, status, sentence);
 }
 
-int kernel_fail(kernel *self, int status, const char *format, ...) {
+kernel_status kernel_fail(kernel *self, kernel_status status, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
-    write_sentence(self->message, format, arguments);
+    write_sentence(self->journal.message, format, arguments);
     va_end(arguments);
-    note(self, status, self->message);
+    note(&self->journal, status, self->journal.message);
     return status;
 }
 
-int kernel_say_when(kernel *self, int status, const char *sentence, const char *when) {
+kernel_status kernel_say_when(kernel *self, kernel_status status, const char *sentence, const char *when) {
     const char *place = strstr(sentence, "%s");
     if (!place) return kernel_fail(self, status, "%s", sentence);
     return kernel_fail(self, status, "%.*s%s%s", (int)(place - sentence), sentence, when, place + 2);
 }
 
 void kernel_take_back(kernel *self, unsigned long long noted) {
-    unsigned long long newer = self->noted - noted, unheard = 0;
-    for (size_t at = self->heard; at < self->journal_length; at = behind_record(self, at)) ++unheard;
-    size_t end = self->heard;
-    for (; unheard > newer; --unheard) end = behind_record(self, end);
-    self->journal_length = end;
-    self->noted = noted;
+    sentence_journal *journal = &self->journal;
+    unsigned long long newer = journal->noted - noted, unheard = 0;
+    for (size_t at = journal->heard; at < journal->length; at = behind_record(journal, at)) ++unheard;
+    size_t end = journal->heard;
+    for (; unheard > newer; --unheard) end = behind_record(journal, end);
+    journal->length = end;
+    journal->noted = noted;
 }
 
-const char *kernel_hear(kernel *self, int *status) {
-    if (self->lost) {
-        snprintf(self->told_of_loss, sizeof self->told_of_loss, "%llu earlier sentences were lost: nobody heard them.",
-                 self->lost);
-        self->lost = 0;
-        *status = KERNEL_WARNING;
-        return self->told_of_loss;
+bool kernel_hear(kernel *self, kernel_sentence *heard) {
+    sentence_journal *journal = &self->journal;
+    if (journal->lost) {
+        snprintf(journal->told_of_loss, sizeof journal->told_of_loss,
+                 "%llu earlier sentences were lost: nobody heard them.", journal->lost);
+        journal->lost = 0;
+        heard->status = KERNEL_WARNING;
+        heard->text = journal->told_of_loss;
+        return true;
     }
-    if (self->heard == self->journal_length) {
-        self->heard = self->journal_length = 0;
-        return NULL;
+    if (journal->heard == journal->length) {
+        journal->heard = journal->length = 0;
+        return false;
     }
-    const char *record = self->journal + self->heard;
-    self->heard = behind_record(self, self->heard);
-    *status = record[0];
-    return record + 1;
+    const char *record = journal->record + journal->heard;
+    journal->heard = behind_record(journal, journal->heard);
+    heard->status = (kernel_status)record[0];
+    heard->text = record + 1;
+    return true;
 }
 
 /* Unix time has ten digits before the point: then three (of 6) or six (of 9) remain behind it. */

@@ -7,9 +7,9 @@
 
 /* Names that files share: known within the one unit that all.c makes of them, and otherwise between them. */
 #ifdef ONE_UNIT
-#define INSIDE static
+#define RUNTIME_LOCAL static
 #else
-#define INSIDE
+#define RUNTIME_LOCAL
 #endif
 
 /* Of a function whose nth argument is a format, with values behind it: compilers look whether they fit. */
@@ -76,9 +76,9 @@ typedef struct {
     int speed; /* that of the machine, which keeps its start value as those in `kept` do */
     int kepts, lasts, drives, places;
     const int *kept;   /* states */
-    const int *last;   /* states that settle once the others have */
+    const int *last;   /* states that come to rest once the others have */
     const int *drive;  /* inputs that are 0 in the steady state */
-    const int *place;  /* parameters; where one is not 0, what settles last stays as it starts */
+    const int *place;  /* parameters; where one is not 0, these last ones stay as they start */
     const char *sentence; /* said where there is none; the time in place of its %s */
     generated_function course;
     generated_function pace; /* how the start values of all states grow with that of `speed` */

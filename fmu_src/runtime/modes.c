@@ -7,7 +7,7 @@
  * length, so that the equations are smooth within a step. */
 #include <math.h>
 
-#include "internal.h"
+#include "method.h"
 
 enum { ROUNDS = 4 };             /* of modes that wait for one another */
 /* Share of the capacity up to which what moves slowly sticks: a load that grows through it within 1000 s lets go once or a
@@ -36,14 +36,14 @@ static double share_of(double mode, double velocity, double still, double reluct
  * Creep lets such a force down within microseconds once the wheel is held. Hence each event that follows on another makes
  * frictions more reluctant to slide, for a moment. In steps of our own, which locate on the state itself, this is 0. */
 static double reluctance(const kernel *self, double offset) {
-    if (self->now.reluctance == 0.0) return 0.0;
-    return self->now.reluctance * exp(-(self->step_origin + offset - self->now.switched) / FADING);
+    if (self->run.now->reluctance == 0.0) return 0.0;
+    return self->run.now->reluctance * exp(-(self->given.step_origin + offset - self->run.now->switched) / FADING);
 }
 
 void modes_grow_reluctant(kernel *self) {
-    const int again = self->now.time - self->now.switched < AGAIN;
-    self->now.reluctance = again ? fmin(fmax(100.0 * self->now.reluctance, LEAST_RELUCTANCE), MOST_RELUCTANCE) : 0.0;
-    self->now.switched = self->now.time;
+    const bool again = self->run.now->time - self->run.now->switched < AGAIN;
+    self->run.now->reluctance = again ? fmin(fmax(100.0 * self->run.now->reluctance, LEAST_RELUCTANCE), MOST_RELUCTANCE) : 0.0;
+    self->run.now->switched = self->run.now->time;
 }
 
 static double direction_of(double velocity, double drive, double capacity, double still) {
@@ -56,33 +56,33 @@ static double direction_of(double velocity, double drive, double capacity, doubl
 /* The drive is asked for only where something is stuck or still: it may cost as much as the whole right-hand side. */
 static void find_drive_and_capacity(kernel *self, double offset, const double *state) {
     const system_description *system = self->system;
-    kernel_evaluate_again(self, system->capacity, offset, state, self->capacity);
-    self->still = self->capacity + system->frictions;
+    kernel_evaluate_again(self, system->capacity, offset, state, self->modes.capacity);
+    self->modes.still = self->modes.capacity + system->frictions;
     for (int i = 0; i < system->frictions; ++i)
-        if (self->mode[i] == 0.0 || fabs(modes_velocity(&system->friction[i], state)) <= self->still[i]) {
-            kernel_evaluate_again(self, system->drive, offset, state, self->drive);
+        if (self->run.mode[i] == 0.0 || fabs(modes_velocity(&system->friction[i], state)) <= self->modes.still[i]) {
+            kernel_evaluate_again(self, system->drive, offset, state, self->modes.drive);
             return;
         }
 }
 
 /* Modes by the present state and the modes that there were; returns whether one became or ceased to be stuck. */
-static int refresh_once(kernel *self, double offset) {
+static bool refresh_once(kernel *self, double offset) {
     const system_description *system = self->system;
-    int changed = 0;
-    kernel_locate(self, offset, self->state);
-    find_drive_and_capacity(self, offset, self->state);
+    bool changed = false;
+    kernel_locate(self, offset, self->run.state);
+    find_drive_and_capacity(self, offset, self->run.state);
     for (int i = 0; i < system->frictions; ++i) {
         const friction_description *friction = &system->friction[i];
-        const double old = self->mode[i], velocity = modes_velocity(friction, self->state);
-        const double share = share_of(old, velocity, self->still[i], reluctance(self, offset));
-        self->mode[i] = direction_of(velocity, self->drive[i], share * self->capacity[i], self->still[i]);
-        if (self->mode[i] == 0.0) modes_stop(friction, self->state);
-        if ((old == 0.0) == (self->mode[i] == 0.0)) continue;
-        const char *word = self->mode[i] == 0.0 ? friction->stuck_word : friction->sliding_word;
+        const double old = self->run.mode[i], velocity = modes_velocity(friction, self->run.state);
+        const double share = share_of(old, velocity, self->modes.still[i], reluctance(self, offset));
+        self->run.mode[i] = direction_of(velocity, self->modes.drive[i], share * self->modes.capacity[i], self->modes.still[i]);
+        if (self->run.mode[i] == 0.0) modes_stop(friction, self->run.state);
+        if ((old == 0.0) == (self->run.mode[i] == 0.0)) continue;
+        const char *word = self->run.mode[i] == 0.0 ? friction->stuck_word : friction->sliding_word;
         char when[CLOCK_SIZE];
         kernel_note(self, KERNEL_OK, "%s %s at %s s.", friction->label, word,
-                    kernel_clock(self->step_origin + offset, 6, when));
-        changed = 1;
+                    kernel_clock(self->given.step_origin + offset, 6, when));
+        changed = true;
     }
     return changed;
 }
@@ -96,17 +96,17 @@ void modes_refresh(kernel *self, double offset) {
 /* What is stuck stays exactly where it is: its slope says so, but row exchanges in the factorisation leave round-off. */
 void modes_hold(const kernel *self, double *state) {
     for (int i = 0; i < self->system->frictions; ++i)
-        if (self->mode[i] == 0.0) modes_stop(&self->system->friction[i], state);
+        if (self->run.mode[i] == 0.0) modes_stop(&self->system->friction[i], state);
 }
 
 /* Of a friction that slides, as long as it slides in its direction. */
 double modes_direction_margin(const kernel *self, int i, const double *state) {
     const friction_description *friction = &self->system->friction[i];
-    return self->mode[i] * modes_velocity(friction, state) / self->system->nominal[friction->velocity];
+    return self->run.mode[i] * modes_velocity(friction, state) / self->system->nominal[friction->velocity];
 }
 
 /* Smallest of all margins; negative or NaN when a mode must switch or the run must end within the step.
- * The single margins stay in self->margin: of frictions, of what ends the run, and of what only warns. */
+ * The single margins stay in self->modes.margin: of frictions, of what ends the run, and of what only warns. */
 double modes_margin(kernel *self, double offset, const double *state) {
     const system_description *system = self->system;
     double smallest = INFINITY;
@@ -115,20 +115,20 @@ double modes_margin(kernel *self, double offset, const double *state) {
     const double reluctant = reluctance(self, offset);
     for (int i = 0; i < system->frictions; ++i) {
         const friction_description *friction = &system->friction[i];
-        const double velocity = modes_velocity(friction, state), capacity = self->capacity[i], still = self->still[i];
+        const double velocity = modes_velocity(friction, state), capacity = self->modes.capacity[i], still = self->modes.still[i];
         if (capacity <= 0.0)
-            self->margin[i] = self->mode[i] == 0.0 ? -1.0 : INFINITY;
-        else if (self->mode[i] == 0.0)
-            self->margin[i] = (capacity - fabs(self->drive[i])) / capacity + reluctant;
+            self->modes.margin[i] = self->run.mode[i] == 0.0 ? -1.0 : INFINITY;
+        else if (self->run.mode[i] == 0.0)
+            self->modes.margin[i] = (capacity - fabs(self->modes.drive[i])) / capacity + reluctant;
         else if (still > 0.0)
-            self->margin[i] = fmax(fabs(velocity) / still, fabs(self->drive[i]) / (SPARE * capacity)) - 1.0;
+            self->modes.margin[i] = fmax(fabs(velocity) / still, fabs(self->modes.drive[i]) / (SPARE * capacity)) - 1.0;
         else
-            self->margin[i] = modes_direction_margin(self, i, state);
+            self->modes.margin[i] = modes_direction_margin(self, i, state);
     }
     if (system->conditions)
-        kernel_evaluate_again(self, system->condition_margin, offset, state, self->margin + system->frictions);
+        kernel_evaluate_again(self, system->condition_margin, offset, state, self->modes.margin + system->frictions);
     for (int i = 0; i < system->frictions + system->ends; ++i)
-        if (!(self->margin[i] >= smallest)) smallest = self->margin[i];
+        if (!(self->modes.margin[i] >= smallest)) smallest = self->modes.margin[i];
     return smallest;
 }
 
@@ -136,12 +136,12 @@ double modes_margin(kernel *self, double offset, const double *state) {
  * method may find on this side of 0. Returns 1 + index of an end condition that was reached, else 0. */
 int modes_switch(kernel *self, double offset, double least) {
     const system_description *system = self->system;
-    (void)modes_margin(self, offset, self->state);
+    (void)modes_margin(self, offset, self->run.state);
     for (int i = 0; i < system->ends; ++i)
-        if (!(self->margin[system->frictions + i] >= 0.0)) return 1 + i;
+        if (!(self->modes.margin[system->frictions + i] >= 0.0)) return 1 + i;
     for (int i = 0; i < system->frictions; ++i) /* what is still below a speed stops where it is found to stick */
-        if ((self->margin[i] < 0.0 || self->margin[i] == least) && self->mode[i] != 0.0 && self->still[i] == 0.0)
-            modes_stop(&system->friction[i], self->state);
+        if ((self->modes.margin[i] < 0.0 || self->modes.margin[i] == least) && self->run.mode[i] != 0.0 && self->modes.still[i] == 0.0)
+            modes_stop(&system->friction[i], self->run.state);
     /* A stuck friction whose drive exceeds the capacity starts to slide in modes_refresh. */
     self->counters.events++;
     modes_refresh(self, offset);
@@ -149,25 +149,26 @@ int modes_switch(kernel *self, double offset, double least) {
 }
 
 /* Whether there is a warning to be said, by the margins as they stand. */
-static int is_to_warn(const kernel *self, int i) {
-    return self->said[i] == 0.0 && !(self->margin[self->system->frictions + i] >= 0.0);
+static bool is_to_warn(const kernel *self, int i) {
+    return self->run.said[i] == 0.0 && !(self->modes.margin[self->system->frictions + i] >= 0.0);
 }
 
-/* Says once what only warns, from the margins of the state just reached. Returns the number of new warnings. */
-int modes_warn(kernel *self, double offset) {
+/* Says once what only warns, from the margins of the state just reached; whether there was something. */
+bool modes_warn(kernel *self, double offset) {
     const system_description *system = self->system;
-    int count = 0, candidates = 0;
+    int candidates = 0;
+    bool warned = false;
     for (int i = system->ends; i < system->conditions; ++i) candidates += is_to_warn(self, i);
     if (candidates && system->warning_margin)
-        kernel_evaluate(self, system->warning_margin, offset, self->state,
-                        self->margin + system->frictions + system->ends);
+        kernel_evaluate(self, system->warning_margin, offset, self->run.state,
+                        self->modes.margin + system->frictions + system->ends);
     for (int i = system->ends; i < system->conditions && candidates; ++i) {
         if (!is_to_warn(self, i)) continue;
         char when[CLOCK_SIZE];
         (void)kernel_say_when(self, KERNEL_WARNING, system->sentence[i],
-                              kernel_clock(self->step_origin + offset, 6, when));
-        self->said[i] = 1.0;
-        ++count;
+                              kernel_clock(self->given.step_origin + offset, 6, when));
+        self->run.said[i] = 1.0;
+        warned = true;
     }
-    return count;
+    return warned;
 }

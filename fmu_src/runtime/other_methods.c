@@ -1,24 +1,24 @@
 /* The equations for other methods: slopes, margins of switches, and arrival where such a method has gone. */
 #include <string.h>
 
-#include "internal.h"
+#include "method.h"
 #include "studies.h"
 
 /* Scaled change of algebraic states below which another method sees no noise. */
 static const double SOLVED = 1e-13;
 
 /* Takes the state to a place; *offset is its time since the kernel's own, from where ramps of inputs go on. */
-static int move_to(kernel *self, double time, const double *place, double *offset) {
+static kernel_status move_to(kernel *self, double time, const double *place, double *offset) {
     if (!self->system) return kernel_fail(self, KERNEL_ERROR, "Initialise %s before its equations.", MODEL.name);
     for (int i = 0, k = 0; i < self->system->states; ++i)
-        if (self->differential[i] != 0.0) self->state[i] = place[k++];
-    self->step_origin = self->now.time;
-    *offset = time - self->now.time;
-    self->now.outputs_stale = 1;
+        if (self->work.differential[i] != 0.0) self->run.state[i] = place[k++];
+    self->given.step_origin = self->run.now->time;
+    *offset = time - self->run.now->time;
+    self->run.now->outputs_stale = true;
     kernel_gather_inputs(self);
-    memcpy(self->trial, self->state, (size_t)self->system->states * sizeof(double));
-    if (algebraic_find(self, *offset, self->state, SOLVED)) return KERNEL_OK;
-    memcpy(self->state, self->trial, (size_t)self->system->states * sizeof(double));
+    memcpy(self->work.trial, self->run.state, (size_t)self->system->states * sizeof(double));
+    if (algebraic_find(self, *offset, self->run.state, SOLVED)) return KERNEL_OK;
+    memcpy(self->run.state, self->work.trial, (size_t)self->system->states * sizeof(double));
     char when[CLOCK_SIZE];
     return kernel_fail(self, KERNEL_ERROR, "The algebraic equations have no solution near t = %s s.",
                        kernel_clock(time, 9, when));
@@ -26,24 +26,24 @@ static int move_to(kernel *self, double time, const double *place, double *offse
 
 static void copy_differential(const kernel *self, const double *all, double *some) {
     for (int i = 0, k = 0; i < self->system->states; ++i)
-        if (self->differential[i] != 0.0) some[k++] = all[i];
+        if (self->work.differential[i] != 0.0) some[k++] = all[i];
 }
 
-int kernel_slopes_at(kernel *self, double time, const double *place, double *slope, double *jacobian) {
+kernel_status kernel_slopes_at(kernel *self, double time, const double *place, double *slope, double *jacobian) {
     double offset;
     char when[CLOCK_SIZE];
-    const int status = move_to(self, time, place, &offset);
+    const kernel_status status = move_to(self, time, place, &offset);
     if (status != KERNEL_OK) return status;
-    copy_differential(self, self->slope, slope);
+    copy_differential(self, self->work.slope, slope);
     if (jacobian && !algebraic_reduce(self, offset, jacobian))
         return kernel_fail(self, KERNEL_ERROR, "The equations have no Jacobian at t = %s s.", kernel_clock(time, 9, when));
     return KERNEL_OK;
 }
 
-int kernel_equations_at(kernel *self, double time, const double *state, double *slope, double *jacobian) {
+kernel_status kernel_equations_at(kernel *self, double time, const double *state, double *slope, double *jacobian) {
     if (!self->system) return kernel_fail(self, KERNEL_ERROR, "Initialise %s before its equations.", MODEL.name);
-    const double offset = time - self->now.time;
-    self->step_origin = self->now.time;
+    const double offset = time - self->run.now->time;
+    self->given.step_origin = self->run.now->time;
     kernel_gather_inputs(self);
     kernel_evaluate(self, self->system->ode, offset, state, slope);
     self->counters.right_hand_sides++;
@@ -53,24 +53,24 @@ int kernel_equations_at(kernel *self, double time, const double *state, double *
     return KERNEL_OK;
 }
 
-int kernel_margin_at(kernel *self, double time, const double *place, double *margin) {
+kernel_status kernel_margin_at(kernel *self, double time, const double *place, double *margin) {
     double offset;
-    const int status = move_to(self, time, place, &offset);
-    if (status == KERNEL_OK) *margin = modes_margin(self, offset, self->state);
+    const kernel_status status = move_to(self, time, place, &offset);
+    if (status == KERNEL_OK) *margin = modes_margin(self, offset, self->run.state);
     return status;
 }
 
-int kernel_arrive(kernel *self, double time, double *place, int crossed) {
+kernel_status kernel_arrive(kernel *self, double time, double *place, bool crossed) {
     double offset;
-    const int status = move_to(self, time, place, &offset);
+    const kernel_status status = move_to(self, time, place, &offset);
     if (status != KERNEL_OK) return status;
-    const double margin = modes_margin(self, offset, self->state);
-    if (margin < 0.0 || crossed) self->now.ended = modes_switch(self, offset, margin);
+    const double margin = modes_margin(self, offset, self->run.state);
+    if (margin < 0.0 || crossed) self->run.now->ended = modes_switch(self, offset, margin);
     for (int i = 0; i < self->system->inputs; ++i) {
         const int variable = self->system->input_variable[i];
-        self->value[variable] += offset * self->input_rate[variable];
+        self->run.value[variable] += offset * self->run.input_rate[variable];
     }
-    self->now.time = time;
-    copy_differential(self, self->state, place);
+    self->run.now->time = time;
+    copy_differential(self, self->run.state, place);
     return KERNEL_OK;
 }

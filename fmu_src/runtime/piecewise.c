@@ -1,7 +1,7 @@
 /* Piecewise polynomials: the look-up stays outside the generated functions, which see coefficients only. */
 #include <math.h>
 
-#include "internal.h"
+#include "instance.h"
 
 static int piece_of(const table_description *table, double argument) {
     const double first = table->breakpoint[0], last = table->breakpoint[table->pieces];
@@ -49,9 +49,9 @@ static void look_up(const table_description *table, double at, double held[2], d
 
 static void renew(kernel *self, int number, double at) {
     const table_description *table = &self->system->table[number];
-    double *held = self->held + 2 * number, *coefficient = self->coefficient + table->place;
+    double *held = self->given.held + 2 * number, *coefficient = self->given.coefficient + table->place;
     if (table->file_pieces)
-        table_look_up(self->table, table, at, &self->row[number], held, coefficient);
+        table_look_up(self->table, table, at, &self->given.row[number], held, coefficient);
     else
         look_up(table, at, held, coefficient);
 }
@@ -61,8 +61,8 @@ int tables_look_up(kernel *self, int first) {
     const system_description *system = self->system;
     int i = first;
     for (; i < system->tables && system->table[i].rank == system->table[first].rank; ++i) {
-        const double at = self->table_at[i - first];
-        if (!(at >= self->held[2 * i] && at < self->held[2 * i + 1])) renew(self, i, at);
+        const double at = self->given.table_at[i - first];
+        if (!(at >= self->given.held[2 * i] && at < self->given.held[2 * i + 1])) renew(self, i, at);
     }
     return i;
 }

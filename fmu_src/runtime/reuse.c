@@ -5,81 +5,81 @@
 #include <math.h>
 #include <string.h>
 
-#include "internal.h"
+#include "method.h"
 
 enum { OLDEST = 10 }; /* accepted steps that one Jacobian serves where this is the chosen method */
 
 static void remember_place(kernel *self, double offset) {
     const system_description *system = self->system;
-    for (int i = 0; i < system->inputs; ++i) self->kept_input[i] = self->input[i] + offset * self->rate[i];
-    memcpy(self->kept_state, self->state, (size_t)system->states * sizeof(double));
-    memcpy(self->kept_mode, self->mode, (size_t)system->frictions * sizeof(double));
-    self->now.kept_time = self->step_origin + offset;
-    self->now.kept_steps = 0;
+    for (int i = 0; i < system->inputs; ++i) self->run.kept_input[i] = self->given.input[i] + offset * self->given.rate[i];
+    memcpy(self->run.kept_state, self->run.state, (size_t)system->states * sizeof(double));
+    memcpy(self->run.kept_mode, self->run.mode, (size_t)system->frictions * sizeof(double));
+    self->run.now->kept_time = self->given.step_origin + offset;
+    self->run.now->kept_steps = 0;
 }
 
 static void linearise_at_kept_place(kernel *self) {
-    const double origin = self->step_origin;
-    double *mode = self->mode;
-    self->step_origin = self->now.kept_time;
-    self->mode = self->kept_mode;
-    memcpy(self->stage_input, self->kept_input, (size_t)self->system->inputs * sizeof(double));
-    kernel_look_up(self, 0.0, self->kept_state);
-    rosenbrock_evaluate_jacobian(self, 0.0, self->kept_state, self->kept_jacobian);
-    self->step_origin = origin;
-    self->mode = mode;
+    const double origin = self->given.step_origin;
+    double *mode = self->run.mode;
+    self->given.step_origin = self->run.now->kept_time;
+    self->run.mode = self->run.kept_mode;
+    memcpy(self->given.stage_input, self->run.kept_input, (size_t)self->system->inputs * sizeof(double));
+    kernel_look_up(self, 0.0, self->run.kept_state);
+    rosenbrock_evaluate_jacobian(self, 0.0, self->run.kept_state, self->kept.jacobian);
+    self->given.step_origin = origin;
+    self->run.mode = mode;
 }
 
 /* The Jacobian stays as it is, the factors belong to one step size. Returns 0 for singular ones. */
-static int make_factors(kernel *self, double size) {
-    if (self->kept_ready == KEPT_FACTORS && size == self->now.kept_size && linear_has_factors(self, &self->kept)) return 1;
-    if (self->kept_ready == KEPT_NOTHING) linearise_at_kept_place(self);
-    self->kept_ready = KEPT_JACOBIAN;
-    self->now.kept_size = size;
-    if (!linear_factorise_algebraic(self, &self->kept_algebraic, self->kept_jacobian) ||
-        !rosenbrock_factorise(self, &ROS34PW2, &self->kept, self->kept_jacobian, size))
-        return 0;
-    self->kept_ready = KEPT_FACTORS;
-    return 1;
+static bool make_factors(kernel *self, double size) {
+    if (self->kept.ready == KEPT_FACTORS && size == self->run.now->kept_size && linear_has_factors(self, &self->kept.factors)) return true;
+    if (self->kept.ready == KEPT_NOTHING) linearise_at_kept_place(self);
+    self->kept.ready = KEPT_JACOBIAN;
+    self->run.now->kept_size = size;
+    if (!linear_factorise_algebraic(self, &self->kept.algebraic, self->kept.jacobian) ||
+        !rosenbrock_factorise(self, &ROS34PW2, &self->kept.factors, self->kept.jacobian, size))
+        return false;
+    self->kept.ready = KEPT_FACTORS;
+    return true;
 }
 
 static double step(kernel *self, double offset, double size) {
     if (!make_factors(self, size) ||
-        !algebraic_follow(self, &self->kept_algebraic, offset, self->state, self->value[MODEL.tolerance]))
+        !algebraic_follow(self, &self->kept.algebraic, offset, self->run.state, self->run.value[MODEL.tolerance]))
         return NAN;
-    return rosenbrock_step(self, &ROS34PW2, &self->kept, offset, size);
+    return rosenbrock_step(self, &ROS34PW2, &self->kept.factors, offset, size);
 }
 
-static int modes_are_the_kept_ones(const kernel *self) {
+static bool modes_are_the_kept_ones(const kernel *self) {
     for (int i = 0; i < self->system->frictions; ++i)
-        if (self->mode[i] != self->kept_mode[i]) return 0;
-    return 1;
+        if (self->run.mode[i] != self->run.kept_mode[i]) return false;
+    return true;
 }
 
 void reuse_remember(kernel *self, double offset, double until) {
     remember_place(self, offset);
-    memcpy(self->kept_jacobian, self->jacobian, (size_t)self->system->nonzeros * sizeof(double));
-    self->kept_ready = KEPT_JACOBIAN;
-    self->now.kept_until = until;
+    memcpy(self->kept.jacobian, self->work.jacobian, (size_t)self->system->nonzeros * sizeof(double));
+    self->kept.ready = KEPT_JACOBIAN;
+    self->run.now->kept_until = until;
 }
 
-int reuse_serves(const kernel *self, double offset) {
-    return self->now.kept_steps >= 0 && self->step_origin + offset < self->now.kept_until && modes_are_the_kept_ones(self);
+bool reuse_serves(const kernel *self, double offset) {
+    return self->run.now->kept_steps >= 0 && self->given.step_origin + offset < self->run.now->kept_until && modes_are_the_kept_ones(self);
 }
 
 double reuse_short_step(kernel *self, double offset, double size) {
     const double error = step(self, offset, size);
-    if (!(error <= 1.0)) self->now.kept_steps = -1;
+    if (!(error <= 1.0)) self->run.now->kept_steps = -1;
     return error;
 }
 
 double reuse_try(kernel *self, double offset, double size) {
-    const int steps = self->now.kept_steps;
+    const int steps = self->run.now->kept_steps;
     if (steps >= 0 && steps < OLDEST && modes_are_the_kept_ones(self)) {
         const double error = step(self, offset, size);
         if (error <= 1.0 || steps == 0) return error;
     }
     remember_place(self, offset);
-    self->kept_ready = KEPT_NOTHING;
+    self->kept.ready = KEPT_NOTHING;
     return step(self, offset, size);
 }

@@ -10,7 +10,7 @@
  * M is 1 for states with a derivative and 0 for algebraic ones, whose f is a residual. */
 #include <math.h>
 
-#include "internal.h"
+#include "method.h"
 
 struct rosenbrock_tableau {
     int stages;
@@ -21,7 +21,7 @@ struct rosenbrock_tableau {
     double error[MOST_STAGES]; /* weights of the stages in the difference of the two methods */
 };
 
-INSIDE const rosenbrock_tableau RODAS5P = {
+RUNTIME_LOCAL const rosenbrock_tableau RODAS5P = {
     /* stages */ 8,
     /* gamma */ 0.21193756319429014,
     /* error_power */ 0.2,
@@ -63,7 +63,7 @@ static const double DENSE[BENDS][MOST_STAGES] = {
 };
 
 /* Computed from the printed alpha, gamma and b; no time derivative: to a W-method zero is as good as any. */
-INSIDE const rosenbrock_tableau ROS34PW2 = {
+RUNTIME_LOCAL const rosenbrock_tableau ROS34PW2 = {
     /* stages */ 4,
     /* gamma */ 0.43586652150845900,
     /* error_power */ 1.0 / 3.0,
@@ -83,17 +83,17 @@ INSIDE const rosenbrock_tableau ROS34PW2 = {
 };
 
 void rosenbrock_evaluate_jacobian(kernel *self, double offset, const double *state, double *jacobian) {
-    double *result[3] = {jacobian, self->time_slope, self->slope};
+    double *result[3] = {jacobian, self->work.time_slope, self->work.slope};
     kernel_call(self, self->system->jacobian, offset, state, result);
     self->counters.jacobians++;
 }
 
 void rosenbrock_linearise(kernel *self, double offset, const double *state) {
     kernel_locate(self, offset, state);
-    rosenbrock_evaluate_jacobian(self, offset, state, self->jacobian);
+    rosenbrock_evaluate_jacobian(self, offset, state, self->work.jacobian);
 }
 
-int rosenbrock_factorise(kernel *self, const rosenbrock_tableau *method, step_factors *of, const double *jacobian, double size) {
+bool rosenbrock_factorise(kernel *self, const rosenbrock_tableau *method, step_factors *of, const double *jacobian, double size) {
     return linear_factorise_step(self, of, jacobian, 1.0 / (method->gamma * size));
 }
 
@@ -101,34 +101,34 @@ double rosenbrock_step(kernel *self, const rosenbrock_tableau *method, const ste
     const int n = self->system->states, stages = method->stages;
     const double inverse = 1.0 / size;
     for (int stage = 0; stage < stages; ++stage) {
-        double *k = self->stage[stage];
+        double *k = self->work.stage[stage];
         if (stage == 0) {
-            for (int i = 0; i < n; ++i) k[i] = self->slope[i];
+            for (int i = 0; i < n; ++i) k[i] = self->work.slope[i];
         } else {
-            for (int i = 0; i < n; ++i) self->point[i] = self->state[i];
+            for (int i = 0; i < n; ++i) self->work.point[i] = self->run.state[i];
             for (int j = 0; j < stage; ++j) {
                 const double weight = method->a[stage][j];
-                for (int i = 0; i < n; ++i) self->point[i] += weight * self->stage[j][i];
+                for (int i = 0; i < n; ++i) self->work.point[i] += weight * self->work.stage[j][i];
             }
-            kernel_evaluate(self, self->system->ode, offset + method->alpha[stage] * size, self->point, k);
+            kernel_evaluate(self, self->system->ode, offset + method->alpha[stage] * size, self->work.point, k);
             self->counters.right_hand_sides++;
             for (int j = 0; j < stage; ++j) {
                 const double weight = method->c[stage][j] * inverse;
-                for (int i = 0; i < n; ++i) k[i] += self->differential[i] * weight * self->stage[j][i];
+                for (int i = 0; i < n; ++i) k[i] += self->work.differential[i] * weight * self->work.stage[j][i];
             }
         }
         const double along_time = size * method->time_weight[stage];
         if (along_time != 0.0)
-            for (int i = 0; i < n; ++i) k[i] += along_time * self->time_slope[i];
+            for (int i = 0; i < n; ++i) k[i] += along_time * self->work.time_slope[i];
         linear_solve_step(self, of, k);
     }
 
-    const double allowed = 1.0 / self->value[MODEL.tolerance];
+    const double allowed = 1.0 / self->run.value[MODEL.tolerance];
     double sum = 0.0;
     for (int i = 0; i < n; ++i) {
-        self->trial[i] = self->point[i] + self->stage[stages - 1][i];
+        self->work.trial[i] = self->work.point[i] + self->work.stage[stages - 1][i];
         double difference = 0.0;
-        for (int j = 0; j < stages; ++j) difference += method->error[j] * self->stage[j][i];
+        for (int j = 0; j < stages; ++j) difference += method->error[j] * self->work.stage[j][i];
         const double scaled = difference * allowed / self->system->nominal[i];
         sum += scaled * scaled;
     }
@@ -136,8 +136,8 @@ double rosenbrock_step(kernel *self, const rosenbrock_tableau *method, const ste
 }
 
 double rosenbrock_try(kernel *self, double offset, double size) {
-    if (!rosenbrock_factorise(self, &RODAS5P, &self->whole, self->jacobian, size)) return NAN;
-    return rosenbrock_step(self, &RODAS5P, &self->whole, offset, size);
+    if (!rosenbrock_factorise(self, &RODAS5P, &self->work.factors, self->work.jacobian, size)) return NAN;
+    return rosenbrock_step(self, &RODAS5P, &self->work.factors, offset, size);
 }
 
 double rosenbrock_allowed_size(const rosenbrock_tableau *method, double size, double error) {
@@ -156,8 +156,8 @@ void rosenbrock_interpolate(const kernel *self, double fraction, double *state) 
         double bent = 0.0;
         for (int bend = BENDS - 1; bend >= 0; --bend) {
             bent *= fraction;
-            for (int j = 0; j < MOST_STAGES; ++j) bent += DENSE[bend][j] * self->stage[j][i];
+            for (int j = 0; j < MOST_STAGES; ++j) bent += DENSE[bend][j] * self->work.stage[j][i];
         }
-        state[i] = self->state[i] * other + fraction * (self->trial[i] + other * bent);
+        state[i] = self->run.state[i] * other + fraction * (self->work.trial[i] + other * bent);
     }
 }

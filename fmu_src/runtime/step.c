@@ -2,25 +2,25 @@
 #include <math.h>
 #include <string.h>
 
-#include "internal.h"
+#include "method.h"
 
-void kernel_stop_at_events(kernel *self, int stops) {
-    self->stops_at_events = stops;
-    self->whole_steps = !stops;
+void kernel_stop_at_events(kernel *self, bool stops) {
+    self->asked.stops_at_events = stops;
+    self->asked.whole_steps = !stops;
 }
 
-static int check_step(kernel *self, double time, double size) {
+static kernel_status check_step(kernel *self, double time, double size) {
     if (!self->system)
         return kernel_fail(self, KERNEL_ERROR, "Initialise %s before the first step.", MODEL.name);
     if (!(size > 0.0) || !isfinite(size))
         return kernel_fail(self, KERNEL_ERROR, "Give a step size above 0 s: it was %g s; nothing was advanced.", size);
-    int status = kernel_check_times(self, time, size);
+    kernel_status status = kernel_check_times(self, time, size);
     if (status != KERNEL_OK) return status;
     char when[CLOCK_SIZE];
-    if (self->now.ended)
+    if (self->run.now->ended)
         return kernel_fail(self, KERNEL_DISCARD, "The run ended at t = %s s; reset it to start again.",
-                           kernel_clock(self->now.time, 9, when));
-    const double fixed = self->value[MODEL.integration_step];
+                           kernel_clock(self->run.now->time, 9, when));
+    const double fixed = self->run.value[MODEL.integration_step];
     if (fixed > 0.0 && size / fixed > (double)MOST_TRIALS)
         return kernel_fail(self, KERNEL_ERROR,
                            "Give a step of at most %g s, or a longer integration_step: %g s are more than %d steps of %g s; "
@@ -28,29 +28,28 @@ static int check_step(kernel *self, double time, double size) {
                            (double)MOST_TRIALS * fixed, size, MOST_TRIALS, fixed);
     for (int i = 0; i < self->system->inputs; ++i) {
         const int variable = self->system->input_variable[i];
-        if (self->input_rate[variable] == 0.0) continue;
-        const double last = self->value[variable] + size * self->input_rate[variable];
-        status = kernel_check_value(self, &MODEL.variable[variable], last, self->value[variable]);
+        if (self->run.input_rate[variable] == 0.0) continue;
+        const double last = self->run.value[variable] + size * self->run.input_rate[variable];
+        status = kernel_check_value(self, &MODEL.variable[variable], last, self->run.value[variable]);
         if (status != KERNEL_OK) return status;
     }
     return KERNEL_OK;
 }
 
-int kernel_step(kernel *self, double time, double size) {
-    int status = check_step(self, time, size);
+kernel_status kernel_step(kernel *self, double time, double size) {
+    kernel_status status = check_step(self, time, size);
     if (status != KERNEL_OK) return status;
-    const kernel_snapshot before = self->now;
-    const unsigned long long noted = self->noted;
-    memcpy(self->backup, self->block, self->restored * sizeof(double));
+    const unsigned long long noted = self->journal.noted;
+    memcpy(self->backup, self->run.block, self->run.doubles * sizeof(double));
 
-    self->step_origin = time;
+    self->given.step_origin = time;
     kernel_gather_inputs(self);
     double reached = size;
     status = integrate(self, size, &reached);
-    if (status <= KERNEL_WARNING && self->now.ended && self->whole_steps && reached < size)
+    if (status <= KERNEL_WARNING && self->run.now->ended && self->asked.whole_steps && reached < size)
         status = kernel_discard(self, noted, reached);
     if (status <= KERNEL_WARNING) {
-        kernel_compute_outputs(self, reached, self->state);
+        kernel_compute_outputs(self, reached, self->run.state);
         const char *bad = kernel_output_not_finite(self);
         char when[CLOCK_SIZE];
         if (bad)
@@ -58,21 +57,20 @@ int kernel_step(kernel *self, double time, double size) {
                                  kernel_clock(time + reached, 9, when));
     }
     if (status > KERNEL_WARNING) { /* the last good state stays */
-        self->now = before;
-        self->kept_ready = 0;
-        memcpy(self->block, self->backup, self->restored * sizeof(double));
+        self->kept.ready = KEPT_NOTHING;
+        memcpy(self->run.block, self->backup, self->run.doubles * sizeof(double));
         return status;
     }
     for (int i = 0; i < self->system->inputs; ++i) {
         const int variable = self->system->input_variable[i];
-        self->value[variable] += reached * self->input_rate[variable];
-        self->last_rate[variable] = self->input_rate[variable];
-        self->input_rate[variable] = 0.0;
+        self->run.value[variable] += reached * self->run.input_rate[variable];
+        self->run.last_rate[variable] = self->run.input_rate[variable];
+        self->run.input_rate[variable] = 0.0;
     }
-    self->now.outputs_stale = 0;
-    self->now.time = time + reached;
-    if (!self->now.ended) return status;
+    self->run.now->outputs_stale = false;
+    self->run.now->time = time + reached;
+    if (!self->run.now->ended) return status;
     char when[CLOCK_SIZE];
-    return kernel_say_when(self, KERNEL_DISCARD, self->system->sentence[self->now.ended - 1],
-                           kernel_clock(self->now.time, 6, when));
+    return kernel_say_when(self, KERNEL_DISCARD, self->system->sentence[self->run.now->ended - 1],
+                           kernel_clock(self->run.now->time, 6, when));
 }

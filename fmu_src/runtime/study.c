@@ -1,65 +1,65 @@
 /* What only studies ask: names, counts, records, the linearisation, and for benchmarks one thing many times. */
 #include <math.h>
 
-#include "internal.h"
+#include "method.h"
 #include "studies.h"
 
 int kernel_variable_count(void) { return MODEL.variables; }
-const char *kernel_message(const kernel *self) { return self->message; }
+const char *kernel_message(const kernel *self) { return self->journal.message; }
 void kernel_counts(const kernel *self, kernel_counters *counts) { *counts = self->counters; }
 
 const char *kernel_variable_name(int variable) {
     return variable >= 0 && variable < MODEL.variables ? MODEL.variable[variable].name : "";
 }
 
-int kernel_record(kernel *self, double time, double size, double interval, int columns, const int *variable,
+kernel_status kernel_record(kernel *self, double time, double size, double interval, int columns, const int *variable,
                   double *buffer, long long int rows) {
     kernel_recorder recorder = {rows, 0, interval, columns, variable, buffer};
     self->recorder = &recorder;
-    const int status = kernel_step(self, time, size);
+    const kernel_status status = kernel_step(self, time, size);
     self->recorder = NULL;
     for (long long int i = recorder.written * columns; i < rows * columns; ++i) buffer[i] = NAN;
     return status;
 }
 
-int kernel_linearise(kernel *self, double *state, double *slope, double *jacobian) {
+kernel_status kernel_linearise(kernel *self, double *state, double *slope, double *jacobian) {
     if (!self->system) return kernel_fail(self, KERNEL_ERROR, "Initialise %s before its linearisation.", MODEL.name);
     const int n = self->system->states;
     kernel_gather_inputs(self);
-    self->step_origin = self->now.time;
-    rosenbrock_linearise(self, 0.0, self->state);
+    self->given.step_origin = self->run.now->time;
+    rosenbrock_linearise(self, 0.0, self->run.state);
     char when[CLOCK_SIZE];
-    if (!algebraic_solve(self, 0.0, self->state, 0.0))
+    if (!algebraic_solve(self, 0.0, self->run.state, 0.0))
         return kernel_fail(self, KERNEL_ERROR,
                            "The algebraic equations have no solution near t = %s s; check inputs and parameters.",
-                           kernel_clock(self->now.time, 9, when));
+                           kernel_clock(self->run.now->time, 9, when));
     for (int i = 0; i < n; ++i) {
-        state[i] = self->state[i];
-        slope[i] = self->slope[i];
+        state[i] = self->run.state[i];
+        slope[i] = self->work.slope[i];
     }
     linear_write_by_rows(self, jacobian);
     return KERNEL_OK;
 }
 
-int kernel_repeat_right_hand_side(kernel *self, long long int repeat) {
+kernel_status kernel_repeat_right_hand_side(kernel *self, long long int repeat) {
     if (!self->system) return KERNEL_ERROR;
     kernel_gather_inputs(self);
     for (long long int i = 0; i < repeat; ++i)
-        kernel_evaluate(self, self->system->ode, 0.0, self->state, self->slope);
+        kernel_evaluate(self, self->system->ode, 0.0, self->run.state, self->work.slope);
     return KERNEL_OK;
 }
 
-int kernel_repeat_jacobian(kernel *self, long long int repeat) {
+kernel_status kernel_repeat_jacobian(kernel *self, long long int repeat) {
     if (!self->system) return KERNEL_ERROR;
     kernel_gather_inputs(self);
     for (long long int i = 0; i < repeat; ++i)
-        rosenbrock_linearise(self, 0.0, self->state);
+        rosenbrock_linearise(self, 0.0, self->run.state);
     return KERNEL_OK;
 }
 
-int kernel_repeat_step(kernel *self, double time, double size, long long int repeat) {
+kernel_status kernel_repeat_step(kernel *self, double time, double size, long long int repeat) {
     for (long long int i = 0; i < repeat; ++i) {
-        const int status = kernel_step(self, time + (double)i * size, size);
+        const kernel_status status = kernel_step(self, time + (double)i * size, size);
         if (status > KERNEL_WARNING) return status;
     }
     return KERNEL_OK;

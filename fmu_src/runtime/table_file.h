@@ -14,25 +14,25 @@ struct table_file {
 };
 
 /* The table in a file; or null, and a sentence with its row and value. */
-INSIDE table_file *table_read(const char *path, char problem[PROBLEM_SIZE]);
-INSIDE void table_free(table_file *self);
+RUNTIME_LOCAL table_file *table_read(const char *path, char problem[PROBLEM_SIZE]);
+RUNTIME_LOCAL void table_free(table_file *self);
 /* A number in decimal writing, whatever the host's language; whether it is one. */
-INSIDE bool table_read_number(const char *text, double *value);
+RUNTIME_LOCAL bool table_read_number(const char *text, double *value);
 /* Origin at a place, coefficients of the pieces that are looked up there, and the range in which they hold; guess: the row
  * before the place that was looked up last. */
-INSIDE void table_look_up(const table_file *self, const table_description *table, double at, int *guess, double held[2],
+RUNTIME_LOCAL void table_look_up(const table_file *self, const table_description *table, double at, int *guess, double held[2],
                           double *coefficient);
 
 /* For the model's C: coefficients, lowest power first, of the way from a row of a column towards the next one. All have
  * room for MOST_TERMS. Straight to the next row's value; */
-INSIDE void table_straight(const table_file *self, int column, int row, double *c);
+RUNTIME_LOCAL void table_straight(const table_file *self, int column, int row, double *c);
 /* with two continuous derivatives, by parabolas through three rows; */
-INSIDE void table_smooth(const table_file *self, int column, int row, double *c);
+RUNTIME_LOCAL void table_smooth(const table_file *self, int column, int row, double *c);
 /* the integral of a column, of the cubic with its values and slopes. start: its value at this row. */
-INSIDE void table_integral(const table_file *self, int column, int row, double start, double *c);
+RUNTIME_LOCAL void table_integral(const table_file *self, int column, int row, double start, double *c);
 /* Value, slope and bend at two rows; the gain in value between them and the distance. */
-INSIDE void table_quintic(const double first[3], const double second[3], double gain, double distance, double *c);
-INSIDE double table_value(const double *c, double x);
-INSIDE double table_slope(const double *c, double x);
+RUNTIME_LOCAL void table_quintic(const double first[3], const double second[3], double gain, double distance, double *c);
+RUNTIME_LOCAL double table_value(const double *c, double x);
+RUNTIME_LOCAL double table_slope(const double *c, double x);
 
 #endif

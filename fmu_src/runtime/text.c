@@ -3,10 +3,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "internal.h"
+#include "instance.h"
 
-static int check_text(kernel *self, int variable) {
-    const int status = kernel_check_reference(self, variable);
+static kernel_status check_text(kernel *self, int variable) {
+    const kernel_status status = kernel_check_reference(self, variable);
     if (status != KERNEL_OK || (MODEL.table_file && variable == MODEL.table_file->variable)) return status;
     return kernel_fail(self, KERNEL_ERROR, "%s is a number, no text.", MODEL.variable[variable].name);
 }
@@ -16,11 +16,11 @@ void kernel_leave_table(kernel *self) {
     free(self->table_path);
     self->table = NULL;
     self->table_path = NULL;
-    self->now.table = 0;
+    self->run.now->table = 0;
 }
 
-int kernel_set_text(kernel *self, int variable, const char *text) {
-    const int status = check_text(self, variable);
+kernel_status kernel_set_text(kernel *self, int variable, const char *text) {
+    const kernel_status status = check_text(self, variable);
     if (status != KERNEL_OK) return status;
     const char *name = MODEL.variable[variable].name;
     if (self->system)
@@ -41,13 +41,13 @@ int kernel_set_text(kernel *self, int variable, const char *text) {
     }
     kernel_leave_table(self);
     self->table = read;
-    self->now.table = read->mark;
+    self->run.now->table = read->mark;
     self->table_path = strcpy(path, text);
     return KERNEL_OK;
 }
 
-int kernel_get_text(kernel *self, int variable, const char **text) {
-    const int status = check_text(self, variable);
+kernel_status kernel_get_text(kernel *self, int variable, const char **text) {
+    const kernel_status status = check_text(self, variable);
     if (status == KERNEL_OK) *text = self->table_path ? self->table_path : "";
     return status;
 }

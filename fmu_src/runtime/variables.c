@@ -3,11 +3,11 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "internal.h"
+#include "instance.h"
 
 static const double LEAST_STEP = 1e-7; /* s, of integration_step: a hundredth of what the stiffest creep asks for */
 
-int kernel_check_reference(kernel *self, int variable) {
+kernel_status kernel_check_reference(kernel *self, int variable) {
     if (variable >= 0 && variable < MODEL.variables) return KERNEL_OK;
     return kernel_fail(self, KERNEL_ERROR, "There is no variable number %d: %s has the numbers 0 to %d.", variable,
                        MODEL.name, MODEL.variables - 1);
@@ -19,17 +19,17 @@ const char *kernel_name_of_table_file(void) {
 
 /* Unit with a blank before it; nothing for pure numbers. */
 static const char *after_number(const variable_description *variable, char text[32]) {
-    const int pure = strcmp(variable->unit, "1") == 0;
+    const bool pure = strcmp(variable->unit, "1") == 0;
     snprintf(text, 32, "%s%s", pure ? "" : " ", pure ? "" : variable->unit);
     return text;
 }
 
-static int is_allowed(const variable_description *variable, double value) {
-    const int whole = variable->kind != KIND_INTEGER || value == floor(value);
+static bool is_allowed(const variable_description *variable, double value) {
+    const bool whole = variable->kind != KIND_INTEGER || value == floor(value);
     return isfinite(value) && value >= variable->minimum && value <= variable->maximum && whole;
 }
 
-int kernel_check_value(kernel *self, const variable_description *variable, double value, double kept) {
+kernel_status kernel_check_value(kernel *self, const variable_description *variable, double value, double kept) {
     if (is_allowed(variable, value)) return KERNEL_OK; /* asked at every step of a host */
     const char *name = variable->name;
     char text[32];
@@ -50,8 +50,8 @@ int kernel_check_value(kernel *self, const variable_description *variable, doubl
 }
 
 /* Says once that an input does nothing in the chosen system, so that it is not ignored in silence. */
-int kernel_warn_without_effect(kernel *self, int variable) {
-    if (!self->system || self->warned[variable] || self->value[variable] == MODEL.variable[variable].start)
+kernel_status kernel_warn_without_effect(kernel *self, int variable) {
+    if (!self->system || self->warned[variable] || self->run.value[variable] == MODEL.variable[variable].start)
         return KERNEL_OK;
     for (int i = 0; i < self->system->inputs; ++i)
         if (self->system->input_variable[i] == variable) return KERNEL_OK;
@@ -61,20 +61,20 @@ int kernel_warn_without_effect(kernel *self, int variable) {
 }
 
 /* Writes a name behind others, as far as there is room; whether there was. */
-static int add_name(char *names, size_t size, const char *before, const char *name) {
+static bool add_name(char *names, size_t size, const char *before, const char *name) {
     const size_t length = strlen(names);
-    if (length + strlen(before) + strlen(name) >= size) return 0;
+    if (length + strlen(before) + strlen(name) >= size) return false;
     snprintf(names + length, size - length, "%s%s", before, name);
-    return 1;
+    return true;
 }
 
 /* Parameters that were set and that nothing in the chosen system depends on: all in one sentence. */
-int kernel_warn_of_idle_parameters(kernel *self) {
+kernel_status kernel_warn_of_idle_parameters(kernel *self) {
     char names[256] = "", selectors[96] = "", others[48] = "";
     int count = 0, left = 0;
     for (int i = 0; i < self->system->idles; ++i) {
         const int variable = self->system->idle[i];
-        if (self->value[variable] == MODEL.variable[variable].start) continue;
+        if (self->run.value[variable] == MODEL.variable[variable].start) continue;
         left += left > 0 || !add_name(names, sizeof names, count ? ", " : "", MODEL.variable[variable].name);
         ++count;
     }
@@ -89,16 +89,16 @@ int kernel_warn_of_idle_parameters(kernel *self) {
 }
 
 /* A step that the clock cannot tell from none would take for ever. */
-static int check_integration_step(kernel *self, double value) {
-    const double kept = self->value[MODEL.integration_step];
+static kernel_status check_integration_step(kernel *self, double value) {
+    const double kept = self->run.value[MODEL.integration_step];
     if (value == 0.0 || value >= LEAST_STEP) return KERNEL_OK;
     return kernel_fail(self, KERNEL_ERROR,
                        "Set integration_step to 0 s or to at least %g s: %g s is below this limit, and %g s stays in force.",
                        LEAST_STEP, value, kept);
 }
 
-int kernel_check_set(kernel *self, int variable, double value) {
-    const int status = kernel_check_reference(self, variable);
+kernel_status kernel_check_set(kernel *self, int variable, double value) {
+    const kernel_status status = kernel_check_reference(self, variable);
     if (status != KERNEL_OK) return status;
     const variable_description *description = &MODEL.variable[variable];
     if (description->causality >= CAUSALITY_OUTPUT)
@@ -107,12 +107,12 @@ int kernel_check_set(kernel *self, int variable, double value) {
     if (description->kind == KIND_STRING)
         return kernel_fail(self, KERNEL_ERROR, "%s is a text, no number.", description->name);
     if (isnan(value) && !isnan(description->when_lost)) return KERNEL_OK;
-    if (kernel_check_value(self, description, value, self->value[variable]) != KERNEL_OK) return KERNEL_ERROR;
+    if (kernel_check_value(self, description, value, self->run.value[variable]) != KERNEL_OK) return KERNEL_ERROR;
     return variable == MODEL.integration_step ? check_integration_step(self, value) : KERNEL_OK;
 }
 
-int kernel_set(kernel *self, int variable, double value) {
-    int status = kernel_check_reference(self, variable);
+kernel_status kernel_set(kernel *self, int variable, double value) {
+    kernel_status status = kernel_check_reference(self, variable);
     if (status != KERNEL_OK) return status;
     const variable_description *description = &MODEL.variable[variable];
     if (description->causality == CAUSALITY_PARAMETER && self->system)
@@ -120,20 +120,20 @@ int kernel_set(kernel *self, int variable, double value) {
                            description->name);
     status = kernel_check_set(self, variable, value);
     if (status != KERNEL_OK) return status;
-    const int lost = isnan(value) && !isnan(description->when_lost);
+    const bool lost = isnan(value) && !isnan(description->when_lost);
     if (lost) value = description->when_lost;
-    self->now.inputs_jumped |= value != self->value[variable];
-    self->value[variable] = value;
-    self->input_rate[variable] = 0.0;
-    self->now.outputs_stale = 1;
+    self->run.now->inputs_jumped |= value != self->run.value[variable];
+    self->run.value[variable] = value;
+    self->run.input_rate[variable] = 0.0;
+    self->run.now->outputs_stale = true;
     if (lost)
         return kernel_fail(self, KERNEL_WARNING, "The signal %s is lost (NaN): it counts as %g %s, the safe side.",
                            description->name, value, description->unit);
     return kernel_warn_without_effect(self, variable);
 }
 
-int kernel_check_rate(kernel *self, int variable, double rate) {
-    const int status = kernel_check_reference(self, variable);
+kernel_status kernel_check_rate(kernel *self, int variable, double rate) {
+    const kernel_status status = kernel_check_reference(self, variable);
     if (status != KERNEL_OK) return status;
     const variable_description *description = &MODEL.variable[variable];
     if (description->causality != CAUSALITY_INPUT || description->kind != KIND_REAL)
@@ -144,10 +144,10 @@ int kernel_check_rate(kernel *self, int variable, double rate) {
     return KERNEL_OK;
 }
 
-int kernel_set_rate(kernel *self, int variable, double rate) {
-    const int status = kernel_check_rate(self, variable, rate);
+kernel_status kernel_set_rate(kernel *self, int variable, double rate) {
+    const kernel_status status = kernel_check_rate(self, variable, rate);
     if (status != KERNEL_OK) return status;
-    self->input_rate[variable] = rate;
-    self->now.outputs_stale = 1;
+    self->run.input_rate[variable] = rate;
+    self->run.now->outputs_stale = true;
     return KERNEL_OK;
 }

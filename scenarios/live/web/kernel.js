@@ -35,9 +35,13 @@ class Kernel {
 
   get(name) {
     this.check(this.exports.kernel_get(this.self, this.places.get(name), this.room));
+    return this.memory.getFloat64(this.room, true);
+  }
+
+  get memory() {
     const { buffer } = this.exports.memory; // another one when the memory has grown
     if (this.numbers?.buffer !== buffer) this.numbers = new DataView(buffer);
-    return this.numbers.getFloat64(this.room, true);
+    return this.numbers;
   }
 
   // Back to the start values, then with some others up to the first instant.
@@ -54,7 +58,8 @@ class Kernel {
   // Sentences since they were read last.
   journal() {
     const sentences = [];
-    for (let place; (place = this.exports.kernel_hear(this.self, this.room)); ) {
+    while (this.exports.kernel_hear(this.self, this.room)) {
+      const place = this.memory.getUint32(this.room + 4, true); // behind the status
       const bytes = new Uint8Array(this.exports.memory.buffer, place);
       sentences.push(new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0))));
     }

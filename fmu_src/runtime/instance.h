@@ -1,0 +1,99 @@
+/* An instance: a constant model, the state of its run, and the workspaces of methods; and what the files of the runtime ask
+ * of each other. */
+#ifndef INSTANCE_H
+#define INSTANCE_H
+
+#include "kernel.h"
+#include "state.h"
+#include "table_file.h"
+#include "workspace.h"
+
+typedef struct {
+    long long int capacity, written;
+    double interval;
+    int columns;
+    const int *variable;
+    double *buffer;
+} kernel_recorder;
+
+enum { CLOCK_SIZE = 48 };
+enum { MOST_TRIALS = 5000000 }; /* steps tried in one kernel_step; a run that needs more is stuck */
+
+/* Values of integration_method. */
+enum { METHOD_EXACT = 1, METHOD_REUSED = 2, METHOD_EXPLICIT = 3 };
+
+/* Room for the arrays of an instance: the largest of each number over the systems that it may run. */
+typedef struct {
+    int states, algebraics, nonzeros, factors, inputs, parameters, derived, frictions, outputs, tables, table_coefficients;
+    int limits, conditions;
+} dimensions;
+
+/* What the host asked for. */
+typedef struct {
+    bool stops_at_events, whole_steps;
+    double stop_time; /* infinite: the host named none */
+} host_wishes;
+
+struct kernel {
+    const system_description *system; /* the chosen one; null before initialisation */
+    table_file *table;                /* null: none */
+    char *table_path;
+    dimensions room;
+    run_state run;
+    given_values given;
+    step_workspace work;
+    kept_workspace kept;
+    mode_workspace modes;
+    reading_workspace reading;
+    steady_workspace steady;
+    host_workspace host;
+    host_wishes asked;
+    kernel_counters counters;
+    kernel_recorder *recorder;
+    sentence_journal journal;
+    char *warned;    /* one flag per variable: "has no effect here" is said once */
+    double *backup;  /* of the block of the run, at the start of a step */
+    double *scratch; /* what the workspaces are in */
+    int *pivots;
+};
+
+/* Sentences: into the journal; and kernel_message as well, for a status, which is returned. */
+RUNTIME_LOCAL void kernel_note(kernel *self, kernel_status status, const char *format, ...) LIKE_PRINTF(3);
+RUNTIME_LOCAL kernel_status kernel_fail(kernel *self, kernel_status status, const char *format, ...) LIKE_PRINTF(3);
+/* As kernel_fail, with a model's sentence: no format, but with a time in place of its first %s. */
+RUNTIME_LOCAL kernel_status kernel_say_when(kernel *self, kernel_status status, const char *sentence, const char *when);
+/* Forgets what was noted since there were `noted` records. */
+RUNTIME_LOCAL void kernel_take_back(kernel *self, unsigned long long noted);
+/* A time in seconds for a sentence, with so many digits, and more where it has more than three before the point. */
+RUNTIME_LOCAL const char *kernel_clock(double time, int digits, char text[CLOCK_SIZE]);
+/* Variables: a status, with the sentence. */
+RUNTIME_LOCAL kernel_status kernel_check_reference(kernel *self, int variable);
+RUNTIME_LOCAL const char *kernel_name_of_table_file(void);
+RUNTIME_LOCAL kernel_status kernel_check_value(kernel *self, const variable_description *variable, double value, double kept);
+RUNTIME_LOCAL kernel_status kernel_warn_without_effect(kernel *self, int variable);
+RUNTIME_LOCAL kernel_status kernel_warn_of_idle_parameters(kernel *self);
+/* Whether a step may begin and end there. */
+RUNTIME_LOCAL kernel_status kernel_check_times(kernel *self, double time, double size);
+/* Says that the run ended `reached` seconds into a step that is taken back; there were `noted` records before it. */
+RUNTIME_LOCAL kernel_status kernel_discard(kernel *self, unsigned long long noted, double reached);
+RUNTIME_LOCAL void kernel_leave_table(kernel *self);
+/* Sets what follows from the chosen system and the parameters and is not restored with them. */
+RUNTIME_LOCAL void kernel_enter_system(kernel *self);
+RUNTIME_LOCAL void kernel_gather_inputs(kernel *self);
+RUNTIME_LOCAL void kernel_compute_outputs(kernel *self, double offset, const double *state);
+/* First output that is not a finite number, or null. */
+RUNTIME_LOCAL const char *kernel_output_not_finite(const kernel *self);
+/* Inputs and table pieces that hold `offset` seconds after the start of the step; and the table pieces alone. */
+RUNTIME_LOCAL void kernel_locate(kernel *self, double offset, const double *state);
+RUNTIME_LOCAL void kernel_look_up(kernel *self, double offset, const double *state);
+/* A generated function at a place: with the inputs and table pieces located before, or locating them; with one result. */
+RUNTIME_LOCAL void kernel_call(kernel *self, generated_function function, double offset, const double *state, double **result);
+RUNTIME_LOCAL void kernel_evaluate_again(kernel *self, generated_function function, double offset, const double *state,
+                                  double *result);
+RUNTIME_LOCAL void kernel_evaluate(kernel *self, generated_function function, double offset, const double *state,
+                            double *result);
+/* Writes (origin, c0 ... c_degree) of the tables from `first` on that are of its rank, whose arguments are in table_at.
+ * Returns the first of the next rank. */
+RUNTIME_LOCAL int tables_look_up(kernel *self, int first);
+
+#endif

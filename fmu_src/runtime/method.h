@@ -1,0 +1,80 @@
+/* The methods: linear equations, algebraic states, steps, modes, and the loop over the steps. */
+#ifndef METHOD_H
+#define METHOD_H
+
+#include "instance.h"
+
+typedef struct rosenbrock_tableau rosenbrock_tableau;
+
+/* Linear equations: factors of M diagonal - J, in the order of the states; and of the algebraic part of J. Whether the
+ * matrix is regular. */
+RUNTIME_LOCAL bool linear_factorise_step(kernel *self, step_factors *of, const double *jacobian, double diagonal);
+RUNTIME_LOCAL void linear_solve_step(kernel *self, const step_factors *of, double *vector);
+RUNTIME_LOCAL bool linear_factorise_algebraic(const kernel *self, dense_factors *of, const double *jacobian);
+RUNTIME_LOCAL void linear_solve_algebraic(const dense_factors *of, double *vector);
+/* Whether factors stand that were made before: others may have taken their place in the dense matrix. */
+RUNTIME_LOCAL bool linear_has_factors(const kernel *self, const step_factors *of);
+/* Adds the present Jacobian times a vector; and writes it as a matrix by rows. */
+RUNTIME_LOCAL void linear_add_product(const kernel *self, const double *vector, double *sum);
+RUNTIME_LOCAL void linear_write_by_rows(const kernel *self, double *matrix);
+/* Algebraic states, the others held, solved until their scaled change is below `tolerance` or round-off; all leave the
+ * slopes in work.slope; whether that succeeds. Newton's method from work.jacobian, which is that of `state`; */
+RUNTIME_LOCAL bool algebraic_solve(kernel *self, double offset, double *state, double tolerance);
+/* with given factors throughout, the old values kept where that fails; */
+RUNTIME_LOCAL bool algebraic_follow(kernel *self, const dense_factors *of, double offset, double *state, double tolerance);
+/* with the last factors while they serve, and otherwise with new ones. */
+RUNTIME_LOCAL bool algebraic_find(kernel *self, double offset, double *state, double tolerance);
+/* The present state with algebraic states as the inputs now have them, and the Jacobian there; null: there are none. The
+ * state itself stays as it is: a reading changes no run. */
+RUNTIME_LOCAL const double *algebraic_place(kernel *self);
+/* Jacobian without algebraic states at the present state, by rows. */
+RUNTIME_LOCAL bool algebraic_reduce(kernel *self, double offset, double *jacobian);
+/* Rosenbrock methods. The error of a trial step is in units of the tolerance; a value that is not <= 1, NaN included,
+ * means "reject". The new state is in work.trial. */
+#ifndef ONE_UNIT /* there their definitions come first */
+extern const rosenbrock_tableau RODAS5P, ROS34PW2;
+#endif
+RUNTIME_LOCAL void rosenbrock_evaluate_jacobian(kernel *self, double offset, const double *state, double *jacobian);
+RUNTIME_LOCAL void rosenbrock_linearise(kernel *self, double offset, const double *state);
+RUNTIME_LOCAL bool rosenbrock_factorise(kernel *self, const rosenbrock_tableau *method, step_factors *of, const double *jacobian,
+                                double size);
+RUNTIME_LOCAL double rosenbrock_step(kernel *self, const rosenbrock_tableau *method, const step_factors *of, double offset,
+                              double size);
+RUNTIME_LOCAL double rosenbrock_try(kernel *self, double offset, double size); /* with RODAS5P; linearise first */
+/* The step whose error would be about the tolerance, and as much of it as one step may differ from the one before. */
+RUNTIME_LOCAL double rosenbrock_allowed_size(const rosenbrock_tableau *method, double size, double error);
+RUNTIME_LOCAL double rosenbrock_next_size(const rosenbrock_tableau *method, double size, double error);
+RUNTIME_LOCAL void rosenbrock_interpolate(const kernel *self, double fraction, double *state);
+/* With ROS34PW2: a step with the kept Jacobian, made anew when it is too old or the step fails. */
+RUNTIME_LOCAL double reuse_try(kernel *self, double offset, double size);
+/* Keeps the Jacobian of the present state until some time; whether it serves; and a step with it, as it is. */
+RUNTIME_LOCAL void reuse_remember(kernel *self, double offset, double until);
+RUNTIME_LOCAL bool reuse_serves(const kernel *self, double offset);
+RUNTIME_LOCAL double reuse_short_step(kernel *self, double offset, double size);
+RUNTIME_LOCAL double runge_kutta_try(kernel *self, double offset, double size); /* its error is 0 or NaN */
+RUNTIME_LOCAL kernel_status runge_kutta_guard(kernel *self, double offset, double size);
+/* Where the system asks for it, takes the start values in run.state to a steady state; whether there is one. */
+RUNTIME_LOCAL bool steady_find(kernel *self);
+/* Modes and end conditions. The velocity that a friction acts on, and a state in which that is exactly 0. */
+RUNTIME_LOCAL double modes_velocity(const friction_description *friction, const double *state);
+RUNTIME_LOCAL void modes_stop(const friction_description *friction, double *state);
+RUNTIME_LOCAL void modes_refresh(kernel *self, double offset);
+RUNTIME_LOCAL void modes_hold(const kernel *self, double *state);
+RUNTIME_LOCAL double modes_direction_margin(const kernel *self, int i, const double *state);
+RUNTIME_LOCAL double modes_margin(kernel *self, double offset, const double *state);
+RUNTIME_LOCAL int modes_switch(kernel *self, double offset, double least);
+RUNTIME_LOCAL bool modes_warn(kernel *self, double offset);
+/* Model exchange: something has switched or stopped now. */
+RUNTIME_LOCAL void modes_grow_reluctant(kernel *self);
+/* Model exchange: a step of the host begins here; slopes were read; and it ends here, a status where that is warned of. */
+RUNTIME_LOCAL void explicit_host_begin(kernel *self);
+RUNTIME_LOCAL void explicit_host_read(kernel *self);
+RUNTIME_LOCAL kernel_status explicit_host_guard(kernel *self);
+/* Place of a state of model exchange among those of the chosen system; -1: it does not have that one. */
+RUNTIME_LOCAL int exchange_state(const kernel *self, int number);
+/* One trial step with the chosen method; the length at which it crosses a switch; and the loop over the steps. */
+RUNTIME_LOCAL double integrate_try(kernel *self, double offset, double size);
+RUNTIME_LOCAL double modes_locate(kernel *self, double offset, double size);
+RUNTIME_LOCAL kernel_status integrate(kernel *self, double size, double *reached);
+
+#endif

@@ -1,0 +1,36 @@
+/* What changes during a run: one block, which is saved, restored and compared as it is. */
+#ifndef STATE_H
+#define STATE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* The numbers that stand alone, at the head of the block. */
+typedef struct {
+    double time;
+    double proposed_step;
+    double kept_time, kept_until, kept_size; /* of the kept Jacobian: when it was taken, how long it serves, its step */
+    unsigned long long table;    /* mark of the table file; 0: there is none */
+    double switched, reluctance; /* model exchange: when something switched last, and what that leaves, see modes.c */
+    double guard_said;           /* what the last warning about fixed steps was about; 0: none yet */
+    int kept_steps;              /* steps that the kept Jacobian has served; -1: there is none */
+    int pause;                   /* short steps before a Jacobian is kept again */
+    int switches;                /* steps that ended in a switch, less those that did not */
+    int guard_wait;              /* steps until the stability of an explicit method is looked at again */
+    int system;                  /* its place in the model; -1 before initialisation */
+    int ended;                   /* 1 + index of the end condition that stopped the run; 0: running */
+    bool outputs_stale;
+    bool inputs_jumped; /* model exchange: an input was set to another value since modes were found last */
+} run_record;
+
+typedef struct {
+    run_record *now;
+    double *value, *input_rate, *last_rate; /* by variable of the model */
+    double *state, *mode, *derived;
+    double *said; /* by condition: 1 where its warning was said */
+    double *kept_state, *kept_input, *kept_mode; /* where the kept Jacobian was taken */
+    double *block;  /* all of it */
+    size_t doubles; /* its length */
+} run_state;
+
+#endif

@@ -1,0 +1,26 @@
+/* How calls end: what they return, and sentences as records of a status and a text. */
+#ifndef STATUS_H
+#define STATUS_H
+
+#include <stddef.h>
+
+/* The numbers are those of fmi2Status, so that a face can pass them on unchanged. */
+typedef enum { KERNEL_OK = 0, KERNEL_WARNING = 1, KERNEL_DISCARD = 2, KERNEL_ERROR = 3 } kernel_status;
+
+typedef struct {
+    kernel_status status;
+    const char *text;
+} kernel_sentence;
+
+enum { MESSAGE_SIZE = 512, JOURNAL_SIZE = 8192, LOSS_SIZE = 80 };
+
+/* The sentences that the face has not heard yet; the newest are kept. */
+typedef struct {
+    char record[JOURNAL_SIZE];        /* each a byte of status, a text, a zero */
+    size_t length, heard;             /* its end, and the place behind the last record that was heard */
+    unsigned long long noted, lost;   /* records since the start, and those that nobody heard in time */
+    char told_of_loss[LOSS_SIZE];
+    char message[MESSAGE_SIZE];       /* the sentence to the last status */
+} sentence_journal;
+
+#endif

@@ -1,0 +1,89 @@
+/* What a step is computed in: nothing here outlives it but what can be computed again from the state of the run. */
+#ifndef WORKSPACE_H
+#define WORKSPACE_H
+
+#include <stdbool.h>
+
+enum { MOST_STAGES = 8 };
+
+/* What generated functions are given besides time, states, constants and modes. */
+typedef struct {
+    double step_origin; /* time at the start of the current kernel_step; places in it have an offset from it */
+    double *parameter;
+    double *input, *rate;  /* at the origin, and their rates of change */
+    double *stage_input;   /* at a place */
+    double *coefficient;   /* of table pieces there */
+    double *table_at;      /* arguments of tables */
+    double *held;          /* for each table, the range of its argument in which `coefficient` holds: from, and below */
+    int *row;              /* for each table that is looked up in the file, the row before the last place */
+    double *seed;          /* direction of derivatives: time, states, inputs */
+} given_values;
+
+/* LU factors of a matrix by columns, in place, with exchanged rows. */
+typedef struct {
+    double *matrix;
+    int *pivot;
+    int size;
+} dense_factors;
+
+/* LU factors of a step's matrix: those of the generated elimination, or with exchanges, in the one dense matrix. */
+typedef struct {
+    double *packed;
+    bool exchanged;
+} step_factors;
+
+/* Of the methods of integration. Jacobians are nonzeros in the order of the description. */
+typedef struct {
+    int method;           /* a value of integration_method */
+    double *differential; /* 1 for states with a derivative, 0 for algebraic ones */
+    double *slope, *time_slope, *jacobian;
+    double *stage[MOST_STAGES], *point, *trial; /* stages, the place of the last one, and the state that a step leads to */
+    double *largest_change;
+    step_factors factors;
+    dense_factors dense; /* for a step's matrix whose rows are exchanged, */
+    const step_factors *dense_owner; /* and whose factors it holds */
+    double *ordered;     /* a vector in the order of elimination */
+    dense_factors algebraic;
+    bool algebraic_serve; /* its factors are good enough for Newton's method */
+    double *correction, *guess, *follow; /* of algebraic states: Newton's, their values before, what follows from others */
+    double *direction, *image;           /* a change of all states, and what J makes of it */
+} step_workspace;
+
+typedef enum { KEPT_NOTHING, KEPT_JACOBIAN, KEPT_FACTORS } kept_parts;
+
+/* What is made from the place where the kept Jacobian was taken. */
+typedef struct {
+    kept_parts ready;
+    double *jacobian;
+    step_factors factors;
+    dense_factors algebraic;
+} kept_workspace;
+
+/* Of frictions and conditions. */
+typedef struct {
+    double *drive, *capacity, *still;
+    double *margin; /* of frictions, of what ends the run, of what only warns */
+} mode_workspace;
+
+/* Of outputs and their derivatives, and of states between the steps. */
+typedef struct {
+    double *output, *output_rate, *slope_change;
+    double *place; /* where outputs and derivatives are read that have algebraic states */
+    double *shown, *first_slope, *last_slope; /* a state within a step, and slopes at its ends */
+} reading_workspace;
+
+/* Of the search for a steady state. */
+typedef struct {
+    double *start, *change, *answer, *pace;
+} steady_workspace;
+
+/* Of an integrator of the host: where its step began, the slopes there and how they differ from those before. */
+typedef struct {
+    double time, *state, *slope, *change;
+    double *slope_before; /* an event */
+    double *growth, *square; /* matrices of the states of model exchange */
+    bool slope_known;
+    int steps; /* in a row that were those of Euler's method */
+} host_workspace;
+
+#endif
