@@ -46,7 +46,7 @@ static const double *prepare_derivatives(kernel *self) {
     return place;
 }
 
-/* Derivatives of all slopes along the seed, in self->reading.slope_change: by states from the Jacobian, by inputs from what the
+/* Derivatives of all slopes along the seed, in reading.slope_change: by states from the Jacobian, by inputs from what the
  * derivative by time becomes where they change with it. */
 static void differentiate_slopes(kernel *self, const double *place) {
     const int n = self->system->states;

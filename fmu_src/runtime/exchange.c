@@ -92,7 +92,7 @@ void kernel_get_nominals(double *nominal) {
     memcpy(nominal, MODEL.system[MODEL.exchanged].nominal, (size_t)kernel_exchange_states() * sizeof(double));
 }
 
-/* All slopes, in self->work.slope; of algebraic states residuals. */
+/* All slopes, in work.slope; of algebraic states residuals. */
 static kernel_status find_slopes(kernel *self) {
     const kernel_status status = prepare(self);
     if (status != KERNEL_OK) return status;
@@ -111,7 +111,7 @@ kernel_status kernel_get_slopes(kernel *self, double *slope) {
     return KERNEL_OK;
 }
 
-/* Margins, in self->modes.margin. A friction without capacity has its direction watched, for when there is some; one whose
+/* Margins, in modes.margin. A friction without capacity has its direction watched, for when there is some; one whose
  * capacity is below 0 never gets any. */
 static kernel_status find_margins(kernel *self) {
     const kernel_status status = prepare(self);
