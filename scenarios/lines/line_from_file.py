@@ -20,7 +20,6 @@ from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel, KernelError
 from products.building import units_of
 from rbd_model.track.line import (
-    COLUMNS,
     ERRI_LOW,
     Line,
     Segment,
@@ -31,7 +30,7 @@ from rbd_model.track.line import (
     read_line,
     straight,
 )
-from rbd_model.track.line_table import GAUGE
+from rbd_model.track.line_table import COLUMNS, GAUGE
 from rbd_model.vehicle.ready import two_axle_bogie
 from scenarios.bench.curves import BOGIE, MASS, WHEEL_LOAD
 from scenarios.bench.drive import prepare, prepare_on_line
@@ -82,7 +81,9 @@ def bogie_on(path: Path | None) -> tuple[Kernel, Line]:
         kernel = prepare("bogie", level=3.0, line_file=str(path))
         line = read_line(path)
     except (KernelError, OSError, ValueError) as error:
-        columns = f"The columns of a line are {', '.join(COLUMNS)}; the first four must be there."
+        columns = (
+            f"The columns of a line are {', '.join(column.name for column in COLUMNS)}; the first four must be there."
+        )
         raise BadInputError(f"{error} {columns}") from error
     reaches = float(line.rows["distance"][-1])
     if reaches < SHORTEST:
