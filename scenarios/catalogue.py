@@ -92,5 +92,5 @@ def find(name: str) -> Scenario:
     by_name = {scenario.name: scenario for scenario in SCENARIOS}
     if name in by_name:
         return by_name[name]
-    shown = "'bogie-braking list' shows what there is."
+    shown = "'python -m bogie_braking list' shows what there is."
     raise BadInputError(f"There is no scenario {name}; {suggestion(name, by_name, shown)}")

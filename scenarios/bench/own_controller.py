@@ -1,4 +1,4 @@
-"""An example of a wheel-slide controller of one's own; `build_fmu.py --controller` makes an FMU of it."""
+"""An example of your own wheel-slide controller; `build_fmu.py --controller` makes an FMU of it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Wheel-slide protection on dry, wet, low and changing rail: without, protected, and the ideal."""
+"""Wheel-slide protection on dry, wet, low and changing rail: unprotected, protected and ideal stops."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A controller of one's own in a few lines, beside the protection that comes with the brake."""
+"""Your own controller in a few lines, compared with the protection that comes with the brake."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Brakes that are not even: two wheelsets braked unequally, and asymmetric shoes, both through the brake FMU."""
+"""Uneven brakes: two wheelsets braked unequally, and asymmetric shoes, both through the brake FMU."""
 
 from __future__ import annotations
 

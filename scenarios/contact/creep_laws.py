@@ -1,4 +1,4 @@
-"""Creep laws against Kalker's exact theory, over what each costs as compiled C: who is where, and who fails where."""
+"""Creep laws compared with Kalker's exact theory: the error of each, over what it costs as compiled C."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A bogie along a line from a file, or along one that has everything: what the line is, and what the bogie does on it.
+"""A bogie along a line from a file, or along an example with every feature: a picture of the line, and the motion.
 
 A bogie in space, drawn along by its frame's drawbar, which holds the speed: 15 m/s, or less where a curve would have
 more than 100 mm of cant deficiency.

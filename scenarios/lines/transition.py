@@ -1,4 +1,4 @@
-"""What the twist of a cant ramp takes from the wheels of a bogie, against statics: into a curve and out of it again.
+"""How far the twist of a cant ramp unloads the wheels of a bogie, compared with statics: into a curve and out of it.
 
 A ramp 1:n turns the track between two axles 2a apart by 2a / (1.5 m n). One frame on both wheelsets shares that between
 their springs. Measured is the wheel load that goes from the left to the right wheel of the leading wheelset and back on

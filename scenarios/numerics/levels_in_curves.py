@@ -1,4 +1,4 @@
-"""How much line a scene needs: levels point and planar with von Roeckl's resistance against space, over the radius.
+"""Which level a curve needs: point and planar with von Roeckl's resistance, compared with spatial, over the radius.
 
 Levels point and planar know a curve by `curve_resistance` alone, a share of the weight (von Roeckl 1880); in space the
 wheels' creep and the flanges hold the bogie back. Measured is what a rolling bogie loses in a curve, and where it stops

@@ -1,4 +1,4 @@
-"""How fast it is, measured on the spot: right-hand side, Jacobian, doStep, and a stop, for each level and kind."""
+"""Speed, measured when it runs: right-hand side, Jacobian, doStep, a stop, by level and kind; the start of Python."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Speed against accuracy: eight scenes, two of them at contact depths 2 and 3, by our methods and others' alike."""
+"""Speed against accuracy: eight scenes, two at contact depths 2 and 3; our methods, SciPy's and SUNDIALS'."""
 
 from __future__ import annotations
 

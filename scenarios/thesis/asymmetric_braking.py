@@ -1,4 +1,4 @@
-"""Asymmetric brake shoes on one wheelset: chapter 9, Tables 9.2 and 9.3, as the thesis read its model and as it is.
+"""Asymmetric brake shoes on one wheelset: chapter 9, Tables 9.2 and 9.3, with the thesis's forces and physical ones.
 
 With the flange as a spring on one rigid contact a wheel (3.106), and with a flange that has its own place and force.
 """

@@ -1,4 +1,4 @@
-"""The wheelset of chapter 4 under traction, rolling and braking: speed, rotation and slip are answers (section 4.5)."""
+"""The wheelset of chapter 4 under traction, rolling and braking: speed, rotation and slip are results (section 4.5)."""
 
 from __future__ import annotations
 

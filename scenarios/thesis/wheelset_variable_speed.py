@@ -1,4 +1,4 @@
-"""Hunting while the speed changes: braked through 27 m/s it dies, driven through it, it grows (section 4.6)."""
+"""Hunting while the speed changes: braked through 27 m/s it decays, driven through 27 m/s it grows (section 4.6)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Vehicle and brakes as one FMU or as five that a master couples: what each costs, and what the coupling errs."""
+"""Vehicle and brakes as one FMU or as five that a master couples: what each costs, and the error of the coupling."""
 
 from __future__ import annotations
 

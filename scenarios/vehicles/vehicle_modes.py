@@ -1,4 +1,4 @@
-"""Natural modes of a complete vehicle: published frequencies on vertical springs, then with everything, and shapes."""
+"""Natural modes of a complete vehicle: published frequencies on vertical springs, then all connections; mode shapes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One bogie under half a body, or the complete vehicle: what the half errs in, and what each costs."""
+"""One bogie under half a body, or the complete vehicle: the error of the half, and what each costs."""
 
 from __future__ import annotations
 
