@@ -12,9 +12,14 @@ from fmu_src.suggestion import suggestion
 from fmu_src.system import Variable
 from rbd_model.track.line import Line
 
+#: The most characters of a value that a sentence shows.
+LONGEST = 60
+
 
 def known(name: str, those: Iterable[str], what: str) -> str:
-    """The name, if it is one of those; `what` says of which kind. Raises KeyError with a sentence."""
+    """The name, if it is one of those; `what` says of which kind. Raises KeyError, TypeError for what is no text."""
+    if not isinstance(name, str):
+        raise TypeError(f"Give the name of the {what} as a text: it was {shown(name)}.")
     those = list(those)
     if name not in those:
         raise KeyError(f"There is no {what} {name}; {suggestion(name, those)}")
@@ -43,7 +48,15 @@ def line_or_none(line: Any) -> Line | None:
     """What something runs on. Raises TypeError where it is no line."""
     if line is None or isinstance(line, Line):
         return line
-    raise TypeError(f"Give the line as line_of(...) makes it, or None for straight, level track: it was {line!r}.")
+    raise TypeError(f"Give the line as line_of(...) makes it, or None for straight, level track: it was {shown(line)}.")
+
+
+def shown(value: Any) -> str:
+    """A value in a sentence, in a few words."""
+    if isinstance(value, type):
+        return f"the class {value.__name__}"
+    text = repr(value)
+    return text if len(text) <= LONGEST else f"a {type(value).__name__}"
 
 
 def number(value: Any) -> float:

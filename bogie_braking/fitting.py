@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.optimize import least_squares
 
-from bogie_braking.checks import known, line_or_none, number
+from bogie_braking.checks import known, line_or_none, number, shown
 from bogie_braking.histories import Value
 from bogie_braking.machines import Machine, Runnable, machine_of, model_from
 from bogie_braking.simulation import Simulation
@@ -77,8 +77,10 @@ class Fit:
 def measured_from(path: str | Path) -> Recording:
     """A table of a measured run: a head of names with units, `time [s],speed [m/s]`, and rows of numbers.
 
-    Raises ValueError with the line where it is none.
+    Raises ValueError with the line where it is none, OSError for a file that cannot be read.
     """
+    if not isinstance(path, str | Path):
+        raise TypeError(f"Give what was measured as a Recording or as the path of a CSV file: it was {shown(path)}.")
     with Path(path).open(encoding="utf-8", newline="") as file:
         lines = list(csv.reader(file))
     heads = [re.fullmatch(r"\s*(\w+)\s*\[(.+)\]\s*", one) for one in lines[0]] if lines else []
@@ -151,11 +153,11 @@ def fit(
 def begin_of(parameters: Mapping[str, float], machine: Machine) -> np.ndarray:
     """Values that parameters begin with, shape (parameters,). Raises ValueError for one that cannot be fitted."""
     if not isinstance(parameters, Mapping) or not parameters:
-        raise ValueError(f"Give the parameters with values to begin with, by their names: it was {parameters!r}.")
-    able = [one.name for one in machine.variables.values() if one.causality == "parameter"]
+        raise ValueError(f"Give the parameters with values to begin with, by their names: it was {shown(parameters)}.")
+    able = [one.name for one in machine.variables.values() if one.causality == "parameter" and one.kind == "real"]
     for name, value in parameters.items():
         if name not in able:
-            raise ValueError(f"{machine.name} has no parameter {name}; {suggestion(name, able)}")
+            raise ValueError(f"{machine.name} has no real parameter {name}; {suggestion(name, able)}")
         one = machine.variables[name]
         if not one.minimum < number(value) < one.maximum or value == 0.0:
             between = f"between {one.minimum:g} and {one.maximum:g} {one.unit}"

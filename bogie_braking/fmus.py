@@ -36,6 +36,10 @@ def write_fmu(what: Vehicle | System | Model, path: str | Path, kind: str = "nat
     with what fmpy finds wrong in the FMU.
     """
     build, path = BUILD[known(kind, BUILD, "kind of FMU")], Path(path)
+    if isinstance(what, str):
+        raise TypeError(
+            f"{what} is a name: fmu gives the FMUs of the list; write_fmu takes a Vehicle, a System or a Model."
+        )
     if level not in (None, *LEVELS):
         raise ValueError(f"Give level 1, 2 or 3, or leave it out for all of them: it was {level!r}.")
     if path.suffix != ".fmu":

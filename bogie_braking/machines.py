@@ -8,13 +8,14 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
-from bogie_braking.checks import known
+from bogie_braking.checks import known, shown
 from fmu_src.compile import build_library
 from fmu_src.kernel import Library
 from fmu_src.system import Model, System, Variable, model_of
 from products.building import kernel_of, variables_of
 from products.registry import FMUS, ONE_WRITES
-from rbd_model.levels.models import DEFAULT_DEPTH, EVERY, model_of_levels, places_of
+from rbd_model.levels.models import DEFAULT_DEPTH, DEPTH_ON_LINE, EVERY, model_of_levels, places_of
+from rbd_model.track.line_table import LINE
 from rbd_model.vehicle.description import Vehicle
 from rbd_model.vehicle.ready import loaded_coal_wagon, passenger_coach, two_axle_bogie, wheelset_under_frame
 
@@ -63,27 +64,34 @@ def machine_of(what: Runnable, values: Mapping[str, Any], on_line: bool) -> Mach
         if isinstance(what, Vehicle):
             level = _chosen("level", values, LEVEL)
             depth = _chosen("contact_depth", values, int(DEFAULT_DEPTH))
-            return _of_a_vehicle(pickle.dumps(what), places_of(level, depth, on_line) or places_of(level))
+            places = places_of(level, depth, on_line or LINE.variable.name in values)
+            if not places:
+                raise ValueError(f"Set contact_depth to {DEPTH_ON_LINE} on a line: it was {depth}.")
+            return _of_a_vehicle(pickle.dumps(what), places)
         return _of_a_model(what) if isinstance(what, Model) else _compiled(model_from(what))
 
 
 def model_from(what: Model | System | Vehicle, places: Sequence[int] = EVERY) -> Model:
-    """The model of a system, or of a vehicle with the systems of `places`. Raises TypeError for what has no model."""
+    """The model of a system, or of a vehicle with the systems of `places`. Raises TypeError for what has no model.
+
+    ValueError for a system without an output.
+    """
     if isinstance(what, Vehicle):
         text = f"Railway vehicle of {len(what.wheelsets)} wheelsets under brake and traction torque"
         return model_of_levels(what.name, text, what, places)
     if isinstance(what, System):
+        if not what.outputs:
+            raise ValueError(f"The system {what.name} has no output; give it one.")
         return model_of(what, TOLERANCE)
     if isinstance(what, Model):
         return what
-    given = f"the class {what.__name__}" if isinstance(what, type) else repr(what)
-    raise TypeError(f"Give the name of an FMU, a Vehicle, a System or a Model; {given} is none of them.")
+    raise TypeError(f"Give the name of an FMU, a Vehicle, a System or a Model: it was {shown(what)}.")
 
 
 def _chosen(name: str, values: Mapping[str, Any], start: int) -> int:
     value = values.get(name, start)
     if value not in LEVELS:
-        raise ValueError(f"Set {name} to {', '.join(map(str, LEVELS[:-1]))} or {LEVELS[-1]}: it was {value}.")
+        raise ValueError(f"Set {name} to {', '.join(map(str, LEVELS[:-1]))} or {LEVELS[-1]}: it was {value!r}.")
     return int(value)
 
 

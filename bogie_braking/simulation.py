@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bogie_braking.checks import line_or_none, names_of, refused, seconds
+from bogie_braking.checks import line_or_none, names_of, refused, seconds, shown
 from bogie_braking.histories import History, Value
 from bogie_braking.machines import Runnable, machine_of
 from fmu_src.cosimulation.recording import Recording
@@ -24,6 +24,8 @@ INTERVAL = 0.01
 #: rounding may take.
 SAME, CLOCK = 1e-9, 1e-9
 LAST_DIGITS = 1e-15
+#: The most numbers that a recording holds.
+MOST = 1e8
 
 
 class Simulation:
@@ -49,7 +51,7 @@ class Simulation:
         self._take(values)
 
     def _lay(self, line: Line) -> None:
-        if not any(one.name == "line_file" for one in self._machine.variables.values()):
+        if "line_file" not in self._machine.variables:
             raise refused(f"{self._machine.name} runs on no line; leave the line out.")
         with tempfile.TemporaryDirectory() as folder:  # a kernel reads a line once and keeps it
             self._kernel.set(line_file=str(line.write(Path(folder) / "line.csv")))
@@ -99,6 +101,10 @@ class Simulation:
         duration, interval = seconds("the duration", duration), seconds("the interval", interval)
         variables, kernel = self._machine.variables, self._kernel
         asked = names_of(names, variables)
+        if duration / interval * (1 + len(asked)) > MOST:
+            raise ValueError(
+                f"Give an interval above {interval:g} s: {duration:g} s would be more than {MOST:g} numbers."
+            )
         heard, before = len(kernel.journal), kernel.counts if kernel.initialised else {}
         rows = self._rows(duration, interval, asked)
         units = {"time": "s"} | {name: variables[name].unit for name in asked}
@@ -150,12 +156,19 @@ class Simulation:
         return [list(row) for row in zip(*(table[name] for name in names), strict=True)]
 
     def save(self) -> bytes:
-        """The complete state, to be kept in a file or sent elsewhere."""
-        return self._kernel.save()
+        """The complete state, to be kept in a file or sent elsewhere; inputs over time are not part of it."""
+        return self._machine.name.encode() + b"\0" + self._kernel.save()
 
     def restore(self, state: bytes) -> None:
         """Back to a saved state of the same FMU, of another process too. Raises KernelError for what cannot be one."""
-        self._kernel.restore(state)
+        if not isinstance(state, bytes):
+            raise TypeError(f"Give the bytes that save gave: it was {shown(state)}.")
+        name, _, block = state.partition(b"\0")
+        if name != self._machine.name.encode() or len(block) != len(self._kernel.save()):
+            raise refused(
+                f"This is no saved state of {self._machine.name}, whose equations are these; none is restored."
+            )
+        self._kernel.restore(block)
 
 
 def on_grid(distance: float, interval: float) -> bool:

@@ -12,7 +12,7 @@ from functools import partial
 import numpy as np
 from tqdm import tqdm
 
-from bogie_braking.checks import known, line_or_none, names_of, seconds
+from bogie_braking.checks import known, line_or_none, names_of, seconds, shown
 from bogie_braking.histories import Column, Value
 from bogie_braking.machines import Runnable, machine_of, model_from
 from bogie_braking.simulation import Simulation
@@ -54,6 +54,8 @@ def sweep(
     executor, which they cannot be sent to.
     """
     duration, line = seconds("the duration", duration), line_or_none(line)
+    if not (executor is None or callable(getattr(executor, "map", None))):
+        raise TypeError(f"Give an executor of concurrent.futures, or none: it was {shown(executor)}.")
     if executor and isinstance(what, System | Model):
         raise TypeError("Equations of your own cannot be sent to an executor; leave it out, and threads run them here.")
     columns = columns_of(vary)
@@ -73,12 +75,14 @@ def sweep(
 
 
 def columns_of(vary: Mapping[str, Column]) -> dict[str, list[float]]:
-    """What varies, as numbers. Raises ValueError, also where nothing does."""
+    """What varies, as numbers. Raises TypeError for what has no names, ValueError for no numbers."""
+    if not isinstance(vary, Mapping):
+        raise TypeError(f"Give what varies by its names, such as {{'friction_1': [0.1, 0.2]}}: it was {shown(vary)}.")
     columns = {}
     for name, column in vary.items():
         values = np.array(column)
         if values.ndim != 1 or values.size == 0 or values.dtype.kind not in "biuf":
-            raise ValueError(f"Give {name} a list of numbers, one for each run: it was {column!r}.")
+            raise ValueError(f"Give {name} a list of numbers, one for each run: it was {shown(column)}.")
         columns[name] = values.astype(float).tolist()
     counts = sorted({len(column) for column in columns.values()})
     if len(counts) != 1:

@@ -7,6 +7,7 @@ import re
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 from pathlib import Path
@@ -130,6 +131,44 @@ def test_an_fmu_gives_the_numbers_of_a_run() -> None:
         for number in range(100):
             bogie.step(0.1 * number, 0.1)
         assert bogie["distance"] == pytest.approx(bb.run("bogie", 10.0, **BRAKED)["distance"][-1], rel=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "sentence"),
+    [
+        (lambda: bb.run(bb.System, 1.0), TypeError, "a System or a Model: it was the class System."),
+        (lambda: bb.run(None, 1.0), TypeError, "a System or a Model: it was None."),
+        (lambda: bb.run(bb.System("M", ""), 1.0), ValueError, "The system M has no output; give it one."),
+        (lambda: bb.run("bogie", -1.0), ValueError, "Give the duration as a number of seconds above 0: it was -1.0."),
+        (lambda: bb.run("bogie", "10"), ValueError, "seconds above 0: it was '10'."),
+        (lambda: bb.run("bogie", 1.0, interval=0), ValueError, "Give the interval as a number of seconds above 0"),
+        (lambda: bb.run("bogie", 1e9), ValueError, "1e+09 s would be more than 1e+08 numbers."),
+        (lambda: bb.run("bogie", 1.0, names="speed"), TypeError, 'as a list, such as ["speed"]'),
+        (lambda: bb.run("bogie", 1.0, names=["sped"]), KeyError, "no variable sped; did you mean speed?"),
+        (lambda: bb.run("bogie", 1.0, names=[]), ValueError, "Name at least one variable to record"),
+        (lambda: bb.run("bogie", 1.0, ["speed"]), TypeError, "Give the line as line_of(...) makes it"),
+        (lambda: bb.run("brake", 1.0, bb.line_of([bb.straight(9)])), bb.KernelError, "brake runs on no line"),
+        (lambda: bb.run("bogie", 1.0, names=["speed"])["sped"], KeyError, "no column sped; did you mean speed?"),
+        (lambda: bb.run("bogie", 1.0).plot("sped"), KeyError, "no column sped; did you mean speed?"),
+        (lambda: bb.Simulation("bogie").restore(b"abc"), bb.KernelError, "This is no saved state of bogie"),
+        (lambda: bb.Simulation("wheelset").restore(bb.Simulation("bogie").save()), bb.KernelError, "of wheelset"),
+        (lambda: bb.fmu(bb.vehicle("bogie")), TypeError, "name of the FMU as a text: it was a Vehicle."),
+        (lambda: bb.write_fmu("bogie", "x.fmu"), TypeError, "bogie is a name: fmu gives"),
+        (lambda: bb.sweep("bogie", 1.0, ["speed"], {"friction_1": 0.1}), ValueError, "friction_1 a list of numbers"),
+        (lambda: bb.sweep("bogie", 1.0, ["speed"], {}), ValueError, "there are none."),
+        (lambda: bb.sweep("bogie", 1.0, ["speed"], [0.1]), TypeError, "Give what varies by its names"),
+        (lambda: bb.sweep("bogie", 1.0, ["speed"], {"friction_1": [0.1]}, frction_2=1), KeyError, "mean friction_2?"),
+        (lambda: bb.sweep("bogie", 1.0, ["speed"], {"friction_1": [0.1]}, 4), TypeError, "or none: it was 4."),
+        (lambda: bb.fit("bogie", 3, {"frame_mass": 1.0}), TypeError, "path of a CSV file: it was 3."),
+        (lambda: bb.straight(-5), ValueError, "A segment is -5 m long; give each a length above 0 m"),
+        (lambda: bb.arc(100, 0), ValueError, "Give an arc a radius that is not 0 m"),
+        (lambda: bb.line_of(bb.straight(100)), TypeError, "Give a line its segments as a list"),
+        (lambda: bb.clothoid(10, 3, 4), TypeError, "Give a clothoid its length and two segments"),
+    ],
+)
+def test_a_mistake_is_told_in_a_sentence(call: Callable[[], object], error: type[Exception], sentence: str) -> None:
+    with pytest.raises(error, match=re.escape(sentence)):
+        call()
 
 
 def test_equations_of_ones_own_become_an_fmu_of_any_kind(tmp_path: Path) -> None:
@@ -281,6 +320,8 @@ def test_what_cannot_be_of_a_vehicle_is_told_in_a_sentence(tmp_path: Path) -> No
         bb.vehicle("coach")
     with pytest.raises(ValueError, match=r"Set level to 1, 2 or 3: it was 4\."):
         bb.run(longer(), 1.0, level=4)
+    with pytest.raises(ValueError, match=r"Set contact_depth to 2 on a line: it was 3\."):
+        bb.run(longer(), 1.0, bb.line_of([bb.straight(100.0)]), level=3, contact_depth=3)
     with pytest.raises(bb.KernelError, match="level chose the equations of Longer; give it as the simulation is made"):
         bb.Simulation(longer()).set(level=1)
     with pytest.raises(ValueError, match=r"Give level 1, 2 or 3, or leave it out for all of them: it was 7\."):
@@ -503,7 +544,10 @@ def test_a_fit_takes_a_line_and_the_inputs_that_were_measured() -> None:
 def test_a_fit_without_a_beginning_is_refused() -> None:
     for parameters, sentence in (
         ({FRICTION: 0.0}, "not 0"),
-        ({"constant_shoe_fricton": 0.2}, "no parameter constant_shoe_fricton; did you mean constant_shoe_friction?"),
+        (
+            {"constant_shoe_fricton": 0.2},
+            "no real parameter constant_shoe_fricton; did you mean constant_shoe_friction?",
+        ),
     ):
         with pytest.raises(ValueError, match=re.escape(sentence)):
             bb.fit("braked-vehicle", measured(1), parameters, **COACH)

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fmu_src.suggestion import suggestion
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
@@ -33,7 +35,13 @@ class Recording:
         self._columns = dict(zip(self.units, table.T, strict=True))
 
     def __getitem__(self, name: str) -> np.ndarray:
-        return self._columns[name]
+        """A column, shape (rows,), in its unit. Raises KeyError."""
+        return self._columns[self._known(name)]
+
+    def _known(self, name: str) -> str:
+        if name not in self._columns:
+            raise KeyError(f"The recording has no column {name}; {suggestion(name, self._columns)}")
+        return name
 
     def __repr__(self) -> str:
         columns = ", ".join(f"{name} [{unit}]" for name, unit in self.units.items())
@@ -69,7 +77,7 @@ class Recording:
         from matplotlib.figure import Figure  # heavy
 
         first, *others = self.names
-        shown = names or tuple(others)
+        shown = [self._known(name) for name in names or others]
         units = list(dict.fromkeys(self.units[name] for name in shown))
         figure = Figure(figsize=(8.0, 1.0 + 2.2 * len(units)), layout="constrained")
         charts = figure.subplots(len(units), sharex=True, squeeze=False)[:, 0]

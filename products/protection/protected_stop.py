@@ -16,6 +16,8 @@ from products.protection.braked_machine import APPLICATION_TIME, STANDING, Brake
 
 #: Start of braking [s], and time [s] after which a run that still moves is ended.
 BRAKE_START, LONGEST = 1.0, 300.0
+#: A controller is asked at least so often [s].
+LONGEST_PERIOD = 1.0
 #: Volume of a cylinder [m3] (AAR, brake_data.csv of the sources) and gas constant times temperature of air [J/kg].
 CYLINDER_VOLUME, GAS = 10.3e-3, 287.0 * 293.0
 
@@ -41,6 +43,8 @@ class Settings:
             value = getattr(self, name)
             if not (isinstance(value, Real) and 0.0 < float(value) < math.inf):
                 raise ValueError(f"Set {name} to a finite number above 0: it was {value!r}.")
+        if self.period > LONGEST_PERIOD:
+            raise ValueError(f"Set period to at most {LONGEST_PERIOD:g} s: it was {self.period:g} s.")
         if not (isinstance(self.pulses, Real) and self.pulses >= 1 and self.pulses == int(self.pulses)):
             raise ValueError(f"Set pulses to a whole number of at least 1: it was {self.pulses!r}.")
 

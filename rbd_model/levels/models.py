@@ -62,17 +62,21 @@ def places_of(level: int | None = None, depth: int | None = None, on_line: bool 
 def model_of_levels(name: str, text: str, vehicle: Vehicle, places: Sequence[int] = EVERY) -> Model:
     """A vehicle at all levels as one FMU: inputs, outputs, level, parameters in the order of their set.
 
-    places: which of the systems it has, as `places_of` gives them. Those that it lacks cannot be chosen.
+    places: which of the systems it has, as `places_of` gives them. Those that it lacks cannot be chosen; without
+    one on a line it has no name of a line's file.
     """
     systems = tuple(system_at(vehicle, place) for place in places)
-    choice = tuple(places.index(place) if place in places else NONE for place in CHOICE_ON_LINE)
+    on_line = max(places) > max(CHOICE)
+    choice = tuple(
+        places.index(place) if place in places else NONE for place in (CHOICE_ON_LINE if on_line else CHOICE)
+    )
     chosen_by = selectors()
     table = (
         *variables.inputs(vehicle).values(),
         *variables.outputs(vehicle).values(),
         *chosen_by,
         *parameters_of(vehicle, systems),
-        LINE.variable,
+        *([LINE.variable] if on_line else []),
         *integration_variables(DEFAULT_TOLERANCE),
     )
     return Model(name, text, table, systems, tuple(one.name for one in chosen_by), choice, stop_time=25.0)

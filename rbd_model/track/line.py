@@ -12,6 +12,7 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
+from numbers import Real
 from pathlib import Path
 
 import numpy as np
@@ -31,12 +32,20 @@ ROUNDING = 1.0
 
 @dataclass(frozen=True)
 class Segment:
-    """A piece of line, whose curvature [1/m], cant [m] and gradient [1] go linearly from a first to a last value."""
+    """A piece of line, whose curvature [1/m], cant [m] and gradient [1] go linearly from a first to a last value.
+
+    Raises ValueError for a length [m] that is not above 0, and for what is not finite.
+    """
 
     length: float
     curvature: tuple[float, float] = (0.0, 0.0)
     cant: tuple[float, float] = (0.0, 0.0)
     gradient: tuple[float, float] = (0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        sizes = (self.length, *self.curvature, *self.cant, *self.gradient)
+        if not all(isinstance(size, Real) and math.isfinite(size) for size in sizes) or not self.length > 0.0:
+            raise ValueError(f"A segment is {self.length!r} m long; give each a length above 0 m, and finite numbers.")
 
     @property
     def ends(self) -> np.ndarray:
@@ -56,12 +65,22 @@ def straight(length: float, gradient: float = 0.0) -> Segment:
 
 
 def arc(length: float, radius: float, cant: float = 0.0, gradient: float = 0.0) -> Segment:
-    """A curve of one radius [m], to the left where it is positive; cant [m] has the sign of the radius it suits."""
+    """A curve of one radius [m], to the left where it is positive; cant [m] has the sign of the radius it suits.
+
+    Raises ValueError for a radius of 0 m.
+    """
+    if radius == 0.0:
+        raise ValueError("Give an arc a radius that is not 0 m; straight makes what has none.")
     return Segment(length, (1 / radius, 1 / radius), (cant, cant), (gradient, gradient))
 
 
 def clothoid(length: float, before: Segment, behind: Segment) -> Segment:
-    """The transition between two segments, with its cant ramp and, where they differ in gradient, a vertical curve."""
+    """The transition between two segments, with its cant ramp and, where they differ in gradient, a vertical curve.
+
+    length [m]. Raises TypeError for what is no segment, ValueError for a length that is not above 0.
+    """
+    if not (isinstance(before, Segment) and isinstance(behind, Segment)):
+        raise TypeError("Give a clothoid its length and two segments: that before it and that behind it.")
     (*_, first), (last, *_) = before.ends, behind.ends
     return Segment(length, *(tuple(pair) for pair in zip(first.tolist(), last.tolist(), strict=True)))
 
@@ -111,9 +130,12 @@ def line_of(segments: Iterable[Segment], start: float = 0.0) -> Line:
     """A line of segments one after the other from a distance [m]; joints within what goes on alike leave no trace.
 
     Corners and jumps are rounded over ROUNDING on either side. Raises ValueError for a segment without length, or one
-    that is shorter than what is rounded at both its ends.
+    that is shorter than what is rounded at both its ends. Raises TypeError for what is no list of segments.
     """
-    pieces = joined(list(segments))
+    given = [] if isinstance(segments, Segment) else list(segments)
+    if isinstance(segments, Segment) or not all(isinstance(one, Segment) for one in given):
+        raise TypeError("Give a line its segments as a list, such as line_of([straight(100), arc(200, 400)]).")
+    pieces = joined(given)
     joints = start + np.concatenate([[0.0], np.cumsum([piece.length for piece in pieces])])
     distances, values = [joints[0]], [pieces[0].ends[0]]
     for number, piece in enumerate(pieces):
@@ -137,8 +159,6 @@ def joined(segments: Sequence[Segment]) -> list[Segment]:
         raise ValueError("Give a line at least one segment.")
     found = [segments[0]]
     for before, segment in pairwise(segments):
-        if not segment.length > 0.0:
-            raise ValueError(f"A segment is {segment.length:g} m long; give each a length above 0 m.")
         meets = np.allclose(before.ends[1], segment.ends[0], rtol=1e-12, atol=1e-15)
         if meets and np.allclose(before.slopes, segment.slopes, rtol=1e-9, atol=1e-15):
             whole = found.pop()
