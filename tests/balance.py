@@ -22,7 +22,6 @@ from rbd_model.wheelset.touching_patch import LARGEST_STEP
 from tests.maximal.correspondence import bodies_of, rates_of
 from tests.maximal.machine import SIDES, Machine
 from tests.maximal.motion import Moving
-from tests.maximal.oracle import FLANGE_SLOPE
 from tests.maximal.rails import Course, RailData, Rails, prisms
 from tests.maximal.touch import Touch, Wheel, axle_axes, touches
 
@@ -191,18 +190,3 @@ def holding(now: Now, kernel: Kernel, number: int) -> Iterator[Reaction]:
         axle = now.bodies[wheelset_name(number)].position
         track, radius = now.track(axle), now.vehicle.number(now.vehicle.wheelsets[number - 1].mean_radius)
         yield Reaction(axle - radius * track[:, 2], kernel[f"creep_force_{number}"] * track[:, 0])
-
-
-def on_treads(machine: Machine, now: Now, kernel: Kernel, base: float) -> list[Reaction]:
-    """Of the rails of level 3 at any depth of contact, where each wheel bears on its tread alone.
-
-    Both wheels of an axle share its creep force along the track: yaw is not told.
-    """
-    found = []
-    for one in wheels(machine, now, base):
-        deepest = max((at for at in one.near if at.slope < FLANGE_SLOPE), key=lambda at: at.approach)
-        names = (f"{name}_{one.number}_{SIDES[one.side]}" for name in ("lateral_force", "wheel_load"))
-        aside, up = (kernel[name] for name in names)
-        force = np.array([kernel[f"creep_force_{one.number}"] / 2, -one.side * aside, up])
-        found.append(Reaction(one.body.position + deepest.arm, now.track(one.body.position) @ force))
-    return found

@@ -428,23 +428,26 @@ static const char *good_text(const host *h) {
     }
 }
 
+/* The variable that is a path, if the model has one; else -1. */
+static int text_variable(void) { return MODEL.table_file ? MODEL.table_file->variable : -1; }
+
 static void look_at_line(host *h) {
-    const unsigned vr = (unsigned)MODEL.line_file;
+    const unsigned vr = (unsigned)text_variable();
     const char *text = NULL;
-    if (MODEL.line_file < 0) return;
+    if (text_variable() < 0) return;
     const int status = get_text(h, &vr, 1, &text);
     expect(h, is_fine(status) && text && strcmp(text, h->is.line) == 0, "the line is the one that was set last");
 }
 
 static int set_string(host *h) {
-    if (MODEL.line_file < 0 && !h->insane) return -1;
+    if (text_variable() < 0 && !h->insane) return -1;
     const char *text[SOME] = {good_text(h), NULL};
-    unsigned vr[SOME] = {(unsigned)MODEL.line_file};
+    unsigned vr[SOME] = {(unsigned)text_variable()};
     size_t n = 1, values = 1; /* no model has more texts than one */
     int null_references = 0;
     if (h->insane) {
         const unsigned choice = random_number(is_three(h) ? 5 : 4);
-        if (choice == 0 || MODEL.line_file < 0) n = values = 2, vr[random_number(2)] = no_reference(KIND_STRING), text[1] = "";
+        if (choice == 0 || text_variable() < 0) n = values = 2, vr[random_number(2)] = no_reference(KIND_STRING), text[1] = "";
         else if (choice == 1) null_references = 1;
         else if (choice == 2) text[n - 1] = NULL;
         else if (choice == 3) text[n - 1] = bad_text();
@@ -462,9 +465,9 @@ static int set_string(host *h) {
 
 static int get_string(host *h) {
     const char *text[SOME] = {NULL};
-    unsigned vr = (unsigned)MODEL.line_file;
-    if (MODEL.line_file < 0 && !h->insane) return -1;
-    const unsigned choice = random_number(MODEL.line_file < 0 ? 1 : 3);
+    unsigned vr = (unsigned)text_variable();
+    if (text_variable() < 0 && !h->insane) return -1;
+    const unsigned choice = random_number(text_variable() < 0 ? 1 : 3);
     if (!h->insane) {
         const int status = get_text(h, &vr, 1, text);
         if (is_fine(status)) expect(h, strcmp(text[0], h->is.line) == 0, "the line is the one that was set last");
@@ -934,8 +937,8 @@ static void look_at_restored(host *h, const saved *s) {
     double output[MOST];
     expect(h, h->events || h->face != COSIMULATION_3 || s->is.state != EVENT, "event mode is for hosts that use it");
     const char *line = "";
-    const unsigned vr = (unsigned)MODEL.line_file;
-    if (MODEL.line_file >= 0) expect(h, is_fine(get_text(h, &vr, 1, &line)) && is_same_file(line, s->is.line), "the line is that of the saved state");
+    const unsigned vr = (unsigned)text_variable();
+    if (text_variable() >= 0) expect(h, is_fine(get_text(h, &vr, 1, &line)) && is_same_file(line, s->is.line), "the line is that of the saved state");
     h->is = s->is;
     snprintf(h->is.line, sizeof h->is.line, "%s", line);
     ++restored;

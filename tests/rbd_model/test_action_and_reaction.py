@@ -81,7 +81,7 @@ def pair(law: str, between: str) -> Pair:
     kind, sizes = LAWS[law]
     names = BETWEEN[between]
     connection = kind("front_secondary", *names, PLACE, **{"both_sides": kind is not Torsion} | sizes)
-    assembly = assemble("pair", "", passenger_coach())
+    assembly = assemble("pair", "", passenger_coach(), "body_", False)
     both = [End(name, end(name), ca.SX([0.5 * i, 0, 0.1]), "wheelset" in name) for i, name in enumerate(names)]
     loads = Loads(assembly.system, {one.name: one for one in both})
     relation = loads.relation(*names)
@@ -137,15 +137,15 @@ def test_a_connection_gives_what_its_potential_loses_less_what_it_turns_to_heat(
     working = ca.SX(0)
     for body, load in zip(one.bodies, one.loads, strict=True):
         working += ca.dot(load.force, body.velocity) + ca.dot(load.moment, body.own_rate)
-    states = one.assembly.system.states
+    system = one.assembly.system
     for seed in range(5):
         state, chosen = drawn(one, seed)
         given, lost, _ = (number(one.value(value, state, chosen)) for value in (working, one.power, one.potential))
         stored = []
         for step in (-1e-6, 1e-6):
             moved = Drawn(dict(chosen), chosen.generator)
-            for name, own in states.items():
-                rate = number(one.value(one.assembly.system.derivatives[name], state, chosen))
+            for name, derivative in system.derivatives.items():
+                own, rate = system.states[name], number(one.value(derivative, state, chosen))
                 moved[own.symbol.name()] = chosen[own.symbol.name()] + step * rate
             stored.append(number(one.value(one.potential, advanced(one, state, step), moved)))
         size = abs(given) + abs(lost)

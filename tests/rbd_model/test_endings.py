@@ -27,7 +27,7 @@ STIFF = {name: 30 * getattr(P, name) for name in ("lateral_stiffness", "vertical
 
 @pytest.fixture(scope="module")
 def patched() -> Library:
-    return quick_library(model_of(MAKERS["patched"](), 1e-6))
+    return quick_library(model_of(MAKERS["spatial"](), 1e-6))
 
 
 def said_in_curve(library: Library, folder: Path, arm: float, sign: float) -> list[str]:

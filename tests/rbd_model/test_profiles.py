@@ -12,7 +12,7 @@ import pytest
 
 from rbd_model.contact.geometry import (
     STANDARD_GAUGE,
-    Contact,
+    ContactAtShift,
     Guidance,
     Pair,
     Side,
@@ -368,7 +368,7 @@ def test_flange_contact_and_loss_of_tread_contact_are_where_the_thesis_says() ->
 def test_tread_contact_is_lost_where_the_curvatures_of_wheel_and_rail_sum_to_zero() -> None:
     pair = thesis_pair()
 
-    def gap_curvature(contact: Contact) -> float:
+    def gap_curvature(contact: ContactAtShift) -> float:
         on_wheel = np.array([contact.position[0]])
         on_rail = on_wheel + contact.shift + pair.radius * contact.roll
         return float(pair.wheel.height(on_wheel, 2)[0] - pair.rail.height(on_rail, 2)[0])
