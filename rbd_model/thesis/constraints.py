@@ -44,8 +44,7 @@ def sub_jacobian(i: BodyMotion, j: BodyMotion, wheel: Surface, rail: RailSurface
     tangents, normal = i.axes @ wheel.tangents, j.axes @ rail.normal
     of_wheel[0, 0] = of_wheel[1, 1] = of_wheel[2, 2] = 1.0
     of_rail[0, 0] = of_rail[1, 1] = of_rail[2, 2] = -1.0
-    of_wheel[:3, 0] -= j.axes @ rail.tangents[:, 2]
-    of_wheel[3:, 0] = tangents.T @ (j.axes @ rail.normal_slope[:, 2])
+    of_wheel[:3, 0] -= j.axes @ rail.drift
     of_wheel[:3, 3:] = -i.axes @ _skew_times(wheel.point, i.g)
     of_rail[:3, 3:] = j.axes @ _skew_times(rail.point, j.g)
     in_wheel = i.axes.T @ normal
@@ -53,9 +52,9 @@ def sub_jacobian(i: BodyMotion, j: BodyMotion, wheel: Surface, rail: RailSurface
         of_wheel[3 + row, 3:] = -cross(in_wheel, wheel.tangents[:, row]) @ i.g
         of_rail[3 + row, 3:] = -cross(j.axes.T @ tangents[:, row], rail.normal) @ j.g
     wheel_s[:3] = tangents
-    rail_s[:3] = -j.axes @ rail.tangents[:, :2]
+    rail_s[:3] = -j.axes @ rail.tangents
     wheel_s[3:] = np.tensordot(in_wheel, wheel.second, 1)
-    rail_s[3:] = tangents.T @ (j.axes @ rail.normal_slope[:, :2])
+    rail_s[3:] = tangents.T @ (j.axes @ rail.normal_slope)
     return SubJacobian(of_wheel, of_rail, wheel_s, rail_s)
 
 
@@ -73,15 +72,14 @@ def quadratic_terms(
 
     rates: of the surface parameters of wheel and rail. Contains third derivatives of the wheel's profile.
     """
-    of_wheel, of_rail = rates[0], np.append(rates[1], i.velocity[0])
-    relative = wheel.tangents @ of_wheel, rail.tangents @ of_rail
-    bend = _twice(wheel.second, of_wheel), _twice(rail.second, of_rail)
+    (of_wheel, of_rail), speed = rates, float(i.velocity[0])
+    relative = wheel.tangents @ of_wheel, rail.tangents @ of_rail + rail.drift * speed
+    bend = _twice(wheel.second, of_wheel), _twice(rail.second, of_rail) + rail.drift_rate * speed**2
     out = np.empty(EQUATIONS)
     out[:3] = _second(j, rail.point, relative[1], bend[1]) - _second(i, wheel.point, relative[0], bend[0])
     normal = j.axes @ rail.normal
     normal_rate = _first(j, rail.normal, rail.normal_slope @ of_rail)
-    normal_bend = _twice(rail.normal_bend, of_rail)
-    normal_second = _second(j, rail.normal, rail.normal_slope @ of_rail, normal_bend)
+    normal_second = _second(j, rail.normal, rail.normal_slope @ of_rail, _twice(rail.normal_bend, of_rail))
     for row in range(2):
         tangent, change = wheel.tangents[:, row], wheel.second[:, row] @ of_wheel
         second = _second(i, tangent, change, _twice(wheel.third[:, row], of_wheel))

@@ -72,13 +72,6 @@ def composed(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     return np.concatenate([[first[0] * second[0] - first[1:] @ second[1:]], vector])
 
 
-def from_matrix(axes: np.ndarray) -> np.ndarray:
-    """Euler parameters of a rotation matrix, (3.2) turned round, for one of less than half a turn."""
-    first = math.sqrt(1.0 + float(np.trace(axes))) / 2
-    twice = axes - axes.T  # the skew part, twice the sine of the angle along the axis
-    return np.array([first, *(np.array([twice[2, 1], twice[0, 2], twice[1, 0]]) / (4 * first))])
-
-
 def mass_matrix(mass: float, inertia: np.ndarray, theta: np.ndarray) -> np.ndarray:
     """M (7 x 7) of a body whose origin is its centre of mass, eqs (3.20), (3.24)-(3.28).
 

@@ -15,7 +15,7 @@ from rbd_model.thesis.creep import EllipseLaw, flange_force, hertz_ellipse, pola
 from rbd_model.thesis.euler import cross, mass_matrix, norm_error, quadratic_velocity
 from rbd_model.thesis.forces import BodyMotion, axle_box, between_frames, of_body_moment, of_force
 from rbd_model.thesis.layout import bogie_layout, inertia, vehicle_layout
-from rbd_model.thesis.surfaces import ORDERS, RailSurface, Surface, rail_surface, wheel_surface
+from rbd_model.thesis.surfaces import RailSurface, Surface, rail_surface, wheel_surface
 from rbd_model.vehicle.parameters import AS_PRINTED, BogieParameters, VehicleParameters
 
 #: Bodies in the order of (4.1), (5.1): right rail, left rail, wheelsets, what is above; contacts: right, then left, of
@@ -26,13 +26,13 @@ COORDINATES, PARAMETERS = 7, 2
 #: Relative change of the normal forces at which their iteration ends, and its largest number of rounds.
 NORMAL_FORCE_TOLERANCE, MAXIMUM_ROUNDS = 1e-14, 100
 
-#: Lateral shift, heights of left and right rail [m], at a distance [m]: shape (4, 3), values and three derivatives.
+#: Lateral shift, heights of left and right rail [m], at a distance [m]: shape (3, 3), values and two derivatives.
 Irregularity = Callable[[float], np.ndarray]
 
 
 def perfect_track(distance: float) -> np.ndarray:
-    """No irregularity, as section 4.2 has it; shape (4, 3)."""
-    return np.zeros((ORDERS, 3))
+    """No irregularity, as section 4.2 has it; shape (3, 3)."""
+    return np.zeros((3, 3))
 
 
 @dataclass(frozen=True)
@@ -91,9 +91,8 @@ class Touch:
 class Mechanism:
     """One wheelset in a frame (wheelsets = 1, chapter 4), the two-axle bogie (2, chapter 5), or the vehicle (4).
 
-    speed [m/s]: held by a constraint when given, as for the comparison with VAMPIRE. rails: straight ones, or those of
-    a line, on which nothing holds the frame's pitch. Raises ValueError for what chapter 3 does not have: torques that
-    react on the frame (3.36), a flange's force at the rail (3.106), two half spacings; and for a speed on a line.
+    speed [m/s]: held by a constraint when given, as for the comparison with VAMPIRE. Raises ValueError for what chapter
+    3 does not have: torques that react on the frame (3.36), a flange's force at the rail (3.106), two half spacings.
     """
 
     def __init__(
@@ -154,7 +153,7 @@ class Mechanism:
         return self.rail_parameters(self.contacts + contact)
 
     def shift_of(self, side: int, distance: float) -> np.ndarray:
-        """Of one rail, to the left and upwards (5.3), (5.4): shape (4, 2) [m]."""
+        """Of one rail, to the left and upwards (5.3), (5.4): shape (3, 2) [m]."""
         return self.irregularity(distance)[:, [0, 2 if side < 0 else 1]]
 
     def motions(self, q: np.ndarray, q_rate: np.ndarray) -> list[BodyMotion]:
@@ -308,7 +307,7 @@ class Mechanism:
         Differs from the thesis: divided by sqrt(V^2 + v_eps^2), as V is 0 at rest.
         """
         body = touch.wheel_body
-        along = touch.rail_body.axes @ touch.rail.along
+        along = touch.rail_body.axes @ touch.rail.tangents[:, 0]
         sideways = cross(touch.normal, along)
         sliding = body.velocity_of(touch.wheel.point)
         omega = body.axes @ body.omega
@@ -323,9 +322,9 @@ class Mechanism:
 
     def curvatures(self, touch: Touch) -> tuple[float, float]:
         """A and B of (3.83) [1/m]; a rail that is a prism has no curvature along the track."""
-        r, (along, across) = touch.radius, touch.rail.curvatures
+        r = touch.radius
         slope = math.hypot(1.0, r[1])
-        return (1.0 / (r[0] * slope) + along) / 2, (across - r[2] / slope**3) / 2
+        return 0.5 / (r[0] * slope), (touch.rail.curvature - r[2] / slope**3) / 2
 
     # -- the augmented equations ---------------------------------------------------------------------------------
 

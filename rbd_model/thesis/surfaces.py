@@ -54,10 +54,11 @@ class Surface:
 
 @dataclass(frozen=True)
 class RailSurface:
-    """A rail, in the axes of its body, at the surface parameters s_1, s_2 and the distance of the wheelset on it [m].
+    """A rail, in axes of its body, at the surface parameters s_1, s_2 [m], (3.48)-(3.51), with its normal (3.53).
 
-    point (3,) with first and second derivatives by these three, (3, 3), (3, 3, 3), of (3.48)-(3.51); normal (3.53), of
-    any length, with its own; side: 1 left, -1 right. The distance is the x of the wheelset's position R of (3.1).
+    point (3,), tangents (3, 2), second (3, 2, 2) as in Surface; normal (3,) of any length, normal_slope (3, 2),
+    normal_bend (3, 2, 2): the same of it. drift, drift_rate (3,): first and second derivative of `point` by the
+    distance of the wheelset on it, which is the x of its position R of (3.1). side: 1 left, -1 right.
     """
 
     point: np.ndarray
@@ -66,6 +67,8 @@ class RailSurface:
     normal: np.ndarray
     normal_slope: np.ndarray
     normal_bend: np.ndarray
+    drift: np.ndarray
+    drift_rate: np.ndarray
     side: int
 
     @property
@@ -74,15 +77,10 @@ class RailSurface:
         return self.normal * (self.side / math.sqrt(self.normal @ self.normal))
 
     @property
-    def along(self) -> np.ndarray:
-        """Unit vector along the rail, t_1 of (3.48)."""
-        return self.tangents[:, 0] / math.sqrt(self.tangents[:, 0] @ self.tangents[:, 0])
-
-    @property
-    def curvatures(self) -> tuple[float, float]:
-        """1/rho_x and 1/rho_y of (3.83) along and across the rail [1/m], positive for the crown of a rail."""
-        bent = [self.upwards @ self.second[:, i, i] / (self.tangents[:, i] @ self.tangents[:, i]) for i in (0, 1)]
-        return -float(bent[0]), -float(bent[1])
+    def curvature(self) -> float:
+        """1/rho_y of (3.83) across the rail [1/m], positive for the crown of a rail; along it a prism has none."""
+        across = self.tangents[:, 1]
+        return -float(self.upwards @ self.second[:, 1, 1] / (across @ across))
 
 
 def wheel_surface(
@@ -120,16 +118,17 @@ def rail_surface(
 ) -> RailSurface:
     """A prism along straight track, eq. (3.78), at s = (distance [m], position on the profile [m]).
 
-    irregularity (3 or more, 2): lateral and vertical shift of the rail at the wheelset's distance, and their first and
+    irregularity (3, 2): lateral and vertical shift of the rail at the wheelset's distance, and their first and
     second derivatives. Differs from the thesis, which does not say how its irregularities (5.3), (5.4) enter: each
     wheelset meets rails that are shifted by the irregularity at its own distance, which is its x.
     """
     z = profile_derivatives(profile, s[1])
     shift = irregularity[0]
     point = np.array([s[0], side * (half_distance + s[1]) + shift[0], z[0] + shift[1]])
-    tangents = np.array([[1.0, 0.0, 0.0], [0.0, side, irregularity[1, 0]], [0.0, z[1], irregularity[1, 1]]])
-    second, normal_slope, normal_bend = np.zeros((3, 3, 3)), np.zeros((3, 3)), np.zeros((3, 3, 3))
-    second[2, 1, 1], second[1:, 2, 2] = z[2], irregularity[2]
+    tangents = np.array([[1.0, 0.0], [0.0, side], [0.0, z[1]]])
+    second, normal_slope, normal_bend = np.zeros((3, 2, 2)), np.zeros((3, 2)), np.zeros((3, 2, 2))
+    second[2, 1, 1] = z[2]
     normal_slope[1, 1], normal_bend[1, 1, 1] = -z[2], -z[3]
     normal = np.array([0.0, -z[1], float(side)])
-    return RailSurface(point, tangents, second, normal, normal_slope, normal_bend, side)
+    drift, drift_rate = np.array([0.0, *irregularity[1]]), np.array([0.0, *irregularity[2]])
+    return RailSurface(point, tangents, second, normal, normal_slope, normal_bend, drift, drift_rate, side)

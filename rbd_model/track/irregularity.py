@@ -182,9 +182,9 @@ def with_line(track: Track) -> Track:
 
 
 def derivatives_along(parameters: TrackParameters) -> Callable[[float], np.ndarray]:
-    """The track with (5.3), (5.4) in plain numbers: at a distance [m], shape (4, 3).
+    """The track with (5.3), (5.4) in plain numbers: at a distance [m], shape (3, 3).
 
-    Rows: value and three derivatives. Columns: lateral position of both rails, height of the left and of the
+    Rows: value and two derivatives. Columns: lateral position of both rails, height of the left and of the
     right one [m].
     """
     system = System("track", "its parameters become numbers")
@@ -192,7 +192,7 @@ def derivatives_along(parameters: TrackParameters) -> Callable[[float], np.ndarr
     section = irregular_track(parameters)(system)(1, distance)
     values = ca.vertcat(section.lateral, section.left, section.right)
     rows = [values]
-    for _ in range(3):
+    for _ in range(2):
         rows.append(ca.jacobian(rows[-1], distance))
     symbols = ca.vertcat(*system.parameter_symbols.values())
     numbers = ca.DM([variable.start for variable in system.variables])

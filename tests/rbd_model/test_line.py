@@ -150,11 +150,10 @@ SEEN = ("speed", "distance", "lateral_1", "yaw_1", "wheel_load_1_left", "wheel_l
 
 
 def test_a_line_of_many_segments_is_the_same_line(written, patched: Library) -> None:  # type: ignore[no-untyped-def]
-    library = patched
     found = []
     for segments in (winding(), [piece for segment in winding() for piece in cut(segment, 7)]):
         line = line_of(segments, -35.0)
-        kernel = Kernel(library, line_file=written(line), initial_speed=22.0, tolerance=1e-10)
+        kernel = Kernel(patched, line_file=written(line), initial_speed=22.0, tolerance=1e-10)
         kernel.advance(3.2)  # into the first curve
         found.append([kernel[name] for name in SEEN])
     assert found[0] == pytest.approx(found[1], rel=SAME_BAND, abs=1e-10)
@@ -236,11 +235,10 @@ def test_energy_closes_while_a_flange_pushes_rails_aside(written, patched) -> No
 
 def test_a_curve_of_a_million_kilometres_is_straight(written, patched: Library) -> None:  # type: ignore[no-untyped-def]
     """But for the rolling line itself, r0 l / (conicity R) = 4.5 nm at 1e9 m, which goes with the curvature."""
-    library = patched
     found = {}
     for radius in (1e9, 1e12, math.inf):
         line = written(line_of([arc(400, radius) if radius < math.inf else straight(400)]))
-        kernel = Kernel(library, line_file=line, initial_speed=20.0, initial_lateral=0.003, tolerance=1e-8)
+        kernel = Kernel(patched, line_file=line, initial_speed=20.0, initial_lateral=0.003, tolerance=1e-8)
         kernel.set(brake_torque_1=10e3, brake_torque_2=10e3)
         kernel.advance(5.0)
         found[radius] = np.array([kernel[name] for name in ("speed", "distance", "axle_load_1", "lateral_1")])
@@ -397,17 +395,12 @@ def steering(radius: float, stiffness: float) -> np.ndarray:
     return np.linalg.solve(matrix, right)
 
 
-def softness(kernel: Kernel, direction: str) -> float:
-    """How far a rail below a wheelset yields to a force [m/N]."""
-    return 1 / kernel[f"track_{direction}_stiffness"]
-
-
 def test_a_flange_meets_its_rail_half_of_the_widening_further_out(written, patched: Library) -> None:  # type: ignore[no-untyped-def]
     """In a curve of 150 m, whose outer rail holds the leading wheelset; w of the gauge is w / 2 of each rail.
 
     A displacement rolls a wheelset, and its flange, an axle's height below, moves further than its centre.
     """
-    library, flange = patched, flange_of(thesis_pair())
+    flange = flange_of(thesis_pair())
     line = line_of([straight(20), clothoid(30, straight(1), arc(1, 150)), arc(100, 150)])
     arm = two_axle_bogie().parameters.wheel_radius + flange.depth
     for_each = 1 / (1 + arm * flange.roll_by_shift)
@@ -416,7 +409,7 @@ def test_a_flange_meets_its_rail_half_of_the_widening_further_out(written, patch
         told = {"gauge_widening": wide}, {"left_lateral": wide / 2, "right_lateral": -wide / 2}
         answers = []
         for columns in told[: 2 if wide else 1]:
-            kernel = Kernel(library, line_file=written(with_columns(line, **columns)), initial_speed=10.0)
+            kernel = Kernel(patched, line_file=written(with_columns(line, **columns)), initial_speed=10.0)
             kernel.set(constant_speed=1.0)
             kernel.advance(10.0)
             answers.append([kernel[name] for name in SEEN])
@@ -468,7 +461,7 @@ def test_a_vehicle_leans_away_from_the_higher_rail(side, sign, written, patched:
     kernel = Kernel(patched, line_file=written(line), initial_speed=3.0, constant_speed=1.0)
     kernel.advance(25.0)
     other = {"left": "right", "right": "left"}[side]
-    sunk = (kernel[f"wheel_load_1_{other}"] - kernel[f"wheel_load_1_{side}"]) * softness(kernel, "vertical")
+    sunk = (kernel[f"wheel_load_1_{other}"] - kernel[f"wheel_load_1_{side}"]) / kernel["track_vertical_stiffness"]
     assert kernel["frame_roll"] == pytest.approx(sign * (height + sunk) / (2 * spacing), rel=LEANING_BAND)
     assert kernel["wheelset_1_above"] - two_axle_bogie().parameters.wheel_radius == pytest.approx(height / 2, rel=0.01)
     assert kernel[f"wheel_load_1_{other}"] > 1.02 * kernel[f"wheel_load_1_{side}"]

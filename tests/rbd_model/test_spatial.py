@@ -548,7 +548,7 @@ def test_wave_and_plateau_are_those_printed() -> None:
     assert (left + right) / 2 == pytest.approx(0.03 * np.sin(np.pi * 0.07 * 10.0), rel=1e-12)
     for distance in (5.3, 15.0, 60.0):
         before, at, after = (track(distance + h) for h in (-1e-4, 0.0, 1e-4))
-        assert np.abs((after - before)[:3] / 2e-4 - at[1:]).max() < 1e-6
+        assert np.abs((after - before)[:2] / 2e-4 - at[1:]).max() < 1e-6
 
 
 @pytest.mark.parametrize(

@@ -194,7 +194,7 @@ def accelerations_of(of: Machine, state: State, answer: Answer, mechanism: Mecha
     """Accelerations by the names of the fast model's states, but absolute ones along the track [m/s2, rad/s2]."""
     out = {}
     for number, name in enumerate(of.bodies, mechanism.frame):
-        linear, alpha, _ = in_track_axes(mechanism, number, state, answer)
+        linear, alpha, _ = rates_of(mechanism, number, state, answer)
         rates = ("lateral_rate", "bounce_rate", "roll_rate", "pitch_rate", "yaw_rate")
         out[f"along_{name}"] = linear[0]
         names = [motion_of(of, name, rate) for rate in rates]
@@ -202,15 +202,13 @@ def accelerations_of(of: Machine, state: State, answer: Answer, mechanism: Mecha
     if mechanism.layout.level:
         del out["pitch_rate"]
     for number in range(1, mechanism.wheelsets + 1):
-        linear, alpha, yawing = in_track_axes(mechanism, FIRST_WHEELSET + number - 1, state, answer)
+        linear, alpha, yawing = rates_of(mechanism, FIRST_WHEELSET + number - 1, state, answer)
         out |= {f"axle_{number}": linear[0], f"lateral_speed_{number}": linear[1]}
         out |= {f"yaw_rate_{number}": yawing, f"angular_velocity_{number}": alpha[1]}
     return out
 
 
-def in_track_axes(
-    mechanism: Mechanism, number: int, state: State, answer: Answer
-) -> tuple[np.ndarray, np.ndarray, float]:
+def rates_of(mechanism: Mechanism, number: int, state: State, answer: Answer) -> tuple[np.ndarray, np.ndarray, float]:
     """Rates of a body's velocity [m/s2], of its angular velocity in its own axes, and of the third component of that in
     axes that do not pitch with it [rad/s2].
     """
