@@ -7,14 +7,12 @@ once; and what repeats is differentiated once, for all the places where it stand
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from itertools import pairwise
 from typing import Any, TypeVar
 
 import casadi as ca
-import numpy as np
 
 
 @dataclass(frozen=True)
@@ -249,44 +247,6 @@ class Chain:
             known.append(call.symbols)
             rates.append(call.slope @ given)
         return ca.jtimes(self.without_waists(expression), ca.vertcat(*known), ca.vertcat(*rates))
-
-
-#: Results of the same operations, up to the order in which a processor of another kind might do them.
-SAME = 1e-9
-#: Places at which functions are compared: enough for each result to be a number at one of them.
-PLACES = 100
-
-
-def shared(name: str, given: Sequence[ca.SX], results: Sequence[ca.SX]) -> ca.Function:
-    """A function in which equal expressions are computed once.
-
-    CasADi 3.8 finds them, but has put a wrong symbol in place of a sum that it simplified at the same time, as of
-    (x + y) - y. So nothing is simplified meanwhile, and what comes out is held against what went in. Raises ValueError
-    where they differ.
-    """
-    ca.GlobalOptions.setSimplificationOnTheFly(False)
-    try:
-        function = ca.Function(name, given, ca.cse(list(results)))
-    finally:
-        ca.GlobalOptions.setSimplificationOnTheFly(True)
-    if differ(function, ca.Function(name, given, results)):
-        raise ValueError(f"{name}: equal expressions were not found rightly; use another version of CasADi.")
-    return function
-
-
-def differ(one: ca.Function, other: ca.Function) -> bool:
-    """Whether two functions differ at random places, which go on until each result was a number at one of them."""
-    random = np.random.default_rng(one.n_out())
-    unseen = np.ones(sum(one.numel_out(i) for i in range(one.n_out())), bool)
-    for _ in range(PLACES):
-        at = [random.uniform(0.1, 1.0, one.numel_in(i)) for i in range(one.n_in())]
-        found, asked = (np.concatenate([np.array(v).ravel() for v in function.call(at)]) for function in (one, other))
-        if not np.allclose(found, asked, rtol=SAME, atol=SAME, equal_nan=True):
-            return True
-        unseen &= ~np.isfinite(asked)
-        if not unseen.any():
-            break
-    return False
 
 
 def rows(count: int) -> Any:

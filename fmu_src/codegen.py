@@ -5,24 +5,20 @@ from __future__ import annotations
 import hashlib
 import math
 import re
-import tempfile
 from bisect import bisect_left
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
-import casadi as ca
 from tqdm import tqdm
 
 from fmu_src.c_literals import c_array, c_number, c_text
-from fmu_src.chain import Call, Chain, Part, shared, symbols_in
 from fmu_src.effects import without_effect
 from fmu_src.elimination import Elimination, elimination, elimination_source
+from fmu_src.equations import Generated, functions, table_ranks
+from fmu_src.equations_in_c import equations_in_c
 from fmu_src.exchange import exchanged, serves_exchange
 from fmu_src.model_description import model_description
-from fmu_src.own_names import PREFIX, with_own_names
-from fmu_src.pieces import in_pieces
 from fmu_src.progress import PATIENCE
 from fmu_src.system import Model, SteadyStart, System, integration_variables, state_variable
 from fmu_src.table_file import table_file_source
@@ -94,102 +90,6 @@ STEADY_FUNCTIONS = ("course", "pace")
 KINDS = {"real": "KIND_REAL", "integer": "KIND_INTEGER", "boolean": "KIND_BOOLEAN", "string": "KIND_STRING"}
 
 
-@dataclass(frozen=True)
-class Generated:
-    """A function as the runtime calls it: `function` takes the arguments of the system and the results of its `calls`.
-
-    Its first results are what the calls of each rank are given; with `differentiated`, each call leaves its slopes
-    behind its results.
-    """
-
-    function: ca.Function
-    calls: list[Call]
-    differentiated: bool
-
-    @property
-    def ranks(self) -> int:
-        """How many results come before those of the function itself."""
-        return 1 + max((call.rank for call in self.calls), default=-1)
-
-    def sizes(self, call: Call) -> tuple[int, int]:
-        """Numbers that a call is given and that it leaves."""
-        left = call.symbols.numel() + (call.slopes.numel() if self.differentiated else 0)
-        return call.taken.numel(), left
-
-
-def functions(system: System) -> dict[str, Generated]:
-    """The generated functions of a system; all take its `arguments`, those along a direction one more, the seed."""
-    arguments = system.arguments
-    time, states, inputs, rates = arguments[:4]
-    ode = system.ode
-    # Exact: d/dx, its structural nonzeros only, and along the given rates of the inputs d/dt.
-    jacobian = system.jacobian(ode, states)
-    time_slope = ca.densify(system.along(ode, ca.vertcat(time, inputs), ca.vertcat(1, rates)))
-    costly = any(warning.candidate is not None for warning in system.warnings)
-    results: dict[str, list[ca.SX]] = {
-        "derive": [ca.vertcat(*system.derived_expressions.values())],
-        "start": [_start(system)],
-        "ode": [ode],
-        "jacobian": [jacobian.nz[:], time_slope, ode],
-        "output": [ca.vertcat(*system.outputs.values())],
-        "drive": [ca.vertcat(*[friction.drive for friction in system.frictions])],
-        "capacity": [ca.vertcat(*[f.capacity for f in system.frictions], *[f.still for f in system.frictions])],
-        "condition_margin": [ca.vertcat(*[c.first_look for c in (*system.end_conditions, *system.warnings)])],
-        "warning_margin": [ca.vertcat(*[c.margin for c in system.warnings])] if costly else [],
-        "largest_change": [ca.vertcat(*[largest for _, largest in system.largest_changes])],
-    }
-    if system.steady_start:
-        given = system.parameter_symbols[system.steady_start.given]
-        start = system.without_waists(_start(system))
-        results |= {"course": [system.steady_start.course], "pace": [ca.densify(ca.jacobian(start, given))]}
-    for rank in range(_table_ranks(system)):
-        asked = [table.argument for table in system.ranked_tables if table.rank == rank]
-        results[f"table_argument_{rank}"] = [ca.vertcat(*asked)]
-    made = {}
-
-    def make(name: str, expressions: list[ca.SX], given: list[ca.SX]) -> None:
-        if any(expression.numel() for expression in expressions):
-            plain = [ca.densify(system.without_waists(expression)) for expression in expressions]
-            made[name] = function_of(system, f"{system.name}_{name}", plain, given)
-
-    for name, expressions in results.items():
-        make(name, expressions, arguments)
-    along = ca.vertcat(time, states, inputs)
-    seed = ca.SX.sym("seed", along.numel())
-    residuals = ca.vertcat(*[system.derivatives[state.name] for state in system.states.values() if state.algebraic])
-    for name, expression in (("output_along", results["output"][0]), ("residual_along", residuals)):
-        make(name, [system.along(expression, along, seed)] if expression.numel() else [], [*arguments, seed])
-    return made
-
-
-def function_of(chain: Chain, name: str, expressions: list[ca.SX], given: list[ca.SX]) -> Generated:
-    """A function with the calls that its expressions need, in the order of their ranks."""
-    needed: list[Call] = []
-    users = symbols_in(ca.vertcat(*[ca.vec(expression) for expression in expressions]))
-    for call in reversed(chain.calls):
-        if not users.isdisjoint(call.own | call.own_slopes):
-            needed.insert(0, call)
-            users |= symbols_in(call.plain)
-    needed.sort(key=lambda call: call.rank)
-    differentiated = any(not users.isdisjoint(call.own_slopes) for call in needed)
-    left = [ca.vertcat(call.symbols, call.slopes) if differentiated else call.symbols for call in needed]
-    given_to: dict[int, list[ca.SX]] = {}
-    for call in needed:
-        given_to.setdefault(call.rank, []).append(call.plain)
-    asked = [ca.vertcat(*one) for one in given_to.values()]
-    results = [*[ca.densify(one) for one in asked], *expressions]
-    taken = [*given, ca.vertcat(*left)] if needed else given
-    return Generated(shared(name, taken, results), needed, differentiated)
-
-
-def _table_ranks(system: System) -> int:
-    return 1 + max((table.rank for table in system.tables), default=-1)
-
-
-def _start(system: System) -> ca.SX:
-    return ca.vertcat(*[state.start for state in system.states.values()])
-
-
 def generate(model: Model) -> dict[str, str]:
     """C sources by file name: equations from CasADi and their elimination, a file of each for each system, and model.c,
     the description; made once for each model.
@@ -228,180 +128,6 @@ def content_guid(texts: Iterable[str]) -> str:
         digest.update((RUNTIME / name).read_bytes())
     h = digest.hexdigest()
     return f"{{{h[:8]}-{h[8:12]}-{h[12:16]}-{h[16:20]}-{h[20:32]}}}"
-
-
-def equations_in_c(name: str, made: Mapping[str, Generated]) -> str:
-    """C of all functions, those of the parts before those that call them.
-
-    `name` begins the names of what is seen in this file alone, so that files of several systems may become one unit.
-    """
-    own = list(made.values())
-    inside, in_c = _functions_of_parts(own)
-    called = [one for one in (*inside, *own) if one.calls]
-    every = [one.function for one in (*inside, *own)]
-    generator = ca.CodeGenerator("equations", {"with_export": False})
-    for function in every:
-        generator.add(function)
-    with tempfile.TemporaryDirectory() as folder:
-        generator.generate(folder + "/")
-        text = (Path(folder) / "equations.c").read_text()
-    # CasADi's squares, absolute values and minima are functions; inlined, a right-hand side takes 5 to 14 % less.
-    text = re.sub(r"^casadi_real (?=casadi_\w+\()", "static inline casadi_real ", text, flags=re.MULTILINE)
-    # Those of C are calls, since they take the other number in place of NaN; here NaN in the second place stays.
-    for call, sign in (("fmin", "<"), ("fmax", ">")):
-        text = text.replace(f"return {call}(x, y);", f"return x{sign}y ? x : y;")
-    text = _without_questions(text, {function.name() for function in every})
-    for one in called:
-        text = _with_calls(text, one)
-    text = in_pieces(_without_guards(text))
-    for one in inside:
-        text = re.sub(rf"^(?=int {one.function.name()}\()", "static ", text, flags=re.MULTILINE)
-    text = _with_own_names(text, name, {one.function.name() for one in inside})
-    # The interface of CasADi has arguments that these functions do not use; everything else stays a warning.
-    common = list(dict.fromkeys(part.common for part in in_c))
-    given = with_own_names([*common, *(part.source for part in in_c)])
-    behind = (f"{source}{_calls_of(part)}" for part, source in zip(in_c, given[len(common) :], strict=True))
-    return '#pragma GCC diagnostic ignored "-Wunused-parameter"\n' + "\n".join(
-        [*map(_once, given[: len(common)]), *map(_once, behind), text]
-    )
-
-
-def _with_own_names(text: str, name: str, parts: set[str]) -> str:
-    """CasADi's C in which helpers and generated parts have names that begin with `name`."""
-    text = re.sub(r"^#define casadi_\w+ CASADI_PREFIX\(.*\n", "", text, flags=re.MULTILINE)
-
-    def own(found: re.Match[str]) -> str:
-        return f"{name}_{found[0]}" if found[0] in parts or found[0].startswith("casadi") else found[0]
-
-    return re.sub(r"\b(?:casadi_(?!real\b|int\b)|part_)\w+", own, text)
-
-
-def _once(text: str) -> str:
-    """C that several files have, for where these become one unit."""
-    name = f"GIVEN_{hashlib.sha256(text.encode()).hexdigest()[:16].upper()}"
-    return f"#ifndef {name}\n#define {name}\n{text}\n#endif" if text else ""
-
-
-def _functions_of_parts(own: Sequence[Generated]) -> tuple[list[Generated], list[Part]]:
-    """Of each part that is called, also by other parts, the functions that are needed, before those that call them.
-
-    And the parts that are given in C.
-    """
-    made: dict[str, Generated] = {}
-    parts: dict[str, Part] = {}
-
-    def make(part: Part, slopes: bool) -> None:
-        if parts.setdefault(part.name, part) is not part:
-            raise ValueError(f"Two parts have one name, {part.name}; give each part a name of its own.")
-        if part.source or _name_of(part, slopes) in made:
-            return
-        one = _part_function(part, slopes)
-        for call in one.calls:
-            make(call.part, one.differentiated)
-        made[_name_of(part, slopes)] = one
-
-    for one in own:
-        for call in one.calls:
-            make(call.part, one.differentiated)
-    return list(made.values()), [part for part in parts.values() if part.source]
-
-
-def _calls_of(part: Part) -> str:
-    """A part that is given in C, under the names and with the arguments of the generated ones."""
-    behind, name = part.results.numel(), PREFIX + part.name
-    given = "const double **arg, double **res, long long int *iw, double *w, int mem"
-    return f"""
-static inline int {_name_of(part, False)}({given}) {{
-  {name}(arg[0], arg[1], res[0], 0);
-  return 0;
-}}
-static inline int {_name_of(part, True)}({given}) {{
-  {name}(arg[0], arg[1], res[0], res[0] + {behind});
-  return 0;
-}}
-"""
-
-
-def _part_function(part: Part, slopes: bool) -> Generated:
-    """A part's results of its arguments and constants, and with `slopes` the nonzeros of these behind them."""
-    results = ca.vertcat(part.results, part.slope.nz[:]) if slopes else part.results
-    plain = ca.densify(part.chain.without_waists(results))
-    return function_of(part.chain, _name_of(part, slopes), [plain], [part.arguments, part.constants])
-
-
-def _name_of(part: Part, slopes: bool) -> str:
-    return f"part_{part.name}_with_slopes" if slopes else f"part_{part.name}"
-
-
-def _with_calls(text: str, one: Generated) -> str:
-    """The C of a function in which each rank of calls stands behind the last number that it is given.
-
-    CasADi computes results in their order and reads arguments when they are first needed, so nothing that follows from
-    a call comes before it.
-    """
-    found = re.compile(r"return (\w+)\(").search(text, text.index(f"\nint {one.function.name()}("))
-    assert found
-    begin = text.index("{\n", text.index(f"\nstatic int {found[1]}(")) + 2
-    end = text.index("\n}\n", begin)
-    body, last = text[begin:end], one.function.n_in() - 1
-    body = re.sub(rf"arg\[{last}\]\? arg\[{last}\]\[(\d+)\] : 0", r"left_\1", body)
-    body = re.sub(
-        r"(?:if \(res\[(\d+)\]!=0\) )res\[\d+\]\[(\d+)\]",
-        lambda m: (
-            f"given_{m[1]}[{m[2]}]"
-            if int(m[1]) < one.ranks
-            else f"if (res[{int(m[1]) - one.ranks}]!=0) res[{int(m[1]) - one.ranks}][{m[2]}]"
-        ),
-        body,
-    )
-    used = set(re.findall(r"\bleft_\d+\b", body))
-    room = [f"  double given_{rank}[{one.function.numel_out(rank)}];" for rank in range(one.ranks)]
-    start = 0
-    for rank in range(one.ranks):
-        lines = [""]
-        offset = 0
-        for call in one.calls:
-            if call.rank != rank:
-                continue
-            taken, leaves = one.sizes(call)
-            when = ""
-            if not call.when.is_constant():
-                # Cleared before: a call that is left out leaves 0.
-                when = (
-                    f"for (int i = 0; i < {leaves}; ++i) r[0][i] = 0.0; if (given_{rank}[{offset + taken - 1}] > 0.0) "
-                )
-            lines.append(
-                f"  {{const double *a[] = {{given_{rank} + {offset}, given_{rank} + {offset + call.given.numel()}}}; "
-                f"double *r[] = {{left + {start}}}; {when}"
-                f"{_name_of(call.part, one.differentiated)}(a, r, 0, 0, 0);}}"
-            )
-            names = ", ".join(f"left_{n} = left[{n}]" for n in range(start, start + leaves) if f"left_{n}" in used)
-            lines.append(f"  const double {names};")
-            offset, start = offset + taken, start + leaves
-        place = body.rindex(f"given_{rank}[")
-        place = body.index(";", place) + 1
-        body = body[:place] + "\n".join(lines) + body[place:]
-    room.append(f"  double left[{start}];")
-    return text[:begin] + "\n".join(room) + "\n" + body + text[end:]
-
-
-def _without_questions(text: str, kept: set[str]) -> str:
-    """CasADi's C with the `kept` functions alone: not those about their arguments and sparsity, which the runtime never
-    asks; in plain linkage; and with one meaning in C and C++, which has no __STDC_VERSION__.
-    """
-    function = r"^(?!static)\w[\w* ]*?(\w+)\([^)]*\) ?\{(?:[^\n]*\}|.*?^\})\n+"
-    text = re.sub(function, lambda m: m[0] if m[1] in kept else "", text, flags=re.MULTILINE | re.DOTALL)
-    text = re.sub(r"^(static const casadi_int|#define) casadi_s\d+\b.*\n", "", text, flags=re.MULTILINE)
-    text = re.sub(r'#ifdef __cplusplus\n.*extern "C".*\n#endif\n', "", text)
-    return re.sub(r"/\* Pre-c99 .*\n#if .*\n.*\n#else\n(.*\n)#endif\n", r"\1", text)
-
-
-def _without_guards(text: str) -> str:
-    """The C without the questions whether a caller left out an argument or a result, which neither the runtime nor a
-    part does: a branch for each number takes a compiler up to twice as long.
-    """
-    text = re.sub(r"\barg\[(\d+)\]\? (arg\[\1\]\[\d+\]) : 0", r"\2", text)
-    return re.sub(r"\bif \(res\[(\d+)\]!=0\) (?=res\[\1\]\[)", "", text)
 
 
 def _system_arrays(model: Model, system: System, solving: Elimination) -> Iterable[str]:
@@ -462,7 +188,7 @@ def _system_arrays(model: Model, system: System, solving: Elimination) -> Iterab
         pieces, degree, name = table.coefficients.shape[0], table.coefficients.shape[1] - 1, stored[content]
         entries.append(f"{{{pieces}, {degree}, {table.rank}, {first}, 0, 0, {name}_breakpoint, {name}_coefficient}}")
     yield c_array("table_description", f"{prefix}_table", entries)
-    ranks = [f"{prefix}_table_argument_{rank}" for rank in range(_table_ranks(system))]
+    ranks = [f"{prefix}_table_argument_{rank}" for rank in range(table_ranks(system))]
     yield c_array("generated_function", f"{prefix}_table_argument", ranks)
     if system.steady_start:
         yield from _steady_arrays(system, system.steady_start)
@@ -512,7 +238,7 @@ def _system_entry(model: Model, system: System, made: dict[str, Generated], solv
         "frictions": len(system.frictions),
         "outputs": len(outputs),
         "tables": len(system.tables),
-        "table_ranks": _table_ranks(system),
+        "table_ranks": table_ranks(system),
         "table_coefficients": sum(table.symbols.numel() for table in system.tables),
         "limits": len(system.largest_changes),
         "ends": len(system.end_conditions),

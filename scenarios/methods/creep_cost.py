@@ -13,8 +13,9 @@ import casadi as ca
 import numpy as np
 
 from fmu_src.chain import Chain
-from fmu_src.codegen import equations_in_c, function_of
 from fmu_src.compile import FLAGS, OPTIMISE_GENERATED, library_suffix, objects_of, run
+from fmu_src.equations import function_of
+from fmu_src.equations_in_c import equations_in_c
 from rbd_model.contact.creep.kalker import Kalker, kalker_coefficients
 from rbd_model.contact.creep.law import ContactPatch, CreepLaw
 

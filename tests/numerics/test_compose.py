@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from fmu_src.chain import Part
-from fmu_src.codegen import functions
 from fmu_src.compile import build_library
 from fmu_src.compose import compose, scope
 from fmu_src.elimination import elimination
+from fmu_src.equations import functions
 from fmu_src.kernel import Kernel, Library
 from fmu_src.system import System, Variable, interpolation, model_of
 from products.braked_vehicle import coach_brake, timed_brake, with_brakes

@@ -10,10 +10,11 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from fmu_src.chain import Bundle, Chain, Part, differ, part_in_c, rows, shared
-from fmu_src.codegen import functions, generate
+from fmu_src.chain import Bundle, Chain, Part, part_in_c, rows
+from fmu_src.codegen import generate
 from fmu_src.compile import build_library
 from fmu_src.dependencies import direct_inputs
+from fmu_src.equations import functions
 from fmu_src.kernel import Kernel, Library
 from fmu_src.system import System, Variable, model_of
 
@@ -165,23 +166,6 @@ def test_a_part_may_call_a_part_and_be_given_what_changes_with_its_arguments() -
     found = np.array(ca.Function("d", [given, hard], [difference])([0.7, 0.4], 0.3)).ravel()
     assert found.shape == (6,)
     assert np.abs(found).max() < ROUND_OFF
-
-
-def test_equal_expressions_are_computed_once_and_a_wrong_one_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    x = ca.SX.sym("x", 3)
-    results = [ca.vertcat(ca.sin(x[0] * x[1]) + x[2], ca.sin(x[0] * x[1]) - x[2])]
-    assert shared("twice", [x], results).n_instructions() < ca.Function("twice", [x], results).n_instructions()
-    monkeypatch.setattr(ca, "cse", lambda expressions: [expressions[0] + 1e-6 * x[0]])
-    with pytest.raises(ValueError, match=r"twice: equal expressions were not found rightly; use another version"):
-        shared("twice", [x], results)
-
-
-def test_functions_are_compared_where_they_are_numbers() -> None:
-    """Most places give no number; the difference shows where there is one."""
-    x = ca.SX.sym("x")
-    one, other = (ca.Function("f", [x], [ca.log(x - 0.9) + 1e-6 * by * x]) for by in (0, 1))
-    assert differ(one, other)
-    assert not differ(one, one)
 
 
 def test_bundle_takes_vectors_apart_and_puts_them_together() -> None:

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from fmu_src.codegen import functions
 from fmu_src.compile import build_library
+from fmu_src.equations import functions
 from fmu_src.kernel import DISCARD, ERROR, Kernel, KernelError, Library
 from fmu_src.system import System, Variable, interpolation, model_of
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from fmu_src.codegen import functions
+from fmu_src.equations import functions
 from fmu_src.kernel import DISCARD, Kernel, KernelError, Library
 from fmu_src.system import model_of
 from rbd_model.levels.models import DEFAULT_TOLERANCE

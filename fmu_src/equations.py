@@ -1,0 +1,119 @@
+"""The functions of a system that the runtime calls, and those of the parts that they call."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from fmu_src.chain import Call, Chain, Part, symbols_in
+from fmu_src.system import System
+
+
+@dataclass(frozen=True)
+class Generated:
+    """A function as the runtime calls it: `function` takes the arguments of the system and the results of its `calls`.
+
+    Its first results are what the calls of each rank are given; with `differentiated`, each call leaves its slopes
+    behind its results.
+    """
+
+    function: ca.Function
+    calls: list[Call]
+    differentiated: bool
+
+    @property
+    def ranks(self) -> int:
+        """How many results come before those of the function itself."""
+        return 1 + max((call.rank for call in self.calls), default=-1)
+
+    def sizes(self, call: Call) -> tuple[int, int]:
+        """Numbers that a call is given and that it leaves."""
+        left = call.symbols.numel() + (call.slopes.numel() if self.differentiated else 0)
+        return call.taken.numel(), left
+
+
+def functions(system: System) -> dict[str, Generated]:
+    """The generated functions of a system; all take its `arguments`, those along a direction one more, the seed."""
+    arguments = system.arguments
+    time, states, inputs, rates = arguments[:4]
+    ode = system.ode
+    # Exact: d/dx, its structural nonzeros only, and along the given rates of the inputs d/dt.
+    jacobian = system.jacobian(ode, states)
+    time_slope = ca.densify(system.along(ode, ca.vertcat(time, inputs), ca.vertcat(1, rates)))
+    costly = any(warning.candidate is not None for warning in system.warnings)
+    results: dict[str, list[ca.SX]] = {
+        "derive": [ca.vertcat(*system.derived_expressions.values())],
+        "start": [_start(system)],
+        "ode": [ode],
+        "jacobian": [jacobian.nz[:], time_slope, ode],
+        "output": [ca.vertcat(*system.outputs.values())],
+        "drive": [ca.vertcat(*[friction.drive for friction in system.frictions])],
+        "capacity": [ca.vertcat(*[f.capacity for f in system.frictions], *[f.still for f in system.frictions])],
+        "condition_margin": [ca.vertcat(*[c.first_look for c in (*system.end_conditions, *system.warnings)])],
+        "warning_margin": [ca.vertcat(*[c.margin for c in system.warnings])] if costly else [],
+        "largest_change": [ca.vertcat(*[largest for _, largest in system.largest_changes])],
+    }
+    if system.steady_start:
+        given = system.parameter_symbols[system.steady_start.given]
+        start = system.without_waists(_start(system))
+        results |= {"course": [system.steady_start.course], "pace": [ca.densify(ca.jacobian(start, given))]}
+    for rank in range(table_ranks(system)):
+        asked = [table.argument for table in system.ranked_tables if table.rank == rank]
+        results[f"table_argument_{rank}"] = [ca.vertcat(*asked)]
+    made = {}
+
+    def make(name: str, expressions: list[ca.SX], given: list[ca.SX]) -> None:
+        if any(expression.numel() for expression in expressions):
+            plain = [ca.densify(system.without_waists(expression)) for expression in expressions]
+            made[name] = function_of(system, f"{system.name}_{name}", plain, given)
+
+    for name, expressions in results.items():
+        make(name, expressions, arguments)
+    along = ca.vertcat(time, states, inputs)
+    seed = ca.SX.sym("seed", along.numel())
+    residuals = ca.vertcat(*[system.derivatives[state.name] for state in system.states.values() if state.algebraic])
+    for name, expression in (("output_along", results["output"][0]), ("residual_along", residuals)):
+        make(name, [system.along(expression, along, seed)] if expression.numel() else [], [*arguments, seed])
+    return made
+
+
+def function_of(chain: Chain, name: str, expressions: list[ca.SX], given: list[ca.SX]) -> Generated:
+    """A function with the calls that its expressions need, in the order of their ranks."""
+    needed: list[Call] = []
+    users = symbols_in(ca.vertcat(*[ca.vec(expression) for expression in expressions]))
+    for call in reversed(chain.calls):
+        if not users.isdisjoint(call.own | call.own_slopes):
+            needed.insert(0, call)
+            users |= symbols_in(call.plain)
+    needed.sort(key=lambda call: call.rank)
+    differentiated = any(not users.isdisjoint(call.own_slopes) for call in needed)
+    left = [ca.vertcat(call.symbols, call.slopes) if differentiated else call.symbols for call in needed]
+    given_to: dict[int, list[ca.SX]] = {}
+    for call in needed:
+        given_to.setdefault(call.rank, []).append(call.plain)
+    asked = [ca.vertcat(*one) for one in given_to.values()]
+    results = [*[ca.densify(one) for one in asked], *expressions]
+    taken = [*given, ca.vertcat(*left)] if needed else given
+    return Generated(ca.Function(name, taken, results), needed, differentiated)
+
+
+def table_ranks(system: System) -> int:
+    """How many ranks the tables of a system have."""
+    return 1 + max((table.rank for table in system.tables), default=-1)
+
+
+def _start(system: System) -> ca.SX:
+    return ca.vertcat(*[state.start for state in system.states.values()])
+
+
+def part_function(part: Part, slopes: bool) -> Generated:
+    """A part's results of its arguments and constants, and with `slopes` the nonzeros of these behind them."""
+    results = ca.vertcat(part.results, part.slope.nz[:]) if slopes else part.results
+    plain = ca.densify(part.chain.without_waists(results))
+    return function_of(part.chain, part_name(part, slopes), [plain], [part.arguments, part.constants])
+
+
+def part_name(part: Part, slopes: bool) -> str:
+    """Of its function."""
+    return f"part_{part.name}_with_slopes" if slopes else f"part_{part.name}"

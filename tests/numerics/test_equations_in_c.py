@@ -1,0 +1,113 @@
+"""C of equations: the numbers of CasADi's own machine, equal expressions once, and long functions in pieces."""
+
+from __future__ import annotations
+
+import ctypes
+import math
+from pathlib import Path
+
+import casadi as ca
+import pytest
+
+from fmu_src import compile as compiling
+from fmu_src import equations_in_c as printing
+from fmu_src.chain import Chain, Part
+from fmu_src.equations import Generated, function_of
+
+#: Mathematical functions of two libraries, and 1 / x in place of a division.
+ROUND_OFF = 1e-14
+
+
+def generated(expressions: list[ca.SX], given: ca.SX, chain: Chain | None = None) -> Generated:
+    return function_of(chain or Chain(), "law", [ca.vertcat(*expressions)], [given])
+
+
+def values(one: Generated, at: list[float], folder: Path) -> list[float]:
+    """Results of the compiled C."""
+    name = f"law{len(list(folder.iterdir()))}"
+    (folder / f"{name}.c").write_text(printing.equations_in_c("x", {"law": one}))
+    flags = [flag for flag in compiling.FLAGS if flag != "-fvisibility=hidden"]
+    command = [*flags, "-O1", f"-I{compiling.RUNTIME}", "-shared", "-o", name, f"{name}.c", "-lm"]
+    compiling.run(command, None, folder)
+    given, found = (ctypes.c_double * len(at))(*at), (ctypes.c_double * one.function.numel_out(one.ranks))()
+    array = ctypes.POINTER(ctypes.c_double) * 1
+    ctypes.CDLL(str(folder / name)).law(array(given), array(found), None, None, 0)
+    return list(found)
+
+
+def of_every_operation(x: ca.SX, y: ca.SX) -> list[ca.SX]:
+    """Of two numbers, the first between 1 and 2, the second between 0 and 1."""
+    made = [getattr(ca, name)(y) for name in ("exp", "log", "sqrt", "sin", "cos", "tan", "asin", "acos", "atan")]
+    made += [getattr(ca, name)(y) for name in ("sinh", "cosh", "tanh", "asinh", "atanh", "erf", "expm1", "log1p")]
+    made += [ca.acosh(x), ca.floor(-x), ca.ceil(y), ca.fabs(-x), ca.sign(y - x), ca.sign(0 * x), ca.sign(x)]
+    made += [x + y, x - y, x * y, x / y, -x, x**2, 2 * x, 1 / x, x**y, x**3.5, ca.if_else(x < y, 1, y)]
+    made += [x < y, x <= y, y <= x, x == y, x != y, ca.logic_and(x - 1.5, y), ca.logic_or(x, y), ca.logic_not(x - 1.5)]
+    made += [ca.fmin(x, y), ca.fmax(x, y), ca.if_else(x > y, x, -y), ca.atan2(x, y), ca.fmod(x, y)]
+    return [*made, ca.copysign(x, -y), ca.hypot(x, y), ca.remainder(x, y)]
+
+
+def test_every_operation_has_the_values_of_casadi(tmp_path: Path) -> None:
+    given = ca.SX.sym("given", 2)
+    one = generated(of_every_operation(given[0], given[1]), given)
+    instructions = range(one.function.n_instructions())
+    assert set(printing.OPERATIONS) - {one.function.instruction_id(number) for number in instructions} == set()
+    for at in ([1.7, 0.3], [1.5, 0.9]):
+        found, expected = values(one, at, tmp_path), one.function(at).full().ravel()
+        assert found == pytest.approx(expected, rel=ROUND_OFF, abs=0.0)
+
+
+def test_minima_and_maxima_keep_nan_in_the_second_place(tmp_path: Path) -> None:
+    given = ca.SX.sym("given", 2)
+    one = generated([ca.fmin(given[0], given[1]), ca.fmax(given[0], given[1]), ca.fmin(given[1], given[0])], given)
+    found = values(one, [1.0, math.nan], tmp_path)
+    assert [math.isnan(number) for number in found] == [True, True, False]
+
+
+def test_constants_keep_sign_and_last_digit(tmp_path: Path) -> None:
+    given, constants = ca.SX.sym("given"), [-0.1, 1e-300, -1e22, math.inf, -math.inf, 3.0]
+    found = values(generated([ca.SX(one) for one in constants], given), [0.0], tmp_path)
+    assert found == constants
+    assert math.isnan(values(generated([ca.SX(math.nan), given - -0.5], given), [0.0], tmp_path)[0])
+
+
+def test_equal_expressions_are_computed_once() -> None:
+    """CasADi makes two expressions of what is written twice."""
+    x = ca.SX.sym("x", 3)
+    one = generated([ca.sin(x[0] * x[1]) + x[2], ca.sin(x[0] * x[1]) - x[2]], x)
+    assert printing.equations_in_c("x", {"law": one}).count("sin(") == 1
+
+
+def test_an_operation_without_c_is_refused() -> None:
+    x = ca.SX.sym("x")
+    with pytest.raises(ValueError, match=r"law has the operation 86 of CasADi, which is none"):
+        printing.equations_in_c("x", {"law": generated([ca.erfinv(x)], x)})
+
+
+#: Of steps, each of which needs the number before it and one from far before.
+COUNT = 60
+
+
+def long_function() -> Generated:
+    """With a part in the middle that leaves two numbers, of which one is needed at the end."""
+    given, way = ca.SX.sym("given", 2), ca.SX.sym("way")
+    part = Part("spring", way, ca.SX.sym("none", 0), ca.vertcat(ca.sin(way), 0.3 * way))
+    chain, first = Chain(), ca.exp(given[0])
+    number = first
+    for n in range(COUNT):
+        number = first / (number + n) + given[1]
+    left = chain.call(part, number, ca.SX(0, 1))
+    for n in range(COUNT):
+        number = (number + n) * left[0] * first
+    return generated([number, number * left[1]], given, chain)
+
+
+def test_a_function_in_pieces_gives_the_numbers_of_the_whole(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    one = long_function()
+    whole = printing.equations_in_c("x", {"law": one})
+    found = values(one, [0.7, 0.2], tmp_path)
+    monkeypatch.setattr(printing, "WHOLE", 7)
+    monkeypatch.setattr(printing, "LONGEST", 7)
+    divided = printing.equations_in_c("x", {"law": one})
+    assert "_piece_of_" not in whole
+    assert divided.count("static void x_piece_of_law_") > 6 * COUNT / 7
+    assert values(one, [0.7, 0.2], tmp_path) == found
