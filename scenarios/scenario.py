@@ -61,11 +61,11 @@ class Sweepable:
 class Scenario:
     """One experiment: a name, what it shows, a function that runs it, and the options that it follows.
 
-    sweep: None where there is nothing to vary.
+    takes: names of these options. sweep: None where there is nothing to vary.
     """
 
     name: str
     summary: str
     run: Callable[[Options], Report]
-    takes: frozenset[str] = frozenset({"kind", "step"})
+    takes: frozenset[str] = frozenset()
     sweep: Sweepable | None = None

@@ -169,20 +169,15 @@ def judged_rows(found: Findings) -> list[Row]:
     words = f"worst of periods 2-20 ms, host steps 1-10 ms, and sensors of {TEETH[0]} to {TEETH[-1]} teeth"
     dry_words = f"{len(found.dry)} stops: {STRENGTHS[0]:g} to {STRENGTHS[-1]:g} of the full service brake, all sensors"
     over_ideal, over_locked = longest(stops, found.ideal["low"]), longest(stops, unprotected.distance)
+    pace = "protected stops in a minute, two processes"
+    measured = "measured now; to reach 200, 5 ms controller period"
     return [
         Row("low: longest distance over the ideal", "1", None, over_ideal, between(1.0, OVER_IDEAL), words),
         Row("low: longest distance over that of locked wheels", "1", None, over_locked, at_most(1.0), "same brake"),
         Row("low: longest lock of all", "s", None, lock, at_most(LONGEST_LOCK), f"above {LOCK_ABOVE} m/s"),
         Row("low: least share in the slip band", "1", None, share, at_least(SHARE), words),
         Row("dry: commands other than to apply", "1", None, commands, at_most(0.0), dry_words),
-        Row(
-            "protected stops in a minute, two processes",
-            "1",
-            None,
-            found.stops_per_minute,
-            None,
-            "measured now; to reach 200, 5 ms controller period",
-        ),
+        Row(pace, "1", None, found.stops_per_minute, None, measured),
     ]
 
 
@@ -331,6 +326,5 @@ SCENARIO = Scenario(
     "anti-skid",
     "Wheel-slide protection on four rails, against the same brake without it and the ideal",
     run,
-    frozenset(),
-    SWEEP,
+    sweep=SWEEP,
 )

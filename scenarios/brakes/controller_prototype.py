@@ -61,6 +61,4 @@ def draw(stops: dict[tuple[str, str], ProtectedStop]) -> Figure:
     return titled(figure, "A controller of one's own beside none and the protection of the brake")
 
 
-SCENARIO = Scenario(
-    "controller-prototype", "A wheel-slide controller of one's own in under 40 lines, compared", run, frozenset()
-)
+SCENARIO = Scenario("controller-prototype", "A wheel-slide controller of one's own in under 40 lines, compared", run)

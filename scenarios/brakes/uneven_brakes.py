@@ -177,6 +177,4 @@ def draw(uneven: dict[float, UnevenStop], asymmetric: dict[tuple[float, float], 
     return titled(figure, "Brakes that are not even, through the brake FMU")
 
 
-SCENARIO = Scenario(
-    "uneven-brakes", "Wheelsets braked unequally, and asymmetric shoes, through the brake FMU", run, frozenset()
-)
+SCENARIO = Scenario("uneven-brakes", "Wheelsets braked unequally, and asymmetric shoes, through the brake FMU", run)

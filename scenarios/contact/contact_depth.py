@@ -492,5 +492,4 @@ SCENARIO = Scenario(
     "contact-depth",
     "From tread to flange at all depths of contact: what each misses, what it costs, and how well it is solved",
     run,
-    frozenset(),
 )

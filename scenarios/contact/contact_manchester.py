@@ -408,5 +408,4 @@ SCENARIO = Scenario(
     "contact-manchester",
     "Contact that jumps and splits, S1002 on UIC60: one ellipse, ellipses that part and strips against exact theory",
     run,
-    frozenset(),
 )

@@ -271,5 +271,5 @@ def draw_kind(axis: Axes, points: Mapping[str, tuple[float, float]]) -> None:
 
 
 SCENARIO = Scenario(
-    "creep-laws", "Creep laws: distance from Kalker's exact theory over cost, with and without spin", run, frozenset()
+    "creep-laws", "Creep laws: distance from Kalker's exact theory over cost, with and without spin", run
 )

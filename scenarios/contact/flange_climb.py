@@ -84,46 +84,25 @@ def remarks(series: Recording) -> list[Row]:
     settled = {name: float(np.interp(ATTACK, series["yaw"], curve)) for name, curve in curves.items()}
     falls = {name: float(curve[0]) / settled[name] for name, curve in curves.items()}
     fall = f"limit at {1e3 * YAWS[0]:g} mrad over that at {1e3 * ATTACK:g}, {place}"
+    rises = f"limit over yaw, {place}: largest rise from one yaw to the next"
+    rise = float(np.max(np.diff(curves["default"]))) / limit
+    lower = "less yaw, less lateral creep, a higher limit; above saturation it stays, but for the steeper contact"
+    no_yaw = "a curve that does not feel the yaw would hold Nadal's limit everywhere"
+    spin = (
+        "not judged: in the law of Shen, Hedrick and Elkins spin alone reaches all of mu N, so that little yaw is "
+        f"as much as more; the limit is up to {percent_under(curves['default'], curves['exact']):.0f} % under "
+        "that by exact theory, on the safe side"
+    )
+    polach = f"{place}: by Polach's law at {ATTACK} rad over Nadal's"
+    unsafe = (
+        "not judged: the spin of a flange takes lateral force from Polach's law, which puts the limit too high, on "
+        "the unsafe side"
+    )
     return [
-        Row(
-            f"limit over yaw, {place}: largest rise from one yaw to the next",
-            "1",
-            None,
-            float(np.max(np.diff(curves["default"]))) / limit,
-            near(0.0, BAND),
-            SOURCE,
-            "less yaw, less lateral creep, a higher limit; above saturation it stays, but for the steeper contact",
-        ),
-        Row(
-            f"{fall}: exact theory",
-            "1",
-            None,
-            falls["exact"],
-            at_least(FALLS),
-            SOURCE,
-            "a curve that does not feel the yaw would hold Nadal's limit everywhere",
-        ),
-        Row(
-            f"{fall}: default",
-            "1",
-            None,
-            falls["default"],
-            None,
-            SOURCE,
-            "not judged: in the law of Shen, Hedrick and Elkins spin alone reaches all of mu N, so that little yaw is "
-            f"as much as more; the limit is up to {percent_under(curves['default'], curves['exact']):.0f} % under "
-            "that by exact theory, on the safe side",
-        ),
-        Row(
-            f"{place}: by Polach's law at {ATTACK} rad over Nadal's",
-            "1",
-            None,
-            settled["Polach"] / limit,
-            None,
-            SOURCE,
-            "not judged: the spin of a flange takes lateral force from Polach's law, which puts the limit too high, on "
-            "the unsafe side",
-        ),
+        Row(rises, "1", None, rise, near(0.0, BAND), SOURCE, lower),
+        Row(f"{fall}: exact theory", "1", None, falls["exact"], at_least(FALLS), SOURCE, no_yaw),
+        Row(f"{fall}: default", "1", None, falls["default"], None, SOURCE, spin),
+        Row(polach, "1", None, settled["Polach"] / limit, None, SOURCE, unsafe),
     ]
 
 
@@ -158,5 +137,4 @@ SCENARIO = Scenario(
     "flange-climb",
     "At which Y/Q a pushed wheelset climbs its flange, over friction, flange angle and yaw, against Nadal",
     run,
-    frozenset(),
 )

@@ -65,33 +65,16 @@ def chatter_rows(f: Findings, shown: float) -> list[Row]:
     # of the jump. It takes tanh off its steepest place, where 1 - share^2 is left of the slope.
     swaying = f.capacity.adhesion**2
     sways = f"{at}; the suspension still sways with {f.capacity.adhesion:.2f} of the brake force"
+    held = "capacity: wheels at rest, share of the time"
+    steps = "all macro steps"
+    wide = near(1.0, swaying + signed_torque.WIDTH_RESOLUTION)
+    creep = f"{at}; creep force not quite constant"
     return [
-        Row(
-            "capacity: wheels at rest, share of the time",
-            "1",
-            None,
-            f.capacity.standing,
-            at_least(1.0),
-            "a brake holds",
-            at,
-        ),
-        Row(
-            "signed: wheels at rest, share of the time", "1", None, standing, at_most(0.0), "theory", "all macro steps"
-        ),
+        Row(held, "1", None, f.capacity.standing, at_least(1.0), "a brake holds", at),
+        Row("signed: wheels at rest, share of the time", "1", None, standing, at_most(0.0), "theory", steps),
         Row("signed, at rest: jump over h T r/(J + m r2)", "1", None, rest, near(1.0, swaying), "theory", sways),
-        Row(
-            "signed, skid: jump over h T r/J",
-            "1",
-            None,
-            skid,
-            near(1.0, 0.02),
-            "theory",
-            f"{at}; creep force not quite constant",
-        ),
-        Row(
-            *("smoothed sign: least width over h T/2(J + m r2)", "1", None, width),
-            *(near(1.0, swaying + signed_torque.WIDTH_RESOLUTION), "theory: linear", sways),
-        ),
+        Row("signed, skid: jump over h T r/J", "1", None, skid, near(1.0, 0.02), "theory", creep),
+        Row("smoothed sign: least width over h T/2(J + m r2)", "1", None, width, wide, "theory: linear", sways),
     ]
 
 
@@ -101,13 +84,10 @@ def boundary_rows(f: Findings) -> list[Row]:
     for method, found in f.found.items():
         ratios = [found[step] / f.paper[method][step] for step in found]
         farthest = max(ratios, key=lambda ratio: abs(ratio - 1.0))
-        rows.append(
-            Row(
-                *(f"{method.title()}: boundary found over eigenvalues, farthest", "1", None, farthest, near(1.0, 0.01)),
-                "theory: exact sampling of the linearised bogie and brake",
-                f"all macro steps; bisection to {feedback_boundary.RESOLUTION}",
-            )
-        )
+        name = f"{method.title()}: boundary found over eigenvalues, farthest"
+        theory = "theory: exact sampling of the linearised bogie and brake"
+        words = f"all macro steps; bisection to {feedback_boundary.RESOLUTION}"
+        rows.append(Row(name, "1", None, farthest, near(1.0, 0.01), theory, words))
     return rows
 
 
@@ -165,6 +145,4 @@ def run(options: Options) -> Report:
     )
 
 
-SCENARIO = Scenario(
-    "coupling-step", "Error, chatter and stability of coupled brake and bogie over the macro step", run, frozenset()
-)
+SCENARIO = Scenario("coupling-step", "Error, chatter and stability of coupled brake and bogie over the macro step", run)

@@ -250,5 +250,4 @@ SCENARIO = Scenario(
     "curve-braking",
     "Y/Q, guiding forces and shift of a bogie that is braked in curves, through transitions and on straight track",
     run,
-    frozenset(),
 )

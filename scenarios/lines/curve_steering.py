@@ -64,16 +64,10 @@ def run(options: Options) -> Report:
     for place, (radius, deficiency, _) in enumerate(cases):
         outwards = outward_acceleration(radius, float(series["cant"][place]), float(series["speed"][place]))
         guiding = float(series["guiding_force_1"][place] + series["guiding_force_2"][place])
-        rows.append(
-            Row(
-                f"sum of guiding forces, R = {radius:g} m, cant deficiency {1e3 * deficiency:g} mm",
-                "kN",
-                None,
-                guiding / 1e3,
-                near(MASS * outwards / 1e3, BAND * MASS * BOGIE.gravity / 1e3),
-                "Newton's second law: m (V^2 / R cos - g sin of the cant)",
-            )
-        )
+        name = f"sum of guiding forces, R = {radius:g} m, cant deficiency {1e3 * deficiency:g} mm"
+        asked = near(MASS * outwards / 1e3, BAND * MASS * BOGIE.gravity / 1e3)
+        law = "Newton's second law: m (V^2 / R cos - g sin of the cant)"
+        rows.append(Row(name, "kN", None, guiding / 1e3, asked, law))
     wide = float(series["lateral_1"][RADII.index(3000.0)])
     rows.append(
         Row("shift of the leading wheelset, R = 3000 m", "mm", None, 1e3 * abs(wide), at_most(9.5), "flange at 9.5 mm")
@@ -115,8 +109,5 @@ def draw(series: Recording) -> Figure:
 
 
 SCENARIO = Scenario(
-    "curve-steering",
-    "A bogie in steady curves: shift, yaw and guiding forces over radius and cant deficiency",
-    run,
-    frozenset(),
+    "curve-steering", "A bogie in steady curves: shift, yaw and guiding forces over radius and cant deficiency", run
 )

@@ -199,8 +199,5 @@ def draw(found: Mapping[str, Mapping[str, Recording]], ends: Mapping[str, Record
 
 
 SCENARIO = Scenario(
-    "gradient",
-    "A bogie on gradients at all levels: rolling, braked, held and started, against closed forms",
-    run,
-    frozenset(),
+    "gradient", "A bogie on gradients at all levels: rolling, braked, held and started, against closed forms", run
 )

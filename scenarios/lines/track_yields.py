@@ -202,5 +202,4 @@ SCENARIO = Scenario(
     "track-yields",
     "When do rails have to yield? Loads of a coach on rigid rails and on rails that yield, and what they cost",
     run,
-    frozenset(),
 )

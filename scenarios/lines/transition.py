@@ -266,9 +266,4 @@ def draw_shares(axis: Axes, found: Found) -> None:
     legend_above(axis, 3)
 
 
-SCENARIO = Scenario(
-    "transition",
-    "Wheel unloading of a bogie on cant ramps into a curve, against statics",
-    run,
-    frozenset(),
-)
+SCENARIO = Scenario("transition", "Wheel unloading of a bogie on cant ramps into a curve, against statics", run)

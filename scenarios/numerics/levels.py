@@ -381,6 +381,5 @@ SCENARIO = Scenario(
     "levels",
     "Point and planar level against the spatial one over adhesion utilisation, and their cost",
     run,
-    frozenset(),
-    SWEEP,
+    sweep=SWEEP,
 )

@@ -191,16 +191,9 @@ def loss_rows(found: Findings) -> list[Row]:
         low, high = (f"{1e3 * found.spatial[friction][at]:.3g}" for friction in FRICTIONS[::2])
         frictions = f"friction {FRICTIONS[0]:g}: {low}, {FRICTIONS[2]:g}: {high}"
         words = f"{frictions}; von Roeckl {1e3 * found.roeckl[at]:.3g}"
-        rows.append(
-            Row(
-                f"spatial: resistance at R = {radius:g} m",
-                "N/kN",
-                None,
-                1e3 * float(found.spatial[FRICTION][at]),
-                None,
-                words,
-            )
-        )
+        name = f"spatial: resistance at R = {radius:g} m"
+        resistance = 1e3 * float(found.spatial[FRICTION][at])
+        rows.append(Row(name, "N/kN", None, resistance, None, words))
     return rows
 
 
@@ -223,16 +216,12 @@ def stop_rows(found: Findings) -> list[Row]:
 
 def cost_rows(found: Findings) -> list[Row]:
     point = found.costs["point"]
+    what, source = (
+        f"cost of a stop at R = {COSTED:g} m over that of the point level",
+        "measured now, least of several runs",
+    )
     return [
-        Row(
-            f"{name}: cost of a stop at R = {COSTED:g} m over that of the point level",
-            "1",
-            None,
-            seconds / point,
-            None,
-            "measured now, least of several runs",
-            f"{1e3 * seconds:.2g} ms",
-        )
+        Row(f"{name}: {what}", "1", None, seconds / point, None, source, f"{1e3 * seconds:.2g} ms")
         for name, seconds in found.costs.items()
     ]
 
@@ -304,5 +293,4 @@ SCENARIO = Scenario(
     "levels-in-curves",
     "Point and planar level with von Roeckl's curve resistance against the spatial one over radius, and their cost",
     run,
-    frozenset(),
 )

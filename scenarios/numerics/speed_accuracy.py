@@ -79,16 +79,9 @@ def scene_rows(one: Study) -> list[Row]:
     """The default's error at its own tolerance, judged; and who reaches the wanted error first, and by how much."""
     name, source = one.scene.name, f"reference {one.references[0]}, uncertain by {one.uncertainty:.1e}"
     default = one.at(DEFAULT, DEFAULT_TOLERANCE)
+    of_default, words = f"{name}: error of the default", "relative, the largest"
     rows = [
-        Row(
-            f"{name}: error of the default",
-            "1",
-            None,
-            default.error,
-            at_most(EXPECTED),
-            source,
-            "relative, the largest",
-        ),
+        Row(of_default, "1", None, default.error, at_most(EXPECTED), source, words),
         Row(f"{name}: time of the default", "ms", None, 1e3 * default.seconds, None, "measured now"),
     ]
     for setting, word in ((1e-4, "at 1e-4"), (1e-5, "at 1e-5")):
@@ -101,13 +94,11 @@ def scene_rows(one: Study) -> list[Row]:
     if ours and other:
         words = f"{other.method} at {other.setting:g}: {1e3 * other.seconds:.1f} ms, error {other.error:.1e}"
         ratio = other.seconds / ours.seconds
-        rows.append(
-            Row(f"{name}: best peer's time over ours, at {WANTED:g}", "1", None, ratio, None, "measured now", words)
-        )
+        quantity = f"{name}: best peer's time over ours, at {WANTED:g}"
+        rows.append(Row(quantity, "1", None, ratio, None, "measured now", words))
         ratio = other.seconds / default.seconds
-        rows.append(
-            Row(f"{name}: best peer's time to {WANTED:g} over the default's", "1", None, ratio, None, "measured now")
-        )
+        quantity = f"{name}: best peer's time to {WANTED:g} over the default's"
+        rows.append(Row(quantity, "1", None, ratio, None, "measured now"))
     exchanged, planar = one.fastest([EXCHANGE], WANTED), one.of("level planar")
     if exchanged and planar:
         words = f"{exchanged.method} at {exchanged.setting:g}: {1e3 * exchanged.seconds:.0f} ms"
@@ -121,27 +112,14 @@ def stop_rows() -> list[Row]:
     """The stop in one long step, its errors, and CVODE at about equal error."""
     exact = STOP.measure(own(STOP, tolerance=1e-11).samples)
     found = STOP.measure(own(STOP).samples)
+    late, beyond = (found[name] - exact[name] for name in ("stop time", "distance"))
     kernel = STOP.kernel()
     seconds = least(lambda: one_step(STOP)) - least(lambda: STOP.kernel())
     rows = [
         Row("22.9 s stop in one doStep", "s", None, seconds, None, "measured now; to reach 0.03"),
         Row("22.9 s stop: times real time", "1", None, STOP.duration / seconds, None, "measured now; to reach 760"),
-        Row(
-            "22.9 s stop: error of stop time",
-            "s",
-            None,
-            found["stop time"] - exact["stop time"],
-            near(0.0, STOP_TIME),
-            "RODAS5P 1e-11",
-        ),
-        Row(
-            "22.9 s stop: error of distance",
-            "m",
-            None,
-            found["distance"] - exact["distance"],
-            near(0.0, DISTANCE),
-            "RODAS5P 1e-11",
-        ),
+        Row("22.9 s stop: error of stop time", "s", None, late, near(0.0, STOP_TIME), "RODAS5P 1e-11"),
+        Row("22.9 s stop: error of distance", "m", None, beyond, near(0.0, DISTANCE), "RODAS5P 1e-11"),
     ]
     rows += sundials_stop_rows(exact, difference(found, exact))
     kernel.step(0.0, 1e-3)
@@ -191,17 +169,8 @@ def host_rows() -> list[Row]:
             words = f"tolerance {tolerance:g}, relative error of the distance {abs(distance / exact - 1):.1e}"
             found[method, tolerance] = seconds
             name = {"own": "default", "CVODE": "CVODE anew"}[method]
-            rows.append(
-                Row(
-                    f"new torque each {1e3 * step:g} ms: {name}, {tolerance:g}",
-                    "us",
-                    None,
-                    1e6 * seconds,
-                    None,
-                    "measured now, one host step",
-                    words,
-                )
-            )
+            what = f"new torque each {1e3 * step:g} ms: {name}, {tolerance:g}"
+            rows.append(Row(what, "us", None, 1e6 * seconds, None, "measured now, one host step", words))
         ratio = min(found["CVODE", DEFAULT_TOLERANCE], found["CVODE", 1e-3]) / found["own", DEFAULT_TOLERANCE]
         rows.append(Row(f"new torque each {1e3 * step:g} ms: CVODE over ours", "1", None, ratio, None, "measured now"))
     return rows
@@ -310,6 +279,4 @@ def mark_default(axis: Axes, point: Point, against: str) -> None:
     axis.plot(getattr(point, against), max(point.error, LEAST), "o", color="#0072b2", markersize=12, fillstyle="none")
 
 
-SCENARIO = Scenario(
-    "speed-accuracy", "Eight scenes: error against wall time, our methods and others'", run, frozenset()
-)
+SCENARIO = Scenario("speed-accuracy", "Eight scenes: error against wall time, our methods and others'", run)

@@ -49,17 +49,9 @@ def rows_of(case: Case, outcome: Outcome) -> list[Row]:
     rows = []
     derails = case.wheelset == 1 and case.error == 75
     if derails:
-        rows.append(
-            Row(
-                f"{case.name}: speed at derailment",
-                "m/s",
-                DERAILED_AT[case.application],
-                outcome.derailed_at,
-                None,
-                table,
-                FITTED,
-            )
-        )
+        name = f"{case.name}: speed at derailment"
+        printed = DERAILED_AT[case.application]
+        rows.append(Row(name, "m/s", printed, outcome.derailed_at, None, table, FITTED))
     else:
         judged = rounding("22.9") if case.reading == AS_THESIS else None
         printed = STOP_TIME[case.application]
@@ -93,16 +85,8 @@ def rows_of_loads(outcomes: dict[Case, Outcome]) -> list[Row]:
         for case in (printed, *others):
             name, load = f"{case.name}: largest load of a flanging wheel", 1e-3 * outcomes[case].flanging_load(1)
             asked = None if case is printed else at_least(least)
-            rows.append(
-                Row(
-                    name,
-                    "kN",
-                    None,
-                    load,
-                    asked,
-                    "statics: a force at the rail presses its wheel down, one at the centre (3.106) does not",
-                )
-            )
+            statics = "statics: a force at the rail presses its wheel down, one at the centre (3.106) does not"
+            rows.append(Row(name, "kN", None, load, asked, statics))
     return rows
 
 
@@ -225,8 +209,5 @@ def draw_depths(outcomes: dict[Case, Outcome]) -> Figure:
 
 
 SCENARIO = Scenario(
-    "asymmetric-braking",
-    "The 18 cases of chapter 9, with readings of yaw torque, reaction and flange",
-    run,
-    frozenset(),
+    "asymmetric-braking", "The 18 cases of chapter 9, with readings of yaw torque, reaction and flange", run
 )

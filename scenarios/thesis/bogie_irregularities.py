@@ -43,37 +43,14 @@ def lateral_rows(runs: dict[float, Recording]) -> list[Row]:
     slow, source = runs[15.0], "section 5.3.1"
     peak = int(np.argmax(np.abs(slow["lateral_1"])))
     place = float(slow["distance"][peak]) + tables_5_1_and_5_2().wheel_base / 2
+    printed, vampire = LATERAL_PEAK
+    shift, axle = 1e3 * abs(float(slow["lateral_1"][peak])), "position of the leading axle"
+    at_rail = 1e3 * float(np.abs(travel(LATERAL, 15.0, flange_at_rail=1)[1]["lateral_1"]).max())
+    largest = "15 m/s: largest shift"
     rows = [
-        Row(
-            "15 m/s: largest shift of the leading wheelset",
-            "mm",
-            LATERAL_PEAK[0],
-            1e3 * abs(float(slow["lateral_1"][peak])),
-            None,
-            source,
-            FLANGE,
-            vampire=LATERAL_PEAK[1],
-        ),
-        Row(
-            "15 m/s: where that is",
-            "m",
-            17.0,
-            place,
-            rounding("17"),
-            source,
-            "position of the leading axle",
-            vampire=17.0,
-        ),
-        Row(
-            f"15 m/s: largest shift, {AT_RAIL}",
-            "mm",
-            LATERAL_PEAK[0],
-            1e3 * float(np.abs(travel(LATERAL, 15.0, flange_at_rail=1)[1]["lateral_1"]).max()),
-            None,
-            source,
-            FLANGE,
-            vampire=LATERAL_PEAK[1],
-        ),
+        Row(f"{largest} of the leading wheelset", "mm", printed, shift, None, source, FLANGE, vampire=vampire),
+        Row("15 m/s: where that is", "m", 17.0, place, rounding("17"), source, axle, vampire=17.0),
+        Row(f"{largest}, {AT_RAIL}", "mm", printed, at_rail, None, source, FLANGE, vampire=vampire),
     ]
     for speed, (thesis, vampire) in HUNTING_PEAK.items():
         frequency = kinematic_peak(runs[speed])
@@ -101,34 +78,17 @@ def vertical_rows(runs: dict[float, Recording]) -> list[Row]:
     damping = 4 * p.vertical_damping / (2 * p.frame_mass * undamped)
     formula = undamped * float(np.sqrt(1 - damping**2)) / (2 * np.pi)
     other = "the other value: sqrt(4k/M) sqrt(1 - D^2)/2 pi"
-    rows = [
-        Row(
-            "bounce frequency by eigenvalue",
-            "Hz",
-            None,
-            bounce_mode(levels(two_axle_bogie())[2]),
-            near(formula, BAND * formula),
-            other,
-        )
-    ]
+    found, asked = bounce_mode(levels(two_axle_bogie())[2]), near(formula, BAND * formula)
+    rows = [Row("bounce frequency by eigenvalue", "Hz", None, found, asked, other)]
     for speed, (thesis, vampire) in {15.0: (0.48, 0.49), 25.0: (0.77, 0.78)}.items():
         series = runs[speed]
         frequency, density = spectrum(series["time"], series["bounce"])
         free = (frequency > 1.5) & (frequency < 4.0)
         forced = (frequency > 0.2) & (frequency < 1.5)
         found = float(frequency[free][np.argmax(density[free])])
-        rows.append(
-            Row(
-                f"{speed:g} m/s: natural frequency in the spectrum",
-                "Hz",
-                2.31,
-                found,
-                rounding("2.31"),
-                source,
-                f"the printed mass, stiffness and damping give {formula:.3f} Hz",
-                vampire=2.34,
-            )
-        )
+        name = f"{speed:g} m/s: natural frequency in the spectrum"
+        note = f"the printed mass, stiffness and damping give {formula:.3f} Hz"
+        rows.append(Row(name, "Hz", 2.31, found, rounding("2.31"), source, note, vampire=2.34))
         found = float(frequency[forced][np.argmax(density[forced])])
         rows.append(Row(f"{speed:g} m/s: forced peak", "Hz", thesis, found, rounding("0.48"), source, vampire=vampire))
     return rows
@@ -143,30 +103,12 @@ def cross_level_rows(runs: dict[float, Recording]) -> list[Row]:
     for speed, (roll, roll_vampire) in printed.items():
         source, (load, load_vampire) = "section 5.3.3", WHEEL_LOAD[speed]
         found = float(np.abs(runs[speed]["frame_roll"]).max())
-        rows.append(
-            Row(
-                f"{speed:g} m/s: largest roll",
-                "rad",
-                roll,
-                found,
-                rounding("0.021"),
-                source,
-                SPACING,
-                vampire=roll_vampire,
-            )
-        )
-        rows.append(
-            Row(
-                f"{speed:g} m/s: largest wheel load, leading wheelset",
-                "kN",
-                load,
-                largest_wheel_load(runs[speed]),
-                rounding("188"),
-                source,
-                "half of the cross level on each rail: assumed",
-                vampire=load_vampire,
-            )
-        )
+        name = f"{speed:g} m/s: largest roll"
+        rows.append(Row(name, "rad", roll, found, rounding("0.021"), source, SPACING, vampire=roll_vampire))
+        name = f"{speed:g} m/s: largest wheel load, leading wheelset"
+        found = largest_wheel_load(runs[speed])
+        half = "half of the cross level on each rail: assumed"
+        rows.append(Row(name, "kN", load, found, rounding("188"), source, half, vampire=load_vampire))
         peak = largest_wheel_load(travel(CROSS_LEVEL, speed, flange_at_rail=1)[1])
         name = f"{speed:g} m/s: largest wheel load, {AT_RAIL}"
         rows.append(Row(name, "kN", load, peak, None, source, LEANS, vampire=load_vampire))
@@ -218,7 +160,7 @@ def scenario(name: str, kind: Irregularity) -> Scenario:
     def run(options: Options) -> Report:
         return run_of(kind)
 
-    return Scenario(name, kind.summary, run, frozenset())
+    return Scenario(name, kind.summary, run)
 
 
 SCENARIOS = [

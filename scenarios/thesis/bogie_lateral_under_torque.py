@@ -86,6 +86,4 @@ def draw(runs: dict[str, Recording]) -> Figure:
     return titled(figure, "A lateral wave under torque (Figs 5.31-5.43)")
 
 
-SCENARIO = Scenario(
-    "bogie-lateral-under-torque", "A lateral wave while driven or braked (section 5.4.3)", run, frozenset()
-)
+SCENARIO = Scenario("bogie-lateral-under-torque", "A lateral wave while driven or braked (section 5.4.3)", run)

@@ -85,4 +85,4 @@ def draw(runs: dict[str, tuple[Recording, list[str]]]) -> Figure:
     return titled(figure, "60 kN.m on one and on both wheelsets at 25 m/s (Figs 5.44-5.47)")
 
 
-SCENARIO = Scenario("bogie-skid", "60 kN.m behind a lateral wave: skid in space (section 5.5)", run, frozenset())
+SCENARIO = Scenario("bogie-skid", "60 kN.m behind a lateral wave: skid in space (section 5.5)", run)

@@ -52,18 +52,14 @@ def run(options: Options) -> Report:
     conicity = {name: equivalent_conicity(one, AMPLITUDES, rolls=name == "thesis") for name, one in pairs.items()}
     flange, lost = flange_contact_shift(pair), last_tread_contact(pair).shift
     fitted = "not judged: the wheel is synthetic and fitted to this value, as LW2 is not public"
+    at_compared = float(np.interp(COMPARED, AMPLITUDES, conicity["thesis"]))
+    wavelength = "section 4.4, from the wavelength"
+    crowns = "cone 1:20; R gamma / b more because the wheelset rolls on crowns of R = 300 mm"
     rows = [
         Row("lateral shift at flange contact", "mm", 9.5, 1e3 * flange, None, "section 4.3, approximately", fitted),
         Row("lateral shift at loss of tread contact", "mm", 11.5, 1e3 * lost, None, "section 9.4.1, around", fitted),
         Row(
-            "equivalent conicity at 3 mm",
-            "1",
-            0.054,
-            float(np.interp(COMPARED, AMPLITUDES, conicity["thesis"])),
-            rounding("0.054"),
-            "section 4.4, from the wavelength",
-            "cone 1:20; R gamma / b more because the wheelset rolls on crowns of R = 300 mm",
-            vampire=0.049,
+            "equivalent conicity at 3 mm", "1", 0.054, at_compared, rounding("0.054"), wavelength, crowns, vampire=0.049
         ),
     ]
     series = Recording({"shift": "m"}, [[shift] for shift in SHIFTS])

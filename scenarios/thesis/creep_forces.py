@@ -113,6 +113,4 @@ def draw(series: Recording) -> Figure:
     return titled(figure, "Polach's law (lines) and Kalker's exact theory (points)")
 
 
-SCENARIO = Scenario(
-    "creep-forces", "Polach's creep law against Kalker's exact theory, with and without spin", run, frozenset()
-)
+SCENARIO = Scenario("creep-forces", "Polach's creep law against Kalker's exact theory, with and without spin", run)

@@ -179,5 +179,9 @@ SWEEP = Sweepable(
     one_stop,
 )
 SCENARIO = Scenario(
-    "bogie-heavy-braking", "60 kN.m on the leading and on both wheelsets from 25 m/s (section 5.5)", run, sweep=SWEEP
+    "bogie-heavy-braking",
+    "60 kN.m on the leading and on both wheelsets from 25 m/s (section 5.5)",
+    run,
+    frozenset({"kind", "step"}),
+    sweep=SWEEP,
 )

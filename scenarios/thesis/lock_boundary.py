@@ -106,40 +106,24 @@ def run(options: Options) -> Report:
     p = tables_8_1_and_8_2()
     at_rest = FRICTION * p.wheel_radius * (p.frame_mass / 2 + p.wheelset_mass) * p.gravity
     printed = FRICTION * p.wheel_radius * 2 * PRINTED_WHEEL_LOAD
+    torque, source = "torque of the rail on the locked wheelset", "eq. (7.3), with the load at rest"
+    statics = near(at_rest, BAND * at_rest)
+    alone_words = f"torque on the wheelset alone; wheel-rail {FRICTION}; the printed 8.85 kN a wheel has {printed:.0f}"
+    hung_words = f"not judged: the brake takes its torque over the wheel base off the load; wheel-rail {FRICTION}"
     rows = [
-        Row(
-            "torque of the rail on the locked wheelset",
-            "N.m",
-            None,
-            adhesion[ALONE],
-            near(at_rest, BAND * at_rest),
-            "eq. (7.3), with the load at rest of the printed masses",
-            f"torque on the wheelset alone; wheel-rail {FRICTION}; the printed 8.85 kN a wheel has {printed:.0f}",
-        ),
-        Row(
-            "torque of the rail on the locked wheelset, brake hung in the frame",
-            "N.m",
-            None,
-            adhesion[HUNG],
-            None,
-            "eq. (7.3), with the load at rest",
-            f"not judged: the brake takes its torque over the wheel base off the load; wheel-rail {FRICTION}",
-        ),
+        Row(torque, "N.m", None, adhesion[ALONE], statics, f"{source} of the printed masses", alone_words),
+        Row(f"{torque}, brake hung in the frame", "N.m", None, adhesion[HUNG], None, source, hung_words),
     ]
     for pressure, curve in curves.items():
         low, high = printed_range(pressure)
-        rows.append(
-            Row(
-                f"{pressure} kPa: share of the printed ranges that locks",
-                "1",
-                SKIDDED[pressure] / 4,
-                locked_share(curve, (low, high)),
-                None,
-                "share of the four trials that skidded",
-                f"shoe friction {low} to {high} and wheel-rail {FRICTION_RANGE[0]} to {FRICTION_RANGE[1]} taken as "
-                "equally likely; four trials are too few to judge",
-            )
+        name = f"{pressure} kPa: share of the printed ranges that locks"
+        share = locked_share(curve, (low, high))
+        trials = "share of the four trials that skidded"
+        words = (
+            f"shoe friction {low} to {high} and wheel-rail {FRICTION_RANGE[0]} to {FRICTION_RANGE[1]} taken as "
+            "equally likely; four trials are too few to judge"
         )
+        rows.append(Row(name, "1", SKIDDED[pressure] / 4, share, None, trials, words))
     remarks = []
     for pressure, curve in curves.items():
         limit, (low, high) = float(np.interp(FRICTION, FRICTIONS, curve)), printed_range(pressure)
@@ -185,5 +169,8 @@ def draw(curves: dict[int, np.ndarray]) -> Figure:
 
 
 SCENARIO = Scenario(
-    "qr30-lock-boundary", "Locked or rolling over shoe friction and wheel-rail friction, three pressures", run
+    "qr30-lock-boundary",
+    "Locked or rolling over shoe friction and wheel-rail friction, three pressures",
+    run,
+    frozenset({"kind", "step"}),
 )

@@ -194,43 +194,28 @@ def chain_rows(pressure: int, one: Run) -> list[Row]:
     coasting = series["time"] < BRAKE_TIME
     rolling = coasting_in_closed_form()
     coast = -float(np.polyfit(series["time"][coasting], series["speed"][coasting], 1)[0])
+    reached = float(np.interp(at, series["time"], series["cylinder_pressure"])) / 1e3
+    digit, definition = rounding("0.95") * pressure, "0-95 % definition, section 2.4.2"
+    pressed = "section 7.1: application time 0.8 s"
+    shoe, rod = float(series["shoe_force"][-1]) / 2e3, specified * (1 - lost / 100)
+    loss, efficiency = f"section {case}: {lost} % under {specified} kN", "the printed percentage is the efficiency here"
+    about = f"section {case}: approximately 0.1"
+    one_digit = "not judged: one digit of an approximate number admits half as much and half more"
+    closed, formula = near(rolling, COAST_BAND * rolling), "65 N.m on each wheelset over r (m + 2 J/r2)"
+    corrected = "rolling resistance of section 8.3, misprint corrected"
     return [
-        Row(
-            "pressure 0.8 s after application",
-            "kPa",
-            0.95 * pressure,
-            float(np.interp(at, series["time"], series["cylinder_pressure"])) / 1e3,
-            rounding("0.95") * pressure,
-            "section 7.1: application time 0.8 s",
-            "0-95 % definition, section 2.4.2",
-        ),
+        Row("pressure 0.8 s after application", "kPa", 0.95 * pressure, reached, digit, pressed, definition),
         Row(
             "normal force of one shoe (brake rod)",
             "kN",
-            specified * (1 - lost / 100),
-            float(series["shoe_force"][-1]) / 2e3,
+            rod,
+            shoe,
             rounding(str(lost)) / 100 * specified,
-            f"section {case}: {lost} % under {specified} kN",
-            "the printed percentage is the efficiency here",
+            loss,
+            efficiency,
         ),
-        Row(
-            "deceleration while coasting",
-            "m/s2",
-            0.1,
-            coast,
-            None,
-            f"section {case}: approximately 0.1",
-            "not judged: one digit of an approximate number admits half as much and half more",
-        ),
-        Row(
-            "deceleration while coasting, closed form",
-            "m/s2",
-            None,
-            coast,
-            near(rolling, COAST_BAND * rolling),
-            "65 N.m on each wheelset over r (m + 2 J/r2)",
-            "rolling resistance of section 8.3, misprint corrected",
-        ),
+        Row("deceleration while coasting", "m/s2", 0.1, coast, None, about, one_digit),
+        Row("deceleration while coasting, closed form", "m/s2", None, coast, closed, formula, corrected),
     ]
 
 
@@ -253,25 +238,14 @@ def lock_rows(pressure: int, printed: Mapping[float, Run]) -> list[Row]:
     judged = len({one.lock_speed is None for one in printed.values()}) == 1
     ends = f"shoe friction {mus[0]} rolls and {mus[-1]} locks, both printed"
     why = "" if judged else f"not judged: {ends}; see the last rows; "
+    chapter = f"chapter 7: {measured[1]}"
+    not_printed = f"not judged: torque history not printed; shoe friction {mus[0]} to {mus[-1]} gives {spread}"
+    skidded, locked = float(pressure == 180), float(average.lock_speed is not None)
+    asked, chapters = 0.0 if judged else None, f"chapters 7, 8: {trials}"
+    averages = f"{why}average shoe friction {mus[1]}, wheel-rail {FRICTION}"
     return [
-        Row(
-            "deceleration, brake applied",
-            "m/s2",
-            measured[0],
-            average.deceleration,
-            None,
-            f"chapter 7: {measured[1]}",
-            f"not judged: torque history not printed; shoe friction {mus[0]} to {mus[-1]} gives {spread}",
-        ),
-        Row(
-            "trailing wheelset locks (1 yes, 0 no)",
-            "1",
-            float(pressure == 180),
-            float(average.lock_speed is not None),
-            0.0 if judged else None,
-            f"chapters 7, 8: {trials}",
-            f"{why}average shoe friction {mus[1]}, wheel-rail {FRICTION}",
-        ),
+        Row("deceleration, brake applied", "m/s2", measured[0], average.deceleration, None, chapter, not_printed),
+        Row("trailing wheelset locks (1 yes, 0 no)", "1", skidded, locked, asked, chapters, averages),
     ]
 
 
@@ -280,17 +254,16 @@ def fitted_rows(one: Run, hung: Run) -> list[Row]:
     brake = qr30(180)
     force = 180e3 * brake.force_per_pressure * brake.wheelset_share * brake.rigging_efficiency
     needed = FITTED_TORQUE / (force * brake.wheel_radius)
+    source = "section 8.3.3"
     fit = (
         f"torque capacity {FITTED_TORQUE / 1e3:.2f} kN.m fitted to the lock speed, built up in a straight line over "
         f"{APPLICATION_TIME} s (it would need shoe friction {needed:.2f}, above the printed range); brake assumed to "
         f"start at {BRAKE_TIME} s"
     )
     return [
-        Row("fitted torque: speed at lock", "m/s", 1.8, one.lock_speed, None, "section 8.3.3", f"not judged: {fit}"),
-        Row("fitted torque: time of lock", "s", 2.7, one.lock_time, None, "section 8.3.3", "not judged: same run"),
-        Row(
-            "fitted torque, brake hung in the frame: speed at lock", "m/s", 1.8, hung.lock_speed, None, "section 8.3.3"
-        ),
+        Row("fitted torque: speed at lock", "m/s", 1.8, one.lock_speed, None, source, f"not judged: {fit}"),
+        Row("fitted torque: time of lock", "s", 2.7, one.lock_time, None, source, "not judged: same run"),
+        Row("fitted torque, brake hung in the frame: speed at lock", "m/s", 1.8, hung.lock_speed, None, source),
     ]
 
 
@@ -298,24 +271,12 @@ def run_history(pressure: int, options: Options) -> Report:
     assert options.torque_csv is not None
     one = brake_by_history(options, pressure, *read_torque_history(options.torque_csv))
     locked = "did not lock" if one.lock_speed is None else f"locked at {one.lock_speed:.2f} m/s, {one.lock_time:.2f} s"
+    printed = 1.8 if pressure == 180 else None
+    history = f"torque from {options.torque_csv.name}"
+    note = "not judged: the history is the user's"
     rows = [
-        Row(
-            "deceleration until lock or rest",
-            "m/s2",
-            None,
-            one.deceleration,
-            None,
-            f"torque from {options.torque_csv.name}",
-        ),
-        Row(
-            "speed at lock",
-            "m/s",
-            1.8 if pressure == 180 else None,
-            one.lock_speed,
-            None,
-            f"torque from {options.torque_csv.name}",
-            "not judged: the history is the user's",
-        ),
+        Row("deceleration until lock or rest", "m/s2", None, one.deceleration, None, history),
+        Row("speed at lock", "m/s", printed, one.lock_speed, None, history, note),
     ]
     parameters = tables_8_1_and_8_2().values() | {"friction": FRICTION, "torque_csv": options.torque_csv.name}
     remark = f"With the torque of {options.torque_csv.name} the trailing wheelset {locked}."

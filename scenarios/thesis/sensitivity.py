@@ -274,4 +274,4 @@ def draw(answers: dict[str, list[float]]) -> Figure:
     )
 
 
-SCENARIO = Scenario("sensitivity", "What the fitted and assumed values decide", run, frozenset())
+SCENARIO = Scenario("sensitivity", "What the fitted and assumed values decide", run)

@@ -349,8 +349,5 @@ def panel(axis: Axes, run: Run, printed: Printed, values: Mapping[float | None, 
 
 
 SCENARIO = Scenario(
-    "thesis-step",
-    "Printed numbers over the step of the thesis's Runge-Kutta method, which is not printed",
-    run,
-    frozenset(),
+    "thesis-step", "Printed numbers over the step of the thesis's Runge-Kutta method, which is not printed", run
 )

@@ -98,6 +98,4 @@ def draw(runs: dict[float, Recording]) -> Figure:
     return titled(figure, "25 kN.m on one wheelset: skid (Figs 4.28, 4.29)")
 
 
-SCENARIO = Scenario(
-    "wheelset-skid", "25 kN.m lock the wheelset at friction 0.3 and 0.1 (section 4.7)", run, frozenset()
-)
+SCENARIO = Scenario("wheelset-skid", "25 kN.m lock the wheelset at friction 0.3 and 0.1 (section 4.7)", run)

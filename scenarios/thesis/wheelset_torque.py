@@ -63,4 +63,4 @@ def draw(series: Recording) -> Figure:
     return figure
 
 
-SCENARIO = Scenario("wheelset-torque", "Traction, rolling, braking with 5 kN.m (section 4.5)", run, frozenset())
+SCENARIO = Scenario("wheelset-torque", "Traction, rolling, braking with 5 kN.m (section 4.5)", run)

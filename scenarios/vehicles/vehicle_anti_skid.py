@@ -116,6 +116,4 @@ def draw(found: Findings) -> Figure:
     return titled(figure, "Wheel-slide protection of four wheelsets on a low rail")
 
 
-SCENARIO = Scenario(
-    "vehicle-anti-skid", "Wheel-slide protection of four wheelsets, each of which cleans the rail", run, frozenset()
-)
+SCENARIO = Scenario("vehicle-anti-skid", "Wheel-slide protection of four wheelsets, each of which cleans the rail", run)

@@ -104,4 +104,4 @@ def draw(ramps: dict[str, tuple[Recording, dict[int, float | None]]]) -> Figure:
     return figure
 
 
-SCENARIO = Scenario("vehicle-braking", "Load transfer and lock order of four wheelsets", run, frozenset())
+SCENARIO = Scenario("vehicle-braking", "Load transfer and lock order of four wheelsets", run)

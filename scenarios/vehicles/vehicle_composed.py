@@ -176,6 +176,4 @@ def finish(axis: Axes, title: str, label: str) -> None:
     axis.set_xlabel(label)
 
 
-SCENARIO = Scenario(
-    "vehicle-composed", "Vehicle and brakes as one FMU or as five coupled: error against cost", run, frozenset()
-)
+SCENARIO = Scenario("vehicle-composed", "Vehicle and brakes as one FMU or as five coupled: error against cost", run)

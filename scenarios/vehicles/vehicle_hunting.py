@@ -210,6 +210,4 @@ def draw(onsets: Mapping[str, Onset], series: Recording) -> Figure:
     return titled(figure, "Hunting of vehicle 1 of the Manchester benchmarks: body and bogies")
 
 
-SCENARIO = Scenario(
-    "vehicle-hunting", "Critical speeds of a vehicle: hunting of its body and of its bogies", run, frozenset()
-)
+SCENARIO = Scenario("vehicle-hunting", "Critical speeds of a vehicle: hunting of its body and of its bogies", run)

@@ -125,4 +125,4 @@ def sketch(axis: Axes, mode: Mode) -> None:
     axis.set_title(text, fontsize=8)
 
 
-SCENARIO = Scenario("vehicle-modes", "Natural modes of a complete vehicle and their shapes", run, frozenset())
+SCENARIO = Scenario("vehicle-modes", "Natural modes of a complete vehicle and their shapes", run)
