@@ -21,12 +21,11 @@ BRAKE = ("cylinder_pressure", "shoe_force", "brake_torque")
 
 @dataclass(frozen=True)
 class Scene:
-    """An experiment of an FMU of the registry: a parameter set, what else it sets, constant inputs, what is recorded.
+    """An experiment of the FMU of a parameter set: what else it sets, constant inputs, what is recorded.
 
     duration and step [s]: of the run and of its host.
     """
 
-    fmu: str
     description: str
     set_name: str
     parameters: Mapping[str, float]
@@ -36,10 +35,9 @@ class Scene:
     step: float
 
 
-#: By name; those of one FMU go into its archive.
+#: By name; those of one FMU, that of their parameter set, go into its archive.
 SCENES: dict[str, Scene] = {
     "lock-up": Scene(
-        "bogie",
         "60 kN.m on the leading wheelset, which locks (Fig. 5.44)",
         "bogie-chapter-5-as-printed",
         {"level": 2, "initial_speed": 25.0},
@@ -49,7 +47,6 @@ SCENES: dict[str, Scene] = {
         0.01,
     ),
     "stop": Scene(
-        "bogie",
         "Service brake to rest at level 1",
         "bogie-chapter-5",
         {"level": 1, "initial_speed": 20.0},
@@ -59,7 +56,6 @@ SCENES: dict[str, Scene] = {
         0.1,
     ),
     "experiment-180kpa": Scene(
-        "bogie",
         "QR30 bogie, 1.8 kN.m on the trailing wheelset at friction 0.18",
         "bogie-qr30",
         {"level": 2, "initial_speed": 2.9},
@@ -69,7 +65,6 @@ SCENES: dict[str, Scene] = {
         0.01,
     ),
     "sideways": Scene(
-        "bogie",
         "Wheelsets 4 mm beside the track's middle at level 3",
         "bogie-chapter-5",
         {"level": 3, "initial_speed": 15.0, "initial_lateral": 4e-3},
@@ -79,7 +74,6 @@ SCENES: dict[str, Scene] = {
         0.01,
     ),
     "coach-stop": Scene(
-        "vehicle",
         "Full brake of the coach at level 2",
         "coach",
         {"level": 2, "initial_speed": 25.0},
@@ -89,7 +83,6 @@ SCENES: dict[str, Scene] = {
         0.05,
     ),
     "coach-pull": Scene(
-        "vehicle",
         "Pulled by 20 kN at the front coupler at level 1",
         "coach",
         {"level": 1, "initial_speed": 5.0},
@@ -99,7 +92,6 @@ SCENES: dict[str, Scene] = {
         0.1,
     ),
     "coach-sideways": Scene(
-        "vehicle",
         "Wheelsets 4 mm beside the track's middle at level 3",
         "coach",
         {"level": 3, "initial_speed": 15.0, "initial_lateral": 4e-3},
@@ -109,7 +101,6 @@ SCENES: dict[str, Scene] = {
         0.01,
     ),
     "wagon-stop": Scene(
-        "coal-wagon",
         "15 kN.m on each wheelset at level 2",
         "coal-wagon",
         {"level": 2, "initial_speed": 25.0},
@@ -119,7 +110,6 @@ SCENES: dict[str, Scene] = {
         0.05,
     ),
     "wagon-locks-on-wet-rail": Scene(
-        "coal-wagon",
         "60 kN.m on each wheelset at level 2 on a wet rail",
         "coal-wagon-wet-rail",
         {"level": 2, "initial_speed": 20.0},
@@ -129,7 +119,6 @@ SCENES: dict[str, Scene] = {
         0.05,
     ),
     "wagon-down-a-slope": Scene(
-        "coal-wagon",
         "Falls from rest down 20 per mille at level 1",
         "coal-wagon",
         {"level": 1, "initial_speed": 0.0},
@@ -139,7 +128,6 @@ SCENES: dict[str, Scene] = {
         0.1,
     ),
     "braked-coach-stop": Scene(
-        "braked-vehicle",
         "Full brake at level 2",
         "braked-coach",
         {"level": 2, "initial_speed": 25.0},
@@ -149,7 +137,6 @@ SCENES: dict[str, Scene] = {
         0.05,
     ),
     "braked-coach-on-wet-rail": Scene(
-        "braked-vehicle",
         "Full brake at level 2 on a wet rail",
         "braked-coach-wet-rail",
         {"level": 2, "initial_speed": 25.0},
@@ -159,7 +146,6 @@ SCENES: dict[str, Scene] = {
         0.05,
     ),
     "braked-coach-without-its-front": Scene(
-        "braked-vehicle",
         "Half the pressure at level 1, the valves of the front bogie hold it back",
         "braked-coach",
         {"level": 1, "initial_speed": 15.0},
@@ -169,7 +155,6 @@ SCENES: dict[str, Scene] = {
         0.1,
     ),
     "wheelset-sideways": Scene(
-        "wheelset",
         "4 mm beside the track's middle at 15 m/s",
         "wheelset-chapter-4",
         {"initial_speed": 15.0, "initial_lateral": 4e-3},
@@ -179,7 +164,6 @@ SCENES: dict[str, Scene] = {
         0.01,
     ),
     "wheelset-braked": Scene(
-        "wheelset",
         "5 kN.m on it, 4 mm beside the track's middle",
         "wheelset-chapter-4",
         {"initial_speed": 15.0, "initial_lateral": 4e-3},
@@ -189,7 +173,6 @@ SCENES: dict[str, Scene] = {
         0.01,
     ),
     "wheelset-over-a-wave": Scene(
-        "wheelset",
         "Over a lateral wave of 3 mm at 10 m/s on a dry rail",
         "wheelset-chapter-4-dry-rail",
         {"initial_speed": 10.0, "lateral_irregularity": 3e-3},
@@ -199,7 +182,6 @@ SCENES: dict[str, Scene] = {
         0.01,
     ),
     "cleaning": Scene(
-        "rail",
         "A sliding leading wheelset cleans the rail for both",
         "rail-recovery",
         {},
@@ -209,7 +191,6 @@ SCENES: dict[str, Scene] = {
         0.05,
     ),
     "cleaning-by-both": Scene(
-        "rail",
         "Both wheelsets slide at 15 m/s",
         "rail-recovery",
         {},
@@ -219,7 +200,6 @@ SCENES: dict[str, Scene] = {
         0.05,
     ),
     "cleaning-backwards": Scene(
-        "rail",
         "Going backwards, the trailing wheelset is the first and cleans the rail for both",
         "rail-recovery",
         {},
@@ -229,7 +209,6 @@ SCENES: dict[str, Scene] = {
         0.05,
     ),
     "application-180kpa": Scene(
-        "brake",
         "Brake of the experiment by application time",
         "brake-qr30-180kpa",
         {"pneumatics": 1},
@@ -239,7 +218,6 @@ SCENES: dict[str, Scene] = {
         0.02,
     ),
     "flow-180kpa": Scene(
-        "brake",
         "Brake of the experiment by flow of air",
         "brake-qr30-180kpa",
         {"pneumatics": 2},
@@ -249,7 +227,6 @@ SCENES: dict[str, Scene] = {
         0.02,
     ),
     "flow-uic-g": Scene(
-        "brake",
         "Freight brake, position G, by flow of air",
         "brake-uic-g",
         {"pneumatics": 2},
@@ -274,5 +251,5 @@ def experiments_of(fmu: str) -> list[Experiment]:
             one.step,
         )
         for name, one in SCENES.items()
-        if one.fmu == fmu
+        if PARAMETER_SETS[one.set_name].fmu == fmu
     ]

@@ -249,8 +249,7 @@ def _draw_pressures(axis: Axes, case: Case, series: Recording) -> None:
             axis.plot(ends, 2 * [level / 1e3], "|-", color=THESIS, linewidth=3, markersize=12, label=label)
         elif number == 0:
             axis.plot([window.middle], [level / 1e3], "o", color=THESIS, label="printed: 0.8 s")
-    axis.set_title(f"{case.name}: cylinder pressure [kPa]")
-    axis.set_xlabel("time [s]")
+    axis.set(title=f"{case.name}: cylinder pressure [kPa]", xlabel="time [s]")
     axis.set_ylim(0.0, 1.3 * case.pressure / 1e3)
 
 
@@ -263,8 +262,7 @@ def _draw_friction(axis: Axes, frictions: dict[str, np.ndarray]) -> None:
         place = 2 + 4 * number  # side by side: the speed of each trial is not printed
         axis.plot([place] * 2, [low, high], "_-", color=THESIS, linewidth=2, label=words)
         axis.annotate(f"{pressure}", (place, low), xytext=(0, -9), textcoords="offset points", ha="center", fontsize=7)
-    axis.set_title("shoe friction [1], UIC brake fully applied")
-    axis.set_xlabel("sliding speed [km/h]")
+    axis.set(title="shoe friction [1], UIC brake fully applied", xlabel="sliding speed [km/h]")
     axis.set_ylim(0.0, 0.52)
     axis.legend(loc="upper right")
 

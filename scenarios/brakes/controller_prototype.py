@@ -53,8 +53,7 @@ def draw(stops: dict[tuple[str, str], ProtectedStop]) -> Figure:
         axis.plot(series["time"], series["speed"], color=BOGIE, label="bogie")
         for number, colour, word in ((1, LEADING, "leading wheels"), (2, TRAILING, "trailing wheels")):
             axis.plot(series["time"], series[f"wheel_speed_{number}"], color=colour, linewidth=0.8, label=word)
-        axis.set_title(f"{rail} rail, {name}: {stop.words}")
-        axis.set_xlabel("time [s]")
+        axis.set(title=f"{rail} rail, {name}: {stop.words}", xlabel="time [s]")
     for axis in grid[:, 0]:
         axis.set_ylabel("speed [m/s]")
     grid[0, 0].legend(fontsize=8)

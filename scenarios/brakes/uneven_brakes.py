@@ -171,8 +171,7 @@ def draw(uneven: dict[float, UnevenStop], asymmetric: dict[tuple[float, float], 
     for colour, error in zip(THREE, (0.25, 0.50, 0.75), strict=True):
         series = asymmetric[error, 0.0].series
         grid[2].plot(series["time"], 1e3 * series["lateral_1"], color=colour, linewidth=0.6, label=f"{error:.0%}")
-    grid[2].set_title("leading wheelset, shoes uneven: lateral shift [mm]")
-    grid[2].set_xlabel("time [s]")
+    grid[2].set(title="leading wheelset, shoes uneven: lateral shift [mm]", xlabel="time [s]")
     grid[2].legend(fontsize=8)
     return titled(figure, "Brakes that are not even, through the brake FMU")
 

@@ -420,8 +420,7 @@ def draw_history(axis: Axes, found: Findings, name: str) -> None:
     for depth, series in found.histories.items():
         values = scale * np.abs(series[name])
         axis.plot(series["time"], values, DASHES[depth], color=COLOURS[depth], label=f"depth {depth}")
-    axis.set_title(f"{words.removeprefix('peak ')} of the leading wheelset [{unit}]")
-    axis.set_xlabel("time [s]")
+    axis.set(title=f"{words.removeprefix('peak ')} of the leading wheelset [{unit}]", xlabel="time [s]")
     axis.legend()
 
 
@@ -432,8 +431,7 @@ def draw_difference(axis: Axes, found: Findings) -> None:
         touched = [torque for torque in TORQUES if name != "flange_force_1" or found.peaks[2][torque][name] > TOUCHING]
         values = [found.more(name, torque) for torque in touched]
         axis.plot([1e-3 * torque for torque in touched], values, marker=marker, color=colour, label=words)
-    axis.set_title("depth 1 finds more than depth 2 by [%]")
-    axis.set_xlabel("yaw torque at full brake [kN.m]")
+    axis.set(title="depth 1 finds more than depth 2 by [%]", xlabel="yaw torque at full brake [kN.m]")
     axis.legend()
 
 
@@ -467,8 +465,7 @@ def draw_cost(axis: Axes, found: Findings) -> None:
             )
             ringed = getattr(default, kind)
             axis.plot(1e3 * default.seconds, ringed, "o", color=colour, markersize=12, fillstyle="none")
-    axis.set_xscale("log")
-    axis.set_yscale("log")
+    axis.set(xscale="log", yscale="log")
     axis.set_title(f"error at tolerances {TOLERANCES[0]:g} to {TOLERANCES[-1]:g}; the ring is the default")
     axis.set_xlabel("wall time [ms]")
     axis.legend(fontsize=6, loc="center", bbox_to_anchor=(0.53, 0.5))
@@ -482,10 +479,8 @@ def draw_course(axis: Axes, found: Findings) -> None:
     axis.axhline(ERROR_BAND, color="#999999", linewidth=0.8)
     patched = found.histories[2]
     mark(axis, patched.first_time(np.abs(patched["flange_force_1"]) > TOUCHING), "the flange touches")
-    axis.set_yscale("log")
-    axis.set_ylim(1e-3, 100 * ERROR_BAND)
-    axis.set_title("error of all states over the default tolerance")
-    axis.set_xlabel("time [s]")
+    axis.set(yscale="log", ylim=(1e-3, 100 * ERROR_BAND))
+    axis.set(title="error of all states over the default tolerance", xlabel="time [s]")
 
 
 SCENARIO = Scenario(

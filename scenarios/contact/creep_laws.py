@@ -28,7 +28,7 @@ from rbd_model.contact.creep.strip_theory import strip_theory
 from rbd_model.contact.creep.tabulated import table_of, tabulated
 from scenarios.methods import exact_states
 from scenarios.methods.creep_cost import cost, values, with_coefficients
-from scenarios.reporting.plots import plt, titled
+from scenarios.reporting.plots import label_edges, plt, titled
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Bound, Report, Row, at_most
 from scenarios.scenario import Options, Scenario
@@ -232,10 +232,11 @@ def draw(found: Mapping[str, Measured], slopes: bool) -> Figure:
         draw_kind(axis, {name: (costs[name], one.distance[kind]) for name, one in found.items()})
         count = int(np.sum(exact()[2] == KINDS.index(kind)))
         axis.set_title(f"{kind}: largest of {count} cases")
-    for axis in grid[-1]:
-        axis.set_xlabel(f"cost of one {'value with derivatives' if slopes else 'value'} as compiled C [us]")
-    for axis in grid[:, 0]:
-        axis.set_ylabel("distance from exact theory [% of mu N]")
+    label_edges(
+        grid,
+        f"cost of one {'value with derivatives' if slopes else 'value'} as compiled C [us]",
+        "distance from exact theory [% of mu N]",
+    )
     handles = [Line2D([], [], linestyle="none", label=name, **look(name)) for name in found]
     figure.legend(handles=handles, loc="outside lower center", ncols=5)
     words = "Lower left is better; full and joined: none is both cheaper and nearer"
@@ -262,9 +263,7 @@ def draw_kind(axis: Axes, points: Mapping[str, tuple[float, float]]) -> None:
             axis.annotate(
                 f"{distance:.0f}", (seconds, TOP), xytext=(0, 6), textcoords="offset points", fontsize=7, ha="center"
             )
-    axis.set_xscale("log")
-    axis.set_yscale("log")
-    axis.set_ylim(0.2, 1.6 * TOP)
+    axis.set(xscale="log", yscale="log", ylim=(0.2, 1.6 * TOP))
     axis.text(
         0.01, EVERYWHERE * 1.06, f"above {EVERYWHERE:g} %", transform=axis.get_yaxis_transform(), ha="left", fontsize=7
     )

@@ -118,8 +118,7 @@ def draw(rows: list[Row], series: Recording) -> Figure:
         left.plot(friction, [nadal(angle, mu) for mu in friction], color=colour, label=f"Nadal, {angle:g} degrees")
         found = [row.simulated for row in rows[3 * number : 3 * number + 3]]
         left.plot(FRICTIONS, found, "o", color=colour)
-    left.set_xlabel("friction coefficient [1]")
-    left.set_title(f"Y/Q at the onset, yaw {1e3 * ATTACK:g} mrad")
+    left.set(xlabel="friction coefficient [1]", title=f"Y/Q at the onset, yaw {1e3 * ATTACK:g} mrad")
     left.legend()
     for name, colour in COLOURS.items():
         right.plot(1e3 * series["yaw"], series[f"limit_{name.lower()}"], "o-", color=colour, label=name)

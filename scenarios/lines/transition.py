@@ -261,8 +261,7 @@ def draw_shares(axis: Axes, found: Found) -> None:
     names = [f"1:{case.ramp:g}, {'free' if case.free else f'{case.speed:.1f} m/s'}" for case in cases]
     axis.set_yticks(-np.arange(len(cases)), names)
     axis.grid(axis="y", visible=False)
-    axis.set_xlabel("load moved by the twist [kN]")
-    axis.set_title("bars: statics; marks: measured")
+    axis.set(xlabel="load moved by the twist [kN]", title="bars: statics; marks: measured")
     legend_above(axis, 3)
 
 

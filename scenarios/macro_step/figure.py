@@ -36,8 +36,7 @@ def draw(f: Findings) -> Figure:
     draw_jumps(grid[1, 0], f)
     draw_boundaries(grid[1, 1], f)
     for axis in (grid[0, 0], grid[1, 0], grid[1, 1]):
-        axis.set_xscale("log")
-        axis.set_yscale("log")
+        axis.set(xscale="log", yscale="log")
         axis.xaxis.set_major_formatter("{x:g}")
         axis.yaxis.set_major_formatter("{x:g}")
         axis.set_xlabel("macro step [ms]")
@@ -70,8 +69,7 @@ def draw_chatter(axis: Axes, f: Findings) -> None:
         kept = (time >= WINDOW[0]) & (time <= WINDOW[1])
         rim = BOGIE.wheel_radius * chatter.series["angular_velocity_2"][kept]
         axis.plot(time[kept], 1e3 * rim, color=colour, label=label)
-    axis.set_title("The end of a stop: speed of the trailing wheels' rim [mm/s]")
-    axis.set_xlabel("time [s]")
+    axis.set(title="The end of a stop: speed of the trailing wheels' rim [mm/s]", xlabel="time [s]")
     axis.legend(loc="upper right")
     axis.margins(y=0.15)
 

@@ -179,14 +179,5 @@ ON_STRIPS = replace(
     values={"contact_depth": 3},
     references=(1e-8, 1e-8),
 )
-STANDING = Scene(
-    "stop and 10 s of rest",
-    "creep without bound on its stiffness",
-    "bogie",
-    27.0,
-    0.05,
-    STOP,
-    stopping,
-    inputs=both([(0.0, FULL)]),
-)
+STANDING = replace(SMOOTH, name="stop and 10 s of rest", stress="creep without bound on its stiffness", duration=27.0)
 SCENES = (SMOOTH, LOCK_UP, HUNTING, FLANGE, ASYMMETRIC, STANDING)

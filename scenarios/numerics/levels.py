@@ -317,8 +317,7 @@ def draw(found: Findings) -> Figure:
     band = found.trailing_boundary("spatial"), found.trailing_boundary("point")
     for axis in axes[:5]:
         axis.axvspan(*band, color="#999999", alpha=0.15)
-        axis.set_xlim(min(UTILISATIONS) - 0.02, max(UTILISATIONS) + 0.02)
-        axis.set_xlabel("adhesion utilisation [1]")
+        axis.set(xlim=(min(UTILISATIONS) - 0.02, max(UTILISATIONS) + 0.02), xlabel="adhesion utilisation [1]")
     axes[0].annotate(
         "point\nmisses the\nlock-up", (sum(band) / 2, 0.97), ha="center", va="top", xycoords=("data", "axes fraction")
     )

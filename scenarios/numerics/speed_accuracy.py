@@ -22,7 +22,7 @@ from scenarios.methods.oracle_cost import oracle_point
 from scenarios.methods.scenes import ASYMMETRIC, ON_PATCHES, ON_STRIPS, SCENES, SMOOTH, STANDING, Scene
 from scenarios.methods.timing import least
 from scenarios.methods.work_precision import DEFAULT, OMITTED, PEERS, Point, Study, difference, study, works
-from scenarios.reporting.plots import plt, titled
+from scenarios.reporting.plots import label_edges, plt, titled
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import Report, Row, at_most, near
 from scenarios.scenario import Options, Scenario
@@ -229,10 +229,11 @@ def draw(studies: list[Study], against: str) -> Figure:
         draw_scene(axis, one, against, handles)
     for axis in grid.ravel()[len(studies) :]:
         axis.set_axis_off()
-    for axis in grid[-1]:
-        axis.set_xlabel({"seconds": "wall time [s]", "right_hand_sides": "right-hand sides"}[against])
-    for axis in grid[:, 0]:
-        axis.set_ylabel("relative error (top: failed)")
+    label_edges(
+        grid,
+        {"seconds": "wall time [s]", "right_hand_sides": "right-hand sides"}[against],
+        "relative error (top: failed)",
+    )
     shown = [name for name in STYLE if name in handles]
     figure.legend([handles[name] for name in shown], shown, loc="outside lower center", ncols=4, fontsize=9)
     words = {"seconds": "wall time", "right_hand_sides": "right-hand sides"}[against]
@@ -268,9 +269,7 @@ def draw_scene(axis: Axes, one: Study, against: str, handles: dict[str, Artist])
         axis.plot([getattr(p, against) for p in bad], [FAILED] * len(bad), marker, color=colour, markersize=5)
         handles.setdefault(name, line)
     mark_default(axis, one.at(DEFAULT, DEFAULT_TOLERANCE), against)
-    axis.set_xscale("log")
-    axis.set_yscale("log")
-    axis.set_ylim(LEAST, 2 * FAILED)
+    axis.set(xscale="log", yscale="log", ylim=(LEAST, 2 * FAILED))
 
 
 def mark_default(axis: Axes, point: Point, against: str) -> None:

@@ -401,8 +401,7 @@ def draw_growth(axis: Axes, atlas: Atlas) -> None:
         places = [one[2] + 0.012 * (number - 1) for one in chosen]
         axis.plot(places, [one[3] for one in chosen], "sod"[number], markersize=5, label=f"RK4, {machine.name}")
     axis.axhline(1.0, color="#999999", linewidth=0.8)
-    axis.set_xlabel("step over the predicted limit")
-    axis.set_ylabel("growth of a perturbation in a step")
+    axis.set(xlabel="step over the predicted limit", ylabel="growth of a perturbation in a step")
     axis.set_title("Growth at 0.9 and 1.1 of the limit, six speeds each")
     axis.legend(fontsize=8)
 
@@ -413,8 +412,7 @@ def draw_loads(axis: Axes, atlas: Atlas) -> None:
     ):
         axis.plot(values, 1e3 * np.array(theory), color=colour, label=f"over {name}")
         axis.plot(values[::3], 1e3 * np.array(found), "o", color=colour, markersize=5)
-    axis.set_xlabel("friction coefficient, share of the sprung mass")
-    axis.set_ylabel("largest stable step of RK4 [ms]")
+    axis.set(xlabel="friction coefficient, share of the sprung mass", ylabel="largest stable step of RK4 [ms]")
     axis.set_title(f"The same over friction and load at {SPEED_OF_LOADS:g} m/s, light braking")
     axis.legend(fontsize=8)
 
@@ -458,8 +456,7 @@ def draw_stops(axis: Axes, atlas: Atlas) -> None:
                 bad, [1.0] * len(bad), "x", color=COLOURS[method], label=f"{NAMES[method]}: ended with a sentence"
             )
     logarithmic(axis, "fixed step [s]", "speed left at rest [m/s]")
-    axis.set_ylim(floor / 10, 10.0)
-    axis.set_title("Stop and 4.6 s of rest, point level: false equilibria?")
+    axis.set(ylim=(floor / 10, 10.0), title="Stop and 4.6 s of rest, point level: false equilibria?")
     axis.legend(fontsize=8)
 
 
@@ -468,9 +465,7 @@ def draw_drift(axis: Axes, atlas: Atlas) -> None:
         word, colour = ("with", LEADING) if partitioned else ("without", TRAILING)
         axis.plot(one.time, np.maximum(one.residual, 1e-17), color=colour, label=f"{word} partitioning, constraints")
         axis.plot(one.time, np.maximum(one.norm, 1e-17), ":", color=colour, label=f"{word}, Euler parameters")
-    axis.set_yscale("log")
-    axis.set_xlabel("time [s]")
-    axis.set_ylabel("residual [m], norm less 1")
+    axis.set(yscale="log", xlabel="time [s]", ylabel="residual [m], norm less 1")
     axis.set_title("Chapter 3: drift of the constraints of a braked wheelset")
     axis.legend(fontsize=8)
 
@@ -486,10 +481,7 @@ def draw_fold(axis: Axes, atlas: Atlas) -> None:
 
 
 def logarithmic(axis: Axes, x_label: str, y_label: str) -> None:
-    axis.set_xscale("log")
-    axis.set_yscale("log")
-    axis.set_xlabel(x_label)
-    axis.set_ylabel(y_label)
+    axis.set(xscale="log", yscale="log", xlabel=x_label, ylabel=y_label)
 
 
 SCENARIO = Scenario("stability-atlas", "Where methods fail: stable steps, silent errors, drift, rest, the fold", run)

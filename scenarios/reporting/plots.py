@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import matplotlib
+import numpy as np
 
 matplotlib.use("Agg")
 from matplotlib import pyplot as plt
@@ -45,8 +46,7 @@ def panels(title: str, labels: Sequence[str], height: float = 2.0) -> tuple[Figu
 
 def single(title: str, x_label: str, y_label: str) -> tuple[Figure, Axes]:
     figure, axis = plt.subplots(figsize=(8.0, 5.2))
-    axis.set_xlabel(x_label)
-    axis.set_ylabel(y_label)
+    axis.set(xlabel=x_label, ylabel=y_label)
     return titled(figure, title), axis
 
 
@@ -55,6 +55,14 @@ def titled(figure: Figure, title: str) -> Figure:
     figure.suptitle(title, x=0.02, ha="left")
     figure.set_layout_engine("constrained")
     return figure
+
+
+def label_edges(grid: np.ndarray, x_label: str, y_label: str) -> None:
+    """What all columns and all rows of a grid of axes share, below the last row and left of the first column."""
+    for axis in grid[-1]:
+        axis.set_xlabel(x_label)
+    for axis in grid[:, 0]:
+        axis.set_ylabel(y_label)
 
 
 def legend_above(axis: Axes, columns: int = 2) -> None:

@@ -5,9 +5,10 @@ With the flange as a spring on one rigid contact a wheel (3.106), and with a fla
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
-from itertools import product
 
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fmu_src.cosimulation.recording import Recording
@@ -35,7 +36,7 @@ from scenarios.bench.asymmetric_shoes import (
 )
 from scenarios.bench.drive import RIGID
 from scenarios.reporting.motion import Motion, motion_columns
-from scenarios.reporting.plots import LEADING, THREE, TRAILING, plt, titled
+from scenarios.reporting.plots import LEADING, THREE, TRAILING, label_edges, plt, titled
 from scenarios.reporting.report import Report, Row, at_least, rounding
 from scenarios.scenario import Options, Scenario
 
@@ -161,51 +162,52 @@ def motion() -> Motion:
 
 
 def draw(outcomes: dict[Case, Outcome]) -> Figure:
-    figure, grid = plt.subplots(4, 3, sharex=True, sharey=True, figsize=(11.0, 10.0))
-    for line, (reading, wheelset) in enumerate(product((AS_THESIS, PHYSICAL), (1, 2))):
-        for column, error in enumerate(YAW_TORQUE):
-            axis = grid[line, column]
-            case = Case(wheelset, error, 1.0, reading)
-            outcome = outcomes[case]
-            time = outcome.series["time"]
-            axis.plot(time, 1e3 * outcome.series["lateral_1"], color=LEADING, linewidth=0.6, label="leading")
-            axis.plot(time, 1e3 * outcome.series["lateral_2"], color=TRAILING, linewidth=0.6, label="trailing")
-            axis.set_title(case.name, fontsize=8)
-            if outcome.derailed_at is not None:
-                axis.plot(time[-1], 1e3 * outcome.series["lateral_1"][-1], "x", color=THREE[2])
-                axis.annotate(f"derailed at {outcome.derailed_at:.1f} m/s", (0.05, 0.05), xycoords="axes fraction")
-            axis.set_ylim(-13, 13)
-    for axis in grid[-1]:
-        axis.set_xlabel("time [s]")
-    for axis in grid[:, 0]:
-        axis.set_ylabel("lateral shift [mm]")
-    grid[0, 0].legend(loc="upper left", fontsize=8)
-    return titled(figure, "Asymmetric shoes, brake applied in 1 s: as the thesis did, and the physical reading")
+    def shifts(axis: Axes, case: Case) -> None:
+        outcome = outcomes[case]
+        time = outcome.series["time"]
+        axis.plot(time, 1e3 * outcome.series["lateral_1"], color=LEADING, linewidth=0.6, label="leading")
+        axis.plot(time, 1e3 * outcome.series["lateral_2"], color=TRAILING, linewidth=0.6, label="trailing")
+        mark_derailment(axis, outcome, 1, "derailed")
+
+    return draw_cases(
+        "Asymmetric shoes, brake applied in 1 s: as the thesis did, and the physical reading", 13.0, shifts
+    )
 
 
 def draw_depths(outcomes: dict[Case, Outcome]) -> Figure:
     """The braked wheelset with the flange as a spring (3.106), and with a flange of its own."""
+
+    def shift_by_depth(axis: Axes, case: Case) -> None:
+        for name, colour, depth in ((case.reading, TRAILING, 1), (ON_PATCHES[case.reading], LEADING, 2)):
+            outcome = outcomes[replace(case, reading=name)]
+            shift = 1e3 * outcome.series[f"lateral_{case.wheelset}"]
+            axis.plot(outcome.series["time"], shift, color=colour, linewidth=0.6, label=f"contact depth {depth}")
+            mark_derailment(axis, outcome, case.wheelset, f"depth {depth}: derailed")
+
+    title = "The wheelset with asymmetric shoes: flange as a spring, and on its own patch"
+    return draw_cases(title, 13.5, shift_by_depth)
+
+
+def draw_cases(title: str, most: float, draw_case: Callable[[Axes, Case], None]) -> Figure:
+    """Lateral shift [mm], up to `most`, of the cases with the fastest application, two readings and both wheelsets."""
     figure, grid = plt.subplots(4, 3, sharex=True, sharey=True, figsize=(11.0, 10.0))
-    for line, (reading, wheelset) in enumerate(product((AS_THESIS, PHYSICAL), (1, 2))):
-        for column, error in enumerate(YAW_TORQUE):
-            axis = grid[line, column]
-            case = Case(wheelset, error, FASTEST, reading)
-            for name, colour, depth in ((reading, TRAILING, 1), (ON_PATCHES[reading], LEADING, 2)):
-                outcome = outcomes[replace(case, reading=name)]
-                shift = 1e3 * outcome.series[f"lateral_{wheelset}"]
-                axis.plot(outcome.series["time"], shift, color=colour, linewidth=0.6, label=f"contact depth {depth}")
-                if outcome.derailed_at is not None:
-                    axis.plot(outcome.series["time"][-1], shift[-1], "x", color=THREE[2])
-                    text = f"depth {depth}: derailed at {outcome.derailed_at:.1f} m/s"
-                    axis.annotate(text, (0.05, 0.05), xycoords="axes fraction")
-            axis.set_title(case.name, fontsize=8)
-            axis.set_ylim(-13.5, 13.5)
-    for axis in grid[-1]:
-        axis.set_xlabel("time [s]")
-    for axis in grid[:, 0]:
-        axis.set_ylabel("lateral shift [mm]")
+    cases = [
+        Case(n, error, FASTEST, reading) for reading in (AS_THESIS, PHYSICAL) for n in (1, 2) for error in YAW_TORQUE
+    ]
+    for axis, case in zip(grid.flat, cases, strict=True):
+        draw_case(axis, case)
+        axis.set_title(case.name, fontsize=8)
+        axis.set_ylim(-most, most)
+    label_edges(grid, "time [s]", "lateral shift [mm]")
     grid[0, 0].legend(loc="upper left", fontsize=8)
-    return titled(figure, "The wheelset with asymmetric shoes: flange as a spring, and on its own patch")
+    return titled(figure, title)
+
+
+def mark_derailment(axis: Axes, outcome: Outcome, wheelset: int, words: str) -> None:
+    """Where the shift of the wheelset ended, and at which speed."""
+    if outcome.derailed_at is not None:
+        axis.plot(outcome.series["time"][-1], 1e3 * outcome.series[f"lateral_{wheelset}"][-1], "x", color=THREE[2])
+        axis.annotate(f"{words} at {outcome.derailed_at:.1f} m/s", (0.05, 0.05), xycoords="axes fraction")
 
 
 SCENARIO = Scenario(

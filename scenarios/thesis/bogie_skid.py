@@ -77,8 +77,7 @@ def draw(runs: dict[str, tuple[Recording, list[str]]]) -> Figure:
         upper.set_title(f"{name}: speed and circumferential speeds [m/s]")
         lower.plot(series["time"], 1e3 * series["lateral_1"], color=LEADING)
         lower.plot(series["time"], 1e3 * series["lateral_2"], color=TRAILING)
-        lower.set_title("lateral displacement [mm]")
-        lower.set_xlabel("time [s]")
+        lower.set(title="lateral displacement [mm]", xlabel="time [s]")
         for axis in (upper, lower):
             mark(axis, APPLIED, "brake")
     grid[0, 0].legend(loc="lower left")

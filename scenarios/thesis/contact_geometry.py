@@ -99,8 +99,7 @@ def draw(pair: Pair, series: Recording, flange: float) -> Figure:
         ("european", TRAILING, "S1002, 60E1 1:40, no roll"),
     ):
         grid[1, 1].plot(shift[low], series[f"equivalent_conicity_{name}"][low], color=colour, label=label)
-    grid[1, 1].set_title("equivalent conicity [1] over amplitude")
-    grid[1, 1].set_ylim(0.0, 0.6)
+    grid[1, 1].set(title="equivalent conicity [1] over amplitude", ylim=(0.0, 0.6))
     grid[1, 1].legend()
     for axis in grid.flat[1:]:
         axis.set_xlabel("lateral shift or amplitude [mm]")
@@ -112,9 +111,7 @@ def draw_profiles(axis: Axes, pair: Pair) -> None:
     for profile, colour, label in ((pair.wheel, LEADING, "wheel"), (pair.rail, TRAILING, "rail")):
         y = np.linspace(*profile.limits, 1500)
         axis.plot(-1e3 * y, 1e3 * profile.height(y), color=colour, label=label)
-    axis.set_aspect("equal")
-    axis.set_ylim(-32, 8)
-    axis.set_title("profiles at the centre [mm]")
+    axis.set(aspect="equal", ylim=(-32, 8), title="profiles at the centre [mm]")
     axis.legend(loc="lower left")
 
 
@@ -223,8 +220,7 @@ def draw_files(sides: Sides, series: Recording, conicity: Recording, centre: flo
     grid[2, 1].set_title("contact point, to the field side of y = 0 [mm]")
     grid[2, 0].plot(1e3 * conicity["amplitude"], conicity["equivalent_conicity"], color=LEADING)
     grid[2, 0].set_ylim(min(0.0, 1.1 * np.min(conicity["equivalent_conicity"])), None)
-    grid[2, 0].set_title("equivalent conicity [1] over amplitude")
-    grid[2, 0].set_xlabel("amplitude [mm]")
+    grid[2, 0].set(title="equivalent conicity [1] over amplitude", xlabel="amplitude [mm]")
     for axis in (grid[1, 0], grid[1, 1], grid[2, 1]):
         axis.set_xlabel("shift to the left [mm]")
     for axis in (grid[1, 1], grid[2, 1]):
@@ -253,8 +249,7 @@ def draw_contacts(axis: Axes, side: Side, series: Recording, word: str) -> None:
     on_top = 1e3 * (side.wheel.height(on_wheel) - wheel_zero) + RAISED
     heights = np.array([on_top, 1e3 * (side.rail.height(below) - rail_zero)])
     axis.plot(ends, heights, color="#999999", linewidth=0.8)
-    axis.set_aspect("equal")
-    axis.set_ylim(-20, 22)
+    axis.set(aspect="equal", ylim=(-20, 22))
     axis.set_title(f"{word} wheel raised over its rail [mm], contacts every mm of shift", fontsize=9)
 
 

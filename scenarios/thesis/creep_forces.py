@@ -105,8 +105,7 @@ def draw(series: Recording) -> Figure:
         right.plot(creepage, series[f"force_lateral_spin_{spin}"] / scale, color=colour, label=f"spin {spin} 1/m")
         exact = EXACT[(EXACT[:, 2] == spin) & (EXACT[:, 0] == 0)]
         right.plot(-1e3 * exact[:, 1], exact[:, 4] / scale, "o", color=colour)
-    right.set_title("lateral force over mu N, spin against the creepage")
-    right.set_xlim(0, 4)
+    right.set(title="lateral force over mu N, spin against the creepage", xlim=(0, 4))
     for axis in (left, right):
         axis.set_xlabel("creepage [1/1000]")
         axis.legend(loc="lower right")

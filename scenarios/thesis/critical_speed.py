@@ -83,13 +83,10 @@ def draw(loci: dict[float, list[list[Mode]]], critical: dict[float, float]) -> F
         right.scatter(points[:, 0], points[:, 1], s=4 + points[:, 2] / 2, color=colour, alpha=0.5, linewidths=0)
     left.axvline(27.0, color=THESIS, label="thesis, 27 m/s")
     left.axhline(0.0, color="#999999", linewidth=0.8)
-    left.set_xlabel("speed [m/s]")
-    left.set_ylabel("growth of the least damped oscillation [1/s]")
+    left.set(xlabel="speed [m/s]", ylabel="growth of the least damped oscillation [1/s]")
     left.legend(loc="upper left")
     right.axvline(0.0, color="#999999", linewidth=0.8)
-    right.set_xlim(-1.0, 0.6)
-    right.set_xlabel("growth [1/s]; points grow with the speed")
-    right.set_ylabel("frequency [Hz]")
+    right.set(xlim=(-1.0, 0.6), xlabel="growth [1/s]; points grow with the speed", ylabel="frequency [Hz]")
     return titled(figure, "Hunting of the wheelset of chapter 4: growth and root locus over speed")
 
 

@@ -127,8 +127,7 @@ def draw(runs: dict[str, Recording]) -> Figure:
         crossing = series.first_time((series["speed"] < CRITICAL) == (kind == "braking"))
         if crossing is not None:
             lateral.axvline(crossing, color=THESIS, linestyle="--", linewidth=1.0)
-        lateral.set_title("lateral displacement [mm]")
-        lateral.set_xlabel("time [s]")
+        lateral.set(title="lateral displacement [mm]", xlabel="time [s]")
     return titled(figure, "Hunting through the critical speed under torque (Figs 4.24-4.27)")
 
 

@@ -110,8 +110,7 @@ def draw(found: Findings) -> Figure:
             bottom.plot(series["time"], series[f"pressure_{number}"] / 1e3, **style)
         distances = f"{stop.words}, ideal {found.ideal[name]:.0f} m"
         top.set_title(f"{name}: speeds [m/s], {distances}, unprotected {found.unprotected[name].words}")
-        bottom.set_title(f"{name}: cylinder pressures [kPa]")
-        bottom.set_xlabel("time [s]")
+        bottom.set(title=f"{name}: cylinder pressures [kPa]", xlabel="time [s]")
     grid[0, 0].legend(fontsize=8)
     return titled(figure, "Wheel-slide protection of four wheelsets on a low rail")
 

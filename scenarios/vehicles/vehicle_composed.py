@@ -169,11 +169,9 @@ def draw(found: Findings) -> Figure:
 
 
 def finish(axis: Axes, title: str, label: str) -> None:
-    axis.set_xscale("log")
-    axis.set_yscale("log")
+    axis.set(xscale="log", yscale="log")
     axis.xaxis.set_major_formatter("{x:g}")
-    axis.set_title(title)
-    axis.set_xlabel(label)
+    axis.set(title=title, xlabel=label)
 
 
 SCENARIO = Scenario("vehicle-composed", "Vehicle and brakes as one FMU or as five coupled: error against cost", run)

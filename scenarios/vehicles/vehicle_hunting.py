@@ -203,8 +203,7 @@ def draw(onsets: Mapping[str, Onset], series: Recording) -> Figure:
         found = onsets[case.name]
         label = f"critical: {found.by_eigenvalues:.1f} m/s, in time {found.in_time:.1f} m/s"
         axis.axvline(found.by_eigenvalues, color=THESIS, linestyle="--", label=label)
-        axis.set_title(f"{case.name}: growth of the least stable motion [1/s]")
-        axis.set_xlabel("speed [m/s]")
+        axis.set(title=f"{case.name}: growth of the least stable motion [1/s]", xlabel="speed [m/s]")
         axis.set_ylim(-1.6, 1.2)
         axis.legend(fontsize=8, loc="lower left")
     return titled(figure, "Hunting of vehicle 1 of the Manchester benchmarks: body and bogies")

@@ -119,8 +119,7 @@ def sketch(axis: Axes, mode: Mode) -> None:
             axis.plot(centre + 2 * np.real(shape["shift"]) + along, height + moved, color=colour, linewidth=2.2)
         if abs(roll) > 0.05:
             axis.annotate(f"roll {roll:+.1f}", (centre, level + 0.5), ha="center", fontsize=7, color=colour)
-    axis.set_xlim(-13, 13)
-    axis.set_ylim(-6.5, 6.0)
+    axis.set(xlim=(-13, 13), ylim=(-6.5, 6.0))
     text = f"{name_of(mode)}\n{mode.frequency:.2f} Hz, damping {100 * mode.damping_ratio:.0f} %"
     axis.set_title(text, fontsize=8)
 

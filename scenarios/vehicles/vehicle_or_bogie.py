@@ -206,8 +206,7 @@ def draw(found: Findings) -> Figure:
         decelerations = [one.deceleration for one in chosen.values()]
         style = {"color": colour, "marker": "o", "markersize": 4.0, "linewidth": 1.0, "label": f"friction {friction:g}"}
         axes[0].plot(decelerations, [1e6 * abs(one.distance) for one in chosen.values()], **style)
-    axes[0].set_title("one bogie: error of distance [1e-6]")
-    axes[0].set_xlabel("deceleration [m/s2]")
+    axes[0].set(title="one bogie: error of distance [1e-6]", xlabel="deceleration [m/s2]")
     axes[0].legend(fontsize=8)
     draw_locks(axes[1], found.locks)
     draw_costs(axes[2], found.costs)
@@ -229,8 +228,7 @@ def draw_costs(axis: Axes, costs: Mapping[tuple[str, int], float]) -> None:
         values = [1e3 * costs[name, level] for level in LEVELS]
         axis.bar(np.arange(len(LEVELS)) + 0.35 * (offset - 0.5), values, 0.33, color=colour, label=name)
     axis.set_xticks(range(len(LEVELS)), list(LEVELS.values()))
-    axis.set_yscale("log")
-    axis.set_title(f"time to compute {DURATION:g} s of braking [ms]")
+    axis.set(yscale="log", title=f"time to compute {DURATION:g} s of braking [ms]")
     axis.legend(fontsize=8)
 
 
