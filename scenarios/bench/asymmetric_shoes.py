@@ -8,13 +8,12 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
-from tqdm import tqdm
 
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel
 from rbd_model.vehicle.parameters import AS_PRINTED
 from scenarios.bench.drive import bogie, play
-from scenarios.reporting.progress import PATIENCE
+from scenarios.reporting.progress import counting
 
 BRAKE_TORQUE, BRAKE_START, SPEED = 20e3, 1.0, 25.0
 #: Yaw torque at full brake by error of the shoe forces [%], Tables 9.2 and 9.3.
@@ -137,5 +136,5 @@ def run_all(cases: Sequence[Case] = CASES, tolerance: float = TOLERANCE) -> dict
     bogie((), RECORDED)  # what all share is written and compiled once, before the threads ask for it
     with ThreadPoolExecutor() as pool:
         found = pool.map(lambda case: run_case(case, tolerance), cases)
-        bar = tqdm(found, "cases", len(cases), delay=PATIENCE, leave=False, unit="case")
+        bar = counting(found, "cases", len(cases), unit="case")
         return dict(zip(cases, bar, strict=True))

@@ -12,7 +12,6 @@ from multiprocessing import get_context
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from tqdm import tqdm
 
 from brake_controller.wheel_slide import SlideProtection, WheelSlideController
 from products.protection.braked_machine import APPLICATION_TIME, BrakedMachine, bogie
@@ -33,7 +32,7 @@ from rbd_model.track.friction import low
 from rbd_model.vehicle.parameters import tables_5_1_and_5_2
 from scenarios.bench.peak_adhesion import PeakAdhesion
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, plt, titled
-from scenarios.reporting.progress import PATIENCE
+from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, at_least, at_most, between
 from scenarios.scenario import Options, Scenario, Sweepable
 
@@ -77,7 +76,7 @@ def measure() -> Findings:
     dry_tries = [Settings(strength=s, pulses=n, jitter=j) for s in STRENGTHS for n in TEETH for j in JITTERS]
     teeth, dry_stops = {}, []
     total = len(work) + len(tries) + len(TEETH) + len(dry_tries)
-    with BrakedMachine() as machine, tqdm(total=total, delay=PATIENCE, leave=False, unit="stop") as bar:
+    with BrakedMachine() as machine, counting(total=total, unit="stop") as bar:
         for rail, mode in work:
             stops[rail.name, mode] = one_stop(machine, rail, mode, Settings())
             bar.update()

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.figure import Figure
-from tqdm import tqdm
 
 from fmu_src.cosimulation.master import Connection
 from fmu_src.cosimulation.recording import Recording
@@ -18,7 +17,7 @@ from rbd_model.vehicle.parameters import AS_PRINTED, tables_5_1_and_5_2
 from scenarios.bench.asymmetric_shoes import DERAILED_AT
 from scenarios.bench.drive import RIGID
 from scenarios.reporting.plots import BOGIE, LEADING, THREE, TRAILING, plt, titled
-from scenarios.reporting.progress import PATIENCE
+from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row
 from scenarios.scenario import Options, Scenario
 
@@ -104,7 +103,7 @@ def measure() -> tuple[dict[float, UnevenStop], dict[tuple[float, float], Uneven
     """
     uneven, asymmetric = {}, {}
     count = len(SHARES) + len(ERRORS) + 1
-    with BrakedMachine() as machine, tqdm(total=count, delay=PATIENCE, leave=False, unit="stop") as bar:
+    with BrakedMachine() as machine, counting(total=count, unit="stop") as bar:
         for share in SHARES:
             low = {"level": 2.0, "friction_1": FRICTION, "friction_2": FRICTION}
             uneven[share] = uneven_stop(machine, low, (2 * share, 2 * (1 - share)), (0.0, 0.0))

@@ -14,7 +14,6 @@ from itertools import product
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from tqdm import tqdm
 
 from fmu_src.compile import build_library
 from fmu_src.cosimulation.recording import Recording
@@ -33,7 +32,7 @@ from scenarios.methods.scenes import SMOOTH, Scene, lateral_peak
 from scenarios.methods.timing import least
 from scenarios.methods.work_precision import difference
 from scenarios.reporting.plots import LEADING, THESIS, THREE, TRAILING, mark, plt, titled
-from scenarios.reporting.progress import PATIENCE
+from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Bound, Report, Row, at_least, at_most
 from scenarios.scenario import Options, Scenario
 
@@ -263,7 +262,7 @@ class Findings:
 
 def measure() -> Findings:
     histories, peaks, torques = {}, {}, (*TORQUES, WEAK)
-    for depth in tqdm(DEPTHS, "depths", delay=PATIENCE, leave=False, unit="depth"):
+    for depth in counting(DEPTHS, "depths", unit="depth"):
         found = {torque: history(depth, torque) for torque in torques}
         histories[depth], peaks[depth] = found[STRONG], {torque: largest(found[torque]) for torque in torques}
     return Findings(

@@ -14,7 +14,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.optimize import brentq
-from tqdm import tqdm
 
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.system import System, Table
@@ -36,7 +35,7 @@ from rbd_model.wheelset.touch import Placement, Wheel
 from rbd_model.wheelset.touching_patch import direction_of, look_up_patch
 from scenarios.bench.wheel_on_strips import CONSTANT_FRICTION, NO_SPEED, wheel_under_load
 from scenarios.reporting.plots import BOGIE, FOUR, LEADING, THESIS, TRAILING, plt, titled
-from scenarios.reporting.progress import PATIENCE
+from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, at_most
 from scenarios.scenario import Options, Scenario
 
@@ -359,7 +358,7 @@ def apart() -> list[Row]:
 def run(options: Options) -> Report:
     lines: dict[tuple[str, str], list[Found]] = {}
     for method in METHODS:
-        for name in tqdm(SIDES, desc="contact-manchester", leave=False, delay=PATIENCE):
+        for name in counting(SIDES, "contact-manchester"):
             lines[method.name, name] = [method.find(*case(name, float(shift))) for shift in SHIFTS]
     rows = [row for method in METHODS for row in misses(method, lines)] + apart()
     series = Recording({"shift": "m"}, [[shift / 1e3] for shift in SHIFTS])

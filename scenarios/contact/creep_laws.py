@@ -13,7 +13,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from tqdm import tqdm
 
 from fmu_src.cosimulation.recording import Recording
 from rbd_model.contact.creep.exact_table import exact_law
@@ -29,7 +28,7 @@ from rbd_model.contact.creep.tabulated import table_of, tabulated
 from scenarios.methods import exact_states
 from scenarios.methods.creep_cost import cost, values, with_coefficients
 from scenarios.reporting.plots import label_edges, plt, titled
-from scenarios.reporting.progress import PATIENCE
+from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Bound, Report, Row, at_most
 from scenarios.scenario import Options, Scenario
 
@@ -138,7 +137,7 @@ def measure() -> dict[str, Measured]:
     """All laws."""
     points, _, kinds = exact()
     found = {}
-    for name, law in tqdm(LAWS.items(), "creep laws", delay=PATIENCE, leave=False, unit="law"):
+    for name, law in counting(LAWS.items(), "creep laws", unit="law"):
         distance = distances(law)
         by_kind = {kind: float(distance[kinds == number].max()) for number, kind in enumerate(KINDS)}
         at_random, together = exact_states.distance(law), exact_states.distance(law, together=True)

@@ -7,7 +7,6 @@ import math
 import casadi as ca
 import numpy as np
 from matplotlib.figure import Figure
-from tqdm import tqdm
 
 from fmu_src.cosimulation.recording import Recording
 from rbd_model.contact.creep.exact_table import exact_law
@@ -17,7 +16,7 @@ from rbd_model.wheelset.rigid_part import nadal_limit
 from scenarios.bench.climbing_wheelset import GROWTH, SPEED, climbing_wheelset, instants, push, vehicle_that_climbs
 from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, THREE, TRAILING, plt, titled
-from scenarios.reporting.progress import PATIENCE
+from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, at_least, near
 from scenarios.scenario import Options, Scenario
 
@@ -47,7 +46,7 @@ def nadal(angle: float, friction: float) -> float:
 def run(options: Options) -> Report:
     rows, steps = [], 0
     cases = [(angle, friction) for angle in ANGLES for friction in FRICTIONS]
-    for angle, friction in tqdm(cases, desc="flange-climb", leave=False, delay=PATIENCE):
+    for angle, friction in counting(cases, "flange-climb"):
         climb = push(climbing_wheelset(math.radians(angle), LAWS["default"]), friction, ATTACK)
         limit, steps = nadal(angle, friction), steps + climb.steps
         name = f"Y/Q at the onset of climbing, flange {angle:g} degrees, friction {friction:g}"
@@ -55,7 +54,7 @@ def run(options: Options) -> Report:
         rows.append(Row(name, "1", None, found, near(limit, BAND * limit), SOURCE, climb.sentences[-1]))
     curves = {
         name: [push(climbing_wheelset(math.radians(CURVE_ANGLE), law), CURVE_FRICTION, yaw) for yaw in YAWS]
-        for name, law in tqdm(LAWS.items(), desc="flange-climb", leave=False, delay=PATIENCE)
+        for name, law in counting(LAWS.items(), "flange-climb")
     }
     series = Recording({"yaw": "rad"}, [[yaw] for yaw in YAWS])
     for name, climbs in curves.items():

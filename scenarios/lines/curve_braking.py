@@ -13,7 +13,6 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from tqdm import tqdm
 
 from fmu_src.cosimulation.recording import Recording
 from rbd_model.track.line import Line
@@ -30,7 +29,7 @@ from scenarios.bench.curves import (
 from scenarios.bench.drive import play, prepare_on_line
 from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import FOUR, THREE, plt, titled
-from scenarios.reporting.progress import PATIENCE
+from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, near
 from scenarios.scenario import Options, Scenario
 
@@ -124,9 +123,9 @@ Stops = dict[float, dict[float, Recording]]
 
 def run(options: Options) -> Report:
     cases = [(radius, utilisation) for radius in RADII for utilisation in UTILISATIONS]
-    bar = tqdm(cases, "steady curves", delay=PATIENCE, leave=False)
+    bar = counting(cases, "steady curves")
     series = Recording(GIVEN | COLUMNS, [steady(*case) for case in bar])
-    stops = {radius: stops_of(radius) for radius in tqdm(RADII, "stops", delay=PATIENCE, leave=False)}
+    stops = {radius: stops_of(radius) for radius in counting(RADII, "stops")}
     rows = [row for radius in RADII for row in steady_rows(radius, of_radius(series, radius))]
     rows += [row for radius in RADII for row in stop_rows(radius, stops[radius])]
     parameters = BOGIE.values() | {"speed": SPEED, "friction": FRICTION}

@@ -4,21 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 from matplotlib.figure import Figure
-from tqdm import tqdm
 
 from fmu_src.cosimulation.recording import Recording
-from scenarios.bench.curves import (
-    BOGIE,
-    MASS,
-    MOST_CANT,
-    into_curve,
-    outward_acceleration,
-    suited_cant,
-    suited_speed,
-)
+from scenarios.bench.curves import BOGIE, MASS, MOST_CANT, into_curve, outward_acceleration, suited_cant, suited_speed
 from scenarios.bench.drive import prepare_on_line
 from scenarios.reporting.plots import LEADING, TRAILING, plt, titled
-from scenarios.reporting.progress import PATIENCE
+from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, at_most, near
 from scenarios.scenario import Options, Scenario
 
@@ -58,7 +49,7 @@ def curve(radius: float, deficiency: float, cant: float) -> list[float]:
 def run(options: Options) -> Report:
     cases = [(radius, 0.0, suited_cant(radius, SPEED)) for radius in RADII]
     cases += [(RADIUS, one, MOST_CANT) for one in DEFICIENCIES]
-    table = [curve(*case) for case in tqdm(cases, desc="curve-steering", leave=False, delay=PATIENCE)]
+    table = [curve(*case) for case in counting(cases, "curve-steering")]
     series = Recording(GIVEN | COLUMNS, table)
     rows = []
     for place, (radius, deficiency, _) in enumerate(cases):

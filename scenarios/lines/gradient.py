@@ -11,7 +11,6 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib.figure import Figure
-from tqdm import tqdm
 
 from fmu_src.cosimulation.recording import Recording
 from rbd_model.track.line import line_of, straight
@@ -20,7 +19,7 @@ from scenarios.bench.drive import History, play, prepare_on_line
 from scenarios.methods.timing import LEVELS
 from scenarios.reporting.plots import BOGIE as GREY
 from scenarios.reporting.plots import LEADING, TRAILING, plt, titled
-from scenarios.reporting.progress import PATIENCE
+from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, at_most, near
 from scenarios.scenario import Options, Scenario
 
@@ -114,7 +113,7 @@ def runs(level: int) -> dict[str, Recording]:
 
 
 def run(options: Options) -> Report:
-    bar = tqdm(LEVELS.items(), "gradient", delay=PATIENCE, leave=False, unit="level")
+    bar = counting(LEVELS.items(), "gradient", unit="level")
     found = {name: runs(level) for level, name in bar}
     ends = {name: terminal(level) for level, name in LEVELS.items()}
     rows = [row for name, of_level in found.items() for row in acceleration_rows(name, of_level)]

@@ -14,7 +14,6 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
-from tqdm import tqdm
 
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel, KernelError
@@ -37,7 +36,7 @@ from scenarios.bench.drive import prepare, prepare_on_line
 from scenarios.reporting.line_picture import draw_line
 from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import LEADING, THESIS, TRAILING, legend_above, plt, titled
-from scenarios.reporting.progress import PATIENCE
+from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, at_least, near
 from scenarios.scenario import BadInputError, Options, Scenario
 
@@ -108,7 +107,7 @@ def drive(kernel: Kernel, line: Line, speed: float, columns: Sequence[str] = REC
     kernel.set(initial_speed=speed)
     kernel.initialise()
     rows: list[list[float]] = []
-    with tqdm(total=round(way), desc="line-from-file", leave=False, delay=PATIENCE, unit="m") as bar:
+    with counting(total=round(way), text="line-from-file", unit="m") as bar:
         while not kernel.ended and kernel["distance"] < way and kernel["speed"] > speed / 2:
             kernel.set(drawbar_force=MASS * (speed - kernel["speed"]) / REGULATION)
             table = kernel.record(held, interval, columns)

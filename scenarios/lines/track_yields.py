@@ -13,7 +13,6 @@ from functools import partial
 
 import numpy as np
 from matplotlib.figure import Figure
-from tqdm import tqdm
 
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel
@@ -21,7 +20,7 @@ from rbd_model.track.line import ERRI_LOW, Line, irregular, line_of, straight
 from scenarios.bench.curves import into_curve, suited_speed
 from scenarios.bench.drive import prepare_on_line
 from scenarios.reporting.plots import LEADING, TRAILING, plt, titled
-from scenarios.reporting.progress import PATIENCE
+from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, at_most
 from scenarios.scenario import Options, Scenario
 
@@ -165,7 +164,7 @@ def shown_loads(scene: Scene) -> Recording:
 
 def run(options: Options) -> Report:
     every = scenes()
-    outcomes = [compare(scene) for scene in tqdm(every, desc="track-yields", leave=False, delay=PATIENCE)]
+    outcomes = [compare(scene) for scene in counting(every, "track-yields")]
     series = shown_loads(next(scene for scene in every if scene.name == SHOWN))
     rows = [row for outcome in outcomes for row in rows_of(outcome)]
     needed = [one.scene for one in outcomes if one.error > BAND]

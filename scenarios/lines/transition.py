@@ -15,7 +15,6 @@ import casadi as ca
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from tqdm import tqdm
 
 from fmu_src.cosimulation.recording import Recording
 from products.building import units_of
@@ -30,7 +29,7 @@ from scenarios.bench.drive import prepare_on_line
 from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import BOGIE as GREY
 from scenarios.reporting.plots import LEADING, THESIS, THREE, TRAILING, legend_above, plt, titled
-from scenarios.reporting.progress import PATIENCE
+from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, near
 from scenarios.scenario import Options, Scenario
 
@@ -169,7 +168,7 @@ Found = dict[Case, Recording]
 def run(options: Options) -> Report:
     cases = [Case(ramp, SLOW, curved=False, free=True) for ramp in RAMPS]
     cases += [Case(ramp, speed) for speed in (SLOW, FAST) for ramp in RAMPS]
-    found = {case: case.run() for case in tqdm(cases, desc="transition", leave=False, delay=PATIENCE)}
+    found = {case: case.run() for case in counting(cases, "transition")}
     rows = [row_of(case, series) for case, series in found.items()]
     rows += [unloading_row(case, series) for case, series in found.items() if not case.free]
     shown = Case(RAMPS[0], SLOW)

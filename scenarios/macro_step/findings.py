@@ -6,8 +6,6 @@ from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import dataclass
 
-from tqdm import tqdm
-
 from fmu_src.cosimulation.master import GAUSS_SEIDEL, JACOBI
 from fmu_src.cosimulation.slave import Slave
 from scenarios.bench.open_fmus import open_bogie, open_brake
@@ -16,7 +14,7 @@ from scenarios.macro_step import signed_torque
 from scenarios.macro_step.error import MASTERS, CoupledStop
 from scenarios.macro_step.feedback_boundary import ClosedLoop, Plant, boundary_on_paper, linear_bogie
 from scenarios.macro_step.signed_torque import Chatter
-from scenarios.reporting.progress import PATIENCE
+from scenarios.reporting.progress import counting
 from scenarios.scenario import Options
 
 #: Below, the error of the second order drowns in the solvers' own [s].
@@ -46,7 +44,7 @@ def find(steps: Sequence[float], shown: float) -> Findings:
         brake.start()
         bogie.start()
         # The long steps first: a bar that starts fast and slows down is better than one that stands still.
-        bar = tqdm(sorted(steps, reverse=True), "coupling-step", delay=PATIENCE, leave=False, unit="macro step")
+        bar = counting(sorted(steps, reverse=True), "coupling-step", unit="macro step")
         errors: dict[str, dict[float, CoupledStop]] = {name: {} for name in MASTERS}
         found: dict[str, dict[float, float]] = {JACOBI: {}, GAUSS_SEIDEL: {}}
         stops, skids = {}, {}

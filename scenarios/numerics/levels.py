@@ -15,7 +15,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.optimize import bisect
-from tqdm import tqdm
 
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel
@@ -25,7 +24,7 @@ from rbd_model.vehicle.parameters import tables_5_1_and_5_2
 from scenarios.bench.drive import AT_REST, RIGID, located_lock_time, play, prepare
 from scenarios.methods.timing import LEVELS, least
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, titled
-from scenarios.reporting.progress import PATIENCE
+from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, at_most, near
 from scenarios.scenario import Options, Scenario, Sweepable
 
@@ -131,7 +130,7 @@ def stop(kernel: Kernel, utilisation: float) -> Answers:
 def sweep(utilisations: Sequence[float]) -> dict[str, list[Answers]]:
     """Stops of each level."""
     asked = [(level, utilisation) for level in LEVELS for utilisation in utilisations]
-    bar = tqdm(asked, "stops", delay=PATIENCE, leave=False, unit="stop")
+    bar = counting(asked, "stops", unit="stop")
     found = [stop(start(level), utilisation) for level, utilisation in bar]
     count = len(utilisations)
     return {name: found[i * count : (i + 1) * count] for i, name in enumerate(LEVELS.values())}

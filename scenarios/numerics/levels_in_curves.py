@@ -16,7 +16,6 @@ import casadi as ca
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from tqdm import tqdm
 
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel
@@ -35,7 +34,7 @@ from scenarios.bench.drive import play, prepare_on_line
 from scenarios.methods.timing import LEVELS, least
 from scenarios.reporting.plots import BOGIE as GREY
 from scenarios.reporting.plots import LEADING, THREE, TRAILING, plt, titled
-from scenarios.reporting.progress import PATIENCE
+from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, near
 from scenarios.scenario import Options, Scenario
 
@@ -136,9 +135,9 @@ class Findings:
 def measure() -> Findings:
     roeckl = np.array([float(curve_share(ca.SX(1 / radius))) for radius in RADII])
     point = np.array([resistance(radius, 1, 1.0) for radius in RADII])
-    cases = tqdm(list(product(FRICTIONS, RADII)), "rolling", delay=PATIENCE, leave=False)
+    cases = counting(list(product(FRICTIONS, RADII)), "rolling")
     losses = np.array([resistance(radius, 3, 0.0, friction) for friction, radius in cases]).reshape(-1, len(RADII))
-    wanted = tqdm(list(product(MODELS, UTILISATIONS)), "stops", delay=PATIENCE, leave=False)
+    wanted = counting(list(product(MODELS, UTILISATIONS)), "stops")
     stops = {
         (model, utilisation): np.array([brake(start(radius, *MODELS[model]), radius, utilisation) for radius in RADII])
         for model, utilisation in wanted

@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from matplotlib.figure import Figure
-from tqdm import tqdm
 
 from fmu_src.cosimulation.recording import Recording
 from rbd_model.contact.geometry import thesis_pair
@@ -20,7 +19,7 @@ from rbd_model.track.irregularity import derivatives_along, section_5_3
 from rbd_model.vehicle.parameters import AS_PRINTED, as_printed, tables_4_1_and_4_2, tables_5_1_and_5_2
 from scenarios.bench.drive import in_space, play, prepare
 from scenarios.reporting.plots import BOGIE, TRAILING, plt, titled
-from scenarios.reporting.progress import PATIENCE
+from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, at_most, near
 from scenarios.scenario import Options, Scenario
 
@@ -110,7 +109,7 @@ def by_chapter_3(scene: Scene) -> Recording:
     state, every = rolling(mechanism, scene.speed), round(INTERVAL / STEP)
     rows = [row(state)]
     steps = run_program(mechanism, state, scene.duration, STEP, lambda time: inputs)
-    bar = tqdm(steps, scene.name, round(scene.duration / STEP), delay=PATIENCE, leave=False, unit="step")
+    bar = counting(steps, scene.name, round(scene.duration / STEP), unit="step")
     for number, state in enumerate(bar, 1):
         if number % every == 0:
             rows.append(row(state))

@@ -10,7 +10,6 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from tqdm import tqdm
 
 from fmu_src.cosimulation.recording import Recording
 from rbd_model.levels.models import DEFAULT_TOLERANCE
@@ -23,7 +22,7 @@ from scenarios.methods.scenes import ASYMMETRIC, ON_PATCHES, ON_STRIPS, SCENES, 
 from scenarios.methods.timing import least
 from scenarios.methods.work_precision import DEFAULT, OMITTED, PEERS, Point, Study, difference, study, works
 from scenarios.reporting.plots import label_edges, plt, titled
-from scenarios.reporting.progress import PATIENCE
+from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, at_most, near
 from scenarios.scenario import Options, Scenario
 
@@ -63,7 +62,7 @@ STYLE = {
 def all_studies(short: bool = False, scenes: tuple[Scene, ...] = (*SCENES, ON_PATCHES, ON_STRIPS)) -> list[Study]:
     """The studies of all scenes, with a bar; `short`: one setting of each method."""
     total = sum(len(list(works(scene, short))) for scene in scenes)
-    with tqdm(total=total, desc="runs", delay=PATIENCE, leave=False, unit="run") as bar:
+    with counting(total=total, text="runs", unit="run") as bar:
 
         def done(scene: Scene, name: str) -> None:
             bar.set_postfix_str(f"{scene.name}, {name}")

@@ -9,7 +9,6 @@ from functools import partial
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from tqdm import tqdm
 
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel, KernelError
@@ -35,7 +34,7 @@ from scenarios.methods.stability import (
     limit,
 )
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, plt, titled
-from scenarios.reporting.progress import PATIENCE
+from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, at_least, at_most, near
 from scenarios.scenario import Options, Scenario
 
@@ -221,7 +220,7 @@ PARTS: tuple[Callable[[Atlas], None], ...] = (
 def measure() -> Atlas:
     atlas = Atlas()
     parts = [*PARTS, *(partial(drifting, partitioned) for partitioned in (True, False))]
-    for part in tqdm(parts, "parts", delay=PATIENCE, leave=False, unit="part"):
+    for part in counting(parts, "parts", unit="part"):
         part(atlas)
     return atlas
 

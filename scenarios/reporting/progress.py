@@ -5,9 +5,10 @@ from __future__ import annotations
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from functools import partialmethod
+from typing import Any
 
 from tqdm import tqdm
 
@@ -15,6 +16,13 @@ from fmu_src.progress import PATIENCE as PATIENCE
 
 #: Time between two looks at the clock [s].
 TICK = 0.5
+
+
+def counting(
+    items: Iterable[Any] | None = None, text: str | None = None, total: float | None = None, unit: str = "it"
+) -> tqdm:
+    """A bar over items, or up to a total of what `update` counts, that is gone at the end."""
+    return tqdm(items, text, total, delay=PATIENCE, leave=False, unit=unit)
 
 
 def hide_bars() -> None:

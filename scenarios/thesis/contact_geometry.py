@@ -10,7 +10,6 @@ from typing import TypeVar
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from tqdm import tqdm
 
 from fmu_src.cosimulation.recording import Recording
 from rbd_model.contact.geometry import (
@@ -29,6 +28,7 @@ from rbd_model.contact.geometry import (
 )
 from scenarios.bench.profile_files import gauge_of, sides_from_files
 from scenarios.reporting.plots import LEADING, THESIS, TRAILING, mark, plt, titled
+from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, rounding
 from scenarios.scenario import BadInputError, Options, Scenario
 
@@ -48,7 +48,7 @@ def run(options: Options) -> Report:
             raise BadInputError(str(error)) from error
     pairs = {"thesis": thesis_pair(), "european": european_pair()}
     pair = pairs["thesis"]
-    contacts = [contact_at(pair, shift) for shift in tqdm(SHIFTS, desc="contact-geometry", leave=False, delay=2.0)]
+    contacts = [contact_at(pair, shift) for shift in counting(SHIFTS, "contact-geometry")]
     conicity = {name: equivalent_conicity(one, AMPLITUDES, rolls=name == "thesis") for name, one in pairs.items()}
     flange, lost = flange_contact_shift(pair), last_tread_contact(pair).shift
     fitted = "not judged: the wheel is synthetic and fitted to this value, as LW2 is not public"

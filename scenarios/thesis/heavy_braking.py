@@ -6,7 +6,6 @@ from itertools import product
 
 import numpy as np
 from matplotlib.figure import Figure
-from tqdm import tqdm
 
 from fmu_src.cosimulation.master import couple
 from fmu_src.cosimulation.recording import Recording
@@ -16,7 +15,7 @@ from scenarios.bench.drive import AT_REST, located_lock_time, play, prepare
 from scenarios.bench.open_fmus import open_bogie
 from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, mark, panels
-from scenarios.reporting.progress import PATIENCE
+from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, rounding
 from scenarios.scenario import Options, Scenario, Sweepable
 
@@ -92,7 +91,7 @@ def point_rows(point: dict[str, Recording]) -> list[Row]:
 
 
 def run(options: Options) -> Report:
-    bar = tqdm(list(product((2, 1), CASES)), "stops", delay=PATIENCE, leave=False, unit="stop")
+    bar = counting(list(product((2, 1), CASES)), "stops", unit="stop")
     runs = {(level, case): brake(options, level, CASES[case]) for level, case in bar}
     hung = {case: brake(options, 2, torque, BOGIE_DATA.torque_reaction)[0] for case, torque in CASES.items()}
     planar = {case: runs[2, case][0] for case in CASES}

@@ -6,7 +6,6 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from scipy.optimize import bisect
-from tqdm import tqdm
 
 from brake_controller.experiment import EXPERIMENT
 from brake_controller.parameters import qr30
@@ -18,6 +17,7 @@ from scenarios.bench.drive import AT_REST
 from scenarios.bench.open_fmus import open_bogie, open_brake
 from scenarios.bench.qr30_bogie import FRICTION, FRICTION_RANGE, bogie_parameters
 from scenarios.reporting.plots import BOGIE, THREE, single
+from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, near
 from scenarios.scenario import Options, Scenario
 
@@ -91,7 +91,7 @@ def run(options: Options) -> Report:
     curves: dict[int, np.ndarray] = {}
     step = options.macro_step(DEFAULT_STEP)
     with open_brake(options) as brake, open_bogie(options) as bogie:
-        points = tqdm([(p, f) for p in EXPERIMENT for f in FRICTIONS], desc="qr30-lock-boundary", leave=False)
+        points = counting([(p, f) for p in EXPERIMENT for f in FRICTIONS], "qr30-lock-boundary")
         found = [boundary(brake, bogie, pressure, friction, step) for pressure, friction in points]
         for number, pressure in enumerate(EXPERIMENT):
             limits = [limit for limit, _ in found[number * FRICTIONS.size : (number + 1) * FRICTIONS.size]]

@@ -12,7 +12,6 @@ from functools import partial
 
 import numpy as np
 from matplotlib.figure import Figure
-from tqdm import tqdm
 
 from brake_controller.experiment import APPLICATION_TIME, EXPERIMENT
 from brake_controller.parameters import qr30
@@ -27,7 +26,7 @@ from scenarios.bench.qr30_bogie import FRICTION, RECORDED, bogie_parameters
 from scenarios.bench.torque_history import read_torque_history
 from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, mark, panels
-from scenarios.reporting.progress import PATIENCE
+from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, near, number, rounding
 from scenarios.scenario import Options, Scenario
 
@@ -133,7 +132,7 @@ def run(pressure: int, options: Options) -> Report:
         return run_history(pressure, options)
     row = EXPERIMENT[pressure]
     frictions = (row.lowest_shoe_friction, row.shoe_friction, row.highest_shoe_friction)
-    bar = tqdm(frictions, "shoe frictions", delay=PATIENCE, leave=False, unit="run")
+    bar = counting(frictions, "shoe frictions", unit="run")
     printed = {mu: brake_by_pressure(options, pressure, mu) for mu in bar}
     average = printed[row.shoe_friction]
     rows = chain_rows(pressure, average) + lock_rows(pressure, printed)

@@ -12,7 +12,6 @@ from functools import lru_cache
 
 import numpy as np
 from matplotlib.figure import Figure
-from tqdm import tqdm
 
 from fmu_src.cosimulation.recording import Recording
 from rbd_model.levels.models import wheelset_in_frame
@@ -34,7 +33,7 @@ from scenarios.bench.drive import bogie, play
 from scenarios.bench.hunting_wheelset import RANGE, growth_by_eigenvalue
 from scenarios.bench.irregularities import CROSS_LEVEL, LATERAL_PEAK, WHEEL_LOAD, largest_wheel_load, travel
 from scenarios.reporting.plots import LEADING, THESIS, TRAILING, plt, titled
-from scenarios.reporting.progress import PATIENCE
+from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row
 from scenarios.scenario import Options, Scenario
 
@@ -234,7 +233,7 @@ def run(options: Options) -> Report:
         for value in panel.values
     ]
     answers: dict[str, list[float]] = {name: [] for name, _, _ in asked}
-    for name, answer, value in tqdm(asked, "values", delay=PATIENCE, leave=False, unit="value"):
+    for name, answer, value in counting(asked, "values", unit="value"):
         answers[name].append(answer(value))
     rows = []
     for panel, name in [(one, f"{one.title}{word}") for one in panels() for word in one.lines]:

@@ -14,7 +14,6 @@ from itertools import product
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from tqdm import tqdm
 
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel
@@ -25,7 +24,7 @@ from scenarios.bench.drive import PADDING, RIGID, in_space, library
 from scenarios.bench.irregularities import CROSS_LEVEL, HUNTING_PEAK, LATERAL, LATERAL_PEAK, WHEEL_LOAD
 from scenarios.methods.stability import RUNGE_KUTTA, Machine, limit
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, plt, titled
-from scenarios.reporting.progress import PATIENCE
+from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row
 from scenarios.scenario import Options, Scenario
 
@@ -200,7 +199,7 @@ def study() -> Study:
     asked = list(product(RUNS, (None, *STEPS)))
     with ThreadPoolExecutor() as pool:
         found = pool.map(lambda one: one[0].found(one[1]), asked)
-        bar = tqdm(found, "runs", len(asked), delay=PATIENCE, leave=False, unit="run")
+        bar = counting(found, "runs", len(asked), unit="run")
         return dict(zip(asked, bar, strict=True))
 
 

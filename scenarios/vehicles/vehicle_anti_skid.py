@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.figure import Figure
-from tqdm import tqdm
 
 from brake_controller.wheel_slide import SlideProtection
 from products.coach import NUMBERS
@@ -15,7 +14,7 @@ from products.protection.protected_stop import BRAKE_START, ProtectedStop, Setti
 from products.protection.rails import ABOVE, BAND, LOCK_ABOVE, LONGEST_LOCK, OVER_IDEAL, RailCase, low_rail
 from scenarios.bench.peak_adhesion import PeakAdhesion
 from scenarios.reporting.plots import BOGIE, FOUR, plt, titled
-from scenarios.reporting.progress import PATIENCE
+from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, at_least, at_most, between
 from scenarios.scenario import Options, Scenario
 
@@ -37,7 +36,7 @@ class Findings:
 
 def measure() -> Findings:
     protected, unprotected, ideal = {}, {}, {}
-    with BrakedMachine(coach()) as machine, tqdm(total=2 * len(RAILS), delay=PATIENCE, leave=False, unit="stop") as bar:
+    with BrakedMachine(coach()) as machine, counting(total=2 * len(RAILS), unit="stop") as bar:
         for rail in RAILS:
             values = rail.values(len(NUMBERS))
             protected[rail.name] = protected_stop(machine, values, SlideProtection(), Settings())

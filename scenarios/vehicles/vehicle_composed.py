@@ -10,7 +10,6 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from tqdm import tqdm
 
 from fmu_src.cosimulation.master import Coupling, Master
 from fmu_src.cosimulation.recording import Recording
@@ -18,7 +17,7 @@ from fmu_src.cosimulation.slave import Slave
 from products.building import up_to_date
 from products.protection.braked_machine import BrakedMachine, coach
 from scenarios.reporting.plots import LEADING, THESIS, TRAILING, plt, titled
-from scenarios.reporting.progress import PATIENCE
+from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, at_most, near
 from scenarios.scenario import Options, Scenario
 
@@ -89,7 +88,7 @@ def measure() -> Findings:
         one = stack.enter_context(Slave(up_to_date("braked-vehicle", "native")))
         five = stack.enter_context(BrakedMachine(coach()))
         count = len(STEPS) * (len(MASTERS) + 2)
-        bar = stack.enter_context(tqdm(total=count, delay=PATIENCE, leave=False, unit="run"))
+        bar = stack.enter_context(counting(total=count, unit="run"))
 
         def each(runs: Iterator[tuple[float, Braking]]) -> dict[float, Braking]:
             found = {}

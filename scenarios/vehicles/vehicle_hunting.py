@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.figure import Figure
 from scipy.linalg import eig
-from tqdm import tqdm
 
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel
@@ -16,7 +15,7 @@ from products.coach import AS_PUBLISHED, COACH, NUMBERS
 from rbd_model.linear import Mode, critical_speed, oscillations, reduced_jacobian
 from scenarios.bench.drive import RIGID, prepare, system_of
 from scenarios.reporting.plots import LEADING, THESIS, TRAILING, plt, titled
-from scenarios.reporting.progress import PATIENCE
+from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, near
 from scenarios.scenario import Options, Scenario
 
@@ -176,11 +175,11 @@ def rows_of(onsets: Mapping[str, Onset]) -> list[Row]:
 
 
 def run(options: Options) -> Report:
-    onsets = {case.name: onset(case) for case in tqdm(CASES, delay=PATIENCE, leave=False, unit="case")}
+    onsets = {case.name: onset(case) for case in counting(CASES, unit="case")}
     series = Recording({"speed": "m/s"}, [[float(speed)] for speed in SPEEDS])
     points = [(case, body, speed) for case in CASES for body in (True, False) for speed in SPEEDS]
     growths: dict[tuple[str, bool], list[float]] = {}
-    for case, body, speed in tqdm(points, delay=PATIENCE, leave=False, unit="speed"):
+    for case, body, speed in counting(points, unit="speed"):
         mode = hunting(case, float(speed), body)
         growths.setdefault((case.name, body), []).append(mode.growth if mode else np.nan)
     for (name, body), values in growths.items():

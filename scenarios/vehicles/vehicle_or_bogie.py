@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from tqdm import tqdm
 
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel
@@ -19,7 +18,7 @@ from scenarios.bench.drive import located_lock_time, play, prepare
 from scenarios.bench.four_axles import rigid_axle_loads
 from scenarios.methods.timing import LEVELS, least
 from scenarios.reporting.plots import LEADING, THREE, TRAILING, plt, titled
-from scenarios.reporting.progress import PATIENCE
+from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, at_most, near
 from scenarios.scenario import Options, Scenario
 
@@ -157,7 +156,7 @@ class Findings:
 
 def measure() -> Findings:
     points = [(friction, share) for friction in FRICTIONS for share in SHARES]
-    differences = {point: differ(*point) for point in tqdm(points, delay=PATIENCE, leave=False, unit="point")}
+    differences = {point: differ(*point) for point in counting(points, unit="point")}
     locks = {(name, friction): first_lock(name, friction) for name in OWN for friction in FRICTIONS}
     return Findings(differences, locks, {(name, level): cost(name, level) for name in OWN for level in LEVELS})
 
