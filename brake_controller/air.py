@@ -4,8 +4,6 @@ Isentropic flow to the narrowest section, choked where the pressure behind it is
 pressure before it; a discharge coefficient covers contraction and friction (any text on gas dynamics, and ISO 6358-1).
 """
 
-from __future__ import annotations
-
 import math
 
 import casadi as ca

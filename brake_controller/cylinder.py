@@ -1,7 +1,5 @@
 """BrakeCylinder: pressure demand in, torque capacity of one wheelset out; pressure by a timed law or by flow of air."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 

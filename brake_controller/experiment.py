@@ -1,7 +1,5 @@
 """What the thesis prints about the brake of the experiment, the QR30 bogie, chapters 6 and 7."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 #: Normal force of all shoes for each pressure [N/Pa], and the largest pressure [Pa] (section 6.2.3).

@@ -5,8 +5,6 @@ The state of the air is its mass and its pressure. The piston stands where air a
 inertia and friction, which matter within milliseconds, are left out.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 

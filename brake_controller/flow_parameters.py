@@ -1,7 +1,5 @@
 """Parameters of the air that fills and leaves a brake cylinder."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from brake_controller.air import HEAT_CAPACITY_RATIO

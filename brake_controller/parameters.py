@@ -1,7 +1,5 @@
 """Parameter sets of the brake cylinder and its rigging."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

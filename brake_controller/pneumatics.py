@@ -1,7 +1,5 @@
 """Pressure in the brake cylinder: regulator, flow restriction and solenoid valve of section 6.3.9 (Fig. 6.25)."""
 
-from __future__ import annotations
-
 import math
 
 import casadi as ca

@@ -1,7 +1,5 @@
 """WheelSlideProtection: any wheel-slide controller as the content of an FMU. Names and texts only, FMI is elsewhere."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from brake_controller.wheel_slide import APPLY, VENT

@@ -1,7 +1,5 @@
 """Brakes ready to use: rigging, friction and times together with the restrictions that make these times by flow."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """From cylinder pressure to the force of the shoes, eqs (2.4)-(2.6), and to torque, eq. (2.7)."""
 
-from __future__ import annotations
-
 import math
 
 import casadi as ca

@@ -1,7 +1,5 @@
 """Sensors of the wheels' rotation: a toothed wheel whose edges are timed, with errors of its pitch."""
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from dataclasses import dataclass, field

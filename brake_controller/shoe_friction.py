@@ -1,7 +1,5 @@
 """Friction between shoe and wheel tread. A further law is one more number and one more line in `shoe_friction`."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 

@@ -4,8 +4,6 @@ The equations of `flow`, integrated over pressure instead of time: a quadrature 
 proportional to the area of their restriction, so a time is inverse to the area and the way back needs no search.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Callable

@@ -4,8 +4,6 @@ A controller is any object with `step(time, wheel_speeds) -> valve commands`. `S
 with the brake; `Supervised` stands between any controller and the valves and keeps the brake applied when it fails.
 """
 
-from __future__ import annotations
-
 import math
 import signal
 import threading

@@ -1,7 +1,5 @@
 """The bogie of chapter 5 on trial: its numbers, and the brake of its wheelsets."""
 
-from __future__ import annotations
-
 from brake_controller.parameters import qr30
 from rbd_model.vehicle.parameters import tables_5_1_and_5_2
 

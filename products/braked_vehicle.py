@@ -1,7 +1,5 @@
 """BrakedVehicle: a complete vehicle and the brake cylinders of its wheelsets as one FMU, without a coupling's error."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Builds the FMUs of the registry, as files for people or, for scenarios, on demand unless a release has built them."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import sys

@@ -1,7 +1,5 @@
 """The coach, the complete vehicle of the FMU `vehicle`: its numbers, and what brakes all its wheelsets."""
 
-from __future__ import annotations
-
 from rbd_model.vehicle.parameters import coach_with_traction_rods, manchester_vehicle_1
 
 COACH = coach_with_traction_rods()

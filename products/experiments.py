@@ -1,7 +1,5 @@
 """The experiments that travel inside the FMUs with their results, so that a host can be asked whether it runs them."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """All parameter sets of the project by name, and their files (.ssv). A new one is a line in MACHINES."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path

@@ -5,8 +5,6 @@ A file of it serves as long as the sources here would make the same. Where no so
 else the C is generated, which takes seconds, and compared, so that nothing is compiled but what has changed.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 from pathlib import Path

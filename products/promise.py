@@ -3,8 +3,6 @@
 `python -m products.promise`, in a checkout, writes the table anew, as a version is made.
 """
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Iterable
 from functools import lru_cache

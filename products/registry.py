@@ -1,7 +1,5 @@
 """All FMUs. A new one is a function that returns a `Model`, and one line in FMUS."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache

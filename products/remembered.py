@@ -1,7 +1,5 @@
 """What was made from the sources as they are: equations are not written again only to find their files in the cache."""
 
-from __future__ import annotations
-
 import hashlib
 import inspect
 import os

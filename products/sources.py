@@ -1,7 +1,5 @@
 """Which equations and which code these are: digests of source files, in the checkout or in an installed package."""
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Collection
 from pathlib import Path

@@ -1,7 +1,5 @@
 """FMUs connected: the systems that are written beside them as .ssp. A new one is a function and a line in SYSTEMS."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 

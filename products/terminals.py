@@ -1,7 +1,5 @@
 """Where the FMUs connect to each other and to others: their terminals, found by the names of the variables."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 

@@ -4,8 +4,6 @@ The Jacobian is that of the simulation, exact and of the same equations. Algebra
 function theorem; what a steady run leaves free (distance, rotation) or holds (speed) is left out.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """All scenarios. A new one is a file and one entry here."""
 
-from __future__ import annotations
-
 from fmu_src.suggestion import suggestion
 from scenarios.brakes import anti_skid, brake_timing, controller_prototype, uneven_brakes
 from scenarios.contact import contact_depth, contact_manchester, creep_laws, flange_climb

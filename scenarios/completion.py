@@ -1,7 +1,5 @@
 """Completion of the command `bogie-braking` in a shell."""
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Mapping, Sequence
 from pathlib import Path

@@ -3,8 +3,6 @@
 It imports nothing but the standard library until it knows that the packages are there.
 """
 
-from __future__ import annotations
-
 import platform
 import sys
 import tempfile

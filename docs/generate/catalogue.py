@@ -1,7 +1,5 @@
 """Writes docs/scenarios.md: every scenario by its room, from the catalogue. --check only compares."""
 
-from __future__ import annotations
-
 import importlib
 import sys
 from types import ModuleType

@@ -8,8 +8,6 @@ In the templates here, `[[scenario | quantity | format]]` stands for what a scen
 becomes docs/choosing.md; charts-in-readme.md.in, the part of the README between the two marks.
 """
 
-from __future__ import annotations
-
 import json
 import re
 import shutil

@@ -3,8 +3,6 @@
 A sentence says a number in the words of `PHRASES`, wherever it stands; the number before them is written anew.
 """
 
-from __future__ import annotations
-
 import ast
 import json
 import re

@@ -7,8 +7,6 @@ An equation is cited by its number in parentheses, in a doc string or a comment;
 page names the function or class around a citation and no line, so that it changes only where equations move.
 """
 
-from __future__ import annotations
-
 import ast
 import io
 import re

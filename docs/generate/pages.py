@@ -1,7 +1,5 @@
 """Generated pages are written, or compared with what they should be."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Mapping
 from pathlib import Path

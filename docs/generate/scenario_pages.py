@@ -5,8 +5,6 @@
 The scenarios of `make charts` take some seven minutes and have their pictures and numbers in docs/.
 """
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Writes docs/variables.md: the variables of every FMU, as tables from the equations. --check only compares."""
 
-from __future__ import annotations
-
 import sys
 
 from pages import DOCS, write_or_check

@@ -4,8 +4,6 @@ Added are the README, EQUATIONS.md and the changelog, a page for each scenario a
 what they show when they run, the live page, and a search that works from a disk.
 """
 
-from __future__ import annotations
-
 import html
 import json
 import re

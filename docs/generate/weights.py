@@ -3,8 +3,6 @@
 Run it with the Python of a new environment that holds nothing but bogie-braking: python docs/generate/weights.py
 """
 
-from __future__ import annotations
-
 import sys
 from importlib.metadata import Distribution, distribution, distributions
 from pathlib import Path

@@ -1,7 +1,5 @@
 """One stop of a machine with a cylinder, an encoder and a valve on each wheelset, and a controller in between."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field

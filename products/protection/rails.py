@@ -1,7 +1,5 @@
 """The rails on which wheel-slide protection is tried, and how a stop on them is judged."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from rbd_model.track.friction import RailCondition, dry, low, wet

@@ -1,7 +1,5 @@
 """The bodies above the wheelsets: six degrees of freedom each, less those that are held."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """What acts on bodies and wheelsets: loads of all connections and of forces from outside."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace

@@ -1,7 +1,5 @@
 """Creep of one patch in space: its ellipse, its friction and the creep law that was chosen."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 
 import casadi as ca

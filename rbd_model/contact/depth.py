@@ -1,7 +1,5 @@
 """How deep contact is modelled: a choice of its own beside the level of detail."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from rbd_model.contact.creep.law import CreepLaw

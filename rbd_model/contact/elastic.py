@@ -1,7 +1,5 @@
 """Elastic contact after Hertz: the normal force of two bodies that approach each other, unilateral, with damping."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import lru_cache
 

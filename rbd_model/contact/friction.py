@@ -5,8 +5,6 @@ law: O. Polach (2005), Creep forces in simulations of traction vehicles running 
 With the start values nothing falls.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Normal contact: the Hertz ellipse between wheel and rail, eqs (3.82)-(3.88)."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import lru_cache

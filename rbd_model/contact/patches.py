@@ -4,8 +4,6 @@ Rigid profiles, no yaw, no roll. Along a patch the distance of wheel and rail is
 that there is a nearest point wherever the wheel stands: over the rail for the tread, from the side for the flange.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import lru_cache

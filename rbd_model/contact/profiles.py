@@ -9,8 +9,6 @@ Quintic, because contact needs the contour's curvature and the chapter 3 formula
 curvature.
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 from functools import lru_cache

@@ -6,8 +6,6 @@ contact depth 3 (strips.c). There the height of the wheelset is a coordinate of 
 given, is it looked for.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 

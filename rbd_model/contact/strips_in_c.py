@@ -3,8 +3,6 @@
 What the C of strips.c needs is written here: contours, segments, and polynomials through exact theory.
 """
 
-from __future__ import annotations
-
 import hashlib
 import math
 from collections.abc import Iterable

@@ -1,7 +1,5 @@
 """What the levels with bodies share: how bodies move, their outputs and energies."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 import casadi as ca

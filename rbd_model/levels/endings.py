@@ -1,7 +1,5 @@
 """Where a run in space ends, and what is said of wheels that climb or lift (section 9.4.1)."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import casadi as ca

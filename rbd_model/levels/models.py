@@ -1,7 +1,5 @@
 """The FMUs of this package: BogieDynamics, all levels of detail behind one table of variables, and WheelsetDynamics."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache

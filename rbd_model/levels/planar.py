@@ -8,8 +8,6 @@ Coordinates: x forward, z up, pitch positive nose down. `shift` is the longitudi
 its place in the vehicle; the axle heights do not change.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import partial
 

@@ -6,8 +6,6 @@ Good far from the adhesion limit; it does not know that braking moves load to th
 misjudges a lock-up near the limit.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

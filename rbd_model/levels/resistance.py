@@ -6,8 +6,6 @@ print it: a share of the weight of 0.650 / (R - 55 m) on main lines, and 0.500 /
 zero with the start values.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 

@@ -6,8 +6,6 @@ Lagrange multipliers (3.75) are residuals here, which the integration method sol
 Positions along the track are counted from the vehicle's place; `shift` is that of a body or an axle from its own there.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial

@@ -4,8 +4,6 @@ On straight and level track a vehicle stands at rest in its start values. In a c
 that carries them, by 15 cm for 19 m between bogies at R 300 m, wheelsets run at a flange and springs are bent.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 import casadi as ca

@@ -1,7 +1,5 @@
 """Contact constraints between two bodies, their sub-Jacobians and Q_d, sections 3.2.5, 3.2.6 and Appendix I."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Contact area and creep forces, sections 3.3.5 to 3.3.7, for plain numbers."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Euler parameters, velocities and mass matrices, sections 3.2.1 to 3.2.3."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

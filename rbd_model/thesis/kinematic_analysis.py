@@ -1,7 +1,5 @@
 """Kinematically driven systems, end of section 3.3.3: as many constraints as coordinates, eqs (3.79), (3.80)."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

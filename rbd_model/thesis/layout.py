@@ -5,8 +5,6 @@ chapter 3 knows nothing else of a vehicle. Written by hand beside `rbd_model/veh
 equation and no description with the fast model.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The systems of sections 4.2, 5.2 and chapter 10: coordinates, constraints, forces, augmented equations (3.75)."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field

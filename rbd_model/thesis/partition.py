@@ -1,7 +1,5 @@
 """Independent and dependent coordinates, section 3.4: chosen by elimination, solved by Newton-Raphson."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

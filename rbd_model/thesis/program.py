@@ -1,7 +1,5 @@
 """The main loop of the program, Fig. 3.11: Runge-Kutta in independent coordinates, chosen anew as the wheels turn."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 
 import numpy as np

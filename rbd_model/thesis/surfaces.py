@@ -1,7 +1,5 @@
 """Wheel and rail as surfaces of two parameters, with derivatives up to the third, sections 3.3.1 and 3.3.2."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import lru_cache

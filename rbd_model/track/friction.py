@@ -5,8 +5,6 @@ law: O. Polach (2005), Creep forces in simulations of traction vehicles running 
 mu0 are the inputs friction_1, friction_2. With the start values nothing falls and nothing changes along the track.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

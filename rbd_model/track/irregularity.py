@@ -5,8 +5,6 @@ straight along the track in its neighbourhood. What that leaves out is of first 
 a wheelset that follows a wave yaws against the axes of the track and not against the rails.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path

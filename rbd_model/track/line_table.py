@@ -3,8 +3,6 @@
 What is integrated along it, and the polynomials between its rows, are in line.c.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import casadi as ca

@@ -9,8 +9,6 @@ The cleaning of the rail between the axles is remembered; beyond them the rail c
 already been.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import casadi as ca

@@ -1,7 +1,5 @@
 """What every level of detail starts with: a System of a vehicle, whose symbols are declared when first asked for."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 

@@ -4,8 +4,6 @@ Every field carries its unit, the thesis's symbol and a lower limit; the doc str
 what was fitted and what was assumed.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, fields, replace
 
 from fmu_src.system import ParameterSet, quantity

@@ -1,7 +1,5 @@
 """The ready vehicles as descriptions; their numbers are in `parameters.py`, with table or source."""
 
-from __future__ import annotations
-
 from rbd_model.contact.geometry import Pair, synthetic_pair, thesis_pair
 from rbd_model.vehicle.description import (
     DIRECTIONS,

@@ -1,7 +1,5 @@
 """The vehicle at rest: what each spring carries before anything moves, and the static load of each wheelset."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Inputs and outputs of a vehicle, the same at every level of detail. Wheelsets count from 1, the leading one."""
 
-from __future__ import annotations
-
 import math
 from itertools import product
 

@@ -1,7 +1,5 @@
 """A wheelset in space at its place in a vehicle, as all depths of contact have it: states, track, suspension, brake."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """A wheelset that rolls, skids or is locked on a level rail, its wheels centred: what levels 1 and 2 share."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

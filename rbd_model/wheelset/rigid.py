@@ -3,8 +3,6 @@
 Straight track alone. What the rails do to the wheelset is the part of `rigid_part`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 

@@ -8,8 +8,6 @@ wheel's normal at (s, theta) is (-sin theta, -side w', cos theta) / sqrt(1 + w'^
 theta in closed form; that the rail's slope is the same is one equation for s; and the height follows from no gap.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from functools import lru_cache
 

@@ -9,8 +9,6 @@ normal forces from those of accelerations (3.71); roll and contact positions fro
 All this is one part: generated once, called for each wheelset.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -7,8 +7,6 @@ In the axes that yaw and roll with the wheelset the wheel's normal at (s, theta)
 sqrt(1 + w'^2). That it stands across the rail gives theta in closed form, from eq. (3.54).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import casadi as ca

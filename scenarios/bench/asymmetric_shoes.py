@@ -1,7 +1,5 @@
 """Asymmetric brake shoes on one wheelset of the bogie: the scene of chapter 9 and what is printed about it."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass

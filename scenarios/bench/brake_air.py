@@ -1,7 +1,5 @@
 """The flow model of the brake cylinder against closed forms of gas dynamics, and its balances of mass and energy."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """The bogie of chapter 5 with one brake for both wheelsets."""
 
-from __future__ import annotations
-
 from fmu_src.cosimulation.master import Connection
 from fmu_src.cosimulation.slave import Slave
 from products.bogie import BOGIE, TOLERANCE, brake_values

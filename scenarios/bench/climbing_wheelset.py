@@ -1,7 +1,5 @@
 """A wheelset that is pushed sideways against its rail, at the height of the rail, until it climbs."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace

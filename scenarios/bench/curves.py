@@ -1,7 +1,5 @@
 """Curves for the bogie of chapter 5: their lines, speed and cant that suit each other, what pushes outwards there."""
 
-from __future__ import annotations
-
 import math
 
 from rbd_model.track.line import Line, arc, clothoid, line_of, straight

@@ -1,7 +1,5 @@
 """Runs one kernel through a history of inputs and records it; what the studies in space are made of."""
 
-from __future__ import annotations
-
 import re
 import tempfile
 from collections.abc import Iterable, Mapping, Sequence

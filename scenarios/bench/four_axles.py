@@ -1,7 +1,5 @@
 """What rigid statics say of the complete vehicle of the FMU `vehicle`."""
 
-from __future__ import annotations
-
 from rbd_model.vehicle.parameters import VehicleParameters
 
 

@@ -4,8 +4,6 @@ Derived from the isentropic flow through a restriction and dp/dt = n R (T_s m_in
 exponent. They share constants with the brake, no equation.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

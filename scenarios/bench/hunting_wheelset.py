@@ -1,7 +1,5 @@
 """The wheelset of chapter 4 hunting at constant speed: the scene of section 4.4 and what is printed about it."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

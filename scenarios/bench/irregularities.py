@@ -1,7 +1,5 @@
 """The bogie of chapter 5 over irregularities of the track at constant speed: the scenes of section 5.3."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

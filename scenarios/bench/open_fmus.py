@@ -1,7 +1,5 @@
 """The FMUs that a scenario couples, of the kind that the command line asks for."""
 
-from __future__ import annotations
-
 from fmu_src.cosimulation.slave import Slave
 from products.building import up_to_date
 from scenarios.scenario import Options

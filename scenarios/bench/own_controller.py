@@ -1,7 +1,5 @@
 """An example of your own wheel-slide controller; `build_fmu.py --controller` makes an FMU of it."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from brake_controller.wheel_slide import APPLY, HOLD, VENT

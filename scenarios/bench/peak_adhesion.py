@@ -1,7 +1,5 @@
 """The most that a rail can give: what a stop with the best slip at every instant would take."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A wheelset on its track from files of profiles, one for each side or one for both (EN 15302)."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from pathlib import Path

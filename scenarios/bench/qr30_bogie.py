@@ -1,7 +1,5 @@
 """The QR30 bogie of the experiment (chapter 8): its parameters as an FMU takes them, and what is recorded."""
 
-from __future__ import annotations
-
 from rbd_model.levels.models import smallest_level
 from rbd_model.vehicle.parameters import tables_8_1_and_8_2
 

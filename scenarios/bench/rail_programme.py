@@ -1,7 +1,5 @@
 """A programme of rails for wheel-slide protection, in two halves: one to choose its thresholds on, one to report."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product

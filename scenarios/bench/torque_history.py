@@ -1,7 +1,5 @@
 """A measured torque history from a file: two columns, time [s] and torque [N.m]."""
 
-from __future__ import annotations
-
 import csv
 import math
 from pathlib import Path

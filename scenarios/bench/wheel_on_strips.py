@@ -1,7 +1,5 @@
 """One wheel by strips as the level `spatial` has it at contact depth 3: compiled alone, and asked where it stands."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import lru_cache
 

@@ -1,7 +1,5 @@
 """Wheel-slide protection on dry, wet, low and changing rail: unprotected, protected and ideal stops."""
 
-from __future__ import annotations
-
 import time as clock
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor

@@ -4,8 +4,6 @@ Beside them: the flow model against closed forms of gas dynamics, its balances, 
 and friction of the shoes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

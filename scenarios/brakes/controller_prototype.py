@@ -1,7 +1,5 @@
 """Your own controller in a few lines, compared with the protection that comes with the brake."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from matplotlib.figure import Figure

@@ -1,7 +1,5 @@
 """Uneven brakes: two wheelsets braked unequally, and asymmetric shoes, both through the brake FMU."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 

@@ -4,8 +4,6 @@ The scene is that of chapter 9 with an axis of the yaw torque that stays fixed: 
 too hard, so that the leading wheelset turns until its left flange meets the rail.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache, partial

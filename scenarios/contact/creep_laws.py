@@ -1,7 +1,5 @@
 """Creep laws compared with Kalker's exact theory: the error of each, over what it costs as compiled C."""
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Mapping
 from dataclasses import dataclass

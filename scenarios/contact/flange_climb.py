@@ -1,7 +1,5 @@
 """A wheelset pushed against its rail: at which Y/Q it climbs, over friction and yaw, against Nadal (1896)."""
 
-from __future__ import annotations
-
 import math
 
 import casadi as ca

@@ -1,7 +1,5 @@
 """What the macro step costs when brake and bogie are coupled: error, a torque that chatters, feedback that grows."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -5,8 +5,6 @@ speed. Then it stops from that speed in the curve, or braked from the beginning 
 utilisation: as in `levels`, brake torque over wheel radius, over friction times the static load.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

@@ -1,7 +1,5 @@
 """A bogie in steady curves: where its wheelsets run, which flange bears, and what the rails carry, over radius."""
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.figure import Figure
 

@@ -4,8 +4,6 @@ Speeds and accelerations against closed forms, m a = sum of the forces, where bo
 m + 2 J (1 - slip ratio) / r^2.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 

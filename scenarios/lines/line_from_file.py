@@ -4,8 +4,6 @@ A bogie in space, drawn along by its frame's drawbar, which holds the speed: 15 
 more than 100 mm of cant deficiency.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from functools import partial

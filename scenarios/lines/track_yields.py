@@ -5,8 +5,6 @@ force couples its bounce and its roll, which lie close together, and what stops 
 assumed. Each scene runs on both kinds of rails, with 0.5 to 2 times that damping.
 """
 
-from __future__ import annotations
-
 import time
 from dataclasses import dataclass, field
 from functools import partial

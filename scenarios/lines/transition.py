@@ -6,8 +6,6 @@ the trailing one; half of its difference between the middles of the ramp up and 
 is the same.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """What the live page drives: the bogie of chapter 5 and the coach, each with its brake cylinders, and how they look."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache

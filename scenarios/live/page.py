@@ -1,7 +1,5 @@
 """Writes the live page: one file that brakes a vehicle in a browser, with the kernel of the FMUs as WebAssembly."""
 
-from __future__ import annotations
-
 import base64
 import json
 import zlib

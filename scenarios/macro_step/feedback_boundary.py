@@ -6,8 +6,6 @@ trailing wheelset, which carries less and slips first: demand = p0 - K (slip rat
 Loop gain: K times the slip ratio that a steady change of pressure makes; 1: the brake gives way as much as it was on.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The figure of the study of the macro step: error, chatter in time, its size, and the boundary of the feedback."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

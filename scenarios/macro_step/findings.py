@@ -1,7 +1,5 @@
 """All runs of the study of the macro step, with FMUs that are opened once."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The torque that must not cross the border: a brake torque with sign, from the wheel speed of the last macro step."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

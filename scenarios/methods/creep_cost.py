@@ -1,7 +1,5 @@
 """What a creep law costs as compiled C: value, and value with exact derivatives, at the points of a table."""
 
-from __future__ import annotations
-
 import ctypes
 import tempfile
 import time

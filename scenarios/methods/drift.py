@@ -1,7 +1,5 @@
 """Drift of constraints: chapter 3's equations with coordinate partitioning, and without it, in all coordinates."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -3,8 +3,6 @@
 `python -m bogie_braking.methods.exact_states` makes the table anew, in some twenty minutes.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from pathlib import Path

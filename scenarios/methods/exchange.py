@@ -1,7 +1,5 @@
 """Model exchange: FMPy's CVODE on the native FMU, at the level whose states it exchanges."""
 
-from __future__ import annotations
-
 import shutil
 import time as clock
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """What the FMI face costs beyond the kernel, and an instance: through FMPy, and from a host in C."""
 
-from __future__ import annotations
-
 import ctypes
 import tempfile
 import time

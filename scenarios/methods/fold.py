@@ -1,7 +1,5 @@
 """The way to the fold at which a tread contact is lost, in the derailment of chapter 9."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Integrators on the same compiled equations: our own and SciPy's. Each runs a scene at one accuracy."""
 
-from __future__ import annotations
-
 import time as clock
 from collections.abc import Mapping
 from contextlib import suppress

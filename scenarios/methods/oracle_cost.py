@@ -1,7 +1,5 @@
 """What chapter 3 as printed costs on the smooth stop: one point for the picture of speed against accuracy."""
 
-from __future__ import annotations
-
 import time as clock
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Six scenes that stress different things, two more at contact depths 2 and 3, and what is read off each."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace

@@ -1,7 +1,5 @@
 """Stability of methods on the equations of motion: predicted from eigenvalues, and found by perturbation."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import lru_cache
 

@@ -1,7 +1,5 @@
 """CVODE and IDA of SUNDIALS on the compiled equations, called from C (sundials.c) so that Python costs them nothing."""
 
-from __future__ import annotations
-
 import ctypes
 import hashlib
 import math

@@ -1,7 +1,5 @@
 """Wall time, the least of several runs: machines are noisy."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 

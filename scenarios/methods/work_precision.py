@@ -1,7 +1,5 @@
 """Runs of one scene by all methods: error, wall time, right-hand sides, and why a run failed."""
 
-from __future__ import annotations
-
 import time as clock
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass

@@ -4,8 +4,6 @@ Adhesion utilisation: brake torques of both wheelsets over the wheel radius, ove
 The rails are asked for 2 % less than that, because a part of the torque stops the rotation of the wheelsets.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields

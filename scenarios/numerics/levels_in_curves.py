@@ -5,8 +5,6 @@ wheels' creep and the flanges hold the bogie back. Measured is what a rolling bo
 when it is braked there. `levels` has the same for straight track, over adhesion utilisation.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The fast model beside chapter 3 as printed: the same three scenes in both, and what each costs."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Speed, measured when it runs: right-hand side, Jacobian, doStep, a stop, by level and kind; the start of Python."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import time

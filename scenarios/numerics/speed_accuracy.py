@@ -1,7 +1,5 @@
 """Speed against accuracy: eight scenes, two at contact depths 2 and 3; our methods, SciPy's and SUNDIALS'."""
 
-from __future__ import annotations
-
 import time as clock
 from dataclasses import asdict, replace
 from functools import partial

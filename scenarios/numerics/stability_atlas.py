@@ -1,7 +1,5 @@
 """Where integration methods fail, predicted and found: stable steps, silent errors, drift, rest and the fold."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial

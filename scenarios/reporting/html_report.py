@@ -1,7 +1,5 @@
 """A report as one page that needs no other file and no network: report.html."""
 
-from __future__ import annotations
-
 import base64
 import json
 import textwrap

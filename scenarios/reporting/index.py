@@ -3,8 +3,6 @@
 Thesis against simulation at a glance, with links to the reports; sweeps with their tables; what is not shown, and why.
 """
 
-from __future__ import annotations
-
 from html import escape
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """A line as a picture: its plan, and curvature, cant and gradient over distance."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -6,8 +6,6 @@ these are the axes of the track under its middle, without its cant, from which c
 it; each place is then turned by its own cant.
 """
 
-from __future__ import annotations
-
 import base64
 from collections.abc import Mapping
 from dataclasses import dataclass

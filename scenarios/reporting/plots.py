@@ -1,7 +1,5 @@
 """One style for all figures."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import matplotlib

@@ -1,7 +1,5 @@
 """Bars of what takes longer than PATIENCE; one that moves with the clock; and none where none are wanted."""
 
-from __future__ import annotations
-
 import sys
 import threading
 import time

@@ -1,7 +1,5 @@
 """What a scenario leaves behind: a table of thesis against simulation, time series, a figure, one JSON."""
 
-from __future__ import annotations
-
 import json
 import math
 import platform

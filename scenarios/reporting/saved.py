@@ -1,7 +1,5 @@
 """What a folder of results holds: runs, sweeps, and what is neither, which is named and left as it is."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field

@@ -11,8 +11,6 @@ results/sweep-NAME/ has table.csv, table.parquet, summary.json, and journal.json
 interruption the same command goes on from there. Points that failed stay in the table with their reason.
 """
 
-from __future__ import annotations
-
 import argparse
 import inspect
 import os

@@ -1,7 +1,5 @@
 """From --vary to a grid of points: every combination of the given values, the first parameter varying slowest."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction

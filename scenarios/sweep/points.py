@@ -3,8 +3,6 @@
 Light to import: every worker process does.
 """
 
-from __future__ import annotations
-
 import math
 import multiprocessing
 import os

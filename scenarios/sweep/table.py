@@ -1,7 +1,5 @@
 """The table of a sweep: CSV with units in its heads, Parquet with units in its fields, and one JSON beside them."""
 
-from __future__ import annotations
-
 import csv
 import io
 import json

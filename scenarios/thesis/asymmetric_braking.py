@@ -3,8 +3,6 @@
 With the flange as a spring on one rigid contact a wheel (3.106), and with a flange that has its own place and force.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 

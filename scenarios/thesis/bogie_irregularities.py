@@ -1,7 +1,5 @@
 """The bogie of chapter 5 over lateral, vertical and cross-level irregularities at constant speed (section 5.3)."""
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.figure import Figure
 

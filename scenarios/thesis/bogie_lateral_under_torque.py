@@ -1,7 +1,5 @@
 """A lateral wave while torque drives or brakes the bogie, applied in 5 s or in 1 s (section 5.4.3)."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 import numpy as np

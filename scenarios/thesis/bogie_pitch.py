@@ -1,7 +1,5 @@
 """The frame pitches when torque acts below its centre: nose up in traction, down in braking (section 5.4.2)."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Heavy braking of the bogie behind a lateral wave: a locked wheelset no longer guides (section 5.5)."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 import numpy as np

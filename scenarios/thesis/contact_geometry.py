@@ -3,8 +3,6 @@
 Of profiles from files too, which may differ from side to side (EN 15302).
 """
 
-from __future__ import annotations
-
 from typing import TypeVar
 
 import numpy as np

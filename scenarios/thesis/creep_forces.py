@@ -1,7 +1,5 @@
 """Polach's creep forces (eqs 3.89-3.105) against Kalker's exact theory: what the fast law costs in accuracy."""
 
-from __future__ import annotations
-
 import casadi as ca
 import numpy as np
 from matplotlib.figure import Figure

@@ -1,7 +1,5 @@
 """Where hunting begins: eigenvalues over speed, and the growth of a small motion in time (section 4.4)."""
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.figure import Figure
 

@@ -1,7 +1,5 @@
 """Heavy braking of the chapter 5 bogie, section 5.5, longitudinal part: 60 kN.m on one and on both wheelsets."""
 
-from __future__ import annotations
-
 from itertools import product
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Locked or rolling: the QR30 trailing wheelset over shoe friction and wheel-rail friction, for the three pressures."""
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle

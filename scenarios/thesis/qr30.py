@@ -4,8 +4,6 @@ Printed values drive it through the brake cylinder FMU, and the brake hangs in t
 histories are not printed; where the answer depends on them the row says so and is not judged.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial

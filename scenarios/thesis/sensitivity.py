@@ -4,8 +4,6 @@ In the thesis's reading of what reacts where, but for one picture; two beside co
 place and force, and three about what is assumed there.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache

@@ -3,8 +3,6 @@
 It names the Runge-Kutta method (below eq. 3.118, conclusion 2.1), and prints neither order nor step.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass

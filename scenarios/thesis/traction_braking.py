@@ -1,7 +1,5 @@
 """Traction and braking torque in sequence, section 5.4.1, Figs 5.24-5.28."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np

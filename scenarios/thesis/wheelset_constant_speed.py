@@ -1,7 +1,5 @@
 """The wheelset of chapter 4 at constant speed: damped at 15 and 25 m/s, a limit cycle at 30 m/s (section 4.4)."""
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.figure import Figure
 

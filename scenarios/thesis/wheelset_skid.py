@@ -1,7 +1,5 @@
 """Heavy braking of the wheelset of chapter 4: it locks while the frame runs on, and drifts sideways (section 4.7)."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 from matplotlib.figure import Figure

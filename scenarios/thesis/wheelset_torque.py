@@ -1,7 +1,5 @@
 """The wheelset of chapter 4 under traction, rolling and braking: speed, rotation and slip are results (section 4.5)."""
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.figure import Figure
 

@@ -1,7 +1,5 @@
 """Hunting while the speed changes: braked through 27 m/s it decays, driven through 27 m/s it grows (section 4.6)."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

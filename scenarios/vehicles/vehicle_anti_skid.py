@@ -1,7 +1,5 @@
 """Wheel-slide protection of a complete vehicle on low rails, which each wheelset cleans a little for the next."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Braking of a complete vehicle: load moves between axles and between bogies, and decides which wheels lock first."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Vehicle and brakes as one FMU or as five that a master couples: what each costs, and the error of the coupling."""
 
-from __future__ import annotations
-
 import time as clock
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack

@@ -1,7 +1,5 @@
 """Where a vehicle hunts: its body at middle speeds when the dampers are gone, its bogies at high ones."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Natural modes of a complete vehicle: published frequencies on vertical springs, then all connections; mode shapes."""
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure

@@ -1,7 +1,5 @@
 """One bogie under half a body, or the complete vehicle: the error of the half, and what each costs."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 

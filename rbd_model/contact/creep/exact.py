@@ -5,8 +5,6 @@ of one material, so that pressure and tangential stress do not act on each other
 G = 1, friction times load = 1.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import lru_cache

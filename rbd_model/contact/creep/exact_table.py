@@ -3,8 +3,6 @@
 `python -m rbd_model.contact.creep.exact_table` makes it anew, in some ten minutes.
 """
 
-from __future__ import annotations
-
 import math
 from functools import lru_cache
 from pathlib import Path

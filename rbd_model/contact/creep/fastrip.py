@@ -4,8 +4,6 @@ M. Sh. Sichani, R. Enblom, M. Berg (2016), An alternative to FASTSIM for tangent
 Vehicle System Dynamics 54, 748-764.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Vermeulen and Johnson (1964): creepage without spin, with an ellipse of adhesion within the ellipse of contact."""
 
-from __future__ import annotations
-
 import casadi as ca
 
 from rbd_model.contact.creep.law import ContactPatch

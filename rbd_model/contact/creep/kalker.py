@@ -1,7 +1,5 @@
 """Kalker's creepage and spin coefficients of a contact ellipse, the linear limit of every creep law."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import lru_cache

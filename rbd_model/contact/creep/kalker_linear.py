@@ -1,7 +1,5 @@
 """Kalker's linear theory (1967): the forces of small creepages, without saturation."""
 
-from __future__ import annotations
-
 import casadi as ca
 
 from rbd_model.contact.creep.law import ContactPatch

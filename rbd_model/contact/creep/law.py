@@ -3,8 +3,6 @@
 Each law is one file beside this one; a user's own is one function, given to a level by `Contact`, for tread or flange.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 

@@ -4,8 +4,6 @@ M. Spiryagin, O. Polach, C. Cole (2013), Creep force modelling for rail traction
 algorithm, Vehicle System Dynamics 51, 1765-1783.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import casadi as ca

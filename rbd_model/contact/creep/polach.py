@@ -1,7 +1,5 @@
 """Polach's creep forces (1999), the default: fast, and with spin, eqs (3.92)-(3.105)."""
 
-from __future__ import annotations
-
 import casadi as ca
 
 from rbd_model.contact.creep.law import CLEAN, ContactPatch, Reduction

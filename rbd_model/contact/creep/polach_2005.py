@@ -1,7 +1,5 @@
 """Polach's creep forces (2005): contaminated surfaces, and friction that falls with the sliding of the patch."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import casadi as ca

@@ -1,7 +1,5 @@
 """Shen, Hedrick and Elkins (1983): Kalker's linear forces, saturated together by a cubic."""
 
-from __future__ import annotations
-
 import casadi as ca
 
 from rbd_model.contact.creep.kalker_linear import kalker_linear

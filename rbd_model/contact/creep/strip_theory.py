@@ -4,8 +4,6 @@ Between FaStrip and the exact theory: an area of adhesion by strip theory at the
 coefficients as in FaStrip; behind it the elliptic bound, in a direction that obeys FASTSIM's equation from there on.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace

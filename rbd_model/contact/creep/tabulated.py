@@ -4,8 +4,6 @@ By similarity the forces of an elliptical patch over mu N follow from four numbe
 those of `Measures`, with a/b for one of the two of spin.
 """
 
-from __future__ import annotations
-
 import csv
 import hashlib
 import math
