@@ -129,10 +129,10 @@ def run_case(case: Case, tolerance: float = TOLERANCE) -> Outcome:
     return Outcome(series, stop, derailed, (peaks[0], peaks[1]), [line for lines in first for line in lines])
 
 
-def run_all(cases: Sequence[Case] = CASES, tolerance: float = TOLERANCE) -> dict[Case, Outcome]:
+def run_all(cases: Sequence[Case] = CASES) -> dict[Case, Outcome]:
     """All these cases; they share the compiled library and run beside each other."""
     bogie((), RECORDED)  # what all share is written and compiled once, before the threads ask for it
     with ThreadPoolExecutor() as pool:
-        found = pool.map(lambda case: run_case(case, tolerance), cases)
+        found = pool.map(run_case, cases)
         bar = counting(found, "cases", len(cases), unit="case")
         return dict(zip(cases, bar, strict=True))

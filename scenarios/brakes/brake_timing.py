@@ -165,9 +165,8 @@ def experiment_rows(brake: Slave) -> list[Row]:
         rows.append(Row(text, "%", lost, found, 0.5, source, "printed to 1 %; printed efficiency"))
         low, high = case.lowest_shoe_friction, case.highest_shoe_friction
         text = f"{pressure} kPa: shoe friction, law 1"
-        rows.append(
-            Row(text, "1", case.shoe_friction, brake["shoe_friction"], between(low, high), "chapter 7, measured")
-        )
+        asked = between(low, high)
+        rows.append(Row(text, "1", case.shoe_friction, brake["shoe_friction"], asked, "chapter 7, measured"))
     return rows
 
 

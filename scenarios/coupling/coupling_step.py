@@ -31,9 +31,8 @@ def error_rows(f: Findings, sized: float, shown: float) -> list[Row]:
         steps = sorted(f.errors[name])
         slope = coupling_error.order(steps, [f.errors[name][step].distance for step in steps])
         expected = 2.0 if master.extrapolated else 1.0
-        rows.append(
-            Row(f"{name}: order of the stop distance", "1", None, slope, near(expected, 0.05), "theory", reference)
-        )
+        quantity, asked = f"{name}: order of the stop distance", near(expected, 0.05)
+        rows.append(Row(quantity, "1", None, slope, asked, "theory", reference))
     for name, master in MASTERS.items():
         size = f.errors[name][sized].distance / coupling_error.error_on_paper(master, sized, f.stop).distance
         source = f"theory: surplus of impulse, {1e3 * sized:g} ms"
@@ -46,9 +45,8 @@ def error_rows(f: Findings, sized: float, shown: float) -> list[Row]:
         expected, value = 1e3 * getattr(paper, quantity), 1e3 * getattr(error, quantity)
         place = f"after {coupling_error.MIDWAY:g} s" if quantity == "speed" else f"until {coupling_error.AT_REST:g} m/s"
         note = f"{place}; the suspension sways by some percent of the deceleration"
-        rows.append(
-            Row(f"{name}: error of {quantity}", unit, None, value, near(expected, 0.03 * abs(expected)), source, note)
-        )
+        asked = near(expected, 0.03 * abs(expected))
+        rows.append(Row(f"{name}: error of {quantity}", unit, None, value, asked, source, note))
     return rows
 
 

@@ -58,9 +58,8 @@ def run(options: Options) -> Report:
         law = "Newton's second law: m (V^2 / R cos - g sin of the cant)"
         rows.append(Row(name, "kN", None, guiding / 1e3, asked, law))
     wide = float(series["lateral_1"][RADII.index(3000.0)])
-    rows.append(
-        Row("shift of the leading wheelset, R = 3000 m", "mm", None, 1e3 * abs(wide), at_most(9.5), "flange at 9.5 mm")
-    )
+    name = "shift of the leading wheelset, R = 3000 m"
+    rows.append(Row(name, "mm", None, 1e3 * abs(wide), at_most(9.5), "flange at 9.5 mm"))
     return Report(rows, series, lambda: draw(series), {"speed": SPEED}, 0.0, [who_flanges(series)])
 
 

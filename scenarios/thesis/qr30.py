@@ -195,6 +195,7 @@ def chain_rows(pressure: int, one: Run) -> list[Row]:
     digit, definition = rounding("0.95") * pressure, "0-95 % definition, section 2.4.2"
     pressed = "section 7.1: application time 0.8 s"
     shoe, rod = float(series["shoe_force"][-1]) / 2e3, specified * (1 - lost / 100)
+    percent = rounding(str(lost)) / 100
     loss, efficiency = f"section {case}: {lost} % under {specified} kN", "the printed percentage is the efficiency here"
     about = f"section {case}: approximately 0.1"
     one_digit = "not judged: one digit of an approximate number admits half as much and half more"
@@ -202,15 +203,7 @@ def chain_rows(pressure: int, one: Run) -> list[Row]:
     corrected = "rolling resistance of section 8.3, misprint corrected"
     return [
         Row("pressure 0.8 s after application", "kPa", 0.95 * pressure, reached, digit, pressed, definition),
-        Row(
-            "normal force of one shoe (brake rod)",
-            "kN",
-            rod,
-            shoe,
-            rounding(str(lost)) / 100 * specified,
-            loss,
-            efficiency,
-        ),
+        Row("normal force of one shoe (brake rod)", "kN", rod, shoe, percent * specified, loss, efficiency),
         Row("deceleration while coasting", "m/s2", 0.1, coast, None, about, one_digit),
         Row("deceleration while coasting, closed form", "m/s2", None, coast, closed, formula, corrected),
     ]

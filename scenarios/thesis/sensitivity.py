@@ -18,18 +18,16 @@ from rbd_model.track.irregularity import section_5_3
 from rbd_model.vehicle.parameters import AS_PRINTED, as_printed, tables_4_1_and_4_2, tables_5_1_and_5_2
 from scenarios.bench.asymmetric_shoes import (
     AS_THESIS,
-    BRAKE_START,
-    BRAKE_TORQUE,
     DERAILED_AT,
     LOADS,
     ON_PATCHES,
-    YAW_TORQUE,
     Case,
     brake,
 )
 from scenarios.bench.drive import bogie, play
 from scenarios.bench.hunting_wheelset import RANGE, growth_by_eigenvalue
 from scenarios.bench.irregularities import CROSS_LEVEL, LATERAL_PEAK, WHEEL_LOAD, largest_wheel_load, travel
+from scenarios.methods.scenes import asymmetric
 from scenarios.reporting.plots import LEADING, THESIS, TRAILING, plt, titled
 from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row
@@ -78,9 +76,7 @@ def lateral_peak(**values: float) -> float:
 
 def derailment_speed(**values: float) -> float:
     """Speed at derailment, 75 % error on the leading wheelset, brake applied in 1 s [m/s]; 0: it stops on the rails."""
-    ramp = [(0.0, 0.0), (BRAKE_START, 0.0), (BRAKE_START + 1.0, 1.0)]
-    inputs = {f"brake_torque_{n}": [(t, BRAKE_TORQUE * x) for t, x in ramp] for n in (1, 2)}
-    inputs["yaw_torque_1"] = [(t, YAW_TORQUE[75] * x) for t, x in ramp]
+    inputs = asymmetric(75)
     reading = {"yaw_torque_rotates": 1, "wheel_lift_ends": 0, "tolerance": TOLERANCE}
     kernel = bogie(inputs, ("speed", "derailed"), **AS_PRINTED | reading | values)
     play("bogie", kernel, 20.0, 0.1, ("speed",), inputs)
@@ -123,14 +119,15 @@ def panels() -> list[Panel]:
     ]
 
 
+def over(answer: Callable[..., float], name: str) -> Callable[[float], float]:
+    """An answer as a function of one parameter."""
+    return lambda value: answer(**{name: value})
+
+
 def peak_panels() -> list[Panel]:
     """Lateral peak over the wave of section 5.3.1."""
     used, answer = tables_5_1_and_5_2(), ("mm", LATERAL_PEAK[0])
     spacings, stiffnesses, blends = SPACINGS, 10.0 ** np.linspace(6.5, 9.0, 6), np.array([0.2, 0.5, 1.0, 2.0, 4.0])
-
-    def over(name: str) -> Callable[[float], float]:
-        return lambda value: lateral_peak(**{name: value})
-
     return [
         Panel(
             "lateral peak over spacing",
@@ -140,12 +137,12 @@ def peak_panels() -> list[Panel]:
         ),
         Panel(
             "lateral peak over flange stiffness",
-            *("flange stiffness [N/m]", stiffnesses, over("flange_stiffness"), *answer),
+            *("flange stiffness [N/m]", stiffnesses, over(lateral_peak, "flange_stiffness"), *answer),
             used=used.flange_stiffness,
         ),
         Panel(
             "lateral peak over blend",
-            *("blend of the wave [m]", blends, over("irregularity_blend"), *answer),
+            *("blend of the wave [m]", blends, over(lateral_peak, "irregularity_blend"), *answer),
             used=section_5_3().irregularity_blend,
         ),
     ]
@@ -154,19 +151,15 @@ def peak_panels() -> list[Panel]:
 def derailment_panels() -> list[Panel]:
     """Speed at the derailment of chapter 9."""
     used, answer = tables_5_1_and_5_2(), ("m/s", DERAILED_AT[1.0])
-
-    def over(name: str) -> Callable[[float], float]:
-        return lambda value: derailment_speed(**{name: value})
-
     return [
         Panel(
             "derailment speed over spacing against yaw",
-            *(HALF_SPACING, SPACINGS, over("longitudinal_half_spacing"), *answer),
+            *(HALF_SPACING, SPACINGS, over(derailment_speed, "longitudinal_half_spacing"), *answer),
             used=used.longitudinal_half_spacing,
         ),
         Panel(
             "derailment speed over height",
-            *("frame height [m]", np.linspace(0.4, 1.0, 7), over("frame_height"), *answer),
+            *("frame height [m]", np.linspace(0.4, 1.0, 7), over(derailment_speed, "frame_height"), *answer),
             used=used.frame_height,
         ),
     ]

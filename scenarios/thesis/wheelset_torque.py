@@ -30,17 +30,14 @@ def run(options: Options) -> Report:
         "traction_torque_1": [(0.0, TORQUE), (end, TORQUE), (end, 0.0)],
         "brake_torque_1": [(0.0, 0.0), (BRAKE[0], 0.0), (BRAKE[0], TORQUE), (BRAKE[1], TORQUE), (BRAKE[1], 0.0)],
     }
-    series = play(
-        "wheelset", prepare("wheelset", initial_speed=LOW, **AS_PRINTED), DURATION, INTERVAL, RECORDED, inputs
-    )
+    kernel = prepare("wheelset", initial_speed=LOW, **AS_PRINTED)
+    series = play("wheelset", kernel, DURATION, INTERVAL, RECORDED, inputs)
     turned, travelled = (
         float(np.diff(np.interp(BRAKE, series["time"], series[name]))[0]) for name in ("rotation_1", "distance")
     )
     slip = travelled - tables_4_1_and_4_2().wheel_radius * turned
-    source, assumed = (
-        "section 4.5",
-        "not judged: hangs on the end of the traction, which is not printed; here at 25 m/s",
-    )
+    source = "section 4.5"
+    assumed = "not judged: hangs on the end of the traction, which is not printed; here at 25 m/s"
     rows = [
         Row("time from 10 to 25 m/s at 5 kN.m", "s", 15.0, reached, rounding("15"), source, "'about 15 seconds'"),
         Row("rotation while braking, 21 to 31 s", "rad", 469.52, turned, None, source, assumed),

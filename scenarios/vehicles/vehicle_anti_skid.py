@@ -56,15 +56,12 @@ def rows_of(found: Findings) -> list[Row]:
     source = "planar vehicle, 25 m/s, full brake, four cylinders, four encoders, one controller"
     for name, stop in found.protected.items():
         ideal, free = found.ideal[name], found.unprotected[name]
-        distance = between(1.0, OVER_IDEAL)
+        distance, lock = between(1.0, OVER_IDEAL), stop.longest_lock(LOCK_ABOVE)
         rows += [
             Row(f"{name}: ideal stopping distance", "m", None, ideal, None, "best slip of all wheels at every instant"),
             Row(f"{name}: stopping distance", "m", None, stop.distance, None, stop.note(source)),
             Row(f"{name}: distance over the ideal", "1", None, stop.over(ideal), distance, "as asked of the bogie"),
-            Row(
-                *(f"{name}: longest lock", "s", None, stop.longest_lock(LOCK_ABOVE), at_most(LONGEST_LOCK)),
-                f"above {LOCK_ABOVE} m/s",
-            ),
+            Row(f"{name}: longest lock", "s", None, lock, at_most(LONGEST_LOCK), f"above {LOCK_ABOVE} m/s"),
             Row(f"{name}: share in the slip band", "1", None, stop.share_in_band(BAND, ABOVE), None, f"up to {BAND:g}"),
             Row(f"{name}: air", "g", None, 1e3 * stop.air(), None, "all cylinders"),
             Row(f"{name}, unprotected: stopping distance", "m", None, free.distance, None, free.note(source)),

@@ -162,11 +162,10 @@ def measure() -> Findings:
 def rows_of(found: Findings) -> list[Row]:
     rolling = [one for (_, share), one in found.differences.items() if share < 0.9]
     error, missing = max(abs(one.distance) for one in rolling), max(one.missing for one in rolling)
-    words, left_out = "torques up to 0.8 of the static limit", "one bogie: share of load transfer that it leaves out"
+    largest, words = "one bogie: error of the distance, largest", "torques up to 0.8 of the static limit"
+    left_out = "one bogie: share of load transfer that it leaves out"
     rows = [
-        Row(
-            "one bogie: error of the distance, largest", "1", None, error, at_most(DISTANCE), "complete vehicle", words
-        ),
+        Row(largest, "1", None, error, at_most(DISTANCE), "complete vehicle", words),
         Row(left_out, "1", None, missing, near(rigid_missing(), BAND), "rigid statics"),
     ]
     for friction in FRICTIONS:
