@@ -43,11 +43,11 @@ class Answer:
 
 
 class Machine:
-    """A vehicle on straight track or on a line; equal wheels on equal rails."""
+    """A vehicle on straight track or on a line; equal wheels on equal rails. depth: of contact."""
 
-    def __init__(self, vehicle: Vehicle, on_line: bool) -> None:
+    def __init__(self, vehicle: Vehicle, on_line: bool, depth: int = 2) -> None:
         self.vehicle, self.on_line, self.support = vehicle, on_line, ballasted_track()
-        system = spatial_vehicle(vehicle, irregular_track(section_5_3()), Contact(2), on_line)
+        system = spatial_vehicle(vehicle, irregular_track(section_5_3()), Contact(depth), on_line)
         seen = [name for name in system.observables if name.startswith("force_") or name.endswith("_above")]
         system = system.with_outputs(list(dict.fromkeys([*ENERGIES, *POWERS, *seen])))
         self.names = list(system.states)
