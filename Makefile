@@ -22,9 +22,11 @@ live: $(VENV)/compiler-installed
 test: $(VENV)/test-installed check
 	$(RUN) -m pytest -n 2 --dist worksteal
 
-# Physics and numerics without the FMUs: about a minute once the kernels are compiled.
+# Physics and numerics without the FMUs, and without the files that take longest: a minute once the kernels are compiled.
+LONGEST := four_axles line maximal_coordinates moments_about_rails patches standing steady
 test-fast: $(VENV)/test-installed
-	$(RUN) -m pytest -n 2 --dist worksteal tests/rbd_model tests/brake_controller tests/numerics tests/test_architecture.py
+	$(RUN) -m pytest -n 2 --dist worksteal tests/rbd_model tests/brake_controller tests/numerics tests/test_architecture.py \
+		$(LONGEST:%=--ignore=tests/rbd_model/test_%.py)
 
 # What the other tests show in part: binaries for all platforms, the coal wagon's, chapter 3 at two steps.
 test-long: $(VENV)/test-installed
