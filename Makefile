@@ -23,7 +23,7 @@ test: $(VENV)/test-installed check
 	$(RUN) -m pytest -n 2 --dist worksteal
 
 # Physics and numerics without the FMUs, and without the files that take longest: a minute once the kernels are compiled.
-LONGEST := four_axles line maximal_coordinates moments_about_rails patches standing steady
+LONGEST := four_axles line maximal_coordinates moments_about_rails patches rail_slopes standing steady
 test-fast: $(VENV)/test-installed
 	$(RUN) -m pytest -n 2 --dist worksteal tests/rbd_model tests/brake_controller tests/numerics tests/test_architecture.py \
 		$(LONGEST:%=--ignore=tests/rbd_model/test_%.py)
