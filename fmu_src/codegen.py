@@ -91,7 +91,7 @@ KINDS = {"real": "KIND_REAL", "integer": "KIND_INTEGER", "boolean": "KIND_BOOLEA
 
 
 def generate(model: Model) -> dict[str, str]:
-    """C sources by file name: equations from CasADi and their elimination, a file of each for each system, and model.c,
+    """C sources by file name: equations and their elimination, a file of each for each system, and model.c,
     the description; made once for each model.
     """
     return dict(_sources(model))

