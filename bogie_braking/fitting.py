@@ -81,6 +81,8 @@ def measured_from(path: str | Path) -> Recording:
     """
     if not isinstance(path, str | Path):
         raise TypeError(f"Give what was measured as a Recording or as the path of a CSV file: it was {shown(path)}.")
+    if not Path(path).is_file():
+        raise FileNotFoundError(f"There is no file {path}; give the path of the CSV file of a measured run.")
     with Path(path).open(encoding="utf-8", newline="") as file:
         lines = list(csv.reader(file))
     heads = [re.fullmatch(r"\s*(\w+)\s*\[(.+)\]\s*", one) for one in lines[0]] if lines else []

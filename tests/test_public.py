@@ -551,3 +551,10 @@ def test_a_fit_without_a_beginning_is_refused() -> None:
     ):
         with pytest.raises(ValueError, match=re.escape(sentence)):
             bb.fit("braked-vehicle", measured(1), parameters, **COACH)
+
+
+def test_a_file_that_is_not_there_is_named_with_what_it_should_be() -> None:
+    with pytest.raises(FileNotFoundError, match=r"There is no file none\.csv; give the path of the CSV file"):
+        bb.measured_from("none.csv")
+    with pytest.raises(FileNotFoundError, match=r"There is no file none\.fmu; give the path of an FMU"):
+        bb.Slave("none.fmu")

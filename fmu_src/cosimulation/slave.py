@@ -35,6 +35,8 @@ class Slave:
     """
 
     def __init__(self, path: str | Path, instance: str | None = None, /, **parameters: Value) -> None:
+        if not Path(path).is_file():
+            raise FileNotFoundError(f"There is no file {path}; give the path of an FMU.")
         description = read_model_description(str(path))
         self.name = instance or description.modelName
         self.guid = description.guid
