@@ -42,6 +42,8 @@ KERNEL_SOURCES = (
     "outputs.c",
     "modes.c",
     "locate.c",
+    "record.c",
+    "fixed.c",
     "integrate.c",
     "steady.c",
     "initialise.c",

@@ -47,6 +47,19 @@ bool algebraic_solve(kernel *self, double offset, double *state, double toleranc
     return false;
 }
 
+bool algebraic_correct(kernel *self, double *state) {
+    const system_description *system = self->system;
+    double *correction = self->work.correction;
+    if (system->algebraics == 0) return true;
+    if (!linear_factorise_algebraic(self, &self->work.algebraic, self->work.jacobian)) return false;
+    (void)find_correction(self, &self->work.algebraic, correction);
+    correct(self, state, correction);
+    for (int k = 0; k < system->algebraics; ++k)
+        for (int i = system->column_start[system->algebraic[k]]; i < system->column_start[system->algebraic[k] + 1]; ++i)
+            self->work.slope[system->row[i]] += self->work.jacobian[i] * correction[k];
+    return true;
+}
+
 bool algebraic_follow(kernel *self, const dense_factors *of, double offset, double *state, double tolerance) {
     const int m = self->system->algebraics;
     double *correction = self->work.correction, *guess = self->work.guess, before = INFINITY;

@@ -18,6 +18,11 @@ static void say(const component *self, kernel_status status, const char *sentenc
         self->tell(self, status, CATEGORY[category], sentence);
 }
 
+/* The kernel writes no sentence that is not passed on. */
+static void listen(const component *self) {
+    kernel_listen(self->machine, self->logger ? self->logged | self->told : 0);
+}
+
 kernel_status face_error(const component *self, const char *sentence) {
     say(self, KERNEL_ERROR, sentence);
     return KERNEL_ERROR;
@@ -59,6 +64,7 @@ bool face_is_exchange(const component *self) {
 kernel_status face_log(component *self, int logging, size_t count, const char *const categories[]) {
     if (count == 0) {
         self->logged = logging ? EVERYTHING : 0;
+        listen(self);
         return KERNEL_OK;
     }
     if (face_missing(self, count, categories, categories)) return KERNEL_ERROR;
@@ -71,6 +77,7 @@ kernel_status face_log(component *self, int logging, size_t count, const char *c
         named |= bit;
     }
     self->logged = logging ? named : self->logged & ~named; /* to switch some on means: only these */
+    listen(self);
     return KERNEL_OK;
 }
 
@@ -89,6 +96,7 @@ component *face_instantiate(const component *log, const char *name, const char *
     self->name = (char *)malloc(strlen(name) + 1);
     if (self->name) strcpy(self->name, name);
     self->machine = kernel_create();
+    if (self->machine) listen(self);
     self->now = INSTANTIATED;
     const char *problem = NULL;
     if (!self->name || !self->machine)

@@ -91,6 +91,8 @@ static size_t lay_out_work(kernel *self, double *block) {
     self->kept.algebraic.matrix = carve(block, &used, room->algebraics * room->algebraics);
     self->modes.drive = carve(block, &used, room->frictions);
     self->modes.capacity = carve(block, &used, 2 * room->frictions);
+    self->modes.before = carve(block, &used, room->frictions);
+    self->modes.overshoot = carve(block, &used, room->frictions);
     self->modes.margin = carve(block, &used, room->frictions + room->conditions);
     self->reading.output = carve(block, &used, room->outputs);
     self->reading.output_rate = carve(block, &used, room->outputs);

@@ -31,6 +31,7 @@ typedef struct {
 /* What the host asked for. */
 typedef struct {
     bool stops_at_events, whole_steps;
+    unsigned unheard; /* a bit for each status whose sentences nobody hears: they are not written */
     double stop_time; /* infinite: the host named none */
 } host_wishes;
 
@@ -60,6 +61,8 @@ struct kernel {
 /* Sentences: into the journal; and kernel_message as well, for a status, which is returned. */
 RUNTIME_LOCAL void kernel_note(kernel *self, kernel_status status, const char *format, ...) LIKE_PRINTF(3);
 RUNTIME_LOCAL kernel_status kernel_fail(kernel *self, kernel_status status, const char *format, ...) LIKE_PRINTF(3);
+/* Whether anybody hears sentences of this status: writing one costs more than a step at the point level. */
+RUNTIME_LOCAL bool kernel_is_heard(const kernel *self, kernel_status status);
 /* As kernel_fail, with a model's sentence: no format, but with a time in place of its first %s. */
 RUNTIME_LOCAL kernel_status kernel_say_when(kernel *self, kernel_status status, const char *sentence, const char *when);
 /* Forgets what was noted since there were `noted` records. */

@@ -1,4 +1,5 @@
-/* The step loop: adaptive or fixed steps of the chosen method, located switches, records between the steps. */
+/* The step loop: steps whose error is controlled, or of the explicit method, and located switches. Implicit steps of a
+ * fixed size are in fixed.c. */
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -13,49 +14,6 @@ static const double SHORT = 0.25;
 static const double SHORT_ERROR = 0.3;
 /* Short steps that go to the default method after one with a kept Jacobian failed. */
 enum { PAUSE = 16 };
-
-/* ---- between the steps ----------------------------------------------------------------------------------------- */
-
-/* Cubic through both ends and slopes of a step of a method without an extension of its own; algebraic states are solved
- * for, from the straight line between their ends. */
-static void interpolate_by_slopes(kernel *self, double offset, double size, double fraction, double *state) {
-    const double other = 1.0 - fraction;
-    for (int i = 0; i < self->system->states; ++i) {
-        const double change = self->work.trial[i] - self->run.state[i];
-        const double bend = other * (size * self->reading.first_slope[i] - change) - fraction * (size * self->reading.last_slope[i] - change);
-        state[i] = self->run.state[i] + fraction * (change + self->work.differential[i] * other * bend);
-    }
-    (void)algebraic_find(self, offset + fraction * size, state, self->run.value[MODEL.tolerance]);
-}
-
-static void prepare_interpolation(kernel *self, double offset, double size) {
-    kernel_evaluate(self, self->system->ode, offset, self->run.state, self->reading.first_slope);
-    kernel_evaluate(self, self->system->ode, offset + size, self->work.trial, self->reading.last_slope);
-}
-
-static void record_until(kernel *self, double offset, double size) {
-    kernel_recorder *recorder = self->recorder;
-    const bool own_extension = self->work.method == METHOD_EXACT;
-    bool prepared = false;
-    while (recorder->written < recorder->capacity) {
-        const double at = (double)recorder->written * recorder->interval;
-        if (at > (offset + size) * (1.0 + 4.0 * DBL_EPSILON)) return;
-        const double share = size > 0.0 ? (at - offset) / size : 0.0, fraction = share < 1.0 ? share : 1.0;
-        double *shown = size > 0.0 ? self->reading.shown : self->run.state;
-        if (size > 0.0 && own_extension) {
-            rosenbrock_interpolate(self, fraction, shown);
-        } else if (size > 0.0) {
-            if (!prepared) prepare_interpolation(self, offset, size);
-            prepared = true;
-            interpolate_by_slopes(self, offset, size, fraction, shown);
-        }
-        kernel_compute_outputs(self, at, shown);
-        double *row = recorder->buffer + recorder->written * recorder->columns;
-        for (int i = 0; i < recorder->columns; ++i)
-            row[i] = self->run.value[recorder->variable[i]] + at * self->run.input_rate[recorder->variable[i]];
-        recorder->written++;
-    }
-}
 
 /* ---- one step --------------------------------------------------------------------------------------------------- */
 
@@ -171,40 +129,19 @@ static double adaptive_step(kernel *self, progress *now) {
     }
 }
 
-/* Says when the local error of a fixed step exceeds the tolerance, and again when it is ten times what was said. */
-static kernel_status guard_error(kernel *self, double time, double size, double error) {
-    if (!(error > 1.0) || error < 10.0 * self->run.now->guard_said) return KERNEL_OK;
-    self->run.now->guard_said = error;
-    char when[CLOCK_SIZE];
-    return kernel_fail(self, KERNEL_WARNING,
-                       "The local error of the fixed step of %.3g s is %.2g times the tolerance %g at t = %s s; "
-                       "shorten integration_step, or set it to 0 for steps chosen by the error.",
-                       size, error, self->run.value[MODEL.tolerance], kernel_clock(time, 6, when));
-}
-
-/* A step of integration_step seconds, right or wrong: what is wrong is said. Returns its length, 0 after a failure. */
-static double fixed_step(kernel *self, progress *now, kernel_status *status) {
-    const double fixed = self->run.value[MODEL.integration_step], time = self->given.step_origin + now->offset;
-    const double size = now->remaining <= fixed * (1.0 + 1e-6) ? now->remaining : fixed;
-    if (self->work.method == METHOD_EXACT && !start_exact_step(self, now->offset)) return 0.0;
-    if (self->work.method == METHOD_EXPLICIT && runge_kutta_guard(self, now->offset, size) != KERNEL_OK)
-        *status = KERNEL_WARNING;
-    const double error = integrate_try(self, now->offset, size);
+/* A step of integration_step seconds with the explicit method. Returns its length, 0 after a failure. */
+static double explicit_step(kernel *self, progress *now, kernel_status *status) {
+    const double size = integrate_fixed_size(self, now->remaining);
+    if (runge_kutta_guard(self, now->offset, size) != KERNEL_OK) *status = KERNEL_WARNING;
+    const double error = runge_kutta_try(self, now->offset, size);
     now->margin = isfinite(error) ? modes_margin(self, now->offset + size, self->work.trial) : NAN;
-    if (isnan(now->margin)) {
-        char when[CLOCK_SIZE];
-        kernel_fail(self, KERNEL_ERROR,
-                    "The fixed step of %.3g s finds no finite motion at t = %s s; shorten integration_step, or set it to "
-                    "0 for steps chosen by the error.",
-                    size, kernel_clock(time, 9, when));
-        return 0.0;
-    }
-    if (guard_error(self, time, size, error) != KERNEL_OK) *status = KERNEL_WARNING;
-    return size;
+    if (!isnan(now->margin)) return size;
+    (void)integrate_fixed_failed(self, now->offset, size);
+    return 0.0;
 }
 
 static double next_step(kernel *self, progress *now, kernel_status *status) {
-    if (self->run.value[MODEL.integration_step] > 0.0) return fixed_step(self, now, status);
+    if (self->work.method == METHOD_EXPLICIT) return explicit_step(self, now, status);
     const double cut = self->work.method == METHOD_EXACT ? short_step(self, now) : 0.0;
     return cut > 0.0 ? cut : adaptive_step(self, now);
 }
@@ -235,18 +172,20 @@ static const char *remedy_of_chatter(const kernel *self) {
 }
 
 kernel_status integrate(kernel *self, double size, double *reached) {
+    if (self->run.value[MODEL.integration_step] > 0.0 && self->work.method != METHOD_EXPLICIT)
+        return integrate_fixed(self, size, reached);
     kernel_status status = KERNEL_OK;
     progress now = {0.0, size, INFINITY, 0};
     self->work.algebraic_serve = 0;
     modes_refresh(self, 0.0);
-    if (self->recorder) record_until(self, 0.0, 0.0);
+    if (self->recorder) record_until(self, 0.0, 0.0, 0.0);
     while (now.offset < size) {
         now.remaining = size - now.offset;
         double step = next_step(self, &now, &status);
         if (step == 0.0) return KERNEL_ERROR;
         const bool crossing = now.margin < 0.0;
         if (crossing) step = modes_locate(self, now.offset, step);
-        if (self->recorder) record_until(self, now.offset, step);
+        if (self->recorder) record_until(self, now.offset, step, now.offset + step);
         const double arrival = step == now.remaining ? size : now.offset + step;
         accept(self);
         now.offset = arrival;

@@ -83,6 +83,8 @@ KERNEL_EXPORT void kernel_save(const kernel *self, void *bytes);
 KERNEL_EXPORT kernel_status kernel_restore(kernel *self, const void *bytes);
 KERNEL_EXPORT double kernel_time(const kernel *self);
 KERNEL_EXPORT bool kernel_ended(const kernel *self);
+/* Statuses, a bit for each, whose sentences somebody hears: all, before the first call. */
+KERNEL_EXPORT void kernel_listen(kernel *self, unsigned statuses);
 /* The oldest sentence that was not heard yet; whether there was one. Its text lasts until the next call. */
 KERNEL_EXPORT bool kernel_hear(kernel *self, kernel_sentence *heard);
 /* Makes valid UTF-8 on one line of a text that may come from anyone. */

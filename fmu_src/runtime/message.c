@@ -67,7 +67,12 @@ static void write_sentence(char text[MESSAGE_SIZE], const char *format, va_list 
     kernel_make_readable(text);
 }
 
+void kernel_listen(kernel *self, unsigned statuses) { self->asked.unheard = ~statuses; }
+
+bool kernel_is_heard(const kernel *self, kernel_status status) { return !(self->asked.unheard >> (unsigned)status & 1u); }
+
 void kernel_note(kernel *self, kernel_status status, const char *format, ...) {
+    if (!kernel_is_heard(self, status)) return;
     char sentence[MESSAGE_SIZE];
     va_list arguments;
     va_start(arguments, format);
@@ -77,6 +82,7 @@ void kernel_note(kernel *self, kernel_status status, const char *format, ...) {
 }
 
 kernel_status kernel_fail(kernel *self, kernel_status status, const char *format, ...) {
+    if (!kernel_is_heard(self, status)) return status;
     va_list arguments;
     va_start(arguments, format);
     write_sentence(self->journal.message, format, arguments);

@@ -20,6 +20,8 @@ RUNTIME_LOCAL void linear_write_by_rows(const kernel *self, double *matrix);
 /* Algebraic states, the others held, solved until their scaled change is below `tolerance` or round-off; all leave the
  * slopes in work.slope; whether that succeeds. Newton's method from work.jacobian, which is that of `state`; */
 RUNTIME_LOCAL bool algebraic_solve(kernel *self, double offset, double *state, double tolerance);
+/* one step of it, which the slopes follow along the Jacobian; false only where there are no factors; */
+RUNTIME_LOCAL bool algebraic_correct(kernel *self, double *state);
 /* with given factors throughout, the old values kept where that fails; */
 RUNTIME_LOCAL bool algebraic_follow(kernel *self, const dense_factors *of, double offset, double *state, double tolerance);
 /* with the last factors while they serve, and otherwise with new ones. */
@@ -72,9 +74,19 @@ RUNTIME_LOCAL void explicit_host_read(kernel *self);
 RUNTIME_LOCAL kernel_status explicit_host_guard(kernel *self);
 /* Place of a state of model exchange among those of the chosen system; -1: it does not have that one. */
 RUNTIME_LOCAL int exchange_state(const kernel *self, int number);
-/* One trial step with the chosen method; the length at which it crosses a switch; and the loop over the steps. */
+/* At the end of a step that is not repeated: what has crossed stops where it can be held, and all modes are found anew, in
+ * one round; whether something began or ceased to be stuck. */
+RUNTIME_LOCAL bool modes_settle(kernel *self, double offset);
+/* Writes the rows that are due by the time `until`, from a step that began at `offset`; of size 0: from the state. */
+RUNTIME_LOCAL void record_until(kernel *self, double offset, double size, double until);
+/* One trial step with the chosen method; the length at which it crosses a switch; and the loops over the steps, with error
+ * control or with a fixed size. */
 RUNTIME_LOCAL double integrate_try(kernel *self, double offset, double size);
 RUNTIME_LOCAL double modes_locate(kernel *self, double offset, double size);
 RUNTIME_LOCAL kernel_status integrate(kernel *self, double size, double *reached);
+RUNTIME_LOCAL kernel_status integrate_fixed(kernel *self, double size, double *reached);
+/* Length of the next step of a fixed size; and the sentence for one without a result. */
+RUNTIME_LOCAL double integrate_fixed_size(const kernel *self, double remaining);
+RUNTIME_LOCAL kernel_status integrate_fixed_failed(kernel *self, double offset, double size);
 
 #endif

@@ -4,8 +4,9 @@
  * sticks while the drive stays within the capacity, and a friction without capacity is no friction. Still is what is
  * exactly zero, or not above a speed that a friction may have: what then is left of the velocity is taken away, and as
  * it moves below that speed too, it sticks anew only with some capacity to spare. Every switch is located on the step
- * length, so that the equations are smooth within a step. */
+ * length, so that the equations are smooth within a step; but for steps of a fixed size, see modes_settle. */
 #include <math.h>
+#include <string.h>
 
 #include "method.h"
 
@@ -65,32 +66,131 @@ static void find_drive_and_capacity(kernel *self, double offset, const double *s
         }
 }
 
-/* Modes by the present state and the modes that there were; returns whether one became or ceased to be stuck. */
-static bool refresh_once(kernel *self, double offset) {
-    const system_description *system = self->system;
+static void note_switch(kernel *self, int i, double offset) {
+    const friction_description *friction = &self->system->friction[i];
+    const char *word = self->run.mode[i] == 0.0 ? friction->stuck_word : friction->sliding_word;
+    char when[CLOCK_SIZE];
+    kernel_note(self, KERNEL_OK, "%s %s at %s s.", friction->label, word,
+                kernel_clock(self->given.step_origin + offset, 6, when));
+}
+
+/* Notes what began or ceased to be stuck since the modes `before`; whether something did. */
+static bool note_switches(kernel *self, double offset) {
     bool changed = false;
-    kernel_locate(self, offset, self->run.state);
-    find_drive_and_capacity(self, offset, self->run.state);
-    for (int i = 0; i < system->frictions; ++i) {
-        const friction_description *friction = &system->friction[i];
-        const double old = self->run.mode[i], velocity = modes_velocity(friction, self->run.state);
-        const double share = share_of(old, velocity, self->modes.still[i], reluctance(self, offset));
-        self->run.mode[i] = direction_of(velocity, self->modes.drive[i], share * self->modes.capacity[i], self->modes.still[i]);
-        if (self->run.mode[i] == 0.0) modes_stop(friction, self->run.state);
-        if ((old == 0.0) == (self->run.mode[i] == 0.0)) continue;
-        const char *word = self->run.mode[i] == 0.0 ? friction->stuck_word : friction->sliding_word;
-        char when[CLOCK_SIZE];
-        kernel_note(self, KERNEL_OK, "%s %s at %s s.", friction->label, word,
-                    kernel_clock(self->given.step_origin + offset, 6, when));
+    for (int i = 0; i < self->system->frictions; ++i) {
+        if ((self->modes.before[i] == 0.0) == (self->run.mode[i] == 0.0)) continue;
+        if (kernel_is_heard(self, KERNEL_OK)) note_switch(self, i, offset);
         changed = true;
     }
     return changed;
+}
+
+/* Modes by the drive and capacity that were found, by the velocities and by the modes `before`. */
+static void renew_modes(kernel *self, double offset) {
+    for (int i = 0; i < self->system->frictions; ++i) {
+        const friction_description *friction = &self->system->friction[i];
+        const double velocity = modes_velocity(friction, self->run.state), still = self->modes.still[i];
+        const double reached = self->modes.overshoot[i] != 0.0 ? self->modes.overshoot[i] : velocity;
+        const double share = share_of(self->modes.before[i], reached, still, reluctance(self, offset));
+        self->run.mode[i] = direction_of(velocity, self->modes.drive[i], share * self->modes.capacity[i], still);
+        if (self->run.mode[i] == 0.0) modes_stop(friction, self->run.state);
+    }
+}
+
+static void begin_round(kernel *self) {
+    const int n = self->system->frictions;
+    self->modes.still = self->modes.capacity + n;
+    memcpy(self->modes.before, self->run.mode, (size_t)n * sizeof(double));
+    memset(self->modes.overshoot, 0, (size_t)n * sizeof(double));
+}
+
+/* Modes by the present state and the modes that there were; returns whether one became or ceased to be stuck. */
+static bool refresh_once(kernel *self, double offset) {
+    kernel_locate(self, offset, self->run.state);
+    find_drive_and_capacity(self, offset, self->run.state);
+    begin_round(self);
+    renew_modes(self, offset);
+    return note_switches(self, offset);
 }
 
 /* A friction may hold only what another holds already: a wheelset stands on its rails where it does not turn. */
 void modes_refresh(kernel *self, double offset) {
     if (self->system->frictions == 0) return;
     for (int i = 0; refresh_once(self, offset) && i < ROUNDS; ++i) {}
+}
+
+static void find_capacity(kernel *self, double offset) {
+    kernel_evaluate_again(self, self->system->capacity, offset, self->run.state, self->modes.capacity);
+}
+
+/* Holds for a trial what crossed zero within a step: a drive is that of what stands still. Whether something did. */
+static bool hold_what_crossed(kernel *self) {
+    bool crossed = false;
+    for (int i = 0; i < self->system->frictions; ++i) {
+        const friction_description *friction = &self->system->friction[i];
+        const double velocity = modes_velocity(friction, self->run.state);
+        if (!(self->modes.capacity[i] > 0.0 && self->run.mode[i] * velocity < 0.0)) continue;
+        self->modes.overshoot[i] = velocity;
+        modes_stop(friction, self->run.state);
+        self->run.mode[i] = 0.0;
+        crossed = true;
+    }
+    return crossed;
+}
+
+/* Where nothing stands still, drives have no say: a mode is the sign of a velocity. Whether that is so. */
+static bool all_slide(kernel *self) {
+    const system_description *system = self->system;
+    for (int i = 0; i < system->frictions; ++i) {
+        const double velocity = modes_velocity(&system->friction[i], self->run.state);
+        if (self->run.mode[i] == 0.0 || !(fabs(velocity) > self->modes.still[i])) return false;
+        self->run.mode[i] = velocity < 0.0 ? -1.0 : 1.0;
+    }
+    return true;
+}
+
+static void give_back(kernel *self, int i) {
+    self->run.state[self->system->friction[i].velocity] += self->modes.overshoot[i];
+    self->modes.overshoot[i] = 0.0;
+}
+
+/* What could not be held goes on the other way, and so does what leaned on what slides now. */
+static void let_go(kernel *self, double offset) {
+    const mode_workspace *modes = &self->modes;
+    bool slides = false;
+    for (int i = 0; i < self->system->frictions; ++i) {
+        const bool held = modes->overshoot[i] != 0.0 || modes->before[i] == 0.0;
+        slides |= held && self->run.mode[i] != 0.0;
+        if (self->run.mode[i] * modes->overshoot[i] > 0.0) give_back(self, i);
+    }
+    if (!slides) return;
+    find_capacity(self, offset);
+    for (int i = 0; i < self->system->frictions; ++i) {
+        if (self->run.mode[i] != 0.0 || modes->capacity[i] > 0.0) continue;
+        give_back(self, i);
+        self->run.mode[i] = modes_velocity(&self->system->friction[i], self->run.state) < 0.0 ? -1.0 : 1.0;
+    }
+}
+
+bool modes_settle(kernel *self, double offset) {
+    const system_description *system = self->system;
+    kernel_locate(self, offset, self->run.state);
+    if (system->frictions == 0) return false;
+    find_capacity(self, offset);
+    begin_round(self);
+    const bool crossed = hold_what_crossed(self);
+    if (crossed) { /* wheelsets that stand on their rails may do so because they no longer turn */
+        find_capacity(self, offset);
+        (void)hold_what_crossed(self);
+    } else if (all_slide(self)) {
+        return false;
+    }
+    kernel_evaluate_again(self, system->drive, offset, self->run.state, self->modes.drive);
+    renew_modes(self, offset);
+    let_go(self, offset);
+    const bool changed = note_switches(self, offset);
+    if (changed) self->counters.events++;
+    return changed;
 }
 
 /* What is stuck stays exactly where it is: its slope says so, but row exchanges in the factorisation leave round-off. */
@@ -165,8 +265,9 @@ bool modes_warn(kernel *self, double offset) {
     for (int i = system->ends; i < system->conditions && candidates; ++i) {
         if (!is_to_warn(self, i)) continue;
         char when[CLOCK_SIZE];
-        (void)kernel_say_when(self, KERNEL_WARNING, system->sentence[i],
-                              kernel_clock(self->given.step_origin + offset, 6, when));
+        if (kernel_is_heard(self, KERNEL_WARNING))
+            (void)kernel_say_when(self, KERNEL_WARNING, system->sentence[i],
+                                  kernel_clock(self->given.step_origin + offset, 6, when));
         self->run.said[i] = 1.0;
         warned = true;
     }

@@ -63,6 +63,7 @@ typedef struct {
 typedef struct {
     double *drive, *capacity, *still;
     double *margin; /* of frictions, of what ends the run, of what only warns */
+    double *before, *overshoot; /* modes before a round; velocities that passed zero within a step of a fixed size */
 } mode_workspace;
 
 /* Of outputs and their derivatives, and of states between the steps. */

@@ -1,0 +1,84 @@
+/* Steps of integration_step seconds with the implicit methods, right or wrong: what is wrong is said.
+ *
+ * Each costs the same, whatever happens in it: a Jacobian, a correction of the algebraic states, the stages of the method and
+ * a round of modes. No step is repeated, shortened or divided. What switches within a step switches at its end, so that an
+ * event is up to a step late. */
+#include <math.h>
+#include <string.h>
+
+#include "method.h"
+
+/* The new state is in work.trial; the error of the step is in units of the tolerance, not finite where there is none. */
+static double make_step(kernel *self, double offset, double size) {
+    const rosenbrock_tableau *method = self->work.method == METHOD_REUSED ? &ROS34PW2 : &RODAS5P;
+    rosenbrock_linearise(self, offset, self->run.state);
+    if (!algebraic_correct(self, self->run.state) ||
+        !rosenbrock_factorise(self, method, &self->work.factors, self->work.jacobian, size))
+        return NAN;
+    return rosenbrock_step(self, method, &self->work.factors, offset, size);
+}
+
+/* Says when the local error exceeds the tolerance, and again when it is ten times what was said. */
+static kernel_status guard_error(kernel *self, double time, double size, double error) {
+    if (!(error > 1.0) || error < 10.0 * self->run.now->guard_said) return KERNEL_OK;
+    self->run.now->guard_said = error;
+    if (!kernel_is_heard(self, KERNEL_WARNING)) return KERNEL_WARNING;
+    char when[CLOCK_SIZE];
+    return kernel_fail(self, KERNEL_WARNING,
+                       "The local error of the fixed step of %.3g s is %.2g times the tolerance %g at t = %s s; "
+                       "shorten integration_step, or set it to 0 for steps chosen by the error.",
+                       size, error, self->run.value[MODEL.tolerance], kernel_clock(time, 6, when));
+}
+
+/* 1 + index of an end condition that is reached at the state, 0: none, -1: something there is no number. */
+static int find_end(kernel *self, double offset) {
+    const system_description *system = self->system;
+    double *margin = self->modes.margin + system->frictions;
+    if (system->conditions) kernel_evaluate_again(self, system->condition_margin, offset, self->run.state, margin);
+    for (int i = 0; i < system->frictions; ++i)
+        if (isnan(self->modes.capacity[i])) return -1;
+    for (int i = 0; i < system->ends; ++i)
+        if (isnan(margin[i])) return -1;
+    for (int i = 0; i < system->ends; ++i)
+        if (margin[i] < 0.0) return 1 + i;
+    return 0;
+}
+
+kernel_status integrate_fixed_failed(kernel *self, double offset, double size) {
+    char when[CLOCK_SIZE];
+    return kernel_fail(self, KERNEL_ERROR,
+                       "The fixed step of %.3g s finds no finite motion at t = %s s; shorten integration_step, or set it to "
+                       "0 for steps chosen by the error.",
+                       size, kernel_clock(self->given.step_origin + offset, 9, when));
+}
+
+double integrate_fixed_size(const kernel *self, double remaining) {
+    const double fixed = self->run.value[MODEL.integration_step];
+    return remaining <= fixed * (1.0 + 1e-6) ? remaining : fixed;
+}
+
+kernel_status integrate_fixed(kernel *self, double size, double *reached) {
+    kernel_status status = KERNEL_OK;
+    self->work.algebraic_serve = false;
+    (void)modes_settle(self, 0.0); /* the inputs are new */
+    if (self->recorder) record_until(self, 0.0, 0.0, 0.0);
+    for (*reached = 0.0; *reached < size;) {
+        const double offset = *reached, remaining = size - offset, step = integrate_fixed_size(self, remaining);
+        const double error = make_step(self, offset, step);
+        if (!isfinite(error)) return integrate_fixed_failed(self, offset, step);
+        if (guard_error(self, self->given.step_origin + offset, step, error) != KERNEL_OK) status = KERNEL_WARNING;
+        if (self->recorder) record_until(self, offset, step, offset + step * (1.0 - 1e-9));
+        memcpy(self->run.state, self->work.trial, (size_t)self->system->states * sizeof(double));
+        modes_hold(self, self->run.state);
+        self->counters.steps++;
+        *reached = step == remaining ? size : offset + step;
+        const bool switched = modes_settle(self, *reached);
+        const int end = find_end(self, *reached);
+        if (end < 0) return integrate_fixed_failed(self, offset, step);
+        if (self->recorder) record_until(self, *reached, 0.0, *reached);
+        self->run.now->ended = end;
+        if (end || (switched && self->asked.stops_at_events)) return status;
+        if (modes_warn(self, *reached)) status = KERNEL_WARNING;
+    }
+    return status;
+}
