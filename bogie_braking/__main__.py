@@ -16,6 +16,7 @@
                                                                  resumes a sweep that was interrupted
   bogie-braking sweep levels --vary utilisation=0.5:1.3:81 --scheduler tcp://127.0.0.1:8786
                                                                  on a Dask cluster
+  bogie-braking pace spatial --step 1ms --seconds 10             in real time on this machine: longest step, overruns
   bogie-braking live                                             a page that brakes a bogie in any browser
   bogie-braking build bogie                                      FMUs; build --help says more
   bogie-braking run levels --json | jq .rows                     the summary for a program
@@ -23,9 +24,9 @@
   bogie-braking doctor                                           what is installed, what is missing, what to do
   eval "$(bogie-braking completion bash)"                        completion of this command in a shell
 
-Exit status: 0 all rows hold, or all points of a sweep were run; 1 a row does not hold, a point failed, or doctor misses
-something that is needed; 2 bad input; 3 a simulation or a sweep failed; 130 interrupted with Ctrl-C: earlier results
-and the finished points of a sweep stay; 141 the program that read the output has ended.
+Exit status: 0 all rows hold, or all points of a sweep were run; 1 a row does not hold, a point failed, a paced step
+overran, or doctor misses something that is needed; 2 bad input; 3 a simulation or a sweep failed; 130 interrupted with
+Ctrl-C: earlier results and the finished points of a sweep stay; 141 the program that read the output has ended.
 """
 
 from __future__ import annotations
@@ -47,6 +48,7 @@ def add_speech(parser: argparse.ArgumentParser, quiet: str, document: str) -> No
     group.add_argument("--json", action="store_true", help=f"{document} as one JSON document")
 
 
+PACE = "run an FMU in real time on this machine: longest step, overruns, jitter"
 PROFILES = """Equivalent conicity (EN 15302), rolling radii and contact angles of wheels on rails from files. A line of
 a file is y, z in mm; y = 0 of a wheel is its tape circle, 70 mm from the back of the flange. One file or diameter
 serves both sides; two are left and right: run contact-geometry --wheel new.csv worn.csv --rail 60e1.csv --diameter 920
@@ -110,9 +112,16 @@ def parser_of(asked: str) -> tuple[argparse.ArgumentParser, Any]:
         add_command(commands)
     else:
         commands.add_parser("sweep", help="run one scenario over a grid of parameters")
+    if asked in ("pace", "completion"):
+        from scenarios.methods import pace  # heavy: FMUs
+
+        form: dict[str, Any] = {"description": pace.__doc__, "formatter_class": argparse.RawDescriptionHelpFormatter}
+        pace.add_arguments(commands.add_parser("pace", help=PACE, **form))
+    else:
+        commands.add_parser("pace", help=PACE)
     page = commands.add_parser("live", help="write a page that brakes a bogie, or a coach, in any browser")
     page.add_argument("--out", type=Path, default=Path("results"), help="folder of live.html (default: results)")
-    for command in ("run", "sweep"):
+    for command in ("run", "sweep", "pace"):
         add_speech(commands.choices[command], "no progress and no table, only the exit status", "the summary")
     commands.add_parser("build", help="build FMUs", add_help=False)
     return parser, commands

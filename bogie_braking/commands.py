@@ -18,9 +18,11 @@ from bogie_braking.exit_status import BAD_INPUT, DOES_NOT_HOLD, FAILED, HOLDS, I
 from fmu_src.compile import CompilerError
 from fmu_src.cosimulation.slave import CosimulationError
 from fmu_src.kernel import KernelError
+from products.registry import FMUS
 from scenarios.catalogue import SCENARIOS, find
 from scenarios.completion import completion
 from scenarios.live.page import write_page
+from scenarios.methods import pace
 from scenarios.reporting.progress import ticking, without_bars
 from scenarios.reporting.report import Report, save, short_table, stopwatch, table
 from scenarios.scenario import BadInputError, Options, Scenario
@@ -130,6 +132,7 @@ def show_list(chosen: argparse.Namespace) -> int:
 def show_completion(parser: argparse.ArgumentParser, commands: Any, shell: str) -> int:
     """Prints the script with which a shell completes the command line."""
     names = {"run": [one.name for one in SCENARIOS], "sweep": [one.name for one in SCENARIOS if one.sweep]}
+    names["pace"] = [*FMUS, *pace.LEVELS]
     print(completion(parser, commands.choices, names, shell))
     return HOLDS
 
@@ -143,6 +146,8 @@ def carry_out(chosen: argparse.Namespace) -> int:
         if chosen.command == "report":
             return index(chosen.out)
         with without_bars() if chosen.quiet else nullcontext():
+            if chosen.command == "pace":
+                return HOLDS if pace.run(chosen) else DOES_NOT_HOLD
             if chosen.command == "sweep":
                 return HOLDS if sweep.run(chosen) else DOES_NOT_HOLD
             return run(chosen)

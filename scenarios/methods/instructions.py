@@ -1,7 +1,7 @@
 """Instructions, memory, locks and calls of the system within each fmi2DoStep, by a host in C (`step_host.c`).
 
-valgrind counts the instructions; what it counts does not depend on what else the machine does. What is counted is a stop
-with fixed steps, with lock-up, release and flange contact.
+valgrind counts the instructions, and what it counts does not depend on what else the machine does. What is counted is a
+stop with fixed steps, with lock-up, release and flange contact.
 """
 
 from __future__ import annotations

@@ -1,0 +1,241 @@
+"""Runs an FMU in real time on this machine, one step at each tick of the clock, and says how long steps take.
+
+  bogie-braking pace                                          the bogie in the plane, 10 s with steps of 1 ms
+  bogie-braking pace spatial --step 0.5ms --seconds 60        in space, for a minute
+  bogie-braking pace vehicle --level spatial                  the coach
+  bogie-braking pace --step 10ms --integration-step 1ms       ten steps of the integrator in each of the host
+  bogie-braking pace --step 10ms --integration-step 0         steps chosen by the error, whose cost has no bound
+  bogie-braking pace wheelset --set initial_speed=20          any FMU of the list, here at 20 m/s
+  bogie-braking pace build/native/BrakeCylinder.fmu           any file of an FMU, FMI 2.0 or 3.0
+  taskset -c 1 chrt -f 80 bogie-braking pace                  on a processor of its own, in the real-time class of Linux
+  bogie-braking pace --json | jq .overruns                    for a program
+
+Vehicles make a stop from 8 m/s with lock-up, release and flange contact, and then stand; other FMUs keep their start
+values. Logging is off. A step is here the inputs set and doStep, called through Python, which takes microseconds of it.
+An overrun is a step that ends after the next should have begun. The bar is drawn while the next step is waited for:
+with steps below 0.5 ms use --quiet.
+
+Exit status: 0 no overrun; 1 overruns; 2 bad input; 3 the simulation failed; 130 interrupted with Ctrl-C.
+"""
+
+from __future__ import annotations
+
+import argparse
+import gc
+import json
+import math
+import re
+import sys
+import time
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fmu_src.cosimulation.slave import CosimulationError, Slave
+from fmu_src.suggestion import suggestion
+from products.building import up_to_date
+from products.registry import FMUS
+from scenarios.bench.drive import value_at
+from scenarios.methods.instructions import stop_of
+from scenarios.reporting.progress import counting
+from scenarios.scenario import BadInputError
+
+LEVELS = {"point": 1, "planar": 2, "spatial": 3}
+#: Wheelsets of the FMUs that make a stop.
+VEHICLES = {"bogie": 2, "vehicle": 4, "coal-wagon": 4}
+UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "": 1.0}
+#: Largest step of the host, and longest run [s]; shortest step that a clock and Python can pace.
+LARGEST_STEP, LONGEST, SHORTEST_STEP = 1.0, 86400.0, 2e-5
+#: The last part of a wait is not slept but watched, and the bar is drawn twice a second [s].
+WATCHED, DRAWN = 5e-4, 0.5
+SHARES = {"median": 50.0, "99 %": 99.0, "99.9 %": 99.9, "longest": 100.0}
+
+
+@dataclass(frozen=True)
+class Pace:
+    """What is run: an FMU by its name or file, host and integration step and length [s], values, inputs over time."""
+
+    name: str
+    path: Path
+    step: float
+    integration_step: float
+    seconds: float
+    values: dict[str, float] = field(default_factory=dict)
+    inputs: dict[str, Sequence[tuple[float, float]]] = field(default_factory=dict)
+
+    @property
+    def steps(self) -> int:
+        return round(self.seconds / self.step)
+
+
+@dataclass(frozen=True)
+class Paced:
+    """Of each step: how long it took, and how late it began [s]."""
+
+    took: np.ndarray
+    late: np.ndarray
+    step: float
+
+    @property
+    def overruns(self) -> int:
+        """Steps that ended after the next should have begun."""
+        return int(np.count_nonzero(self.took + self.late > self.step))
+
+    def shares(self) -> dict[str, dict[str, float]]:
+        """Percentiles of the time of a step and of its late beginning [s], and of the share of the step in use."""
+        of = {"took": self.took, "share": self.took / self.step, "late": self.late}
+        found = {name: np.percentile(values, list(SHARES.values())).tolist() for name, values in of.items()}
+        return {name: dict(zip(SHARES, values, strict=True)) for name, values in found.items()}
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of the command."""
+    text = "an FMU of the list, the file of one, or a level of the bogie: point, planar, spatial (default: planar)"
+    parser.add_argument("name", nargs="?", default="planar", help=text)
+    parser.add_argument("--level", choices=list(LEVELS), help="level of a vehicle (default: planar)")
+    parser.add_argument("--step", default="1ms", metavar="TIME", help="host step, as 1ms or 0.001 (default: 1ms)")
+    text = "step of the integrator, 0: chosen by the error (default: the host step)"
+    parser.add_argument("--integration-step", metavar="TIME", help=text)
+    parser.add_argument("--seconds", type=float, default=10.0, metavar="S", help="how long (default: 10)")
+    text = "a parameter or a constant input, as NAME=VALUE; may be given several times"
+    parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help=text)
+
+
+def time_of(text: str, option: str) -> float:
+    """Seconds of "1ms", "500us", "0.001". Raises BadInputError."""
+    found = re.fullmatch(r"([0-9.eE+-]+) ?(s|ms|us|)", text.strip())
+    with suppress(ValueError):
+        if found:
+            return float(found[1]) * UNITS[found[2]]
+    raise BadInputError(f"Give {option} a time such as 1ms, 500us or 0.001: it was {text}.")
+
+
+def pace_of(chosen: argparse.Namespace) -> Pace:
+    """What the command line asks for. Raises BadInputError, CompilerError."""
+    step = time_of(chosen.step, "--step")
+    if not SHORTEST_STEP <= step <= LARGEST_STEP:
+        raise BadInputError(f"Give --step a value from {SHORTEST_STEP:g} to {LARGEST_STEP:g} s: it was {step:g} s.")
+    if not (math.isfinite(chosen.seconds) and step <= chosen.seconds <= LONGEST):
+        raise BadInputError(f"Give --seconds a value from {step:g} to {LONGEST:g}: it was {chosen.seconds:g}.")
+    within = step if chosen.integration_step is None else time_of(chosen.integration_step, "--integration-step")
+    name, level = ("bogie", chosen.name) if chosen.name in LEVELS else (chosen.name, chosen.level or "planar")
+    if chosen.level and (chosen.name in LEVELS or name not in VEHICLES):
+        raise BadInputError(f"--level has no effect on {chosen.name}; it belongs to {', '.join(VEHICLES)}.")
+    values, inputs = values_of(chosen.set), {}
+    if name in VEHICLES:
+        stop = stop_of(VEHICLES[name], level=float(LEVELS[level]))
+        values = {**stop.values, **values}
+        inputs = {one: history for one, history in stop.inputs.items() if one not in values}
+    return Pace(name, path_of(name), step, within, chosen.seconds, values, dict(inputs))
+
+
+def path_of(name: str) -> Path:
+    """The FMU of a name or file. Raises BadInputError, CompilerError."""
+    if name in FMUS:
+        return up_to_date(name, "native")
+    if name.endswith(".fmu"):
+        if Path(name).is_file():
+            return Path(name)
+        raise BadInputError(f"There is no file {name}; give the path of an FMU.")
+    known = [*FMUS, *LEVELS]
+    raise BadInputError(f"There is no FMU {name}; {suggestion(name, known, 'these are: ' + ', '.join(known) + '.')}")
+
+
+def values_of(texts: Sequence[str]) -> dict[str, float]:
+    """Numbers by name. Raises BadInputError."""
+    values = {}
+    for text in texts:
+        name, _, value = text.partition("=")
+        try:
+            values[name] = float(value)
+        except ValueError:
+            raise BadInputError(f"Give --set a name and a number, as level=2: it was {text}.") from None
+    return values
+
+
+def paced(pace: Pace, drawn: Callable[[int], object]) -> Paced:
+    """Makes all steps, each when the clock says so; `drawn` is told how many more there are, between two steps.
+
+    Raises BadInputError, CosimulationError, and KeyboardInterrupt with a sentence.
+    """
+    try:
+        slave = Slave(pace.path)
+    except OSError as error:
+        raise CosimulationError(
+            f"{pace.path} cannot be unpacked: {error}; make room, or name a folder in TMPDIR."
+        ) from error
+    with slave:
+        slave.fmu.setDebugLogging(False, [])
+        values = dict(pace.values)
+        for name in values:
+            if name not in slave.units:
+                raise BadInputError(f"{slave.name} has no variable {name}; {suggestion(name, slave.units)}")
+        if "integration_step" in slave.units:
+            values["integration_step"] = pace.integration_step
+        times = np.arange(pace.steps) * pace.step
+        rows = [{one: value_at(history, at, after=True) for one, history in pace.inputs.items()} for at in times]
+        slave.start(**values)
+        gc.collect()
+        gc.disable()
+        try:
+            return keep_pace(slave, pace.step, rows, drawn)
+        finally:
+            gc.enable()
+
+
+def keep_pace(slave: Slave, step: float, rows: Sequence[dict[str, float]], drawn: Callable[[int], object]) -> Paced:
+    """One step at each tick of the clock, with a row of inputs each."""
+    took, late = np.zeros(len(rows)), np.zeros(len(rows))
+    clock, told, number = time.perf_counter, 0, 0
+    begin = last = clock() + 10 * WATCHED
+    try:
+        for number, row in enumerate(rows):
+            due = begin + number * step
+            if clock() - last > DRAWN:
+                drawn(number - told)
+                told, last = number, clock()
+            while (left := due - clock()) > 0.0:
+                if left > 2 * WATCHED:
+                    time.sleep(left - WATCHED)
+            start = clock()
+            slave.set(**row)
+            slave.step(number * step, step)
+            took[number], late[number] = clock() - start, start - due
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(f"Interrupted after {number} of {len(rows)} steps.") from None
+    return Paced(took, late, step)
+
+
+def run(chosen: argparse.Namespace) -> bool:
+    """Runs and reports; whether no step overran. Raises BadInputError, CompilerError, CosimulationError."""
+    pace = pace_of(chosen)
+    with counting(text=f"pace of {pace.name}", total=pace.steps, unit="step") as bar:
+        found = paced(pace, bar.update)
+    if chosen.json:
+        print(json.dumps(document(pace, found), indent=2))
+    elif not chosen.quiet:
+        print(report(pace, found))
+    return found.overruns == 0
+
+
+def document(pace: Pace, found: Paced) -> dict[str, Any]:
+    """For programs; times in s."""
+    about = {"fmu": pace.name, "step": pace.step, "integration_step": pace.integration_step, "seconds": pace.seconds}
+    return {**about, "steps": pace.steps, "overruns": found.overruns, "platform": sys.platform, **found.shares()}
+
+
+def report(pace: Pace, found: Paced) -> str:
+    """For people."""
+    shares, within = found.shares(), f"{pace.integration_step * 1e3:g} ms"
+    within = "chosen by the error" if pace.integration_step == 0.0 else f"of {within}"
+    texts = {"took": "a step took [us]", "share": "of the host step [%]", "late": "a step began late by [us]"}
+    factors = {"took": 1e6, "share": 1e2, "late": 1e6}
+    lines = [f"{pace.name}: {pace.steps} steps of {pace.step * 1e3:g} ms in real time, integration steps {within}", ""]
+    lines.append(" " * 26 + "".join(at.rjust(10) for at in SHARES))
+    for name, text in texts.items():
+        lines.append(text.ljust(26) + "".join(f"{shares[name][at] * factors[name]:10.4g}" for at in SHARES))
+    return "\n".join([*lines, "", f"Overruns: {found.overruns} of {pace.steps}."])

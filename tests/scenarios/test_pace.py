@@ -1,0 +1,91 @@
+"""Runs at the pace of the clock, and what they report."""
+
+from __future__ import annotations
+
+import json
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from bogie_braking.__main__ import main
+from fmu_src.cosimulation.slave import Slave
+from scenarios.methods import pace
+from scenarios.methods.pace import Paced
+from tests.conftest import Fmus
+
+
+def test_a_run_takes_as_long_as_it_says_and_reports_its_steps(capsys: pytest.CaptureFixture[str]) -> None:
+    main(["pace", "point", "--step", "10ms", "--seconds", "0.01", "--quiet"])  # built, if it was not
+    begin = time.perf_counter()
+    status = main(["pace", "point", "--step", "10ms", "--seconds", "0.5", "--json"])
+    assert 0.49 <= time.perf_counter() - begin < 5.0
+    found = json.loads(capsys.readouterr().out)
+    assert (found["steps"], found["step"], found["integration_step"]) == (50, 0.01, 0.01)
+    assert status == (1 if found["overruns"] else 0)
+    assert 0.0 < found["took"]["median"] <= found["took"]["99 %"] <= found["took"]["longest"]
+    assert found["share"]["longest"] == pytest.approx(found["took"]["longest"] / 0.01)
+    assert found["took"]["median"] < 1e-3  # 10 ms of a bogie at the point level take some microseconds
+
+
+def test_a_host_that_is_too_slow_overruns(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    kept = Slave.step
+
+    def slow(self: Slave, at: float, size: float) -> None:
+        kept(self, at, size)
+        time.sleep(3e-3)
+
+    monkeypatch.setattr(Slave, "step", slow)
+    assert main(["pace", "point", "--step", "1ms", "--seconds", "0.02"]) == 1
+    assert "Overruns: 20 of 20." in capsys.readouterr().out
+
+
+def test_overruns_are_counted_by_the_end_of_a_step() -> None:
+    found = Paced(took=np.array([0.5, 0.2, 1.1, 0.4]), late=np.array([0.0, 0.9, 0.0, 0.1]), step=1.0)
+    assert found.overruns == 2
+    assert found.shares()["share"]["longest"] == 1.1
+
+
+def test_a_file_and_values_of_ones_own_are_run(fmus: Fmus, capsys: pytest.CaptureFixture[str]) -> None:
+    for kind in ("native", "fmi3"):
+        file = str(fmus["brake", kind])
+        main(["pace", file, "--set", "pressure_demand=2e5", "--step", "5ms", "--seconds", "0.05", "--json"])
+        assert json.loads(capsys.readouterr().out)["steps"] == 10
+
+
+@pytest.mark.parametrize(
+    ("given", "sentence"),
+    [
+        (["spatail"], "There is no FMU spatail; did you mean spatial?"),
+        (["none.fmu"], "There is no file none.fmu"),
+        (["--step", "1 hour"], "Give --step a time such as 1ms"),
+        (["--step", "2"], "Give --step a value from 2e-05 to 1 s"),
+        (["--seconds", "1e-9"], "Give --seconds a value from 0.001"),
+        (["--set", "level"], "Give --set a name and a number"),
+        (["--set", "initial_spede=1"], "did you mean initial_speed?"),
+        (["point", "--level", "planar"], "--level has no effect on point"),
+    ],
+)
+def test_what_cannot_be_run_is_refused_with_a_sentence(
+    given: list[str], sentence: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["pace", *given]) == 2
+    assert sentence in capsys.readouterr().err
+
+
+def test_a_run_that_fails_says_so(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["pace", "point", "--seconds", "0.1", "--set", "level=9"]) == 3
+    assert "level" in capsys.readouterr().err
+
+
+def test_times_have_units() -> None:
+    assert [pace.time_of(text, "--step") for text in ("1ms", "500 us", "0.001", "2e-3s")] == [1e-3, 5e-4, 1e-3, 2e-3]
+
+
+def test_the_fmu_of_a_stop_is_the_list_s(tmp_path: Path) -> None:
+    """Every vehicle of the list makes a stop, so that no FMU is paced at a standstill unawares."""
+    from products.registry import FMUS, model_of
+
+    driven = {name for name in FMUS if any(v.name == "brake_torque_2" for v in model_of(name).variables)}
+    assert set(pace.VEHICLES) == {name for name in driven if name != "braked-vehicle"}
