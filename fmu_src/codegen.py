@@ -61,6 +61,13 @@ RUNTIME_SOURCES = (*KERNEL_SOURCES, *FACE_SOURCES, *STUDY_SOURCES)
 RUNTIME_HEADERS = (
     "model.h",
     "table_file.h",
+    "lanes.h",
+    "lanes_end.h",
+    "lanes_math.h",
+    "lanes_names.h",
+    "lanes_scalar.h",
+    "lanes_vector.h",
+    "lanes_widest.h",
     "kernel.h",
     "status.h",
     "state.h",
