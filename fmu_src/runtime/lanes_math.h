@@ -65,20 +65,24 @@ LANES_FUNCTION real real_exp(real x)
     return lanes_power(lanes_exp_sum(x - n * LANES_LN2_HIGH, n * LANES_LN2_LOW), lanes_word_of(rounded));
 }
 
-/* x = m 2^n with m from sqrt(1/2) to sqrt(2), for positive finite x. */
-LANES_FUNCTION real lanes_mantissa(real x, real *n)
+/* x = m 2^n with m from `lowest` (below 1, its bits) to twice that, for positive finite x. */
+LANES_FUNCTION real lanes_mantissa(real x, unsigned long long lowest, real *n)
 {
     const real_mask tiny = x < 2.2250738585072014e-308;
-    const lanes_word bits = lanes_word_of(real_select(tiny, x * 18014398509481984.0, x)) + 0x00095f619980c433ull;
+    const real normal = real_select(tiny, x * 18014398509481984.0, x); /* 2^54 */
+    const lanes_word bits = lanes_word_of(normal) + (0x3ff0000000000000ull - lowest);
     const real exponent = lanes_of_word((bits >> 52) | 0x4330000000000000ull) - 4503599627370496.0;
     *n = exponent - real_select(tiny, real_of(1077.0), real_of(1023.0));
-    return lanes_of_word((bits & 0x000fffffffffffffull) + 0x3fe6a09e667f3bcdull);
+    return lanes_of_word((bits & 0x000fffffffffffffull) + lowest);
 }
+
+#define LANES_SQRT_HALF 0x3fe6a09e667f3bcdull
+#define LANES_SQRT_THREE_QUARTERS 0x3febb67ae8584caaull
 
 LANES_FUNCTION real real_log(real x)
 {
     real n;
-    const real f = lanes_mantissa(x, &n) - 1.0;
+    const real f = lanes_mantissa(x, LANES_SQRT_HALF, &n) - 1.0;
     const real s = f / (2.0 + f), z = s * s, w = z * z;
     const real even = w * (3.999999999940941908e-01 + w * (2.222219843214978396e-01 + w * 1.531383769920937332e-01));
     const real odd = z * (6.666666666666735130e-01 +
@@ -142,33 +146,38 @@ LANES_FUNCTION real lanes_reduce(real x, real *low, lanes_word *turns)
     return high;
 }
 
-/* sin and cos of high + low, |high| up to pi/4. */
-LANES_FUNCTION real lanes_sin_core(real high, real low)
+/* sin(high + low), |high| up to pi/4, and what its rounding loses. */
+LANES_FUNCTION real lanes_sin_core(real high, real low, real *lost)
 {
     const real z = high * high, v = z * high, w = z * z;
     const real r = (8.33333333332248946124e-03 + z * -1.98412698298579493134e-04) +
                    w * (2.75573137070700676789e-06 + z * -2.50507602534068634195e-08 + w * 1.58969099521155010221e-10);
-    return high - ((z * (0.5 * low - v * r) - low) - v * -1.66666666666666324348e-01);
+    const real less = (z * (0.5 * low - v * r) - low) - v * -1.66666666666666324348e-01;
+    const real y = high - less;
+    *lost = (high - y) - less;
+    return y;
 }
 
-LANES_FUNCTION real lanes_cos_core(real high, real low)
+LANES_FUNCTION real lanes_cos_core(real high, real low, real *lost)
 {
     const real z = high * high, w = z * z;
     const real r = (4.16666666666666019037e-02 + z * -1.38888888888741095749e-03) +
                    w * ((2.48015872894767294178e-05 + z * -2.75573143513906633035e-07) +
                         w * (2.08757232129817482790e-09 + z * -1.13596475577881948265e-11));
-    const real half = 0.5 * z, y = 1.0 - half;
-    return y + (((1.0 - y) - half) + (w * r - high * low));
+    const real half = 0.5 * z, most = 1.0 - half, rest = ((1.0 - most) - half) + (w * r - high * low);
+    const real y = most + rest;
+    *lost = (most - y) + rest;
+    return y;
 }
 
 /* sin(x + quarters pi/2), |x| below 1e6. */
 LANES_FUNCTION real lanes_turned_sin(real x, unsigned long long quarters)
 {
-    real low;
+    real low, lost;
     lanes_word turns;
     const real high = lanes_reduce(x, &low, &turns);
     turns = turns + quarters;
-    const real y = real_select(lanes_odd(turns), lanes_cos_core(high, low), lanes_sin_core(high, low));
+    const real y = real_select(lanes_odd(turns), lanes_cos_core(high, low, &lost), lanes_sin_core(high, low, &lost));
     return lanes_of_word(lanes_word_of(y) ^ (((turns >> 1) & 1ull) << 63));
 }
 
@@ -193,61 +202,79 @@ LANES_FUNCTION real real_cos(real x)
     return lanes_or_by(lanes_turned_sin(x, 1), cos, x);
 }
 
+/* The rounding errors of sine and cosine are taken out of their quotient. */
 LANES_FUNCTION real real_tan(real x)
 {
-    real low;
+    real low, sin_lost, cos_lost;
     lanes_word turns;
     const real high = lanes_reduce(x, &low, &turns);
-    const real s = lanes_sin_core(high, low), c = lanes_cos_core(high, low);
+    const real s = lanes_sin_core(high, low, &sin_lost), c = lanes_cos_core(high, low, &cos_lost);
     const real_mask odd = lanes_odd(turns);
-    const real y = real_select(odd, c, s) / real_select(odd, -s, c);
-    return lanes_or_by(y, tan, x);
+    const real upper = real_select(odd, c, s), lower = real_select(odd, -s, c), y = upper / lower;
+    const real lost = real_select(odd, cos_lost + y * sin_lost, sin_lost - y * cos_lost);
+    return lanes_or_by(real_copysign(y + lost / lower, y), tan, x); /* the sum loses the sign of zero */
 }
 
-/* atan(t) - t, t from 0 to 1. */
+/* atan(t) - t, |t| up to 0.4376. */
 LANES_FUNCTION real lanes_atan_rest(real t)
 {
-    const real z = t * t, z2 = z * z, z4 = z2 * z2, z8 = z4 * z4;
-    const real a = (-0.33333333333333093 + 0.19999999999955423 * z) +
-                   (-0.14285714282801271 + 0.11111111013619744 * z) * z2;
-    const real b = (-0.090909071187035867 + 0.076922811806002564 * z) +
-                   (-0.066664149508826681 + 0.058805923039957901 * z) * z2;
-    const real c = (-0.052538045654580964 + 0.047232904387094606 * z) +
-                   (-0.042217112216943568 + 0.036693412219835055 * z) * z2;
-    const real d = (-0.029985415317106263 + 0.022084991353898874 * z) +
-                   (-0.013994865716726227 + 0.007263292475005954 * z) * z2;
-    const real e = (-0.0029193187748577645 + 0.00084347997286623197 * z) +
-                   (-0.00015479677513599092 + 1.348931959239204e-05 * z) * z2;
-    return t * z * ((a + b * z4) + ((c + d * z4) + e * z8) * z8);
+    const real z = t * t, z2 = z * z, z4 = z2 * z2;
+    const real a = (-0.33333333333333315 + 0.1999999999999309 * z) +
+                   (-0.14285714284845338 + 0.11111111056249351 * z) * z2;
+    const real b = (-0.090909070568748529 + 0.076922595284548853 * z) +
+                   (-0.066659025205055636 + 0.058740184603534244 * z) * z2;
+    const real c = (-0.05200100796327025 + 0.044330202829372785 * z) +
+                   (-0.031916929760849228 + 0.013693178148541419 * z) * z2;
+    return t * z * (a + (b + c * z4) * z4);
 }
 
-/* base + tail + sign * atan(t): the sum that ends atan and atan2, base 0 or above t. */
-LANES_FUNCTION real lanes_atan_sum(real base, real tail, real t, real rest)
+/* base + tail + t + rest, base 0 or above |t|. */
+LANES_FUNCTION real lanes_sum(real base, real tail, real t, real rest)
 {
     const real sum = base + t, lost = (base - sum) + t;
     return sum + ((lost + tail) + rest);
 }
 
+#define LANES_ATAN_HALF 4.63647609000806093515e-01 /* atan(1/2), and what it lacks */
+#define LANES_ATAN_HALF_TAIL 2.26987774529616870924e-17
+
+/* atan(x) = atan(c) + atan(t), t = (x - c) / (1 + c x), with c one of 0, 1/2, 1 and infinity. */
 LANES_FUNCTION real real_atan(real x)
 {
     const real size = real_fabs(x);
-    const real_mask steep = size > 1.0;
-    const real t = real_select(steep, real_of(-1.0), size) / real_select(steep, size, real_of(1.0));
-    const real y = lanes_atan_sum(real_where(steep, real_of(LANES_HALF_PI_HIGH)),
-                                  real_where(steep, real_of(LANES_HALF_PI_LOW)), t, lanes_atan_rest(t));
-    return real_copysign(y, x);
+    const real_mask half = size >= 0.4375, one = size >= 0.75, steep = size >= 2.4375;
+    const real c = real_where(half, real_of(0.5)) + real_where(one, real_of(0.5));
+    const real t = real_select(steep, real_of(-1.0), size - c) / real_select(steep, size, 1.0 + c * size);
+    const real below = real_select(one, real_of(0.5 * LANES_HALF_PI_HIGH), real_where(half, real_of(LANES_ATAN_HALF)));
+    const real base = real_select(steep, real_of(LANES_HALF_PI_HIGH), below);
+    const real below_tail =
+        real_select(one, real_of(0.5 * LANES_HALF_PI_LOW), real_where(half, real_of(LANES_ATAN_HALF_TAIL)));
+    const real tail = real_select(steep, real_of(LANES_HALF_PI_LOW), below_tail);
+    return real_copysign(lanes_sum(base, tail, t, lanes_atan_rest(t)), x);
 }
 
+/* The angle of the first half quadrant, as in atan, is added to turns pi/2 or taken from it. */
 LANES_FUNCTION real real_atan2(real y, real x)
 {
     const real height = real_fabs(y), width = real_fabs(x);
     const real_mask steep = height > width, left = real_copysign(real_of(1.0), x) < 0.0;
-    const real upper = real_select(steep, width, height), lower = real_select(steep, height, width);
-    real t = real_select(upper == lower, real_of_mask(upper > 0.0), upper / lower);
-    t = real_select(steep, real_select(left, t, -t), real_select(left, -t, t));
+    const real longer = real_select(steep, height, width), shorter = real_select(steep, width, height);
+    const real scale = real_select(longer > 1e300, real_of(7.888609052210118e-31),
+                                   real_select(longer < 1e-200, real_of(2.037035976334486e+90), real_of(1.0))); /* 2^-100, 2^300 */
+    const real b = longer * scale, a = shorter * scale;
+    const real_mask half = (a >= 0.4375 * b) & (b > 0.0), one = (a >= 0.75 * b) & (b > 0.0);
+    const real less = real_where(half, 0.5 * b) + real_where(one, 0.5 * b);
+    const real more = real_where(half, 0.5 * a) + real_where(one, 0.5 * a);
+    const real slope = real_select(a == b, real_of(0.0), (a - less) / (b + more));
+    const real part = real_select(one, real_of(0.5 * LANES_HALF_PI_HIGH), real_where(half, real_of(LANES_ATAN_HALF)));
+    const real part_tail =
+        real_select(one, real_of(0.5 * LANES_HALF_PI_LOW), real_where(half, real_of(LANES_ATAN_HALF_TAIL)));
     const real turns = real_select(steep, real_of(1.0), real_where(left, real_of(2.0)));
-    const real angle = lanes_atan_sum(turns * LANES_HALF_PI_HIGH, turns * LANES_HALF_PI_LOW, t, lanes_atan_rest(t));
-    return real_copysign(angle, y);
+    const real sign = real_select(left, real_of(-1.0), real_of(1.0)) * real_select(steep, real_of(-1.0), real_of(1.0));
+    const real turned = turns * LANES_HALF_PI_HIGH, base = turned + sign * part;
+    const real tail = ((turned - base) + sign * part) + (turns * LANES_HALF_PI_LOW + sign * part_tail);
+    const real t = sign * slope;
+    return real_copysign(lanes_sum(base, tail, t, lanes_atan_rest(t)), y);
 }
 
 /* asin(t) / t - 1 over z = t^2 up to 1/4. */
@@ -262,15 +289,15 @@ LANES_FUNCTION real lanes_asin_rest(real z)
     return z * p / q;
 }
 
+/* asin(x) = pi/2 - 2 asin(sqrt((1 - x) / 2)) above 1/2. */
 LANES_FUNCTION real real_asin(real x)
 {
     const real size = real_fabs(x);
     const real_mask wide = size > 0.5;
     const real z = real_select(wide, 0.5 * (1.0 - size), x * x);
-    const real t = real_select(wide, real_sqrt(z), size);
-    const real angle = t * lanes_asin_rest(z);
-    const real small = t + angle;
-    return real_copysign(real_select(wide, LANES_HALF_PI_HIGH - (2.0 * small - LANES_HALF_PI_LOW), small), x);
+    const real t = real_select(wide, -2.0 * real_sqrt(z), size);
+    const real base = real_where(wide, real_of(LANES_HALF_PI_HIGH)), tail = real_where(wide, real_of(LANES_HALF_PI_LOW));
+    return real_copysign(lanes_sum(base, tail, t, t * lanes_asin_rest(z)), x);
 }
 
 LANES_FUNCTION real real_acos(real x)
@@ -278,9 +305,148 @@ LANES_FUNCTION real real_acos(real x)
     const real size = real_fabs(x);
     const real_mask wide = size > 0.5;
     const real z = real_select(wide, 0.5 * (1.0 - size), x * x);
-    const real t = real_select(wide, real_sqrt(z), x);
-    const real rest = t * lanes_asin_rest(z);
-    const real middle = LANES_HALF_PI_HIGH - (t - (LANES_HALF_PI_LOW - rest));
-    const real right = 2.0 * (t + rest), left = 2.0 * (LANES_HALF_PI_HIGH - (t + (rest - LANES_HALF_PI_LOW)));
-    return real_select(wide, real_select(x > 0.0, right, left), middle);
+    const real t = real_select(wide, real_copysign(2.0 * real_sqrt(z), x), -x);
+    const real turns = real_select(wide, real_where(x < 0.0, real_of(2.0)), real_of(1.0));
+    return lanes_sum(turns * LANES_HALF_PI_HIGH, turns * LANES_HALF_PI_LOW, t, t * lanes_asin_rest(z));
+}
+
+/* x y with what its rounding loses: Dekker's product (Numer. Math. 18, 1971), of numbers cut in the middle. */
+LANES_FUNCTION real lanes_product(real x, real y, real *lost)
+{
+    const real p = x * y;
+    const real a = lanes_of_word(lanes_word_of(x) & 0xfffffffff8000000ull), b = x - a;
+    const real c = lanes_of_word(lanes_word_of(y) & 0xfffffffff8000000ull), d = y - c;
+    *lost = (((a * c - p) + a * d) + b * c) + b * d;
+    return p;
+}
+
+/* (atanh(s) - s - s^3/3) / s^5 over z = s^2 up to 0.0102. */
+LANES_FUNCTION real lanes_atanh_rest(real z)
+{
+    const real w = z * z;
+    return (0.19999999999999821 + 0.1428571428595094 * z) + (0.11111110994197124 + 0.090909374191566264 * z) * w +
+           (0.076886947624115243 + 0.068990689161840174 * z) * (w * w);
+}
+
+/* atanh(f / g) in twice the precision, high + low, for |f / g| up to 0.101; g lacks g_low. */
+LANES_FUNCTION real lanes_atanh(real f, real g, real g_low, real *low)
+{
+    real lost, square_low, cube_low;
+    const real inverse = 1.0 / g, s = f * inverse, back = lanes_product(s, g, &lost);
+    const real s_low = (((f - back) - lost) - s * g_low) * inverse;
+    const real square = lanes_product(s, s, &square_low), cube = lanes_product(s, square, &cube_low);
+    cube_low = cube_low + s * square_low + 3.0 * (s_low * square);
+    const real third = cube * (1.0 / 3.0);
+    const real third_low = (((cube - 2.0 * third) - third) + cube_low) * (1.0 / 3.0);
+    const real high = s + third, fifth = cube * square * lanes_atanh_rest(square) + s_low * (square * square);
+    *low = ((s - high) + third) + (s_low + third_low + fifth);
+    return high;
+}
+
+/* log(x) of positive finite x in twice the precision: n ln(2) + log(c) + 2 atanh((m - c) / (m + c)), c being 1 or 3/2. */
+LANES_FUNCTION real lanes_log_high(real x, real *low)
+{
+    real n, rest;
+    const real m = lanes_mantissa(x, LANES_SQRT_THREE_QUARTERS, &n);
+    const real_mask upper = m > 1.224744871391589; /* sqrt(3/2) */
+    const real c = real_select(upper, real_of(1.5), real_of(1.0)), g = m + c;
+    const real part = 2.0 * lanes_atanh(m - c, g, m - (g - c), &rest);
+    const real large = n * LANES_LN2_HIGH + real_where(upper, real_of(4.05465107993222773075e-01)); /* exact */
+    const real tail = n * LANES_LN2_LOW + real_where(upper, real_of(1.14941608902909350082e-10)); /* of log(3/2) */
+    const real total = large + part, total_low = ((large - total) + part) + (tail + 2.0 * rest);
+    const real high = total + total_low;
+    *low = (total - high) + total_low;
+    return high;
+}
+
+/* C99's values of x^y where x is no positive number or y is infinite, from |x|^y where that is finite. */
+LANES_FUNCTION real lanes_pow_special(real x, real y, real power)
+{
+    const real size = real_fabs(x), half = 0.5 * y;
+    const real_mask endless = real_fabs(y) == HUGE_VAL, negative = real_copysign(real_of(1.0), x) < 0.0;
+    const real_mask whole = real_floor(y) == y, odd = whole & real_not(real_floor(half) == half);
+    const real_mask grows = ((size > 1.0) & (y > 0.0)) | ((size < 1.0) & (y < 0.0));
+    power = real_select((size == 0.0) | (size == HUGE_VAL) | endless, real_where(grows, real_of(HUGE_VAL)), power);
+    power = real_select(negative & odd, -power, power);
+    power = real_select((x < 0.0) & (size < HUGE_VAL) & real_not(whole), real_of(NAN), power);
+    power = real_select((x != x) | (y != y), x + y, power);
+    return real_select((x == 1.0) | (y == 0.0) | ((size == 1.0) & endless), real_of(1.0), power);
+}
+
+LANES_FUNCTION real real_pow(real x, real y)
+{
+    real log_low, lost;
+    const real log_high = lanes_log_high(real_fabs(x), &log_low);
+    real exponent = lanes_product(y, log_high, &lost);
+    const real_mask beyond = (exponent > 710.0) | (exponent < -746.0);
+    const real low = real_select(beyond, real_of(0.0), lost + y * log_low);
+    exponent = real_select(beyond, real_select(exponent > 0.0, real_of(710.0), real_of(-746.0)), exponent);
+    const real rounded = exponent * LANES_LOG2_E + LANES_ROUND, n = rounded - LANES_ROUND;
+    real power = lanes_exp_sum(exponent - n * LANES_LN2_HIGH, n * LANES_LN2_LOW - low);
+    power = lanes_power(power, lanes_word_of(rounded));
+    const real_mask regular = (x > 0.0) & (x < HUGE_VAL) & (real_fabs(y) < HUGE_VAL);
+    if (real_any(real_not(regular)))
+        power = real_select(regular, power, lanes_pow_special(x, y, power));
+    return power;
+}
+
+/* Lane by lane through the C library; its bits are those of the platform. */
+LANES_FUNCTION real real_sinh(real x)
+{
+    return lanes_by(sinh, x);
+}
+
+LANES_FUNCTION real real_cosh(real x)
+{
+    return lanes_by(cosh, x);
+}
+
+LANES_FUNCTION real real_tanh(real x)
+{
+    return lanes_by(tanh, x);
+}
+
+LANES_FUNCTION real real_asinh(real x)
+{
+    return lanes_by(asinh, x);
+}
+
+LANES_FUNCTION real real_acosh(real x)
+{
+    return lanes_by(acosh, x);
+}
+
+LANES_FUNCTION real real_atanh(real x)
+{
+    return lanes_by(atanh, x);
+}
+
+LANES_FUNCTION real real_expm1(real x)
+{
+    return lanes_by(expm1, x);
+}
+
+LANES_FUNCTION real real_log1p(real x)
+{
+    return lanes_by(log1p, x);
+}
+
+LANES_FUNCTION real real_erf(real x)
+{
+    return lanes_by(erf, x);
+}
+
+LANES_FUNCTION real real_fmod(real x, real y)
+{
+    return lanes_by2(fmod, x, y);
+}
+
+LANES_FUNCTION real real_remainder(real x, real y)
+{
+    return lanes_by2(remainder, x, y);
+}
+
+LANES_FUNCTION real real_hypot(real x, real y)
+{
+    return lanes_by2(hypot, x, y);
 }
