@@ -10,6 +10,8 @@
 #define LANES_LOG2_E 1.44269504088896338700e+00
 #define LANES_LN2_HIGH 6.93147180369123816490e-01 /* 32 bits */
 #define LANES_LN2_LOW 1.90821492927058770002e-10
+#define LANES_TWO_THIRDS_HIGH 0.6666666567325592 /* 26 bits */
+#define LANES_TWO_THIRDS_LOW 9.934107462565104e-09
 #define LANES_HALF_PI_HIGH 1.57079632679489655800e+00
 #define LANES_HALF_PI_LOW 6.12323399573676603587e-17
 
@@ -49,54 +51,107 @@ LANES_FUNCTION real lanes_exp_sum(real high, real low)
     return 1.0 + (high - (low - z * p));
 }
 
-/* x * 2^n from the bits of LANES_ROUND + n, -1100 < n < 1100, by two factors, so that the result is rounded once. */
-LANES_FUNCTION real lanes_power(real x, lanes_word rounded)
+/* The lanes of x through a function that is called, not inlined: rare arguments, where every lane is computed anew. */
+LANES_FUNCTION real lanes_call(void (*edge)(const double *, double *), real x)
+{
+    double argument[LANES], value[LANES];
+    real_store(argument, x);
+    edge(argument, value);
+    return real_load(value);
+}
+
+LANES_FUNCTION real lanes_call2(void (*edge)(const double *, const double *, double *), real x, real y)
+{
+    double first[LANES], second[LANES], value[LANES];
+    real_store(first, x);
+    real_store(second, y);
+    edge(first, second, value);
+    return real_load(value);
+}
+
+/* x * 2^n from the bits of LANES_ROUND + n: for results that are normal numbers. */
+LANES_FUNCTION real lanes_scaled(real x, lanes_word rounded)
+{
+    return lanes_of_word(lanes_word_of(x) + (rounded << 52));
+}
+
+/* The same for -1100 < n < 1100 by two factors, so that a result out of range is rounded once. */
+LANES_FUNCTION real lanes_scaled_far(real x, lanes_word rounded)
 {
     const lanes_word exponent = rounded - (LANES_ROUND_BITS - 2046ull);
     const lanes_word half = exponent >> 1;
     return x * lanes_of_word(half << 52) * lanes_of_word((exponent - half) << 52);
 }
 
-LANES_FUNCTION real real_exp(real x)
+/* exp(x - n ln(2)), n being the integer nearest to x / ln(2), from -1100 to 1100; *rounded is the bits of LANES_ROUND + n. */
+LANES_FUNCTION real lanes_exp_part(real x, real low, lanes_word *rounded)
 {
-    x = real_select(x < -746.0, real_of(-746.0), x);
-    x = real_select(x > 710.0, real_of(710.0), x);
-    const real rounded = x * LANES_LOG2_E + LANES_ROUND, n = rounded - LANES_ROUND;
-    return lanes_power(lanes_exp_sum(x - n * LANES_LN2_HIGH, n * LANES_LN2_LOW), lanes_word_of(rounded));
+    const real sum = x * LANES_LOG2_E + LANES_ROUND, n = sum - LANES_ROUND;
+    *rounded = lanes_word_of(sum);
+    return lanes_exp_sum(x - n * LANES_LN2_HIGH, n * LANES_LN2_LOW - low);
 }
 
-/* x = m 2^n with m from `lowest` (below 1, its bits) to twice that, for positive finite x. */
+LANES_APART void lanes_exp_edge(const double *argument, double *value)
+{
+    lanes_word rounded;
+    real x = real_load(argument);
+    x = real_select(x < -746.0, real_of(-746.0), x);
+    x = real_select(x > 710.0, real_of(710.0), x);
+    const real part = lanes_exp_part(x, real_of(0.0), &rounded);
+    real_store(value, lanes_scaled_far(part, rounded));
+}
+
+LANES_FUNCTION real real_exp(real x)
+{
+    lanes_word rounded;
+    if (real_any(real_not(real_fabs(x) <= 708.0)))
+        return lanes_call(lanes_exp_edge, x);
+    const real part = lanes_exp_part(x, real_of(0.0), &rounded);
+    return lanes_scaled(part, rounded);
+}
+
+/* x = m 2^n with m from `lowest` (below 1, its bits) to twice that, for positive normal x. */
 LANES_FUNCTION real lanes_mantissa(real x, unsigned long long lowest, real *n)
 {
-    const real_mask tiny = x < 2.2250738585072014e-308;
-    const real normal = real_select(tiny, x * 18014398509481984.0, x); /* 2^54 */
-    const lanes_word bits = lanes_word_of(normal) + (0x3ff0000000000000ull - lowest);
-    const real exponent = lanes_of_word((bits >> 52) | 0x4330000000000000ull) - 4503599627370496.0;
-    *n = exponent - real_select(tiny, real_of(1077.0), real_of(1023.0));
+    const lanes_word bits = lanes_word_of(x) + (0x3ff0000000000000ull - lowest);
+    *n = lanes_of_word((bits >> 52) | 0x4330000000000000ull) - 4503599627371519.0; /* 2^52 + 1023 */
     return lanes_of_word((bits & 0x000fffffffffffffull) + lowest);
 }
 
 #define LANES_SQRT_HALF 0x3fe6a09e667f3bcdull
 #define LANES_SQRT_THREE_QUARTERS 0x3febb67ae8584caaull
+#define LANES_SMALLEST_NORMAL 2.2250738585072014e-308
+
+/* log(1 + f) + n ln(2) */
+LANES_FUNCTION real lanes_log_sum(real f, real n)
+{
+    const real s = f / (2.0 + f), z = s * s, w = z * z;
+    const real even = w * (3.999999999940941908e-01 + w * (2.222219843214978396e-01 + w * 1.531383769920937332e-01));
+    const real odd = z * ((6.666666666666735130e-01 + w * 2.857142874366239149e-01) +
+                          w * w * (1.818357216161805012e-01 + w * 1.479819860511658591e-01));
+    const real half_square = 0.5 * f * f;
+    return n * LANES_LN2_HIGH - ((half_square - (s * (half_square + (even + odd)) + n * LANES_LN2_LOW)) - f);
+}
+
+LANES_APART void lanes_log_edge(const double *argument, double *value)
+{
+    real n;
+    const real x = real_load(argument);
+    const real_mask small = x < LANES_SMALLEST_NORMAL;
+    const real m = lanes_mantissa(real_select(small, x * 18014398509481984.0, x), LANES_SQRT_HALF, &n); /* 2^54 */
+    real y = lanes_log_sum(m - 1.0, n - real_where(small, real_of(54.0)));
+    y = real_select((x == x) & (x < HUGE_VAL), y, x); /* infinity and NaN are their own */
+    y = real_select(x == 0.0, real_of(-HUGE_VAL), y);
+    real_store(value, real_select(x < 0.0, real_of(NAN), y));
+}
 
 LANES_FUNCTION real real_log(real x)
 {
     real n;
-    const real f = lanes_mantissa(x, LANES_SQRT_HALF, &n) - 1.0;
-    const real s = f / (2.0 + f), z = s * s, w = z * z;
-    const real even = w * (3.999999999940941908e-01 + w * (2.222219843214978396e-01 + w * 1.531383769920937332e-01));
-    const real odd = z * (6.666666666666735130e-01 +
-                          w * (2.857142874366239149e-01 +
-                               w * (1.818357216161805012e-01 + w * 1.479819860511658591e-01)));
-    const real half_square = 0.5 * f * f;
-    real y = n * LANES_LN2_HIGH - ((half_square - (s * (half_square + (even + odd)) + n * LANES_LN2_LOW)) - f);
-    const real_mask regular = (x > 0.0) & (x < HUGE_VAL);
-    if (real_any(real_not(regular))) {
-        y = real_select(regular | (x < 0.0), y, x); /* infinity and NaN are their own */
-        y = real_select(x == 0.0, real_of(-HUGE_VAL), y);
-        y = real_select(x < 0.0, real_of(NAN), y);
-    }
-    return y;
+    if (real_any(real_not((x >= LANES_SMALLEST_NORMAL) & (x < HUGE_VAL))))
+        return lanes_call(lanes_log_edge, x);
+    const real m = lanes_mantissa(x, LANES_SQRT_HALF, &n);
+    return lanes_log_sum(m - 1.0, n);
 }
 
 /* f of each lane by the C library. */
@@ -310,56 +365,61 @@ LANES_FUNCTION real real_acos(real x)
     return lanes_sum(turns * LANES_HALF_PI_HIGH, turns * LANES_HALF_PI_LOW, t, t * lanes_asin_rest(z));
 }
 
-/* x y with what its rounding loses: Dekker's product (Numer. Math. 18, 1971), of numbers cut in the middle. */
-LANES_FUNCTION real lanes_product(real x, real y, real *lost)
+/* The upper 26 bits of each number: products of two such are exact (Dekker, Numer. Math. 18, 1971). */
+LANES_FUNCTION real lanes_cut(real x)
 {
-    const real p = x * y;
-    const real a = lanes_of_word(lanes_word_of(x) & 0xfffffffff8000000ull), b = x - a;
-    const real c = lanes_of_word(lanes_word_of(y) & 0xfffffffff8000000ull), d = y - c;
-    *lost = (((a * c - p) + a * d) + b * c) + b * d;
-    return p;
+    return lanes_of_word(lanes_word_of(x) & 0xfffffffff8000000ull);
 }
 
-/* (atanh(s) - s - s^3/3) / s^5 over z = s^2 up to 0.0102. */
+/* 3 (atanh(s) - s - s^3/3) / s^5 over z = s^2 up to 0.0102. */
 LANES_FUNCTION real lanes_atanh_rest(real z)
 {
     const real w = z * z;
-    return (0.19999999999999821 + 0.1428571428595094 * z) + (0.11111110994197124 + 0.090909374191566264 * z) * w +
-           (0.076886947624115243 + 0.068990689161840174 * z) * (w * w);
+    return (0.59999999999999463 + 0.4285714285785282 * z) + (0.33333332982591372 + 0.27272812257469879 * z) * w +
+           (0.23066084287234573 + 0.20697206748552052 * z) * (w * w);
 }
 
-/* atanh(f / g) in twice the precision, high + low, for |f / g| up to 0.101; g lacks g_low. */
-LANES_FUNCTION real lanes_atanh(real f, real g, real g_low, real *low)
+/* 2 atanh((m - c) / (m + c)) with twice the precision as in fdlibm's pow, high + low, quotients up to 0.101. */
+LANES_FUNCTION real lanes_log_ratio(real m, real c, real *low)
 {
-    real lost, square_low, cube_low;
-    const real inverse = 1.0 / g, s = f * inverse, back = lanes_product(s, g, &lost);
-    const real s_low = (((f - back) - lost) - s * g_low) * inverse;
-    const real square = lanes_product(s, s, &square_low), cube = lanes_product(s, square, &cube_low);
-    cube_low = cube_low + s * square_low + 3.0 * (s_low * square);
-    const real third = cube * (1.0 / 3.0);
-    const real third_low = (((cube - 2.0 * third) - third) + cube_low) * (1.0 / 3.0);
-    const real high = s + third, fifth = cube * square * lanes_atanh_rest(square) + s_low * (square * square);
-    *low = ((s - high) + third) + (s_low + third_low + fifth);
-    return high;
+    const real f = m - c, g = m + c, inverse = 1.0 / g;
+    const real s_high = lanes_cut(f * inverse), g_high = lanes_cut(g), g_low = m - (g_high - c);
+    const real s_low = ((f - s_high * g_high) - s_high * g_low) * inverse, s = s_high + s_low;
+    const real z = s * s, square = s_high * s_high;
+    const real rest = z * z * lanes_atanh_rest(z) + s_low * (s_high + s); /* 3 atanh(s) / s = 3 + square + rest */
+    const real t_high = lanes_cut((3.0 + square) + rest), t_low = rest - ((t_high - 3.0) - square);
+    const real most = s_high * t_high, less = s_low * t_high + t_low * s;
+    const real high = lanes_cut(most + less);
+    *low = high * LANES_TWO_THIRDS_LOW + (less - (high - most)) * (2.0 / 3.0);
+    return high * LANES_TWO_THIRDS_HIGH;
 }
 
-/* log(x) of positive finite x in twice the precision: n ln(2) + log(c) + 2 atanh((m - c) / (m + c)), c being 1 or 3/2. */
-LANES_FUNCTION real lanes_log_high(real x, real *low)
+/* log(x) + more ln(2) of positive normal x, high of 26 bits + low: n ln(2) + log(c) + 2 atanh((m - c) / (m + c)), c being 1 or 3/2. */
+LANES_FUNCTION real lanes_log_long(real x, real more, real *low)
 {
-    real n, rest;
+    real n, ratio_low;
     const real m = lanes_mantissa(x, LANES_SQRT_THREE_QUARTERS, &n);
+    n = n + more;
     const real_mask upper = m > 1.224744871391589; /* sqrt(3/2) */
-    const real c = real_select(upper, real_of(1.5), real_of(1.0)), g = m + c;
-    const real part = 2.0 * lanes_atanh(m - c, g, m - (g - c), &rest);
+    const real ratio = lanes_log_ratio(m, real_select(upper, real_of(1.5), real_of(1.0)), &ratio_low);
     const real large = n * LANES_LN2_HIGH + real_where(upper, real_of(4.05465107993222773075e-01)); /* exact */
-    const real tail = n * LANES_LN2_LOW + real_where(upper, real_of(1.14941608902909350082e-10)); /* of log(3/2) */
-    const real total = large + part, total_low = ((large - total) + part) + (tail + 2.0 * rest);
-    const real high = total + total_low;
-    *low = (total - high) + total_low;
+    const real small = n * LANES_LN2_LOW + real_where(upper, real_of(1.14941608902909350082e-10)); /* of log(3/2) */
+    const real total = large + ratio, rest = ((large - total) + ratio) + (small + ratio_low);
+    const real high = lanes_cut(total + rest);
+    *low = rest - (high - total);
     return high;
 }
 
-/* C99's values of x^y where x is no positive number or y is infinite, from |x|^y where that is finite. */
+/* y (log(x) + more ln(2)) = result + *low. */
+LANES_FUNCTION real lanes_times_log(real x, real more, real y, real *low)
+{
+    real log_low;
+    const real log_high = lanes_log_long(x, more, &log_low), y_high = lanes_cut(y);
+    *low = (y - y_high) * log_high + y * log_low;
+    return y_high * log_high;
+}
+
+/* C99's values of x^y, from |x|^y where neither is zero, infinite or NaN. */
 LANES_FUNCTION real lanes_pow_special(real x, real y, real power)
 {
     const real size = real_fabs(x), half = 0.5 * y;
@@ -373,21 +433,34 @@ LANES_FUNCTION real lanes_pow_special(real x, real y, real power)
     return real_select((x == 1.0) | (y == 0.0) | ((size == 1.0) & endless), real_of(1.0), power);
 }
 
+LANES_APART void lanes_pow_edge(const double *base, const double *power, double *value)
+{
+    real low;
+    lanes_word rounded;
+    const real x = real_load(base), y = real_load(power), size = real_fabs(x);
+    const real_mask small = size < LANES_SMALLEST_NORMAL;
+    const real normal = real_select(small, size * 18014398509481984.0, size); /* 2^54 */
+    real exponent = lanes_times_log(normal, real_where(small, real_of(-54.0)), y, &low);
+    const real_mask above = exponent > 710.0, below = exponent < -746.0;
+    low = real_where(real_not(above | below), low);
+    exponent = real_select(above, real_of(710.0), real_select(below, real_of(-746.0), exponent));
+    const real part = lanes_exp_part(exponent, low, &rounded);
+    real_store(value, lanes_pow_special(x, y, lanes_scaled_far(part, rounded)));
+}
+
+/* A base of zero, the commonest special value, is no edge. */
 LANES_FUNCTION real real_pow(real x, real y)
 {
-    real log_low, lost;
-    const real log_high = lanes_log_high(real_fabs(x), &log_low);
-    real exponent = lanes_product(y, log_high, &lost);
-    const real_mask beyond = (exponent > 710.0) | (exponent < -746.0);
-    const real low = real_select(beyond, real_of(0.0), lost + y * log_low);
-    exponent = real_select(beyond, real_select(exponent > 0.0, real_of(710.0), real_of(-746.0)), exponent);
-    const real rounded = exponent * LANES_LOG2_E + LANES_ROUND, n = rounded - LANES_ROUND;
-    real power = lanes_exp_sum(exponent - n * LANES_LN2_HIGH, n * LANES_LN2_LOW - low);
-    power = lanes_power(power, lanes_word_of(rounded));
-    const real_mask regular = (x > 0.0) & (x < HUGE_VAL) & (real_fabs(y) < HUGE_VAL);
+    real low;
+    lanes_word rounded;
+    const real_mask zero = (x == 0.0) & (real_copysign(real_of(1.0), x) > 0.0) & (y > 0.0);
+    const real base = real_select(zero, real_of(1.0), x);
+    const real exponent = lanes_times_log(base, real_of(0.0), y, &low);
+    const real_mask regular = (base >= LANES_SMALLEST_NORMAL) & (base < HUGE_VAL) & (real_fabs(exponent) <= 700.0);
     if (real_any(real_not(regular)))
-        power = real_select(regular, power, lanes_pow_special(x, y, power));
-    return power;
+        return lanes_call2(lanes_pow_edge, x, y);
+    const real part = lanes_exp_part(exponent, low, &rounded);
+    return real_where(real_not(zero), lanes_scaled(part, rounded));
 }
 
 /* Lane by lane through the C library; its bits are those of the platform. */
