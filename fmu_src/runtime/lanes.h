@@ -1,9 +1,11 @@
 /* A `real` of LANES doubles, LANES being 1, 2, 4 or 8, with the operators of C and the functions of lanes_math.h.
  *
  * Included before functions for this width, as often as wanted, with lanes_end.h behind them; between the two the compiler
- * may use AVX2 (4 lanes) or AVX-512 (8). Results have the same bits at every width and with every compiler that does not
- * fuse or reorder operations (-ffp-contract=off, no -ffast-math, no -freciprocal-math), NaNs aside: a NaN is a NaN, of any
- * bits. All names end in the width; the macros below put it there. */
+ * may use AVX2 (4 lanes) or AVX-512 (8), which the processor must have: lanes_of_processor. Results have the same bits at
+ * every width and with every compiler that does not fuse or reorder operations (-ffp-contract=off, no -ffast-math, no
+ * -freciprocal-math), but for the bits of a NaN and what comes from the C library (lanes_math.h). All names end in the
+ * width, which the macros of lanes_names.h put there, so that several widths stand in one unit. A function that is not
+ * inlined takes lanes by pointers. */
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
@@ -29,16 +31,22 @@
 #define real LANES_NAME(real)
 #define real_mask LANES_NAME(real_mask)
 
-#if LANES == 4 && defined(__clang__)
+#if LANES > 2 && defined(__clang__)
+#pragma clang diagnostic push
+#pragma clang diagnostic ignored "-Wpragma-clang-attribute" /* a region may be empty */
+#if LANES == 4
 #pragma clang attribute push(__attribute__((target("avx2"))), apply_to = function)
-#elif LANES == 8 && defined(__clang__)
+#else
 #pragma clang attribute push(__attribute__((target("avx512f,avx512dq,avx512vl"))), apply_to = function)
-#elif LANES == 4
+#endif
+#pragma clang diagnostic pop
+#elif LANES > 2
 #pragma GCC push_options
+#if LANES == 4
 #pragma GCC target("avx2")
-#elif LANES == 8
-#pragma GCC push_options
+#else
 #pragma GCC target("avx512f,avx512dq,avx512vl")
+#endif
 #endif
 
 /* The last statement of a function of many lanes that scalar code calls: old SSE code behind it would be slow. */

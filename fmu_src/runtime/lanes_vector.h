@@ -33,12 +33,13 @@ LANES_FUNCTION void real_store(double *p, real x)
 LANES_FUNCTION real real_of(double x)
 {
 #if LANES == 2
-    return (real){x, x};
+    const real all = {x, x};
 #elif LANES == 4
-    return (real){x, x, x, x};
+    const real all = {x, x, x, x};
 #else
-    return (real){x, x, x, x, x, x, x, x};
+    const real all = {x, x, x, x, x, x, x, x};
 #endif
+    return all;
 }
 
 LANES_FUNCTION real_mask real_not(real_mask m)
