@@ -6,7 +6,6 @@
  * operations in the logarithm of pow; the polynomials of exp, atan and that logarithm are minimax by Remez's exchange.
  * The functions at the end, and sin, cos and tan of angles beyond 1e6, are the C library's. */
 
-#define LANES_SIGN 0x8000000000000000ull
 #define LANES_ROUND 6755399441055744.0 /* 1.5 * 2^52: added to a small number, the low bits are the nearest integer */
 #define LANES_ROUND_BITS 0x4338000000000000ull
 #define LANES_LOG2_E 1.44269504088896338700e+00
@@ -16,17 +15,6 @@
 #define LANES_TWO_THIRDS_LOW 9.934107462565104e-09
 #define LANES_HALF_PI_HIGH 1.57079632679489655800e+00
 #define LANES_HALF_PI_LOW 6.12323399573676603587e-17
-
-LANES_FUNCTION real real_fabs(real x)
-{
-    return lanes_of_word(lanes_word_of(x) & ~LANES_SIGN);
-}
-
-/* |x| with the sign of `sign`. */
-LANES_FUNCTION real real_copysign(real x, real sign)
-{
-    return lanes_of_word((lanes_word_of(x) & ~LANES_SIGN) | (lanes_word_of(sign) & LANES_SIGN));
-}
 
 LANES_FUNCTION real real_floor(real x)
 {

@@ -38,6 +38,16 @@ LANES_FUNCTION real real_of(double x)
     return x;
 }
 
+LANES_FUNCTION real real_fabs(real x)
+{
+    return fabs(x);
+}
+
+LANES_FUNCTION real real_copysign(real x, real sign)
+{
+    return copysign(x, sign);
+}
+
 LANES_FUNCTION real_mask real_not(real_mask m)
 {
     return !m;

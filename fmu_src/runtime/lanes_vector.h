@@ -42,6 +42,17 @@ LANES_FUNCTION real real_of(double x)
     return all;
 }
 
+LANES_FUNCTION real real_fabs(real x)
+{
+    return lanes_of_word(lanes_word_of(x) & 0x7fffffffffffffffull);
+}
+
+/* |x| with the sign of `sign`. */
+LANES_FUNCTION real real_copysign(real x, real sign)
+{
+    return lanes_of_word((lanes_word_of(x) & 0x7fffffffffffffffull) | (lanes_word_of(sign) & 0x8000000000000000ull));
+}
+
 LANES_FUNCTION real_mask real_not(real_mask m)
 {
     return ~m;
@@ -49,7 +60,11 @@ LANES_FUNCTION real_mask real_not(real_mask m)
 
 LANES_FUNCTION real real_select(real_mask m, real a, real b)
 {
+#if LANES == 4 && !defined(__clang__)
+    return __builtin_ia32_blendvpd256(b, a, (real)m);
+#else
     return (real)(((real_mask)a & m) | ((real_mask)b & ~m));
+#endif
 }
 
 LANES_FUNCTION real real_where(real_mask m, real a)
