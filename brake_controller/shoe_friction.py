@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import casadi as ca
 
 from brake_controller.experiment import EXPERIMENT, FORCE_PER_PRESSURE, SHOES
-from fmu_src.system import System, interpolation
+from fmu_src.piecewise import interpolation
+from fmu_src.system import System
 
 #: Numbers of the laws, parameter `friction_law`.
 CONSTANT, MEASURED_AGAINST_FORCE, KARWATZKI, COMPOSITE, FALLING, TABULATED = range(6)

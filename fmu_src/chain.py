@@ -21,7 +21,7 @@ class Part:
 
     results: of `arguments`, by which it is differentiated, and of `constants`, by which it is not; column vectors. What
     it calls itself, and its waists, are the links of its `chain`. source: C in place of equations, behind `common`, C
-    that it shares with other parts; see `part_in_c`.
+    that it shares with other parts; see `part_in_c`. flat: its results change in jumps alone, they have no slopes.
     """
 
     name: str
@@ -31,10 +31,13 @@ class Part:
     chain: Chain = field(default_factory=lambda: Chain())
     source: str = ""
     common: str = ""
+    flat: bool = False
 
     @cached_property
     def slope(self) -> ca.SX:
         """Derivatives of the results by the arguments, shape (results, arguments), structural nonzeros only."""
+        if self.flat:
+            return ca.SX(self.results.numel(), self.arguments.numel())
         return self.chain.jacobian(self.results, self.arguments)
 
     @cached_property

@@ -30,7 +30,6 @@ KERNEL_SOURCES = (
     "decimal.c",
     "table_pieces.c",
     "table_file.c",
-    "piecewise.c",
     "evaluate.c",
     "variables.c",
     "experiment.c",
@@ -108,11 +107,13 @@ def generate(model: Model) -> dict[str, str]:
 
 @lru_cache(maxsize=32)
 def _sources(model: Model) -> dict[str, str]:
-    generated, solving, sources = [], {}, {}
+    generated: list[dict[str, Generated]] = []
+    solving: dict[str, Elimination] = {}
+    sources: dict[str, str] = {}
     for system in tqdm(model.systems, "generating C", delay=PATIENCE, leave=False, unit="system"):
         generated.append(functions(system))
         solving[system.name] = elimination(system)
-        sources[f"equations_{system.name}.c"] = equations_in_c(system.name, generated[-1])
+        sources |= equations_in_c(system.name, generated[-1])
         sources[f"elimination_{system.name}.c"] = elimination_source(system.name, solving[system.name])
     description = _description(model, generated, solving)
     # The GUID is a function of everything a host can see: equations, description, texts and units.
@@ -140,7 +141,7 @@ def content_guid(texts: Iterable[str]) -> str:
 
 
 def _system_arrays(model: Model, system: System, solving: Elimination) -> Iterable[str]:
-    """The constants of a system; what equal wheels have in common, the tables of their profile, is stored once."""
+    """The constants of a system."""
     prefix = system.name
     outputs = [variable.name for variable in system.variables if variable.causality == "output"]
     for suffix, names in (
@@ -178,24 +179,13 @@ def _system_arrays(model: Model, system: System, solving: Elimination) -> Iterab
             for f in system.frictions
         ],
     )
-    stored: dict[tuple[bytes, bytes], str] = {}
     entries: list[str] = []
     place = 0
     for table in system.ranked_tables:
-        first = place
+        name = f"{prefix}_{table.name}_piece"
+        yield c_array("int", name, [str(table.file.pieces.index(piece)) for piece in table.pieces])
+        entries.append(f"{{{table.rank}, {place}, {len(table.pieces)}, {name}}}")
         place += table.symbols.numel()
-        if table.file:
-            name = f"{prefix}_{table.name}"
-            yield c_array("int", f"{name}_piece", [str(table.file.pieces.index(piece)) for piece in table.pieces])
-            entries.append(f"{{0, 0, {table.rank}, {first}, {len(table.pieces)}, {name}_piece, 0, 0}}")
-            continue
-        content = table.breakpoints.tobytes(), table.coefficients.tobytes()
-        if content not in stored:
-            stored[content] = name = f"{prefix}_{table.name}"
-            yield c_array("double", f"{name}_breakpoint", map(c_number, table.breakpoints))
-            yield c_array("double", f"{name}_coefficient", map(c_number, table.coefficients.ravel()))
-        pieces, degree, name = table.coefficients.shape[0], table.coefficients.shape[1] - 1, stored[content]
-        entries.append(f"{{{pieces}, {degree}, {table.rank}, {first}, 0, 0, {name}_breakpoint, {name}_coefficient}}")
     yield c_array("table_description", f"{prefix}_table", entries)
     ranks = [f"{prefix}_table_argument_{rank}" for rank in range(table_ranks(system))]
     yield c_array("generated_function", f"{prefix}_table_argument", ranks)

@@ -46,7 +46,6 @@ FLAGS = (
     "-fvisibility=hidden",
     "-ffp-contract=off",
     "-fno-math-errno",
-    "-freciprocal-math",
     "-fno-trapping-math",
     "-Wall",
     "-Wextra",
@@ -128,24 +127,36 @@ def objects_of(sources: Mapping[str, str], flags: Sequence[str], target: str | N
 
     As many at once as there are processors, the longest first, so that none is left over at the end.
     """
-    names = sorted(sources, key=lambda name: -len(sources[name]))
-    size = sum(map(len, sources.values()))
+    headers = {name: text for name, text in sources.items() if name.endswith(".h")}
+    included = {
+        name: {header: headers[header] for header in headers if f'"{header}"' in text}
+        for name, text in sources.items()
+        if name not in headers
+    }
+    length = {name: len(sources[name]) + sum(map(len, own.values())) for name, own in included.items()}
+    names = sorted(included, key=lambda name: -length[name])
     with (
         ThreadPoolExecutor(os.cpu_count()) as pool,
-        tqdm(total=size, desc="compiling", delay=PATIENCE, leave=False, unit="B", unit_scale=True) as bar,
+        tqdm(
+            total=sum(length.values()), desc="compiling", delay=PATIENCE, leave=False, unit="B", unit_scale=True
+        ) as bar,
     ):
-        under_way = {pool.submit(_object_of, name, sources[name], flags, target): name for name in names}
+        under_way = {
+            pool.submit(_object_of, name, {name: sources[name]} | included[name], flags, target): name for name in names
+        }
         for done in as_completed(under_way):
-            bar.update(len(sources[under_way[done]]))
+            bar.update(length[under_way[done]])
     return [one.result() for one in under_way]
 
 
-def _object_of(name: str, text: str, flags: Sequence[str], target: str | None) -> Path:
-    path = cache() / f"{_content([*compiler(target), *flags, name], {name: text}, RUNTIME_HEADERS)}.o"
+def _object_of(name: str, files: Mapping[str, str], flags: Sequence[str], target: str | None) -> Path:
+    """files: the one of that name and the headers that it includes."""
+    path = cache() / f"{_content([*compiler(target), *flags, name], files, RUNTIME_HEADERS)}.o"
     with _missing(path) as missing:
         if missing:
             with tempfile.TemporaryDirectory() as folder:
-                (Path(folder) / name).write_text(text)
+                for file, text in files.items():
+                    (Path(folder) / file).write_text(text)
                 compiling = [*flags, f"-I{RUNTIME}", f"-I{FMI_HEADERS}", "-c", "-o", "object", name]
                 run(compiling, target, Path(folder))
                 _keep(Path(folder) / "object", path)

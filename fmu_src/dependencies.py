@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import casadi as ca
 
-from fmu_src.chain import symbols_in
+from fmu_src.chain import Call, Waist, symbols_in
 from fmu_src.exchange import derivative_name, exchanged_states, serves_exchange
 from fmu_src.system import Model, System, state_variable
 
@@ -94,8 +94,15 @@ def settled_equations(system: System) -> list[tuple[ca.SX, ca.SX]]:
 
 def link_equations(system: System) -> list[tuple[ca.SX, ca.SX]]:
     """Results of parts and waists, each with what it is found from."""
-    every = [(ca.vertsplit(link.symbols), ca.vertsplit(link.values)) for link in system.links]
+    every = [(ca.vertsplit(link.symbols), _found_from(link)) for link in system.links]
     return [pair for symbols, values in every for pair in zip(symbols, values, strict=True)]
+
+
+def _found_from(link: Call | Waist) -> list[ca.SX]:
+    """For each symbol of a link what it is found from; of a look-up, all that is looked up by."""
+    if isinstance(link, Call) and link.part.flat:
+        return [link.given] * link.symbols.numel()
+    return list(ca.vertsplit(link.values))
 
 
 def closure(begin: Iterable[int], needed: list[set[int]]) -> set[int]:

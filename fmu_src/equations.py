@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import casadi as ca
@@ -9,28 +11,31 @@ import casadi as ca
 from fmu_src.chain import Call, Chain, Part, symbols_in
 from fmu_src.system import System
 
+#: Numbers of the nonzero slopes of a part.
+Slopes = tuple[int, ...]
+
 
 @dataclass(frozen=True)
 class Generated:
     """A function as the runtime calls it: `function` takes the arguments of the system and the results of its `calls`.
 
-    Its first results are what the calls of each rank are given; with `differentiated`, each call leaves its slopes
-    behind its results.
+    Its first results are what the calls of each rank are given; behind its results a call leaves those of its part's
+    nonzero slopes that are needed, by their numbers in `slopes`.
     """
 
     function: ca.Function
     calls: list[Call]
-    differentiated: bool
+    slopes: list[Slopes]
 
     @property
     def ranks(self) -> int:
         """How many results come before those of the function itself."""
         return 1 + max((call.rank for call in self.calls), default=-1)
 
-    def sizes(self, call: Call) -> tuple[int, int]:
-        """Numbers that a call is given and that it leaves."""
-        left = call.symbols.numel() + (call.slopes.numel() if self.differentiated else 0)
-        return call.taken.numel(), left
+    def sizes(self, number: int) -> tuple[int, int]:
+        """Numbers that a call is given and that it leaves; number: of the call."""
+        call = self.calls[number]
+        return call.taken.numel(), call.symbols.numel() + len(self.slopes[number])
 
 
 def functions(system: System) -> dict[str, Generated]:
@@ -87,15 +92,24 @@ def function_of(chain: Chain, name: str, expressions: list[ca.SX], given: list[c
             needed.insert(0, call)
             users |= symbols_in(call.plain)
     needed.sort(key=lambda call: call.rank)
-    differentiated = any(not users.isdisjoint(call.own_slopes) for call in needed)
-    left = [ca.vertcat(call.symbols, call.slopes) if differentiated else call.symbols for call in needed]
+    slopes = _needed_slopes(needed, users)
+    left = [ca.vertcat(call.symbols, call.slopes[list(one)]) for call, one in zip(needed, slopes, strict=True)]
     given_to: dict[int, list[ca.SX]] = {}
     for call in needed:
         given_to.setdefault(call.rank, []).append(call.plain)
     asked = [ca.vertcat(*one) for one in given_to.values()]
     results = [*[ca.densify(one) for one in asked], *expressions]
     taken = [*given, ca.vertcat(*left)] if needed else given
-    return Generated(ca.Function(name, taken, results), needed, differentiated)
+    return Generated(ca.Function(name, taken, results), needed, slopes)
+
+
+def _needed_slopes(calls: Sequence[Call], users: frozenset[int]) -> list[Slopes]:
+    """Of each call the slopes that are used, one choice for all calls of a part; all, where it is given in C."""
+    used: dict[str, set[int]] = {}
+    for call in calls:
+        own = [n for n, one in enumerate(ca.vertsplit(call.slopes)) if one.element_hash() in users]
+        used.setdefault(call.part.name, set()).update(range(call.slopes.numel()) if own and call.part.source else own)
+    return [tuple(sorted(used[call.part.name])) for call in calls]
 
 
 def table_ranks(system: System) -> int:
@@ -107,13 +121,16 @@ def _start(system: System) -> ca.SX:
     return ca.vertcat(*[state.start for state in system.states.values()])
 
 
-def part_function(part: Part, slopes: bool) -> Generated:
-    """A part's results of its arguments and constants, and with `slopes` the nonzeros of these behind them."""
-    results = ca.vertcat(part.results, part.slope.nz[:]) if slopes else part.results
+def part_function(part: Part, slopes: Slopes) -> Generated:
+    """A part's results of its arguments and constants, and behind them these of its slopes."""
+    results = ca.vertcat(part.results, part.slope.nz[list(slopes)]) if slopes else part.results
     plain = ca.densify(part.chain.without_waists(results))
     return function_of(part.chain, part_name(part, slopes), [plain], [part.arguments, part.constants])
 
 
-def part_name(part: Part, slopes: bool) -> str:
+def part_name(part: Part, slopes: Slopes) -> str:
     """Of its function."""
-    return f"part_{part.name}_with_slopes" if slopes else f"part_{part.name}"
+    if not slopes:
+        return f"part_{part.name}"
+    chosen = "" if len(slopes) == part.slope.nnz() else f"_{hashlib.sha256(repr(slopes).encode()).hexdigest()[:8]}"
+    return f"part_{part.name}_with_slopes{chosen}"

@@ -1,285 +1,285 @@
-"""C of functions by the instructions of CasADi: a statement for each, equal ones once, and calls of parts between."""
+"""C of the functions of a system: those that the runtime calls, of one number, and those of its parts, in lanes.
+
+A part that is called for each of what repeats, such as the wheels of a vehicle, computes two, four or eight at a time
+(lanes.h): calls of one rank are a group, whose numbers stand side by side. How many, the runtime says at each call.
+"""
 
 from __future__ import annotations
 
 import hashlib
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import accumulate, count
+from itertools import count
 
-import casadi as ca
-
+from fmu_src.calls_in_c import (
+    Group,
+    Rooms,
+    call_in_lanes,
+    call_of_group,
+    entry_of_group,
+    group_at,
+    part_in_c_in_lanes,
+)
 from fmu_src.chain import Part
-from fmu_src.equations import Generated, part_function, part_name
-from fmu_src.own_names import PREFIX, with_own_names
+from fmu_src.equations import Generated, Slopes, part_function, part_name
+from fmu_src.own_names import with_own_names
+from fmu_src.statements import Memory, Statement, statements_of
 
 #: A function with more statements than WHOLE is cut into pieces of LONGEST: the coach's FMU takes 25 s to compile, with
 #: pieces of 3000 statements 31 s. With pieces of 700 it takes 24 s, and steps of 1 ms are 6 % slower.
 WHOLE, LONGEST = 4500, 1500
-
-_CALLED = (
-    *("exp", "log", "expm1", "log1p", "sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh"),
-    *("asinh", "acosh", "atanh", "floor", "ceil", "fabs", "erf"),
+#: The numbers of lanes that parts are compiled for, where the compiler has them; otherwise for one.
+WIDTHS = (2, 4, 8)
+#: The runtime gives all generated functions some arguments that none needs; everything else stays a warning.
+HEAD = (
+    '#pragma GCC diagnostic ignored "-Wunused-parameter"',
+    "#include <math.h>",
+    '#include "lanes_widest.h"',
+    '#include "model.h"',
 )
-_CALLED_WITH_TWO = ("pow", "atan2", "fmod", "remainder", "copysign", "hypot")
-#: C of each operation. Minima and maxima are not fmin and fmax, which take the other number in place of NaN and are
-#: therefore calls; here NaN in the second place stays.
-OPERATIONS: Mapping[int, str] = {
-    **{getattr(ca, f"OP_{name.upper()}"): f"{name}({{}})" for name in _CALLED},
-    **{getattr(ca, f"OP_{name.upper()}"): f"{name}({{}}, {{}})" for name in _CALLED_WITH_TWO},
-    ca.OP_CONSTPOW: "pow({}, {})",
-    ca.OP_ADD: "{} + {}",
-    ca.OP_SUB: "{} - {}",
-    ca.OP_MUL: "{} * {}",
-    ca.OP_DIV: "{} / {}",
-    ca.OP_NEG: "-{}",
-    ca.OP_SQ: "{0} * {0}",
-    ca.OP_TWICE: "2.0 * {}",
-    ca.OP_INV: "1.0 / {}",
-    ca.OP_LT: "{} < {}",
-    ca.OP_LE: "{} <= {}",
-    ca.OP_EQ: "{} == {}",
-    ca.OP_NE: "{} != {}",
-    ca.OP_NOT: "!{}",
-    ca.OP_AND: "{} && {}",
-    ca.OP_OR: "{} || {}",
-    ca.OP_FMIN: "{0} < {1} ? {0} : {1}",
-    ca.OP_FMAX: "{0} > {1} ? {0} : {1}",
-    ca.OP_SIGN: "{0} < 0 ? -1 : {0} > 0 ? 1 : {0}",
-    ca.OP_IF_ELSE_ZERO: "{} ? {} : 0",
-}
-_UNCHANGED = (ca.OP_ASSIGN, ca.OP_LIFT)
 
 
-@dataclass(frozen=True)
-class Face:
-    """How a function is declared and how its pieces are given what it is given; C of its inputs and results."""
+def equations_in_c(name: str, made: Mapping[str, Generated]) -> dict[str, str]:
+    """C files by name: all functions, and where they call parts, those in lanes and a file for each number of lanes.
 
-    head: str
-    parameters: str
-    given: str
-    inputs: Sequence[str]
-    results: Sequence[str]
-    end: str = ""
-
-
-@dataclass(frozen=True)
-class Statement:
-    """C that reads its operands, numbers of values or C of constants, in the braces of `form`.
-
-    value: the number of the value that the form gives; None: it gives none.
-    """
-
-    form: str
-    operands: tuple[int | str, ...] = ()
-    value: int | None = None
-
-    @property
-    def reads(self) -> list[int]:
-        """Numbers of the values that it reads."""
-        return [operand for operand in self.operands if isinstance(operand, int)]
-
-    def text(self, names: Mapping[int, str]) -> str:
-        """The statement, or what stands on the right of it, with the names of values."""
-        return self.form.format(*(names[one] if isinstance(one, int) else one for one in self.operands)) + ";"
-
-
-def equations_in_c(name: str, made: Mapping[str, Generated]) -> str:
-    """C of all functions, those of the parts before those that call them.
-
-    `name` begins the names of what is seen in this file alone, so that files of several systems may become one unit.
+    `name` begins the names of what is seen in these files alone, so that files of several systems may become one unit.
     Raises ValueError where two parts have one name and where there is no C for an operation.
     """
     own = list(made.values())
-    inside, in_c = _functions_of_parts(own)
-    common = list(dict.fromkeys(part.common for part in in_c))
-    given = with_own_names([*common, *(part.source for part in in_c)])
-    # The runtime gives all generated functions some arguments that none needs; everything else stays a warning.
-    head = ['#pragma GCC diagnostic ignored "-Wunused-parameter"', "#include <math.h>", '#include "model.h"']
-    functions = [_function(name, one, _face_of_part(name, one)) for one in inside]
-    functions += [_function(name, one, _face(one)) for one in own]
-    return "\n".join([*head, *map(_once, given), *functions, ""])
+    parts = _functions_of_parts(own)
+    bodies = [_of_one_number(name, one) for one in own]
+    every = [group for body in bodies for group in body.groups]
+    groups = {group.entry: group for group in every if not group.alone}
+    given = _given([group.part for group in every if group.alone])
+    calls = [group_at(name, group, WIDTHS) for group in groups.values()]
+    scalar = ["#define LANES 1", *_in_lanes(map(_written, bodies))]
+    files = {f"equations_{name}.c": "\n".join([*HEAD, *given, *calls, *scalar, ""])}
+    if groups:
+        files[f"parts_{name}.h"] = _parts(name, parts, groups)
+        widest = max(group.lanes for group in groups.values())
+        files |= {f"parts_{name}_{lanes}.c": _at_width(name, lanes) for lanes in WIDTHS if lanes <= widest}
+    return files
 
 
-def _once(text: str) -> str:
-    """C that several files have, for where these become one unit."""
-    name = f"GIVEN_{hashlib.sha256(text.encode()).hexdigest()[:16].upper()}"
-    return f"#ifndef {name}\n#define {name}\n{text}\n#endif" if text else ""
+def _in_lanes(functions: Iterable[str]) -> list[str]:
+    """Functions of a `real` of LANES lanes."""
+    return ['#include "lanes.h"', *functions, '#include "lanes_end.h"']
 
 
-def _functions_of_parts(own: Sequence[Generated]) -> tuple[list[Generated], list[Part]]:
-    """Of each part that is called, also by other parts, the functions that are needed, before those that call them.
+def _at_width(name: str, lanes: int) -> str:
+    """The file that compiles the parts for so many lanes; the narrowest for one where a compiler has no more."""
+    include = f'#include "parts_{name}.h"\n'
+    own = f'#include "lanes_widest.h"\n#if LANES_WIDEST >= {lanes}\n#define LANES {lanes}\n{include}'
+    return own + (f"#else\n#define LANES 1\n{include}#endif\n" if lanes == WIDTHS[0] else "#endif\n")
 
-    And the parts that are given in C.
-    """
+
+def _given(in_c: Iterable[Part]) -> list[str]:
+    """C of these parts, once where several files with the same become one unit."""
+    parts = {part.name: part for part in in_c}.values()
+    texts = with_own_names([*dict.fromkeys(part.common for part in parts), *(part.source for part in parts)])
+    names = [f"GIVEN_{hashlib.sha256(text.encode()).hexdigest()[:16].upper()}" for text in texts]
+    return [f"#ifndef {name}\n#define {name}\n{text}\n#endif" for name, text in zip(names, texts, strict=True) if text]
+
+
+def _functions_of_parts(own: Sequence[Generated]) -> dict[str, Generated]:
+    """Of each part that is called, also by other parts, the functions that are needed, before those that call them."""
     made: dict[str, Generated] = {}
     parts: dict[str, Part] = {}
 
-    def make(part: Part, slopes: bool) -> None:
+    def make(part: Part, slopes: Slopes) -> None:
         if parts.setdefault(part.name, part) is not part:
             raise ValueError(f"Two parts have one name, {part.name}; give each part a name of its own.")
         if part.source or part_name(part, slopes) in made:
             return
         one = part_function(part, slopes)
-        for call in one.calls:
-            make(call.part, one.differentiated)
+        for call, needed in zip(one.calls, one.slopes, strict=True):
+            make(call.part, needed)
         made[part_name(part, slopes)] = one
 
     for one in own:
-        for call in one.calls:
-            make(call.part, one.differentiated)
-    return list(made.values()), [part for part in parts.values() if part.source]
+        for call, needed in zip(one.calls, one.slopes, strict=True):
+            make(call.part, needed)
+    return made
 
 
-def _face(one: Generated) -> Face:
-    """As the runtime calls it, `generated_function` in model.h."""
-    parameters, name = "const double **arg, double **res", one.function.name()
-    inputs = [f"arg[{number}]" for number in range(one.function.n_in())]
-    results = [f"res[{number}]" for number in range(one.function.n_out() - one.ranks)]
-    head = f"RUNTIME_LOCAL int {name}({parameters}, long long int *iw, double *w, int mem)"
-    return Face(head, parameters, "arg, res", inputs, results, "  return 0;\n")
+def _parts(name: str, parts: Mapping[str, Generated], groups: Mapping[str, Group]) -> str:
+    """The header with the parts in lanes: what other parts call, what stands in a group, and what computes a group."""
+    own: dict[str, Group] = {group.function: group for group in groups.values()}
+    called: dict[str, Group] = {}
+
+    def find(one: Generated) -> None:
+        for group in (group for rank in Rooms.of(one, False).groups for group in rank):
+            if group.function not in called:
+                if not group.part.source:
+                    find(parts[group.function])
+                called[group.function] = group
+
+    for group in own.values():
+        find(parts[part_name(group.part, group.slopes)])
+    given, texts = _given([group.part for group in called.values() if group.part.source]), []
+    for group in called.values():
+        if group.part.source:
+            texts.append(part_in_c_in_lanes(name, group.part, group.slopes))
+        else:
+            texts.append(_written(_of_part(name, parts[group.function], group.function, "LANES")))
+    for group in own.values():
+        one = parts[part_name(group.part, group.slopes)]
+        texts.append(_written(_of_part(name, one, group.function, str(group.lanes))))
+    texts += [entry_of_group(name, group) for group in groups.values()]
+    return "\n".join([*HEAD, *given, *_in_lanes(texts), ""])
 
 
-def _face_of_part(name: str, one: Generated) -> Face:
-    """As `_calls` calls it."""
-    parameters = "const double *arguments, const double *constants, double *results"
-    head = f"static void {name}_{one.function.name()}({parameters})"
-    return Face(head, parameters, "arguments, constants, results", ["arguments", "constants"], ["results"])
+# -- functions --------------------------------------------------------------------------------------------------------
 
 
-def _function(name: str, one: Generated, face: Face) -> str:
-    """C of a function; what is long, in pieces that have in `kept` what they leave to each other."""
-    bodies, kept = _bodies(_statements(name, one, face))
-    rooms = {"kept": kept} | {f"given_{rank}": one.function.numel_out(rank) for rank in range(one.ranks)}
-    rooms |= {"left": sum(one.sizes(call)[1] for call in one.calls)}
-    rooms = {room: size for room, size in rooms.items() if size}
-    room = "".join(f"  double {room}[{size}];\n" for room, size in rooms.items())
-    if len(bodies) == 1:
-        return f"{face.head} {{\n{room}{bodies[0]}{face.end}}}\n"
-    piece = f"{name}_piece_of_{one.function.name()}"
-    parameters = ", ".join([face.parameters, *(f"double *{room}" for room in rooms)])
-    pieces = "".join(f"static void {piece}_{n}({parameters}) {{\n{body}}}\n" for n, body in enumerate(bodies))
-    given = ", ".join([face.given, *rooms])
-    calls = "".join(f"  {piece}_{n}({given});\n" for n in range(len(bodies)))
-    return f"{pieces}{face.head} {{\n{room}{calls}{face.end}}}\n"
+@dataclass(frozen=True)
+class Body:
+    """A function: how it is declared, how its pieces are and what they are given, its statements and arrays.
 
-
-def _statements(name: str, one: Generated, face: Face) -> list[Statement]:
-    """The instructions in their order, equal ones once, and behind the last number that calls are given, the calls.
-
-    CasADi computes results in their order and reads inputs when they are first needed, so nothing that follows from
-    a call comes before it.
+    lanes: C of how many; groups: of its calls.
     """
-    function, made = one.function, list[Statement]()
-    inputs = [*face.inputs[: function.n_in() - 1], "left"] if one.calls else face.inputs
-    results = [*(f"given_{rank}" for rank in range(one.ranks)), *face.results]
-    missing = [function.numel_out(number) for number in range(function.n_out())]
-    known: dict[tuple[str, tuple[int | str, ...]], int] = {}
-    in_place: dict[int, int | str] = {}  # the value, or C of the constant, at each place of CasADi's work vector
-    for number in range(function.n_instructions()):
-        operation, source = function.instruction_id(number), function.instruction_input(number)
-        target = function.instruction_output(number)
-        if operation == ca.OP_OUTPUT:
-            result, place = target
-            made.append(Statement(f"{results[result]}[{place}] = {{}}", (in_place[source[0]],)))
-            missing[result] -= 1
-            if result < one.ranks and not missing[result]:
-                made += _calls(name, one, result)
-        elif operation == ca.OP_CONST:
-            in_place[target[0]] = _constant(function.instruction_constant(number))
-        elif operation in _UNCHANGED:
-            in_place[target[0]] = in_place[source[0]]
-        else:
-            if operation == ca.OP_INPUT:
-                form, operands = f"{inputs[source[0]]}[{source[1]}]", list[int | str]()
-            else:
-                form, operands = _form(function, operation), [in_place[place] for place in source]
-            key = form, tuple(operands)
-            if key not in known:
-                known[key] = len(known)
-                made.append(Statement(*key, known[key]))
-            in_place[target[0]] = known[key]
-    return made
+
+    name: str
+    head: str
+    parameters: str
+    given: str
+    statements: list[Statement]
+    rooms: dict[str, int]
+    lanes: str
+    groups: list[Group]
+    end: str = ""
 
 
-def _form(function: ca.Function, operation: int) -> str:
-    if operation not in OPERATIONS:
-        raise ValueError(
-            f"{function.name()} has the operation {operation} of CasADi, which is none of those that are written in C "
-            "(OPERATIONS in fmu_src/equations_in_c.py); write the equation with these."
-        )
-    return OPERATIONS[operation]
+def _of_one_number(name: str, one: Generated) -> Body:
+    """As the runtime calls it, `generated_function` in model.h."""
+    function, rooms = one.function, Rooms.of(one, True)
+    parameters = "const double **arg, double **res, long long int *iw, double *w, int mem"
+    left = function.n_in() - 1 if one.calls else function.n_in()
+
+    def read(number: int, place: int) -> str:
+        return f"arg[{number}][{place}]" if number < left else f"left[{rooms.left[place]}]"
+
+    def write(number: int, place: int) -> list[str]:
+        if number >= one.ranks:
+            return [f"res[{number - one.ranks}][{place}] = {{}}"]
+        return [f"given_{number}[{where}] = {{}}" for where in rooms.given[number][place]]
+
+    def calls(number: int) -> list[Statement]:
+        found = rooms.groups[number] if number < one.ranks else []
+        return [Statement(_plain(call_of_group(name, number, group))) for group in found]
+
+    statements = statements_of(function, Memory(read, write), calls)
+    groups = [group for rank in rooms.groups for group in rank]
+    head = f"RUNTIME_LOCAL int {function.name()}({parameters})"
+    piece = f"{name}_piece_of_{function.name()}"
+    return Body(piece, head, parameters, "arg, res, iw, w, mem", statements, rooms.sizes, "1", groups, "  return 0;\n")
 
 
-def _constant(value: float) -> str:
-    """C of a number, one that stays a number behind any sign."""
-    if math.isnan(value):
-        return "NAN"
-    text = "INFINITY" if math.isinf(value) else repr(abs(value))
-    return f"(-{text})" if math.copysign(1.0, value) < 0 else text
+def _of_part(name: str, one: Generated, own_name: str, distance: str) -> Body:
+    """In lanes: distance, C of a number, is how far the numbers of a lane are from each other."""
+    function, rooms = one.function, Rooms.of(one, False)
+    parameters = "const double *arguments, const double *constants, double *results"
+    inputs = ["arguments", "constants", "left"][: function.n_in()]
+
+    def at(array: str, place: int, by: str) -> str:
+        return f"{array} + {place} * {by}" if by == "LANES" else f"{array} + {place * int(by)}"
+
+    def read(number: int, place: int) -> str:
+        if inputs[number] == "left":
+            return f"real_load({at('left', rooms.left[place], 'LANES')})"
+        return f"real_load({at(inputs[number], place, distance)})"
+
+    def write(number: int, place: int) -> list[str]:
+        if number >= one.ranks:
+            return [f"real_store({at('results', place, distance)}, {{}})"]
+        return [f"real_store({at(f'given_{number}', where, 'LANES')}, {{}})" for where in rooms.given[number][place]]
+
+    def calls(number: int) -> list[Statement]:
+        found = rooms.groups[number] if number < one.ranks else []
+        return [Statement(_plain(call_in_lanes(name, number, group))) for group in found]
+
+    statements = statements_of(function, Memory(read, write), calls)
+    head = f"static void LANES_NAME({name}_{own_name})({parameters})"
+    piece, given = f"LANES_NAME({name}_piece_of_{own_name})", "arguments, constants, results"
+    return Body(piece, head, parameters, given, statements, rooms.sizes, "LANES", [])
 
 
-def _calls(name: str, one: Generated, rank: int) -> list[Statement]:
-    """The calls of a rank: what they are given is in `given_RANK`, what they leave in `left`."""
-    ends = accumulate((one.sizes(call)[1] for call in one.calls), initial=0)
-    made, offset = [], 0
-    for call, start in zip(one.calls, ends, strict=False):
-        if call.rank != rank:
-            continue
-        taken, leaves = one.sizes(call)
-        when = ""
-        if not call.when.is_constant():
-            # Cleared before: a call that is left out leaves 0.
-            when = f"for (int i = {start}; i < {start + leaves}; ++i) left[i] = 0.0;\n  "
-            when += f"if (given_{rank}[{offset + taken - 1}] > 0.0) "
-        vectors = f"given_{rank} + {offset}, given_{rank} + {offset + call.given.numel()}, left + {start}"
-        if call.part.source:
-            slopes = f"left + {start + call.symbols.numel()}" if one.differentiated else "0"
-            made.append(Statement(f"{when}{PREFIX}{call.part.name}({vectors}, {slopes})"))
-        else:
-            made.append(Statement(f"{when}{name}_{part_name(call.part, one.differentiated)}({vectors})"))
-        offset += taken
-    return made
+def _plain(text: str) -> str:
+    """A form without operands."""
+    return text.replace("{", "{{").replace("}", "}}")
+
+
+def _written(body: Body) -> str:
+    """C of a function; what is long, in pieces that have in `kept` what they leave to each other."""
+    bodies, kept = _bodies(body)
+    rooms = {"kept": kept} | body.rooms
+    rooms = {room: size for room, size in rooms.items() if size}
+    by = "" if body.lanes == "1" else " * LANES"
+    room = "".join(f"  LANES_ALIGNED double {room}[{size}{by}];\n" for room, size in rooms.items())
+    if len(bodies) == 1:
+        return f"{body.head} {{\n{room}{bodies[0]}{body.end}}}\n"
+    parameters = ", ".join([body.parameters, *(f"double *{room}" for room in rooms)])
+    piece = [body.name.replace("piece_of", f"piece_{n}_of") for n in range(len(bodies))]
+    pieces = "".join(f"static void {own}({parameters}) {{\n{text}}}\n" for own, text in zip(piece, bodies, strict=True))
+    given = ", ".join([body.given, *rooms])
+    calls = "".join(f"  {own}({given});\n" for own in piece)
+    return f"{pieces}{body.head} {{\n{room}{calls}{body.end}}}\n"
 
 
 def _locals(statements: Sequence[Statement]) -> dict[int, str]:
-    """A local for each value; one whose value is no longer read is used again."""
+    """A local for each value; one whose value is no longer read is used again. Those of masks begin with m."""
     last = {value: number for number, one in enumerate(statements) for value in one.reads}
+    masks = {one.value for one in statements if one.mask}
     names: dict[int, str] = {}
-    free: list[str] = []
-    new = (f"a{number}" for number in count())
+    free: dict[bool, list[str]] = {True: [], False: []}
+    new = {True: (f"m{number}" for number in count()), False: (f"a{number}" for number in count())}
     for number, one in enumerate(statements):
-        free += [names[value] for value in dict.fromkeys(one.reads) if last[value] == number]
+        for value in dict.fromkeys(one.reads):
+            if last[value] == number:
+                free[value in masks].append(names[value])
         if one.value is not None:
-            names[one.value] = free.pop() if free else next(new)
+            names[one.value] = free[one.mask].pop() if free[one.mask] else next(new[one.mask])
     return names
 
 
-def _bodies(statements: Sequence[Statement]) -> tuple[list[str], int]:
+def _bodies(body: Body) -> tuple[list[str], int]:
     """C of the statements as a whole or in pieces, and how many numbers the pieces leave to those behind them.
 
     A number that is left is kept as soon as it is known, and taken where it is first needed: a processor has few
     registers, and a compiler takes 1.6 times as long to distribute them if all are taken at the beginning.
     """
+    statements = body.statements
     longest = LONGEST if len(statements) > WHOLE else WHOLE
     pieces = [statements[start : start + longest] for start in range(0, len(statements), longest)]
     born = {one.value: n for n, piece in enumerate(pieces) for one in piece}
     left = {value for n, piece in enumerate(pieces) for one in piece for value in one.reads if born[value] < n}
-    names = _locals(statements)
-    places = {
-        name: f"kept[{number}]" for number, name in enumerate(dict.fromkeys(names[value] for value in sorted(left)))
-    }
-    bodies = []
+    names, masks = _locals(statements), {one.value for one in statements if one.mask}
+    by = "" if body.lanes == "1" else " * LANES"
+    numbered = enumerate(dict.fromkeys(names[value] for value in sorted(left)))
+    places = {name: f"kept + {number}{by}" for number, name in numbered}
+    texts = []
     for n, piece in enumerate(pieces):
-        read = {value for one in piece for value in one.reads}
-        taken = {value for value in read if born[value] < n}
-        lines = [f"double {', '.join(sorted({names[value] for value in read}))};"] if read else []
+        used = {value for one in piece for value in one.reads}
+        taken = {value for value in used if born[value] < n}
+        used |= left & {one.value for one in piece if one.value is not None}
+        lines = [_declared("real", sorted({names[value] for value in used - masks}))]
+        lines.append(_declared("real_mask", sorted({names[value] for value in used & masks})))
         for one in piece:
-            lines += [f"{names[value]} = {places[names[value]]};" for value in one.reads if value in taken]
+            for value in one.reads:
+                if value in taken:
+                    load = f"real_load({places[names[value]]})"
+                    lines.append(f"{names[value]} = {f'real_is({load})' if value in masks else load};")
             taken.difference_update(one.reads)
-            targets = [names[one.value]] if one.value in read else []
-            targets += [places[names[one.value]]] if one.value in left else []
-            lines.append(" = ".join([*targets, one.text(names)]))
-        bodies.append("".join(f"  {line}\n" for line in lines))
-    return bodies, len(places)
+            if one.value is None:
+                lines.append(one.text(names))
+            elif one.value in used:
+                lines.append(f"{names[one.value]} = {one.text(names)}")
+            if one.value in left:
+                own = names[one.value]
+                lines.append(f"real_store({places[own]}, {f'real_of_mask({own})' if one.mask else own});")
+        texts.append("".join(f"  {line}\n" for line in lines if line))
+    return texts or [""], len(places)
+
+
+def _declared(kind: str, names: Sequence[str]) -> str:
+    return f"{kind} {', '.join(names)};" if names else ""

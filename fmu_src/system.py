@@ -17,6 +17,7 @@ import casadi as ca
 import numpy as np
 
 from fmu_src.chain import Chain
+from fmu_src.piecewise import look_up, polynomials
 
 Kind = Literal["real", "integer", "boolean", "string"]
 Causality = Literal["parameter", "input", "output", "local"]
@@ -172,21 +173,17 @@ class TableFile:
 
 @dataclass(frozen=True)
 class Table:
-    """A piecewise polynomial; outside the breakpoints it holds its end value.
+    """What the equations look up at one place of a table file: the `pieces` there, by one look-up.
 
-    breakpoints: shape (pieces + 1,), increasing; coefficients: shape (pieces, degree + 1), lowest power first, of
-    (argument - left breakpoint). `symbols` are (origin, c0, ..., c_degree), supplied by the runtime. The argument may
-    contain values of other tables: those of a lower `rank` are looked up first. pieces: of the table `file` in
-    place of breakpoints and coefficients, which are empty then; `symbols` have one origin and the coefficients of each.
+    `symbols` are one origin and the coefficients of each piece, lowest power first, supplied by the runtime. The
+    argument may contain values of other tables: those of a lower `rank` are looked up first.
     """
 
     name: str
-    breakpoints: np.ndarray
-    coefficients: np.ndarray
+    file: TableFile
     argument: ca.SX
     symbols: ca.SX
     rank: int
-    file: TableFile | None = None
     pieces: tuple[Piece, ...] = ()
 
 
@@ -262,26 +259,6 @@ class Observable:
     expression: ca.SX
 
 
-def interpolation(breakpoints: Sequence[float], values: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
-    """Breakpoints and coefficients of the straight lines through the points, for `System.table`."""
-    x, y = np.asarray(breakpoints, float), np.asarray(values, float)
-    return x, np.column_stack([y[:-1], np.diff(y) / np.diff(x)])
-
-
-def polynomials(piece: ca.SX, argument: ca.SX, order: int) -> list[ca.SX]:
-    """Value and derivatives up to `order` of a table's piece, (origin, c0, ..., c_degree), by Horner's rule."""
-    distance = argument - piece[0]
-    terms = [piece[1 + power] for power in range(piece.numel() - 1)]
-    values = []
-    for _ in range(order + 1):
-        value = terms[-1] if terms else ca.SX(0)
-        for term in terms[-2::-1]:
-            value = value * distance + term
-        values.append(value)
-        terms = [power * term for power, term in enumerate(terms)][1:]
-    return values
-
-
 @dataclass
 class System(Chain):
     """One machine at one level of detail. Build it by asking it for symbols, then give the equations back."""
@@ -345,7 +322,7 @@ class System(Chain):
         return symbol
 
     def table(self, name: str, breakpoints: np.ndarray, coefficients: np.ndarray, argument: ca.SX) -> ca.SX:
-        """Value of a piecewise polynomial at `argument` (see `Table`); derivatives of it are exact."""
+        """Value of a piecewise polynomial at `argument` (see `look_up`); derivatives of it are exact."""
         return self.curve(name, breakpoints, coefficients, argument, 0)[0]
 
     def curve(
@@ -355,11 +332,8 @@ class System(Chain):
         return polynomials(self.look_up(name, breakpoints, coefficients, argument), argument, order)
 
     def look_up(self, name: str, breakpoints: np.ndarray, coefficients: np.ndarray, argument: ca.SX) -> ca.SX:
-        """Symbols of a table's piece at `argument`, for `polynomials`."""
-        breakpoints, coefficients = np.asarray(breakpoints, float), np.asarray(coefficients, float)
-        if np.any(np.diff(breakpoints) <= 0.0) or coefficients.shape[0] != breakpoints.size - 1:
-            raise ValueError(f"Table {name}: give increasing breakpoints and one row of coefficients for each piece.")
-        return self._add_table(name, breakpoints, coefficients, argument, coefficients.shape[1] - 1)
+        """A table's piece at `argument`, for `polynomials`."""
+        return look_up(self, name, breakpoints, coefficients, argument)
 
     def from_file(self, file: TableFile, name: str, argument: ca.SX, order: int = 0) -> list[ca.SX]:
         """Value of a piece of a table file at a place in its first column, and its derivatives up to `order`.
@@ -370,11 +344,12 @@ class System(Chain):
 
     def _piece_of_file(self, file: TableFile, name: str, argument: ca.SX) -> ca.SX:
         """Symbols of a piece of a table file, for `polynomials`; all pieces at one place are looked up as one."""
-        there = (i for i, t in enumerate(self.tables) if t.file and ca.is_equal(t.argument, argument, SAME_PLACE))
+        there = (i for i, t in enumerate(self.tables) if ca.is_equal(t.argument, argument, SAME_PLACE))
         place = next(there, len(self.tables))
         if place == len(self.tables):
-            self._add_table(f"{file.noun}_{place}", np.zeros(0), np.zeros(0), argument, -1)
-            self.tables[place] = replace(self.tables[place], file=file)
+            origin = ca.SX.sym(f"{file.noun}_{place}")
+            rank = 1 + max((t.rank for t in self.tables if ca.depends_on(argument, t.symbols)), default=-1)
+            self.tables.append(Table(f"{file.noun}_{place}", file, argument, origin, rank))
         table, piece = self.tables[place], file.piece(name)
         if piece not in table.pieces:
             added = ca.SX.sym(f"{table.name}_{name}", 1 + piece.degree)
@@ -386,16 +361,7 @@ class System(Chain):
     @property
     def table_file(self) -> TableFile | None:
         """The table file that is asked; None: there is none."""
-        return next((table.file for table in self.tables if table.file), None)
-
-    def _add_table(
-        self, name: str, breakpoints: np.ndarray, coefficients: np.ndarray, argument: ca.SX, degree: int
-    ) -> ca.SX:
-        """Symbols of a table's piece, which is looked up behind the tables that its argument needs."""
-        symbols = ca.SX.sym(name, 2 + degree)
-        rank = 1 + max((t.rank for t in self.tables if ca.depends_on(argument, t.symbols)), default=-1)
-        self.tables.append(Table(name, breakpoints, coefficients, argument, symbols, rank))
-        return symbols
+        return next((table.file for table in self.tables), None)
 
     def direction(self, name: str) -> ca.SX:
         """Symbol of the direction of a dry friction; declare the friction with `dry_friction` afterwards."""
@@ -620,7 +586,7 @@ class Model:
 
     def _check_table_file(self) -> None:
         """Every system reads the same one, and its variable is the one string that the kernel knows."""
-        for table in (table for system in self.systems for table in system.tables if table.file):
+        for table in (table for system in self.systems for table in system.tables):
             if table.file != self.table_file:
                 raise ValueError(f"Model {self.name}: give its systems one table file, which its instances read.")
         own = [self.table_file.variable] if self.table_file else []

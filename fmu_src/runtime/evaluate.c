@@ -9,14 +9,29 @@ void kernel_call(kernel *self, generated_function function, double offset, const
     const double time = self->given.step_origin + offset;
     const double *argument[ARG_COUNT] = {&time,         state,      self->given.stage_input, self->given.rate, self->given.parameter,
                                          self->run.derived, self->run.mode, self->given.coefficient, self->given.seed};
-    function(argument, result, NULL, NULL, 0);
+    function(argument, result, NULL, NULL, self->lanes);
+}
+
+/* Looks up what is asked of the table file from `first` on that is of its rank, whose places are in table_at. Most have not
+ * left the rows between which they were. Returns the first of the next rank. */
+static int look_up_rank(kernel *self, int first) {
+    const system_description *system = self->system;
+    int i = first;
+    for (; i < system->tables && system->table[i].rank == system->table[first].rank; ++i) {
+        const double at = self->given.table_at[i - first];
+        double *held = self->given.held + 2 * i;
+        if (!(at >= held[0] && at < held[1]))
+            table_look_up(self->table, &system->table[i], at, &self->given.row[i], held,
+                          self->given.coefficient + system->table[i].place);
+    }
+    return i;
 }
 
 void kernel_look_up(kernel *self, double offset, const double *state) {
     const system_description *system = self->system;
     for (int rank = 0, next = 0; rank < system->table_ranks; ++rank) {
         kernel_call(self, system->table_argument[rank], offset, state, &self->given.table_at);
-        next = tables_look_up(self, next);
+        next = look_up_rank(self, next);
     }
 }
 

@@ -18,12 +18,6 @@ void kernel_enter_system(kernel *self) {
     for (int i = 0; i < 2 * system->tables; ++i) self->given.held[i] = NAN; /* nothing is held anywhere */
 }
 
-static bool needs_table_file(const system_description *system) {
-    for (int i = 0; i < system->tables; ++i)
-        if (system->table[i].file_pieces) return true;
-    return false;
-}
-
 /* Says that the model has no system for what was chosen. */
 static kernel_status refuse_choice(kernel *self) {
     const table_file_description *file = MODEL.table_file;
@@ -56,7 +50,7 @@ kernel_status kernel_initialise(kernel *self, double time) {
         combination = combination * MODEL.selectable[i] + (int)self->run.value[MODEL.selector[i]] - 1;
     if (self->table) combination += combinations;
     if (MODEL.choice[combination] < 0) return refuse_choice(self);
-    if (!self->table && needs_table_file(&MODEL.system[MODEL.choice[combination]]))
+    if (!self->table && MODEL.system[MODEL.choice[combination]].tables > 0)
         return kernel_fail(self, KERNEL_ERROR, "Set %s to the path of a file with a %s; this model has no other.",
                            kernel_name_of_table_file(), MODEL.table_file->noun);
     self->run.now->system = MODEL.choice[combination];

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "instance.h"
+#include "lanes_widest.h"
 
 /* The largest of each number over the systems, so that the room serves whichever is chosen. */
 static dimensions largest_dimensions(void) {
@@ -117,6 +118,7 @@ static void lay_out_pivots(kernel *self) {
 kernel *kernel_create(void) {
     kernel *self = (kernel *)calloc(1, sizeof *self);
     if (!self) return NULL;
+    self->lanes = lanes_of_processor();
     self->room = largest_dimensions();
     double *block = (double *)calloc(lay_out_run(&self->run, &self->room, NULL), sizeof(double));
     const int places = self->room.states + 2 * self->room.algebraics + self->room.tables;

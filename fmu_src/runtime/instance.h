@@ -37,6 +37,7 @@ typedef struct {
 
 struct kernel {
     const system_description *system; /* the chosen one; null before initialisation */
+    int lanes;                        /* how many of what repeats generated functions compute at once */
     table_file *table;                /* null: none */
     char *table_path;
     dimensions room;
@@ -95,8 +96,5 @@ RUNTIME_LOCAL void kernel_evaluate_again(kernel *self, generated_function functi
                                   double *result);
 RUNTIME_LOCAL void kernel_evaluate(kernel *self, generated_function function, double offset, const double *state,
                             double *result);
-/* Writes (origin, c0 ... c_degree) of the tables from `first` on that are of its rank, whose arguments are in table_at.
- * Returns the first of the next rank. */
-RUNTIME_LOCAL int tables_look_up(kernel *self, int first);
 
 #endif

@@ -60,9 +60,11 @@
 #if defined(__GNUC__) || defined(__clang__)
 #define LANES_FUNCTION static inline __attribute__((always_inline, unused))
 #define LANES_APART static __attribute__((noinline, unused))
+#define LANES_ALIGNED __attribute__((aligned(64)))
 #else
 #define LANES_FUNCTION static __forceinline
 #define LANES_APART static __declspec(noinline)
+#define LANES_ALIGNED __declspec(align(64))
 #endif
 #ifdef __has_builtin
 #if __has_builtin(__builtin_elementwise_sqrt) && __has_builtin(__builtin_elementwise_floor)

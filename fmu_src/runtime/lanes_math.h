@@ -453,6 +453,46 @@ LANES_FUNCTION real real_pow(real x, real y)
     return real_where(real_not(zero), lanes_scaled(part, rounded));
 }
 
+#define LANES_CBRT_2 1.259921049894873165
+#define LANES_CBRT_HALF 0.7937005259840997374
+
+/* Third root of positive normal numbers: of the mantissa by a polynomial (minimax, 1.2e-6) and one step of Halley's method,
+ * which leaves 1.2e-18. */
+LANES_FUNCTION real lanes_cbrt_part(real x)
+{
+    real n;
+    const real m = lanes_mantissa(x, LANES_SQRT_HALF, &n);
+    const real sum = n * (1.0 / 3.0) + LANES_ROUND, rest = n - 3.0 * (sum - LANES_ROUND);
+    const real z = m * m;
+    const real low = 0.4216896946045899 + 1.0560154723829582 * m;
+    const real high = (0.5109666048931906 - 0.17955721449059506 * m) + 0.0269549910387283 * z;
+    const real guess = low + z * (m * high - 0.8360705352337751);
+    const real_mask more = rest > 0.5, less = rest < -0.5;
+    const real scale = real_select(more, real_of(2.0), real_select(less, real_of(0.5), real_of(1.0)));
+    const real root = real_select(more, real_of(LANES_CBRT_2), real_select(less, real_of(LANES_CBRT_HALF), real_of(1.0)));
+    const real mantissa = m * scale, y = guess * root, cube = y * y * y;
+    return lanes_scaled(y + y * ((mantissa - cube) / (cube + cube + mantissa)), lanes_word_of(sum));
+}
+
+LANES_APART void lanes_cbrt_edge(const double *argument, double *value)
+{
+    const real x = real_load(argument);
+    const real_mask small = x < LANES_SMALLEST_NORMAL;
+    const real root = lanes_cbrt_part(real_select(small, x * 18014398509481984.0, x)); /* 2^54 */
+    const real finite = real_select(small, root * 3.814697265625e-06, root);           /* 2^-18 */
+    const real known = real_select(x < HUGE_VAL, finite, x);
+    const real positive = real_select(x > 0.0, known, real_of(NAN));
+    real_store(value, real_select(x == 0.0, real_of(0.0), positive));
+}
+
+/* x to the power of a third, as pow has it: a negative number has none. */
+LANES_FUNCTION real real_cbrt(real x)
+{
+    if (real_any(real_not((x >= LANES_SMALLEST_NORMAL) & (x < HUGE_VAL))))
+        return lanes_call(lanes_cbrt_edge, x);
+    return lanes_cbrt_part(x);
+}
+
 /* Lane by lane through the C library; its bits are those of the platform. */
 LANES_FUNCTION real real_sinh(real x)
 {

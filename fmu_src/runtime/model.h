@@ -32,8 +32,9 @@ enum {
     ARG_SEED, /* direction (time, states, inputs) of the derivatives along it; the other functions have no such argument */
     ARG_COUNT
 };
+/* lanes: how many the processor has, see lanes_of_processor. */
 typedef int (*generated_function)(const double **argument, double **result, long long int *integer_work, double *work,
-                                  int memory);
+                                  int lanes);
 typedef void (*generated_factors)(double *entry);
 typedef void (*generated_solution)(const double *entry, double *vector);
 
@@ -48,16 +49,12 @@ typedef struct {
     double when_lost; /* what the equations see when a NaN arrives; NaN: a NaN is refused */
 } variable_description;
 
-/* A piecewise polynomial; tables stand in the order of their ranks. Piece i holds on [breakpoint[i], breakpoint[i+1]] and is
- * a polynomial of `degree` in (argument - breakpoint[i]); outside the breakpoints the end value is held. */
+/* What is looked up at one place of the instance's table file, see table_file.h; in the order of their ranks. */
 typedef struct {
-    int pieces, degree;
-    int rank; /* tables of rank 0 have arguments without tables; rank 1 needs values of rank 0, and so on */
+    int rank; /* those of rank 0 have arguments without tables; rank 1 needs values of rank 0, and so on */
     int place; /* of origin and coefficients among those that the generated functions see */
-    int file_pieces; /* of the instance's table file, in place of breakpoints and coefficients; 0: it has its own */
-    const int *file_piece;
-    const double *breakpoint;
-    const double *coefficient; /* pieces x (degree + 1), lowest power first */
+    int pieces;
+    const int *piece; /* which pieces of the file */
 } table_description;
 
 /* Dry friction on a velocity, a state or the sum of two: sliding forward (+1), backward (-1) or stuck (0). */

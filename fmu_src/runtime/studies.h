@@ -6,6 +6,8 @@
 
 KERNEL_EXPORT int kernel_variable_count(void);
 KERNEL_EXPORT const char *kernel_variable_name(int variable);
+/* Most lanes that the equations use from now on, where the processor has so many; returns how many they use. */
+KERNEL_EXPORT int kernel_use_lanes(kernel *self, int most);
 /* The sentence of the last status. */
 KERNEL_EXPORT const char *kernel_message(const kernel *self);
 KERNEL_EXPORT void kernel_counts(const kernel *self, kernel_counters *counts);

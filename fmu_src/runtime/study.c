@@ -1,12 +1,20 @@
 /* What only studies ask: names, counts, records, the linearisation, and for benchmarks one thing many times. */
 #include <math.h>
 
+#include "lanes_widest.h"
 #include "method.h"
 #include "studies.h"
 
 int kernel_variable_count(void) { return MODEL.variables; }
 const char *kernel_message(const kernel *self) { return self->journal.message; }
 void kernel_counts(const kernel *self, kernel_counters *counts) { *counts = self->counters; }
+
+int kernel_use_lanes(kernel *self, int most) {
+    const int widest = lanes_of_processor();
+    self->lanes = widest;
+    while (self->lanes > most && self->lanes > 1) self->lanes /= 2;
+    return self->lanes;
+}
 
 const char *kernel_variable_name(int variable) {
     return variable >= 0 && variable < MODEL.variables ? MODEL.variable[variable].name : "";

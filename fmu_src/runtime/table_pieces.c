@@ -105,10 +105,10 @@ void table_look_up(const table_file *self, const table_description *table, doubl
     const double origin = *coefficient++ = behind ? s[last] : s[row];
     held[0] = before ? -INFINITY : origin;
     held[1] = before ? s[0] : behind ? INFINITY : s[row + 1];
-    for (int i = 0; i < table->file_pieces; ++i) {
-        const piece_description *piece = &MODEL.table_file->piece[table->file_piece[i]];
+    for (int i = 0; i < table->pieces; ++i) {
+        const piece_description *piece = &MODEL.table_file->piece[table->piece[i]];
         double c[MOST_TERMS] = {0};
-        MODEL.table_file->piece_between(self, table->file_piece[i], row, c);
+        MODEL.table_file->piece_between(self, table->piece[i], row, c);
         if (before || behind) leave(piece->goes_on, behind ? s[last] - s[row] : 0.0, c);
         for (int power = 0; power <= piece->degree; ++power) *coefficient++ = c[power];
     }

@@ -33,13 +33,12 @@ from rbd_model.wheelset.in_space import (
     push_wheelset,
     stand_on_track,
 )
-from rbd_model.wheelset.pressing_patch import PatchConstants, PatchState, Press, TurningTrack, pressing_patch
+from rbd_model.wheelset.pressing_patch import PatchConstants, PatchState, Press, TurningTrack
 from rbd_model.wheelset.touch import SIDES, Placement, Wheel
-from rbd_model.wheelset.touching_patch import Nearest, direction_of, look_up_patch
+from rbd_model.wheelset.touching_patch import Nearest, PatchTables, find_nearest
+from rbd_model.wheelset.wheel_on_patches import Feeling, WheelPress, wheel_on_patches
 from rbd_model.wheelset.yielding_rails import Give, add_give, press_rails
 
-#: How far a patch may be from its rail and still be looked at [m]: more than its nearest point without yaw errs by.
-NEAR = 0.5e-3
 #: Scales of the error control: with tolerance 1e-6, 1 nm of an approach that is 0.1 mm under load.
 NOMINAL_RISE = 1e-3
 #: Any approach at which a contact's stiffness is asked for [m].
@@ -52,12 +51,10 @@ STAND_PITCH = 0.25e-3
 class ElasticWheelset(WheelsetOnRails):
     """A wheelset on elastic contacts.
 
-    pressed: what each patch does, by wheel (left, right) and in the order of `patches_of`; nearest: where they are
-    nearest to their rails.
+    nearest: where the patches are nearest to their rails, by wheel (left, right) and in the order of `patches_of`.
     """
 
     stance: Stance
-    pressed: list[list[Press]]
     nearest: list[list[Nearest]]
 
 
@@ -119,24 +116,16 @@ def place_elastic(assembly: Assembly, number: int, section: Callable[[int, ca.SX
     wheelset = add_up(assembly, number, body, stance, found)
     if assembly.on_line:
         press_rails(assembly, give, wheelset.thrusts[0] - wheelset.thrusts[1], wheelset.loads)
-    observe_patches(assembly, wheelset)
+    observe_patches(assembly, number, found)
     return wheelset
 
 
-def add_up(
-    assembly: Assembly, number: int, body: Body, stance: Stance, found: Sequence[WheelPressed]
-) -> ElasticWheelset:
+def add_up(assembly: Assembly, number: int, body: Body, stance: Stance, found: Sequence[WheelFound]) -> ElasticWheelset:
     """What all patches of a wheelset do together, (3.35), (3.36); found: of the (left, right) wheel."""
     data, give = assembly.vehicle.wheelsets[number - 1], stance.give
-    pressed, nearest = [wheel for wheel, _ in found], [near for _, near in found]
-    every = [
-        (one, patch)
-        for side, wheel in zip(data.pair.both, pressed, strict=True)
-        for one, patch in zip(patches_of(side), wheel, strict=True)
-    ]
 
-    def of_wheels(value: Callable[[Press], ca.SX]) -> ca.SX:
-        return ca.vertcat(*[sum((value(patch) for patch in wheel), ca.SX(0)) for wheel in pressed])
+    def of_wheels(value: Callable[[WheelPress], ca.SX]) -> ca.SX:
+        return ca.vertcat(*[value(wheel.pressed) for wheel in found])
 
     return ElasticWheelset(
         number,
@@ -144,39 +133,41 @@ def add_up(
         body,
         stance.on,
         rail_heights=stance.on.heights + give.moved[1:],
-        loads=of_wheels(lambda patch: patch.force[2]),
-        thrusts=-ca.vertcat(*SIDES) * of_wheels(lambda patch: patch.force[1]),
-        flange_force=sum((patch.force[1] for one, patch in every if one.flange), ca.SX(0)),
-        creep_along=of_wheels(lambda patch: patch.creep_along),
-        creep_powers=of_wheels(lambda patch: patch.creep_power),
+        loads=of_wheels(lambda wheel: wheel.force[2]),
+        thrusts=-ca.vertcat(*SIDES) * of_wheels(lambda wheel: wheel.force[1]),
+        flange_force=ca.sum1(of_wheels(lambda wheel: wheel.flange_force)),
+        creep_along=of_wheels(lambda wheel: wheel.creep_along),
+        creep_powers=of_wheels(lambda wheel: wheel.creep_power),
         kinetic_of_track=give.kinetic,
-        stored=ca.sum1(of_wheels(lambda patch: patch.stored)) + give.stored,
-        damping_power=ca.sum1(of_wheels(lambda patch: patch.damping_power)) + give.damping_power,
-        free=stand_freely(assembly, data, body, [patch for _, patch in every]),
-        lost=[room_left(*one) / END_MARGIN - 1 for one in zip(data.pair.both, nearest, strict=True)],
+        stored=ca.sum1(of_wheels(lambda wheel: wheel.stored)) + give.stored,
+        damping_power=ca.sum1(of_wheels(lambda wheel: wheel.damping_power)) + give.damping_power,
+        free=stand_freely(assembly, data, body, [wheel.pressed for wheel in found]),
+        lost=[room_left(one, wheel.nearest) / END_MARGIN - 1 for one, wheel in zip(data.pair.both, found, strict=True)],
         stance=stance,
-        pressed=pressed,
-        nearest=nearest,
+        nearest=[wheel.nearest for wheel in found],
     )
 
 
-def observe_patches(assembly: Assembly, wheelset: ElasticWheelset) -> None:
+def observe_patches(assembly: Assembly, number: int, found: Sequence[WheelFound]) -> None:
     """Force of the rail on each patch of each wheel [N], in the axes of the track where the wheelset is, (3.35)."""
-    for side, wheel in zip(SIDES.values(), wheelset.pressed, strict=True):
-        for place, patch in enumerate(wheel):
+    for side, wheel in zip(SIDES.values(), found, strict=True):
+        for place, patch in enumerate(wheel.each):
             for row, force in zip(("ahead", "aside", "above"), ca.vertsplit(patch.force), strict=True):
-                assembly.system.observe(f"force_{place}_{wheelset.number}_{side}_{row}", "N", force)
+                assembly.system.observe(f"force_{place}_{number}_{side}_{row}", "N", force)
 
 
-WheelPressed = tuple[list[Press], list[Nearest]]
+@dataclass(frozen=True)
+class WheelFound:
+    """What the patches of a wheel do together and each by itself, and where they are nearest to the rail."""
+
+    pressed: WheelPress
+    each: list[Press]
+    nearest: list[Nearest]
 
 
-def press_patches(assembly: Assembly, number: int, index: int, stance: Stance, body: Body) -> WheelPressed:
-    """What each patch of a wheel does, and where it is nearest to its rail, (3.77), (3.78).
-
-    number: of the wheelset; index: of its wheel, 0 the left one.
-    """
-    one, on_line = side_of(assembly, number, index), assembly.on_line
+def press_patches(assembly: Assembly, number: int, index: int, stance: Stance, body: Body) -> WheelFound:
+    """The wheel `index` (0 the left one) of a wheelset on its patches, (3.77), (3.78)."""
+    one, system = side_of(assembly, number, index), assembly.system
     wheel, state = feel_rail(assembly, number, index, stance)
     track = TurningTrack(body.track.turning, body.stretch)
     # As the track turns about its own axis, so does the rail's place; what lies beside it the patch itself adds.
@@ -184,26 +175,17 @@ def press_patches(assembly: Assembly, number: int, index: int, stance: Stance, b
     lies = ca.vertcat(0, on.centre + wheel.side * on.spread, on.heights[index] + stance.settled)
     lies += ca.vertcat(0, moved[0], moved[1 + index])
     slopes = state.slopes + ca.cross(ca.vertcat(track.turning[0], 0, 0), lies)[1:]
-    state = replace(state, slopes=assembly.system.narrow(slopes))
-    placement = replace(stance.placement, lateral=state.offset)
-    pressed, nearest = [], []
-    for place, patch in enumerate(patches_of(one)):
-        name = f"{place}_{number}_{list(SIDES.values())[index]}"
-        near = look_up_patch(assembly.system, name, patch, one.wheel, (placement, wheel, state.height))
-        fixed = PatchConstants(stance.cosines, wheel.vector, ca.SX(direction_of(patch)), *surroundings(assembly))
-        terms = near.pieces.wheel.numel(), near.pieces.rail.numel()
-        part = pressing_patch(*terms, patch.flange, assembly.contact.law_of(patch.flange), on_line)
-        given = replace(state, nearest=near.position).vector
-        given = ca.vertcat(given, track.vector) if on_line else given
-        # The first, a tread, bears nearly always; the others seldom.
-        when = 1.0 if place == 0 else near.approach + NEAR
-        found = assembly.system.call(part, given, ca.vertcat(fixed.vector, near.pieces.vector), when)
-        pressed.append(Press.of(found))
-        nearest.append(near)
-    return pressed, nearest
+    state = replace(state, slopes=system.narrow(slopes))
+    fixed = PatchConstants(stance.cosines, wheel.vector, ca.SX.zeros(2), *surroundings(assembly))
+    feeling = Feeling(state, fixed, track if assembly.on_line else None)
+    patches = tuple(PatchTables.of(patch, one.wheel) for patch in patches_of(one))
+    laws = tuple(assembly.contact.law_of(patch.flange) for patch in patches)
+    pressed = system.call(wheel_on_patches(patches, laws, assembly.on_line), *feeling.given)
+    nearest = [feeling.nearest(system, patch) for patch in patches]
+    return WheelFound(WheelPress.of(pressed), feeling.each(system, patches, laws), nearest)
 
 
-def press_strips(assembly: Assembly, number: int, index: int, stance: Stance, body: Body) -> WheelPressed:
+def press_strips(assembly: Assembly, number: int, index: int, stance: Stance, body: Body) -> WheelFound:
     """As `press_patches`, by strips: Knothe (1984), Kalker (1982), see contact/strips.c.
 
     Nearest points only tell where tread and flange end. On a line all strips of a wheel see the rail twist as its
@@ -214,19 +196,16 @@ def press_strips(assembly: Assembly, number: int, index: int, stance: Stance, bo
     wheel, state = feel_rail(assembly, number, index, stance)
     slopes = (state.slopes + ca.cross(body.track.turning, middle)[1:]) / body.stretch
     state = replace(state, slopes=slopes)
-    word, patches = list(SIDES.values())[index], patches_of(one)
+    patches = patches_of(one)
     at = replace(stance.placement, lateral=state.offset), wheel, state.height
-    nearest = [
-        look_up_patch(assembly.system, f"{place}_{number}_{word}", patch, one.wheel, at)
-        for place, patch in enumerate(patches)
-    ]
+    nearest = [find_nearest(assembly.system, PatchTables.of(patch, one.wheel), at) for patch in patches]
     given = state.vector[: -state.nearest.numel()]
     *steel, surface, damping, gauge_face = surroundings(assembly)
     without_slip = surface[: surface.numel() - 1]
     constants = ca.vertcat(wheel.vector, *steel, without_slip, damping, gauge_face, POISSON_RATIO, assembly.on_line)
     found = assembly.system.call(wheel_on_strips(one), given, constants)
-    rows = [found[OF_SEGMENT * i : OF_SEGMENT * (i + 1)] for i in reversed(range(len(patches)))]
-    return [Press.of(row) for row in rows], nearest
+    each = [Press.of(found[OF_SEGMENT * i : OF_SEGMENT * (i + 1)]) for i in reversed(range(len(patches)))]
+    return WheelFound(WheelPress.of_patches(each, [patch.flange for patch in patches]), each, nearest)
 
 
 #: By the depth of contact: how a wheel is pressed.
@@ -270,16 +249,16 @@ def surroundings(assembly: Assembly) -> tuple[ca.SX, ...]:
     return *steel, surface, p["contact_damping"], p["gauge_face_friction"]
 
 
-def stand_freely(assembly: Assembly, data: Wheelset, body: Body, pressed: Sequence[Press]) -> ca.SX:
+def stand_freely(assembly: Assembly, data: Wheelset, body: Body, pressed: Sequence[WheelPress]) -> ca.SX:
     """Newton's and Euler's equations of a wheelset on its patches without suspension, as (3.73): `free`.
 
     In axes that yaw and roll with it, in which its inertia is constant.
     """
     mass, inertia = assembly.value(data.mass), [assembly.value(size) for size in data.inertia]
-    force = sum((patch.force for patch in pressed), mass * body.falling(assembly.parameter["gravity"]))
+    force = sum((wheel.force for wheel in pressed), mass * body.falling(assembly.parameter["gravity"]))
     rate, roll, spin = body.own_rate, body.angles[0], body.axes.T @ body.spin
     gyroscopic = ca.cross(axes_rate(ca.tan(roll), rate - spin) + spin, ca.vertcat(*inertia) * rate)
-    moment = sum((patch.moment for patch in pressed), -gyroscopic)
+    moment = sum((wheel.moment for wheel in pressed), -gyroscopic)
     moved = ca.vertcat((1 / mass) * force, moment[0] / inertia[0], moment[1], moment[2] / inertia[2])
     return assembly.system.narrow(moved)
 

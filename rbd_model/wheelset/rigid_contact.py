@@ -14,7 +14,8 @@ from functools import lru_cache
 import casadi as ca
 
 from fmu_src.chain import Chain, Part
-from fmu_src.system import System, polynomials
+from fmu_src.piecewise import polynomials
+from fmu_src.system import System
 from rbd_model.body.kinematics import turned_by
 from rbd_model.contact.geometry import Pair
 from rbd_model.wheelset.touch import Pieces, Placement, Wheel, follow_cosines, touch

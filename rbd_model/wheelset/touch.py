@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from fmu_src.chain import Chain
-from fmu_src.system import polynomials
+from fmu_src.piecewise import polynomials
 from rbd_model.body.kinematics import turned_by
 
 LEFT, RIGHT = 1, -1

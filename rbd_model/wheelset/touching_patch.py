@@ -7,13 +7,15 @@ Newton's method from there finds the common normal, eqs (3.54), (3.57), where th
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass
 from functools import lru_cache
 
 import casadi as ca
+import numpy as np
 
 from fmu_src.chain import Bundle, Chain, Part, rows
-from fmu_src.system import System, polynomials
+from fmu_src.piecewise import look_up, polynomials
 from rbd_model.body.kinematics import turned_by
 from rbd_model.contact.patches import Patch
 from rbd_model.contact.profiles import KNOT_DISTANCE, Profile
@@ -97,6 +99,25 @@ def patch_of_wheel(wheel_terms: int, rail_terms: int) -> Part:
 
 
 @dataclass(frozen=True)
+class Line:
+    """The line along which a patch is described: `direction` [rad], `radius` [m] and `square` [m] of a `Patch`."""
+
+    direction: float
+    radius: float
+    square: float
+
+    @classmethod
+    def of(cls, patch: Patch) -> Line:
+        """That of a patch."""
+        return cls(patch.direction, patch.radius, patch.square)
+
+    @property
+    def cosine_and_sine(self) -> tuple[float, float]:
+        """Of its slope (section 3.3.2)."""
+        return float(ca.cos(self.direction)), float(ca.sin(self.direction))
+
+
+@dataclass(frozen=True)
 class Outline:
     """A wheel's outline in the axes of a patch, from the rail's origin, as far as yaw and roll move it there.
 
@@ -109,7 +130,7 @@ class Outline:
     sine: ca.SX
 
     @classmethod
-    def of(cls, patch: Patch, placement: Placement, on: Wheel, height: ca.SX) -> Outline:
+    def of(cls, line: Line, placement: Placement, on: Wheel, height: ca.SX) -> Outline:
         """Of a wheel that stands as `placement` says; height [m]: of the wheelset's centre over the rail.
 
         A wheel that yaws touches ahead of or behind its axle where it is steep: with the slope tan(g) of the direction
@@ -118,7 +139,7 @@ class Outline:
         origin = turned_by(placement.cosines) @ ca.vertcat(0, on.side * on.wheel_half_distance, -on.radius)
         outward = on.side * (placement.lateral + origin[1]) - on.rail_half_distance
         up = height + origin[2]
-        cosine, sine = direction_of(patch)
+        cosine, sine = line.cosine_and_sine
         slope, yawed = sine / cosine, on.radius * sine * placement.yaw**2
         level, leaning = placement.cosines[2], on.side * placement.cosines[3]
         return cls(
@@ -135,11 +156,6 @@ class Outline:
         )
 
 
-def direction_of(patch: Patch) -> tuple[float, float]:
-    """Cosine and sine of the slope along which a patch is described (section 3.3.2)."""
-    return float(ca.cos(patch.direction)), float(ca.sin(patch.direction))
-
-
 @dataclass(frozen=True)
 class Nearest:
     """The point of a patch that is nearest to its rail without yaw, (3.77), (3.78).
@@ -153,22 +169,95 @@ class Nearest:
     approach: ca.SX
 
 
-def look_up_patch(
-    system: System, name: str, patch: Patch, wheel: Profile, at: tuple[Placement, Wheel, ca.SX]
-) -> Nearest:
-    """Nearest point of a patch and pieces of both profiles there (3.77), (3.78).
+HashableTable = tuple[tuple[float, ...], tuple[tuple[float, ...], ...]]
 
-    at: where the wheelset stands, its wheel, and its height over the rail. Adds the tables, named after `name`. Seen
-    from the wheel, a roll moves the rail's arc as its centre moves.
+
+def _hashable(breakpoints: np.ndarray, coefficients: np.ndarray) -> HashableTable:
+    return tuple(breakpoints.tolist()), tuple(map(tuple, coefficients.tolist()))
+
+
+@dataclass(frozen=True)
+class PatchTables:
+    """What parts need of a `Patch` of a wheel: its line, and breakpoints and coefficients of four tables, as tuples.
+
+    nearest, along: those of the patch; wheel, rail: contours.
     """
-    placement, on, _ = at
-    outline = Outline.of(patch, *at)
-    offset = outline.along + patch.radius * on.side * placement.cosines[3]
-    guess = system.table(f"nearest_{name}", *patch.nearest, offset)
-    piece = system.look_up(f"wheel_{name}", *wheel.pieces, guess)
-    beside = system.table(f"along_{name}", *patch.along, offset)
-    rail = system.look_up(f"rail_{name}", *patch.rail.pieces, outline.at(beside, patch.square)[0])
-    cosine, sine = direction_of(patch)
-    rises = polynomials(piece, guess, 0)[0]
+
+    flange: bool
+    line: Line
+    nearest: HashableTable
+    along: HashableTable
+    wheel: HashableTable
+    rail: HashableTable
+
+    @classmethod
+    def of(cls, patch: Patch, wheel: Profile) -> PatchTables:
+        """Those of a patch of a wheel with this profile."""
+        tables = (patch.nearest, patch.along, wheel.pieces, patch.rail.pieces)
+        return cls(patch.flange, Line.of(patch), *(_hashable(*one) for one in tables))
+
+
+def find_nearest(chain: Chain, patch: PatchTables, at: tuple[Placement, Wheel, ca.SX]) -> Nearest:
+    """Nearest point of a patch, pieces of both profiles there, and how they lie to each other, (3.77), (3.78).
+
+    at: where the wheelset stands, its wheel, and its height over the rail.
+    """
+    placement, on, height = at
+    given = ca.vertcat(placement.lateral, height, placement.yaw, placement.roll)
+    constants = ca.vertcat(placement.cosines, on.vector)
+    found = chain.call(nearest_point(patch), given, constants)
+    of_wheel = 2 + len(patch.wheel[1][0])
+    pieces = Pieces(found[1:of_wheel], found[of_wheel:])
+    beside = beside_rail(patch.line, pieces.wheel.numel(), pieces.rail.numel())
+    lies = chain.call(beside, ca.vertcat(given, found[0]), ca.vertcat(constants, pieces.vector))
+    return Nearest(found[0], pieces, lies[0], lies[1])
+
+
+def _placed(given: ca.SX, constants: ca.SX) -> tuple[Chain, tuple[Placement, Wheel, ca.SX]]:
+    """A part's chain, and where its wheel stands by arguments (lateral, height, yaw, roll) and constants."""
+    chain, cosines = Chain(), constants[:4]
+    follow_cosines(chain, cosines, given[2:4])
+    placement = Placement(given[2], given[3], cosines, given[0])
+    return chain, (placement, Wheel(*ca.vertsplit(constants[4:8])), given[1])
+
+
+@lru_cache
+def nearest_point(patch: PatchTables) -> Part:
+    """Position on the wheel's profile that is nearest to the rail, and pieces of both profiles there (3.77), (3.78).
+
+    Of lateral position, height, yaw and roll; constants: direction cosines and the wheel. Seen from the wheel, a roll
+    moves the rail's arc as its centre moves.
+    """
+    given, constants = ca.SX.sym("given", 4), ca.SX.sym("constants", 8)
+    chain, at = _placed(given, constants)
+    outline = Outline.of(patch.line, *at)
+    offset = outline.along + patch.line.radius * at[1].side * constants[3]
+
+    def piece(name: str, table: HashableTable, place: ca.SX) -> ca.SX:
+        return look_up(chain, name, np.array(table[0]), np.array(table[1]), place)
+
+    guess = polynomials(piece("nearest", patch.nearest, offset), offset, 0)[0]
+    same = patch.along == patch.nearest  # on the tread
+    beside = guess if same else polynomials(piece("along", patch.along, offset), offset, 0)[0]
+    on_rail = outline.at(beside, patch.line.square)[0]
+    results = ca.vertcat(guess, piece("wheel", patch.wheel, guess), piece("rail", patch.rail, on_rail))
+    name = hashlib.sha256(repr(patch).encode()).hexdigest()[:12]
+    return Part(f"nearest_{name}", given, constants, results, chain)
+
+
+@lru_cache
+def beside_rail(line: Line, wheel_terms: int, rail_terms: int) -> Part:
+    """Where the nearest point lies on the rail's profile [m], and by how much it is pressed into it [m], (3.78).
+
+    Of what `nearest_point` is given and its position; constants: as there, and pieces of both profiles.
+    """
+    given, constants = ca.SX.sym("given", 5), ca.SX.sym("constants", 8 + wheel_terms + rail_terms)
+    chain, at = _placed(given, constants)
+    outline, guess = Outline.of(line, *at), given[4]
+    wheel, rail = constants[8 : 8 + wheel_terms], constants[8 + wheel_terms :]
+    cosine, sine = line.cosine_and_sine
+    rises = polynomials(wheel, guess, 0)[0]
     along, square = outline.at(cosine * guess + sine * rises, cosine * rises - sine * guess)
-    return Nearest(guess, Pieces(piece, rail), along, polynomials(rail, along, 0)[0] - square)
+    results = ca.vertcat(along, polynomials(rail, along, 0)[0] - square)
+    name = hashlib.sha256(repr(line).encode()).hexdigest()[:12]
+    return Part(f"beside_{name}_{wheel_terms}_{rail_terms}", given, constants, results, chain)

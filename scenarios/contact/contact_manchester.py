@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from scipy.optimize import brentq
 
 from fmu_src.cosimulation.recording import Recording
-from fmu_src.system import System, Table
+from fmu_src.system import System
 from rbd_model.body.kinematics import direction_cosines, turned_by
 from rbd_model.contact.creep.kalker import smooth_kalker_coefficients
 from rbd_model.contact.creep.law import ContactPatch
@@ -32,7 +32,7 @@ from rbd_model.contact.profiles import from_points, wheel_s1002
 from rbd_model.contact.strips import WheelVelocity, creepages_of, place_of, rolling, total, under_load
 from rbd_model.wheelset.pressing_patch import PatchConstants, PatchState, Press, find_patch, pressing_patch
 from rbd_model.wheelset.touch import Placement, Wheel
-from rbd_model.wheelset.touching_patch import direction_of, look_up_patch
+from rbd_model.wheelset.touching_patch import Line, PatchTables, find_nearest
 from scenarios.bench.wheel_on_strips import CONSTANT_FRICTION, NO_SPEED, wheel_under_load
 from scenarios.reporting.plots import BOGIE, FOUR, LEADING, THESIS, TRAILING, plt, titled
 from scenarios.reporting.progress import counting
@@ -147,18 +147,13 @@ def one_ellipse() -> ca.Function:
 
 @dataclass(frozen=True)
 class Elastic:
-    """A patch of depth 2 by NumPy: its tables, their arguments and `Bearing` of how a wheel stands and moves."""
+    """A patch of depth 2 by CasADi: `Bearing` of how a wheel stands and moves."""
 
-    tables: list[Table]
-    arguments: list[ca.Function]
     bearing: ca.Function
 
     def at(self, given: np.ndarray) -> Bearing:
-        """Looks up the tables one after the other, as the C runtime does."""
-        pieces = [np.zeros(table.symbols.numel()) for table in self.tables]
-        for i, (table, argument) in enumerate(zip(self.tables, self.arguments, strict=True)):
-            pieces[i] = piece_of(table, float(argument(given, np.concatenate(pieces))))
-        return Bearing(*self.bearing(given, np.concatenate(pieces)).full().ravel().tolist())
+        """What it does there."""
+        return Bearing(*self.bearing(given).full().ravel().tolist())
 
 
 @dataclass(frozen=True)
@@ -177,17 +172,6 @@ class Bearing:
     angle: float
 
 
-def piece_of(table: Table, argument: float) -> np.ndarray:
-    """Origin and coefficients of a table's piece; outside its breakpoints it holds its end value, see `Table`."""
-    i = min(max(int(np.searchsorted(table.breakpoints, argument, "right")), 1), len(table.coefficients)) - 1
-    origin, coefficients = table.breakpoints[i], table.coefficients[i]
-    inside = min(max(argument, table.breakpoints[0]), table.breakpoints[-1])
-    if argument != inside:
-        value = np.polynomial.polynomial.polyval(inside - origin, coefficients)
-        coefficients = np.append(value, np.zeros(coefficients.size - 1))
-    return np.concatenate([[origin], coefficients])
-
-
 @lru_cache
 def elastic_patches(contact: Contact) -> list[Elastic]:
     """The patches of the level `spatial` at contact depth 2, on the left wheel."""
@@ -201,10 +185,12 @@ def elastic_patch(patch: Patch, contact: Contact) -> Elastic:
     lateral, height, yaw, roll, forward, roll_rate, pitch_rate, yaw_rate = ca.vertsplit(given)
     cosines = direction_cosines(yaw, roll)
     wheel = Wheel(*map(ca.SX, (LEFT, pair.radius, pair.wheel_half_distance, pair.rail_half_distance)))
-    nearest = look_up_patch(system, "patch", patch, pair.wheel, (Placement(yaw, roll, cosines, lateral), wheel, height))
+    nearest = find_nearest(
+        system, PatchTables.of(patch, pair.wheel), (Placement(yaw, roll, cosines, lateral), wheel, height)
+    )
     still, rates, place = ca.SX(0), (roll_rate, pitch_rate, yaw_rate), (lateral, height, yaw, roll)
     state = PatchState(forward, still, still, *rates, *place, ca.SX.zeros(2), ca.SX(FRICTION), nearest.position)
-    direction = ca.SX(direction_of(patch))
+    direction = ca.SX(Line.of(patch).cosine_and_sine)
     steel = ca.SX(NO_SPEED), modulus, ca.SX(CONSTANT_FRICTION)
     fixed = PatchConstants(cosines, wheel.vector, direction, *steel, still, gauge_face=ca.SX(1))
     terms = nearest.pieces.wheel.numel(), nearest.pieces.rail.numel()
@@ -217,9 +203,7 @@ def elastic_patch(patch: Patch, contact: Contact) -> Elastic:
     on_rail = lateral + (turned_by(cosines) @ found.arm)[1] - pair.rail_half_distance
     angle = ca.atan2(-found.across[0], found.across[1])
     results = system.expand(ca.vertcat(press.force, load, pressure, found.position, on_rail, angle))
-    pieces = ca.vertcat(*[table.symbols for table in system.tables])
-    arguments = [ca.Function("argument", [given, pieces], [table.argument]) for table in system.tables]
-    return Elastic(system.tables, arguments, ca.Function("bearing", [given, pieces], [results]))
+    return Elastic(ca.Function("bearing", [given], [results]))
 
 
 def bearings(stand: Stand, motion: WheelVelocity, contact: Contact = ON_PATCHES) -> list[Bearing]:

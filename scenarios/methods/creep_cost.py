@@ -93,9 +93,10 @@ def cost(law: CreepLaw, points: np.ndarray, derivatives: bool) -> float:
 
 def compiled(chain: Chain, result: ca.SX, point: ca.SX) -> Callable[..., None]:
     """`repeat` of C as the project makes it of its own equations, optimised as they are."""
-    text = equations_in_c("law", {"law": function_of(chain, "law", [result], [point])}) + REPEAT
+    files = equations_in_c("law", {"law": function_of(chain, "law", [result], [point])})
+    files["equations_law.c"] += REPEAT
     with tempfile.TemporaryDirectory() as folder:
-        objects = objects_of({"law.c": text}, [*FLAGS, OPTIMISE_GENERATED])
+        objects = objects_of(files, [*FLAGS, OPTIMISE_GENERATED])
         library = f"law{library_suffix()}"
         run([*FLAGS, OPTIMISE_GENERATED, "-shared", "-o", library, *map(str, objects), "-lm"], None, Path(folder))
         repeat = ctypes.CDLL(str(Path(folder) / library)).repeat

@@ -12,7 +12,8 @@ from fmu_src.compose import compose, scope
 from fmu_src.elimination import elimination
 from fmu_src.equations import functions
 from fmu_src.kernel import Kernel, Library
-from fmu_src.system import System, Variable, interpolation, model_of
+from fmu_src.piecewise import interpolation
+from fmu_src.system import System, Variable, model_of
 from products.braked_vehicle import coach_brake, timed_brake, with_brakes
 from rbd_model.levels.planar import planar_vehicle
 from rbd_model.vehicle.ready import passenger_coach

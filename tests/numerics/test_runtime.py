@@ -13,7 +13,8 @@ from scipy.integrate import solve_ivp
 from fmu_src.compile import build_library
 from fmu_src.equations import functions
 from fmu_src.kernel import DISCARD, ERROR, Kernel, KernelError, Library
-from fmu_src.system import System, Variable, interpolation, model_of
+from fmu_src.piecewise import interpolation
+from fmu_src.system import System, Variable, model_of
 
 #: Theory: RODAS5P (Steinebach 2023), ROS34PW2 with any matrix (Rang and Angermann 2005), Runge-Kutta.
 ORDERS, ORDER_BAND = {1: 5.0, 2: 3.0, 3: 4.0}, 0.2

@@ -1,0 +1,199 @@
+"""Where a generated function keeps what it gives to the parts that it calls and what they leave, and C of the calls."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from fmu_src.chain import Part
+from fmu_src.equations import Generated, Slopes, part_name
+from fmu_src.own_names import PREFIX
+
+
+@dataclass
+class Group:
+    """Calls of a part that are computed side by side: each number of one call stands behind that of the one before.
+
+    calls: their numbers in the function; given, left: where their numbers begin in `given_RANK` and in `left`. alone: a
+    call that has no others beside it.
+    """
+
+    part: Part
+    slopes: Slopes
+    conditional: bool
+    alone: bool
+    calls: list[int] = field(default_factory=list)
+    given: int = 0
+    left: int = 0
+
+    @property
+    def lanes(self) -> int:
+        """Calls that have room: of a group an even number, the last one is computed twice where they are odd."""
+        return 1 if self.alone else len(self.calls) + len(self.calls) % 2
+
+    @property
+    def arguments(self) -> int:
+        """How many numbers stand before the constants."""
+        return self.part.arguments.numel()
+
+    @property
+    def numbers(self) -> int:
+        """How many are given, without the condition, which comes last."""
+        return self.arguments + self.part.constants.numel()
+
+    @property
+    def leaves(self) -> int:
+        """How many each call leaves."""
+        return self.part.results.numel() + len(self.slopes)
+
+    @property
+    def function(self) -> str:
+        """The part's function with this distance between the numbers of a call."""
+        return f"{part_name(self.part, self.slopes)}{'' if self.alone else f'_of_{self.lanes}'}"
+
+    @property
+    def entry(self) -> str:
+        """What computes some of its lanes, called from functions of one number."""
+        return f"{self.function}_where" if self.conditional else f"{self.function}_all"
+
+
+@dataclass
+class Rooms:
+    """The arrays of a function for its calls: groups by rank, sizes of the arrays, and the place of each number.
+
+    given: for each rank the places of each number that is given; left: the place of each number that is left.
+    """
+
+    groups: list[list[Group]] = field(default_factory=list)
+    given: list[list[list[int]]] = field(default_factory=list)
+    left: list[int] = field(default_factory=list)
+    sizes: dict[str, int] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, one: Generated, side_by_side: bool) -> Rooms:
+        """side_by_side: calls of one rank and part are a group, but for parts in C; otherwise each stands alone."""
+        made = cls(sizes={f"given_{rank}": 0 for rank in range(one.ranks)} | ({"left": 0} if one.calls else {}))
+        left: dict[int, list[int]] = {}
+        for rank in range(one.ranks):
+            groups = list(_groups(one, rank, side_by_side))
+            given: dict[int, list[list[int]]] = {}
+            for group in groups:
+                group.given, group.left = made.sizes[f"given_{rank}"], made.sizes["left"]
+                made.sizes[f"given_{rank}"] += (group.numbers + group.conditional) * group.lanes
+                made.sizes["left"] += group.leaves * group.lanes
+                for lane, number in enumerate(group.calls):
+                    twice = [lane, lane + 1] if lane == len(group.calls) - 1 < group.lanes - 1 else [lane]
+                    taken, leaves = one.sizes(number)
+                    given[number] = [[group.given + n * group.lanes + one for one in twice] for n in range(taken)]
+                    left[number] = [group.left + n * group.lanes + lane for n in range(leaves)]
+            made.groups.append(groups)
+            made.given.append([places for number in sorted(given) for places in given[number]])
+        made.left = [place for number in sorted(left) for place in left[number]]
+        return made
+
+
+def _groups(one: Generated, rank: int, side_by_side: bool) -> Iterator[Group]:
+    found: dict[object, Group] = {}
+    for number, call in enumerate(one.calls):
+        if call.rank != rank:
+            continue
+        alone, conditional = bool(call.part.source) or not side_by_side, not call.when.is_constant()
+        key = number if alone else (part_name(call.part, one.slopes[number]), conditional)
+        found.setdefault(key, Group(call.part, one.slopes[number], conditional, alone)).calls.append(number)
+    yield from found.values()
+
+
+def call_of_group(name: str, rank: int, group: Group) -> str:
+    """In a function of one number: `mem` is how many lanes the processor has."""
+    if group.part.source:
+        return _call_of_c(rank, group)
+    return f"{name}_{group.entry}_at(mem, given_{rank} + {group.given}, left + {group.left})"
+
+
+def _call_of_c(rank: int, group: Group) -> str:
+    """A part that is given in C, in a function of one number."""
+    when = ""
+    if group.conditional:
+        # Cleared before: a call that is left out leaves 0.
+        when = f"for (int i = {group.left}; i < {group.left + group.leaves}; ++i) left[i] = 0.0;\n  "
+        when += f"if (given_{rank}[{group.given + group.numbers}] > 0.0) "
+    slopes = f"left + {group.left + group.part.results.numel()}" if group.slopes else "0"
+    given = f"given_{rank} + {group.given}, given_{rank} + {group.given + group.arguments}"
+    return f"{when}{PREFIX}{group.part.name}({given}, left + {group.left}, {slopes})"
+
+
+def call_in_lanes(name: str, rank: int, group: Group) -> str:
+    """In a function of several lanes, each of which calls the part."""
+    given = [f"given_{rank} + {group.given + place} * LANES" for place in (0, group.arguments, group.numbers)]
+    left = f"left + {group.left} * LANES"
+    if group.part.source:
+        call = f"LANES_NAME({name}_each_{group.function})({given[0]}, {given[1]}, {left})"
+    else:
+        call = f"LANES_NAME({name}_{group.function})({given[0]}, {given[1]}, {left})"
+    return call if not group.conditional else where(call, given[2], left, group.leaves, "LANES")
+
+
+def where(call: str, condition: str, left: str, leaves: int, distance: str | int) -> str:
+    """A call that leaves 0 in lanes whose condition is not above 0, and is left out where that is so in all."""
+    return f"""{{
+    const real_mask asked = real_load({condition}) > 0.0;
+    if (real_any(asked)) {call};
+    for (int i = 0; i < {leaves} && real_any(asked); ++i)
+      real_store({left} + i * {distance}, real_where(asked, real_load({left} + i * {distance})));
+    for (int i = 0; i < {leaves} && !real_any(asked); ++i) real_store({left} + i * {distance}, real_of(0.0));
+  }}"""
+
+
+def entry_of_group(name: str, group: Group) -> str:
+    """The function that computes LANES lanes of a group, for functions of one number."""
+    distance = group.lanes
+    call = f"LANES_NAME({name}_{group.function})(given, given + {group.arguments * distance}, left)"
+    if group.conditional:
+        call = where(call, f"given + {group.numbers * distance}", "left", group.leaves, distance)
+    head = f"RUNTIME_LOCAL void LANES_NAME({name}_{group.entry})(const double *given, double *left)"
+    return f"{head} {{\n  {call};\n  LANES_LEAVE;\n}}\n"
+
+
+def group_at(name: str, group: Group, widths: tuple[int, ...]) -> str:
+    """The function that computes a group in as many lanes at once as the processor has, `lanes`."""
+    wide = [lanes for lanes in reversed(widths) if lanes <= group.lanes]
+    declared, tried = "", ""
+    for lanes in wide:
+        last = lanes == widths[0]
+        entry = f"{name}_{group.entry}_{lanes}"
+        declared += (
+            f"#if LANES_WIDEST >= {lanes}\n" + f"RUNTIME_LOCAL void {entry}(const double *, double *);\n#endif\n"
+        )
+        asked = "" if last else f"if (lanes >= {lanes} && lane + {lanes} <= {group.lanes}) "
+        step = f"{{ {entry}(given + lane, left + lane); lane += {lanes}; continue; }}"
+        tried += f"#if LANES_WIDEST >= {lanes}\n    {asked}{step}\n"
+        tried += "#endif\n" if not last else ""
+    single = f"{name}_{group.entry}_1"
+    declared += f"#if LANES_WIDEST == 1\nRUNTIME_LOCAL void {single}(const double *, double *);\n#endif\n"
+    tried += f"#else\n    {single}(given + lane, left + lane); lane += 1;\n#endif\n"
+    head = f"static void {name}_{group.entry}_at(int lanes, const double *given, double *left)"
+    return f"{declared}{head} {{\n  (void)lanes;\n  for (int lane = 0; lane < {group.lanes};) {{\n{tried}  }}\n}}\n"
+
+
+def part_in_c_in_lanes(name: str, part: Part, slopes: Slopes) -> str:
+    """A part that is given in C, called lane by lane."""
+    counts = part.arguments.numel(), part.constants.numel(), part.results.numel(), part.slope.nnz()
+    arrays = ", ".join(f"{one}[{max(size, 1)}]" for one, size in zip("acrs", counts, strict=True))
+
+    def copy(target: str, size: int, source: str) -> str:
+        return f"    for (int i = 0; i < {size}; ++i) {target} = {source};\n" if size else ""
+
+    head = f"LANES_FUNCTION void LANES_NAME({name}_each_{part_name(part, slopes)})"
+    given = copy("a[i]", counts[0], "arguments[i * LANES + lane]") + copy(
+        "c[i]", counts[1], "constants[i * LANES + lane]"
+    )
+    left = copy("results[i * LANES + lane]", counts[2], "r[i]")
+    left += copy(f"results[({counts[2]} + i) * LANES + lane]", len(slopes), "s[i]")
+    call = f"    {PREFIX}{part.name}(a, c, r, {'s' if slopes else '0'});\n"
+    return f"""{head}(const double *arguments, const double *constants, double *results) {{
+  double {arrays};
+  (void)constants, (void)c, (void)s;
+  for (int lane = 0; lane < LANES; ++lane) {{
+{given}{call}{left}  }}
+}}
+"""

@@ -1,0 +1,92 @@
+"""Piecewise polynomials in equations: a look-up of the piece at a place is a part, the rest are equations."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from functools import lru_cache
+from pathlib import Path
+
+import casadi as ca
+import numpy as np
+
+from fmu_src.c_literals import c_array, c_number
+from fmu_src.chain import Chain, Part
+
+
+def interpolation(breakpoints: Sequence[float], values: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
+    """Breakpoints and coefficients of the straight lines through the points, for `look_up`."""
+    x, y = np.asarray(breakpoints, float), np.asarray(values, float)
+    return x, np.column_stack([y[:-1], np.diff(y) / np.diff(x)])
+
+
+def polynomials(piece: ca.SX, argument: ca.SX, order: int) -> list[ca.SX]:
+    """Value and derivatives up to `order` of a piece, (origin, c0, ..., c_degree), by Horner's rule."""
+    distance = argument - piece[0]
+    terms = [piece[1 + power] for power in range(piece.numel() - 1)]
+    values = []
+    for _ in range(order + 1):
+        value = terms[-1] if terms else ca.SX(0)
+        for term in terms[-2::-1]:
+            value = value * distance + term
+        values.append(value)
+        terms = [power * term for power, term in enumerate(terms)][1:]
+    return values
+
+
+def look_up(chain: Chain, name: str, breakpoints: np.ndarray, coefficients: np.ndarray, argument: ca.SX) -> ca.SX:
+    """The piece (origin, c0, ..., c_degree) of a piecewise polynomial at `argument`, for `polynomials`.
+
+    breakpoints: shape (pieces + 1,), increasing; coefficients: shape (pieces, degree + 1), lowest power first, of
+    (argument - left breakpoint); outside the breakpoints it holds its end value. name: what the sentence of a
+    ValueError calls it.
+    """
+    breakpoints, coefficients = np.asarray(breakpoints, float), np.asarray(coefficients, float)
+    if np.any(np.diff(breakpoints) <= 0.0) or coefficients.shape[0] != breakpoints.size - 1:
+        raise ValueError(f"Table {name}: give increasing breakpoints and one row of coefficients for each piece.")
+    part = _piece_at(breakpoints.tobytes(), coefficients.tobytes(), coefficients.shape[1])
+    return chain.call(part, ca.SX(argument), ca.SX(0, 1))
+
+
+@lru_cache(maxsize=256)
+def _piece_at(breakpoints: bytes, coefficients: bytes, terms: int) -> Part:
+    """The look-up in these tables, one part for all that have the same."""
+    rows = rows_of(np.frombuffer(breakpoints), np.frombuffer(coefficients).reshape(-1, terms))
+    name = f"piece_{hashlib.sha256(breakpoints + coefficients).hexdigest()[:12]}"
+    at = ca.SX.sym("at")
+    return Part(name, at, ca.SX.sym("none", 0), _chosen(rows, at), source=_in_c(name, rows), common=COMMON, flat=True)
+
+
+def rows_of(breakpoints: np.ndarray, coefficients: np.ndarray) -> np.ndarray:
+    """A row (origin, c0, ..., c_degree) for each piece, between those of the end values, which hold outside."""
+    last = np.polynomial.polynomial.polyval(breakpoints[-1] - breakpoints[-2], coefficients[-1])
+    held = np.zeros((2, coefficients.shape[1]))
+    held[:, 0] = coefficients[0, 0], last
+    origins = [breakpoints[0], *breakpoints]
+    return np.column_stack([origins, np.vstack([held[:1], coefficients, held[1:]])])
+
+
+def _chosen(rows: np.ndarray, at: ca.SX) -> ca.SX:
+    """The row that holds, by halves."""
+    if len(rows) == 1:
+        return ca.SX(rows[0])
+    half = len(rows) // 2
+    return ca.if_else(at >= rows[half, 0], _chosen(rows[half:], at), _chosen(rows[:half], at))
+
+
+#: C of the search, once for all look-ups.
+COMMON = (Path(__file__).parent / "runtime" / "piece_at.c").read_text(encoding="utf-8")
+
+
+def _in_c(name: str, rows: np.ndarray) -> str:
+    """C of the part: its rows, and the copy of the one that holds."""
+    pieces, terms = len(rows) - 2, rows.shape[1]
+    per_unit = pieces / (rows[-1, 0] - rows[0, 0])
+    return f"""\
+{c_array("double", f"{name}_row", map(c_number, rows.ravel()))}
+PIECE_INLINE void {name}(const double *arguments, const double *constants, double *results, double *slopes) {{
+    (void)constants, (void)slopes;
+    const double *row = piece_at({name}_row, {terms}, {pieces}, {c_number(per_unit)}, arguments[0]);
+    for (int i = 0; i < {terms}; ++i) results[i] = row[i];
+}}
+"""

@@ -1,0 +1,183 @@
+"""What CasADi's instructions of a function are in C: statements on a `real`, of one number or of several (lanes.h)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import casadi as ca
+
+_CALLED = (
+    *("exp", "log", "expm1", "log1p", "sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh"),
+    *("asinh", "acosh", "atanh", "floor", "ceil", "fabs", "erf"),
+)
+_CALLED_WITH_TWO = ("pow", "atan2", "fmod", "remainder", "copysign", "hypot")
+#: C of each operation. Minima and maxima take the second number where one is NaN.
+OPERATIONS: Mapping[int, str] = {
+    **{getattr(ca, f"OP_{name.upper()}"): f"real_{name}({{}})" for name in _CALLED},
+    **{getattr(ca, f"OP_{name.upper()}"): f"real_{name}({{}}, {{}})" for name in _CALLED_WITH_TWO},
+    ca.OP_CONSTPOW: "real_pow({}, {})",
+    ca.OP_ADD: "{} + {}",
+    ca.OP_SUB: "{} - {}",
+    ca.OP_MUL: "{} * {}",
+    ca.OP_DIV: "{} / {}",
+    ca.OP_NEG: "-{}",
+    ca.OP_SQ: "{0} * {0}",
+    ca.OP_TWICE: "{0} + {0}",
+    ca.OP_INV: "real_of(1.0) / {}",
+    ca.OP_LT: "{} < {}",
+    ca.OP_LE: "{} <= {}",
+    ca.OP_EQ: "{} == {}",
+    ca.OP_NE: "{} != {}",
+    ca.OP_NOT: "real_not({})",
+    ca.OP_AND: "{} & {}",
+    ca.OP_OR: "{} | {}",
+    ca.OP_FMIN: "real_select({0} < {1}, {0}, {1})",
+    ca.OP_FMAX: "real_select({0} > {1}, {0}, {1})",
+    ca.OP_SIGN: "real_select({0} < 0.0, real_of(-1.0), real_select({0} > 0.0, real_of(1.0), {0}))",
+    ca.OP_IF_ELSE_ZERO: "real_where({}, {})",
+}
+#: Operations whose result is a mask, and those that take one, with how many.
+_MASKS = {ca.OP_LT, ca.OP_LE, ca.OP_EQ, ca.OP_NE, ca.OP_NOT, ca.OP_AND, ca.OP_OR}
+_TAKES_MASKS = {ca.OP_NOT: 1, ca.OP_AND: 2, ca.OP_OR: 2, ca.OP_IF_ELSE_ZERO: 1}
+#: Powers that are made of a third root, and how.
+_THIRD = "real_of(0.3333333333333333)"
+_OF_THIRD_ROOT = {
+    _THIRD: "{}",
+    "real_of(0.6666666666666666)": "{0} * {0}",
+    "real_of(-0.6666666666666667)": "real_of(1.0) / ({0} * {0})",
+}
+_UNCHANGED = (ca.OP_ASSIGN, ca.OP_LIFT)
+
+
+@dataclass(frozen=True)
+class Statement:
+    """C that reads its operands, numbers of values or C of constants, in the braces of `form`.
+
+    value: the number of the value that the form gives; None: it gives none. mask: whether that is a mask.
+    """
+
+    form: str
+    operands: tuple[int | str, ...] = ()
+    value: int | None = None
+    mask: bool = False
+
+    @property
+    def reads(self) -> list[int]:
+        """Numbers of the values that it reads."""
+        return [operand for operand in self.operands if isinstance(operand, int)]
+
+    def text(self, names: Mapping[int, str]) -> str:
+        """The statement, or what stands on the right of it, with the names of values."""
+        return self.form.format(*(names[one] if isinstance(one, int) else one for one in self.operands)) + ";"
+
+
+@dataclass
+class Values:
+    """The statements so far, and which value each expression has: equal ones are computed once."""
+
+    made: list[Statement] = field(default_factory=list)
+    known: dict[tuple[str, tuple[int | str, ...]], int] = field(default_factory=dict)
+    masks: set[int] = field(default_factory=set)
+
+    def of(self, form: str, operands: Sequence[int | str] = (), mask: bool = False) -> int:
+        """The value that the form gives."""
+        key = form, tuple(operands)
+        if key not in self.known:
+            self.known[key] = len(self.known)
+            self.made.append(Statement(*key, self.known[key], mask))
+            if mask:
+                self.masks.add(self.known[key])
+        return self.known[key]
+
+    def as_mask(self, one: int | str) -> int:
+        """A number as a mask, true where it is not 0."""
+        return one if one in self.masks and isinstance(one, int) else self.of("real_is({})", (one,), mask=True)
+
+    def as_number(self, one: int | str) -> int | str:
+        """A mask as a number, 1 where it is true."""
+        return self.of("real_of_mask({})", (one,)) if one in self.masks else one
+
+
+@dataclass(frozen=True)
+class Memory:
+    """C of a number that is read and of one that is written: of an input or a result by its number, at a place."""
+
+    read: Callable[[int, int], str]
+    write: Callable[[int, int], list[str]]  # forms with the value in their braces
+
+
+def statements_of(
+    function: ca.Function, memory: Memory, behind: Callable[[int], Sequence[Statement]] | None = None
+) -> list[Statement]:
+    """The instructions of a function in their order.
+
+    behind: statements behind the last number of a result, by its number. CasADi computes results in their order and
+    reads inputs when they are first needed, so nothing that follows from them comes before. Divisions by what several
+    are divided by multiply with its reciprocal, whatever the compiler, so that all have the same bits.
+    """
+    values, shared = Values(), _divisors(function)
+    missing = [function.numel_out(number) for number in range(function.n_out())]
+    in_place: dict[int, int | str] = {}  # the value, or C of the constant, at each place of CasADi's work vector
+    for number in range(function.n_instructions()):
+        operation, source = function.instruction_id(number), function.instruction_input(number)
+        target = function.instruction_output(number)
+        if operation == ca.OP_OUTPUT:
+            result, place = target
+            written = values.as_number(in_place[source[0]])
+            values.made += [Statement(form, (written,)) for form in memory.write(result, place)]
+            missing[result] -= 1
+            if behind and not missing[result]:
+                values.made += behind(result)
+        elif operation == ca.OP_CONST:
+            in_place[target[0]] = constant(function.instruction_constant(number))
+        elif operation in _UNCHANGED:
+            in_place[target[0]] = in_place[source[0]]
+        elif operation == ca.OP_INPUT:
+            in_place[target[0]] = values.of(memory.read(*source[:2]))
+        else:
+            operands = [in_place[place] for place in source]
+            in_place[target[0]] = _computed(function, operation, operands, values, number in shared)
+    return values.made
+
+
+def _computed(
+    function: ca.Function, operation: int, operands: Sequence[int | str], values: Values, shared: bool
+) -> int:
+    if operation not in OPERATIONS:
+        raise ValueError(
+            f"{function.name()} has the operation {operation} of CasADi, which is none of those that are written in C "
+            "(OPERATIONS in fmu_src/statements.py); write the equation with these."
+        )
+    masks = _TAKES_MASKS.get(operation, 0)
+    taken = [values.as_mask(one) if n < masks else values.as_number(one) for n, one in enumerate(operands)]
+    if operation == ca.OP_CONSTPOW and operands[1] in _OF_THIRD_ROOT:
+        root = values.of("real_cbrt({})", taken[:1])
+        return root if operands[1] == _THIRD else values.of(_OF_THIRD_ROOT[operands[1]], (root,))
+    if operation == ca.OP_DIV and shared:
+        inverse = values.of(OPERATIONS[ca.OP_INV], taken[1:])
+        return values.of(OPERATIONS[ca.OP_MUL], [taken[0], inverse])
+    return values.of(OPERATIONS[operation], taken, operation in _MASKS)
+
+
+def _divisors(function: ca.Function) -> set[int]:
+    """Which instructions divide by a constant, or by what others divide by too."""
+    written: dict[int, int] = {}  # which instruction wrote each place of the work vector last
+    divide: dict[int, list[int]] = {}
+    for number in range(function.n_instructions()):
+        operation, source = function.instruction_id(number), function.instruction_input(number)
+        if operation in (ca.OP_DIV, ca.OP_INV):
+            divide.setdefault(written[source[-1]], []).append(number)
+        if operation != ca.OP_OUTPUT:
+            written[function.instruction_output(number)[0]] = number
+    constants = {by for by in divide if function.instruction_id(by) == ca.OP_CONST}
+    return {number for by, some in divide.items() if len(some) > 1 or by in constants for number in some}
+
+
+def constant(value: float) -> str:
+    """C of a number, one that stays a number behind any sign."""
+    if math.isnan(value):
+        return "real_of(NAN)"
+    text = "INFINITY" if math.isinf(value) else repr(abs(value))
+    return f"real_of({'-' if math.copysign(1.0, value) < 0 else ''}{text})"
