@@ -21,7 +21,8 @@ class Part:
 
     results: of `arguments`, by which it is differentiated, and of `constants`, by which it is not; column vectors. What
     it calls itself, and its waists, are the links of its `chain`. source: C in place of equations, behind `common`, C
-    that it shares with other parts; see `part_in_c`. flat: its results change in jumps alone, they have no slopes.
+    that it shares with other parts; see `part_in_c`. flat: a look-up, whose results have no slopes; its C is a
+    table, see piecewise.py.
     """
 
     name: str

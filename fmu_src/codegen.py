@@ -65,6 +65,8 @@ RUNTIME_HEADERS = (
     "lanes_math.h",
     "lanes_names.h",
     "lanes_scalar.h",
+    "lanes_table.h",
+    "piecewise.h",
     "lanes_vector.h",
     "lanes_widest.h",
     "kernel.h",

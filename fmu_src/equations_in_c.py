@@ -36,6 +36,7 @@ HEAD = (
     "#include <math.h>",
     '#include "lanes_widest.h"',
     '#include "model.h"',
+    '#include "piecewise.h"',
 )
 
 
@@ -118,6 +119,8 @@ def _parts(name: str, parts: Mapping[str, Generated], groups: Mapping[str, Group
         find(parts[part_name(group.part, group.slopes)])
     given, texts = _given([group.part for group in called.values() if group.part.source]), []
     for group in called.values():
+        if group.part.flat:
+            continue
         if group.part.source:
             texts.append(part_in_c_in_lanes(name, group.part, group.slopes))
         else:

@@ -5,13 +5,16 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Sequence
 from functools import lru_cache
-from pathlib import Path
 
 import casadi as ca
 import numpy as np
 
 from fmu_src.c_literals import c_array, c_number
 from fmu_src.chain import Chain, Part
+
+#: Pieces are equally wide that differ by less than this share: where one then stands for its neighbour, their polynomials
+#: differ by round-off.
+EQUAL = 1e-9
 
 
 def interpolation(breakpoints: Sequence[float], values: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
@@ -54,7 +57,7 @@ def _piece_at(breakpoints: bytes, coefficients: bytes, terms: int) -> Part:
     rows = rows_of(np.frombuffer(breakpoints), np.frombuffer(coefficients).reshape(-1, terms))
     name = f"piece_{hashlib.sha256(breakpoints + coefficients).hexdigest()[:12]}"
     at = ca.SX.sym("at")
-    return Part(name, at, ca.SX.sym("none", 0), _chosen(rows, at), source=_in_c(name, rows), common=COMMON, flat=True)
+    return Part(name, at, ca.SX.sym("none", 0), _chosen(rows, at), source=_in_c(name, rows), flat=True)
 
 
 def rows_of(breakpoints: np.ndarray, coefficients: np.ndarray) -> np.ndarray:
@@ -74,19 +77,12 @@ def _chosen(rows: np.ndarray, at: ca.SX) -> ca.SX:
     return ca.if_else(at >= rows[half, 0], _chosen(rows[half:], at), _chosen(rows[:half], at))
 
 
-#: C of the search, once for all look-ups.
-COMMON = (Path(__file__).parent / "runtime" / "piece_at.c").read_text(encoding="utf-8")
-
-
 def _in_c(name: str, rows: np.ndarray) -> str:
-    """C of the part: its rows, and the copy of the one that holds."""
-    pieces, terms = len(rows) - 2, rows.shape[1]
-    per_unit = pieces / (rows[-1, 0] - rows[0, 0])
+    """C of the table, a `piecewise` (lanes_table.h)."""
+    pieces, terms, origins = len(rows) - 2, rows.shape[1], rows[1:, 0]
+    equal = np.allclose(np.diff(origins), (origins[-1] - origins[0]) / pieces, rtol=EQUAL, atol=0.0)
+    per_unit = c_number(pieces / (origins[-1] - origins[0]))
     return f"""\
 {c_array("double", f"{name}_row", map(c_number, rows.ravel()))}
-PIECE_INLINE void {name}(const double *arguments, const double *constants, double *results, double *slopes) {{
-    (void)constants, (void)slopes;
-    const double *row = piece_at({name}_row, {terms}, {pieces}, {c_number(per_unit)}, arguments[0]);
-    for (int i = 0; i < {terms}; ++i) results[i] = row[i];
-}}
+static const piecewise {name} = {{{pieces}, {terms}, {int(equal)}, {per_unit}, {name}_row}};
 """

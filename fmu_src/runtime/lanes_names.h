@@ -5,6 +5,8 @@
 #define real_load LANES_NAME(real_load)
 #define real_store LANES_NAME(real_store)
 #define real_of LANES_NAME(real_of)
+#define real_from LANES_NAME(real_from)
+#define real_look_up LANES_NAME(real_look_up)
 #define real_not LANES_NAME(real_not)
 #define real_select LANES_NAME(real_select)
 #define real_where LANES_NAME(real_where)

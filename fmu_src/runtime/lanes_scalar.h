@@ -48,6 +48,12 @@ LANES_FUNCTION real real_copysign(real x, real sign)
     return copysign(x, sign);
 }
 
+/* The ith number of each lane's row. */
+LANES_FUNCTION real real_from(const double *const *row, int i)
+{
+    return row[0][i];
+}
+
 LANES_FUNCTION real_mask real_not(real_mask m)
 {
     return !m;

@@ -53,6 +53,18 @@ LANES_FUNCTION real real_copysign(real x, real sign)
     return lanes_of_word((lanes_word_of(x) & 0x7fffffffffffffffull) | (lanes_word_of(sign) & 0x8000000000000000ull));
 }
 
+/* The ith number of each lane's row. */
+LANES_FUNCTION real real_from(const double *const *row, int i)
+{
+#if LANES == 2
+    return (real){row[0][i], row[1][i]};
+#elif LANES == 4
+    return (real){row[0][i], row[1][i], row[2][i], row[3][i]};
+#else
+    return (real){row[0][i], row[1][i], row[2][i], row[3][i], row[4][i], row[5][i], row[6][i], row[7][i]};
+#endif
+}
+
 LANES_FUNCTION real_mask real_not(real_mask m)
 {
     return ~m;
