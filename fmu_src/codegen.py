@@ -64,6 +64,7 @@ RUNTIME_HEADERS = (
     "lanes_end.h",
     "lanes_math.h",
     "lanes_names.h",
+    "lanes_pairs.h",
     "lanes_scalar.h",
     "lanes_table.h",
     "piecewise.h",

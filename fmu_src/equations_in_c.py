@@ -23,6 +23,7 @@ from fmu_src.calls_in_c import (
 from fmu_src.chain import Part
 from fmu_src.equations import Generated, Slopes, part_function, part_name
 from fmu_src.own_names import with_own_names
+from fmu_src.pairs import paired
 from fmu_src.statements import Memory, Statement, statements_of
 
 #: A function with more statements than WHOLE is cut into pieces of LONGEST: the coach's FMU takes 25 s to compile, with
@@ -53,7 +54,7 @@ def equations_in_c(name: str, made: Mapping[str, Generated]) -> dict[str, str]:
     groups = {group.entry: group for group in every if not group.alone}
     given = _given([group.part for group in every if group.alone])
     calls = [group_at(name, group, WIDTHS) for group in groups.values()]
-    scalar = ["#define LANES 1", *_in_lanes(map(_written, bodies))]
+    scalar = ['#include "lanes_pairs.h"', "#define LANES 1", *_in_lanes(map(_written, bodies))]
     files = {f"equations_{name}.c": "\n".join([*HEAD, *given, *calls, *scalar, ""])}
     if groups:
         files[f"parts_{name}.h"] = _parts(name, parts, groups)
@@ -171,7 +172,7 @@ def _of_one_number(name: str, one: Generated) -> Body:
         found = rooms.groups[number] if number < one.ranks else []
         return [Statement(_plain(call_of_group(name, number, group))) for group in found]
 
-    statements = statements_of(function, Memory(read, write), calls)
+    statements = paired(statements_of(function, Memory(read, write), calls))
     groups = [group for rank in rooms.groups for group in rank]
     head = f"RUNTIME_LOCAL int {function.name()}({parameters})"
     piece = f"{name}_piece_of_{function.name()}"
@@ -232,16 +233,22 @@ def _written(body: Body) -> str:
 def _locals(statements: Sequence[Statement]) -> dict[int, str]:
     """A local for each value; one whose value is no longer read is used again. Those of masks begin with m."""
     last = {value: number for number, one in enumerate(statements) for value in one.reads}
-    masks = {one.value for one in statements if one.mask}
+    masks = {value for one in statements if one.mask for value in one.values}
     names: dict[int, str] = {}
     free: dict[bool, list[str]] = {True: [], False: []}
     new = {True: (f"m{number}" for number in count()), False: (f"a{number}" for number in count())}
     for number, one in enumerate(statements):
-        for value in dict.fromkeys(one.reads):
-            if last[value] == number:
-                free[value in masks].append(names[value])
-        if one.value is not None:
-            names[one.value] = free[one.mask].pop() if free[one.mask] else next(new[one.mask])
+        # What a statement writes itself must not stand where it still reads.
+        ends = [value for value in dict.fromkeys(one.reads) if last[value] == number]
+        late = ends if one.written else []
+        for value in ends if not one.written else []:
+            free[value in masks].append(names[value])
+        for value in one.values:
+            names[value] = free[one.mask].pop() if free[one.mask] else next(new[one.mask])
+            if value not in last:
+                free[one.mask].append(names[value])
+        for value in late:
+            free[value in masks].append(names[value])
     return names
 
 
@@ -254,9 +261,9 @@ def _bodies(body: Body) -> tuple[list[str], int]:
     statements = body.statements
     longest = LONGEST if len(statements) > WHOLE else WHOLE
     pieces = [statements[start : start + longest] for start in range(0, len(statements), longest)]
-    born = {one.value: n for n, piece in enumerate(pieces) for one in piece}
+    born = {value: n for n, piece in enumerate(pieces) for one in piece for value in one.values}
     left = {value for n, piece in enumerate(pieces) for one in piece for value in one.reads if born[value] < n}
-    names, masks = _locals(statements), {one.value for one in statements if one.mask}
+    names, masks = _locals(statements), {value for one in statements if one.mask for value in one.values}
     by = "" if body.lanes == "1" else " * LANES"
     numbered = enumerate(dict.fromkeys(names[value] for value in sorted(left)))
     places = {name: f"kept + {number}{by}" for number, name in numbered}
@@ -264,7 +271,7 @@ def _bodies(body: Body) -> tuple[list[str], int]:
     for n, piece in enumerate(pieces):
         used = {value for one in piece for value in one.reads}
         taken = {value for value in used if born[value] < n}
-        used |= left & {one.value for one in piece if one.value is not None}
+        used |= {value for one in piece for value in one.values}
         lines = [_declared("real", sorted({names[value] for value in used - masks}))]
         lines.append(_declared("real_mask", sorted({names[value] for value in used & masks})))
         for one in piece:
@@ -273,12 +280,8 @@ def _bodies(body: Body) -> tuple[list[str], int]:
                     load = f"real_load({places[names[value]]})"
                     lines.append(f"{names[value]} = {f'real_is({load})' if value in masks else load};")
             taken.difference_update(one.reads)
-            if one.value is None:
-                lines.append(one.text(names))
-            elif one.value in used:
-                lines.append(f"{names[one.value]} = {one.text(names)}")
-            if one.value in left:
-                own = names[one.value]
+            lines.append(one.text(names))
+            for own in (names[value] for value in one.values if value in left):
                 lines.append(f"real_store({places[own]}, {f'real_of_mask({own})' if one.mask else own});")
         texts.append("".join(f"  {line}\n" for line in lines if line))
     return texts or [""], len(places)

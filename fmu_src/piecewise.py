@@ -12,8 +12,8 @@ import numpy as np
 from fmu_src.c_literals import c_array, c_number
 from fmu_src.chain import Chain, Part
 
-#: Pieces are equally wide that differ by less than this share: where one then stands for its neighbour, their polynomials
-#: differ by round-off.
+#: Pieces are equally wide that differ by less than this share: where one stands for its neighbour, both polynomials
+#: differ by round-off alone.
 EQUAL = 1e-9
 
 

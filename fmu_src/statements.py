@@ -55,12 +55,14 @@ _UNCHANGED = (ca.OP_ASSIGN, ca.OP_LIFT)
 class Statement:
     """C that reads its operands, numbers of values or C of constants, in the braces of `form`.
 
-    value: the number of the value that the form gives; None: it gives none. mask: whether that is a mask.
+    values: numbers of what the form gives. written: it writes them itself, in the braces behind those of the operands;
+    otherwise it is an expression. mask: whether its value is a mask.
     """
 
     form: str
     operands: tuple[int | str, ...] = ()
-    value: int | None = None
+    values: tuple[int, ...] = ()
+    written: bool = False
     mask: bool = False
 
     @property
@@ -69,8 +71,12 @@ class Statement:
         return [operand for operand in self.operands if isinstance(operand, int)]
 
     def text(self, names: Mapping[int, str]) -> str:
-        """The statement, or what stands on the right of it, with the names of values."""
-        return self.form.format(*(names[one] if isinstance(one, int) else one for one in self.operands)) + ";"
+        """The statement, with the names of values."""
+        targets = [names[value] for value in self.values]
+        text = self.form.format(
+            *(names[one] if isinstance(one, int) else one for one in self.operands), *(targets if self.written else ())
+        )
+        return f"{text};" if self.written or not targets else f"{targets[0]} = {text};"
 
 
 @dataclass
@@ -86,7 +92,7 @@ class Values:
         key = form, tuple(operands)
         if key not in self.known:
             self.known[key] = len(self.known)
-            self.made.append(Statement(*key, self.known[key], mask))
+            self.made.append(Statement(*key, (self.known[key],), mask=mask))
             if mask:
                 self.masks.add(self.known[key])
         return self.known[key]
@@ -139,7 +145,34 @@ def statements_of(
         else:
             operands = [in_place[place] for place in source]
             in_place[target[0]] = _computed(function, operation, operands, values, number in shared)
-    return values.made
+    return _with_sines_beside_cosines(values.made)
+
+
+def called(name: str) -> str:
+    """The form of a function of one number."""
+    return f"real_{name}({{}})"
+
+
+#: Sine and cosine of an angle, which cost little more than one of them.
+SIN_COS = "real_sin_cos({0}, &{1}, &{2})"
+
+
+def _with_sines_beside_cosines(statements: Sequence[Statement]) -> list[Statement]:
+    """Sine and cosine of one angle by one statement, where the first of them stood."""
+    forms = called("sin"), called("cos")
+    found: dict[tuple[int | str, ...], dict[str, int]] = {}
+    for one in statements:
+        if one.form in forms:
+            found.setdefault(one.operands, {})[one.form] = one.values[0]
+    made, done = list[Statement](), set[tuple[int | str, ...]]()
+    for one in statements:
+        both = found[one.operands] if one.form in forms else {}
+        if len(both) < len(forms):
+            made.append(one)
+        elif one.operands not in done:
+            made.append(Statement(SIN_COS, one.operands, (both[forms[0]], both[forms[1]]), written=True))
+            done.add(one.operands)
+    return made
 
 
 def _computed(

@@ -247,6 +247,20 @@ LANES_FUNCTION real real_cos(real x)
     return lanes_or_by(lanes_turned_sin(x, 1), cos, x);
 }
 
+/* Both, with the bits that each has alone. */
+LANES_FUNCTION void real_sin_cos(real x, real *sine, real *cosine)
+{
+    real low, lost;
+    lanes_word turns;
+    const real high = lanes_reduce(x, &low, &turns);
+    const real s = lanes_sin_core(high, low, &lost), c = lanes_cos_core(high, low, &lost);
+    const real_mask odd = lanes_odd(turns);
+    const real up = lanes_of_word(lanes_word_of(real_select(odd, c, s)) ^ (((turns >> 1) & 1ull) << 63));
+    const real ahead = lanes_of_word(lanes_word_of(real_select(odd, s, c)) ^ ((((turns + 1ull) >> 1) & 1ull) << 63));
+    *sine = lanes_or_by(up, sin, x);
+    *cosine = lanes_or_by(ahead, cos, x);
+}
+
 /* The rounding errors of sine and cosine are taken out of their quotient. */
 LANES_FUNCTION real real_tan(real x)
 {

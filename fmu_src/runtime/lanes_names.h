@@ -24,6 +24,7 @@
 #define real_cbrt LANES_NAME(real_cbrt)
 #define real_sin LANES_NAME(real_sin)
 #define real_cos LANES_NAME(real_cos)
+#define real_sin_cos LANES_NAME(real_sin_cos)
 #define real_tan LANES_NAME(real_tan)
 #define real_asin LANES_NAME(real_asin)
 #define real_acos LANES_NAME(real_acos)
