@@ -17,7 +17,7 @@ from fmu_src.codegen import RUNTIME
 from fmu_src.compile import FLAGS, OPTIMISE_GENERATED, library_suffix, run
 
 Array = NDArray[np.float64]
-#: Functions of one and of two arguments with the largest error that lanes_math.h names [units in the last place], and NumPy's function.
+#: Functions of one and of two arguments: the largest error that lanes_math.h names [units in the last place], and NumPy's.
 ONE: dict[str, tuple[float, Callable[..., Array]]] = {
     "exp": (0.95, np.exp),
     "log": (0.85, np.log),
