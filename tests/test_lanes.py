@@ -17,7 +17,15 @@ from fmu_src.codegen import RUNTIME
 from fmu_src.compile import FLAGS, OPTIMISE_GENERATED, library_suffix, run
 
 Array = NDArray[np.float64]
-#: Functions of one and of two arguments: the largest error that lanes_math.h names [units in the last place], and NumPy's.
+
+
+def third_power(x: Array) -> Array:
+    """x to the power of a third: of a negative number there is none."""
+    return np.where(x < 0, np.nan, np.abs(np.cbrt(x)))
+
+
+#: Functions of one and of two arguments, each with the largest error [units in the last place] that lanes_math.h names
+#: and with NumPy's function.
 ONE: dict[str, tuple[float, Callable[..., Array]]] = {
     "exp": (0.95, np.exp),
     "log": (0.85, np.log),
@@ -27,6 +35,7 @@ ONE: dict[str, tuple[float, Callable[..., Array]]] = {
     "asin": (1.2, np.arcsin),
     "acos": (1.2, np.arccos),
     "atan": (0.8, np.arctan),
+    "cbrt": (0.97, third_power),
     "sqrt": (0.501, np.sqrt),
     "floor": (0, np.floor),
     "ceil": (0, np.ceil),
@@ -76,7 +85,7 @@ def source() -> str:
 def compiled(folder: Path) -> ctypes.CDLL:
     """The library of `source`, of the compiler that is used now."""
     (folder / "lanes.c").write_text(source())
-    flags = [*FLAGS, "-fno-reciprocal-math", OPTIMISE_GENERATED, f"-I{RUNTIME}", "-shared"]
+    flags = [*FLAGS, OPTIMISE_GENERATED, f"-I{RUNTIME}", "-shared"]
     run([*flags, "-o", f"lanes{library_suffix()}", "lanes.c", "-lm"], None, folder)
     return ctypes.CDLL(str(folder / f"lanes{library_suffix()}"))
 
@@ -156,7 +165,7 @@ def arguments_of(name: str) -> Sequence[tuple[Array, Array]]:
         **dict.fromkeys(("sin", "cos", "tan"), angles),
         **dict.fromkeys(("asin", "acos"), sines),
         "atan": slopes,
-        "sqrt": [near_one, np.exp(wide / 2e3)],
+        **{key: [near_one, np.exp(wide / 2e3), g.uniform(0, 1e-307, COUNT)] for key in ("sqrt", "cbrt")},
         **{key: [wide, turns * 0.5, wide * 1e10] for key in ("floor", "ceil", "fabs")},
     }
     if name in one:

@@ -1,9 +1,10 @@
 /* Mathematical functions of lanes, from + - * / sqrt, comparisons and bits alone; included by lanes.h for each width.
  *
- * Errors in units in the last place are at most (found among ten million arguments): exp 0.95, log 0.85, sin and cos 0.8,
- * tan 1.4, asin and acos 1.2, atan 0.8, atan2 1.5, pow 0.97. Special values are those of C99. Coefficients: sin, cos, log,
- * asin and the parts of pi/2 and ln(2) are those of fdlibm (Sun Microsystems 1993, netlib.org/fdlibm), as is the order of
- * operations in the logarithm of pow; the polynomials of exp, atan and that logarithm are minimax by Remez's exchange.
+ * Errors in units in the last place are at most (found among ten million arguments): exp 0.95, log 0.85, sin and cos
+ * 0.8, tan 1.4, asin and acos 1.2, atan 0.8, atan2 1.5, pow and cbrt 0.97. Special values are those of C99.
+ * Coefficients: sin, cos, log, asin and the parts of pi/2 and ln(2) are those of fdlibm (Sun Microsystems 1993,
+ * netlib.org/fdlibm), as is the order of operations in the logarithm of pow; the polynomials of exp, atan and that
+ * logarithm are minimax by Remez's exchange.
  * The functions at the end, and sin, cos and tan of angles beyond 1e6, are the C library's. */
 
 #define LANES_ROUND 6755399441055744.0 /* 1.5 * 2^52: added to a small number, the low bits are the nearest integer */
