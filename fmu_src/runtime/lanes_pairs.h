@@ -1,4 +1,4 @@
-/* A function of two numbers at once, for code of one number: a processor computes two in the time of one. Same bits. */
+/* Functions of two numbers at once, for code of one number: a processor computes two in the time of one. Same bits. */
 #ifndef LANES_PAIRS_H
 #define LANES_PAIRS_H
 
@@ -6,22 +6,51 @@
 
 #if LANES_WIDEST > 1
 #define LANES 2
-#else
-#define LANES 1
-#endif
 #include "lanes.h"
 
-enum { PAIR_STEP = LANES };
+#define PAIR(name) \
+    LANES_APART real both_##name(real x) { return real_##name(x); } \
+    LANES_FUNCTION void pair_##name(double x, double y, double *of_x, double *of_y) \
+    { \
+        const real both = both_##name((real){x, y}); \
+        *of_x = both[0]; \
+        *of_y = both[1]; \
+    }
+
+LANES_APART real both_sin_cos(real x, real *cosine)
+{
+    real sine;
+    real_sin_cos(x, &sine, cosine);
+    return sine;
+}
+
+LANES_FUNCTION void pair_sin_cos(double x, double y, double *sin_x, double *cos_x, double *sin_y, double *cos_y)
+{
+    real cosine;
+    const real sine = both_sin_cos((real){x, y}, &cosine);
+    *sin_x = sine[0];
+    *sin_y = sine[1];
+    *cos_x = cosine[0];
+    *cos_y = cosine[1];
+}
+#else
+#define LANES 1
+#include "lanes.h"
 
 #define PAIR(name) \
-    LANES_APART void pair_##name(double x, double y, double *of_x, double *of_y) \
+    LANES_FUNCTION void pair_##name(double x, double y, double *of_x, double *of_y) \
     { \
-        double two[2] = {x, y}; \
-        for (int i = 0; i < 2; i += PAIR_STEP) \
-            real_store(two + i, real_##name(real_load(two + i))); \
-        *of_x = two[0]; \
-        *of_y = two[1]; \
+        *of_x = real_##name(x); \
+        *of_y = real_##name(y); \
     }
+
+LANES_FUNCTION void pair_sin_cos(double x, double y, double *sin_x, double *cos_x, double *sin_y, double *cos_y)
+{
+    real_sin_cos(x, sin_x, cos_x);
+    real_sin_cos(y, sin_y, cos_y);
+}
+#endif
+
 PAIR(exp)
 PAIR(log)
 PAIR(atan)
@@ -29,21 +58,6 @@ PAIR(tan)
 PAIR(asin)
 PAIR(cbrt)
 #undef PAIR
-
-LANES_APART void pair_sin_cos(double x, double y, double *sin_x, double *cos_x, double *sin_y, double *cos_y)
-{
-    double two[2] = {x, y}, sines[2], cosines[2];
-    for (int i = 0; i < 2; i += PAIR_STEP) {
-        real sine, cosine;
-        real_sin_cos(real_load(two + i), &sine, &cosine);
-        real_store(sines + i, sine);
-        real_store(cosines + i, cosine);
-    }
-    *sin_x = sines[0];
-    *sin_y = sines[1];
-    *cos_x = cosines[0];
-    *cos_y = cosines[1];
-}
 
 #include "lanes_end.h"
 #endif
