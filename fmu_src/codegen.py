@@ -68,6 +68,8 @@ RUNTIME_HEADERS = (
     "lanes_scalar.h",
     "lanes_table.h",
     "piecewise.h",
+    "tableau.h",
+    "rosenbrock_stages.h",
     "lanes_vector.h",
     "lanes_widest.h",
     "kernel.h",

@@ -32,9 +32,10 @@ static dimensions largest_dimensions(void) {
     return most;
 }
 
+/* Room for an even count, so that two may be computed at once. */
 static double *carve(double *block, size_t *used, int count) {
     double *start = block ? block + *used : NULL;
-    *used += (size_t)count;
+    *used += (size_t)(count + count % 2);
     return start;
 }
 

@@ -4,7 +4,7 @@
 
 #include "instance.h"
 
-typedef struct rosenbrock_tableau rosenbrock_tableau;
+typedef struct rosenbrock_tableau rosenbrock_tableau; /* tableau.h */
 
 /* Linear equations: factors of M diagonal - J, in the order of the states; and of the algebraic part of J. Whether the
  * matrix is regular. */

@@ -10,16 +10,17 @@
  * M is 1 for states with a derivative and 0 for algebraic ones, whose f is a residual. */
 #include <math.h>
 
+#include "lanes_widest.h"
 #include "method.h"
+#include "tableau.h"
 
-struct rosenbrock_tableau {
-    int stages;
-    double gamma;
-    double error_power; /* of the embedded method's error, for the choice of the next step */
-    double alpha[MOST_STAGES], time_weight[MOST_STAGES];
-    double a[MOST_STAGES][MOST_STAGES], c[MOST_STAGES][MOST_STAGES];
-    double error[MOST_STAGES]; /* weights of the stages in the difference of the two methods */
-};
+#if LANES_WIDEST > 1
+#define LANES 2
+#else
+#define LANES 1
+#endif
+#include "lanes.h"
+#include "rosenbrock_stages.h"
 
 RUNTIME_LOCAL const rosenbrock_tableau RODAS5P = {
     /* stages */ 8,
@@ -50,6 +51,7 @@ RUNTIME_LOCAL const rosenbrock_tableau RODAS5P = {
      {37.80277123390563, -3.2571969029072276, 112.26918849496327, 66.9347231244047, -40.06618937091002,
       -54.66780262877968, -9.48861652309627}},
     /* error */ {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0},
+    /* adds_one */ {false, false, false, false, false, false, true, true},
 };
 /* Continuous extension of RODAS5P, order 4. */
 enum { BENDS = 3 };
@@ -80,6 +82,7 @@ RUNTIME_LOCAL const rosenbrock_tableau ROS34PW2 = {
      {-4.184760482319161, 0.2851920173554959},
      {-6.368179200128358, -6.795620944466837, 2.870098604331056}},
     /* error */ {0.2777499476479681, -1.403239895175999, 1.772630127667551, 0.5},
+    /* adds_one */ {false},
 };
 
 void rosenbrock_evaluate_jacobian(kernel *self, double offset, const double *state, double *jacobian) {
@@ -97,38 +100,37 @@ bool rosenbrock_factorise(kernel *self, const rosenbrock_tableau *method, step_f
     return linear_factorise_step(self, of, jacobian, 1.0 / (method->gamma * size));
 }
 
+/* A step of one instance. */
+typedef struct {
+    kernel *self;
+    const step_factors *factors;
+    double offset, size;
+} own_step;
+
+static void evaluate_stage(void *of, double alpha, const double *point, double *k) {
+    const own_step *step = (const own_step *)of;
+    kernel_evaluate(step->self, step->self->system->ode, step->offset + alpha * step->size, point, k);
+    step->self->counters.right_hand_sides++;
+}
+
+static void solve_stage(void *of, double *k) {
+    const own_step *step = (const own_step *)of;
+    linear_solve_step(step->self, step->factors, k);
+}
+
 double rosenbrock_step(kernel *self, const rosenbrock_tableau *method, const step_factors *of, double offset, double size) {
-    const int n = self->system->states, stages = method->stages;
-    const double inverse = 1.0 / size;
-    for (int stage = 0; stage < stages; ++stage) {
-        double *k = self->work.stage[stage];
-        if (stage == 0) {
-            for (int i = 0; i < n; ++i) k[i] = self->work.slope[i];
-        } else {
-            for (int i = 0; i < n; ++i) self->work.point[i] = self->run.state[i];
-            for (int j = 0; j < stage; ++j) {
-                const double weight = method->a[stage][j];
-                for (int i = 0; i < n; ++i) self->work.point[i] += weight * self->work.stage[j][i];
-            }
-            kernel_evaluate(self, self->system->ode, offset + method->alpha[stage] * size, self->work.point, k);
-            self->counters.right_hand_sides++;
-            for (int j = 0; j < stage; ++j) {
-                const double weight = method->c[stage][j] * inverse;
-                for (int i = 0; i < n; ++i) k[i] += self->work.differential[i] * weight * self->work.stage[j][i];
-            }
-        }
-        const double along_time = size * method->time_weight[stage];
-        if (along_time != 0.0)
-            for (int i = 0; i < n; ++i) k[i] += along_time * self->work.time_slope[i];
-        linear_solve_step(self, of, k);
-    }
+    const int n = self->system->states;
+    step_workspace *work = &self->work;
+    own_step step = {self, of, offset, size};
+    const stage_work stages = {n,          self->run.state, work->slope, work->time_slope, work->differential,
+                               work->point, work->trial,     work->stage, &step,            evaluate_stage, solve_stage};
+    LANES_NAME(rosenbrock_stages)(method, &stages, real_of(size));
 
     const double allowed = 1.0 / self->run.value[MODEL.tolerance];
     double sum = 0.0;
     for (int i = 0; i < n; ++i) {
-        self->work.trial[i] = self->work.point[i] + self->work.stage[stages - 1][i];
         double difference = 0.0;
-        for (int j = 0; j < stages; ++j) difference += method->error[j] * self->work.stage[j][i];
+        for (int j = 0; j < method->stages; ++j) difference += method->error[j] * work->stage[j][i];
         const double scaled = difference * allowed / self->system->nominal[i];
         sum += scaled * scaled;
     }
@@ -161,3 +163,5 @@ void rosenbrock_interpolate(const kernel *self, double fraction, double *state) 
         state[i] = self->run.state[i] * other + fraction * (self->work.trial[i] + other * bent);
     }
 }
+
+#include "lanes_end.h"
