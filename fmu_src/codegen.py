@@ -68,6 +68,7 @@ RUNTIME_HEADERS = (
     "lanes_scalar.h",
     "lanes_table.h",
     "piecewise.h",
+    "stepper.h",
     "tableau.h",
     "rosenbrock_stages.h",
     "lanes_vector.h",

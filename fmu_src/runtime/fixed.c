@@ -6,17 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "method.h"
-
-/* The new state is in work.trial; the error of the step is in units of the tolerance, not finite where there is none. */
-static double make_step(kernel *self, double offset, double size) {
-    const rosenbrock_tableau *method = self->work.method == METHOD_REUSED ? &ROS34PW2 : &RODAS5P;
-    rosenbrock_linearise(self, offset, self->run.state);
-    if (!algebraic_correct(self, self->run.state) ||
-        !rosenbrock_factorise(self, method, &self->work.factors, self->work.jacobian, size))
-        return NAN;
-    return rosenbrock_step(self, method, &self->work.factors, offset, size);
-}
+#include "stepper.h"
 
 /* Says when the local error exceeds the tolerance, and again when it is ten times what was said. */
 static kernel_status guard_error(kernel *self, double time, double size, double error) {
@@ -44,41 +34,61 @@ static int find_end(kernel *self, double offset) {
     return 0;
 }
 
-kernel_status integrate_fixed_failed(kernel *self, double offset, double size) {
+void fixed_failed(kernel *self, stepper *run) {
     char when[CLOCK_SIZE];
-    return kernel_fail(self, KERNEL_ERROR,
-                       "The fixed step of %.3g s finds no finite motion at t = %s s; shorten integration_step, or set it to "
-                       "0 for steps chosen by the error.",
-                       size, kernel_clock(self->given.step_origin + offset, 9, when));
+    run->phase = STEPPER_DONE;
+    run->status = kernel_fail(self, KERNEL_ERROR,
+                              "The fixed step of %.3g s finds no finite motion at t = %s s; shorten integration_step, or set "
+                              "it to 0 for steps chosen by the error.",
+                              run->size, kernel_clock(self->given.step_origin + run->offset, 9, when));
 }
 
-double integrate_fixed_size(const kernel *self, double remaining) {
+double fixed_size(const kernel *self, double remaining) {
     const double fixed = self->run.value[MODEL.integration_step];
     return remaining <= fixed * (1.0 + 1e-6) ? remaining : fixed;
 }
 
-kernel_status integrate_fixed(kernel *self, double size, double *reached) {
-    kernel_status status = KERNEL_OK;
-    self->work.algebraic_serve = false;
-    (void)modes_settle(self, 0.0); /* the inputs are new */
+void fixed_begin(kernel *self, stepper *run) {
+    (void)modes_settle(self, run->offset); /* the inputs are new */
     if (self->recorder) record_until(self, 0.0, 0.0, 0.0);
-    for (*reached = 0.0; *reached < size;) {
-        const double offset = *reached, remaining = size - offset, step = integrate_fixed_size(self, remaining);
-        const double error = make_step(self, offset, step);
-        if (!isfinite(error)) return integrate_fixed_failed(self, offset, step);
-        if (guard_error(self, self->given.step_origin + offset, step, error) != KERNEL_OK) status = KERNEL_WARNING;
-        if (self->recorder) record_until(self, offset, step, offset + step * (1.0 - 1e-9));
-        memcpy(self->run.state, self->work.trial, (size_t)self->system->states * sizeof(double));
-        modes_hold(self, self->run.state);
-        self->counters.steps++;
-        *reached = step == remaining ? size : offset + step;
-        const bool switched = modes_settle(self, *reached);
-        const int end = find_end(self, *reached);
-        if (end < 0) return integrate_fixed_failed(self, offset, step);
-        if (self->recorder) record_until(self, *reached, 0.0, *reached);
-        self->run.now->ended = end;
-        if (end || (switched && self->asked.stops_at_events)) return status;
-        if (modes_warn(self, *reached)) status = KERNEL_WARNING;
+}
+
+void fixed_ask(kernel *self, stepper *run) {
+    run->size = fixed_size(self, run->remaining);
+    rosenbrock_linearise(self, run->offset, self->run.state);
+    run->phase = STEPPER_TRIES;
+    if (!algebraic_correct(self, self->run.state)) fixed_failed(self, run);
+}
+
+double fixed_try(kernel *self, const stepper *run) {
+    const rosenbrock_tableau *method = self->work.method == METHOD_REUSED ? &ROS34PW2 : &RODAS5P;
+    if (!rosenbrock_factorise(self, method, &self->work.factors, self->work.jacobian, run->size)) return NAN;
+    return rosenbrock_step(self, method, &self->work.factors, run->offset, run->size);
+}
+
+void fixed_take(kernel *self, stepper *run, double error) {
+    const double offset = run->offset, step = run->size;
+    if (!isfinite(error)) {
+        fixed_failed(self, run);
+        return;
     }
-    return status;
+    if (guard_error(self, self->given.step_origin + offset, step, error) != KERNEL_OK) run->status = KERNEL_WARNING;
+    if (self->recorder) record_until(self, offset, step, offset + step * (1.0 - 1e-9));
+    memcpy(self->run.state, self->work.trial, (size_t)self->system->states * sizeof(double));
+    modes_hold(self, self->run.state);
+    self->counters.steps++;
+    run->offset = step == run->remaining ? run->whole : offset + step;
+    const bool switched = modes_settle(self, run->offset);
+    const int end = find_end(self, run->offset);
+    run->phase = STEPPER_BEGINS;
+    if (end < 0) {
+        fixed_failed(self, run);
+        return;
+    }
+    if (self->recorder) record_until(self, run->offset, 0.0, run->offset);
+    self->run.now->ended = end;
+    if (end || (switched && self->asked.stops_at_events))
+        run->phase = STEPPER_DONE;
+    else if (modes_warn(self, run->offset))
+        run->status = KERNEL_WARNING;
 }

@@ -1,10 +1,10 @@
-/* The step loop: steps whose error is controlled, or of the explicit method, and located switches. Implicit steps of a
- * fixed size are in fixed.c. */
+/* The steps of a kernel_step: those whose error is controlled, or of the explicit method, up to switches that are located.
+ * Implicit steps of a fixed size are in fixed.c. */
 #include <float.h>
 #include <math.h>
 #include <string.h>
 
-#include "method.h"
+#include "stepper.h"
 
 static const int MAXIMUM_SWITCHES = 1000;            /* beyond the steps that end without one; more is chatter */
 /* A step that the host cuts below this share of what the accuracy allows is taken with a kept Jacobian, which serves as
@@ -17,11 +17,10 @@ enum { PAUSE = 16 };
 
 /* ---- one step --------------------------------------------------------------------------------------------------- */
 
-typedef struct {
-    double offset, remaining; /* since the start of the kernel_step, and to its end [s] */
-    double margin;            /* of the modes at the end of the step found; negative: a switch lies within it */
-    int trials;
-} progress;
+static void fail(stepper *run) {
+    run->status = KERNEL_ERROR;
+    run->phase = STEPPER_DONE;
+}
 
 static bool start_exact_step(kernel *self, double offset) {
     rosenbrock_linearise(self, offset, self->run.state);
@@ -32,29 +31,30 @@ static bool start_exact_step(kernel *self, double offset) {
     return false;
 }
 
-static bool is_short(const kernel *self, const progress *now) {
-    return !self->recorder && now->remaining <= SHORT * self->run.now->proposed_step;
+static bool is_short(const kernel *self, const stepper *run) {
+    return !self->recorder && run->remaining <= SHORT * self->run.now->proposed_step;
 }
 
-/* A step to the end of the interval with the kept Jacobian. Returns its length; 0: the default method must take it. */
-static double short_step(kernel *self, progress *now) {
-    if (!is_short(self, now) || !reuse_serves(self, now->offset)) return 0.0;
-    const double error = reuse_short_step(self, now->offset, now->remaining);
+/* A step to the end of the interval with the kept Jacobian; whether that serves. */
+static bool short_step(kernel *self, stepper *run) {
+    if (!is_short(self, run) || !reuse_serves(self, run->offset)) return false;
+    const double error = reuse_short_step(self, run->offset, run->remaining);
     if (!(error <= SHORT_ERROR)) {
         self->run.now->pause = PAUSE;
-        return 0.0;
+        return false;
     }
-    now->margin = modes_margin(self, now->offset + now->remaining, self->work.trial);
-    return now->margin >= 0.0 ? now->remaining : 0.0;
+    run->size = run->remaining;
+    run->margin = modes_margin(self, run->offset + run->remaining, self->work.trial);
+    return run->margin >= 0.0;
 }
 
 /* Keeps the Jacobian of a short step for those that follow within the time `served`. */
-static void keep_jacobian(kernel *self, const progress *now, double served) {
-    if (!is_short(self, now)) return;
+static void keep_jacobian(kernel *self, const stepper *run, double served) {
+    if (!is_short(self, run)) return;
     if (self->run.now->pause > 0)
         self->run.now->pause--;
     else
-        reuse_remember(self, now->offset, self->given.step_origin + now->offset + served);
+        reuse_remember(self, run->offset, self->given.step_origin + run->offset + served);
 }
 
 /* Time until something limited has changed as much as a step may change it. */
@@ -72,10 +72,6 @@ static double longest_step(kernel *self, double offset) {
     return shares > 0.0 ? 1.0 / shares : INFINITY;
 }
 
-typedef struct {
-    double size, error;
-} rejected_trial;
-
 /* The size at which the error of two rejected trials comes down to the tolerance, not below a tenth of the last: behind a
  * jump it falls with a lower power of the size than theory has. Infinite where the two do not tell. */
 static double size_by_trials(rejected_trial before, rejected_trial last) {
@@ -84,66 +80,72 @@ static double size_by_trials(rejected_trial before, rejected_trial last) {
     return last.size * fmax(0.9 * pow(last.error, -1.0 / power), 0.1);
 }
 
-/* A step that the error control accepts. Returns its length; 0 after a failure, with the sentence set. */
-static double adaptive_step(kernel *self, progress *now) {
-    const rosenbrock_tableau *method = self->work.method == METHOD_REUSED ? &ROS34PW2 : &RODAS5P;
-    const double proposed = self->run.now->proposed_step, remaining = now->remaining;
-    if (self->work.method == METHOD_EXACT && !start_exact_step(self, now->offset)) return 0.0;
-    const double longest = longest_step(self, now->offset);
-    double wanted = fmin(proposed, longest);
-    if (wanted > 0.5 * remaining) wanted = wanted < remaining ? 0.5 * remaining : remaining;
-    rejected_trial before = {0.0, 0.0};
-    for (double size = wanted;;) {
-        char when[CLOCK_SIZE];
-        const double time = self->given.step_origin + now->offset;
-        if (++now->trials > MOST_TRIALS) {
-            kernel_fail(self, KERNEL_ERROR, "No progress after %d steps at t = %s s; enlarge the tolerance %g.",
-                        MOST_TRIALS, kernel_clock(time, 9, when), self->run.value[MODEL.tolerance]);
-            return 0.0;
-        }
-        double error = integrate_try(self, now->offset, size);
-        if (error <= 1.0) {
-            now->margin = modes_margin(self, now->offset + size, self->work.trial);
-            if (isnan(now->margin)) error = NAN;
-        }
-        const double next = rosenbrock_next_size(method, size, error);
-        if (error <= 1.0) {
-            /* A step cut short by the end of the interval says nothing against the longer one proposed before. */
-            const bool cut = size == wanted && wanted < proposed && next < proposed;
-            self->run.now->proposed_step = cut ? proposed : next;
-            if (self->work.method == METHOD_EXACT)
-                keep_jacobian(self, now, fmin(rosenbrock_allowed_size(method, size, error), longest));
-            return size;
-        }
-        self->counters.rejected++;
-        const rejected_trial last = {size, error};
-        size = fmin(next, size_by_trials(before, last));
-        before = last;
-        if (size < 1e-15 + 4.0 * DBL_EPSILON * now->offset) {
-            kernel_fail(self, KERNEL_ERROR,
-                        "The step size vanished at t = %s s: the equations have no finite solution there, or the "
-                        "tolerance %g is below round-off; check inputs and parameters, or enlarge the tolerance.",
-                        kernel_clock(time, 9, when), self->run.value[MODEL.tolerance]);
-            return 0.0;
-        }
+/* A step whose error is controlled: asks for its first trial. */
+static void ask_adaptive(kernel *self, stepper *run) {
+    run->phase = STEPPER_TRIES;
+    run->proposed = self->run.now->proposed_step;
+    if (self->work.method == METHOD_EXACT && !start_exact_step(self, run->offset)) {
+        fail(run);
+        return;
+    }
+    run->longest = longest_step(self, run->offset);
+    double wanted = fmin(run->proposed, run->longest);
+    if (wanted > 0.5 * run->remaining) wanted = wanted < run->remaining ? 0.5 * run->remaining : run->remaining;
+    run->size = run->wanted = wanted;
+    run->before.size = run->before.error = 0.0;
+}
+
+static const rosenbrock_tableau *tableau_of(const kernel *self) {
+    return self->work.method == METHOD_REUSED ? &ROS34PW2 : &RODAS5P;
+}
+
+/* Whether the trial is accepted; sets the size that is proposed next. */
+static bool is_accepted(kernel *self, stepper *run, double error, double next) {
+    if (!(error <= 1.0)) return false;
+    /* A step cut short by the end of the interval says nothing against the longer one proposed before. */
+    const bool cut = run->size == run->wanted && run->wanted < run->proposed && next < run->proposed;
+    self->run.now->proposed_step = cut ? run->proposed : next;
+    if (self->work.method == METHOD_EXACT)
+        keep_jacobian(self, run, fmin(rosenbrock_allowed_size(tableau_of(self), run->size, error), run->longest));
+    return true;
+}
+
+/* Whether so many trials were made that the run no longer goes on; then it fails. */
+static bool is_stuck(kernel *self, stepper *run) {
+    if (++run->tried <= MOST_TRIALS) return false;
+    char when[CLOCK_SIZE];
+    kernel_fail(self, KERNEL_ERROR, "No progress after %d steps at t = %s s; enlarge the tolerance %g.", MOST_TRIALS,
+                kernel_clock(self->given.step_origin + run->offset, 9, when), self->run.value[MODEL.tolerance]);
+    fail(run);
+    return true;
+}
+
+/* Asks for a shorter trial, or fails. */
+static void shorten(kernel *self, stepper *run, double error, double next) {
+    char when[CLOCK_SIZE];
+    const double time = self->given.step_origin + run->offset;
+    const rejected_trial last = {run->size, error};
+    self->counters.rejected++;
+    run->size = fmin(next, size_by_trials(run->before, last));
+    run->before = last;
+    if (run->size < 1e-15 + 4.0 * DBL_EPSILON * run->offset) {
+        kernel_fail(self, KERNEL_ERROR,
+                    "The step size vanished at t = %s s: the equations have no finite solution there, or the "
+                    "tolerance %g is below round-off; check inputs and parameters, or enlarge the tolerance.",
+                    kernel_clock(time, 9, when), self->run.value[MODEL.tolerance]);
+        fail(run);
     }
 }
 
-/* A step of integration_step seconds with the explicit method. Returns its length, 0 after a failure. */
-static double explicit_step(kernel *self, progress *now, kernel_status *status) {
-    const double size = integrate_fixed_size(self, now->remaining);
-    if (runge_kutta_guard(self, now->offset, size) != KERNEL_OK) *status = KERNEL_WARNING;
-    const double error = runge_kutta_try(self, now->offset, size);
-    now->margin = isfinite(error) ? modes_margin(self, now->offset + size, self->work.trial) : NAN;
-    if (!isnan(now->margin)) return size;
-    (void)integrate_fixed_failed(self, now->offset, size);
-    return 0.0;
-}
-
-static double next_step(kernel *self, progress *now, kernel_status *status) {
-    if (self->work.method == METHOD_EXPLICIT) return explicit_step(self, now, status);
-    const double cut = self->work.method == METHOD_EXACT ? short_step(self, now) : 0.0;
-    return cut > 0.0 ? cut : adaptive_step(self, now);
+/* A step of integration_step seconds with the explicit method; whether it has an end. */
+static bool explicit_step(kernel *self, stepper *run) {
+    run->size = fixed_size(self, run->remaining);
+    if (runge_kutta_guard(self, run->offset, run->size) != KERNEL_OK) run->status = KERNEL_WARNING;
+    const double error = runge_kutta_try(self, run->offset, run->size);
+    run->margin = isfinite(error) ? modes_margin(self, run->offset + run->size, self->work.trial) : NAN;
+    if (!isnan(run->margin)) return true;
+    fixed_failed(self, run);
+    return false;
 }
 
 static void accept(kernel *self) {
@@ -171,38 +173,103 @@ static const char *remedy_of_chatter(const kernel *self) {
                                            : "check inputs and parameters";
 }
 
-kernel_status integrate(kernel *self, double size, double *reached) {
-    if (self->run.value[MODEL.integration_step] > 0.0 && self->work.method != METHOD_EXPLICIT)
-        return integrate_fixed(self, size, reached);
-    kernel_status status = KERNEL_OK;
-    progress now = {0.0, size, INFINITY, 0};
-    self->work.algebraic_serve = 0;
+/* Ends a step of `size`, at a switch or before one. */
+static void arrive(kernel *self, stepper *run, bool crossing) {
+    if (self->recorder) record_until(self, run->offset, run->size, run->offset + run->size);
+    run->offset = run->size == run->remaining ? run->whole : run->offset + run->size;
+    run->phase = STEPPER_BEGINS;
+    accept(self);
+    if (chatters(self, crossing)) {
+        char when[CLOCK_SIZE];
+        kernel_fail(self, KERNEL_ERROR,
+                    "More than %d switches between sliding and sticking with hardly a step between them up to "
+                    "t = %s s: a friction chatters; %s.",
+                    MAXIMUM_SWITCHES, kernel_clock(self->given.step_origin + run->offset, 9, when), remedy_of_chatter(self));
+        fail(run);
+        return;
+    }
+    if (crossing) {
+        self->run.now->ended = modes_switch(self, run->offset, -INFINITY);
+        if (self->run.now->ended || self->asked.stops_at_events) {
+            run->phase = STEPPER_DONE;
+            return;
+        }
+    }
+    if (modes_warn(self, run->offset)) run->status = KERNEL_WARNING;
+}
+
+/* A step that was found, with the margin at its end. */
+static void take_found(kernel *self, stepper *run) {
+    if (run->margin < 0.0)
+        locate_begin(self, run);
+    else
+        arrive(self, run, false);
+}
+
+void stepper_begin(kernel *self, stepper *run, double size) {
+    memset(run, 0, sizeof *run);
+    run->phase = STEPPER_BEGINS;
+    run->whole = size;
+    run->fixed = self->run.value[MODEL.integration_step] > 0.0 && self->work.method != METHOD_EXPLICIT;
+    self->work.algebraic_serve = false;
+    if (run->fixed) {
+        fixed_begin(self, run);
+        return;
+    }
     modes_refresh(self, 0.0);
     if (self->recorder) record_until(self, 0.0, 0.0, 0.0);
-    while (now.offset < size) {
-        now.remaining = size - now.offset;
-        double step = next_step(self, &now, &status);
-        if (step == 0.0) return KERNEL_ERROR;
-        const bool crossing = now.margin < 0.0;
-        if (crossing) step = modes_locate(self, now.offset, step);
-        if (self->recorder) record_until(self, now.offset, step, now.offset + step);
-        const double arrival = step == now.remaining ? size : now.offset + step;
-        accept(self);
-        now.offset = arrival;
-        if (chatters(self, crossing)) {
-            char when[CLOCK_SIZE];
-            return kernel_fail(self, KERNEL_ERROR,
-                               "More than %d switches between sliding and sticking with hardly a step between them up to "
-                               "t = %s s: a friction chatters; %s.",
-                               MAXIMUM_SWITCHES, kernel_clock(self->given.step_origin + now.offset, 9, when),
-                               remedy_of_chatter(self));
-        }
-        if (crossing) {
-            self->run.now->ended = modes_switch(self, now.offset, -INFINITY);
-            if (self->run.now->ended || self->asked.stops_at_events) break;
-        }
-        if (modes_warn(self, now.offset)) status = KERNEL_WARNING;
+}
+
+void stepper_ask(kernel *self, stepper *run) {
+    if (run->phase != STEPPER_BEGINS) return;
+    run->remaining = run->whole - run->offset;
+    if (!(run->offset < run->whole))
+        run->phase = STEPPER_DONE;
+    else if (run->fixed)
+        fixed_ask(self, run);
+    else if (self->work.method == METHOD_EXPLICIT ? explicit_step(self, run)
+                                                  : self->work.method == METHOD_EXACT && short_step(self, run))
+        take_found(self, run);
+    else if (run->phase == STEPPER_BEGINS)
+        ask_adaptive(self, run);
+}
+
+double stepper_try(kernel *self, const stepper *run) {
+    if (run->fixed) return fixed_try(self, run);
+    switch (self->work.method) {
+        case METHOD_REUSED: return reuse_try(self, run->offset, run->size);
+        case METHOD_EXPLICIT: return runge_kutta_try(self, run->offset, run->size);
+        default: return rosenbrock_try(self, run->offset, run->size);
     }
-    *reached = now.offset;
-    return status;
+}
+
+void stepper_take(kernel *self, stepper *run, double error) {
+    if (run->fixed) {
+        fixed_take(self, run, error);
+    } else if (run->phase == STEPPER_ARRIVES) {
+        arrive(self, run, true);
+    } else if (run->phase == STEPPER_LOCATES) {
+        locate_take(self, run);
+    } else if (!is_stuck(self, run)) {
+        run->margin = INFINITY;
+        if (error <= 1.0) run->margin = modes_margin(self, run->offset + run->size, self->work.trial);
+        if (isnan(run->margin)) error = NAN;
+        const double next = rosenbrock_next_size(tableau_of(self), run->size, error);
+        if (is_accepted(self, run, error, next))
+            take_found(self, run);
+        else
+            shorten(self, run, error, next);
+    }
+}
+
+kernel_status integrate(kernel *self, double size, double *reached) {
+    stepper run;
+    stepper_begin(self, &run, size);
+    for (;;) {
+        stepper_ask(self, &run);
+        if (run.phase == STEPPER_DONE) break;
+        if (run.phase != STEPPER_BEGINS) stepper_take(self, &run, stepper_try(self, &run));
+    }
+    *reached = run.offset;
+    return run.status;
 }

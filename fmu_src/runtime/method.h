@@ -5,6 +5,7 @@
 #include "instance.h"
 
 typedef struct rosenbrock_tableau rosenbrock_tableau; /* tableau.h */
+typedef struct stepper stepper;                       /* stepper.h */
 
 /* Linear equations: factors of M diagonal - J, in the order of the states; and of the algebraic part of J. Whether the
  * matrix is regular. */
@@ -79,14 +80,7 @@ RUNTIME_LOCAL int exchange_state(const kernel *self, int number);
 RUNTIME_LOCAL bool modes_settle(kernel *self, double offset);
 /* Writes the rows that are due by the time `until`, from a step that began at `offset`; of size 0: from the state. */
 RUNTIME_LOCAL void record_until(kernel *self, double offset, double size, double until);
-/* One trial step with the chosen method; the length at which it crosses a switch; and the loops over the steps, with error
- * control or with a fixed size. */
-RUNTIME_LOCAL double integrate_try(kernel *self, double offset, double size);
-RUNTIME_LOCAL double modes_locate(kernel *self, double offset, double size);
+/* All steps of a kernel_step of `size`; reached: where they end. */
 RUNTIME_LOCAL kernel_status integrate(kernel *self, double size, double *reached);
-RUNTIME_LOCAL kernel_status integrate_fixed(kernel *self, double size, double *reached);
-/* Length of the next step of a fixed size; and the sentence for one without a result. */
-RUNTIME_LOCAL double integrate_fixed_size(const kernel *self, double remaining);
-RUNTIME_LOCAL kernel_status integrate_fixed_failed(kernel *self, double offset, double size);
 
 #endif
