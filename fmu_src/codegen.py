@@ -56,7 +56,9 @@ KERNEL_SOURCES = (
 )
 FACE_SOURCES = ("face.c", "face_exchange.c", "fmi2.c", "fmi3.c")
 STUDY_SOURCES = ("study.c", "other_methods.c")
-RUNTIME_SOURCES = (*KERNEL_SOURCES, *FACE_SOURCES, *STUDY_SOURCES)
+#: Of runs in lanes, with the number of lanes as a macro.
+BATCH_SOURCES = ("batch_lanes.c", "batch.c")
+RUNTIME_SOURCES = (*KERNEL_SOURCES, *FACE_SOURCES, *STUDY_SOURCES, *BATCH_SOURCES)
 RUNTIME_HEADERS = (
     "model.h",
     "table_file.h",
@@ -70,6 +72,9 @@ RUNTIME_HEADERS = (
     "piecewise.h",
     "stepper.h",
     "tableau.h",
+    "known.h",
+    "batch.h",
+    "batch_lanes.h",
     "rosenbrock_stages.h",
     "lanes_vector.h",
     "lanes_widest.h",

@@ -19,6 +19,7 @@ import platformdirs
 from tqdm import tqdm
 
 from fmu_src.codegen import (
+    BATCH_SOURCES,
     FACE_SOURCES,
     KERNEL_SOURCES,
     RUNTIME,
@@ -210,12 +211,13 @@ def compile_library(
     flags: Sequence[str] = FLAGS,
     target: str | None = None,
     fmu: bool = False,
+    lanes: int = 0,
 ) -> None:
     """Compiles generated sources with the runtime to the shared library `output`. Raises CompilerError.
 
     fmu: the binary of an FMU, which shows the functions of FMI alone; otherwise a library for kernel.py, which shows
     those of kernel.h and studies.h. Either calls its own functions, also where the host has loaded others of the same
-    names.
+    names. lanes: of the library of a batch, whose own sources are among those given; 0: it is none.
     """
     if target and "windows" in target:
         flags = [flag for flag in flags if flag != "-fPIC"]
@@ -223,8 +225,17 @@ def compile_library(
         flags = [*flags, *FLAGS_X86]
     names, shown = (FACE_SOURCES, []) if fmu else (STUDY_SOURCES, ["-DKERNEL_LIBRARY"])
     runtime = {name: (RUNTIME / name).read_text() for name in (*KERNEL_SOURCES, *names)}
-    objects = objects_of(sources, [*flags, OPTIMISE_GENERATED], target)
+    single = {name: text for name, text in sources.items() if not name.startswith("batch_")}
+    several = {name: text for name, text in sources.items() if name not in single}
+    objects = objects_of(single, [*flags, OPTIMISE_GENERATED], target)
     objects += objects_of(runtime, [*flags, *shown, OPTIMISE_RUNTIME], target)
+    if lanes:
+        wide, runtime = (
+            [*flags, f"-DBATCH_LANES={lanes}"],
+            {name: (RUNTIME / name).read_text() for name in BATCH_SOURCES},
+        )
+        objects += objects_of(several, [*wide, OPTIMISE_GENERATED], target)
+        objects += objects_of(runtime, [*wide, *shown, OPTIMISE_RUNTIME], target)
     with tempfile.TemporaryDirectory() as folder:
         run([*_linking(flags, target), "-o", "library", *map(str, objects), "-lm"], target, Path(folder))
         _keep(Path(folder) / "library", output)
@@ -240,15 +251,24 @@ def _linking(flags: Sequence[str], target: str | None) -> list[str]:
 
 
 def library_of(
-    sources: Mapping[str, str], flags: Sequence[str] = FLAGS, target: str | None = None, fmu: bool = False
+    sources: Mapping[str, str],
+    flags: Sequence[str] = FLAGS,
+    target: str | None = None,
+    fmu: bool = False,
+    lanes: int = 0,
 ) -> Path:
     """Path of the compiled library of these sources, compiled now unless the cache has it; see compile_library."""
-    words = [*compiler(target), *_linking(flags, target), OPTIMISE_GENERATED, str(fmu)]
+    words = [*compiler(target), *_linking(flags, target), OPTIMISE_GENERATED, str(fmu), str(lanes)]
     path = cache() / f"{_content(words, sources, (*RUNTIME_SOURCES, *RUNTIME_HEADERS))}{library_suffix()}"
     with _missing(path) as missing:
         if missing:
-            compile_library(sources, path, flags, target, fmu)
+            compile_library(sources, path, flags, target, fmu, lanes)
     return path
+
+
+def batch_library(sources: Mapping[str, str], lanes: int) -> Path:
+    """Compiled kernel of a model with one of its systems in lanes, for batch.py."""
+    return library_of(sources, lanes=lanes)
 
 
 #: WebAssembly with the C library of WASI; a page gives what of its system the kernel asks for.

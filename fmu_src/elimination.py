@@ -132,14 +132,30 @@ def elimination(system: System) -> Elimination:
 
 def elimination_source(name: str, solving: Elimination) -> str:
     """C of the functions NAME_factorise(entry) and NAME_substitute(entry, vector) of a system."""
-    lines = ['#pragma GCC diagnostic ignored "-Wunused-parameter"', '#include "model.h"', ""]
-    for task, taken, given, body in (
-        ("factorise", "double *e", "e", list(solving.factors())),
-        ("substitute", "const double *e, double *v", "e, v", list(solving.substitution())),
+    head = ['#pragma GCC diagnostic ignored "-Wunused-parameter"', '#include "model.h"', ""]
+    return "\n".join([*head, *_functions(name, solving, "RUNTIME_LOCAL void {}", "double")])
+
+
+def elimination_in_lanes(name: str, solving: Elimination) -> list[str]:
+    """The same over several instances, LANES_NAME(NAME_factorise) and so on, of numbers that lie LANES apart."""
+    return _functions(name, solving, "static void LANES_NAME({})", "lanes_loose")
+
+
+def _functions(name: str, solving: Elimination, head: str, number: str) -> list[str]:
+    """C of both functions. head: of their declarations; number: the type of what is in memory."""
+    lines, outside = [], "double"
+    as_numbers = number != outside
+    for task, pointers, body in (
+        ("factorise", {"e": ""}, list(solving.factors())),
+        ("substitute", {"e": "const ", "v": ""}, list(solving.substitution())),
     ):
+        taken = ", ".join(f"{kind}{number} *{pointer}" for pointer, kind in pointers.items())
+        shown = ", ".join(f"{kind}{outside} *{pointer}" for pointer, kind in pointers.items())
+        casts = [f"({kind}{number} *){pointer}" for pointer, kind in pointers.items()]
+        given = ", ".join(casts if as_numbers else pointers)
         pieces = [body[start : start + LONGEST] for start in range(0, len(body), LONGEST)]
-        for number, piece in enumerate(pieces):
-            lines += [f"static void {name}_{task}_{number}({taken}) {{", *(f"    {line}" for line in piece), "}"]
-        calls = [f"    {name}_{task}_{number}({given});" for number in range(len(pieces))]
-        lines += [f"RUNTIME_LOCAL void {name}_{task}({taken}) {{", *calls, "}", ""]
-    return "\n".join(lines)
+        for place, piece in enumerate(pieces):
+            lines += [f"static void {name}_{task}_{place}({taken}) {{", *(f"    {line}" for line in piece), "}"]
+        calls = [f"    {name}_{task}_{place}({given});" for place in range(len(pieces))]
+        lines += [f"{head.format(f'{name}_{task}')}({shown}) {{", *calls, "}", ""]
+    return lines

@@ -107,6 +107,16 @@ def _functions_of_parts(own: Sequence[Generated]) -> dict[str, Generated]:
 def _parts(name: str, parts: Mapping[str, Generated], groups: Mapping[str, Group]) -> str:
     """The header with the parts in lanes: what other parts call, what stands in a group, and what computes a group."""
     own: dict[str, Group] = {group.function: group for group in groups.values()}
+    given, texts = _parts_within(name, parts, [parts[part_name(one.part, one.slopes)] for one in own.values()])
+    for group in own.values():
+        one = parts[part_name(group.part, group.slopes)]
+        texts.append(_written(_of_part(name, one, group.function, str(group.lanes))))
+    texts += [entry_of_group(name, group) for group in groups.values()]
+    return "\n".join([*HEAD, *given, *_in_lanes(texts), ""])
+
+
+def _parts_within(name: str, parts: Mapping[str, Generated], users: Iterable[Generated]) -> tuple[list[str], list[str]]:
+    """C of what is given in C, and of all parts that functions in lanes call, each behind those that it calls."""
     called: dict[str, Group] = {}
 
     def find(one: Generated) -> None:
@@ -116,21 +126,25 @@ def _parts(name: str, parts: Mapping[str, Generated], groups: Mapping[str, Group
                     find(parts[group.function])
                 called[group.function] = group
 
-    for group in own.values():
-        find(parts[part_name(group.part, group.slopes)])
-    given, texts = _given([group.part for group in called.values() if group.part.source]), []
+    for one in users:
+        find(one)
+    texts = []
     for group in called.values():
-        if group.part.flat:
-            continue
-        if group.part.source:
+        if group.part.source and not group.part.flat:
             texts.append(part_in_c_in_lanes(name, group.part, group.slopes))
-        else:
+        elif not group.part.source:
             texts.append(_written(_of_part(name, parts[group.function], group.function, "LANES")))
-    for group in own.values():
-        one = parts[part_name(group.part, group.slopes)]
-        texts.append(_written(_of_part(name, one, group.function, str(group.lanes))))
-    texts += [entry_of_group(name, group) for group in groups.values()]
-    return "\n".join([*HEAD, *given, *_in_lanes(texts), ""])
+    return _given([group.part for group in called.values() if group.part.source]), texts
+
+
+def functions_in_lanes(name: str, made: Mapping[str, Generated]) -> tuple[list[str], list[str]]:
+    """C of what is given in C, and of the functions of a system over several instances, LANES_NAME(NAME_FUNCTION).
+
+    Raises ValueError as `equations_in_c`.
+    """
+    own = list(made.values())
+    given, texts = _parts_within(name, _functions_of_parts(own), own)
+    return given, [*texts, *(_written(_of_all_lanes(name, one)) for one in own)]
 
 
 # -- functions --------------------------------------------------------------------------------------------------------
@@ -180,10 +194,27 @@ def _of_one_number(name: str, one: Generated) -> Body:
 
 
 def _of_part(name: str, one: Generated, own_name: str, distance: str) -> Body:
-    """In lanes: distance, C of a number, is how far the numbers of a lane are from each other."""
-    function, rooms = one.function, Rooms.of(one, False)
+    """A part in lanes: distance, C of a number, is how far the numbers of a lane are from each other."""
+    given = ["arguments", "constants", "results"]
     parameters = "const double *arguments, const double *constants, double *results"
-    inputs = ["arguments", "constants", "left"][: function.n_in()]
+    return _of_lanes(name, one, own_name, (parameters, given[:2], given[2:]), distance)
+
+
+def _of_all_lanes(name: str, one: Generated) -> Body:
+    """A function of a system in lanes, `lanes_function` in batch.h."""
+    inputs = [f"arg[{number}]" for number in range(one.function.n_in())]
+    results = [f"res[{number}]" for number in range(one.function.n_out() - one.ranks)]
+    parameters = "const double *const *arg, double *const *res"
+    return _of_lanes(name, one, one.function.name(), (parameters, inputs, results), "LANES")
+
+
+def _of_lanes(
+    name: str, one: Generated, own_name: str, face: tuple[str, Sequence[str], Sequence[str]], distance: str
+) -> Body:
+    """face: C of parameters, inputs and results."""
+    function, rooms = one.function, Rooms.of(one, False)
+    parameters, inputs, results = face
+    inputs = [*inputs[: function.n_in() - 1], "left"] if one.calls else inputs
 
     def at(array: str, place: int, by: str) -> str:
         return f"{array} + {place} * {by}" if by == "LANES" else f"{array} + {place * int(by)}"
@@ -195,7 +226,7 @@ def _of_part(name: str, one: Generated, own_name: str, distance: str) -> Body:
 
     def write(number: int, place: int) -> list[str]:
         if number >= one.ranks:
-            return [f"real_store({at('results', place, distance)}, {{}})"]
+            return [f"real_store({at(results[number - one.ranks], place, distance)}, {{}})"]
         return [f"real_store({at(f'given_{number}', where, 'LANES')}, {{}})" for where in rooms.given[number][place]]
 
     def calls(number: int) -> list[Statement]:
@@ -204,7 +235,8 @@ def _of_part(name: str, one: Generated, own_name: str, distance: str) -> Body:
 
     statements = statements_of(function, Memory(read, write), calls)
     head = f"static void LANES_NAME({name}_{own_name})({parameters})"
-    piece, given = f"LANES_NAME({name}_piece_of_{own_name})", "arguments, constants, results"
+    piece = f"LANES_NAME({name}_piece_of_{own_name})"
+    given = ", ".join(word.split("*")[-1].split(" ")[-1] for word in parameters.split(", "))
     return Body(piece, head, parameters, given, statements, rooms.sizes, "LANES", [])
 
 

@@ -85,6 +85,7 @@ _SIGNATURES = {
         ctypes.c_int,
         [ctypes.c_void_p, ctypes.c_double, ctypes.POINTER(ctypes.c_double), ctypes.c_bool],
     ),
+    "kernel_use_lanes": (ctypes.c_int, [ctypes.c_void_p, ctypes.c_int]),
     "kernel_variable_count": (ctypes.c_int, []),
     "kernel_variable_name": (ctypes.c_char_p, [ctypes.c_int]),
     "kernel_repeat_right_hand_side": (ctypes.c_int, [ctypes.c_void_p, ctypes.c_longlong]),
@@ -153,9 +154,9 @@ class Kernel:
         """
         for name, value in values.items():
             if isinstance(value, str):
-                self.set_text(self._number_of(name), value)
+                self.set_text(self.number_of(name), value)
             else:
-                self.set_number(self._number_of(name), value)
+                self.set_number(self.number_of(name), value)
 
     def set_number(self, variable: int, value: float) -> None:
         """As `set`, one variable by its number in `Library.names`."""
@@ -174,10 +175,10 @@ class Kernel:
     def set_rate(self, **rates: float) -> None:
         """Rates of change of inputs for the next step, so that they are ramps instead of stairs. Raises KernelError."""
         for name, rate in rates.items():
-            self._check(self._call.kernel_set_rate(self._handle, self._number_of(name), rate))
+            self._check(self._call.kernel_set_rate(self._handle, self.number_of(name), rate))
 
     def __getitem__(self, name: str) -> float:
-        return self.get_number(self._number_of(name))
+        return self.get_number(self.number_of(name))
 
     def get_number(self, variable: int) -> float:
         """Value of a variable by its number in `Library.names`, in its unit. Raises KernelError."""
@@ -331,8 +332,12 @@ class Kernel:
         return list(found)
 
     def _numbers(self, names: Iterable[str]):  # type: ignore[no-untyped-def]
-        numbers = [self._number_of(name) for name in names]
+        numbers = [self.number_of(name) for name in names]
         return (ctypes.c_int * len(numbers))(*numbers)
+
+    def use_lanes(self, most: int) -> int:
+        """The equations use at most so many lanes from now on; how many they use, which the processor says too."""
+        return int(self._call.kernel_use_lanes(self._handle, most))
 
     def repeat_right_hand_side(self, repeat: int) -> None:
         """`repeat` right-hand sides at the present state in one call, to measure what one costs."""
@@ -356,7 +361,7 @@ class Kernel:
         if status > WARNING:
             raise KernelError(self._call.kernel_message(self._handle).decode(), status)
 
-    def _number_of(self, name: str) -> int:
+    def number_of(self, name: str) -> int:
         """Of a variable in `Library.names`. Raises KernelError."""
         number = self.library.index.get(name)
         if number is None:

@@ -77,11 +77,11 @@ void fixed_take(kernel *self, stepper *run, double error) {
     memcpy(self->run.state, self->work.trial, (size_t)self->system->states * sizeof(double));
     modes_hold(self, self->run.state);
     self->counters.steps++;
-    run->offset = step == run->remaining ? run->whole : offset + step;
+    stepper_go_on(run);
     const bool switched = modes_settle(self, run->offset);
     const int end = find_end(self, run->offset);
-    run->phase = STEPPER_BEGINS;
     if (end < 0) {
+        run->offset = offset;
         fixed_failed(self, run);
         return;
     }

@@ -4,6 +4,7 @@
 #define INSTANCE_H
 
 #include "kernel.h"
+#include "known.h"
 #include "state.h"
 #include "table_file.h"
 #include "workspace.h"
@@ -50,6 +51,7 @@ struct kernel {
     steady_workspace steady;
     host_workspace host;
     host_wishes asked;
+    const known_place *known[2]; /* where a step begins and where its trial ends; null: nothing is known there */
     kernel_counters counters;
     kernel_recorder *recorder;
     sentence_journal journal;

@@ -176,8 +176,7 @@ static const char *remedy_of_chatter(const kernel *self) {
 /* Ends a step of `size`, at a switch or before one. */
 static void arrive(kernel *self, stepper *run, bool crossing) {
     if (self->recorder) record_until(self, run->offset, run->size, run->offset + run->size);
-    run->offset = run->size == run->remaining ? run->whole : run->offset + run->size;
-    run->phase = STEPPER_BEGINS;
+    stepper_go_on(run);
     accept(self);
     if (chatters(self, crossing)) {
         char when[CLOCK_SIZE];
@@ -206,6 +205,11 @@ static void take_found(kernel *self, stepper *run) {
         arrive(self, run, false);
 }
 
+void stepper_go_on(stepper *run) {
+    run->offset = run->size == run->remaining ? run->whole : run->offset + run->size;
+    run->phase = run->offset < run->whole ? STEPPER_BEGINS : STEPPER_DONE;
+}
+
 void stepper_begin(kernel *self, stepper *run, double size) {
     memset(run, 0, sizeof *run);
     run->phase = STEPPER_BEGINS;
@@ -223,9 +227,7 @@ void stepper_begin(kernel *self, stepper *run, double size) {
 void stepper_ask(kernel *self, stepper *run) {
     if (run->phase != STEPPER_BEGINS) return;
     run->remaining = run->whole - run->offset;
-    if (!(run->offset < run->whole))
-        run->phase = STEPPER_DONE;
-    else if (run->fixed)
+    if (run->fixed)
         fixed_ask(self, run);
     else if (self->work.method == METHOD_EXPLICIT ? explicit_step(self, run)
                                                   : self->work.method == METHOD_EXACT && short_step(self, run))

@@ -1,6 +1,7 @@
 /* What lanes_math.h is built from, for one lane; included by lanes.h. */
 typedef double real_1;
 typedef int real_mask_1;
+typedef double lanes_loose_1; /* in memory */
 typedef uint64_t lanes_word_1; /* the bits of a double */
 
 LANES_FUNCTION lanes_word lanes_word_of(real x)

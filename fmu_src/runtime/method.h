@@ -80,6 +80,9 @@ RUNTIME_LOCAL int exchange_state(const kernel *self, int number);
 RUNTIME_LOCAL bool modes_settle(kernel *self, double offset);
 /* Writes the rows that are due by the time `until`, from a step that began at `offset`; of size 0: from the state. */
 RUNTIME_LOCAL void record_until(kernel *self, double offset, double size, double until);
+/* A kernel_step before its steps and behind them, which reached so far with this status; `noted`: records before it. */
+RUNTIME_LOCAL kernel_status step_begin(kernel *self, double time, double size);
+RUNTIME_LOCAL kernel_status step_end(kernel *self, unsigned long long noted, double size, double reached, kernel_status status);
 /* All steps of a kernel_step of `size`; reached: where they end. */
 RUNTIME_LOCAL kernel_status integrate(kernel *self, double size, double *reached);
 

@@ -36,16 +36,27 @@ static kernel_status check_step(kernel *self, double time, double size) {
     return KERNEL_OK;
 }
 
-kernel_status kernel_step(kernel *self, double time, double size) {
+kernel_status step_begin(kernel *self, double time, double size) {
     kernel_status status = check_step(self, time, size);
     if (status != KERNEL_OK) return status;
-    const unsigned long long noted = self->journal.noted;
     memcpy(self->backup, self->run.block, self->run.doubles * sizeof(double));
 
     self->given.step_origin = time;
     kernel_gather_inputs(self);
+    return KERNEL_OK;
+}
+
+kernel_status kernel_step(kernel *self, double time, double size) {
+    const unsigned long long noted = self->journal.noted;
     double reached = size;
+    kernel_status status = step_begin(self, time, size);
+    if (status != KERNEL_OK) return status;
     status = integrate(self, size, &reached);
+    return step_end(self, noted, size, reached, status);
+}
+
+kernel_status step_end(kernel *self, unsigned long long noted, double size, double reached, kernel_status status) {
+    const double time = self->given.step_origin;
     if (status <= KERNEL_WARNING && self->run.now->ended && self->asked.whole_steps && reached < size)
         status = kernel_discard(self, noted, reached);
     if (status <= KERNEL_WARNING) {

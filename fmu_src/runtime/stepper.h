@@ -42,6 +42,8 @@ struct stepper {
 
 /* Begins a kernel_step of `size` seconds. */
 RUNTIME_LOCAL void stepper_begin(kernel *self, stepper *run, double size);
+/* A step of `size` ends: goes on to the next one, or is done. */
+RUNTIME_LOCAL void stepper_go_on(stepper *run);
 /* At the beginning of a step: asks for a trial, or is done. */
 RUNTIME_LOCAL void stepper_ask(kernel *self, stepper *run);
 /* The trial that was asked for; the new state is in work.trial. */

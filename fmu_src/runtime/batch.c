@@ -1,0 +1,304 @@
+/* The control of runs in lanes: see batch.h. What is computed together is in batch_lanes.c. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "batch_lanes.h"
+
+enum { W = BATCH_LANES };
+
+batch *batch_create(void) {
+    batch *self = (batch *)calloc(1, sizeof *self);
+    if (!self) return NULL;
+    self->of = &BATCH;
+    self->system = &MODEL.system[BATCH.system];
+    bool complete = batch_lay_out(self);
+    for (int l = 0; l < W && complete; ++l) {
+        self->own[l] = kernel_create();
+        complete = self->own[l] != NULL;
+    }
+    if (complete) return self;
+    batch_free(self);
+    return NULL;
+}
+
+void batch_free(batch *self) {
+    if (!self) return;
+    for (int l = 0; l < W; ++l) kernel_free(self->own[l]);
+    free(self->room);
+    free(self);
+}
+
+int batch_lanes(void) { return W; }
+int batch_system(void) { return BATCH.system; }
+
+/* ---- one round: a step is begun, tried and taken --------------------------------------------------------------- */
+
+static bool is_active(const lane *one) { return one->self != NULL; }
+
+static int first_active(const batch *self) {
+    for (int l = 0; l < W; ++l)
+        if (is_active(&self->lane[l])) return l;
+    return -1;
+}
+
+static void spread(double *numbers, int l, const double *source, int count) {
+    for (int i = 0; i < count; ++i) numbers[i * W + l] = source[i];
+}
+
+/* The constants of a run, once it has begun. */
+static void take_in_constants(batch *self, int l) {
+    const kernel *own = self->lane[l].self;
+    const system_description *system = self->system;
+    lane_numbers *n = &self->numbers;
+    spread(n->parameter, l, own->given.parameter, system->parameters);
+    spread(n->derived, l, own->run.derived, system->derived);
+    spread(n->input, l, own->given.input, system->inputs);
+    spread(n->rate, l, own->given.rate, system->inputs);
+    n->origin[l] = own->given.step_origin;
+    n->allowed[l] = 1.0 / own->run.value[MODEL.tolerance];
+}
+
+/* Where each lane stands; what is not active stands where another does. */
+static void take_in_places(batch *self) {
+    const int first = first_active(self);
+    lane_numbers *n = &self->numbers;
+    for (int l = 0; l < W; ++l) {
+        const lane *one = &self->lane[is_active(&self->lane[l]) ? l : first];
+        if (!is_active(&self->lane[l]) && !self->lane[l].is_copy) {
+            self->lane[l].self = one->self;
+            take_in_constants(self, l);
+            self->lane[l].self = NULL;
+            self->lane[l].is_copy = true;
+        }
+        spread(n->state, l, one->self->run.state, self->system->states);
+        spread(n->mode, l, one->self->run.mode, self->system->frictions);
+        n->offset[l] = one->run.offset;
+        n->wanted[l] = one->run.size > 0.0 ? one->run.size : 1.0;
+    }
+}
+
+static void know(batch *self, int l, const known_place *start, const known_place *end) {
+    kernel *own = self->lane[l].self;
+    own->known[0] = start;
+    own->known[1] = end;
+}
+
+static void set_known(known_place *known, int l, const known_place *all, double offset) {
+    *known = *all;
+    known->offset = offset;
+    known->state += l;
+    known->mode += l;
+    for (int i = 0; i < known->functions; ++i)
+        for (int n = 0; n < MOST_RESULTS && known->function[i].result[n]; ++n) known->function[i].result[n] += l;
+}
+
+static bool stands_there(const batch *self, int l) {
+    const kernel *own = self->lane[l].self;
+    for (int i = 0; i < self->system->states; ++i)
+        if (own->run.state[i] != self->numbers.state[i * W + l]) return false;
+    for (int i = 0; i < self->system->frictions; ++i)
+        if (own->run.mode[i] != self->numbers.mode[i * W + l]) return false;
+    return true;
+}
+
+/* Begins the steps of lanes that ended one; those that are not done ask for a trial then. */
+static void begin_steps(batch *self) {
+    bool begin_runs = false, begin = false;
+    for (int l = 0; l < W; ++l) {
+        if (!is_active(&self->lane[l])) continue;
+        begin_runs |= self->lane[l].begins;
+        begin |= self->lane[l].run.phase == STEPPER_BEGINS;
+    }
+    if (!begin) return;
+    take_in_places(self);
+    const known_place *all = batch_start(self, begin_runs);
+    for (int l = 0; l < W; ++l) {
+        lane *one = &self->lane[l];
+        if (!is_active(one) || one->run.phase != STEPPER_BEGINS) continue;
+        set_known(&one->start, l, all, one->run.offset);
+        know(self, l, &one->start, NULL);
+        if (one->begins) stepper_begin(one->self, &one->run, one->size);
+        one->begins = false;
+        const double offset = one->run.offset;
+        stepper_ask(one->self, &one->run);
+        /* A step alone has led elsewhere, or a mode was another one. */
+        const bool in_lanes = one->run.fixed || one->self->work.method == METHOD_EXACT;
+        one->together = in_lanes && !self->system->algebraics && one->run.offset == offset && stands_there(self, l);
+        know(self, l, NULL, NULL);
+    }
+}
+
+static bool asks(const lane *one) {
+    return is_active(one) && one->run.phase != STEPPER_DONE && one->run.phase != STEPPER_BEGINS;
+}
+
+/* The stages, for the continuous extension. */
+static void take_out_stages(const batch *self, int l) {
+    kernel *own = self->lane[l].self;
+    for (int stage = 0; stage < MOST_STAGES; ++stage)
+        for (int i = 0; i < self->system->states; ++i) own->work.stage[stage][i] = self->numbers.stage[stage][i * W + l];
+}
+
+/* Takes the trial that was made together. */
+static void take_trial(batch *self, int l, const known_place *all) {
+    lane *one = &self->lane[l];
+    kernel *own = one->self;
+    const double end = one->run.offset + one->run.size;
+    own->counters.factorisations++;
+    own->counters.right_hand_sides += self->tableau->stages - 1;
+    for (int i = 0; i < self->system->states; ++i) own->work.trial[i] = self->numbers.trial[i * W + l];
+    set_known(&one->end, l, all, end);
+    know(self, l, NULL, &one->end);
+    const double error = self->numbers.error[l];
+    const bool found = one->run.phase == STEPPER_TRIES && error <= 1.0 && !one->run.fixed;
+    if (found && modes_margin(own, end, own->work.trial) < 0.0) take_out_stages(self, l);
+    stepper_take(own, &one->run, error);
+}
+
+static void try_steps(batch *self) {
+    bool together = false;
+    for (int l = 0; l < W; ++l) {
+        lane *one = &self->lane[l];
+        if (!asks(one) || !one->together) continue;
+        const rosenbrock_tableau *method = one->self->work.method == METHOD_REUSED ? &ROS34PW2 : &RODAS5P;
+        if (!together) self->tableau = method;
+        one->together = method == self->tableau;
+        together = true;
+        self->numbers.wanted[l] = one->run.size;
+    }
+    const known_place *all = together ? batch_try(self) : NULL;
+    for (int l = 0; l < W; ++l) {
+        lane *one = &self->lane[l];
+        if (!asks(one)) continue;
+        if (one->together && self->numbers.regular[l] != 0.0)
+            take_trial(self, l, all);
+        else
+            stepper_take(one->self, &one->run, stepper_try(one->self, &one->run));
+    }
+}
+
+/* Ends the kernel_steps that are done, with what is known at their end. */
+static kernel_status end_step(batch *self, int l) {
+    lane *one = &self->lane[l];
+    const kernel_status status = step_end(one->self, one->noted, one->size, one->run.offset, one->run.status);
+    know(self, l, NULL, NULL);
+    return status;
+}
+
+static void round_of_steps(batch *self, void *work, void (*end)(batch *self, void *work, int l, kernel_status status)) {
+    begin_steps(self);
+    try_steps(self);
+    for (int l = 0; l < W; ++l) {
+        lane *one = &self->lane[l];
+        if (!is_active(one)) continue;
+        if (one->run.phase == STEPPER_DONE)
+            end(self, work, l, end_step(self, l));
+        else
+            know(self, l, NULL, NULL);
+    }
+}
+
+/* A kernel_step of an instance in a lane; whether it may begin. */
+static kernel_status begin_step(batch *self, int l, kernel *own, double size) {
+    lane *one = &self->lane[l];
+    one->noted = own->journal.noted;
+    const kernel_status status = step_begin(own, own->run.now->time, size);
+    if (status != KERNEL_OK) return status;
+    memset(&one->run, 0, sizeof one->run);
+    one->self = own;
+    one->size = size;
+    one->begins = true;
+    one->is_copy = false;
+    take_in_constants(self, l);
+    return KERNEL_OK;
+}
+
+/* ---- runs ----------------------------------------------------------------------------------------------------- */
+
+static void leave_run(const batch_runs *runs, long long int row, kernel *own, kernel_status status) {
+    runs->status[row] = (int)status;
+    runs->end[row] = own->run.now->time;
+    for (int i = 0; i < runs->outputs; ++i) {
+        double *value = &runs->result[row * runs->outputs + i];
+        if (!own->system || kernel_get(own, runs->output[i], value) > KERNEL_WARNING) *value = NAN;
+    }
+}
+
+static kernel_status initialise_run(const batch_runs *runs, long long int row, kernel *own) {
+    kernel_status status = KERNEL_OK;
+    kernel_reset(own);
+    for (int i = 0; i < runs->variables && status <= KERNEL_WARNING; ++i)
+        status = kernel_set(own, runs->variable[i], runs->value[row * runs->variables + i]);
+    if (status <= KERNEL_WARNING) status = kernel_initialise(own, runs->start);
+    if (status <= KERNEL_WARNING && own->system != &MODEL.system[BATCH.system])
+        status = kernel_fail(own, KERNEL_ERROR, "This batch runs the system %s; these values choose %s.",
+                             MODEL.system[BATCH.system].name, own->system->name);
+    return status;
+}
+
+/* Puts the next run into a lane; those that cannot begin are left at once. */
+static void next_run(batch *self, const batch_runs *runs, int l) {
+    kernel *own = self->own[l];
+    self->lane[l].self = NULL;
+    for (;;) {
+        const long long int row = __atomic_fetch_add(runs->next, 1, __ATOMIC_RELAXED);
+        if (row >= runs->count) return;
+        kernel_status status = initialise_run(runs, row, own);
+        self->lane[l].row = row;
+        if (status <= KERNEL_WARNING) status = begin_step(self, l, own, runs->stop - runs->start);
+        if (status == KERNEL_OK) return;
+        self->lane[l].self = NULL;
+        leave_run(runs, row, own, status);
+    }
+}
+
+static void end_run(batch *self, void *work, int l, kernel_status status) {
+    const batch_runs *runs = (const batch_runs *)work;
+    leave_run(runs, self->lane[l].row, self->lane[l].self, status);
+    next_run(self, runs, l);
+}
+
+void batch_run(batch *self, const batch_runs *runs) {
+    for (int l = 0; l < W; ++l) next_run(self, runs, l);
+    while (first_active(self) >= 0) round_of_steps(self, (void *)(size_t)runs, end_run);
+}
+
+/* ---- steps of instances --------------------------------------------------------------------------------------- */
+
+static void end_steps(batch *self, void *work, int l, kernel_status status) {
+    const batch_steps *steps = (const batch_steps *)work;
+    const long long int row = self->lane[l].row;
+    kernel *own = self->lane[l].self;
+    steps->status[row] = (int)status;
+    for (int i = 0; i < steps->outputs; ++i) {
+        double *value = &steps->result[row * steps->outputs + i];
+        if (kernel_get(own, steps->output[i], value) > KERNEL_WARNING) *value = NAN;
+    }
+    self->lane[l].self = NULL;
+}
+
+static kernel_status set_inputs(const batch_steps *steps, long long int row, kernel *own) {
+    kernel_status status = KERNEL_OK;
+    for (int i = 0; i < steps->inputs && status <= KERNEL_WARNING; ++i)
+        status = kernel_set(own, steps->input[i], steps->value[row * steps->inputs + i]);
+    if (status <= KERNEL_WARNING && own->system != &MODEL.system[BATCH.system])
+        status = kernel_fail(own, KERNEL_ERROR, "This batch runs the system %s alone.", MODEL.system[BATCH.system].name);
+    return status;
+}
+
+void batch_step(batch *self, const batch_steps *steps) {
+    for (long long int first = 0; first < steps->count; first += W) {
+        for (int l = 0; l < W && first + l < steps->count; ++l) {
+            const long long int row = first + l;
+            kernel *own = steps->instance[row];
+            kernel_status status = set_inputs(steps, row, own);
+            if (status <= KERNEL_WARNING) status = begin_step(self, l, own, steps->size);
+            self->lane[l].row = row;
+            if (status == KERNEL_OK) continue;
+            self->lane[l].self = own;
+            end_steps(self, (void *)(size_t)steps, l, status);
+        }
+        while (first_active(self) >= 0) round_of_steps(self, (void *)(size_t)steps, end_steps);
+    }
+}

@@ -1,0 +1,57 @@
+/* Many runs of one model at once: LANES instances make their trial steps together, each with its own time, step, modes and
+ * events; one that is done makes room for the next. Whatever a lane cannot do together it does alone, with the same bits.
+ * Only the library for studies holds it. */
+#ifndef BATCH_H
+#define BATCH_H
+
+#include "kernel.h"
+
+/* A function of a system over several instances: numbers of each lie BATCH_LANES apart. Arguments as in model.h. */
+typedef void (*lanes_function)(const double *const *argument, double *const *result);
+
+/* One system in lanes. null: not needed */
+typedef struct {
+    int lanes, system;
+    lanes_function ode, jacobian, output, drive, capacity, condition_margin, largest_change;
+    const lanes_function *table_argument; /* one for each rank */
+    void (*factorise)(double *entry);
+    void (*substitute)(const double *entry, double *vector);
+} batch_functions;
+
+typedef struct batch batch;
+
+/* What each of `count` runs begins with and leaves. Arrays are by rows, a row for each run. */
+typedef struct {
+    long long int count;
+    long long int *next; /* the first run that nobody has taken yet: threads share it */
+    int variables, outputs;
+    const int *variable, *output;
+    const double *value; /* count x variables: start values */
+    double start, stop;  /* [s] */
+    double *result;      /* count x outputs: where a run ends */
+    double *end;         /* count: when [s] */
+    int *status;         /* count: a kernel_status; KERNEL_DISCARD: the run ended by itself */
+} batch_runs;
+
+/* A step of each of `count` instances. */
+typedef struct {
+    long long int count;
+    kernel *const *instance;
+    int inputs, outputs;
+    const int *input, *output;
+    const double *value; /* count x inputs */
+    double size;         /* [s] */
+    double *result;      /* count x outputs */
+    int *status;         /* count: a kernel_status */
+} batch_steps;
+
+/* One for each thread; null: there is no memory. */
+KERNEL_EXPORT batch *batch_create(void);
+KERNEL_EXPORT void batch_free(batch *self);
+KERNEL_EXPORT int batch_lanes(void);
+/* The system that it runs: the place of the system in the model. */
+KERNEL_EXPORT int batch_system(void);
+KERNEL_EXPORT void batch_run(batch *self, const batch_runs *runs);
+KERNEL_EXPORT void batch_step(batch *self, const batch_steps *steps);
+
+#endif

@@ -1,0 +1,46 @@
+/* The inside of a batch: its lanes, and their numbers, of which those of one lane are BATCH_LANES apart. */
+#ifndef BATCH_LANES_H
+#define BATCH_LANES_H
+
+#include "batch.h"
+#include "stepper.h"
+#include "tableau.h"
+
+typedef struct {
+    double *origin, *offset, *wanted, *allowed, *time; /* [s]; allowed: 1 / tolerance */
+    double *state, *input, *rate, *stage_input, *parameter, *derived, *mode, *coefficient, *argument;
+    double *slope, *time_slope, *jacobian, *entry, *differential, *point, *trial, *stage[MOST_STAGES];
+    double *capacity, *drive, *end_capacity, *end_drive, *margin, *largest_change, *output;
+    double *error, *regular; /* regular: whether the matrix of its step was */
+} lane_numbers;
+
+typedef struct {
+    kernel *self; /* null: there is none */
+    stepper run;
+    unsigned long long noted;
+    long long int row;
+    double size;
+    bool begins, together, is_copy; /* a kernel_step; whether its trials go with the others; of another lane's constants */
+    known_place start, end;
+} lane;
+
+struct batch {
+    const batch_functions *of;
+    const system_description *system;
+    const rosenbrock_tableau *tableau;
+    lane lane[BATCH_LANES];
+    kernel *own[BATCH_LANES];
+    lane_numbers numbers;
+    known_place start, end;
+    double *room;
+};
+
+extern const batch_functions BATCH;
+
+RUNTIME_LOCAL bool batch_lay_out(batch *self);
+/* Where each lane stands: modes, where they are asked for, the Jacobian, and what may change. */
+RUNTIME_LOCAL const known_place *batch_start(batch *self, bool modes);
+/* A trial of each lane with the size that it wants, and what is asked at its end. */
+RUNTIME_LOCAL const known_place *batch_try(batch *self);
+
+#endif

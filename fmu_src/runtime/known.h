@@ -1,0 +1,23 @@
+/* Results of generated functions that are known at a place, since several instances computed them together. */
+#ifndef KNOWN_H
+#define KNOWN_H
+
+#include "model.h"
+
+enum { MOST_KNOWN = 4, MOST_RESULTS = 3 };
+
+typedef struct {
+    generated_function function;
+    const double *result[MOST_RESULTS]; /* null: there are no more */
+    int size[MOST_RESULTS];
+} known_function;
+
+/* A place: they serve where state and modes have the same bits. Numbers lie `lanes` apart. */
+typedef struct known_place {
+    int lanes, functions;
+    double offset;
+    const double *state, *mode;
+    known_function function[MOST_KNOWN];
+} known_place;
+
+#endif
