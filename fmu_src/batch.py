@@ -65,8 +65,8 @@ _SIGNATURES = {
     "batch_create": (ctypes.c_void_p, []),
     "batch_free": (None, [ctypes.c_void_p]),
     "batch_lanes": (ctypes.c_int, []),
-    "batch_run": (None, [ctypes.c_void_p, ctypes.POINTER(_Runs)]),
-    "batch_step": (None, [ctypes.c_void_p, ctypes.POINTER(_Steps)]),
+    "batch_run": (ctypes.c_bool, [ctypes.c_void_p, ctypes.POINTER(_Runs)]),
+    "batch_step": (None, [ctypes.POINTER(ctypes.c_void_p), ctypes.POINTER(_Steps)]),
 }
 
 
@@ -125,7 +125,9 @@ def _in_threads(library: BatchLibrary, count: int, runs: _Runs, queue: ctypes.c_
         ):
             waiting = {pool.submit(call.batch_run, lanes, runs) for lanes in every}
             while waiting:
-                _, waiting = wait(waiting, timeout=GLANCE)
+                done, waiting = wait(waiting, timeout=GLANCE)
+                if not all(one.result() for one in done):
+                    raise MemoryError("There is not enough memory for a batch.")
                 bar.update(min(queue.value, runs.count) - bar.n)
     finally:
         for lanes in every:
@@ -213,14 +215,15 @@ class Instances:
         self._given, self._found = np.zeros((count, len(inputs))), np.zeros((count, len(outputs)))
         self._status = np.zeros(count, np.int32)
         self._pool = ThreadPoolExecutor(self._threads)
-        self._lanes = [library.functions.batch_create() for _ in range(self._threads)]
+        groups = [library.functions.batch_create() for _ in range(-(-count // library.lanes))]
+        self._groups = (ctypes.c_void_p * len(groups))(*groups)
 
     def close(self) -> None:
         """Gives threads and memory back."""
         self._pool.shutdown()
-        for lanes in self._lanes:
-            self._library.functions.batch_free(lanes)
-        self._lanes = []
+        for group in self._groups:
+            self._library.functions.batch_free(group)
+        self._groups = (ctypes.c_void_p * 0)()
 
     def step(self, size: float, inputs: Mapping[str, ArrayLike] | None = None) -> dict[str, Numbers]:
         """A step of `size` seconds; outputs at its end. Inputs that are not given stay as they are.
@@ -233,8 +236,8 @@ class Instances:
         width = self._library.lanes
         share = -(-count // (self._threads * width)) * width
         done = [
-            self._pool.submit(self._step_some, lanes, first, min(first + share, count), size)
-            for lanes, first in zip(self._lanes, range(0, count, share), strict=False)
+            self._pool.submit(self._step_some, first, min(first + share, count), size)
+            for first in range(0, count, share)
         ]
         for one in done:
             one.result()
@@ -244,11 +247,10 @@ class Instances:
             raise KernelError(f"Run {failed[0]} of {count}: {message}", int(self._status[failed[0]]))
         return {name: self._found[:, number] for number, name in enumerate(self.outputs)}
 
-    def _step_some(self, lanes: int, first: int, end: int, size: float) -> None:
-        handles = ctypes.byref(self._handles, first * ctypes.sizeof(ctypes.c_void_p))
+    def _step_some(self, first: int, end: int, size: float) -> None:
         steps = _Steps(
             end - first,
-            ctypes.cast(handles, ctypes.POINTER(ctypes.c_void_p)),
+            _from(self._handles, first),
             len(self.inputs),
             len(self.outputs),
             self._input,
@@ -258,4 +260,10 @@ class Instances:
             self._found[first:].ctypes.data_as(_DOUBLES),
             self._status[first:].ctypes.data_as(_INTS),
         )
-        self._library.functions.batch_step(lanes, steps)
+        self._library.functions.batch_step(_from(self._groups, first // self._library.lanes), steps)
+
+
+def _from(handles: ctypes.Array[ctypes.c_void_p], first: int) -> ctypes._Pointer[ctypes.c_void_p]:
+    """The handles from one on."""
+    there = ctypes.byref(handles, first * ctypes.sizeof(ctypes.c_void_p))
+    return ctypes.cast(there, ctypes.POINTER(ctypes.c_void_p))

@@ -12,11 +12,10 @@ batch *batch_create(void) {
     if (!self) return NULL;
     self->of = &BATCH;
     self->system = &MODEL.system[BATCH.system];
-    bool complete = batch_lay_out(self);
-    for (int l = 0; l < W && complete; ++l) {
-        self->own[l] = kernel_create();
-        complete = self->own[l] != NULL;
-    }
+    self->place = (int *)malloc((size_t)MODEL.variables * sizeof(int));
+    bool complete = self->place && batch_lay_out(self);
+    for (int i = 0; i < MODEL.variables && self->place; ++i) self->place[i] = -1;
+    for (int i = 0; i < self->system->outputs && self->place; ++i) self->place[self->system->output_variable[i]] = i;
     if (complete) return self;
     batch_free(self);
     return NULL;
@@ -26,6 +25,7 @@ void batch_free(batch *self) {
     if (!self) return;
     for (int l = 0; l < W; ++l) kernel_free(self->own[l]);
     free(self->room);
+    free(self->place);
     free(self);
 }
 
@@ -46,13 +46,15 @@ static void spread(double *numbers, int l, const double *source, int count) {
     for (int i = 0; i < count; ++i) numbers[i * W + l] = source[i];
 }
 
-/* The constants of a run, once it has begun. */
-static void take_in_constants(batch *self, int l) {
-    const kernel *own = self->lane[l].self;
+/* What does not change in a kernel_step; constants, which do not change in a run, where others stand there. */
+static void take_in(batch *self, int l, const kernel *own) {
     const system_description *system = self->system;
     lane_numbers *n = &self->numbers;
-    spread(n->parameter, l, own->given.parameter, system->parameters);
-    spread(n->derived, l, own->run.derived, system->derived);
+    if (self->lane[l].constants_of != own) {
+        spread(n->parameter, l, own->given.parameter, system->parameters);
+        spread(n->derived, l, own->run.derived, system->derived);
+        self->lane[l].constants_of = own;
+    }
     spread(n->input, l, own->given.input, system->inputs);
     spread(n->rate, l, own->given.rate, system->inputs);
     n->origin[l] = own->given.step_origin;
@@ -65,12 +67,7 @@ static void take_in_places(batch *self) {
     lane_numbers *n = &self->numbers;
     for (int l = 0; l < W; ++l) {
         const lane *one = &self->lane[is_active(&self->lane[l]) ? l : first];
-        if (!is_active(&self->lane[l]) && !self->lane[l].is_copy) {
-            self->lane[l].self = one->self;
-            take_in_constants(self, l);
-            self->lane[l].self = NULL;
-            self->lane[l].is_copy = true;
-        }
+        if (!is_active(&self->lane[l])) take_in(self, l, one->self);
         spread(n->state, l, one->self->run.state, self->system->states);
         spread(n->mode, l, one->self->run.mode, self->system->frictions);
         n->offset[l] = one->run.offset;
@@ -93,10 +90,11 @@ static void set_known(known_place *known, int l, const known_place *all, double 
         for (int n = 0; n < MOST_RESULTS && known->function[i].result[n]; ++n) known->function[i].result[n] += l;
 }
 
-static bool stands_there(const batch *self, int l) {
+/* Whether a lane's instance is in this state, with the modes that the lane has. */
+static bool stands_at(const batch *self, int l, const double *state) {
     const kernel *own = self->lane[l].self;
     for (int i = 0; i < self->system->states; ++i)
-        if (own->run.state[i] != self->numbers.state[i * W + l]) return false;
+        if (own->run.state[i] != state[i * W + l]) return false;
     for (int i = 0; i < self->system->frictions; ++i)
         if (own->run.mode[i] != self->numbers.mode[i * W + l]) return false;
     return true;
@@ -124,7 +122,7 @@ static void begin_steps(batch *self) {
         stepper_ask(one->self, &one->run);
         /* A step alone has led elsewhere, or a mode was another one. */
         const bool in_lanes = one->run.fixed || one->self->work.method == METHOD_EXACT;
-        one->together = in_lanes && !self->system->algebraics && one->run.offset == offset && stands_there(self, l);
+        one->together = in_lanes && !self->system->algebraics && one->run.offset == offset && stands_at(self, l, self->numbers.state);
         know(self, l, NULL, NULL);
     }
 }
@@ -156,6 +154,11 @@ static void take_trial(batch *self, int l, const known_place *all) {
     stepper_take(own, &one->run, error);
 }
 
+static void try_alone(lane *one) {
+    if (one->together) rosenbrock_linearise(one->self, one->run.offset, one->self->run.state);
+    stepper_take(one->self, &one->run, stepper_try(one->self, &one->run));
+}
+
 static void try_steps(batch *self) {
     bool together = false;
     for (int l = 0; l < W; ++l) {
@@ -174,7 +177,7 @@ static void try_steps(batch *self) {
         if (one->together && self->numbers.regular[l] != 0.0)
             take_trial(self, l, all);
         else
-            stepper_take(one->self, &one->run, stepper_try(one->self, &one->run));
+            try_alone(one);
     }
 }
 
@@ -209,8 +212,7 @@ static kernel_status begin_step(batch *self, int l, kernel *own, double size) {
     one->self = own;
     one->size = size;
     one->begins = true;
-    one->is_copy = false;
-    take_in_constants(self, l);
+    take_in(self, l, own);
     return KERNEL_OK;
 }
 
@@ -228,6 +230,7 @@ static void leave_run(const batch_runs *runs, long long int row, kernel *own, ke
 static kernel_status initialise_run(const batch_runs *runs, long long int row, kernel *own) {
     kernel_status status = KERNEL_OK;
     kernel_reset(own);
+    own->reads_outputs_later = true;
     for (int i = 0; i < runs->variables && status <= KERNEL_WARNING; ++i)
         status = kernel_set(own, runs->variable[i], runs->value[row * runs->variables + i]);
     if (status <= KERNEL_WARNING) status = kernel_initialise(own, runs->start);
@@ -245,6 +248,7 @@ static void next_run(batch *self, const batch_runs *runs, int l) {
         const long long int row = __atomic_fetch_add(runs->next, 1, __ATOMIC_RELAXED);
         if (row >= runs->count) return;
         kernel_status status = initialise_run(runs, row, own);
+        self->lane[l].constants_of = NULL;
         self->lane[l].row = row;
         if (status <= KERNEL_WARNING) status = begin_step(self, l, own, runs->stop - runs->start);
         if (status == KERNEL_OK) return;
@@ -259,22 +263,35 @@ static void end_run(batch *self, void *work, int l, kernel_status status) {
     next_run(self, runs, l);
 }
 
-void batch_run(batch *self, const batch_runs *runs) {
+bool batch_run(batch *self, const batch_runs *runs) {
+    for (int l = 0; l < W; ++l)
+        if (!self->own[l] && !(self->own[l] = kernel_create())) return false;
     for (int l = 0; l < W; ++l) next_run(self, runs, l);
     while (first_active(self) >= 0) round_of_steps(self, (void *)(size_t)runs, end_run);
+    return true;
 }
 
 /* ---- steps of instances --------------------------------------------------------------------------------------- */
 
-static void end_steps(batch *self, void *work, int l, kernel_status status) {
-    const batch_steps *steps = (const batch_steps *)work;
-    const long long int row = self->lane[l].row;
-    kernel *own = self->lane[l].self;
-    steps->status[row] = (int)status;
+/* Reads the outputs, from the lanes where they are known there. */
+static void leave_step(batch *self, const batch_steps *steps, int l, kernel_status status) {
+    const lane *one = &self->lane[l];
+    kernel *own = one->self;
+    double *result = steps->result + one->row * steps->outputs;
+    const bool known = status <= KERNEL_DISCARD && self->ends && one->together && stands_at(self, l, self->numbers.trial);
+    steps->status[one->row] = (int)status;
     for (int i = 0; i < steps->outputs; ++i) {
-        double *value = &steps->result[row * steps->outputs + i];
-        if (kernel_get(own, steps->output[i], value) > KERNEL_WARNING) *value = NAN;
+        const int place = known ? self->place[steps->output[i]] : -1;
+        result[i] = place < 0 ? NAN : self->numbers.output[place * W + l];
+        if (!isfinite(result[i]) && kernel_get(own, steps->output[i], &result[i]) > KERNEL_WARNING) {
+            steps->status[one->row] = KERNEL_ERROR;
+            result[i] = NAN;
+        }
     }
+}
+
+static void end_steps(batch *self, void *work, int l, kernel_status status) {
+    leave_step(self, (const batch_steps *)work, l, status);
     self->lane[l].self = NULL;
 }
 
@@ -284,21 +301,25 @@ static kernel_status set_inputs(const batch_steps *steps, long long int row, ker
         status = kernel_set(own, steps->input[i], steps->value[row * steps->inputs + i]);
     if (status <= KERNEL_WARNING && own->system != &MODEL.system[BATCH.system])
         status = kernel_fail(own, KERNEL_ERROR, "This batch runs the system %s alone.", MODEL.system[BATCH.system].name);
+    own->reads_outputs_later = true;
     return status;
 }
 
-void batch_step(batch *self, const batch_steps *steps) {
-    for (long long int first = 0; first < steps->count; first += W) {
-        for (int l = 0; l < W && first + l < steps->count; ++l) {
-            const long long int row = first + l;
-            kernel *own = steps->instance[row];
-            kernel_status status = set_inputs(steps, row, own);
-            if (status <= KERNEL_WARNING) status = begin_step(self, l, own, steps->size);
-            self->lane[l].row = row;
-            if (status == KERNEL_OK) continue;
-            self->lane[l].self = own;
-            end_steps(self, (void *)(size_t)steps, l, status);
-        }
-        while (first_active(self) >= 0) round_of_steps(self, (void *)(size_t)steps, end_steps);
+/* A step of up to BATCH_LANES instances. */
+static void step_group(batch *self, const batch_steps *steps, long long int first) {
+    for (int l = 0; l < W && first + l < steps->count; ++l) {
+        const long long int row = first + l;
+        kernel *own = steps->instance[row];
+        kernel_status status = set_inputs(steps, row, own);
+        if (status <= KERNEL_WARNING) status = begin_step(self, l, own, steps->size);
+        self->lane[l].row = row;
+        if (status == KERNEL_OK) continue;
+        self->lane[l].self = own;
+        end_steps(self, (void *)(size_t)steps, l, status);
     }
+    while (first_active(self) >= 0) round_of_steps(self, (void *)(size_t)steps, end_steps);
+}
+
+void batch_step(batch *const *group, const batch_steps *steps) {
+    for (long long int first = 0; first < steps->count; first += W) step_group(group[first / W], steps, first);
 }

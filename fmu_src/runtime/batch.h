@@ -51,7 +51,9 @@ KERNEL_EXPORT void batch_free(batch *self);
 KERNEL_EXPORT int batch_lanes(void);
 /* The system that it runs: the place of the system in the model. */
 KERNEL_EXPORT int batch_system(void);
-KERNEL_EXPORT void batch_run(batch *self, const batch_runs *runs);
-KERNEL_EXPORT void batch_step(batch *self, const batch_steps *steps);
+/* Whether there is memory for it. */
+KERNEL_EXPORT bool batch_run(batch *self, const batch_runs *runs);
+/* group: a batch for each BATCH_LANES instances, the same at every step. */
+KERNEL_EXPORT void batch_step(batch *const *group, const batch_steps *steps);
 
 #endif

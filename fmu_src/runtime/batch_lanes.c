@@ -153,9 +153,9 @@ const known_place *batch_start(batch *self, bool modes) {
     place_at(self, 0.0, n->state);
     if (modes) find_modes(self, &self->start, n->state, n->capacity, n->drive);
     double *result[] = {n->jacobian, n->time_slope, n->slope};
-    const int size[] = {system->nonzeros, system->states, system->states};
+    const int size[] = {0, system->states, system->states};
     call(self, self->of->jacobian, n->state, result);
-    add_known(&self->start, system->jacobian, n->jacobian, system->nonzeros);
+    add_known(&self->start, system->jacobian, n->jacobian, 0); /* the lanes have it, whose steps it makes */
     known_function *jacobian = &self->start.function[self->start.functions - 1];
     for (int i = 1; i < MOST_RESULTS; ++i) {
         jacobian->result[i] = result[i];
@@ -241,7 +241,8 @@ const known_place *batch_try(batch *self) {
         call(self, self->of->condition_margin, n->trial, &n->margin);
         add_known(&self->end, system->condition_margin, n->margin, system->conditions);
     }
-    if (ends(self)) {
+    self->ends = ends(self);
+    if (self->ends) {
         call(self, self->of->output, n->trial, &n->output);
         add_known(&self->end, system->output, n->output, system->outputs);
     }

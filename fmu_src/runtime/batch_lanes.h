@@ -20,7 +20,8 @@ typedef struct {
     unsigned long long noted;
     long long int row;
     double size;
-    bool begins, together, is_copy; /* a kernel_step; whether its trials go with the others; of another lane's constants */
+    bool begins, together; /* a kernel_step; whether its trials go with the others */
+    const kernel *constants_of; /* whose constants stand in the lane */
     known_place start, end;
 } lane;
 
@@ -33,6 +34,8 @@ struct batch {
     lane_numbers numbers;
     known_place start, end;
     double *room;
+    int *place; /* of each variable among the outputs; -1: it is none */
+    bool ends;  /* whether outputs are known at the end of the trial */
 };
 
 extern const batch_functions BATCH;

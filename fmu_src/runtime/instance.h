@@ -52,6 +52,7 @@ struct kernel {
     host_workspace host;
     host_wishes asked;
     const known_place *known[2]; /* where a step begins and where its trial ends; null: nothing is known there */
+    bool reads_outputs_later;    /* a step leaves outputs to be computed when they are read */
     kernel_counters counters;
     kernel_recorder *recorder;
     sentence_journal journal;

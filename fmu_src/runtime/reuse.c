@@ -58,8 +58,8 @@ static bool modes_are_the_kept_ones(const kernel *self) {
 
 void reuse_remember(kernel *self, double offset, double until) {
     remember_place(self, offset);
-    memcpy(self->kept.jacobian, self->work.jacobian, (size_t)self->system->nonzeros * sizeof(double));
-    self->kept.ready = KEPT_JACOBIAN;
+    self->kept.ready = self->known[1] ? KEPT_NOTHING : KEPT_JACOBIAN; /* of steps in lanes it is not in work.jacobian */
+    if (!self->known[1]) memcpy(self->kept.jacobian, self->work.jacobian, (size_t)self->system->nonzeros * sizeof(double));
     self->run.now->kept_until = until;
 }
 

@@ -59,7 +59,7 @@ kernel_status step_end(kernel *self, unsigned long long noted, double size, doub
     const double time = self->given.step_origin;
     if (status <= KERNEL_WARNING && self->run.now->ended && self->asked.whole_steps && reached < size)
         status = kernel_discard(self, noted, reached);
-    if (status <= KERNEL_WARNING) {
+    if (status <= KERNEL_WARNING && !self->reads_outputs_later) {
         kernel_compute_outputs(self, reached, self->run.state);
         const char *bad = kernel_output_not_finite(self);
         char when[CLOCK_SIZE];
@@ -78,7 +78,7 @@ kernel_status step_end(kernel *self, unsigned long long noted, double size, doub
         self->run.last_rate[variable] = self->run.input_rate[variable];
         self->run.input_rate[variable] = 0.0;
     }
-    self->run.now->outputs_stale = false;
+    self->run.now->outputs_stale = self->reads_outputs_later;
     self->run.now->time = time + reached;
     if (!self->run.now->ended) return status;
     char when[CLOCK_SIZE];
