@@ -35,6 +35,7 @@ SHORT = {
     "python build_fmu.py ssp": "python build_fmu.py brake",
     "python -m bogie_braking run wheelset-constant-speed --html": "python -m bogie_braking run critical-speed --html",
     "python -m bogie_braking live": "python -m bogie_braking live --help",
+    "python -m bogie_braking pace spatial --step 1ms --seconds 10": "python -m bogie_braking pace --help",
     "python study.py": "python -m py_compile study.py",
 } | {
     f"python -m bogie_braking {command} {rest}": f"python -m bogie_braking {command} --help"

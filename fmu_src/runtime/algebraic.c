@@ -47,12 +47,12 @@ bool algebraic_solve(kernel *self, double offset, double *state, double toleranc
     return false;
 }
 
-bool algebraic_correct(kernel *self, double *state) {
+bool algebraic_correct(kernel *self, double *state, double tolerance) {
     const system_description *system = self->system;
     double *correction = self->work.correction;
     if (system->algebraics == 0) return true;
     if (!linear_factorise_algebraic(self, &self->work.algebraic, self->work.jacobian)) return false;
-    (void)find_correction(self, &self->work.algebraic, correction);
+    if (find_correction(self, &self->work.algebraic, correction) <= tolerance) return true;
     correct(self, state, correction);
     for (int k = 0; k < system->algebraics; ++k)
         for (int i = system->column_start[system->algebraic[k]]; i < system->column_start[system->algebraic[k] + 1]; ++i)

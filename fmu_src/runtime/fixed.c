@@ -20,17 +20,13 @@ static kernel_status guard_error(kernel *self, double time, double size, double 
                        size, error, self->run.value[MODEL.tolerance], kernel_clock(time, 6, when));
 }
 
-/* 1 + index of an end condition that is reached at the state, 0: none, -1: something there is no number. */
+/* 1 + index of an end condition that is reached at the state, 0: none, -1: it is no number. */
 static int find_end(kernel *self, double offset) {
     const system_description *system = self->system;
     double *margin = self->modes.margin + system->frictions;
     if (system->conditions) kernel_evaluate_again(self, system->condition_margin, offset, self->run.state, margin);
-    for (int i = 0; i < system->frictions; ++i)
-        if (isnan(self->modes.capacity[i])) return -1;
     for (int i = 0; i < system->ends; ++i)
-        if (isnan(margin[i])) return -1;
-    for (int i = 0; i < system->ends; ++i)
-        if (margin[i] < 0.0) return 1 + i;
+        if (!(margin[i] >= 0.0)) return isnan(margin[i]) ? -1 : 1 + i;
     return 0;
 }
 
@@ -57,7 +53,7 @@ void fixed_ask(kernel *self, stepper *run) {
     run->size = fixed_size(self, run->remaining);
     rosenbrock_linearise(self, run->offset, self->run.state);
     run->phase = STEPPER_TRIES;
-    if (!algebraic_correct(self, self->run.state)) fixed_failed(self, run);
+    if (!algebraic_correct(self, self->run.state, self->run.value[MODEL.tolerance])) fixed_failed(self, run);
 }
 
 double fixed_try(kernel *self, const stepper *run) {

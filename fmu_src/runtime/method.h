@@ -21,8 +21,8 @@ RUNTIME_LOCAL void linear_write_by_rows(const kernel *self, double *matrix);
 /* Algebraic states, the others held, solved until their scaled change is below `tolerance` or round-off; all leave the
  * slopes in work.slope; whether that succeeds. Newton's method from work.jacobian, which is that of `state`; */
 RUNTIME_LOCAL bool algebraic_solve(kernel *self, double offset, double *state, double tolerance);
-/* one step of it, which the slopes follow along the Jacobian; false only where there are no factors; */
-RUNTIME_LOCAL bool algebraic_correct(kernel *self, double *state);
+/* at most one step of it, which the slopes follow along the Jacobian; false only where there are no factors; */
+RUNTIME_LOCAL bool algebraic_correct(kernel *self, double *state, double tolerance);
 /* with given factors throughout, the old values kept where that fails; */
 RUNTIME_LOCAL bool algebraic_follow(kernel *self, const dense_factors *of, double offset, double *state, double tolerance);
 /* with the last factors while they serve, and otherwise with new ones. */

@@ -54,11 +54,15 @@ static double direction_of(double velocity, double drive, double capacity, doubl
     return drive > 0.0 ? 1.0 : -1.0;
 }
 
+static void find_capacity(kernel *self, double offset, const double *state) {
+    kernel_evaluate_again(self, self->system->capacity, offset, state, self->modes.capacity);
+    self->modes.still = self->modes.capacity + self->system->frictions;
+}
+
 /* The drive is asked for only where something is stuck or still: it may cost as much as the whole right-hand side. */
 static void find_drive_and_capacity(kernel *self, double offset, const double *state) {
     const system_description *system = self->system;
-    kernel_evaluate_again(self, system->capacity, offset, state, self->modes.capacity);
-    self->modes.still = self->modes.capacity + system->frictions;
+    find_capacity(self, offset, state);
     for (int i = 0; i < system->frictions; ++i)
         if (self->run.mode[i] == 0.0 || fabs(modes_velocity(&system->friction[i], state)) <= self->modes.still[i]) {
             kernel_evaluate_again(self, system->drive, offset, state, self->modes.drive);
@@ -85,21 +89,19 @@ static bool note_switches(kernel *self, double offset) {
     return changed;
 }
 
-/* Modes by the drive and capacity that were found, by the velocities and by the modes `before`. */
-static void renew_modes(kernel *self, double offset) {
-    for (int i = 0; i < self->system->frictions; ++i) {
-        const friction_description *friction = &self->system->friction[i];
-        const double velocity = modes_velocity(friction, self->run.state), still = self->modes.still[i];
-        const double reached = self->modes.overshoot[i] != 0.0 ? self->modes.overshoot[i] : velocity;
-        const double share = share_of(self->modes.before[i], reached, still, reluctance(self, offset));
-        self->run.mode[i] = direction_of(velocity, self->modes.drive[i], share * self->modes.capacity[i], still);
-        if (self->run.mode[i] == 0.0) modes_stop(friction, self->run.state);
-    }
+/* Mode of a friction by the drive and capacity that were found, by its velocity and the mode `before`. */
+static void renew_mode(kernel *self, int i, double offset) {
+    const friction_description *friction = &self->system->friction[i];
+    const double velocity = modes_velocity(friction, self->run.state), still = self->modes.still[i];
+    const double reached = self->modes.overshoot[i] != 0.0 ? self->modes.overshoot[i] : velocity;
+    const double share = share_of(self->modes.before[i], reached, still, reluctance(self, offset));
+    self->run.mode[i] = direction_of(velocity, self->modes.drive[i], share * self->modes.capacity[i], still);
+    if (self->run.mode[i] == 0.0) modes_stop(friction, self->run.state);
 }
 
+/* Keeps the modes that there were; nothing has passed zero. */
 static void begin_round(kernel *self) {
     const int n = self->system->frictions;
-    self->modes.still = self->modes.capacity + n;
     memcpy(self->modes.before, self->run.mode, (size_t)n * sizeof(double));
     memset(self->modes.overshoot, 0, (size_t)n * sizeof(double));
 }
@@ -109,7 +111,7 @@ static bool refresh_once(kernel *self, double offset) {
     kernel_locate(self, offset, self->run.state);
     find_drive_and_capacity(self, offset, self->run.state);
     begin_round(self);
-    renew_modes(self, offset);
+    for (int i = 0; i < self->system->frictions; ++i) renew_mode(self, i, offset);
     return note_switches(self, offset);
 }
 
@@ -119,32 +121,45 @@ void modes_refresh(kernel *self, double offset) {
     for (int i = 0; refresh_once(self, offset) && i < ROUNDS; ++i) {}
 }
 
-static void find_capacity(kernel *self, double offset) {
-    kernel_evaluate_again(self, self->system->capacity, offset, self->run.state, self->modes.capacity);
+/* Whether a friction has taken a velocity through zero within a step. */
+static bool has_crossed(const kernel *self, int i) {
+    if (self->run.mode[i] == 0.0 || !(self->modes.capacity[i] > 0.0)) return false;
+    return self->run.mode[i] * modes_velocity(&self->system->friction[i], self->run.state) < 0.0;
 }
 
-/* Holds for a trial what crossed zero within a step: a drive is that of what stands still. Whether something did. */
-static bool hold_what_crossed(kernel *self) {
-    bool crossed = false;
+static bool any_has_crossed(const kernel *self) {
+    for (int i = 0; i < self->system->frictions; ++i)
+        if (has_crossed(self, i)) return true;
+    return false;
+}
+
+/* Holds for a trial what has crossed: a drive is that of what stands still. */
+static void hold_what_crossed(kernel *self) {
     for (int i = 0; i < self->system->frictions; ++i) {
         const friction_description *friction = &self->system->friction[i];
-        const double velocity = modes_velocity(friction, self->run.state);
-        if (!(self->modes.capacity[i] > 0.0 && self->run.mode[i] * velocity < 0.0)) continue;
-        self->modes.overshoot[i] = velocity;
+        if (!has_crossed(self, i)) continue;
+        self->modes.overshoot[i] = modes_velocity(friction, self->run.state);
         modes_stop(friction, self->run.state);
         self->run.mode[i] = 0.0;
-        crossed = true;
     }
-    return crossed;
 }
 
-/* Where nothing stands still, drives have no say: a mode is the sign of a velocity. Whether that is so. */
-static bool all_slide(kernel *self) {
-    const system_description *system = self->system;
-    for (int i = 0; i < system->frictions; ++i) {
-        const double velocity = modes_velocity(&system->friction[i], self->run.state);
-        if (self->run.mode[i] == 0.0 || !(fabs(velocity) > self->modes.still[i])) return false;
-        self->run.mode[i] = velocity < 0.0 ? -1.0 : 1.0;
+/* Whether all slide on in their directions: then drives have no say. */
+static bool all_slide(const kernel *self) {
+    for (int i = 0; i < self->system->frictions; ++i) {
+        const double velocity = modes_velocity(&self->system->friction[i], self->run.state);
+        if (!(self->run.mode[i] * velocity > self->modes.still[i])) return false;
+    }
+    return true;
+}
+
+/* Whether all modes stay as they are, seen without much work. */
+static bool all_stay(const kernel *self) {
+    for (int i = 0; i < self->system->frictions; ++i) {
+        const double mode = self->run.mode[i], capacity = self->modes.capacity[i];
+        const double velocity = modes_velocity(&self->system->friction[i], self->run.state);
+        const bool slides = mode * velocity > self->modes.still[i] || (capacity <= 0.0 && velocity == 0.0 && mode == 1.0);
+        if (!(mode == 0.0 ? capacity > 0.0 && fabs(self->modes.drive[i]) <= capacity : slides)) return false;
     }
     return true;
 }
@@ -164,7 +179,7 @@ static void let_go(kernel *self, double offset) {
         if (self->run.mode[i] * modes->overshoot[i] > 0.0) give_back(self, i);
     }
     if (!slides) return;
-    find_capacity(self, offset);
+    find_capacity(self, offset, self->run.state);
     for (int i = 0; i < self->system->frictions; ++i) {
         if (self->run.mode[i] != 0.0 || modes->capacity[i] > 0.0) continue;
         give_back(self, i);
@@ -176,17 +191,21 @@ bool modes_settle(kernel *self, double offset) {
     const system_description *system = self->system;
     kernel_locate(self, offset, self->run.state);
     if (system->frictions == 0) return false;
-    find_capacity(self, offset);
-    begin_round(self);
-    const bool crossed = hold_what_crossed(self);
-    if (crossed) { /* wheelsets that stand on their rails may do so because they no longer turn */
-        find_capacity(self, offset);
-        (void)hold_what_crossed(self);
-    } else if (all_slide(self)) {
-        return false;
+    find_capacity(self, offset, self->run.state);
+    if (all_slide(self)) return false;
+    const bool crossed = any_has_crossed(self);
+    if (crossed) {
+        begin_round(self);
+        hold_what_crossed(self);
+        find_capacity(self, offset, self->run.state); /* wheelsets that stand on their rails may do so because they no longer turn */
+        hold_what_crossed(self);
     }
     kernel_evaluate_again(self, system->drive, offset, self->run.state, self->modes.drive);
-    renew_modes(self, offset);
+    if (!crossed) {
+        if (all_stay(self)) return false;
+        begin_round(self);
+    }
+    for (int i = 0; i < system->frictions; ++i) renew_mode(self, i, offset);
     let_go(self, offset);
     const bool changed = note_switches(self, offset);
     if (changed) self->counters.events++;
