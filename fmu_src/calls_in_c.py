@@ -106,7 +106,7 @@ def _groups(one: Generated, rank: int, side_by_side: bool) -> Iterator[Group]:
 def call_of_group(name: str, rank: int, group: Group) -> str:
     """In a function of one number: `mem` is how many lanes the processor has."""
     if group.part.flat:
-        return f"real_look_up(&{PREFIX}{group.part.name}, given_{rank} + {group.given}, left + {group.left})"
+        return f"real_look_up(&{group.part.name}, given_{rank} + {group.given}, left + {group.left})"
     if group.part.source:
         return _call_of_c(rank, group)
     return f"{name}_{group.entry}_at(mem, given_{rank} + {group.given}, left + {group.left})"
@@ -129,7 +129,7 @@ def call_in_lanes(name: str, rank: int, group: Group) -> str:
     given = [f"given_{rank} + {group.given + place} * LANES" for place in (0, group.arguments, group.numbers)]
     left = f"left + {group.left} * LANES"
     if group.part.flat:
-        call = f"real_look_up(&{PREFIX}{group.part.name}, {given[0]}, {left})"
+        call = f"real_look_up(&{group.part.name}, {given[0]}, {left})"
     elif group.part.source:
         call = f"LANES_NAME({name}_each_{group.function})({given[0]}, {given[1]}, {left})"
     else:

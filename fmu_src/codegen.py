@@ -278,7 +278,7 @@ def _system_entry(model: Model, system: System, made: dict[str, Generated], solv
     }
     fields = {"name": c_text(system.name)} | {name: str(count) for name, count in counts.items()}
     fields |= {name: f"{prefix}_{name}" if counts[count] else "0" for name, count in arrays.items()}
-    fields |= {name: f"{prefix}_{name}" if name in made else "0" for name in FUNCTIONS}
+    fields |= {name: made[name].function.name() if name in made else "0" for name in FUNCTIONS}
     fields |= {name: f"{prefix}_{name}" for name in ("factorise", "substitute")}
     fields["steady"] = f"&{prefix}_steady_start" if system.steady_start else "0"
     fields["table_argument"] = f"{prefix}_table_argument" if counts["tables"] else "0"
@@ -287,11 +287,8 @@ def _system_entry(model: Model, system: System, made: dict[str, Generated], solv
 
 def _description(model: Model, generated: Sequence[dict[str, Generated]], solving: Mapping[str, Elimination]) -> str:
     lines = ["#include <math.h>", '#include "model.h"', ""]
-    for made in generated:
-        for one in made.values():
-            lines.append(
-                f"RUNTIME_LOCAL int {one.function.name()}(const double **, double **, long long int *, double *, int);"
-            )
+    for function in dict.fromkeys(one.function.name() for made in generated for one in made.values()):
+        lines.append(f"RUNTIME_LOCAL int {function}(const double **, double **, long long int *, double *, int);")
     for system in model.systems:
         lines.append(f"RUNTIME_LOCAL void {system.name}_factorise(double *);")
         lines.append(f"RUNTIME_LOCAL void {system.name}_substitute(const double *, double *);")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi as ca
 
@@ -80,7 +80,30 @@ def functions(system: System) -> dict[str, Generated]:
     residuals = ca.vertcat(*[system.derivatives[state.name] for state in system.states.values() if state.algebraic])
     for name, expression in (("output_along", results["output"][0]), ("residual_along", residuals)):
         make(name, [system.along(expression, along, seed)] if expression.numel() else [], [*arguments, seed])
-    return made
+    return made | {
+        name: _shared(name, made[name]) for name in ("derive", "start") if name in made and not made[name].calls
+    }
+
+
+#: What names of functions begin with that several systems of a model have, such as levels with the same parameters.
+SHARED = "shared_"
+
+
+def _shared(name: str, one: Generated) -> Generated:
+    """The function under a name that its instructions give it."""
+    function, steps = one.function, hashlib.sha256()
+    for number in range(function.n_instructions()):
+        places = function.instruction_input(number), function.instruction_output(number)
+        constant = function.instruction_constant(number) if function.instruction_id(number) == ca.OP_CONST else 0.0
+        steps.update(repr((function.instruction_id(number), places, constant)).encode())
+    given = function.sx_in()
+    own = f"{SHARED}{name}_{steps.hexdigest()[:12]}"
+    return replace(one, function=ca.Function(own, given, function.call(given, True, False)))
+
+
+def is_shared(one: Generated) -> bool:
+    """Whether a function has its own name in all systems that have it, and a file of its own."""
+    return one.function.name().startswith(SHARED)
 
 
 def function_of(chain: Chain, name: str, expressions: list[ca.SX], given: list[ca.SX]) -> Generated:

@@ -21,7 +21,7 @@ from fmu_src.calls_in_c import (
     part_in_c_in_lanes,
 )
 from fmu_src.chain import Part
-from fmu_src.equations import Generated, Slopes, part_function, part_name
+from fmu_src.equations import Generated, Slopes, is_shared, part_function, part_name
 from fmu_src.own_names import with_own_names
 from fmu_src.pairs import paired
 from fmu_src.statements import Memory, Statement, statements_of
@@ -31,6 +31,8 @@ from fmu_src.statements import Memory, Statement, statements_of
 WHOLE, LONGEST = 4500, 1500
 #: The numbers of lanes that parts are compiled for, where the compiler has them; otherwise for one.
 WIDTHS = (2, 4, 8)
+#: What names of files with a table begin with; in one unit they stand before those that look it up.
+TABLE_FILE = "table_"
 #: The runtime gives all generated functions some arguments that none needs; everything else stays a warning.
 HEAD = (
     '#pragma GCC diagnostic ignored "-Wunused-parameter"',
@@ -42,25 +44,33 @@ HEAD = (
 
 
 def equations_in_c(name: str, made: Mapping[str, Generated]) -> dict[str, str]:
-    """C files by name: all functions, and where they call parts, those in lanes and a file for each number of lanes.
+    """C files by name: all functions, the parts that they call in lanes, a file for each number of lanes, and tables.
 
     `name` begins the names of what is seen in these files alone, so that files of several systems may become one unit.
     Raises ValueError where two parts have one name and where there is no C for an operation.
     """
     own = list(made.values())
     parts = _functions_of_parts(own)
+    shared, own = [one for one in own if is_shared(one)], [one for one in own if not is_shared(one)]
     bodies = [_of_one_number(name, one) for one in own]
     every = [group for body in bodies for group in body.groups]
     groups = {group.entry: group for group in every if not group.alone}
     given = _given([group.part for group in every if group.alone])
     calls = [group_at(name, group, WIDTHS) for group in groups.values()]
     scalar = ['#include "lanes_pairs.h"', "#define LANES 1", *_in_lanes(map(_written, bodies))]
-    files = {f"equations_{name}.c": "\n".join([*HEAD, *given, *calls, *scalar, ""])}
+    files = _tables([*own, *parts.values()]) | {f"{one.function.name()}.c": _alone(one) for one in shared}
+    files[f"equations_{name}.c"] = "\n".join([*HEAD, *given, *calls, *scalar, ""])
     if groups:
         files[f"parts_{name}.h"] = _parts(name, parts, groups)
         widest = max(group.lanes for group in groups.values())
         files |= {f"parts_{name}_{lanes}.c": _at_width(name, lanes) for lanes in WIDTHS if lanes <= widest}
     return files
+
+
+def _alone(one: Generated) -> str:
+    """The file of a function that several systems have."""
+    body = _of_one_number(one.function.name(), one)
+    return "\n".join([*HEAD, '#include "lanes_pairs.h"', "#define LANES 1", *_in_lanes([_written(body)]), ""])
 
 
 def _in_lanes(functions: Iterable[str]) -> list[str]:
@@ -75,12 +85,23 @@ def _at_width(name: str, lanes: int) -> str:
     return own + (f"#else\n#define LANES 1\n{include}#endif\n" if lanes == WIDTHS[0] else "#endif\n")
 
 
-def _given(in_c: Iterable[Part]) -> list[str]:
-    """C of these parts, once where several files with the same become one unit."""
-    parts = {part.name: part for part in in_c}.values()
+def _given(in_c: Sequence[Part]) -> list[str]:
+    """C of these parts, once where several files with the same become one unit; of look-ups, where they are."""
+    flat = dict.fromkeys(part.name for part in in_c if part.flat)
+    known = [f"extern const piecewise {name};" for name in flat]
+    parts = {part.name: part for part in in_c if not part.flat}.values()
     texts = with_own_names([*dict.fromkeys(part.common for part in parts), *(part.source for part in parts)])
     names = [f"GIVEN_{hashlib.sha256(text.encode()).hexdigest()[:16].upper()}" for text in texts]
-    return [f"#ifndef {name}\n#define {name}\n{text}\n#endif" for name, text in zip(names, texts, strict=True) if text]
+    once = [f"#ifndef {name}\n#define {name}\n{text}\n#endif" for name, text in zip(names, texts, strict=True) if text]
+    # In one unit the tables come first.
+    return [*(["#ifndef ONE_UNIT", *known, "#endif"] if known else []), *once]
+
+
+def _tables(functions: Sequence[Generated]) -> dict[str, str]:
+    """A file for each table that is looked up, whoever looks."""
+    head = '#include "model.h"\n#include "piecewise.h"\n'
+    found = {call.part.name: call.part for one in functions for call in one.calls if call.part.flat}
+    return {f"{TABLE_FILE}{name}.c": head + part.source for name, part in found.items()}
 
 
 def _functions_of_parts(own: Sequence[Generated]) -> dict[str, Generated]:

@@ -15,6 +15,7 @@ import fmpy
 from fmu_src.archive import write_archive
 from fmu_src.codegen import KERNEL_SOURCES, RUNTIME, generate, guid_of
 from fmu_src.compile import FMI_HEADERS, library_of, library_suffix
+from fmu_src.equations_in_c import TABLE_FILE
 from fmu_src.model_description import model_description
 from fmu_src.model_description3 import model_description3
 from fmu_src.pages import pages
@@ -115,7 +116,9 @@ def _documentation(
 def one_unit(model: Model, names: Sequence[str], version: int) -> str:
     """C that makes one unit of the files, so that nothing but the functions of FMI has a name outside."""
     # The model comes first: the others read it, and in one unit it is not declared before.
-    files = sorted((name for name in names if name.endswith(".c")), key=lambda name: name != "model.c")
+    tables = [name for name in names if name.startswith(TABLE_FILE) and name not in KERNEL_SOURCES]
+    first = ["model.c", *tables]
+    files = [*first, *(name for name in names if name.endswith(".c") and name not in first)]
     return (
         "/* The whole FMU in one unit of C99 or later, or C++. Only the functions of FMI are seen outside.\n"
         f" * A program that links it with others names them apart: -DFMI{version}_FUNCTION_PREFIX={model.name}_ */\n"

@@ -78,11 +78,11 @@ def _chosen(rows: np.ndarray, at: ca.SX) -> ca.SX:
 
 
 def _in_c(name: str, rows: np.ndarray) -> str:
-    """C of the table, a `piecewise` (lanes_table.h)."""
+    """C of the table, a `piecewise` (piecewise.h)."""
     pieces, terms, origins = len(rows) - 2, rows.shape[1], rows[1:, 0]
     equal = np.allclose(np.diff(origins), (origins[-1] - origins[0]) / pieces, rtol=EQUAL, atol=0.0)
     per_unit = c_number(pieces / (origins[-1] - origins[0]))
     return f"""\
 {c_array("double", f"{name}_row", map(c_number, rows.ravel()))}
-static const piecewise {name} = {{{pieces}, {terms}, {int(equal)}, {per_unit}, {name}_row}};
+RUNTIME_LOCAL const piecewise {name} = {{{pieces}, {terms}, {int(equal)}, {per_unit}, {name}_row}};
 """
