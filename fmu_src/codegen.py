@@ -171,7 +171,6 @@ def _system_arrays(model: Model, system: System, solving: Elimination) -> Iterab
     starts = (bisect_left(columns, column) for column in range(1 + len(solving.order)))
     yield c_array("int", f"{prefix}_column_start", map(str, starts if system.states else ()))
     yield c_array("int", f"{prefix}_row", (str(row) for row, _ in solving.nonzeros))
-    yield c_array("int", f"{prefix}_factor", map(str, solving.factor_of_nonzero))
     position = {name: number for number, name in enumerate(system.states)}
     limited = [[position[name] for name in names] for names, _ in system.largest_changes]
     yield c_array("limited_change", f"{prefix}_limited", [f"{{{one[0]}, {[*one, -1][1]}}}" for one in limited])
@@ -267,7 +266,6 @@ def _system_entry(model: Model, system: System, made: dict[str, Generated], solv
         "position": "states",
         "column_start": "states",
         "row": "nonzeros",
-        "factor": "nonzeros",
         "algebraic": "algebraics",
         "algebraic_nonzero": "algebraic_nonzeros",
         "algebraic_place": "algebraic_nonzeros",
@@ -290,7 +288,7 @@ def _description(model: Model, generated: Sequence[dict[str, Generated]], solvin
     for function in dict.fromkeys(one.function.name() for made in generated for one in made.values()):
         lines.append(f"RUNTIME_LOCAL int {function}(const double **, double **, long long int *, double *, int);")
     for system in model.systems:
-        lines.append(f"RUNTIME_LOCAL void {system.name}_factorise(double *);")
+        lines.append(f"RUNTIME_LOCAL void {system.name}_factorise(const double *, const double *, double *);")
         lines.append(f"RUNTIME_LOCAL void {system.name}_substitute(const double *, double *);")
         lines += [line for line in _system_arrays(model, system, solving[system.name]) if line]
     if model.table_file:

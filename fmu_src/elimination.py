@@ -38,10 +38,18 @@ class Elimination:
         """Of each state in the order of elimination."""
         return sorted(range(len(self.order)), key=self.order.__getitem__)
 
-    @property
-    def factor_of_nonzero(self) -> list[int]:
-        """Where each nonzero of the Jacobian is stored among the factors."""
-        return [self.place[self.position[row], self.position[column]] for row, column in self.nonzeros]
+    @cached_property
+    def _number(self) -> dict[tuple[int, int], int]:
+        """Of each nonzero of the Jacobian, by its place in the order of elimination."""
+        return {(self.position[row], self.position[column]): n for n, (row, column) in enumerate(self.nonzeros)}
+
+    def entry(self, row: int, column: int) -> str:
+        """C of an entry of the matrix: `d` is its diagonal by states without the Jacobian, whose nonzeros are `j`."""
+        nonzero = self._number.get((row, column))
+        less = "" if nonzero is None else f"-j[{nonzero}]"
+        if row != column:
+            return less or "0.0"
+        return f"d[{self.order[row]}]{less.replace('-', ' - ')}"
 
     @cached_property
     def place(self) -> dict[tuple[int, int], int]:
@@ -58,21 +66,19 @@ class Elimination:
         return sum(map(len, self.below))
 
     def factors(self) -> Iterator[str]:
-        """C that turns `entry`, the packed matrix, into L U = A: L below the diagonal, 1 / U on it, U above it."""
+        """C that leaves the packed factors L U = A in `e`: L below the diagonal, 1 / U on it, U above it."""
         left_of, above = _pivots(self.below), _pivots(self.right)
 
         def reduced(row: int, column: int) -> str:
             lost = sorted(left_of[row] & above[column])
             products = [f"e[{self.place[row, pivot]}] * e[{self.place[pivot, column]}]" for pivot in lost]
-            return _less(f"e[{self.place[row, column]}]", products)
+            return _less(self.entry(row, column), products)
 
         for pivot in range(len(self.order)):
             diagonal = self.place[pivot, pivot]
             yield f"e[{diagonal}] = 1.0 / ({reduced(pivot, pivot)});"
             for column in self.right[pivot]:
-                text = reduced(pivot, column)
-                if " - " in text:
-                    yield f"e[{self.place[pivot, column]}] = {text};"
+                yield f"e[{self.place[pivot, column]}] = {reduced(pivot, column)};"
             for row in self.below[pivot]:
                 yield f"e[{self.place[row, pivot]}] = ({reduced(row, pivot)}) * e[{diagonal}];"
 
@@ -131,7 +137,7 @@ def elimination(system: System) -> Elimination:
 
 
 def elimination_source(name: str, solving: Elimination) -> str:
-    """C of the functions NAME_factorise(entry) and NAME_substitute(entry, vector) of a system."""
+    """C of the functions NAME_factorise(jacobian, diagonal, entry) and NAME_substitute(entry, vector) of a system."""
     head = ['#pragma GCC diagnostic ignored "-Wunused-parameter"', '#include "model.h"', ""]
     return "\n".join([*head, *_functions(name, solving, "RUNTIME_LOCAL void {}", "double")])
 
@@ -146,7 +152,7 @@ def _functions(name: str, solving: Elimination, head: str, number: str) -> list[
     lines, outside = [], "double"
     as_numbers = number != outside
     for task, pointers, body in (
-        ("factorise", {"e": ""}, list(solving.factors())),
+        ("factorise", {"j": "const ", "d": "const ", "e": ""}, list(solving.factors())),
         ("substitute", {"e": "const ", "v": ""}, list(solving.substitution())),
     ):
         taken = ", ".join(f"{kind}{number} *{pointer}" for pointer, kind in pointers.items())

@@ -14,7 +14,7 @@ typedef struct {
     int lanes, system;
     lanes_function ode, jacobian, output, drive, capacity, condition_margin, largest_change;
     const lanes_function *table_argument; /* one for each rank */
-    void (*factorise)(double *entry);
+    void (*factorise)(const double *jacobian, const double *diagonal, double *entry);
     void (*substitute)(const double *entry, double *vector);
 } batch_functions;
 

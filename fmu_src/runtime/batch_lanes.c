@@ -175,14 +175,9 @@ static void factorise(batch *self) {
     lane_numbers *n = &self->numbers;
     double *entry = n->entry;
     const real diagonal = 1.0 / (self->tableau->gamma * real_load(n->wanted));
-    memset(entry, 0, (size_t)system->factors * LANES * sizeof *entry);
-    for (int i = 0; i < system->nonzeros; ++i)
-        real_store(entry + system->factor[i] * LANES, -real_load(n->jacobian + i * LANES));
-    for (int i = 0; i < system->states; ++i) {
-        double *one = entry + system->position[i] * LANES;
-        real_store(one, real_load(one) + diagonal * real_load(n->differential + i * LANES));
-    }
-    self->of->factorise(entry);
+    for (int i = 0; i < system->states; ++i)
+        real_store(n->point + i * LANES, diagonal * real_load(n->differential + i * LANES));
+    self->of->factorise(n->jacobian, n->point, entry);
     real_mask regular = real_of(0.0) < real_of(1.0);
     for (int i = 0; i < system->states; ++i) regular = regular & (real_fabs(real_load(entry + i * LANES)) < real_of(INFINITY));
     for (int i = system->states; i < system->states + system->lower_factors; ++i)

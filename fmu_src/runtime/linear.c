@@ -61,10 +61,9 @@ static void solve_dense(const dense_factors *of, double *vector) {
 static bool factorise_sparse(const kernel *self, double *entry, const double *jacobian, double diagonal) {
     const system_description *system = self->system;
     const int n = system->states;
-    memset(entry, 0, (size_t)system->factors * sizeof *entry);
-    for (int i = 0; i < system->nonzeros; ++i) entry[system->factor[i]] = -jacobian[i];
-    for (int i = 0; i < n; ++i) entry[system->position[i]] += diagonal * self->work.differential[i];
-    system->factorise(entry);
+    double *own = self->work.ordered;
+    for (int i = 0; i < n; ++i) own[i] = diagonal * self->work.differential[i];
+    system->factorise(jacobian, own, entry);
     for (int i = 0; i < n; ++i)
         if (!isfinite(entry[i])) return false;
     for (int i = n; i < n + system->lower_factors; ++i)

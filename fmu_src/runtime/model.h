@@ -35,7 +35,7 @@ enum {
 /* lanes: how many the processor has, see lanes_of_processor. */
 typedef int (*generated_function)(const double **argument, double **result, long long int *integer_work, double *work,
                                   int lanes);
-typedef void (*generated_factors)(double *entry);
+typedef void (*generated_factors)(const double *jacobian, const double *diagonal, double *entry);
 typedef void (*generated_solution)(const double *entry, double *vector);
 
 enum { KIND_REAL, KIND_INTEGER, KIND_BOOLEAN, KIND_STRING }; /* the last: a path, see kernel_set_text */
@@ -97,9 +97,9 @@ typedef struct {
     const double *nominal;                                            /* scale of each state, for the error control */
     const int *order;    /* of elimination: entry i is the state that comes i-th in the linear equations */
     const int *position; /* of each state in that order */
-    /* The Jacobian has its nonzeros alone, column by column: where each column begins and behind the last one, the row of
-     * each nonzero, and its place among the factors of a step's matrix. */
-    const int *column_start, *row, *factor;
+    /* The Jacobian has its nonzeros alone, column by column: where each column begins and behind the last one, and the row
+     * of each nonzero. */
+    const int *column_start, *row;
     const int *algebraic; /* indices of the states that a residual instead of a derivative determines */
     /* The nonzeros in rows and columns of algebraic states, and the place of each in a matrix of these, by columns. */
     const int *algebraic_nonzero, *algebraic_place;
@@ -113,8 +113,8 @@ typedef struct {
     generated_function warning_margin;   /* of the warnings; null: condition_margin has them */
     generated_function largest_change;
     generated_function output_along, residual_along; /* derivatives of outputs and of residuals along the seed */
-    /* Of the packed entries of a step's matrix, the diagonal first, those below it next: its factors, the diagonal
-     * inverted; and the solution in place of a vector in the order of the states. */
+    /* The factors of a step's matrix, a diagonal less the Jacobian, both in the order of the states: the diagonal of the
+     * factors first, inverted, those below it next; and the solution in place of a vector. */
     generated_factors factorise;
     generated_solution substitute;
     const steady_start *steady; /* null: a run starts with the start values */

@@ -4,7 +4,18 @@
 /* sum = base + some stages by their weights. */
 LANES_FUNCTION void LANES_NAME(stages_sum)(const stage_work *of, int first, int end, const double *weight, const double *base,
                                            double *sum) {
-    for (int i = 0; i < of->numbers; i += LANES) {
+    int i = 0;
+    for (; i + LANES < of->numbers; i += 2 * LANES) { /* two at a time, which do not wait for each other */
+        real one = real_load(base + i), two = real_load(base + i + LANES);
+        for (int j = first; j < end; ++j) {
+            const double *k = of->stage[j] + i;
+            one = one + weight[j] * real_load(k);
+            two = two + weight[j] * real_load(k + LANES);
+        }
+        real_store(sum + i, one);
+        real_store(sum + i + LANES, two);
+    }
+    for (; i < of->numbers; i += LANES) {
         real one = real_load(base + i);
         for (int j = first; j < end; ++j) one = one + weight[j] * real_load(of->stage[j] + i);
         real_store(sum + i, one);

@@ -257,7 +257,7 @@ def stand_freely(assembly: Assembly, data: Wheelset, body: Body, pressed: Sequen
     mass, inertia = assembly.value(data.mass), [assembly.value(size) for size in data.inertia]
     force = sum((wheel.force for wheel in pressed), mass * body.falling(assembly.parameter["gravity"]))
     rate, roll, spin = body.own_rate, body.angles[0], body.axes.T @ body.spin
-    gyroscopic = ca.cross(axes_rate(ca.tan(roll), rate - spin) + spin, ca.vertcat(*inertia) * rate)
+    gyroscopic = ca.cross(axes_rate(ca.sin(roll) / ca.cos(roll), rate - spin) + spin, ca.vertcat(*inertia) * rate)
     moment = sum((wheel.moment for wheel in pressed), -gyroscopic)
     moved = ca.vertcat((1 / mass) * force, moment[0] / inertia[0], moment[1], moment[2] / inertia[2])
     return assembly.system.narrow(moved)

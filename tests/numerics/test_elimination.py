@@ -11,11 +11,15 @@ from products.registry import model_of
 
 #: Round-off of a few hundred operations on numbers of order 1.
 ROUND_OFF = 1e-11
+#: Of the matrices, without what is drawn.
+DIAGONAL = 10.0
 
 
 def solved(solving: Elimination, matrix: np.ndarray, vector: np.ndarray) -> np.ndarray:
     """By the generated lines; matrix and vector are in the order of the states."""
-    names = {"e": [float(matrix[solving.order[i], solving.order[j]]) for i, j in solving.place], "v": vector.tolist()}
+    diagonal = np.full(len(solving.order), DIAGONAL)
+    jacobian = [float(DIAGONAL * (row == column) - matrix[row, column]) for row, column in solving.nonzeros]
+    names = {"j": jacobian, "d": diagonal.tolist(), "e": [0.0] * len(solving.place), "v": vector.tolist()}
     for line in (*solving.factors(), *solving.substitution()):
         exec(line, names)
     return np.array(names["v"])
@@ -25,14 +29,13 @@ def solved(solving: Elimination, matrix: np.ndarray, vector: np.ndarray) -> np.n
 def test_generated_elimination_solves_what_dense_algebra_solves(system: System) -> None:
     solving, random = elimination(system), np.random.default_rng(1)
     count = len(solving.order)
-    matrix, vector = 10.0 * np.eye(count), random.uniform(-1.0, 1.0, count)
+    matrix, vector = DIAGONAL * np.eye(count), random.uniform(-1.0, 1.0, count)
     for row, column in solving.nonzeros:
         matrix[row, column] += random.uniform(-1.0, 1.0)
     exact = np.linalg.solve(matrix, vector)
     assert np.abs(solved(solving, matrix, vector) - exact).max() < ROUND_OFF * np.abs(exact).max()
     # An entry that is left out is seen.
-    i, j = next(entry for entry in solving.place if entry[0] > entry[1])
-    matrix[solving.order[i], solving.order[j]] += 0.1
+    matrix[next((row, column) for row, column in solving.nonzeros if row != column)] += 0.1
     assert np.abs(solved(solving, matrix, vector) - exact).max() > ROUND_OFF
 
 
