@@ -31,6 +31,7 @@ typedef struct {
     double *kept_state, *kept_input, *kept_mode; /* where the kept Jacobian was taken */
     double *block;  /* all of it */
     size_t doubles; /* its length */
+    size_t changing; /* as much of it, from its beginning, as changes within a step */
 } run_state;
 
 #endif

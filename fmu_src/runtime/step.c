@@ -39,7 +39,7 @@ static kernel_status check_step(kernel *self, double time, double size) {
 kernel_status step_begin(kernel *self, double time, double size) {
     kernel_status status = check_step(self, time, size);
     if (status != KERNEL_OK) return status;
-    memcpy(self->backup, self->run.block, self->run.doubles * sizeof(double));
+    memcpy(self->backup, self->run.block, self->run.changing * sizeof(double));
 
     self->given.step_origin = time;
     kernel_gather_inputs(self);
@@ -69,7 +69,7 @@ kernel_status step_end(kernel *self, unsigned long long noted, double size, doub
     }
     if (status > KERNEL_WARNING) { /* the last good state stays */
         self->kept.ready = KEPT_NOTHING;
-        memcpy(self->run.block, self->backup, self->run.doubles * sizeof(double));
+        memcpy(self->run.block, self->backup, self->run.changing * sizeof(double));
         return status;
     }
     for (int i = 0; i < self->system->inputs; ++i) {

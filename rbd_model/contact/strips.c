@@ -9,6 +9,7 @@
  *
  * Seen from one wheel: x ahead, y outwards, z up; the right wheel is the mirror image of a left one. */
 #include <math.h>
+#include <string.h>
 
 enum { STRIPS = 8, CELLS = 8, SAMPLES = 24, MOST_SEGMENTS = 6, MOST = STRIPS * MOST_SEGMENTS, TERMS = 12, ELLIPTIC = 7 };
 enum { ARGUMENTS = 13, OF_SEGMENT = 11, OF_WHEEL = 3, MOST_RESULTS = OF_SEGMENT * MOST_SEGMENTS + OF_WHEEL };
@@ -63,6 +64,8 @@ typedef struct {
     int count;
     strip_of strip[MOST];
     double nearest[MOST_SEGMENTS]; /* largest overlap of each segment, negative where it hangs over the rail [m] */
+    double ends[MOST_SEGMENTS][2]; /* of the part of each segment that overlaps; where the gap is least, if none does [m] */
+    int overlaps[MOST_SEGMENTS];
     int touching, inside[MOST];    /* strips that bear a load, in whose order the rest is */
     double stretch[MOST][MOST];    /* what Carter's stress on one strip stretches at others, as `factorise` leaves it */
     double pull[MOST];             /* that stress for a creepage of 1 everywhere */
@@ -173,6 +176,7 @@ static int overlap_of(const wheel_on_rail *pair, const stand_of *stand, const do
         }
     }
     *least = gap[lowest];
+    ends[0] = ends[1] = segment[0] + lowest * pitch;
     double low = segment[0] + first * pitch, high = segment[0] + last * pitch;
     if (first < 0) { /* perhaps between two samples */
         if (lowest == 0 || lowest == SAMPLES) return 0;
@@ -186,14 +190,37 @@ static int overlap_of(const wheel_on_rail *pair, const stand_of *stand, const do
     return ends[1] > ends[0];
 }
 
-/* Strips of all segments that overlap, normal.py; `nearest` of those that do not is negative. */
-static void lay_strips(const wheel_on_rail *pair, const stand_of *stand, pressed_of *found) {
+/* Where an end of an overlap goes as the wheelset moves by next to nothing: two steps of a secant; the end of a segment stays
+ * where it is. */
+static double moved_end(const wheel_on_rail *pair, const stand_of *stand, const double *segment, double end) {
+    static const double BESIDE = 1e-7;
+    if (end == segment[0] || end == segment[1]) return end;
+    const double here = gap_at(pair, stand, end), slope = (gap_at(pair, stand, end + BESIDE) - here) / BESIDE;
+    if (!(fabs(slope) > 0.0)) return end;
+    const double moved = end - here / slope;
+    return moved - gap_at(pair, stand, moved) / slope;
+}
+
+/* The same as `overlap_of` from where it was before the wheelset moved by next to nothing. */
+static void move_overlap(const wheel_on_rail *pair, const stand_of *stand, const double *segment, int overlaps, double *ends,
+                         double *least) {
+    *least = gap_at(pair, stand, ends[0]);
+    for (int i = 0; i < 2 && overlaps; ++i) ends[i] = moved_end(pair, stand, segment, ends[i]);
+}
+
+/* Strips of all segments that overlap, normal.py; `nearest` of those that do not is negative. anew: the overlaps are looked
+ * for; otherwise `found` has them for a place beside this one. */
+static void lay_strips(const wheel_on_rail *pair, const stand_of *stand, pressed_of *found, int anew) {
     found->count = 0;
     for (int segment = 0; segment < pair->segments; ++segment) {
-        double ends[2], least;
-        const int overlaps = overlap_of(pair, stand, pair->segment + 2 * segment, ends, &least);
+        double *ends = found->ends[segment], least;
+        const double *whole = pair->segment + 2 * segment;
+        if (anew)
+            found->overlaps[segment] = overlap_of(pair, stand, whole, ends, &least);
+        else
+            move_overlap(pair, stand, whole, found->overlaps[segment], ends, &least);
         found->nearest[segment] = -least;
-        if (!overlaps) continue;
+        if (!found->overlaps[segment]) continue;
         const double pitch = (ends[1] - ends[0]) / (double)STRIPS;
         double deepest = 0.0;
         for (int i = 0; i < STRIPS; ++i) {
@@ -412,9 +439,9 @@ static void stiffen(const fits_of *fits, pressed_of *found) {
 
 /* Where the wheel touches and how hard, and how its strips answer to creepage. */
 static void press(const wheel_on_rail *pair, const fits_of *fits, const stand_of *stand, double plane_modulus,
-                  pressed_of *found) {
+                  pressed_of *found, int anew) {
     int touch[MOST];
-    lay_strips(pair, stand, found);
+    lay_strips(pair, stand, found, anew);
     for (int i = 0; i < found->count; i += STRIPS) begin(fits, found->strip + i, touch + i);
     carry(fits, plane_modulus, found, touch);
     for (int segment = 0; segment < pair->segments; ++segment) lengthen(fits, plane_modulus, found, segment);
@@ -576,9 +603,12 @@ static void move_how(const double *argument, double side, const stand_of *stand,
     motion->friction = argument[12];
 }
 
-/* All results for arguments and constants; where the wheel touches is found anew, or `found` has it. */
+/* Where the wheel touches: `found` has it, or has it beside this place, or it is found anew. */
+typedef enum { TOUCHES_THERE, TOUCHES_BESIDE, TOUCHES_ANEW } touches;
+
+/* All results for arguments and constants. */
 static void forces_of_wheel(const wheel_on_rail *pair, const fits_of *fits, const double *argument, const double *constant,
-                            pressed_of *found, int anew, double *result) {
+                            pressed_of *found, touches where, double *result) {
     const double side = constant[0];
     const steel_of steel = {constant[4], constant[5], constant[5] / (1.0 - constant[12]), constant[6], constant[7],
                             constant[8], constant[9], constant[10], constant[11]};
@@ -587,7 +617,7 @@ static void forces_of_wheel(const wheel_on_rail *pair, const fits_of *fits, cons
     stand_where(argument, constant, &stand);
     move_how(argument, side, &stand, &motion);
     motion.creeps_on_slope = constant[13];
-    if (anew) press(pair, fits, &stand, steel.plane_modulus, found);
+    if (where != TOUCHES_THERE) press(pair, fits, &stand, steel.plane_modulus, found, where == TOUCHES_ANEW);
     for (int i = 0; i < OF_SEGMENT * pair->segments; ++i) result[i] = 0.0;
     creep(found, &motion, &steel, result);
     for (int segment = 0; segment < pair->segments; ++segment) {
@@ -611,14 +641,18 @@ static void wheel_on_strips(const wheel_on_rail *pair, const fits_of *fits, cons
     const int count = OF_SEGMENT * pair->segments + OF_WHEEL;
     pressed_of found, moved;
     double at[ARGUMENTS], there[MOST_RESULTS];
-    forces_of_wheel(pair, fits, argument, constant, &found, 1, result);
+    forces_of_wheel(pair, fits, argument, constant, &found, TOUCHES_ANEW, result);
     if (!slope) return;
     for (int i = 0; i < ARGUMENTS; ++i) at[i] = argument[i];
     for (int i = 0; i < ARGUMENTS; ++i) {
         const int coordinate = i >= 6 && i < 10;
         at[i] = argument[i] + STEP[i];
         const double step = at[i] - argument[i];
-        forces_of_wheel(pair, fits, at, constant, coordinate ? &moved : &found, coordinate, there);
+        if (coordinate) {
+            memcpy(moved.ends, found.ends, sizeof found.ends);
+            memcpy(moved.overlaps, found.overlaps, sizeof found.overlaps);
+        }
+        forces_of_wheel(pair, fits, at, constant, coordinate ? &moved : &found, coordinate ? TOUCHES_BESIDE : TOUCHES_THERE, there);
         at[i] = argument[i];
         for (int k = 0; k < count; ++k) slope[i * count + k] = (there[k] - result[k]) / step;
     }
