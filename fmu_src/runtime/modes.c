@@ -80,10 +80,11 @@ static void note_switch(kernel *self, int i, double offset) {
 
 /* Notes what began or ceased to be stuck since the modes `before`; whether something did. */
 static bool note_switches(kernel *self, double offset) {
+    const bool heard = kernel_is_heard(self, KERNEL_OK);
     bool changed = false;
     for (int i = 0; i < self->system->frictions; ++i) {
         if ((self->modes.before[i] == 0.0) == (self->run.mode[i] == 0.0)) continue;
-        if (kernel_is_heard(self, KERNEL_OK)) note_switch(self, i, offset);
+        if (heard) note_switch(self, i, offset);
         changed = true;
     }
     return changed;
@@ -122,26 +123,24 @@ void modes_refresh(kernel *self, double offset) {
 }
 
 /* Whether a friction has taken a velocity through zero within a step. */
-static bool has_crossed(const kernel *self, int i) {
+static inline bool has_crossed(const kernel *self, int i) {
     if (self->run.mode[i] == 0.0 || !(self->modes.capacity[i] > 0.0)) return false;
     return self->run.mode[i] * modes_velocity(&self->system->friction[i], self->run.state) < 0.0;
 }
 
-static bool any_has_crossed(const kernel *self) {
-    for (int i = 0; i < self->system->frictions; ++i)
-        if (has_crossed(self, i)) return true;
-    return false;
-}
-
-/* Holds for a trial what has crossed: a drive is that of what stands still. */
-static void hold_what_crossed(kernel *self) {
+/* Holds for a trial what has crossed: a drive is that of what stands still. The first that has begins a round; whether there
+ * is one. */
+static bool hold_what_crossed(kernel *self, bool begun) {
     for (int i = 0; i < self->system->frictions; ++i) {
         const friction_description *friction = &self->system->friction[i];
         if (!has_crossed(self, i)) continue;
+        if (!begun) begin_round(self);
+        begun = true;
         self->modes.overshoot[i] = modes_velocity(friction, self->run.state);
         modes_stop(friction, self->run.state);
         self->run.mode[i] = 0.0;
     }
+    return begun;
 }
 
 /* Whether all slide on in their directions: then drives have no say. */
@@ -153,14 +152,17 @@ static bool all_slide(const kernel *self) {
     return true;
 }
 
-/* Whether all modes stay as they are, seen without much work. */
+/* Whether a mode stays as it is, seen without much work: sticks up to a share of the capacity, or slides on. */
+static inline bool stays(const kernel *self, int i, double share) {
+    const double mode = self->run.mode[i], capacity = self->modes.capacity[i];
+    if (mode == 0.0) return capacity > 0.0 && fabs(self->modes.drive[i]) <= share * capacity;
+    const double velocity = modes_velocity(&self->system->friction[i], self->run.state);
+    return mode * velocity > self->modes.still[i] || (capacity <= 0.0 && velocity == 0.0 && mode == 1.0);
+}
+
 static bool all_stay(const kernel *self) {
-    for (int i = 0; i < self->system->frictions; ++i) {
-        const double mode = self->run.mode[i], capacity = self->modes.capacity[i];
-        const double velocity = modes_velocity(&self->system->friction[i], self->run.state);
-        const bool slides = mode * velocity > self->modes.still[i] || (capacity <= 0.0 && velocity == 0.0 && mode == 1.0);
-        if (!(mode == 0.0 ? capacity > 0.0 && fabs(self->modes.drive[i]) <= capacity : slides)) return false;
-    }
+    for (int i = 0; i < self->system->frictions; ++i)
+        if (!stays(self, i, 1.0)) return false;
     return true;
 }
 
@@ -193,19 +195,18 @@ bool modes_settle(kernel *self, double offset) {
     if (system->frictions == 0) return false;
     find_capacity(self, offset, self->run.state);
     if (all_slide(self)) return false;
-    const bool crossed = any_has_crossed(self);
-    if (crossed) {
-        begin_round(self);
-        hold_what_crossed(self);
-        find_capacity(self, offset, self->run.state); /* wheelsets that stand on their rails may do so because they no longer turn */
-        hold_what_crossed(self);
+    const bool crossed = hold_what_crossed(self, false);
+    if (crossed) { /* wheelsets that stand on their rails may do so because they no longer turn */
+        find_capacity(self, offset, self->run.state);
+        (void)hold_what_crossed(self, true);
     }
     kernel_evaluate_again(self, system->drive, offset, self->run.state, self->modes.drive);
     if (!crossed) {
         if (all_stay(self)) return false;
         begin_round(self);
     }
-    for (int i = 0; i < system->frictions; ++i) renew_mode(self, i, offset);
+    for (int i = 0; i < system->frictions; ++i)
+        if (!stays(self, i, self->modes.overshoot[i] != 0.0 ? SPARE : 1.0)) renew_mode(self, i, offset);
     let_go(self, offset);
     const bool changed = note_switches(self, offset);
     if (changed) self->counters.events++;
