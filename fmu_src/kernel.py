@@ -200,6 +200,13 @@ class Kernel:
         """Whether a condition of the model has ended the run; no step goes further."""
         return self._call.kernel_ended(self._handle)
 
+    def use_lanes(self, most: int) -> int:
+        """Lets equations compute at most so many wheels at once, 1, 2, 4 or 8; returns how many the processor allows.
+
+        A run has the same bits with any number.
+        """
+        return int(self._call.kernel_use_lanes(self._handle, most))
+
     def plan(self, start: float, stop: float | None = None, tolerance: float | None = None) -> None:
         """Before initialisation: no step will go past `stop` [s]; a tolerance that does not serve is warned of.
 

@@ -70,8 +70,7 @@ def test_a_chain_with_a_ring_through_a_state_has_the_equations_of_its_parts() ->
     system = chain(**CHAIN)
     assert [variable.name for variable in system.variables if variable.causality == "input"] == []
     assert sorted(system.states) == ["last_x", "x_1", "x_2"]
-    assert [call.rank for call in system.calls] == [0, 1, 2]
-    assert sorted(table.rank for table in system.tables) == [0, 1, 2]
+    assert [call.rank for call in system.calls] == list(range(6))  # of each a look-up and a square
     kernel = Kernel(Library(build_library(model_of(system, 1e-9))), gain_1=1.0, gain_2=2.0, last_gain=3.0)
     kernel.initialise()
     rng = np.random.default_rng(1)

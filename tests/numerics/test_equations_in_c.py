@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import ctypes
 import math
+import re
+from collections.abc import Sequence
 from pathlib import Path
 
 import casadi as ca
@@ -13,6 +15,7 @@ from fmu_src import compile as compiling
 from fmu_src import equations_in_c as printing
 from fmu_src.chain import Chain, Part
 from fmu_src.equations import Generated, function_of
+from fmu_src.statements import OPERATIONS
 
 #: Mathematical functions of two libraries, and 1 / x in place of a division.
 ROUND_OFF = 1e-14
@@ -22,16 +25,20 @@ def generated(expressions: list[ca.SX], given: ca.SX, chain: Chain | None = None
     return function_of(chain or Chain(), "law", [ca.vertcat(*expressions)], [given])
 
 
-def values(one: Generated, at: list[float], folder: Path) -> list[float]:
-    """Results of the compiled C."""
-    name = f"law{len(list(folder.iterdir()))}"
-    (folder / f"{name}.c").write_text(printing.equations_in_c("x", {"law": one}))
+def values(one: Generated, at: list[float], folder: Path, lanes: int = 1, more: Sequence[str] = ()) -> list[float]:
+    """Results of the compiled C; lanes: what a processor has; more: flags."""
+    own = folder / f"law{len(list(folder.iterdir()))}"
+    own.mkdir()
+    files = printing.equations_in_c("x", {"law": one})
+    for name, text in files.items():
+        (own / name).write_text(text)
     flags = [flag for flag in compiling.FLAGS if flag != "-fvisibility=hidden"]
-    command = [*flags, "-O1", f"-I{compiling.RUNTIME}", "-shared", "-o", name, f"{name}.c", "-lm"]
-    compiling.run(command, None, folder)
+    units = [name for name in files if name.endswith(".c")]
+    command = [*flags, *more, "-O1", f"-I{compiling.RUNTIME}", "-shared", "-o", "law", *units, "-lm"]
+    compiling.run(command, None, own)
     given, found = (ctypes.c_double * len(at))(*at), (ctypes.c_double * one.function.numel_out(one.ranks))()
     array = ctypes.POINTER(ctypes.c_double) * 1
-    ctypes.CDLL(str(folder / name)).law(array(given), array(found), None, None, 0)
+    ctypes.CDLL(str(own / "law")).law(array(given), array(found), None, None, lanes)
     return list(found)
 
 
@@ -50,7 +57,7 @@ def test_every_operation_has_the_values_of_casadi(tmp_path: Path) -> None:
     given = ca.SX.sym("given", 2)
     one = generated(of_every_operation(given[0], given[1]), given)
     instructions = range(one.function.n_instructions())
-    assert set(printing.OPERATIONS) - {one.function.instruction_id(number) for number in instructions} == set()
+    assert set(OPERATIONS) - {one.function.instruction_id(number) for number in instructions} == set()
     for at in ([1.7, 0.3], [1.5, 0.9]):
         found, expected = values(one, at, tmp_path), one.function(at).full().ravel()
         assert found == pytest.approx(expected, rel=ROUND_OFF, abs=0.0)
@@ -74,7 +81,8 @@ def test_equal_expressions_are_computed_once() -> None:
     """CasADi makes two expressions of what is written twice."""
     x = ca.SX.sym("x", 3)
     one = generated([ca.sin(x[0] * x[1]) + x[2], ca.sin(x[0] * x[1]) - x[2]], x)
-    assert printing.equations_in_c("x", {"law": one}).count("sin(") == 1
+    [text] = printing.equations_in_c("x", {"law": one}).values()
+    assert text.count("sin(") == 1
 
 
 def test_an_operation_without_c_is_refused() -> None:
@@ -103,11 +111,11 @@ def long_function() -> Generated:
 
 def test_a_function_in_pieces_gives_the_numbers_of_the_whole(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     one = long_function()
-    whole = printing.equations_in_c("x", {"law": one})
+    whole = printing.equations_in_c("x", {"law": one})["equations_x.c"]
     found = values(one, [0.7, 0.2], tmp_path)
     monkeypatch.setattr(printing, "WHOLE", 7)
     monkeypatch.setattr(printing, "LONGEST", 7)
-    divided = printing.equations_in_c("x", {"law": one})
-    assert "_piece_of_" not in whole
-    assert divided.count("static void x_piece_of_law_") > 6 * COUNT / 7
+    divided = printing.equations_in_c("x", {"law": one})["equations_x.c"]
+    assert "_piece_" not in whole
+    assert len(re.findall(r"static void x_piece_\d+_of_law\(", divided)) > 6 * COUNT / 7
     assert values(one, [0.7, 0.2], tmp_path) == found

@@ -18,7 +18,7 @@ from scenarios.methods.instructions import CASES, HostError, Steps, Stop, make_s
 from tests.conftest import Fmus
 from tests.needed import needed
 
-#: Band of docs/real_time.md for the largest over the median number of instructions of a step.
+#: Band for the largest over the median number of instructions of a step.
 SPREAD = 1.3
 METHODS = {1: "RODAS5P", 2: "ROS34PW2"}
 

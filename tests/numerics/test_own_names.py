@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from fmu_src.codegen import RUNTIME, RUNTIME_SOURCES
+from fmu_src.codegen import RUNTIME, RUNTIME_HEADERS, RUNTIME_SOURCES
 from fmu_src.own_names import PREFIX, names_at_file_scope, with_own_names
 from rbd_model.contact import strips_in_c
 from rbd_model.contact.creep import tabulated
@@ -39,9 +39,12 @@ def test_renamed_sources_know_each_other_and_none_of_the_names_of_the_runtime() 
     common, own = with_own_names([SOURCE, "static void use(void) { (void)solve(0, 0); }"])
     assert f"static void {PREFIX}use(void) {{ (void){PREFIX}solve(0, 0); }}" == own
     assert "fmin(stand->in_c_solve, in_c_PI) > in_c_ROUNDS" in common
-    runtime = "\n".join((RUNTIME / name).read_text() for name in RUNTIME_SOURCES)
-    for module, name in ((strips_in_c, "strips.c"), (tabulated, "table.c")):
-        text = (Path(str(module.__file__)).parent / name).read_text()
-        assert names_at_file_scope(text) & set(re.findall(r"\w+", runtime))  # which is why they are renamed
-        [renamed] = with_own_names([text])
-        assert not names_at_file_scope(renamed) & set(re.findall(r"\w+", runtime))
+    files = [*RUNTIME_SOURCES, *RUNTIME_HEADERS]
+    runtime = {word for name in files for word in re.findall(r"\w+", (RUNTIME / name).read_text())}
+    texts = [
+        (Path(str(module.__file__)).parent / name).read_text()
+        for module, name in ((strips_in_c, "strips.c"), (tabulated, "table.c"))
+    ]
+    assert set().union(*map(names_at_file_scope, texts)) & runtime  # which is why they are renamed
+    for renamed in with_own_names(texts):
+        assert not names_at_file_scope(renamed) & runtime

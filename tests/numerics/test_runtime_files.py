@@ -16,7 +16,13 @@ from rbd_model.levels.models import bogie_dynamics
 #: Lines of a function that one screen shows.
 SCREEN = 60
 #: What only a face needs: early returns, checks before anything is set, and model exchange.
-OF_FACES = {"kernel_stop_at_events", "kernel_set_time", "kernel_check_exchange", "kernel_find_modes"} | {
+OF_FACES = {
+    "kernel_stop_at_events",
+    "kernel_set_time",
+    "kernel_check_exchange",
+    "kernel_find_modes",
+    "kernel_listen",
+} | {
     f"kernel_{name}"
     for name in (
         *("exchange_states", "exchange_indicators", "exchanged_number", "get_exchanged", "complete_step"),
@@ -28,6 +34,7 @@ NUMBERS = {
     "int": ctypes.c_int,
     "kernel_status": ctypes.c_int,
     "bool": ctypes.c_bool,
+    "unsigned": ctypes.c_uint,
     "double": ctypes.c_double,
     "size_t": ctypes.c_size_t,
     "long long int": ctypes.c_longlong,

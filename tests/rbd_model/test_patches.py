@@ -32,7 +32,7 @@ from rbd_model.track.irregularity import irregular_track, section_5_3
 from rbd_model.vehicle.description import as_sum
 from rbd_model.vehicle.ready import two_axle_bogie
 from rbd_model.wheelset.touch import Placement, Wheel, touch
-from rbd_model.wheelset.touching_patch import Outline, along_and_square, direction_of
+from rbd_model.wheelset.touching_patch import Line, Outline, along_and_square
 from scenarios.bench.climbing_wheelset import INTERVAL, climbing_wheelset, push
 from scenarios.contact import contact_manchester as manchester
 from tests.quick_library import quick_library
@@ -116,9 +116,10 @@ def test_pieces_of_a_rail_are_those_where_the_wheel_is_nearest(pair) -> None:  #
     placement = Placement(axle[1], axle[2], direction_cosines(axle[1], axle[2]), axle[0])
     on = Wheel(*map(ca.SX, (1.0, one.radius, one.wheel_half_distance, one.rail_half_distance)))
     for patch in patches_of(one):
-        direction, place = direction_of(patch), ca.SX.sym("place")
+        line, place = Line.of(patch), ca.SX.sym("place")
+        direction = line.cosine_and_sine
         piece = ca.SX.sym("piece", 1 + one.wheel.pieces[1].shape[1])
-        outline = Outline.of(patch, placement, on, height)
+        outline = Outline.of(line, placement, on, height)
         roll = patch.radius * ca.sin(axle[2])
         exact = along_and_square(touch(placement, on, place, piece), height, ca.SX(direction))[0]
         look = ca.Function("look", [axle], [outline.along + roll])
