@@ -13,7 +13,7 @@ from pathlib import Path
 import fmpy
 
 from fmu_src.archive import write_archive
-from fmu_src.codegen import KERNEL_SOURCES, RUNTIME, generate, guid_of
+from fmu_src.codegen import KERNEL_SOURCES, RUNTIME, RUNTIME_HEADERS, generate, guid_of
 from fmu_src.compile import FMI_HEADERS, library_of, library_suffix
 from fmu_src.equations_in_c import TABLE_FILE
 from fmu_src.model_description import model_description
@@ -42,17 +42,8 @@ PLATFORMS3: dict[str, tuple[tuple[str, ...], str]] = {
 }
 #: Of Mach-O files: CPU type and subtype by target.
 MACHINES = {"x86_64-macos.11.0": (0x01000007, 3), "aarch64-macos.11.0": (0x0100000C, 0)}
-HEADERS = (
-    "model.h",
-    "table_file.h",
-    "kernel.h",
-    "status.h",
-    "state.h",
-    "workspace.h",
-    "instance.h",
-    "method.h",
-    "face.h",
-)
+#: Of the runtime; what only one version or studies have is not among them.
+HEADERS = tuple(name for name in RUNTIME_HEADERS if name not in {"studies.h", "fmi2Functions.h"})
 #: What sources/ hold besides the generated files, by version of FMI. FMPy's fmi2Functions.h is without the prefix.
 SOURCES = {
     2: (*KERNEL_SOURCES, "face.c", "face_exchange.c", "fmi2.c", *HEADERS, "fmi2Functions.h"),
