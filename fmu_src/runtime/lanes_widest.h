@@ -2,9 +2,10 @@
 #ifndef LANES_WIDEST_H
 #define LANES_WIDEST_H
 
-/* The widest LANES in a binary of this compiler and target; 1: lanes.h may not be included with more. GCC for Windows
- * does not align 32-byte values on the stack (GCC bug 54412). */
-#if !defined(__GNUC__) && !defined(__clang__)
+/* The widest LANES in a binary of this compiler and target, or as -DLANES_WIDEST says, which may be less; 1: lanes.h may not
+ * be included with more. GCC for Windows does not align 32-byte values on the stack (GCC bug 54412). */
+#ifdef LANES_WIDEST
+#elif !defined(__GNUC__) && !defined(__clang__)
 #define LANES_WIDEST 1
 #elif defined(__x86_64__) && defined(_WIN32) && !defined(__clang__)
 #define LANES_WIDEST 2
@@ -43,7 +44,7 @@ static inline int lanes_of_processor(void)
     const unsigned kept = lanes_states_kept();
     if ((kept & SSE_AVX_STATES) != SSE_AVX_STATES || !__get_cpuid_count(7, 0, &a, &b, &c, &d) || !(b & AVX2))
         return 2;
-    return (kept & AVX512_STATES) == AVX512_STATES && (b & f_dq_vl) == f_dq_vl ? 8 : 4;
+    return LANES_WIDEST == 8 && (kept & AVX512_STATES) == AVX512_STATES && (b & f_dq_vl) == f_dq_vl ? 8 : 4;
 #else
     return LANES_WIDEST;
 #endif
