@@ -10,21 +10,18 @@ typedef struct {
     const double *row;
 } piecewise;
 
-/* Of pieces of any width. */
+/* Of pieces of any width; a NaN finds the last row. */
 static inline const double *piecewise_search(const piecewise *table, double at)
 {
-    const int terms = table->terms;
-    int low = 0, high = table->pieces + 1;
-    if (at < table->row[0])
-        return table->row;
+    int low = 0, high = table->pieces + 2;
     while (low + 1 < high) {
         const int middle = (low + high) / 2;
-        if (at < table->row[middle * terms])
+        if (at < table->row[middle * table->terms])
             high = middle;
         else
             low = middle;
     }
-    return table->row + (at > table->row[(table->pieces + 1) * terms] ? table->pieces + 1 : low > 0 ? low : 1) * terms;
+    return table->row + low * table->terms;
 }
 
 #endif

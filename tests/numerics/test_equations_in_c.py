@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import casadi as ca
+import numpy as np
 import pytest
 
 from fmu_src import compile as compiling
@@ -42,6 +43,16 @@ def values(one: Generated, at: list[float], folder: Path, lanes: int = 1, more: 
     return list(found)
 
 
+def widest(folder: Path) -> int:
+    """How many lanes this processor has."""
+    if not (folder / "widest").exists():
+        (folder / "widest.c").write_text(
+            '#include "lanes_widest.h"\nint widest(void) { return lanes_of_processor(); }\n'
+        )
+        compiling.run(["-fPIC", f"-I{compiling.RUNTIME}", "-shared", "-o", "widest", "widest.c"], None, folder)
+    return int(ctypes.CDLL(str(folder / "widest")).widest())
+
+
 def of_every_operation(x: ca.SX, y: ca.SX) -> list[ca.SX]:
     """Of two numbers, the first between 1 and 2, the second between 0 and 1."""
     made = [getattr(ca, name)(y) for name in ("exp", "log", "sqrt", "sin", "cos", "tan", "asin", "acos", "atan")]
@@ -61,6 +72,53 @@ def test_every_operation_has_the_values_of_casadi(tmp_path: Path) -> None:
     for at in ([1.7, 0.3], [1.5, 0.9]):
         found, expected = values(one, at, tmp_path), one.function(at).full().ravel()
         assert found == pytest.approx(expected, rel=ROUND_OFF, abs=0.0)
+
+
+#: Places of the calls below, one for each lane and some more; of each two numbers as `of_every_operation` takes them.
+PLACES = [
+    (1.7, 0.3),
+    (1.5, 0.9),
+    (1.1, 0.05),
+    (1.9, 0.5),
+    (1.25, 0.75),
+    (1.5, 0.25),
+    (1.01, 0.99),
+    (1.6, 0.6),
+    (1.3, 0.1),
+]
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 9])
+@pytest.mark.parametrize("inner", [False, True], ids=["called", "called by a part"])
+def test_every_operation_has_the_values_of_casadi_in_lanes(tmp_path: Path, count: int, inner: bool) -> None:
+    """A part that is called for several places: in any number of lanes, and where only one lane is compiled."""
+    given, own, chain, outer = ca.SX.sym("given", 2 * count), ca.SX.sym("own", 2), Chain(), Chain()
+    part = Part("every", own, ca.SX.sym("none", 0), ca.vertcat(*of_every_operation(*ca.vertsplit(own))))
+    if inner:
+        part = Part("outer", own, ca.SX.sym("none", 0), outer.call(part, own, ca.SX(0, 1)), outer)
+    places = PLACES[:count]
+    one = generated([chain.call(part, pair, ca.SX(0, 1)) for pair in ca.vertsplit(given, 2)], given, chain)
+    at = [number for place in places for number in place]
+    expected = np.concatenate([part.function(place, [])[0].full().ravel() for place in places])
+    scalar = values(one, at, tmp_path, more=["-DLANES_WIDEST=1"])
+    assert scalar == pytest.approx(expected, rel=ROUND_OFF, abs=0.0)
+    for lanes in (2, 4, 8):
+        if lanes <= widest(tmp_path):
+            assert values(one, at, tmp_path, lanes) == scalar
+
+
+@pytest.mark.parametrize("conditions", [(1.0, 0.0, 1.0), (0.0, 0.0, 0.0), (1.0, 1.0, 1.0), (-1.0, math.nan, 1.0)])
+def test_lanes_that_are_not_asked_for_leave_0(tmp_path: Path, conditions: tuple[float, ...]) -> None:
+    given, own, chain = ca.SX.sym("given", 6), ca.SX.sym("own"), Chain()
+    part = Part("half", own, ca.SX.sym("none", 0), ca.vertcat(own / 2, 1 + own))
+    calls = [chain.call(part, given[n], ca.SX(0, 1), given[3 + n]) for n in range(3)]
+    one, at = generated(calls, given, chain), [2.0, 4.0, 6.0, *conditions]
+    pairs = zip([(1.0, 3.0), (2.0, 5.0), (3.0, 7.0)], conditions, strict=True)
+    expected = [number for pair, condition in pairs for number in (pair if condition > 0 else (0.0, 0.0))]
+    assert values(one, at, tmp_path, more=["-DLANES_WIDEST=1"]) == expected
+    for lanes in (2, 4, 8):
+        if lanes <= widest(tmp_path):
+            assert values(one, at, tmp_path, lanes) == expected
 
 
 def test_minima_and_maxima_keep_nan_in_the_second_place(tmp_path: Path) -> None:
