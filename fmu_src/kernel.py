@@ -342,10 +342,6 @@ class Kernel:
         numbers = [self.number_of(name) for name in names]
         return (ctypes.c_int * len(numbers))(*numbers)
 
-    def use_lanes(self, most: int) -> int:
-        """The equations use at most so many lanes from now on; how many they use, which the processor says too."""
-        return int(self._call.kernel_use_lanes(self._handle, most))
-
     def repeat_right_hand_side(self, repeat: int) -> None:
         """`repeat` right-hand sides at the present state in one call, to measure what one costs."""
         self._check(self._call.kernel_repeat_right_hand_side(self._handle, repeat))
