@@ -58,7 +58,7 @@ FACE_SOURCES = ("face.c", "face_exchange.c", "fmi2.c", "fmi3.c")
 STUDY_SOURCES = ("study.c", "other_methods.c")
 #: Of runs in lanes, with the number of lanes as a macro.
 BATCH_SOURCES = ("batch_lanes.c", "batch.c")
-RUNTIME_SOURCES = (*KERNEL_SOURCES, *FACE_SOURCES, *STUDY_SOURCES, *BATCH_SOURCES)
+RUNTIME_SOURCES = (*KERNEL_SOURCES, *FACE_SOURCES, *STUDY_SOURCES)
 RUNTIME_HEADERS = (
     "model.h",
     "table_file.h",

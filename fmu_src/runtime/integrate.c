@@ -205,11 +205,6 @@ static void take_found(kernel *self, stepper *run) {
         arrive(self, run, false);
 }
 
-void stepper_go_on(stepper *run) {
-    run->offset = run->size == run->remaining ? run->whole : run->offset + run->size;
-    run->phase = run->offset < run->whole ? STEPPER_BEGINS : STEPPER_DONE;
-}
-
 void stepper_begin(kernel *self, stepper *run, double size) {
     memset(run, 0, sizeof *run);
     run->phase = STEPPER_BEGINS;

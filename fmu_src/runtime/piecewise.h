@@ -2,6 +2,8 @@
 #ifndef PIECEWISE_H
 #define PIECEWISE_H
 
+#include "model.h"
+
 /* Rows (origin, c0, c1, ...) of `terms` numbers: for each piece one, between the first and the last, which hold outside. */
 typedef struct {
     int pieces, terms;

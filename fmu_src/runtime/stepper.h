@@ -43,7 +43,10 @@ struct stepper {
 /* Begins a kernel_step of `size` seconds. */
 RUNTIME_LOCAL void stepper_begin(kernel *self, stepper *run, double size);
 /* A step of `size` ends: goes on to the next one, or is done. */
-RUNTIME_LOCAL void stepper_go_on(stepper *run);
+static inline void stepper_go_on(stepper *run) {
+    run->offset = run->size == run->remaining ? run->whole : run->offset + run->size;
+    run->phase = run->offset < run->whole ? STEPPER_BEGINS : STEPPER_DONE;
+}
 /* At the beginning of a step: asks for a trial, or is done. */
 RUNTIME_LOCAL void stepper_ask(kernel *self, stepper *run);
 /* The trial that was asked for; the new state is in work.trial. */
