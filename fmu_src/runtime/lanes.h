@@ -59,8 +59,9 @@
 
 #ifndef LANES_FUNCTION
 #if defined(__GNUC__) || defined(__clang__)
-#define LANES_FUNCTION static inline __attribute__((always_inline, unused))
-#define LANES_APART static __attribute__((noinline, unused))
+/* nothrow: for functions that might, C++ asks for its library of exceptions. */
+#define LANES_FUNCTION static inline __attribute__((always_inline, unused, nothrow))
+#define LANES_APART static __attribute__((noinline, unused, nothrow))
 #define LANES_ALIGNED __attribute__((aligned(64)))
 #else
 #define LANES_FUNCTION static __forceinline
