@@ -89,7 +89,7 @@ def test_one_archive_for_several_platforms(
 
 @pytest.mark.long
 def test_code_of_32_bits_gives_the_numbers_of_64_bits(fmus: dict, tmp_path: Path) -> None:
-    """That of win32, here for Linux, where it runs; compilers divide differently in the last digits (FLAGS)."""
+    """That of win32, here for Linux, where it runs; the C libraries differ in last digits."""
     with zipfile.ZipFile(fmus["brake", "native"]) as archive:
         archive.extractall(tmp_path)
     folder = tmp_path / "documentation"
