@@ -12,6 +12,8 @@ from fmu_src import __version__ as __version__
 
 if TYPE_CHECKING:
     from bogie_braking import parts as parts
+    from bogie_braking.batches import batch as batch
+    from bogie_braking.batches import instances as instances
     from bogie_braking.fitting import Fit as Fit
     from bogie_braking.fitting import fit as fit
     from bogie_braking.fitting import measured_from as measured_from
@@ -41,6 +43,7 @@ if TYPE_CHECKING:
 #: Where each public name lives; it is imported when it is first asked for.
 _HOMES = {
     "bogie_braking": ("parts",),
+    "bogie_braking.batches": ("batch", "instances"),
     "bogie_braking.fitting": ("Fit", "fit", "measured_from"),
     "bogie_braking.fmus": ("fmu", "write_fmu"),
     "bogie_braking.machines": ("vehicle",),

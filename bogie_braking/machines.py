@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import pickle
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
 from bogie_braking.checks import known, shown
+from fmu_src.batch import BatchLibrary
+from fmu_src.chosen import alone
 from fmu_src.compile import build_library
 from fmu_src.kernel import Library
 from fmu_src.system import Model, System, Variable, model_of
 from products.building import kernel_of, variables_of
 from products.registry import FMUS, ONE_WRITES
+from products.registry import model_of as model_of_fmu
 from rbd_model.levels.models import DEFAULT_DEPTH, DEPTH_ON_LINE, EVERY, model_of_levels, places_of
 from rbd_model.track.line_table import LINE
 from rbd_model.vehicle.description import Vehicle
@@ -25,6 +28,8 @@ Runnable = str | Model | System | Vehicle
 TOLERANCE = 1e-6
 #: The level of detail unless another is asked for, and those that there are.
 LEVEL, LEVELS = 2, (1, 2, 3)
+#: What chooses the equations of a vehicle.
+VEHICLE_SELECTORS = ("level", "contact_depth")
 #: Vehicles as data, by the names of their FMUs.
 VEHICLES: Mapping[str, Callable[[], Vehicle]] = {
     "bogie": two_axle_bogie,
@@ -62,13 +67,59 @@ def machine_of(what: Runnable, values: Mapping[str, Any], on_line: bool) -> Mach
         return _of_the_list(known(what, FMUS, "FMU"))
     with ONE_WRITES:
         if isinstance(what, Vehicle):
-            level = _chosen("level", values, LEVEL)
-            depth = _chosen("contact_depth", values, int(DEFAULT_DEPTH))
+            level, depth = _level_and_depth(values)
             places = places_of(level, depth, on_line or LINE.variable.name in values)
             if not places:
                 raise ValueError(f"Set contact_depth to {DEPTH_ON_LINE} on a line: it was {depth}.")
             return _of_a_vehicle(pickle.dumps(what), places)
         return _of_a_model(what) if isinstance(what, Model) else _compiled(model_from(what))
+
+
+def batch_machine_of(what: Runnable, values: Mapping[str, Any], on_line: bool) -> BatchLibrary:
+    """The one system of what is to be run that `values` choose, compiled in lanes unless it was.
+
+    Raises what `machine_of` raises, and ValueError where there is no such system.
+    """
+    with ONE_WRITES:
+        if isinstance(what, str):
+            selected = VEHICLE_SELECTORS if what in VEHICLES else model_of_fmu(known(what, FMUS, "FMU")).selectors
+            return _batch_of_the_list(what, tuple((name, values[name]) for name in selected if name in values), on_line)
+        if isinstance(what, Vehicle):
+            level, depth = _level_and_depth(values)
+            return _batch_of_a_vehicle(pickle.dumps(what), level, depth, on_line)
+        model = model_from(what)
+        return _batch_of_a_model(alone(model, values, on_line))
+
+
+@lru_cache
+def _batch_of_the_list(name: str, selected: tuple[tuple[str, float], ...], on_line: bool) -> BatchLibrary:
+    """Of a vehicle no other level is written; its table is the whole one, so that its runs say the same."""
+    if name not in VEHICLES:
+        return _batch_of_a_model(alone(model_of_fmu(name), dict(selected), on_line))
+    model = _one_level(VEHICLES[name](), *_level_and_depth(dict(selected)), on_line)
+    table = [one for one in variables_of(name).values() if one.causality != "local"]
+    kept = tuple(one for one in table if on_line or one != LINE.variable)
+    return _batch_of_a_model(replace(model, variables=kept))
+
+
+@lru_cache
+def _batch_of_a_vehicle(pickled: bytes, level: int, depth: int, on_line: bool) -> BatchLibrary:
+    return _batch_of_a_model(_one_level(pickle.loads(pickled), level, depth, on_line))
+
+
+def _batch_of_a_model(model: Model) -> BatchLibrary:
+    return BatchLibrary(model, model.systems[0])
+
+
+def _one_level(what: Vehicle, level: int, depth: int, on_line: bool) -> Model:
+    places = places_of(level, depth, on_line)
+    if not places:
+        raise ValueError(f"Set contact_depth to {DEPTH_ON_LINE} on a line: it was {depth}.")
+    return model_from(what, places)
+
+
+def _level_and_depth(values: Mapping[str, Any]) -> tuple[int, int]:
+    return _chosen("level", values, LEVEL), _chosen("contact_depth", values, int(DEFAULT_DEPTH))
 
 
 def model_from(what: Model | System | Vehicle, places: Sequence[int] = EVERY) -> Model:
@@ -103,7 +154,7 @@ def _of_the_list(name: str) -> Machine:
 @lru_cache
 def _of_a_vehicle(pickled: bytes, places: tuple[int, ...]) -> Machine:
     """By its bytes, for vehicles that are equal may have different profiles."""
-    return _compiled(model_from(pickle.loads(pickled), places), frozenset({"level", "contact_depth"}))
+    return _compiled(model_from(pickle.loads(pickled), places), frozenset(VEHICLE_SELECTORS))
 
 
 @lru_cache

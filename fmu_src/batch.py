@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from functools import lru_cache
+from types import TracebackType
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,12 +20,14 @@ from tqdm import tqdm
 from fmu_src.batch_in_c import batch_source
 from fmu_src.codegen import generate
 from fmu_src.compile import batch_library, build_library
-from fmu_src.kernel import DISCARD, WARNING, Kernel, KernelError, Library
+from fmu_src.kernel import DISCARD, ERROR, Kernel, KernelError, Library
 from fmu_src.progress import PATIENCE
+from fmu_src.suggestion import suggestion
 from fmu_src.system import Model, System
 
 #: Time between two looks at how far runs are [s].
 GLANCE = 0.1
+NO_MEMORY = "There is not enough memory for a batch; use fewer threads or instances."
 Numbers = NDArray[np.float64]
 _DOUBLES, _INTS = ctypes.POINTER(ctypes.c_double), ctypes.POINTER(ctypes.c_int)
 
@@ -38,11 +41,15 @@ class _Runs(ctypes.Structure):
         ("variable", _INTS),
         ("output", _INTS),
         ("value", _DOUBLES),
+        ("file", ctypes.c_int),
+        ("path", ctypes.c_char_p),
         ("start", ctypes.c_double),
         ("stop", ctypes.c_double),
         ("result", _DOUBLES),
         ("end", _DOUBLES),
         ("status", _INTS),
+        ("said", ctypes.POINTER(ctypes.c_void_p)),
+        ("says_all", ctypes.c_bool),
     )
 
 
@@ -66,22 +73,32 @@ _SIGNATURES = {
     "batch_free": (None, [ctypes.c_void_p]),
     "batch_lanes": (ctypes.c_int, []),
     "batch_run": (ctypes.c_bool, [ctypes.c_void_p, ctypes.POINTER(_Runs)]),
+    "batch_free_said": (None, [ctypes.c_void_p]),
+    "batch_forget": (None, [ctypes.c_void_p]),
     "batch_step": (None, [ctypes.POINTER(ctypes.c_void_p), ctypes.POINTER(_Steps)]),
 }
 
 
 @dataclass(frozen=True)
 class Ends:
-    """How runs ended, a row or an entry for each.
+    """How runs ended, an entry for each in arrays of shape (runs,).
 
-    outputs: by name; time [s]; ended: which ended by themselves before the stop; failures: sentences, by the number of
-    the run, whose numbers are not finite.
+    outputs: by name, in their units; time [s]; ended: which ended by themselves before the stop, such as by a
+    derailment; failures: of runs that could not be made, whose numbers are NaN, why, by the number of the run; said:
+    what each run said, where that was asked for.
     """
 
     outputs: dict[str, Numbers]
     time: Numbers
     ended: NDArray[np.bool_]
     failures: dict[int, str]
+    said: list[str] | None = None
+
+    def __getitem__(self, name: str) -> Numbers:
+        """An output by its name. Raises KeyError."""
+        if name not in self.outputs:
+            raise KeyError(f"The batch has no output {name}; {suggestion(name, self.outputs)}")
+        return self.outputs[name]
 
 
 class BatchLibrary(Library):
@@ -93,7 +110,8 @@ class BatchLibrary(Library):
         for name, (result, arguments) in _SIGNATURES.items():
             function = getattr(self.functions, name)
             function.restype, function.argtypes = result, arguments
-        self.lanes = int(self.functions.batch_lanes())
+        self.lanes, self.model = int(self.functions.batch_lanes()), model
+        self.file = model.table_file.variable.name if model.table_file else None
 
     def numbers(self, names: Sequence[str]) -> ctypes.Array[ctypes.c_int]:
         """Places of variables. Raises KernelError."""
@@ -118,20 +136,39 @@ def _in_threads(library: BatchLibrary, count: int, runs: _Runs, queue: ctypes.c_
     every = [call.batch_create() for _ in range(count)]
     try:
         if not all(every):
-            raise MemoryError("There is not enough memory for a batch.")
+            raise MemoryError(NO_MEMORY)
         with (
             ThreadPoolExecutor(count) as pool,
             tqdm(total=runs.count, desc="runs", delay=PATIENCE, leave=False, unit="run") as bar,
         ):
             waiting = {pool.submit(call.batch_run, lanes, runs) for lanes in every}
-            while waiting:
-                done, waiting = wait(waiting, timeout=GLANCE)
-                if not all(one.result() for one in done):
-                    raise MemoryError("There is not enough memory for a batch.")
-                bar.update(min(queue.value, runs.count) - bar.n)
+            try:
+                while waiting:
+                    done, waiting = wait(waiting, timeout=GLANCE)
+                    if not all(one.result() for one in done):
+                        raise MemoryError(NO_MEMORY)
+                    bar.update(min(queue.value, runs.count) - bar.n)
+            except BaseException:  # nobody begins another run
+                queue.value = runs.count
+                raise
     finally:
         for lanes in every:
             call.batch_free(lanes)
+
+
+def table_of(values: Mapping[str, ArrayLike]) -> Numbers:
+    """A row of values for each run, shape (runs, values). Raises ValueError where arrays differ in length."""
+    given = {name: np.asarray(value, float) for name, value in values.items()}
+    count = next((one.size for one in given.values() if one.ndim), 1)
+    for name, one in given.items():
+        if one.ndim and one.shape != (count,):
+            raise ValueError(
+                f"Give {name} one number, or {count} of them as others have: it was an array of shape {one.shape}."
+            )
+    table = np.empty((count, len(given)))
+    for column, one in enumerate(given.values()):
+        table[:, column] = one
+    return table
 
 
 def run_batch(
@@ -140,57 +177,62 @@ def run_batch(
     stop: float,
     outputs: Sequence[str],
     threads: int | None = None,
+    path: str | None = None,
+    says_all: bool = False,
 ) -> Ends:
     """Runs from 0 to `stop` seconds, or where they end by themselves.
 
     values: parameters and inputs by name, a number for all runs or an array with one for each. threads: as many as the
-    machine has processors. Raises KernelError for names, ValueError where arrays differ in length.
+    machine has processors. path: of the table file that all runs read. says_all: whether `said` is asked for, which the
+    status of a recording would say. Raises KernelError for names, ValueError where arrays differ in length.
     """
-    given = {name: np.atleast_1d(np.asarray(value, float)) for name, value in values.items()}
-    count = max((one.size for one in given.values()), default=1)
-    for name, one in given.items():
-        if one.ndim != 1 or one.size not in (1, count):
-            raise ValueError(f"{name} has the shape {one.shape}; give a number, or {count} of them as the others have.")
-    table = np.column_stack([np.broadcast_to(one, count) for one in given.values()] or [np.zeros((count, 0))])
-    table = np.ascontiguousarray(table, float)
+    table = table_of(values)
+    count = len(table)
     result, time = np.empty((count, len(outputs))), np.empty(count)
-    status, queue = np.zeros(count, np.int32), ctypes.c_longlong(0)
+    status, queue, said = np.zeros(count, np.int32), ctypes.c_longlong(0), (ctypes.c_void_p * count)()
     runs = _Runs(
         count,
         ctypes.pointer(queue),
-        len(given),
+        len(values),
         len(outputs),
-        library.numbers(list(given)),
+        library.numbers(list(values)),
         library.numbers(outputs),
         table.ctypes.data_as(_DOUBLES),
+        library.numbers([library.file])[0] if path and library.file else -1,
+        os.fsencode(path) if path else None,
         0.0,
         stop,
         result.ctypes.data_as(_DOUBLES),
         time.ctypes.data_as(_DOUBLES),
         status.ctypes.data_as(_INTS),
+        said,
+        says_all,
     )
-    _in_threads(library, min(threads or os.cpu_count() or 1, count), runs, queue)
-    failed = np.flatnonzero(status > DISCARD)
-    failures = {int(row): _sentence(library, dict(zip(given, table[row], strict=True)), stop) for row in failed}
-    return Ends({name: result[:, i] for i, name in enumerate(outputs)}, time, status == DISCARD, failures)
-
-
-def _sentence(library: Library, values: Mapping[str, float], stop: float) -> str:
-    """What a run says that failed: it fails alone as it did in its lane."""
     try:
-        kernel = Kernel(library, **values)
-        kernel.initialise()
-        kernel.step(0.0, stop)
-    except KernelError as error:
-        return str(error)
-    return "These values choose another system than the batch runs."
+        if count:
+            _in_threads(library, min(threads or os.cpu_count() or 1, count), runs, queue)
+        found = {name: result[:, i] for i, name in enumerate(outputs)}
+        failures = {row: _text(said[row]) for row in np.flatnonzero(status > DISCARD).tolist()}
+        all_said = [_text(one) for one in said] if says_all else None
+    finally:
+        for one in filter(None, said):
+            library.functions.batch_free_said(one)
+    return Ends(found, time, status == DISCARD, failures, all_said)
+
+
+def _text(said: int | None) -> str:
+    return ctypes.string_at(said).decode() if said else ""
 
 
 class Instances:
-    """Many instances that go on in steps, as a controller asks them to.
+    """Many instances that go on in steps, as controllers that are functions of arrays ask them to.
 
-    >>> instances = Instances(library, 1000, ["brake_torque_1"], ["speed"], initial_speed=speeds)
-    >>> speed = instances.step(5e-3, torque)["speed"]      # arrays of 1000 each
+    `step` gives the same arrays each time, filled anew: copy what is to be kept. A run that ends by itself, such as by
+    a derailment, stays where it ended; `ended` says which, and `reset` begins rows anew. It holds threads and memory
+    until `close`, or the end of a `with`.
+
+    >>> with Instances(library, 1000, ["brake_torque_1"], ["speed"], initial_speed=speeds) as instances:
+    ...     speed = instances.step(5e-3, {"brake_torque_1": torque})["speed"]  # arrays of 1000 each
     """
 
     def __init__(
@@ -201,50 +243,102 @@ class Instances:
         outputs: Sequence[str],
         *,
         threads: int | None = None,
+        path: str | None = None,
         **values: ArrayLike,
     ) -> None:
-        self._library, self._threads = library, threads or os.cpu_count() or 1
-        given = {name: np.broadcast_to(np.asarray(value, float), count) for name, value in values.items()}
+        """values: parameters and first inputs, a number for all or `count` of them. Raises KernelError, ValueError."""
+        self._library, self._threads, self._path = library, threads or os.cpu_count() or 1, path
+        self._start = {name: _for_each(name, value, count) for name, value in values.items()}
         self._kernels = [Kernel(library) for _ in range(count)]
-        for number, kernel in enumerate(self._kernels):
-            kernel.set(**{name: float(one[number]) for name, one in given.items()})
-            kernel.initialise()
         self._handles = (ctypes.c_void_p * count)(*(kernel.handle for kernel in self._kernels))
         self.inputs, self.outputs = list(inputs), list(outputs)
         self._input, self._output = library.numbers(inputs), library.numbers(outputs)
         self._given, self._found = np.zeros((count, len(inputs))), np.zeros((count, len(outputs)))
         self._status = np.zeros(count, np.int32)
-        self._pool = ThreadPoolExecutor(self._threads)
+        self._groups: ctypes.Array[ctypes.c_void_p] = (ctypes.c_void_p * 0)()
+        for row in range(count):
+            self._begin(row, {})
         groups = [library.functions.batch_create() for _ in range(-(-count // library.lanes))]
         self._groups = (ctypes.c_void_p * len(groups))(*groups)
+        self._pool = ThreadPoolExecutor(self._threads)
+        if not all(groups):
+            self.close()
+            raise MemoryError(NO_MEMORY)
+
+    def __len__(self) -> int:
+        return len(self._kernels)
+
+    def __enter__(self) -> Instances:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
 
     def close(self) -> None:
         """Gives threads and memory back."""
         self._pool.shutdown()
         for group in self._groups:
             self._library.functions.batch_free(group)
-        self._groups = (ctypes.c_void_p * 0)()
+        self._groups, self._handles, self._kernels = (ctypes.c_void_p * 0)(), (ctypes.c_void_p * 0)(), []
+
+    @property
+    def ended(self) -> NDArray[np.bool_]:
+        """Which have ended by themselves, shape (count,)."""
+        return np.array([kernel.ended for kernel in self._kernels], bool)
+
+    @property
+    def time(self) -> Numbers:
+        """Where each stands [s], shape (count,)."""
+        return np.array([kernel.time for kernel in self._kernels])
+
+    def reset(self, rows: int | Sequence[int] | NDArray[np.integer], **values: ArrayLike) -> None:
+        """Begins rows anew at 0 s, with the values of the first time but for those that are given here.
+
+        values: a number for all of these rows, or one for each. Raises KernelError where a value cannot be.
+        """
+        those = np.atleast_1d(np.asarray(rows, int))
+        given = {name: _for_each(name, value, those.size) for name, value in values.items()}
+        for number, row in enumerate(those):
+            self._begin(int(row), {name: float(one[number]) for name, one in given.items()})
+            self._library.functions.batch_forget(self._groups[row // self._library.lanes])
+
+    def _begin(self, row: int, values: Mapping[str, float]) -> None:
+        kernel, given = self._kernels[row], {name: float(one[row]) for name, one in self._start.items()}
+        kernel.reset()
+        try:
+            if self._path and self._library.file:
+                kernel.set(**{self._library.file: self._path})
+            kernel.set(**(given | dict(values)))
+            kernel.initialise()
+        except KernelError as error:
+            raise KernelError(f"Instance {row} of {len(self)}: {error}", error.status) from None
+        kernel.journal.clear()
+        self._given[row] = [kernel[name] for name in self.inputs]
 
     def step(self, size: float, inputs: Mapping[str, ArrayLike] | None = None) -> dict[str, Numbers]:
         """A step of `size` seconds; outputs at its end. Inputs that are not given stay as they are.
 
-        The arrays are those of every step: copy what is to be kept. Raises KernelError where a run fails or has ended.
+        The arrays are those of every step. Raises KernelError where a step fails, after all others have made theirs;
+        the one that failed stays where it was.
         """
         for name, value in (inputs or {}).items():
-            self._given[:, self.inputs.index(name)] = value
-        count = len(self._kernels)
-        width = self._library.lanes
-        share = -(-count // (self._threads * width)) * width
+            if name not in self.inputs:
+                raise KernelError(f"No input {name} was named; {suggestion(name, self.inputs)}", ERROR)
+            self._given[:, self.inputs.index(name)] = _for_each(name, value, len(self))
+        count, width = len(self), self._library.lanes
+        share = max(1, -(-count // (self._threads * width))) * width
         done = [
             self._pool.submit(self._step_some, first, min(first + share, count), size)
             for first in range(0, count, share)
         ]
         for one in done:
             one.result()
-        failed = np.flatnonzero(self._status > WARNING)
+        failed = np.flatnonzero(self._status > DISCARD)
         if failed.size:
             message = self._library.functions.kernel_message(self._handles[failed[0]]).decode()
-            raise KernelError(f"Run {failed[0]} of {count}: {message}", int(self._status[failed[0]]))
+            raise KernelError(f"Instance {failed[0]} of {count}: {message}", int(self._status[failed[0]]))
         return {name: self._found[:, number] for number, name in enumerate(self.outputs)}
 
     def _step_some(self, first: int, end: int, size: float) -> None:
@@ -267,3 +361,11 @@ def _from(handles: ctypes.Array[ctypes.c_void_p], first: int) -> ctypes._Pointer
     """The handles from one on."""
     there = ctypes.byref(handles, first * ctypes.sizeof(ctypes.c_void_p))
     return ctypes.cast(there, ctypes.POINTER(ctypes.c_void_p))
+
+
+def _for_each(name: str, value: ArrayLike, count: int) -> Numbers:
+    """A number for each of so many. Raises ValueError."""
+    given = np.asarray(value, float)
+    if given.shape not in ((), (count,)):
+        raise ValueError(f"Give {name} one number, or {count} of them: it was an array of shape {given.shape}.")
+    return np.broadcast_to(given, count).copy()

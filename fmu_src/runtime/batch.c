@@ -31,6 +31,11 @@ void batch_free(batch *self) {
 
 int batch_lanes(void) { return W; }
 int batch_system(void) { return BATCH.system; }
+void batch_free_said(char *said) { free(said); }
+
+void batch_forget(batch *self) {
+    for (int l = 0; l < W; ++l) self->lane[l].constants_of = NULL;
+}
 
 /* ---- one round: a step is begun, tried and taken --------------------------------------------------------------- */
 
@@ -218,21 +223,58 @@ static kernel_status begin_step(batch *self, int l, kernel *own, double size) {
 
 /* ---- runs ----------------------------------------------------------------------------------------------------- */
 
-static void leave_run(const batch_runs *runs, long long int row, kernel *own, kernel_status status) {
-    runs->status[row] = (int)status;
-    runs->end[row] = own->run.now->time;
-    for (int i = 0; i < runs->outputs; ++i) {
-        double *value = &runs->result[row * runs->outputs + i];
-        if (!own->system || kernel_get(own, runs->output[i], value) > KERNEL_WARNING) *value = NAN;
+/* What a run said, a failed one its last sentence alone; null: nothing, or there is no memory. */
+static char *words_of(kernel *own, kernel_status status) {
+    kernel_sentence heard = {status, own->journal.message};
+    size_t length = 0;
+    char *words = NULL;
+    while (status > KERNEL_DISCARD ? !words : kernel_hear(own, &heard)) {
+        const size_t more = strlen(heard.text);
+        char *longer = (char *)realloc(words, length + more + 2);
+        if (!longer) break;
+        words = longer;
+        if (length) words[length++] = ' ';
+        memcpy(words + length, heard.text, more + 1);
+        length += more;
     }
+    return words;
+}
+
+static void leave_run(const batch_runs *runs, long long int row, kernel *own, kernel_status status) {
+    double *result = runs->result + row * runs->outputs;
+    for (int i = 0; i < runs->outputs && status <= KERNEL_DISCARD; ++i)
+        if (kernel_get(own, runs->output[i], &result[i]) > KERNEL_WARNING) status = KERNEL_ERROR;
+    const bool failed = status > KERNEL_DISCARD;
+    for (int i = 0; i < runs->outputs && failed; ++i) result[i] = NAN;
+    runs->status[row] = (int)status;
+    runs->end[row] = failed ? NAN : own->run.now->time;
+    if (runs->said && (failed || runs->says_all)) runs->said[row] = words_of(own, status);
+}
+
+/* All variables to their start values; the file of all runs is read once. */
+static kernel_status reset_run(const batch_runs *runs, kernel *own) {
+    const bool stays = runs->path && own->table_path && strcmp(own->table_path, runs->path) == 0;
+    table_file *table = stays ? own->table : NULL;
+    char *path = stays ? own->table_path : NULL;
+    if (stays) {
+        own->table = NULL;
+        own->table_path = NULL;
+    }
+    kernel_reset(own);
+    own->reads_outputs_later = false;
+    if (!stays) return runs->path ? kernel_set_text(own, runs->file, runs->path) : KERNEL_OK;
+    own->table = table;
+    own->table_path = path;
+    own->run.now->table = table->mark;
+    return KERNEL_OK;
 }
 
 static kernel_status initialise_run(const batch_runs *runs, long long int row, kernel *own) {
-    kernel_status status = KERNEL_OK;
-    kernel_reset(own);
-    own->reads_outputs_later = true;
+    kernel_sentence heard;
+    kernel_status status = reset_run(runs, own);
     for (int i = 0; i < runs->variables && status <= KERNEL_WARNING; ++i)
         status = kernel_set(own, runs->variable[i], runs->value[row * runs->variables + i]);
+    while (runs->says_all && kernel_hear(own, &heard)) continue;
     if (status <= KERNEL_WARNING) status = kernel_initialise(own, runs->start);
     if (status <= KERNEL_WARNING && own->system != &MODEL.system[BATCH.system])
         status = kernel_fail(own, KERNEL_ERROR, "This batch runs the system %s; these values choose %s.",
@@ -315,6 +357,7 @@ static void step_group(batch *self, const batch_steps *steps, long long int firs
         self->lane[l].row = row;
         if (status == KERNEL_OK) continue;
         self->lane[l].self = own;
+        self->lane[l].together = false;
         end_steps(self, (void *)(size_t)steps, l, status);
     }
     while (first_active(self) >= 0) round_of_steps(self, (void *)(size_t)steps, end_steps);

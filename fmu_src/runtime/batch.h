@@ -20,17 +20,21 @@ typedef struct {
 
 typedef struct batch batch;
 
-/* What each of `count` runs begins with and leaves. Arrays are by rows, a row for each run. */
+/* What each of `count` runs begins with and leaves. Arrays are by rows, a row for each run. A failed run leaves NaN. */
 typedef struct {
     long long int count;
     long long int *next; /* the first run that nobody has taken yet: threads share it */
     int variables, outputs;
     const int *variable, *output;
     const double *value; /* count x variables: start values */
+    int file;            /* the variable that names the file of all runs */
+    const char *path;    /* null: there is none */
     double start, stop;  /* [s] */
     double *result;      /* count x outputs: where a run ends */
     double *end;         /* count: when [s] */
     int *status;         /* count: a kernel_status; KERNEL_DISCARD: the run ended by itself */
+    char **said;         /* count, or null: what it said from its initialisation on; batch_free_said frees each */
+    bool says_all;       /* or only failed runs say why */
 } batch_runs;
 
 /* A step of each of `count` instances. */
@@ -53,7 +57,10 @@ KERNEL_EXPORT int batch_lanes(void);
 KERNEL_EXPORT int batch_system(void);
 /* Whether there is memory for it. */
 KERNEL_EXPORT bool batch_run(batch *self, const batch_runs *runs);
+KERNEL_EXPORT void batch_free_said(char *said);
 /* group: a batch for each BATCH_LANES instances, the same at every step. */
 KERNEL_EXPORT void batch_step(batch *const *group, const batch_steps *steps);
+/* Before the next step of a group some of whose instances have begun anew. */
+KERNEL_EXPORT void batch_forget(batch *self);
 
 #endif
