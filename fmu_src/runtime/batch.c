@@ -306,8 +306,10 @@ static void end_run(batch *self, void *work, int l, kernel_status status) {
 }
 
 bool batch_run(batch *self, const batch_runs *runs) {
-    for (int l = 0; l < W; ++l)
+    for (int l = 0; l < W; ++l) {
         if (!self->own[l] && !(self->own[l] = kernel_create())) return false;
+        self->own[l]->recorder = &self->no_rows;
+    }
     for (int l = 0; l < W; ++l) next_run(self, runs, l);
     while (first_active(self) >= 0) round_of_steps(self, (void *)(size_t)runs, end_run);
     return true;

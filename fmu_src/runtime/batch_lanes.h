@@ -31,6 +31,7 @@ struct batch {
     const rosenbrock_tableau *tableau;
     lane lane[BATCH_LANES];
     kernel *own[BATCH_LANES];
+    kernel_recorder no_rows; /* of a run: its steps are those of a run that is recorded */
     lane_numbers numbers;
     known_place start, end;
     double *room;
