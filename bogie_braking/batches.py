@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import tempfile
-import weakref
 from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -69,9 +69,11 @@ def instances(
     if isinstance(inputs, str):
         raise TypeError(f'Give the names of inputs as a list, such as ["{inputs}"]: it was the text {inputs!r}.')
     names = [known(name, takes, "input") for name in inputs], names_of(outputs, variables)
-    folder = tempfile.TemporaryDirectory()
-    made = Instances(library, int(count), *names, threads=_threads(threads), path=_file(line, folder.name), **given)  # type: ignore[arg-type]
-    weakref.finalize(made, folder.cleanup)  # an instance that begins anew reads the line again
+    with ExitStack() as kept:
+        folder = kept.enter_context(tempfile.TemporaryDirectory())
+        more: dict[str, Any] = {"threads": _threads(threads), "path": _file(line, folder), **given}
+        made = Instances(library, int(count), *names, **more)
+        made.at_close = kept.pop_all().close  # an instance that begins anew reads the line again
     return made
 
 
@@ -81,15 +83,13 @@ def _prepared(
     """The compiled system, and values as arrays of numbers."""
     line = line_or_none(line)
     given = {name: _numbers(name, value) for name, value in values.items()}
-    single: dict[str, Any] = {name: one.item() for name, one in given.items() if one.ndim == 0}
+    single: dict[str, Any] = {name: one.item(0) for name, one in given.items() if one.size and not np.ptp(one)}
     library = batch_machine_of(what, single, line is not None)
     for name in values:
         known(name, _variables(library), "variable")
     for name in library.model.selectors:
-        if name in given and given[name].ndim:
-            raise ValueError(
-                f"Give {name} one number for all runs, for it chooses their equations; make a batch of each."
-            )
+        if name in given.keys() - single.keys():
+            raise ValueError(f"Give {name} one number for all runs: it chooses their equations; make a batch of each.")
     if line is not None and not library.file:
         raise refused(f"{library.model.name} runs on no line; leave the line out.")
     return library, given

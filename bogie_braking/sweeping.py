@@ -8,24 +8,34 @@ from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import nullcontext
 from functools import partial
+from numbers import Real
+from typing import Any
 
 import numpy as np
 from tqdm import tqdm
 
+from bogie_braking.batches import batch
 from bogie_braking.checks import known, line_or_none, names_of, seconds, shown
 from bogie_braking.histories import Column, Value
 from bogie_braking.machines import Runnable, machine_of, model_from
 from bogie_braking.simulation import Simulation
+from fmu_src.compile import CompilerError
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import KernelError
 from fmu_src.progress import PATIENCE
 from fmu_src.system import Model, System
 from rbd_model.track.line import Line
 
+#: From so many runs on a batch is made, for its compilation takes, once, as long as thousands of them. A task of an
+#: executor is so many runs then.
+PAYS_FROM = 1000
+#: Values and sentences of one run.
+Ending = tuple[list[float], str]
+
 
 def end_of(
     what: Runnable, duration: float, line: Line | None, names: Sequence[str], values: Mapping[str, Value]
-) -> tuple[list[float], str]:
+) -> Ending:
     """Values of `names` at the end of one run, and what it said; NaN, and why, where it could not be made."""
     try:
         one = Simulation(what, line, **values)
@@ -33,6 +43,55 @@ def end_of(
         return [one[asked] for asked in names], found.status
     except (KernelError, ValueError) as error:
         return [math.nan] * len(names), str(error)
+
+
+def in_batch(
+    what: Runnable,
+    duration: float,
+    line: Line | None,
+    names: Sequence[str],
+    threads: int | None,
+    given: Sequence[Mapping[str, Any]],
+) -> list[Ending] | None:
+    """`end_of` of many runs whose values are numbers, with the same bits and sentences; None where none can be."""
+    values = {name: np.array([row[name] for row in given], float) for name in given[0]}
+    try:
+        ends = batch(what, duration, names, line, threads, said=True, **values)
+    except (CompilerError, KernelError, ValueError):  # alone, each run says why
+        return None
+    rows = np.column_stack([ends[name] for name in names]).tolist()
+    return list(zip(rows, ends.said or [], strict=True))
+
+
+def task(
+    what: Runnable, duration: float, line: Line | None, names: Sequence[str], given: Sequence[Mapping[str, Any]]
+) -> list[Ending]:
+    """What an executor is given: many runs."""
+    ends = in_batch(what, duration, line, names, 1, given)
+    return [end_of(what, duration, line, names, row) for row in given] if ends is None else ends
+
+
+def ends_of(
+    what: Runnable,
+    duration: float,
+    line: Line | None,
+    names: Sequence[str],
+    given: Sequence[Mapping[str, Value]],
+    executor: Executor | None,
+) -> list[Ending]:
+    """`end_of` of all runs, here or by an executor, in batches where these pay."""
+    pays = len(given) >= PAYS_FROM and all(isinstance(value, Real) for value in given[0].values())
+    if pays and executor:
+        tasks = [list(some) for some in np.array_split(np.array(given, object), len(given) // PAYS_FROM)]
+        done = executor.map(partial(task, what, duration, line, names), tasks)
+        bar = tqdm(done, "sweep", len(tasks), delay=PATIENCE, leave=False, unit="batch")
+        return [end for some in bar for end in some]
+    ends = in_batch(what, duration, line, names, None, given) if pays else None
+    if ends is not None:
+        return ends
+    one = partial(end_of, what, duration, line, names)
+    with nullcontext(executor) if executor else ThreadPoolExecutor(os.cpu_count()) as runs:
+        return list(tqdm(runs.map(one, given), "sweep", len(given), delay=PATIENCE, leave=False, unit="run"))
 
 
 def sweep(
@@ -49,9 +108,10 @@ def sweep(
     Columns have shape (rows,): the row's number, what is varied, and the variables `names` after the duration [s], or
     as a run ended before. The sentence of a row is what its run said. A run that is refused has NaN there, and its
     sentence says why. executor: what runs them, such as `dask.distributed.Client(...).get_executor()`; by default a
-    thread for each processor, as the equations leave Python's lock. Raises KeyError for a name that there is not,
-    ValueError where columns differ in length or the duration is not above 0, TypeError for equations of one's own on an
-    executor, which they cannot be sent to.
+    thread for each processor, as the equations leave Python's lock. A thousand runs or more whose values are numbers
+    are made by `batch`, on an executor a thousand a task; that changes no bit. Raises KeyError for a name that there is
+    not, ValueError where columns differ in length or the duration is not above 0, TypeError for equations of one's own
+    on an executor, which they cannot be sent to.
     """
     duration, line = seconds("the duration", duration), line_or_none(line)
     if not (executor is None or callable(getattr(executor, "map", None))):
@@ -66,10 +126,8 @@ def sweep(
         known(name, machine.variables, "variable")
     names = names_of(names, machine.variables)
     units = {"number": "1"} | {key: machine.variables[key].unit for key in (*vary, *names)}
-    one = partial(end_of, what, duration, line, names)
     given: list[dict[str, Value]] = [{**values, **row} for row in rows]
-    with nullcontext(executor) if executor else ThreadPoolExecutor(os.cpu_count()) as runs:
-        ends = list(tqdm(runs.map(one, given), machine.name, len(rows), delay=PATIENCE, leave=False, unit="run"))
+    ends = ends_of(what, duration, line, names, given, executor)
     table = [[number, *row.values(), *end] for number, (row, (end, _)) in enumerate(zip(rows, ends, strict=True))]
     return Recording(units, table, [said for _, said in ends], {"runs": len(rows)})
 

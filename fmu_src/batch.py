@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import ctypes
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from functools import lru_cache
@@ -248,6 +248,7 @@ class Instances:
     ) -> None:
         """values: parameters and first inputs, a number for all or `count` of them. Raises KernelError, ValueError."""
         self._library, self._threads, self._path = library, threads or os.cpu_count() or 1, path
+        self.at_close: Callable[[], None] | None = None
         self._start = {name: _for_each(name, value, count) for name, value in values.items()}
         self._kernels = [Kernel(library) for _ in range(count)]
         self._handles = (ctypes.c_void_p * count)(*(kernel.handle for kernel in self._kernels))
@@ -282,6 +283,8 @@ class Instances:
         for group in self._groups:
             self._library.functions.batch_free(group)
         self._groups, self._handles, self._kernels = (ctypes.c_void_p * 0)(), (ctypes.c_void_p * 0)(), []
+        if self.at_close:
+            self.at_close()
 
     @property
     def ended(self) -> NDArray[np.bool_]:

@@ -1,0 +1,252 @@
+"""Batches: each run has the bits and sentences that it has alone; instances in control steps; what is refused."""
+
+from __future__ import annotations
+
+import resource
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor
+
+import numpy as np
+import pytest
+
+import bogie_braking as bb
+from bogie_braking import sweeping
+from bogie_braking.machines import batch_machine_of
+from fmu_src.batch import BatchLibrary, Ends, run_batch
+from fmu_src.kernel import Kernel, KernelError
+
+BRAKED = {"initial_speed": 25.0, "brake_torque_1": 20e3, "brake_torque_2": 20e3}
+OUTPUTS = ["distance", "speed", "locked_1", "axle_load_1"]
+#: Friction low enough that wheels lock, and some that the bogie refuses.
+FRICTION = np.concatenate([np.linspace(0.02, 0.3, 21), [-1.0, np.nan]])
+
+
+def alone(what: object, duration: float, line: bb.Line | None, row: dict[str, float]) -> tuple[list[float], str]:
+    return sweeping.end_of(what, duration, line, OUTPUTS, row)  # type: ignore[arg-type]
+
+
+def assert_same(ends: Ends, rows: list[tuple[list[float], str]]) -> None:
+    """To the last bit, and to the last letter."""
+    for column, name in enumerate(OUTPUTS):
+        assert np.array_equal(ends[name], [values[column] for values, _ in rows], equal_nan=True), name
+    assert ends.said == [said for _, said in rows]
+
+
+@pytest.fixture(scope="module")
+def planar() -> BatchLibrary:
+    return batch_machine_of("bogie", {}, False)
+
+
+# ---- runs ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("what", "scene", "on_line"),
+    [
+        ("bogie", {"level": 1, **BRAKED}, False),
+        ("bogie", {"level": 2, **BRAKED}, False),
+        ("bogie", {"level": 2, **BRAKED, "integration_step": 5e-3}, False),
+        ("bogie", {"level": 2, **BRAKED, "integration_method": 2, "integration_step": 1e-3}, False),
+        ("bogie", {"level": 2, **BRAKED}, True),
+    ],
+)
+def test_each_run_of_a_batch_is_that_which_it_is_alone(what: str, scene: dict[str, float], on_line: bool) -> None:
+    """Lock-ups, stops and refusals among them."""
+    line = bb.line_of([bb.straight(500.0, gradient=-0.01)]) if on_line else None
+    ends = bb.batch(what, 15.0, OUTPUTS, line, said=True, **scene, friction_1=FRICTION, friction_2=FRICTION)
+    assert ends.said is not None
+    assert_same(ends, [alone(what, 15.0, line, {**scene, "friction_1": mu, "friction_2": mu}) for mu in FRICTION])
+    assert sum("locked" in said for said in ends.said) > 5
+    assert sorted(ends.failures) == [21, 22]
+    assert "Set friction_1 to at least 0" in ends.failures[21]
+    assert np.isnan(ends.time[21:]).all()
+
+
+def test_runs_in_space_that_end_early_are_those_which_they_are_alone() -> None:
+    """In a curve the fast ones tip over; they leave their lanes to the runs behind them."""
+    before, curve = bb.straight(20.0), bb.arc(500.0, 300.0)
+    line = bb.line_of([before, bb.clothoid(60.0, before, curve), curve])
+    scene = {"level": 3, "constant_speed": 1}
+    speeds = np.random.default_rng(31).permutation(np.linspace(15.0, 60.0, 20))
+    ends = bb.batch("bogie", 5.0, OUTPUTS, line, said=True, **scene, initial_speed=speeds)
+    assert_same(ends, [alone("bogie", 5.0, line, {**scene, "initial_speed": speed}) for speed in speeds.tolist()])
+    assert 3 < np.count_nonzero(ends.ended) < 17
+    assert (ends.time[ends.ended] < 5.0).all()
+    assert (ends.time[~ends.ended] == 5.0).all()
+
+
+@pytest.mark.parametrize("lanes", [2, 4])
+def test_order_threads_and_width_change_no_bit(planar: BatchLibrary, lanes: int) -> None:
+    if lanes > planar.lanes:
+        pytest.skip("this processor has fewer lanes")
+    other = BatchLibrary(planar.model, planar.model.systems[0], lanes)
+    values = {**BRAKED, "friction_1": FRICTION, "friction_2": FRICTION[::-1]}
+    expected = run_batch(planar, values, 12.0, OUTPUTS, 1, says_all=True)
+    order = np.random.default_rng(31).permutation(FRICTION.size)
+    for threads in (1, 2):
+        mixed = {name: value[order] if isinstance(value, np.ndarray) else value for name, value in values.items()}
+        found = run_batch(other, mixed, 12.0, OUTPUTS, threads, says_all=True)
+        for name in OUTPUTS:
+            assert np.array_equal(found[name], expected[name][order], equal_nan=True), name
+        assert expected.said is not None
+        assert found.said == [expected.said[row] for row in order]
+
+
+def test_a_batch_of_no_runs_is_empty(planar: BatchLibrary) -> None:
+    ends = run_batch(planar, {**BRAKED, "friction_1": []}, 1.0, OUTPUTS, says_all=True)
+    assert ends["speed"].shape == ends.time.shape == (0,)
+    assert ends.said == []
+
+
+def test_an_own_system_runs_in_lanes() -> None:
+    """A body that falls until it is below the ground, against its closed form."""
+    fall = bb.System("FallsInLanes", "A body that falls")
+    gravity = fall.parameter(bb.Variable("gravity", "parameter", "m/s2", "Gravity", 9.81))
+    height, speed = fall.state("height", "m", 0.0, 1.0), fall.state("speed", "m/s", 0.0, 1.0)
+    fall.derivative(height, speed)
+    fall.derivative(speed, -gravity)
+    fall.output(bb.Variable("above", "output", "m", "Height"), height)
+    given = np.linspace(1.0, 10.0, 20)
+    assert bb.batch(fall, 3.0, ["above"], gravity=given)["above"] == pytest.approx(-4.5 * given, rel=1e-9)
+
+
+# ---- sweeps --------------------------------------------------------------------------------------------------------
+
+
+def test_a_long_sweep_is_a_batch_and_the_same_table(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Here and by an executor, whose tasks are several rows; what no batch can be runs as before."""
+    vary = {"friction_1": FRICTION, "friction_2": FRICTION[::-1]}
+    scene = {**BRAKED, "level": 2}
+    one_by_one = bb.sweep("bogie", 20.0, ["distance", "locked_1"], vary, **scene)
+    calls: list[int] = []
+    plain = sweeping.batch
+
+    def counted(*given: object, **values: object) -> Ends:
+        calls.append(1)
+        return plain(*given, **values)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(sweeping, "PAYS_FROM", 5)
+    monkeypatch.setattr(sweeping, "batch", counted)
+    tables = [bb.sweep("bogie", 20.0, ["distance", "locked_1"], vary, **scene)]
+    assert len(calls) == 1
+    with ProcessPoolExecutor(1) as executor:
+        tables.append(bb.sweep("bogie", 20.0, ["distance", "locked_1"], vary, executor, **scene))
+    for table in tables:
+        for name in one_by_one.names:
+            assert np.array_equal(table[name], one_by_one[name], equal_nan=True), name
+        assert table.sentences == one_by_one.sentences
+        assert table.units == one_by_one.units
+    levels = bb.sweep("bogie", 1.0, ["speed"], {"level": [1, 1, 2, 2, 4, 1]}, **BRAKED)
+    assert np.isnan(levels["speed"]).tolist() == [False, False, False, False, True, False]
+    assert "level" in levels.sentences[4]
+
+
+# ---- instances -----------------------------------------------------------------------------------------------------
+
+COUNT, SIZE = 13, 5e-3
+
+
+def torque(number: int) -> np.ndarray:
+    """Brakes that lock wheels and let go of them."""
+    return np.where((number // 60) % 2 == 0, 60e3, 0.0) * np.linspace(0.5, 1.0, COUNT)
+
+
+@pytest.fixture(params=[1e-6, 1e-3], ids=["fine", "coarse"])
+def together(request: pytest.FixtureRequest) -> Iterator[tuple[object, dict[str, float]]]:
+    scene = {"initial_speed": 20.0, "friction_1": 0.08, "friction_2": 0.1, "tolerance": request.param}
+    with bb.instances("bogie", COUNT, ["brake_torque_1", "brake_torque_2"], OUTPUTS, **scene) as made:
+        yield made, scene
+
+
+def test_instances_in_control_steps_are_those_which_they_are_alone(together, planar: BatchLibrary) -> None:  # type: ignore[no-untyped-def]
+    """Wheels lock and turn again; one row begins anew in between, from another speed."""
+    made, scene = together
+    kernels = [Kernel(planar, **scene) for _ in range(COUNT)]
+    for kernel in kernels:
+        kernel.initialise()
+    for number in range(240):
+        if number == 100:
+            made.reset([3], initial_speed=12.0)
+            kernels[3] = Kernel(planar, **{**scene, "initial_speed": 12.0})
+            kernels[3].initialise()
+        given = torque(number)
+        found = made.step(SIZE, {"brake_torque_1": given, "brake_torque_2": 0.5 * given})
+        for kernel, value in zip(kernels, given.tolist(), strict=True):
+            kernel.set(brake_torque_1=value, brake_torque_2=0.5 * value)
+            kernel.step(kernel.time, SIZE)
+        if number % 10 == 9:
+            for name in OUTPUTS:
+                assert np.array_equal(found[name], [kernel[name] for kernel in kernels]), (number, name)
+    assert all(kernel.counts["events"] >= 2 for kernel in kernels[6:])
+    assert made.time[3] == pytest.approx(140 * SIZE)
+    assert not made.ended.any()
+
+
+def test_first_inputs_of_instances_hold_until_others_are_given() -> None:
+    with bb.instances("bogie", 3, ["brake_torque_1"], ["brake_torque_1", "speed"], brake_torque_1=9e3) as made:
+        assert made.step(SIZE)["brake_torque_1"].tolist() == [9e3] * 3
+        assert made.step(SIZE, {"brake_torque_1": [1.0, 2.0, 3.0]})["brake_torque_1"].tolist() == [1.0, 2.0, 3.0]
+        made.reset([1])
+        assert made.step(SIZE)["brake_torque_1"].tolist() == [1.0, 9e3, 3.0]
+
+
+def test_a_step_that_fails_leaves_the_others_where_they_came_to(planar: BatchLibrary) -> None:
+    with bb.instances("bogie", 3, ["friction_1"], ["speed"], **BRAKED) as made:
+        made.step(SIZE, {"friction_1": 0.2})
+        with pytest.raises(KernelError, match="Instance 1 of 3: Set friction_1 to at least 0"):
+            made.step(SIZE, {"friction_1": [0.2, -1.0, 0.2]})
+        assert made.time == pytest.approx([2 * SIZE, SIZE, 2 * SIZE])
+        made.step(SIZE, {"friction_1": 0.2})
+
+
+def test_instances_and_batches_give_their_memory_back(planar: BatchLibrary) -> None:
+    def cycle() -> None:
+        with bb.instances("bogie", 4, ["brake_torque_1"], ["speed"], **BRAKED) as made:
+            made.step(SIZE)
+        run_batch(planar, {**BRAKED, "friction_1": [0.1, -1.0]}, 0.01, ["speed"], 1, says_all=True)
+
+    for _ in range(100):
+        cycle()
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    for _ in range(900):
+        cycle()
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 3000  # KiB; one kernel takes 100
+
+
+# ---- what is refused -----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "sentence"),
+    [
+        (lambda: bb.batch("bogey", 1.0, ["speed"]), KeyError, "There is no FMU bogey; did you mean bogie?"),
+        (lambda: bb.batch("bogie", 1.0, ["sped"]), KeyError, "no variable sped; did you mean speed?"),
+        (lambda: bb.batch("bogie", 1.0, ["speed"], frction_1=[0.1]), KeyError, "did you mean friction_1?"),
+        (lambda: bb.batch("bogie", 0.0, ["speed"]), ValueError, "Give the duration as a number of seconds above 0"),
+        (lambda: bb.batch("bogie", 1.0, ["speed"], threads=0), ValueError, "Give a whole number of threads"),
+        (
+            lambda: bb.batch("bogie", 1.0, ["speed"], friction_1=[0.1, 0.2], friction_2=[0.1]),
+            ValueError,
+            "Give friction_2 one number, or 2 of them as others have: it was an array of shape (1,).",
+        ),
+        (
+            lambda: bb.batch("bogie", 1.0, ["speed"], brake_torque_1=lambda time: time),
+            ValueError,
+            "Give brake_torque_1 one number, or a list of numbers",
+        ),
+        (lambda: bb.batch("bogie", 1.0, ["speed"], level=[1, 2]), ValueError, "Give level one number for all runs"),
+        (lambda: bb.batch("bogie", 1.0, ["speed"], level=4), ValueError, "Set level to 1, 2 or 3: it was 4."),
+        (lambda: bb.batch("bogie", 1.0, ["speed"])["sped"], KeyError, "no output sped; did you mean speed?"),
+        (lambda: bb.instances("bogie", 0, [], ["speed"]), ValueError, "a whole number of instances, at least 1"),
+        (lambda: bb.instances("bogie", 2, ["brake_torqe_1"], ["speed"]), KeyError, "did you mean brake_torque_1?"),
+        (
+            lambda: bb.instances("bogie", 2, [], ["speed"], friction_1=[0.1, -1.0]),
+            KernelError,
+            "Instance 1 of 2: Set friction_1 to at least 0",
+        ),
+    ],
+)
+def test_a_mistake_is_told_in_a_sentence(call: Callable[[], object], error: type[Exception], sentence: str) -> None:
+    with pytest.raises(error) as found:
+        call()
+    assert sentence in str(found.value)
