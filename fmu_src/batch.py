@@ -105,7 +105,12 @@ class BatchLibrary(Library):
     """One system of a compiled model in lanes; lanes: 2, 4 or 8, or the most that the processor has."""
 
     def __init__(self, model: Model, system: System, lanes: int = 0) -> None:
-        own = lanes or lanes_here(model)
+        most = lanes_here(model)
+        own = lanes or most
+        if own not in (2, 4, 8) or own > most:
+            raise ValueError(
+                f"Give 2, 4 or 8 lanes, at most {most} on this processor, or 0 for these; there were {lanes}."
+            )
         super().__init__(batch_library(generate(model) | batch_source(model, system), own))
         for name, (result, arguments) in _SIGNATURES.items():
             function = getattr(self.functions, name)

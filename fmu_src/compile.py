@@ -259,7 +259,9 @@ def library_of(
 ) -> Path:
     """Path of the compiled library of these sources, compiled now unless the cache has it; see compile_library."""
     words = [*compiler(target), *_linking(flags, target), OPTIMISE_GENERATED, str(fmu), str(lanes)]
-    path = cache() / f"{_content(words, sources, (*RUNTIME_SOURCES, *BATCH_SOURCES, *RUNTIME_HEADERS))}{library_suffix()}"
+    path = (
+        cache() / f"{_content(words, sources, (*RUNTIME_SOURCES, *BATCH_SOURCES, *RUNTIME_HEADERS))}{library_suffix()}"
+    )
     with _missing(path) as missing:
         if missing:
             compile_library(sources, path, flags, target, fmu, lanes)
