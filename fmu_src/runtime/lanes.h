@@ -59,9 +59,14 @@
 
 #ifndef LANES_FUNCTION
 #if defined(__GNUC__) || defined(__clang__)
-/* nothrow: for functions that might, C++ asks for its library of exceptions. */
+/* GCC's C++ asks for its library of exceptions where a function might throw, clang's where one says that it does not. */
+#ifdef __clang__
+#define LANES_FUNCTION static inline __attribute__((always_inline, unused))
+#define LANES_APART static __attribute__((noinline, unused))
+#else
 #define LANES_FUNCTION static inline __attribute__((always_inline, unused, nothrow))
 #define LANES_APART static __attribute__((noinline, unused, nothrow))
+#endif
 #define LANES_ALIGNED __attribute__((aligned(64)))
 #else
 #define LANES_FUNCTION static __forceinline

@@ -59,7 +59,7 @@ def places(name: str) -> np.ndarray:
 @lru_cache
 def library(folder: Path) -> ctypes.CDLL:
     """A look-up of each table at each width: NAME_WIDTH(count, places, rows by LANES)."""
-    text = '#include "lanes_widest.h"\n#include "piecewise.h"\n#include <math.h>\n'
+    text = '#include "lanes_widest.h"\n#include "model.h"\n#include "piecewise.h"\n#include <math.h>\n'
     text += '#define SHOWN __attribute__((visibility("default")))\n'
     text += "SHOWN int widest(void) { return lanes_of_processor(); }\n"
     names = {}
