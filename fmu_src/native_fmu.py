@@ -43,7 +43,8 @@ PLATFORMS3: dict[str, tuple[tuple[str, ...], str]] = {
 #: Of Mach-O files: CPU type and subtype by target.
 MACHINES = {"x86_64-macos.11.0": (0x01000007, 3), "aarch64-macos.11.0": (0x0100000C, 0)}
 #: Of the runtime; what only one version or studies have is not among them.
-HEADERS = tuple(name for name in RUNTIME_HEADERS if name not in {"studies.h", "fmi2Functions.h"})
+_NOT_OF_ALL = {"studies.h", "batch.h", "batch_lanes.h", "fmi2Functions.h"}
+HEADERS = tuple(name for name in RUNTIME_HEADERS if name not in _NOT_OF_ALL)
 #: What sources/ hold besides the generated files, by version of FMI. FMPy's fmi2Functions.h is without the prefix.
 SOURCES = {
     2: (*KERNEL_SOURCES, "face.c", "face_exchange.c", "fmi2.c", *HEADERS, "fmi2Functions.h"),

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from fmu_src import kernel
-from fmu_src.codegen import RUNTIME, RUNTIME_HEADERS, RUNTIME_SOURCES, generate
+from fmu_src.codegen import BATCH_SOURCES, RUNTIME, RUNTIME_HEADERS, RUNTIME_SOURCES, generate
 from rbd_model.levels.models import bogie_dynamics
 
 #: Lines of a function that one screen shows.
@@ -73,11 +73,12 @@ def bogie_sources() -> dict[str, str]:
     return generate(bogie_dynamics())
 
 
-FILES = [RUNTIME / name for name in RUNTIME_SOURCES]
+SOURCES = (*RUNTIME_SOURCES, *BATCH_SOURCES)
+FILES = [RUNTIME / name for name in SOURCES]
 
 
 def test_every_file_of_the_runtime_is_listed() -> None:
-    assert sorted(RUNTIME_SOURCES) == sorted(path.name for path in RUNTIME.glob("*.c"))
+    assert sorted(SOURCES) == sorted(path.name for path in RUNTIME.glob("*.c"))
     assert sorted(RUNTIME_HEADERS) == sorted(path.name for path in RUNTIME.glob("*.h"))
 
 
@@ -90,7 +91,7 @@ def test_calls_run_from_later_files_to_earlier_ones() -> None:
         for word in re.findall(r"\w+(?=\()", code_of(path)):
             if word in home:
                 called = home[word]
-                assert RUNTIME_SOURCES.index(called) <= RUNTIME_SOURCES.index(path.name), f"{path.name} calls {word}"
+                assert SOURCES.index(called) <= SOURCES.index(path.name), f"{path.name} calls {word}"
 
 
 def test_faces_see_no_more_than_the_public_header() -> None:
