@@ -73,6 +73,7 @@ RUNTIME_HEADERS = (
     "stepper.h",
     "tableau.h",
     "known.h",
+    "own_functions.h",
     "batch.h",
     "batch_lanes.h",
     "rosenbrock_stages.h",

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "own_functions.h"
 #include "stepper.h"
 
 static const int MAXIMUM_SWITCHES = 1000;            /* beyond the steps that end without one; more is chatter */
@@ -76,8 +77,8 @@ static double longest_step(kernel *self, double offset) {
  * jump it falls with a lower power of the size than theory has. Infinite where the two do not tell. */
 static double size_by_trials(rejected_trial before, rejected_trial last) {
     if (!(before.size > last.size && before.error > last.error)) return INFINITY;
-    const double power = log(before.error / last.error) / log(before.size / last.size);
-    return last.size * fmax(0.9 * pow(last.error, -1.0 / power), 0.1);
+    const double power = own_log(before.error / last.error) / own_log(before.size / last.size);
+    return last.size * fmax(0.9 * own_pow(last.error, -1.0 / power), 0.1);
 }
 
 /* A step whose error is controlled: asks for its first trial. */

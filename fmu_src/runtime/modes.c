@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "method.h"
+#include "own_functions.h"
 
 enum { ROUNDS = 4 };             /* of modes that wait for one another */
 /* Share of the capacity up to which what moves slowly sticks: a load that grows through it within 1000 s lets go once or a
@@ -38,7 +39,7 @@ static double share_of(double mode, double velocity, double still, double reluct
  * frictions more reluctant to slide, for a moment. In steps of our own, which locate on the state itself, this is 0. */
 static double reluctance(const kernel *self, double offset) {
     if (self->run.now->reluctance == 0.0) return 0.0;
-    return self->run.now->reluctance * exp(-(self->given.step_origin + offset - self->run.now->switched) / FADING);
+    return self->run.now->reluctance * own_exp(-(self->given.step_origin + offset - self->run.now->switched) / FADING);
 }
 
 void modes_grow_reluctant(kernel *self) {

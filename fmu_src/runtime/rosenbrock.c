@@ -12,6 +12,7 @@
 
 #include "lanes_widest.h"
 #include "method.h"
+#include "own_functions.h"
 #include "tableau.h"
 
 #if LANES_WIDEST > 1
@@ -143,7 +144,7 @@ double rosenbrock_try(kernel *self, double offset, double size) {
 }
 
 double rosenbrock_allowed_size(const rosenbrock_tableau *method, double size, double error) {
-    return 0.9 * size * pow(error, -method->error_power);
+    return 0.9 * size * own_pow(error, -method->error_power);
 }
 
 double rosenbrock_next_size(const rosenbrock_tableau *method, double size, double error) {
