@@ -82,7 +82,8 @@ def batch_machine_of(what: Runnable, values: Mapping[str, Any], on_line: bool) -
     """
     with ONE_WRITES:
         if isinstance(what, str):
-            selected = VEHICLE_SELECTORS if what in VEHICLES else model_of_fmu(known(what, FMUS, "FMU")).selectors
+            levelled = _is_levelled(known(what, FMUS, "FMU"))
+            selected = VEHICLE_SELECTORS if levelled else model_of_fmu(what).selectors
             return _batch_of_the_list(what, tuple((name, values[name]) for name in selected if name in values), on_line)
         if isinstance(what, Vehicle):
             level, depth = _level_and_depth(values)
@@ -91,10 +92,15 @@ def batch_machine_of(what: Runnable, values: Mapping[str, Any], on_line: bool) -
         return _batch_of_a_model(alone(model, values, on_line))
 
 
+def _is_levelled(name: str) -> bool:
+    """Whether an FMU of the list is a vehicle at all levels."""
+    return name in VEHICLES and variables_of(name).keys() >= set(VEHICLE_SELECTORS)
+
+
 @lru_cache
 def _batch_of_the_list(name: str, selected: tuple[tuple[str, float], ...], on_line: bool) -> BatchLibrary:
     """Of a vehicle no other level is written; its table is the whole one, so that its runs say the same."""
-    if name not in VEHICLES:
+    if not _is_levelled(name):
         return _batch_of_a_model(alone(model_of_fmu(name), dict(selected), on_line))
     model = _one_level(VEHICLES[name](), *_level_and_depth(dict(selected)), on_line)
     table = [one for one in variables_of(name).values() if one.causality != "local"]

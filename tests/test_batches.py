@@ -98,6 +98,22 @@ def test_a_batch_of_no_runs_is_empty(planar: BatchLibrary) -> None:
     assert ends.said == []
 
 
+def test_a_lost_signal_is_said_and_changes_no_other_run() -> None:
+    """A torque that is no number counts as its safe side, in its lane alone."""
+    torque = [20e3, np.nan, 10e3]
+    scene = {"initial_speed": 25.0, "level": 1}
+    ends = bb.batch("bogie", 5.0, OUTPUTS, said=True, **scene, brake_torque_1=torque)
+    assert_same(ends, [alone("bogie", 5.0, None, {**scene, "brake_torque_1": one}) for one in torque])
+
+
+def test_an_fmu_of_one_system_has_batches_too() -> None:
+    """Its parameters choose no level."""
+    demand = np.linspace(1e5, 4e5, 9)
+    torques = bb.batch("brake", 3.0, ["brake_torque"], pressure_demand=demand, angular_velocity=10.0)["brake_torque"]
+    runs = [bb.run("brake", 3.0, pressure_demand=one, angular_velocity=10.0) for one in demand.tolist()]
+    assert torques == pytest.approx([run["brake_torque"][-1] for run in runs], rel=1e-6)
+
+
 def test_an_own_system_runs_in_lanes() -> None:
     """A body that falls until it is below the ground, against its closed form."""
     fall = bb.System("FallsInLanes", "A body that falls")
