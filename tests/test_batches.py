@@ -47,6 +47,7 @@ def planar() -> BatchLibrary:
         ("bogie", {"level": 2, **BRAKED}, False),
         ("bogie", {"level": 2, **BRAKED, "integration_step": 5e-3}, False),
         ("bogie", {"level": 2, **BRAKED, "integration_method": 2, "integration_step": 1e-3}, False),
+        ("bogie", {"level": 2, **BRAKED, "integration_method": 1}, False),
         ("bogie", {"level": 2, **BRAKED}, True),
     ],
 )
@@ -104,6 +105,15 @@ def test_a_lost_signal_is_said_and_changes_no_other_run() -> None:
     scene = {"initial_speed": 25.0, "level": 1}
     ends = bb.batch("bogie", 5.0, OUTPUTS, said=True, **scene, brake_torque_1=torque)
     assert_same(ends, [alone("bogie", 5.0, None, {**scene, "brake_torque_1": one}) for one in torque])
+
+
+def test_a_system_with_algebraic_states_is_in_its_lane_what_it_is_alone() -> None:
+    """It makes its trial steps alone, with a Jacobian of its own."""
+    speeds = np.linspace(5.0, 40.0, 11)
+    ends = bb.batch("wheelset", 3.0, ["speed", "distance"], said=True, initial_speed=speeds)
+    for speed, *found in zip(speeds.tolist(), ends["speed"], ends["distance"], strict=True):
+        run = sweeping.end_of("wheelset", 3.0, None, ["speed", "distance"], {"initial_speed": speed})
+        assert found == run[0]
 
 
 def test_an_fmu_of_one_system_has_batches_too() -> None:

@@ -124,10 +124,11 @@ static void begin_steps(batch *self) {
         if (one->begins) stepper_begin(one->self, &one->run, one->size);
         one->begins = false;
         const double offset = one->run.offset;
+        const bool in_lanes = (one->run.fixed || one->self->work.method == METHOD_EXACT) && !self->system->algebraics;
+        if (!in_lanes) know(self, l, NULL, NULL); /* it needs a Jacobian of its own, which is not taken out of the lanes */
         stepper_ask(one->self, &one->run);
         /* A step alone has led elsewhere, or a mode was another one. */
-        const bool in_lanes = one->run.fixed || one->self->work.method == METHOD_EXACT;
-        one->together = in_lanes && !self->system->algebraics && one->run.offset == offset && stands_at(self, l, self->numbers.state);
+        one->together = in_lanes && one->run.offset == offset && stands_at(self, l, self->numbers.state);
         know(self, l, NULL, NULL);
     }
 }
