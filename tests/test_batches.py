@@ -47,7 +47,7 @@ def planar() -> BatchLibrary:
         ("bogie", {"level": 2, **BRAKED}, False),
         ("bogie", {"level": 2, **BRAKED, "integration_step": 5e-3}, False),
         ("bogie", {"level": 2, **BRAKED, "integration_method": 2, "integration_step": 1e-3}, False),
-        ("bogie", {"level": 2, **BRAKED, "integration_method": 1}, False),
+        ("bogie", {"level": 2, **BRAKED, "integration_method": 2}, False),
         ("bogie", {"level": 2, **BRAKED}, True),
     ],
 )
