@@ -102,8 +102,6 @@ def parser_of(asked: str) -> tuple[argparse.ArgumentParser, Any]:
     runner.add_argument("--html", action="store_true", help="also write report.html, one page that needs no other file")
     text = "line for line-from-file: a CSV with the columns distance, curvature, cant, gradient, and more if you like"
     runner.add_argument("--line", type=Path, metavar="FILE", help=text)
-    text = "speed beside this other checkout of the project, as git worktree makes one: ratios of both"
-    runner.add_argument("--against", type=Path, metavar="FOLDER", help=text)
     add_profiles(runner)
     reporter = commands.add_parser("report", help="join all results into one page")
     text = "folder of the results (default: results)"

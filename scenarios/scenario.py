@@ -27,7 +27,6 @@ class Options:
     flange_back: float | None = None
     inclination: float | None = None
     line: Path | None = None
-    against: Path | None = None
 
     @property
     def given(self) -> set[str]:

@@ -19,7 +19,6 @@ from products.coach import AS_PUBLISHED, brakes
 from products.sources import PREBUILT
 from scenarios.bench.asymmetric_shoes import run_all
 from scenarios.methods import fmi_overhead, throughput
-from scenarios.methods.against import rows_against
 from scenarios.methods.timing import LEVELS, REPEATS, least
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, titled
 from scenarios.reporting.report import Report, Row
@@ -160,7 +159,6 @@ def run(options: Options) -> Report:
     rows += vehicle_rows()
     rows += throughput.batch_rows() + throughput.control_rows()
     rows += beginning_rows()
-    rows += rows_against(options.against) if options.against else []
     rows += fmi_overhead.rows(library)
     begin = time.perf_counter()
     cases = len(run_all())
@@ -202,6 +200,4 @@ def draw(timings: list[Timing]) -> Figure:
     return titled(figure, "What one call costs, measured on this machine")
 
 
-SCENARIO = Scenario(
-    "speed", "Microseconds per call and times real time, for each level and FMU kind", run, frozenset({"against"})
-)
+SCENARIO = Scenario("speed", "Microseconds per call and times real time, for each level and FMU kind", run)
