@@ -102,6 +102,8 @@ def parser_of(asked: str) -> tuple[argparse.ArgumentParser, Any]:
     runner.add_argument("--html", action="store_true", help="also write report.html, one page that needs no other file")
     text = "line for line-from-file: a CSV with the columns distance, curvature, cant, gradient, and more if you like"
     runner.add_argument("--line", type=Path, metavar="FILE", help=text)
+    text = "for speed, in a checkout: also measure this commit, branch or tag, and print new over old; takes minutes"
+    runner.add_argument("--against", metavar="REVISION", help=text)
     add_profiles(runner)
     reporter = commands.add_parser("report", help="join all results into one page")
     text = "folder of the results (default: results)"

@@ -27,6 +27,7 @@ class Options:
     flange_back: float | None = None
     inclination: float | None = None
     line: Path | None = None
+    against: str | None = None
 
     @property
     def given(self) -> set[str]:

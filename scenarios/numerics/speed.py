@@ -18,7 +18,7 @@ from products.building import kernel_of, up_to_date
 from products.coach import AS_PUBLISHED, brakes
 from products.sources import PREBUILT
 from scenarios.bench.asymmetric_shoes import run_all
-from scenarios.methods import fmi_overhead, throughput
+from scenarios.methods import fmi_overhead, old_and_new, throughput
 from scenarios.methods.timing import LEVELS, REPEATS, least
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, titled
 from scenarios.reporting.report import Report, Row
@@ -137,6 +137,7 @@ def fmu_timings(kind: str, level: int) -> list[Timing]:
 
 
 def run(options: Options) -> Report:
+    commit = old_and_new.commit_of(options.against) if options.against else None
     kernel = kernel_of("bogie")
     library = Library(kernel)
     timings = [timing for level in LEVELS for timing in kernel_timings(library, level)]
@@ -164,17 +165,26 @@ def run(options: Options) -> Report:
     cases = len(run_all())
     seconds = time.perf_counter() - begin
     rows.append(Row(f"chapter 9, {cases} cases with recording", "s", None, seconds, None, "measured now, once"))
+    if commit:
+        rows += old_and_new.rows(commit)
     stops = {level: stop_of(library, level) for level in LEVELS}
     series = Recording({"time": "s"}, [[t] for t in stops[1]["time"]])
     for level, name in LEVELS.items():
         series.add(f"speed_{name}", "m/s", np.array(stops[level]["speed"]))
     compiled_by = "a release's, zig" if kernel.is_relative_to(PREBUILT) else " ".join(compiler()[-3:])
     remark = f"Compiler: {compiled_by}. Machines are noisy: compare within one run only."
-    parameters = {"brake_torque": TORQUE, "initial_speed": 25.0, "host_step": HOST_STEP, "runs": REPEATS}
-    report = Report(rows, series, lambda: draw(timings), parameters, 0.0, [remark])
+    parameters: dict[str, object] = {
+        "brake_torque": TORQUE,
+        "initial_speed": 25.0,
+        "host_step": HOST_STEP,
+        "runs": REPEATS,
+    }
+    if commit:
+        parameters["against"] = commit
     rates = list(throughput.rates())
+    parameters["rates"] = [asdict(one) for one in rates]
+    report = Report(rows, series, lambda: draw(timings), parameters, 0.0, [remark])
     report.other_figures["throughput"] = lambda: throughput.draw(rates)
-    report.parameters = dict(parameters) | {"rates": [asdict(one) for one in rates]}
     return report
 
 
@@ -200,4 +210,9 @@ def draw(timings: list[Timing]) -> Figure:
     return titled(figure, "What one call costs, measured on this machine")
 
 
-SCENARIO = Scenario("speed", "Microseconds per call and times real time, for each level and FMU kind", run)
+SCENARIO = Scenario(
+    "speed",
+    "Microseconds per call and times real time, for each level and FMU kind",
+    run,
+    takes=frozenset({"against"}),
+)
