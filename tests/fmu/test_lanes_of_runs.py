@@ -95,6 +95,7 @@ def test_a_run_has_the_same_bits_in_any_number_of_lanes(fmu: str, on_line: bool,
     assert other != found[2]  # one bit of the start is seen in the end
 
 
+@pytest.mark.long
 def test_parts_of_one_lane_have_the_bits_of_those_in_lanes(folder: Path, curve: Path) -> None:
     """As compilers have them that know no vectors."""
     values = values_of("bogie", curve, True)
@@ -122,6 +123,7 @@ def test_a_run_has_the_same_bits_on_other_processors(processor: str, lanes: int,
     assert run_of(one, 8, values, ["qemu-x86_64", "-cpu", processor]) == (lanes, run_of(one, 2, values)[1])
 
 
+@pytest.mark.long
 def test_runs_in_lanes_are_clean_under_sanitizers(folder: Path, curve: Path) -> None:
     """At each depth of contact; and what is compiled without optimisation has the same bits."""
     try:

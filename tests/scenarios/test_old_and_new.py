@@ -99,6 +99,7 @@ def test_a_revision_that_is_not_there_or_too_old_is_refused_with_a_sentence(monk
     assert old_and_new.commit_of("v1") == "c0ffee"
 
 
+@pytest.mark.long
 def test_the_code_of_another_folder_answers_and_what_it_cannot_do_is_told(tmp_path: Path) -> None:
     tree = Tree(NEW, ROOT, tmp_path)
     tree.copy_libraries()
