@@ -6,6 +6,7 @@ import os
 import time as clock
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -26,7 +27,7 @@ from rbd_model.vehicle.ready import two_axle_bogie
 from scenarios.methods import sundials
 from scenarios.methods.integrators import own, scipy
 from scenarios.methods.scenes import SMOOTH, Scene
-from scenarios.methods.work_precision import difference, reference_of
+from scenarios.methods.work_precision import difference, reference_of, repeated
 from scenarios.reporting.plots import BOGIE as BLUE
 from scenarios.reporting.plots import LEADING, TRAILING, plt, titled
 from scenarios.reporting.report import Row
@@ -150,7 +151,11 @@ def rates(short: bool = False) -> Iterator[Rate]:
             yield Rate(level, f"batch, {way}", setting, error, _together(scene, system, chosen | values, short))
         for name in () if at_axles or short else ("CVODE", "Radau (SciPy)"):
             for tolerance in (1e-3, 1e-6) if name != "CVODE" or sundials.is_installed() else ():
-                run = sundials.sundials(scene, name, tolerance) if name == "CVODE" else scipy(scene, "Radau", tolerance)
+                run = repeated(
+                    partial(sundials.sundials, scene, name, tolerance)
+                    if name == "CVODE"
+                    else partial(scipy, scene, "Radau", tolerance)
+                )
                 if not run.failure:
                     error = difference(scene.measure(run.samples), exact)
                     yield Rate(level, name, tolerance, error, processors / run.seconds)
