@@ -5,7 +5,7 @@ from scenarios.brakes import anti_skid, brake_timing, controller_prototype, unev
 from scenarios.contact import contact_depth, contact_manchester, creep_laws, flange_climb
 from scenarios.coupling import coupling_step
 from scenarios.lines import curve_braking, curve_steering, gradient, line_from_file, track_yields, transition
-from scenarios.numerics import levels, levels_in_curves, oracle, speed, speed_accuracy, stability_atlas
+from scenarios.numerics import levels, levels_in_curves, oracle, speed, speed_accuracy, stability_atlas, throughput
 from scenarios.scenario import BadInputError, Scenario
 from scenarios.thesis import (
     asymmetric_braking,
@@ -80,6 +80,7 @@ SCENARIOS: list[Scenario] = [
     levels_in_curves.SCENARIO,
     speed.SCENARIO,
     speed_accuracy.SCENARIO,
+    throughput.SCENARIO,
     stability_atlas.SCENARIO,
     thesis_step.SCENARIO,
 ]

@@ -20,6 +20,7 @@ from pages import DOCS, ROOT, write_or_check
 HERE, DATA, PICTURES = DOCS / "generate", DOCS / "data", DOCS / "pictures"
 CHARTS = (
     "speed-accuracy",
+    "throughput",
     "stability-atlas",
     "coupling-step",
     "levels",

@@ -2,7 +2,7 @@
 
   python docs/generate/scenario_pages.py    runs those that left no results in results/ yet
 
-The scenarios of `make charts` take some seven minutes and have their pictures and numbers in docs/.
+The scenarios of `make charts` take some ten minutes and have their pictures and numbers in docs/.
 """
 
 import json

@@ -4,7 +4,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -181,11 +181,7 @@ def run(options: Options) -> Report:
     }
     if commit:
         parameters["against"] = commit
-    rates = list(throughput.rates())
-    parameters["rates"] = [asdict(one) for one in rates]
-    report = Report(rows, series, lambda: draw(timings), parameters, 0.0, [remark])
-    report.other_figures["throughput"] = lambda: throughput.draw(rates)
-    return report
+    return Report(rows, series, lambda: draw(timings), parameters, 0.0, [remark])
 
 
 def stop_of(library: Library, level: int) -> dict[str, list[float]]:

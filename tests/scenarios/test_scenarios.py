@@ -22,6 +22,7 @@ from scenarios.catalogue import SCENARIOS
 from scenarios.contact import contact_depth, creep_laws
 from scenarios.coupling import coupling_step
 from scenarios.lines import track_yields
+from scenarios.methods import ensembles, throughput
 from scenarios.methods import scenes as six_scenes
 from scenarios.numerics import oracle, speed, speed_accuracy, stability_atlas
 from scenarios.reporting import report
@@ -74,6 +75,15 @@ def short_study(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
+def short_ensembles(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One setting of each way, few stops."""
+    shorter = {"TOLERANCES": (1e-6,), "COARSE": (1e-5,), "FIXED_STEPS": (1e-2,), "ROUNDS": 1, "JUDGED": 2}
+    shorter |= {"IN_A_BATCH": {"planar": 32, "spatial": 16}, "OF_A_THREAD": 1, "OF_A_PROCESS": 1}
+    for name, value in shorter.items():
+        monkeypatch.setattr(ensembles, name, value)
+
+
+@pytest.fixture
 def short_anti_skid(monkeypatch: pytest.MonkeyPatch) -> None:
     """Fewer periods and a shorter count; tests/scenarios/test_anti_skid.py has the others."""
     monkeypatch.setattr(anti_skid, "PERIODS", (5e-3,))
@@ -87,6 +97,10 @@ def short_measurements(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(speed, "REPEATS", 1)
     monkeypatch.setattr(speed, "HOST_STEPS", 500)
     monkeypatch.setattr(speed, "CALLS", 1000)
+    few = {level: (system, number, 64, *wanted) for level, (system, number, _, *wanted) in throughput.STOPS.items()}
+    monkeypatch.setattr(throughput, "STOPS", few)
+    monkeypatch.setattr(throughput, "MANY", 64)
+    monkeypatch.setattr(throughput, "RAILS", {"dry": (0.3, 2.0)})
     monkeypatch.setattr(contact_depth, "ROUNDS", 1)
     monkeypatch.setattr(contact_depth, "TORQUES", contact_depth.TORQUES[::4])
     monkeypatch.setattr(contact_depth, "NEIGHBOURS", contact_depth.NEIGHBOURS[::3])
@@ -167,7 +181,7 @@ FITTED_BAND = 0.1
 MOTION = re.compile(r'<script id="motion-data" type="application/json">(.*?)</script>')
 
 
-@pytest.mark.usefixtures("short_oracle", "short_coupling", "short_study")
+@pytest.mark.usefixtures("short_oracle", "short_coupling", "short_study", "short_ensembles")
 @pytest.mark.usefixtures(
     "short_anti_skid", "short_measurements", "short_vehicles", "short_thesis_step", "short_laws", "short_track"
 )

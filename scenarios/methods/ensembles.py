@@ -1,0 +1,255 @@
+"""Error against throughput: stops a second of one instance, of batches and, on all processors, of others' methods."""
+
+import os
+import time as clock
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from functools import partial
+from multiprocessing import get_context
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fmu_src.batch import library_of_batch, run_batch
+from fmu_src.kernel import KernelError
+from products.registry import model_of
+from scenarios.bench.drive import library
+from scenarios.methods import sundials
+from scenarios.methods.integrators import Run, layout_of, scipy
+from scenarios.methods.scenes import SMOOTH, Samples, Scene, both
+from scenarios.methods.work_precision import refer
+from scenarios.reporting.progress import counting
+
+#: What chooses a level, and the system that a batch of it runs.
+LEVELS: dict[str, tuple[dict[str, float], str]] = {
+    "planar": ({"level": 2, "contact_depth": 1}, "planar"),
+    "spatial": ({"level": 3, "contact_depth": 2}, "spatial_patches"),
+}
+#: Simulated time of a stop [s], and least and largest torque capacity on both wheelsets [N.m]. The first stands shortly
+#: after: at rest others' methods, which switch between sliding and sticking as ours do, may do so without end.
+DURATION, TORQUES = SMOOTH.duration, (16e3, 20e3)
+#: Stops whose errors are judged, at torques evenly between; stops of a batch by level.
+JUDGED, IN_A_BATCH = 4, {"planar": 2000, "spatial": 200}
+#: Rounds of one instance and of batches, of which the fastest counts.
+ROUNDS = 2
+#: Stops of CVODE for each thread, of SciPy for each process, and seconds after which one of them is given up.
+OF_A_THREAD, OF_A_PROCESS, BUDGET = 8, 4, 10.0
+TOLERANCES, FIXED_STEPS = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8), (1e-2, 5e-3, 2e-3)
+COARSE = (1e-3, 1e-5, 1e-7)
+ALONE, BATCH, FIXED = "one instance", "batch", "fixed step"
+IN_THREADS, IN_PROCESSES = "CVODE, threads", {f"{name} (SciPy), processes": name for name in ("Radau", "BDF", "LSODA")}
+PEERS = (IN_THREADS, *IN_PROCESSES)
+
+
+@dataclass(frozen=True)
+class Rate:
+    """A way at a setting (tolerance, or step [s]): largest relative error of the distances (None: a stop failed), stops
+    a second, and why it failed.
+    """
+
+    level: str
+    way: str
+    setting: float
+    error: float | None
+    stops: float
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class Study:
+    """All rates; by level the relative difference of two references, and how far batches are from single runs [m]."""
+
+    rates: list[Rate]
+    uncertainty: dict[str, float]
+    apart: dict[str, float]
+
+    def of(self, level: str, way: str) -> list[Rate]:
+        """Those of a way, the loosest setting first."""
+        found = (one for one in self.rates if (one.level, one.way) == (level, way))
+        return sorted(found, key=lambda one: -one.setting)
+
+    def fastest(self, level: str, ways: Sequence[str], error: float) -> Rate | None:
+        """The most stops a second with at most this error."""
+        every = (one for way in ways for one in self.of(level, way))
+        return max((one for one in every if one.error is not None and one.error <= error), key=_stops, default=None)
+
+
+def _stops(one: Rate) -> float:
+    return one.stops
+
+
+def distance(samples: Samples) -> dict[str, float]:
+    """What is judged: where the stop ends [m]."""
+    return {"distance": float(samples["frame_distance"][-1])}
+
+
+def stop(level: str, torque: float) -> Scene:
+    """A stop from 25 m/s, with no samples but at its end."""
+    return replace(
+        SMOOTH,
+        name=f"stop, {level}, {torque:g} N.m",
+        duration=DURATION,
+        interval=DURATION,
+        read=("frame_distance",),
+        measure=distance,
+        values=LEVELS[level][0],
+        inputs=both([(0.0, torque)]),
+    )
+
+
+def judged() -> np.ndarray:
+    """Torques of the stops whose errors are judged [N.m]."""
+    return np.linspace(*TORQUES, JUDGED)
+
+
+Distances = Callable[[], np.ndarray]
+
+
+def alone(level: str, **values: float) -> Distances:
+    """Stops one after the other, by the kernel in one thread."""
+
+    def run() -> np.ndarray:
+        found = []
+        for torque in judged():
+            kernel = stop(level, torque).kernel(**values)
+            found.append(kernel.record(DURATION, DURATION, ["state_frame_distance"])["state_frame_distance"][-1])
+        return np.array(found)
+
+    return run
+
+
+def together(level: str, **values: float) -> tuple[Distances, np.ndarray]:
+    """Stops in a batch on all processors; and which of them are judged."""
+    chosen, system = LEVELS[level]
+    count = max(IN_A_BATCH[level], JUDGED)
+    torques = np.linspace(*TORQUES, count)
+    places = np.round(np.linspace(0, count - 1, JUDGED)).astype(int)
+    torques[places] = judged()
+    given: dict[str, ArrayLike] = {"initial_speed": 25.0, "brake_torque_1": torques, "brake_torque_2": torques}
+    in_lanes = library_of_batch(model_of("bogie"), system)
+
+    def run() -> np.ndarray:
+        ends = run_batch(
+            in_lanes, {**SMOOTH.parameters, **chosen, **given, **values}, DURATION, ["state_frame_distance"]
+        )
+        for sentence in ends.failures.values():
+            raise KernelError(sentence, 3)
+        return ends.outputs["state_frame_distance"]
+
+    return run, places
+
+
+def fastest_of(run: Distances) -> tuple[float, np.ndarray]:
+    """Stops a second, and their distances [m]."""
+    best = np.inf
+    for _ in range(ROUNDS):
+        begin = clock.perf_counter()
+        found = run()
+        best = min(best, clock.perf_counter() - begin)
+    return found.size / best, found
+
+
+def of_scipy(level: str, method: str, tolerance: float, torque: float) -> Run:
+    """One stop in a process."""
+    return scipy(stop(level, torque), method, tolerance, BUDGET)
+
+
+def of_cvode(level: str, tolerance: float, torque: float) -> Run:
+    """One stop in a thread, which Python lets go on beside others."""
+    return sundials.sundials(stop(level, torque), "CVODE", tolerance, BUDGET)
+
+
+def warm_up(_: int) -> None:
+    """What a process needs before its first stop."""
+    library("bogie")
+    for level in LEVELS:
+        layout_of(stop(level, TORQUES[0]))
+
+
+# ---- the study -------------------------------------------------------------------------------------------------------
+
+
+def settings() -> Iterator[tuple[str, float, dict[str, float]]]:
+    """Ours: what is added to the name of the way, the setting, and the values of the kernel."""
+    yield from (("", value, {"tolerance": value}) for value in TOLERANCES)
+    for step in FIXED_STEPS:
+        yield f", {FIXED}", step, {"integration_method": 2, "integration_step": step}
+
+
+def error_of(found: np.ndarray, exact: np.ndarray) -> float:
+    """The largest relative error of the judged distances [m]."""
+    return float(np.abs(found / exact - 1.0).max())
+
+
+def ours(level: str, exact: np.ndarray) -> Iterator[tuple[Rate, float]]:
+    """One instance and a batch at each setting, and how far the two are apart [m]."""
+    for words, setting, values in settings():
+        run, places = together(level, **values)
+        try:
+            stops, single = fastest_of(alone(level, **values))
+            in_batch, every = fastest_of(run)
+        except KernelError as error:  # steps that are too long
+            yield Rate(level, ALONE + words, setting, None, 0.0, str(error)), 0.0
+            yield Rate(level, BATCH + words, setting, None, 0.0, str(error)), 0.0
+            continue
+        yield Rate(level, ALONE + words, setting, error_of(single, exact), stops), 0.0
+        apart = float(np.abs(every[places] - single).max())
+        yield Rate(level, BATCH + words, setting, error_of(every[places], exact), in_batch), apart
+
+
+def others(level: str, exact: np.ndarray, pool: Executor, threads: Executor, workers: int) -> Iterator[Rate]:
+    """Others' methods, one stop a worker at a time."""
+    for setting in TOLERANCES if sundials.is_installed() else ():
+        work = partial(of_cvode, level, setting)
+        yield rate_of(level, IN_THREADS, setting, exact, threads, work, OF_A_THREAD * workers)
+    for way, method in IN_PROCESSES.items():
+        for setting in COARSE:
+            work = partial(of_scipy, level, method, setting)
+            yield rate_of(level, way, setting, exact, pool, work, OF_A_PROCESS * workers)
+
+
+def rate_of(
+    level: str, way: str, setting: float, exact: np.ndarray, pool: Executor, work: Callable[[float], Run], count: int
+) -> Rate:
+    """The judged stops over and over, `count` at least, by a pool of workers."""
+    torques = np.tile(judged(), -(-count // JUDGED))
+    begin = clock.perf_counter()
+    runs = list(pool.map(work, torques.tolist()))
+    stops = len(runs) / (clock.perf_counter() - begin)
+    for run in runs:
+        if run.failure:
+            return Rate(level, way, setting, None, stops, run.failure)
+    found = np.array([distance(run.samples)["distance"] for run in runs[:JUDGED]])
+    return Rate(level, way, setting, error_of(found, exact), stops)
+
+
+def references(level: str) -> tuple[np.ndarray, float]:
+    """Distances [m] by a method of others at a tolerance 100 times tighter, and how far ours at its tightest is off."""
+    found = [refer(stop(level, torque)) for torque in judged()]
+    return np.array([measures["distance"] for measures, _, _ in found]), max(off for _, off, _ in found)
+
+
+def study() -> Study:
+    """All rates, with a bar."""
+    workers = os.cpu_count() or 1
+    found = Study([], {}, {})
+    per_level = 2 * len(list(settings())) + len(IN_PROCESSES) * len(COARSE)
+    per_level += len(TOLERANCES) if sundials.is_installed() else 0
+    warm_up(0)
+    with ExitStack() as held:
+        bar = held.enter_context(counting(total=len(LEVELS) * per_level, text="ensembles", unit="rate"))
+        pool = held.enter_context(ProcessPoolExecutor(workers, get_context("spawn")))
+        threads = held.enter_context(ThreadPoolExecutor(workers))
+        list(pool.map(warm_up, range(workers)))
+        for level in LEVELS:
+            exact, found.uncertainty[level] = references(level)
+            for rate, apart in ours(level, exact):
+                found.rates.append(rate)
+                found.apart[level] = max(found.apart.get(level, 0.0), apart)
+                bar.update()
+            for rate in others(level, exact, pool, threads, workers):
+                found.rates.append(rate)
+                bar.update()
+    return found

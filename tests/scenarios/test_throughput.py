@@ -1,0 +1,79 @@
+"""Error against throughput: which way is best at an error, and what the picture and its rows say of it."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+
+from rbd_model.levels.models import DEFAULT_TOLERANCE
+from scenarios.methods import ensembles
+from scenarios.methods.ensembles import ALONE, BATCH, IN_THREADS, Rate, Study
+from scenarios.methods.integrators import Run
+from scenarios.numerics import throughput
+
+
+def found() -> Study:
+    """A batch that makes 40 times the stops of CVODE with a good error in the plane, 20 times in space."""
+    rates = []
+    for level, stops in (("planar", 400.0), ("spatial", 200.0)):
+        rates += [
+            Rate(level, BATCH, DEFAULT_TOLERANCE, 1e-7, stops),
+            Rate(level, BATCH, 1e-3, 2e-4, 2 * stops),
+            Rate(level, ALONE, DEFAULT_TOLERANCE, 1e-7, stops / 8),
+            Rate(level, IN_THREADS, 1e-3, 2e-4, 50.0),
+            Rate(level, IN_THREADS, 1e-5, 1e-5, 10.0),
+            Rate(level, "Radau (SciPy), processes", 1e-5, None, 30.0, "given up"),
+        ]
+    return Study(rates, dict.fromkeys(ensembles.LEVELS, 1e-10), {"planar": 0.0, "spatial": 1e-9})
+
+
+def test_the_best_of_others_is_the_fastest_whose_error_is_good() -> None:
+    best = found().fastest("planar", ensembles.PEERS, 1e-4)
+    assert best is not None
+    assert (best.way, best.setting, best.stops) == (IN_THREADS, 1e-5, 10.0)
+    assert found().fastest("planar", ensembles.PEERS, 1e-6) is None
+    assert [one.setting for one in found().of("planar", BATCH)] == [1e-3, DEFAULT_TOLERANCE]
+
+
+def test_the_title_is_what_was_measured() -> None:
+    words = "A batch makes {} (planar) and {} (spatial) times the stops a second of {}, with errors below 0.0001"
+    assert throughput.message(found()) == words.format(40, 20, "others at best")
+    without = Study([one for one in found().rates if one.way not in ensembles.PEERS], {}, {})
+    assert throughput.message(without) == words.format(8, 8, "one instance")
+
+
+def test_errors_and_bits_are_judged_and_the_clock_is_not() -> None:
+    rows = {row.quantity: row for level in ensembles.LEVELS for row in throughput.level_rows(found(), level)}
+    judged = {name: row.holds for name, row in rows.items() if row.holds is not None}
+    assert judged == {
+        "planar: error of a batch at the default": True,
+        "planar: largest difference of a batch and single runs": True,
+        "spatial: error of a batch at the default": True,
+        "spatial: largest difference of a batch and single runs": False,
+    }
+    assert rows["spatial: batch at the default over the best of others to 0.0001"].simulated == 20.0
+
+
+def test_all_stops_of_a_pool_count_and_one_that_fails_is_told() -> None:
+    exact = np.full(ensembles.JUDGED, 200.0)
+    asked: list[float] = []
+
+    def work(torque: float) -> Run:
+        asked.append(torque)
+        return Run({"frame_distance": np.array([0.0, 200.2])}, 1.0)
+
+    with ThreadPoolExecutor(1) as pool:
+        good = ensembles.rate_of("planar", IN_THREADS, 1e-5, exact, pool, work, 5)
+        bad = ensembles.rate_of("planar", IN_THREADS, 1e-5, exact, pool, lambda _: Run({}, 1.0, failure="no"), 1)
+    assert asked == [*ensembles.judged(), *ensembles.judged()]
+    assert good.error == pytest.approx(1e-3)
+    assert (bad.error, bad.reason) == (None, "no")
+
+
+def test_failures_are_on_the_picture_and_in_no_line() -> None:
+    figure = throughput.draw(found())
+    lines = [line for line in figure.axes[0].lines if line.get_marker() == "D"]
+    assert [list(line.get_ydata()) for line in lines] == [[], [throughput.FAILED]]
+    throughput.plt.close(figure)
