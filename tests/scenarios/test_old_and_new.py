@@ -121,3 +121,27 @@ def test_code_that_cannot_be_imported_is_told(tmp_path: Path) -> None:
     with pytest.raises(BadInputError, match=r"The old code cannot be measured \(ImportError: of another time\)"):
         tree.copy_libraries()
     tree.close()
+
+
+def test_all_fmus_are_built_with_an_empty_cache_and_each_is_counted(tmp_path: Path) -> None:
+    script = """
+import os, sys, zipfile
+from pathlib import Path
+assert not Path(os.environ["BOGIE_BRAKING_CACHE"]).exists()
+out = Path(sys.argv[2]) / "native"
+out.mkdir(parents=True)
+for name in "ab":
+    with zipfile.ZipFile(out / f"{name}.fmu", "w") as archive:
+        archive.writestr("binaries/a.so", b"0" * 7)
+    print(f"{out / name}.fmu  7 kB  valid")
+"""
+    (tmp_path / "build_fmu.py").write_text(script)
+    tree = Tree(OLD, tmp_path, tmp_path)
+    counted: list[int] = []
+    seconds, sizes = old_and_new.build(tree, tmp_path, lambda: counted.append(1))
+    assert (sizes, len(counted)) == ({"a": 7, "b": 7}, 2)
+    assert seconds > 0.0
+    (tmp_path / "build_fmu.py").write_text("raise SystemExit(1)")
+    with pytest.raises(BadInputError, match="The old code does not build its FMUs"):
+        old_and_new.build(tree, tmp_path, lambda: None)
+    tree.close()
