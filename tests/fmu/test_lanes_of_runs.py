@@ -114,6 +114,7 @@ def test_a_run_has_the_same_bits_of_both_compilers(folder: Path, curve: Path) ->
         assert run_of(one, lanes, values)[1] == expected
 
 
+@pytest.mark.long
 @pytest.mark.skipif(os.uname().machine != "x86_64" if hasattr(os, "uname") else True, reason="for processors of x86")
 @pytest.mark.parametrize(("processor", "lanes"), [("Nehalem", 2), ("Haswell", 4)])
 def test_a_run_has_the_same_bits_on_other_processors(processor: str, lanes: int, folder: Path, curve: Path) -> None:
