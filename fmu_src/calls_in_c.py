@@ -141,10 +141,13 @@ def where(call: str, condition: str, left: str, leaves: int, distance: str | int
     """A call that leaves 0 in lanes whose condition is not above 0, and is left out where that is so in all."""
     return f"""{{
     const real_mask asked = real_load({condition}) > 0.0;
-    if (real_any(asked)) {call};
-    for (int i = 0; i < {leaves} && real_any(asked); ++i)
-      real_store({left} + i * {distance}, real_where(asked, real_load({left} + i * {distance})));
-    for (int i = 0; i < {leaves} && !real_any(asked); ++i) real_store({left} + i * {distance}, real_of(0.0));
+    if (real_any(asked)) {{
+      {call};
+      for (int i = 0; i < {leaves}; ++i)
+        real_store({left} + i * {distance}, real_where(asked, real_load({left} + i * {distance})));
+    }} else {{
+      for (int i = 0; i < {leaves}; ++i) real_store({left} + i * {distance}, real_of(0.0));
+    }}
   }}"""
 
 

@@ -216,26 +216,32 @@ def _of_one_number(name: str, one: Generated) -> Body:
 
 def _of_part(name: str, one: Generated, own_name: str, distance: str) -> Body:
     """A part in lanes: distance, C of a number, is how far the numbers of a lane are from each other."""
-    given = ["arguments", "constants", "results"]
     parameters = "const double *arguments, const double *constants, double *results"
-    return _of_lanes(name, one, own_name, (parameters, given[:2], given[2:]), distance)
+    face = LanesFace(parameters, "arguments, constants, results", ["arguments", "constants"], ["results"])
+    return _of_lanes(name, one, own_name, face, distance)
 
 
 def _of_all_lanes(name: str, one: Generated) -> Body:
     """A function of a system in lanes, `lanes_function` in batch.h."""
     inputs = [f"arg[{number}]" for number in range(one.function.n_in())]
     results = [f"res[{number}]" for number in range(one.function.n_out() - one.ranks)]
-    parameters = "const double *const *arg, double *const *res"
-    return _of_lanes(name, one, one.function.name(), (parameters, inputs, results), "LANES")
+    face = LanesFace("const double *const *arg, double *const *res", "arg, res", inputs, results)
+    return _of_lanes(name, one, one.function.name(), face, "LANES")
 
 
-def _of_lanes(
-    name: str, one: Generated, own_name: str, face: tuple[str, Sequence[str], Sequence[str]], distance: str
-) -> Body:
-    """face: C of parameters, inputs and results."""
+@dataclass(frozen=True)
+class LanesFace:
+    """C of the parameters of a function in lanes, of what its pieces are given, of its inputs and of its results."""
+
+    parameters: str
+    given: str
+    inputs: Sequence[str]
+    results: Sequence[str]
+
+
+def _of_lanes(name: str, one: Generated, own_name: str, face: LanesFace, distance: str) -> Body:
     function, rooms = one.function, Rooms.of(one, False)
-    parameters, inputs, results = face
-    inputs = [*inputs[: function.n_in() - 1], "left"] if one.calls else inputs
+    inputs = [*face.inputs[: function.n_in() - 1], "left"] if one.calls else face.inputs
 
     def at(array: str, place: int, by: str) -> str:
         return f"{array} + {place} * {by}" if by == "LANES" else f"{array} + {place * int(by)}"
@@ -247,7 +253,7 @@ def _of_lanes(
 
     def write(number: int, place: int) -> list[str]:
         if number >= one.ranks:
-            return [f"real_store({at(results[number - one.ranks], place, distance)}, {{}})"]
+            return [f"real_store({at(face.results[number - one.ranks], place, distance)}, {{}})"]
         return [f"real_store({at(f'given_{number}', where, 'LANES')}, {{}})" for where in rooms.given[number][place]]
 
     def calls(number: int) -> list[Statement]:
@@ -255,10 +261,9 @@ def _of_lanes(
         return [Statement(_plain(call_in_lanes(name, number, group))) for group in found]
 
     statements = statements_of(function, Memory(read, write), calls)
-    head = f"static void LANES_NAME({name}_{own_name})({parameters})"
+    head = f"static void LANES_NAME({name}_{own_name})({face.parameters})"
     piece = f"LANES_NAME({name}_piece_of_{own_name})"
-    given = ", ".join(word.split("*")[-1].split(" ")[-1] for word in parameters.split(", "))
-    return Body(piece, head, parameters, given, statements, rooms.sizes, "LANES", [])
+    return Body(piece, head, face.parameters, face.given, statements, rooms.sizes, "LANES", [])
 
 
 def _plain(text: str) -> str:
@@ -291,16 +296,13 @@ def _locals(statements: Sequence[Statement]) -> dict[int, str]:
     free: dict[bool, list[str]] = {True: [], False: []}
     new = {True: (f"m{number}" for number in count()), False: (f"a{number}" for number in count())}
     for number, one in enumerate(statements):
-        # What a statement writes itself must not stand where it still reads.
         ends = [value for value in dict.fromkeys(one.reads) if last[value] == number]
-        late = ends if one.written else []
-        for value in ends if not one.written else []:
-            free[value in masks].append(names[value])
+        if not one.written:  # it reads before it writes
+            for value in ends:
+                free[value in masks].append(names[value])
         for value in one.values:
             names[value] = free[one.mask].pop() if free[one.mask] else next(new[one.mask])
-            if value not in last:
-                free[one.mask].append(names[value])
-        for value in late:
+        for value in [*(ends if one.written else []), *(value for value in one.values if value not in last)]:
             free[value in masks].append(names[value])
     return names
 

@@ -63,6 +63,24 @@ def test_each_run_of_a_batch_is_that_which_it_is_alone(what: str, scene: dict[st
     assert np.isnan(ends.time[21:]).all()
 
 
+#: Method and fixed step [s] of each row: neighbours have others, and each pair stands in several lanes.
+MIXED = [(1, 0.0), (2, 5e-3), (1, 5e-3), (2, 0.0), (3, 2e-4), (2, 2e-3), (1, 2e-3)] * 3
+
+
+def test_runs_with_other_methods_beside_them_are_those_which_they_are_alone() -> None:
+    methods, sizes = (np.array(column, dtype=float) for column in zip(*MIXED, strict=True))
+    scene = {"level": 2, **BRAKED, "initial_speed": 12.0}
+    chosen = {
+        "integration_method": methods,
+        "integration_step": sizes,
+        "tolerance": np.geomspace(1e-7, 1e-4, len(MIXED)),
+    }
+    ends = bb.batch("bogie", 5.0, OUTPUTS, said=True, **scene, **chosen)
+    rows = [{name: column[row] for name, column in chosen.items()} for row in range(len(MIXED))]
+    assert_same(ends, [alone("bogie", 5.0, None, {**scene, **row}) for row in rows])
+    assert len(set(ends["distance"][:7].tolist())) == 7
+
+
 def test_runs_in_space_that_end_early_are_those_which_they_are_alone() -> None:
     """In a curve the fast ones tip over; they leave their lanes to the runs behind them."""
     before, curve = bb.straight(20.0), bb.arc(500.0, 300.0)
@@ -206,6 +224,25 @@ def test_instances_in_control_steps_are_those_which_they_are_alone(together, pla
     assert all(kernel.counts["events"] >= 2 for kernel in kernels[6:])
     assert made.time[3] == pytest.approx(140 * SIZE)
     assert not made.ended.any()
+
+
+def test_instances_with_other_methods_beside_them_are_those_which_they_are_alone(planar: BatchLibrary) -> None:
+    rows = [{"integration_method": method, "integration_step": size} for method, size in MIXED]
+    scene = {"initial_speed": 20.0, "friction_1": 0.08}
+    chosen = {name: [row[name] for row in rows] for name in rows[0]}
+    kernels = [Kernel(planar, **scene, **row) for row in rows]
+    for kernel in kernels:
+        kernel.initialise()
+    with bb.instances("bogie", len(rows), ["brake_torque_1"], OUTPUTS, **scene, **chosen) as made:
+        for number in range(120):
+            torque_1 = 40e3 if number % 60 < 40 else 0.0
+            found = made.step(SIZE, {"brake_torque_1": torque_1})
+            for kernel in kernels:
+                kernel.set(brake_torque_1=torque_1)
+                kernel.step(kernel.time, SIZE)
+        for name in OUTPUTS:
+            assert np.array_equal(found[name], [kernel[name] for kernel in kernels]), name
+    assert all(kernel.counts["events"] >= 2 for kernel in kernels)
 
 
 def test_first_inputs_of_instances_hold_until_others_are_given() -> None:

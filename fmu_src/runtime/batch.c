@@ -105,31 +105,40 @@ static bool stands_at(const batch *self, int l, const double *state) {
     return true;
 }
 
-/* Begins the steps of lanes that ended one; those that are not done ask for a trial then. */
+/* Whether the steps of an instance are those that lanes make: with an exact Jacobian, and no algebraic states. */
+static bool goes_in_lanes(const kernel *own) {
+    if (own->system->algebraics) return false;
+    return own->work.method == METHOD_EXACT || (own->work.method == METHOD_REUSED && own->run.value[MODEL.integration_step] > 0.0);
+}
+
+/* Begins a step in a lane, which asks for a trial or is done then; all: what is known there, null: nothing. */
+static void begin_in_lane(batch *self, int l, const known_place *all) {
+    lane *one = &self->lane[l];
+    const double offset = one->run.offset;
+    if (all) set_known(&one->start, l, all, offset);
+    know(self, l, all ? &one->start : NULL, NULL);
+    if (one->begins) stepper_begin(one->self, &one->run, one->size);
+    one->begins = false;
+    stepper_ask(one->self, &one->run);
+    /* Otherwise a step alone has led elsewhere, or a mode was another one. */
+    one->linearised = all && one->run.offset == offset && stands_at(self, l, self->numbers.state);
+    know(self, l, NULL, NULL);
+}
+
+/* Begins the steps of lanes that ended one. */
 static void begin_steps(batch *self) {
-    bool begin_runs = false, begin = false;
+    bool begin_runs = false, together = false;
     for (int l = 0; l < W; ++l) {
-        if (!is_active(&self->lane[l])) continue;
-        begin_runs |= self->lane[l].begins;
-        begin |= self->lane[l].run.phase == STEPPER_BEGINS;
+        const lane *one = &self->lane[l];
+        if (!is_active(one) || one->run.phase != STEPPER_BEGINS || !goes_in_lanes(one->self)) continue;
+        begin_runs |= one->begins;
+        together = true;
     }
-    if (!begin) return;
-    take_in_places(self);
-    const known_place *all = batch_start(self, begin_runs);
+    if (together) take_in_places(self);
+    const known_place *all = together ? batch_start(self, begin_runs) : NULL;
     for (int l = 0; l < W; ++l) {
-        lane *one = &self->lane[l];
-        if (!is_active(one) || one->run.phase != STEPPER_BEGINS) continue;
-        set_known(&one->start, l, all, one->run.offset);
-        know(self, l, &one->start, NULL);
-        if (one->begins) stepper_begin(one->self, &one->run, one->size);
-        one->begins = false;
-        const double offset = one->run.offset;
-        const bool in_lanes = (one->run.fixed || one->self->work.method == METHOD_EXACT) && !self->system->algebraics;
-        if (!in_lanes) know(self, l, NULL, NULL); /* it needs a Jacobian of its own, which is not taken out of the lanes */
-        stepper_ask(one->self, &one->run);
-        /* A step alone has led elsewhere, or a mode was another one. */
-        one->together = in_lanes && one->run.offset == offset && stands_at(self, l, self->numbers.state);
-        know(self, l, NULL, NULL);
+        const lane *one = &self->lane[l];
+        if (is_active(one) && one->run.phase == STEPPER_BEGINS) begin_in_lane(self, l, goes_in_lanes(one->self) ? all : NULL);
     }
 }
 
@@ -161,22 +170,22 @@ static void take_trial(batch *self, int l, const known_place *all) {
 }
 
 static void try_alone(lane *one) {
-    if (one->together) rosenbrock_linearise(one->self, one->run.offset, one->self->run.state);
+    if (one->linearised) rosenbrock_linearise(one->self, one->run.offset, one->self->run.state); /* the lanes have it */
     stepper_take(one->self, &one->run, stepper_try(one->self, &one->run));
 }
 
 static void try_steps(batch *self) {
-    bool together = false;
+    self->tableau = NULL;
     for (int l = 0; l < W; ++l) {
         lane *one = &self->lane[l];
-        if (!asks(one) || !one->together) continue;
+        one->together = false;
+        if (!asks(one) || !one->linearised) continue;
         const rosenbrock_tableau *method = one->self->work.method == METHOD_REUSED ? &ROS34PW2 : &RODAS5P;
-        if (!together) self->tableau = method;
+        if (!self->tableau) self->tableau = method; /* lanes with the other method go alone */
         one->together = method == self->tableau;
-        together = true;
         self->numbers.wanted[l] = one->run.size;
     }
-    const known_place *all = together ? batch_try(self) : NULL;
+    const known_place *all = self->tableau ? batch_try(self) : NULL;
     for (int l = 0; l < W; ++l) {
         lane *one = &self->lane[l];
         if (!asks(one)) continue;

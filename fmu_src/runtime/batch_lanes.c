@@ -11,8 +11,6 @@
 #include "rosenbrock_stages.h"
 
 enum { ALIGNMENT = 64 };
-/* As in linear.c. */
-static const double MOST_RATIO = 1e8;
 
 static double *carve_lanes(double *room, size_t *used, int count) {
     double *start = room ? room + *used : NULL;
@@ -57,20 +55,17 @@ bool batch_lay_out(batch *self) {
     const size_t beside = (size_t)self->room % ALIGNMENT / sizeof(double);
     (void)lay_out(self, self->room + (beside ? line - beside : 0));
     for (int i = 0; i < self->system->states * LANES; ++i) self->numbers.differential[i] = 1.0;
-    for (int i = 0; i < self->system->algebraics; ++i)
-        for (int l = 0; l < LANES; ++l) self->numbers.differential[self->system->algebraic[i] * LANES + l] = 0.0;
     return true;
 }
 
 /* Inputs and pieces of the table file at `share` of the wanted steps; then functions may be asked there. */
-static void locate(batch *self, double share, const double *state) {
+static void locate(batch *self, double share) {
     const system_description *system = self->system;
     lane_numbers *n = &self->numbers;
     const real offset = real_load(n->offset) + share * real_load(n->wanted);
     real_store(n->time, real_load(n->origin) + offset);
     for (int i = 0; i < system->inputs; ++i)
         real_store(n->stage_input + i * LANES, real_load(n->input + i * LANES) + offset * real_load(n->rate + i * LANES));
-    (void)state;
 }
 
 static void call(batch *self, lanes_function function, const double *state, double *const *result) {
@@ -104,7 +99,7 @@ static void look_up(batch *self, const double *state) {
 }
 
 static void place_at(batch *self, double share, const double *state) {
-    locate(self, share, state);
+    locate(self, share);
     if (self->system->tables) look_up(self, state);
 }
 
@@ -153,13 +148,12 @@ const known_place *batch_start(batch *self, bool modes) {
     place_at(self, 0.0, n->state);
     if (modes) find_modes(self, &self->start, n->state, n->capacity, n->drive);
     double *result[] = {n->jacobian, n->time_slope, n->slope};
-    const int size[] = {0, system->states, system->states};
     call(self, self->of->jacobian, n->state, result);
-    add_known(&self->start, system->jacobian, n->jacobian, 0); /* the lanes have it, whose steps it makes */
+    add_known(&self->start, system->jacobian, n->jacobian, 0); /* the Jacobian stays in the lanes, whose steps it makes */
     known_function *jacobian = &self->start.function[self->start.functions - 1];
     for (int i = 1; i < MOST_RESULTS; ++i) {
         jacobian->result[i] = result[i];
-        jacobian->size[i] = size[i];
+        jacobian->size[i] = system->states;
     }
     if (system->limits) {
         call(self, self->of->largest_change, n->state, &n->largest_change);
@@ -181,7 +175,7 @@ static void factorise(batch *self) {
     real_mask regular = real_of(0.0) < real_of(1.0);
     for (int i = 0; i < system->states; ++i) regular = regular & (real_fabs(real_load(entry + i * LANES)) < real_of(INFINITY));
     for (int i = system->states; i < system->states + system->lower_factors; ++i)
-        regular = regular & (real_fabs(real_load(entry + i * LANES)) <= real_of(MOST_RATIO));
+        regular = regular & (real_fabs(real_load(entry + i * LANES)) <= real_of(PIVOT_RATIO));
     real_store(n->regular, real_of_mask(regular));
 }
 

@@ -20,7 +20,8 @@ typedef struct {
     unsigned long long noted;
     long long int row;
     double size;
-    bool begins, together; /* a kernel_step; whether its trials go with the others */
+    bool begins; /* a kernel_step */
+    bool linearised, together; /* whether the lanes have its Jacobian; whether its trial is made with those of others */
     const kernel *constants_of; /* whose constants stand in the lane */
     known_place start, end;
 } lane;

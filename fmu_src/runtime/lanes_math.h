@@ -508,63 +508,22 @@ LANES_FUNCTION real real_cbrt(real x)
     return lanes_cbrt_part(x);
 }
 
-/* Lane by lane through the C library; its bits are those of the platform. */
-LANES_FUNCTION real real_sinh(real x)
-{
-    return lanes_by(sinh, x);
-}
-
-LANES_FUNCTION real real_cosh(real x)
-{
-    return lanes_by(cosh, x);
-}
-
-LANES_FUNCTION real real_tanh(real x)
-{
-    return lanes_by(tanh, x);
-}
-
-LANES_FUNCTION real real_asinh(real x)
-{
-    return lanes_by(asinh, x);
-}
-
-LANES_FUNCTION real real_acosh(real x)
-{
-    return lanes_by(acosh, x);
-}
-
-LANES_FUNCTION real real_atanh(real x)
-{
-    return lanes_by(atanh, x);
-}
-
-LANES_FUNCTION real real_expm1(real x)
-{
-    return lanes_by(expm1, x);
-}
-
-LANES_FUNCTION real real_log1p(real x)
-{
-    return lanes_by(log1p, x);
-}
-
-LANES_FUNCTION real real_erf(real x)
-{
-    return lanes_by(erf, x);
-}
-
-LANES_FUNCTION real real_fmod(real x, real y)
-{
-    return lanes_by2(fmod, x, y);
-}
-
-LANES_FUNCTION real real_remainder(real x, real y)
-{
-    return lanes_by2(remainder, x, y);
-}
-
-LANES_FUNCTION real real_hypot(real x, real y)
-{
-    return lanes_by2(hypot, x, y);
-}
+/* Lane by lane through the C library; the bits are those of the platform. */
+#define LANES_OF_LIBRARY(f) \
+    LANES_FUNCTION real real_##f(real x) { return lanes_by(f, x); }
+#define LANES_OF_LIBRARY2(f) \
+    LANES_FUNCTION real real_##f(real x, real y) { return lanes_by2(f, x, y); }
+LANES_OF_LIBRARY(sinh)
+LANES_OF_LIBRARY(cosh)
+LANES_OF_LIBRARY(tanh)
+LANES_OF_LIBRARY(asinh)
+LANES_OF_LIBRARY(acosh)
+LANES_OF_LIBRARY(atanh)
+LANES_OF_LIBRARY(expm1)
+LANES_OF_LIBRARY(log1p)
+LANES_OF_LIBRARY(erf)
+LANES_OF_LIBRARY2(fmod)
+LANES_OF_LIBRARY2(remainder)
+LANES_OF_LIBRARY2(hypot)
+#undef LANES_OF_LIBRARY
+#undef LANES_OF_LIBRARY2

@@ -7,10 +7,6 @@
 
 #include "method.h"
 
-/* Largest ratio of a column's entries to the diagonal one at which the diagonal still serves as the pivot. The rows have
- * different units, so only a diagonal that is next to nothing is refused. */
-static const double PIVOT_RATIO = 1e8;
-
 /* Factors of a matrix by columns, in place; whether it is regular. */
 static bool factorise_dense(dense_factors *of) {
     const int n = of->size;

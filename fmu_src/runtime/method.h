@@ -7,6 +7,9 @@
 typedef struct rosenbrock_tableau rosenbrock_tableau; /* tableau.h */
 typedef struct stepper stepper;                       /* stepper.h */
 
+/* Largest ratio of a column's entries to the diagonal one at which the diagonal still serves as the pivot. The rows have
+ * different units, so only a diagonal that is next to nothing is refused. */
+static const double PIVOT_RATIO = 1e8;
 /* Linear equations: factors of M diagonal - J, in the order of the states; and of the algebraic part of J. Whether the
  * matrix is regular. */
 RUNTIME_LOCAL bool linear_factorise_step(kernel *self, step_factors *of, const double *jacobian, double diagonal);
