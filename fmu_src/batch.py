@@ -266,7 +266,7 @@ class Instances:
             self._begin(row, {})
         groups = [library.functions.batch_create() for _ in range(-(-count // library.lanes))]
         self._groups = (ctypes.c_void_p * len(groups))(*groups)
-        self._pool = ThreadPoolExecutor(self._threads)
+        self._pool = ThreadPoolExecutor(max(self._threads - 1, 1))
         if not all(groups):
             self.close()
             raise MemoryError(NO_MEMORY)
@@ -334,13 +334,12 @@ class Instances:
         for name, value in (inputs or {}).items():
             if name not in self.inputs:
                 raise KernelError(f"No input {name} was named; {suggestion(name, self.inputs)}", ERROR)
-            self._given[:, self.inputs.index(name)] = _for_each(name, value, len(self))
+            self._given[:, self.inputs.index(name)] = _one_or_each(name, value, len(self))
         count, width = len(self), self._library.lanes
         share = max(1, -(-count // (self._threads * width))) * width
-        done = [
-            self._pool.submit(self._step_some, first, min(first + share, count), size)
-            for first in range(0, count, share)
-        ]
+        shares = [(first, min(first + share, count), size) for first in range(0, count, share)]
+        done = [self._pool.submit(self._step_some, *one) for one in shares[1:]]
+        self._step_some(*shares[0])  # waking a thread takes as long as hundreds of steps
         for one in done:
             one.result()
         failed = np.flatnonzero(self._status > DISCARD)
@@ -373,7 +372,12 @@ def _from(handles: ctypes.Array[ctypes.c_void_p], first: int) -> ctypes._Pointer
 
 def _for_each(name: str, value: ArrayLike, count: int) -> Numbers:
     """A number for each of so many. Raises ValueError."""
+    return np.broadcast_to(_one_or_each(name, value, count), count).copy()
+
+
+def _one_or_each(name: str, value: ArrayLike, count: int) -> Numbers:
+    """One number for all, or so many. Raises ValueError."""
     given = np.asarray(value, float)
     if given.shape not in ((), (count,)):
         raise ValueError(f"Give {name} one number, or {count} of them: it was an array of shape {given.shape}.")
-    return np.broadcast_to(given, count).copy()
+    return given

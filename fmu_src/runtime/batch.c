@@ -89,10 +89,7 @@ static void know(batch *self, int l, const known_place *start, const known_place
 static void set_known(known_place *known, int l, const known_place *all, double offset) {
     *known = *all;
     known->offset = offset;
-    known->state += l;
-    known->mode += l;
-    for (int i = 0; i < known->functions; ++i)
-        for (int n = 0; n < MOST_RESULTS && known->function[i].result[n]; ++n) known->function[i].result[n] += l;
+    known->lane = l;
 }
 
 /* Whether a lane's instance is in this state, with the modes that the lane has. */
@@ -349,10 +346,19 @@ static void end_steps(batch *self, void *work, int l, kernel_status status) {
     self->lane[l].self = NULL;
 }
 
+/* Whether an input has this value, bit for bit: it was checked when it was set. */
+static bool has_input(const kernel *own, int variable, double value) {
+    return MODEL.variable[variable].causality == CAUSALITY_INPUT && own->run.input_rate[variable] == 0.0 &&
+           memcmp(&own->run.value[variable], &value, sizeof value) == 0;
+}
+
 static kernel_status set_inputs(const batch_steps *steps, long long int row, kernel *own) {
     kernel_status status = KERNEL_OK;
-    for (int i = 0; i < steps->inputs && status <= KERNEL_WARNING; ++i)
-        status = kernel_set(own, steps->input[i], steps->value[row * steps->inputs + i]);
+    for (int i = 0; i < steps->inputs && status <= KERNEL_WARNING; ++i) {
+        const double value = steps->value[row * steps->inputs + i];
+        if (!has_input(own, steps->input[i], value)) status = kernel_set(own, steps->input[i], value);
+    }
+    own->run.now->outputs_stale = true;
     if (status <= KERNEL_WARNING && own->system != &MODEL.system[BATCH.system])
         status = kernel_fail(own, KERNEL_ERROR, "This batch runs the system %s alone.", MODEL.system[BATCH.system].name);
     own->reads_outputs_later = true;

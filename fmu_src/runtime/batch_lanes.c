@@ -111,8 +111,9 @@ static void add_known(known_place *known, generated_function function, double *f
     one->size[0] = size;
 }
 
-static void begin_known(batch *self, known_place *known, const double *state) {
+static void begin_known(batch *self, known_place *known, known_function *function, const double *state) {
     known->lanes = LANES;
+    known->function = function;
     known->functions = 0;
     known->state = state;
     known->mode = self->numbers.mode;
@@ -144,7 +145,7 @@ static void find_modes(batch *self, known_place *known, const double *state, dou
 const known_place *batch_start(batch *self, bool modes) {
     const system_description *system = self->system;
     lane_numbers *n = &self->numbers;
-    begin_known(self, &self->start, n->state);
+    begin_known(self, &self->start, self->of_start, n->state);
     place_at(self, 0.0, n->state);
     if (modes) find_modes(self, &self->start, n->state, n->capacity, n->drive);
     double *result[] = {n->jacobian, n->time_slope, n->slope};
@@ -223,7 +224,7 @@ const known_place *batch_try(batch *self) {
     factorise(self);
     LANES_NAME(rosenbrock_stages)(self->tableau, &work, real_load(n->wanted));
     find_error(self);
-    begin_known(self, &self->end, n->trial);
+    begin_known(self, &self->end, self->of_end, n->trial);
     place_at(self, 1.0, n->trial);
     find_modes(self, &self->end, n->trial, n->end_capacity, n->end_drive);
     if (system->conditions) {

@@ -35,6 +35,7 @@ struct batch {
     kernel_recorder no_rows; /* of a run: its steps are those of a run that is recorded */
     lane_numbers numbers;
     known_place start, end;
+    known_function of_start[MOST_KNOWN], of_end[MOST_KNOWN];
     double *room;
     int *place; /* of each variable among the outputs; -1: it is none */
     bool ends;  /* whether outputs are known at the end of the trial */

@@ -15,11 +15,11 @@ static bool is_known(const kernel *self, const known_place *at, generated_functi
     const known_function *found = NULL;
     for (int i = 0; i < at->functions; ++i)
         if (at->function[i].function == function) found = &at->function[i];
-    if (!found || at->offset != offset || !is_same(self->run.mode, at->mode, at->lanes, self->system->frictions) ||
-        !is_same(state, at->state, at->lanes, self->system->states))
+    if (!found || at->offset != offset || !is_same(self->run.mode, at->mode + at->lane, at->lanes, self->system->frictions) ||
+        !is_same(state, at->state + at->lane, at->lanes, self->system->states))
         return false;
     for (int n = 0; n < MOST_RESULTS && found->result[n]; ++n)
-        for (int i = 0; i < found->size[n]; ++i) result[n][i] = found->result[n][i * at->lanes];
+        for (int i = 0; i < found->size[n]; ++i) result[n][i] = found->result[n][i * at->lanes + at->lane];
     return true;
 }
 

@@ -43,13 +43,14 @@ static double *carve(double *block, size_t *used, int count) {
 static size_t lay_out_run(run_state *run, const dimensions *room, double *block) {
     size_t used = 0;
     run->now = (run_record *)carve(block, &used, (int)((sizeof(run_record) + sizeof(double) - 1) / sizeof(double)));
-    run->value = carve(block, &used, MODEL.variables);
     run->state = carve(block, &used, room->states);
     run->mode = carve(block, &used, room->frictions);
     run->said = carve(block, &used, room->conditions);
     run->kept_state = carve(block, &used, room->states);
     run->kept_input = carve(block, &used, room->inputs);
     run->kept_mode = carve(block, &used, room->frictions);
+    run->unread = used;
+    run->value = carve(block, &used, MODEL.variables);
     run->changing = used;
     run->input_rate = carve(block, &used, MODEL.variables);
     run->last_rate = carve(block, &used, MODEL.variables);

@@ -12,12 +12,12 @@ typedef struct {
     int size[MOST_RESULTS];
 } known_function;
 
-/* A place: they serve where state and modes have the same bits. Numbers lie `lanes` apart. */
+/* A place: they serve where state and modes have the same bits. Numbers lie `lanes` apart, from `lane` on. */
 typedef struct known_place {
-    int lanes, functions;
+    int lanes, lane, functions;
     double offset;
     const double *state, *mode;
-    known_function function[MOST_KNOWN];
+    known_function *function; /* up to MOST_KNOWN */
 } known_place;
 
 #endif

@@ -32,6 +32,7 @@ typedef struct {
     double *block;  /* all of it */
     size_t doubles; /* its length */
     size_t changing; /* as much of it, from its beginning, as changes within a step */
+    size_t unread;   /* as much as changes where outputs are computed when they are read */
 } run_state;
 
 #endif

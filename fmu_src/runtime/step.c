@@ -36,10 +36,15 @@ static kernel_status check_step(kernel *self, double time, double size) {
     return KERNEL_OK;
 }
 
+/* As much of the run as a step changes. */
+static size_t changing(const kernel *self) {
+    return (self->reads_outputs_later ? self->run.unread : self->run.changing) * sizeof(double);
+}
+
 kernel_status step_begin(kernel *self, double time, double size) {
     kernel_status status = check_step(self, time, size);
     if (status != KERNEL_OK) return status;
-    memcpy(self->backup, self->run.block, self->run.changing * sizeof(double));
+    memcpy(self->backup, self->run.block, changing(self));
 
     self->given.step_origin = time;
     kernel_gather_inputs(self);
@@ -69,7 +74,7 @@ kernel_status step_end(kernel *self, unsigned long long noted, double size, doub
     }
     if (status > KERNEL_WARNING) { /* the last good state stays */
         self->kept.ready = KEPT_NOTHING;
-        memcpy(self->run.block, self->backup, self->run.changing * sizeof(double));
+        memcpy(self->run.block, self->backup, changing(self));
         return status;
     }
     for (int i = 0; i < self->system->inputs; ++i) {
