@@ -8,11 +8,12 @@ from fmpy.validation import validate_fmu
 
 from bogie_braking.checks import known
 from bogie_braking.machines import LEVELS, model_from
+from fmu_src.chain import ONE_WRITES
 from fmu_src.native_fmu import build_native_fmu, build_native_fmu3
 from fmu_src.python_fmu import build_python_fmu
 from fmu_src.system import Model, System
 from products.building import up_to_date
-from products.registry import FMUS, ONE_WRITES
+from products.registry import FMUS
 from rbd_model.levels.models import places_of
 from rbd_model.vehicle.description import Vehicle
 

@@ -10,12 +10,13 @@ from typing import Any
 
 from bogie_braking.checks import known, shown
 from fmu_src.batch import BatchLibrary
+from fmu_src.chain import ONE_WRITES
 from fmu_src.chosen import alone
 from fmu_src.compile import build_library
 from fmu_src.kernel import Library
 from fmu_src.system import Model, System, Variable, model_of
 from products.building import kernel_of, variables_of
-from products.registry import FMUS, ONE_WRITES
+from products.registry import FMUS
 from products.registry import model_of as model_of_fmu
 from rbd_model.levels.models import DEFAULT_DEPTH, DEPTH_ON_LINE, EVERY, model_of_levels, places_of
 from rbd_model.track.line_table import LINE

@@ -10,9 +10,13 @@ import math
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from itertools import pairwise
+from threading import RLock
 from typing import Any, TypeVar
 
 import casadi as ca
+
+#: CasADi counts the users of its expressions without a lock: two threads that write equations or C crash or hang.
+ONE_WRITES = RLock()
 
 
 @dataclass(frozen=True)

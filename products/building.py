@@ -13,6 +13,7 @@ from pathlib import Path
 from fmpy.validation import validate_fmu
 
 from brake_controller.protection_fmu import wheel_slide_protection
+from fmu_src.chain import ONE_WRITES
 from fmu_src.compile import CompilerError, build_library, cache, compiler, library_suffix
 from fmu_src.native_fmu import PLATFORMS, PLATFORMS3, build_native_fmu, build_native_fmu3
 from fmu_src.python_fmu import build_python_fmu
@@ -23,7 +24,7 @@ from fmu_src.terminals import FILE, ICON, terminals_and_icons
 from products.experiments import experiments_of
 from products.parameter_sets import set_files
 from products.prebuilt import content_of, prebuilt
-from products.registry import FMUS, ONE_WRITES, model_of
+from products.registry import FMUS, model_of
 from products.remembered import remembered, remembered_path
 from products.sources import ROOT
 from products.terminals import terminals_of

@@ -3,9 +3,9 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
-from threading import RLock
 
 from brake_controller.cylinder import brake_cylinder
+from fmu_src.chain import ONE_WRITES
 from fmu_src.system import Model
 from products.braked_vehicle import braked_vehicle
 from rbd_model.levels.models import bogie_dynamics, coal_wagon_dynamics, vehicle_dynamics, wheelset_dynamics
@@ -37,10 +37,6 @@ FMUS: dict[str, Fmu] = {
 
 #: Those with equations of their own; the others have the same ones with other numbers.
 DIFFERENT = [name for name, fmu in FMUS.items() if fmu.alike is None]
-
-
-#: CasADi counts the users of its expressions without a lock: two threads that write equations or C crash or hang.
-ONE_WRITES = RLock()
 
 
 def model_of(name: str) -> Model:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from itertools import compress, product
 
+from fmu_src.chain import ONE_WRITES
 from fmu_src.system import NONE, Model, System, Variable, integration_variables
 from rbd_model.contact.depth import DEPTHS, Contact
 from rbd_model.levels.planar import planar_vehicle
@@ -187,12 +188,17 @@ def family_of(name: str) -> str:
     return name.removesuffix("_left").removesuffix("_right").rstrip("1234").removesuffix("_")
 
 
-@lru_cache
 def names_of_levels(whole: bool) -> dict[str, set[str]]:
     """Names of the variables of each level of one bogie or the vehicle, least first; all have tolerance and line.
 
     Those of rails that yield are in space only, where there is a line.
     """
+    with ONE_WRITES:
+        return _names_of_levels(whole)
+
+
+@lru_cache
+def _names_of_levels(whole: bool) -> dict[str, set[str]]:
     systems = levels(passenger_coach() if whole else two_axle_bogie())
     common = {variable.name for variable in integration_variables(DEFAULT_TOLERANCE)} | {LINE.variable.name}
     names = {system.name: common | {variable.name for variable in system.variables} for system in systems}

@@ -13,12 +13,14 @@ import pytest
 from brake_controller.cylinder import brake_cylinder
 from brake_controller.parameters import qr30
 from fmu_src import compile as compiling
-from fmu_src.system import Model
+from fmu_src.system import Model, System
 from products import building, remembered
 from products.prebuilt import PAGE_SOURCES
 from products.promise import TABLE
 from products.registry import FMUS, Fmu, model_of
 from products.sources import KINDS, ROOT
+from rbd_model.levels import models
+from rbd_model.vehicle.description import Vehicle
 
 
 @pytest.fixture
@@ -110,6 +112,24 @@ def test_a_model_is_written_once_however_many_threads_ask(monkeypatch: pytest.Mo
 
     monkeypatch.setitem(FMUS, "slow", Fmu(slow))
     with ThreadPoolExecutor(4) as pool:
-        models = list(pool.map(model_of, ["slow"] * 4))
+        found = list(pool.map(model_of, ["slow"] * 4))
     assert len(begun) == 1
-    assert all(model is models[0] for model in models)
+    assert all(model is found[0] for model in found)
+
+
+def test_levels_are_written_by_one_thread_whichever_ask_which_serves(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Scenes ask in threads: `thesis-step` crashed where both wrote the bogie at once."""
+    writing, written = threading.Semaphore(), models.levels
+
+    def slow(vehicle: Vehicle) -> tuple[System, ...]:
+        assert writing.acquire(blocking=False), "two threads write at once"
+        time.sleep(0.05)
+        found = written(vehicle)
+        writing.release()
+        return found
+
+    monkeypatch.setattr(models, "levels", slow)
+    models._names_of_levels.cache_clear()
+    with ThreadPoolExecutor(4) as pool:
+        chosen = list(pool.map(models.smallest_level, [["brake_torque_1"]] * 4, [["axle_load_1"]] * 4))
+    assert [choice.level for choice in chosen] == [2] * 4
