@@ -25,8 +25,9 @@
   eval "$(bogie-braking completion bash)"                        completion of this command in a shell
 
 Exit status: 0 all rows hold, or all points of a sweep were run; 1 a row does not hold, a point failed, a paced step
-overran, or doctor misses something that is needed; 2 bad input; 3 a simulation or a sweep failed; 130 interrupted with
-Ctrl-C: earlier results and the finished points of a sweep stay; 141 the program that read the output has ended.
+overran, or doctor misses something that is needed; 2 bad input; 3 a simulation, a sweep or this program failed; 130
+interrupted with Ctrl-C: earlier results and the finished points of a sweep stay; 141 the program that read the output
+has ended.
 """
 
 from __future__ import annotations
@@ -34,10 +35,11 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+import traceback
 from pathlib import Path
 from typing import Any
 
-from bogie_braking.exit_status import NOBODY_READS
+from bogie_braking.exit_status import FAILED, NOBODY_READS
 from fmu_src import __version__
 
 
@@ -137,6 +139,9 @@ def main(arguments: list[str] | None = None) -> int:
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # what is left would be written at the exit
         return NOBODY_READS
+    except Exception:
+        traceback.print_exc()  # Python would end with the status of a row that does not hold
+        return FAILED
     return status
 
 

@@ -179,7 +179,10 @@ def _to_switch(
 ) -> tuple[float, np.ndarray]:
     """Steps to the next switch or the end; time and place from which to go on. Appends samples to `rows`."""
     while solver.status == "running":
-        message = solver.step()
+        try:
+            message = solver.step()
+        except ValueError as error:  # its linear equations, where a trial has led to what is no number
+            raise GivenUpError(f"{error} at t = {solver.t:.4g} s") from None
         if solver.status == "failed":
             raise GivenUpError(f"{message} at t = {solver.t:.4g} s")
         between, before, after = solver.dense_output(), solver.t_old, solver.t

@@ -318,3 +318,12 @@ def test_model_exchange_converges_to_the_motion_of_the_kernel(scene: Scene) -> N
         assert not run.failure
         assert difference(scene.measure(run.samples), exact) < 10 * tolerance
         assert run.work["right_hand_sides"] > scene.times().size
+
+
+def test_a_method_that_is_led_to_no_number_gives_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    """SciPy refuses such a matrix by an error of its own, which ended `speed-accuracy`."""
+    jacobian_at = Kernel.jacobian_at
+    monkeypatch.setattr(Kernel, "jacobian_at", lambda *given: np.nan * np.array(jacobian_at(*given)))
+    run = scipy(SMOOTH, "BDF", 1e-6)
+    assert "infs or NaNs" in run.failure
+    assert " at t = " in run.failure

@@ -18,7 +18,7 @@ from tqdm import tqdm
 from bogie_braking import commands
 from bogie_braking.__main__ import main
 from bogie_braking.commands import last_time
-from bogie_braking.exit_status import NOBODY_READS
+from bogie_braking.exit_status import FAILED, NOBODY_READS
 from brake_controller.cylinder import brake_cylinder
 from fmu_src import codegen
 from fmu_src import compile as compiling
@@ -181,6 +181,14 @@ def test_a_reader_who_goes_is_no_failure() -> None:
             assert running.stderr
             assert running.stderr.read() == b""
         assert running.returncode == NOBODY_READS
+
+
+def test_a_fault_of_the_program_is_no_row_that_does_not_hold(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(commands, "run", lambda _: [].pop())
+    assert main(["run", "levels", "--out", str(tmp_path)]) == FAILED
+    assert "IndexError" in capsys.readouterr().err
 
 
 def test_a_folder_that_cannot_be_is_told_before_the_run(
