@@ -252,11 +252,10 @@ class Kernel:
         if status == ERROR:
             self._check(status)
         self._drain()
-        kept = [row for row in range(rows) if buffer[row * columns] == buffer[row * columns]]
-        table = {"time": [start + row * interval for row in kept]}
-        for column, name in enumerate(names):
-            table[name] = [buffer[row * columns + column] for row in kept]
-        return table
+        first = buffer[::columns]
+        kept = rows if first[-1] == first[-1] else next(row for row, value in enumerate(first) if value != value)
+        table = {"time": [start + row * interval for row in range(kept)]}
+        return table | {name: buffer[column : kept * columns : columns] for column, name in enumerate(names)}
 
     def save(self) -> bytes:
         """The complete state, bit for bit."""

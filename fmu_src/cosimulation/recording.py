@@ -25,7 +25,7 @@ class Recording:
     def __init__(
         self,
         units: Mapping[str, str],
-        rows: Sequence[Sequence[float]],
+        rows: Sequence[Sequence[float]] | np.ndarray,
         sentences: Sequence[str] = (),
         counts: Mapping[str, int] | None = None,
     ) -> None:

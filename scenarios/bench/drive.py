@@ -75,19 +75,24 @@ def play(
     edges = [0.0, *sorted(corners), duration]
     kernel.set(**{key: history[0][1] for key, history in inputs.items()})
     kernel.initialise()
-    rows = [[kernel.time, *(kernel[column] for column in record)]]
+    pieces = [_present(kernel, record)]
     for begin, end in pairwise(edges):
         for key, history in inputs.items():
             first, last = value_at(history, begin, after=True), value_at(history, end, after=False)
             kernel.set(**{key: first})
             kernel.set_rate(**{key: (last - first) / (end - begin)})
         table = kernel.record(end - begin, interval, record)
-        rows += [[time, *(table[column][i] for column in record)] for i, time in enumerate(table["time"]) if i > 0]
-        if kernel.time > rows[-1][0] + 1e-9:
-            rows.append([kernel.time, *(kernel[column] for column in record)])
+        pieces.append(np.column_stack([table[column] for column in ("time", *record)])[1:])
+        if kernel.time > table["time"][-1] + 1e-9:
+            pieces.append(_present(kernel, record))
         if kernel.ended:
             break
-    return Recording({"time": "s"} | {column: units_of(name)[column] for column in record}, rows)
+    return Recording({"time": "s"} | {column: units_of(name)[column] for column in record}, np.concatenate(pieces))
+
+
+def _present(kernel: Kernel, record: Sequence[str]) -> np.ndarray:
+    """Time and values where a kernel stands, shape (1, 1 + values)."""
+    return np.array([[kernel.time, *(kernel[column] for column in record)]])
 
 
 def value_at(history: History, time: float, after: bool) -> float:
