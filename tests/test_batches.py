@@ -6,6 +6,7 @@ import resource
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 
+import casadi as ca
 import numpy as np
 import pytest
 
@@ -260,6 +261,26 @@ def test_a_step_that_fails_leaves_the_others_where_they_came_to(planar: BatchLib
             made.step(SIZE, {"friction_1": [0.2, -1.0, 0.2]})
         assert made.time == pytest.approx([2 * SIZE, SIZE, 2 * SIZE])
         made.step(SIZE, {"friction_1": 0.2})
+
+
+def test_a_step_that_fails_on_the_way_leaves_all_as_it_was() -> None:
+    """Bit for bit, in lanes and alone: x' = u - 1 / sqrt(x) reaches 0 at t = 2/3 where u is 0."""
+    system = bb.System("falling", "A state whose slope ends")
+    u = system.input(bb.Variable("u", "input", "1", "Slope beside the fall"))
+    x = system.state("x", "1", 1.0, 1.0)
+    system.derivative(x, u - 1 / ca.sqrt(x))
+    for name, value in (("height", x), ("slope", u - 1 / ca.sqrt(x))):
+        system.output(bb.Variable(name, "output", "1", name), value)
+    with bb.instances(system, 3, ["u"], ["height", "slope"], tolerance=1e-9) as made:
+        before = {name: values.copy() for name, values in made.step(0.5, {"u": [0.0, 2.0, 0.0]}).items()}
+        with pytest.raises(KernelError, match="Instance 0 of 3: The step size vanished"):
+            made.step(0.5)
+        assert made.time.tolist() == [0.5, 1.0, 0.5]
+        kernel = made._kernels[0]
+        assert [kernel["height"], kernel["slope"]] == [before["height"][0], before["slope"][0]]
+        found = made.step(0.1)
+        assert found["height"][0] == found["height"][2]
+        assert found["height"][0] == pytest.approx((1 - 1.5 * 0.6) ** (2 / 3), rel=1e-5)  # the closed form
 
 
 def test_instances_and_batches_give_their_memory_back(planar: BatchLibrary) -> None:

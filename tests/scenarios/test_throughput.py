@@ -7,8 +7,10 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
+from fmu_src.batch import Instances, library_of_batch
 from rbd_model.levels.models import DEFAULT_TOLERANCE
 from scenarios.methods import ensembles
+from scenarios.methods import throughput as rates
 from scenarios.methods.ensembles import ALONE, BATCH, IN_THREADS, Rate, Study
 from scenarios.methods.integrators import Run
 from scenarios.numerics import throughput
@@ -77,3 +79,32 @@ def test_failures_are_on_the_picture_and_in_no_line() -> None:
     lines = [line for line in figure.axes[0].lines if line.get_marker() == "D"]
     assert [list(line.get_ydata()) for line in lines] == [[], [throughput.FAILED]]
     throughput.plt.close(figure)
+
+
+#: Seconds in which some wheelset is pushed forwards, by method and fixed step: docs/real_time.md.
+PUSHED = [({}, 0.0, 0.0), ((2, 5e-4), 0.0, 0.0), ((1, 1e-3), 0.5, 4.0)]
+
+
+@pytest.mark.parametrize(("chosen", "least", "most"), PUSHED, ids=["default", "method 2", "method 1"])
+def test_the_rail_pushes_no_braked_wheelset_forwards(chosen: tuple[int, float], least: float, most: float) -> None:
+    """By the sign of the force, whatever the tolerance; method 1 does what its page says of it."""
+    model = rates.braked_bogie()
+    inputs = [f"{name}_{number}" for name in ("pressure_demand", "valve") for number in (1, 2)]
+    read = [
+        "speed",
+        *(f"{name}_{number}" for name in ("wheel_speed", "creep_force", "brake_torque") for number in (1, 2)),
+    ]
+    given = dict.fromkeys(inputs[:2], rates.FULL_PRESSURE) | {name: np.full(2, rates.APPLY) for name in inputs[2:]}
+    start = {"initial_speed": [20.0, 26.0], "friction_1": 0.08, "friction_2": 0.08}
+    start |= dict(zip(("integration_method", "integration_step"), chosen, strict=False))
+    pushed, braked = np.zeros(2), np.zeros(2)
+    with Instances(library_of_batch(model, model.systems[0].name), 2, inputs, read, **start) as instances:
+        for _ in range(round(45.0 / rates.CONTROL_STEP)):
+            found = instances.step(rates.CONTROL_STEP, given)
+            for number in (1, 2):
+                given[f"valve_{number}"] = rates.valves_of(found, number, given[f"valve_{number}"])
+                brakes = (found[f"brake_torque_{number}"] > 1e3) & (found["speed"] > 0.05)
+                braked += brakes
+                pushed += brakes & (found[f"creep_force_{number}"] > 0.0)
+    assert (rates.CONTROL_STEP * braked > 30.0).all()
+    assert ((least <= rates.CONTROL_STEP * pushed) & (rates.CONTROL_STEP * pushed <= most)).all()
