@@ -97,13 +97,15 @@ def coefficients() -> Coefficients:
 
 
 def _c_of_ellipse(axis_ratio: float) -> float:
-    """Force over G a b and the creepage, with b = 1."""
+    """Force over G a b and the creepage, with b = 1, without the last digits, which the threads of BLAS decide."""
     y = (2 * np.arange(ELLIPSE_STRIPS) + 1) / ELLIPSE_STRIPS - 1
     breadth, half_length = np.full_like(y, 2 / ELLIPSE_STRIPS), axis_ratio * np.sqrt(1 - y**2)
     pull = np.linalg.solve(stretches(np.abs(y[:, None] - y), breadth, half_length), np.ones_like(y))
-    return float(np.pi * np.sum(pull * half_length * breadth) / axis_ratio)
+    return float(f"{np.pi * np.sum(pull * half_length * breadth) / axis_ratio:.{DIGITS}g}")
 
 
+#: Of constants that go into C, so that it has the same bits wherever it is written.
+DIGITS = 12
 #: Least t of a strip for a creepage of 1, of which an ellipse has 0.5 and more: divides where others carry all.
 LEAST_PULL = 0.05
 

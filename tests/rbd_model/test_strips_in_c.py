@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -138,3 +141,20 @@ def test_wheel_with_more_parts_than_there_is_room_for_is_refused(monkeypatch: py
     monkeypatch.setattr(strips_in_c, "MOST_SEGMENTS", parts - 1)
     with pytest.raises(ValueError, match=rf"contact jumps between {parts} parts .* depth 3 has room for {parts - 1}: "):
         strips_in_c.wheel_on_strips(PAIR.left)
+
+
+def test_constants_do_not_hang_on_the_threads_of_blas() -> None:
+    """They would give an FMU another GUID on a machine with more processors, or where a test sets its threads."""
+    program = "from rbd_model.contact.strips_in_c import fits_in_c; print(fits_in_c())"
+    written = [
+        subprocess.run(
+            [sys.executable, "-c", program],
+            env=os.environ | {"OPENBLAS_NUM_THREADS": threads},
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+        for threads in ("1", "2")
+    ]
+    assert "FITS" in written[0]
+    assert written[0] == written[1]
