@@ -134,7 +134,11 @@ def call_in_lanes(name: str, rank: int, group: Group) -> str:
         call = f"LANES_NAME({name}_each_{group.function})({given[0]}, {given[1]}, {left})"
     else:
         call = f"LANES_NAME({name}_{group.function})({given[0]}, {given[1]}, {left})"
-    return call if not group.conditional else where(call, given[2], left, group.leaves, "LANES")
+    return call if not group.conditional else where(ASKED + call, given[2], left, group.leaves, "LANES")
+
+
+#: Where in C of a call that is left out where nothing asks for it stands what it is given.
+ASKED = "/* given */"
 
 
 def where(call: str, condition: str, left: str, leaves: int, distance: str | int) -> str:

@@ -6,6 +6,7 @@ once; and what repeats is differentiated once, for all the places where it stand
 
 from __future__ import annotations
 
+import hashlib
 import math
 from dataclasses import dataclass, field, fields
 from functools import cached_property
@@ -119,6 +120,16 @@ def all_taken(given: ca.SX, constants: ca.SX, when: ca.SX) -> ca.SX:
     return ca.vertcat(given, constants, *([] if when.is_constant() else [when]))
 
 
+def digest_of(function: ca.Function) -> str:
+    """Twelve letters that functions have in common which do the same, whatever their names."""
+    steps = hashlib.sha256()
+    for number in range(function.n_instructions()):
+        places = function.instruction_input(number), function.instruction_output(number)
+        constant = function.instruction_constant(number) if function.instruction_id(number) == ca.OP_CONST else 0.0
+        steps.update(repr((function.instruction_id(number), places, constant)).encode())
+    return steps.hexdigest()[:12]
+
+
 def symbols_in(expression: ca.SX) -> frozenset[int]:
     """Which symbols are in an expression: one look for what would be many questions whether it depends on this one."""
     return frozenset(symbol.element_hash() for symbol in ca.symvar(ca.vec(expression)))
@@ -128,12 +139,14 @@ def symbols_in(expression: ca.SX) -> frozenset[int]:
 class Waist:
     """Few numbers on the way from states to equations, through which derivatives are taken: see `Chain.narrow`.
 
-    `plain` are the same values without the symbols of other waists.
+    `plain` are the same values without the symbols of other waists. follows: what the values are differentiated by, and
+    how they follow it, shape (values, given); None: by all that is in them.
     """
 
     values: ca.SX
     symbols: ca.SX
     plain: ca.SX
+    follows: tuple[ca.SX, ca.SX] | None = None
 
     @cached_property
     def own(self) -> frozenset[int]:
@@ -180,14 +193,15 @@ class Chain:
         self.links.append(Call(part, given, constants, symbols, slopes, slope, rank, ca.SX(when), plain))
         return symbols
 
-    def narrow(self, values: ca.SX) -> ca.SX:
+    def narrow(self, values: ca.SX, follows: tuple[ca.SX, ca.SX] | None = None) -> ca.SX:
         """Symbols for `values`, a column vector of few numbers between many states and long equations.
 
         Only derivatives know the difference: they are taken up to here and from here on, and multiplied. A force that
-        enters many equations is differentiated once.
+        enters many equations is differentiated once. follows: few numbers that the values depend on, and their slopes
+        by these, where a formula for them is shorter than what differentiation finds; exact ones.
         """
         symbols = ca.SX.sym("waist", values.numel())
-        self.links.append(Waist(values, symbols, self.without_waists(values)))
+        self.links.append(Waist(values, symbols, self.without_waists(values), follows))
         return symbols
 
     def follow(self, symbols: ca.SX, given: ca.SX, slope: ca.SX) -> None:
@@ -225,7 +239,12 @@ class Chain:
             return sum(parts, self._own_slope(one, symbols))
 
         for link in self._needed_by(expression):
-            slope = link.slope @ slope_of(link.given) if isinstance(link, Call) else slope_of(link.values)
+            if isinstance(link, Call):
+                slope = link.slope @ slope_of(link.given)
+            elif link.follows:
+                slope = link.follows[1] @ slope_of(link.follows[0])
+            else:
+                slope = slope_of(link.values)
             known.append((link, slope))
         return self.without_waists(slope_of(expression))
 
@@ -244,7 +263,9 @@ class Chain:
         for link in reversed(self.links):
             if not users.isdisjoint(link.own):
                 found.insert(0, link)
-                users |= symbols_in(link.values if isinstance(link, Waist) else link.given)
+                users |= symbols_in(
+                    link.given if isinstance(link, Call) else link.follows[0] if link.follows else link.values
+                )
         return found
 
     def along(self, expression: ca.SX, symbols: ca.SX, seed: ca.SX) -> ca.SX:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import casadi as ca
 
-from fmu_src.chain import Call, Chain, Part, symbols_in
+from fmu_src.chain import Call, Chain, Part, digest_of, symbols_in
 from fmu_src.system import System
 
 #: Numbers of the nonzero slopes of a part.
@@ -91,13 +91,8 @@ SHARED = "shared_"
 
 def _shared(name: str, one: Generated) -> Generated:
     """The function under a name that its instructions give it."""
-    function, steps = one.function, hashlib.sha256()
-    for number in range(function.n_instructions()):
-        places = function.instruction_input(number), function.instruction_output(number)
-        constant = function.instruction_constant(number) if function.instruction_id(number) == ca.OP_CONST else 0.0
-        steps.update(repr((function.instruction_id(number), places, constant)).encode())
-    given = function.sx_in()
-    own = f"{SHARED}{name}_{steps.hexdigest()[:12]}"
+    function, given = one.function, one.function.sx_in()
+    own = f"{SHARED}{name}_{digest_of(function)}"
     return replace(one, function=ca.Function(own, given, function.call(given, True, False)))
 
 

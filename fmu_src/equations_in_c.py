@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from itertools import count
 
 from fmu_src.calls_in_c import (
+    ASKED,
     Group,
     Rooms,
     call_in_lanes,
@@ -254,16 +255,42 @@ def _of_lanes(name: str, one: Generated, own_name: str, face: LanesFace, distanc
     def write(number: int, place: int) -> list[str]:
         if number >= one.ranks:
             return [f"real_store({at(face.results[number - one.ranks], place, distance)}, {{}})"]
-        return [f"real_store({at(f'given_{number}', where, 'LANES')}, {{}})" for where in rooms.given[number][place]]
+        return [give(number, where) for where in rooms.given[number][place]]
+
+    def give(rank: int, place: int) -> str:
+        return f"real_store({at(f'given_{rank}', place, 'LANES')}, {{}})"
 
     def calls(number: int) -> list[Statement]:
         found = rooms.groups[number] if number < one.ranks else []
         return [Statement(_plain(call_in_lanes(name, number, group))) for group in found]
 
     statements = statements_of(function, Memory(read, write), calls)
+    for rank, groups in enumerate(rooms.groups):
+        for group in (one for one in groups if one.conditional):
+            gives = {give(rank, group.given + place) for place in range(group.numbers)}
+            statements = given_where_asked(statements, gives, _plain(call_in_lanes(name, rank, group)))
     head = f"static void LANES_NAME({name}_{own_name})({face.parameters})"
     piece = f"LANES_NAME({name}_piece_of_{own_name})"
     return Body(piece, head, face.parameters, face.given, statements, rooms.sizes, "LANES", [])
+
+
+def given_where_asked(statements: Sequence[Statement], gives: set[str], call: str) -> list[Statement]:
+    """The same with the statements of these forms inside the call, behind ASKED, and what they load loaded there."""
+    stores = [one for one in statements if one.form in gives]
+    loads = {one.values[0]: one.form for one in statements if one.form.startswith("real_load(") and not one.operands}
+    given = [
+        loads.get(operand, operand) if isinstance(operand, int) else operand
+        for one in stores
+        for operand in one.operands
+    ]
+    inside = "".join(f"{one.form};\n      " for one in stores)
+    made = [
+        Statement(one.form.replace(ASKED, inside), tuple(given)) if one.form == call else one
+        for one in statements
+        if one.form not in gives
+    ]
+    read = {value for one in made for value in one.reads}
+    return [one for one in made if not (one.values and one.values[0] in loads and one.values[0] not in read)]
 
 
 def _plain(text: str) -> str:

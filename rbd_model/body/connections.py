@@ -20,7 +20,7 @@ import numpy as np
 
 from rbd_model.body.kinematics import axis_of
 from rbd_model.body.relation import Relation, Stretch
-from rbd_model.vehicle.assembly import Assembly
+from rbd_model.vehicle.assembly import Assembly, Sizes
 from rbd_model.vehicle.description import (
     ANGLES,
     DIRECTIONS,
@@ -85,10 +85,8 @@ def connect(assembly: Assembly, connection: SuspensionElement, relation: Relatio
 
     Each is (3.38) along one direction, or a law of its own in place of a spring and a damper.
     """
-    if isinstance(connection, Torsion):
-        return torsion(assembly, connection, relation)
-    if isinstance(connection, Springs):
-        return springs(assembly, connection, relation)
+    if isinstance(connection, Springs | Torsion):
+        return connect_linear(assembly, connection, relation)
     effects = []
     for side, place in connection.sides():
         stretch = relation.stretch(assembly, place)
@@ -101,15 +99,22 @@ def connect(assembly: Assembly, connection: SuspensionElement, relation: Relatio
     return sum_of(effects)
 
 
-def springs(assembly: Assembly, connection: Springs, relation: Relation) -> Effect:
+def connect_linear(sizes: Sizes, connection: Springs | Torsion, relation: Relation) -> Effect:
+    """Effect of a connection without states and tables of its own, (3.38)."""
+    if isinstance(connection, Torsion):
+        return torsion(sizes, connection, relation)
+    return springs(sizes, connection, relation)
+
+
+def springs(sizes: Sizes, connection: Springs, relation: Relation) -> Effect:
     """Springs and dampers in parallel, eqs (3.38), (3.41), (3.42), with a stiffness and a damping in each direction.
 
     The preload is a constant force that holds the upper body up; without it nothing of a direction that has none acts.
     Of two, the mean of both pushes, and half of their difference turns: what is linear needs no more.
     """
     stiffness, damping = (
-        ca.vertcat(*[ca.SX(assembly.value(size)) for size in sizes])
-        for sizes in (connection.stiffness, connection.damping)
+        ca.vertcat(*[ca.SX(sizes.value(size)) for size in three])
+        for three in (connection.stiffness, connection.damping)
     )
 
     def spring(stretch: Stretch, carried: ca.SX, count: int) -> Effect:
@@ -118,13 +123,13 @@ def springs(assembly: Assembly, connection: Springs, relation: Relation) -> Effe
         potential = count * (ca.dot(stiffness, stretch.way**2) / 2 - ca.dot(weight, stretch.way))
         return Effect.of(relation, stretch, pull, potential, count * ca.dot(damping, stretch.rate**2))
 
-    carried = [assembly.preload(side) if connection.carries else ca.SX(0) for side, _ in connection.sides()]
+    carried = [sizes.preload(side) if connection.carries else ca.SX(0) for side, _ in connection.sides()]
     along, across, upwards = connection.place
     if not connection.both_sides:
-        return spring(relation.stretch(assembly, connection.place), carried[0], 1)
+        return spring(relation.stretch(sizes, connection.place), carried[0], 1)
     left, right = carried
-    middle = relation.stretch(assembly, (along, 0.0, upwards))
-    beside = relation.spread(ca.vertcat(0, assembly.value(across), 0))
+    middle = relation.stretch(sizes, (along, 0.0, upwards))
+    beside = relation.spread(ca.vertcat(0, sizes.value(across), 0))
     turning = replace(spring(beside, (left - right) / 2, 2), force=ca.SX.zeros(3))
     return spring(middle, (left + right) / 2, 2) + turning
 
@@ -134,7 +139,7 @@ def along(direction: str, value: ca.SX) -> ca.SX:
     return ca.vertcat(*[value if name == direction else 0 for name in DIRECTIONS])
 
 
-def torsion(assembly: Assembly, connection: Torsion, relation: Relation) -> Effect:
+def torsion(sizes: Sizes, connection: Torsion, relation: Relation) -> Effect:
     """A torque proportional to an angle between both ends and to its rate: Hooke's law for (3.42).
 
     The angle is that of Rz(yaw) Rx(roll) Ry(pitch), by which the upper end is turned against the lower one's axes; the
@@ -143,7 +148,7 @@ def torsion(assembly: Assembly, connection: Torsion, relation: Relation) -> Effe
     angle = ANGLES.index(connection.angle)
     way, axis = relation.angle(angle), axis_of(relation.axes, angle)
     rate = -ca.dot(relation.axes.T @ axis, relation.spin)
-    stiffness, damping = assembly.value(connection.stiffness), assembly.value(connection.damping)
+    stiffness, damping = sizes.value(connection.stiffness), sizes.value(connection.damping)
     moment = (stiffness * way + damping * rate) * axis
     none = ca.SX.zeros(3)
     return Effect(none, -relation.axes.T @ moment, moment, stiffness * way**2 / 2, damping * rate**2)

@@ -33,8 +33,18 @@ def turned_by(cosines: ca.SX) -> ca.SX:
 
 def pitch_rotation(pitch: ca.SX) -> ca.SX:
     """Rotation matrix Ry(pitch), section 3.2.1."""
-    c, s = ca.cos(pitch), ca.sin(pitch)
+    return about_y(ca.vertcat(ca.cos(pitch), ca.sin(pitch)))
+
+
+def about_y(turn: ca.SX) -> ca.SX:
+    """Rotation matrix Ry, section 3.2.1, of cosine and sine of its angle."""
+    c, s = ca.vertsplit(turn)
     return ca.vertcat(ca.horzcat(c, 0, s), ca.horzcat(0, 1, 0), ca.horzcat(-s, 0, c))
+
+
+def turned_about_axes(roll: ca.SX, pitch: ca.SX, yaw: ca.SX) -> ca.SX:
+    """Rz(yaw) Rx(roll) Ry(pitch), section 3.2.1, of cosine and sine of each."""
+    return turned_by(ca.vertcat(yaw, roll)) @ about_y(pitch)
 
 
 def axes_rate(tangent: ca.SX, rate: ca.SX) -> ca.SX:

@@ -1,37 +1,33 @@
-"""What acts on bodies and wheelsets: loads of all connections and of forces from outside."""
+"""What acts on bodies and wheelsets while it is added up, and how they see each other."""
 
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import casadi as ca
 
-from fmu_src.system import System
-from rbd_model.body.bodies import MovingBody
-from rbd_model.body.connections import NO_LOAD, Effect, Load, along, connect, sum_of
+from fmu_src.chain import Chain
+from rbd_model.body.connections import NO_LOAD, Effect, Load
 from rbd_model.body.kinematics import Body
 from rbd_model.body.relation import Box, End, Relation, narrow
 from rbd_model.track.frame import HERE, Pose, relative
-from rbd_model.vehicle.assembly import Assembly
-from rbd_model.vehicle.description import RigidBody, Wheelset, wheelset_name
-
-
-def end_of(assembly: Assembly, name: str, data: RigidBody | Wheelset, body: Body) -> End:
-    """A body or wheelset as an end of connections, with the place of its centre at rest, eq. (3.1)."""
-    height = assembly.value(data.height) if isinstance(data, RigidBody) else 0
-    return End(name, body, ca.vertcat(assembly.value(data.along), 0, height), isinstance(data, Wheelset))
+from rbd_model.vehicle.description import Wheelset, wheelset_name
 
 
 @dataclass
 class Loads:
-    """What acts on each body while it is added up, and the axle boxes of each wheelset by the body they pitch with."""
+    """What acts on each body while it is added up, and what connections store [J] and lose [W].
 
-    system: System
+    boxes, axles: those of each wheelset by the body that it pitches with, in the axes of that body.
+    """
+
+    chain: Chain
     ends: dict[str, End]
     poses: dict[tuple[str, str], Pose] = field(default_factory=dict)
     boxes: dict[tuple[str, str], Box] = field(default_factory=dict)
+    axles: dict[tuple[str, str], ca.SX] = field(default_factory=dict)
     of: defaultdict[str, list[Load]] = field(default_factory=lambda: defaultdict(list))
-    effects: list[Effect] = field(default_factory=list)
+    stored: ca.SX = field(default_factory=lambda: ca.SX(0))
+    lost: ca.SX = field(default_factory=lambda: ca.SX(0))
 
     @property
     def bodies(self) -> dict[str, Body]:
@@ -41,12 +37,12 @@ class Loads:
     def on(self, name: str) -> Load:
         """What all of them do to one body, eqs (3.35), (3.36)."""
         total = sum(self.of[name], NO_LOAD)
-        return replace(total, force=self.system.narrow(total.force))
+        return replace(total, force=self.chain.narrow(total.force))
 
     def pose(self, seat: str, name: str) -> Pose:
         """The track where a body is as seen from where `seat` is, section 3.2.1."""
         if (seat, name) not in self.poses:
-            pose = relative(self.system, self.ends[seat].body.track, self.ends[name].body.track)
+            pose = relative(self.chain, self.ends[seat].body.track, self.ends[name].body.track)
             self.poses |= {(seat, name): pose, (name, seat): pose.back}
         return self.poses[seat, name]
 
@@ -59,13 +55,14 @@ class Loads:
         if (seat, wheelset) not in self.boxes:
             body, wheels = self.ends[seat].body, self.seen(seat, wheelset)
             rate = wheels.axes[:, 0] * wheels.own_rate[0] + wheels.axes[:, 2] * wheels.own_rate[2]
-            (axle,) = narrow(self.system, body.axes.T @ wheels.axes[:, 1])
-            self.boxes[seat, wheelset] = Box.of(self.system, axle, body.axes.T @ rate - body.own_rate)
+            (axle,) = narrow(self.chain, body.axes.T @ wheels.axes[:, 1])
+            self.boxes[seat, wheelset] = Box.of(self.chain, axle, body.axes.T @ rate - body.own_rate)
         return self.boxes[seat, wheelset]
 
     def axle(self, number: int, wheelset: Wheelset) -> ca.SX:
         """Unit vector along an axle in the axes of the body on which its torque reacts (section 9.2)."""
-        return self.box(wheelset.reacts_on, wheelset_name(number)).axle
+        pair = wheelset.reacts_on, wheelset_name(number)
+        return self.axles[pair] if pair in self.axles else self.box(*pair).axle
 
     def relation(self, upper: str, lower: str) -> Relation:
         """How two ends stand and move against each other, eqs (3.1), (3.12)."""
@@ -73,7 +70,7 @@ class Loads:
             return self.relation_of_box(upper, lower)
         centres = self.ends[upper].centre, self.ends[lower].centre
         body, beside = self.ends[upper].body, self.seen(upper, lower)
-        way, moving = narrow(self.system, body.place - beside.position, body.velocity - beside.velocity)
+        way, moving = narrow(self.chain, body.place - beside.position, body.velocity - beside.velocity)
         apart = body.axes.T @ way
         velocity = body.axes.T @ moving - ca.cross(body.own_rate, apart)
         if self.ends[lower].boxed:
@@ -81,7 +78,7 @@ class Loads:
             return Relation(box.axes, apart, velocity, box.spin, centres)
         axes = beside.axes.T @ body.axes
         spin = axes.T @ beside.own_rate - body.own_rate
-        axes, spin = narrow(self.system, axes, spin)
+        axes, spin = narrow(self.chain, axes, spin)
         (roll, pitch, yaw) = ca.vertsplit(body.angles - beside.angles)
         in_plane = self.pose(upper, lower) is HERE and roll.is_zero() and yaw.is_zero()
         return Relation(axes, apart, velocity, spin, centres, pitch if in_plane else None)
@@ -96,6 +93,7 @@ class Loads:
 
     def push(self, upper: str, lower: str, relation: Relation, effect: Effect) -> None:
         """Adds what connections do to both ends, eqs (3.35), (3.36): together no force and no moment."""
+        self.stored, self.lost = self.stored + effect.potential, self.lost + effect.power
         moments = {upper: effect.raised, lower: effect.lowered}
         seat, other = (lower, upper) if self.ends[upper].boxed else (upper, lower)
         if self.ends[other].boxed:
@@ -105,7 +103,7 @@ class Loads:
             moments[other] = self.turned_to(seat, other) @ (moments[other] - passed)
         body = self.ends[seat].body
         force = body.axes @ (effect.force if seat == lower else relation.axes.T @ effect.force)
-        (force,) = narrow(self.system, force if seat == lower else -force)
+        (force,) = narrow(self.chain, force if seat == lower else -force)
         self.of[seat].append(Load(force, moments[seat]))
         self.of[other].append(Load(-self.pose(seat, other).axes.T @ force, moments[other]))
 
@@ -115,26 +113,3 @@ class Loads:
         upright, leaning = (ca.dot(axes[:, i], self.ends[seat].body.axes[:, 2]) for i in (2, 0))
         c, s = (one / self.box(seat, wheelset).axes[2, 2] for one in (upright, leaning))
         return ca.vertcat(ca.horzcat(c, 0, s), ca.horzcat(0, 0, 0), ca.horzcat(-s, 0, c))
-
-
-def loads_of(assembly: Assembly, bodies: Sequence[MovingBody], axles: Mapping[int, Body]) -> Loads:
-    """Loads of all connections and of the forces from outside; axles: the wheelsets by number, eqs (3.35), (3.36)."""
-    vehicle = assembly.vehicle
-    ends = {moving.data.name: end_of(assembly, moving.data.name, moving.data, moving.body) for moving in bodies}
-    for number, wheelset in vehicle.numbered:
-        name = wheelset_name(number)
-        ends[name] = end_of(assembly, name, wheelset, axles[number])
-    loads = Loads(assembly.system, ends)
-    for upper, lower in dict.fromkeys((one.upper, one.lower) for one in vehicle.connections):
-        relation = loads.relation(upper, lower)
-        between = [one for one in vehicle.connections if (one.upper, one.lower) == (upper, lower)]
-        effects = [connect(assembly, one, relation) for one in between]
-        loads.effects += effects
-        loads.push(upper, lower, relation, sum_of(effects))
-    for pull in vehicle.pulls:
-        end = ends[pull.body]
-        place = ca.vertcat(*[ca.SX(assembly.value(size)) for size in pull.place])
-        force = along(pull.direction, assembly.input[pull.name])
-        moment = ca.cross(place - end.centre, end.body.axes.T @ force)
-        loads.of[pull.body].append(Load(force, moment))
-    return loads

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 import casadi as ca
 import numpy as np
 
-from fmu_src.system import System
+from fmu_src.chain import Chain
 from rbd_model.body.kinematics import Body, angle_of
-from rbd_model.vehicle.assembly import Assembly
+from rbd_model.vehicle.assembly import Sizes
 from rbd_model.vehicle.description import Place
 
 
@@ -38,14 +38,14 @@ class Box:
     spin: ca.SX
 
     @classmethod
-    def of(cls, system: System, axle: ca.SX, rate: ca.SX) -> Box:
+    def of(cls, chain: Chain, axle: ca.SX, rate: ca.SX) -> Box:
         """rate [rad/s]: of the wheelset against the body, of which what is about the axle does not count.
 
         The box turns about its own x and the body's z axis alone.
         """
         ahead = ca.vertcat(axle[1], -axle[0], 0) / ca.sqrt(1 - axle[2] ** 2)
         upright = ca.cross(ahead, axle)
-        rolling, yawing = narrow(system, ca.dot(ahead, rate), ca.dot(upright, rate) / upright[2])
+        rolling, yawing = narrow(chain, ca.dot(ahead, rate), ca.dot(upright, rate) / upright[2])
         return cls(axle, ca.vertcat(ahead.T, axle.T, upright.T), rolling * ahead + ca.vertcat(0, 0, yawing))
 
     def passed_on(self, moment: ca.SX) -> ca.SX:
@@ -78,14 +78,14 @@ class Relation:
         """Roll, pitch or yaw, 0 to 2, by which the upper end is turned against the lower one's axes [rad]."""
         return self.pitch if angle == 1 and self.pitch is not None else angle_of(self.axes, angle)
 
-    def stretch(self, assembly: Assembly, place: Place) -> Stretch:
+    def stretch(self, sizes: Sizes, place: Place) -> Stretch:
         """Between the points of both ends that are at one place of the vehicle at rest, eqs (3.1), (3.12)."""
         if place not in self.found:
-            at = ca.vertcat(*[ca.SX(assembly.value(size)) for size in place])
+            at = ca.vertcat(*[ca.SX(sizes.value(size)) for size in place])
             upper, lower = (at - centre for centre in self.centres)
             reach = self.apart + upper
             rate = self.velocity - ca.cross(self.spin, reach)
-            both = narrow(assembly.system, self.axes @ reach - lower, self.axes @ rate)
+            both = narrow(sizes.chain, self.axes @ reach - lower, self.axes @ rate)
             self.found[place] = Stretch(upper, lower, *both)
         return self.found[place]
 
@@ -107,11 +107,11 @@ class Stretch:
     rate: ca.SX
 
 
-def narrow(system: System, *values: ca.SX) -> list[ca.SX]:
+def narrow(chain: Chain, *values: ca.SX) -> list[ca.SX]:
     """The values, with all that is not constant as something by which what comes behind is differentiated."""
     every = ca.densify(ca.vertcat(*[ca.vec(value) for value in values]))
     varying = [i for i in range(every.numel()) if not every[i].is_constant()]
     if varying:
-        every[varying] = system.narrow(every[varying])
+        every[varying] = chain.narrow(every[varying])
     ends = np.cumsum([0, *(value.numel() for value in values)]).tolist()
     return [ca.reshape(one, value.shape) for one, value in zip(ca.vertsplit(every, ends), values, strict=True)]

@@ -97,11 +97,10 @@ def observe_energy(
         rotation = wheelset.rotation
         kinetic += assembly.drive_inertia * rotation.angular_velocity**2 / 2
         brake += rotation.friction_torque * rotation.angular_velocity - reaction * rotation.brake_torque * turned
-    potential += sum(effect.potential for effect in loads.effects)
-    damping = sum((effect.power for effect in loads.effects), ca.SX(0))
+    potential += loads.stored
     creep = sum((wheelset.creep_power for wheelset in wheelsets), ca.SX(0))
     own = {"kinetic_energy": kinetic, "potential_energy": potential, "brake_power": brake}
-    for name, value in (own | {"creep_power": creep, "damping_power": damping}).items():
+    for name, value in (own | {"creep_power": creep, "damping_power": loads.lost}).items():
         unit = "J" if name.endswith("energy") else "W"
         assembly.system.observe(name, unit, value + further.get(name, ca.SX(0)))
 

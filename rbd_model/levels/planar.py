@@ -16,7 +16,7 @@ import casadi as ca
 from fmu_src.system import System
 from rbd_model.body.bodies import Shift, move_along, place_bodies
 from rbd_model.body.kinematics import Body
-from rbd_model.body.loads import loads_of
+from rbd_model.body.suspension import loads_of
 from rbd_model.levels.common import add_common_outputs, elevation, move_bodies, observe_energy, pull_first_body, react
 from rbd_model.levels.resistance import add_resistance
 from rbd_model.levels.steady import start_steady

@@ -15,7 +15,7 @@ import casadi as ca
 from fmu_src.system import System
 from rbd_model.body.bodies import place_bodies
 from rbd_model.body.kinematics import Body
-from rbd_model.body.loads import loads_of
+from rbd_model.body.suspension import loads_of
 from rbd_model.contact.creep.law import SMALLEST_LOAD, at_least
 from rbd_model.contact.depth import ONE_RIGID_CONTACT, Contact
 from rbd_model.levels.common import (

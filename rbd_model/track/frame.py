@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from fmu_src.chain import Chain
 from fmu_src.system import System
 from rbd_model.track.line_table import along_line
 
@@ -30,6 +31,7 @@ class Plan:
     far: ca.SX
     near: ca.SX
     turned: ca.SX  # the heading as an angle that counts whole turns [rad]
+    distance: ca.SX  # along the line [m]
 
     def place(self, position: ca.SX) -> ca.SX:
         """Where a position in the axes of the track is: ahead, aside and above the line's first row [m]."""
@@ -124,7 +126,7 @@ def on_line(system: System, distance: ca.SX) -> TrackFrame:
     (ahead, forwards), (aside, sideways) = look_up("ahead", 1), look_up("aside", 1)
     heading = ca.vertcat(forwards, sideways) / course.level
     far, near = ca.vertcat(look_up("ahead_far")[0], look_up("aside_far")[0]), ca.vertcat(ahead, aside)
-    return frame_of(system, course, Plan(heading, height, course.tilt, far, near, turned))
+    return frame_of(system, course, Plan(heading, height, course.tilt, far, near, turned, distance))
 
 
 def on_profile(system: System, distance: ca.SX) -> TrackFrame:
@@ -133,7 +135,7 @@ def on_profile(system: System, distance: ca.SX) -> TrackFrame:
     far, near = (ca.vertcat(along_line(system, f"level{which}", distance)[0], 0) for which in ("_far", ""))
     none = ca.SX(0)
     course = Course(none, sine, none, steepening, none)
-    return frame_of(system, course, Plan(ca.SX([1, 0]), height, course.tilt, far, near, none))
+    return frame_of(system, course, Plan(ca.SX([1, 0]), height, course.tilt, far, near, none, distance))
 
 
 def frame_of(system: System, course: Course, plan: Plan) -> TrackFrame:
@@ -151,6 +153,25 @@ class Pose:
     place: ca.SX
 
     @property
+    def vector(self) -> ca.SX:
+        """Both, one below the other, shape (12,)."""
+        return ca.vertcat(ca.vec(self.axes), self.place)
+
+    @classmethod
+    def of(cls, vector: ca.SX) -> Pose:
+        """The pose of a vector."""
+        return cls(ca.reshape(vector[:9], 3, 3), vector[9:])
+
+    def slope(self, turning: ca.SX, turning_there: ca.SX) -> ca.SX:
+        """How its vector follows the distances along the line of the one and the other [1/m], by eq. (3.12).
+
+        turning, turning_there: of the one's and the other's axes, as in TrackFrame. Origins move along x, 1 m a metre.
+        """
+        here = ca.vertcat(ca.vec(ca.skew(turning) @ self.axes), ca.cross(turning, self.place) + ca.vertcat(1, 0, 0))
+        there = ca.vertcat(ca.vec(self.axes @ ca.skew(turning_there)), self.axes[:, 0])
+        return ca.horzcat(-here, there)
+
+    @property
     def back(self) -> Pose:
         """The other as seen from the one."""
         return self if self is HERE else Pose(self.axes.T, -self.axes.T @ self.place)
@@ -160,7 +181,7 @@ class Pose:
 HERE = Pose(ca.SX.eye(3), ca.SX(3, 1))
 
 
-def relative(system: System, at: TrackFrame, other: TrackFrame) -> Pose:
+def relative(chain: Chain, at: TrackFrame, other: TrackFrame) -> Pose:
     """`other` as seen from the axes `at`, eq. (3.1): heading and chord over the way between, from differences alone."""
     if at.plan is None or other.plan is None or at is other:
         return HERE
@@ -173,5 +194,9 @@ def relative(system: System, at: TrackFrame, other: TrackFrame) -> Pose:
     )
     back = at.plan.tilt.T
     axes, place = back @ about_z @ other.plan.tilt, back @ chord
-    narrowed = system.narrow(ca.vertcat(ca.vec(ca.densify(axes)), ca.densify(place)))
-    return Pose(ca.reshape(narrowed[:9], 3, 3), narrowed[9:])
+    pose = Pose(ca.densify(axes), ca.densify(place))
+    return Pose.of(
+        chain.narrow(
+            pose.vector, (ca.vertcat(at.plan.distance, other.plan.distance), pose.slope(at.turning, other.turning))
+        )
+    )

@@ -2,9 +2,11 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Protocol
 
 import casadi as ca
 
+from fmu_src.chain import Chain
 from fmu_src.system import System, Variable
 from rbd_model.contact.depth import ONE_RIGID_CONTACT, Contact
 from rbd_model.track.frame import LEVEL, TrackFrame
@@ -29,6 +31,20 @@ class Declared(dict[str, ca.SX]):
     def __missing__(self, name: str) -> ca.SX:
         self[name] = self.declare(name)
         return self[name]
+
+
+class Sizes(Protocol):
+    """What laws of connections ask for: sizes and preloads, and the chain that their links go into."""
+
+    @property
+    def chain(self) -> Chain:
+        """Where equations have their parts and waists."""
+
+    def value(self, size: Size) -> ca.SX:
+        """A size of the vehicle's description."""
+
+    def preload(self, side: str) -> ca.SX:
+        """Static vertical force of a single spring [N]."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +77,11 @@ class Assembly:
     def track_at(self, place: ca.SX) -> TrackFrame:
         """The axes of the track of a body at its place, counted from the vehicle's [m]; section 3.2.1."""
         return self.frame_at(self.distance + place)
+
+    @property
+    def chain(self) -> Chain:
+        """The system, as the chain of its links."""
+        return self.system
 
     def value(self, size: Size) -> ca.SX:
         """A size of the vehicle's description."""
