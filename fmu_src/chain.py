@@ -198,11 +198,18 @@ class Chain:
 
         Only derivatives know the difference: they are taken up to here and from here on, and multiplied. A force that
         enters many equations is differentiated once. follows: few numbers that the values depend on, and their slopes
-        by these, where a formula for them is shorter than what differentiation finds; exact ones.
+        by these, where a formula for them is shorter than what differentiation finds; exact ones. What is a number
+        stays one.
         """
-        symbols = ca.SX.sym("waist", values.numel())
-        self.links.append(Waist(values, symbols, self.without_waists(values), follows))
-        return symbols
+        every = ca.densify(values)
+        varying = [n for n, one in enumerate(ca.vertsplit(every)) if not one.is_constant()]
+        if not varying:
+            return every
+        symbols, own = ca.SX.sym("waist", len(varying)), every[varying]
+        short = follows and (follows[0], follows[1][varying, :])
+        self.links.append(Waist(own, symbols, self.without_waists(own), short))
+        every[varying] = symbols
+        return every
 
     def follow(self, symbols: ca.SX, given: ca.SX, slope: ca.SX) -> None:
         """Declares how constants of a part change with its arguments; see `Following`."""

@@ -138,7 +138,8 @@ def start_along(assembly: Assembly, body: Body, states: Sequence[ca.SX | None]) 
 def at_start(system: System, expression: ca.SX) -> ca.SX:
     """An expression at the start (section 5.2), where all states that are declared have their start values."""
     known = list(system.states.values())
-    return ca.substitute(expression, ca.vertcat(*[s.symbol for s in known]), ca.vertcat(*[s.start for s in known]))
+    plain = system.expand(expression)
+    return ca.substitute(plain, ca.vertcat(*[s.symbol for s in known]), ca.vertcat(*[s.start for s in known]))
 
 
 def add_shift(assembly: Assembly, name: str, speed_name: str = "") -> Shift:

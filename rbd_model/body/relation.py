@@ -108,10 +108,7 @@ class Stretch:
 
 
 def narrow(chain: Chain, *values: ca.SX) -> list[ca.SX]:
-    """The values, with all that is not constant as something by which what comes behind is differentiated."""
-    every = ca.densify(ca.vertcat(*[ca.vec(value) for value in values]))
-    varying = [i for i in range(every.numel()) if not every[i].is_constant()]
-    if varying:
-        every[varying] = chain.narrow(every[varying])
+    """The values, as something by which what comes behind is differentiated."""
+    every = chain.narrow(ca.vertcat(*[ca.vec(value) for value in values]))
     ends = np.cumsum([0, *(value.numel() for value in values)]).tolist()
     return [ca.reshape(one, value.shape) for one, value in zip(ca.vertsplit(every, ends), values, strict=True)]

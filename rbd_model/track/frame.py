@@ -141,7 +141,7 @@ def on_profile(system: System, distance: ca.SX) -> TrackFrame:
 def frame_of(system: System, course: Course, plan: Plan) -> TrackFrame:
     """The axes where a line goes on like this, section 3.2.1."""
     up = course.tilt[2, :].T
-    narrowed = system.narrow(ca.densify(ca.vertcat(course.turning, up)))
+    narrowed = system.narrow(ca.vertcat(course.turning, up))
     return TrackFrame(narrowed[:3], narrowed[3:], plan)
 
 
@@ -194,9 +194,5 @@ def relative(chain: Chain, at: TrackFrame, other: TrackFrame) -> Pose:
     )
     back = at.plan.tilt.T
     axes, place = back @ about_z @ other.plan.tilt, back @ chord
-    pose = Pose(ca.densify(axes), ca.densify(place))
-    return Pose.of(
-        chain.narrow(
-            pose.vector, (ca.vertcat(at.plan.distance, other.plan.distance), pose.slope(at.turning, other.turning))
-        )
-    )
+    pose, distances = Pose(axes, place), ca.vertcat(at.plan.distance, other.plan.distance)
+    return Pose.of(chain.narrow(pose.vector, (distances, pose.slope(at.turning, other.turning))))

@@ -7,12 +7,14 @@ a wheelset that follows a wave yaws against the axes of the track and not agains
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
 
 import casadi as ca
 import numpy as np
 from scipy.interpolate import PPoly, make_interp_spline
 
+from fmu_src.chain import Part
 from fmu_src.system import ParameterSet, System, quantity
 from rbd_model.track.line_table import along_line
 
@@ -91,18 +93,21 @@ def ballasted_track() -> TrackSupport:
 
 @dataclass(frozen=True)
 class Section:
-    """The track at one distance: lateral position of both rails, height of the left and of the right one [m]."""
+    """The track at one distance.
 
-    lateral: ca.SX
-    left: ca.SX
-    right: ca.SX
+    rails: rows, lateral position of both, height of the left and of the right one [m]; columns, value and derivatives
+    along the track.
+    """
+
+    rails: ca.SX
     friction: ca.SX  # factor on the friction coefficient
     density: ca.SX  # 1/m: steps resolve what is as short as its reciprocal; 0: level track
-    spread: ca.SX = field(default_factory=lambda: ca.SX(0))  # of each rail, outwards
+    spread: ca.SX = field(default_factory=lambda: ca.SX(1, 2))  # of each rail, outwards, and its derivative
 
 
-#: Adds the track to a System (parameters or tables); returns its section at a distance, for a wheelset's number.
-Track = Callable[[System], Callable[[int, ca.SX], Section]]
+#: Adds the track to a System (parameters or tables); returns its section for a wheelset's number at a distance, with so
+#: many derivatives.
+Track = Callable[[System], Callable[[int, ca.SX, int], Section]]
 
 
 def blend(share: ca.SX) -> ca.SX:
@@ -125,28 +130,48 @@ def plateau(distance: ca.SX, amplitude: ca.SX, wave_number: ca.SX) -> ca.SX:
     return amplitude / ca.sqrt(1 + (wave_number * distance) ** PLATEAU_POWER)
 
 
+@lru_cache
+def irregular_rails(order: int) -> Part:
+    """The `rails` of a `Section`, column by column, by the waves (5.3) and the plateau (5.4), of the distance.
+
+    Constants: the parameters in the order of `TrackParameters`.
+    """
+    names = list(section_5_3().values())
+    distance, constants = ca.SX.sym("distance"), ca.SX.sym("constants", len(names))
+    p = dict(zip(names, ca.vertsplit(constants), strict=True))
+    along, length = distance - p["irregularity_start"], p["irregularity_blend"]
+    lateral = wave(along, p["lateral_irregularity"], p["lateral_wave_number"], length)
+    vertical = wave(along, p["vertical_irregularity"], p["vertical_wave_number"], length)
+    across = plateau(distance - p["cross_level_centre"], p["cross_level"], p["cross_level_wave_number"])
+    left = p["cross_level_left_share"] * across
+    columns = [ca.vertcat(lateral, vertical + left, vertical + left - across)]
+    for _ in range(order):
+        columns.append(ca.jacobian(columns[-1], distance))
+    return Part(f"irregular_rails_{order}", distance, constants, ca.densify(ca.vertcat(*columns)))
+
+
+#: Amplitudes, without all of which rails are straight.
+AMPLITUDES = ("lateral_irregularity", "vertical_irregularity", "cross_level")
+
+
 def irregular_track(defaults: TrackParameters) -> Track:
     """A track with the waves (5.3) and the plateau (5.4), all of them parameters."""
 
-    def add(system: System) -> Callable[[int, ca.SX], Section]:
+    def add(system: System) -> Callable[[int, ca.SX, int], Section]:
         p = {name: system.parameter(defaults.variable(name)) for name in defaults.values()}
 
         def density() -> ca.SX:
             """Wave number of the shortest wave or plateau that there is, and not of those without height."""
-            kinds = ("lateral_irregularity", "vertical_irregularity", "cross_level")
             numbers = [
-                ca.if_else(p[kind] == 0, 0, p[f"{kind.removesuffix('_irregularity')}_wave_number"]) for kind in kinds
+                ca.if_else(p[kind] == 0, 0, p[f"{kind.removesuffix('_irregularity')}_wave_number"])
+                for kind in AMPLITUDES
             ]
             return ca.mmax(ca.vertcat(*numbers))
 
-        def section(number: int, distance: ca.SX) -> Section:
-            along = distance - p["irregularity_start"]
-            length = p["irregularity_blend"]
-            lateral = wave(along, p["lateral_irregularity"], p["lateral_wave_number"], length)
-            vertical = wave(along, p["vertical_irregularity"], p["vertical_wave_number"], length)
-            across = plateau(distance - p["cross_level_centre"], p["cross_level"], p["cross_level_wave_number"])
-            left = p["cross_level_left_share"] * across
-            return Section(lateral, vertical + left, vertical + left - across, ca.SX(1), density())
+        def section(number: int, distance: ca.SX, order: int) -> Section:
+            there_are = sum(ca.fabs(p[kind]) for kind in AMPLITUDES)
+            rails = system.call(irregular_rails(order), distance, ca.vertcat(*p.values()), there_are)
+            return Section(ca.reshape(rails, 3, order + 1), ca.SX(1), density())
 
         return section
 
@@ -156,22 +181,20 @@ def irregular_track(defaults: TrackParameters) -> Track:
 def with_line(track: Track) -> Track:
     """The same track upon the line that an instance runs on: its widening, friction and irregularities come to it."""
 
-    def add(system: System) -> Callable[[int, ca.SX], Section]:
+    def add(system: System) -> Callable[[int, ca.SX, int], Section]:
         own = track(system)
 
-        def section(number: int, distance: ca.SX) -> Section:
-            def of_line(column: str) -> ca.SX:
-                return along_line(system, column, distance)[0]
+        def section(number: int, distance: ca.SX, order: int) -> Section:
+            def of_line(*columns: str, derivatives: int = 0) -> ca.SX:
+                rows = [ca.horzcat(*along_line(system, column, distance, derivatives)) for column in columns]
+                return ca.vertcat(*rows)
 
-            there = own(number, distance)
-            frictions = ca.vertcat(of_line("left_friction"), of_line("right_friction"))
+            there = own(number, distance, order)
             return Section(
-                there.lateral + of_line("lateral"),
-                there.left + of_line("left"),
-                there.right + of_line("right"),
-                there.friction * frictions,
+                there.rails + of_line("lateral", "left", "right", derivatives=order),
+                there.friction * of_line("left_friction", "right_friction"),
                 ca.fmax(there.density, 1 / of_line("shortest")),
-                of_line("spread"),
+                of_line("spread", derivatives=1),
             )
 
         return section
@@ -187,14 +210,10 @@ def derivatives_along(parameters: TrackParameters) -> Callable[[float], np.ndarr
     """
     system = System("track", "its parameters become numbers")
     distance = ca.SX.sym("distance")
-    section = irregular_track(parameters)(system)(1, distance)
-    values = ca.vertcat(section.lateral, section.left, section.right)
-    rows = [values]
-    for _ in range(2):
-        rows.append(ca.jacobian(rows[-1], distance))
+    rails = system.expand(irregular_track(parameters)(system)(1, distance, 2).rails)
     symbols = ca.vertcat(*system.parameter_symbols.values())
     numbers = ca.DM([variable.start for variable in system.variables])
-    function = ca.Function("track", [distance], [ca.densify(ca.substitute(ca.horzcat(*rows).T, symbols, numbers))])
+    function = ca.Function("track", [distance], [ca.densify(ca.substitute(rails.T, symbols, numbers))])
     return lambda at: np.array(function(at))
 
 
@@ -237,18 +256,14 @@ def track_from_points(
 
     density = 1 / (POINTS_FELT * float(np.min(np.diff(distance))))
 
-    def add(system: System) -> Callable[[int, ca.SX], Section]:
-        def section(number: int, along: ca.SX) -> Section:
-            def table(name: str, values: np.ndarray, degree: int) -> ca.SX:
-                return system.table(f"track_{name}_{number}", *pieces(values, degree), along)
+    def add(system: System) -> Callable[[int, ca.SX, int], Section]:
+        def section(number: int, along: ca.SX, order: int) -> Section:
+            def table(name: str, values: np.ndarray, degree: int, derivatives: int) -> ca.SX:
+                return ca.horzcat(*system.curve(f"track_{name}_{number}", *pieces(values, degree), along, derivatives))
 
-            return Section(
-                table("lateral", lateral, 5),
-                table("left", left, 5),
-                table("right", right, 5),
-                table("friction", friction, 1),
-                ca.SX(density),
-            )
+            kinds = {"lateral": lateral, "left": left, "right": right}
+            rails = [table(name, values, 5, order) for name, values in kinds.items()]
+            return Section(ca.vertcat(*rails), table("friction", friction, 1, 0), ca.SX(density))
 
         return section
 

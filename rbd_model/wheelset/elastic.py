@@ -81,7 +81,7 @@ class Stance:
         return Placement(self.on.yaw, self.roll, self.cosines, self.on.offset)
 
 
-def place_elastic(assembly: Assembly, number: int, section: Callable[[int, ca.SX], Section]) -> ElasticWheelset:
+def place_elastic(assembly: Assembly, number: int, section: Callable[[int, ca.SX, int], Section]) -> ElasticWheelset:
     """Declares the states of a wheelset and lets its patches meet the rails, by (3.54), (3.57) and Hertz."""
     system, data = assembly.system, assembly.vehicle.wheelsets[number - 1]
     on = follow_track(assembly, number, section)
@@ -172,7 +172,7 @@ def press_patches(assembly: Assembly, number: int, index: int, stance: Stance, b
     track = TurningTrack(body.track.turning, body.stretch)
     # As the track turns about its own axis, so does the rail's place; what lies beside it the patch itself adds.
     on, moved = stance.on, stance.give.moved
-    lies = ca.vertcat(0, on.centre + wheel.side * on.spread, on.heights[index] + stance.settled)
+    lies = ca.vertcat(0, on.centre + wheel.side * on.spread[0], on.heights[index] + stance.settled)
     lies += ca.vertcat(0, moved[0], moved[1 + index])
     slopes = state.slopes + ca.cross(ca.vertcat(track.turning[0], 0, 0), lies)[1:]
     state = replace(state, slopes=system.narrow(slopes))
@@ -222,7 +222,7 @@ def feel_rail(assembly: Assembly, number: int, index: int, stance: Stance) -> tu
     data, on, one = assembly.vehicle.wheelsets[number - 1], stance.on, side_of(assembly, number, index)
     moved, speed = stance.give.moved, stance.give.speed
     distances = ca.SX(one.wheel_half_distance), ca.SX(one.rail_half_distance)
-    side, spreading = list(SIDES)[index], ca.jacobian(on.spread, assembly.distance)
+    side, (spread, spreading) = list(SIDES)[index], ca.horzsplit(on.spread)
     wheel = Wheel(ca.SX(side), assembly.value(data.radius[index]), *distances)
     state = PatchState(
         on.forward,
@@ -231,7 +231,7 @@ def feel_rail(assembly: Assembly, number: int, index: int, stance: Stance) -> tu
         stance.roll_rate,
         on.angular_velocity,
         on.yaw_rate,
-        on.offset - side * on.spread - moved[0],
+        on.offset - side * spread - moved[0],
         stance.height - on.heights[index] - moved[1 + index],
         on.yaw,
         stance.roll,

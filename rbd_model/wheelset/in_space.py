@@ -60,9 +60,10 @@ class OnTrack:
     centre: ca.SX  # lateral position of both rails' middle [m]
     heights: ca.SX  # of the (left, right) rail [m]
     slopes: ca.SX  # along the track, of its lateral position and of the heights [1]
+    bends: ca.SX  # the same once more [1/m], at depth 1
     frictions: ca.SX  # of the (left, right) rail
     distance: ca.SX  # [m]
-    spread: ca.SX  # of each rail, outwards [m]
+    spread: ca.SX  # of each rail, outwards [m], and its slope [1]
     track: TrackFrame
 
     @property
@@ -76,7 +77,7 @@ class OnTrack:
         return self.lateral - self.centre
 
 
-def follow_track(assembly: Assembly, number: int, section: Callable[[int, ca.SX], Section]) -> OnTrack:
+def follow_track(assembly: Assembly, number: int, section: Callable[[int, ca.SX, int], Section]) -> OnTrack:
     """Declares the states of a wheelset along and across the track (section 5.2) and looks at the track there."""
     system, data = assembly.system, assembly.vehicle.wheelsets[number - 1]
     shift = add_axle_shift(assembly, number)
@@ -87,15 +88,17 @@ def follow_track(assembly: Assembly, number: int, section: Callable[[int, ca.SX]
     rotated, omega = add_rotation_states(assembly, number)
     along = assembly.value(data.along) + shift.place
     distance = assembly.distance + along
-    track = section(number, distance)
+    # The constraints of depth 1 are differentiated twice.
+    order = 2 if assembly.contact.depth == 1 else 1
+    track = section(number, distance, order)
     system.limit_change(1 / track.density, assembly.distance)
-    rails = ca.vertcat(track.lateral, track.left, track.right)
-    slopes = ca.jacobian(rails, assembly.distance)
+    rails, slopes, *bends = ca.horzsplit(track.rails)
     of_rails = ca.vertcat(*[assembly.parameter[f"{side}_rail_friction"] for side in SIDES.values()])
     frictions = rail_friction(assembly, number, distance) * track.friction * of_rails
     frame = assembly.track_at(along)
     motion = lateral, sideways, yaw, yaw_rate, rotated, omega
-    return OnTrack(shift, along, *motion, track.lateral, rails[1:], slopes, frictions, distance, track.spread, frame)
+    along_it = rails[0], rails[1:], slopes, ca.vertcat(*bends)
+    return OnTrack(shift, along, *motion, *along_it, frictions, distance, track.spread, frame)
 
 
 def stand_on_track(assembly: Assembly, on: OnTrack, body: Body) -> None:

@@ -52,7 +52,7 @@ class RigidWheelset(WheelsetOnRails):
     ends: list[ca.SX]
 
 
-def place_rigid(assembly: Assembly, number: int, section: Callable[[int, ca.SX], Section]) -> RigidWheelset:
+def place_rigid(assembly: Assembly, number: int, section: Callable[[int, ca.SX, int], Section]) -> RigidWheelset:
     """Declares the states of a wheelset and lets it meet its rails, by (3.54), (3.57) and (3.67).
 
     section: the track by wheelset and distance. The static load is the guess for the normal forces. Raises ValueError
@@ -75,7 +75,7 @@ def place_rigid(assembly: Assembly, number: int, section: Callable[[int, ca.SX],
         on.offset,
         on.heights,
         on.slopes,
-        ca.jacobian(on.slopes, assembly.distance),
+        on.bends,
         on.frictions,
     )
     fixed = rolling_constants(assembly, data)
