@@ -64,6 +64,8 @@ ROLLING_BAND, KLINGEL_BAND = 1e-4, 1e-5
 GRAVITY = 9.81
 #: Closed forms of steering leave out gravity and spin.
 STEERING_BAND = 0.02
+#: Central differences over so many m to both sides, as a share of the largest slope; measured 4e-7 and less.
+MOVED, JACOBIAN_BAND = 1e-3, 1e-6
 #: Where a body is after a full circle of 1257 m [m], [rad]; measured 2e-11 m and 7e-13 rad.
 CIRCLE_BAND = 1e-9
 #: A wave told as curvature or as irregularity: the contacts know the yaw against the track, not against rails that lead
@@ -247,6 +249,26 @@ def test_a_curve_of_a_million_kilometres_is_straight(written, patched: Library) 
     assert away[1e9][3] < 20e-9
     # The load comes from a penetration that is 1e-4 of the heights that it is the difference of.
     assert np.all(away[1e12] <= np.array([1e-12, 1e-12, 1e-11, 1e-12]) * found[math.inf] + 20e-12)
+
+
+@pytest.mark.parametrize("level", ["patched", "planar"])
+def test_derivatives_by_places_on_the_line_are_exact(level, written, request) -> None:  # type: ignore[no-untyped-def]
+    """Against central differences in a transition with cant and gradient: how two places see each other is
+    differentiated by a formula.
+    """
+    system = bogie_in_space(Contact(2)) if level == "patched" else planar_vehicle(two_axle_bogie(), True)
+    places = [n for n, name in enumerate(system.states) if name in ("frame_distance", "shift_1", "shift_2")]
+    kernel = Kernel(request.getfixturevalue(level), line_file=written(curving()), initial_speed=20.0, tolerance=1e-9)
+    kernel.advance(1.3)
+    state = np.array(kernel.linearise().state)
+    exact = np.array(kernel.jacobian_at(kernel.time, state))
+    assert len(places) == 3
+    for column in places:
+        shift = np.zeros(state.size)
+        shift[column] = MOVED
+        ahead, back = (np.array(kernel.slopes_at(kernel.time, state + sign * shift)) for sign in (1.0, -1.0))
+        error = np.abs((ahead - back) / (2 * MOVED) - exact[:, column]).max()
+        assert error < JACOBIAN_BAND * np.abs(exact[:, column]).max()
 
 
 def test_a_closed_circle_leads_back(written, patched: Library) -> None:  # type: ignore[no-untyped-def]
