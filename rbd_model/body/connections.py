@@ -18,6 +18,7 @@ from itertools import accumulate
 import casadi as ca
 import numpy as np
 
+from fmu_src.piecewise import look_up, polynomials
 from rbd_model.body.kinematics import axis_of
 from rbd_model.body.relation import Relation, Stretch
 from rbd_model.vehicle.assembly import Assembly, Sizes
@@ -26,6 +27,7 @@ from rbd_model.vehicle.description import (
     DIRECTIONS,
     BumpStop,
     FrictionSlider,
+    Place,
     SeriesDamper,
     Springs,
     SuspensionElement,
@@ -85,25 +87,30 @@ def connect(assembly: Assembly, connection: SuspensionElement, relation: Relatio
 
     Each is (3.38) along one direction, or a law of its own in place of a spring and a damper.
     """
-    if isinstance(connection, Springs | Torsion):
-        return connect_linear(assembly, connection, relation)
+    if isinstance(connection, STATELESS):
+        return connect_stateless(assembly, connection, relation)
     effects = []
     for side, place in connection.sides():
         stretch = relation.stretch(assembly, place)
-        if isinstance(connection, BumpStop):
-            effects.append(bump_stop(assembly, connection, side, relation, stretch))
-        elif isinstance(connection, SeriesDamper):
+        if isinstance(connection, SeriesDamper):
             effects.append(series_damper(assembly, connection, side, relation, stretch))
         elif isinstance(connection, FrictionSlider):
             effects.append(friction_slider(assembly, connection, side, relation, stretch))
     return sum_of(effects)
 
 
-def connect_linear(sizes: Sizes, connection: Springs | Torsion, relation: Relation) -> Effect:
-    """Effect of a connection without states and tables of its own, (3.38)."""
+#: Connections without states of their own.
+STATELESS = (Springs, Torsion, BumpStop)
+
+
+def connect_stateless(sizes: Sizes, connection: SuspensionElement, relation: Relation) -> Effect:
+    """Effect of one of STATELESS, (3.38)."""
     if isinstance(connection, Torsion):
         return torsion(sizes, connection, relation)
-    return springs(sizes, connection, relation)
+    if isinstance(connection, Springs):
+        return springs(sizes, connection, relation)
+    assert isinstance(connection, BumpStop)
+    return sum_of([bump_stop(sizes, connection, relation, place) for _, place in connection.sides()])
 
 
 def springs(sizes: Sizes, connection: Springs, relation: Relation) -> Effect:
@@ -154,7 +161,7 @@ def torsion(sizes: Sizes, connection: Torsion, relation: Relation) -> Effect:
     return Effect(none, -relation.axes.T @ moment, moment, stiffness * way**2 / 2, damping * rate**2)
 
 
-def bump_stop(assembly: Assembly, connection: BumpStop, side: str, relation: Relation, stretch: Stretch) -> Effect:
+def bump_stop(sizes: Sizes, connection: BumpStop, relation: Relation, place: Place) -> Effect:
     """A force by straight lines over the travel, odd, with its potential, in place of the spring of (3.38)."""
     travel, force = np.array(connection.travel), np.array(connection.force)
     slope = (force[-1] - force[-2]) / (travel[-1] - travel[-2])
@@ -163,9 +170,10 @@ def bump_stop(assembly: Assembly, connection: BumpStop, side: str, relation: Rel
     slopes = np.diff(forces) / np.diff(points)
     steps = np.diff(points) * (forces[:-1] + forces[1:]) / 2
     energy = np.array(list(accumulate(steps, initial=0.0)))[:-1] - np.sum(steps[: len(travel)])
+    stretch = relation.stretch(sizes, place)
     way = stretch.way[DIRECTIONS.index(connection.direction)]
     pieces = np.column_stack([energy, forces[:-1], slopes / 2])
-    potential, pull = assembly.system.curve(side, points, pieces, way, 1)
+    potential, pull = polynomials(look_up(sizes.chain, connection.name, points, pieces, way), way, 1)
     return Effect.of(relation, stretch, along(connection.direction, pull), potential, ca.SX(0))
 
 

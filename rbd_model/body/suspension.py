@@ -1,4 +1,4 @@
-"""All connections of a vehicle; springs that hold a wheelset are a part, called side by side for all wheelsets."""
+"""All connections of a vehicle; those of two bodies are a part, which pairs that are alike call side by side."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -7,13 +7,13 @@ import casadi as ca
 
 from fmu_src.chain import Chain, Part, digest_of
 from rbd_model.body.bodies import MovingBody
-from rbd_model.body.connections import Load, along, connect, connect_linear, sum_of
+from rbd_model.body.connections import STATELESS, Load, along, connect, connect_stateless, sum_of
 from rbd_model.body.kinematics import Body, turned_about_axes
 from rbd_model.body.loads import Loads
 from rbd_model.body.relation import End
 from rbd_model.track.frame import HERE, Pose
 from rbd_model.vehicle.assembly import Assembly
-from rbd_model.vehicle.description import RigidBody, Size, Springs, Torsion, Wheelset, wheelset_name
+from rbd_model.vehicle.description import RigidBody, Size, SuspensionElement, Wheelset, wheelset_name
 
 
 @dataclass
@@ -82,52 +82,57 @@ def _added(value: ca.SX, known: list[tuple[ca.SX, ca.SX]]) -> ca.SX:
     return known[-1][1]
 
 
-def hold(loads: Loads, assembly: Assembly, seat: str, wheelset: str, connections: Sequence[Springs | Torsion]) -> None:
-    """Adds what springs between a body and a wheelset do, (3.35), (3.36), by a part that all alike share."""
-    taken, pose = Taken(assembly), loads.pose(seat, wheelset)
-    inside = Loads(taken.chain, ends_in_part(taken, loads, seat, wheelset), poses_in_part(taken, loads, seat, wheelset))
-    relation = inside.relation(seat, wheelset)
-    effect = sum_of([connect_linear(taken, one, relation) for one in connections])
-    inside.push(seat, wheelset, relation, effect)
-    (on_seat,), (on_wheelset,) = inside.of[seat], inside.of[wheelset]
-    own = [on_seat.force, on_seat.moment, on_wheelset.moment, inside.box(seat, wheelset).axle]
-    own += [] if pose is HERE else [on_wheelset.force]
-    results = ca.densify(ca.vertcat(*own))
-    varying = [n for n, one in enumerate(entries(results)) if not one.is_constant()]
-    values, symbols = taken.both(0), taken.both(1)
-    part = part_of(assembly.system, taken.chain, symbols, results[varying])
-    results[varying] = assembly.system.call(part, *values)
-    force, moment, moment_there, axle, *force_there = ca.vertsplit(results, 3)
-    loads.of[seat].append(Load(force, moment))
-    loads.of[wheelset].append(Load(force_there[0] if force_there else -force, moment_there))
-    loads.axles[seat, wheelset] = axle
-    energies = [taken.chain.without_waists(one) for one in (inside.stored, inside.lost)]
-    stored, lost = ca.Function("energies", symbols, energies)(*values)
+def hold(loads: Loads, assembly: Assembly, upper: str, lower: str, connections: Sequence[SuspensionElement]) -> None:
+    """Adds what connections of two bodies do, (3.35), (3.36), by a part that all pairs alike share."""
+    taken, pose, boxed = Taken(assembly), loads.pose(upper, lower), loads.ends[lower].boxed
+    inside = Loads(taken.chain, ends_in_part(taken, loads, upper, lower), poses_in_part(taken, loads, upper, lower))
+    relation = inside.relation(upper, lower)
+    inside.push(upper, lower, relation, sum_of([connect_stateless(taken, one, relation) for one in connections]))
+    (above,), (below,) = inside.of[upper], inside.of[lower]
+    results = [above.force, above.moment, below.moment]
+    results += [] if pose is HERE else [below.force]
+    results += [inside.box(upper, lower).axle] if boxed else []
+    results, values = call(assembly.system, taken, ca.vertcat(*results)), taken.both(0)
+    loads.of[upper].append(Load(results[0], results[1]))
+    loads.of[lower].append(Load(-results[0] if pose is HERE else results[3], results[2]))
+    if boxed:
+        loads.axles[upper, lower] = results[-1]
+    energies = [taken.chain.expand(one) for one in (inside.stored, inside.lost)]
+    stored, lost = ca.Function("energies", taken.both(1), energies)(*values)
     loads.stored, loads.lost = loads.stored + stored, loads.lost + lost
 
 
-def is_held(upper: End, lower: End) -> bool:
-    """Whether a body rests on a wheelset in space (section 5.2); in the plane there is little to compute."""
-    return lower.boxed and not upper.boxed and not lower.body.angles.is_constant()
+def call(system: Chain, taken: Taken, results: ca.SX) -> list[ca.SX]:
+    """Vectors of three as a part leaves them, called where its symbols stand for what is taken; numbers stay numbers.
 
-
-def part_of(system: Chain, chain: Chain, symbols: tuple[ca.SX, ca.SX], results: ca.SX) -> Part:
-    """The part under a name that its equations give it; that of the system where it calls one like it."""
-    part = Part("suspension", *symbols, results, chain)
+    The part has a name that its equations give it, so that all calls alike share one.
+    """
+    found = ca.densify(results)
+    varying = [n for n, one in enumerate(entries(found)) if not one.is_constant()]
+    part = Part("suspension", *taken.both(1), found[varying], taken.chain)
     part = replace(part, name=f"suspension_{digest_of(part.function)}")
-    return next((call.part for call in system.calls if call.part.name == part.name), part)
+    part = next((one.part for one in system.calls if one.part.name == part.name), part)
+    found[varying] = system.call(part, *taken.both(0))
+    return ca.vertsplit(found, 3)
 
 
-def ends_in_part(taken: Taken, loads: Loads, seat: str, wheelset: str) -> dict[str, End]:
-    """Body and wheelset in the symbols of their part, eq. (3.1); where one track has both, by differences of places."""
-    body, wheels = loads.ends[seat].body, loads.ends[wheelset].body
-    places = [ca.vertcat(body.place, body.velocity), ca.vertcat(wheels.place, wheels.velocity)]
-    if loads.pose(seat, wheelset) is HERE:
-        places = [ca.vertcat(body.position - wheels.position, body.velocity - wheels.velocity), ca.SX(6, 1)]
-    # Boxes do not turn about the axle.
-    rates = [body.own_rate, ca.vertcat(wheels.own_rate[0], 0, wheels.own_rate[2])]
+def in_part(upper: End, lower: End, connections: Sequence[SuspensionElement]) -> bool:
+    """Whether a pair's connections are a part: in the plane a wheelset (section 5.2) leaves too little to compute."""
+    flat = lower.boxed and lower.body.angles.is_constant()
+    return not upper.boxed and not flat and all(isinstance(one, STATELESS) for one in connections)
+
+
+def ends_in_part(taken: Taken, loads: Loads, upper: str, lower: str) -> dict[str, End]:
+    """Both in the symbols of their part, eq. (3.1); where one track has both, by the differences of their places."""
+    bodies = [loads.ends[name].body for name in (upper, lower)]
+    places = [ca.vertcat(body.place, body.velocity) for body in bodies]
+    if loads.pose(upper, lower) is HERE:
+        places = [places[0] - places[1], ca.SX(6, 1)]
+    rates = [body.own_rate for body in bodies]
+    if loads.ends[lower].boxed:
+        rates[1] = ca.vertcat(rates[1][0], 0, rates[1][2])  # boxes do not turn about the axle
     ends = {}
-    for name, place, rate in zip((seat, wheelset), places, rates, strict=True):
+    for name, place, rate in zip((upper, lower), places, rates, strict=True):
         end = loads.ends[name]
         position, velocity = ca.vertsplit(taken.arguments(place), 3)
         angles, axes = taken.turned(end.body.angles)
@@ -136,17 +141,17 @@ def ends_in_part(taken: Taken, loads: Loads, seat: str, wheelset: str) -> dict[s
     return ends
 
 
-def poses_in_part(taken: Taken, loads: Loads, seat: str, wheelset: str) -> dict[tuple[str, str], Pose]:
+def poses_in_part(taken: Taken, loads: Loads, upper: str, lower: str) -> dict[tuple[str, str], Pose]:
     """How they see each other's track in the symbols of their part, which follow both places on the line, (3.12)."""
-    pose = loads.pose(seat, wheelset)
+    pose = loads.pose(upper, lower)
     if pose is HERE:
-        return {(seat, wheelset): HERE, (wheelset, seat): HERE}
-    tracks = [loads.ends[name].body.track for name in (seat, wheelset)]
+        return {(upper, lower): HERE, (lower, upper): HERE}
+    tracks = [loads.ends[name].body.track for name in (upper, lower)]
     own = Pose.of(taken.constants(pose.vector))
     distances = taken.arguments(ca.vertcat(*[track.plan.distance for track in tracks if track.plan]))
     turning = [taken.constants(track.turning) for track in tracks]
     taken.follow(own.vector, distances, own.slope(*turning))
-    return {(seat, wheelset): own, (wheelset, seat): own.back}
+    return {(upper, lower): own, (lower, upper): own.back}
 
 
 def end_of(assembly: Assembly, name: str, data: RigidBody | Wheelset, body: Body) -> End:
@@ -165,9 +170,8 @@ def loads_of(assembly: Assembly, bodies: Sequence[MovingBody], axles: Mapping[in
     loads = Loads(assembly.system, ends)
     for upper, lower in dict.fromkeys((one.upper, one.lower) for one in vehicle.connections):
         between = [one for one in vehicle.connections if (one.upper, one.lower) == (upper, lower)]
-        linear = [one for one in between if isinstance(one, Springs | Torsion)]
-        if is_held(ends[upper], ends[lower]) and linear == between:
-            hold(loads, assembly, upper, lower, linear)
+        if in_part(ends[upper], ends[lower], between):
+            hold(loads, assembly, upper, lower, between)
         else:
             relation = loads.relation(upper, lower)
             loads.push(upper, lower, relation, sum_of([connect(assembly, one, relation) for one in between]))
