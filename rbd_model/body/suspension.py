@@ -116,10 +116,11 @@ def call(system: Chain, taken: Taken, results: ca.SX) -> list[ca.SX]:
     return ca.vertsplit(found, 3)
 
 
-def in_part(upper: End, lower: End, connections: Sequence[SuspensionElement]) -> bool:
-    """Whether a pair's connections are a part: in the plane a wheelset (section 5.2) leaves too little to compute."""
-    flat = lower.boxed and lower.body.angles.is_constant()
-    return not upper.boxed and not flat and all(isinstance(one, STATELESS) for one in connections)
+def in_part(loads: Loads, upper: str, lower: str, connections: Sequence[SuspensionElement]) -> bool:
+    """Whether a pair's connections are a part: in the plane of straight track, section 5.2, a wheelset has few."""
+    below = loads.ends[lower]
+    simple = below.boxed and below.body.angles.is_constant() and loads.pose(upper, lower) is HERE
+    return not (loads.ends[upper].boxed or simple) and all(isinstance(one, STATELESS) for one in connections)
 
 
 def ends_in_part(taken: Taken, loads: Loads, upper: str, lower: str) -> dict[str, End]:
@@ -170,7 +171,7 @@ def loads_of(assembly: Assembly, bodies: Sequence[MovingBody], axles: Mapping[in
     loads = Loads(assembly.system, ends)
     for upper, lower in dict.fromkeys((one.upper, one.lower) for one in vehicle.connections):
         between = [one for one in vehicle.connections if (one.upper, one.lower) == (upper, lower)]
-        if in_part(ends[upper], ends[lower], between):
+        if in_part(loads, upper, lower, between):
             hold(loads, assembly, upper, lower, between)
         else:
             relation = loads.relation(upper, lower)
