@@ -47,6 +47,15 @@ class Part:
         return self.chain.jacobian(self.results, self.arguments)
 
     @cached_property
+    def needed(self) -> list[list[int]]:
+        """For each result the places of the numbers that it depends on, counted over arguments and constants."""
+        given = ca.vertsplit(ca.vertcat(self.arguments, self.constants))
+        if self.flat:
+            return [list(range(len(given)))] * self.results.numel()
+        every = [symbols_in(one) for one in ca.vertsplit(self.chain.expand(self.results))]
+        return [[n for n, symbol in enumerate(given) if symbol.element_hash() in one] for one in every]
+
+    @cached_property
     def function(self) -> ca.Function:
         """The results, and the nonzeros of their slopes, of arguments and constants."""
         both = [ca.densify(self.chain.expand(one)) for one in (self.results, self.slope.nz[:])]
@@ -102,10 +111,12 @@ class Call:
         """Symbols of its slopes."""
         return symbols_in(self.slopes)
 
-    @property
-    def values(self) -> ca.SX:
-        """The results at this place, in what the part is given."""
-        return self.written_out[: self.symbols.numel()]
+    @cached_property
+    def found_from(self) -> list[ca.SX]:
+        """For each result all that it depends on at this place."""
+        taken = self.taken
+        last = list(range(self.given.numel() + self.constants.numel(), taken.numel()))
+        return [taken[[*places, *last]] for places in self.part.needed]
 
     @cached_property
     def written_out(self) -> ca.SX:

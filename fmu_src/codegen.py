@@ -134,6 +134,12 @@ def _sources(model: Model) -> dict[str, str]:
     return sources
 
 
+@lru_cache(maxsize=256)
+def _idle(model: Model, name: str) -> list[str]:
+    """Parameters without an effect in the system of this name."""
+    return without_effect(model, next(system for system in model.systems if system.name == name))
+
+
 def guid_of(sources: Mapping[str, str]) -> str:
     """GUID in generated sources; changes with the content of the model and with nothing else."""
     found = re.search(r"\{[0-9a-f-]{36}\}", sources["model.c"])
@@ -164,7 +170,7 @@ def _system_arrays(model: Model, system: System, solving: Elimination) -> Iterab
         yield c_array("int", f"{prefix}_{suffix}_variable", [str(model.index(name)) for name in names])
     shown = [-1 if s.algebraic else model.index(state_variable(s.name)) for s in system.states.values()]
     yield c_array("int", f"{prefix}_state_variable", map(str, shown))
-    yield c_array("int", f"{prefix}_idle", [str(model.index(name)) for name in without_effect(model, system)])
+    yield c_array("int", f"{prefix}_idle", [str(model.index(name)) for name in _idle(model, system.name)])
     yield c_array("double", f"{prefix}_nominal", [c_number(state.nominal) for state in system.states.values()])
     yield c_array("int", f"{prefix}_order", map(str, solving.order))
     yield c_array("int", f"{prefix}_position", map(str, solving.position))
@@ -254,7 +260,7 @@ def _system_entry(model: Model, system: System, made: dict[str, Generated], solv
         "ends": len(system.end_conditions),
         "conditions": len(system.end_conditions) + len(system.warnings),
         "exchanged": int(serves_exchange(model, system)),
-        "idles": len(without_effect(model, system)),
+        "idles": len(_idle(model, system.name)),
     }
     arrays = {
         "input_variable": "inputs",

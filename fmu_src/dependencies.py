@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import casadi as ca
 
-from fmu_src.chain import Call, Waist, symbols_in
+from fmu_src.chain import Call, symbols_in
 from fmu_src.exchange import derivative_name, exchanged_states, serves_exchange
 from fmu_src.system import Model, System, state_variable
 
@@ -50,8 +50,11 @@ def known_behind(
         return {place[symbol] for symbol in symbols_in(expression) if symbol in place}
 
     needed: list[set[int]] = [set() for _ in names]
+    seen: dict[int, set[int]] = {}  # what many are found from is looked at once
     for symbol, expression in equations:
-        needed += [places(expression)] * symbol.numel()
+        if id(expression) not in seen:
+            seen[id(expression)] = places(expression)
+        needed += [seen[id(expression)]] * symbol.numel()
     return {
         name: {names[place] for place in closure(places(expression), needed) if place < len(names)}
         for name, expression in unknown.items()
@@ -94,15 +97,11 @@ def settled_equations(system: System) -> list[tuple[ca.SX, ca.SX]]:
 
 def link_equations(system: System) -> list[tuple[ca.SX, ca.SX]]:
     """Results of parts and waists, each with what it is found from."""
-    every = [(ca.vertsplit(link.symbols), _found_from(link)) for link in system.links]
+    every = [
+        (ca.vertsplit(link.symbols), link.found_from if isinstance(link, Call) else ca.vertsplit(link.values))
+        for link in system.links
+    ]
     return [pair for symbols, values in every for pair in zip(symbols, values, strict=True)]
-
-
-def _found_from(link: Call | Waist) -> list[ca.SX]:
-    """For each symbol of a link what it is found from; of a look-up, all that is looked up by."""
-    if isinstance(link, Call) and link.part.flat:
-        return [link.given] * link.symbols.numel()
-    return list(ca.vertsplit(link.values))
 
 
 def closure(begin: Iterable[int], needed: list[set[int]]) -> set[int]:

@@ -86,7 +86,5 @@ def expressions_of(system: System) -> list[ca.SX]:
 
 def places_that_matter(part: Part, count: int) -> list[int]:
     """Which of the numbers that a part is given, `when` among them, its results depend on."""
-    given = ca.vertsplit(ca.vertcat(part.arguments, part.constants))
-    needed = symbols_in(part.chain.expand(part.results))
-    within = [place for place, symbol in enumerate(given) if not needed.isdisjoint(symbols_in(symbol))]
-    return [*within, *range(len(given), count)]
+    within = {place for places in part.needed for place in places}
+    return [*sorted(within), *range(part.arguments.numel() + part.constants.numel(), count)]

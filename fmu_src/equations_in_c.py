@@ -129,33 +129,47 @@ def _functions_of_parts(own: Sequence[Generated]) -> dict[str, Generated]:
 def _parts(name: str, parts: Mapping[str, Generated], groups: Mapping[str, Group]) -> str:
     """The header with the parts in lanes: what other parts call, what stands in a group, and what computes a group."""
     own: dict[str, Group] = {group.function: group for group in groups.values()}
-    given, texts = _parts_within(name, parts, [parts[part_name(one.part, one.slopes)] for one in own.values()])
+    users = [(parts[part_name(one.part, one.slopes)], one.lanes) for one in own.values()]
+    given, texts = _parts_within(name, parts, users)
     for group in own.values():
         one = parts[part_name(group.part, group.slopes)]
-        texts.append(_written(_of_part(name, one, group.function, str(group.lanes))))
-    texts += [entry_of_group(name, group) for group in groups.values()]
+        texts.append(_up_to(group.lanes, _written(_of_part(name, one, group.function, str(group.lanes)))))
+    texts += [_up_to(group.lanes, entry_of_group(name, group)) for group in groups.values()]
     return "\n".join([*HEAD, *given, *_in_lanes(texts), ""])
 
 
-def _parts_within(name: str, parts: Mapping[str, Generated], users: Iterable[Generated]) -> tuple[list[str], list[str]]:
-    """C of what is given in C, and of all parts that functions in lanes call, each behind those that it calls."""
+def _up_to(lanes: int, text: str) -> str:
+    """C that is compiled for at most so many lanes."""
+    return text if lanes >= WIDTHS[-1] else f"#if LANES <= {lanes}\n{text}#endif\n"
+
+
+def _parts_within(
+    name: str, parts: Mapping[str, Generated], users: Iterable[tuple[Generated, int]]
+) -> tuple[list[str], list[str]]:
+    """C of what is given in C, and of all parts that functions in lanes call, each behind those that it calls.
+
+    users: these functions, and for how many lanes each is compiled at most.
+    """
     called: dict[str, Group] = {}
+    most: dict[str, int] = {}
 
-    def find(one: Generated) -> None:
+    def find(one: Generated, lanes: int) -> None:
         for group in (group for rank in Rooms.of(one, False).groups for group in rank):
-            if group.function not in called:
+            if lanes > most.get(group.function, 0):
+                most[group.function] = lanes
                 if not group.part.source:
-                    find(parts[group.function])
-                called[group.function] = group
+                    find(parts[group.function], lanes)
+                called.setdefault(group.function, group)
 
-    for one in users:
-        find(one)
+    for one, lanes in users:
+        find(one, lanes)
     texts = []
-    for group in called.values():
+    for function, group in called.items():
         if group.part.source and not group.part.flat:
-            texts.append(part_in_c_in_lanes(name, group.part, group.slopes))
+            texts.append(_up_to(most[function], part_in_c_in_lanes(name, group.part, group.slopes)))
         elif not group.part.source:
-            texts.append(_written(_of_part(name, parts[group.function], group.function, "LANES")))
+            body = _of_part(name, parts[function], function, "LANES")
+            texts.append(_up_to(most[function], _written(body)))
     return _given([group.part for group in called.values() if group.part.source]), texts
 
 
@@ -165,7 +179,7 @@ def functions_in_lanes(name: str, made: Mapping[str, Generated]) -> tuple[list[s
     Raises ValueError as `equations_in_c`.
     """
     own = list(made.values())
-    given, texts = _parts_within(name, _functions_of_parts(own), own)
+    given, texts = _parts_within(name, _functions_of_parts(own), [(one, WIDTHS[-1]) for one in own])
     return given, [*texts, *(_written(_of_all_lanes(name, one)) for one in own)]
 
 

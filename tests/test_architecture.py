@@ -183,7 +183,7 @@ PLUMBING = {
     "rbd_model/wheelset/elastic.py": {"surroundings"},
     "rbd_model/track/recovery.py": {"rail_adhesion"},
     "rbd_model/body/relation.py": {"narrow"},
-    "rbd_model/body/suspension.py": {"entries", "part_of"},
+    "rbd_model/body/suspension.py": {"call", "entries"},
     "rbd_model/track/irregularity.py": {"track_from_file", "track_from_points", "with_line"},
     "rbd_model/vehicle/variables.py": {
         "words",
