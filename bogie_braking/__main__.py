@@ -17,6 +17,7 @@
   bogie-braking sweep levels --vary utilisation=0.5:1.3:81 --scheduler tcp://127.0.0.1:8786
                                                                  on a Dask cluster
   bogie-braking pace spatial --step 1ms --seconds 10             in real time on this machine: longest step, overruns
+  bogie-braking controllers compare mine.py:PI                   scores wheel-slide controllers, in Python and in C
   bogie-braking live                                             a page that brakes a bogie in any browser
   bogie-braking build bogie                                      FMUs; build --help says more
   bogie-braking run levels --json | jq .rows                     the summary for a program
@@ -50,6 +51,7 @@ def add_speech(parser: argparse.ArgumentParser, quiet: str, document: str) -> No
     group.add_argument("--json", action="store_true", help=f"{document} as one JSON document")
 
 
+CONTROLLERS = "compare wheel-slide controllers, a Python class, C or a library, on the test rig"
 PACE = "run an FMU in real time on this machine: longest step, overruns, jitter"
 PROFILES = """Equivalent conicity (EN 15302), rolling radii and contact angles of wheels on rails from files. A line of
 a file is y, z in mm; y = 0 of a wheel is its tape circle, 70 mm from the back of the flange. One file or diameter
@@ -116,13 +118,25 @@ def parser_of(asked: str) -> tuple[argparse.ArgumentParser, Any]:
         add_command(commands)
     else:
         commands.add_parser("sweep", help="run one scenario over a grid of parameters")
+    form: dict[str, Any]
     if asked in ("pace", "completion"):
         from scenarios.methods import pace  # heavy: FMUs
 
-        form: dict[str, Any] = {"description": pace.__doc__, "formatter_class": argparse.RawDescriptionHelpFormatter}
+        form = {"description": pace.__doc__, "formatter_class": argparse.RawDescriptionHelpFormatter}
         pace.add_arguments(commands.add_parser("pace", help=PACE, **form))
     else:
         commands.add_parser("pace", help=PACE)
+    if asked in ("controllers", "completion"):
+        from scenarios.methods import compare_controllers  # heavy: NumPy, batches
+
+        form = {"description": compare_controllers.__doc__, "formatter_class": argparse.RawDescriptionHelpFormatter}
+        of_controllers = commands.add_parser("controllers", help=CONTROLLERS, **form)
+        compare_controllers.add_commands(
+            of_controllers,
+            lambda one: add_speech(one, "no progress and no table, only the exit status", "the comparison"),
+        )
+    else:
+        commands.add_parser("controllers", help=CONTROLLERS)
     page = commands.add_parser("live", help="write a page that brakes a bogie, or a coach, in any browser")
     page.add_argument("--out", type=Path, default=Path("results"), help="folder of live.html (default: results)")
     for command in ("run", "sweep", "pace"):

@@ -15,6 +15,13 @@ GATE, TIMER, LOWEST_FREQUENCY = 0.03, 1e-6, 5.0
 LARGEST_ERROR = 0.45
 
 
+def edge_errors(pulses: int, jitter: float, seed: int) -> list[float]:
+    """Errors of the places of all edges, as shares of the pitch; none without jitter, their standard deviation."""
+    random = Random(seed)
+    drawn = (random.gauss(0.0, jitter) for _ in range(pulses)) if jitter else ()
+    return [min(max(error, -LARGEST_ERROR), LARGEST_ERROR) for error in drawn]
+
+
 class _Passage(NamedTuple):
     """The time between two looks in which edges passed: times [s], places in pitches, its first edge and when [s]."""
 
@@ -65,9 +72,7 @@ class Encoder:
             if not (math.isfinite(getattr(self, name)) and getattr(self, name) > 0.0):
                 raise ValueError(f"Set {name} to a finite value above 0: it was {getattr(self, name)}.")
         self.pitch = math.tau / self.pulses
-        random = Random(self.seed)
-        drawn = (random.gauss(0.0, self.jitter) for _ in range(self.pulses)) if self.jitter else ()
-        self.errors = [min(max(error, -LARGEST_ERROR), LARGEST_ERROR) for error in drawn]
+        self.errors = edge_errors(self.pulses, self.jitter, self.seed)
 
     def angular_velocity(self, time: float, rotation: float) -> float:
         """The reading [rad/s], at least 0, at a time [s], from the rotation of the wheel [rad]."""

@@ -303,16 +303,16 @@ class SlideProtection:
         return self.released == number
 
 
-class _LateError(BaseException):
+class LateError(BaseException):
     """Raised inside a controller that takes too long; no `except Exception` of its own stops it."""
 
 
 def _ring(*_: object) -> None:
-    raise _LateError
+    raise LateError
 
 
 def within(patience: float, call: Callable[[], object]) -> object:
-    """Result of a call that must come within `patience` seconds of wall time. Raises _LateError, or what it raises.
+    """Result of a call that must come within `patience` seconds of wall time. Raises LateError, or what it raises.
 
     Where no alarm can ring, outside the main thread and on Windows, the call runs in a thread of its own, which is left
     alone when it is late.
@@ -337,7 +337,7 @@ def within(patience: float, call: Callable[[], object]) -> object:
     thread.start()
     thread.join(patience)
     if not answers:
-        raise _LateError
+        raise LateError
     good, answer = answers[0]
     if not good:
         raise answer  # type: ignore[misc]
@@ -354,26 +354,38 @@ class Supervised:
     controller: WheelSlideController
     wheelsets: int
     patience: float = 1.0
+    _commands: frozenset[int] = frozenset(COMMANDS)
 
     def step(self, time: float, wheel_speeds: Sequence[float]) -> list[int]:
         """Valve commands of the controller. Raises ControllerError where it fails, is late or gives others."""
+        try:
+            answer = within(self.patience, lambda: self.unhurried(time, wheel_speeds))
+        except LateError:
+            raise self.late(time) from None
+        assert isinstance(answer, list)
+        return answer
+
+    def unhurried(self, time: float, wheel_speeds: Sequence[float]) -> list[int]:
+        """The same, however long it takes. Raises ControllerError."""
         name = type(self.controller).__name__
         try:
-            answer = within(self.patience, lambda: list(self.controller.step(time, wheel_speeds)))
-        except _LateError:
-            raise ControllerError(
-                f"The controller {name} gave no answer within {self.patience:g} s at {time:.6g} s; the brake stays "
-                "applied."
-            ) from None
+            answer = list(self.controller.step(time, wheel_speeds))
+            fits = len(answer) == self.wheelsets and self._commands.issuperset(answer)
         except Exception as error:
             raise ControllerError(
                 f"The controller {name} failed at {time:.6g} s ({type(error).__name__}: {error}); the brake stays "
                 "applied."
             ) from error
-        assert isinstance(answer, list)
-        if len(answer) != self.wheelsets or any(command not in COMMANDS for command in answer):
+        if not fits:
             raise ControllerError(
                 f"The controller {name} gave {answer!r} at {time:.6g} s where {self.wheelsets} commands of 0 (apply), "
                 "1 (hold) or 2 (vent) were due; the brake stays applied."
             )
         return [int(command) for command in answer]
+
+    def late(self, time: float) -> ControllerError:
+        """What is said of a controller that took too long."""
+        name = type(self.controller).__name__
+        return ControllerError(
+            f"The controller {name} gave no answer within {self.patience:g} s at {time:.6g} s; the brake stays applied."
+        )

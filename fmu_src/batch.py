@@ -12,6 +12,7 @@ from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from functools import lru_cache
 from types import TracebackType
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -76,6 +77,18 @@ _SIGNATURES = {
     "batch_free_said": (None, [ctypes.c_void_p]),
     "batch_forget": (None, [ctypes.c_void_p]),
     "batch_step": (None, [ctypes.POINTER(ctypes.c_void_p), ctypes.POINTER(_Steps)]),
+    "batch_look": (None, [ctypes.POINTER(_Steps)]),
+    "batch_control": (
+        ctypes.c_longlong,
+        [
+            ctypes.POINTER(ctypes.c_void_p),
+            ctypes.POINTER(_Steps),
+            ctypes.c_longlong,
+            ctypes.c_void_p,
+            ctypes.c_void_p,
+            ctypes.c_longlong,
+        ],
+    ),
 }
 
 
@@ -335,21 +348,69 @@ class Instances:
             if name not in self.inputs:
                 raise KernelError(f"No input {name} was named; {suggestion(name, self.inputs)}", ERROR)
             self._given[:, self.inputs.index(name)] = _one_or_each(name, value, len(self))
-        count, width = len(self), self._library.lanes
-        share = max(1, -(-count // (self._threads * width))) * width
-        shares = [(first, min(first + share, count), size) for first in range(0, count, share)]
-        done = [self._pool.submit(self._step_some, *one) for one in shares[1:]]
-        self._step_some(*shares[0])  # waking a thread takes as long as hundreds of steps
-        for one in done:
-            one.result()
+        self.go_on(size)
         failed = np.flatnonzero(self._status > DISCARD)
         if failed.size:
-            message = self._library.functions.kernel_message(self._handles[failed[0]]).decode()
-            raise KernelError(f"Instance {failed[0]} of {count}: {message}", int(self._status[failed[0]]))
+            message = self.message(int(failed[0]))
+            raise KernelError(f"Instance {failed[0]} of {len(self)}: {message}", int(self._status[failed[0]]))
         return {name: self._found[:, number] for number, name in enumerate(self.outputs)}
 
+    def go_on(self, size: float) -> None:
+        """A step from `told` to `shown`; `status` is above 1 where an instance ended or failed, and stays there."""
+        self._in_shares(lambda first, end: self._step_some(first, end, size))
+
+    def look(self) -> None:
+        """Reads all outputs where the instances stand into `shown`."""
+        self._library.functions.batch_look(self._steps(0, len(self), 0.0))
+
+    @property
+    def shown(self) -> Numbers:
+        """Outputs, shape (count, outputs), the same array at every step."""
+        return self._found
+
+    @property
+    def told(self) -> Numbers:
+        """Inputs of the next step, shape (count, inputs); to be changed in place."""
+        return self._given
+
+    @property
+    def status(self) -> NDArray[np.int32]:
+        """Of the last step, shape (count,)."""
+        return self._status
+
+    def control(self, size: float, steps: int, between: Any, context: int) -> None:
+        """So many steps of `size` seconds, each behind a call of `between` in C, `batch_between` in batch.h.
+
+        It ends where none goes on. What fails stays where it was; `between` sees its status.
+        """
+        call, pointer = self._library.functions, ctypes.cast(between, ctypes.c_void_p)
+
+        def control_some(first: int, end: int) -> None:
+            groups = _from(self._groups, first // self._library.lanes)
+            call.batch_control(groups, self._steps(first, end, size), steps, pointer, context, first)
+
+        self._in_shares(control_some)
+
+    def message(self, row: int) -> str:
+        """The last sentence of an instance."""
+        return str(self._library.functions.kernel_message(self._handles[row]).decode())
+
+    def _in_shares(self, work: Callable[[int, int], None]) -> None:
+        """Work for all instances, shared among the threads by whole groups."""
+        count, width = len(self), self._library.lanes
+        share = max(1, -(-count // (self._threads * width))) * width
+        shares = [(first, min(first + share, count)) for first in range(0, count, share)]
+        done = [self._pool.submit(work, *one) for one in shares[1:]]
+        work(*shares[0])  # waking a thread takes as long as hundreds of steps
+        for one in done:
+            one.result()
+
     def _step_some(self, first: int, end: int, size: float) -> None:
-        steps = _Steps(
+        groups = _from(self._groups, first // self._library.lanes)
+        self._library.functions.batch_step(groups, self._steps(first, end, size))
+
+    def _steps(self, first: int, end: int, size: float) -> _Steps:
+        return _Steps(
             end - first,
             _from(self._handles, first),
             len(self.inputs),
@@ -361,7 +422,6 @@ class Instances:
             self._found[first:].ctypes.data_as(_DOUBLES),
             self._status[first:].ctypes.data_as(_INTS),
         )
-        self._library.functions.batch_step(_from(self._groups, first // self._library.lanes), steps)
 
 
 def _from(handles: ctypes.Array[ctypes.c_void_p], first: int) -> ctypes._Pointer[ctypes.c_void_p]:

@@ -273,6 +273,20 @@ def batch_library(sources: Mapping[str, str], lanes: int) -> Path:
     return library_of(sources, lanes=lanes)
 
 
+def plain_library(sources: Mapping[str, str], flags: Sequence[str] = FLAGS) -> Path:
+    """Path of a shared library of C files that need nothing of the runtime, compiled now unless the cache has it."""
+    path = (
+        cache() / f"{_content([*compiler(), *_linking(flags, None), *sorted(sources)], sources, ())}{library_suffix()}"
+    )
+    with _missing(path) as missing:
+        if missing:
+            objects = objects_of(sources, [*flags, OPTIMISE_RUNTIME])
+            with tempfile.TemporaryDirectory() as folder:
+                run([*_linking(flags, None), "-o", "library", *map(str, objects), "-lm"], None, Path(folder))
+                _keep(Path(folder) / "library", path)
+    return path
+
+
 #: WebAssembly with the C library of WASI; a page gives what of its system the kernel asks for.
 WEB_TARGET = "wasm32-wasi"
 

@@ -384,3 +384,23 @@ static void step_group(batch *self, const batch_steps *steps, long long int firs
 void batch_step(batch *const *group, const batch_steps *steps) {
     for (long long int first = 0; first < steps->count; first += W) step_group(group[first / W], steps, first);
 }
+
+long long int batch_control(batch *const *group, const batch_steps *steps, long long int count, batch_between between,
+                            void *context, long long int first) {
+    for (long long int step = 0; step < count; ++step) {
+        if (!between(context, first, steps->count, steps->status, steps->result, (double *)(size_t)steps->value)) return step;
+        batch_step(group, steps);
+    }
+    return count;
+}
+
+void batch_look(const batch_steps *steps) {
+    for (long long int row = 0; row < steps->count; ++row) {
+        steps->status[row] = KERNEL_OK;
+        for (int i = 0; i < steps->outputs; ++i) {
+            double *result = &steps->result[row * steps->outputs + i];
+            const kernel_status status = kernel_get(steps->instance[row], steps->output[i], result);
+            if (status > KERNEL_WARNING) steps->status[row] = (int)status;
+        }
+    }
+}

@@ -49,6 +49,11 @@ typedef struct {
     int *status;         /* count: a kernel_status */
 } batch_steps;
 
+/* What stands between steps of the instances from the first on: reads what they show and sets what they are told, rows of
+ * outputs and of inputs; whether any goes on. */
+typedef bool (*batch_between)(void *context, long long int first, long long int count, const int *status, const double *result,
+                              double *value);
+
 /* One for each thread; null: there is no memory. */
 KERNEL_EXPORT batch *batch_create(void);
 KERNEL_EXPORT void batch_free(batch *self);
@@ -60,6 +65,12 @@ KERNEL_EXPORT bool batch_run(batch *self, const batch_runs *runs);
 KERNEL_EXPORT void batch_free_said(char *said);
 /* group: a batch for each BATCH_LANES instances, the same at every step. */
 KERNEL_EXPORT void batch_step(batch *const *group, const batch_steps *steps);
+/* So many steps, each behind a call of `between`, which sees instances from the first on; ends where none goes on. Returns how
+ * many were made. */
+KERNEL_EXPORT long long int batch_control(batch *const *group, const batch_steps *steps, long long int count,
+                                          batch_between between, void *context, long long int first);
+/* The outputs of all instances where they stand, into the same arrays as those of a step. */
+KERNEL_EXPORT void batch_look(const batch_steps *steps);
 /* Before the next step of a group some of whose instances have begun anew. */
 KERNEL_EXPORT void batch_forget(batch *self);
 

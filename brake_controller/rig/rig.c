@@ -1,0 +1,227 @@
+/* Sensors, controllers, valves and scores of many machines: rig.h. */
+#include "rig.h"
+
+#include "encoder.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "wheel_slide.h"
+
+/* A kernel_status above this: the step failed, or the run has ended by itself. */
+#define WORKS 1
+/* Most wheelsets of a machine. */
+#define MOST 16
+
+/* One run: its sensors are `wheelsets` long, its controller's memory `size`. */
+typedef struct {
+    long long int looks;
+    encoder *sensor;
+    double *error, *locked, *pressure;
+    int *valve;
+    void *memory;
+} rig_run;
+
+struct rig {
+    rig_settings settings;
+    rig_controller controller;
+    long long int rows;
+    rig_run *run;
+    rig_score *score;
+};
+
+static void *room(size_t count, size_t size)
+{
+    return calloc(count ? count : 1, size ? size : 1);
+}
+
+rig *rig_create(long long int rows, const rig_settings *settings, const rig_controller *controller)
+{
+    rig *self = settings->wheelsets <= MOST ? (rig *)room(1, sizeof *self) : NULL;
+    if (!self) return NULL;
+    self->settings = *settings;
+    self->controller = *controller;
+    self->rows = rows;
+    self->run = (rig_run *)room((size_t)rows, sizeof *self->run);
+    self->score = (rig_score *)room((size_t)rows, sizeof *self->score);
+    const size_t n = (size_t)settings->wheelsets;
+    bool whole = self->run && self->score;
+    for (long long int row = 0; whole && row < rows; ++row) {
+        rig_run *one = &self->run[row];
+        one->sensor = (encoder *)room(n, sizeof *one->sensor);
+        one->error = (double *)room(n * (size_t)settings->encoder.pulses, sizeof(double));
+        one->locked = (double *)room(n, sizeof(double));
+        one->pressure = (double *)room(n, sizeof(double));
+        one->valve = (int *)room(n, sizeof(int));
+        one->memory = room(1, controller->size);
+        whole = one->sensor && one->error && one->locked && one->pressure && one->valve && one->memory;
+    }
+    if (whole) return self;
+    rig_free(self);
+    return NULL;
+}
+
+void rig_free(rig *self)
+{
+    for (long long int row = 0; self && self->run && row < self->rows; ++row) {
+        rig_run *one = &self->run[row];
+        free(one->sensor);
+        free(one->error);
+        free(one->locked);
+        free(one->pressure);
+        free(one->valve);
+        free(one->memory);
+    }
+    if (!self) return;
+    free(self->run);
+    free(self->score);
+    free(self);
+}
+
+void rig_begin(rig *self, long long int row, const double *error)
+{
+    const rig_settings *s = &self->settings;
+    rig_run *one = &self->run[row];
+    const size_t n = (size_t)s->wheelsets, pulses = (size_t)s->encoder.pulses;
+    one->looks = 0;
+    if (error) memcpy(one->error, error, n * pulses * sizeof(double));
+    for (size_t i = 0; i < n; ++i) {
+        encoder_begin(&one->sensor[i], error ? one->error + i * pulses : NULL);
+        one->locked[i] = one->pressure[i] = 0.0;
+        one->valve[i] = WHEEL_SLIDE_APPLY;
+    }
+    memset(&self->score[row], 0, sizeof self->score[row]);
+    self->score[row].failed_at = NAN;
+    if (!self->controller.step) return;
+    memset(one->memory, 0, self->controller.size);
+    self->controller.start(one->memory, s->wheelsets, s->period);
+}
+
+const rig_score *rig_scores(const rig *self)
+{
+    return self->score;
+}
+
+/* What this look adds to the score of a run. */
+static void judge(rig *self, long long int row, double time, const double *shown)
+{
+    const rig_settings *s = &self->settings;
+    const int n = s->wheelsets;
+    const double speed = shown[0], *omega = shown + 2 + n, *pressure = omega + n;
+    rig_run *one = &self->run[row];
+    rig_score *score = &self->score[row];
+    bool good = true;
+    for (int i = 0; i < n; ++i) {
+        one->locked[i] = omega[i] == 0.0 && speed > s->lock_above ? one->locked[i] + 1.0 : 0.0;
+        score->longest_lock = fmax(score->longest_lock, one->locked[i] * s->period);
+        score->filled += fmax(pressure[i] - one->pressure[i], 0.0);
+        one->pressure[i] = pressure[i];
+        good &= 1.0 - s->radius * omega[i] / fmax(speed, 1e-9) <= s->band;
+    }
+    if (time > s->brake_start && speed > s->look_above) {
+        score->looked += 1.0;
+        score->band += good;
+    }
+    score->time = time;
+    score->speed = speed;
+    score->distance = shown[1];
+    if (time > s->brake_start && speed < s->standing)
+        score->state = RIG_STANDS;
+    else if (time >= s->longest)
+        score->state = RIG_TOO_LONG;
+}
+
+/* Whether the run goes on behind this look. */
+static bool look(rig *self, long long int row, int status, const double *shown, double *wheel_speed)
+{
+    const rig_settings *s = &self->settings;
+    rig_run *one = &self->run[row];
+    if (self->score[row].state == RIG_RUNS && status > WORKS) self->score[row].state = RIG_LOST;
+    if (self->score[row].state != RIG_RUNS) return false;
+    const double time = (double)one->looks * s->period;
+    for (int i = 0; i < s->wheelsets; ++i)
+        wheel_speed[i] = s->radius * encoder_read(&one->sensor[i], &s->encoder, time, shown[2 + i]);
+    judge(self, row, time, shown);
+    return self->score[row].state == RIG_RUNS;
+}
+
+/* Sets what the machine of a row is told, at the time of the last look, and lets it go on. */
+static void set(rig *self, long long int row, double *told)
+{
+    const rig_settings *s = &self->settings;
+    rig_run *one = &self->run[row];
+    const bool braked = (double)one->looks * s->period >= s->brake_start;
+    for (int i = 0; i < s->wheelsets; ++i) {
+        told[i] = braked ? s->pressure : 0.0;
+        told[s->wheelsets + i] = one->valve[i];
+        self->score[row].commands += one->valve[i] != WHEEL_SLIDE_APPLY;
+    }
+    ++one->looks;
+}
+
+/* Takes the answer of a controller, or gives it up. */
+static void take(rig *self, long long int row, const int *valve)
+{
+    rig_run *one = &self->run[row];
+    rig_score *score = &self->score[row];
+    if (!isnan(score->failed_at)) return;
+    for (int i = 0; i < self->settings.wheelsets; ++i)
+        if (valve[i] < WHEEL_SLIDE_APPLY || valve[i] > WHEEL_SLIDE_VENT) {
+            score->valve = i;
+            score->answer = valve[i];
+            rig_give_up(self, row);
+            return;
+        }
+    memcpy(one->valve, valve, (size_t)self->settings.wheelsets * sizeof *valve);
+}
+
+void rig_give_up(rig *self, long long int row)
+{
+    rig_run *one = &self->run[row];
+    if (!isnan(self->score[row].failed_at)) return;
+    self->score[row].failed_at = (double)one->looks * self->settings.period;
+    for (int i = 0; i < self->settings.wheelsets; ++i) one->valve[i] = WHEEL_SLIDE_APPLY;
+}
+
+void rig_look(rig *self, long long int first, long long int count, const int *status, const double *shown, double *time,
+              double *wheel_speed)
+{
+    const int n = self->settings.wheelsets;
+    for (long long int i = 0; i < count; ++i) {
+        time[i] = (double)self->run[first + i].looks * self->settings.period;
+        look(self, first + i, status[i], shown + i * (2 + 3 * n), wheel_speed + i * n);
+    }
+}
+
+void rig_tell(rig *self, long long int first, long long int count, const int *valve, double *told)
+{
+    const int n = self->settings.wheelsets;
+    for (long long int i = 0; i < count; ++i) {
+        if (self->score[first + i].state != RIG_RUNS) continue;
+        take(self, first + i, valve + i * n);
+        set(self, first + i, told + i * 2 * n);
+    }
+}
+
+bool rig_between(void *context, long long int first, long long int count, const int *status, const double *shown, double *told)
+{
+    rig *self = (rig *)context;
+    const int n = self->settings.wheelsets;
+    bool any = false;
+    for (long long int i = 0; i < count; ++i) {
+        const long long int row = first + i;
+        double wheel_speed[MOST];
+        int valve[MOST];
+        if (!look(self, row, status[i], shown + i * (2 + 3 * n), wheel_speed)) continue;
+        memcpy(valve, self->run[row].valve, (size_t)n * sizeof *valve);
+        if (isnan(self->score[row].failed_at) && self->controller.step) {
+            const double time = (double)self->run[row].looks * self->settings.period;
+            self->controller.step(self->run[row].memory, time, wheel_speed, valve);
+            take(self, row, valve);
+        }
+        set(self, row, told + i * 2 * n);
+        any = true;
+    }
+    return any;
+}

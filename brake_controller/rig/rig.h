@@ -1,0 +1,75 @@
+/* The test rig between steps of many braked machines: sensors look, controllers answer, valves are set, stops are scored.
+ *
+ * It knows nothing of equations: a row of numbers is what a machine shows, another what it is told. */
+#ifndef RIG_H
+#define RIG_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "encoder.h"
+
+#if defined(_WIN32)
+#define RIG_SHOWN __declspec(dllexport)
+#else
+#define RIG_SHOWN __attribute__((visibility("default")))
+#endif
+
+/* What all machines have in common. Speeds in m/s, times in s, the pressure in Pa. */
+typedef struct {
+    int wheelsets;
+    double radius;            /* of the wheels [m] */
+    double period;            /* of the controllers */
+    double brake_start;       /* when the brake is demanded */
+    double pressure;          /* of the full brake */
+    double standing, longest; /* a stop ends below this speed, or at this time */
+    double lock_above;        /* speed above which a lock counts */
+    double band, look_above;  /* slip up to which a wheel counts as protected, and above which speed it is looked at */
+    encoder_settings encoder;
+} rig_settings;
+
+/* A controller in C: wheel_slide.h; step null: Python answers. */
+typedef struct {
+    void (*start)(void *memory, int wheelsets, double period);
+    void (*step)(void *memory, double time, const double *wheel_speed, int *valve);
+    size_t size;
+} rig_controller;
+
+/* How a run stands: it goes on; it stands still; it ran too long; its machine failed, or derailed. */
+enum { RIG_RUNS = 0, RIG_STANDS = 1, RIG_TOO_LONG = 2, RIG_LOST = 3 };
+
+/* What a run came to, all numbers as of its end. */
+typedef struct {
+    double distance, speed, time;
+    double longest_lock;
+    double band, looked;      /* looks above the speed, and those of them with all slips in the band */
+    double filled;            /* rises of all cylinders' pressures [Pa] */
+    double commands;          /* looks at which a valve was told anything but to apply, counted by valve */
+    double failed_at;         /* when its controller failed; NaN: it did not */
+    int state, answer, valve; /* answer: what the controller that failed gave for this valve, from 0 */
+} rig_score;
+
+typedef struct rig rig;
+
+/* What a machine shows, in this order: speed, distance; then of each wheelset its rotation [rad], angular velocity [rad/s] and
+ * cylinder pressure [Pa], by kind. What it is told: pressure demands of all wheelsets, then their valves. */
+
+/* null: there is no memory, or a machine has more than 16 wheelsets. */
+RIG_SHOWN rig *rig_create(long long int rows, const rig_settings *settings, const rig_controller *controller);
+RIG_SHOWN void rig_free(rig *self);
+/* A run begins in a row. error: of the edges of each wheelset's sensor, pulses each, or null; it is copied. */
+RIG_SHOWN void rig_begin(rig *self, long long int row, const double *error);
+RIG_SHOWN const rig_score *rig_scores(const rig *self);
+/* Sensors look at rows from the first on: times since their start, and speeds that they show, count x wheelsets. status: of
+ * the step before, a kernel_status. */
+RIG_SHOWN void rig_look(rig *self, long long int first, long long int count, const int *status, const double *shown,
+                        double *time, double *wheel_speed);
+/* Valves are set as told, count x wheelsets; what is no command applies the brake of that row for good. */
+RIG_SHOWN void rig_tell(rig *self, long long int first, long long int count, const int *valve, double *told);
+/* Brakes of a row stay applied: its controller failed. */
+RIG_SHOWN void rig_give_up(rig *self, long long int row);
+/* All of it by the controller in C, and whether any run goes on: `batch_between` of the kernel's batch.h. */
+RIG_SHOWN bool rig_between(void *self, long long int first, long long int count, const int *status, const double *shown,
+                           double *told);
+
+#endif

@@ -1,0 +1,413 @@
+"""The test rig: many braked machines at once, each with sensors, a wheel-slide controller and a score.
+
+Vehicle and cylinders are one composed system; between its steps, sensors, controllers in C and scores are C too
+(brake_controller/rig/). A controller in Python is asked between the same steps.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from brake_controller import rig as _sources
+from brake_controller.cylinder import timed_brake
+from brake_controller.sensors import GATE, LOWEST_FREQUENCY, TIMER, edge_errors
+from brake_controller.wheel_slide import (
+    APPLY,
+    VENT,
+    ControllerError,
+    LateError,
+    Supervised,
+    WheelSlideController,
+    within,
+)
+from fmu_src.batch import Instances, library_of_batch
+from fmu_src.compile import FLAGS, plain_library
+from fmu_src.system import Model, model_of
+from products.braked_vehicle import FULL_PRESSURE, brake_of, with_brakes
+from products.protection.braked_machine import RELEASE_TIME, STANDING, Machine, bogie, coach
+from products.protection.protected_stop import BRAKE_START, LONGEST, Settings
+from products.protection.rails import ABOVE, BAND, LOCK_ABOVE
+from rbd_model.levels.models import DEFAULT_TOLERANCE, places_of, system_at
+from rbd_model.vehicle.ready import passenger_coach, two_axle_bogie
+
+Numbers = NDArray[np.float64]
+#: Looks between two glances at which runs have ended; so many at most go on for nothing.
+GLANCE = 100
+#: Rows that are asked together: enough for all lanes of two threads, few enough for the cache.
+AT_ONCE = 256
+#: As many wait for one function of arrays, which is called seldom then.
+AT_ONCE_IN_ARRAYS = 1024
+#: So many controllers in Python share an alarm, and must answer within so many seconds of wall time.
+TOGETHER, PATIENCE = 8, 1.0
+FOLDER = Path(_sources.__file__).parent
+
+
+class _Settings(ctypes.Structure):
+    _fields_ = (
+        ("wheelsets", ctypes.c_int),
+        *((name, ctypes.c_double) for name in ("radius", "period", "brake_start", "pressure", "standing", "longest")),
+        *((name, ctypes.c_double) for name in ("lock_above", "band", "look_above")),
+        ("pulses", ctypes.c_int),
+        *((name, ctypes.c_double) for name in ("gate", "timer", "lowest_frequency")),
+    )
+
+
+class _Controller(ctypes.Structure):
+    _fields_ = (("start", ctypes.c_void_p), ("step", ctypes.c_void_p), ("size", ctypes.c_size_t))
+
+
+#: A `rig_score` of rig.h.
+SCORE = np.dtype(
+    [
+        *((name, float) for name in ("distance", "speed", "time", "longest_lock", "band", "looked", "filled")),
+        *((name, float) for name in ("commands", "failed_at")),
+        *((name, np.int32) for name in ("state", "answer", "valve")),
+    ],
+    align=True,
+)
+RUNS, STANDS, TOO_LONG, LOST = range(4)
+
+
+class ManyControllers(Protocol):
+    """A controller of many machines at once, a function of arrays."""
+
+    def start(self, rows: NDArray[np.intp], count: int, wheelsets: int, period: float) -> None:
+        """Runs begin in these of `count` rows; period [s] between two steps."""
+
+    def step(self, time: Numbers, wheel_speeds: Numbers) -> NDArray[np.integer]:
+        """Commands and speeds [m/s] have the shape (count, wheelsets), times [s] the shape (count,)."""
+
+
+@dataclass(frozen=True)
+class InC:
+    """A controller of a shared library, wheel_slide.h. Raises OSError or AttributeError for what is none."""
+
+    path: Path
+    library: ctypes.CDLL = field(init=False, compare=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "library", ctypes.CDLL(str(self.path)))
+
+    def functions(self, wheelsets: int) -> _Controller:
+        """Its functions and the size of its memory."""
+        size = self.library.wheel_slide_size
+        size.restype, size.argtypes = ctypes.c_size_t, [ctypes.c_int]
+        start, step = (
+            ctypes.cast(getattr(self.library, f"wheel_slide_{name}"), ctypes.c_void_p) for name in ("start", "step")
+        )
+        return _Controller(start, step, int(size(wheelsets)))
+
+
+@dataclass(frozen=True)
+class Arrays:
+    """A controller of many machines at once."""
+
+    controller: ManyControllers
+
+
+#: What may stand between wheels and valves: nothing, a library, what makes a controller, what answers for all.
+Form = InC | Callable[[], WheelSlideController] | Arrays | None
+
+
+@dataclass(frozen=True)
+class Stop:
+    """What a run came to. distance [m]: None where it did not stop or its controller failed; said: a sentence."""
+
+    distance: float | None
+    end_speed: float
+    time: float
+    longest_lock: float
+    share_in_band: float
+    filled: float
+    commands: int
+    said: str
+
+
+def compiled(source: Path) -> InC:
+    """A controller from a C file that includes wheel_slide.h. Raises CompilerError."""
+    header = (FOLDER / "wheel_slide.h").read_text(encoding="utf-8")
+    texts = {source.name: source.read_text(encoding="utf-8"), "wheel_slide.h": header}
+    return InC(plain_library(texts, [flag for flag in FLAGS if not flag.startswith("-W")]))
+
+
+@lru_cache
+def machine_model(counted: str) -> Model:
+    """The planar bogie (counted: frame) or coach (body) with a timed cylinder on each wheelset, one system."""
+    machine = bogie() if counted == "frame" else coach()
+    vehicle = two_axle_bogie() if counted == "frame" else passenger_coach()
+    brake, [planar] = brake_of(vehicle, machine.full_torque), places_of(level=2, on_line=False)
+    system = with_brakes(system_at(vehicle, planar), vehicle, lambda: timed_brake(brake))
+    return model_of(system, DEFAULT_TOLERANCE)
+
+
+@lru_cache
+def _functions() -> ctypes.CDLL:
+    """The rig's own C, compiled once."""
+    names = ("rig.c", "encoder.c", "rig.h", "encoder.h", "wheel_slide.h")
+    library = ctypes.CDLL(str(plain_library({name: (FOLDER / name).read_text(encoding="utf-8") for name in names})))
+    pointer, count = ctypes.c_void_p, ctypes.c_longlong
+    signatures: dict[str, tuple[Any, list[Any]]] = {
+        "rig_create": (pointer, [count, ctypes.POINTER(_Settings), ctypes.POINTER(_Controller)]),
+        "rig_free": (None, [pointer]),
+        "rig_begin": (None, [pointer, count, pointer]),
+        "rig_scores": (pointer, [pointer]),
+        "rig_look": (None, [pointer, count, count, pointer, pointer, pointer, pointer]),
+        "rig_tell": (None, [pointer, count, count, pointer, pointer]),
+        "rig_give_up": (None, [pointer, count]),
+    }
+    for name, (result, arguments) in signatures.items():
+        function = getattr(library, name)
+        function.restype, function.argtypes = result, arguments
+    return library
+
+
+class Rig:
+    """Stops of one machine under one controller, many at once. A context manager.
+
+    step: length of the steps of the integration [s], of which a period is a multiple; 0: chosen by the error.
+    """
+
+    def __init__(
+        self, machine: Machine, form: Form, settings: Settings, step: float = 0.0, threads: int | None = None
+    ) -> None:
+        self.machine, self.form, self.settings = machine, form, settings
+        self._step, self._threads = step, threads
+        self._call = _functions()
+        self._model = machine_model(machine.counted)
+        n = machine.numbers
+        self._inputs = [f"{name}_{number}" for name in ("pressure_demand", "valve") for number in n]
+        of_each = ("rotation", "angular_velocity", "cylinder_pressure")
+        self._outputs = ["speed", "distance", *(f"{name}_{number}" for name in of_each for number in n)]
+
+    def stops(self, rails: Sequence[Mapping[str, float]]) -> list[Stop]:
+        """A stop on each rail (inputs and parameters of the vehicle), in their order."""
+        found: list[Stop | None] = [None] * len(rails)
+        count = min(len(rails), AT_ONCE_IN_ARRAYS if isinstance(self.form, Arrays) else AT_ONCE)
+        own = [self._values(rail) for rail in rails]
+        names = sorted({name for one in own for name in one})
+        first = {variable.name: variable.start for variable in self._model.variables}
+        values = [{name: one.get(name, first[name]) for name in names} for one in own]
+        library = library_of_batch(self._model, self._model.systems[0].name)
+        start: dict[str, Any] = {name: [one[name] for one in values[:count]] for name in names}
+        with (
+            Instances(library, count, self._inputs, self._outputs, threads=self._threads, **start) as instances,
+            _Loop(self, instances) as loop,
+        ):
+            for number in self._turns(loop, values, count):
+                row, rail = number
+                found[rail] = loop.stop(row)
+        return [one for one in found if one is not None]
+
+    def _turns(self, loop: _Loop, values: Sequence[Mapping[str, float]], count: int) -> Iterator[tuple[int, int]]:
+        """Rows that have ended, with the numbers of their runs; each then takes the next run that waits."""
+        runs = dict(enumerate(range(count)))
+        waiting = iter(range(count, len(values)))
+        loop.begin(list(runs))
+        while runs:
+            loop.go_on(GLANCE)
+            done = [row for row in runs if loop.score["state"][row] != RUNS]
+            for row in done:
+                yield row, runs.pop(row)
+            begun = dict(zip(done, waiting, strict=False))
+            for row, rail in begun.items():
+                loop.instances.reset(row, **values[rail])
+            runs |= begun
+            loop.begin(list(begun))
+
+    def _values(self, rail: Mapping[str, float]) -> dict[str, float]:
+        s = self.settings
+        full = next(one.start for one in self._model.variables if one.name == "force_per_pressure")
+        brake = {
+            "application_time": s.application_time,
+            "release_time": RELEASE_TIME,
+            "supply_pressure": self.machine.brake["supply_pressure"],
+            "force_per_pressure": s.strength * full * FULL_PRESSURE / self.machine.full_pressure,
+        }
+        fixed = {"integration_method": 2, "integration_step": self._step} if self._step else {}
+        return {"initial_speed": s.speed, **brake, **fixed, **rail}
+
+
+class _Loop:
+    """A rig in C beside the instances that it stands between."""
+
+    def __init__(self, rig: Rig, instances: Instances) -> None:
+        self.rig, self.instances, self.call = rig, instances, rig._call
+        machine, s = rig.machine, rig.settings
+        self.count, self.wheelsets = len(instances), len(machine.numbers)
+        form = rig.form
+        controller = form.functions(self.wheelsets) if isinstance(form, InC) else _Controller()
+        settings = _Settings(
+            self.wheelsets,
+            machine.parameters.wheel_radius,
+            s.period,
+            BRAKE_START,
+            machine.full_pressure,
+            STANDING,
+            LONGEST,
+            LOCK_ABOVE,
+            BAND,
+            ABOVE,
+            s.pulses,
+            GATE,
+            TIMER,
+            LOWEST_FREQUENCY,
+        )
+        self.own = self.call.rig_create(self.count, settings, controller)
+        if not self.own:
+            raise MemoryError("There is no memory for so many sensors; take fewer rows at once.")
+        place = ctypes.cast(self.call.rig_scores(self.own), ctypes.POINTER(ctypes.c_char))
+        whole = np.ctypeslib.as_array(place, (self.count * SCORE.itemsize,))
+        self.score = whole.view(SCORE)
+        self.time, self.speeds = np.zeros(self.count), np.zeros((self.count, self.wheelsets))
+        self.valves = np.zeros((self.count, self.wheelsets), np.int32)
+        self.each: list[Supervised | None] = [None] * self.count
+        self.sentences: dict[int, str] = {}
+        errors = [edge_errors(s.pulses, s.jitter, number) for number in machine.numbers]
+        self.errors = np.array(errors) if s.jitter else None
+
+    def __enter__(self) -> _Loop:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.call.rig_free(self.own)
+
+    def begin(self, rows: list[int]) -> None:
+        """Runs begin in these rows."""
+        if not rows:
+            return
+        form = self.rig.form
+        errors = None if self.errors is None else self.errors.ctypes.data
+        for row in rows:
+            self.call.rig_begin(self.own, row, errors)
+            self.sentences.pop(row, None)
+            self.valves[row] = 0
+        if isinstance(form, Arrays):
+            form.controller.start(np.array(rows), self.count, self.wheelsets, self.rig.settings.period)
+        elif form is not None and not isinstance(form, InC):
+            for row in rows:
+                self.each[row] = Supervised(form(), self.wheelsets)
+        self.instances.look()
+
+    def go_on(self, looks: int) -> None:
+        """So many looks and the steps behind them."""
+        form, period = self.rig.form, self.rig.settings.period
+        if form is None or isinstance(form, InC):
+            self.instances.control(period, looks, self.call.rig_between, self.own)
+            return
+        ask = self._ask_all if isinstance(form, Arrays) else self._ask_each
+        instances, every = self.instances, (self.own, 0, self.count)
+        seen = [one.ctypes.data for one in (instances.status, instances.shown, self.time, self.speeds)]
+        told = [one.ctypes.data for one in (self.valves, instances.told)]
+        for _ in range(looks):
+            self.call.rig_look(*every, *seen)
+            if not np.any(self.score["state"] == RUNS):
+                return
+            ask()
+            self.call.rig_tell(*every, *told)
+            instances.go_on(period)
+
+    def _ask_all(self) -> None:
+        assert isinstance(self.rig.form, Arrays)
+        controller = self.rig.form.controller
+        given = [one.copy() for one in (self.time, self.speeds)]
+        for one in given:
+            one.flags.writeable = False
+        try:
+            answer = np.asarray(controller.step(*given))
+            if answer.shape != self.valves.shape:
+                raise ValueError(f"its commands have the shape {answer.shape}, due was {self.valves.shape}")
+            self._take_all(answer)
+        except Exception as error:
+            name, at = type(controller).__name__, float(self.time.max())
+            words = f"The controller {name} failed at {at:.6g} s ({type(error).__name__}: {error}); "
+            for row in np.flatnonzero(self.score["state"] == RUNS).tolist():
+                self._give_up(row, words + "the brake stays applied.")
+
+    def _take_all(self, answer: NDArray[np.integer]) -> None:
+        """Commands of all rows; those of a row with another than 0, 1 and 2 are none."""
+        with np.errstate(invalid="ignore"):  # no number
+            commands = answer.astype(np.int32)
+        good = ((commands == answer) & (commands >= APPLY) & (commands <= VENT)).all(axis=1)
+        self.valves[good] = commands[good]
+        for row in np.flatnonzero(~good & (self.score["state"] == RUNS)).tolist():
+            words = (
+                f"The controller gave {answer[row].tolist()} at {self.time[row]:.6g} s where 0 (apply), 1 (hold) or 2 "
+            )
+            self._give_up(row, words + "(vent) was due for each wheelset; the brake stays applied.")
+
+    def _give_up(self, row: int, words: str) -> None:
+        """The brake of a row stays applied; the first sentence counts."""
+        self.sentences.setdefault(row, words)
+        self.valves[row] = 0
+        self.call.rig_give_up(self.own, row)
+
+    def _ask_each(self) -> None:
+        waiting = [row for row in np.flatnonzero(self.score["state"] == RUNS).tolist() if self.each[row]]
+        times, speeds, every = self.time.tolist(), self.speeds.tolist(), self.valves.tolist()
+
+        def ask() -> None:
+            for _ in range(min(TOGETHER, len(waiting))):
+                row = waiting[-1]
+                one = self.each[row]
+                assert one is not None
+                try:
+                    every[row] = one.unhurried(times[row], speeds[row])
+                except ControllerError as error:
+                    failed[row] = str(error)
+                waiting.pop()
+
+        failed: dict[int, str] = {}
+        while waiting:
+            try:
+                within(PATIENCE, ask)
+            except LateError:
+                late = self.each[waiting[-1]]
+                assert late is not None
+                failed[waiting[-1]] = str(late.late(times[waiting[-1]]))
+                waiting.pop()
+        self.valves[:] = every
+        for row, words in failed.items():
+            self.each[row] = None
+            self._give_up(row, words)
+
+    def stop(self, row: int) -> Stop:
+        """What the run in a row came to."""
+        one = self.score[row]
+        said = self.sentences.get(row, "") or self._failure(one)
+        stands = one["state"] == STANDS and math.isnan(one["failed_at"])
+        distance = float(one["distance"])
+        if one["state"] == LOST:
+            said = said or f"The machine went no further: {self.instances.message(row)}"
+        elif one["state"] == TOO_LONG:
+            said = said or f"It did not stop: {one['speed']:.1f} m/s after {one['time']:.0f} s."
+        share = float(one["band"] / one["looked"]) if one["looked"] else 1.0
+        return Stop(
+            distance if stands else None,
+            float(one["speed"]),
+            float(one["time"]),
+            float(one["longest_lock"]),
+            share,
+            float(one["filled"]),
+            int(one["commands"]),
+            said,
+        )
+
+    def _failure(self, one: Any) -> str:
+        if math.isnan(one["failed_at"]):
+            return ""
+        return (
+            f"The controller gave {one['answer']} for valve {one['valve'] + 1} at {one['failed_at']:.6g} s where 0 "
+            "(apply), 1 (hold) or 2 (vent) was due; the brake stays applied."
+        )

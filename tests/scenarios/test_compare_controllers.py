@@ -1,0 +1,83 @@
+"""The comparison of wheel-slide controllers from the command line: forms, table, failures, refusals."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from bogie_braking.__main__ import main
+from products.protection.rig import FOLDER
+
+ROOT = Path(__file__).parents[2]
+PAGE = (ROOT / "docs" / "controller.md").read_text(encoding="utf-8")
+#: The printed row of the page, to the last digit shown.
+LETS_GO = re.search(r"^low +LetGo +([0-9.]+)", PAGE, re.MULTILINE)
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """With the controllers of the page in Python and in C, and one that fails."""
+    (tmp_path / "let_go.py").write_text(block("python", "# let_go.py"))
+    (tmp_path / "let_go.c").write_text(block("c", "/* let_go.c */"))
+    (tmp_path / "bad.py").write_text("class Bad:\n    def step(self, time, speeds):\n        return 1 / 0\n")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def block(language: str, first: str) -> str:
+    """The code of the page that begins with this line."""
+    return next(text for text in re.findall(rf"```{language}\n(.*?)```", PAGE, re.DOTALL) if text.startswith(first))
+
+
+def test_the_controllers_of_the_page_make_the_same_stop(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    given = ["let_go.py:LetGo", "let_go.c"]
+    assert main(["controllers", "compare", "--rails", "low", "--json", *given]) == 0
+    runs = {run["controller"]: run for run in json.loads(capsys.readouterr().out)["runs"]}
+    assert runs["LetGo"]["distance"] == runs["let_go"]["distance"]
+    assert LETS_GO is not None
+    assert f"{runs['LetGo']['distance']:.1f}" == LETS_GO[1]
+    assert runs["protection"]["over_ideal"] < runs["LetGo"]["over_ideal"] < runs["none"]["over_ideal"]
+    assert json.loads((folder / "results/controllers/compare.json").read_text())["vehicle"] == "bogie"
+    assert (folder / "results/controllers/compare.png").exists()
+
+
+def test_a_controller_that_fails_does_not_end_the_comparison(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["controllers", "compare", "--rails", "dry,wet", "bad.py:Bad"]) == 1
+    shown = capsys.readouterr().out
+    assert len(re.findall(r"^(dry|wet) .* no stop ", shown, re.MULTILINE)) == 2
+    assert "Bad, dry: The controller Bad failed at 0 s (ZeroDivisionError: division by zero)" in shown
+    assert len(re.findall(r"^(dry|wet) +(none|protection) +252.7 ", shown, re.MULTILINE)) == 4
+
+
+@pytest.mark.parametrize(
+    ("given", "sentence"),
+    [
+        (["bad.py:Good"], "bad.py has no class Good with a method step(time, wheel_speeds); give one that has."),
+        (["none.py:Good"], "There is no file none.py; give FILE.py:CLASS."),
+        (["libnone.so"], "There is no file libnone.so; give the path of a controller."),
+        (["LetGo"], "Give FILE.py:CLASS, a shared library or a C file as a controller: it was LetGo."),
+        (["let_go.py:LetGo", "--rails", "slow"], "There is no rail slow; give some of dry, wet, low, changing."),
+        (["let_go.py:LetGo", "--speed", "25mph"], "Give --speed as 25m/s or 160km/h: it was 25mph."),
+        (["let_go.py:LetGo", "--teeth", "0"], "Set pulses to a whole number of at least 1: it was 0."),
+        (["let_go.py:LetGo", "let_go.py:LetGo"], "Two controllers are called LetGo; give each another name."),
+    ],
+)
+def test_what_cannot_be_is_refused_in_a_sentence(
+    given: list[str], sentence: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["controllers", "compare", *given]) == 2
+    assert capsys.readouterr().err.strip() == sentence
+
+
+def test_a_library_that_is_no_controller_is_refused(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (folder / "libtext.so").write_text("no library")
+    assert main(["controllers", "compare", "libtext.so"]) == 2
+    assert "libtext.so is no controller" in capsys.readouterr().err
+
+
+def test_the_header_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["controllers", "header"]) == 0
+    assert capsys.readouterr().out == (FOLDER / "wheel_slide.h").read_text(encoding="utf-8")

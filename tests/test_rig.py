@@ -1,0 +1,244 @@
+"""The test rig: sensors against closed forms, controllers in all their forms, runs that fail, many runs at once."""
+
+from __future__ import annotations
+
+import ctypes
+import math
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from brake_controller.sensors import GATE, LOWEST_FREQUENCY, TIMER, Encoder, edge_errors
+from fmu_src.compile import plain_library
+from products.protection import rig as module
+from products.protection.braked_machine import BrakedMachine, Machine, bogie, coach
+from products.protection.protected_stop import Settings, protected_stop
+from products.protection.rails import RAILS
+from products.protection.rig import FOLDER, Arrays, Form, Rig, compiled
+
+#: Without jitter at 100 teeth above 3 m/s: what is asked of a reading.
+READING = 1e-3
+#: Between the loop through FMPy, where torques come a step late, and the composed system; measured 6e-4.
+COUPLED = 2e-3
+LOW, RADIUS = RAILS[2], 0.425
+
+LET_GO = """
+#include "wheel_slide.h"
+size_t wheel_slide_size(int wheelsets) { return sizeof(int) * (size_t)(wheelsets > 0); }
+void wheel_slide_start(void *memory, int wheelsets, double period) { *(int *)memory = wheelsets; (void)period; }
+void wheel_slide_step(void *memory, double time, const double *v, int *valve)
+{
+    const int n = *(int *)memory;
+    double most = 0.0;
+    (void)time;
+    for (int i = 0; i < n; ++i) most = v[i] > most ? v[i] : most;
+    for (int i = 0; i < n; ++i) valve[i] = v[i] < SHARE * most ? 2 : 0;
+}
+"""
+
+
+def in_c(tmp_path: Path, text: str = LET_GO, share: float = 0.8) -> Form:
+    source = tmp_path / f"let_go_{share:g}.c"
+    source.write_text(f"#define SHARE {share}\n{text}")
+    return compiled(source)
+
+
+class LetGo:
+    def step(self, time: float, speeds: list[float]) -> list[int]:
+        return [2 if speed < 0.8 * max(speeds) else 0 for speed in speeds]
+
+
+class LetAllGo:
+    def start(self, rows: NDArray[np.intp], count: int, wheelsets: int, period: float) -> None:
+        pass
+
+    def step(self, time: NDArray[np.float64], speeds: NDArray[np.float64]) -> NDArray[np.integer]:
+        return np.where(speeds < 0.8 * speeds.max(axis=1, keepdims=True), 2, 0)
+
+
+# ---- sensors ---------------------------------------------------------------------------------------------------------
+
+
+SHOWN = '__attribute__((visibility("default")))'
+
+
+class Sensor(ctypes.Structure):
+    """encoder_settings of encoder.h."""
+
+    _fields_ = (
+        ("pulses", ctypes.c_int),
+        *((name, ctypes.c_double) for name in ("gate", "timer", "lowest_frequency")),
+    )
+
+
+class Probe:
+    """An encoder in C alone."""
+
+    def __init__(self, pulses: int = 100, timer: float = TIMER, errors: list[float] | None = None) -> None:
+        own, head = (FOLDER / name for name in ("encoder.c", "encoder.h"))
+        text = own.read_text().replace("void encoder_begin", f"{SHOWN} void encoder_begin")
+        text = text.replace("double encoder_read", f"{SHOWN} double encoder_read")
+        texts = {"encoder.c": text, "encoder.h": head.read_text()}
+        self.call = ctypes.CDLL(str(plain_library(texts)))
+        self.call.encoder_read.restype = ctypes.c_double
+        self.room = ctypes.create_string_buffer(1 << 14)
+        self.settings = Sensor(pulses, GATE, timer, LOWEST_FREQUENCY)
+        self.errors = (ctypes.c_double * len(errors))(*errors) if errors else None
+        self.call.encoder_begin(self.room, self.errors)
+
+    def look(self, time: float, rotation: float) -> float:
+        value = self.call.encoder_read(
+            self.room, ctypes.byref(self.settings), ctypes.c_double(time), ctypes.c_double(rotation)
+        )
+        return float(value)
+
+
+@pytest.mark.parametrize("pulses", [60, 100, 300])
+@pytest.mark.parametrize("timer", [1e-6, 1e-5])
+@pytest.mark.parametrize("speed", [3.0, 11.7, 55.0])
+def test_edges_of_a_wheel_that_turns_evenly_tell_its_speed(pulses: int, timer: float, speed: float) -> None:
+    """Two times, each cut off to the timer's resolution, at least a gate apart: an error of timer over gate at most."""
+    errors = [abs(seen / (speed / RADIUS) - 1) for seen in seen_at(speed, Probe(pulses, timer))]
+    assert max(errors) < 1.01 * timer / GATE < READING
+
+
+def test_a_coarse_timer_shows() -> None:
+    assert max(abs(seen / (11.7 / RADIUS) - 1) for seen in seen_at(11.7, Probe(timer=1e-3))) > READING
+
+
+def seen_at(speed: float, probe: Probe) -> list[float]:
+    """Readings of a wheel that turns evenly, behind the first gates."""
+    return [probe.look(5e-3 * n, speed / RADIUS * 5e-3 * n) for n in range(200)][100:]
+
+
+def test_a_sliding_wheel_is_seen_late_by_half_of_the_gate() -> None:
+    """At a deceleration a, the mean of a window w that ended t ago is a (w / 2 + t) too high; the reading is at most
+    one pitch over t, which is too high as well, for no edge came since.
+    """
+    start, a, probe = 20.0, 10.0, Probe()
+    every = []
+    for n in range(1, 300):
+        time = 5e-3 * n
+        speed = start - a * time
+        if speed < 5.0:
+            break
+        seen = RADIUS * probe.look(time, (start * time - a * time**2 / 2) / RADIUS)
+        pitch_time = math.tau / 100 * RADIUS / speed
+        if time > 0.2:
+            every.append((seen - speed) / a)
+            assert 0.0 < every[-1] < (GATE + pitch_time) / 2 + pitch_time + TIMER
+    assert GATE / 2 < np.median(every) < GATE
+
+
+def test_teeth_that_err_are_those_of_the_sensor_in_python() -> None:
+    """Another program of the same sensor: any motion, errors of all edges, to the last bit."""
+    random = np.random.default_rng(4)
+    errors = edge_errors(80, 0.2, 3)
+    probe, other = Probe(80, errors=errors), Encoder(80, 0.2, 3)
+    rotation, seen = 0.0, []
+    for n in range(4000):
+        rotation += max(0.0, random.normal(0.2, 0.2)) * (n % 500 > 60)
+        seen.append((probe.look(5e-3 * n, rotation), other.angular_velocity(5e-3 * n, rotation)))
+    found = np.array(seen)
+    assert np.array_equal(found[:, 0], found[:, 1])
+    assert np.any(found == 0.0)
+    assert np.any(found > 10.0)
+
+
+# ---- controllers -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("machine", [bogie(), coach()], ids=["bogie", "coach"])
+def test_all_forms_of_a_controller_make_the_same_stop(machine: Machine, tmp_path: Path) -> None:
+    rails = [rail.values(len(machine.numbers)) for rail in RAILS]
+    forms = (LetGo, Arrays(LetAllGo()), in_c(tmp_path))
+    found = [Rig(machine, form, Settings()).stops(rails) for form in forms]
+    assert found[0] == found[1] == found[2]
+    assert all(stop.distance for stop in found[0])
+    other = Rig(machine, in_c(tmp_path, share=0.81), Settings()).stops(rails)
+    assert other[2].distance != found[0][2].distance
+
+
+def test_a_stop_is_that_of_coupled_fmus() -> None:
+    with BrakedMachine() as machine:
+        coupled = protected_stop(machine, LOW.values(), LetGo(), Settings())
+    [stop] = Rig(bogie(), LetGo, Settings()).stops([LOW.values()])
+    assert stop.distance == pytest.approx(coupled.distance, rel=COUPLED)
+    assert stop.longest_lock == pytest.approx(coupled.longest_lock(0.3), abs=0.02)
+
+
+def test_runs_that_wait_are_those_that_run_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Rows that are done take the next run; so do controllers and sensors."""
+    rails = [{**LOW.values(), "friction_1": f, "friction_2": f} for f in np.linspace(0.07, 0.2, 11)]
+    form, settings = in_c(tmp_path), Settings(jitter=0.1)
+    alone = [Rig(bogie(), form, settings).stops([rail])[0] for rail in rails]
+    monkeypatch.setattr(module, "AT_ONCE", 4)
+    assert Rig(bogie(), form, settings).stops(rails) == alone
+    assert Rig(bogie(), LetGo, settings, threads=1).stops(rails) == alone
+
+
+# ---- controllers that fail -------------------------------------------------------------------------------------------
+
+
+class Raises(LetGo):
+    def step(self, time: float, speeds: list[float]) -> list[int]:
+        if time > 3.0:
+            raise RuntimeError("broken")
+        return super().step(time, speeds)
+
+
+class TooFew(LetGo):
+    def step(self, time: float, speeds: list[float]) -> list[int]:
+        return [0]
+
+
+class Writes(LetAllGo):
+    def step(self, time: NDArray[np.float64], speeds: NDArray[np.float64]) -> NDArray[np.integer]:
+        speeds[:] = 0.0
+        return super().step(time, speeds)
+
+
+class NoNumbers(LetAllGo):
+    def step(self, time: NDArray[np.float64], speeds: NDArray[np.float64]) -> NDArray[np.integer]:
+        return np.full(speeds.shape, math.nan)  # type: ignore[return-value]
+
+
+class Flat(LetAllGo):
+    def step(self, time: NDArray[np.float64], speeds: NDArray[np.float64]) -> NDArray[np.integer]:
+        return np.zeros(len(speeds), int)
+
+
+NONSENSE = LET_GO.replace("? 2 : 0", "? 7 : 0")
+
+
+def failing(tmp_path: Path) -> Iterator[tuple[str, Form]]:
+    yield "RuntimeError: broken", Raises
+    yield r"gave \[0\] at", TooFew
+    yield "read-only", Arrays(Writes())
+    yield r"gave \[nan, nan\] at", Arrays(NoNumbers())
+    yield r"due was \(1, 2\)", Arrays(Flat())
+    yield "gave 7 for valve", in_c(tmp_path, NONSENSE, 0.9)
+
+
+def test_a_controller_that_fails_leaves_the_brake_applied(tmp_path: Path) -> None:
+    """A sentence, no distance; the machine stops as without a controller where it failed before it did anything."""
+    [unprotected] = Rig(bogie(), None, Settings()).stops([LOW.values()])
+    for words, form in failing(tmp_path):
+        [stop] = Rig(bogie(), form, Settings()).stops([LOW.values()])
+        assert stop.distance is None
+        assert stop.said
+        assert re.search(words, stop.said), stop.said
+        assert stop.said.endswith("the brake stays applied.")
+        assert stop.end_speed < 0.02
+        if form is TooFew:
+            assert (stop.time, stop.longest_lock) == (unprotected.time, unprotected.longest_lock)
+
+
+def test_a_machine_that_does_not_stop_says_so() -> None:
+    [stop] = Rig(bogie(), None, Settings(strength=1e-3)).stops([RAILS[0].values()])
+    assert stop.distance is None
+    assert stop.said == f"It did not stop: {stop.end_speed:.1f} m/s after 300 s."
