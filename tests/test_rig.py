@@ -7,6 +7,7 @@ import math
 import re
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
@@ -16,9 +17,10 @@ from brake_controller.sensors import GATE, LOWEST_FREQUENCY, TIMER, Encoder, edg
 from fmu_src.compile import plain_library
 from products.protection import rig as module
 from products.protection.braked_machine import BrakedMachine, Machine, bogie, coach
+from products.protection.programme import OWN, read_programme
 from products.protection.protected_stop import Settings, protected_stop
 from products.protection.rails import RAILS
-from products.protection.rig import FOLDER, Arrays, Form, Rig, compiled
+from products.protection.rig import FOLDER, Arrays, Fault, Form, Rig, Run, compiled
 
 #: Without jitter at 100 teeth above 3 m/s: what is asked of a reading.
 READING = 1e-3
@@ -179,6 +181,111 @@ def test_runs_that_wait_are_those_that_run_alone(tmp_path: Path, monkeypatch: py
     monkeypatch.setattr(module, "AT_ONCE", 4)
     assert Rig(bogie(), form, settings).stops(rails) == alone
     assert Rig(bogie(), LetGo, settings, threads=1).stops(rails) == alone
+
+
+# ---- what fails in the machine ---------------------------------------------------------------------------------------
+
+
+class Notes:
+    """Applies all brakes, and notes what it sees."""
+
+    seen: ClassVar[list[list[float]]] = []
+
+    def step(self, time: float, speeds: list[float]) -> list[int]:
+        self.seen.append([time, *speeds])
+        return [0] * len(speeds)
+
+
+def noted(*faults: Fault) -> NDArray[np.float64]:
+    """Times and speeds that a controller sees of a stop on the dry rail."""
+    Notes.seen.clear()
+    Rig(bogie(), Notes, Settings()).runs([Run(RAILS[0].values(), faults=faults)])
+    return np.array(Notes.seen)
+
+
+def test_a_sensor_that_fails_shows_what_it_is_told_to_show() -> None:
+    whole = noted()
+    late = whole[:, 0] >= 3.0
+    for kind, expected in {"zero": 0.0 * whole[:, 2], "doubled": 2.0 * whole[:, 2]}.items():
+        found = noted(Fault(2, sensor=kind, sensor_from=3.0))
+        assert np.array_equal(found[:, :2], whole[:, :2])
+        assert np.array_equal(found[:, 2], np.where(late, expected, whole[:, 2]))
+    stuck = noted(Fault(1, sensor="stuck", sensor_from=3.0))
+    assert np.all(stuck[late, 1] == whole[~late, 1][-1])
+    wrong = noted(Fault(1, radius=1.03))
+    assert wrong[:, 1] == pytest.approx(1.03 * whole[:, 1], rel=1e-12)
+    assert np.array_equal(wrong[:, 2], whole[:, 2])
+
+
+class VentsLater(LetGo):
+    def step(self, time: float, speeds: list[float]) -> list[int]:
+        return [2 if time > 3.0 else 0] * len(speeds)
+
+
+def test_a_valve_that_sticks_stays_where_it_stands() -> None:
+    rail = RAILS[0].values()
+    both = tuple(Fault(number, valve_from=2.0) for number in (1, 2))
+    [none] = Rig(bogie(), None, Settings()).stops([rail])
+    one, stuck, later = Rig(bogie(), VentsLater, Settings()).runs(
+        [Run(rail, faults=both[:1]), Run(rail, faults=both), Run(rail, faults=(Fault(1, valve_from=4.0),))]
+    )
+    assert (stuck.distance, stuck.commands) == (none.distance, 0)
+    assert one.distance is not None
+    assert one.distance > 1.5 * (none.distance or 0.0)
+    # It stuck behind the command to vent: nothing brakes.
+    assert later.distance is None
+
+
+@pytest.mark.parametrize(
+    ("fault", "sentence"),
+    [
+        ({"wheelset": 1, "sensor": "blind"}, "Set sensor to one of stuck, zero, doubled: it was 'blind'."),
+        ({"wheelset": 1, "radius": 3.0}, "Set radius to 0.5 to 2 times the true one: it was 3.0."),
+    ],
+)
+def test_faults_that_cannot_be_are_refused(fault: dict[str, Any], sentence: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(sentence)):
+        Fault(**fault)
+
+
+def test_faults_of_wheelsets_that_are_not_there_are_refused() -> None:
+    with pytest.raises(ValueError, match=re.escape("Give faults of wheelsets 1 to 2: it was 3.")):
+        Rig(bogie(), None, Settings()).runs([Run(LOW.values(), faults=(Fault(3),))])
+
+
+# ---- programmes ------------------------------------------------------------------------------------------------------
+
+
+def test_the_programme_that_comes_along_reads_as_it_is_written() -> None:
+    cases = {case.name: case for case in read_programme(OWN)}
+    assert len(cases) == 18
+    assert cases["low, 200 km/h"].speed == pytest.approx(200 / 3.6)
+    assert cases["low, valve 1 sticks at 6 s"].faults == (Fault(1, valve_from=6.0),)
+    assert cases["dry"].run(4).values["friction_4"] == 0.55
+    assert cases["low, no sensor on wheelset 2"].run(1).faults == ()
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("", "has no [[case]]; give it one for each stop."),
+        ("[[case]\n", "is no TOML file"),
+        ('[[case]]\nname = "a"\n', "case 1 (a): give a name and a rail, one of dry, wet, low, very_low."),
+        ('[[case]]\nname = "a"\nrail = "dry"\nspeeed = 3\n', "case 1 (a): there is no speeed; give some of name,"),
+        ('[[case]]\nname = "a"\nrail = "dry"\nspeed = "3mph"\n', "as 25m/s or 160km/h: it was 3mph."),
+        ('[[case]]\nname = "a"\nrail = "dry"\nstrength = 0\n', "set strength above 0 and up to 5: it was 0."),
+        ('[[case]]\nname = "a"\nrail = "dry"\nfriction = 2\n', "set friction above 0 and up to 1: it was 2."),
+        ('[[case]]\nname = "a"\nrail = "dry"\nfault = [{}]\n', "a fault needs the number of its wheelset."),
+        ('[[case]]\nname = "a"\nrail = "dry"\nfault = [{ wheel = 1 }]\n', "a fault has no wheel; give some of"),
+        (2 * '[[case]]\nname = "a"\nrail = "dry"\n', "2 cases are called a; give each its own name."),
+    ],
+)
+def test_programmes_that_cannot_be_are_refused_in_a_sentence(text: str, sentence: str, tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text(text)
+    with pytest.raises(ValueError, match=re.escape(sentence)) as refused:
+        read_programme(path)
+    assert str(path) in str(refused.value)
 
 
 # ---- controllers that fail -------------------------------------------------------------------------------------------

@@ -18,7 +18,8 @@
 typedef struct {
     long long int looks;
     encoder *sensor;
-    double *error, *locked, *pressure;
+    rig_wheelset *wheelset;
+    double *error, *locked, *pressure, *seen;
     int *valve;
     void *memory;
 } rig_run;
@@ -50,12 +51,14 @@ rig *rig_create(long long int rows, const rig_settings *settings, const rig_cont
     for (long long int row = 0; whole && row < rows; ++row) {
         rig_run *one = &self->run[row];
         one->sensor = (encoder *)room(n, sizeof *one->sensor);
+        one->wheelset = (rig_wheelset *)room(n, sizeof *one->wheelset);
+        one->seen = (double *)room(n, sizeof(double));
         one->error = (double *)room(n * (size_t)settings->encoder.pulses, sizeof(double));
         one->locked = (double *)room(n, sizeof(double));
         one->pressure = (double *)room(n, sizeof(double));
         one->valve = (int *)room(n, sizeof(int));
         one->memory = room(1, controller->size);
-        whole = one->sensor && one->error && one->locked && one->pressure && one->valve && one->memory;
+        whole = one->sensor && one->wheelset && one->seen && one->error && one->locked && one->pressure && one->valve && one->memory;
     }
     if (whole) return self;
     rig_free(self);
@@ -67,6 +70,8 @@ void rig_free(rig *self)
     for (long long int row = 0; self && self->run && row < self->rows; ++row) {
         rig_run *one = &self->run[row];
         free(one->sensor);
+        free(one->wheelset);
+        free(one->seen);
         free(one->error);
         free(one->locked);
         free(one->pressure);
@@ -79,16 +84,17 @@ void rig_free(rig *self)
     free(self);
 }
 
-void rig_begin(rig *self, long long int row, const double *error)
+void rig_begin(rig *self, long long int row, const double *error, const rig_wheelset *wheelset)
 {
     const rig_settings *s = &self->settings;
     rig_run *one = &self->run[row];
     const size_t n = (size_t)s->wheelsets, pulses = (size_t)s->encoder.pulses;
     one->looks = 0;
+    memcpy(one->wheelset, wheelset, n * sizeof *wheelset);
     if (error) memcpy(one->error, error, n * pulses * sizeof(double));
     for (size_t i = 0; i < n; ++i) {
         encoder_begin(&one->sensor[i], error ? one->error + i * pulses : NULL);
-        one->locked[i] = one->pressure[i] = 0.0;
+        one->locked[i] = one->pressure[i] = one->seen[i] = 0.0;
         one->valve[i] = WHEEL_SLIDE_APPLY;
     }
     memset(&self->score[row], 0, sizeof self->score[row]);
@@ -132,6 +138,15 @@ static void judge(rig *self, long long int row, double time, const double *shown
         score->state = RIG_TOO_LONG;
 }
 
+/* What the sensor of a wheelset shows at a time: the circumferential speed of its wheels, unless it fails [m/s]. */
+static double seen(const rig_settings *s, const rig_run *one, int i, double time, double reading)
+{
+    const rig_wheelset *of = &one->wheelset[i];
+    const double speed = s->radius * of->radius * reading;
+    const int fails = time >= of->sensor_from ? of->sensor : SENSOR_WORKS;
+    return fails == SENSOR_STUCK ? one->seen[i] : fails == SENSOR_ZERO ? 0.0 : fails == SENSOR_DOUBLED ? 2.0 * speed : speed;
+}
+
 /* Whether the run goes on behind this look. */
 static bool look(rig *self, long long int row, int status, const double *shown, double *wheel_speed)
 {
@@ -141,7 +156,7 @@ static bool look(rig *self, long long int row, int status, const double *shown, 
     if (self->score[row].state != RIG_RUNS) return false;
     const double time = (double)one->looks * s->period;
     for (int i = 0; i < s->wheelsets; ++i)
-        wheel_speed[i] = s->radius * encoder_read(&one->sensor[i], &s->encoder, time, shown[2 + i]);
+        wheel_speed[i] = one->seen[i] = seen(s, one, i, time, encoder_read(&one->sensor[i], &s->encoder, time, shown[2 + i]));
     judge(self, row, time, shown);
     return self->score[row].state == RIG_RUNS;
 }
@@ -160,7 +175,7 @@ static void set(rig *self, long long int row, double *told)
     ++one->looks;
 }
 
-/* Takes the answer of a controller, or gives it up. */
+/* Takes the answer of a controller, or gives it up; valves that stick stay where they stand. */
 static void take(rig *self, long long int row, const int *valve)
 {
     rig_run *one = &self->run[row];
@@ -173,7 +188,11 @@ static void take(rig *self, long long int row, const int *valve)
             rig_give_up(self, row);
             return;
         }
-    memcpy(one->valve, valve, (size_t)self->settings.wheelsets * sizeof *valve);
+    const double time = (double)one->looks * self->settings.period;
+    for (int i = 0; i < self->settings.wheelsets; ++i) {
+        const rig_wheelset *of = &one->wheelset[i];
+        if (!(of->valve_sticks && time >= of->valve_from)) one->valve[i] = valve[i];
+    }
 }
 
 void rig_give_up(rig *self, long long int row)

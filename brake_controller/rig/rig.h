@@ -35,6 +35,16 @@ typedef struct {
     size_t size;
 } rig_controller;
 
+/* What a sensor shows from a time on: the truth; its last reading; nothing; twice the truth. */
+enum { SENSOR_WORKS = 0, SENSOR_STUCK = 1, SENSOR_ZERO = 2, SENSOR_DOUBLED = 3 };
+
+/* What is wrong with one wheelset. radius: what its wheels' radius is taken for, over the true one; from: when the sensor
+ * begins to fail, and when the valve sticks where it stands [s]. */
+typedef struct {
+    double radius, sensor_from, valve_from;
+    int sensor, valve_sticks;
+} rig_wheelset;
+
 /* How a run stands: it goes on; it stands still; it ran too long; its machine failed, or derailed. */
 enum { RIG_RUNS = 0, RIG_STANDS = 1, RIG_TOO_LONG = 2, RIG_LOST = 3 };
 
@@ -57,8 +67,8 @@ typedef struct rig rig;
 /* null: there is no memory, or a machine has more than 16 wheelsets. */
 RIG_SHOWN rig *rig_create(long long int rows, const rig_settings *settings, const rig_controller *controller);
 RIG_SHOWN void rig_free(rig *self);
-/* A run begins in a row. error: of the edges of each wheelset's sensor, pulses each, or null; it is copied. */
-RIG_SHOWN void rig_begin(rig *self, long long int row, const double *error);
+/* A run begins in a row. error: of the edges of each wheelset's sensor, pulses each, or null. Both are copied. */
+RIG_SHOWN void rig_begin(rig *self, long long int row, const double *error, const rig_wheelset *wheelset);
 RIG_SHOWN const rig_score *rig_scores(const rig *self);
 /* Sensors look at rows from the first on: times since their start, and speeds that they show, count x wheelsets. status: of
  * the step before, a kernel_status. */

@@ -66,6 +66,17 @@ class _Controller(ctypes.Structure):
     _fields_ = (("start", ctypes.c_void_p), ("step", ctypes.c_void_p), ("size", ctypes.c_size_t))
 
 
+class _Wheelset(ctypes.Structure):
+    _fields_ = (
+        *((name, ctypes.c_double) for name in ("radius", "sensor_from", "valve_from")),
+        *((name, ctypes.c_int) for name in ("sensor", "valve_sticks")),
+    )
+
+
+#: How a sensor may fail, by the numbers of rig.h.
+SENSOR_FAILURES = {"stuck": 1, "zero": 2, "doubled": 3}
+
+
 #: A `rig_score` of rig.h.
 SCORE = np.dtype(
     [
@@ -120,6 +131,37 @@ Form = InC | Callable[[], WheelSlideController] | Arrays | None
 
 
 @dataclass(frozen=True)
+class Fault:
+    """What is wrong with one wheelset, by its number.
+
+    radius: what its wheels' radius is taken for, over the true one. sensor: one of SENSOR_FAILURES, from a time on [s];
+    valve_from: when its valve begins to stay where it is [s]. Raises ValueError for what cannot be.
+    """
+
+    wheelset: int
+    radius: float = 1.0
+    sensor: str = ""
+    sensor_from: float = 0.0
+    valve_from: float = math.inf
+
+    def __post_init__(self) -> None:
+        if self.sensor and self.sensor not in SENSOR_FAILURES:
+            raise ValueError(f"Set sensor to one of {', '.join(SENSOR_FAILURES)}: it was {self.sensor!r}.")
+        if not 0.5 <= self.radius <= 2.0:
+            raise ValueError(f"Set radius to 0.5 to 2 times the true one: it was {self.radius}.")
+
+
+@dataclass(frozen=True)
+class Run:
+    """One stop: inputs and parameters of the vehicle; speed [m/s] and strength, by default those of the settings."""
+
+    values: Mapping[str, float]
+    speed: float | None = None
+    strength: float | None = None
+    faults: tuple[Fault, ...] = ()
+
+
+@dataclass(frozen=True)
 class Stop:
     """What a run came to. distance [m]: None where it did not stop or its controller failed; said: a sentence."""
 
@@ -159,7 +201,7 @@ def _functions() -> ctypes.CDLL:
     signatures: dict[str, tuple[Any, list[Any]]] = {
         "rig_create": (pointer, [count, ctypes.POINTER(_Settings), ctypes.POINTER(_Controller)]),
         "rig_free": (None, [pointer]),
-        "rig_begin": (None, [pointer, count, pointer]),
+        "rig_begin": (None, [pointer, count, pointer, pointer]),
         "rig_scores": (pointer, [pointer]),
         "rig_look": (None, [pointer, count, count, pointer, pointer, pointer, pointer]),
         "rig_tell": (None, [pointer, count, count, pointer, pointer]),
@@ -191,9 +233,14 @@ class Rig:
 
     def stops(self, rails: Sequence[Mapping[str, float]]) -> list[Stop]:
         """A stop on each rail (inputs and parameters of the vehicle), in their order."""
-        found: list[Stop | None] = [None] * len(rails)
-        count = min(len(rails), AT_ONCE_IN_ARRAYS if isinstance(self.form, Arrays) else AT_ONCE)
-        own = [self._values(rail) for rail in rails]
+        return self.runs([Run(rail) for rail in rails])
+
+    def runs(self, runs: Sequence[Run]) -> list[Stop]:
+        """A stop of each run, in their order. Raises ValueError for the fault of a wheelset that is not there."""
+        found: list[Stop | None] = [None] * len(runs)
+        count = min(len(runs), AT_ONCE_IN_ARRAYS if isinstance(self.form, Arrays) else AT_ONCE)
+        own = [self._values(run) for run in runs]
+        faults = [self._faults(run) for run in runs]
         names = sorted({name for one in own for name in one})
         first = {variable.name: variable.start for variable in self._model.variables}
         values = [{name: one.get(name, first[name]) for name in names} for one in own]
@@ -203,38 +250,56 @@ class Rig:
             Instances(library, count, self._inputs, self._outputs, threads=self._threads, **start) as instances,
             _Loop(self, instances) as loop,
         ):
-            for number in self._turns(loop, values, count):
-                row, rail = number
-                found[rail] = loop.stop(row)
+            for row, number in self._turns(loop, values, faults, count):
+                found[number] = loop.stop(row)
         return [one for one in found if one is not None]
 
-    def _turns(self, loop: _Loop, values: Sequence[Mapping[str, float]], count: int) -> Iterator[tuple[int, int]]:
+    def _turns(
+        self,
+        loop: _Loop,
+        values: Sequence[Mapping[str, float]],
+        faults: Sequence[ctypes.Array[_Wheelset]],
+        count: int,
+    ) -> Iterator[tuple[int, int]]:
         """Rows that have ended, with the numbers of their runs; each then takes the next run that waits."""
         runs = dict(enumerate(range(count)))
         waiting = iter(range(count, len(values)))
-        loop.begin(list(runs))
+        loop.begin({row: faults[number] for row, number in runs.items()})
         while runs:
             loop.go_on(GLANCE)
             done = [row for row in runs if loop.score["state"][row] != RUNS]
             for row in done:
                 yield row, runs.pop(row)
             begun = dict(zip(done, waiting, strict=False))
-            for row, rail in begun.items():
-                loop.instances.reset(row, **values[rail])
+            for row, number in begun.items():
+                loop.instances.reset(row, **values[number])
             runs |= begun
-            loop.begin(list(begun))
+            loop.begin({row: faults[number] for row, number in begun.items()})
 
-    def _values(self, rail: Mapping[str, float]) -> dict[str, float]:
+    def _faults(self, run: Run) -> ctypes.Array[_Wheelset]:
+        each = (_Wheelset * len(self.machine.numbers))(*(_Wheelset(1.0, 0.0, 0.0, 0, 0) for _ in self.machine.numbers))
+        for one in run.faults:
+            if one.wheelset not in self.machine.numbers:
+                raise ValueError(f"Give faults of wheelsets 1 to {len(each)}: it was {one.wheelset}.")
+            of = each[one.wheelset - 1]
+            of.radius, of.sensor_from = one.radius, one.sensor_from
+            of.sensor = SENSOR_FAILURES.get(one.sensor, 0)
+            of.valve_sticks, of.valve_from = int(math.isfinite(one.valve_from)), min(one.valve_from, LONGEST)
+        return each
+
+    def _values(self, run: Run) -> dict[str, float]:
         s = self.settings
+        strength = s.strength if run.strength is None else run.strength
         full = next(one.start for one in self._model.variables if one.name == "force_per_pressure")
         brake = {
             "application_time": s.application_time,
             "release_time": RELEASE_TIME,
             "supply_pressure": self.machine.brake["supply_pressure"],
-            "force_per_pressure": s.strength * full * FULL_PRESSURE / self.machine.full_pressure,
+            "force_per_pressure": strength * full * FULL_PRESSURE / self.machine.full_pressure,
         }
         fixed = {"integration_method": 2, "integration_step": self._step} if self._step else {}
-        return {"initial_speed": s.speed, **brake, **fixed, **rail}
+        speed = s.speed if run.speed is None else run.speed
+        return {"initial_speed": speed, **brake, **fixed, **run.values}
 
 
 class _Loop:
@@ -283,18 +348,18 @@ class _Loop:
     ) -> None:
         self.call.rig_free(self.own)
 
-    def begin(self, rows: list[int]) -> None:
-        """Runs begin in these rows."""
+    def begin(self, rows: Mapping[int, ctypes.Array[_Wheelset]]) -> None:
+        """Runs begin in these rows, each with what is wrong with its wheelsets."""
         if not rows:
             return
         form = self.rig.form
         errors = None if self.errors is None else self.errors.ctypes.data
-        for row in rows:
-            self.call.rig_begin(self.own, row, errors)
+        for row, wheelsets in rows.items():
+            self.call.rig_begin(self.own, row, errors, ctypes.addressof(wheelsets))
             self.sentences.pop(row, None)
             self.valves[row] = 0
         if isinstance(form, Arrays):
-            form.controller.start(np.array(rows), self.count, self.wheelsets, self.rig.settings.period)
+            form.controller.start(np.array(list(rows)), self.count, self.wheelsets, self.rig.settings.period)
         elif form is not None and not isinstance(form, InC):
             for row in rows:
                 self.each[row] = Supervised(form(), self.wheelsets)

@@ -4,6 +4,9 @@
   bogie-braking controllers compare mine.py:PI libpi.so           and a shared library
   bogie-braking controllers compare pi.c --vehicle vehicle        C, compiled now; on the coach
   bogie-braking controllers compare mine.py:PI --rails low,wet    on these rails alone
+  bogie-braking controllers compare mine.py:PI --programme full   18 cases: 60 to 200 km/h, sensors and valves that fail
+  bogie-braking controllers compare mine.py:PI --programme my.toml
+                                                                  cases of your own (controllers programme > my.toml)
   bogie-braking controllers compare mine.py:PI --speed 160km/h --teeth 80 --period 10ms
   bogie-braking controllers compare mine.py:PI --json | jq .runs  for a program
   bogie-braking controllers header > wheel_slide.h                what a controller in C includes
@@ -21,7 +24,6 @@ from __future__ import annotations
 import argparse
 import importlib.util
 import json
-import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -31,9 +33,10 @@ from matplotlib.figure import Figure
 
 from brake_controller.wheel_slide import SlideProtection
 from products.protection.braked_machine import Machine, bogie, coach
+from products.protection.programme import OWN, Case, four_rails, read_programme, speed_of
 from products.protection.protected_stop import CYLINDER_VOLUME, Settings
-from products.protection.rails import LOCK_ABOVE, RAILS, RailCase
-from products.protection.rig import FOLDER, Form, InC, Rig, Stop, compiled
+from products.protection.rails import LOCK_ABOVE, RAILS
+from products.protection.rig import FOLDER, Form, InC, Rig, Run, Stop, compiled, machine_model
 from scenarios.bench.peak_adhesion import PeakAdhesion
 from scenarios.methods.pace import time_of
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, plt, titled
@@ -44,16 +47,15 @@ MACHINES = {"bogie": bogie, "vehicle": coach}
 #: Of every comparison, ahead of what is given.
 ALWAYS: dict[str, Form] = {"none": None, "protection": SlideProtection}
 LIBRARIES = (".so", ".dll", ".dylib")
-SPEEDS = {"m/s": 1.0, "km/h": 1 / 3.6, "": 1.0}
 #: Pressure at which litres of air are counted [Pa].
 FREE_AIR = 101325.0
 
 
 @dataclass(frozen=True)
 class Scored:
-    """A stop of a controller on a rail, beside the ideal and its own on the dry rail [m]; air in litres."""
+    """A stop of a controller in a case, beside the ideal and its own on the dry rail [m]; air in litres."""
 
-    rail: str
+    case: str
     controller: str
     stop: Stop
     ideal: float | None
@@ -77,6 +79,7 @@ def add_commands(parser: argparse.ArgumentParser, speech: Callable[[argparse.Arg
     add_arguments(compare)
     speech(compare)
     actions.add_parser("header", help="print wheel_slide.h, which a controller in C includes")
+    actions.add_parser("programme", help="print the programme that comes along, to begin one of your own with")
     parser.set_defaults(quiet=False, json=False, out=Path("results"))
 
 
@@ -85,8 +88,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     text = "FILE.py:CLASS, a shared library, or a C file that includes wheel_slide.h"
     parser.add_argument("controller", nargs="+", help=text)
     parser.add_argument("--vehicle", choices=list(MACHINES), default="bogie", help="bogie, or vehicle: the coach")
+    group = parser.add_mutually_exclusive_group()
     text = f"some of {','.join(rail.name for rail in RAILS)} (default: all)"
-    parser.add_argument("--rails", default="", metavar="NAMES", help=text)
+    group.add_argument("--rails", default="", metavar="NAMES", help=text)
+    text = "a TOML file with cases, or full: the programme that comes along"
+    group.add_argument("--programme", metavar="FILE", help=text)
     parser.add_argument("--speed", default="25", help="at the start, as 25m/s or 160km/h (default: 25 m/s)")
     parser.add_argument("--strength", type=float, default=1.0, help="torque over that of the full brake (default: 1)")
     parser.add_argument("--period", default="5ms", metavar="TIME", help="of the controllers (default: 5ms)")
@@ -94,14 +100,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     text = "standard deviation of the teeth's places, as a share of the pitch (default: 0)"
     parser.add_argument("--jitter", type=float, default=0.0, help=text)
     parser.add_argument("--out", type=Path, default=Path("results"), help="folder of the results (default: results)")
-
-
-def speed_of(text: str) -> float:
-    """m/s of "25", "25m/s", "160 km/h". Raises BadInputError."""
-    found = re.fullmatch(r"([0-9.]+) ?(m/s|km/h|)", text.strip())
-    if not found:
-        raise BadInputError(f"Give --speed as 25m/s or 160km/h: it was {text}.")
-    return float(found[1]) * SPEEDS[found[2]]
 
 
 def forms_of(given: Sequence[str]) -> dict[str, Form]:
@@ -156,55 +154,70 @@ def class_in(file: Path, name: str) -> type:
     return found
 
 
-def rails_of(text: str) -> list[RailCase]:
-    """Rails by their names. Raises BadInputError."""
-    known = {rail.name: rail for rail in RAILS}
-    names = [name.strip() for name in text.split(",") if name.strip()] or list(known)
+def cases_of(chosen: argparse.Namespace) -> list[Case]:
+    """The cases that are asked for. Raises BadInputError."""
+    if chosen.programme:
+        path = OWN if chosen.programme == "full" else Path(chosen.programme)
+        try:
+            return read_programme(path)
+        except OSError:
+            raise BadInputError(f"There is no file {path}; give a programme, or full.") from None
+        except ValueError as error:
+            raise BadInputError(str(error)) from None
+    known = {case.name: case for case in four_rails()}
+    names = [name.strip() for name in chosen.rails.split(",") if name.strip()] or list(known)
     for name in names:
         if name not in known:
             raise BadInputError(f"There is no rail {name}; give some of {', '.join(known)}.")
     return [known[name] for name in names]
 
 
-def compare(machine: Machine, forms: dict[str, Form], rails: Sequence[RailCase], settings: Settings) -> list[Scored]:
-    """Every controller on every rail, rail by rail, and what each came to."""
-    values = [rail.values(len(machine.numbers)) for rail in rails]
+def compare(machine: Machine, forms: dict[str, Form], cases: Sequence[Case], settings: Settings) -> list[Scored]:
+    """Every controller in every case, case by case, and what each came to."""
+    runs = [case.run(len(machine.numbers)) for case in cases]
+    known = {variable.name for variable in machine_model(machine.counted).variables}
+    for case, run in zip(cases, runs, strict=True):
+        for name in run.values:
+            if name not in known:
+                raise BadInputError(f"The case {case.name} sets {name}, which this machine has not.")
     stops: dict[str, list[Stop]] = {}
-    with counting(total=len(forms) + len(rails), text="controllers and ideals", unit="") as bar:
+    with counting(total=len(forms) + len(runs), text="controllers and ideals", unit="") as bar:
         for name, form in forms.items():
-            stops[name] = Rig(machine, form, settings).stops(values)
+            stops[name] = Rig(machine, form, settings).runs(runs)
             bar.update()
-        ideal = {}
-        for rail, value in zip(rails, values, strict=True):
-            ideal[rail.name] = ideal_distance(machine, value, settings)
+        ideal = []
+        for run in runs:
+            ideal.append(ideal_distance(machine, run, settings))
             bar.update()
-    names = [rail.name for rail in rails]
+    names = [case.name for case in cases]
     dry = {name: found[names.index("dry")].distance if "dry" in names else None for name, found in stops.items()}
     return [
-        Scored(rail, name, found[number], ideal[rail], dry[name])
-        for number, rail in enumerate(names)
+        Scored(case, name, found[number], ideal[number], dry[name] if cases[number].speed is None else None)
+        for number, case in enumerate(names)
         for name, found in stops.items()
     ]
 
 
-def ideal_distance(machine: Machine, rail: dict[str, float], settings: Settings) -> float | None:
+def ideal_distance(machine: Machine, run: Run, settings: Settings) -> float | None:
     """With the best slip at every instant; None where the brake is not the full one, or the rail stops nothing."""
-    if settings.strength != 1.0 or settings.application_time != Settings().application_time:
+    strength = settings.strength if run.strength is None else run.strength
+    if strength != 1.0 or settings.application_time != Settings().application_time:
         return None
     try:
-        return PeakAdhesion(machine, rail).stopping_distance(settings.speed)
+        return PeakAdhesion(machine, run.values).stopping_distance(run.speed or settings.speed)
     except ValueError:
         return None
 
 
 def run(chosen: argparse.Namespace) -> bool:
-    """Compares and reports, or prints the header; whether all stopped. Raises BadInputError, CompilerError."""
-    if chosen.action == "header":
-        print((FOLDER / "wheel_slide.h").read_text(encoding="utf-8"), end="")
+    """Compares and reports, or prints a file; whether all stopped. Raises BadInputError, CompilerError."""
+    printed = {"header": FOLDER / "wheel_slide.h", "programme": OWN}
+    if chosen.action in printed:
+        print(printed[chosen.action].read_text(encoding="utf-8"), end="")
         return True
     settings = settings_of(chosen)
-    machine, forms, rails = MACHINES[chosen.vehicle](), forms_of(chosen.controller), rails_of(chosen.rails)
-    scores = compare(machine, forms, rails, settings)
+    machine, forms = MACHINES[chosen.vehicle](), forms_of(chosen.controller)
+    scores = compare(machine, forms, cases_of(chosen), settings)
     folder = chosen.out / "controllers"
     folder.mkdir(parents=True, exist_ok=True)
     about = document(chosen.vehicle, settings, scores)
@@ -238,7 +251,7 @@ def settings_of(chosen: argparse.Namespace) -> Settings:
 def document(vehicle: str, settings: Settings, scores: Sequence[Scored]) -> dict[str, object]:
     """For programs; SI units, air in litres."""
     runs = [
-        {"rail": one.rail, "controller": one.controller, **asdict(one.stop)}
+        {"case": one.case, "controller": one.controller, **asdict(one.stop)}
         | {"over_ideal": one.over(one.ideal), "over_dry": one.over(one.dry), "ideal": one.ideal, "air": one.air}
         for one in scores
     ]
@@ -247,7 +260,7 @@ def document(vehicle: str, settings: Settings, scores: Sequence[Scored]) -> dict
 
 # ---- for people ------------------------------------------------------------------------------------------------------
 
-HEADS = ("rail", "controller", "distance", "over ideal", "over dry", "longest lock", "in the band", "air", "commands")
+HEADS = ("case", "controller", "distance", "over ideal", "over dry", "longest lock", "in the band", "air", "commands")
 UNITS = ("", "", "m", "1", "1", "s", "1", "l", "1")
 
 
@@ -269,7 +282,7 @@ def lines(vehicle: str, settings: Settings, scores: Sequence[Scored]) -> Iterato
     for one in scores:
         if one.stop.said:
             yield ""
-            yield f"{one.controller}, {one.rail}: {one.stop.said}"
+            yield f"{one.controller}, {one.case}: {one.stop.said}"
 
 
 def cells(one: Scored) -> tuple[str, ...]:
@@ -281,12 +294,12 @@ def cells(one: Scored) -> tuple[str, ...]:
     stop = one.stop
     ratios = number(one.over(one.ideal), ".3f"), number(one.over(one.dry), ".3f")
     rest = f"{stop.longest_lock:.2f}", f"{stop.share_in_band:.2f}", f"{one.air:.0f}", str(stop.commands)
-    return one.rail, one.controller, number(stop.distance, ".1f"), *ratios, *rest
+    return one.case, one.controller, number(stop.distance, ".1f"), *ratios, *rest
 
 
 def draw(scores: Sequence[Scored]) -> Figure:
     """Distances over the ideal by rail and controller; the title says who stops shortest on the worst rail."""
-    rails, names = (list(dict.fromkeys(getattr(one, kind) for one in scores)) for kind in ("rail", "controller"))
+    cases, names = (list(dict.fromkeys(getattr(one, kind) for one in scores)) for kind in ("case", "controller"))
     figure, axis = plt.subplots(figsize=(9.0, 1.2 + 0.35 * len(scores)))
     colours = dict(zip(names, (THESIS, BOGIE, LEADING, TRAILING, "0.4", "0.7"), strict=False))
     for place, one in enumerate(reversed(scores)):
@@ -294,20 +307,20 @@ def draw(scores: Sequence[Scored]) -> Figure:
         axis.barh(place, ratio or 0.0, color=colours.get(one.controller, "0.5"), hatch=hatch)
         words = "no stop" if one.stop.distance is None else f"{one.stop.distance:.0f} m"
         axis.text((ratio or 0.0) + 0.01, place, words, va="center", fontsize=8)
-    axis.set_yticks(range(len(scores)), [f"{one.rail}, {one.controller}" for one in reversed(scores)], fontsize=8)
+    axis.set_yticks(range(len(scores)), [f"{one.case}, {one.controller}" for one in reversed(scores)], fontsize=8)
     axis.axvline(1.0, color="0.2", linewidth=0.8)
     axis.set_xlabel("stopping distance over the ideal [1]")
     axis.margins(x=0.08)
-    return titled(figure, message(scores, rails))
+    return titled(figure, message(scores, cases))
 
 
-def message(scores: Sequence[Scored], rails: Sequence[str]) -> str:
+def message(scores: Sequence[Scored], cases: Sequence[str]) -> str:
     """What the picture says in one sentence."""
-    rail = max(rails, key=lambda name: max((one.over(one.dry) or 0.0) for one in scores if one.rail == name))
-    stopped = [one for one in scores if one.rail == rail and one.stop.distance is not None]
+    worst = max(cases, key=lambda name: max((one.over(one.ideal) or 0.0) for one in scores if one.case == name))
+    stopped = [one for one in scores if one.case == worst and one.stop.distance is not None]
     if not stopped:
-        return f"On the {rail} rail nothing stops"
+        return f"{worst}: nothing stops"
     best = min(stopped, key=lambda one: one.stop.distance or 0.0)
     ratio = best.over(best.ideal)
     beside = f", {ratio:.2f} times the ideal" if ratio else ""
-    return f"{best.controller} stops shortest on the {rail} rail: {best.stop.distance:.0f} m{beside}"
+    return f"{worst}: {best.controller} stops shortest, {best.stop.distance:.0f} m{beside}"

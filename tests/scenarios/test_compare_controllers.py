@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from bogie_braking.__main__ import main
+from products.protection.programme import OWN
 from products.protection.rig import FOLDER
 
 ROOT = Path(__file__).parents[2]
@@ -60,7 +61,10 @@ def test_a_controller_that_fails_does_not_end_the_comparison(folder: Path, capsy
         (["libnone.so"], "There is no file libnone.so; give the path of a controller."),
         (["LetGo"], "Give FILE.py:CLASS, a shared library or a C file as a controller: it was LetGo."),
         (["let_go.py:LetGo", "--rails", "slow"], "There is no rail slow; give some of dry, wet, low, changing."),
-        (["let_go.py:LetGo", "--speed", "25mph"], "Give --speed as 25m/s or 160km/h: it was 25mph."),
+        (
+            ["let_go.py:LetGo", "--speed", "25mph"],
+            "Give a speed above 0 and up to 100 m/s, as 25m/s or 160km/h: it was 25mph.",
+        ),
         (["let_go.py:LetGo", "--teeth", "0"], "Set pulses to a whole number of at least 1: it was 0."),
         (["let_go.py:LetGo", "let_go.py:LetGo"], "Two controllers are called LetGo; give each another name."),
     ],
@@ -78,6 +82,21 @@ def test_a_library_that_is_no_controller_is_refused(folder: Path, capsys: pytest
     assert "libtext.so is no controller" in capsys.readouterr().err
 
 
-def test_the_header_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["controllers", "header"]) == 0
-    assert capsys.readouterr().out == (FOLDER / "wheel_slide.h").read_text(encoding="utf-8")
+@pytest.mark.parametrize(("action", "path"), [("header", FOLDER / "wheel_slide.h"), ("programme", OWN)])
+def test_files_to_begin_with_are_printed(action: str, path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["controllers", action]) == 0
+    assert capsys.readouterr().out == path.read_text(encoding="utf-8")
+
+
+def test_a_programme_of_ones_own_is_run(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    case = '[[case]]\nname = "slow, one sensor lost"\nrail = "wet"\nspeed = "36km/h"\n'
+    (folder / "my.toml").write_text(case + 'fault = [{ wheelset = 2, sensor = "zero", sensor_from = 2.0 }]\n')
+    assert main(["controllers", "compare", "--programme", "my.toml", "let_go.c"]) == 0
+    shown = capsys.readouterr().out
+    distances = dict(re.findall(r"^slow, one sensor lost +(\w+) +([0-9.]+)", shown, re.MULTILINE))
+    assert distances.keys() == {"none", "protection", "let_go"}
+    # The controller lets go of a wheel that seems to stand.
+    assert float(distances["let_go"]) > 1.2 * float(distances["none"])
+    (folder / "my.toml").write_text(case + "values = { nothing = 1.0 }\n")
+    assert main(["controllers", "compare", "--programme", "my.toml", "let_go.c"]) == 2
+    assert capsys.readouterr().err == "The case slow, one sensor lost sets nothing, which this machine has not.\n"

@@ -1,0 +1,108 @@
+"""Programmes for the test rig as data: a TOML file with a case for each stop (programme.toml beside this file)."""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from products.protection.rails import RAILS
+from products.protection.rig import Fault, Run
+from rbd_model.track.friction import CONDITIONS
+
+#: Python reads TOML itself from 3.11 on.
+tomllib = import_module("tomllib" if sys.version_info >= (3, 11) else "tomli")
+#: The one that comes along.
+OWN = Path(__file__).with_name("programme.toml")
+SPEEDS = {"m/s": 1.0, "km/h": 1 / 3.6, "": 1.0}
+FASTEST, STRONGEST = 100.0, 5.0
+KNOWN = ("name", "rail", "friction", "speed", "strength", "values", "fault")
+
+
+@dataclass(frozen=True)
+class Case:
+    """A stop of a programme by its name; rail: the name of its condition."""
+
+    name: str
+    rail: str
+    friction: float | None = None
+    speed: float | None = None
+    strength: float | None = None
+    values: tuple[tuple[str, float], ...] = ()
+    faults: tuple[Fault, ...] = ()
+
+    def run(self, wheelsets: int) -> Run:
+        """The stop of a machine with so many wheelsets, without the faults of those that it has not."""
+        condition = CONDITIONS[self.rail]()
+        if self.friction is not None:
+            condition = replace(condition, friction=self.friction)
+        faults = tuple(one for one in self.faults if one.wheelset <= wheelsets)
+        return Run(condition.values(wheelsets) | dict(self.values), self.speed, self.strength, faults)
+
+
+def four_rails() -> list[Case]:
+    """The rails of `products.protection.rails` as cases."""
+    conditions = {"dry": "dry", "wet": "wet", "low": "low", "changing": "wet"}
+    return [Case(rail.name, conditions[rail.name], rail.condition.friction, values=rail.changes) for rail in RAILS]
+
+
+def speed_of(text: str | float) -> float:
+    """m/s of 25, "25m/s", "160 km/h". Raises ValueError."""
+    found = re.fullmatch(r"([0-9.]+) ?(m/s|km/h|)", str(text).strip())
+    speed = float(found[1]) * SPEEDS[found[2]] if found else 0.0
+    if not 0.0 < speed <= FASTEST:
+        raise ValueError(f"Give a speed above 0 and up to {FASTEST:g} m/s, as 25m/s or 160km/h: it was {text}.")
+    return speed
+
+
+def read_programme(path: Path) -> list[Case]:
+    """The cases of a file. Raises ValueError with a sentence that names the file and the case, OSError."""
+    try:
+        read = tomllib.loads(path.read_text(encoding="utf-8"))
+    except tomllib.TOMLDecodeError as error:
+        raise ValueError(f"{path} is no TOML file ({error}); mend it.") from None
+    if not isinstance(read.get("case"), list) or not read["case"]:
+        raise ValueError(f"{path} has no [[case]]; give it one for each stop.")
+    cases = []
+    for number, table in enumerate(read["case"], 1):
+        try:
+            cases.append(_case(table))
+        except (ValueError, TypeError) as error:
+            raise ValueError(f"{path}, case {number} ({table.get('name', 'without a name')}): {error}") from None
+    names = [case.name for case in cases]
+    for name in names:
+        if names.count(name) > 1:
+            raise ValueError(f"{path}: {names.count(name)} cases are called {name}; give each its own name.")
+    return cases
+
+
+def _case(table: Mapping[str, Any]) -> Case:
+    for name in table:
+        if name not in KNOWN:
+            raise ValueError(f"there is no {name}; give some of {', '.join(KNOWN)}.")
+    if not isinstance(table.get("name"), str) or table.get("rail") not in CONDITIONS:
+        raise ValueError(f"give a name and a rail, one of {', '.join(CONDITIONS)}.")
+    strength = table.get("strength")
+    if strength is not None and not 0.0 < float(strength) <= STRONGEST:
+        raise ValueError(f"set strength above 0 and up to {STRONGEST:g}: it was {strength}.")
+    friction = table.get("friction")
+    if friction is not None and not 0.0 < float(friction) <= 1.0:
+        raise ValueError(f"set friction above 0 and up to 1: it was {friction}.")
+    values = tuple((name, float(value)) for name, value in table.get("values", {}).items())
+    speed = speed_of(table["speed"]) if "speed" in table else None
+    faults = tuple(_fault(one) for one in table.get("fault", []))
+    return Case(table["name"], table["rail"], friction, speed, strength, values, faults)
+
+
+def _fault(table: Mapping[str, Any]) -> Fault:
+    known = [one.name for one in fields(Fault)]
+    for name in table:
+        if name not in known:
+            raise ValueError(f"a fault has no {name}; give some of {', '.join(known)}.")
+    if "wheelset" not in table:
+        raise ValueError("a fault needs the number of its wheelset.")
+    return Fault(**table)
