@@ -1,7 +1,8 @@
 """Everything that the pages show runs, from the top of a page to its end, and prints what stands below it.
 
-Python runs, or is written where its first line names a file; changes are made; commands are called, a few of them in a
-short form (SHORT). The folder is a copy of the checkout, with the FMUs that `python build_fmu.py ssp` makes in build/.
+Python runs, or is written where its first line names a file, as C and TOML are; changes are made; commands are
+called, a few of them in a short form (SHORT). The folder is a copy of the checkout, with the FMUs that
+`python build_fmu.py ssp` makes in build/.
 """
 
 from __future__ import annotations
@@ -26,8 +27,8 @@ from products.sources import HOUSE
 ROOT = Path(__file__).parents[1]
 #: A fenced block: its language and its text.
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
-#: What a block may be: Python, commands, changes, what is printed; `bat` is for Windows, where it is not tested.
-KINDS = {"python", "sh", "diff", "text", "bat"}
+#: What a block may be: Python, commands, changes, what is printed, other files; `bat`, for Windows, is not tested.
+KINDS = {"python", "sh", "diff", "text", "bat", "c", "toml"}
 #: Commands that install, or test all of this, and what is called in their place, always.
 DRY = {f"make {target}": f"make --dry-run {target}" for target in ("demo", "test")}
 #: Commands that take more than some seconds, and what is called in their place; `make test-long` calls them themselves.
@@ -124,6 +125,10 @@ def run_page(page: str, instead: Mapping[str, str]) -> None:
             shown = shown_by_commands(text, instead)
         elif kind == "diff":
             apply(text, page[: block.start()])
+        elif kind in ("c", "toml"):
+            file = re.match(r"(?:/\* |# )([\w/]+\.\w+)", text)
+            assert file, f"Say in its first line which file this is: {text}"
+            Path(file[1]).write_text(text, encoding="utf-8")
         elif kind == "text":
             same = doctest.OutputChecker().check_output(text, shown, doctest.ELLIPSIS)
             assert same, f"The page says\n{text}\nand there came\n{shown}"
