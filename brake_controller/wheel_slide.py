@@ -422,7 +422,7 @@ class Supervised:
         try:
             answer = list(self.controller.step(time, wheel_speeds))
             fits = len(answer) == self.wheelsets and self._commands.issuperset(answer)
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             raise ControllerError(
                 f"The controller {name} failed at {time:.6g} s ({type(error).__name__}: {error}); the brake stays "
                 "applied."

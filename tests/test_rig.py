@@ -242,6 +242,8 @@ def test_a_valve_that_sticks_stays_where_it_stands() -> None:
     [
         ({"wheelset": 1, "sensor": "blind"}, "Set sensor to one of stuck, zero, doubled: it was 'blind'."),
         ({"wheelset": 1, "radius": 3.0}, "Set radius to 0.5 to 2 times the true one: it was 3.0."),
+        ({"wheelset": 0, "sensor": "zero"}, "Set wheelset to 1 or more: it was 0."),
+        ({"wheelset": 1, "sensor_from": 3.0}, "This fault has no effect; give it a sensor,"),
     ],
 )
 def test_faults_that_cannot_be_are_refused(fault: dict[str, Any], sentence: str) -> None:
@@ -251,7 +253,7 @@ def test_faults_that_cannot_be_are_refused(fault: dict[str, Any], sentence: str)
 
 def test_faults_of_wheelsets_that_are_not_there_are_refused() -> None:
     with pytest.raises(ValueError, match=re.escape("Give faults of wheelsets 1 to 2: it was 3.")):
-        Rig(bogie(), None, Settings()).runs([Run(LOW.values(), faults=(Fault(3),))])
+        Rig(bogie(), None, Settings()).runs([Run(LOW.values(), faults=(Fault(3, radius=1.1),))])
 
 
 # ---- programmes ------------------------------------------------------------------------------------------------------
@@ -263,7 +265,8 @@ def test_the_programme_that_comes_along_reads_as_it_is_written() -> None:
     assert cases["low, 200 km/h"].speed == pytest.approx(200 / 3.6)
     assert cases["low, valve 1 sticks at 6 s"].faults == (Fault(1, valve_from=6.0),)
     assert cases["dry"].run(4).values["friction_4"] == 0.55
-    assert cases["low, no sensor on wheelset 2"].run(1).faults == ()
+    with pytest.raises(ValueError, match=re.escape("has a fault of wheelset 2; there are 1 here.")):
+        cases["low, no sensor on wheelset 2"].run(1)
 
 
 @pytest.mark.parametrize(
@@ -271,7 +274,7 @@ def test_the_programme_that_comes_along_reads_as_it_is_written() -> None:
     [
         ("", "has no [[case]]; give it one for each stop."),
         ("[[case]\n", "is no TOML file"),
-        ('[[case]]\nname = "a"\n', "case 1 (a): give a name and a rail, one of dry, wet, low, very_low."),
+        ('[[case]]\nname = "a"\n', "case 1 (a): give a name and a rail, one of dry, wet, low, very_low: it was None."),
         ('[[case]]\nname = "a"\nrail = "dry"\nspeeed = 3\n', "case 1 (a): there is no speeed; give some of name,"),
         ('[[case]]\nname = "a"\nrail = "dry"\nspeed = "3mph"\n', "as 25m/s or 160km/h: it was 3mph."),
         ('[[case]]\nname = "a"\nrail = "dry"\nstrength = 0\n', "set strength above 0 and up to 5: it was 0."),

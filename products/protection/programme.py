@@ -36,12 +36,16 @@ class Case:
     faults: tuple[Fault, ...] = ()
 
     def run(self, wheelsets: int) -> Run:
-        """The stop of a machine with so many wheelsets, without the faults of those that it has not."""
+        """The stop of a machine with so many wheelsets. Raises ValueError for a fault of one that it has not."""
+        for one in self.faults:
+            if one.wheelset > wheelsets:
+                raise ValueError(
+                    f"The case {self.name} has a fault of wheelset {one.wheelset}; there are {wheelsets} here."
+                )
         condition = CONDITIONS[self.rail]()
         if self.friction is not None:
             condition = replace(condition, friction=self.friction)
-        faults = tuple(one for one in self.faults if one.wheelset <= wheelsets)
-        return Run(condition.values(wheelsets) | dict(self.values), self.speed, self.strength, faults)
+        return Run(condition.values(wheelsets) | dict(self.values), self.speed, self.strength, self.faults)
 
 
 def four_rails() -> list[Case]:
@@ -85,13 +89,15 @@ def _case(table: Mapping[str, Any]) -> Case:
         if name not in KNOWN:
             raise ValueError(f"there is no {name}; give some of {', '.join(KNOWN)}.")
     if not isinstance(table.get("name"), str) or table.get("rail") not in CONDITIONS:
-        raise ValueError(f"give a name and a rail, one of {', '.join(CONDITIONS)}.")
+        raise ValueError(f"give a name and a rail, one of {', '.join(CONDITIONS)}: it was {table.get('rail')!r}.")
     strength = table.get("strength")
     if strength is not None and not 0.0 < float(strength) <= STRONGEST:
         raise ValueError(f"set strength above 0 and up to {STRONGEST:g}: it was {strength}.")
     friction = table.get("friction")
     if friction is not None and not 0.0 < float(friction) <= 1.0:
         raise ValueError(f"set friction above 0 and up to 1: it was {friction}.")
+    if not isinstance(table.get("fault", []), list):
+        raise ValueError("give fault a list, [{ wheelset = 1, sensor = ... }].")
     values = tuple((name, float(value)) for name, value in table.get("values", {}).items())
     speed = speed_of(table["speed"]) if "speed" in table else None
     faults = tuple(_fault(one) for one in table.get("fault", []))

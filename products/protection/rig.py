@@ -49,6 +49,8 @@ AT_ONCE = 256
 AT_ONCE_IN_ARRAYS = 1024
 #: So many controllers in Python share an alarm, and must answer within so many seconds of wall time.
 TOGETHER, PATIENCE = 8, 1.0
+#: Memory of one controller in C [bytes], as wheel_slide.h says.
+LARGEST_MEMORY = 1 << 20
 FOLDER = Path(_sources.__file__).parent
 
 
@@ -101,7 +103,7 @@ class ManyControllers(Protocol):
 
 @dataclass(frozen=True)
 class InC:
-    """A controller of a shared library, wheel_slide.h. Raises OSError or AttributeError for what is none."""
+    """A controller of a shared library, wheel_slide.h. Raises OSError for what is no library."""
 
     path: Path
     library: ctypes.CDLL = field(init=False, compare=False)
@@ -110,13 +112,16 @@ class InC:
         object.__setattr__(self, "library", ctypes.CDLL(str(self.path)))
 
     def functions(self, wheelsets: int) -> _Controller:
-        """Its functions and the size of its memory."""
+        """Its functions and the size of its memory. Raises AttributeError, ValueError for what is none."""
         size = self.library.wheel_slide_size
         size.restype, size.argtypes = ctypes.c_size_t, [ctypes.c_int]
         start, step = (
             ctypes.cast(getattr(self.library, f"wheel_slide_{name}"), ctypes.c_void_p) for name in ("start", "step")
         )
-        return _Controller(start, step, int(size(wheelsets)))
+        bytes_of_one = int(size(wheelsets))
+        if bytes_of_one > LARGEST_MEMORY:
+            raise ValueError(f"wheel_slide_size asks for {bytes_of_one} bytes; ask for at most {LARGEST_MEMORY}")
+        return _Controller(start, step, bytes_of_one)
 
 
 @dataclass(frozen=True)
@@ -149,6 +154,10 @@ class Fault:
             raise ValueError(f"Set sensor to one of {', '.join(SENSOR_FAILURES)}: it was {self.sensor!r}.")
         if not 0.5 <= self.radius <= 2.0:
             raise ValueError(f"Set radius to 0.5 to 2 times the true one: it was {self.radius}.")
+        if self.wheelset < 1:
+            raise ValueError(f"Set wheelset to 1 or more: it was {self.wheelset}.")
+        if not self.sensor and (self.sensor_from or (self.radius == 1.0 and math.isinf(self.valve_from))):
+            raise ValueError("This fault has no effect; give it a sensor, a radius other than 1, or valve_from.")
 
 
 @dataclass(frozen=True)
@@ -394,7 +403,7 @@ class _Loop:
             if answer.shape != self.valves.shape:
                 raise ValueError(f"its commands have the shape {answer.shape}, due was {self.valves.shape}")
             self._take_all(answer)
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             name, at = type(controller).__name__, float(self.time.max())
             words = f"The controller {name} failed at {at:.6g} s ({type(error).__name__}: {error}); "
             for row in np.flatnonzero(self.score["state"] == RUNS).tolist():

@@ -42,8 +42,10 @@ class PeakAdhesion:
         found = [self.at(distance, speed, slip) for slip in self.SLIPS]
         return max(found), float(self.SLIPS[int(np.argmax(found))])
 
-    def stopping_distance(self, speed: float) -> float:
+    def stopping_distance(self, speed: float, strength: float = 1.0) -> float:
         """Distance [m] from `speed` with the best slip wherever the brake, as it fills, asks for as much.
+
+        strength: torque over that of the full brake.
 
         Where it asks for less than the rail gives, it is the brake's distance and says nothing of the rail: see `used`.
 
@@ -51,7 +53,7 @@ class PeakAdhesion:
         """
 
         def slope(time: float, state: np.ndarray) -> list[float]:
-            return [state[1], -min(self.braking(time), self.best(state[0], max(state[1], STANDING))[0])]
+            return [state[1], -min(strength * self.braking(time), self.best(state[0], max(state[1], STANDING))[0])]
 
         def stands(time: float, state: np.ndarray) -> float:
             return float(state[1]) - STANDING

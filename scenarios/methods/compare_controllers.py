@@ -22,8 +22,10 @@ Exit status: 0 all controllers stopped everywhere; 1 one did not stop, or failed
 from __future__ import annotations
 
 import argparse
+import contextlib
 import importlib.util
 import json
+import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -32,6 +34,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from brake_controller.wheel_slide import SlideProtection
+from fmu_src.compile import CompilerError
 from products.protection.braked_machine import Machine, bogie, coach
 from products.protection.programme import OWN, Case, four_rails, read_programme, speed_of
 from products.protection.protected_stop import CYLINDER_VOLUME, Settings
@@ -123,12 +126,12 @@ def form_of(text: str) -> tuple[str, Form]:
         raise BadInputError(f"Give FILE.py:CLASS, a shared library or a C file as a controller: it was {text}.")
     if not path.is_file():
         raise BadInputError(f"There is no file {path}; give the path of a controller.")
-    if path.suffix == ".c":
-        return path.stem, compiled(path)
     try:
-        form = InC(path.resolve())
+        form = compiled(path) if path.suffix == ".c" else InC(path.resolve())
         form.functions(len(bogie().numbers))
-    except (OSError, AttributeError) as error:
+    except CompilerError as error:
+        raise BadInputError(f"{path} does not compile. {error}") from None
+    except (OSError, AttributeError, ValueError) as error:
         raise BadInputError(
             f"{path} is no controller ({error}); it needs the functions of wheel_slide.h, which "
             "bogie-braking controllers header prints."
@@ -151,6 +154,13 @@ def class_in(file: Path, name: str) -> type:
     found = getattr(module, name, None)
     if not isinstance(found, type) or not callable(getattr(found, "step", None)):
         raise BadInputError(f"{file} has no class {name} with a method step(time, wheel_speeds); give one that has.")
+    try:
+        found()
+    except (Exception, SystemExit) as error:
+        raise BadInputError(
+            f"{name} of {file} cannot be made without arguments ({type(error).__name__}: {error}); give its gains "
+            "default values, or write a class below it that sets them."
+        ) from None
     return found
 
 
@@ -174,7 +184,10 @@ def cases_of(chosen: argparse.Namespace) -> list[Case]:
 
 def compare(machine: Machine, forms: dict[str, Form], cases: Sequence[Case], settings: Settings) -> list[Scored]:
     """Every controller in every case, case by case, and what each came to."""
-    runs = [case.run(len(machine.numbers)) for case in cases]
+    try:
+        runs = [case.run(len(machine.numbers)) for case in cases]
+    except ValueError as error:
+        raise BadInputError(str(error)) from None
     known = {variable.name for variable in machine_model(machine.counted).variables}
     for case, run in zip(cases, runs, strict=True):
         for name in run.values:
@@ -183,7 +196,8 @@ def compare(machine: Machine, forms: dict[str, Form], cases: Sequence[Case], set
     stops: dict[str, list[Stop]] = {}
     with counting(total=len(forms) + len(runs), text="controllers and ideals", unit="") as bar:
         for name, form in forms.items():
-            stops[name] = Rig(machine, form, settings).runs(runs)
+            with contextlib.redirect_stdout(sys.stderr):  # what a controller prints
+                stops[name] = Rig(machine, form, settings).runs(runs)
             bar.update()
         ideal = []
         for run in runs:
@@ -199,12 +213,10 @@ def compare(machine: Machine, forms: dict[str, Form], cases: Sequence[Case], set
 
 
 def ideal_distance(machine: Machine, run: Run, settings: Settings) -> float | None:
-    """With the best slip at every instant; None where the brake is not the full one, or the rail stops nothing."""
+    """With the best slip at every instant; None where the rail stops nothing."""
     strength = settings.strength if run.strength is None else run.strength
-    if strength != 1.0 or settings.application_time != Settings().application_time:
-        return None
     try:
-        return PeakAdhesion(machine, run.values).stopping_distance(run.speed or settings.speed)
+        return PeakAdhesion(machine, run.values).stopping_distance(run.speed or settings.speed, strength)
     except ValueError:
         return None
 
@@ -266,8 +278,9 @@ UNITS = ("", "", "m", "1", "1", "s", "1", "l", "1")
 
 def lines(vehicle: str, settings: Settings, scores: Sequence[Scored]) -> Iterator[str]:
     """The table, and what was said."""
-    about = f"{settings.speed:g} m/s, {settings.pulses} teeth, every {1e3 * settings.period:g} ms"
-    yield f"{vehicle}: full brake from {about}; lock counted above {LOCK_ABOVE:g} m/s"
+    about = f"{settings.pulses} teeth, every {1e3 * settings.period:g} ms; lock counted above {LOCK_ABOVE:g} m/s"
+    strength = "full brake" if settings.strength == 1.0 else f"{settings.strength:g} of the full brake"
+    yield f"{vehicle}: {strength} from {settings.speed:g} m/s unless the case says otherwise, {about}"
     yield ""
     rows = [HEADS, UNITS, *(cells(one) for one in scores)]
     widths = [max(len(row[column]) for row in rows) for column in range(len(HEADS))]
@@ -301,7 +314,7 @@ def draw(scores: Sequence[Scored]) -> Figure:
     """Distances over the ideal by rail and controller; the title says who stops shortest on the worst rail."""
     cases, names = (list(dict.fromkeys(getattr(one, kind) for one in scores)) for kind in ("case", "controller"))
     figure, axis = plt.subplots(figsize=(9.0, 1.2 + 0.35 * len(scores)))
-    colours = dict(zip(names, (THESIS, BOGIE, LEADING, TRAILING, "0.4", "0.7"), strict=False))
+    colours = dict(zip(names, ("0.75", THESIS, LEADING, TRAILING, BOGIE, "0.5"), strict=False))
     for place, one in enumerate(reversed(scores)):
         ratio, hatch = one.over(one.ideal), "" if one.stop.distance else "///"
         axis.barh(place, ratio or 0.0, color=colours.get(one.controller, "0.5"), hatch=hatch)
@@ -320,7 +333,6 @@ def message(scores: Sequence[Scored], cases: Sequence[str]) -> str:
     stopped = [one for one in scores if one.case == worst and one.stop.distance is not None]
     if not stopped:
         return f"{worst}: nothing stops"
-    best = min(stopped, key=lambda one: one.stop.distance or 0.0)
-    ratio = best.over(best.ideal)
-    beside = f", {ratio:.2f} times the ideal" if ratio else ""
-    return f"{worst}: {best.controller} stops shortest, {best.stop.distance:.0f} m{beside}"
+    ratios = {one.controller: one.over(one.ideal) for one in stopped if one.controller != "none"}
+    told = [f"{name} {ratio:.2f}" for name, ratio in ratios.items() if ratio]
+    return f"{worst}: distance over the ideal, {', '.join(told)}" if told else f"{worst}: no ideal to compare with"
