@@ -14,7 +14,6 @@ import pytest
 from numpy.typing import NDArray
 
 from brake_controller.sensors import GATE, LOWEST_FREQUENCY, TIMER, Encoder, edge_errors
-from brake_controller.wheel_slide import SlideProtection
 from fmu_src.compile import plain_library
 from products.protection import rig as module
 from products.protection.braked_machine import BrakedMachine, Machine, bogie, coach
@@ -347,17 +346,6 @@ def test_a_controller_that_fails_leaves_the_brake_applied(tmp_path: Path) -> Non
         assert stop.end_speed < 0.02
         if form is TooFew:
             assert (stop.time, stop.longest_lock) == (unprotected.time, unprotected.longest_lock)
-
-
-@pytest.mark.parametrize("kind", ["zero", "stuck", "doubled"])
-def test_the_protection_does_without_a_sensor_that_fails(kind: str) -> None:
-    """It stops in 0.7 of the distance of locked wheels; believing the sensor it took up to 1.45."""
-    fault = Fault(1, sensor=kind, sensor_from=6.0)
-    [stop] = Rig(bogie(), SlideProtection, Settings()).runs([Run(LOW.values(), faults=(fault,))])
-    [locked] = Rig(bogie(), None, Settings()).stops([LOW.values()])
-    assert stop.distance is not None
-    assert locked.distance is not None
-    assert stop.distance < 0.75 * locked.distance
 
 
 def test_a_machine_that_does_not_stop_says_so() -> None:
