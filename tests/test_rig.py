@@ -250,6 +250,18 @@ def test_faults_that_cannot_be_are_refused(fault: dict[str, Any], sentence: str)
         Fault(**fault)
 
 
+def test_a_period_of_which_a_sensor_remembers_too_few_is_refused() -> None:
+    """A fast wheel with many teeth would be shown as one that stands."""
+    assert f"#define ENCODER_LOOKS {module.LOOKS}\n" in (FOLDER / "encoder.h").read_text()
+    with pytest.raises(ValueError, match=re.escape("Set period to at least 0.484 ms on the test rig: it was 0.1 ms.")):
+        Rig(bogie(), None, Settings(period=1e-4))
+    shortest = GATE / (module.LOOKS - 2)
+    for period in (shortest, shortest / 10):
+        probe = Probe(300)
+        shown = [probe.look(period * n, 55.0 / RADIUS * period * n) for n in range(2000)][-1]
+        assert (shown > 0.0) == (period == shortest)
+
+
 def test_faults_of_wheelsets_that_are_not_there_are_refused() -> None:
     with pytest.raises(ValueError, match=re.escape("Give faults of wheelsets 1 to 2: it was 3.")):
         Rig(bogie(), None, Settings()).runs([Run(LOW.values(), faults=(Fault(3, radius=1.1),))])

@@ -49,6 +49,8 @@ AT_ONCE = 256
 AT_ONCE_IN_ARRAYS = 1024
 #: So many controllers in Python share an alarm, and must answer within so many seconds of wall time.
 TOGETHER, PATIENCE = 8, 1.0
+#: Looks that a sensor remembers, ENCODER_LOOKS of encoder.h.
+LOOKS = 64
 #: Memory of one controller in C [bytes], as wheel_slide.h says.
 LARGEST_MEMORY = 1 << 20
 FOLDER = Path(_sources.__file__).parent
@@ -222,15 +224,24 @@ def _functions() -> ctypes.CDLL:
     return library
 
 
+def check_period(period: float) -> None:
+    """Raises ValueError where a gate is longer than the looks that a sensor remembers: it would show nothing."""
+    shortest = GATE / (LOOKS - 2)
+    if period < shortest:
+        raise ValueError(f"Set period to at least {1e3 * shortest:.3g} ms on the test rig: it was {1e3 * period:g} ms.")
+
+
 class Rig:
     """Stops of one machine under one controller, many at once. A context manager.
 
-    step: length of the steps of the integration [s], of which a period is a multiple; 0: chosen by the error.
+    step: length of the steps of the integration [s], of which a period is a multiple; 0: chosen by the error. Raises
+    ValueError for a period of which a sensor remembers too few.
     """
 
     def __init__(
         self, machine: Machine, form: Form, settings: Settings, step: float = 0.0, threads: int | None = None
     ) -> None:
+        check_period(settings.period)
         self.machine, self.form, self.settings = machine, form, settings
         self._step, self._threads = step, threads
         self._call = _functions()

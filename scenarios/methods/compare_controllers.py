@@ -39,7 +39,7 @@ from products.protection.braked_machine import Machine, bogie, coach
 from products.protection.programme import OWN, Case, four_rails, read_programme, speed_of
 from products.protection.protected_stop import CYLINDER_VOLUME, Settings
 from products.protection.rails import LOCK_ABOVE, RAILS
-from products.protection.rig import FOLDER, Form, InC, Rig, Run, Stop, compiled, machine_model
+from products.protection.rig import FOLDER, Form, InC, Rig, Run, Stop, check_period, compiled, machine_model
 from scenarios.bench.peak_adhesion import PeakAdhesion
 from scenarios.methods.pace import time_of
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, plt, titled
@@ -248,6 +248,7 @@ def settings_of(chosen: argparse.Namespace) -> Settings:
     """What the command line asks for. Raises BadInputError."""
     period = time_of(chosen.period, "--period")
     try:
+        check_period(period)
         return Settings(
             speed=speed_of(chosen.speed),
             strength=chosen.strength,
