@@ -12,20 +12,24 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.optimize import brentq
 
 from brake_controller.sensors import GATE, LOWEST_FREQUENCY, TIMER, Encoder, edge_errors
 from fmu_src.compile import plain_library
 from products.protection import rig as module
 from products.protection.braked_machine import BrakedMachine, Machine, bogie, coach
 from products.protection.programme import OWN, read_programme
-from products.protection.protected_stop import Settings, protected_stop
+from products.protection.protected_stop import BRAKE_START, Settings, protected_stop
 from products.protection.rails import RAILS
 from products.protection.rig import FOLDER, Arrays, Fault, Form, Rig, Run, compiled
+from scenarios.bench.peak_adhesion import PeakAdhesion
 
 #: Without jitter at 100 teeth above 3 m/s: what is asked of a reading.
 READING = 1e-3
 #: Between the loop through FMPy, where torques come a step late, and the composed system; measured 6e-4.
 COUPLED = 2e-3
+#: Rolling resistance, 65 N.m on each wheelset beside 10 kN.m and more, which the closed form of a stop leaves out.
+ROLLING = 65.0 / 10e3
 LOW, RADIUS = RAILS[2], 0.425
 
 LET_GO = """
@@ -358,6 +362,31 @@ def test_a_controller_that_fails_leaves_the_brake_applied(tmp_path: Path) -> Non
         assert stop.end_speed < 0.02
         if form is TooFew:
             assert (stop.time, stop.longest_lock) == (unprotected.time, unprotected.longest_lock)
+
+
+def test_a_machine_that_goes_no_further_says_why(tmp_path: Path) -> None:
+    """A frame as high as this tips over its leading wheelset; runs beside it go on."""
+    rail = RAILS[0].values()
+    runs = [Run(rail | {"frame_height": 3.0}), Run(rail, strength=1.0)]
+    for form in (LetGo, Arrays(LetAllGo()), in_c(tmp_path)):
+        lost, stop = Rig(bogie(), form, Settings(strength=4.0)).runs(runs)
+        assert lost.distance is None
+        assert lost.said.startswith("The machine went no further: Wheelset 2 lifted off the rail at ")
+        assert stop == Rig(bogie(), form, Settings()).stops([rail])[0]
+
+
+@pytest.mark.parametrize("strength", [0.5, 1.0, 1.5])
+def test_where_all_wheels_roll_the_stop_is_the_ideal_one(strength: float) -> None:
+    """As the brake fills, 1 - 20^(-t/T) of its deceleration: its integrals in closed form, without any creep."""
+    machine, settings = bogie(), Settings(strength=strength)
+    [stop] = Rig(machine, None, settings).stops([RAILS[0].values()])
+    a, tau = machine.deceleration(strength * machine.full_torque), settings.application_time / math.log(20.0)
+    speed = settings.speed
+    lasts = brentq(lambda t: speed - a * (t - tau * (1 - math.exp(-t / tau))), 0.0, 1e3)
+    way = speed * lasts - a * (lasts**2 / 2 - tau * lasts + tau**2 * (1 - math.exp(-lasts / tau)))
+    assert stop.distance == pytest.approx(speed * BRAKE_START + way, rel=ROLLING)
+    ideal = PeakAdhesion(machine, RAILS[0].values()).stopping_distance(speed, strength)
+    assert ideal == pytest.approx(speed * BRAKE_START + way, rel=ROLLING)
 
 
 def test_a_machine_that_does_not_stop_says_so() -> None:

@@ -370,7 +370,8 @@ static void step_group(batch *self, const batch_steps *steps, long long int firs
     for (int l = 0; l < W && first + l < steps->count; ++l) {
         const long long int row = first + l;
         kernel *own = steps->instance[row];
-        kernel_status status = set_inputs(steps, row, own);
+        /* One that has ended keeps its last sentence. */
+        kernel_status status = own->run.now->ended ? KERNEL_DISCARD : set_inputs(steps, row, own);
         if (status <= KERNEL_WARNING) status = begin_step(self, l, own, steps->size);
         self->lane[l].row = row;
         if (status == KERNEL_OK) continue;
