@@ -127,11 +127,11 @@ def parser_of(asked: str) -> tuple[argparse.ArgumentParser, Any]:
     else:
         commands.add_parser("pace", help=PACE)
     if asked in ("controllers", "completion"):
-        from scenarios.methods import compare_controllers  # heavy: NumPy, batches
+        from scenarios.controllers import command as controllers  # heavy: NumPy, batches
 
-        form = {"description": compare_controllers.__doc__, "formatter_class": argparse.RawDescriptionHelpFormatter}
+        form = {"description": controllers.__doc__, "formatter_class": argparse.RawDescriptionHelpFormatter}
         of_controllers = commands.add_parser("controllers", help=CONTROLLERS, **form)
-        compare_controllers.add_commands(
+        controllers.add_commands(
             of_controllers,
             lambda one: add_speech(one, "no progress and no table, only the exit status", "the comparison"),
         )

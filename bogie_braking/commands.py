@@ -21,8 +21,9 @@ from fmu_src.kernel import KernelError
 from products.registry import FMUS
 from scenarios.catalogue import SCENARIOS, find
 from scenarios.completion import completion
+from scenarios.controllers import command as controllers
 from scenarios.live.page import write_page
-from scenarios.methods import compare_controllers, pace
+from scenarios.methods import pace
 from scenarios.reporting.progress import ticking, without_bars
 from scenarios.reporting.report import Report, save, short_table, stopwatch, table
 from scenarios.scenario import BadInputError, Options, Scenario
@@ -149,7 +150,7 @@ def carry_out(chosen: argparse.Namespace) -> int:
             if chosen.command == "pace":
                 return HOLDS if pace.run(chosen) else DOES_NOT_HOLD
             if chosen.command == "controllers":
-                return HOLDS if compare_controllers.run(chosen) else DOES_NOT_HOLD
+                return HOLDS if controllers.run(chosen) else DOES_NOT_HOLD
             if chosen.command == "sweep":
                 return HOLDS if sweep.run(chosen) else DOES_NOT_HOLD
             return run(chosen)

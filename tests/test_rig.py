@@ -18,10 +18,12 @@ from brake_controller.sensors import GATE, LOWEST_FREQUENCY, TIMER, Encoder, edg
 from fmu_src.compile import plain_library
 from products.protection import rig as module
 from products.protection.braked_machine import BrakedMachine, Machine, bogie, coach
+from products.protection.forms import FOLDER, Arrays, Form, compiled
 from products.protection.programme import OWN, read_programme
 from products.protection.protected_stop import BRAKE_START, Settings, protected_stop
 from products.protection.rails import RAILS
-from products.protection.rig import FOLDER, Arrays, Fault, Form, Rig, Run, compiled
+from products.protection.rig import Rig
+from products.protection.runs import Fault, Run
 from scenarios.bench.peak_adhesion import PeakAdhesion
 
 #: Without jitter at 100 teeth above 3 m/s: what is asked of a reading.

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from products.protection.rails import RAILS
-from products.protection.rig import Fault, Run
+from products.protection.runs import Fault, Run
 from rbd_model.track.friction import CONDITIONS
 
 #: Python reads TOML itself from 3.11 on.

@@ -8,39 +8,26 @@ from __future__ import annotations
 
 import ctypes
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
-from functools import lru_cache
-from pathlib import Path
+from collections.abc import Iterator, Mapping, Sequence
 from types import TracebackType
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from brake_controller import rig as _sources
-from brake_controller.cylinder import timed_brake
 from brake_controller.sensors import GATE, LOWEST_FREQUENCY, TIMER, edge_errors
-from brake_controller.wheel_slide import (
-    APPLY,
-    VENT,
-    ControllerError,
-    LateError,
-    Supervised,
-    WheelSlideController,
-    within,
-)
+from brake_controller.wheel_slide import APPLY, VENT, ControllerError, LateError, Supervised, within
 from fmu_src.batch import Instances, library_of_batch
-from fmu_src.compile import FLAGS, plain_library
-from fmu_src.system import Model, model_of
-from products.braked_vehicle import FULL_PRESSURE, brake_of, with_brakes
-from products.protection.braked_machine import RELEASE_TIME, STANDING, Machine, bogie, coach
+from products.braked_vehicle import FULL_PRESSURE
+from products.protection import rig_in_c
+from products.protection.braked_machine import RELEASE_TIME, STANDING, Machine
+from products.protection.braked_system import machine_model
+from products.protection.forms import Arrays, Form, FunctionsInC, InC
 from products.protection.protected_stop import BRAKE_START, LONGEST, Settings
 from products.protection.rails import ABOVE, BAND, LOCK_ABOVE
-from rbd_model.levels.models import DEFAULT_TOLERANCE, places_of, system_at
-from rbd_model.vehicle.ready import passenger_coach, two_axle_bogie
+from products.protection.rig_in_c import LOST, RUNS, SCORE, STANDS, TOO_LONG, Wheelset
+from products.protection.runs import SENSOR_FAILURES, Run, Stop
 
-Numbers = NDArray[np.float64]
 #: Looks between two glances at which runs have ended; so many at most go on for nothing.
 GLANCE = 100
 #: Rows that are asked together: enough for all lanes of two threads, few enough for the cache.
@@ -51,177 +38,6 @@ AT_ONCE_IN_ARRAYS = 1024
 TOGETHER, PATIENCE = 8, 1.0
 #: Looks that a sensor remembers, ENCODER_LOOKS of encoder.h.
 LOOKS = 64
-#: Memory of one controller in C [bytes], as wheel_slide.h says.
-LARGEST_MEMORY = 1 << 20
-FOLDER = Path(_sources.__file__).parent
-
-
-class _Settings(ctypes.Structure):
-    _fields_ = (
-        ("wheelsets", ctypes.c_int),
-        *((name, ctypes.c_double) for name in ("radius", "period", "brake_start", "pressure", "standing", "longest")),
-        *((name, ctypes.c_double) for name in ("lock_above", "band", "look_above")),
-        ("pulses", ctypes.c_int),
-        *((name, ctypes.c_double) for name in ("gate", "timer", "lowest_frequency")),
-    )
-
-
-class _Controller(ctypes.Structure):
-    _fields_ = (("start", ctypes.c_void_p), ("step", ctypes.c_void_p), ("size", ctypes.c_size_t))
-
-
-class _Wheelset(ctypes.Structure):
-    _fields_ = (
-        *((name, ctypes.c_double) for name in ("radius", "sensor_from", "valve_from")),
-        *((name, ctypes.c_int) for name in ("sensor", "valve_sticks")),
-    )
-
-
-#: How a sensor may fail, by the numbers of rig.h.
-SENSOR_FAILURES = {"stuck": 1, "zero": 2, "doubled": 3}
-
-
-#: A `rig_score` of rig.h.
-SCORE = np.dtype(
-    [
-        *((name, float) for name in ("distance", "speed", "time", "longest_lock", "band", "looked", "filled")),
-        *((name, float) for name in ("commands", "failed_at")),
-        *((name, np.int32) for name in ("state", "answer", "valve")),
-    ],
-    align=True,
-)
-RUNS, STANDS, TOO_LONG, LOST = range(4)
-
-
-class ManyControllers(Protocol):
-    """A controller of many machines at once, a function of arrays."""
-
-    def start(self, rows: NDArray[np.intp], count: int, wheelsets: int, period: float) -> None:
-        """Runs begin in these of `count` rows; period [s] between two steps."""
-
-    def step(self, time: Numbers, wheel_speeds: Numbers) -> NDArray[np.integer]:
-        """Commands and speeds [m/s] have the shape (count, wheelsets), times [s] the shape (count,)."""
-
-
-@dataclass(frozen=True)
-class InC:
-    """A controller of a shared library, wheel_slide.h. Raises OSError for what is no library."""
-
-    path: Path
-    library: ctypes.CDLL = field(init=False, compare=False)
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "library", ctypes.CDLL(str(self.path)))
-
-    def functions(self, wheelsets: int) -> _Controller:
-        """Its functions and the size of its memory. Raises AttributeError, ValueError for what is none."""
-        size = self.library.wheel_slide_size
-        size.restype, size.argtypes = ctypes.c_size_t, [ctypes.c_int]
-        start, step = (
-            ctypes.cast(getattr(self.library, f"wheel_slide_{name}"), ctypes.c_void_p) for name in ("start", "step")
-        )
-        bytes_of_one = int(size(wheelsets))
-        if bytes_of_one > LARGEST_MEMORY:
-            raise ValueError(f"wheel_slide_size asks for {bytes_of_one} bytes; ask for at most {LARGEST_MEMORY}")
-        return _Controller(start, step, bytes_of_one)
-
-
-@dataclass(frozen=True)
-class Arrays:
-    """A controller of many machines at once."""
-
-    controller: ManyControllers
-
-
-#: What may stand between wheels and valves: nothing, a library, what makes a controller, what answers for all.
-Form = InC | Callable[[], WheelSlideController] | Arrays | None
-
-
-@dataclass(frozen=True)
-class Fault:
-    """What is wrong with one wheelset, by its number.
-
-    radius: what its wheels' radius is taken for, over the true one. sensor: one of SENSOR_FAILURES, from a time on [s];
-    valve_from: when its valve begins to stay where it is [s]. Raises ValueError for what cannot be.
-    """
-
-    wheelset: int
-    radius: float = 1.0
-    sensor: str = ""
-    sensor_from: float = 0.0
-    valve_from: float = math.inf
-
-    def __post_init__(self) -> None:
-        if self.sensor and self.sensor not in SENSOR_FAILURES:
-            raise ValueError(f"Set sensor to one of {', '.join(SENSOR_FAILURES)}: it was {self.sensor!r}.")
-        if not 0.5 <= self.radius <= 2.0:
-            raise ValueError(f"Set radius to 0.5 to 2 times the true one: it was {self.radius}.")
-        if self.wheelset < 1:
-            raise ValueError(f"Set wheelset to 1 or more: it was {self.wheelset}.")
-        if not self.sensor and (self.sensor_from or (self.radius == 1.0 and math.isinf(self.valve_from))):
-            raise ValueError("This fault has no effect; give it a sensor, a radius other than 1, or valve_from.")
-
-
-@dataclass(frozen=True)
-class Run:
-    """One stop: inputs and parameters of the vehicle; speed [m/s] and strength, by default those of the settings."""
-
-    values: Mapping[str, float]
-    speed: float | None = None
-    strength: float | None = None
-    faults: tuple[Fault, ...] = ()
-
-
-@dataclass(frozen=True)
-class Stop:
-    """What a run came to. distance [m]: None where it did not stop or its controller failed; said: a sentence."""
-
-    distance: float | None
-    end_speed: float
-    time: float
-    longest_lock: float
-    share_in_band: float
-    filled: float
-    commands: int
-    said: str
-
-
-def compiled(source: Path) -> InC:
-    """A controller from a C file that includes wheel_slide.h. Raises CompilerError."""
-    header = (FOLDER / "wheel_slide.h").read_text(encoding="utf-8")
-    texts = {source.name: source.read_text(encoding="utf-8"), "wheel_slide.h": header}
-    return InC(plain_library(texts, [flag for flag in FLAGS if not flag.startswith("-W")]))
-
-
-@lru_cache
-def machine_model(counted: str) -> Model:
-    """The planar bogie (counted: frame) or coach (body) with a timed cylinder on each wheelset, one system."""
-    machine = bogie() if counted == "frame" else coach()
-    vehicle = two_axle_bogie() if counted == "frame" else passenger_coach()
-    brake, [planar] = brake_of(vehicle, machine.full_torque), places_of(level=2, on_line=False)
-    system = with_brakes(system_at(vehicle, planar), vehicle, lambda: timed_brake(brake))
-    return model_of(system, DEFAULT_TOLERANCE)
-
-
-@lru_cache
-def _functions() -> ctypes.CDLL:
-    """The rig's own C, compiled once."""
-    names = ("rig.c", "encoder.c", "rig.h", "encoder.h", "wheel_slide.h")
-    library = ctypes.CDLL(str(plain_library({name: (FOLDER / name).read_text(encoding="utf-8") for name in names})))
-    pointer, count = ctypes.c_void_p, ctypes.c_longlong
-    signatures: dict[str, tuple[Any, list[Any]]] = {
-        "rig_create": (pointer, [count, ctypes.POINTER(_Settings), ctypes.POINTER(_Controller)]),
-        "rig_free": (None, [pointer]),
-        "rig_begin": (None, [pointer, count, pointer, pointer]),
-        "rig_scores": (pointer, [pointer]),
-        "rig_look": (None, [pointer, count, count, pointer, pointer, pointer, pointer]),
-        "rig_tell": (None, [pointer, count, count, pointer, pointer]),
-        "rig_give_up": (None, [pointer, count]),
-    }
-    for name, (result, arguments) in signatures.items():
-        function = getattr(library, name)
-        function.restype, function.argtypes = result, arguments
-    return library
 
 
 def check_period(period: float) -> None:
@@ -244,7 +60,7 @@ class Rig:
         check_period(settings.period)
         self.machine, self.form, self.settings = machine, form, settings
         self._step, self._threads = step, threads
-        self._call = _functions()
+        self._call = rig_in_c.functions()
         self._model = machine_model(machine.counted)
         n = machine.numbers
         self._inputs = [f"{name}_{number}" for name in ("pressure_demand", "valve") for number in n]
@@ -278,7 +94,7 @@ class Rig:
         self,
         loop: _Loop,
         values: Sequence[Mapping[str, float]],
-        faults: Sequence[ctypes.Array[_Wheelset]],
+        faults: Sequence[ctypes.Array[Wheelset]],
         count: int,
     ) -> Iterator[tuple[int, int]]:
         """Rows that have ended, with the numbers of their runs; each then takes the next run that waits."""
@@ -296,8 +112,8 @@ class Rig:
             runs |= begun
             loop.begin({row: faults[number] for row, number in begun.items()})
 
-    def _faults(self, run: Run) -> ctypes.Array[_Wheelset]:
-        each = (_Wheelset * len(self.machine.numbers))(*(_Wheelset(1.0, 0.0, 0.0, 0, 0) for _ in self.machine.numbers))
+    def _faults(self, run: Run) -> ctypes.Array[Wheelset]:
+        each = (Wheelset * len(self.machine.numbers))(*(Wheelset(1.0, 0.0, 0.0, 0, 0) for _ in self.machine.numbers))
         for one in run.faults:
             if one.wheelset not in self.machine.numbers:
                 raise ValueError(f"Give faults of wheelsets 1 to {len(each)}: it was {one.wheelset}.")
@@ -330,8 +146,8 @@ class _Loop:
         machine, s = rig.machine, rig.settings
         self.count, self.wheelsets = len(instances), len(machine.numbers)
         form = rig.form
-        controller = form.functions(self.wheelsets) if isinstance(form, InC) else _Controller()
-        settings = _Settings(
+        controller = form.functions(self.wheelsets) if isinstance(form, InC) else FunctionsInC()
+        settings = rig_in_c.Settings(
             self.wheelsets,
             machine.parameters.wheel_radius,
             s.period,
@@ -368,7 +184,7 @@ class _Loop:
     ) -> None:
         self.call.rig_free(self.own)
 
-    def begin(self, rows: Mapping[int, ctypes.Array[_Wheelset]]) -> None:
+    def begin(self, rows: Mapping[int, ctypes.Array[Wheelset]]) -> None:
         """Runs begin in these rows, each with what is wrong with its wheelsets."""
         if not rows:
             return

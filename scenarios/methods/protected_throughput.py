@@ -13,9 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from products.protection.braked_machine import bogie
+from products.protection.forms import Arrays, Form, compiled
 from products.protection.protected_stop import Settings
 from products.protection.rails import LOW_FRICTION, low_rail
-from products.protection.rig import Arrays, Form, Rig, compiled
+from products.protection.rig import Rig
 from scenarios.reporting.report import Row
 
 #: Lets go of wheels that are slower than this share of the fastest, in every form: a trivial controller.

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from bogie_braking.__main__ import main
+from products.protection.forms import FOLDER
 from products.protection.programme import OWN
-from products.protection.rig import FOLDER
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "controller.md").read_text(encoding="utf-8")

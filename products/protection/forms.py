@@ -1,0 +1,79 @@
+"""The forms in which a wheel-slide controller comes: a class, a function of arrays, a library in C."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from brake_controller import rig
+from brake_controller.wheel_slide import WheelSlideController
+from fmu_src.compile import FLAGS, plain_library
+
+Numbers = NDArray[np.float64]
+#: Memory of one controller in C [bytes], as wheel_slide.h says.
+LARGEST_MEMORY = 1 << 20
+#: Where the rig's C lies, and the header of a controller.
+FOLDER = Path(rig.__file__).parent
+
+
+class FunctionsInC(ctypes.Structure):
+    """A `rig_controller` of rig.h."""
+
+    _fields_ = (("start", ctypes.c_void_p), ("step", ctypes.c_void_p), ("size", ctypes.c_size_t))
+
+
+class ManyControllers(Protocol):
+    """A controller of many machines at once, a function of arrays."""
+
+    def start(self, rows: NDArray[np.intp], count: int, wheelsets: int, period: float) -> None:
+        """Runs begin in these of `count` rows; period [s] between two steps."""
+
+    def step(self, time: Numbers, wheel_speeds: Numbers) -> NDArray[np.integer]:
+        """Commands and speeds [m/s] have the shape (count, wheelsets), times [s] the shape (count,)."""
+
+
+@dataclass(frozen=True)
+class InC:
+    """A controller of a shared library, wheel_slide.h. Raises OSError for what is no library."""
+
+    path: Path
+    library: ctypes.CDLL = field(init=False, compare=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "library", ctypes.CDLL(str(self.path)))
+
+    def functions(self, wheelsets: int) -> FunctionsInC:
+        """Its functions and the size of its memory. Raises AttributeError, ValueError for what is none."""
+        size = self.library.wheel_slide_size
+        size.restype, size.argtypes = ctypes.c_size_t, [ctypes.c_int]
+        start, step = (
+            ctypes.cast(getattr(self.library, f"wheel_slide_{name}"), ctypes.c_void_p) for name in ("start", "step")
+        )
+        bytes_of_one = int(size(wheelsets))
+        if bytes_of_one > LARGEST_MEMORY:
+            raise ValueError(f"wheel_slide_size asks for {bytes_of_one} bytes; ask for at most {LARGEST_MEMORY}")
+        return FunctionsInC(start, step, bytes_of_one)
+
+
+@dataclass(frozen=True)
+class Arrays:
+    """A controller of many machines at once."""
+
+    controller: ManyControllers
+
+
+#: What may stand between wheels and valves: nothing, a library, what makes a controller, what answers for all.
+Form = InC | Callable[[], WheelSlideController] | Arrays | None
+
+
+def compiled(source: Path) -> InC:
+    """A controller from a C file that includes wheel_slide.h. Raises CompilerError."""
+    header = (FOLDER / "wheel_slide.h").read_text(encoding="utf-8")
+    texts = {source.name: source.read_text(encoding="utf-8"), "wheel_slide.h": header}
+    return InC(plain_library(texts, [flag for flag in FLAGS if not flag.startswith("-W")]))

@@ -1,0 +1,66 @@
+"""The rig's C as Python calls it: its structures and its functions (brake_controller/rig/rig.h)."""
+
+from __future__ import annotations
+
+import ctypes
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from fmu_src.compile import plain_library
+from products.protection.forms import FOLDER, FunctionsInC
+
+
+class Settings(ctypes.Structure):
+    """A `rig_settings`."""
+
+    _fields_ = (
+        ("wheelsets", ctypes.c_int),
+        *((name, ctypes.c_double) for name in ("radius", "period", "brake_start", "pressure", "standing", "longest")),
+        *((name, ctypes.c_double) for name in ("lock_above", "band", "look_above")),
+        ("pulses", ctypes.c_int),
+        *((name, ctypes.c_double) for name in ("gate", "timer", "lowest_frequency")),
+    )
+
+
+class Wheelset(ctypes.Structure):
+    """A `rig_wheelset`."""
+
+    _fields_ = (
+        *((name, ctypes.c_double) for name in ("radius", "sensor_from", "valve_from")),
+        *((name, ctypes.c_int) for name in ("sensor", "valve_sticks")),
+    )
+
+
+#: A `rig_score` of rig.h.
+SCORE = np.dtype(
+    [
+        *((name, float) for name in ("distance", "speed", "time", "longest_lock", "band", "looked", "filled")),
+        *((name, float) for name in ("commands", "failed_at")),
+        *((name, np.int32) for name in ("state", "answer", "valve")),
+    ],
+    align=True,
+)
+RUNS, STANDS, TOO_LONG, LOST = range(4)
+
+
+@lru_cache
+def functions() -> ctypes.CDLL:
+    """The rig's own C, compiled once."""
+    names = ("rig.c", "encoder.c", "rig.h", "encoder.h", "wheel_slide.h")
+    library = ctypes.CDLL(str(plain_library({name: (FOLDER / name).read_text(encoding="utf-8") for name in names})))
+    pointer, count = ctypes.c_void_p, ctypes.c_longlong
+    signatures: dict[str, tuple[Any, list[Any]]] = {
+        "rig_create": (pointer, [count, ctypes.POINTER(Settings), ctypes.POINTER(FunctionsInC)]),
+        "rig_free": (None, [pointer]),
+        "rig_begin": (None, [pointer, count, pointer, pointer]),
+        "rig_scores": (pointer, [pointer]),
+        "rig_look": (None, [pointer, count, count, pointer, pointer, pointer, pointer]),
+        "rig_tell": (None, [pointer, count, count, pointer, pointer]),
+        "rig_give_up": (None, [pointer, count]),
+    }
+    for name, (result, arguments) in signatures.items():
+        function = getattr(library, name)
+        function.restype, function.argtypes = result, arguments
+    return library

@@ -1,0 +1,1 @@
+"""Compares wheel-slide controllers on the test rig: the command `controllers`."""

@@ -1,0 +1,133 @@
+"""Compares wheel-slide controllers on the test rig: one score table, one picture, one JSON file.
+
+  bogie-braking controllers compare mine.py:PI                    a Python class; none and our own stand beside it
+  bogie-braking controllers compare mine.py:PI libpi.so           and a shared library
+  bogie-braking controllers compare pi.c --vehicle vehicle        C, compiled now; on the coach
+  bogie-braking controllers compare mine.py:PI --rails low,wet    on these rails alone
+  bogie-braking controllers compare mine.py:PI --programme full   18 cases: 60 to 200 km/h, sensors and valves that fail
+  bogie-braking controllers compare mine.py:PI --programme my.toml
+                                                                  cases of your own (controllers programme > my.toml)
+  bogie-braking controllers compare mine.py:PI --speed 160km/h --teeth 80 --period 10ms
+  bogie-braking controllers compare mine.py:PI --json | jq .runs  for a program
+  bogie-braking controllers header > wheel_slide.h                what a controller in C includes
+
+A class has the method step(time, wheel_speeds) -> valves: [s], [m/s] -> 0 apply, 1 hold or 2 vent for each wheelset.
+All make the same stops with the same brake, sensors and rails, in the plane. Without a controller the wheels may lock.
+The ideal has the best slip at every instant. Measures in the manner of EN 15595, without any claim of conformity.
+
+Exit status: 0 all controllers stopped everywhere; 1 one did not stop, or failed; 2 bad input; 3 the simulation failed;
+130 interrupted with Ctrl-C.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from products.protection.braked_machine import bogie, coach
+from products.protection.forms import FOLDER
+from products.protection.programme import OWN, Case, four_rails, read_programme, speed_of
+from products.protection.protected_stop import Settings
+from products.protection.rails import RAILS
+from products.protection.rig import check_period
+from scenarios.controllers.given import forms_of
+from scenarios.controllers.picture import draw
+from scenarios.controllers.scoring import compare
+from scenarios.controllers.table import document, lines
+from scenarios.methods.pace import time_of
+from scenarios.reporting.plots import plt
+from scenarios.scenario import BadInputError
+
+MACHINES = {"bogie": bogie, "vehicle": coach}
+
+
+def add_commands(parser: argparse.ArgumentParser, speech: Callable[[argparse.ArgumentParser], None]) -> None:
+    """What can be done with controllers; speech: gives a command its ways of printing less."""
+    actions = parser.add_subparsers(dest="action", required=True)
+    form: dict[str, Any] = {"description": __doc__, "formatter_class": argparse.RawDescriptionHelpFormatter}
+    compare = actions.add_parser("compare", help="score controllers on the same rails", **form)
+    add_arguments(compare)
+    speech(compare)
+    actions.add_parser("header", help="print wheel_slide.h, which a controller in C includes")
+    actions.add_parser("programme", help="print the programme that comes along, to begin one of your own with")
+    parser.set_defaults(quiet=False, json=False, out=Path("results"))
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of the command."""
+    text = "FILE.py:CLASS, a shared library, or a C file that includes wheel_slide.h"
+    parser.add_argument("controller", nargs="+", help=text)
+    parser.add_argument("--vehicle", choices=list(MACHINES), default="bogie", help="bogie, or vehicle: the coach")
+    group = parser.add_mutually_exclusive_group()
+    text = f"some of {','.join(rail.name for rail in RAILS)} (default: all)"
+    group.add_argument("--rails", default="", metavar="NAMES", help=text)
+    text = "a TOML file with cases, or full: the programme that comes along"
+    group.add_argument("--programme", metavar="FILE", help=text)
+    parser.add_argument("--speed", default="25", help="at the start, as 25m/s or 160km/h (default: 25 m/s)")
+    parser.add_argument("--strength", type=float, default=1.0, help="torque over that of the full brake (default: 1)")
+    parser.add_argument("--period", default="5ms", metavar="TIME", help="of the controllers (default: 5ms)")
+    parser.add_argument("--teeth", type=int, default=Settings.pulses, help="of each sensor (default: 100)")
+    text = "standard deviation of the teeth's places, as a share of the pitch (default: 0)"
+    parser.add_argument("--jitter", type=float, default=0.0, help=text)
+    parser.add_argument("--out", type=Path, default=Path("results"), help="folder of the results (default: results)")
+
+
+def cases_of(chosen: argparse.Namespace) -> list[Case]:
+    """The cases that are asked for. Raises BadInputError."""
+    if chosen.programme:
+        path = OWN if chosen.programme == "full" else Path(chosen.programme)
+        try:
+            return read_programme(path)
+        except OSError:
+            raise BadInputError(f"There is no file {path}; give a programme, or full.") from None
+        except ValueError as error:
+            raise BadInputError(str(error)) from None
+    known = {case.name: case for case in four_rails()}
+    names = [name.strip() for name in chosen.rails.split(",") if name.strip()] or list(known)
+    for name in names:
+        if name not in known:
+            raise BadInputError(f"There is no rail {name}; give some of {', '.join(known)}.")
+    return [known[name] for name in names]
+
+
+def run(chosen: argparse.Namespace) -> bool:
+    """Compares and reports, or prints a file; whether all stopped. Raises BadInputError, CompilerError."""
+    printed = {"header": FOLDER / "wheel_slide.h", "programme": OWN}
+    if chosen.action in printed:
+        print(printed[chosen.action].read_text(encoding="utf-8"), end="")
+        return True
+    settings = settings_of(chosen)
+    machine, forms = MACHINES[chosen.vehicle](), forms_of(chosen.controller)
+    scores = compare(machine, forms, cases_of(chosen), settings)
+    folder = chosen.out / "controllers"
+    folder.mkdir(parents=True, exist_ok=True)
+    about = document(chosen.vehicle, settings, scores)
+    (folder / "compare.json").write_text(json.dumps(about, indent=2) + "\n", encoding="utf-8")
+    figure = draw(scores)
+    figure.savefig(folder / "compare.png")
+    plt.close(figure)
+    if chosen.json:
+        print(json.dumps(about, indent=2))
+    elif not chosen.quiet:
+        print("\n".join([*lines(chosen.vehicle, settings, scores), "", f"Picture: {folder / 'compare.png'}"]))
+    return all(score.stop.distance is not None for score in scores)
+
+
+def settings_of(chosen: argparse.Namespace) -> Settings:
+    """What the command line asks for. Raises BadInputError."""
+    period = time_of(chosen.period, "--period")
+    try:
+        check_period(period)
+        return Settings(
+            speed=speed_of(chosen.speed),
+            strength=chosen.strength,
+            period=period,
+            host_step=period,
+            pulses=chosen.teeth,
+            jitter=chosen.jitter,
+        )
+    except ValueError as error:
+        raise BadInputError(str(error)) from None

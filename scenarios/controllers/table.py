@@ -1,0 +1,57 @@
+"""Scores for people and for programs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict
+
+from products.protection.protected_stop import Settings
+from products.protection.rails import LOCK_ABOVE
+from scenarios.controllers.scoring import Scored
+
+HEADS = ("case", "controller", "distance", "over ideal", "over dry", "longest lock", "in the band", "air", "commands")
+UNITS = ("", "", "m", "1", "1", "s", "1", "l", "1")
+
+
+def lines(vehicle: str, settings: Settings, scores: Sequence[Scored]) -> Iterator[str]:
+    """The table, and what was said."""
+    about = f"{settings.pulses} teeth, every {1e3 * settings.period:g} ms; lock counted above {LOCK_ABOVE:g} m/s"
+    strength = "full brake" if settings.strength == 1.0 else f"{settings.strength:g} of the full brake"
+    yield f"{vehicle}: {strength} from {settings.speed:g} m/s unless the case says otherwise, {about}"
+    yield ""
+    rows = [HEADS, UNITS, *(cells(one) for one in scores)]
+    widths = [max(len(row[column]) for row in rows) for column in range(len(HEADS))]
+    for number, row in enumerate(rows):
+        if number > 1 and row[0] != rows[number - 1][0]:
+            yield "-" * (sum(widths) + 2 * (len(widths) - 1))
+        texts = [
+            text.ljust(width) if column < 2 else text.rjust(width)
+            for column, (text, width) in enumerate(zip(row, widths, strict=True))
+        ]
+        yield "  ".join(texts).rstrip()
+    for one in scores:
+        if one.stop.said:
+            yield ""
+            yield f"{one.controller}, {one.case}: {one.stop.said}"
+
+
+def cells(one: Scored) -> tuple[str, ...]:
+    """A row of the table."""
+
+    def number(value: float | None, form: str) -> str:
+        return "no stop" if value is None and form == ".1f" else "-" if value is None else format(value, form)
+
+    stop = one.stop
+    ratios = number(one.over(one.ideal), ".3f"), number(one.over(one.dry), ".3f")
+    rest = f"{stop.longest_lock:.2f}", f"{stop.share_in_band:.2f}", f"{one.air:.0f}", str(stop.commands)
+    return one.case, one.controller, number(stop.distance, ".1f"), *ratios, *rest
+
+
+def document(vehicle: str, settings: Settings, scores: Sequence[Scored]) -> dict[str, object]:
+    """For programs; SI units, air in litres."""
+    runs = [
+        {"case": one.case, "controller": one.controller, **asdict(one.stop)}
+        | {"over_ideal": one.over(one.ideal), "over_dry": one.over(one.dry), "ideal": one.ideal, "air": one.air}
+        for one in scores
+    ]
+    return {"vehicle": vehicle, "settings": asdict(settings), "runs": runs}
