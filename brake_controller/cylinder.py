@@ -6,8 +6,18 @@ from dataclasses import dataclass
 import casadi as ca
 
 from brake_controller.air import GAS_CONSTANT
-from brake_controller.flow import air_rates, air_temperature, piston, spring_force, valve_flows
+from brake_controller.flow import (
+    Openings,
+    Regulator,
+    air_rates,
+    air_temperature,
+    commanded,
+    piston,
+    spring_force,
+    valve_flows,
+)
 from brake_controller.flow_parameters import FlowParameters
+from brake_controller.magnet_valves import ValveParameters, following
 from brake_controller.parameters import BrakeParameters, qr30
 from brake_controller.pneumatics import APPLY, VENT, pressure_rate, regulated_pressure
 from brake_controller.ready_sets import qr30_experiment
@@ -99,6 +109,39 @@ def timed_brake(defaults: BrakeParameters, table: FrictionTable = EXAMPLE_TABLE)
 def flow_brake(defaults: BrakeParameters, air: FlowParameters, table: FrictionTable = EXAMPLE_TABLE) -> System:
     """Pressure from the air that flows through the restrictions (section 6.3.9), and from the travel of the piston."""
     brake = _begin("flow", "Cylinder pressure by flow of air through restrictions", defaults, TIMES)
+    cylinder = _filled(brake, air, Regulator(brake.target, brake.target), commanded(brake.valve))
+    return _finish(brake, cylinder.pressure, cylinder.spring_pressure, table)
+
+
+def reservoir_brake(
+    defaults: BrakeParameters, air: FlowParameters, valves: ValveParameters, table: FrictionTable = EXAMPLE_TABLE
+) -> System:
+    """As `flow_brake` (section 6.3.9), with air from a reservoir, an input, through valves that take their time.
+
+    Nothing flows back into a reservoir that has less pressure than the cylinder.
+    """
+    text = "Cylinder pressure by flow of air from a reservoir, through valves that take time"
+    brake = _begin("reservoir", text, defaults, TIMES)
+    text = "Pressure in the reservoir that the cylinder is filled from"
+    reservoir = Variable("reservoir_pressure", "input", "Pa", text, defaults.supply_pressure, 0.0, display_unit="kPa")
+    regulator = Regulator(brake.target, ca.fmin(brake.target, brake.system.input(reservoir)))
+    cylinder = _filled(brake, air, regulator, following(brake.system, brake.valve, valves))
+    text = "Air that flows from the reservoir into the cylinder"
+    brake.system.output(Variable("air_flow", "output", "kg/s", text), cylinder.flows[0])
+    return _finish(brake, cylinder.pressure, cylinder.spring_pressure, table)
+
+
+@dataclass(frozen=True)
+class _Cylinder:
+    """Pressure [Pa], the part of it that the piston's spring takes [Pa], mass flows in and out [kg/s]."""
+
+    pressure: ca.SX
+    spring_pressure: ca.SX
+    flows: tuple[ca.SX, ca.SX]
+
+
+def _filled(brake: Brake, air: FlowParameters, regulator: Regulator, valves: Openings) -> _Cylinder:
+    """The air in the cylinder as two states, and what is observed of it."""
     system = brake.system
     flow = {name: system.parameter(air.variable(name)) for name in air.values()}
     empty = flow["ambient_pressure"] * piston(ca.SX(0), flow).volume / (GAS_CONSTANT * flow["air_temperature"])
@@ -107,7 +150,7 @@ def flow_brake(defaults: BrakeParameters, air: FlowParameters, table: FrictionTa
 
     position = piston(pressure, flow)
     temperature = air_temperature(pressure, mass, position, flow)
-    flows = valve_flows(pressure, temperature, brake.target, brake.valve, flow)
+    flows = valve_flows(pressure, temperature, regulator, valves, flow)
     rates = air_rates(pressure, temperature, position, flows, flow)
     system.derivative(pressure, rates.pressure)
     system.derivative(mass, flows[0] - flows[1])
@@ -122,7 +165,7 @@ def flow_brake(defaults: BrakeParameters, air: FlowParameters, table: FrictionTa
         ("heat_loss", "W", rates.heat_loss),
     ):
         system.observe(name, unit, observed)
-    return _finish(brake, pressure, spring_force(position, flow) / flow["piston_area"], table)
+    return _Cylinder(pressure, spring_force(position, flow) / flow["piston_area"], flows)
 
 
 def brake_model(systems: tuple[System, ...]) -> Model:

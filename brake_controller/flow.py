@@ -68,17 +68,38 @@ def outflow(pressure: ca.SX, temperature: ca.SX, orifice: ca.SX, flow: Values) -
     return mass_flow(area, pressure + flow["ambient_pressure"], temperature, flow["ambient_pressure"])
 
 
-def valve_flows(pressure: ca.SX, temperature: ca.SX, target: ca.SX, valve: ca.SX, flow: Values) -> tuple[ca.SX, ca.SX]:
-    """Mass flows into and out of the cylinder [kg/s] as the valve stands; gauge pressures [Pa], temperature [K].
+@dataclass(frozen=True)
+class Openings:
+    """How far the valves of a cylinder are open, from 0 to 1: to the regulator, and to the surroundings."""
 
-    Differs from the thesis, whose solenoid valve applies when it is de-energised (section 6.3.9): it also holds, vents.
+    refill: ca.SX
+    dump: ca.SX
+
+
+def commanded(valve: ca.SX) -> Openings:
+    """Valves that follow their command at once: the solenoid valve of section 6.3.9 applies when it is de-energised.
+
+    Differs from the thesis: the valve also holds and vents.
     """
-    opening = ca.fmax(ca.fmin((pressure - target) / REGULATING_BAND, 1), 0)
-    applied = valve == APPLY
+    return Openings(ca.if_else(valve == APPLY, 1, 0), ca.if_else(valve == VENT, 1, 0))
+
+
+@dataclass(frozen=True)
+class Regulator:
+    """Gauge pressures [Pa]: what is demanded, above which it opens the exhaust, and what stands before the cylinder."""
+
+    demand: ca.SX
+    supply: ca.SX
+
+
+def valve_flows(
+    pressure: ca.SX, temperature: ca.SX, regulator: Regulator, valves: Openings, flow: Values
+) -> tuple[ca.SX, ca.SX]:
+    """Mass flows into and out of the cylinder [kg/s] (section 6.3.9); gauge pressure [Pa], temperature [K]."""
+    opening = ca.fmax(ca.fmin((pressure - regulator.demand) / REGULATING_BAND, 1), 0)
     release = opening * outflow(pressure, temperature, flow["release_orifice"], flow)
     vent = outflow(pressure, temperature, flow["vent_orifice"], flow)
-    out = ca.if_else(applied, release, ca.if_else(valve == VENT, vent, 0))
-    return ca.if_else(applied, inflow(pressure, target, flow), 0), out
+    return valves.refill * inflow(pressure, regulator.supply, flow), valves.refill * release + valves.dump * vent
 
 
 @dataclass(frozen=True)

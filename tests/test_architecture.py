@@ -197,6 +197,7 @@ PLUMBING = {
     "rbd_model/vehicle/description.py": {"as_sum", "size_of", "wheelset_name", "check"},
     "rbd_model/wheelset/yielding_rails.py": {"add_give", "rows_of"},
     "brake_controller/cylinder.py": {"brake_model"},
+    "brake_controller/magnet_valves.py": {"common_valves"},
     "brake_controller/sensors.py": {"edge_errors"},
     "brake_controller/protection_fmu.py": {"wheel_slide_protection"},
     "brake_controller/wheel_slide.py": {"within"},

@@ -23,6 +23,7 @@ from products.protection.programme import OWN, read_programme
 from products.protection.protected_stop import BRAKE_START, Settings, protected_stop
 from products.protection.rails import RAILS
 from products.protection.rig import Rig
+from products.protection.rig_in_c import SensorSettings
 from products.protection.runs import Fault, Run
 from scenarios.bench.peak_adhesion import PeakAdhesion
 
@@ -74,15 +75,6 @@ class LetAllGo:
 SHOWN = '__attribute__((visibility("default")))'
 
 
-class Sensor(ctypes.Structure):
-    """encoder_settings of encoder.h."""
-
-    _fields_ = (
-        ("pulses", ctypes.c_int),
-        *((name, ctypes.c_double) for name in ("gate", "timer", "lowest_frequency")),
-    )
-
-
 class Probe:
     """An encoder in C alone."""
 
@@ -94,7 +86,7 @@ class Probe:
         self.call = ctypes.CDLL(str(plain_library(texts)))
         self.call.encoder_read.restype = ctypes.c_double
         self.room = ctypes.create_string_buffer(1 << 14)
-        self.settings = Sensor(pulses, GATE, timer, LOWEST_FREQUENCY)
+        self.settings = SensorSettings(pulses, GATE, timer, LOWEST_FREQUENCY)
         self.errors = (ctypes.c_double * len(errors))(*errors) if errors else None
         self.call.encoder_begin(self.room, self.errors)
 
@@ -187,6 +179,68 @@ def test_runs_that_wait_are_those_that_run_alone(tmp_path: Path, monkeypatch: py
     monkeypatch.setattr(module, "AT_ONCE", 4)
     assert Rig(bogie(), form, settings).stops(rails) == alone
     assert Rig(bogie(), LetGo, settings, threads=1).stops(rails) == alone
+
+
+# ---- brakes by flow of air -------------------------------------------------------------------------------------------
+
+
+def test_all_forms_make_the_same_stop_by_flow_of_air(tmp_path: Path) -> None:
+    rails = [rail.values() for rail in RAILS]
+    forms = (LetGo, Arrays(LetAllGo()), in_c(tmp_path))
+    found = [Rig(bogie(), form, Settings(), by_flow=True).stops(rails) for form in forms]
+    assert found[0] == found[1] == found[2]
+    timed = Rig(bogie(), forms[2], Settings()).stops(rails)
+    assert all(one.lowest_reservoir and two.lowest_reservoir is None for one, two in zip(found[0], timed, strict=True))
+
+
+@pytest.mark.parametrize("machine", [bogie(), coach()], ids=["bogie", "coach"])
+def test_a_stop_without_protection_takes_one_filling_of_air(machine: Machine) -> None:
+    """n V p / (1.2 R T) for n cylinders (`EXPONENT`), which the reservoir loses at its constant temperature."""
+    count = len(machine.numbers)
+    [stop] = Rig(machine, None, Settings(), by_flow=True).runs([Run(RAILS[0].values(count) | {"feed_orifice": 0.0})])
+    taken = count * 10.3e-3 * machine.full_pressure / (1.2 * 287.05287 * 293.15)
+    assert stop.air == pytest.approx(taken, rel=1e-3)
+    lost = taken * 287.05287 * 293.15 / (0.05 * count)
+    assert stop.lowest_reservoir == pytest.approx(500e3 - lost, rel=1e-4)
+
+
+def test_an_empty_reservoir_brakes_as_little_as_its_air(tmp_path: Path) -> None:
+    """Two cylinders of 10.3 l and 100 l of air come to one pressure, and the brake to its share of the full one."""
+    dry = RAILS[0].values() | {"feed_orifice": 0.0}
+    empty = [dry | {"initial_reservoir_pressure": pressure} for pressure in (60e3, 0.0)]
+    weak, none = Rig(bogie(), None, Settings(speed=10.0), by_flow=True).stops(empty)
+    share = 60e3 / (1.0 + 2 * 10.3e-3 / 1.2 / 0.1) / bogie().full_pressure
+    [same] = Rig(bogie(), None, Settings(speed=10.0, strength=share), by_flow=True).stops([dry])
+    assert weak.distance == pytest.approx(same.distance, rel=0.05)
+    assert none.distance is None
+    assert "It did not stop" in none.said
+
+
+def test_slow_valves_stop_later(tmp_path: Path) -> None:
+    """At a tenth of their time the controller's own period and sensor are what is slow, at ten times the valves are."""
+    times = [{"valve_opening_time": t, "valve_closing_time": t} for t in (3e-3, 0.03, 0.3)]
+    fast, common, slow = Rig(bogie(), in_c(tmp_path), Settings(), by_flow=True).stops(
+        [LOW.values() | one for one in times]
+    )
+    assert fast.distance == pytest.approx(common.distance, rel=0.02)
+    assert slow.distance > 1.05 * (common.distance or 0.0)
+    assert fast.longest_lock < common.longest_lock < slow.longest_lock
+
+
+# ---- scores ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("machine", [bogie(), coach()], ids=["bogie", "coach"])
+def test_locked_wheels_turn_the_energy_of_motion_into_sliding(machine: Machine) -> None:
+    """All but what the brakes took until they locked, which fifty times the brake makes next to nothing: m v^2 / 2."""
+    [stop] = Rig(machine, None, Settings(strength=50.0)).stops([LOW.values(len(machine.numbers))])
+    motion = machine.mass * 25.0**2 / 2
+    assert 0.985 * motion < sum(stop.sliding) < motion
+    assert stop.distance is not None
+    assert stop.longest_skid < stop.distance
+    [dry] = Rig(machine, None, Settings()).stops([RAILS[0].values(len(machine.numbers))])
+    assert sum(dry.sliding) < 0.01 * motion
+    assert dry.longest_skid == 0.0
 
 
 # ---- what fails in the machine ---------------------------------------------------------------------------------------

@@ -11,15 +11,13 @@
 
 /* A kernel_status above this: the step failed, or the run has ended by itself. */
 #define WORKS 1
-/* Most wheelsets of a machine. */
-#define MOST 16
 
 /* One run: its sensors are `wheelsets` long, its controller's memory `size`. */
 typedef struct {
     long long int looks;
     encoder *sensor;
     rig_wheelset *wheelset;
-    double *error, *locked, *pressure, *seen;
+    double *error, *locked, *skid, *pressure, *seen;
     int *valve;
     void *memory;
 } rig_run;
@@ -39,7 +37,7 @@ static void *room(size_t count, size_t size)
 
 rig *rig_create(long long int rows, const rig_settings *settings, const rig_controller *controller)
 {
-    rig *self = settings->wheelsets <= MOST ? (rig *)room(1, sizeof *self) : NULL;
+    rig *self = settings->wheelsets <= RIG_MOST ? (rig *)room(1, sizeof *self) : NULL;
     if (!self) return NULL;
     self->settings = *settings;
     self->controller = *controller;
@@ -55,10 +53,12 @@ rig *rig_create(long long int rows, const rig_settings *settings, const rig_cont
         one->seen = (double *)room(n, sizeof(double));
         one->error = (double *)room(n * (size_t)settings->encoder.pulses, sizeof(double));
         one->locked = (double *)room(n, sizeof(double));
+        one->skid = (double *)room(n, sizeof(double));
         one->pressure = (double *)room(n, sizeof(double));
         one->valve = (int *)room(n, sizeof(int));
         one->memory = room(1, controller->size);
-        whole = one->sensor && one->wheelset && one->seen && one->error && one->locked && one->pressure && one->valve && one->memory;
+        whole = one->sensor && one->wheelset && one->seen && one->error && one->locked && one->skid && one->pressure && one->valve &&
+                one->memory;
     }
     if (whole) return self;
     rig_free(self);
@@ -74,6 +74,7 @@ void rig_free(rig *self)
         free(one->seen);
         free(one->error);
         free(one->locked);
+        free(one->skid);
         free(one->pressure);
         free(one->valve);
         free(one->memory);
@@ -94,14 +95,21 @@ void rig_begin(rig *self, long long int row, const double *error, const rig_whee
     if (error) memcpy(one->error, error, n * pulses * sizeof(double));
     for (size_t i = 0; i < n; ++i) {
         encoder_begin(&one->sensor[i], error ? one->error + i * pulses : NULL);
-        one->locked[i] = one->pressure[i] = one->seen[i] = 0.0;
+        one->locked[i] = one->skid[i] = one->pressure[i] = one->seen[i] = 0.0;
         one->valve[i] = WHEEL_SLIDE_APPLY;
     }
     memset(&self->score[row], 0, sizeof self->score[row]);
     self->score[row].failed_at = NAN;
+    self->score[row].reservoir = s->reservoir ? INFINITY : 0.0;
     if (!self->controller.step) return;
     memset(one->memory, 0, self->controller.size);
     self->controller.start(one->memory, s->wheelsets, s->period);
+}
+
+/* Numbers that a machine shows. */
+static size_t width(const rig_settings *s)
+{
+    return (size_t)(2 + 4 * s->wheelsets + (s->reservoir ? 2 : 0));
 }
 
 const rig_score *rig_scores(const rig *self)
@@ -114,16 +122,23 @@ static void judge(rig *self, long long int row, double time, const double *shown
 {
     const rig_settings *s = &self->settings;
     const int n = s->wheelsets;
-    const double speed = shown[0], *omega = shown + 2 + n, *pressure = omega + n;
+    const double speed = shown[0], *omega = shown + 2 + n, *pressure = omega + n, *creep = pressure + n, *air = creep + n;
     rig_run *one = &self->run[row];
     rig_score *score = &self->score[row];
     bool good = true;
     for (int i = 0; i < n; ++i) {
         one->locked[i] = omega[i] == 0.0 && speed > s->lock_above ? one->locked[i] + 1.0 : 0.0;
         score->longest_lock = fmax(score->longest_lock, one->locked[i] * s->period);
+        one->skid[i] = omega[i] == 0.0 ? one->skid[i] + speed * s->period : 0.0;
+        score->longest_skid = fmax(score->longest_skid, one->skid[i]);
+        score->sliding[i] += fabs(creep[i] * (speed - s->radius * omega[i])) * s->period;
         score->filled += fmax(pressure[i] - one->pressure[i], 0.0);
         one->pressure[i] = pressure[i];
         good &= 1.0 - s->radius * omega[i] / fmax(speed, 1e-9) <= s->band;
+    }
+    if (s->reservoir) {
+        score->taken = air[0];
+        score->reservoir = fmin(score->reservoir, air[1]);
     }
     if (time > s->brake_start && speed > s->look_above) {
         score->looked += 1.0;
@@ -209,7 +224,7 @@ void rig_look(rig *self, long long int first, long long int count, const int *st
     const int n = self->settings.wheelsets;
     for (long long int i = 0; i < count; ++i) {
         time[i] = (double)self->run[first + i].looks * self->settings.period;
-        look(self, first + i, status[i], shown + i * (2 + 3 * n), wheel_speed + i * n);
+        look(self, first + i, status[i], shown + (size_t)i * width(&self->settings), wheel_speed + i * n);
     }
 }
 
@@ -230,9 +245,9 @@ bool rig_between(void *context, long long int first, long long int count, const 
     bool any = false;
     for (long long int i = 0; i < count; ++i) {
         const long long int row = first + i;
-        double wheel_speed[MOST];
-        int valve[MOST];
-        if (!look(self, row, status[i], shown + i * (2 + 3 * n), wheel_speed)) continue;
+        double wheel_speed[RIG_MOST];
+        int valve[RIG_MOST];
+        if (!look(self, row, status[i], shown + (size_t)i * width(&self->settings), wheel_speed)) continue;
         memcpy(valve, self->run[row].valve, (size_t)n * sizeof *valve);
         if (isnan(self->score[row].failed_at) && self->controller.step) {
             const double time = (double)self->run[row].looks * self->settings.period;

@@ -25,6 +25,7 @@ typedef struct {
     double standing, longest; /* a stop ends below this speed, or at this time */
     double lock_above;        /* speed above which a lock counts */
     double band, look_above;  /* slip up to which a wheel counts as protected, and above which speed it is looked at */
+    int reservoir;            /* whether a machine shows its reservoir */
     encoder_settings encoder;
 } rig_settings;
 
@@ -48,12 +49,17 @@ typedef struct {
 /* How a run stands: it goes on; it stands still; it ran too long; its machine failed, or derailed. */
 enum { RIG_RUNS = 0, RIG_STANDS = 1, RIG_TOO_LONG = 2, RIG_LOST = 3 };
 
+/* Most wheelsets of a machine. */
+#define RIG_MOST 16
+
 /* What a run came to, all numbers as of its end. */
 typedef struct {
     double distance, speed, time;
-    double longest_lock;
+    double longest_lock, longest_skid; /* of a wheelset that is locked: time [s], and way at any speed [m] */
     double band, looked;      /* looks above the speed, and those of them with all slips in the band */
     double filled;            /* rises of all cylinders' pressures [Pa] */
+    double taken, reservoir;  /* air from the reservoir [kg], and the lowest pressure in it [Pa]; without one 0 */
+    double sliding[RIG_MOST]; /* energy of sliding between wheels and rails, by wheelset [J] */
     double commands;          /* looks at which a valve was told anything but to apply, counted by valve */
     double failed_at;         /* when its controller failed; NaN: it did not */
     int state, answer, valve; /* answer: what the controller that failed gave for this valve, from 0 */
@@ -61,10 +67,11 @@ typedef struct {
 
 typedef struct rig rig;
 
-/* What a machine shows, in this order: speed, distance; then of each wheelset its rotation [rad], angular velocity [rad/s] and
- * cylinder pressure [Pa], by kind. What it is told: pressure demands of all wheelsets, then their valves. */
+/* What a machine shows, in this order: speed, distance; then of each wheelset its rotation [rad], angular velocity [rad/s],
+ * cylinder pressure [Pa] and creep force [N], by kind; then, if it has a reservoir, air taken [kg] and pressure [Pa]. What it is
+ * told: pressure demands of all wheelsets, then their valves. */
 
-/* null: there is no memory, or a machine has more than 16 wheelsets. */
+/* null: there is no memory, or a machine has more than RIG_MOST wheelsets. */
 RIG_SHOWN rig *rig_create(long long int rows, const rig_settings *settings, const rig_controller *controller);
 RIG_SHOWN void rig_free(rig *self);
 /* A run begins in a row. error: of the edges of each wheelset's sensor, pulses each, or null. Both are copied. */

@@ -21,9 +21,9 @@ from fmu_src.batch import Instances, library_of_batch
 from products.braked_vehicle import FULL_PRESSURE
 from products.protection import rig_in_c
 from products.protection.braked_machine import RELEASE_TIME, STANDING, Machine
-from products.protection.braked_system import machine_model
+from products.protection.braked_system import cylinder_air, machine_model
 from products.protection.forms import Arrays, Form, FunctionsInC, InC
-from products.protection.protected_stop import BRAKE_START, LONGEST, Settings
+from products.protection.protected_stop import BRAKE_START, CYLINDER_VOLUME, GAS, LONGEST, Settings
 from products.protection.rails import ABOVE, BAND, LOCK_ABOVE
 from products.protection.rig_in_c import LOST, RUNS, SCORE, STANDS, TOO_LONG, Wheelset
 from products.protection.runs import SENSOR_FAILURES, Run, Stop
@@ -50,22 +50,30 @@ def check_period(period: float) -> None:
 class Rig:
     """Stops of one machine under one controller, many at once. A context manager.
 
+    by_flow: cylinders are filled by flow of air from a reservoir that empties, through valves that take their time.
     step: length of the steps of the integration [s], of which a period is a multiple; 0: chosen by the error. Raises
     ValueError for a period of which a sensor remembers too few.
     """
 
     def __init__(
-        self, machine: Machine, form: Form, settings: Settings, step: float = 0.0, threads: int | None = None
+        self,
+        machine: Machine,
+        form: Form,
+        settings: Settings,
+        by_flow: bool = False,
+        step: float = 0.0,
+        threads: int | None = None,
     ) -> None:
         check_period(settings.period)
-        self.machine, self.form, self.settings = machine, form, settings
+        self.machine, self.form, self.settings, self.by_flow = machine, form, settings, by_flow
         self._step, self._threads = step, threads
         self._call = rig_in_c.functions()
-        self._model = machine_model(machine.counted)
+        self._model = machine_model(machine.counted, by_flow)
         n = machine.numbers
         self._inputs = [f"{name}_{number}" for name in ("pressure_demand", "valve") for number in n]
-        of_each = ("rotation", "angular_velocity", "cylinder_pressure")
+        of_each = ("rotation", "angular_velocity", "cylinder_pressure", "creep_force")
         self._outputs = ["speed", "distance", *(f"{name}_{number}" for name in of_each for number in n)]
+        self._outputs += ["air_taken", "reservoir_pressure"] if by_flow else []
 
     def stops(self, rails: Sequence[Mapping[str, float]]) -> list[Stop]:
         """A stop on each rail (inputs and parameters of the vehicle), in their order."""
@@ -128,11 +136,14 @@ class Rig:
         strength = s.strength if run.strength is None else run.strength
         full = next(one.start for one in self._model.variables if one.name == "force_per_pressure")
         brake = {
-            "application_time": s.application_time,
-            "release_time": RELEASE_TIME,
             "supply_pressure": self.machine.brake["supply_pressure"],
             "force_per_pressure": strength * full * FULL_PRESSURE / self.machine.full_pressure,
         }
+        if self.by_flow:
+            air = cylinder_air(self.machine.full_pressure, s.application_time)
+            brake |= {"application_orifice": air.application_orifice}
+        else:
+            brake |= {"application_time": s.application_time, "release_time": RELEASE_TIME}
         fixed = {"integration_method": 2, "integration_step": self._step} if self._step else {}
         speed = s.speed if run.speed is None else run.speed
         return {"initial_speed": speed, **brake, **fixed, **run.values}
@@ -158,10 +169,8 @@ class _Loop:
             LOCK_ABOVE,
             BAND,
             ABOVE,
-            s.pulses,
-            GATE,
-            TIMER,
-            LOWEST_FREQUENCY,
+            int(rig.by_flow),
+            rig_in_c.SensorSettings(s.pulses, GATE, TIMER, LOWEST_FREQUENCY),
         )
         self.own = self.call.rig_create(self.count, settings, controller)
         if not self.own:
@@ -285,7 +294,7 @@ class _Loop:
 
     def stop(self, row: int) -> Stop:
         """What the run in a row came to."""
-        one = self.score[row]
+        one, by_flow = self.score[row], self.rig.by_flow
         said = self.sentences.get(row, "") or self._failure(one)
         stands = one["state"] == STANDS and math.isnan(one["failed_at"])
         distance = float(one["distance"])
@@ -293,14 +302,16 @@ class _Loop:
             said = said or f"The machine went no further: {self.instances.message(row)}"
         elif one["state"] == TOO_LONG:
             said = said or f"It did not stop: {one['speed']:.1f} m/s after {one['time']:.0f} s."
-        share = float(one["band"] / one["looked"]) if one["looked"] else 1.0
         return Stop(
             distance if stands else None,
             float(one["speed"]),
             float(one["time"]),
             float(one["longest_lock"]),
-            share,
-            float(one["filled"]),
+            float(one["longest_skid"]),
+            float(one["band"] / one["looked"]) if one["looked"] else 1.0,
+            float(one["taken"] if by_flow else one["filled"] * CYLINDER_VOLUME / GAS),
+            tuple(one["sliding"][: self.wheelsets].tolist()),
+            float(one["reservoir"]) if by_flow else None,
             int(one["commands"]),
             said,
         )

@@ -12,6 +12,15 @@ from fmu_src.compile import plain_library
 from products.protection.forms import FOLDER, FunctionsInC
 
 
+class SensorSettings(ctypes.Structure):
+    """An `encoder_settings` of encoder.h."""
+
+    _fields_ = (
+        ("pulses", ctypes.c_int),
+        *((name, ctypes.c_double) for name in ("gate", "timer", "lowest_frequency")),
+    )
+
+
 class Settings(ctypes.Structure):
     """A `rig_settings`."""
 
@@ -19,8 +28,8 @@ class Settings(ctypes.Structure):
         ("wheelsets", ctypes.c_int),
         *((name, ctypes.c_double) for name in ("radius", "period", "brake_start", "pressure", "standing", "longest")),
         *((name, ctypes.c_double) for name in ("lock_above", "band", "look_above")),
-        ("pulses", ctypes.c_int),
-        *((name, ctypes.c_double) for name in ("gate", "timer", "lowest_frequency")),
+        ("reservoir", ctypes.c_int),
+        ("encoder", SensorSettings),
     )
 
 
@@ -33,10 +42,14 @@ class Wheelset(ctypes.Structure):
     )
 
 
+#: Wheelsets of a machine at most, RIG_MOST.
+MOST = 16
 #: A `rig_score` of rig.h.
 SCORE = np.dtype(
     [
-        *((name, float) for name in ("distance", "speed", "time", "longest_lock", "band", "looked", "filled")),
+        *((name, float) for name in ("distance", "speed", "time", "longest_lock", "longest_skid")),
+        *((name, float) for name in ("band", "looked", "filled", "taken", "reservoir")),
+        ("sliding", float, MOST),
         *((name, float) for name in ("commands", "failed_at")),
         *((name, np.int32) for name in ("state", "answer", "valve")),
     ],

@@ -47,13 +47,23 @@ class Run:
 
 @dataclass(frozen=True)
 class Stop:
-    """What a run came to. distance [m]: None where it did not stop or its controller failed; said: a sentence."""
+    """What a run came to.
+
+    distance [m]: None where it did not stop or its controller failed; end_speed [m/s] and time [s]: of its end.
+    longest_lock [s], above the speed at which locks count; longest_skid: way of a locked wheelset at any speed [m];
+    share_in_band: of the braked time, with all slips in the band; air: what all cylinders took [kg]; sliding: energy
+    between the wheels of each wheelset and the rails [J]; lowest_reservoir: pressure [Pa], None without a reservoir;
+    commands: how often a valve was told anything but to apply; said: a sentence.
+    """
 
     distance: float | None
     end_speed: float
     time: float
     longest_lock: float
+    longest_skid: float
     share_in_band: float
-    filled: float
+    air: float
+    sliding: tuple[float, ...]
+    lowest_reservoir: float | None
     commands: int
     said: str

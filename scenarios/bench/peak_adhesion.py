@@ -1,6 +1,6 @@
 """The most that a rail can give: what a stop with the best slip at every instant would take."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -12,14 +12,24 @@ from products.registry import model_of
 from scenarios.bench.drive import prepare
 
 
+def by_time(since: float) -> float:
+    """Share of the full pressure so long after the demand [s], by the timed law of section 2.4.2."""
+    return 1.0 - 20.0 ** (-max(0.0, since) / APPLICATION_TIME)
+
+
 class PeakAdhesion:
-    """Largest deceleration that a rail can give, from a machine's own equations: the creep force at its best slip."""
+    """Largest deceleration that a rail can give, from a machine's own equations: the creep force at its best slip.
+
+    filling: share of the full pressure so long after the demand [s].
+    """
 
     #: Slip ratios that are tried, and instants of a stop that are looked at.
     SLIPS, INSTANTS = np.geomspace(2e-3, 0.4, 28), 50
 
-    def __init__(self, machine: Machine, rail: Mapping[str, float]) -> None:
-        self.machine = machine
+    def __init__(
+        self, machine: Machine, rail: Mapping[str, float], filling: Callable[[float], float] = by_time
+    ) -> None:
+        self.machine, self.filling = machine, filling
         self.kernel = prepare(machine.fmu, level=2, initial_speed=25.0, **rail)
         self.kernel.initialise()
         planar = model_of(machine.fmu).systems[1]
@@ -78,5 +88,4 @@ class PeakAdhesion:
 
     def braking(self, time: float) -> float:
         """Deceleration that the filling brake allows [m/s2]."""
-        share = 1.0 - 20.0 ** (-max(0.0, time - BRAKE_START) / APPLICATION_TIME)
-        return share * self.machine.deceleration(self.machine.full_torque)
+        return self.filling(time - BRAKE_START) * self.machine.deceleration(self.machine.full_torque)

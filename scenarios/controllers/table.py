@@ -9,8 +9,11 @@ from products.protection.protected_stop import Settings
 from products.protection.rails import LOCK_ABOVE
 from scenarios.controllers.scoring import Scored
 
-HEADS = ("case", "controller", "distance", "over ideal", "over dry", "longest lock", "in the band", "air", "commands")
-UNITS = ("", "", "m", "1", "1", "s", "1", "l", "1")
+HEADS = (
+    *("case", "controller", "distance", "over ideal", "over dry", "longest lock", "in the band"),
+    *("sliding", "flat", "air", "reservoir"),
+)
+UNITS = ("", "", "m", "1", "1", "s", "1", "kJ", "mm", "l", "kPa")
 
 
 def lines(vehicle: str, settings: Settings, scores: Sequence[Scored]) -> Iterator[str]:
@@ -43,15 +46,17 @@ def cells(one: Scored) -> tuple[str, ...]:
 
     stop = one.stop
     ratios = number(one.over(one.ideal), ".3f"), number(one.over(one.dry), ".3f")
-    rest = f"{stop.longest_lock:.2f}", f"{stop.share_in_band:.2f}", f"{one.air:.0f}", str(stop.commands)
-    return one.case, one.controller, number(stop.distance, ".1f"), *ratios, *rest
+    rest = f"{stop.longest_lock:.2f}", f"{stop.share_in_band:.2f}", f"{one.tread_energy / 1e3:.0f}"
+    air = f"{1e3 * one.flat:.0f}", f"{one.air:.0f}", f"{(stop.lowest_reservoir or 0.0) / 1e3:.0f}"
+    return one.case, one.controller, number(stop.distance, ".1f"), *ratios, *rest, *air
 
 
 def document(vehicle: str, settings: Settings, scores: Sequence[Scored]) -> dict[str, object]:
     """For programs; SI units, air in litres."""
     runs = [
         {"case": one.case, "controller": one.controller, **asdict(one.stop)}
-        | {"over_ideal": one.over(one.ideal), "over_dry": one.over(one.dry), "ideal": one.ideal, "air": one.air}
+        | {"over_ideal": one.over(one.ideal), "over_dry": one.over(one.dry), "ideal": one.ideal, "litres": one.air}
+        | {"tread_energy": one.tread_energy, "flat": one.flat}
         for one in scores
     ]
     return {"vehicle": vehicle, "settings": asdict(settings), "runs": runs}
