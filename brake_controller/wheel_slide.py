@@ -30,6 +30,16 @@ SHORTEST_BETWEEN, LEAST_DECELERATION = 0.5, 0.1
 #: Time for which a sensor is only listened to, between speeds that are kept while nothing slides, and from the first
 #: true speed of a slide to the second [s].
 SETTLING, KEEPING, SECOND_LOOK = 0.5, 1.0, 1.5
+#: A sensor that shows what no wheel does is not believed. Change of the largest of so many readings from one look to
+#: the next [m/s], and more of it for each second between [m/s2]: the strongest brake stops a wheel at some 100 m/s2,
+#: and a tooth that comes late is seen as slowness at few looks on end.
+RECENT, JUMP, JUMPING = 5, 4.0, 150.0
+#: Time for which a reading stays the same to the last digit [s], while others change by so much [m/s].
+STAYING, STAYS = 0.3, 0.5
+#: Time for which others have turned [s], and faster than this [m/s], while a sensor has shown nothing.
+BLIND, BLIND_ABOVE = 1.0, 3.0
+#: Share of the speed, and time [s], for which a sensor must agree with the others to be believed again.
+AGREES, AGREEING = 0.05, 2.0
 
 
 class WheelSlideController(Protocol):
@@ -118,6 +128,13 @@ class _Wheel:
     vents_since: float | None = None
     speeds_up: bool = False
     blocked_until: float = -math.inf
+    believed: bool = True
+    #: The last readings; when the reading last changed, and the fastest other wheel then; since when a sensor that is
+    #: not believed agrees with the others.
+    recent: tuple[float, ...] = ()
+    changed_at: float = -math.inf
+    others: float = 0.0
+    agrees_since: float | None = None
 
 
 @dataclass
@@ -132,6 +149,7 @@ class SlideProtection:
     the evidence ends.
 
     A wheel whose sensor has not yet shown a speed for a while is braked, and so are all below the slowest reference.
+    One whose sensor shows what no wheel does gets the commands of the others, until it agrees with them again.
     """
 
     parameters: SlideProtectionParameters = field(default_factory=common_protection)
@@ -140,6 +158,7 @@ class SlideProtection:
     reference: float = 0.0
     deceleration: float = 0.0
     evident: bool = False
+    evident_at: float = -math.inf
     gained: bool = False
     looks: int = 0
     synchronised_at: float = 0.0
@@ -156,13 +175,54 @@ class SlideProtection:
         size = 0.0 if self.time is None else time - self.time
         self.time = time
         for wheel, speed in zip(self.wheels, wheel_speeds, strict=True):
+            self._believe(wheel, speed, size)
             self._filter(wheel, speed, size)
-        fastest = max(self.wheels, key=lambda wheel: wheel.calm_speed)
+        fastest = max(self._seen, key=lambda wheel: wheel.calm_speed)
         if self.evident:
             self._slide(size, fastest)
         else:
             self._roll(size, fastest)
-        return [self._command(time, number) for number in range(len(self.wheels))]
+        commands = {number: self._command(time, number) for number, wheel in enumerate(self.wheels) if wheel.believed}
+        most = max(commands.values(), default=APPLY)
+        return [commands.get(number, most) for number in range(len(self.wheels))]
+
+    @property
+    def _seen(self) -> list[_Wheel]:
+        """The wheels whose sensors are believed; all, where none is."""
+        return [wheel for wheel in self.wheels if wheel.believed] or self.wheels
+
+    def _believe(self, wheel: _Wheel, speed: float, size: float) -> None:
+        """Looks whether a sensor shows what no wheel does: a jump, the same while others change, nothing at all."""
+        others = max((one.calm_speed for one in self.wheels if one.believed and one is not wheel), default=None)
+        if size == 0.0 or others is None:
+            return
+        assert self.time is not None
+        if wheel.turns_since is None:
+            running = [one.turns_since for one in self.wheels if one.turns_since is not None]
+            wheel.believed = not (running and self.time - min(running) > BLIND and others > BLIND_ABOVE)
+            return
+        if not wheel.believed:
+            self._agree(wheel, speed, others)
+            return
+        if speed != wheel.reading or speed == 0.0 or not wheel.recent:
+            wheel.changed_at, wheel.others = self.time, others
+        before, wheel.recent = wheel.recent, (*wheel.recent, speed)[-RECENT:]
+        jumps = len(before) == RECENT and abs(max(wheel.recent) - max(before)) > JUMP + JUMPING * size
+        stays = self.time - wheel.changed_at > STAYING and abs(others - wheel.others) > STAYS
+        if jumps or stays:
+            wheel.believed, wheel.agrees_since, self.released = False, None, None
+            # Evidence that came while the sensor failed was its own.
+            self.evident = self.evident and self.time - self.evident_at > (RECENT + 0.5) * size
+
+    def _agree(self, wheel: _Wheel, speed: float, others: float) -> None:
+        """A sensor that agrees with the others for a while, and changes, is believed again."""
+        assert self.time is not None
+        if speed == wheel.reading or abs(wheel.calm_speed - others) > AGREES * others:
+            wheel.agrees_since = None
+        elif wheel.agrees_since is None:
+            wheel.agrees_since = self.time
+        elif self.time - wheel.agrees_since > AGREEING:
+            wheel.believed, wheel.recent = True, ()
 
     def _filter(self, wheel: _Wheel, speed: float, size: float) -> None:
         """Takes a reading; a wheel whose sensor has shown nothing yet starts with the first that it shows."""
@@ -188,9 +248,10 @@ class SlideProtection:
         self._keep(self.reference)
         apart = max(p.evident_slip * self.reference, p.least_evident_slip)
         together = max(TOGETHER * self.reference, p.least_evident_slip)
-        behind = [self.reference - wheel.calm_speed for wheel in self.wheels if self._is_judged(wheel)]
+        behind = [self.reference - wheel.calm_speed for wheel in self._seen if self._is_judged(wheel)]
         if behind and (max(behind) > apart or min(behind) > together):
             self.evident = self.gained = True
+            self.evident_at = self.kept_at if self.time is None else self.time
             self.looks = 0
             self._measure(self.reference)
 
@@ -208,9 +269,9 @@ class SlideProtection:
         """Wheels slide: the reference falls as fast as the bogie last did, until a wheel that is let go rolls."""
         falls = self._known_deceleration(fastest)
         self.reference = max(fastest.calm_speed, self.reference - falls * size)
-        for wheel in self.wheels:
+        for wheel in self._seen:
             self._look_for_gain(wheel)
-        caught_up = [wheel.calm_speed for wheel in self.wheels if self._has_caught_up(wheel)]
+        caught_up = [wheel.calm_speed for wheel in self._seen if self._has_caught_up(wheel)]
         if caught_up:
             self._synchronise(max(caught_up))
         if self.reference < self.parameters.slowest:
@@ -299,7 +360,8 @@ class SlideProtection:
         due = 0.0 if self.looks == 0 else SECOND_LOOK if self.looks == 1 else period
         if self.released is None and time - self.synchronised_at > due:
             choose = max if self.looks else min
-            self.released = choose(range(len(self.wheels)), key=lambda one: self.wheels[one].calm_speed)
+            seen = [number for number, wheel in enumerate(self.wheels) if wheel.believed] or range(len(self.wheels))
+            self.released = choose(seen, key=lambda one: self.wheels[one].calm_speed)
         return self.released == number
 
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from brake_controller.sensors import GATE, LOWEST_FREQUENCY, TIMER, Encoder, edge_errors
+from brake_controller.wheel_slide import SlideProtection
 from fmu_src.compile import plain_library
 from products.protection import rig as module
 from products.protection.braked_machine import BrakedMachine, Machine, bogie, coach
@@ -443,6 +444,32 @@ def test_where_all_wheels_roll_the_stop_is_the_ideal_one(strength: float) -> Non
     assert stop.distance == pytest.approx(speed * BRAKE_START + way, rel=ROLLING)
     ideal = PeakAdhesion(machine, RAILS[0].values()).stopping_distance(speed, strength)
     assert ideal == pytest.approx(speed * BRAKE_START + way, rel=ROLLING)
+
+
+@pytest.mark.parametrize("kind", ["zero", "stuck", "doubled"])
+@pytest.mark.parametrize("machine", [bogie(), coach()], ids=["bogie", "coach"])
+def test_the_protection_does_without_a_sensor_that_fails(kind: str, machine: Machine) -> None:
+    """From any second on that was looked at: never more than four fifths of the distance of locked wheels."""
+    rail, times = LOW.values(len(machine.numbers)), (3.0, 6.0, 12.0, 20.0, 30.0)
+    runs = [Run(rail, faults=(Fault(1, sensor=kind, sensor_from=time),)) for time in times]
+    stops = Rig(machine, SlideProtection, Settings(), by_flow=True).runs(runs)
+    [locked] = Rig(machine, None, Settings(), by_flow=True).stops([rail])
+    assert max(stop.distance or math.inf for stop in stops) < 0.8 * (locked.distance or 0.0)
+
+
+@pytest.mark.parametrize(("pulses", "jitter"), [(60, 0.0), (80, 0.1), (100, 0.1), (300, 0.1), (2000, 0.3)])
+def test_the_protection_believes_teeth_that_err(pulses: int, jitter: float) -> None:
+    """A wheel that was once not believed would have agreed since, or still be waiting to."""
+    made: list[SlideProtection] = []
+
+    def controller() -> SlideProtection:
+        made.append(SlideProtection())
+        return made[-1]
+
+    settings = Settings(pulses=pulses, jitter=jitter)
+    for machine in (bogie(), coach()):
+        Rig(machine, controller, settings, by_flow=True).stops([LOW.values(len(machine.numbers))])
+    assert all(wheel.believed and wheel.agrees_since is None for one in made for wheel in one.wheels)
 
 
 def test_a_machine_that_does_not_stop_says_so() -> None:

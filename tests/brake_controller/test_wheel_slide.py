@@ -21,6 +21,8 @@ from brake_controller.wheel_slide import (
 )
 
 PERIOD = 5e-3
+#: Full brake on a wheelset without a rail, 20 kN.m over its inertia, times the radius [m/s2].
+LOCKING = 100.0
 
 
 def played(
@@ -84,15 +86,49 @@ def test_reference_follows_the_true_speed_though_all_wheels_slide() -> None:
 
 
 def test_venting_ends_with_the_watchdog() -> None:
-    """A sensor that says 0 for ever must not keep the brake released."""
+    """A wheel that stands for ever must not keep its brake released."""
     p = common_protection()
-    commands = played(lambda time: [20.0 - 0.1 * time, 20.0 if time < 1.0 else 0.0], 1.5 + 2.2 * p.watchdog)
+    commands = played(
+        lambda time: [20.0 - 0.1 * time, max(20.0 - LOCKING * max(time - 1.0, 0.0), 0.0)], 1.5 + 2.2 * p.watchdog
+    )
     vented = [time for time, (_, trailing) in commands if trailing == VENT]
     stretch = vented[0]
     for before, after in pairwise(vented):
         if after - before > 1.5 * PERIOD:
             stretch = after
         assert after - stretch <= p.watchdog + PERIOD
+
+
+FAILURES = {
+    "zero": lambda time, true: 0.0 if time > 3.0 else true,
+    "doubled": lambda time, true: 2.0 * true if time > 3.0 else true,
+    "stuck": lambda time, true: 17.0 if time > 3.0 else true,
+    "dead": lambda time, true: 0.0,
+}
+
+
+@pytest.mark.parametrize("failure", FAILURES)
+def test_a_sensor_that_shows_what_no_wheel_does_moves_no_valve(failure: str) -> None:
+    """All wheels roll at 1 m/s2; the others say so."""
+    commands = played(lambda time: [20.0 - time, FAILURES[failure](time, 20.0 - time)], 12.0)
+    assert all(command == [APPLY, APPLY] for time, command in commands if time > 5.0)
+    assert sum(command != [APPLY, APPLY] for _, command in commands) * PERIOD < 1.0
+
+
+def test_a_sensor_that_agrees_again_is_believed_again() -> None:
+    def speeds(time: float) -> list[float]:
+        true = 20.0 - time
+        slides = max(true - LOCKING * max(time - 8.0, 0.0), 0.0)
+        return [true, 0.0 if 3.0 < time < 4.0 else slides]
+
+    commands = played(speeds, 9.0)
+    assert any(command[1] == VENT for time, command in commands if time > 8.0)
+    assert all(command == [APPLY, APPLY] for time, command in commands if 5.0 < time < 8.0)
+
+
+def test_a_wheel_that_locks_as_fast_as_one_can_is_believed() -> None:
+    commands = played(lambda time: [20.0, max(20.0 - LOCKING * max(time - 2.0, 0.0), 0.0)], 3.0)
+    assert sum(command[1] == VENT for _, command in commands) * PERIOD > 0.5
 
 
 def test_standing_wheels_stay_braked() -> None:

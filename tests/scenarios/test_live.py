@@ -174,19 +174,23 @@ def test_no_valve_of_the_page_leaves_apply_on_dry_rail(still: Page, name: str, l
 
 
 def test_sensors_and_protection_of_the_page_give_the_same_commands(still: Page) -> None:
-    """The same rotations of three wheels, that roll, slide away again and again, and lock: every command is equal."""
-    angles, rotations, encoders, protection = [0.0, 0.1, 0.2], [], [Encoder() for _ in range(3)], SlideProtection()
+    """Wheels that roll, that slide away again and again, with a sensor that fails for a second, with a dead one."""
+    angles, rotations, protection = [0.0, 0.1, 0.2, 0.3], [], SlideProtection()
+    encoders = [Encoder() for _ in angles]
     for step in range(4000):
         time = step * PERIOD
         speed = max(0.0, 22.0 - 1.1 * time)
-        slips = [0.0, 0.3 * abs(math.sin(time)) if time > 3.0 else 0.0, 1.0 if 5.0 < time < 6.0 else 0.01]
+        slips = [0.0, 0.3 * abs(math.sin(time)) if time > 3.0 else 0.0, 1.0 if 5.0 < time < 6.0 else 0.01, 1.0]
         angles = [angle + PERIOD * speed * (1.0 - slip) for angle, slip in zip(angles, slips, strict=True)]
         rotations.append(angles)
-    commands = []
+    commands, believed = [], []
     for step, turned in enumerate(rotations):
         time = step * PERIOD
         seen = [one.angular_velocity(time, angle) for one, angle in zip(encoders, turned, strict=True)]
         commands.append(protection.step(time, seen))
+        believed.append([wheel.believed for wheel in protection.wheels])
+    assert [True, True, True, False] == believed[900] == believed[2500]
+    assert believed[1100] == [True, True, False, False]
     assert {APPLY, HOLD, VENT} == {command for one in commands for command in one}
     assert still.evaluate(f"commandsOf({json.dumps(rotations)})") == commands
 

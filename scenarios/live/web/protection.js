@@ -54,12 +54,14 @@ const APPLY = 0, HOLD = 1, VENT = 2;
 const ROLLING = 0.3, SPEEDING = 0.6, GAIN = 0.02, TOGETHER = 0.02, SHORTEST_RELEASE = 0.25, LONGEST_RELEASE = 0.8;
 const FREELY_BRAKED = 0.3, SHORTEST_BETWEEN = 0.5, LEAST_DECELERATION = 0.1;
 const SETTLING = 0.5, KEEPING = 1, SECOND_LOOK = 1.5;
+const RECENT = 5, JUMP = 4, JUMPING = 150, STAYING = 0.3, STAYS = 0.5, BLIND = 1, BLIND_ABOVE = 3;
+const AGREES = 0.05, AGREEING = 2;
 
 class SlideProtection {
   constructor(parameters) {
     Object.assign(this, { parameters, time: null, wheels: [], reference: 0, deceleration: 0, evident: false });
     Object.assign(this, { gained: false, looks: 0, synchronisedAt: 0, synchronisedSpeed: 0, keptAt: 0, keptSpeed: 0 });
-    Object.assign(this, { released: null, actedAt: -Infinity });
+    Object.assign(this, { released: null, actedAt: -Infinity, evidentAt: -Infinity });
   }
 
   step(time, speeds) {
@@ -67,21 +69,66 @@ class SlideProtection {
       this.wheels = speeds.map(() => ({
         reading: 0, speed: 0, acceleration: 0, calmSpeed: 0, calmAcceleration: 0, lowest: 0,
         turnsSince: null, ventsSince: null, speedsUp: false, blockedUntil: -Infinity,
+        believed: true, recent: [], changedAt: -Infinity, others: 0, agreesSince: null,
       }));
     }
     const size = this.time === null ? 0 : time - this.time;
     this.time = time;
-    this.wheels.forEach((wheel, number) => this.filter(wheel, speeds[number], size));
+    this.wheels.forEach((wheel, number) => {
+      this.believe(wheel, speeds[number], size);
+      this.filter(wheel, speeds[number], size);
+    });
     const fastest = this.wheels[this.chosen(Math.max)];
     if (this.evident) this.slide(size, fastest);
     else this.roll(size, fastest);
-    return this.wheels.map((_, number) => this.command(number));
+    const commands = this.wheels.map((wheel, number) => (wheel.believed ? this.command(number) : null));
+    const most = Math.max(APPLY, ...commands);
+    return commands.map((command) => command ?? most);
+  }
+
+  // The wheels whose sensors are believed; all, where none is.
+  get seen() {
+    const seen = this.wheels.filter((wheel) => wheel.believed);
+    return seen.length ? seen : this.wheels;
   }
 
   // The number of the wheelset that `choose`, Math.max or Math.min, takes by its speed.
   chosen(choose) {
-    const speeds = this.wheels.map((wheel) => wheel.calmSpeed);
-    return speeds.indexOf(choose(...speeds));
+    const seen = this.seen, speeds = seen.map((wheel) => wheel.calmSpeed);
+    return this.wheels.indexOf(seen[speeds.indexOf(choose(...speeds))]);
+  }
+
+  believe(wheel, speed, size) {
+    const believed = this.wheels.filter((one) => one.believed && one !== wheel);
+    if (size === 0 || !believed.length) return;
+    const others = Math.max(...believed.map((one) => one.calmSpeed));
+    if (wheel.turnsSince === null) {
+      const running = this.wheels.filter((one) => one.turnsSince !== null).map((one) => one.turnsSince);
+      wheel.believed = !(running.length && this.time - Math.min(...running) > BLIND && others > BLIND_ABOVE);
+      return;
+    }
+    if (!wheel.believed) {
+      this.agree(wheel, speed, others);
+      return;
+    }
+    if (speed !== wheel.reading || speed === 0 || !wheel.recent.length) {
+      Object.assign(wheel, { changedAt: this.time, others });
+    }
+    const before = wheel.recent;
+    wheel.recent = [...before, speed].slice(-RECENT);
+    const change = Math.abs(Math.max(...wheel.recent) - Math.max(...before));
+    const jumps = before.length === RECENT && change > JUMP + JUMPING * size;
+    const stays = this.time - wheel.changedAt > STAYING && Math.abs(others - wheel.others) > STAYS;
+    if (!jumps && !stays) return;
+    Object.assign(wheel, { believed: false, agreesSince: null });
+    this.released = null;
+    this.evident = this.evident && this.time - this.evidentAt > (RECENT + 0.5) * size;
+  }
+
+  agree(wheel, speed, others) {
+    if (speed === wheel.reading || Math.abs(wheel.calmSpeed - others) > AGREES * others) wheel.agreesSince = null;
+    else if (wheel.agreesSince === null) wheel.agreesSince = this.time;
+    else if (this.time - wheel.agreesSince > AGREEING) Object.assign(wheel, { believed: true, recent: [] });
   }
 
   filter(wheel, speed, size) {
@@ -107,10 +154,11 @@ class SlideProtection {
     this.keep(this.reference);
     const apart = Math.max(p.evident_slip * this.reference, p.least_evident_slip);
     const together = Math.max(TOGETHER * this.reference, p.least_evident_slip);
-    const judged = this.wheels.filter((wheel) => this.isJudged(wheel));
+    const judged = this.seen.filter((wheel) => this.isJudged(wheel));
     const behind = judged.map((wheel) => this.reference - wheel.calmSpeed);
     if (behind.length && (Math.max(...behind) > apart || Math.min(...behind) > together)) {
       this.evident = this.gained = true;
+      this.evidentAt = this.time;
       this.looks = 0;
       this.measure(this.reference);
     }
@@ -127,8 +175,8 @@ class SlideProtection {
   slide(size, fastest) {
     const falls = this.knownDeceleration(fastest);
     this.reference = Math.max(fastest.calmSpeed, this.reference - falls * size);
-    this.wheels.forEach((wheel) => this.lookForGain(wheel));
-    const caughtUp = this.wheels.filter((wheel) => this.hasCaughtUp(wheel)).map((wheel) => wheel.calmSpeed);
+    this.seen.forEach((wheel) => this.lookForGain(wheel));
+    const caughtUp = this.seen.filter((wheel) => this.hasCaughtUp(wheel)).map((wheel) => wheel.calmSpeed);
     if (caughtUp.length) this.synchronise(Math.max(...caughtUp));
     if (this.reference < this.parameters.slowest) Object.assign(this, { evident: false, released: null });
   }
