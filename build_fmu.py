@@ -9,6 +9,8 @@
   python build_fmu.py --platforms all    native FMUs for Linux (x86-64 and ARM), Windows and macOS, compiled with zig
   python build_fmu.py --controller mine.py:FixedSlip
                                          FixedSlip.fmu (pythonfmu): wheel-slide protection by your class FixedSlip
+  python build_fmu.py --controller pi.c --wheelsets 4
+                                         pi4.fmu (native, without Python): by your controller in C, for a coach
   python build_fmu.py --describe         no FMUs: the table of variables as Markdown
 
 Exit status: 0, 1 after a failed build or validation, 2 after bad input, 130 when it was interrupted.
@@ -18,6 +20,7 @@ import argparse
 import sys
 from pathlib import Path
 
+from brake_controller.protection_fmu import BOGIE, MOST_WHEELSETS
 from fmu_src.compile import CompilerError
 from fmu_src.model_description import variable_table
 from fmu_src.suggestion import suggestion
@@ -48,7 +51,8 @@ def main(arguments: list[str] | None = None, program: str | None = None) -> int:
     add("--kind", default="all", choices=[*KINDS, "all"], help="FMI 2.0, FMI 3.0, pythonfmu or all")
     add("--out", type=Path, default=Path("build"), help="folder of the FMUs (default: build)")
     add("--platforms", choices=["own", "all"], default="own", help="of native FMUs (default: own)")
-    add("--controller", metavar="FILE:CLASS", help="only CLASS.fmu, wheel-slide protection by this class")
+    add("--controller", metavar="FILE", help="only the FMU of FILE.py:CLASS, a wheel-slide protection, or of FILE.c")
+    add("--wheelsets", type=int, default=BOGIE, help="of the vehicle that it protects (default: 2)")
     add("--describe", action="store_true", help="print the table of variables instead of building")
     chosen = parser.parse_args(arguments)
     names = {"all": list(FMUS), "ssp": ["bogie", "brake"]}.get(chosen.model, [chosen.model])
@@ -56,12 +60,14 @@ def main(arguments: list[str] | None = None, program: str | None = None) -> int:
     able = ["native"] if chosen.model == "ssp" else [*NATIVE] if every else [*KINDS]
     if chosen.kind not in ("all", *able):
         parser.error(f"--kind {chosen.kind} does not go with this; take one of {', '.join(able)}.")
+    if not 1 <= chosen.wheelsets <= MOST_WHEELSETS:
+        parser.error(f"Set --wheelsets to 1 to {MOST_WHEELSETS}: it was {chosen.wheelsets}.")
     if chosen.describe:
         print("\n".join(variable_table(model_of(name)) for name in names), end="")
         return 0
     try:
         if chosen.controller:
-            return build_controller(chosen.controller, chosen.out)
+            return build_controller(chosen.controller, chosen.out, chosen.wheelsets)
         kinds = able if chosen.kind == "all" else [chosen.kind]
         problems = build_all(names, kinds, chosen.out, every)
         write_sets(names, chosen.out)

@@ -1,19 +1,23 @@
 """WheelSlideProtection: any wheel-slide controller as the content of an FMU. Names and texts only, FMI is elsewhere."""
 
+import re
 from pathlib import Path
 
+from brake_controller import rig
 from brake_controller.wheel_slide import APPLY, VENT
-from fmu_src.system import StepModel, Variable
+from fmu_src.system import StepInC, StepInPython, Variable
 
 #: Place of the protocol, the supervision and the protection that comes with the brake.
 PROTECTION = Path(__file__).parent / "wheel_slide.py"
 OWN_MODULE, OWN_CLASS = f"{__package__}.wheel_slide", "SlideProtection"
 PERIOD = 5e-3
-#: Wheelsets of a bogie.
-BOGIE = 2
+#: What a controller in C includes, and bytes of its memory at most, as it says.
+HEADER, LARGEST_MEMORY = "wheel_slide.h", 1 << 20
+#: Wheelsets of a bogie, and the most that one controller protects.
+BOGIE, MOST_WHEELSETS = 2, 16
 
 
-def wheel_slide_protection(file: Path | None = None, name: str = OWN_CLASS, wheelsets: int = BOGIE) -> StepModel:
+def wheel_slide_protection(file: Path | None = None, name: str = OWN_CLASS, wheelsets: int = BOGIE) -> StepInPython:
     """The FMU of the class `name` in `file`, and called like it; by default the protection that comes with the brake.
 
     wheelsets: how many it protects; where they are not a bogie's two, the name of the FMU ends with their number. The
@@ -26,34 +30,59 @@ def wheel_slide_protection(file: Path | None = None, name: str = OWN_CLASS, whee
         if f"class {name}" not in text:
             raise ValueError(f"There is no class {name} in {file}; give --controller FILE:CLASS.")
         sources.append(text)
+    # The class behind its own name, which may be that of the FMU.
+    sources.append(f"Chosen = {name}\n")
+    return StepInPython(
+        named("WheelSlideProtection" if file is None else name, wheelsets),
+        f"Wheel-slide protection: {name}",
+        *faces(wheelsets),
+        PERIOD,
+        [float(APPLY)] * wheelsets,
+        sources,
+        [OWN_MODULE],
+        f"Supervised(Chosen(), {wheelsets})",
+    )
+
+
+def wheel_slide_in_c(file: Path, wheelsets: int = BOGIE) -> StepInC:
+    """The FMU of a controller in C, the three functions of wheel_slide.h, called like its file.
+
+    Raises ValueError for a file whose name is no name of a model.
+    """
+    if not re.fullmatch(r"[A-Za-z_]\w*", file.stem, re.ASCII):
+        raise ValueError(f"Name the file by letters, digits and _, as the FMU is called like it: it was {file.name}.")
+    header = Path(rig.__file__).with_name(HEADER)
+    return StepInC(
+        named(file.stem, wheelsets),
+        f"Wheel-slide protection: {file.name}",
+        *faces(wheelsets),
+        PERIOD,
+        [float(APPLY)] * wheelsets,
+        {file.name: file.read_text(encoding="utf-8"), HEADER: header.read_text(encoding="utf-8")},
+        HEADER,
+        "wheel_slide_size",
+        "wheel_slide_start",
+        "wheel_slide_step",
+        wheelsets,
+        LARGEST_MEMORY,
+    )
+
+
+def named(name: str, wheelsets: int) -> str:
+    """The name of an FMU, which tells the number of wheelsets where they are not a bogie's."""
+    return name + (str(wheelsets) if wheelsets != BOGIE else "")
+
+
+def faces(wheelsets: int) -> tuple[list[Variable], list[Variable]]:
+    """Inputs and outputs."""
     numbers = range(1, wheelsets + 1)
     inputs = [
         Variable(f"wheel_speed_{number}", "input", "m/s", f"Circumferential speed of the wheels of wheelset {number}")
         for number in numbers
     ]
+    text = "Valve of the cylinder of wheelset {}: 0 apply, 1 hold, 2 vent"
     outputs = [
-        Variable(
-            f"valve_{number}",
-            "output",
-            "1",
-            f"Valve of the cylinder of wheelset {number}: 0 apply, 1 hold, 2 vent",
-            APPLY,
-            APPLY,
-            VENT,
-            "integer",
-        )
+        Variable(f"valve_{number}", "output", "1", text.format(number), APPLY, APPLY, VENT, "integer")
         for number in numbers
     ]
-    # The class behind its own name, which may be that of the FMU.
-    sources.append(f"Chosen = {name}\n")
-    return StepModel(
-        ("WheelSlideProtection" if file is None else name) + (str(wheelsets) if wheelsets != BOGIE else ""),
-        f"Wheel-slide protection: {name}",
-        inputs,
-        outputs,
-        PERIOD,
-        sources,
-        [OWN_MODULE],
-        f"Supervised(Chosen(), {wheelsets})",
-        [float(APPLY)] * wheelsets,
-    )
+    return inputs, outputs

@@ -418,6 +418,11 @@ class Supervised:
     patience: float = 1.0
     _commands: frozenset[int] = frozenset(COMMANDS)
 
+    @property
+    def name(self) -> str:
+        """What sentences call the controller."""
+        return str(getattr(self.controller, "__name__", type(self.controller).__name__))
+
     def step(self, time: float, wheel_speeds: Sequence[float]) -> list[int]:
         """Valve commands of the controller. Raises ControllerError where it fails, is late or gives others."""
         try:
@@ -429,25 +434,24 @@ class Supervised:
 
     def unhurried(self, time: float, wheel_speeds: Sequence[float]) -> list[int]:
         """The same, however long it takes. Raises ControllerError."""
-        name = type(self.controller).__name__
         try:
             answer = list(self.controller.step(time, wheel_speeds))
             fits = len(answer) == self.wheelsets and self._commands.issuperset(answer)
         except (Exception, SystemExit) as error:
             raise ControllerError(
-                f"The controller {name} failed at {time:.6g} s ({type(error).__name__}: {error}); the brake stays "
+                f"The controller {self.name} failed at {time:.6g} s ({type(error).__name__}: {error}); the brake stays "
                 "applied."
             ) from error
         if not fits:
             raise ControllerError(
-                f"The controller {name} gave {answer!r} at {time:.6g} s where {self.wheelsets} commands of 0 (apply), "
-                "1 (hold) or 2 (vent) were due; the brake stays applied."
+                f"The controller {self.name} gave {answer!r} at {time:.6g} s where {self.wheelsets} commands of 0 "
+                "(apply), 1 (hold) or 2 (vent) were due; the brake stays applied."
             )
         return [int(command) for command in answer]
 
     def late(self, time: float) -> ControllerError:
         """What is said of a controller that took too long."""
-        name = type(self.controller).__name__
         return ControllerError(
-            f"The controller {name} gave no answer within {self.patience:g} s at {time:.6g} s; the brake stays applied."
+            f"The controller {self.name} gave no answer within {self.patience:g} s at {time:.6g} s; the brake stays "
+            "applied."
         )

@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from functools import lru_cache
+from pathlib import Path
 from types import TracebackType
 from typing import Any
 
@@ -114,17 +115,31 @@ class Ends:
         return self.outputs[name]
 
 
+#: Path of a file that the function makes, by what it is; the function need not be called where the file is known.
+Kept = Callable[[str, Callable[[], Path]], Path]
+
+
+def made_now(what: str, make: Callable[[], Path]) -> Path:
+    """A file that is not known beforehand."""
+    return make()
+
+
 class BatchLibrary(Library):
     """One system of a compiled model in lanes; lanes: 2, 4 or 8, or the most that the processor has."""
 
-    def __init__(self, model: Model, system: System, lanes: int = 0) -> None:
-        most = lanes_here(model)
+    def __init__(self, model: Model, system: System, lanes: int = 0, kept: Kept = made_now) -> None:
+        most = lanes_here(kept("kernel", lambda: build_library(model)))
         own = lanes or most
         if own not in (2, 4, 8) or own > most:
             raise ValueError(
                 f"Give 2, 4 or 8 lanes, at most {most} on this processor, or 0 for these; there were {lanes}."
             )
-        super().__init__(batch_library(generate(model) | batch_source(model, system), own))
+        super().__init__(
+            kept(
+                f"{own} lanes of {system.name}",
+                lambda: batch_library(generate(model) | batch_source(model, system), own),
+            )
+        )
         for name, (result, arguments) in _SIGNATURES.items():
             function = getattr(self.functions, name)
             function.restype, function.argtypes = result, arguments
@@ -137,9 +152,9 @@ class BatchLibrary(Library):
         return (ctypes.c_int * len(names))(*(kernel.number_of(name) for name in names))
 
 
-def lanes_here(model: Model) -> int:
-    """The most lanes that this processor has, at least 2 and at most 8."""
-    return max(2, Kernel(Library(build_library(model))).use_lanes(8))
+def lanes_here(kernel: Path) -> int:
+    """The most lanes that this processor has, at least 2 and at most 8; kernel: any library of one."""
+    return max(2, Kernel(Library(kernel)).use_lanes(8))
 
 
 @lru_cache(maxsize=16)

@@ -128,12 +128,7 @@ def objects_of(sources: Mapping[str, str], flags: Sequence[str], target: str | N
 
     As many at once as there are processors, the longest first, so that none is left over at the end.
     """
-    headers = {name: text for name, text in sources.items() if name.endswith(".h")}
-    included = {
-        name: {header: headers[header] for header in headers if f'"{header}"' in text}
-        for name, text in sources.items()
-        if name not in headers
-    }
+    included = {name: headers_of(name, sources) for name in sources if not name.endswith(".h")}
     length = {name: len(sources[name]) + sum(map(len, own.values())) for name, own in included.items()}
     names = sorted(included, key=lambda name: -length[name])
     with (
@@ -148,6 +143,18 @@ def objects_of(sources: Mapping[str, str], flags: Sequence[str], target: str | N
         for done in as_completed(under_way):
             bar.update(length[under_way[done]])
     return [one.result() for one in under_way]
+
+
+def headers_of(name: str, sources: Mapping[str, str]) -> dict[str, str]:
+    """Those of the sources that a file includes, and that these include."""
+    found: dict[str, str] = {}
+    waiting = [name]
+    while waiting:
+        text = sources[waiting.pop()]
+        more = [one for one in sources if one.endswith(".h") and one not in found and f'"{one}"' in text]
+        found |= {one: sources[one] for one in more}
+        waiting += more
+    return found
 
 
 def _object_of(name: str, files: Mapping[str, str], flags: Sequence[str], target: str | None) -> Path:
@@ -273,16 +280,27 @@ def batch_library(sources: Mapping[str, str], lanes: int) -> Path:
     return library_of(sources, lanes=lanes)
 
 
-def plain_library(sources: Mapping[str, str], flags: Sequence[str] = FLAGS) -> Path:
-    """Path of a shared library of C files that need nothing of the runtime, compiled now unless the cache has it."""
-    path = (
-        cache() / f"{_content([*compiler(), *_linking(flags, None), *sorted(sources)], sources, ())}{library_suffix()}"
-    )
+#: For files that are not ours, whose warnings are not either.
+FOREIGN_FLAGS = tuple(flag for flag in FLAGS if not flag.startswith("-W"))
+
+
+def plain_library(sources: Mapping[str, str], foreign: Mapping[str, str] | None = None) -> Path:
+    """Path of a shared library of C files that need nothing of the runtime, compiled now unless the cache has it.
+
+    foreign: files of a user. Raises CompilerError.
+    """
+    parts = [(sources, FLAGS), (foreign or {}, FOREIGN_FLAGS)]
+    words = [*compiler(), *_linking(FLAGS, None), *sorted(sources), "foreign", *sorted(foreign or {})]
+    path = cache() / f"{_content(words, {**sources, **(foreign or {})}, ())}{library_suffix()}"
     with _missing(path) as missing:
         if missing:
-            objects = objects_of(sources, [*flags, OPTIMISE_RUNTIME])
+            objects = [one for files, flags in parts for one in objects_of(files, [*flags, OPTIMISE_RUNTIME])]
             with tempfile.TemporaryDirectory() as folder:
-                run([*_linking(flags, None), "-o", "library", *map(str, objects), "-lm"], None, Path(folder))
+                whole = (
+                    ["-Wl,-z,defs"] if sys.platform == "linux" else []
+                )  # elsewhere what is missing is an error anyway
+                linking = [*_linking(FLAGS, None), *whole, "-o", "library", *map(str, objects), "-lm"]
+                run(linking, None, Path(folder))
                 _keep(Path(folder) / "library", path)
     return path
 

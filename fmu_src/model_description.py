@@ -70,8 +70,12 @@ LOG_CATEGORIES = {
 }
 
 
-def model_description(model: Model, guid: str, native: bool = True, source_files: Iterable[str] = ()) -> str:
-    """The XML text. `native`: the binary of this project; else the one of pythonfmu, which can do less.
+#: Binaries, which can do less and less: a kernel, the face around an object in C (fmi2_step.c), that of pythonfmu.
+KERNEL, STEP, PYTHON = "kernel", "step", "python"
+
+
+def model_description(model: Model, guid: str, binary: str = KERNEL, source_files: Iterable[str] = ()) -> str:
+    """The XML text. binary: one of KERNEL, STEP, PYTHON.
 
     source_files: C files in sources/ that a host may compile.
     """
@@ -86,13 +90,14 @@ def model_description(model: Model, guid: str, native: bool = True, source_files
         generationTool="bogie-braking",
         variableNamingConvention="flat",
     )
-    able = str(native).lower()
+    native = binary == KERNEL
+    able, saves = str(native).lower(), str(binary != PYTHON).lower()
     both = {
         "modelIdentifier": model.name,
-        "needsExecutionTool": str(not native).lower(),
+        "needsExecutionTool": str(binary == PYTHON).lower(),
         "canNotUseMemoryManagementFunctions": "true",
-        "canGetAndSetFMUstate": able,
-        "canSerializeFMUstate": able,
+        "canGetAndSetFMUstate": saves,
+        "canSerializeFMUstate": saves,
         "providesDirectionalDerivative": able,
     }
     exchange = derivatives(model) if native else []
@@ -102,7 +107,7 @@ def model_description(model: Model, guid: str, native: bool = True, source_files
     orders = "1" if native else "0"
     slave = {"canHandleVariableCommunicationStepSize": "true", "canInterpolateInputs": able}
     ET.SubElement(root, "CoSimulation", both | slave | {"maxOutputDerivativeOrder": orders})
-    for interface in root if native else []:
+    for interface in root if binary != PYTHON else []:
         files = ET.SubElement(interface, "SourceFiles")
         for name in source_files:
             ET.SubElement(files, "File", name=name)

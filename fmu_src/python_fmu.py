@@ -20,7 +20,7 @@ from pythonfmu.builder import FmuBuilder
 from fmu_src.archive import write_archive
 from fmu_src.codegen import generate, guid_of
 from fmu_src.compile import library_of, library_suffix
-from fmu_src.model_description import model_description
+from fmu_src.model_description import PYTHON, model_description
 from fmu_src.pages import pages
 from fmu_src.system import Model
 
@@ -40,7 +40,7 @@ def build_python_fmu(model: Model, path: Path) -> None:
         library = folder / f"kernel{library_suffix()}"
         shutil.copyfile(library_of(sources), library)
         contents = packed(script, [library])
-    contents["modelDescription.xml"] = model_description(model, guid, native=False).encode()
+    contents["modelDescription.xml"] = model_description(model, guid, PYTHON).encode()
     write_archive(path, contents | pages(model, "python"))
 
 

@@ -7,14 +7,14 @@ import tempfile
 from pathlib import Path
 
 from fmu_src.archive import write_archive
-from fmu_src.model_description import model_description
+from fmu_src.model_description import PYTHON, model_description
 from fmu_src.python_fmu import joined, packed
-from fmu_src.system import StepModel
+from fmu_src.system import StepInPython
 
 SLAVE = [Path(__file__).parent / name for name in ("telling_slave.py", "step_slave.py")]
 
 
-def build_step_fmu(step: StepModel, path: Path) -> None:
+def build_step_fmu(step: StepInPython, path: Path) -> None:
     """Writes the pythonfmu FMU. Raises whatever the sources raise when they are loaded."""
     slave = [file.read_text(encoding="utf-8") for file in SLAVE]
     body = joined([*step.sources, *slave], [*step.own, f"{__package__}.telling_slave"])
@@ -26,11 +26,11 @@ def build_step_fmu(step: StepModel, path: Path) -> None:
         script = folder / f"{step.name}_{digest[:8]}.py"
         script.write_text(body + slave_class(step, guid), encoding="utf-8")
         contents = packed(script)
-    contents["modelDescription.xml"] = model_description(step.model, guid, native=False).encode()
+    contents["modelDescription.xml"] = model_description(step.model, guid, PYTHON).encode()
     write_archive(path, contents)
 
 
-def slave_class(step: StepModel, guid: str) -> str:
+def slave_class(step: StepInPython, guid: str) -> str:
     """Text of the class that pythonfmu instantiates, named after the FMU."""
     return (
         f"\n\nclass {step.name}(StepSlave):\n"

@@ -8,7 +8,7 @@ FMU: a table of variables and one or more systems that serve it, chosen by an in
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import Any, Literal
@@ -649,11 +649,9 @@ def model_of_choices(
 
 @dataclass(frozen=True)
 class StepModel:
-    """What becomes an FMU around a Python object with `step(time, inputs) -> outputs`, where there are no equations.
+    """What becomes an FMU around an object that is asked once a period, where there are no equations.
 
-    sources: text of Python files that need nothing beyond Python and each other; `own` names the modules that they
-    import from each other. expression: makes the object, from names in the sources. safe: outputs before the first
-    answer and after a failure.
+    safe: outputs before the first answer and after a failure. Inputs are real.
     """
 
     name: str
@@ -661,14 +659,41 @@ class StepModel:
     inputs: Sequence[Variable]
     outputs: Sequence[Variable]
     period: float
-    sources: Sequence[str]
-    own: Sequence[str]
-    expression: str
     safe: Sequence[float]
 
     @property
     def model(self) -> Model:
-        """The table of variables, in the order of StepSlave."""
+        """The table of variables, in the order of StepSlave and of fmi2_step.c."""
         period = Variable("period", "parameter", "s", "Time between two answers", self.period, 1e-6, 1.0)
         variables = (*self.inputs, period, *self.outputs)
         return Model(self.name, self.description, variables, (), step_size=self.period)
+
+
+@dataclass(frozen=True)
+class StepInPython(StepModel):
+    """Around a Python object with `step(time, inputs) -> outputs`.
+
+    sources: text of Python files that need nothing beyond Python and each other; `own` names the modules that they
+    import from each other. expression: makes the object, from names in the sources.
+    """
+
+    sources: Sequence[str]
+    own: Sequence[str]
+    expression: str
+
+
+@dataclass(frozen=True)
+class StepInC(StepModel):
+    """Around three functions in C; outputs are integers with the same limits.
+
+    sources: C files by name. size(count) -> bytes of memory, start(memory, count, period), and
+    step(memory, time, inputs, outputs): names of the functions, which `header` declares; largest: bytes of memory.
+    """
+
+    sources: Mapping[str, str]
+    header: str
+    size: str
+    start: str
+    step: str
+    count: int
+    largest: int

@@ -12,14 +12,15 @@ from pathlib import Path
 
 from fmpy.validation import validate_fmu
 
-from brake_controller.protection_fmu import wheel_slide_protection
+from brake_controller.protection_fmu import wheel_slide_in_c, wheel_slide_protection
 from fmu_src.chain import ONE_WRITES
 from fmu_src.compile import CompilerError, build_library, cache, compiler, library_suffix
 from fmu_src.native_fmu import PLATFORMS, PLATFORMS3, build_native_fmu, build_native_fmu3
 from fmu_src.python_fmu import build_python_fmu
 from fmu_src.references import reference_files
 from fmu_src.step_fmu import build_step_fmu
-from fmu_src.system import StepModel, Variable
+from fmu_src.step_fmu_in_c import build_step_fmu_in_c
+from fmu_src.system import StepInPython, Variable
 from fmu_src.terminals import FILE, ICON, terminals_and_icons
 from products.experiments import experiments_of
 from products.parameter_sets import set_files
@@ -144,7 +145,7 @@ def build_all(names: Sequence[str], kinds: Sequence[str], out: Path, all_platfor
     return problems
 
 
-def build_protection(out: Path, controller: StepModel | None = None) -> Path:
+def build_protection(out: Path, controller: StepInPython | None = None) -> Path:
     """Writes OUT/python/NAME.fmu around a controller, by default the one that comes with the brake."""
     step = controller or wheel_slide_protection()
     path = out / "python" / f"{step.name}.fmu"
@@ -152,18 +153,27 @@ def build_protection(out: Path, controller: StepModel | None = None) -> Path:
     return path
 
 
-def build_controller(text: str, out: Path) -> int:
-    """The FMU of FILE:CLASS; exit status 0, or 2 with a sentence."""
-    file, _, name = text.rpartition(":")
-    if not (file and name):
-        print(
-            f"{text} does not become an FMU: it names no class; give FILE:CLASS, such as own.py:LetGo.", file=sys.stderr
-        )
-        return 2
+def build_controller(text: str, out: Path, wheelsets: int) -> int:
+    """The FMU of FILE.py:CLASS or FILE.c for so many wheelsets; exit status 0, 1 with problems, 2 with a sentence."""
     begin = time.perf_counter()
     try:
-        path = build_protection(out, wheel_slide_protection(Path(file), name))
+        path = _controller(text, out, wheelsets)
+    except CompilerError as error:
+        print(f"{text} does not compile. {error}", file=sys.stderr)
+        return 2
     except (OSError, ValueError, ImportError, SyntaxError, NameError, TypeError, AttributeError) as error:
         print(f"{text} does not become an FMU: {error}", file=sys.stderr)
         return 2
     return 1 if announce(path, time.perf_counter() - begin) else 0
+
+
+def _controller(text: str, out: Path, wheelsets: int) -> Path:
+    if text.endswith(".c"):
+        step = wheel_slide_in_c(Path(text), wheelsets)
+        path = out / "native" / f"{step.name}.fmu"
+        build_step_fmu_in_c(step, path)
+        return path
+    file, _, name = text.rpartition(":")
+    if not (file and name):
+        raise ValueError("it names no class; give FILE:CLASS, such as own.py:LetGo, or a C file.")
+    return build_protection(out, wheel_slide_protection(Path(file), name, wheelsets))

@@ -18,9 +18,12 @@ def remembered(name: str, what: str, make: Callable[[], str], good: Callable[[st
 
     It is asked again where that text is not `good` any more, and each time for a model that other sources write.
     """
-    if not written_here(name):
-        return make()
-    words = [sources_here(), what, name, *compiler(), *map(version, ("casadi", "fmpy"))]
+    return noted(f"{what} of {name}", make, good) if written_here(name) else make()
+
+
+def noted(what: str, make: Callable[[], str], good: Callable[[str], bool] = bool) -> str:
+    """The same for whatever functions of this project make."""
+    words = [sources_here(), what, *compiler(), *map(version, ("casadi", "fmpy"))]
     note = cache() / f"{hashlib.sha256(repr(words).encode()).hexdigest()[:24]}.made"
     text = note.read_text(encoding="utf-8") if note.exists() else ""
     if not good(text):
@@ -31,9 +34,19 @@ def remembered(name: str, what: str, make: Callable[[], str], good: Callable[[st
     return text
 
 
+def noted_path(what: str, make: Callable[[], Path]) -> Path:
+    """The file that `make` made, while it is there."""
+    return Path(noted(what, lambda: str(make()), is_there))
+
+
 def remembered_path(name: str, what: str, make: Callable[[], Path]) -> Path:
     """The file that `make` made, while it is there."""
-    return Path(remembered(name, what, lambda: str(make()), lambda text: bool(text) and Path(text).exists()))
+    return Path(remembered(name, what, lambda: str(make()), is_there))
+
+
+def is_there(text: str) -> bool:
+    """Whether a text is the path of a file."""
+    return bool(text) and Path(text).exists()
 
 
 def written_here(name: str) -> bool:

@@ -1,8 +1,6 @@
 /* Sensors, controllers, valves and scores of many machines: rig.h. */
 #include "rig.h"
 
-#include "encoder.h"
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import lru_cache
+from functools import lru_cache, partial
+from pathlib import Path
 
 import numpy as np
 
@@ -15,11 +16,15 @@ from brake_controller.parameters import BrakeParameters
 from brake_controller.ready_sets import qr30_experiment
 from brake_controller.reservoir import ReservoirParameters, air_reservoir
 from brake_controller.timing import filling_time, with_application_time, with_release_time
+from fmu_src.batch import BatchLibrary
+from fmu_src.compile import build_library
 from fmu_src.compose import compose
+from fmu_src.kernel import Library
 from fmu_src.system import Model, System, model_of
 from products.braked_vehicle import brake_of, with_brakes
 from products.protection.braked_machine import APPLICATION_TIME, RELEASE_TIME, Machine, bogie, coach
 from products.protection.protected_stop import CYLINDER_VOLUME
+from products.remembered import noted_path
 from rbd_model.levels.models import DEFAULT_TOLERANCE, places_of, system_at
 from rbd_model.vehicle.description import Vehicle
 from rbd_model.vehicle.ready import passenger_coach, two_axle_bogie
@@ -43,6 +48,25 @@ def machine_model(counted: str, by_flow: bool = False) -> Model:
     if by_flow:
         return model_of(with_reservoir(system, vehicle, brake, machine), DEFAULT_TOLERANCE)
     return model_of(with_brakes(system, vehicle, lambda: timed_brake(brake)), DEFAULT_TOLERANCE)
+
+
+@lru_cache
+def machine_library(counted: str, by_flow: bool = False) -> BatchLibrary:
+    """Its equations compiled, many machines side by side."""
+    model = machine_model(counted, by_flow)
+    return BatchLibrary(model, model.systems[0], kept=partial(machine_file, counted, by_flow))
+
+
+@lru_cache
+def machine_kernel(counted: str, by_flow: bool = False) -> Library:
+    """Its equations compiled, one machine."""
+    model = machine_model(counted, by_flow)
+    return Library(machine_file(counted, by_flow, "kernel", lambda: build_library(model)))
+
+
+def machine_file(counted: str, by_flow: bool, what: str, make: Callable[[], Path]) -> Path:
+    """A file of this machine, known without writing its equations anew while the sources are the same."""
+    return noted_path(f"{what} of a machine of the rig, {counted}, {by_flow}", make)
 
 
 def with_reservoir(system: System, vehicle: Vehicle, brake: BrakeParameters, machine: Machine) -> System:

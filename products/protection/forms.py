@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Protocol
 
@@ -12,12 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from brake_controller import rig
+from brake_controller.protection_fmu import HEADER, LARGEST_MEMORY
 from brake_controller.wheel_slide import WheelSlideController
-from fmu_src.compile import FLAGS, plain_library
+from fmu_src.compile import plain_library
 
 Numbers = NDArray[np.float64]
-#: Memory of one controller in C [bytes], as wheel_slide.h says.
-LARGEST_MEMORY = 1 << 20
+#: Runs that go on together.
+AT_ONCE, AT_ONCE_IN_ARRAYS = 256, 1024
 #: Where the rig's C lies, and the header of a controller.
 FOLDER = Path(rig.__file__).parent
 
@@ -40,16 +42,17 @@ class ManyControllers(Protocol):
 
 @dataclass(frozen=True)
 class InC:
-    """A controller of a shared library, wheel_slide.h. Raises OSError for what is no library."""
+    """A controller of a shared library, wheel_slide.h."""
 
     path: Path
-    library: ctypes.CDLL = field(init=False, compare=False)
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "library", ctypes.CDLL(str(self.path)))
+    @cached_property
+    def library(self) -> ctypes.CDLL:
+        """Loaded into this process. Raises OSError for what is no library."""
+        return ctypes.CDLL(str(self.path))
 
     def functions(self, wheelsets: int) -> FunctionsInC:
-        """Its functions and the size of its memory. Raises AttributeError, ValueError for what is none."""
+        """Its functions and the size of its memory. Raises OSError, AttributeError, ValueError for what is none."""
         size = self.library.wheel_slide_size
         size.restype, size.argtypes = ctypes.c_size_t, [ctypes.c_int]
         start, step = (
@@ -72,8 +75,16 @@ class Arrays:
 Form = InC | Callable[[], WheelSlideController] | Arrays | None
 
 
+def at_once(form: Form) -> int:
+    """So many runs go on together: enough for all lanes of two threads, few enough for the cache.
+
+    A function of arrays is called seldom if many wait for it. An FMU has an instance for each run.
+    """
+    return AT_ONCE_IN_ARRAYS if isinstance(form, Arrays) else getattr(form, "at_once", AT_ONCE)
+
+
 def compiled(source: Path) -> InC:
     """A controller from a C file that includes wheel_slide.h. Raises CompilerError."""
-    header = (FOLDER / "wheel_slide.h").read_text(encoding="utf-8")
-    texts = {source.name: source.read_text(encoding="utf-8"), "wheel_slide.h": header}
-    return InC(plain_library(texts, [flag for flag in FLAGS if not flag.startswith("-W")]))
+    header = (FOLDER / HEADER).read_text(encoding="utf-8")
+    texts = {source.name: source.read_text(encoding="utf-8"), HEADER: header}
+    return InC(plain_library({}, texts))

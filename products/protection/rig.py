@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import ctypes
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from types import TracebackType
 from typing import Any
 
@@ -17,12 +17,12 @@ from numpy.typing import NDArray
 
 from brake_controller.sensors import GATE, LOWEST_FREQUENCY, TIMER, edge_errors
 from brake_controller.wheel_slide import APPLY, VENT, ControllerError, LateError, Supervised, within
-from fmu_src.batch import Instances, library_of_batch
+from fmu_src.batch import Instances
 from products.braked_vehicle import FULL_PRESSURE
 from products.protection import rig_in_c
 from products.protection.braked_machine import RELEASE_TIME, STANDING, Machine
-from products.protection.braked_system import cylinder_air, machine_model
-from products.protection.forms import Arrays, Form, FunctionsInC, InC
+from products.protection.braked_system import cylinder_air, machine_library, machine_model
+from products.protection.forms import Arrays, Form, FunctionsInC, InC, at_once
 from products.protection.protected_stop import BRAKE_START, CYLINDER_VOLUME, GAS, LONGEST, Settings
 from products.protection.rails import ABOVE, BAND, LOCK_ABOVE
 from products.protection.rig_in_c import LOST, RUNS, SCORE, STANDS, TOO_LONG, Wheelset
@@ -30,10 +30,6 @@ from products.protection.runs import SENSOR_FAILURES, Run, Stop
 
 #: Looks between two glances at which runs have ended; so many at most go on for nothing.
 GLANCE = 100
-#: Rows that are asked together: enough for all lanes of two threads, few enough for the cache.
-AT_ONCE = 256
-#: As many wait for one function of arrays, which is called seldom then.
-AT_ONCE_IN_ARRAYS = 1024
 #: So many controllers in Python share an alarm, and must answer within so many seconds of wall time.
 TOGETHER, PATIENCE = 8, 1.0
 #: Looks that a sensor remembers, ENCODER_LOOKS of encoder.h.
@@ -79,22 +75,25 @@ class Rig:
         """A stop on each rail (inputs and parameters of the vehicle), in their order."""
         return self.runs([Run(rail) for rail in rails])
 
-    def runs(self, runs: Sequence[Run]) -> list[Stop]:
-        """A stop of each run, in their order. Raises ValueError for the fault of a wheelset that is not there."""
+    def runs(self, runs: Sequence[Run], goes_on: Callable[[], None] = lambda: None) -> list[Stop]:
+        """A stop of each run, in their order. Raises ValueError for the fault of a wheelset that is not there.
+
+        goes_on: called every now and then.
+        """
         found: list[Stop | None] = [None] * len(runs)
-        count = min(len(runs), AT_ONCE_IN_ARRAYS if isinstance(self.form, Arrays) else AT_ONCE)
+        count = min(len(runs), at_once(self.form))
         own = [self._values(run) for run in runs]
         faults = [self._faults(run) for run in runs]
         names = sorted({name for one in own for name in one})
         first = {variable.name: variable.start for variable in self._model.variables}
         values = [{name: one.get(name, first[name]) for name in names} for one in own]
-        library = library_of_batch(self._model, self._model.systems[0].name)
+        library = machine_library(self.machine.counted, self.by_flow)
         start: dict[str, Any] = {name: [one[name] for one in values[:count]] for name in names}
         with (
             Instances(library, count, self._inputs, self._outputs, threads=self._threads, **start) as instances,
             _Loop(self, instances) as loop,
         ):
-            for row, number in self._turns(loop, values, faults, count):
+            for row, number in self._turns(loop, values, faults, count, goes_on):
                 found[number] = loop.stop(row)
         return [one for one in found if one is not None]
 
@@ -104,6 +103,7 @@ class Rig:
         values: Sequence[Mapping[str, float]],
         faults: Sequence[ctypes.Array[Wheelset]],
         count: int,
+        goes_on: Callable[[], None],
     ) -> Iterator[tuple[int, int]]:
         """Rows that have ended, with the numbers of their runs; each then takes the next run that waits."""
         runs = dict(enumerate(range(count)))
@@ -111,6 +111,7 @@ class Rig:
         loop.begin({row: faults[number] for row, number in runs.items()})
         while runs:
             loop.go_on(GLANCE)
+            goes_on()
             done = [row for row in runs if loop.score["state"][row] != RUNS]
             for row in done:
                 yield row, runs.pop(row)

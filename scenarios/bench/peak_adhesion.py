@@ -5,11 +5,11 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from fmu_src.kernel import Kernel
 from products.protection.braked_machine import APPLICATION_TIME, STANDING, Machine
+from products.protection.braked_system import machine_kernel, machine_model
 from products.protection.protected_stop import BRAKE_START, LONGEST, ProtectedStop
 from products.protection.rails import ABOVE
-from products.registry import model_of
-from scenarios.bench.drive import prepare
 
 
 def by_time(since: float) -> float:
@@ -20,6 +20,7 @@ def by_time(since: float) -> float:
 class PeakAdhesion:
     """Largest deceleration that a rail can give, from a machine's own equations: the creep force at its best slip.
 
+    In the plane. rail: inputs and parameters of the machine with its cylinders, as `Run` has them.
     filling: share of the full pressure so long after the demand [s].
     """
 
@@ -30,10 +31,9 @@ class PeakAdhesion:
         self, machine: Machine, rail: Mapping[str, float], filling: Callable[[float], float] = by_time
     ) -> None:
         self.machine, self.filling = machine, filling
-        self.kernel = prepare(machine.fmu, level=2, initial_speed=25.0, **rail)
+        self.kernel = Kernel(machine_kernel(machine.counted, by_flow=True), initial_speed=25.0, **rail)
         self.kernel.initialise()
-        planar = model_of(machine.fmu).systems[1]
-        self.states = list(planar.states)
+        self.states = list(machine_model(machine.counted, by_flow=True).systems[0].states)
         self.place = np.array(self.kernel.linearise().state)
 
     def at(self, distance: float, speed: float, slip: float) -> float:

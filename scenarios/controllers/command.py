@@ -3,6 +3,7 @@
   bogie-braking controllers compare mine.py:PI                    a Python class; none and our own stand beside it
   bogie-braking controllers compare mine.py:PI libpi.so           and a shared library
   bogie-braking controllers compare pi.c --vehicle vehicle        C, compiled now; on the coach
+  bogie-braking controllers compare pi.fmu                        an FMU; pi.toml beside it may name its variables
   bogie-braking controllers compare mine.py:PI --rails low,wet    on these rails alone
   bogie-braking controllers compare mine.py:PI --programme full   18 cases: 60 to 200 km/h, sensors and valves that fail
   bogie-braking controllers compare mine.py:PI --programme my.toml
@@ -33,7 +34,7 @@ from products.protection.programme import OWN, Case, four_rails, read_programme,
 from products.protection.protected_stop import Settings
 from products.protection.rails import RAILS
 from products.protection.rig import check_period
-from scenarios.controllers.given import forms_of
+from scenarios.controllers.given import controllers_of
 from scenarios.controllers.picture import draw
 from scenarios.controllers.scoring import compare
 from scenarios.controllers.table import document, lines
@@ -58,7 +59,7 @@ def add_commands(parser: argparse.ArgumentParser, speech: Callable[[argparse.Arg
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""
-    text = "FILE.py:CLASS, a shared library, or a C file that includes wheel_slide.h"
+    text = "FILE.py:CLASS, a shared library, a C file that includes wheel_slide.h, or an FMU"
     parser.add_argument("controller", nargs="+", help=text)
     parser.add_argument("--vehicle", choices=list(MACHINES), default="bogie", help="bogie, or vehicle: the coach")
     group = parser.add_mutually_exclusive_group()
@@ -100,8 +101,9 @@ def run(chosen: argparse.Namespace) -> bool:
         print(printed[chosen.action].read_text(encoding="utf-8"), end="")
         return True
     settings = settings_of(chosen)
-    machine, forms = MACHINES[chosen.vehicle](), forms_of(chosen.controller)
-    scores = compare(machine, forms, cases_of(chosen), settings)
+    machine = MACHINES[chosen.vehicle]()
+    controllers = controllers_of(chosen.controller, len(machine.numbers))
+    scores = compare(machine, controllers, cases_of(chosen), settings)
     folder = chosen.out / "controllers"
     folder.mkdir(parents=True, exist_ok=True)
     about = document(chosen.vehicle, settings, scores)

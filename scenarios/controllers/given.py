@@ -4,51 +4,90 @@ from __future__ import annotations
 
 import importlib.util
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
+
+from fmpy import read_model_description
 
 from brake_controller.wheel_slide import SlideProtection
 from fmu_src.compile import CompilerError
-from products.protection.braked_machine import bogie
+from products.protection.apart import Apart
 from products.protection.forms import Form, InC, compiled
+from products.protection.in_fmu import InFmu, Names, names_of
+from products.protection.programme import tomllib
 from scenarios.scenario import BadInputError
 
+#: What a comparison scores: in this process, or in one of its own.
+Given = Form | Apart
 #: Of every comparison, ahead of what is given.
-ALWAYS: dict[str, Form] = {"none": None, "protection": SlideProtection}
+ALWAYS: dict[str, Given] = {"none": None, "protection": SlideProtection}
 LIBRARIES = (".so", ".dll", ".dylib")
+KINDS = (*LIBRARIES, ".c", ".fmu")
 
 
-def forms_of(given: Sequence[str]) -> dict[str, Form]:
-    """Controllers by their names, those of every comparison first. Raises BadInputError, CompilerError."""
-    forms = dict(ALWAYS)
+def controllers_of(given: Sequence[str], wheelsets: int) -> dict[str, Given]:
+    """Controllers by their names, those of every comparison first. Raises BadInputError."""
+    found = dict(ALWAYS)
     for text in given:
-        name, form = form_of(text)
-        if name in forms:
+        name, controller = controller_of(text, wheelsets)
+        if name in found:
             raise BadInputError(f"Two controllers are called {name}; give each another name.")
-        forms[name] = form
-    return forms
+        found[name] = controller
+    return found
 
 
-def form_of(text: str) -> tuple[str, Form]:
-    """The name of a controller, and what it is. Raises BadInputError, CompilerError."""
+def controller_of(text: str, wheelsets: int) -> tuple[str, Given]:
+    """The name of a controller, and what it is. Raises BadInputError."""
     file, _, name = text.rpartition(":")
     if file.endswith(".py"):
         return name, class_in(Path(file), name)
     path = Path(text)
-    if path.suffix not in (*LIBRARIES, ".c"):
-        raise BadInputError(f"Give FILE.py:CLASS, a shared library or a C file as a controller: it was {text}.")
+    if path.suffix not in KINDS:
+        raise BadInputError(f"Give FILE.py:CLASS, a shared library, a C file or an FMU as a controller: it was {text}.")
     if not path.is_file():
         raise BadInputError(f"There is no file {path}; give the path of a controller.")
+    if path.suffix == ".fmu":
+        return path.stem, Apart(partial(in_fmu, path.resolve(), fmu_names(path, wheelsets)))
     try:
-        form = compiled(path) if path.suffix == ".c" else InC(path.resolve())
-        form.functions(len(bogie().numbers))
+        library = compiled(path).path if path.suffix == ".c" else path.resolve()
     except CompilerError as error:
         raise BadInputError(f"{path} does not compile. {error}") from None
-    except (OSError, AttributeError, ValueError) as error:
+    return path.stem, Apart(partial(in_c, library))
+
+
+def in_c(path: Path, wheelsets: int, period: float) -> Form:
+    """A library. Raises OSError, AttributeError, ValueError for what is no controller."""
+    form = InC(path)
+    form.functions(wheelsets)
+    return form
+
+
+def in_fmu(path: Path, names: Names, wheelsets: int, period: float) -> Form:
+    """An FMU. Raises ValueError for what is no controller."""
+    return InFmu(path, wheelsets, period, names)
+
+
+def fmu_names(path: Path, wheelsets: int) -> Names:
+    """The names in an FMU: those of the table beside it, NAME.toml, or those that our own FMUs have.
+
+    Raises BadInputError.
+    """
+    table = path.with_suffix(".toml")
+    try:
+        about = [variable.name for variable in read_model_description(str(path)).modelVariables]
+        if not table.is_file():
+            return names_of(about, wheelsets)
+        read = tomllib.loads(table.read_text(encoding="utf-8"))
+        values = tuple((name, float(value)) for name, value in read.get("values", {}).items())
+        return Names(tuple(read["wheel_speed"]), tuple(read["valve"]), read.get("period", ""), values)
+    except tomllib.TOMLDecodeError as error:
+        raise BadInputError(f"{table} is no TOML file ({error}); mend it.") from None
+    except (KeyError, TypeError, ValueError) as error:
         raise BadInputError(
-            f"{path} is no controller ({error}); it needs the functions of wheel_slide.h, which "
-            "bogie-braking controllers header prints."
+            f"{table} lacks or mistakes {error}; it names wheel_speed and valve, wheelset by wheelset."
         ) from None
-    return path.stem, form
+    except Exception as error:
+        raise BadInputError(f"{path} is no FMU ({error}); give one.") from None
 
 
 def class_in(file: Path, name: str) -> type:

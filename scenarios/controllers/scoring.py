@@ -8,15 +8,15 @@ import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from products.protection.apart import Apart, NoControllerError, Order, runs_apart
 from products.protection.braked_machine import Machine
 from products.protection.braked_system import filling_by_flow, machine_model
-from products.protection.forms import Form
 from products.protection.programme import Case
 from products.protection.protected_stop import GAS, Settings
 from products.protection.rig import Rig
 from products.protection.runs import Run, Stop
-from products.registry import model_of
 from scenarios.bench.peak_adhesion import PeakAdhesion
+from scenarios.controllers.given import Given
 from scenarios.reporting.progress import counting
 from scenarios.scenario import BadInputError
 
@@ -67,7 +67,9 @@ class Scored:
         return 1e3 * self.stop.air * GAS / FREE_AIR
 
 
-def compare(machine: Machine, forms: dict[str, Form], cases: Sequence[Case], settings: Settings) -> list[Scored]:
+def compare(
+    machine: Machine, controllers: Mapping[str, Given], cases: Sequence[Case], settings: Settings
+) -> list[Scored]:
     """Every controller in every case, case by case, and what each came to."""
     try:
         runs = [case.run(len(machine.numbers)) for case in cases]
@@ -79,10 +81,9 @@ def compare(machine: Machine, forms: dict[str, Form], cases: Sequence[Case], set
             if name not in known:
                 raise BadInputError(f"The case {case.name} sets {name}, which this machine has not.")
     stops: dict[str, list[Stop]] = {}
-    with counting(total=len(forms) + len(runs), text="controllers and ideals", unit="") as bar:
-        for name, form in forms.items():
-            with contextlib.redirect_stdout(sys.stderr):  # what a controller prints
-                stops[name] = Rig(machine, form, settings, by_flow=True).runs(runs)
+    with counting(total=len(controllers) + len(runs), text="controllers and ideals", unit="") as bar:
+        for name, controller in controllers.items():
+            stops[name] = stops_of(machine, name, controller, runs, settings)
             bar.update()
         ideal = []
         for run in runs:
@@ -98,10 +99,18 @@ def compare(machine: Machine, forms: dict[str, Form], cases: Sequence[Case], set
     ]
 
 
-def vehicle_values(machine: Machine, values: Mapping[str, float]) -> dict[str, float]:
-    """Those of the vehicle alone, without brakes and their air."""
-    known = {variable.name for variable in model_of(machine.fmu).variables}
-    return {name: value for name, value in values.items() if name in known}
+def stops_of(machine: Machine, name: str, controller: Given, runs: Sequence[Run], settings: Settings) -> list[Stop]:
+    """A stop of each run. Raises BadInputError for what is no controller."""
+    if isinstance(controller, Apart):
+        try:
+            return runs_apart(Order(machine, controller, settings), runs)
+        except NoControllerError as error:
+            raise BadInputError(
+                f"{name} is no controller ({error}); a library has the functions of wheel_slide.h, which bogie-braking "
+                "controllers header prints, an FMU wheel speeds as inputs and valves as outputs."
+            ) from None
+    with contextlib.redirect_stdout(sys.stderr):  # what a controller prints
+        return Rig(machine, controller, settings, by_flow=True).runs(runs)
 
 
 def ideal_distance(machine: Machine, run: Run, settings: Settings) -> float | None:
@@ -109,7 +118,7 @@ def ideal_distance(machine: Machine, run: Run, settings: Settings) -> float | No
     strength = settings.strength if run.strength is None else run.strength
     filling = filling_by_flow(machine.full_pressure, settings.application_time)
     try:
-        peak = PeakAdhesion(machine, vehicle_values(machine, run.values), filling)
+        peak = PeakAdhesion(machine, run.values, filling)
         return peak.stopping_distance(run.speed or settings.speed, strength)
     except ValueError:
         return None

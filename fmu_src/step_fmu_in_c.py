@@ -1,0 +1,53 @@
+"""An FMU (FMI 2.0, co-simulation) around three functions in C, for hosts that have no Python: step_in_c/fmi2_step.c."""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+
+import fmpy
+
+from fmu_src.archive import write_archive
+from fmu_src.codegen import RUNTIME
+from fmu_src.compile import FMI_HEADERS, library_suffix, plain_library
+from fmu_src.model_description import STEP, model_description
+from fmu_src.native_fmu import STANDARD_HEADERS
+from fmu_src.system import StepInC
+
+FACE = Path(__file__).parent / "step_in_c" / "fmi2_step.c"
+
+
+def build_step_fmu_in_c(step: StepInC, path: Path) -> None:
+    """Writes the FMU, for this platform and with its sources. Raises CompilerError."""
+    face = {FACE.name: FACE.read_text(encoding="utf-8"), "fmi2Functions.h": (RUNTIME / "fmi2Functions.h").read_text()}
+    digest = hashlib.sha256((repr(step) + "".join(face.values())).encode()).hexdigest()
+    guid = f"{{{digest[:8]}-{digest[8:12]}-{digest[12:16]}-{digest[16:20]}-{digest[20:32]}}}"
+    headers = {name: text for name, text in step.sources.items() if name.endswith(".h")}
+    ours = face | headers | {"step_model.h": numbers(step, guid)}
+    library = plain_library(ours, step.sources)
+    named = sorted(name for name in {**ours, **step.sources} if name.endswith(".c"))
+    files = {f"sources/{name}": text.encode() for name, text in {**ours, **step.sources}.items()}
+    files |= {f"sources/{name}": (FMI_HEADERS / name).read_bytes() for name in STANDARD_HEADERS[2]}
+    about = model_description(step.model, guid, STEP, named)
+    binary = {f"binaries/{fmpy.platform}/{step.name}{library_suffix()}": library.read_bytes()}
+    write_archive(path, {"modelDescription.xml": about.encode(), **files, **binary})
+
+
+def numbers(step: StepInC, guid: str) -> str:
+    """step_model.h: the numbers and the functions that fmi2_step.c is compiled with."""
+    least, most = ({int(getattr(one, limit)) for one in step.outputs} for limit in ("minimum", "maximum"))
+    return f"""/* What fmi2_step.c is compiled with. */
+#include "{step.header}"
+#define GUID "{guid}"
+#define INPUTS {len(step.inputs)}
+#define OUTPUTS {len(step.outputs)}
+#define PERIOD {step.period!r}
+#define SAFE {int(step.safe[0])}
+#define LEAST {least.pop()}
+#define MOST {most.pop()}
+#define COUNT {step.count}
+#define LARGEST_MEMORY {step.largest}
+#define MEMORY {step.size}
+#define START {step.start}
+#define STEP {step.step}
+"""

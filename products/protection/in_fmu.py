@@ -1,0 +1,88 @@
+"""A wheel-slide controller in an FMU, of FMI 2.0 or 3.0, with wheel speeds as inputs and valves as outputs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from fmpy import read_model_description
+
+from fmu_src.cosimulation.slave import Slave
+
+#: Instances at once; an FMU may have few of them.
+AT_ONCE = 16
+
+
+@dataclass(frozen=True)
+class Names:
+    """What the FMU calls the speeds of the wheels, wheelset by wheelset, its valves, and the parameter for the period.
+
+    values: of further parameters and inputs. period: empty where it has none.
+    """
+
+    wheel_speed: tuple[str, ...]
+    valve: tuple[str, ...]
+    period: str = ""
+    values: tuple[tuple[str, float], ...] = ()
+
+
+@dataclass
+class InFmu:
+    """Makes controllers for machines with so many wheelsets, each an instance of one FMU; ended ones are used again.
+
+    period: of its questions [s]. Raises ValueError for an FMU that lacks a variable.
+    """
+
+    path: Path
+    wheelsets: int
+    period: float
+    names: Names
+    free: list[Slave] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        about = read_model_description(str(self.path))
+        there = [variable.name for variable in about.modelVariables]
+        wanted = (*self.names.wheel_speed, *self.names.valve, *(name for name, _ in self.names.values))
+        for name in (*wanted, *filter(None, [self.names.period])):
+            if name not in there:
+                raise ValueError(f"it has no variable {name}, but {', '.join(there)}")
+        if not len(self.names.wheel_speed) == len(self.names.valve) == self.wheelsets:
+            raise ValueError(f"name a wheel speed and a valve for each of {self.wheelsets} wheelsets")
+        if about.coSimulation is None:
+            raise ValueError("it is not for co-simulation")
+        self.at_once = 1 if about.coSimulation.canBeInstantiatedOnlyOncePerProcess else AT_ONCE
+
+    def __call__(self) -> InstanceOfFmu:
+        """A controller for a new run."""
+        return InstanceOfFmu(self, self.free.pop() if self.free else Slave(self.path))
+
+
+class InstanceOfFmu:
+    """One run of the FMU: asked at a look, it makes the step to the next one, behind which its valves are read."""
+
+    def __init__(self, fmu: InFmu, slave: Slave) -> None:
+        self._fmu, self._slave, self._begun = fmu, slave, False
+        self.__name__ = fmu.path.name  # what a sentence calls it
+
+    def __del__(self) -> None:
+        self._fmu.free.append(self._slave)
+
+    def step(self, time: float, wheel_speeds: Sequence[float]) -> Sequence[int]:
+        """Valves, as `WheelSlideController` has them. Raises CosimulationError."""
+        names, period = self._fmu.names, self._fmu.period
+        speeds = dict(zip(names.wheel_speed, wheel_speeds, strict=True))
+        if not self._begun:
+            fixed = {names.period: period} if names.period else {}
+            self._slave.restart(fixed | dict(names.values), time, **speeds)
+            self._begun = True
+        self._slave.set(**speeds)
+        self._slave.step(time, period)
+        return [int(one) if one == int(one) else -1 for one in self._slave.get(names.valve)]
+
+
+def names_of(about: Sequence[str], wheelsets: int) -> Names:
+    """The names of this project's FMUs, the period if it is there. about: names of all variables."""
+    numbers = range(1, wheelsets + 1)
+    speeds, valves = (tuple(f"{name}_{number}" for number in numbers) for name in ("wheel_speed", "valve"))
+    return Names(speeds, valves, "period" if "period" in about else "")

@@ -1,0 +1,140 @@
+"""FMUs around a controller in C, which need no Python: their answers, their states, and what they refuse."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from fmpy import read_model_description, simulate_fmu
+from fmpy.validation import validate_fmu
+
+import build_fmu
+from fmu_src.cosimulation.slave import CosimulationError, Slave
+
+PERIOD = 5e-3
+#: Counts its questions; answers how many there were, by three, or what one asks for by a negative speed.
+COUNTS = """
+#include "wheel_slide.h"
+typedef struct { int wheelsets, asked; double period; } memory_of_one;
+size_t wheel_slide_size(int wheelsets) { return wheelsets > 0 ? sizeof(memory_of_one) : 0; }
+void wheel_slide_start(void *memory, int wheelsets, double period)
+{
+    memory_of_one *self = memory;
+    self->wheelsets = wheelsets;
+    self->period = period;
+}
+void wheel_slide_step(void *memory, double time, const double *speed, int *valve)
+{
+    memory_of_one *self = memory;
+    int unused;  /* a warning of one's own code is no error */
+    (void)time;
+    ++self->asked;
+    for (int i = 0; i < self->wheelsets; ++i) valve[i] = speed[i] < 0 ? (int)-speed[i] : self->asked % 3;
+}
+"""
+
+
+@pytest.fixture
+def counts(tmp_path: Path) -> Path:
+    (tmp_path / "counts.c").write_text(COUNTS)
+    assert build_fmu.main(["--controller", str(tmp_path / "counts.c"), "--out", str(tmp_path)]) == 0
+    return tmp_path / "native" / "counts.fmu"
+
+
+def test_it_needs_no_python_and_is_valid(counts: Path) -> None:
+    assert validate_fmu(str(counts)) == []
+    about = read_model_description(str(counts))
+    assert not about.coSimulation.needsExecutionTool
+    assert about.coSimulation.canGetAndSetFMUstate
+    result = simulate_fmu(str(counts), stop_time=0.05, start_values={"wheel_speed_1": 1.0}, output=["valve_2"])
+    assert set(result["valve_2"]) == {0, 1, 2}
+
+
+def test_it_is_asked_once_a_period_whatever_the_host_step(counts: Path) -> None:
+    with Slave(counts, period=0.01) as slave:
+        slave.start(wheel_speed_1=1.0, wheel_speed_2=1.0)
+        found = []
+        for number in range(50):
+            slave.step(number * 1e-3, 1e-3)
+            found.append(int(slave["valve_1"]))
+    assert found == [1] * 10 + [2] * 10 + [0] * 10 + [1] * 10 + [2] * 10
+
+
+def test_a_saved_state_goes_back_with_the_memory_of_the_controller(counts: Path) -> None:
+    with Slave(counts) as slave:
+        slave.start(wheel_speed_1=1.0, wheel_speed_2=1.0)
+        slave.step(0.0, PERIOD)
+        state = slave.save()
+        ways = []
+        for _ in range(2):
+            slave.restore(state)
+            way = []
+            for number in range(1, 6):
+                slave.step(number * PERIOD, PERIOD)
+                way.append(slave["valve_1"])
+            ways.append(way)
+        assert ways[0] == ways[1] == [2, 0, 1, 2, 0]
+
+
+def test_nonsense_leaves_the_brake_applied_and_ends_with_a_sentence(counts: Path) -> None:
+    with Slave(counts) as slave:
+        slave.start(wheel_speed_1=1.0, wheel_speed_2=1.0)
+        slave.step(0.0, PERIOD)
+        slave.set(wheel_speed_2=-7.0)
+        with pytest.raises(CosimulationError, match=r"gave 7 for output 2 at 0\.005 s where 0 to 2 was due"):
+            slave.step(PERIOD, PERIOD)
+        assert (slave["valve_1"], slave["valve_2"]) == (0, 0)
+        slave.restart({}, wheel_speed_1=1.0, wheel_speed_2=1.0)
+        slave.step(0.0, PERIOD)
+        assert slave["valve_1"] == 1
+
+
+def test_an_input_that_is_no_number_applies_the_brake(counts: Path) -> None:
+    with Slave(counts) as slave:
+        slave.start(wheel_speed_1=1.0, wheel_speed_2=1.0)
+        slave.step(0.0, PERIOD)
+        slave.set(wheel_speed_1=float("nan"))
+        slave.step(PERIOD, PERIOD)
+        assert slave["valve_2"] == 0
+        assert "Input 1 is no finite number at 0.005 s: the outputs are 0." in slave.messages
+
+
+@pytest.mark.parametrize("period", [0.0, 2.0, float("nan")])
+def test_a_period_that_cannot_be_is_refused(counts: Path, period: float) -> None:
+    with Slave(counts, period=period) as slave, pytest.raises(CosimulationError, match="Set period to 1e-06 to 1 s"):
+        slave.start()
+
+
+def test_the_period_is_fixed_once_it_runs(counts: Path) -> None:
+    with Slave(counts) as slave:
+        slave.start(wheel_speed_1=1.0, wheel_speed_2=1.0)
+        with pytest.raises(CosimulationError, match="Set period before the start; it is fixed from then on"):
+            slave.set(period=0.01)
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "words"),
+    [
+        ("p-i.c", COUNTS, "Name the file by letters, digits and _, as the FMU is called like it: it was p-i.c."),
+        ("pi.c", "int wrong(;", "pi.c does not compile. The C compiler ("),
+        ("pi.c", '#include "wheel_slide.h"\n', "pi.c does not compile. The C compiler ("),
+    ],
+)
+def test_what_becomes_no_fmu_is_refused(
+    name: str, text: str, words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / name).write_text(text)
+    assert build_fmu.main(["--controller", str(tmp_path / name), "--out", str(tmp_path)]) == 2
+    assert words in capsys.readouterr().err
+
+
+def test_a_coach_has_four_of_each(tmp_path: Path) -> None:
+    (tmp_path / "counts.c").write_text(COUNTS)
+    given = ["--controller", str(tmp_path / "counts.c"), "--out", str(tmp_path), "--wheelsets", "4"]
+    assert build_fmu.main(given) == 0
+    about = read_model_description(str(tmp_path / "native" / "counts4.fmu"))
+    assert [v.name for v in about.modelVariables] == [
+        *(f"wheel_speed_{number}" for number in range(1, 5)),
+        "period",
+        *(f"valve_{number}" for number in range(1, 5)),
+    ]

@@ -1,0 +1,124 @@
+"""Controllers in C and in FMUs, in a process of their own: the same stops, and what crashes, hangs or lies."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+
+import pytest
+
+import build_fmu
+from products.protection.apart import Apart, NoControllerError, Order, runs_apart
+from products.protection.braked_machine import bogie, coach
+from products.protection.forms import compiled
+from products.protection.in_fmu import InFmu, Names
+from products.protection.protected_stop import Settings
+from products.protection.rails import RAILS
+from products.protection.rig import Rig
+from products.protection.runs import Run
+from scenarios.controllers.given import in_c, in_fmu
+from scenarios.methods.protected_throughput import SHARE, SOURCE, LetGo
+
+#: Patience with what hangs [s].
+SHORT = 1.5
+NAMES = {
+    count: Names(
+        tuple(f"wheel_speed_{number}" for number in range(1, count + 1)),
+        tuple(f"valve_{number}" for number in range(1, count + 1)),
+        "period",
+    )
+    for count in (2, 4)
+}
+
+
+def let_go(folder: Path, name: str = "let_go", step: str = "") -> Path:
+    """The trivial controller in C; step: what it does first."""
+    path = folder / f"{name}.c"
+    text = SOURCE.replace("double fastest = 0.0;", f"double fastest = 0.0;\n    {step}")
+    path.write_text(f"#define SHARE {SHARE}\n#include <math.h>\n#include <stdlib.h>\n{text}")
+    return path
+
+
+def made_of(source: Path) -> Apart:
+    return Apart(partial(in_c, compiled(source).path))
+
+
+@pytest.mark.parametrize("machine", [bogie(), coach()], ids=["bogie", "coach"])
+def test_a_library_and_an_fmu_make_the_stops_of_the_class(machine, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    count = len(machine.numbers)
+    source, runs = let_go(tmp_path), [Run(RAILS[number].values(count), speed=12.0) for number in (1, 2)]
+    given = ["--controller", str(source), "--out", str(tmp_path), "--wheelsets", str(count)]
+    assert build_fmu.main(given) == 0
+    fmu = tmp_path / "native" / ("let_go.fmu" if count == 2 else "let_go4.fmu")
+    forms = [made_of(source), Apart(partial(in_fmu, fmu, NAMES[count]))]
+    settings = Settings(period=10e-3)
+    whole = Rig(machine, LetGo, settings, by_flow=True).runs(runs)
+    assert all(stop.distance for stop in whole)
+    for form in forms:
+        assert runs_apart(Order(machine, form, settings), runs) == whole
+
+
+def test_an_fmu_that_needs_python_makes_the_stops_of_its_class(tmp_path: Path) -> None:
+    text = (
+        "class LetGo:\n    def step(self, time, speeds):\n"
+        f"        return [2 if speed < {SHARE} * max(speeds) else 0 for speed in speeds]\n"
+    )
+    (tmp_path / "let_go.py").write_text(text)
+    assert build_fmu.main(["--controller", f"{tmp_path / 'let_go.py'}:LetGo", "--out", str(tmp_path)]) == 0
+    form = Apart(partial(in_fmu, tmp_path / "python" / "LetGo.fmu", NAMES[2]))
+    runs = [Run(RAILS[number].values()) for number in (1, 2)]
+    assert runs_apart(Order(bogie(), form, Settings()), runs) == Rig(bogie(), LetGo, Settings(), by_flow=True).runs(
+        runs
+    )
+
+
+@pytest.mark.parametrize(
+    ("step", "words"),
+    [
+        ("if (time > 6.0) abort();", "The controller ended its process (SIGABRT); the brake stays applied."),
+        ("if (time > 6.0) *(volatile int *)8 = 1;", "ended its process (SIGSEGV); the brake stays applied."),
+        ("if (time > 6.0) exit(3);", "The controller ended its process (exit status 3); the brake stays applied."),
+        ("while (time > 6.0) {}", "The controller gave no answer within 1.5 s; the brake stays applied."),
+    ],
+    ids=["abort", "crash", "exit", "hang"],
+)
+def test_what_ends_its_process_ends_no_comparison(step: str, words: str, tmp_path: Path) -> None:
+    """On a low rail it comes that far; from 5 m/s on a dry one it stops before."""
+    low, soon = Run(RAILS[2].values()), Run(RAILS[0].values(), speed=5.0)
+    form = made_of(let_go(tmp_path, "bad", step))
+    found = runs_apart(Order(bogie(), form, Settings()), [soon, low, soon], SHORT)
+    [good] = Rig(bogie(), LetGo, Settings(), by_flow=True).runs([soon])
+    [none] = Rig(bogie(), None, Settings(), by_flow=True).runs([low])
+    assert found[0] == found[2] == good
+    assert found[1].distance is None
+    assert words in found[1].said
+    assert found[1].time == none.time
+
+
+def test_what_always_ends_its_process_is_not_asked_for_ever(tmp_path: Path) -> None:
+    form = made_of(let_go(tmp_path, "bad", "abort();"))
+    found = runs_apart(Order(bogie(), form, Settings()), [Run(RAILS[0].values(), speed=5.0)] * 5)
+    assert [stop.distance for stop in found] == [None] * 5
+    assert found[2].said == "The controller ended its process (SIGABRT); the brake stays applied."
+    assert found[3].said == "The controller ended its process (SIGABRT) in 3 runs before; it was not asked again."
+
+
+def test_what_is_no_controller_is_told(tmp_path: Path) -> None:
+    (tmp_path / "libtext.so").write_text("no library")
+    (tmp_path / "nothing.c").write_text("int nothing;\n")
+    for path in (tmp_path / "libtext.so", compiled(tmp_path / "nothing.c").path):
+        with pytest.raises(NoControllerError):
+            runs_apart(Order(bogie(), Apart(partial(in_c, path)), Settings()), [Run(RAILS[0].values())])
+
+
+@pytest.mark.parametrize(
+    ("names", "words"),
+    [
+        (Names(("wheel_speed_1", "v"), ("valve_1", "valve_2")), "it has no variable v, but wheel_speed_1, wheel_"),
+        (Names(("wheel_speed_1",), ("valve_1",)), "name a wheel speed and a valve for each of 2 wheelsets"),
+    ],
+)
+def test_an_fmu_without_a_variable_is_refused(names: Names, words: str, tmp_path: Path) -> None:
+    assert build_fmu.main(["--controller", str(let_go(tmp_path)), "--out", str(tmp_path)]) == 0
+    with pytest.raises(ValueError, match=words):
+        InFmu(tmp_path / "native" / "let_go.fmu", 2, 5e-3, names)
