@@ -20,7 +20,7 @@ from fmu_src.compile import plain_library
 from products.protection import rig as module
 from products.protection.braked_machine import BrakedMachine, Machine, bogie, coach
 from products.protection.forms import FOLDER, Arrays, Form, compiled
-from products.protection.programme import OWN, read_programme
+from products.protection.programme import OWN, Case, read_programme
 from products.protection.protected_stop import BRAKE_START, Settings, protected_stop
 from products.protection.rails import RAILS
 from products.protection.rig import Rig
@@ -333,12 +333,16 @@ def test_faults_of_wheelsets_that_are_not_there_are_refused() -> None:
 
 def test_the_programme_that_comes_along_reads_as_it_is_written() -> None:
     cases = {case.name: case for case in read_programme(OWN)}
-    assert len(cases) == 18
+    assert len(cases) == 27
     assert cases["low, 200 km/h"].speed == pytest.approx(200 / 3.6)
     assert cases["low, valve 1 sticks at 6 s"].faults == (Fault(1, valve_from=6.0),)
-    assert cases["dry"].run(4).values["friction_4"] == 0.55
-    with pytest.raises(ValueError, match=re.escape("has a fault of wheelset 2; there are 1 here.")):
-        cases["low, no sensor on wheelset 2"].run(1)
+    assert cases["dry"].run(coach()).values["friction_4"] == 0.55
+    assert cases["low, laden"].run(coach()).values["body_mass"] == pytest.approx(
+        1.5 * coach().parameters.values()["body_mass"]
+    )
+    third = Case("third", "dry", faults=(Fault(3, radius=1.1),))
+    with pytest.raises(ValueError, match=re.escape("The case third has a fault of wheelset 3; there are 2 here.")):
+        third.run(bogie())
 
 
 @pytest.mark.parametrize(
@@ -350,6 +354,10 @@ def test_the_programme_that_comes_along_reads_as_it_is_written() -> None:
         ('[[case]]\nname = "a"\nrail = "dry"\nspeeed = 3\n', "case 1 (a): there is no speeed; give some of name,"),
         ('[[case]]\nname = "a"\nrail = "dry"\nspeed = "3mph"\n', "as 25m/s or 160km/h: it was 3mph."),
         ('[[case]]\nname = "a"\nrail = "dry"\nstrength = 0\n', "set strength above 0 and up to 5: it was 0."),
+        (
+            '[[case]]\nname = "a"\nrail = "dry"\nload = 9\n',
+            "set load to 0.2 to 5 times the mass of the body:",
+        ),
         ('[[case]]\nname = "a"\nrail = "dry"\nfriction = 2\n', "set friction above 0 and up to 1: it was 2."),
         ('[[case]]\nname = "a"\nrail = "dry"\nfault = [{}]\n', "a fault needs the number of its wheelset."),
         ('[[case]]\nname = "a"\nrail = "dry"\nfault = [{ wheel = 1 }]\n', "a fault has no wheel; give some of"),

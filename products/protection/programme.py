@@ -10,6 +10,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from products.protection.braked_machine import Machine
 from products.protection.rails import RAILS
 from products.protection.runs import Fault, Run
 from rbd_model.track.friction import CONDITIONS
@@ -20,23 +21,28 @@ tomllib = import_module("tomllib" if sys.version_info >= (3, 11) else "tomli")
 OWN = Path(__file__).with_name("programme.toml")
 SPEEDS = {"m/s": 1.0, "km/h": 1 / 3.6, "": 1.0}
 FASTEST, STRONGEST = 100.0, 5.0
-KNOWN = ("name", "rail", "friction", "speed", "strength", "values", "fault")
+KNOWN = ("name", "rail", "friction", "speed", "strength", "load", "values", "fault")
+#: Of its mass, how much a body may be loaded with [1].
+LOADS = (0.2, 5.0)
 
 
 @dataclass(frozen=True)
 class Case:
-    """A stop of a programme by its name; rail: the name of its condition."""
+    """A stop of a programme by its name; rail: name of its condition; load: mass of the body over its own."""
 
     name: str
     rail: str
     friction: float | None = None
     speed: float | None = None
     strength: float | None = None
+    load: float = 1.0
     values: tuple[tuple[str, float], ...] = ()
     faults: tuple[Fault, ...] = ()
 
-    def run(self, wheelsets: int) -> Run:
-        """The stop of a machine with so many wheelsets. Raises ValueError for a fault of one that it has not."""
+    def run(self, machine: Machine) -> Run:
+        """The stop of a machine. Raises ValueError for a fault of a wheelset that it has not."""
+        wheelsets, body = len(machine.numbers), f"{machine.counted}_mass"
+        mass = {} if self.load == 1.0 else {body: self.load * machine.parameters.values()[body]}
         for one in self.faults:
             if one.wheelset > wheelsets:
                 raise ValueError(
@@ -45,7 +51,7 @@ class Case:
         condition = CONDITIONS[self.rail]()
         if self.friction is not None:
             condition = replace(condition, friction=self.friction)
-        return Run(condition.values(wheelsets) | dict(self.values), self.speed, self.strength, self.faults)
+        return Run(condition.values(wheelsets) | mass | dict(self.values), self.speed, self.strength, self.faults)
 
 
 def four_rails() -> list[Case]:
@@ -96,12 +102,15 @@ def _case(table: Mapping[str, Any]) -> Case:
     friction = table.get("friction")
     if friction is not None and not 0.0 < float(friction) <= 1.0:
         raise ValueError(f"set friction above 0 and up to 1: it was {friction}.")
+    load = float(table.get("load", 1.0))
+    if not LOADS[0] <= load <= LOADS[1]:
+        raise ValueError(f"set load to {LOADS[0]:g} to {LOADS[1]:g} times the mass of the body: it was {load:g}.")
     if not isinstance(table.get("fault", []), list):
         raise ValueError("give fault a list, [{ wheelset = 1, sensor = ... }].")
     values = tuple((name, float(value)) for name, value in table.get("values", {}).items())
     speed = speed_of(table["speed"]) if "speed" in table else None
     faults = tuple(_fault(one) for one in table.get("fault", []))
-    return Case(table["name"], table["rail"], friction, speed, strength, values, faults)
+    return Case(table["name"], table["rail"], friction, speed, strength, load, values, faults)
 
 
 def _fault(table: Mapping[str, Any]) -> Fault:

@@ -1,6 +1,8 @@
 """The most that a rail can give: what a stop with the best slip at every instant would take."""
 
+import math
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -17,6 +19,13 @@ def by_time(since: float) -> float:
     return 1.0 - 20.0 ** (-max(0.0, since) / APPLICATION_TIME)
 
 
+def laden(machine: Machine, values: Mapping[str, float]) -> Machine:
+    """With the mass that its body, the counted one, has among these values."""
+    name = f"{machine.counted}_mass"
+    empty = machine.parameters.values()[name]
+    return replace(machine, mass=machine.mass + values.get(name, empty) - empty)
+
+
 class PeakAdhesion:
     """Largest deceleration that a rail can give, from a machine's own equations: the creep force at its best slip.
 
@@ -30,7 +39,8 @@ class PeakAdhesion:
     def __init__(
         self, machine: Machine, rail: Mapping[str, float], filling: Callable[[float], float] = by_time
     ) -> None:
-        self.machine, self.filling = machine, filling
+        self.machine, self.filling = laden(machine, rail), filling
+        self.uphill = machine.parameters.gravity * math.sin(math.atan(rail.get("gradient", 0.0)))
         self.kernel = Kernel(machine_kernel(machine.counted, by_flow=True), initial_speed=25.0, **rail)
         self.kernel.initialise()
         self.states = list(machine_model(machine.counted, by_flow=True).systems[0].states)
@@ -63,7 +73,8 @@ class PeakAdhesion:
         """
 
         def slope(time: float, state: np.ndarray) -> list[float]:
-            return [state[1], -min(strength * self.braking(time), self.best(state[0], max(state[1], STANDING))[0])]
+            most = self.best(state[0], max(state[1], STANDING))[0]
+            return [state[1], -min(strength * self.braking(time), most) - self.uphill]
 
         def stands(time: float, state: np.ndarray) -> float:
             return float(state[1]) - STANDING

@@ -72,7 +72,7 @@ def compare(
 ) -> list[Scored]:
     """Every controller in every case, case by case, and what each came to."""
     try:
-        runs = [case.run(len(machine.numbers)) for case in cases]
+        runs = [case.run(machine) for case in cases]
     except ValueError as error:
         raise BadInputError(str(error)) from None
     known = {variable.name for variable in machine_model(machine.counted, by_flow=True).variables}
