@@ -160,8 +160,10 @@ def _functions(name: str, solving: Elimination, head: str, number: str) -> list[
         casts = [f"({kind}{number} *){pointer}" for pointer, kind in pointers.items()]
         given = ", ".join(casts if as_numbers else pointers)
         pieces = [body[start : start + LONGEST] for start in range(0, len(body), LONGEST)]
-        for place, piece in enumerate(pieces):
-            lines += [f"static void {name}_{task}_{place}({taken}) {{", *(f"    {line}" for line in piece), "}"]
-        calls = [f"    {name}_{task}_{place}({given});" for place in range(len(pieces))]
+        # Numbers of lanes are what names end with.
+        names = [f"piece_{place}_of_{name}_{task}" for place in range(len(pieces))]
+        for own, piece in zip(names, pieces, strict=True):
+            lines += [f"static void {own}({taken}) {{", *(f"    {line}" for line in piece), "}"]
+        calls = [f"    {own}({given});" for own in names]
         lines += [f"{head.format(f'{name}_{task}')}({shown}) {{", *calls, "}", ""]
     return lines

@@ -13,7 +13,9 @@ import pytest
 import bogie_braking as bb
 from bogie_braking import sweeping
 from bogie_braking.machines import batch_machine_of
+from fmu_src import elimination
 from fmu_src.batch import BatchLibrary, Ends, run_batch
+from fmu_src.batch_in_c import batch_source
 from fmu_src.kernel import Kernel, KernelError
 
 BRAKED = {"initial_speed": 25.0, "brake_torque_1": 20e3, "brake_torque_2": 20e3}
@@ -36,6 +38,21 @@ def assert_same(ends: Ends, rows: list[tuple[list[float], str]]) -> None:
 @pytest.fixture(scope="module")
 def planar() -> BatchLibrary:
     return batch_machine_of("bogie", {}, False)
+
+
+def test_a_long_elimination_is_cut_into_any_number_of_pieces(
+    planar: BatchLibrary, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """More than 8, the most lanes, which names end with; they make the same runs."""
+    monkeypatch.setattr(elimination, "LONGEST", 8)
+    model = planar.model
+    system = next(one for one in model.systems if one.name == "planar")
+    cut = batch_source(model, system)
+    assert sum(text.count("static void piece_9_of_planar_factorise") for text in cut.values()) == 1
+    values = BRAKED | {"level": 2, "friction_1": FRICTION[:4]}
+    ends = [run_batch(one, values, 8.0, OUTPUTS) for one in (planar, BatchLibrary(model, system))]
+    for name in OUTPUTS:
+        assert np.array_equal(ends[0][name], ends[1][name])
 
 
 # ---- runs ----------------------------------------------------------------------------------------------------------

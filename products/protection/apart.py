@@ -41,11 +41,12 @@ class Order:
     controller: Apart
     settings: Settings
     by_flow: bool = True
+    level: int = 2
 
     def rig(self) -> Rig:
         """With the controller. Raises OSError, AttributeError, ValueError for what is none."""
         form = self.controller.make(len(self.machine.numbers), self.settings.period)
-        return Rig(self.machine, form, self.settings, self.by_flow)
+        return Rig(self.machine, form, self.settings, self.by_flow, self.level)
 
 
 def runs_apart(order: Order, runs: Sequence[Run], patience: float = PATIENCE) -> list[Stop]:
@@ -73,7 +74,7 @@ def runs_apart(order: Order, runs: Sequence[Run], patience: float = PATIENCE) ->
 
 def _applied(order: Order, run: Run, words: str) -> Stop:
     """What comes of brakes that stay applied, which is no stop of the controller."""
-    [stop] = Rig(order.machine, None, order.settings, order.by_flow).runs([run])
+    [stop] = Rig(order.machine, None, order.settings, order.by_flow, order.level).runs([run])
     return replace(stop, distance=None, said=words)
 
 

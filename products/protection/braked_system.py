@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from pathlib import Path
 
@@ -31,42 +31,53 @@ from rbd_model.vehicle.ready import passenger_coach, two_axle_bogie
 
 #: Assumed: 100 l a bogie at 5 bar, fed from a pipe of 5 bar through 3 mm.
 RESERVOIR_OF_A_BOGIE, RESERVOIR_PRESSURE, FEED_ORIFICE = 0.1, 500e3, 3e-3
+#: Numbers of the systems by level; in space with contacts that yield.
+PLACES = {2: places_of(level=2, on_line=False)[0], 3: places_of(level=3, depth=2, on_line=False)[0]}
 #: Volume of a cylinder [m3], as that of the timed law; the exponent of its air, as fast as that of the experiment.
 EXPONENT = 1.2
 
 
-@lru_cache
-def machine_model(counted: str, by_flow: bool = False) -> Model:
-    """The planar bogie (counted: frame) or coach (body) with a cylinder on each wheelset, one system.
+@dataclass(frozen=True)
+class Kind:
+    """Which equations of a machine. counted: frame, the bogie; body, the coach. level: 2 in the plane, 3 in space.
 
-    Cylinders are timed, or filled by flow of air from a reservoir through magnet valves.
+    by_flow: cylinders are filled by flow of air from a reservoir, through valves that take their time; else timed.
     """
-    machine = bogie() if counted == "frame" else coach()
-    vehicle = two_axle_bogie() if counted == "frame" else passenger_coach()
-    brake, [planar] = brake_of(vehicle, machine.full_torque), places_of(level=2, on_line=False)
-    system = system_at(vehicle, planar)
-    if by_flow:
+
+    counted: str
+    by_flow: bool = False
+    level: int = 2
+
+
+@lru_cache
+def machine_model(kind: Kind) -> Model:
+    """The machine with a cylinder on each wheelset, one system. Raises ValueError for another level."""
+    if kind.level not in PLACES:
+        raise ValueError(f"Set level to 2 (in the plane) or 3 (in space) on the test rig: it was {kind.level}.")
+    machine = bogie() if kind.counted == "frame" else coach()
+    vehicle = two_axle_bogie() if kind.counted == "frame" else passenger_coach()
+    brake, system = brake_of(vehicle, machine.full_torque), system_at(vehicle, PLACES[kind.level])
+    if kind.by_flow:
         return model_of(with_reservoir(system, vehicle, brake, machine), DEFAULT_TOLERANCE)
     return model_of(with_brakes(system, vehicle, lambda: timed_brake(brake)), DEFAULT_TOLERANCE)
 
 
 @lru_cache
-def machine_library(counted: str, by_flow: bool = False) -> BatchLibrary:
+def machine_library(kind: Kind) -> BatchLibrary:
     """Its equations compiled, many machines side by side."""
-    model = machine_model(counted, by_flow)
-    return BatchLibrary(model, model.systems[0], kept=partial(machine_file, counted, by_flow))
+    model = machine_model(kind)
+    return BatchLibrary(model, model.systems[0], kept=partial(machine_file, kind))
 
 
 @lru_cache
-def machine_kernel(counted: str, by_flow: bool = False) -> Library:
+def machine_kernel(kind: Kind) -> Library:
     """Its equations compiled, one machine."""
-    model = machine_model(counted, by_flow)
-    return Library(machine_file(counted, by_flow, "kernel", lambda: build_library(model)))
+    return Library(machine_file(kind, "kernel", lambda: build_library(machine_model(kind))))
 
 
-def machine_file(counted: str, by_flow: bool, what: str, make: Callable[[], Path]) -> Path:
+def machine_file(kind: Kind, what: str, make: Callable[[], Path]) -> Path:
     """A file of this machine, known without writing its equations anew while the sources are the same."""
-    return noted_path(f"{what} of a machine of the rig, {counted}, {by_flow}", make)
+    return noted_path(f"{what} of the rig's {kind}", make)
 
 
 def with_reservoir(system: System, vehicle: Vehicle, brake: BrakeParameters, machine: Machine) -> System:

@@ -21,7 +21,7 @@ from fmu_src.batch import Instances
 from products.braked_vehicle import FULL_PRESSURE
 from products.protection import rig_in_c
 from products.protection.braked_machine import RELEASE_TIME, STANDING, Machine
-from products.protection.braked_system import cylinder_air, machine_library, machine_model
+from products.protection.braked_system import Kind, cylinder_air, machine_library, machine_model
 from products.protection.forms import Arrays, Form, FunctionsInC, InC, at_once
 from products.protection.protected_stop import BRAKE_START, CYLINDER_VOLUME, GAS, LONGEST, Settings
 from products.protection.rails import ABOVE, BAND, LOCK_ABOVE
@@ -47,6 +47,7 @@ class Rig:
     """Stops of one machine under one controller, many at once. A context manager.
 
     by_flow: cylinders are filled by flow of air from a reservoir that empties, through valves that take their time.
+    level: 2 in the plane, 3 in space, which costs 4 to 5 times as much.
     step: length of the steps of the integration [s], of which a period is a multiple; 0: chosen by the error. Raises
     ValueError for a period of which a sensor remembers too few.
     """
@@ -57,6 +58,7 @@ class Rig:
         form: Form,
         settings: Settings,
         by_flow: bool = False,
+        level: int = 2,
         step: float = 0.0,
         threads: int | None = None,
     ) -> None:
@@ -64,7 +66,8 @@ class Rig:
         self.machine, self.form, self.settings, self.by_flow = machine, form, settings, by_flow
         self._step, self._threads = step, threads
         self._call = rig_in_c.functions()
-        self._model = machine_model(machine.counted, by_flow)
+        self._kind = Kind(machine.counted, by_flow, level)
+        self._model = machine_model(self._kind)
         n = machine.numbers
         self._inputs = [f"{name}_{number}" for name in ("pressure_demand", "valve") for number in n]
         of_each = ("rotation", "angular_velocity", "cylinder_pressure", "creep_force")
@@ -87,7 +90,7 @@ class Rig:
         names = sorted({name for one in own for name in one})
         first = {variable.name: variable.start for variable in self._model.variables}
         values = [{name: one.get(name, first[name]) for name in names} for one in own]
-        library = machine_library(self.machine.counted, self.by_flow)
+        library = machine_library(self._kind)
         start: dict[str, Any] = {name: [one[name] for one in values[:count]] for name in names}
         with (
             Instances(library, count, self._inputs, self._outputs, threads=self._threads, **start) as instances,

@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 
 from fmu_src.kernel import Kernel
 from products.protection.braked_machine import APPLICATION_TIME, STANDING, Machine
-from products.protection.braked_system import machine_kernel, machine_model
+from products.protection.braked_system import Kind, machine_kernel, machine_model
 from products.protection.protected_stop import BRAKE_START, LONGEST, ProtectedStop
 from products.protection.rails import ABOVE
 
@@ -41,9 +41,10 @@ class PeakAdhesion:
     ) -> None:
         self.machine, self.filling = laden(machine, rail), filling
         self.uphill = machine.parameters.gravity * math.sin(math.atan(rail.get("gradient", 0.0)))
-        self.kernel = Kernel(machine_kernel(machine.counted, by_flow=True), initial_speed=25.0, **rail)
+        kind = Kind(machine.counted, by_flow=True)
+        self.kernel = Kernel(machine_kernel(kind), initial_speed=25.0, **rail)
         self.kernel.initialise()
-        self.states = list(machine_model(machine.counted, by_flow=True).systems[0].states)
+        self.states = list(machine_model(kind).systems[0].states)
         self.place = np.array(self.kernel.linearise().state)
 
     def at(self, distance: float, speed: float, slip: float) -> float:

@@ -13,7 +13,7 @@
   bogie-braking controllers header > wheel_slide.h                what a controller in C includes
 
 A class has the method step(time, wheel_speeds) -> valves: [s], [m/s] -> 0 apply, 1 hold or 2 vent for each wheelset.
-All make the same stops with the same brake, sensors and rails, in the plane. Without a controller the wheels may lock.
+All make the same stops with the same brake, sensors and rails. Cylinders fill by flow of air from a reservoir. Without a controller the wheels may lock.
 The ideal has the best slip at every instant. Measures in the manner of EN 15595, without any claim of conformity.
 
 Exit status: 0 all controllers stopped everywhere; 1 one did not stop, or failed; 2 bad input; 3 the simulation failed;
@@ -62,6 +62,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     text = "FILE.py:CLASS, a shared library, a C file that includes wheel_slide.h, or an FMU"
     parser.add_argument("controller", nargs="+", help=text)
     parser.add_argument("--vehicle", choices=list(MACHINES), default="bogie", help="bogie, or vehicle: the coach")
+    parser.add_argument("--level", type=int, choices=(2, 3), default=2, help="2 in the plane (default), 3 in space")
     group = parser.add_mutually_exclusive_group()
     text = f"some of {','.join(rail.name for rail in RAILS)} (default: all)"
     group.add_argument("--rails", default="", metavar="NAMES", help=text)
@@ -103,7 +104,7 @@ def run(chosen: argparse.Namespace) -> bool:
     settings = settings_of(chosen)
     machine = MACHINES[chosen.vehicle]()
     controllers = controllers_of(chosen.controller, len(machine.numbers))
-    scores = compare(machine, controllers, cases_of(chosen), settings)
+    scores = compare(machine, controllers, cases_of(chosen), settings, chosen.level)
     folder = chosen.out / "controllers"
     folder.mkdir(parents=True, exist_ok=True)
     about = document(chosen.vehicle, settings, scores)

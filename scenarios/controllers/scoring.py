@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from products.protection.apart import Apart, NoControllerError, Order, runs_apart
 from products.protection.braked_machine import Machine
-from products.protection.braked_system import filling_by_flow, machine_model
+from products.protection.braked_system import Kind, filling_by_flow, machine_model
 from products.protection.programme import Case
 from products.protection.protected_stop import GAS, Settings
 from products.protection.rig import Rig
@@ -68,14 +68,17 @@ class Scored:
 
 
 def compare(
-    machine: Machine, controllers: Mapping[str, Given], cases: Sequence[Case], settings: Settings
+    machine: Machine, controllers: Mapping[str, Given], cases: Sequence[Case], settings: Settings, level: int = 2
 ) -> list[Scored]:
-    """Every controller in every case, case by case, and what each came to."""
+    """Every controller in every case, case by case, and what each came to; level: 2 in the plane, 3 in space.
+
+    The ideal is that in the plane.
+    """
     try:
         runs = [case.run(machine) for case in cases]
     except ValueError as error:
         raise BadInputError(str(error)) from None
-    known = {variable.name for variable in machine_model(machine.counted, by_flow=True).variables}
+    known = {variable.name for variable in machine_model(Kind(machine.counted, by_flow=True, level=level)).variables}
     for case, run in zip(cases, runs, strict=True):
         for name in run.values:
             if name not in known:
@@ -83,7 +86,7 @@ def compare(
     stops: dict[str, list[Stop]] = {}
     with counting(total=len(controllers) + len(runs), text="controllers and ideals", unit="") as bar:
         for name, controller in controllers.items():
-            stops[name] = stops_of(machine, name, controller, runs, settings)
+            stops[name] = stops_of(machine, name, controller, runs, settings, level)
             bar.update()
         ideal = []
         for run in runs:
@@ -99,18 +102,20 @@ def compare(
     ]
 
 
-def stops_of(machine: Machine, name: str, controller: Given, runs: Sequence[Run], settings: Settings) -> list[Stop]:
+def stops_of(
+    machine: Machine, name: str, controller: Given, runs: Sequence[Run], settings: Settings, level: int
+) -> list[Stop]:
     """A stop of each run. Raises BadInputError for what is no controller."""
     if isinstance(controller, Apart):
         try:
-            return runs_apart(Order(machine, controller, settings), runs)
+            return runs_apart(Order(machine, controller, settings, level=level), runs)
         except NoControllerError as error:
             raise BadInputError(
                 f"{name} is no controller ({error}); a library has the functions of wheel_slide.h, which bogie-braking "
                 "controllers header prints, an FMU wheel speeds as inputs and valves as outputs."
             ) from None
     with contextlib.redirect_stdout(sys.stderr):  # what a controller prints
-        return Rig(machine, controller, settings, by_flow=True).runs(runs)
+        return Rig(machine, controller, settings, by_flow=True, level=level).runs(runs)
 
 
 def ideal_distance(machine: Machine, run: Run, settings: Settings) -> float | None:
