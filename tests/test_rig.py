@@ -231,7 +231,7 @@ def test_slow_valves_stop_later(tmp_path: Path) -> None:
 @pytest.mark.long
 @pytest.mark.parametrize("machine", [bogie(), coach()], ids=["bogie", "coach"])
 def test_stops_in_space_are_those_in_the_plane(machine: Machine, tmp_path: Path) -> None:
-    """On straight, smooth track, within 1 %: measured 0.7 % under a rough controller, 0.1 % where wheels roll or lock."""
+    """On straight, smooth track: measured 0.8 % under a rough controller, 0.12 % where wheels roll or lock."""
     rails, form = [rail.values(len(machine.numbers)) for rail in RAILS], in_c(tmp_path)
     for given, band in ((form, 0.01), (None, 0.0015)):
         plane, space = (Rig(machine, given, Settings(), by_flow=True, level=level).stops(rails) for level in (2, 3))

@@ -5,7 +5,7 @@
   bogie-braking controllers compare pi.c --vehicle vehicle        C, compiled now; on the coach
   bogie-braking controllers compare pi.fmu                        an FMU; pi.toml beside it may name its variables
   bogie-braking controllers compare mine.py:PI --rails low,wet    on these rails alone
-  bogie-braking controllers compare mine.py:PI --programme full   18 cases: 60 to 200 km/h, sensors and valves that fail
+  bogie-braking controllers compare mine.py:PI --programme full   27 cases: 60 to 200 km/h, sensors and valves that fail
   bogie-braking controllers compare mine.py:PI --programme my.toml
                                                                   cases of your own (controllers programme > my.toml)
   bogie-braking controllers compare mine.py:PI --speed 160km/h --teeth 80 --period 10ms
@@ -13,7 +13,8 @@
   bogie-braking controllers header > wheel_slide.h                what a controller in C includes
 
 A class has the method step(time, wheel_speeds) -> valves: [s], [m/s] -> 0 apply, 1 hold or 2 vent for each wheelset.
-All make the same stops with the same brake, sensors and rails. Cylinders fill by flow of air from a reservoir. Without a controller the wheels may lock.
+All make the same stops with the same brake, sensors and rails; cylinders fill by flow of air from a reservoir. Without
+a controller the wheels may lock.
 The ideal has the best slip at every instant. Measures in the manner of EN 15595, without any claim of conformity.
 
 Exit status: 0 all controllers stopped everywhere; 1 one did not stop, or failed; 2 bad input; 3 the simulation failed;
