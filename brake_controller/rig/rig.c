@@ -26,6 +26,7 @@ struct rig {
     long long int rows;
     rig_run *run;
     rig_score *score;
+    rig_notes notes;
 };
 
 static void *room(size_t count, size_t size)
@@ -96,6 +97,7 @@ void rig_begin(rig *self, long long int row, const double *error, const rig_whee
         one->locked[i] = one->skid[i] = one->pressure[i] = one->seen[i] = 0.0;
         one->valve[i] = WHEEL_SLIDE_APPLY;
     }
+    if (self->notes.every) self->notes.count[row] = 0;
     memset(&self->score[row], 0, sizeof self->score[row]);
     self->score[row].failed_at = NAN;
     self->score[row].reservoir = s->reservoir ? INFINITY : 0.0;
@@ -113,6 +115,31 @@ static size_t width(const rig_settings *s)
 const rig_score *rig_scores(const rig *self)
 {
     return self->score;
+}
+
+void rig_write_down(rig *self, const rig_notes *notes)
+{
+    self->notes = *notes;
+}
+
+/* Writes a look down if it is due. */
+static void note(rig *self, long long int row, double time, const double *shown)
+{
+    const rig_notes *notes = &self->notes;
+    const rig_run *one = &self->run[row];
+    const int n = self->settings.wheelsets;
+    if (!notes->every || notes->count[row] == notes->room) return;
+    if (one->looks % notes->every && self->score[row].state == RIG_RUNS) return;
+    double *to = notes->look + (row * notes->room + notes->count[row]++) * (3 + 4 * n);
+    to[0] = time;
+    to[1] = shown[0];
+    to[2] = shown[1];
+    for (int i = 0; i < n; ++i) {
+        to[3 + i] = shown[2 + n + i];
+        to[3 + n + i] = one->seen[i];
+        to[3 + 2 * n + i] = shown[2 + 2 * n + i];
+        to[3 + 3 * n + i] = one->valve[i];
+    }
 }
 
 /* What this look adds to the score of a run. */
@@ -171,6 +198,7 @@ static bool look(rig *self, long long int row, int status, const double *shown, 
     for (int i = 0; i < s->wheelsets; ++i)
         wheel_speed[i] = one->seen[i] = seen(s, one, i, time, encoder_read(&one->sensor[i], &s->encoder, time, shown[2 + i]));
     judge(self, row, time, shown);
+    note(self, row, time, shown);
     return self->score[row].state == RIG_RUNS;
 }
 

@@ -65,6 +65,15 @@ typedef struct {
     int state, answer, valve; /* answer: what the controller that failed gave for this valve, from 0 */
 } rig_score;
 
+/* Where runs are written down: at every so many looks and at the last one, while there is room. A look is its time, speed and
+ * distance; then of each wheelset its angular velocity, what its sensor shows, its cylinder pressure, and its valve as it stood
+ * until then, by kind. */
+typedef struct {
+    long long int every, room; /* looks between two that are written down; how many of a row there is room for */
+    double *look;              /* rows x room x (3 + 4 wheelsets) */
+    long long int *count;      /* rows: how many were written down */
+} rig_notes;
+
 typedef struct rig rig;
 
 /* What a machine shows, in this order: speed, distance; then of each wheelset its rotation [rad], angular velocity [rad/s],
@@ -77,6 +86,8 @@ RIG_SHOWN void rig_free(rig *self);
 /* A run begins in a row. error: of the edges of each wheelset's sensor, pulses each, or null. Both are copied. */
 RIG_SHOWN void rig_begin(rig *self, long long int row, const double *error, const rig_wheelset *wheelset);
 RIG_SHOWN const rig_score *rig_scores(const rig *self);
+/* Runs that begin from now on are written down there; it outlives the rig. */
+RIG_SHOWN void rig_write_down(rig *self, const rig_notes *notes);
 /* Sensors look at rows from the first on: times since their start, and speeds that they show, count x wheelsets. status: of
  * the step before, a kernel_status. */
 RIG_SHOWN void rig_look(rig *self, long long int first, long long int count, const int *status, const double *shown,

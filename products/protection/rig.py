@@ -23,6 +23,7 @@ from products.protection import rig_in_c
 from products.protection.braked_machine import RELEASE_TIME, STANDING, Machine
 from products.protection.braked_system import Kind, cylinder_air, machine_library, machine_model
 from products.protection.forms import Arrays, Form, FunctionsInC, InC, at_once
+from products.protection.history import EVERY, History, Notebook
 from products.protection.protected_stop import BRAKE_START, CYLINDER_VOLUME, GAS, LONGEST, Settings
 from products.protection.rails import ABOVE, BAND, LOCK_ABOVE
 from products.protection.rig_in_c import LOST, RUNS, SCORE, STANDS, TOO_LONG, Wheelset
@@ -83,7 +84,20 @@ class Rig:
 
         goes_on: called every now and then.
         """
-        found: list[Stop | None] = [None] * len(runs)
+        return [stop for stop, _ in self._made(runs, goes_on)]
+
+    def recorded(
+        self, runs: Sequence[Run], goes_on: Callable[[], None] = lambda: None, every: float = EVERY
+    ) -> list[tuple[Stop, History]]:
+        """The same stops, each with its course over time, one look in about `every` seconds."""
+        looks = max(1, round(every / self.settings.period))
+        return [(stop, history) for stop, history in self._made(runs, goes_on, looks) if history]
+
+    def _made(
+        self, runs: Sequence[Run], goes_on: Callable[[], None], every: int = 0
+    ) -> list[tuple[Stop, History | None]]:
+        """Stops, and their courses where one of so many looks is to be written down."""
+        found: list[tuple[Stop, History | None] | None] = [None] * len(runs)
         count = min(len(runs), at_once(self.form))
         own = [self._values(run) for run in runs]
         faults = [self._faults(run) for run in runs]
@@ -96,8 +110,11 @@ class Rig:
             Instances(library, count, self._inputs, self._outputs, threads=self._threads, **start) as instances,
             _Loop(self, instances) as loop,
         ):
+            notebook = Notebook(count, loop.wheelsets, every, self.settings.period) if every else None
+            if notebook:
+                self._call.rig_write_down(loop.own, notebook.place)
             for row, number in self._turns(loop, values, faults, count, goes_on):
-                found[number] = loop.stop(row)
+                found[number] = loop.stop(row), notebook.history(row) if notebook else None
         return [one for one in found if one is not None]
 
     def _turns(

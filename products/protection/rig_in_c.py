@@ -42,6 +42,15 @@ class Wheelset(ctypes.Structure):
     )
 
 
+class Notes(ctypes.Structure):
+    """A `rig_notes`."""
+
+    _fields_ = (
+        *((name, ctypes.c_longlong) for name in ("every", "room")),
+        *((name, ctypes.c_void_p) for name in ("look", "count")),
+    )
+
+
 #: Wheelsets of a machine at most, RIG_MOST.
 MOST = 16
 #: A `rig_score` of rig.h.
@@ -69,6 +78,7 @@ def functions() -> ctypes.CDLL:
         "rig_free": (None, [pointer]),
         "rig_begin": (None, [pointer, count, pointer, pointer]),
         "rig_scores": (pointer, [pointer]),
+        "rig_write_down": (None, [pointer, ctypes.POINTER(Notes)]),
         "rig_look": (None, [pointer, count, count, pointer, pointer, pointer, pointer]),
         "rig_tell": (None, [pointer, count, count, pointer, pointer]),
         "rig_give_up": (None, [pointer, count]),

@@ -1,0 +1,107 @@
+"""The course of a stop as the test rig writes it down: what a controller saw and said; it changes no run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import ClassVar
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from products.protection import rig as module
+from products.protection.braked_machine import Machine, bogie, coach
+from products.protection.forms import Arrays, compiled
+from products.protection.protected_stop import Settings
+from products.protection.rails import RAILS
+from products.protection.rig import Rig
+from products.protection.runs import Fault, Run
+
+RUNS = [Run(rail.values()) for rail in RAILS[:3]]
+LET_GO = """
+#include "wheel_slide.h"
+size_t wheel_slide_size(int wheelsets) { return sizeof(int) * (size_t)(wheelsets > 0); }
+void wheel_slide_start(void *memory, int wheelsets, double period) { *(int *)memory = wheelsets; (void)period; }
+void wheel_slide_step(void *memory, double time, const double *v, int *valve)
+{
+    const int n = *(int *)memory;
+    double most = 0.0;
+    (void)time;
+    for (int i = 0; i < n; ++i) most = v[i] > most ? v[i] : most;
+    for (int i = 0; i < n; ++i) valve[i] = v[i] < 0.8 * most ? 2 : 0;
+}
+"""
+
+
+class LetGo:
+    """Lets go of what is slow, and notes what it saw and said."""
+
+    said: ClassVar[list[list[float]]] = []
+
+    def step(self, time: float, speeds: list[float]) -> list[int]:
+        answer = [2 if speed < 0.8 * max(speeds) else 0 for speed in speeds]
+        self.said.append([time, *speeds, *answer])
+        return answer
+
+
+class LetAllGo:
+    def start(self, rows: NDArray[np.intp], count: int, wheelsets: int, period: float) -> None:
+        pass
+
+    def step(self, time: NDArray[np.float64], speeds: NDArray[np.float64]) -> NDArray[np.integer]:
+        return np.where(speeds < 0.8 * speeds.max(axis=1, keepdims=True), 2, 0)
+
+
+def test_a_run_that_is_written_down_is_the_same_in_every_form(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """To the last bit, with rows that take the next run; and all forms write the same."""
+    (tmp_path / "let_go.c").write_text(LET_GO)
+    forms = (LetGo, Arrays(LetAllGo()), compiled(tmp_path / "let_go.c"))
+    monkeypatch.setattr(module, "AT_ONCE", 2)
+    written = []
+    for form in forms:
+        rig = Rig(bogie(), form, Settings(), by_flow=True)
+        found = rig.recorded(RUNS)
+        assert [stop for stop, _ in found] == rig.runs(RUNS)
+        written.append([history for _, history in found])
+    for one in written[1:]:
+        for history, same in zip(one, written[0], strict=True):
+            assert all(np.array_equal(value, vars(same)[name]) for name, value in vars(history).items())
+    assert not np.array_equal(written[0][2].speed[:100], written[0][0].speed[:100])
+
+
+def test_what_is_written_down_is_what_the_controller_saw_and_said() -> None:
+    LetGo.said.clear()
+    [(_, history)] = Rig(bogie(), LetGo, Settings()).recorded([RUNS[2]])
+    said = np.array(LetGo.said)
+    looks = np.rint(history.time[:-1] / 5e-3).astype(int)
+    assert np.array_equal(said[looks, 0], history.time[:-1])
+    assert np.array_equal(said[looks, 1:3], history.sensor_speed[:-1])
+    assert np.array_equal(said[looks[1:] - 1, 3:], history.valve[1:-1])
+    assert not np.array_equal(said[looks[1:], 3:], history.valve[1:-1])
+    assert {0, 2} == set(np.unique(history.valve))
+
+
+@pytest.mark.parametrize("machine", [bogie(), coach()], ids=["bogie", "coach"])
+def test_the_course_of_a_stop_ends_where_the_stop_does(machine: Machine) -> None:
+    """Its distance is the integral of its speed; wheels roll at first, and those that lock stand."""
+    count = len(machine.numbers)
+    run = Run(RAILS[2].values(count), faults=(Fault(1, sensor="zero", sensor_from=3.0),))
+    [(stop, history)] = Rig(machine, None, Settings()).recorded([run])
+    assert (history.time[-1], history.distance[-1], history.speed[-1]) == (stop.time, stop.distance, stop.end_speed)
+    assert np.diff(history.time[:-1]) == pytest.approx(0.1)
+    way = np.trapezoid(history.speed, history.time)
+    assert history.distance[-1] == pytest.approx(way, rel=1e-3)
+    assert np.trapezoid(history.speed[::2], history.time[::2]) != pytest.approx(way, rel=1e-6)
+    radius = machine.parameters.wheel_radius
+    assert radius * history.angular_velocity[5] == pytest.approx(np.full(count, 25.0), rel=1e-3)
+    locked = history.angular_velocity[history.time.searchsorted(10.0)]
+    assert np.any(locked == 0.0)
+    assert np.all(history.sensor_speed[history.time >= 3.0, 0] == 0.0)
+    assert history.pressure.max() == pytest.approx(machine.full_pressure, rel=1e-2)
+
+
+def test_looks_farther_apart_are_some_of_the_others() -> None:
+    rig = Rig(bogie(), None, Settings())
+    [(_, fine)], [(_, coarse)] = rig.recorded([RUNS[0]], 0.1), rig.recorded([RUNS[0]], 0.5)
+    assert np.array_equal(coarse.speed[:-1], fine.speed[:-1:5][: len(coarse.speed) - 1])
+    assert coarse.speed[-1] == fine.speed[-1]
