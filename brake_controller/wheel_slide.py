@@ -5,11 +5,13 @@ with the brake; `Supervised` stands between any controller and the valves and ke
 """
 
 import math
+import os
 import signal
 import threading
+import traceback
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, fields
-from typing import Protocol
+from typing import Any, Protocol
 
 #: What a valve does, as the input `valve` of the brake cylinder. This file needs nothing but Python, so that it can
 #: travel inside an FMU.
@@ -406,6 +408,14 @@ def within(patience: float, call: Callable[[], object]) -> object:
     return answer
 
 
+def failure(error: BaseException, controller: Any) -> str:
+    """What was raised, and on which line of the file that has the controller's `step`, the last that was reached."""
+    own = getattr(getattr(getattr(type(controller), "step", None), "__code__", None), "co_filename", None)
+    reached = traceback.extract_tb(error.__traceback__)
+    lines = [f", {os.path.basename(one.filename)}, line {one.lineno}" for one in reached if one.filename == own]
+    return f"{type(error).__name__}: {error}{lines[-1] if lines else ''}"
+
+
 @dataclass
 class Supervised:
     """A controller whose failures do not reach the valves. Raises ControllerError with a sentence.
@@ -439,7 +449,7 @@ class Supervised:
             fits = len(answer) == self.wheelsets and self._commands.issuperset(answer)
         except (Exception, SystemExit) as error:
             raise ControllerError(
-                f"The controller {self.name} failed at {time:.6g} s ({type(error).__name__}: {error}); the brake stays "
+                f"The controller {self.name} failed at {time:.6g} s ({failure(error, self.controller)}); the brake stays "
                 "applied."
             ) from error
         if not fits:

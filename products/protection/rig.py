@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from brake_controller.sensors import GATE, LOWEST_FREQUENCY, TIMER, edge_errors
-from brake_controller.wheel_slide import APPLY, VENT, ControllerError, LateError, Supervised, within
+from brake_controller.wheel_slide import APPLY, VENT, ControllerError, LateError, Supervised, failure, within
 from fmu_src.batch import Instances
 from products.braked_vehicle import FULL_PRESSURE
 from products.protection import rig_in_c
@@ -262,7 +262,7 @@ class _Loop:
             self._take_all(answer)
         except (Exception, SystemExit) as error:
             name, at = type(controller).__name__, float(self.time.max())
-            words = f"The controller {name} failed at {at:.6g} s ({type(error).__name__}: {error}); "
+            words = f"The controller {name} failed at {at:.6g} s ({failure(error, controller)}); "
             for row in np.flatnonzero(self.score["state"] == RUNS).tolist():
                 self._give_up(row, words + "the brake stays applied.")
 

@@ -4,6 +4,8 @@
   bogie-braking controllers compare mine.py:PI libpi.so           and a shared library
   bogie-braking controllers compare pi.c --vehicle vehicle        C, compiled now; on the coach
   bogie-braking controllers compare pi.fmu                        an FMU; pi.toml beside it may name its variables
+  bogie-braking controllers compare 'mine.py:PI(kp=0.3)' 'mine.py:PI(kp=0.5)'
+                                                                  a class with two choices of its gains
   bogie-braking controllers compare mine.py:PI --rails low,wet    on these rails alone
   bogie-braking controllers compare mine.py:PI --programme full   27 cases: 60 to 200 km/h, sensors and valves that fail
   bogie-braking controllers compare mine.py:PI --programme my.toml
@@ -60,7 +62,7 @@ def add_commands(parser: argparse.ArgumentParser, speech: Callable[[argparse.Arg
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""
-    text = "FILE.py:CLASS, a shared library, a C file that includes wheel_slide.h, or an FMU"
+    text = "FILE.py:CLASS, also with gains, 'FILE.py:CLASS(kp=0.3)'; a library; C that includes wheel_slide.h; an FMU"
     parser.add_argument("controller", nargs="+", help=text)
     parser.add_argument("--vehicle", choices=list(MACHINES), default="bogie", help="bogie, or vehicle: the coach")
     parser.add_argument("--level", type=int, choices=(2, 3), default=2, help="2 in the plane (default), 3 in space")
@@ -93,6 +95,8 @@ def cases_of(chosen: argparse.Namespace) -> list[Case]:
     for name in names:
         if name not in known:
             raise BadInputError(f"There is no rail {name}; give some of {', '.join(known)}.")
+        if names.count(name) > 1:
+            raise BadInputError(f"Give each of --rails once: {name} was there {names.count(name)} times.")
     return [known[name] for name in names]
 
 
@@ -123,6 +127,8 @@ def run(chosen: argparse.Namespace) -> bool:
 def settings_of(chosen: argparse.Namespace) -> Settings:
     """What the command line asks for. Raises BadInputError."""
     period = time_of(chosen.period, "--period")
+    if chosen.teeth < 1:
+        raise BadInputError(f"Set --teeth to a whole number of at least 1: it was {chosen.teeth}.")
     try:
         check_period(period)
         return Settings(

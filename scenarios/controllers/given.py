@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import ast
 import importlib.util
+import re
+import sys
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
@@ -23,6 +26,8 @@ Given = Form | Apart
 ALWAYS: dict[str, Given] = {"none": None, "protection": SlideProtection}
 LIBRARIES = (".so", ".dll", ".dylib")
 KINDS = (*LIBRARIES, ".c", ".fmu")
+#: FILE.py:CLASS, with or without the class's gains behind it.
+IN_PYTHON = re.compile(r"(?P<file>.+\.py):(?P<name>\w+)(?P<gains>\(.*\))?", re.DOTALL)
 
 
 def controllers_of(given: Sequence[str], wheelsets: int) -> dict[str, Given]:
@@ -38,9 +43,11 @@ def controllers_of(given: Sequence[str], wheelsets: int) -> dict[str, Given]:
 
 def controller_of(text: str, wheelsets: int) -> tuple[str, Given]:
     """The name of a controller, and what it is. Raises BadInputError."""
-    file, _, name = text.rpartition(":")
-    if file.endswith(".py"):
-        return name, class_in(Path(file), name)
+    in_python = IN_PYTHON.fullmatch(text)
+    if in_python and in_python["gains"]:
+        return with_gains(Path(in_python["file"]), in_python["name"], in_python["gains"])
+    if in_python:
+        return in_python["name"], class_in(Path(in_python["file"]), in_python["name"])
     path = Path(text)
     if path.suffix not in KINDS:
         raise BadInputError(f"Give FILE.py:CLASS, a shared library, a C file or an FMU as a controller: it was {text}.")
@@ -90,14 +97,47 @@ def fmu_names(path: Path, wheelsets: int) -> Names:
         raise BadInputError(f"{path} is no FMU ({error}); give one.") from None
 
 
+def with_gains(file: Path, name: str, gains: str) -> tuple[str, Form]:
+    """A class with its arguments, such as (0.3, limit=2): the name is that of the call. Raises BadInputError."""
+    try:
+        call = ast.parse(name + gains, mode="eval").body
+        if not isinstance(call, ast.Call) or any(one.arg is None for one in call.keywords):
+            raise ValueError
+        values = [ast.literal_eval(one) for one in call.args]
+        named = {str(one.arg): ast.literal_eval(one.value) for one in call.keywords}
+    except (SyntaxError, ValueError):
+        words = f"Give gains as numbers or texts, as in {file}:{name}(0.3, limit=2)"
+        raise BadInputError(f"{words}: it was {gains}.") from None
+    form = partial(found_in(file, name), *values, **named)
+    try:
+        form()
+    except (Exception, SystemExit) as error:
+        words = f"{name} of {file} cannot be made with {gains}"
+        raise BadInputError(f"{words} ({type(error).__name__}: {error}); give it others.") from None
+    return ast.unparse(call), form
+
+
 def class_in(file: Path, name: str) -> type:
+    """A class of a Python file that is made without arguments. Raises BadInputError."""
+    found = found_in(file, name)
+    try:
+        found()
+    except (Exception, SystemExit) as error:
+        raise BadInputError(
+            f"{name} of {file} cannot be made without arguments ({type(error).__name__}: {error}); give its gains "
+            f"default values, or give them here, as in {file}:{name}(0.3, limit=2)."
+        ) from None
+    return found
+
+
+def found_in(file: Path, name: str) -> type:
     """A class of a Python file. Raises BadInputError."""
     if not file.is_file():
         raise BadInputError(f"There is no file {file}; give FILE.py:CLASS.")
-    about = importlib.util.spec_from_file_location(file.stem, file)
+    about = importlib.util.spec_from_file_location(f"controllers_in_{file.stem}", file)
     assert about is not None
     assert about.loader is not None
-    module = importlib.util.module_from_spec(about)
+    module = sys.modules[about.name] = importlib.util.module_from_spec(about)  # where dataclasses look for their own
     try:
         about.loader.exec_module(module)
     except Exception as error:
@@ -105,11 +145,4 @@ def class_in(file: Path, name: str) -> type:
     found = getattr(module, name, None)
     if not isinstance(found, type) or not callable(getattr(found, "step", None)):
         raise BadInputError(f"{file} has no class {name} with a method step(time, wheel_speeds); give one that has.")
-    try:
-        found()
-    except (Exception, SystemExit) as error:
-        raise BadInputError(
-            f"{name} of {file} cannot be made without arguments ({type(error).__name__}: {error}); give its gains "
-            "default values, or write a class below it that sets them."
-        ) from None
     return found

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -394,6 +395,11 @@ class Raises:
         raise ZeroDivisionError("division by zero")
 
 
+class CallsWhatRaises:
+    def step(self, time: float, wheel_speeds: Sequence[float]) -> Sequence[int]:
+        return list(json.loads("no list"))
+
+
 class Nonsense:
     def __init__(self, answer: object) -> None:
         self.answer = answer
@@ -409,9 +415,14 @@ class Stalls:
 
 
 def test_controller_that_raises_is_named_with_its_error() -> None:
-    sentence = r"The controller Raises failed at 0.5 s \(ZeroDivisionError: division by zero\); the brake stays applied"
-    with pytest.raises(ControllerError, match=sentence):
+    """And with the last line of its own file, also where what it calls raises elsewhere."""
+    line = Raises.step.__code__.co_firstlineno + 1
+    where = rf"test_wheel_slide.py, line {line}\); the brake stays applied"
+    with pytest.raises(ControllerError, match=rf"The controller Raises failed at 0.5 s .*division by zero, {where}"):
         Supervised(Raises(), 2).step(0.5, [10.0, 10.0])
+    line = CallsWhatRaises.step.__code__.co_firstlineno + 1
+    with pytest.raises(ControllerError, match=rf"JSONDecodeError: .*, test_wheel_slide.py, line {line}\)"):
+        Supervised(CallsWhatRaises(), 2).step(0.5, [10.0, 10.0])
 
 
 @pytest.mark.parametrize("answer", [None, 3, [], [0], [0, 0, 0], [0, 3], [0, 1.5], ["apply", "vent"], [0, math.nan]])

@@ -18,16 +18,32 @@ PAGE = (ROOT / "docs" / "controller.md").read_text(encoding="utf-8")
 LETS_GO = re.search(r"^low +LetGo +([0-9.]+)", PAGE, re.MULTILINE)
 
 
+LITERAL = "Give gains as numbers or texts, as in gains.py:Gains(0.3, limit=2): it was"
+GAINS = """
+from __future__ import annotations
+from dataclasses import dataclass
+
+@dataclass
+class Gains:
+    share: float
+    mode: str = "a:b"
+
+    def __post_init__(self):
+        if self.share == 1:
+            raise TypeError("a share below 1 is due")
+
+    def step(self, time, speeds):
+        return [2 if speed < self.share * max(speeds) else 0 for speed in speeds]
+"""
+
+
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """With the controllers of the page in Python and in C, and one that fails."""
     (tmp_path / "let_go.py").write_text(block("python", "# let_go.py"))
     (tmp_path / "let_go.c").write_text(block("c", "/* let_go.c */"))
     (tmp_path / "bad.py").write_text("class Bad:\n    def step(self, time, speeds):\n        return 1 / 0\n")
-    gains = (
-        "class Gains:\n    def __init__(self, gain):\n        pass\n    def step(self, time, speeds):\n        pass\n"
-    )
-    (tmp_path / "gains.py").write_text(gains)
+    (tmp_path / "gains.py").write_text(GAINS)
     (tmp_path / "nothing.c").write_text("int nothing;\n")
     (tmp_path / "wrong.c").write_text("int wrong(;\n")
     third = "fault = [{ wheelset = 3, sensor = 'zero' }]\n"
@@ -57,8 +73,18 @@ def test_a_controller_that_fails_does_not_end_the_comparison(folder: Path, capsy
     assert main(["controllers", "compare", "--rails", "dry,wet", "bad.py:Bad"]) == 1
     shown = capsys.readouterr().out
     assert len(re.findall(r"^(dry|wet) .* no stop ", shown, re.MULTILINE)) == 2
-    assert "Bad, dry: The controller Bad failed at 0 s (ZeroDivisionError: division by zero)" in shown
+    assert "Bad, dry: The controller Bad failed at 0 s (ZeroDivisionError: division by zero, bad.py, line 3)" in shown
     assert len(re.findall(r"^(dry|wet) +(none|protection) +252.7 ", shown, re.MULTILINE)) == 4
+
+
+def test_a_class_with_two_choices_of_its_gains_is_two_controllers(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    given = ["let_go.py:LetGo", "gains.py:Gains(share=0.8)", "gains.py:Gains(0.9, mode='c')"]
+    assert main(["controllers", "compare", "--rails", "low", "--json", *given]) == 0
+    found = {run["controller"]: run["distance"] for run in json.loads(capsys.readouterr().out)["runs"]}
+    assert list(found)[2:] == ["LetGo", "Gains(share=0.8)", "Gains(0.9, mode='c')"]
+    assert found["Gains(share=0.8)"] == found["LetGo"] != found["Gains(0.9, mode='c')"]
 
 
 @pytest.mark.parametrize(
@@ -77,7 +103,22 @@ def test_a_controller_that_fails_does_not_end_the_comparison(folder: Path, capsy
         (["nothing.c"], "nothing.c is no controller ("),
         (["wrong.c"], "wrong.c does not compile. The C compiler ("),
         (["let_go.c", "--programme", "third.toml"], "The case a has a fault of wheelset 3; there are 2 here."),
-        (["let_go.py:LetGo", "--teeth", "0"], "Set pulses to a whole number of at least 1: it was 0."),
+        (["let_go.py:LetGo", "--teeth", "0"], "Set --teeth to a whole number of at least 1: it was 0."),
+        (["let_go.py:LetGo", "--rails", "low,low"], "Give each of --rails once: low was there 2 times."),
+        (
+            ["gains.py:Gains(2 * 3)"],
+            f"{LITERAL} (2 * 3).",
+        ),
+        (
+            ["gains.py:Gains(**{'gain': 1})"],
+            LITERAL,
+        ),
+        (
+            ["gains.py:Gains(1"],
+            "Give FILE.py:CLASS, a shared library or a C file as a controller: it was ",
+        ),
+        (["gains.py:Gains(1, 2)"], "Gains of gains.py cannot be made with (1, 2) (TypeError: "),
+        (["gains.py:Gains(share=1)"], "Gains of gains.py cannot be made with (share=1) (TypeError: "),
         (["let_go.py:LetGo", "let_go.py:LetGo"], "Two controllers are called LetGo; give each another name."),
     ],
 )
