@@ -449,8 +449,8 @@ class Supervised:
             fits = len(answer) == self.wheelsets and self._commands.issuperset(answer)
         except (Exception, SystemExit) as error:
             raise ControllerError(
-                f"The controller {self.name} failed at {time:.6g} s ({failure(error, self.controller)}); the brake stays "
-                "applied."
+                f"The controller {self.name} failed at {time:.6g} s ({failure(error, self.controller)}); the brake "
+                "stays applied."
             ) from error
         if not fits:
             raise ControllerError(

@@ -37,6 +37,7 @@ from products.protection.programme import OWN, Case, four_rails, read_programme,
 from products.protection.protected_stop import Settings
 from products.protection.rails import RAILS
 from products.protection.rig import check_period
+from scenarios.controllers import verdict
 from scenarios.controllers.given import controllers_of
 from scenarios.controllers.picture import draw
 from scenarios.controllers.scoring import compare
@@ -112,7 +113,8 @@ def run(chosen: argparse.Namespace) -> bool:
     scores = compare(machine, controllers, cases_of(chosen), settings, chosen.level)
     folder = chosen.out / "controllers"
     folder.mkdir(parents=True, exist_ok=True)
-    about = document(chosen.vehicle, settings, scores)
+    found = verdict.verdicts(scores)
+    about = document(chosen.vehicle, settings, scores) | {"verdict": verdict.document(found)}
     (folder / "compare.json").write_text(json.dumps(about, indent=2) + "\n", encoding="utf-8")
     figure = draw(scores)
     figure.savefig(folder / "compare.png")
@@ -120,7 +122,8 @@ def run(chosen: argparse.Namespace) -> bool:
     if chosen.json:
         print(json.dumps(about, indent=2))
     elif not chosen.quiet:
-        print("\n".join([*lines(chosen.vehicle, settings, scores), "", f"Picture: {folder / 'compare.png'}"]))
+        table = [*verdict.lines(found), "", *lines(chosen.vehicle, settings, scores)]
+        print("\n".join([*table, "", f"Picture: {folder / 'compare.png'}"]))
     return all(score.stop.distance is not None for score in scores)
 
 

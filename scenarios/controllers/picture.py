@@ -1,38 +1,115 @@
-"""Scores as one picture."""
+"""Scores as one picture: how many cases each controller stops in near the ideal."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Collection, Sequence
+from copy import copy
 
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import NullLocator
 
 from scenarios.controllers.scoring import Scored
+from scenarios.controllers.verdict import best_given, verdicts
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, plt, titled
+
+#: Distance over the ideal up to which a stop counts as near it [1]: a choice, as a quarter more than on a dry rail is
+#: what acceptance is said to allow (from memory).
+NEAR = 1.2
+#: Where the largest ratio is above this the axis is logarithmic [1].
+WIDE = 4.0
+#: Marker and colour of the wheels that nothing protects, and of one controller after the other.
+NONE = ("x", "0.55")
+MARKS = (
+    (">", "0.5"),
+    *(("s", THESIS), ("o", LEADING), ("D", TRAILING), ("^", BOGIE)),
+    *(("v", "#e69f00"), ("P", "#56b4e9"), ("<", "#cc79a7")),
+)
+#: Height of a row, of each marker in it, and of what is above and below all rows [in]; distance of two markers [rows].
+ROW, OF_EACH, AROUND, APART = 0.22, 0.045, 1.5, 0.18
+#: Columns of the legend.
+COLUMNS = 4
+LABEL = "stopping distance over that with the best slip at every instant [1]"
+#: Letters of a case's name for which there is room.
+LETTERS = 48
 
 
 def draw(scores: Sequence[Scored]) -> Figure:
-    """Distances over the ideal by rail and controller; the title says who stops shortest on the worst rail."""
+    """Distances over the ideal, a row for each case and a marker for each controller; no stop is at the edge."""
     cases, names = (list(dict.fromkeys(getattr(one, kind) for one in scores)) for kind in ("case", "controller"))
-    figure, axis = plt.subplots(figsize=(9.0, 1.2 + 0.35 * len(scores)))
-    colours = dict(zip(names, ("0.75", THESIS, LEADING, TRAILING, BOGIE, "0.5"), strict=False))
-    for place, one in enumerate(reversed(scores)):
-        ratio, hatch = one.over(one.ideal), "" if one.stop.distance else "///"
-        axis.barh(place, ratio or 0.0, color=colours.get(one.controller, "0.5"), hatch=hatch)
-        words = "no stop" if one.stop.distance is None else f"{one.stop.distance:.0f} m"
-        axis.text((ratio or 0.0) + 0.01, place, words, va="center", fontsize=8)
-    axis.set_yticks(range(len(scores)), [f"{one.case}, {one.controller}" for one in reversed(scores)], fontsize=8)
-    axis.axvline(1.0, color="0.2", linewidth=0.8)
-    axis.set_xlabel("stopping distance over the ideal [1]")
-    axis.margins(x=0.08)
-    return titled(figure, message(scores, cases))
+    figure, axis = plt.subplots(figsize=(9.0, AROUND + max(1.0, (ROW + OF_EACH * len(names)) * len(cases))))
+    titled(figure, message(scores))
+    edge = set_axis(axis, scores, cases)
+    places = {name: len(cases) - 1 - number for number, name in enumerate(cases)}
+    for number, name in enumerate(names):
+        aside = APART * ((len(names) - 1) / 2 - number)
+        own = {places[one.case] + aside: one for one in scores if one.controller == name}
+        ratios = {place: ratio for place, one in own.items() if (ratio := one.over(one.ideal)) is not None}
+        missed = [place for place, one in own.items() if one.stop.distance is None]
+        line = Line2D([], [], linestyle="none", markersize=5.5, clip_on=False, zorder=3, in_layout=False)
+        line.set(**dict(zip(("marker", "color"), NONE if name == "none" else MARKS[number % len(MARKS)], strict=True)))
+        hollow = copy(line)
+        line.set(
+            data=(list(ratios.values()), list(ratios)), label=f"{plain(name)}: {count(ratios.values(), len(cases))}"
+        )
+        hollow.set(data=([edge] * len(missed), missed), markerfacecolor="none")
+        axis.add_line(line)
+        axis.add_line(hollow)
+    title = "distance over the ideal" if len(cases) == 1 else f"cases within {NEAR:g} of the ideal"
+    handles = axis.get_legend_handles_labels()
+    below = (0.3 + 0.2 * math.ceil(len(names) / COLUMNS)) / figure.get_figheight()
+    figure.legend(*handles, loc="lower left", ncols=COLUMNS, fontsize=9, title=title, alignment="left")
+    figure.set_layout_engine("constrained", rect=(0.0, below, 1.0, 1.0 - below))
+    return figure
 
 
-def message(scores: Sequence[Scored], cases: Sequence[str]) -> str:
-    """What the picture says in one sentence."""
-    worst = max(cases, key=lambda name: max((one.over(one.ideal) or 0.0) for one in scores if one.case == name))
-    stopped = [one for one in scores if one.case == worst and one.stop.distance is not None]
-    if not stopped:
-        return f"{worst}: nothing stops"
-    ratios = {one.controller: one.over(one.ideal) for one in stopped if one.controller != "none"}
-    told = [f"{name} {ratio:.2f}" for name, ratio in ratios.items() if ratio]
-    return f"{worst}: distance over the ideal, {', '.join(told)}" if told else f"{worst}: no ideal to compare with"
+def count(ratios: Collection[float], cases: int) -> str:
+    """How many are near the ideal, or how near it the only one is."""
+    if cases == 1:
+        return f"{next(iter(ratios)):.2f}" if ratios else "-"
+    return f"{sum(ratio <= NEAR for ratio in ratios)} of {cases}"
+
+
+def set_axis(axis: Axes, scores: Sequence[Scored], cases: Sequence[str]) -> float:
+    """Names of the cases, the band near the ideal and the edge, whose place it gives."""
+    ratios = [ratio for one in scores if (ratio := one.over(one.ideal)) is not None]
+    largest = max([NEAR, *ratios])
+    if largest > WIDE:
+        ticks = [tick for tick in (1.0, 1.2, 1.5, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0, 100.0) if tick < largest]
+        axis.set(xscale="log")
+        axis.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+        axis.xaxis.set_minor_locator(NullLocator())
+    low = min([1.0, *ratios])
+    edge = largest * (largest / low) ** 0.08 if largest > WIDE else largest + 0.08 * (largest - low)
+    axis.set(xlim=(low - 0.03, edge), ylim=(-0.6, len(cases) - 0.4), xlabel=LABEL)
+    axis.axvspan(1.0, NEAR, color=THESIS, alpha=0.13, linewidth=0, zorder=0)
+    axis.axvline(1.0, color="0.2", linewidth=1.0)
+    if any(one.stop.distance is None for one in scores):
+        axis.axvline(edge, color="0.4", linewidth=1.0, linestyle=":")
+        axis.text(edge, len(cases) - 0.3, "no stop", ha="center", va="bottom", fontsize=9)
+    shown = [name if len(name) <= LETTERS else f"{name[: LETTERS - 1]}…" for name in cases]
+    axis.set_yticks(range(len(cases)), [plain(name) for name in reversed(shown)])
+    axis.tick_params(axis="y", length=0)
+    axis.grid(visible=True, axis="y", linewidth=6, alpha=0.12)
+    return edge
+
+
+def plain(name: str) -> str:
+    """A name of the user's, in which a dollar is no formula."""
+    return name.replace("$", r"\$")
+
+
+def message(scores: Sequence[Scored]) -> str:
+    """What the picture says, in at most twelve words if a name is one."""
+    found = verdicts(scores)
+    best = best_given(found)
+    name, cases = plain(best.controller), best.stopped + best.failed
+    if not best.stopped:
+        return f"{name} does not stop"
+    if best.worst is None or cases == 1:
+        return f"{name} takes {best.worst:.2f} of the ideal distance" if best.worst else f"{name} stops"
+    own = (one.over(one.ideal) for one in scores if one.controller == best.controller)
+    near = count([ratio for ratio in own if ratio is not None], cases)
+    return f"{name} stops within {NEAR:g} of the ideal in {near} cases"

@@ -1,0 +1,107 @@
+"""What a comparison of controllers says, in a table, a sentence and a picture, of scores that are written here."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from matplotlib.figure import Figure
+
+from products.protection.runs import Stop
+from scenarios.controllers.picture import draw, message
+from scenarios.controllers.scoring import Scored
+from scenarios.controllers.verdict import lines, sentences, verdicts
+from scenarios.reporting.plots import plt
+
+STOP = Stop(100.0, 0.01, 20.0, 0.5, 1.0, 1.0, 0.1, (1e3, 1e3), 400e3, 7, "")
+#: Distances over the ideal, None for no stop.
+RATIOS = {
+    "none": (1.0, 2.0, 1.9, 1.8),
+    "protection": (1.0, 1.1, 1.15, 1.5),
+    "PI": (1.0, 1.3, 1.1, None),
+    "PD": (1.0, 1.1, 1.15, 1.2),
+}
+
+
+def scored(case: str, controller: str, ratio: float | None, ideal: float | None = 100.0) -> Scored:
+    distance = None if ratio is None else 100.0 * ratio
+    return Scored(case, controller, replace(STOP, distance=distance), 0.46, ideal, None)
+
+
+def scores(*names: str, cases: int = 4) -> list[Scored]:
+    return [scored(f"case {n}", name, RATIOS[name][n]) for n in range(cases) for name in names]
+
+
+def shown(figure: Figure) -> list[tuple[float, bool]]:
+    """Places of all markers along the axis, and which are hollow."""
+    [axis] = figure.axes
+    found = [
+        (float(place), line.get_markerfacecolor() == "none")
+        for line in axis.lines
+        if line.get_marker() not in (None, "None", "")
+        for place in line.get_xdata()
+    ]
+    plt.close(figure)
+    return found
+
+
+def test_the_best_has_the_fewest_failures_then_the_smallest_median_then_the_smallest_worst() -> None:
+    best = "PD is best: it stops in every case, after 1.12 of the ideal distance in the median."
+    where = "Where each is worst: PD 1.20 (case 3); protection 1.50 (case 3); PI no stop (case 3)."
+    assert sentences(verdicts(scores(*RATIOS))) == [best, where]
+    [first, _] = sentences(verdicts(scores("none", "PI")))
+    assert first == "none is best: it stops in every case, after 1.85 of the ideal distance in the median."
+
+
+def test_controllers_that_are_alike_are_told_so() -> None:
+    alike = "All controllers are alike: they stop in every case, after 1.00 of the ideal distance."
+    assert sentences(verdicts(scores(*RATIOS, cases=1))) == [alike]
+    [said, _] = sentences(verdicts(scores("none", "protection", "PD", cases=3)))
+    assert (
+        said == "protection and PD are best: they stop in every case, after 1.10 of the ideal distance in the median."
+    )
+    nothing = [scored("a", name, None) for name in ("none", "PI")]
+    assert sentences(verdicts(nothing)) == ["No controller stops in any case."]
+
+
+def test_the_table_has_a_row_for_each_controller() -> None:
+    table = list(lines(verdicts(scores(*RATIOS))))
+    rows = {row.split()[0]: row.split() for row in table[-len(RATIOS) :]}
+    assert rows["none"] == ["none", "4", "0", "1.85", "2.00", "case", "1", "0.50", "83"]
+    assert rows["PI"] == ["PI", "3", "1", "1.10", "1.30", "case", "3", "0.50", "83"]
+    assert max(map(len, table)) <= 120
+
+
+@pytest.mark.parametrize(
+    ("given", "title"),
+    [
+        (scores(*RATIOS), "PD stops within 1.2 of the ideal in 4 of 4 cases"),
+        (scores("none", "protection", "PI"), "PI stops within 1.2 of the ideal in 2 of 4 cases"),
+        (scores("none", "PI", cases=2)[2:], "PI takes 1.30 of the ideal distance"),
+        ([scored("a", "PI", None)], "PI does not stop"),
+        ([scored("a", "PI", 1.0, ideal=None)], "PI stops"),
+    ],
+)
+def test_the_title_is_the_message_in_twelve_words(given: list[Scored], title: str) -> None:
+    figure = draw(given)
+    assert figure.get_suptitle() == message(given) == title
+    assert len(title.split()) <= 12
+    plt.close(figure)
+
+
+def test_every_stop_is_a_marker_and_no_stop_one_at_the_edge() -> None:
+    found = shown(draw(scores(*RATIOS)))
+    assert len(found) == 16
+    assert sorted(place for place, hollow in found if not hollow) == pytest.approx(
+        sorted(ratio for own in RATIOS.values() for ratio in own if ratio)
+    )
+    [edge] = [place for place, hollow in found if hollow]
+    assert edge > 2.0
+
+
+def test_the_axis_is_logarithmic_where_distances_lie_far_apart() -> None:
+    for ratio, scale in ((3.9, "linear"), (9.0, "log")):
+        figure = draw([scored("a", "PI", 1.0), scored("a $b$", "PD", ratio), scored("a", "none", None)])
+        figure.canvas.draw()
+        assert figure.axes[0].get_xscale() == scale
+        plt.close(figure)
