@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from products.protection import rig as module
+from products.protection import forms as module
 from products.protection.braked_machine import Machine, bogie, coach
 from products.protection.forms import Arrays, compiled
+from products.protection.history import EVERY, History
 from products.protection.protected_stop import Settings
 from products.protection.rails import RAILS
 from products.protection.rig import Rig
@@ -60,18 +61,21 @@ def test_a_run_that_is_written_down_is_the_same_in_every_form(tmp_path: Path, mo
     written = []
     for form in forms:
         rig = Rig(bogie(), form, Settings(), by_flow=True)
-        found = rig.recorded(RUNS)
-        assert [stop for stop, _ in found] == rig.runs(RUNS)
-        written.append([history for _, history in found])
+        found = rig.runs(RUNS, every=EVERY)
+        assert found == rig.runs(RUNS)
+        written.append([stop.history for stop in found])
     for one in written[1:]:
         for history, same in zip(one, written[0], strict=True):
+            assert history is not same
             assert all(np.array_equal(value, vars(same)[name]) for name, value in vars(history).items())
     assert not np.array_equal(written[0][2].speed[:100], written[0][0].speed[:100])
 
 
 def test_what_is_written_down_is_what_the_controller_saw_and_said() -> None:
     LetGo.said.clear()
-    [(_, history)] = Rig(bogie(), LetGo, Settings()).recorded([RUNS[2]])
+    [stop] = Rig(bogie(), LetGo, Settings()).runs([RUNS[2]], every=EVERY)
+    history = stop.history
+    assert isinstance(history, History)
     said = np.array(LetGo.said)
     looks = np.rint(history.time[:-1] / 5e-3).astype(int)
     assert np.array_equal(said[looks, 0], history.time[:-1])
@@ -86,7 +90,9 @@ def test_the_course_of_a_stop_ends_where_the_stop_does(machine: Machine) -> None
     """Its distance is the integral of its speed; wheels roll at first, and those that lock stand."""
     count = len(machine.numbers)
     run = Run(RAILS[2].values(count), faults=(Fault(1, sensor="zero", sensor_from=3.0),))
-    [(stop, history)] = Rig(machine, None, Settings()).recorded([run])
+    [stop] = Rig(machine, None, Settings()).runs([run], every=EVERY)
+    history = stop.history
+    assert isinstance(history, History)
     assert (history.time[-1], history.distance[-1], history.speed[-1]) == (stop.time, stop.distance, stop.end_speed)
     assert np.diff(history.time[:-1]) == pytest.approx(0.1)
     way = np.trapezoid(history.speed, history.time)
@@ -102,6 +108,8 @@ def test_the_course_of_a_stop_ends_where_the_stop_does(machine: Machine) -> None
 
 def test_looks_farther_apart_are_some_of_the_others() -> None:
     rig = Rig(bogie(), None, Settings())
-    [(_, fine)], [(_, coarse)] = rig.recorded([RUNS[0]], 0.1), rig.recorded([RUNS[0]], 0.5)
+    fine, coarse = (rig.runs([RUNS[0]], every=every)[0].history for every in (0.1, 0.5))
+    assert fine
+    assert coarse
     assert np.array_equal(coarse.speed[:-1], fine.speed[:-1:5][: len(coarse.speed) - 1])
     assert coarse.speed[-1] == fine.speed[-1]

@@ -17,6 +17,7 @@ from scipy.optimize import brentq
 from brake_controller.sensors import GATE, LOWEST_FREQUENCY, TIMER, Encoder, edge_errors
 from brake_controller.wheel_slide import SlideProtection
 from fmu_src.compile import plain_library
+from products.protection import forms as forms_module
 from products.protection import rig as module
 from products.protection.braked_machine import BrakedMachine, Machine, bogie, coach
 from products.protection.forms import FOLDER, Arrays, Form, compiled
@@ -177,7 +178,7 @@ def test_runs_that_wait_are_those_that_run_alone(tmp_path: Path, monkeypatch: py
     rails = [{**LOW.values(), "friction_1": f, "friction_2": f} for f in np.linspace(0.07, 0.2, 11)]
     form, settings = in_c(tmp_path), Settings(jitter=0.1)
     alone = [Rig(bogie(), form, settings).stops([rail])[0] for rail in rails]
-    monkeypatch.setattr(module, "AT_ONCE", 4)
+    monkeypatch.setattr(forms_module, "AT_ONCE", 4)
     assert Rig(bogie(), form, settings).stops(rails) == alone
     assert Rig(bogie(), LetGo, settings, threads=1).stops(rails) == alone
 

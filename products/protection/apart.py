@@ -35,17 +35,20 @@ class Apart:
 
 @dataclass(frozen=True)
 class Order:
-    """What the process needs to make its rig."""
+    """What a rig is made for; every: time between two looks that are written down [s], 0: none."""
 
     machine: Machine
-    controller: Apart
+    controller: Form | Apart
     settings: Settings
     by_flow: bool = True
     level: int = 2
+    every: float = 0.0
 
     def rig(self) -> Rig:
         """With the controller. Raises OSError, AttributeError, ValueError for what is none."""
-        form = self.controller.make(len(self.machine.numbers), self.settings.period)
+        form = self.controller
+        if isinstance(form, Apart):
+            form = form.make(len(self.machine.numbers), self.settings.period)
         return Rig(self.machine, form, self.settings, self.by_flow, self.level)
 
 
@@ -74,7 +77,7 @@ def runs_apart(order: Order, runs: Sequence[Run], patience: float = PATIENCE) ->
 
 def _applied(order: Order, run: Run, words: str) -> Stop:
     """What comes of brakes that stay applied, which is no stop of the controller."""
-    [stop] = Rig(order.machine, None, order.settings, order.by_flow, order.level).runs([run])
+    [stop] = Rig(order.machine, None, order.settings, order.by_flow, order.level).runs([run], every=order.every)
     return replace(stop, distance=None, said=words)
 
 
@@ -119,6 +122,6 @@ def _make(pipe: Connection, order: Order, runs: Sequence[Run], alone: bool) -> N
         os.dup2(2, 1)  # what a controller prints
         rig = order.rig()
         for some in [[run] for run in runs] if alone else [runs]:
-            pipe.send(rig.runs(some, lambda: pipe.send([])))
+            pipe.send(rig.runs(some, lambda: pipe.send([]), order.every))
     except (OSError, AttributeError, ValueError, CosimulationError) as error:
         pipe.send(str(error))

@@ -9,6 +9,7 @@ from __future__ import annotations
 import ctypes
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from types import TracebackType
 from typing import Any
 
@@ -23,7 +24,7 @@ from products.protection import rig_in_c
 from products.protection.braked_machine import RELEASE_TIME, STANDING, Machine
 from products.protection.braked_system import Kind, cylinder_air, machine_library, machine_model
 from products.protection.forms import Arrays, Form, FunctionsInC, InC, at_once
-from products.protection.history import EVERY, History, Notebook
+from products.protection.history import Notebook
 from products.protection.protected_stop import BRAKE_START, CYLINDER_VOLUME, GAS, LONGEST, Settings
 from products.protection.rails import ABOVE, BAND, LOCK_ABOVE
 from products.protection.rig_in_c import LOST, RUNS, SCORE, STANDS, TOO_LONG, Wheelset
@@ -79,25 +80,14 @@ class Rig:
         """A stop on each rail (inputs and parameters of the vehicle), in their order."""
         return self.runs([Run(rail) for rail in rails])
 
-    def runs(self, runs: Sequence[Run], goes_on: Callable[[], None] = lambda: None) -> list[Stop]:
+    def runs(self, runs: Sequence[Run], goes_on: Callable[[], None] = lambda: None, every: float = 0.0) -> list[Stop]:
         """A stop of each run, in their order. Raises ValueError for the fault of a wheelset that is not there.
 
-        goes_on: called every now and then.
+        goes_on: called every now and then. every: about this time lies between two looks that the history of a stop
+        has [s]; 0: there is none.
         """
-        return [stop for stop, _ in self._made(runs, goes_on)]
-
-    def recorded(
-        self, runs: Sequence[Run], goes_on: Callable[[], None] = lambda: None, every: float = EVERY
-    ) -> list[tuple[Stop, History]]:
-        """The same stops, each with its course over time, one look in about `every` seconds."""
-        looks = max(1, round(every / self.settings.period))
-        return [(stop, history) for stop, history in self._made(runs, goes_on, looks) if history]
-
-    def _made(
-        self, runs: Sequence[Run], goes_on: Callable[[], None], every: int = 0
-    ) -> list[tuple[Stop, History | None]]:
-        """Stops, and their courses where one of so many looks is to be written down."""
-        found: list[tuple[Stop, History | None] | None] = [None] * len(runs)
+        looks = max(1, round(every / self.settings.period)) if every else 0
+        found: list[Stop | None] = [None] * len(runs)
         count = min(len(runs), at_once(self.form))
         own = [self._values(run) for run in runs]
         faults = [self._faults(run) for run in runs]
@@ -110,11 +100,12 @@ class Rig:
             Instances(library, count, self._inputs, self._outputs, threads=self._threads, **start) as instances,
             _Loop(self, instances) as loop,
         ):
-            notebook = Notebook(count, loop.wheelsets, every, self.settings.period) if every else None
+            notebook = Notebook(count, loop.wheelsets, looks, self.settings.period) if looks else None
             if notebook:
                 self._call.rig_write_down(loop.own, notebook.place)
             for row, number in self._turns(loop, values, faults, count, goes_on):
-                found[number] = loop.stop(row), notebook.history(row) if notebook else None
+                stop = loop.stop(row)
+                found[number] = replace(stop, history=notebook.history(row)) if notebook else stop
         return [one for one in found if one is not None]
 
     def _turns(

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+
+from products.protection.history import History
 
 #: How a sensor may fail, by the numbers of rig.h.
 SENSOR_FAILURES = {"stuck": 1, "zero": 2, "doubled": 3}
@@ -53,7 +55,7 @@ class Stop:
     longest_lock [s], above the speed at which locks count; longest_skid: way of a locked wheelset at any speed [m];
     share_in_band: of the braked time, with all slips in the band; air: what all cylinders took [kg]; sliding: energy
     between the wheels of each wheelset and the rails [J]; lowest_reservoir: pressure [Pa], None without a reservoir;
-    commands: how often a valve was told anything but to apply; said: a sentence.
+    commands: how often a valve was told anything but to apply; said: a sentence; history: where it was asked for.
     """
 
     distance: float | None
@@ -67,3 +69,4 @@ class Stop:
     lowest_reservoir: float | None
     commands: int
     said: str
+    history: History | None = field(default=None, compare=False, repr=False)

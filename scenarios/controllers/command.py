@@ -1,4 +1,4 @@
-"""Compares wheel-slide controllers on the test rig: one score table, one picture, one JSON file.
+"""Compares wheel-slide controllers on the test rig: one score table, one picture, one JSON file, and a page that plays.
 
   bogie-braking controllers compare mine.py:PI                    a Python class; none and our own stand beside it
   bogie-braking controllers compare mine.py:PI libpi.so           and a shared library
@@ -11,6 +11,7 @@
   bogie-braking controllers compare mine.py:PI --programme my.toml
                                                                   cases of your own (controllers programme > my.toml)
   bogie-braking controllers compare mine.py:PI --speed 160km/h --teeth 80 --period 10ms
+  bogie-braking controllers compare mine.py:PI --html             and results/controllers/compare.html, which plays
   bogie-braking controllers compare mine.py:PI --json | jq .runs  for a program
   bogie-braking controllers header > wheel_slide.h                what a controller in C includes
 
@@ -39,6 +40,7 @@ from products.protection.rails import RAILS
 from products.protection.rig import check_period
 from scenarios.controllers import verdict
 from scenarios.controllers.given import controllers_of
+from scenarios.controllers.page import page
 from scenarios.controllers.picture import draw
 from scenarios.controllers.scoring import compare
 from scenarios.controllers.table import document, lines
@@ -78,6 +80,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--teeth", type=int, default=Settings.pulses, help="of each sensor (default: 100)")
     text = "standard deviation of the teeth's places, as a share of the pitch (default: 0)"
     parser.add_argument("--jitter", type=float, default=0.0, help=text)
+    parser.add_argument("--html", action="store_true", help="also write a page that plays all stops side by side")
     parser.add_argument("--out", type=Path, default=Path("results"), help="folder of the results (default: results)")
 
 
@@ -110,7 +113,7 @@ def run(chosen: argparse.Namespace) -> bool:
     settings = settings_of(chosen)
     machine = MACHINES[chosen.vehicle]()
     controllers = controllers_of(chosen.controller, len(machine.numbers))
-    scores = compare(machine, controllers, cases_of(chosen), settings, chosen.level)
+    scores = compare(machine, controllers, cases_of(chosen), settings, chosen.level, recorded=chosen.html)
     folder = chosen.out / "controllers"
     folder.mkdir(parents=True, exist_ok=True)
     found = verdict.verdicts(scores)
@@ -119,11 +122,14 @@ def run(chosen: argparse.Namespace) -> bool:
     figure = draw(scores)
     figure.savefig(folder / "compare.png")
     plt.close(figure)
+    if chosen.html:
+        (folder / "compare.html").write_text(page(chosen.vehicle, machine, settings, scores), encoding="utf-8")
     if chosen.json:
         print(json.dumps(about, indent=2))
     elif not chosen.quiet:
         table = [*verdict.lines(found), "", *lines(chosen.vehicle, settings, scores)]
-        print("\n".join([*table, "", f"Picture: {folder / 'compare.png'}"]))
+        places = [f"Page: {folder / 'compare.html'}"] if chosen.html else []
+        print("\n".join([*table, "", f"Picture: {folder / 'compare.png'}", *places]))
     return all(score.stop.distance is not None for score in scores)
 
 

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from products.protection.apart import Apart, NoControllerError, Order, runs_apart
 from products.protection.braked_machine import Machine
 from products.protection.braked_system import Kind, filling_by_flow, machine_model
+from products.protection.history import EVERY, History
 from products.protection.programme import Case
 from products.protection.protected_stop import GAS, Settings
-from products.protection.rig import Rig
 from products.protection.runs import Run, Stop
 from scenarios.bench.peak_adhesion import PeakAdhesion
 from scenarios.controllers.given import Given
@@ -42,6 +42,11 @@ class Scored:
     ideal: float | None
     dry: float | None
 
+    @property
+    def history(self) -> History | None:
+        """Its course over time, where it was asked for."""
+        return self.stop.history
+
     def over(self, other: float | None) -> float | None:
         """The distance over another; None where one of them is missing."""
         return None if self.stop.distance is None or other is None else self.stop.distance / other
@@ -68,11 +73,16 @@ class Scored:
 
 
 def compare(
-    machine: Machine, controllers: Mapping[str, Given], cases: Sequence[Case], settings: Settings, level: int = 2
+    machine: Machine,
+    controllers: Mapping[str, Given],
+    cases: Sequence[Case],
+    settings: Settings,
+    level: int = 2,
+    recorded: bool = False,
 ) -> list[Scored]:
-    """Every controller in every case, case by case, and what each came to; level: 2 in the plane, 3 in space.
+    """Every controller in every case, case by case, and what each came to.
 
-    The ideal is that in the plane.
+    level: 2 in the plane, where the ideal always is, 3 in space; recorded: with histories.
     """
     try:
         runs = [case.run(machine) for case in cases]
@@ -84,9 +94,10 @@ def compare(
             if name not in known:
                 raise BadInputError(f"The case {case.name} sets {name}, which this machine has not.")
     stops: dict[str, list[Stop]] = {}
+    every = EVERY if recorded else 0.0
     with counting(total=len(controllers) + len(runs), text="controllers and ideals", unit="") as bar:
         for name, controller in controllers.items():
-            stops[name] = stops_of(machine, name, controller, runs, settings, level)
+            stops[name] = stops_of(Order(machine, controller, settings, level=level, every=every), name, runs)
             bar.update()
         ideal = []
         for run in runs:
@@ -102,20 +113,18 @@ def compare(
     ]
 
 
-def stops_of(
-    machine: Machine, name: str, controller: Given, runs: Sequence[Run], settings: Settings, level: int
-) -> list[Stop]:
+def stops_of(order: Order, name: str, runs: Sequence[Run]) -> list[Stop]:
     """A stop of each run. Raises BadInputError for what is no controller."""
-    if isinstance(controller, Apart):
-        try:
-            return runs_apart(Order(machine, controller, settings, level=level), runs)
-        except NoControllerError as error:
-            raise BadInputError(
-                f"{name} is no controller ({error}); a library has the functions of wheel_slide.h, which bogie-braking "
-                "controllers header prints, an FMU wheel speeds as inputs and valves as outputs."
-            ) from None
-    with contextlib.redirect_stdout(sys.stderr):  # what a controller prints
-        return Rig(machine, controller, settings, by_flow=True, level=level).runs(runs)
+    if not isinstance(order.controller, Apart):
+        with contextlib.redirect_stdout(sys.stderr):  # what a controller prints
+            return order.rig().runs(runs, every=order.every)
+    try:
+        return runs_apart(order, runs)
+    except NoControllerError as error:
+        raise BadInputError(
+            f"{name} is no controller ({error}); a library has the functions of wheel_slide.h, which bogie-braking "
+            "controllers header prints, an FMU wheel speeds as inputs and valves as outputs."
+        ) from None
 
 
 def ideal_distance(machine: Machine, run: Run, settings: Settings) -> float | None:

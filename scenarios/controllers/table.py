@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 
 from products.protection.protected_stop import Settings
 from products.protection.rails import LOCK_ABOVE
@@ -18,9 +18,7 @@ UNITS = ("", "", "m", "1", "1", "s", "1", "kJ", "mm", "l", "kPa")
 
 def lines(vehicle: str, settings: Settings, scores: Sequence[Scored]) -> Iterator[str]:
     """The table, and what was said."""
-    about = f"{settings.pulses} teeth, every {1e3 * settings.period:g} ms; lock counted above {LOCK_ABOVE:g} m/s"
-    strength = "full brake" if settings.strength == 1.0 else f"{settings.strength:g} of the full brake"
-    yield f"{vehicle}: {strength} from {settings.speed:g} m/s unless the case says otherwise, {about}"
+    yield about(vehicle, settings)
     yield ""
     rows = [HEADS, UNITS, *(cells(one) for one in scores)]
     widths = [max(len(row[column]) for row in rows) for column in range(len(HEADS))]
@@ -32,10 +30,21 @@ def lines(vehicle: str, settings: Settings, scores: Sequence[Scored]) -> Iterato
             for column, (text, width) in enumerate(zip(row, widths, strict=True))
         ]
         yield "  ".join(texts).rstrip()
-    for one in scores:
-        if one.stop.said:
-            yield ""
-            yield f"{one.controller}, {one.case}: {one.stop.said}"
+    for text in said(scores):
+        yield ""
+        yield text
+
+
+def about(vehicle: str, settings: Settings) -> str:
+    """How all stops are made."""
+    others = f"{settings.pulses} teeth, every {1e3 * settings.period:g} ms; lock counted above {LOCK_ABOVE:g} m/s"
+    strength = "full brake" if settings.strength == 1.0 else f"{settings.strength:g} of the full brake"
+    return f"{vehicle}: {strength} from {settings.speed:g} m/s unless the case says otherwise, {others}"
+
+
+def said(scores: Sequence[Scored]) -> list[str]:
+    """Sentences of the stops that have one."""
+    return [f"{one.controller}, {one.case}: {one.stop.said}" for one in scores if one.stop.said]
 
 
 def cells(one: Scored) -> tuple[str, ...]:
@@ -54,7 +63,7 @@ def cells(one: Scored) -> tuple[str, ...]:
 def document(vehicle: str, settings: Settings, scores: Sequence[Scored]) -> dict[str, object]:
     """For programs; SI units, air in litres."""
     runs = [
-        {"case": one.case, "controller": one.controller, **asdict(one.stop)}
+        {"case": one.case, "controller": one.controller, **asdict(replace(one.stop, history=None))}
         | {"over_ideal": one.over(one.ideal), "over_dry": one.over(one.dry), "ideal": one.ideal, "litres": one.air}
         | {"tread_energy": one.tread_energy, "flat": one.flat}
         for one in scores

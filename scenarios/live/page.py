@@ -18,12 +18,15 @@ from fmu_src.compile import web_module
 from products.braked_vehicle import FULL_PRESSURE
 from products.prebuilt import prebuilt_page
 from rbd_model.vehicle.description import size_of
+from scenarios import reporting
 from scenarios.live.machines import MACHINES, model_of
 from scenarios.reporting.motion import drawn
 from scenarios.reporting.plots import FOUR
 from scenarios.reporting.progress import PATIENCE
 
 WEB = Path(__file__).parent / "web"
+#: Of all pages with canvases.
+CANVAS = Path(reporting.__file__).parent / "page" / "canvas.js"
 #: In the order in which they use each other.
 SCRIPTS = ("kernel.js", "protection.js", "simulation.js", "charts.js", "side_view.js", "section_view.js", "page.js")
 
@@ -43,7 +46,7 @@ def write_page(path: Path) -> Path:
 @lru_cache
 def page() -> str:
     """Its text, with the kernels, which are compiled unless the cache has them. Raises CompilerError."""
-    script = "\n".join((WEB / name).read_text(encoding="utf-8") for name in SCRIPTS)
+    script = "\n".join(path.read_text(encoding="utf-8") for path in (CANVAS, *(WEB / name for name in SCRIPTS)))
     data = {
         "version": __version__,
         "colours": FOUR,

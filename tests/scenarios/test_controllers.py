@@ -74,7 +74,7 @@ def test_a_controller_that_fails_does_not_end_the_comparison(folder: Path, capsy
     shown = capsys.readouterr().out
     assert len(re.findall(r"^(dry|wet) .* no stop ", shown, re.MULTILINE)) == 2
     assert "Bad, dry: The controller Bad failed at 0 s (ZeroDivisionError: division by zero, bad.py, line 3)" in shown
-    assert len(re.findall(r"^(dry|wet) +(none|protection) +252.7 ", shown, re.MULTILINE)) == 4
+    assert len(re.findall(r"^(dry|wet) +(none|protection) +259.5 ", shown, re.MULTILINE)) == 4
 
 
 def test_a_class_with_two_choices_of_its_gains_is_two_controllers(
@@ -93,14 +93,14 @@ def test_a_class_with_two_choices_of_its_gains_is_two_controllers(
         (["bad.py:Good"], "bad.py has no class Good with a method step(time, wheel_speeds); give one that has."),
         (["none.py:Good"], "There is no file none.py; give FILE.py:CLASS."),
         (["libnone.so"], "There is no file libnone.so; give the path of a controller."),
-        (["LetGo"], "Give FILE.py:CLASS, a shared library or a C file as a controller: it was LetGo."),
+        (["LetGo"], "Give FILE.py:CLASS, a shared library, a C file or an FMU as a controller: it was LetGo."),
         (["let_go.py:LetGo", "--rails", "slow"], "There is no rail slow; give some of dry, wet, low, changing."),
         (
             ["let_go.py:LetGo", "--speed", "25mph"],
             "Give a speed above 0 and up to 100 m/s, as 25m/s or 160km/h: it was 25mph.",
         ),
         (["gains.py:Gains"], "Gains of gains.py cannot be made without arguments (TypeError: "),
-        (["nothing.c"], "nothing.c is no controller ("),
+        (["nothing.c"], "nothing is no controller ("),
         (["wrong.c"], "wrong.c does not compile. The C compiler ("),
         (["let_go.c", "--programme", "third.toml"], "The case a has a fault of wheelset 3; there are 2 here."),
         (["let_go.py:LetGo", "--teeth", "0"], "Set --teeth to a whole number of at least 1: it was 0."),
@@ -115,7 +115,7 @@ def test_a_class_with_two_choices_of_its_gains_is_two_controllers(
         ),
         (
             ["gains.py:Gains(1"],
-            "Give FILE.py:CLASS, a shared library or a C file as a controller: it was ",
+            "Give FILE.py:CLASS, a shared library, a C file or an FMU as a controller: it was ",
         ),
         (["gains.py:Gains(1, 2)"], "Gains of gains.py cannot be made with (1, 2) (TypeError: "),
         (["gains.py:Gains(share=1)"], "Gains of gains.py cannot be made with (share=1) (TypeError: "),
@@ -132,7 +132,7 @@ def test_what_cannot_be_is_refused_in_a_sentence(
 def test_a_library_that_is_no_controller_is_refused(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (folder / "libtext.so").write_text("no library")
     assert main(["controllers", "compare", "libtext.so"]) == 2
-    assert "libtext.so is no controller" in capsys.readouterr().err
+    assert "libtext is no controller" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(("action", "path"), [("header", FOLDER / "wheel_slide.h"), ("programme", OWN)])

@@ -1,0 +1,68 @@
+// Stops over time, unpacked, and what holds at an instant.
+
+// Whole numbers from a text in base64, deflated, of 16-bit differences.
+async function unpacked(text) {
+  const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+  const plain = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
+  const view = new DataView(await new Response(plain).arrayBuffer());
+  return Array.from({ length: view.byteLength / 2 }, (_, place) => view.getInt16(2 * place, true));
+}
+
+class Stop {
+  // about: of the page's data; next(): the next column of numbers, each the sum of all differences up to it.
+  constructor(about, next, { wheelsets, units }) {
+    Object.assign(this, about);
+    const each = (unit) => Array.from({ length: wheelsets }, () => next(unit));
+    this.time = next(units.time);
+    this.way = next(units.distance);
+    this.speed = next(units.speed);
+    [this.wheel, this.shown, this.pressure, this.valve] = [units.speed, units.speed, 1, 1].map(each);
+    this.end = this.time.at(-1);
+    this.rolled = this.wheel.map((speed) => this.integral(speed));
+  }
+
+  // Way that a wheel has rolled at each instant [m].
+  integral(speed) {
+    let sum = 0;
+    return speed.map((one, place) => {
+      if (place) sum += ((one + speed[place - 1]) / 2) * (this.time[place] - this.time[place - 1]);
+      return sum;
+    });
+  }
+
+  // All numbers at a time, straight between two looks; valves as they stood until the second of them.
+  at(time) {
+    let low = 0, high = this.time.length - 1;
+    while (high - low > 1) {
+      const middle = (low + high) >> 1;
+      if (this.time[middle] <= time) low = middle; else high = middle;
+    }
+    const share = Math.min(Math.max((time - this.time[low]) / (this.time[high] - this.time[low] || 1), 0), 1);
+    const between = (column) => column[low] + share * (column[high] - column[low]);
+    const [speed, wheel] = [between(this.speed), this.wheel.map(between)];
+    return {
+      speed, wheel, way: between(this.way), ended: time >= this.end,
+      pressure: this.pressure.map(between), rolled: this.rolled.map(between), valve: this.valve.map((one) => one[high]),
+      locked: wheel.map((one) => one < 0.005 && speed > DATA.lockAbove),
+    };
+  }
+}
+
+// All stops of the page, in the order of its data.
+async function stopsOf(data) {
+  const differences = await unpacked(data.histories);
+  let place = 0;
+  return data.stops.map((about) => {
+    const next = (unit) => {
+      let sum = 0;
+      const column = differences.slice(place, place + about.looks).map((one) => (sum += one) * unit);
+      place += about.looks;
+      return column;
+    };
+    return new Stop(about, next, data);
+  });
+}
+
+const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+const wheelColour = (number) => colour(`wheel${(number % 4) + 1}`);
+const DASHES = [[], [7, 3], [2, 2], [8, 3, 2, 3]]; // told apart without colours, too
