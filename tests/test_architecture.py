@@ -200,7 +200,7 @@ PLUMBING = {
     "brake_controller/magnet_valves.py": {"common_valves"},
     "brake_controller/sensors.py": {"edge_errors"},
     "brake_controller/protection_fmu.py": {"wheel_slide_protection"},
-    "brake_controller/wheel_slide.py": {"within"},
+    "brake_controller/wheel_slide.py": {"failure", "within"},
 }
 
 

@@ -13,6 +13,7 @@ import io
 import json
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -92,7 +93,7 @@ def shown_by_commands(commands: str, instead: Mapping[str, str]) -> str:
     shown = ""
     for line in commands.splitlines():
         command = line.split("#")[0].strip()
-        program, *arguments = instead.get(command, command).split()
+        program, *arguments = shlex.split(instead.get(command, command))
         assert program in {"python", "make"}, command
         called = [sys.executable if program == "python" else program, *arguments]
         environment = os.environ | {"PYTHONPATH": str(Path.cwd()), "COLUMNS": "200"}

@@ -61,7 +61,7 @@ class StopChart {
     this.stop.valve.forEach((column, number) => this.strip(context, x, column, box.bottom + 3 + STRIP * number));
   }
 
-  axes(context, { left, right, bottom }, x, y, height) {
+  axes(context, { left, right }, x, y, height) {
     context.lineWidth = 1;
     context.strokeStyle = colour("grid");
     context.fillStyle = colour("soft");
@@ -76,7 +76,7 @@ class StopChart {
     context.textAlign = "center";
     for (let step = roundStep(this.latest, 6), time = 0; time <= this.latest; time += step) {
       context.fillText(`${+time.toFixed(6)}`, Math.min(x(time), right - 6), height - 5);
-      context.fillRect(x(time), bottom, 1, height - 18 - bottom);
+      context.fillRect(x(time), height - 20, 1, 4);
     }
   }
 
