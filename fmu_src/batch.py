@@ -374,9 +374,9 @@ class Instances:
         """A step from `told` to `shown`; `status` is above 1 where an instance ended or failed, and stays there."""
         self._in_shares(lambda first, end: self._step_some(first, end, size))
 
-    def look(self) -> None:
-        """Reads all outputs where the instances stand into `shown`."""
-        self._library.functions.batch_look(self._steps(0, len(self), 0.0))
+    def look(self, first: int, end: int) -> None:
+        """Reads all outputs into `shown` where the instances from the first up to the end stand."""
+        self._library.functions.batch_look(self._steps(first, end, 0.0))
 
     @property
     def shown(self) -> Numbers:

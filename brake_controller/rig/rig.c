@@ -13,6 +13,7 @@
 /* One run: its sensors are `wheelsets` long, its controller's memory `size`. */
 typedef struct {
     long long int looks;
+    bool asks; /* whether a controller at the desk is to answer what was seen */
     encoder *sensor;
     rig_wheelset *wheelset;
     double *error, *locked, *skid, *pressure, *seen;
@@ -23,6 +24,7 @@ typedef struct {
 struct rig {
     rig_settings settings;
     rig_controller controller;
+    rig_desk desk;
     long long int rows;
     rig_run *run;
     rig_score *score;
@@ -34,12 +36,13 @@ static void *room(size_t count, size_t size)
     return calloc(count ? count : 1, size ? size : 1);
 }
 
-rig *rig_create(long long int rows, const rig_settings *settings, const rig_controller *controller)
+rig *rig_create(long long int rows, const rig_settings *settings, const rig_controller *controller, const rig_desk *desk)
 {
     rig *self = settings->wheelsets <= RIG_MOST ? (rig *)room(1, sizeof *self) : NULL;
     if (!self) return NULL;
     self->settings = *settings;
     self->controller = *controller;
+    self->desk = *desk;
     self->rows = rows;
     self->run = (rig_run *)room((size_t)rows, sizeof *self->run);
     self->score = (rig_score *)room((size_t)rows, sizeof *self->score);
@@ -90,6 +93,7 @@ void rig_begin(rig *self, long long int row, const double *error, const rig_whee
     rig_run *one = &self->run[row];
     const size_t n = (size_t)s->wheelsets, pulses = (size_t)s->encoder.pulses;
     one->looks = 0;
+    one->asks = false;
     memcpy(one->wheelset, wheelset, n * sizeof *wheelset);
     if (error) memcpy(one->error, error, n * pulses * sizeof(double));
     for (size_t i = 0; i < n; ++i) {
@@ -244,24 +248,30 @@ void rig_give_up(rig *self, long long int row)
     for (int i = 0; i < self->settings.wheelsets; ++i) one->valve[i] = WHEEL_SLIDE_APPLY;
 }
 
-void rig_look(rig *self, long long int first, long long int count, const int *status, const double *shown, double *time,
-              double *wheel_speed)
+void rig_look(rig *self, long long int row, int status, const double *shown)
 {
-    const int n = self->settings.wheelsets;
-    for (long long int i = 0; i < count; ++i) {
-        time[i] = (double)self->run[first + i].looks * self->settings.period;
-        look(self, first + i, status[i], shown + (size_t)i * width(&self->settings), wheel_speed + i * n);
-    }
+    rig_run *one = &self->run[row];
+    self->desk.time[row] = (double)one->looks * self->settings.period;
+    one->asks = look(self, row, status, shown, self->desk.wheel_speed + row * self->settings.wheelsets);
 }
 
-void rig_tell(rig *self, long long int first, long long int count, const int *valve, double *told)
+bool rig_take_or_look(void *context, long long int first, long long int count, const int *status, const double *shown,
+                      double *told)
 {
+    rig *self = (rig *)context;
     const int n = self->settings.wheelsets;
+    bool any = false;
     for (long long int i = 0; i < count; ++i) {
-        if (self->score[first + i].state != RIG_RUNS) continue;
-        take(self, first + i, valve + i * n);
-        set(self, first + i, told + i * 2 * n);
+        const long long int row = first + i;
+        if (!self->run[row].asks) continue;
+        self->run[row].asks = false;
+        take(self, row, self->desk.valve + row * n);
+        set(self, row, told + i * 2 * n);
+        any = true;
     }
+    for (long long int i = 0; i < count && !any; ++i)
+        if (self->score[first + i].state == RIG_RUNS) rig_look(self, first + i, status[i], shown + (size_t)i * width(&self->settings));
+    return any;
 }
 
 bool rig_between(void *context, long long int first, long long int count, const int *status, const double *shown, double *told)

@@ -73,6 +73,12 @@ typedef struct {
     double *look;              /* rows x room x (3 + 4 wheelsets) */
     long long int *count;      /* rows: how many were written down */
 } rig_notes;
+/* Where a controller outside, such as one in Python, meets the machines: arrays of its own, which outlive the rig. */
+typedef struct {
+    double *time;        /* rows: of the last look, since the start of the run [s] */
+    double *wheel_speed; /* rows x wheelsets: what the sensors showed then [m/s] */
+    int *valve;          /* rows x wheelsets: its commands, which are taken before the next step */
+} rig_desk;
 
 typedef struct rig rig;
 
@@ -81,23 +87,24 @@ typedef struct rig rig;
  * told: pressure demands of all wheelsets, then their valves. */
 
 /* null: there is no memory, or a machine has more than RIG_MOST wheelsets. */
-RIG_SHOWN rig *rig_create(long long int rows, const rig_settings *settings, const rig_controller *controller);
+RIG_SHOWN rig *rig_create(long long int rows, const rig_settings *settings, const rig_controller *controller, const rig_desk *desk);
 RIG_SHOWN void rig_free(rig *self);
 /* A run begins in a row. error: of the edges of each wheelset's sensor, pulses each, or null. Both are copied. */
 RIG_SHOWN void rig_begin(rig *self, long long int row, const double *error, const rig_wheelset *wheelset);
 RIG_SHOWN const rig_score *rig_scores(const rig *self);
 /* Runs that begin from now on are written down there; it outlives the rig. */
 RIG_SHOWN void rig_write_down(rig *self, const rig_notes *notes);
-/* Sensors look at rows from the first on: times since their start, and speeds that they show, count x wheelsets. status: of
- * the step before, a kernel_status. */
-RIG_SHOWN void rig_look(rig *self, long long int first, long long int count, const int *status, const double *shown,
-                        double *time, double *wheel_speed);
-/* Valves are set as told, count x wheelsets; what is no command applies the brake of that row for good. */
-RIG_SHOWN void rig_tell(rig *self, long long int first, long long int count, const int *valve, double *told);
+/* Sensors of a run that has begun look for the first time, for the desk. status: of its machine, a kernel_status. */
+RIG_SHOWN void rig_look(rig *self, long long int row, int status, const double *shown);
 /* Brakes of a row stay applied: its controller failed. */
 RIG_SHOWN void rig_give_up(rig *self, long long int row);
 /* All of it by the controller in C, and whether any run goes on: `batch_between` of the kernel's batch.h. */
 RIG_SHOWN bool rig_between(void *self, long long int first, long long int count, const int *status, const double *shown,
                            double *told);
+/* Half of it for a controller at the desk, and whether a step follows: valves are set as it said; or, where they have been,
+ * sensors look for it. What is no command applies the brake of that row for good. So a `batch_control` of two steps makes one,
+ * and ends with what the sensors show behind it. */
+RIG_SHOWN bool rig_take_or_look(void *self, long long int first, long long int count, const int *status, const double *shown,
+                                double *told);
 
 #endif

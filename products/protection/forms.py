@@ -71,8 +71,12 @@ class Arrays:
     controller: ManyControllers
 
 
+class Outside:
+    """Whoever turns the loop of the rig sets its valves."""
+
+
 #: What may stand between wheels and valves: nothing, a library, what makes a controller, what answers for all.
-Form = InC | Callable[[], WheelSlideController] | Arrays | None
+Form = InC | Callable[[], WheelSlideController] | Arrays | Outside | None
 
 
 def at_once(form: Form) -> int:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import ctypes
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from types import TracebackType
 from typing import Any
@@ -23,7 +23,7 @@ from products.braked_vehicle import FULL_PRESSURE
 from products.protection import rig_in_c
 from products.protection.braked_machine import RELEASE_TIME, STANDING, Machine
 from products.protection.braked_system import Kind, cylinder_air, machine_library, machine_model
-from products.protection.forms import Arrays, Form, FunctionsInC, InC, at_once
+from products.protection.forms import Arrays, Form, FunctionsInC, InC, Outside, at_once
 from products.protection.history import Notebook
 from products.protection.protected_stop import BRAKE_START, CYLINDER_VOLUME, GAS, LONGEST, Settings
 from products.protection.rails import ABOVE, BAND, LOCK_ABOVE
@@ -89,16 +89,15 @@ class Rig:
         looks = max(1, round(every / self.settings.period)) if every else 0
         found: list[Stop | None] = [None] * len(runs)
         count = min(len(runs), at_once(self.form))
-        own = [self._values(run) for run in runs]
-        faults = [self._faults(run) for run in runs]
+        own = [self.values(run) for run in runs]
+        faults = [self.faults(run) for run in runs]
         names = sorted({name for one in own for name in one})
         first = {variable.name: variable.start for variable in self._model.variables}
         values = [{name: one.get(name, first[name]) for name in names} for one in own]
-        library = machine_library(self._kind)
         start: dict[str, Any] = {name: [one[name] for one in values[:count]] for name in names}
         with (
-            Instances(library, count, self._inputs, self._outputs, threads=self._threads, **start) as instances,
-            _Loop(self, instances) as loop,
+            self.instances(count, start) as instances,
+            Loop(self, instances) as loop,
         ):
             notebook = Notebook(count, loop.wheelsets, looks, self.settings.period) if looks else None
             if notebook:
@@ -108,9 +107,14 @@ class Rig:
                 found[number] = replace(stop, history=notebook.history(row)) if notebook else stop
         return [one for one in found if one is not None]
 
+    def instances(self, count: int, start: Mapping[str, Any]) -> Instances:
+        """So many machines with these first values, a number for all or one for each."""
+        library = machine_library(self._kind)
+        return Instances(library, count, self._inputs, self._outputs, threads=self._threads, **start)
+
     def _turns(
         self,
-        loop: _Loop,
+        loop: Loop,
         values: Sequence[Mapping[str, float]],
         faults: Sequence[ctypes.Array[Wheelset]],
         count: int,
@@ -132,7 +136,8 @@ class Rig:
             runs |= begun
             loop.begin({row: faults[number] for row, number in begun.items()})
 
-    def _faults(self, run: Run) -> ctypes.Array[Wheelset]:
+    def faults(self, run: Run) -> ctypes.Array[Wheelset]:
+        """What is wrong with each wheelset. Raises ValueError for one that is not there."""
         each = (Wheelset * len(self.machine.numbers))(*(Wheelset(1.0, 0.0, 0.0, 0, 0) for _ in self.machine.numbers))
         for one in run.faults:
             if one.wheelset not in self.machine.numbers:
@@ -143,7 +148,8 @@ class Rig:
             of.valve_sticks, of.valve_from = int(math.isfinite(one.valve_from)), min(one.valve_from, LONGEST)
         return each
 
-    def _values(self, run: Run) -> dict[str, float]:
+    def values(self, run: Run) -> dict[str, float]:
+        """What the machine of a run begins with."""
         s = self.settings
         strength = s.strength if run.strength is None else run.strength
         full = next(one.start for one in self._model.variables if one.name == "force_per_pressure")
@@ -161,14 +167,19 @@ class Rig:
         return {"initial_speed": speed, **brake, **fixed, **run.values}
 
 
-class _Loop:
-    """A rig in C beside the instances that it stands between."""
+class Loop:
+    """A rig in C beside the instances that it stands between.
+
+    A controller in Python sees `time` [s], shape (count,), and `speeds` [m/s], and sets `valves`, both of shape (count,
+    wheelsets), the same arrays at every turn; `score` has shape (count,).
+    """
 
     def __init__(self, rig: Rig, instances: Instances) -> None:
         self.rig, self.instances, self.call = rig, instances, rig._call
         machine, s = rig.machine, rig.settings
         self.count, self.wheelsets = len(instances), len(machine.numbers)
         form = rig.form
+        self.in_c = form is None or isinstance(form, InC)
         controller = form.functions(self.wheelsets) if isinstance(form, InC) else FunctionsInC()
         settings = rig_in_c.Settings(
             self.wheelsets,
@@ -184,20 +195,21 @@ class _Loop:
             int(rig.by_flow),
             rig_in_c.SensorSettings(s.pulses, GATE, TIMER, LOWEST_FREQUENCY),
         )
-        self.own = self.call.rig_create(self.count, settings, controller)
+        self.time, self.speeds = np.zeros(self.count), np.zeros((self.count, self.wheelsets))
+        self.valves = np.zeros((self.count, self.wheelsets), np.int32)
+        desk = rig_in_c.Desk(*(one.ctypes.data for one in (self.time, self.speeds, self.valves)))
+        self.own = self.call.rig_create(self.count, settings, controller, desk)
         if not self.own:
             raise MemoryError("There is no memory for so many sensors; take fewer rows at once.")
         place = ctypes.cast(self.call.rig_scores(self.own), ctypes.POINTER(ctypes.c_char))
         whole = np.ctypeslib.as_array(place, (self.count * SCORE.itemsize,))
         self.score = whole.view(SCORE)
-        self.time, self.speeds = np.zeros(self.count), np.zeros((self.count, self.wheelsets))
-        self.valves = np.zeros((self.count, self.wheelsets), np.int32)
         self.each: list[Supervised | None] = [None] * self.count
         self.sentences: dict[int, str] = {}
         errors = [edge_errors(s.pulses, s.jitter, number) for number in machine.numbers]
         self.errors = np.array(errors) if s.jitter else None
 
-    def __enter__(self) -> _Loop:
+    def __enter__(self) -> Loop:
         return self
 
     def __exit__(
@@ -217,28 +229,35 @@ class _Loop:
             self.valves[row] = 0
         if isinstance(form, Arrays):
             form.controller.start(np.array(list(rows)), self.count, self.wheelsets, self.rig.settings.period)
-        elif form is not None and not isinstance(form, InC):
+        elif form is not None and not isinstance(form, InC | Outside):
             for row in rows:
                 self.each[row] = Supervised(form(), self.wheelsets)
-        self.instances.look()
+        self._look(rows)
+
+    def _look(self, rows: Iterable[int]) -> None:
+        """The first look of rows that begin; for a controller in C it is made with its first answer."""
+        shown, status = self.instances.shown, self.instances.status
+        for row in rows:
+            self.instances.look(row, row + 1)
+            if not self.in_c:
+                self.call.rig_look(self.own, row, int(status[row]), shown[row].ctypes.data)
 
     def go_on(self, looks: int) -> None:
         """So many looks and the steps behind them."""
         form, period = self.rig.form, self.rig.settings.period
-        if form is None or isinstance(form, InC):
+        if self.in_c:
             self.instances.control(period, looks, self.call.rig_between, self.own)
             return
         ask = self._ask_all if isinstance(form, Arrays) else self._ask_each
-        instances, every = self.instances, (self.own, 0, self.count)
-        seen = [one.ctypes.data for one in (instances.status, instances.shown, self.time, self.speeds)]
-        told = [one.ctypes.data for one in (self.valves, instances.told)]
         for _ in range(looks):
-            self.call.rig_look(*every, *seen)
             if not np.any(self.score["state"] == RUNS):
                 return
             ask()
-            self.call.rig_tell(*every, *told)
-            instances.go_on(period)
+            self.turn()
+
+    def turn(self) -> None:
+        """Takes `valves`, goes on by a period, and looks: all of it in C, in the threads of the instances."""
+        self.instances.control(self.rig.settings.period, 2, self.call.rig_take_or_look, self.own)
 
     def _ask_all(self) -> None:
         assert isinstance(self.rig.form, Arrays)

@@ -53,6 +53,14 @@ class Notes(ctypes.Structure):
 
 #: Wheelsets of a machine at most, RIG_MOST.
 MOST = 16
+
+
+class Desk(ctypes.Structure):
+    """A `rig_desk`."""
+
+    _fields_ = (("time", ctypes.c_void_p), ("wheel_speed", ctypes.c_void_p), ("valve", ctypes.c_void_p))
+
+
 #: A `rig_score` of rig.h.
 SCORE = np.dtype(
     [
@@ -74,13 +82,12 @@ def functions() -> ctypes.CDLL:
     library = ctypes.CDLL(str(plain_library({name: (FOLDER / name).read_text(encoding="utf-8") for name in names})))
     pointer, count = ctypes.c_void_p, ctypes.c_longlong
     signatures: dict[str, tuple[Any, list[Any]]] = {
-        "rig_create": (pointer, [count, ctypes.POINTER(Settings), ctypes.POINTER(FunctionsInC)]),
+        "rig_create": (pointer, [count, *map(ctypes.POINTER, (Settings, FunctionsInC, Desk))]),
         "rig_free": (None, [pointer]),
         "rig_begin": (None, [pointer, count, pointer, pointer]),
         "rig_scores": (pointer, [pointer]),
         "rig_write_down": (None, [pointer, ctypes.POINTER(Notes)]),
-        "rig_look": (None, [pointer, count, count, pointer, pointer, pointer, pointer]),
-        "rig_tell": (None, [pointer, count, count, pointer, pointer]),
+        "rig_look": (None, [pointer, count, ctypes.c_int, pointer]),
         "rig_give_up": (None, [pointer, count]),
     }
     for name, (result, arguments) in signatures.items():
