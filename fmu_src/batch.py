@@ -80,7 +80,7 @@ _SIGNATURES = {
     "batch_step": (None, [ctypes.POINTER(ctypes.c_void_p), ctypes.POINTER(_Steps)]),
     "batch_look": (None, [ctypes.POINTER(_Steps)]),
     "batch_control": (
-        ctypes.c_longlong,
+        None,
         [
             ctypes.POINTER(ctypes.c_void_p),
             ctypes.POINTER(_Steps),

@@ -5,7 +5,8 @@
 
 #include "batch_lanes.h"
 
-enum { W = BATCH_LANES };
+/* CONTROLLED: instances whose steps alternate with what stands between them, whole groups; few enough for a core's cache. */
+enum { W = BATCH_LANES, CONTROLLED = 8 * W };
 
 batch *batch_create(void) {
     batch *self = (batch *)calloc(1, sizeof *self);
@@ -386,13 +387,27 @@ void batch_step(batch *const *group, const batch_steps *steps) {
     for (long long int first = 0; first < steps->count; first += W) step_group(group[first / W], steps, first);
 }
 
-long long int batch_control(batch *const *group, const batch_steps *steps, long long int count, batch_between between,
-                            void *context, long long int first) {
-    for (long long int step = 0; step < count; ++step) {
-        if (!between(context, first, steps->count, steps->status, steps->result, (double *)(size_t)steps->value)) return step;
-        batch_step(group, steps);
+/* The instances from one on, CONTROLLED at most. */
+static batch_steps part_of(const batch_steps *steps, long long int row) {
+    batch_steps part = *steps;
+    part.count = steps->count - row < CONTROLLED ? steps->count - row : CONTROLLED;
+    part.instance += row;
+    part.value += row * steps->inputs;
+    part.result += row * steps->outputs;
+    part.status += row;
+    return part;
+}
+
+void batch_control(batch *const *group, const batch_steps *steps, long long int count, batch_between between, void *context,
+                   long long int first) {
+    for (long long int row = 0; row < steps->count; row += CONTROLLED) {
+        const batch_steps part = part_of(steps, row);
+        double *value = (double *)(size_t)part.value;
+        for (long long int step = 0; step < count; ++step) {
+            if (!between(context, first + row, part.count, part.status, part.result, value)) break;
+            batch_step(group + row / W, &part);
+        }
     }
-    return count;
 }
 
 void batch_look(const batch_steps *steps) {

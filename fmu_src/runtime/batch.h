@@ -65,10 +65,10 @@ KERNEL_EXPORT bool batch_run(batch *self, const batch_runs *runs);
 KERNEL_EXPORT void batch_free_said(char *said);
 /* group: a batch for each BATCH_LANES instances, the same at every step. */
 KERNEL_EXPORT void batch_step(batch *const *group, const batch_steps *steps);
-/* So many steps, each behind a call of `between`, which sees instances from the first on; ends where none goes on. Returns how
- * many were made. */
-KERNEL_EXPORT long long int batch_control(batch *const *group, const batch_steps *steps, long long int count,
-                                          batch_between between, void *context, long long int first);
+/* So many steps of all instances, a few at a time, each behind a call of `between`; ends where none of these goes on. first:
+ * the number of the first instance for `between`. */
+KERNEL_EXPORT void batch_control(batch *const *group, const batch_steps *steps, long long int count, batch_between between,
+                                 void *context, long long int first);
 /* The outputs of all instances where they stand, into the same arrays as those of a step. */
 KERNEL_EXPORT void batch_look(const batch_steps *steps);
 /* Before the next step of a group some of whose instances have begun anew. */

@@ -45,6 +45,15 @@ def check_period(period: float) -> None:
         raise ValueError(f"Set period to at least {1e3 * shortest:.3g} ms on the test rig: it was {1e3 * period:g} ms.")
 
 
+def commands_of(answer: NDArray[Any]) -> tuple[NDArray[np.int32], NDArray[np.bool_]]:
+    """An answer of shape (rows, wheelsets) as commands, and the rows that have nothing but 0, 1 and 2."""
+    if answer.dtype.kind not in "biuf":
+        return np.zeros(answer.shape, np.int32), np.zeros(len(answer), bool)
+    with np.errstate(invalid="ignore"):  # no number
+        commands = answer.astype(np.int32)
+    return commands, ((commands == answer) & (commands >= APPLY) & (commands <= VENT)).all(axis=1)
+
+
 class Rig:
     """Stops of one machine under one controller, many at once. A context manager.
 
@@ -69,7 +78,7 @@ class Rig:
         self._step, self._threads = step, threads
         self._call = rig_in_c.functions()
         self._kind = Kind(machine.counted, by_flow, level)
-        self._model = machine_model(self._kind)
+        self.model = machine_model(self._kind)
         n = machine.numbers
         self._inputs = [f"{name}_{number}" for name in ("pressure_demand", "valve") for number in n]
         of_each = ("rotation", "angular_velocity", "cylinder_pressure", "creep_force")
@@ -92,7 +101,7 @@ class Rig:
         own = [self.values(run) for run in runs]
         faults = [self.faults(run) for run in runs]
         names = sorted({name for one in own for name in one})
-        first = {variable.name: variable.start for variable in self._model.variables}
+        first = {variable.name: variable.start for variable in self.model.variables}
         values = [{name: one.get(name, first[name]) for name in names} for one in own]
         start: dict[str, Any] = {name: [one[name] for one in values[:count]] for name in names}
         with (
@@ -152,7 +161,7 @@ class Rig:
         """What the machine of a run begins with."""
         s = self.settings
         strength = s.strength if run.strength is None else run.strength
-        full = next(one.start for one in self._model.variables if one.name == "force_per_pressure")
+        full = next(one.start for one in self.model.variables if one.name == "force_per_pressure")
         brake = {
             "supply_pressure": self.machine.brake["supply_pressure"],
             "force_per_pressure": strength * full * FULL_PRESSURE / self.machine.full_pressure,
@@ -278,9 +287,7 @@ class Loop:
 
     def _take_all(self, answer: NDArray[np.integer]) -> None:
         """Commands of all rows; those of a row with another than 0, 1 and 2 are none."""
-        with np.errstate(invalid="ignore"):  # no number
-            commands = answer.astype(np.int32)
-        good = ((commands == answer) & (commands >= APPLY) & (commands <= VENT)).all(axis=1)
+        commands, good = commands_of(answer)
         self.valves[good] = commands[good]
         for row in np.flatnonzero(~good & (self.score["state"] == RUNS)).tolist():
             words = (

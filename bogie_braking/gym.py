@@ -1,0 +1,187 @@
+"""Wheel-slide protection as an environment of Gymnasium, bogie_braking/WheelSlide-v0: a stop is an episode.
+
+Needs the extra `gym`. An import of this module makes the environment known:
+
+>>> import gymnasium, bogie_braking.gym
+>>> gymnasium.make("bogie_braking/WheelSlide-v0"), gymnasium.make_vec("bogie_braking/WheelSlide-v0", 1024)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from typing import Any
+
+try:
+    import gymnasium
+except ModuleNotFoundError as missing:
+    raise ModuleNotFoundError('Environments need gymnasium: pip install "bogie-braking[gym]".') from missing
+import numpy as np
+from gymnasium.spaces import Box, MultiDiscrete
+from gymnasium.utils import seeding
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+
+from bogie_braking.checks import known
+from bogie_braking.protection import MACHINES, settings_from
+from brake_controller.wheel_slide import COMMANDS
+from products.protection.draws import drawn_run
+from products.protection.environment import Draw, Environment
+from products.protection.runs import Fault as Fault
+from products.protection.runs import Run as Run
+from products.protection.runs import Stop
+
+NAME = "bogie_braking/WheelSlide-v0"
+Numbers = np.ndarray
+
+
+def made(
+    vehicle: str, count: int, rails: Draw, privileged: bool, threads: int | None, settings: dict[str, float]
+) -> Environment:
+    """So many machines. Raises KeyError for another vehicle or setting, TypeError for rails that draw nothing."""
+    if not callable(rails):
+        raise TypeError(f"Give rails as a function of a generator and a number of wheelsets: it was {rails!r}.")
+    if not isinstance(count, int | np.integer) or count < 1:
+        raise ValueError(f"Give a whole number of environments, at least 1: it was {count!r}.")
+    machine = MACHINES[known(vehicle, MACHINES, "vehicle with brakes")]()
+    return Environment(machine, settings_from(settings), int(count), rails, privileged, threads)
+
+
+def spaces(of: Environment) -> tuple[Box, MultiDiscrete]:
+    """What one machine shows, and what it is told."""
+    return Box(*of.limits, dtype=np.float64), MultiDiscrete([len(COMMANDS)] * len(of.machine.numbers))
+
+
+def told(stop: Stop) -> dict[str, Any]:
+    """What a stop came to, as an `info`: distance [m] (NaN: none), time [s], and so on; `said`: a sentence."""
+    found = asdict(stop)
+    return found | {"distance": np.nan if stop.distance is None else stop.distance}
+
+
+class WheelSlide(gymnasium.Env[Numbers, Numbers]):
+    """One bogie, or coach, that brakes to rest; the page *Train and tune* has what it sees, is told, and what it costs.
+
+    vehicle: "bogie" or "vehicle", the coach. rails: draws a `Run` by a generator of random numbers and the number of
+    wheelsets. privileged: whether it sees what no controller does. settings: as `bogie_braking.protected_stops` has
+    them.
+    """
+
+    metadata = {"render_modes": []}
+
+    def __init__(
+        self, vehicle: str = "bogie", rails: Draw = drawn_run, privileged: bool = False, **settings: float
+    ) -> None:
+        self._of = made(vehicle, 1, rails, privileged, 1, settings)
+        self.observation_space, self.action_space = spaces(self._of)
+        self._goes_on = False
+
+    @property
+    def run(self) -> Run:
+        """The stop that was drawn."""
+        return self._of.runs[0]
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Numbers, dict[str, Any]]:
+        """Draws a stop and begins it: the same seed, the same rails."""
+        super().reset(seed=seed)
+        refuse(options)
+        self._of.begin([0], [self.np_random])
+        self._goes_on = True
+        return self._of.observation[0], {}
+
+    def step(self, action: Numbers) -> tuple[Numbers, float, bool, bool, dict[str, Any]]:
+        """A period further. Raises ValueError for what are no commands, RuntimeError where no stop goes on."""
+        if not self._goes_on:
+            raise RuntimeError("No stop goes on here; call reset first.")
+        of = self._of
+        of.turn(np.asarray(action)[None])
+        terminated, truncated = bool(of.terminated[0]), bool(of.truncated[0])
+        self._goes_on = not (terminated or truncated)
+        return of.observation[0], float(of.reward[0]), terminated, truncated, {} if self._goes_on else told(of.stop(0))
+
+    def close(self) -> None:
+        """Gives memory back."""
+        self._of.close()
+
+
+class WheelSlideVector(VectorEnv[Numbers, Numbers, Numbers]):
+    """Many of them, in vector lanes and threads: row k of a vector that is seeded with s is the single one with s + k.
+
+    A row that has ended begins anew at the next step, whatever it is told then (autoreset mode NEXT_STEP). Each step
+    gives new arrays. threads: as many as there are processors.
+    """
+
+    metadata = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        vehicle: str = "bogie",
+        rails: Draw = drawn_run,
+        privileged: bool = False,
+        threads: int | None = None,
+        **settings: float,
+    ) -> None:
+        self._of = made(vehicle, num_envs, rails, privileged, threads, settings)
+        self.num_envs = num_envs
+        self.single_observation_space, self.single_action_space = spaces(self._of)
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        self._randoms: list[np.random.Generator] = []
+        self._ended = np.zeros(num_envs, bool)
+
+    @property
+    def runs(self) -> list[Run]:
+        """The stops that were drawn last."""
+        return list(self._of.runs)
+
+    def reset(
+        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Numbers, dict[str, Any]]:
+        """Draws a stop for each row and begins it. seed: of the first row, the next ones follow; or a list of them."""
+        refuse(options)
+        if seed is not None or not self._randoms:
+            self._randoms = [seeding.np_random(one)[0] for one in self._seeds(seed)]
+        self._ended[:] = False
+        self._of.begin(range(self.num_envs), self._randoms)
+        return self._of.observation, {}
+
+    def _seeds(self, seed: int | Sequence[int | None] | None) -> Sequence[int | None]:
+        if seed is None:
+            return [None] * self.num_envs
+        if isinstance(seed, int | np.integer):
+            return [int(seed) + row for row in range(self.num_envs)]
+        if len(seed) != self.num_envs:
+            raise ValueError(f"Give one seed, or {self.num_envs} of them: there were {len(seed)}.")
+        return seed
+
+    def step(self, actions: Numbers) -> tuple[Numbers, Numbers, Numbers, Numbers, dict[str, Any]]:
+        """A period further. Raises ValueError for what are no commands, RuntimeError before the first reset."""
+        if not self._randoms:
+            raise RuntimeError("No stop goes on here; call reset first.")
+        of = self._of
+        of.turn(actions)
+        anew = np.flatnonzero(self._ended).tolist()
+        if anew:
+            of.begin(anew, [self._randoms[row] for row in anew])
+        self._ended = of.terminated | of.truncated
+        info: dict[str, Any] = {}
+        for row in np.flatnonzero(self._ended).tolist():
+            info = self._add_info(info, told(of.stop(row)), row)
+        return of.observation, of.reward, of.terminated, of.truncated, info
+
+    def close_extras(self, **kwargs: Any) -> None:
+        """Gives threads and memory back."""
+        self._of.close()
+
+
+def refuse(options: dict[str, Any] | None) -> None:
+    """Raises ValueError for an option: there is none."""
+    for name in options or {}:
+        raise ValueError(f"There is no option {name}; give rails a function that draws what you want.")
+
+
+gymnasium.register(
+    NAME, entry_point=f"{__name__}:{WheelSlide.__name__}", vector_entry_point=f"{__name__}:{WheelSlideVector.__name__}"
+)

@@ -1,0 +1,155 @@
+"""Stops of many machines whose valves are told turn by turn: what environments for learning are made of."""
+
+from __future__ import annotations
+
+import weakref
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from brake_controller.wheel_slide import APPLY, VENT
+from products.protection.braked_machine import Machine
+from products.protection.cost import cost, cost_of_loss, rolling_stop
+from products.protection.forms import Outside
+from products.protection.programme import FASTEST
+from products.protection.protected_stop import BRAKE_START, LONGEST, Settings
+from products.protection.rig import Loop, Rig, commands_of
+from products.protection.rig_in_c import LOST, RUNS, TOO_LONG
+from products.protection.runs import Run, Stop
+
+Numbers = NDArray[np.float64]
+#: Draws a stop of a machine with so many wheelsets.
+Draw = Callable[[np.random.Generator, int], Run]
+#: Most that a sensor shows over the true speed: its failure doubles it, a wrong radius does, and teeth err.
+TOO_FAST = 5.0
+#: What a privileged observation has of the rail beside the friction under each wheelset.
+PATCH = ("patch_friction", "patch_start", "patch_length")
+
+
+class Environment:
+    """Rows of one machine, which stops in each; `close` it, or let go of it.
+
+    A row observes the speeds that its sensors show [m/s], the last command of each valve, and the time since the brake
+    was demanded [s]. Where it is privileged there follow the true speed [m/s], the distance [m], each slip within -1
+    and 1, the friction of the rail under each wheelset without its patch, and what is in PATCH. `limits` are the least
+    and the most of each entry, shape (2, entries).
+
+    Behind a turn, `observation` has the shape (rows, entries), `reward`, `terminated` and `truncated` have the shape
+    (rows,): new arrays each time. The rewards of a stop add up to what it costs (cost.py), below 0.
+    """
+
+    def __init__(
+        self,
+        machine: Machine,
+        settings: Settings,
+        count: int,
+        draw: Draw,
+        privileged: bool = False,
+        threads: int | None = None,
+    ) -> None:
+        self.machine, self.settings, self._draw, self._privileged = machine, settings, draw, privileged
+        self._rig = Rig(machine, Outside(), settings, settings.host_step, threads)
+        stack = ExitStack()
+        self.close = weakref.finalize(self, stack.close)
+        self._instances = stack.enter_context(self._rig.instances(count, self._rig.values(Run({}))))
+        self._loop = stack.enter_context(Loop(self._rig, self._instances))
+        self.runs: list[Run] = [Run({})] * count
+        self._rolling = np.ones(count, [(name, float) for name in ("distance", "duration")])
+        self._cost, self.reward = np.zeros(count), np.zeros(count)
+        self.terminated, self.truncated = np.zeros(count, bool), np.zeros(count, bool)
+        n = len(machine.numbers)
+        self._names = [f"friction_{number}" for number in machine.numbers] + list(PATCH)
+        self._rail = np.zeros((count, len(self._names)))
+        self._first = {one.name: one.start for one in self._rig.model.variables}
+        self.limits = self._limits(n)
+
+    def _limits(self, n: int) -> Numbers:
+        most = [*n * [TOO_FAST * FASTEST], *n * [float(VENT)], LONGEST]
+        least = [*n * [0.0], *n * [float(APPLY)], 0.0]
+        if self._privileged:
+            of = {one.name: one for one in self._rig.model.variables}
+            most += [FASTEST, FASTEST * LONGEST, *n * [1.0], *(of[name].maximum for name in self._names)]
+            least += [0.0, 0.0, *n * [-1.0], *(of[name].minimum for name in self._names)]
+        return np.array([least, most])
+
+    def __len__(self) -> int:
+        return len(self.runs)
+
+    def begin(self, rows: Sequence[int], randoms: Sequence[np.random.Generator]) -> None:
+        """Stops begin in these rows, each drawn with its own random numbers.
+
+        Raises TypeError for a draw that is no Run, ValueError and KernelError for one that cannot be.
+        """
+        drawn = {row: self._drawn(random) for row, random in zip(rows, randoms, strict=True)}
+        faults = {row: self._rig.faults(run) for row, run in drawn.items()}
+        for row, run in drawn.items():
+            values = self._rig.values(run)
+            self._instances.reset(row, **values)
+            self.runs[row] = run
+            self._rail[row] = [values.get(name, self._first[name]) for name in self._names]
+            strength = self.settings.strength if run.strength is None else run.strength
+            rolling = rolling_stop(self.machine, replace(self.settings, strength=strength), values["initial_speed"])
+            self._rolling[row] = rolling.distance, rolling.duration
+            self._cost[row] = self.reward[row] = 0.0
+            self.terminated[row] = self.truncated[row] = False
+        self._loop.begin(faults)
+        self.observation = self._seen()
+
+    def _drawn(self, random: np.random.Generator) -> Run:
+        run = self._draw(random, len(self.machine.numbers))
+        if not isinstance(run, Run):
+            raise TypeError(f"Let the rails give a Run: it was a {type(run).__name__}.")
+        speed = self._rig.values(run)["initial_speed"]
+        if not 0.0 < speed <= FASTEST:
+            raise ValueError(f"Draw a speed above 0 and up to {FASTEST:g} m/s: it was {speed}.")
+        return run
+
+    def turn(self, commands: ArrayLike) -> None:
+        """A period further. commands: shape (rows, wheelsets), 0 apply, 1 hold, 2 vent; rows that have ended stay.
+
+        Raises ValueError for what are no commands, before anything moves.
+        """
+        given = np.asarray(commands)
+        if given.shape != self._loop.valves.shape:
+            raise ValueError(f"Give commands of the shape {self._loop.valves.shape}: it was {given.shape}.")
+        taken, good = commands_of(given)
+        if not good.all():
+            row = int(np.argmin(good))
+            raise ValueError(
+                f"Give each valve 0 (apply), 1 (hold) or 2 (vent): it was {given[row].tolist()} in row {row}."
+            )
+        self._loop.valves[:] = taken
+        self._loop.turn()
+        self.observation = self._seen()
+        self._judge()
+
+    def _seen(self) -> Numbers:
+        loop, n = self._loop, len(self.machine.numbers)
+        seen = np.empty((len(self), self.limits.shape[1]))
+        seen[:, :n], seen[:, n : 2 * n] = loop.speeds, loop.valves
+        np.maximum(loop.time - BRAKE_START, 0.0, out=seen[:, 2 * n])
+        if self._privileged:
+            shown, end = self._instances.shown, 2 * n + 1
+            speed, rolls = shown[:, :1], self.machine.parameters.wheel_radius * shown[:, 2 + n : 2 + 2 * n]
+            seen[:, end : end + 2] = np.maximum(shown[:, :2], 0.0)
+            seen[:, end + 2 : end + 2 + n] = np.clip((speed - rolls) / np.maximum(np.abs(speed), 1e-9), -1.0, 1.0)
+            seen[:, end + 2 + n :] = self._rail
+        return seen
+
+    def _judge(self) -> None:
+        """What the turn has cost, and which stops it has ended."""
+        score = self._loop.score
+        state = score["state"]
+        before, self._cost = self._cost, cost(score, self._rolling, self.machine, self.settings.period)
+        self.truncated, self.terminated = state == TOO_LONG, (state != RUNS) & (state != TOO_LONG)
+        lost = state == LOST
+        if lost.any():
+            self._cost[lost] += cost_of_loss(score[lost], self._rolling[lost])
+        self.reward = before - self._cost
+
+    def stop(self, row: int) -> Stop:
+        """What the stop in a row came to."""
+        return self._loop.stop(row)
