@@ -19,6 +19,7 @@ from products.coach import AS_PUBLISHED, brakes
 from products.sources import PREBUILT
 from scenarios.bench.asymmetric_shoes import run_all
 from scenarios.methods import fmi_overhead, old_and_new, throughput
+from scenarios.methods.environment_throughput import environment_rows
 from scenarios.methods.protected_throughput import protected_rows
 from scenarios.methods.timing import LEVELS, REPEATS, least
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, titled
@@ -159,7 +160,7 @@ def run(options: Options) -> Report:
         aim = f"measured now; to stay below {PYTHON_OVERHEAD_TARGET:.0f}"
         rows.append(Row(what, "us", None, extra, None, aim))
     rows += vehicle_rows()
-    rows += throughput.batch_rows() + throughput.control_rows() + protected_rows()
+    rows += throughput.batch_rows() + throughput.control_rows() + protected_rows() + environment_rows()
     rows += beginning_rows()
     rows += fmi_overhead.rows(library)
     begin = time.perf_counter()
