@@ -71,7 +71,7 @@ class _Steps(ctypes.Structure):
 
 
 _SIGNATURES = {
-    "batch_create": (ctypes.c_void_p, []),
+    "batch_create": (ctypes.c_void_p, [ctypes.c_void_p]),
     "batch_free": (None, [ctypes.c_void_p]),
     "batch_lanes": (ctypes.c_int, []),
     "batch_run": (ctypes.c_bool, [ctypes.c_void_p, ctypes.POINTER(_Runs)]),
@@ -166,7 +166,7 @@ def library_of_batch(model: Model, system: str, lanes: int = 0) -> BatchLibrary:
 def _in_threads(library: BatchLibrary, count: int, runs: _Runs, queue: ctypes.c_longlong) -> None:
     """Makes the runs in so many threads, each with lanes of its own, and shows how many have begun."""
     call = library.functions
-    every = [call.batch_create() for _ in range(count)]
+    every = [call.batch_create(None) for _ in range(count)]
     try:
         if not all(every):
             raise MemoryError(NO_MEMORY)
@@ -292,7 +292,7 @@ class Instances:
         self._groups: ctypes.Array[ctypes.c_void_p] = (ctypes.c_void_p * 0)()
         for row in range(count):
             self._begin(row, {})
-        groups = [library.functions.batch_create() for _ in range(-(-count // library.lanes))]
+        groups = [group for first, end in self._shares() for group in self._beside_each_other(end - first)]
         self._groups = (ctypes.c_void_p * len(groups))(*groups)
         self._pool = ThreadPoolExecutor(max(self._threads - 1, 1))
         if not all(groups):
@@ -412,13 +412,23 @@ class Instances:
 
     def _in_shares(self, work: Callable[[int, int], None]) -> None:
         """Work for all instances, shared among the threads by whole groups."""
-        count, width = len(self), self._library.lanes
-        share = max(1, -(-count // (self._threads * width))) * width
-        shares = [(first, min(first + share, count)) for first in range(0, count, share)]
+        shares = self._shares()
         done = [self._pool.submit(work, *one) for one in shares[1:]]
         work(*shares[0])  # waking a thread takes as long as hundreds of steps
         for one in done:
             one.result()
+
+    def _shares(self) -> list[tuple[int, int]]:
+        """From which row up to which each thread works."""
+        count, width = len(self), self._library.lanes
+        share = max(1, -(-count // (self._threads * width))) * width
+        return [(first, min(first + share, count)) for first in range(0, count, share)]
+
+    def _beside_each_other(self, count: int) -> list[int | None]:
+        """The groups of so many instances of one thread; None: there is no memory."""
+        create, groups = self._library.functions.batch_create, -(-count // self._library.lanes)
+        first = create(None)
+        return [first, *(create(first) for _ in range(groups - 1))]
 
     def _step_some(self, first: int, end: int, size: float) -> None:
         groups = _from(self._groups, first // self._library.lanes)

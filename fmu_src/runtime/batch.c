@@ -8,13 +8,13 @@
 /* CONTROLLED: instances whose steps alternate with what stands between them, whole groups; few enough for a core's cache. */
 enum { W = BATCH_LANES, CONTROLLED = 8 * W };
 
-batch *batch_create(void) {
+batch *batch_create(const batch *beside) {
     batch *self = (batch *)calloc(1, sizeof *self);
     if (!self) return NULL;
     self->of = &BATCH;
     self->system = &MODEL.system[BATCH.system];
     self->place = (int *)malloc((size_t)MODEL.variables * sizeof(int));
-    bool complete = self->place && batch_lay_out(self);
+    bool complete = self->place && batch_lay_out(self, beside);
     for (int i = 0; i < MODEL.variables && self->place; ++i) self->place[i] = -1;
     for (int i = 0; i < self->system->outputs && self->place; ++i) self->place[self->system->output_variable[i]] = i;
     if (complete) return self;
@@ -26,6 +26,7 @@ void batch_free(batch *self) {
     if (!self) return;
     for (int l = 0; l < W; ++l) kernel_free(self->own[l]);
     free(self->room);
+    free(self->constants);
     free(self->place);
     free(self);
 }

@@ -54,8 +54,9 @@ typedef struct {
 typedef bool (*batch_between)(void *context, long long int first, long long int count, const int *status, const double *result,
                               double *value);
 
-/* One for each thread; null: there is no memory. */
-KERNEL_EXPORT batch *batch_create(void);
+/* One for each thread; or further ones beside it, for other instances: those compute in the room of the first, which outlives
+ * them, so that it stays in a core's cache. null: there is no memory. */
+KERNEL_EXPORT batch *batch_create(const batch *beside);
 KERNEL_EXPORT void batch_free(batch *self);
 KERNEL_EXPORT int batch_lanes(void);
 /* The system that it runs: the place of the system in the model. */

@@ -19,7 +19,16 @@ static double *carve_lanes(double *room, size_t *used, int count) {
     return start;
 }
 
-static size_t lay_out(batch *self, double *room) {
+/* What stays from step to step. */
+static size_t lay_out_constants(batch *self, double *room) {
+    size_t used = 0;
+    self->numbers.parameter = carve_lanes(room, &used, self->system->parameters);
+    self->numbers.derived = carve_lanes(room, &used, self->system->derived);
+    return used;
+}
+
+/* What a step is computed in. */
+static size_t lay_out_work(batch *self, double *room) {
     const system_description *system = self->system;
     lane_numbers *n = &self->numbers;
     size_t used = 0;
@@ -31,8 +40,6 @@ static size_t lay_out(batch *self, double *room) {
     n->input = carve_lanes(room, &used, system->inputs);
     n->rate = carve_lanes(room, &used, system->inputs);
     n->stage_input = carve_lanes(room, &used, system->inputs);
-    n->parameter = carve_lanes(room, &used, system->parameters);
-    n->derived = carve_lanes(room, &used, system->derived);
     n->mode = carve_lanes(room, &used, system->frictions);
     n->coefficient = carve_lanes(room, &used, system->table_coefficients);
     n->argument = carve_lanes(room, &used, system->tables);
@@ -48,12 +55,24 @@ static size_t lay_out(batch *self, double *room) {
     return used;
 }
 
-bool batch_lay_out(batch *self) {
-    const size_t used = lay_out(self, NULL), line = ALIGNMENT / sizeof(double);
-    self->room = (double *)calloc(used + line, sizeof(double));
-    if (!self->room) return false;
-    const size_t beside = (size_t)self->room % ALIGNMENT / sizeof(double);
-    (void)lay_out(self, self->room + (beside ? line - beside : 0));
+/* Room for so many numbers behind `own`, which is freed; null: there is no memory. */
+static double *aligned_room(size_t count, double **own) {
+    const size_t line = ALIGNMENT / sizeof(double);
+    *own = (double *)calloc(count + line, sizeof(double));
+    if (!*own) return NULL;
+    const size_t beside = (size_t)*own % ALIGNMENT / sizeof(double);
+    return *own + (beside ? line - beside : 0);
+}
+
+bool batch_lay_out(batch *self, const batch *beside) {
+    if (beside) self->numbers = beside->numbers;
+    double *room = aligned_room(lay_out_constants(self, NULL), &self->constants);
+    if (!room) return false;
+    (void)lay_out_constants(self, room);
+    if (beside) return true;
+    room = aligned_room(lay_out_work(self, NULL), &self->room);
+    if (!room) return false;
+    (void)lay_out_work(self, room);
     for (int i = 0; i < self->system->states * LANES; ++i) self->numbers.differential[i] = 1.0;
     return true;
 }

@@ -36,14 +36,14 @@ struct batch {
     lane_numbers numbers;
     known_place start, end;
     known_function of_start[MOST_KNOWN], of_end[MOST_KNOWN];
-    double *room;
+    double *room, *constants; /* the numbers; room null: those of another batch */
     int *place; /* of each variable among the outputs; -1: it is none */
     bool ends;  /* whether outputs are known at the end of the trial */
 };
 
 extern const batch_functions BATCH;
 
-RUNTIME_LOCAL bool batch_lay_out(batch *self);
+RUNTIME_LOCAL bool batch_lay_out(batch *self, const batch *beside);
 /* Where each lane stands: modes, where they are asked for, the Jacobian, and what may change. */
 RUNTIME_LOCAL const known_place *batch_start(batch *self, bool modes);
 /* A trial of each lane with the size that it wants, and what is asked at its end. */
