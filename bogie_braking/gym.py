@@ -49,13 +49,16 @@ def made(
 
 def spaces(of: Environment) -> tuple[Box, MultiDiscrete]:
     """What one machine shows, and what it is told."""
-    return Box(*of.limits, dtype=np.float64), MultiDiscrete([len(COMMANDS)] * len(of.machine.numbers))
+    least, most = of.limits
+    return Box(least, most, dtype=np.float64), MultiDiscrete([len(COMMANDS)] * len(of.machine.numbers))
 
 
 def told(stop: Stop) -> dict[str, Any]:
     """What a stop came to, as an `info`: distance [m] (NaN: none), time [s], and so on; `said`: a sentence."""
     found = asdict(stop)
-    return found | {"distance": np.nan if stop.distance is None else stop.distance}
+    for without in ("history", "lowest_reservoir"):  # runs are not written down, and cylinders are timed
+        del found[without]
+    return found | {"distance": np.nan if stop.distance is None else stop.distance, "sliding": np.array(stop.sliding)}
 
 
 class WheelSlide(gymnasium.Env[Numbers, Numbers]):

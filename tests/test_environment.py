@@ -20,7 +20,7 @@ from products.protection.cost import AT_LIMIT, FILLINGS, rolling_stop
 from products.protection.draws import FRICTIONS, SPEEDS, drawn_run
 from products.protection.environment import Environment
 from products.protection.forms import Arrays
-from products.protection.protected_stop import BRAKE_START, LONGEST, Settings
+from products.protection.protected_stop import BRAKE_START, CYLINDER_VOLUME, GAS, LONGEST, Settings
 from products.protection.rails import ABOVE, BAND, RAILS
 from products.protection.rig import Rig
 from products.protection.runs import Fault, Run
@@ -82,7 +82,7 @@ def test_rewards_add_up_to_the_score_of_the_same_stop_on_the_rig() -> None:
         goes_on &= ~(own.terminated | own.truncated)
         steps += 1
     stops = [own.stop(row) for row in range(8)]
-    assert Rig(bogie(), Arrays(LetGo()), with_pause, with_pause.host_step).runs(own.runs) == stops
+    assert Rig(bogie(), Arrays(LetGo()), with_pause, step=with_pause.host_step).runs(own.runs) == stops
     machine = bogie()
     for row, stop in enumerate(stops):
         rolls = rolling_stop(machine, with_pause, own.runs[row].speed or 0.0)
@@ -90,7 +90,7 @@ def test_rewards_add_up_to_the_score_of_the_same_stop_on_the_rig() -> None:
         shares = [
             stop.longest_lock / 0.4,
             outside[row] * with_pause.period / (0.2 * rolls.duration),
-            stop.filled / (2 * machine.full_pressure) / 40.0,
+            stop.air * GAS / CYLINDER_VOLUME / (2 * machine.full_pressure) / 40.0,
         ]
         assert -total[row] == pytest.approx(stop.distance / rolls.distance + 0.25 * sum(shares), rel=1e-9)
     assert (AT_LIMIT, FILLINGS) == (0.25, 40.0)

@@ -49,7 +49,7 @@ class Order:
         form = self.controller
         if isinstance(form, Apart):
             form = form.make(len(self.machine.numbers), self.settings.period)
-        return Rig(self.machine, form, self.settings, self.by_flow, self.level)
+        return Rig(self.machine, form, self.settings, by_flow=self.by_flow, level=self.level)
 
 
 def runs_apart(order: Order, runs: Sequence[Run], patience: float = PATIENCE) -> list[Stop]:
@@ -77,7 +77,9 @@ def runs_apart(order: Order, runs: Sequence[Run], patience: float = PATIENCE) ->
 
 def _applied(order: Order, run: Run, words: str) -> Stop:
     """What comes of brakes that stay applied, which is no stop of the controller."""
-    [stop] = Rig(order.machine, None, order.settings, order.by_flow, order.level).runs([run], every=order.every)
+    [stop] = Rig(order.machine, None, order.settings, by_flow=order.by_flow, level=order.level).runs(
+        [run], every=order.every
+    )
     return replace(stop, distance=None, said=words)
 
 

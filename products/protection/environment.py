@@ -51,7 +51,7 @@ class Environment:
         threads: int | None = None,
     ) -> None:
         self.machine, self.settings, self._draw, self._privileged = machine, settings, draw, privileged
-        self._rig = Rig(machine, Outside(), settings, settings.host_step, threads)
+        self._rig = Rig(machine, Outside(), settings, step=settings.host_step, threads=threads)
         stack = ExitStack()
         self.close = weakref.finalize(self, stack.close)
         self._instances = stack.enter_context(self._rig.instances(count, self._rig.values(Run({}))))

@@ -68,6 +68,7 @@ class Rig:
         machine: Machine,
         form: Form,
         settings: Settings,
+        *,
         by_flow: bool = False,
         level: int = 2,
         step: float = 0.0,
