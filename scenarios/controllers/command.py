@@ -14,14 +14,17 @@
   bogie-braking controllers compare mine.py:PI --html             and results/controllers/compare.html, which plays
   bogie-braking controllers compare mine.py:PI --json | jq .runs  for a program
   bogie-braking controllers header > wheel_slide.h                what a controller in C includes
+  bogie-braking controllers loop --rail low                       behind a UDP socket, paced by the clock, for
+  bogie-braking controllers answer mine.py:PI                     a client in another process, or on another machine
+  bogie-braking controllers client c > udp_client.c               the client of a controller in C; also: python
 
 A class has the method step(time, wheel_speeds) -> valves: [s], [m/s] -> 0 apply, 1 hold or 2 vent for each wheelset.
 All make the same stops with the same brake, sensors and rails; cylinders fill by flow of air from a reservoir. Without
 a controller the wheels may lock.
 The ideal has the best slip at every instant. Measures in the manner of EN 15595, without any claim of conformity.
 
-Exit status: 0 all controllers stopped everywhere; 1 one did not stop, or failed; 2 bad input; 3 the simulation failed;
-130 interrupted with Ctrl-C.
+Exit status: 0 all controllers stopped everywhere; 1 one did not stop, failed, or missed a period in the loop; 2 bad
+input; 3 the simulation failed; 130 interrupted with Ctrl-C.
 """
 
 from __future__ import annotations
@@ -38,11 +41,11 @@ from products.protection.programme import OWN, Case, four_rails, read_programme,
 from products.protection.protected_stop import Settings
 from products.protection.rails import RAILS
 from products.protection.rig import check_period
-from scenarios.controllers import verdict
+from scenarios.controllers import answering, loop, verdict
 from scenarios.controllers.given import controllers_of
 from scenarios.controllers.page import page
 from scenarios.controllers.picture import draw
-from scenarios.controllers.scoring import compare
+from scenarios.controllers.scoring import Scored, compare, ideal_distance, runs_of
 from scenarios.controllers.table import document, lines
 from scenarios.methods.pace import time_of
 from scenarios.reporting.plots import plt
@@ -58,6 +61,13 @@ def add_commands(parser: argparse.ArgumentParser, speech: Callable[[argparse.Arg
     compare = actions.add_parser("compare", help="score controllers on the same rails", **form)
     add_arguments(compare)
     speech(compare)
+    looped = actions.add_parser("loop", help="put the rig behind a UDP socket, paced by the clock", **form)
+    loop.add_arguments(looped)
+    add_case(looped)
+    speech(looped)
+    answering.add_arguments(actions.add_parser("answer", help="answer such a rig with a Python class", **form))
+    client = actions.add_parser("client", help="print a client of such a rig, which goes to another machine")
+    client.add_argument("language", choices=list(answering.CLIENTS))
     actions.add_parser("header", help="print wheel_slide.h, which a controller in C includes")
     actions.add_parser("programme", help="print the programme that comes along, to begin one of your own with")
     parser.set_defaults(quiet=False, json=False, out=Path("results"))
@@ -67,20 +77,34 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""
     text = "FILE.py:CLASS, also with gains, 'FILE.py:CLASS(kp=0.3)'; a library; C that includes wheel_slide.h; an FMU"
     parser.add_argument("controller", nargs="+", help=text)
-    parser.add_argument("--vehicle", choices=list(MACHINES), default="bogie", help="bogie, or vehicle: the coach")
     parser.add_argument("--level", type=int, choices=(2, 3), default=2, help="2 in the plane (default), 3 in space")
     group = parser.add_mutually_exclusive_group()
     text = f"some of {','.join(rail.name for rail in RAILS)} (default: all)"
     group.add_argument("--rails", default="", metavar="NAMES", help=text)
     text = "a TOML file with cases, or full: the programme that comes along"
     group.add_argument("--programme", metavar="FILE", help=text)
+    parser.add_argument("--html", action="store_true", help="also write a page that plays all stops side by side")
+    add_settings(parser)
+
+
+def add_case(parser: argparse.ArgumentParser) -> None:
+    """Options of one stop alone."""
+    text = f"one of {','.join(rail.name for rail in RAILS)}, or a case of the programme (default: low)"
+    parser.add_argument("--rail", default="low", metavar="NAME", help=text)
+    parser.add_argument("--programme", metavar="FILE", help="a TOML file with cases, or full")
+    parser.set_defaults(rails="")
+    add_settings(parser)
+
+
+def add_settings(parser: argparse.ArgumentParser) -> None:
+    """Options of all stops."""
+    parser.add_argument("--vehicle", choices=list(MACHINES), default="bogie", help="bogie, or vehicle: the coach")
     parser.add_argument("--speed", default="25", help="at the start, as 25m/s or 160km/h (default: 25 m/s)")
     parser.add_argument("--strength", type=float, default=1.0, help="torque over that of the full brake (default: 1)")
     parser.add_argument("--period", default="5ms", metavar="TIME", help="of the controllers (default: 5ms)")
     parser.add_argument("--teeth", type=int, default=Settings.pulses, help="of each sensor (default: 100)")
     text = "standard deviation of the teeth's places, as a share of the pitch (default: 0)"
     parser.add_argument("--jitter", type=float, default=0.0, help=text)
-    parser.add_argument("--html", action="store_true", help="also write a page that plays all stops side by side")
     parser.add_argument("--out", type=Path, default=Path("results"), help="folder of the results (default: results)")
 
 
@@ -107,9 +131,15 @@ def cases_of(chosen: argparse.Namespace) -> list[Case]:
 def run(chosen: argparse.Namespace) -> bool:
     """Compares and reports, or prints a file; whether all stopped. Raises BadInputError, CompilerError."""
     printed = {"header": FOLDER / "wheel_slide.h", "programme": OWN}
+    if chosen.action == "client":
+        printed["client"] = FOLDER / answering.CLIENTS[chosen.language]
     if chosen.action in printed:
         print(printed[chosen.action].read_text(encoding="utf-8"), end="")
         return True
+    if chosen.action == "answer":
+        return answering.run(chosen)
+    if chosen.action == "loop":
+        return run_loop(chosen)
     settings = settings_of(chosen)
     machine = MACHINES[chosen.vehicle]()
     controllers = controllers_of(chosen.controller, len(machine.numbers))
@@ -131,6 +161,28 @@ def run(chosen: argparse.Namespace) -> bool:
         places = [f"Page: {folder / 'compare.html'}"] if chosen.html else []
         print("\n".join([*table, "", f"Picture: {folder / 'compare.png'}", *places]))
     return all(score.stop.distance is not None for score in scores)
+
+
+def run_loop(chosen: argparse.Namespace) -> bool:
+    """One stop of a client in the loop; whether it stopped without a missed period. Raises BadInputError."""
+    machine, settings = MACHINES[chosen.vehicle](), settings_of(chosen)
+    cases = {case.name: case for case in cases_of(chosen)}
+    if chosen.rail not in cases:
+        raise BadInputError(f"There is no case {chosen.rail}; give --rail one of {', '.join(cases)}.")
+    [run] = runs_of(machine, [cases[chosen.rail]])
+    with loop.socket_at(chosen.host, chosen.port) as own:
+        found = loop.run_in_loop(machine, run, settings, own, chosen.pace)
+    ideal = ideal_distance(machine, run, settings)
+    score = Scored(chosen.rail, "client", found.stop, machine.parameters.wheel_radius, ideal, None)
+    about = document(chosen.vehicle, settings, [score]) | {"loop": loop.document(found)}
+    folder = chosen.out / "controllers"
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "loop.json").write_text(json.dumps(about, indent=2) + "\n", encoding="utf-8")
+    if chosen.json:
+        print(json.dumps(about, indent=2))
+    elif not chosen.quiet:
+        print("\n".join([*lines(chosen.vehicle, settings, [score]), "", *loop.sentences(found)]))
+    return found.holds
 
 
 def settings_of(chosen: argparse.Namespace) -> Settings:

@@ -84,15 +84,7 @@ def compare(
 
     level: 2 in the plane, where the ideal always is, 3 in space; recorded: with histories.
     """
-    try:
-        runs = [case.run(machine) for case in cases]
-    except ValueError as error:
-        raise BadInputError(str(error)) from None
-    known = {variable.name for variable in machine_model(Kind(machine.counted, by_flow=True, level=level)).variables}
-    for case, run in zip(cases, runs, strict=True):
-        for name in run.values:
-            if name not in known:
-                raise BadInputError(f"The case {case.name} sets {name}, which this machine has not.")
+    runs = runs_of(machine, cases, level)
     stops: dict[str, list[Stop]] = {}
     every = EVERY if recorded else 0.0
     with counting(total=len(controllers) + len(runs), text="controllers and ideals", unit="") as bar:
@@ -111,6 +103,20 @@ def compare(
         for number, case in enumerate(names)
         for name, found in stops.items()
     ]
+
+
+def runs_of(machine: Machine, cases: Sequence[Case], level: int = 2) -> list[Run]:
+    """The stop of a machine in each case. Raises BadInputError for what it has not."""
+    try:
+        runs = [case.run(machine) for case in cases]
+    except ValueError as error:
+        raise BadInputError(str(error)) from None
+    known = {variable.name for variable in machine_model(Kind(machine.counted, by_flow=True, level=level)).variables}
+    for case, run in zip(cases, runs, strict=True):
+        for name in run.values:
+            if name not in known:
+                raise BadInputError(f"The case {case.name} sets {name}, which this machine has not.")
+    return runs
 
 
 def stops_of(order: Order, name: str, runs: Sequence[Run]) -> list[Stop]:

@@ -1,0 +1,43 @@
+"""A Python class as a client of the test rig behind a socket (loop.py)."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from contextlib import redirect_stdout
+from pathlib import Path
+
+from brake_controller.rig.udp_client import HOST, PORT, answer
+from scenarios.controllers.given import class_in
+from scenarios.scenario import BadInputError
+
+#: The clients that are printed, by language, with their files beside wheel_slide.h.
+CLIENTS = {"c": "udp_client.c", "python": "udp_client.py"}
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of the command."""
+    parser.add_argument("controller", help="FILE.py:CLASS; C has a client of its own: controllers client c")
+    parser.add_argument("--host", default=HOST, help=f"where the rig is (default: {HOST})")
+    parser.add_argument("--port", type=int, default=PORT, help=f"its UDP port (default: {PORT})")
+
+
+def run(chosen: argparse.Namespace) -> bool:
+    """Answers a run; whether it came to its end. Raises BadInputError."""
+    file, _, name = chosen.controller.rpartition(":")
+    if not file.endswith(".py"):
+        raise BadInputError(f"Give FILE.py:CLASS as a controller: it was {chosen.controller}.")
+    controller = class_in(Path(file), name)()
+    try:
+        with redirect_stdout(sys.stderr):  # what a controller prints
+            given = answer(controller, chosen.host, chosen.port, lambda text: print(text, flush=True))
+    except TimeoutError as error:
+        print(error, file=sys.stderr)
+        return False
+    except (OSError, OverflowError) as error:
+        raise BadInputError(f"There is no way to {chosen.host}:{chosen.port} ({error}); give the rig's.") from None
+    except Exception as error:
+        print(f"The controller {name} failed ({type(error).__name__}: {error}); it answers no more.", file=sys.stderr)
+        return False
+    print(f"{given} answers given.")
+    return True
