@@ -198,6 +198,7 @@ PLUMBING = {
     "rbd_model/wheelset/yielding_rails.py": {"add_give", "rows_of"},
     "brake_controller/cylinder.py": {"brake_model"},
     "brake_controller/magnet_valves.py": {"common_valves"},
+    "brake_controller/rig/udp_client.py": {"answer", "answer_to", "is_end", "question"},
     "brake_controller/sensors.py": {"edge_errors"},
     "brake_controller/protection_fmu.py": {"wheel_slide_protection"},
     "brake_controller/wheel_slide.py": {"failure", "within"},

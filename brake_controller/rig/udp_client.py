@@ -30,9 +30,11 @@ EVERY, SILENCE = 0.2, 10.0
 
 
 class Controller(Protocol):
-    """Valve commands (0 apply, 1 hold, 2 vent) from circumferential speeds [m/s] at a time of the run [s]."""
+    """A controller of one's own."""
 
-    def step(self, time: float, wheel_speeds: Sequence[float]) -> Sequence[int]: ...
+    def step(self, time: float, wheel_speeds: Sequence[float]) -> Sequence[int]:
+        """Valve commands (0 apply, 1 hold, 2 vent) from circumferential speeds [m/s] at a time of the run [s]."""
+        ...
 
 
 def question(sequence: int, time: float, period: float, speeds: Sequence[float]) -> bytes:
