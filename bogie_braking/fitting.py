@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +14,7 @@ from bogie_braking.checks import known, line_or_none, number, shown
 from bogie_braking.histories import Value
 from bogie_braking.machines import Machine, Runnable, machine_of, model_from
 from bogie_braking.simulation import Simulation
+from fmu_src.cosimulation.measured import table_from
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.suggestion import suggestion
 from fmu_src.system import System
@@ -83,24 +82,7 @@ def measured_from(path: str | Path) -> Recording:
         raise TypeError(f"Give what was measured as a Recording or as the path of a CSV file: it was {shown(path)}.")
     if not Path(path).is_file():
         raise FileNotFoundError(f"There is no file {path}; give the path of the CSV file of a measured run.")
-    with Path(path).open(encoding="utf-8", newline="") as file:
-        lines = list(csv.reader(file))
-    heads = [re.fullmatch(r"\s*(\w+)\s*\[(.+)\]\s*", one) for one in lines[0]] if lines else []
-    if not heads or None in heads or heads[0][1] != "time":  # type: ignore[index]
-        raise ValueError(f"{path}: give the first line names with units, time first, such as: time [s],speed [m/s]")
-    rows = []
-    for place, line in enumerate(lines[1:], 2):
-        try:
-            row = [float(one) for one in line]
-        except ValueError:
-            row = []
-        if len(row) != len(heads) or not np.all(np.isfinite(row)):
-            raise ValueError(f"{path}, line {place}: give {len(heads)} finite numbers; there is {','.join(line)!r}.")
-        rows.append(row)
-    times = np.array([row[0] for row in rows])
-    if times.size < 2 or np.any(np.diff(times) <= 0.0):
-        raise ValueError(f"{path}: give at least two rows whose time grows.")
-    return Recording({head[1]: head[2] for head in heads if head}, rows)
+    return table_from(Path(path))
 
 
 def fit(

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import os
 import signal
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
+from typing import Any, TypeVar, cast
 
 from fmu_src.cosimulation.slave import CosimulationError
 from products.protection.braked_machine import Machine
@@ -22,8 +23,18 @@ PATIENCE, BEGINNING = 10.0, 120.0
 TIMES = 3
 
 
+#: What a process sends first: what follows was made, it is done, or it was given no controller.
+GIVEN, DONE, REFUSED = range(3)
+Tell = Callable[[object], None]
+Result = TypeVar("Result")
+
+
 class NoControllerError(Exception):
     """What was given is no controller; the text says why."""
+
+
+class EndedError(Exception):
+    """The process ended or hung; the text says how, as "ended its process (SIGSEGV)"."""
 
 
 @dataclass(frozen=True)
@@ -85,30 +96,47 @@ def _applied(order: Order, run: Run, words: str) -> Stop:
 
 def _made(order: Order, runs: Sequence[Run], patience: float, alone: bool) -> tuple[list[Stop], str]:
     """The stops that a process made, and how it ended before the last; empty: it did not."""
+    stops: list[Stop] = []
+    try:
+        for some in _heard(_make, (order, list(runs), alone), patience):
+            stops += some
+    except EndedError as ended:
+        return stops, str(ended)
+    return stops, ""
+
+
+def called_apart(function: Callable[..., Result], *arguments: object, patience: float = BEGINNING) -> Result:
+    """What a function gives that is called in a process of its own. Raises EndedError, NoControllerError."""
+    [found] = _heard(_call, (function, arguments), patience)
+    return cast(Result, found)
+
+
+def _heard(target: Callable[..., None], arguments: tuple[object, ...], patience: float) -> Iterator[Any]:
+    """What a target tells in a process of its own. Raises EndedError, NoControllerError."""
     context = get_context("spawn")
     here, there = context.Pipe(duplex=False)
-    child = context.Process(target=_make, args=(there, order, list(runs), alone), daemon=True)
+    child = context.Process(target=_tell, args=(there, target, arguments), daemon=True)
     child.start()
     there.close()
-    stops: list[Stop] = []
     waits = BEGINNING
-    while len(stops) < len(runs):
+    while True:
         if not here.poll(waits):
             child.kill()
             child.join()
-            return stops, f"gave no answer within {waits:g} s"
+            raise EndedError(f"gave no answer within {waits:g} s")
         waits = patience
         try:
-            heard = here.recv()
+            kind, heard = here.recv()
         except EOFError:
             child.join()
-            return stops, f"ended its process ({_end_of(child.exitcode)})"
-        if isinstance(heard, str):
-            child.join()
+            raise EndedError(f"ended its process ({_end_of(child.exitcode)})") from None
+        if kind == GIVEN:
+            yield heard
+            continue
+        child.join()
+        if kind == REFUSED:
             raise NoControllerError(heard)
-        stops += heard
-    child.join()
-    return stops, ""
+        return
 
 
 def _end_of(code: int | None) -> str:
@@ -118,12 +146,22 @@ def _end_of(code: int | None) -> str:
     return f"exit status {code}"
 
 
-def _make(pipe: Connection, order: Order, runs: Sequence[Run], alone: bool) -> None:
-    """In the process: stops in lists, empty ones as a sign of life, or the sentence of what is no controller."""
+def _tell(pipe: Connection, target: Callable[..., None], arguments: tuple[object, ...]) -> None:
+    """In the process: sends what the target tells, that it is done, or the sentence of what is no controller."""
     try:
         os.dup2(2, 1)  # what a controller prints
-        rig = order.rig()
-        for some in [[run] for run in runs] if alone else [runs]:
-            pipe.send(rig.runs(some, lambda: pipe.send([]), order.every))
+        target(lambda one: pipe.send((GIVEN, one)), *arguments)
+        pipe.send((DONE, None))
     except (OSError, AttributeError, ValueError, CosimulationError) as error:
-        pipe.send(str(error))
+        pipe.send((REFUSED, str(error)))
+
+
+def _make(tell: Tell, order: Order, runs: Sequence[Run], alone: bool) -> None:
+    """Tells stops in lists, empty ones as a sign of life."""
+    rig = order.rig()
+    for some in [[run] for run in runs] if alone else [runs]:
+        tell(rig.runs(some, lambda: tell([]), order.every))
+
+
+def _call(tell: Tell, function: Callable[..., object], arguments: tuple[object, ...]) -> None:
+    tell(function(*arguments))

@@ -14,6 +14,7 @@
   bogie-braking controllers compare mine.py:PI --html             and results/controllers/compare.html, which plays
   bogie-braking controllers compare mine.py:PI --json | jq .runs  for a program
   bogie-braking controllers header > wheel_slide.h                what a controller in C includes
+  bogie-braking controllers replay log.csv mine.py:PI             what it would have done in a recorded run
   bogie-braking controllers loop --rail low                       behind a UDP socket, paced by the clock, for
   bogie-braking controllers answer mine.py:PI                     a client in another process, or on another machine
   bogie-braking controllers client c > udp_client.c               the client of a controller in C; also: python
@@ -41,7 +42,7 @@ from products.protection.programme import OWN, Case, four_rails, read_programme,
 from products.protection.protected_stop import Settings
 from products.protection.rails import RAILS
 from products.protection.rig import check_period
-from scenarios.controllers import answering, loop, verdict
+from scenarios.controllers import answering, loop, replay, verdict
 from scenarios.controllers.given import controllers_of
 from scenarios.controllers.page import page
 from scenarios.controllers.picture import draw
@@ -61,6 +62,9 @@ def add_commands(parser: argparse.ArgumentParser, speech: Callable[[argparse.Arg
     compare = actions.add_parser("compare", help="score controllers on the same rails", **form)
     add_arguments(compare)
     speech(compare)
+    replayed = actions.add_parser("replay", help="give a controller the wheel speeds of a recorded run", **form)
+    replay.add_arguments(replayed)
+    speech(replayed)
     looped = actions.add_parser("loop", help="put the rig behind a UDP socket, paced by the clock", **form)
     loop.add_arguments(looped)
     add_case(looped)
@@ -138,6 +142,8 @@ def run(chosen: argparse.Namespace) -> bool:
         return True
     if chosen.action == "answer":
         return answering.run(chosen)
+    if chosen.action == "replay":
+        return replay.run(chosen)
     if chosen.action == "loop":
         return run_loop(chosen)
     settings = settings_of(chosen)

@@ -102,7 +102,7 @@ def asked(own: socket.socket, client: socket.socket, monkeypatch: pytest.MonkeyP
 @pytest.fixture(scope="module")
 def here() -> object:
     """The stop of the class in this process."""
-    return Rig(bogie(), LetGo, Settings()).runs([RUN])[0]
+    return Rig(bogie(), LetGo, Settings(), by_flow=True).runs([RUN])[0]
 
 
 def stop_with(client: list[str], own: socket.socket) -> Looped:

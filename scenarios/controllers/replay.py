@@ -1,0 +1,264 @@
+"""A controller gets the wheel speeds of a recorded run, and shows what it would have done: a table and a picture.
+
+The wheels do not feel its commands: they turn as they did.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import json
+import re
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from brake_controller.wheel_slide import APPLY, COMMANDS, HOLD, VENT, ControllerError, Supervised, WheelSlideController
+from fmu_src.cosimulation.measured import table_from
+from fmu_src.cosimulation.recording import Recording
+from products.protection.apart import Apart, EndedError, NoControllerError, called_apart
+from products.protection.forms import Arrays, Form, InC, Outside
+from products.protection.one_in_c import OneInC
+from products.protection.protected_stop import LONGEST_PERIOD
+from scenarios.controllers.given import Given, controller_of
+from scenarios.methods.pace import time_of
+from scenarios.reporting.plots import FOUR, plt, titled
+from scenarios.reporting.progress import counting
+from scenarios.scenario import BadInputError
+
+#: Shortest period that may be asked for [s]; most wheelsets, as the rig has.
+SHORTEST, MOST = 1e-4, 16
+#: Share of a row's time within which a question is asked with this row, not with the one before.
+SAME = 1e-9
+WORDS = {APPLY: "apply", HOLD: "hold", VENT: "vent"}
+HEADS = ("wheelset", *WORDS.values(), "first command", "longest vent", "changes", "as in the log")
+UNITS = ("", "%", "%", "%", "s", "s", "1", "%")
+
+
+@dataclass(frozen=True)
+class Replayed:
+    """What a controller would have done: times [s], shape (rows,), and valves, shape (rows, wheelsets).
+
+    as_in_log: share of rows in which each valve got the command that the log has, where it has some. said: a sentence
+    of a controller that failed, whose valves end there.
+    """
+
+    controller: str
+    log: Recording
+    times: np.ndarray
+    valves: np.ndarray
+    as_in_log: tuple[float | None, ...]
+    said: str
+
+    @property
+    def wheelsets(self) -> list[dict[str, float | None]]:
+        """Of each wheelset the shares of its commands, the time of the first one but to apply, the longest vent [s]."""
+        return [self._wheelset(self.valves[:, place], self.as_in_log[place]) for place in range(self.valves.shape[1])]
+
+    def _wheelset(self, valve: np.ndarray, as_in_log: float | None) -> dict[str, float | None]:
+        told = np.flatnonzero(valve != APPLY)
+        shares = {WORDS[one]: float(np.mean(valve == one)) if valve.size else 0.0 for one in COMMANDS}
+        return shares | {
+            "first_command": float(self.times[told[0]]) if told.size else None,
+            "longest_vent": max((end - begin for begin, end in self.spans(valve, VENT)), default=0.0),
+            "changes": float(np.count_nonzero(np.diff(valve))),
+            "as_in_log": as_in_log,
+        }
+
+    def spans(self, valve: np.ndarray, command: int) -> list[tuple[float, float]]:
+        """When a valve has a command: each beginning and end [s]; the last row ends with itself."""
+        edges = np.flatnonzero(np.diff(np.concatenate([[0], (valve == command).astype(int), [0]])))
+        until = np.append(self.times[: valve.size], self.times[valve.size - 1 :][:1])
+        return [(float(until[begin]), float(until[end])) for begin, end in zip(edges[::2], edges[1::2], strict=True)]
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of the command."""
+    text = "a CSV file with columns time [s] and wheel_speed_1 [m/s] and so on; also speed [m/s] and valve_1 [1]"
+    parser.add_argument("log", type=Path, help=text)
+    text = "FILE.py:CLASS, a shared library, a C file that includes wheel_slide.h, or an FMU"
+    parser.add_argument("controller", help=text)
+    text = "ask so often, with the last row before; default: at the times of the rows"
+    parser.add_argument("--period", metavar="TIME", help=text)
+    parser.add_argument("--out", type=Path, default=Path("results"), help="folder of the results (default: results)")
+
+
+def run(chosen: argparse.Namespace) -> bool:
+    """Replays and reports; whether the controller answered to the end. Raises BadInputError, CompilerError."""
+    period = None if chosen.period is None else time_of(chosen.period, "--period")
+    if period is not None and not SHORTEST <= period <= LONGEST_PERIOD:
+        limits = f"from {SHORTEST:g} to {LONGEST_PERIOD:g} s"
+        raise BadInputError(f"Give --period a value {limits}: it was {period:g} s.")
+    log = read_log(chosen.log)
+    name, controller = controller_of(chosen.controller, wheelsets_in(log))
+    try:
+        found = replayed(log, name, controller, period)
+    except NoControllerError as error:
+        raise BadInputError(f"{name} is no controller ({error}); give one.") from None
+    except EndedError as error:
+        print(f"The controller {name} {error}; of its commands nothing is known.", file=sys.stderr)
+        return False
+    folder = chosen.out / "controllers"
+    folder.mkdir(parents=True, exist_ok=True)
+    about = document(found) | {"log": str(chosen.log), "period": period}
+    (folder / "replay.json").write_text(json.dumps(about, indent=2) + "\n", encoding="utf-8")
+    figure = draw(found)
+    figure.savefig(folder / "replay.png")
+    plt.close(figure)
+    if chosen.json:
+        print(json.dumps(about, indent=2))
+    elif not chosen.quiet:
+        print("\n".join([*lines(chosen.log, found, period), "", f"Picture: {folder / 'replay.png'}"]))
+    return not found.said
+
+
+def read_log(path: Path) -> Recording:
+    """A log with the speeds of wheels. Raises BadInputError with the line and the column."""
+    try:
+        log = table_from(path)
+    except OSError:
+        raise BadInputError(f"There is no file {path} to read; give the CSV file of a recorded run.") from None
+    except ValueError as error:
+        raise BadInputError(str(error)) from None
+    count = wheelsets_in(log)
+    if not 1 <= count <= MOST:
+        raise BadInputError(f"{path} has {count} columns wheel_speed_1 [m/s] and so on; give it 1 to {MOST}.")
+    for name in speeds_of(count):
+        if log.units.get(name) != "m/s":
+            there = f"has it in {log.units[name]}" if name in log.units else f"has {', '.join(log.names)}"
+            raise BadInputError(f"{path}: give the column {name} [m/s]; the log {there}.")
+    return log
+
+
+def wheelsets_in(log: Recording) -> int:
+    """How many wheelsets a log has the speeds of."""
+    return sum(bool(re.fullmatch(r"wheel_speed_\d+", name)) for name in log.names)
+
+
+def speeds_of(count: int) -> list[str]:
+    """Names of the columns of so many wheelsets."""
+    return [f"wheel_speed_{number}" for number in range(1, count + 1)]
+
+
+def replayed(log: Recording, name: str, controller: Given, period: float | None) -> Replayed:
+    """As `replay`, in a process of its own where the controller needs one. Raises EndedError, NoControllerError."""
+    if isinstance(controller, Apart):
+        return called_apart(replay_of, log, name, controller, period)
+    return replay(log, name, controller, period)
+
+
+def replay_of(log: Recording, name: str, controller: Apart, period: float | None) -> Replayed:
+    """As `replay`, with a controller that is made here. Raises OSError, AttributeError, ValueError for what is none."""
+    asked = period or float(np.median(np.diff(log["time"])))
+    return replay(log, name, controller.make(wheelsets_in(log), asked), period)
+
+
+def replay(log: Recording, name: str, form: Form, period: float | None) -> Replayed:
+    """What a new controller would have done, asked at the rows' times, or every period [s] with the last row before."""
+    count = wheelsets_in(log)
+    rows = log["time"]
+    times = rows if period is None else rows[0] + period * np.arange(int((rows[-1] - rows[0]) / period + SAME) + 1)
+    last = np.searchsorted(rows, times + SAME * np.min(np.diff(rows)), "right") - 1
+    speeds = np.column_stack([log[one] for one in speeds_of(count)])[last]
+    controller = one_of(name, form, count, period or float(np.median(np.diff(rows))))
+    valves, said = commands_of(Supervised(controller, count), times, speeds)
+    same: list[float | None] = []
+    for place in range(count):
+        recorded = log.units.get(f"valve_{place + 1}") and log[f"valve_{place + 1}"][last][: len(valves)]
+        same.append(None if recorded is None or not len(valves) else float(np.mean(recorded == valves[:, place])))
+    return Replayed(name, log, times, valves, tuple(same), said)
+
+
+def one_of(name: str, form: Form, wheelsets: int, period: float) -> WheelSlideController:
+    """A new controller; period of its questions [s]."""
+    if isinstance(form, InC):
+        found: WheelSlideController = type(name, (OneInC,), {})(form, wheelsets, period)  # sentences say its name
+        return found
+    assert form is not None
+    assert not isinstance(form, Arrays | Outside)
+    return form()
+
+
+def commands_of(controller: Supervised, times: np.ndarray, speeds: np.ndarray) -> tuple[np.ndarray, str]:
+    """Commands at times [s], shape (rows, wheelsets), up to where the controller fails, and the sentence of that."""
+    valves, said = [], ""
+    with contextlib.redirect_stdout(sys.stderr):  # what a controller prints
+        asked = zip(times.tolist(), speeds.tolist(), strict=True)
+        for time, row in counting(asked, "replay", len(speeds), "question"):
+            try:
+                valves.append(controller.step(time, row))
+            except ControllerError as error:
+                said = str(error).replace("; the brake stays applied", "")
+                break
+    return np.array(valves, int).reshape(-1, controller.wheelsets), said
+
+
+def lines(path: Path, found: Replayed, period: float | None) -> Iterator[str]:
+    """The table, and what was said."""
+    gaps = 1e3 * np.diff(found.times)
+    every = f"{gaps.min():.4g} ms" if np.ptp(gaps) < 1e-3 * gaps.min() else f"{gaps.min():.4g} to {gaps.max():.4g} ms"
+    at = "at the times of its rows" if period is None else "with the last row before"
+    span = found.times[-1] - found.times[0]
+    yield f"{path}: {span:.1f} s; {found.controller} is asked {found.times.size} times {at}, every {every}."
+    yield "The wheels do not feel its commands: they turn as they did."
+    yield ""
+    rows = [HEADS, UNITS, *(cells(number, one) for number, one in enumerate(found.wheelsets, 1))]
+    widths = [max(len(row[column]) for row in rows) for column in range(len(HEADS))]
+    for row in rows:
+        yield "  ".join(text.rjust(width) for text, width in zip(row, widths, strict=True))
+    if found.said:
+        yield ""
+        yield found.said
+
+
+def cells(number: int, one: dict[str, float | None]) -> tuple[str, ...]:
+    """A row of the table."""
+
+    def text(name: str, form: str, factor: float = 1.0) -> str:
+        value = one[name]
+        return "-" if value is None else format(factor * value, form)
+
+    shares = [text(word, ".1f", 100.0) for word in WORDS.values()]
+    seconds = text("first_command", ".3f"), text("longest_vent", ".3f")
+    return str(number), *shares, *seconds, text("changes", ".0f"), text("as_in_log", ".1f", 100.0)
+
+
+def document(found: Replayed) -> dict[str, object]:
+    """For programs; SI units, shares of 1."""
+    said = {"controller": found.controller, "said": found.said, "questions": int(found.times.size)}
+    return said | {"answers": len(found.valves), "wheelsets": found.wheelsets}
+
+
+def draw(found: Replayed) -> Figure:
+    """The wheels' speeds, with that of the vehicle where the log has it, and beneath them what each valve is told."""
+    log, count = found.log, found.valves.shape[1]
+    figure, (above, below) = plt.subplots(
+        2, 1, sharex=True, figsize=(9.0, 4.6 + 0.25 * count), height_ratios=[4.0, 0.6 + 0.3 * count]
+    )
+    if log.units.get("speed") == "m/s":
+        above.plot(log["time"], log["speed"], color="0.2", linewidth=1.2, label="vehicle")
+    for place, name in enumerate(speeds_of(count)):
+        colour = FOUR[place % len(FOUR)]
+        above.plot(log["time"], log[name], color=colour, linewidth=0.9, label=f"wheelset {place + 1}")
+    above.set_ylabel("speed [m/s]")
+    above.legend(loc="upper right", fontsize=8)
+    for place in range(count):
+        for command, colour in ((HOLD, "0.75"), (VENT, FOUR[place % len(FOUR)])):
+            spans = [(begin, end - begin) for begin, end in found.spans(found.valves[:, place], command)]
+            below.broken_barh(spans, (count - place - 0.9, 0.8), facecolors=colour)
+    below.set_yticks([count - place - 0.5 for place in range(count)], [f"valve {place + 1}" for place in range(count)])
+    below.set(ylim=(0, count), xlabel="time [s]", title="hold grey, vent in colour")
+    return titled(figure, message(found))
+
+
+def message(found: Replayed) -> str:
+    """What the picture says in one sentence."""
+    told = [one["first_command"] for one in found.wheelsets if one["first_command"] is not None]
+    if not told:
+        return f"{found.controller} lets all brakes apply"
+    vents = [one["vent"] or 0.0 for one in found.wheelsets]
+    return f"{found.controller} would act from {min(told):.2f} s on, and vent for {100 * max(vents):.0f} % at most"
