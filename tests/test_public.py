@@ -380,7 +380,10 @@ def test_a_stop_over_time_is_that_of_the_table() -> None:
 def test_a_controller_that_fails_has_no_stopping_distance() -> None:
     stops = bb.protected_stops(Fails, rails=["dry"])
     assert np.isnan(stops["distance"][0])
-    assert "no stop of this controller: The controller Fails failed at 0 s (RuntimeError: no more)" in stops.status
+    assert (
+        "no stop of this controller: The controller Fails failed at 0 s (RuntimeError: no more, test_public.py, line "
+        in stops.status
+    )
 
 
 @pytest.mark.parametrize(

@@ -15,8 +15,7 @@ from scenarios.controllers.scoring import Scored
 from scenarios.controllers.verdict import best_given, verdicts
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, plt, titled
 
-#: Distance over the ideal up to which a stop counts as near it [1]: a choice, as a quarter more than on a dry rail is
-#: what acceptance is said to allow (from memory).
+#: Distance over the ideal up to which a stop counts as near it [1]: a choice of this picture.
 NEAR = 1.2
 #: Where the largest ratio is above this the axis is logarithmic [1].
 WIDE = 4.0
@@ -51,9 +50,9 @@ def draw(scores: Sequence[Scored]) -> Figure:
         line = Line2D([], [], linestyle="none", markersize=5.5, clip_on=False, zorder=3, in_layout=False)
         line.set(**dict(zip(("marker", "color"), NONE if name == "none" else MARKS[number % len(MARKS)], strict=True)))
         hollow = copy(line)
-        line.set(
-            data=(list(ratios.values()), list(ratios)), label=f"{plain(name)}: {count(ratios.values(), len(cases))}"
-        )
+        # Behind a space, for a label that begins with _ is left out of the legend.
+        line.set(data=(list(ratios.values()), list(ratios)))
+        line.set(label=f" {plain(name)}: {count(ratios.values(), len(cases))}")
         hollow.set(data=([edge] * len(missed), missed), markerfacecolor="none")
         axis.add_line(line)
         axis.add_line(hollow)

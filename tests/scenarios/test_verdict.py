@@ -99,6 +99,13 @@ def test_every_stop_is_a_marker_and_no_stop_one_at_the_edge() -> None:
     assert edge > 2.0
 
 
+def test_a_name_that_begins_with_an_underscore_stands_in_the_legend() -> None:
+    figure = draw([scored("a", name, 1.5) for name in ("none", "_PI")])
+    [legend] = figure.legends
+    assert [text.get_text().strip() for text in legend.get_texts()] == ["none: 1.50", "_PI: 1.50"]
+    plt.close(figure)
+
+
 def test_the_axis_is_logarithmic_where_distances_lie_far_apart() -> None:
     for ratio, scale in ((3.9, "linear"), (9.0, "log")):
         figure = draw([scored("a", "PI", 1.0), scored("a $b$", "PD", ratio), scored("a", "none", None)])
