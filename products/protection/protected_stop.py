@@ -45,6 +45,8 @@ class Settings:
             raise ValueError(f"Set period to at most {LONGEST_PERIOD:g} s: it was {self.period:g} s.")
         if not (isinstance(self.pulses, Real) and self.pulses >= 1 and self.pulses == int(self.pulses)):
             raise ValueError(f"Set pulses to a whole number of at least 1: it was {self.pulses!r}.")
+        if not (isinstance(self.jitter, Real) and 0.0 <= float(self.jitter) < math.inf):
+            raise ValueError(f"Set jitter to a finite value of at least 0: it was {self.jitter!r}.")
 
 
 @dataclass(frozen=True)

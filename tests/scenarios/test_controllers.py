@@ -104,6 +104,7 @@ def test_a_class_with_two_choices_of_its_gains_is_two_controllers(
         (["wrong.c"], "wrong.c does not compile. The C compiler ("),
         (["let_go.c", "--programme", "third.toml"], "The case a has a fault of wheelset 3; there are 2 here."),
         (["let_go.py:LetGo", "--teeth", "0"], "Set --teeth to a whole number of at least 1: it was 0."),
+        (["let_go.py:LetGo", "--jitter", "nan"], "Set jitter to a finite value of at least 0: it was nan."),
         (["let_go.py:LetGo", "--rails", "low,low"], "Give each of --rails once: low was there 2 times."),
         (
             ["gains.py:Gains(2 * 3)"],
