@@ -38,14 +38,16 @@ class Fit:
     """Fitted values and their standard errors by name, in the parameters' units; infinite where data cannot tell.
 
     together: groups of parameters that the data cannot tell apart: only one combination of each matters. deviations: of
-    the measured values from the run in each column, their standard deviation in its unit. measured, fitted: what was
-    measured, and the run with the fitted values at the same instants.
+    the measured values from the run in each column, their standard deviation in its unit, and held_out, the same in the
+    rows that were not fitted. measured, fitted: what was measured, and the run with the fitted values at the same
+    instants.
     """
 
     values: dict[str, float]
     standard_errors: dict[str, float]
     together: list[tuple[str, ...]]
     deviations: dict[str, float]
+    held_out: dict[str, float]
     measured: Recording
     fitted: Recording
 
@@ -57,6 +59,8 @@ class Fit:
             alone = f"The data cannot tell {group[0]}: nothing that was measured hangs on it."
             several = f"The data cannot tell {' and '.join(group)} apart: hold one of them, or measure something else."
             said.append(several if len(group) > 1 else alone)
+        for name, off in self.held_out.items():
+            said.append(f"In the rows that were not fitted {name} is off by {off:.2g} {self.measured.units[name]}.")
         return " ".join(said)
 
     def plot(self) -> Figure:
@@ -90,14 +94,16 @@ def fit(
     measured: Recording | str | Path,
     parameters: Mapping[str, float],
     line: Line | None = None,
+    until: float | None = None,
     **values: Value,
 ) -> Fit:
     """Fits parameters of a run to what was measured, by SciPy's least squares.
 
     what, line, values: as `run` takes them. measured: a table, or the CSV file of one, whose columns are time [s], from
     the start of the run on, and variables in their units: outputs that the run is to meet, and inputs that it is given.
-    parameters: their names and values to begin with, not 0, for they are changed by shares of themselves. Each output
-    counts by the spread of its own values.
+    parameters: their names and values to begin with, not 0, for they are changed by shares of themselves; inputs that
+    are constant are among them. until [s]: rows behind it are not fitted but held out, to see how the run meets them;
+    None: all are fitted. Each output counts by the spread of its own values.
     Standard errors are those of independent errors of equal size in each column, to first order. Raises ValueError for
     what is no table, has other units or has fewer rows than parameters, KeyError for a name that there is not,
     KernelError for what a run refuses.
@@ -105,43 +111,61 @@ def fit(
     table = measured if isinstance(measured, Recording) else measured_from(measured)
     machine = machine_of(what, values, line_or_none(line) is not None)
     what = model_from(what) if isinstance(what, System) else what
-    begin = begin_of(parameters, machine)
     names, driven, times = *parted(table, machine), table["time"]
+    begin = begin_of(parameters, machine, driven)
     inputs: dict[str, Value] = {name: (times, table[name]) for name in driven}
-    if times.size * len(names) <= begin.size:
-        raise ValueError(f"{times.size * len(names)} measured values do not decide on {begin.size} parameters.")
-    sizes = np.array([np.ptp(table[one]) or 1.0 for one in names])
+    last = rows_until(until, times)
+    if last * len(names) <= begin.size:
+        raise ValueError(f"{last * len(names)} measured values do not decide on {begin.size} parameters.")
+    sizes = np.array([np.ptp(table[one][:last]) or 1.0 for one in names])
     wanted = np.column_stack([table[one] for one in names]) / sizes
 
-    def answer(share: np.ndarray) -> np.ndarray:
+    def off_by(share: np.ndarray, rows: int) -> np.ndarray:
         given = values | inputs | dict(zip(parameters, (share * begin).tolist(), strict=True))
-        return at_times(Simulation(what, line, **given), names, times) / sizes
+        return at_times(Simulation(what, line, **given), names, times[:rows]) / sizes - wanted[:rows]
 
     limits = np.array([[machine.variables[one].minimum, machine.variables[one].maximum] for one in parameters])
     bounds = np.sort(limits / begin[:, None]).T
-    found = least_squares(
-        lambda share: (answer(share) - wanted).ravel(), np.ones_like(begin), bounds=bounds, diff_step=STEP
-    )
+    found = least_squares(lambda share: off_by(share, last).ravel(), np.ones_like(begin), bounds=bounds, diff_step=STEP)
     errors, together = what_is_told(found.jac, found.fun, list(parameters))
-    off = found.fun.reshape(wanted.shape) * sizes
+    off = off_by(found.x, times.size) * sizes
     return Fit(
         dict(zip(parameters, (found.x * begin).tolist(), strict=True)),
         dict(zip(parameters, (errors * np.abs(begin)).tolist(), strict=True)),
         together,
-        dict(zip(names, np.sqrt(np.mean(off**2, axis=0)).tolist(), strict=True)),
+        spread(names, off[:last]),
+        spread(names, off[last:]) if last < times.size else {},
         table,
         Recording({one: table.units[one] for one in ("time", *names)}, np.c_[times, off + wanted * sizes].tolist()),
     )
 
 
-def begin_of(parameters: Mapping[str, float], machine: Machine) -> np.ndarray:
-    """Values that parameters begin with, shape (parameters,). Raises ValueError for one that cannot be fitted."""
+def spread(names: Sequence[str], off: np.ndarray) -> dict[str, float]:
+    """Root of the mean square of each column, shape (rows, names)."""
+    return dict(zip(names, np.sqrt(np.mean(off**2, axis=0)).tolist(), strict=True))
+
+
+def rows_until(until: float | None, times: np.ndarray) -> int:
+    """How many rows are fitted. Raises ValueError for fewer than two."""
+    if until is None:
+        return times.size
+    if not number(until) >= times[1]:
+        raise ValueError(f"Set until to at least {times[1]:g} s, the time of the second row: it was {until!r}.")
+    return int(np.searchsorted(times, float(until), "right"))
+
+
+def begin_of(parameters: Mapping[str, float], machine: Machine, driven: Sequence[str] = ()) -> np.ndarray:
+    """Values that parameters begin with, shape (parameters,); driven: inputs that were measured, which are none.
+
+    Raises ValueError for one that cannot be fitted.
+    """
     if not isinstance(parameters, Mapping) or not parameters:
         raise ValueError(f"Give the parameters with values to begin with, by their names: it was {shown(parameters)}.")
-    able = [one.name for one in machine.variables.values() if one.causality == "parameter" and one.kind == "real"]
+    constant = [one for one in machine.variables.values() if one.causality in ("parameter", "input")]
+    able = [one.name for one in constant if one.kind == "real" and one.name not in driven]
     for name, value in parameters.items():
         if name not in able:
-            raise ValueError(f"{machine.name} has no real parameter {name}; {suggestion(name, able)}")
+            raise ValueError(f"{machine.name} has no real parameter or free input {name}; {suggestion(name, able)}")
         one = machine.variables[name]
         if not one.minimum < number(value) < one.maximum or value == 0.0:
             between = f"between {one.minimum:g} and {one.maximum:g} {one.unit}"

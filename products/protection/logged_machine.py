@@ -1,0 +1,69 @@
+"""A machine that is given the log of its own run: cylinder pressures and wheel speeds drive it, its speed comes out.
+
+Friction shows in how the speed falls while wheels slide. Wheels that slide at falling friction are unstable: run
+alone, a model with a little less friction than there was locks where the real wheels did not. So each wheelset is
+pulled to its measured speed, as the predictor of the prediction-error method does (Ljung 1999, System Identification,
+section 3.2) with a Luenberger observer as its gain. The pull is a torque on the wheelset; the vehicle feels it through
+the rail alone, and as far as friction lets it.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import casadi as ca
+
+from fmu_src.compose import compose, scope
+from fmu_src.suggestion import suggestion
+from fmu_src.system import Model, System, Variable, model_of
+from products.protection.braked_machine import Machine, bogie, coach
+from rbd_model.levels.models import DEFAULT_TOLERANCE, places_of, system_at
+from rbd_model.vehicle.ready import passenger_coach, two_axle_bogie
+
+#: How fast a wheelset is pulled to its measured speed [1/s]; assumed: well above the rate at which a sliding wheel runs
+#: away, 1/s on the low rail, well below that of the creep which holds a rolling one.
+TRACKING_RATE = 20.0
+MACHINES = {"bogie": (bogie, two_axle_bogie), "vehicle": (coach, passenger_coach)}
+
+
+@lru_cache
+def logged_machine(name: str) -> Model:
+    """The planar bogie ("bogie") or coach ("vehicle"): inputs pressure_1 [Pa] and wheel_speed_1 [m/s] and so on.
+
+    full_torque is that of its full brake; friction_1 and so on are what a fit looks for. Raises KeyError for
+    another name.
+    """
+    if name not in MACHINES:
+        raise KeyError(f"There is no machine {name} with a log; {suggestion(name, MACHINES)}")
+    make, ready = MACHINES[name]
+    machine, [planar] = make(), places_of(level=2, on_line=False)
+    system = system_at(ready(), planar)
+    logs = [scope(_wheelset(machine), after=f"_{n}", common=_COMMON) for n in machine.numbers]
+    faces = [f"{face}_{n}" for face in ("brake_torque", "traction_torque", "angular_velocity") for n in machine.numbers]
+    text = "A railway vehicle driven by the cylinder pressures and wheel speeds of a log"
+    whole = compose("LoggedMachine", text, [system, *logs], {face: face for face in faces})
+    return model_of(whole, DEFAULT_TOLERANCE)
+
+
+#: Parameters that the vehicle has too, or all wheelsets share.
+_COMMON = ("full_torque", "tracking_rate", "wheel_radius", "wheelset_pitch_inertia")
+
+
+def _wheelset(machine: Machine) -> System:
+    """From what was measured at a wheelset to its torques: J w' = ... + L J (w_measured - w), Luenberger (1971)."""
+    system = System("logged_wheelset", "Torques of a wheelset whose pressure and speed were measured")
+    pressure = system.input(Variable("pressure", "input", "Pa", "Measured pressure in the brake cylinder", minimum=0.0))
+    speed = system.input(Variable("wheel_speed", "input", "m/s", "Measured circumferential speed of the wheels"))
+    turning = system.input(Variable("angular_velocity", "input", "rad/s", "Angular velocity of the wheelset"))
+    text = f"Brake torque at {machine.full_pressure / 1e3:g} kPa, in proportion to the pressure: constant shoe friction"
+    torque = system.parameter(Variable("full_torque", "parameter", "N.m", text, machine.full_torque, minimum=0.0))
+    text = "Rate at which a wheelset is pulled to its measured speed"
+    rate = system.parameter(Variable("tracking_rate", "parameter", "1/s", text, TRACKING_RATE, minimum=0.0))
+    p = machine.parameters
+    radius, inertia = (system.parameter(p.variable(one)) for one in ("wheel_radius", "wheelset_pitch_inertia"))
+    text = "Brake torque by the measured pressure"
+    system.output(Variable("brake_torque", "output", "N.m", text), torque * pressure / machine.full_pressure)
+    # A sensor shows 0 where a wheel creeps or stands: there nothing pulls.
+    pull = ca.if_else(speed > 0, rate * inertia * (speed / radius - turning), 0)
+    system.output(Variable("traction_torque", "output", "N.m", "Torque that pulls to the measured speed"), pull)
+    return system
