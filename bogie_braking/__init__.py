@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from bogie_braking.machines import vehicle as vehicle
     from bogie_braking.protection import protected_stop as protected_stop
     from bogie_braking.protection import protected_stops as protected_stops
+    from bogie_braking.rare_events import rare as rare
     from bogie_braking.simulation import Simulation as Simulation
     from bogie_braking.simulation import run as run
     from bogie_braking.sweeping import sweep as sweep
@@ -49,6 +50,7 @@ _HOMES = {
     "bogie_braking.fmus": ("fmu", "write_fmu"),
     "bogie_braking.machines": ("vehicle",),
     "bogie_braking.protection": ("protected_stop", "protected_stops"),
+    "bogie_braking.rare_events": ("rare",),
     "bogie_braking.simulation": ("Simulation", "run"),
     "bogie_braking.sweeping": ("sweep",),
     "fmu_src.cosimulation.master": ("Connection", "couple"),

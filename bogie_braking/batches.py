@@ -37,10 +37,10 @@ def batch(
     length, and for a level that there is not, KernelError, CompilerError where no C compiler works.
     """
     duration = seconds("the duration", duration)
-    library, given = _prepared(what, line, values)
-    names = names_of(outputs, _variables(library))
+    library, given = prepared(what, line, values)
+    names = names_of(outputs, variables_of_batch(library))
     with tempfile.TemporaryDirectory() as folder:
-        return run_batch(library, given, duration, names, _threads(threads), _file(line, folder), said)
+        return run_batch(library, given, duration, names, threads_or_none(threads), file_of(line, folder), said)
 
 
 def instances(
@@ -63,21 +63,21 @@ def instances(
     """
     if not isinstance(count, int | np.integer) or count < 1:
         raise ValueError(f"Give a whole number of instances, at least 1: it was {shown(count)}.")
-    library, given = _prepared(what, line, values)
-    variables = _variables(library)
+    library, given = prepared(what, line, values)
+    variables = variables_of_batch(library)
     takes = [one.name for one in variables.values() if one.causality == "input"]
     if isinstance(inputs, str):
         raise TypeError(f'Give the names of inputs as a list, such as ["{inputs}"]: it was the text {inputs!r}.')
     names = [known(name, takes, "input") for name in inputs], names_of(outputs, variables)
     with ExitStack() as kept:
         folder = kept.enter_context(tempfile.TemporaryDirectory())
-        more: dict[str, Any] = {"threads": _threads(threads), "path": _file(line, folder), **given}
+        more: dict[str, Any] = {"threads": threads_or_none(threads), "path": file_of(line, folder), **given}
         made = Instances(library, int(count), *names, **more)
         made.at_close = kept.pop_all().close  # an instance that begins anew reads the line again
     return made
 
 
-def _prepared(
+def prepared(
     what: Runnable, line: Line | None, values: Mapping[str, ArrayLike]
 ) -> tuple[BatchLibrary, dict[str, np.ndarray]]:
     """The compiled system, and values as arrays of numbers."""
@@ -86,7 +86,7 @@ def _prepared(
     single: dict[str, Any] = {name: one.item(0) for name, one in given.items() if one.size and not np.ptp(one)}
     library = batch_machine_of(what, single, line is not None)
     for name in values:
-        known(name, _variables(library), "variable")
+        known(name, variables_of_batch(library), "variable")
     for name in library.model.selectors:
         if name in given.keys() - single.keys():
             raise ValueError(f"Give {name} one number for all runs: it chooses their equations; make a batch of each.")
@@ -103,16 +103,18 @@ def _numbers(name: str, value: ArrayLike) -> np.ndarray:
     return found.astype(float)
 
 
-def _variables(library: BatchLibrary) -> dict[str, Variable]:
+def variables_of_batch(library: BatchLibrary) -> dict[str, Variable]:
+    """By name."""
     return {one.name: one for one in library.model.variables}
 
 
-def _threads(count: int | None) -> int | None:
+def threads_or_none(count: int | None) -> int | None:
+    """How many threads make runs; None: one for each processor. Raises ValueError."""
     if count is not None and (not isinstance(count, int | np.integer) or count < 1):
         raise ValueError(f"Give a whole number of threads, at least 1: it was {shown(count)}.")
     return count
 
 
-def _file(line: Line | None, folder: str) -> str | None:
+def file_of(line: Line | None, folder: str) -> str | None:
     """The path of the file of a line, written into a folder."""
     return str(line.write(Path(folder) / "line.csv")) if line else None

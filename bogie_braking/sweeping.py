@@ -114,10 +114,7 @@ def sweep(
     on an executor, which they cannot be sent to.
     """
     duration, line = seconds("the duration", duration), line_or_none(line)
-    if not (executor is None or callable(getattr(executor, "map", None))):
-        raise TypeError(f"Give an executor of concurrent.futures, or none: it was {shown(executor)}.")
-    if executor and isinstance(what, System | Model):
-        raise TypeError("Equations of your own cannot be sent to an executor; leave it out, and threads run them here.")
+    check_executor(executor, what)
     columns = columns_of(vary)
     rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
     what = model_from(what) if isinstance(what, System) else what
@@ -130,6 +127,14 @@ def sweep(
     ends = ends_of(what, duration, line, names, given, executor)
     table = [[number, *row.values(), *end] for number, (row, (end, _)) in enumerate(zip(rows, ends, strict=True))]
     return Recording(units, table, [said for _, said in ends], {"runs": len(rows)})
+
+
+def check_executor(executor: Any, what: Runnable) -> None:
+    """Raises TypeError for what is no executor, and for equations that none can be sent."""
+    if not (executor is None or callable(getattr(executor, "map", None))):
+        raise TypeError(f"Give an executor of concurrent.futures, or none: it was {shown(executor)}.")
+    if executor and isinstance(what, System | Model):
+        raise TypeError("Equations of your own cannot be sent to an executor; leave it out, and threads run them here.")
 
 
 def columns_of(vary: Mapping[str, Column]) -> dict[str, list[float]]:

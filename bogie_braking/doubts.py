@@ -1,0 +1,81 @@
+"""What makes an estimate by splitting less sure than it looks: a sentence for each doubt."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from bogie_braking.splitting import POPULATIONS, Numbers, Population
+
+#: Estimates that scatter so many times as those of independent particles. Of 200 seeds each, at 1e-4 and five normal
+#: inputs: with 5 moves 1 % scatter so much, with 1 move, whose interval holds too seldom, 90 %.
+SCATTERED = 1.7
+#: An interval as wide as this factor.
+WIDE = 10.0
+#: A share of accepted moves that is too small, and one of runs with the same output that is too large.
+STUCK, SHARED = 0.1, 0.01
+
+
+def doubts_about(
+    populations: Sequence[Population], limit: float, moves: int, interval: Sequence[float], labels: Sequence[str]
+) -> list[str]:
+    """Sentences about what the first runs, the estimates and the chains show; none where all is well.
+
+    labels: names of the inputs.
+    """
+    estimates = np.array([one.probability for one in populations])
+    said = _atom(np.concatenate([one.generations[0].outputs for one in populations]))
+    climbed = [one for one in populations if one.accepted]
+    if not np.any(estimates):
+        highest = max(float(np.max(one.outputs)) for one in populations)
+        said.append(f"No run came above the limit: the highest came to {highest:g}.")
+    elif climbed:
+        said += _spread(estimates, interval) + _chains(populations, estimates, moves)
+    if climbed and (accepted := float(np.mean([one.accepted[-1] for one in climbed]))) < STUCK:
+        said.append(f"Chains stand still: of the last moves {100 * accepted:.1f} % were accepted.")
+    return said + _regions(climbed, limit, labels)
+
+
+def _atom(outputs: Numbers) -> list[str]:
+    """A value that many runs share, which no level can part."""
+    values, times = np.unique(outputs[np.isfinite(outputs)], return_counts=True)
+    share = float(np.max(times)) / outputs.size
+    if share <= SHARED:
+        return []
+    return [f"{100 * share:.0f} % of the first runs end at exactly {values[np.argmax(times)]:g}: no level parts them."]
+
+
+def _spread(estimates: Numbers, interval: Sequence[float]) -> list[str]:
+    """Populations that are too small."""
+    if none := int(np.sum(estimates == 0.0)):
+        return [f"{none} of {POPULATIONS} populations found no run above the limit; give more particles."]
+    if interval[1] > WIDE * interval[0]:
+        return [f"The interval spans a factor of {interval[1] / interval[0]:.0f}; give more particles."]
+    return []
+
+
+def _chains(populations: Sequence[Population], estimates: Numbers, moves: int) -> list[str]:
+    """Moves that are too few: copies are still where their parents are."""
+    alone = np.sqrt(np.mean([one.variance_if_independent() for one in populations]))
+    times = float(np.std(estimates, ddof=1) / np.mean(estimates) / alone)
+    if times <= SCATTERED:
+        return []
+    more = f"give more than {moves} move{'s' if moves > 1 else ''}"
+    return [f"Estimates scatter {times:.1f} times as much as those of independent particles; {more}."]
+
+
+def _regions(climbed: Sequence[Population], limit: float, labels: Sequence[str]) -> list[str]:
+    """Populations that ended further apart than they are wide."""
+    there = [above for one in climbed if len(above := one.points[one.outputs > limit]) > 1]
+    if len(there) < 2:
+        return []
+    between = np.var([np.mean(one, axis=0) for one in there], axis=0, ddof=1)
+    within = np.mean([np.var(one, axis=0) for one in there], axis=0)
+    apart = [label for label, far in zip(labels, between > within, strict=True) if far]
+    if not apart:
+        return []
+    return [
+        f"Populations ended apart in {' and in '.join(apart)}: several regions may lie above the limit, some of them "
+        "found by few or none; give more particles and moves."
+    ]
