@@ -264,7 +264,8 @@ def tail_of(populations: Sequence[Population], runs: Runs, units: Mapping[str, s
     """Probabilities above limits up to the given one, or to the highest output, with their intervals."""
     first = np.concatenate([one.generations[0].outputs for one in populations])
     highest = max(float(np.max(one.outputs)) for one in populations)
-    limits = np.linspace(float(np.min(first[np.isfinite(first)])), min(runs.limit, highest), ROWS).tolist()
+    end = min(runs.limit, highest)
+    limits = np.linspace(min(end, float(np.min(first[np.isfinite(first)]))), end, ROWS).tolist()
     rows = [[one, *interval_of(np.array([each.above(one) for each in populations]))] for one in limits]
     return Recording({runs.output: units[runs.output], "probability": "1", "lower": "1", "upper": "1"}, rows)
 

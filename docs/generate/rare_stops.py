@@ -1,8 +1,8 @@
 """Measures what docs/rare.md tells of splitting, against ten million plain runs of the point level, and draws it.
 
-  python docs/generate/rare_stops.py              the picture anew, from docs/data/rare-stops.json
-  python docs/generate/rare_stops.py --plain      first the plain runs, five to fifteen minutes
-  python docs/generate/rare_stops.py --seeds      first the intervals of 200 seeds, as long
+python docs/generate/rare_stops.py              the picture anew, from docs/data/rare-stops.json
+python docs/generate/rare_stops.py --plain      first the plain runs, five to fifteen minutes
+python docs/generate/rare_stops.py --seeds      first the intervals of 200 seeds, as long
 """
 
 import json
@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 from pages import DOCS
-from scipy.special import ndtr
 from scipy.stats import binomtest, norm, uniform
 from tqdm import tqdm
 
@@ -21,8 +20,8 @@ from bogie_braking.rare_events import Rare
 from scenarios.reporting import plots
 
 DATA, PICTURE = DOCS / "data" / "rare-stops.json", DOCS / "pictures" / "rare-stops.png"
-#: A stop of the bogie of chapter 5 as a point, from 90 km/h. All that is random is assumed: adhesion of the rail under both
-#: wheelsets, shoes that each give another torque, a load between empty and full.
+#: A stop of the bogie of chapter 5 as a point, from 90 km/h. All that is random is assumed: adhesion of the rail below
+#: both wheelsets, shoes that each give another torque, a load between empty and full.
 SCENE: dict[str, Any] = {"level": 1, "initial_speed": 25.0}
 VARY: dict[Any, Any] = {
     ("friction_1", "friction_2"): norm(0.15, 0.02),
@@ -75,18 +74,17 @@ def intervals() -> list[list[float]]:
 def picture(data: dict[str, Any]) -> Figure:
     """Probability of a longer stop over distance, by plain runs and by splitting."""
     far = splitting(FAR, 0)
-    share = f"{RUNS / far.runs:.0f}"
-    title = f"Splitting needs one run where ten million plain ones need {share}, and goes on where these end"
+    title = f"With one run for {RUNS / far.runs:.0f} plain ones, splitting goes on where these end"
     figure, axis = plots.single(title, "stopping distance [m]", "probability of a longer stop")
     seen = far.tail["probability"] > 0.0
     distance, middle, lower, upper = (column[seen] for column in (far.tail[name] for name in far.tail.names))
     axis.fill_between(distance, lower, upper, color=plots.LEADING, alpha=0.25, label="its 95 % confidence interval")
-    axis.semilogy(distance, middle, color=plots.LEADING, label=f"splitting, {far.runs} runs")
+    axis.semilogy(distance, middle, color=plots.LEADING, label=f"splitting, {far.runs:,} runs".replace(",", " "))
     counts = {int(limit): count for limit, count in data["counts"].items() if 0 < count < RUNS}
     ends = [binomtest(count, RUNS).proportion_ci() for count in counts.values()]
     shares = np.array(list(counts.values())) / RUNS
     off = np.abs(np.array([[one.low, one.high] for one in ends]).T - shares)
-    label = f"plain, {RUNS} runs, 95 %"
+    label = f"plain, {RUNS:,} runs, 95 %".replace(",", " ")
     axis.errorbar(list(counts), shares, off, fmt=".", color=plots.TRAILING, elinewidth=1.0, label=label)
     axis.set(xlim=(250, FAR + 20), ylim=(1e-8, 2.0))
     axis.legend(loc="upper right")
