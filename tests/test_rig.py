@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 
 from brake_controller.sensors import GATE, LOWEST_FREQUENCY, TIMER, Encoder, edge_errors
 from brake_controller.wheel_slide import SlideProtection
-from fmu_src.compile import plain_library
+from fmu_src.compile import FLAGS, compiler, plain_library
 from products.protection import forms as forms_module
 from products.protection import rig as module
 from products.protection.braked_machine import BrakedMachine, Machine, bogie, coach
@@ -28,6 +28,7 @@ from products.protection.rig import Rig
 from products.protection.rig_in_c import SensorSettings
 from products.protection.runs import Fault, Run
 from scenarios.bench.peak_adhesion import PeakAdhesion
+from tests.fmu.sanitized import SANITIZERS, run
 
 #: Without jitter at 100 teeth above 3 m/s: what is asked of a reading.
 READING = 1e-3
@@ -501,3 +502,16 @@ def test_a_machine_that_does_not_stop_says_so() -> None:
     [stop] = Rig(bogie(), None, Settings(strength=1e-3)).stops([RAILS[0].values()])
     assert stop.distance is None
     assert stop.said == f"It did not stop: {stop.end_speed:.1f} m/s after 300 s."
+
+
+# ---- the rig in C ----------------------------------------------------------------------------------------------------
+
+
+def test_the_rig_in_c_reads_and_writes_nothing_but_its_own(tmp_path: Path) -> None:
+    """Under sanitizers: 16 wheelsets whose sensors and valves fail, runs that are lost, controllers that fail."""
+    files = [FOLDER / name for name in ("rig.c", "encoder.c")]
+    flags = [flag for flag in FLAGS if flag != "-fvisibility=hidden"]
+    own = [f"-I{FOLDER}", *files, Path(__file__).with_name("rig_host.c"), "-o", tmp_path / "host", "-lm"]
+    assert run([*compiler(), *flags, *SANITIZERS, *own], tmp_path).returncode == 0
+    done = run([tmp_path / "host"], tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")

@@ -9,7 +9,11 @@ from fmpy import read_model_description, simulate_fmu
 from fmpy.validation import validate_fmu
 
 import build_fmu
+from brake_controller.protection_fmu import wheel_slide_in_c
+from fmu_src.compile import FOREIGN_FLAGS, compiler
 from fmu_src.cosimulation.slave import CosimulationError, Slave
+from fmu_src.step_fmu_in_c import FACE, numbers
+from tests.fmu.sanitized import HEADERS, SANITIZERS, run
 
 PERIOD = 5e-3
 #: Counts its questions; answers how many there were, by three, or what one asks for by a negative speed.
@@ -138,3 +142,16 @@ def test_a_coach_has_four_of_each(tmp_path: Path) -> None:
         "period",
         *(f"valve_{number}" for number in range(1, 5)),
     ]
+
+
+def test_the_face_reads_and_writes_nothing_but_its_own(tmp_path: Path) -> None:
+    """Every function of FMI 2.0 under sanitizers, as hosts may call them and as none should."""
+    (tmp_path / "counts.c").write_text(COUNTS)
+    step = wheel_slide_in_c(tmp_path / "counts.c")
+    for name, text in {**step.sources, "step_model.h": numbers(step, "{counts}")}.items():
+        (tmp_path / name).write_text(text)
+    ours = [f"-I{tmp_path}", *HEADERS, FACE, Path(__file__).with_name("step_host.c")]
+    command = [*compiler(), *FOREIGN_FLAGS, *SANITIZERS, *ours, tmp_path / "counts.c", "-o", tmp_path / "host", "-lm"]
+    assert run(command, tmp_path).returncode == 0
+    done = run([tmp_path / "host"], tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")

@@ -1,0 +1,84 @@
+/* Turns the rig as instances do, with machines that are made up; 0: every run came to its end. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "rig.h"
+#include "wheel_slide.h"
+
+enum { ROWS = 5, WHEELSETS = 16, LOOKS = 4000, WIDTH = 2 + 4 * WHEELSETS + 2 };
+
+static void start(void *memory, int wheelsets, double period)
+{
+    (void)period;
+    memcpy(memory, &wheelsets, sizeof wheelsets);
+}
+static void step(void *memory, double time, const double *speed, int *valve)
+{
+    int wheelsets;
+    memcpy(&wheelsets, memory, sizeof wheelsets);
+    for (int i = 0; i < wheelsets; ++i) valve[i] = time > 15.0 && i == 3 ? 9 : speed[i] < 5.0;
+}
+
+/* What a machine shows that slows by 1 m/s2; its wheels slide. */
+static void show(double time, int row, double *shown)
+{
+    const double speed = fmax(20.0 - row - time, 0.0);
+    memset(shown, 0, WIDTH * sizeof(double));
+    shown[0] = speed;
+    shown[1] = time;
+    for (int i = 0; i < WHEELSETS; ++i) {
+        shown[2 + i] = 40.0 * time;
+        shown[2 + WHEELSETS + i] = i % 3 ? speed : 0.0;
+        shown[2 + 2 * WHEELSETS + i] = 1e5 * (1.0 + sin(time));
+        shown[2 + 3 * WHEELSETS + i] = -1e4;
+    }
+    shown[WIDTH - 1] = 5e5 - time;
+}
+
+static int run(bool inside)
+{
+    rig_settings settings = {WHEELSETS, 0.46, 5e-3, 1.0, 380e3, 0.02, 300.0, 0.3, 0.3, 3.0, 1, {300, 0.03, 1e-6, 5.0}};
+    rig_controller controller = {start, step, sizeof(int)};
+    double time[ROWS], speed[ROWS * WHEELSETS], error[WHEELSETS * 300], *shown = malloc(ROWS * WIDTH * sizeof(double));
+    double told[ROWS * 2 * WHEELSETS], *look = malloc(ROWS * 50 * (3 + 4 * WHEELSETS) * sizeof(double));
+    int valve[ROWS * WHEELSETS] = {0}, status[ROWS] = {0}, ended = 0;
+    long long int written[ROWS];
+    rig_wheelset wheelset[WHEELSETS] = {0};
+    for (int i = 0; i < WHEELSETS; ++i) wheelset[i] = (rig_wheelset){1.0 + 0.01 * i, 2.0, 3.0, i % 4, i % 2};
+    for (int i = 0; i < WHEELSETS * 300; ++i) error[i] = 0.4 * sin(i);
+    if (!inside) controller.step = NULL;
+    rig_desk desk = {time, speed, valve};
+    rig_notes notes = {20, 50, look, written};
+    settings.wheelsets = 17;
+    if (rig_create(ROWS, &settings, &controller, &desk)) return 1;
+    settings.wheelsets = WHEELSETS;
+    rig *self = rig_create(ROWS, &settings, &controller, &desk);
+    if (!self) return 2;
+    rig_write_down(self, &notes);
+    for (int row = 0; row < ROWS; ++row) {
+        show(0.0, row, shown + row * WIDTH);
+        rig_begin(self, row, row % 2 ? error : NULL, wheelset);
+        if (!inside) rig_look(self, row, 0, shown + row * WIDTH);
+    }
+    for (int n = 0; n < LOOKS; ++n) {
+        for (int row = 0; row < ROWS; ++row) show(5e-3 * n, row, shown + row * WIDTH);
+        status[ROWS - 1] = n > 1000 ? 3 : 0; /* this one is lost on the way */
+        if (inside)
+            rig_between(self, 0, ROWS, status, shown, told);
+        else {
+            valve[0] = n > 500 ? 5 : 2;
+            rig_take_or_look(self, 0, ROWS, status, shown, told);
+            rig_take_or_look(self, 0, ROWS, status, shown, told);
+        }
+    }
+    for (int row = 0; row < ROWS; ++row) ended += rig_scores(self)[row].state != RIG_RUNS;
+    const bool gave_up = !isnan(rig_scores(self)[0].failed_at);
+    rig_free(self);
+    rig_free(NULL);
+    free(shown);
+    free(look);
+    return ended == ROWS && gave_up ? 0 : 3;
+}
+
+int main(void) { return run(true) + 10 * run(false); }
