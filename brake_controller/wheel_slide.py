@@ -100,17 +100,17 @@ def common_protection() -> SlideProtectionParameters:
     The slip is that of (2.10), with the reference speed as that of the car.
     """
     return SlideProtectionParameters(
-        lower_slip=0.024,
-        upper_slip=0.104,
-        least_slip=0.215,
+        lower_slip=0.05,
+        upper_slip=0.10,
+        least_slip=0.3,
         evident_slip=0.08,
         least_evident_slip=0.6,
-        lead_time=0.31,
-        filter_time=0.004,
-        slope_time=0.073,
+        lead_time=0.1,
+        filter_time=0.02,
+        slope_time=0.03,
         calm_time=0.08,
         largest_deceleration=4.4,
-        synchronising_period=4.5,
+        synchronising_period=4.0,
         watchdog=5.0,
         slowest=0.3,
     )

@@ -6,16 +6,17 @@ import ast
 import importlib.util
 import re
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from fmpy import read_model_description
 
 from brake_controller.wheel_slide import SlideProtection
 from fmu_src.compile import CompilerError
 from products.protection.apart import Apart
-from products.protection.forms import Form, InC, compiled
+from products.protection.forms import Arrays, Form, InC, compiled
 from products.protection.in_fmu import InFmu, Names, names_of
 from products.protection.programme import tomllib
 from scenarios.scenario import BadInputError
@@ -47,7 +48,7 @@ def controller_of(text: str, wheelsets: int) -> tuple[str, Given]:
     if in_python and in_python["gains"]:
         return with_gains(Path(in_python["file"]), in_python["name"], in_python["gains"])
     if in_python:
-        return in_python["name"], class_in(Path(in_python["file"]), in_python["name"])
+        return in_python["name"], form_of(class_in(Path(in_python["file"]), in_python["name"]))
     path = Path(text)
     if path.suffix not in KINDS:
         raise BadInputError(f"Give FILE.py:CLASS, a shared library, a C file or an FMU as a controller: it was {text}.")
@@ -114,7 +115,13 @@ def with_gains(file: Path, name: str, gains: str) -> tuple[str, Form]:
     except (Exception, SystemExit) as error:
         words = f"{name} of {file} cannot be made with {gains}"
         raise BadInputError(f"{words} ({type(error).__name__}: {error}); give it others.") from None
-    return ast.unparse(call), form
+    return ast.unparse(call), form_of(form)
+
+
+def form_of(make: Callable[[], Any]) -> Form:
+    """Of one machine, or of many at once: those have a method `start` (products/protection/forms.py)."""
+    one = make()
+    return Arrays(one) if callable(getattr(one, "start", None)) else make
 
 
 def class_in(file: Path, name: str) -> type:

@@ -69,6 +69,14 @@ def test_the_controllers_of_the_page_make_the_same_stop(folder: Path, capsys: py
     assert (folder / "results/controllers/compare.png").exists()
 
 
+def test_a_class_of_arrays_makes_the_stops_of_the_class(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (folder / "many.py").write_text(block("python", "# many.py"))
+    assert main(["controllers", "compare", "--rails", "low", "--json", "let_go.py:LetGo", "many.py:LetAllGo"]) == 0
+    runs = {run["controller"]: run for run in json.loads(capsys.readouterr().out)["runs"]}
+    del runs["LetGo"]["controller"], runs["LetAllGo"]["controller"]
+    assert runs["LetGo"] == runs["LetAllGo"] != runs["none"]
+
+
 def test_a_controller_that_fails_does_not_end_the_comparison(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["controllers", "compare", "--rails", "dry,wet", "bad.py:Bad"]) == 1
     shown = capsys.readouterr().out
