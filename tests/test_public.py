@@ -549,7 +549,7 @@ def test_a_fit_without_a_beginning_is_refused() -> None:
         ({FRICTION: 0.0}, "not 0"),
         (
             {"constant_shoe_fricton": 0.2},
-            "no real parameter constant_shoe_fricton; did you mean constant_shoe_friction?",
+            "no real parameter or free input constant_shoe_fricton; did you mean constant_shoe_friction?",
         ),
     ):
         with pytest.raises(ValueError, match=re.escape(sentence)):
