@@ -16,6 +16,7 @@ import pytest
 
 from bogie_braking.__main__ import main
 from brake_controller.rig.udp_client import ANSWER, HEADER, HELLO, HOST, MAGIC, answer, answer_to, is_end, question
+from brake_controller.wheel_slide import within
 from fmu_src.compile import compiler
 from products.protection.braked_machine import bogie
 from products.protection.forms import FOLDER
@@ -49,7 +50,7 @@ void wheel_slide_step(void *memory, double time, const double *v, int *valve)
     for (int i = 0; i < n; ++i) valve[i] = v[i] < 0.8 * most ? 2 : 0;
 }
 """
-#: How much longer than its periods a paced run may take: nothing adds up. Without that it was 1.6 and more.
+#: How much longer than its periods a paced run may take: nothing adds up. Where it does, 1.16.
 OVER = 1.1
 
 
@@ -196,26 +197,16 @@ def test_packets_from_others_move_no_valve(asked: Callable[..., list[int]]) -> N
     assert (counts.strangers, counts.malformed, counts.missed) == (1, 0, 1)
 
 
-def test_a_flood_of_packets_makes_no_period_longer(asked: Callable[..., list[int]], own: socket.socket) -> None:
-    over = threading.Event()
-
-    def flood() -> None:
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
-            while not over.is_set():
-                other.sendto(b"flood", own.getsockname())
-
-    thread = threading.Thread(target=flood)
-    thread.start()
-    try:
-        begin = time.perf_counter()
-        for _ in range(5):
-            asked()
-        took = time.perf_counter() - begin
-    finally:
-        over.set()
-        thread.join()
-    assert asked.remote.counts.strangers > 5  # type: ignore[attr-defined]
-    assert took < 1.0
+def test_a_flood_of_packets_makes_no_period_longer(
+    asked: Callable[..., list[int]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """There is always one more packet."""
+    monkeypatch.setattr(Remote, "_next", lambda self, patience: (b"flood", ("127.0.0.1", 9)))
+    for _ in range(5):
+        assert within(1.0, asked) == [0, 0]
+    counts = asked.remote.counts  # type: ignore[attr-defined]
+    assert counts.missed == 5
+    assert counts.strangers > 5
 
 
 def test_a_client_that_dies_leaves_the_brake_to_the_watchdog(
