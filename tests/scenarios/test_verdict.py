@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from scipy.integrate import solve_ivp
 
 from products.protection.runs import Stop
 from scenarios.controllers.picture import draw, message
-from scenarios.controllers.scoring import Scored
+from scenarios.controllers.scoring import CONTACT, WORN, Scored
 from scenarios.controllers.verdict import lines, sentences, verdicts
 from scenarios.reporting.plots import plt
 
@@ -112,3 +115,19 @@ def test_the_axis_is_logarithmic_where_distances_lie_far_apart() -> None:
         figure.canvas.draw()
         assert figure.axes[0].get_xscale() == scale
         plt.close(figure)
+
+
+@pytest.mark.parametrize("skid", [1.0, 100.0, 900.0])
+def test_a_flat_grows_as_its_own_contact_wears(skid: float) -> None:
+    """dV = WORN w L ds with V = w L^3 / (12 R), integrated step by step; without a skid there is none."""
+    radius, width = 0.46, 0.015
+
+    def growth(way: float, length: np.ndarray) -> np.ndarray:
+        lost = WORN * width * length
+        return lost / (width * length**2 / (4 * radius))
+
+    found = solve_ivp(growth, (0.0, skid), [CONTACT], rtol=1e-10, atol=1e-12)
+    one = Scored("low", "none", replace(STOP, longest_skid=skid), radius, None, None)
+    assert one.flat == pytest.approx(found.y[0, -1], rel=1e-7)
+    assert one.flat != pytest.approx(math.sqrt(CONTACT**2 + 8.1 * radius * WORN * skid), rel=1e-7)
+    assert replace(one, stop=replace(STOP, longest_skid=0.0)).flat == 0.0
