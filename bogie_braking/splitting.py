@@ -77,7 +77,7 @@ class Population:
         self.generations.append(Generation(self.probability, self.level, self.outputs.copy()))
         level = float(np.sort(self.outputs)[self.outputs.size // 2 - 1])
         dead = self.outputs <= level
-        lives = 1.0 - float(np.mean(dead))
+        lives = 1.0 - np.count_nonzero(dead) / dead.size
         if level >= limit or lives == 0.0 or self.probability * lives < LEAST:
             self.climbs = False
             self.probability *= float(np.mean(self.outputs > limit))
@@ -98,8 +98,9 @@ class Population:
     def move(self, rows: NDArray[np.intp], points: Numbers, outputs: Numbers) -> float:
         """Goes to the points whose outputs stay above the level; the share that went."""
         above = outputs > self.level
-        self.points[rows[above]], self.outputs[rows[above]] = points[above], outputs[above]
-        return float(np.mean(above))
+        there = rows[above]
+        self.points[there], self.outputs[there] = points[above], outputs[above]
+        return there.size / rows.size
 
     def adapt(self, accepted: float) -> None:
         """The size of the next level's moves, from this one's: within a level, moves that follow moves have a bias."""
