@@ -79,12 +79,12 @@ def picture(data: dict[str, Any]) -> Figure:
     seen = far.tail["probability"] > 0.0
     distance, middle, lower, upper = (column[seen] for column in (far.tail[name] for name in far.tail.names))
     axis.fill_between(distance, lower, upper, color=plots.LEADING, alpha=0.25, label="its 95 % confidence interval")
-    axis.semilogy(distance, middle, color=plots.LEADING, label=f"splitting, {far.runs:,} runs".replace(",", " "))
+    axis.semilogy(distance, middle, color=plots.LEADING, label=f"splitting, {far.runs:_} runs".replace("_", " "))
     counts = {int(limit): count for limit, count in data["counts"].items() if 0 < count < RUNS}
     ends = [binomtest(count, RUNS).proportion_ci() for count in counts.values()]
     shares = np.array(list(counts.values())) / RUNS
     off = np.abs(np.array([[one.low, one.high] for one in ends]).T - shares)
-    label = f"plain, {RUNS:,} runs, 95 %".replace(",", " ")
+    label = f"plain, {RUNS:_} runs, 95 %".replace("_", " ")
     axis.errorbar(list(counts), shares, off, fmt=".", color=plots.TRAILING, elinewidth=1.0, label=label)
     axis.set(xlim=(250, FAR + 20), ylim=(1e-8, 2.0))
     axis.legend(loc="upper right")
