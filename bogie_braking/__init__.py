@@ -35,7 +35,6 @@ if TYPE_CHECKING:
     from fmu_src.system import Model as Model
     from fmu_src.system import System as System
     from fmu_src.system import Variable as Variable
-    from products.protection.logged_machine import logged_machine as logged_machine
     from rbd_model.track.line import Line as Line
     from rbd_model.track.line import arc as arc
     from rbd_model.track.line import clothoid as clothoid
@@ -58,7 +57,6 @@ _HOMES = {
     "fmu_src.cosimulation.slave": ("CosimulationError", "Slave"),
     "fmu_src.kernel": ("KernelError",),
     "fmu_src.system": ("Model", "System", "Variable"),
-    "products.protection.logged_machine": ("logged_machine",),
     "rbd_model.track.line": ("Line", "arc", "clothoid", "line_of", "straight"),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}

@@ -211,8 +211,9 @@ def test_a_release_made_again_is_the_same(wheels: Path, tmp_path: Path) -> None:
 
 ROOT = Path(release.__file__).parent
 #: Looked for before they are imported (`scenarios/methods/sundials.py: is_installed`, `scenarios/sweep/cluster.py:
-#: client_of`, `bogie_braking/commands.py: look_for_plotly`).
-LOOKED_FOR = {"sksundae", "distributed", "plotly"}
+#: client_of`, `bogie_braking/commands.py: look_for_plotly`), or at the beginning of their only file
+#: (`bogie_braking/gym.py`).
+LOOKED_FOR = {"sksundae", "distributed", "plotly", "gymnasium"}
 
 
 def imported_without_a_way_out(body: list[ast.stmt]) -> Iterator[str]:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import bogie_braking as bb
+from bogie_braking.logs import logged_machine
 from brake_controller.wheel_slide import SlideProtection
 from products.bogie import TORQUE_PER_PRESSURE
 from products.protection.rails import LOW_FRICTION, low_rail
@@ -43,7 +44,7 @@ def log() -> bb.Recording:
 
 
 def fitted(log: bb.Recording, begin: dict[str, float], **held: float) -> bb.Fit:
-    return bb.fit(bb.logged_machine("bogie"), log, begin, until=UNTIL, initial_speed=25.0, **held)
+    return bb.fit(logged_machine("bogie"), log, begin, until=UNTIL, initial_speed=25.0, **held)
 
 
 def test_friction_is_found_again_from_above_and_from_below(log: bb.Recording) -> None:
@@ -84,9 +85,9 @@ def test_without_its_pull_it_is_the_bogie_with_these_torques(log: bb.Recording) 
     ends = [
         bb.run(what, 15.0, None, ["speed"], 1.0, **values, **more)["speed"]
         for what, more in (
-            (bb.logged_machine("bogie"), driven | {"tracking_rate": 0.0}),
+            (logged_machine("bogie"), driven | {"tracking_rate": 0.0}),
             ("bogie", torques | {"level": 2}),
-            (bb.logged_machine("bogie"), driven | {"tracking_rate": 0.0, "full_torque": 19e3}),
+            (logged_machine("bogie"), driven | {"tracking_rate": 0.0, "full_torque": 19e3}),
         )
     ]
     assert ends[0] == pytest.approx(ends[1], abs=1e-5)
@@ -97,16 +98,14 @@ def test_what_cannot_be_fitted_is_refused(log: bb.Recording) -> None:
     with pytest.raises(ValueError, match="LoggedMachine has no real parameter or free input pressure_1"):
         fitted(log, {"pressure_1": 1e5})
     with pytest.raises(ValueError, match=re.escape("Set until to at least 0.02 s, the time of the second row")):
-        bb.fit(bb.logged_machine("bogie"), log, BEGIN, until=0.0)
+        bb.fit(logged_machine("bogie"), log, BEGIN, until=0.0)
     with pytest.raises(KeyError, match="There is no machine bogey with a log; did you mean bogie"):
-        bb.logged_machine("bogey")
+        logged_machine("bogey")
 
 
 def test_a_coach_is_driven_by_a_log_too() -> None:
     times = np.array([0.0, 10.0])
     driven = {f"pressure_{n}": (times, np.full(2, 380e3)) for n in range(1, 5)}
     driven |= {f"wheel_speed_{n}": (times, np.zeros(2)) for n in range(1, 5)}  # sensors that are lost pull nothing
-    stop = bb.run(
-        bb.logged_machine("vehicle"), 10.0, None, ["speed"], 1.0, initial_speed=25.0, friction_1=0.5, **driven
-    )
+    stop = bb.run(logged_machine("vehicle"), 10.0, None, ["speed"], 1.0, initial_speed=25.0, friction_1=0.5, **driven)
     assert stop["speed"][0] - stop["speed"][-1] == pytest.approx(12.0, rel=0.03)  # full brake, 1.2 m/s2 by its sizing

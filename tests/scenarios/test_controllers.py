@@ -135,7 +135,7 @@ def test_what_cannot_be_is_refused_in_a_sentence(
     given: list[str], sentence: str, folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["controllers", "compare", *given]) == 2
-    assert capsys.readouterr().err.strip().startswith(sentence)
+    assert sentence in capsys.readouterr().err  # behind a bar, where compiling takes long
 
 
 def test_a_library_that_is_no_controller_is_refused(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
