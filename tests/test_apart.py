@@ -16,8 +16,9 @@ from products.protection.protected_stop import Settings
 from products.protection.rails import RAILS
 from products.protection.rig import Rig
 from products.protection.runs import Run
-from scenarios.controllers.given import in_c, in_fmu
+from scenarios.controllers.given import fmu_names, in_c, in_fmu
 from scenarios.methods.protected_throughput import SHARE, SOURCE, LetGo
+from scenarios.scenario import BadInputError
 
 #: Patience with what hangs [s].
 SHORT = 1.0
@@ -121,3 +122,17 @@ def test_an_fmu_without_a_variable_is_refused(names: Names, words: str, tmp_path
     assert build_fmu.main(["--controller", str(let_go(tmp_path)), "--out", str(tmp_path)]) == 0
     with pytest.raises(ValueError, match=words):
         InFmu(tmp_path / "native" / "let_go.fmu", 2, 5e-3, names)
+
+
+def test_an_fmu_for_a_coach_is_refused_on_a_bogie_and_a_table_names_other_variables(tmp_path: Path) -> None:
+    source = let_go(tmp_path)
+    assert build_fmu.main(["--controller", str(source), "--out", str(tmp_path), "--wheelsets", "4"]) == 0
+    path = tmp_path / "native" / "let_go4.fmu"
+    with pytest.raises(BadInputError, match=r"let_go4\.fmu is for 4 wheelsets; give one for the 2 of this machine"):
+        fmu_names(path, 2)
+    assert fmu_names(path, 4) == NAMES[4]
+    path.with_suffix(".toml").write_text(
+        'wheel_speed = ["wheel_speed_1", "wheel_speed_2"]\nvalve = ["valve_2", "valve_1"]\n[values]\nperiod = 0.01\n'
+    )
+    named = fmu_names(path, 2)
+    assert named == Names(("wheel_speed_1", "wheel_speed_2"), ("valve_2", "valve_1"), "", (("period", 0.01),))

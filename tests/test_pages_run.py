@@ -52,7 +52,11 @@ PAGES = [
     path for path in (ROOT / "README.md", *sorted(ROOT.glob("docs/*.md"))) if BLOCK.search(path.read_text("utf-8"))
 ]
 WRITING = "docs/writing-a-system.md"
-NOTEBOOKS = sorted(ROOT.glob("docs/notebooks/*.ipynb"))
+#: The one that trains takes minutes.
+NOTEBOOKS = [
+    pytest.param(path, marks=[pytest.mark.long] if path.stem == "training" else [], id=path.stem)
+    for path in sorted(ROOT.glob("docs/notebooks/*.ipynb"))
+]
 
 
 def name(page: Path) -> str:
@@ -171,7 +175,7 @@ def test_commands_that_are_shortened_are_on_a_page() -> None:
     assert [command for command in DRY | SHORT if command not in pages] == []
 
 
-@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", NOTEBOOKS)
 def test_a_notebook_runs_and_holds_no_outputs(path: Path, checkout: Path) -> None:
     cells = [cell for cell in json.loads(path.read_text(encoding="utf-8"))["cells"] if cell["cell_type"] == "code"]
     assert all(not cell["outputs"] and cell["execution_count"] is None for cell in cells)

@@ -84,10 +84,15 @@ def fmu_names(path: Path, wheelsets: int) -> Names:
     try:
         about = [variable.name for variable in read_model_description(str(path)).modelVariables]
         if not table.is_file():
+            own = sum(bool(re.fullmatch(r"wheel_speed_\d+", name)) for name in about)
+            if own not in (0, wheelsets):
+                raise BadInputError(f"{path} is for {own} wheelsets; give one for the {wheelsets} of this machine.")
             return names_of(about, wheelsets)
         read = tomllib.loads(table.read_text(encoding="utf-8"))
         values = tuple((name, float(value)) for name, value in read.get("values", {}).items())
         return Names(tuple(read["wheel_speed"]), tuple(read["valve"]), read.get("period", ""), values)
+    except BadInputError:
+        raise
     except tomllib.TOMLDecodeError as error:
         raise BadInputError(f"{table} is no TOML file ({error}); mend it.") from None
     except (KeyError, TypeError, ValueError) as error:
