@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import functools
 import importlib
+import importlib.util
 import os
 import re
 import subprocess
@@ -74,7 +75,7 @@ def exists_in_packages(dotted: str) -> bool:
     """Whether a dotted name leads to a module of ours, or to something in one."""
     module, _, name = dotted.rpartition(".")
     try:
-        return hasattr(importlib.import_module(module), name)
+        return hasattr(importlib.import_module(module), name) or importlib.util.find_spec(dotted) is not None
     except ModuleNotFoundError:
         return False
 
