@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from fmu_src.kernel import KernelError
 from products.protection.braked_machine import bogie, coach
-from products.protection.cost import AT_LIMIT, FILLINGS, rolling_stop
+from products.protection.cost import AT_LIMIT, FILLINGS, NO_STOP, rolling_stop
 from products.protection.draws import FRICTIONS, SPEEDS, drawn_run
 from products.protection.environment import Environment
 from products.protection.forms import Arrays
@@ -117,6 +117,7 @@ def test_a_machine_that_does_not_stop_is_truncated_and_one_that_is_lost_costs_it
     while not own.truncated[0]:
         own.turn([[0, 0]])
         turns += 1
+    assert own.reward[0] < -NO_STOP
     assert turns == round(LONGEST / settings.period)
     assert not own.terminated[0]
     high = Run(DRY.values() | {"frame_height": 3.0})
@@ -129,7 +130,9 @@ def test_a_machine_that_does_not_stop_is_truncated_and_one_that_is_lost_costs_it
     assert stop.said.startswith("The machine went no further: Wheelset 2 lifted off the rail at ")
     assert at[5] > 1.0
     further = stop.end_speed * (LONGEST - stop.time) / rolls.distance
-    assert total == pytest.approx(further + at[6] / rolls.distance, rel=0.05)
+    own.turn([[0, 0]])
+    assert own.reward[0] == 0.0
+    assert total == pytest.approx(NO_STOP + further + at[6] / rolls.distance, abs=0.01)
     assert further > 10.0
 
 

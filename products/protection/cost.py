@@ -19,6 +19,9 @@ AT_LIMIT = OVER_IDEAL - 1.0
 #: Fillings of all cylinders that count as the limit of air. Assumed; the protection that comes along takes some 16 on
 #: the low rail from 25 m/s.
 FILLINGS = 40.0
+#: What a run costs further that comes to no stop, as many stops in which all wheels roll. Assumed: without it a policy
+#: that creeps on for ever, too slow for any sensor, costs less than one that stops.
+NO_STOP = 1.0
 
 
 @dataclass(frozen=True)
@@ -47,6 +50,8 @@ def cost(score: Any, rolling: Any, machine: Machine, period: float) -> Any:
     return score["distance"] / rolling["distance"] + AT_LIMIT * shares
 
 
-def cost_of_loss(score: Any, rolling: Any) -> Any:
-    """What is added where a machine is lost: the way that it would run on at its speed until the longest time."""
-    return score["speed"] * (LONGEST - score["time"]) / rolling["distance"]
+def cost_of_no_stop(speed: Any, time: Any, distance: Any) -> Any:
+    """What is added where a run ends at a speed [m/s] and time [s]: NO_STOP, and the way that it would run on until the
+    longest time. distance: of the stop in which all wheels roll [m].
+    """
+    return NO_STOP + speed * (LONGEST - time) / distance

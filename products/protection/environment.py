@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from brake_controller.wheel_slide import APPLY, VENT
 from products.protection.braked_machine import Machine
-from products.protection.cost import cost, cost_of_loss, rolling_stop
+from products.protection.cost import cost, cost_of_no_stop, rolling_stop
 from products.protection.forms import Outside
 from products.protection.programme import FASTEST
 from products.protection.protected_stop import BRAKE_START, LONGEST, Settings
@@ -145,9 +145,10 @@ class Environment:
         state = score["state"]
         before, self._cost = self._cost, cost(score, self._rolling, self.machine, self.settings.period)
         self.truncated, self.terminated = state == TOO_LONG, (state != RUNS) & (state != TOO_LONG)
-        lost = state == LOST
-        if lost.any():
-            self._cost[lost] += cost_of_loss(score[lost], self._rolling[lost])
+        without = self.truncated | (state == LOST)
+        if without.any():
+            of = score[without]
+            self._cost[without] += cost_of_no_stop(of["speed"], of["time"], self._rolling["distance"][without])
         self.reward = before - self._cost
 
     def stop(self, row: int) -> Stop:

@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 
 from brake_controller.wheel_slide import SlideProtection, SlideProtectionParameters, common_protection
 from products.protection.braked_machine import bogie
-from products.protection.cost import rolling_stop
+from products.protection.cost import cost_of_no_stop, rolling_stop
 from products.protection.draws import drawn_run
 from products.protection.environment import Environment
 from products.protection.forms import ManyControllers
-from products.protection.protected_stop import LONGEST, Settings
+from products.protection.protected_stop import Settings
 from products.protection.runs import Run
 from scenarios.reporting.progress import counting
 
@@ -87,7 +87,7 @@ def play(controller: ManyControllers, runs: Sequence[Run]) -> Played:
         time += SETTINGS.period
     stops = [own.stop(row) for row in range(len(runs))]
     rolls = np.array([rolling_stop(own.machine, SETTINGS, run.speed or SETTINGS.speed).distance for run in runs])
-    cost += goes_on * own.observation[:, 5] * (LONGEST - time) / rolls
+    cost += goes_on * cost_of_no_stop(own.observation[:, 5], time, rolls)
     own.close()
     over = np.array([one.distance or np.nan for one in stops]) / rolls
     return Played(cost, np.where(goes_on, np.nan, over), np.array([one.longest_lock for one in stops]))
