@@ -217,8 +217,10 @@ def least(
     costs: Callable[[Sequence[Numbers]], list[float]], first: Sequence[float] | Numbers, step: float, generations: int
 ) -> Numbers:
     """The middle of the last generation of CMA-ES, from a first place, with the same random numbers each time."""
-    import cma
-
+    try:
+        import cma
+    except ImportError as missing:
+        raise ImportError('The search needs cma: pip install "bogie-braking[gym]".') from missing
     search = cma.CMAEvolutionStrategy(first, step, {"seed": 1, "verbose": -9})
     with counting(total=generations, text="generations", unit="") as bar:
         for _ in range(generations):
