@@ -245,6 +245,7 @@ class SlideProtection:
 
     def _roll(self, size: float, fastest: _Wheel) -> None:
         """No wheel has slid: the reference is the fastest one's speed, and falls no faster than any rail allows."""
+        assert self.time is not None
         p, before = self.parameters, self.reference
         self.reference = max(fastest.calm_speed, before - p.largest_deceleration * size)
         self._keep(self.reference)
@@ -253,7 +254,7 @@ class SlideProtection:
         behind = [self.reference - wheel.calm_speed for wheel in self._seen if self._is_judged(wheel)]
         if behind and (max(behind) > apart or min(behind) > together):
             self.evident = self.gained = True
-            self.evident_at = self.kept_at if self.time is None else self.time
+            self.evident_at = self.time
             self.looks = 0
             self._measure(self.reference)
 

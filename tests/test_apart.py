@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
+from zipfile import ZipFile
 
 import pytest
 
 import build_fmu
-from products.protection.apart import Apart, NoControllerError, Order, runs_apart
+from fmu_src.cosimulation.slave import Slave
+from fmu_src.kernel import KernelError
+from products.protection import in_fmu as in_fmu_module
+from products.protection.apart import Apart, NoControllerError, Order, called_apart, runs_apart
 from products.protection.braked_machine import bogie, coach
 from products.protection.forms import compiled
 from products.protection.in_fmu import InFmu, Names
@@ -136,3 +140,41 @@ def test_an_fmu_for_a_coach_is_refused_on_a_bogie_and_a_table_names_other_variab
     )
     named = fmu_names(path, 2)
     assert named == Names(("wheel_speed_1", "wheel_speed_2"), ("valve_2", "valve_1"), "", (("period", 0.01),))
+
+
+def test_an_fmu_that_allows_one_instance_never_has_two(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Four runs that wait for each other."""
+    made: list[Path] = []
+
+    class Noted(Slave):
+        def __init__(self, path: Path) -> None:
+            made.append(path)
+            super().__init__(path)
+
+    monkeypatch.setattr(in_fmu_module, "Slave", Noted)
+    assert build_fmu.main(["--controller", str(let_go(tmp_path)), "--out", str(tmp_path)]) == 0
+    form = InFmu(tmp_path / "native" / "let_go.fmu", 2, 5e-3, NAMES[2])
+    form.at_once = 1
+    runs = [Run(RAILS[number].values(), speed=8.0) for number in (0, 2, 0, 2)]
+    assert Rig(bogie(), form, Settings()).runs(runs) == Rig(bogie(), LetGo, Settings()).runs(runs)
+    assert len(made) == 1
+
+
+def test_an_fmu_without_a_binary_is_no_controller(tmp_path: Path) -> None:
+    assert build_fmu.main(["--controller", str(let_go(tmp_path)), "--out", str(tmp_path)]) == 0
+    whole, bare = tmp_path / "native" / "let_go.fmu", tmp_path / "bare.fmu"
+    with ZipFile(whole) as source, ZipFile(bare, "w") as copy:
+        for name in source.namelist():
+            if not name.startswith("binaries"):
+                copy.writestr(name, source.read(name))
+    with pytest.raises(NoControllerError):
+        Apart(partial(in_fmu, bare, NAMES[2])).made(2, 5e-3)
+
+
+def fails() -> None:
+    raise RuntimeError("the simulation is at fault")
+
+
+def test_what_fails_otherwise_is_not_called_no_controller() -> None:
+    with pytest.raises(KernelError, match=r"the simulation is at fault \(RuntimeError\)"):
+        called_apart(fails)

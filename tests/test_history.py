@@ -2,61 +2,39 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from products.protection import forms as module
 from products.protection.braked_machine import Machine, bogie, coach
-from products.protection.forms import Arrays, compiled
+from products.protection.forms import Arrays
 from products.protection.history import EVERY, History
 from products.protection.protected_stop import Settings
 from products.protection.rails import RAILS
 from products.protection.rig import Rig
 from products.protection.runs import Fault, Run
+from scenarios.methods.protected_throughput import LetAllGo, LetGo, in_c
 
 RUNS = [Run(rail.values()) for rail in RAILS[:3]]
-LET_GO = """
-#include "wheel_slide.h"
-size_t wheel_slide_size(int wheelsets) { return sizeof(int) * (size_t)(wheelsets > 0); }
-void wheel_slide_start(void *memory, int wheelsets, double period) { *(int *)memory = wheelsets; (void)period; }
-void wheel_slide_step(void *memory, double time, const double *v, int *valve)
-{
-    const int n = *(int *)memory;
-    double most = 0.0;
-    (void)time;
-    for (int i = 0; i < n; ++i) most = v[i] > most ? v[i] : most;
-    for (int i = 0; i < n; ++i) valve[i] = v[i] < 0.8 * most ? 2 : 0;
-}
-"""
 
 
-class LetGo:
-    """Lets go of what is slow, and notes what it saw and said."""
+class Notes(LetGo):
+    """Notes what it saw and said."""
 
     said: ClassVar[list[list[float]]] = []
 
-    def step(self, time: float, speeds: list[float]) -> list[int]:
-        answer = [2 if speed < 0.8 * max(speeds) else 0 for speed in speeds]
+    def step(self, time: float, speeds: Sequence[float]) -> list[int]:
+        answer = super().step(time, speeds)
         self.said.append([time, *speeds, *answer])
         return answer
 
 
-class LetAllGo:
-    def start(self, rows: NDArray[np.intp], count: int, wheelsets: int, period: float) -> None:
-        pass
-
-    def step(self, time: NDArray[np.float64], speeds: NDArray[np.float64]) -> NDArray[np.integer]:
-        return np.where(speeds < 0.8 * speeds.max(axis=1, keepdims=True), 2, 0)
-
-
-def test_a_run_that_is_written_down_is_the_same_in_every_form(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_run_that_is_written_down_is_the_same_in_every_form(monkeypatch: pytest.MonkeyPatch) -> None:
     """To the last bit, with rows that take the next run; and all forms write the same."""
-    (tmp_path / "let_go.c").write_text(LET_GO)
-    forms = (LetGo, Arrays(LetAllGo()), compiled(tmp_path / "let_go.c"))
+    forms = (LetGo, Arrays(LetAllGo()), in_c())
     monkeypatch.setattr(module, "AT_ONCE", 2)
     written = []
     for form in forms:
@@ -72,11 +50,11 @@ def test_a_run_that_is_written_down_is_the_same_in_every_form(tmp_path: Path, mo
 
 
 def test_what_is_written_down_is_what_the_controller_saw_and_said() -> None:
-    LetGo.said.clear()
-    [stop] = Rig(bogie(), LetGo, Settings()).runs([RUNS[2]], every=EVERY)
+    Notes.said.clear()
+    [stop] = Rig(bogie(), Notes, Settings()).runs([RUNS[2]], every=EVERY)
     history = stop.history
     assert isinstance(history, History)
-    said = np.array(LetGo.said)
+    said = np.array(Notes.said)
     looks = np.rint(history.time[:-1] / 5e-3).astype(int)
     assert np.array_equal(said[looks, 0], history.time[:-1])
     assert np.array_equal(said[looks, 1:3], history.sensor_speed[:-1])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import weakref
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
@@ -42,6 +43,7 @@ class Slave:
         self.guid = description.guid
         self.messages: list[str] = []
         self._folder = extract(str(path))
+        self._clear = weakref.finalize(self, shutil.rmtree, self._folder, ignore_errors=True)
         self._face = face_of(description, self._folder, self.name, self.messages.append)
         self.fmu = self._face.fmu
         known = [v for v in description.modelVariables if v.type in self._face.types]
@@ -60,7 +62,7 @@ class Slave:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.fmu.freeInstance()
-        shutil.rmtree(self._folder, ignore_errors=True)
+        self._clear()
 
     def start(self, time: float = 0.0, **inputs: Value) -> None:
         """Sets parameters and first inputs and initialises."""

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import os
 import signal
+import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
+from tempfile import TemporaryDirectory
 from typing import Any, TypeVar, cast
 
-from fmu_src.cosimulation.slave import CosimulationError
+from fmu_src.kernel import ERROR, KernelError
 from products.protection.braked_machine import Machine
 from products.protection.forms import Form
 from products.protection.protected_stop import Settings
@@ -21,10 +23,8 @@ from products.protection.runs import Run, Stop
 PATIENCE, BEGINNING = 10.0, 120.0
 #: So often a process that ends is begun again for the runs that are left.
 TIMES = 3
-
-
-#: What a process sends first: what follows was made, it is done, or it was given no controller.
-GIVEN, DONE, REFUSED = range(3)
+#: What a process sends first: what follows was made, it is done, it was given no controller, or something else failed.
+GIVEN, DONE, REFUSED, FAILED = range(4)
 Tell = Callable[[object], None]
 Result = TypeVar("Result")
 
@@ -43,6 +43,13 @@ class Apart:
 
     make: Callable[[int, float], Form]
 
+    def made(self, wheelsets: int, period: float) -> Form:
+        """The controller. Raises NoControllerError."""
+        try:
+            return self.make(wheelsets, period)
+        except Exception as error:  # a library and an FMU fail in many ways
+            raise NoControllerError(str(error) or type(error).__name__) from error
+
 
 @dataclass(frozen=True)
 class Order:
@@ -56,10 +63,10 @@ class Order:
     every: float = 0.0
 
     def rig(self) -> Rig:
-        """With the controller. Raises OSError, AttributeError, ValueError for what is none."""
+        """With the controller. Raises NoControllerError."""
         form = self.controller
         if isinstance(form, Apart):
-            form = form.make(len(self.machine.numbers), self.settings.period)
+            form = form.made(len(self.machine.numbers), self.settings.period)
         return Rig(self.machine, form, self.settings, by_flow=self.by_flow, level=self.level)
 
 
@@ -68,7 +75,7 @@ def runs_apart(order: Order, runs: Sequence[Run], patience: float = PATIENCE) ->
 
     All go on together at first. If the process ends or hangs, they are made one by one, and the runs in which it does
     so again have no distance and say why; their other numbers are those of brakes that stay applied. Raises
-    NoControllerError.
+    NoControllerError, and KernelError where the simulation fails.
     """
     together, died = _made(order, runs, patience, alone=False)
     if not died:
@@ -106,16 +113,25 @@ def _made(order: Order, runs: Sequence[Run], patience: float, alone: bool) -> tu
 
 
 def called_apart(function: Callable[..., Result], *arguments: object, patience: float = BEGINNING) -> Result:
-    """What a function gives that is called in a process of its own. Raises EndedError, NoControllerError."""
+    """What a function gives that is called in a process of its own.
+
+    Raises EndedError, NoControllerError, and KernelError where anything else fails.
+    """
     [found] = _heard(_call, (function, arguments), patience)
     return cast(Result, found)
 
 
 def _heard(target: Callable[..., None], arguments: tuple[object, ...], patience: float) -> Iterator[Any]:
-    """What a target tells in a process of its own. Raises EndedError, NoControllerError."""
+    """What a target tells in a process of its own. Raises EndedError, NoControllerError, KernelError."""
+    with TemporaryDirectory(ignore_cleanup_errors=True) as folder:  # what a process that is ended leaves behind
+        yield from _told(target, arguments, patience, folder)
+
+
+def _told(target: Callable[..., None], arguments: tuple[object, ...], patience: float, folder: str) -> Iterator[Any]:
+    """The same; folder: of the process's temporary files."""
     context = get_context("spawn")
     here, there = context.Pipe(duplex=False)
-    child = context.Process(target=_tell, args=(there, target, arguments), daemon=True)
+    child = context.Process(target=_tell, args=(there, folder, target, arguments), daemon=True)
     child.start()
     there.close()
     waits = BEGINNING
@@ -136,6 +152,8 @@ def _heard(target: Callable[..., None], arguments: tuple[object, ...], patience:
         child.join()
         if kind == REFUSED:
             raise NoControllerError(heard)
+        if kind == FAILED:
+            raise KernelError(heard, ERROR)
         return
 
 
@@ -146,14 +164,17 @@ def _end_of(code: int | None) -> str:
     return f"exit status {code}"
 
 
-def _tell(pipe: Connection, target: Callable[..., None], arguments: tuple[object, ...]) -> None:
-    """In the process: sends what the target tells, that it is done, or the sentence of what is no controller."""
+def _tell(pipe: Connection, folder: str, target: Callable[..., None], arguments: tuple[object, ...]) -> None:
+    """In the process: sends what the target tells, that it is done, or the sentence of what went wrong."""
     try:
         os.dup2(2, 1)  # what a controller prints
+        tempfile.tempdir = folder
         target(lambda one: pipe.send((GIVEN, one)), *arguments)
         pipe.send((DONE, None))
-    except (OSError, AttributeError, ValueError, CosimulationError) as error:
+    except NoControllerError as error:
         pipe.send((REFUSED, str(error)))
+    except Exception as error:
+        pipe.send((FAILED, f"{error} ({type(error).__name__})"))
 
 
 def _make(tell: Tell, order: Order, runs: Sequence[Run], alone: bool) -> None:

@@ -31,7 +31,8 @@ class Names:
 class InFmu:
     """Makes controllers for machines with so many wheelsets, each an instance of one FMU; ended ones are used again.
 
-    period: of its questions [s]. Raises ValueError for an FMU that lacks a variable.
+    period: of its questions [s]. Raises ValueError for an FMU that lacks a variable, CosimulationError and what FMPy
+    raises for one that makes no instance.
     """
 
     path: Path
@@ -52,6 +53,7 @@ class InFmu:
         if about.coSimulation is None:
             raise ValueError("it is not for co-simulation")
         self.at_once = 1 if about.coSimulation.canBeInstantiatedOnlyOncePerProcess else AT_ONCE
+        self.free.append(Slave(self.path))
 
     def __call__(self) -> InstanceOfFmu:
         """A controller for a new run."""

@@ -55,7 +55,7 @@ def commands_of(answer: NDArray[Any]) -> tuple[NDArray[np.int32], NDArray[np.boo
 
 
 class Rig:
-    """Stops of one machine under one controller, many at once. A context manager.
+    """Stops of one machine under one controller, many at once.
 
     by_flow: cylinders are filled by flow of air from a reservoir that empties, through valves that take their time.
     level: 2 in the plane, 3 in space, which costs 4 to 5 times as much.
@@ -241,6 +241,7 @@ class Loop:
             form.controller.start(np.array(list(rows)), self.count, self.wheelsets, self.rig.settings.period)
         elif form is not None and not isinstance(form, InC | Outside):
             for row in rows:
+                self.each[row] = None  # first the one before ends: an FMU may allow no second instance
                 self.each[row] = Supervised(form(), self.wheelsets)
         self._look(rows)
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from brake_controller.protection_fmu import MOST_WHEELSETS
 from fmu_src.compile import plain_library
 from products.protection.forms import FOLDER, FunctionsInC
 
@@ -51,10 +52,6 @@ class Notes(ctypes.Structure):
     )
 
 
-#: Wheelsets of a machine at most, RIG_MOST.
-MOST = 16
-
-
 class Desk(ctypes.Structure):
     """A `rig_desk`."""
 
@@ -66,7 +63,7 @@ SCORE = np.dtype(
     [
         *((name, float) for name in ("distance", "speed", "time", "longest_lock", "longest_skid")),
         *((name, float) for name in ("band", "looked", "filled", "taken", "reservoir")),
-        ("sliding", float, MOST),
+        ("sliding", float, MOST_WHEELSETS),
         *((name, float) for name in ("commands", "failed_at")),
         *((name, np.int32) for name in ("state", "answer", "valve")),
     ],

@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
+import casadi as ca
 import numpy as np
 from scipy.integrate import solve_ivp
 
@@ -12,6 +13,7 @@ from products.protection.braked_machine import APPLICATION_TIME, STANDING, Machi
 from products.protection.braked_system import Kind, machine_kernel, machine_model
 from products.protection.protected_stop import BRAKE_START, LONGEST, ProtectedStop
 from products.protection.rails import ABOVE
+from rbd_model.levels.resistance import curve_share
 
 
 def by_time(since: float) -> float:
@@ -24,6 +26,12 @@ def laden(machine: Machine, values: Mapping[str, float]) -> Machine:
     name = f"{machine.counted}_mass"
     empty = machine.parameters.values()[name]
     return replace(machine, mass=machine.mass + values.get(name, empty) - empty)
+
+
+def held_back(rail: Mapping[str, float]) -> float:
+    """Share of the weight that a gradient and a curve (rbd_model/levels/resistance.py) hold back beside the brakes."""
+    curve = float(ca.evalf(curve_share(ca.SX(abs(rail.get("curvature", 0.0))))))
+    return math.sin(math.atan(rail.get("gradient", 0.0))) + rail.get("curve_resistance", 0.0) * curve
 
 
 class PeakAdhesion:
@@ -40,7 +48,7 @@ class PeakAdhesion:
         self, machine: Machine, rail: Mapping[str, float], filling: Callable[[float], float] = by_time
     ) -> None:
         self.machine, self.filling = laden(machine, rail), filling
-        self.uphill = machine.parameters.gravity * math.sin(math.atan(rail.get("gradient", 0.0)))
+        self.held_back = machine.parameters.gravity * held_back(rail)
         kind = Kind(machine.counted, by_flow=True)
         self.kernel = Kernel(machine_kernel(kind), initial_speed=25.0, **rail)
         self.kernel.initialise()
@@ -75,7 +83,7 @@ class PeakAdhesion:
 
         def slope(time: float, state: np.ndarray) -> list[float]:
             most = self.best(state[0], max(state[1], STANDING))[0]
-            return [state[1], -min(strength * self.braking(time), most) - self.uphill]
+            return [state[1], -min(strength * self.braking(time), most) - self.held_back]
 
         def stands(time: float, state: np.ndarray) -> float:
             return float(state[1]) - STANDING

@@ -71,7 +71,7 @@ def in_c(path: Path, wheelsets: int, period: float) -> Form:
 
 
 def in_fmu(path: Path, names: Names, wheelsets: int, period: float) -> Form:
-    """An FMU. Raises ValueError for what is no controller."""
+    """An FMU. Raises what InFmu does for what is no controller."""
     return InFmu(path, wheelsets, period, names)
 
 

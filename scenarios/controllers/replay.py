@@ -17,12 +17,13 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
+from brake_controller.protection_fmu import MOST_WHEELSETS
 from brake_controller.wheel_slide import APPLY, COMMANDS, HOLD, VENT, ControllerError, Supervised, WheelSlideController
 from fmu_src.cosimulation.measured import table_from
 from fmu_src.cosimulation.recording import Recording
 from products.protection.apart import Apart, EndedError, NoControllerError, called_apart
 from products.protection.forms import Arrays, Form, InC, Outside
-from products.protection.one_in_c import OneInC
+from products.protection.one import OneInC, OneOfMany
 from products.protection.protected_stop import LONGEST_PERIOD
 from scenarios.controllers.given import Given, controller_of
 from scenarios.methods.pace import time_of
@@ -30,8 +31,8 @@ from scenarios.reporting.plots import FOUR, plt, titled
 from scenarios.reporting.progress import counting
 from scenarios.scenario import BadInputError
 
-#: Shortest period that may be asked for [s]; most wheelsets, as the rig has.
-SHORTEST, MOST = 1e-4, 16
+#: Shortest period that may be asked for [s].
+SHORTEST = 1e-4
 #: Share of a row's time within which a question is asked with this row, not with the one before.
 SAME = 1e-9
 WORDS = {APPLY: "apply", HOLD: "hold", VENT: "vent"}
@@ -125,8 +126,8 @@ def read_log(path: Path) -> Recording:
     except ValueError as error:
         raise BadInputError(str(error)) from None
     count = wheelsets_in(log)
-    if not 1 <= count <= MOST:
-        raise BadInputError(f"{path} has {count} columns wheel_speed_1 [m/s] and so on; give it 1 to {MOST}.")
+    if not 1 <= count <= MOST_WHEELSETS:
+        raise BadInputError(f"{path} has {count} columns wheel_speed_1 [m/s] and so on; give it 1 to {MOST_WHEELSETS}.")
     for name in speeds_of(count):
         if log.units.get(name) != "m/s":
             there = f"has it in {log.units[name]}" if name in log.units else f"has {', '.join(log.names)}"
@@ -152,9 +153,9 @@ def replayed(log: Recording, name: str, controller: Given, period: float | None)
 
 
 def replay_of(log: Recording, name: str, controller: Apart, period: float | None) -> Replayed:
-    """As `replay`, with a controller that is made here. Raises OSError, AttributeError, ValueError for what is none."""
+    """As `replay`, with a controller that is made here. Raises NoControllerError."""
     asked = period or float(np.median(np.diff(log["time"])))
-    return replay(log, name, controller.make(wheelsets_in(log), asked), period)
+    return replay(log, name, controller.made(wheelsets_in(log), asked), period)
 
 
 def replay(log: Recording, name: str, form: Form, period: float | None) -> Replayed:
@@ -175,12 +176,13 @@ def replay(log: Recording, name: str, form: Form, period: float | None) -> Repla
 
 def one_of(name: str, form: Form, wheelsets: int, period: float) -> WheelSlideController:
     """A new controller; period of its questions [s]."""
-    if isinstance(form, InC):
-        found: WheelSlideController = type(name, (OneInC,), {})(form, wheelsets, period)  # sentences say its name
-        return found
     assert form is not None
-    assert not isinstance(form, Arrays | Outside)
-    return form()
+    assert not isinstance(form, Outside)
+    if not isinstance(form, InC | Arrays):
+        return form()
+    kind = OneInC if isinstance(form, InC) else OneOfMany
+    found: WheelSlideController = type(name, (kind,), {})(form, wheelsets, period)  # sentences say its name
+    return found
 
 
 def commands_of(controller: Supervised, times: np.ndarray, speeds: np.ndarray) -> tuple[np.ndarray, str]:

@@ -20,8 +20,12 @@ from fmpy.fmi2 import (
 )
 from fmpy.fmi3 import FMU3Model, FMU3Slave, fmi3LogMessageCallback
 
+from fmu_src.cosimulation.slave import Slave
+
 OK, WARNING, DISCARD, ERROR = range(4)
 STEP = 1e-3
+#: The answers, a step of STEP each, of a controller that counts its questions modulo 3, asked every 10 ms.
+THREES = [1] * 10 + [2] * 10 + [0] * 10 + [1] * 10 + [2] * 10
 
 
 class Host:
@@ -127,3 +131,14 @@ def host(path: Path, **how: bool) -> Iterator[Host]:
     yield made
     made.fmu.freeInstance()
     shutil.rmtree(made.folder, ignore_errors=True)
+
+
+def answers_of_a_counter(path: Path) -> list[int]:
+    """What the first valve of a controller in an FMU shows after each of 50 steps; asked every 10 ms."""
+    with Slave(path, period=0.01) as slave:
+        slave.start(wheel_speed_1=1.0, wheel_speed_2=1.0)
+        found = []
+        for number in range(len(THREES)):
+            slave.step(number * STEP, STEP)
+            found.append(int(slave["valve_1"]))
+    return found

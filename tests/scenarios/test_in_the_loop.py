@@ -27,6 +27,7 @@ from products.protection.runs import Run
 from scenarios.controllers import loop, remote
 from scenarios.controllers.loop import Looped, run_in_loop, sentences
 from scenarios.controllers.remote import WATCHDOG, Remote
+from scenarios.methods.protected_throughput import SHARE, SOURCE, LetGo
 from scenarios.reporting.progress import counting
 
 ROOT = Path(__file__).parents[2]
@@ -37,26 +38,8 @@ class LetGo:
     def step(self, time, speeds):
         return [2 if speed < {share} * max(speeds) else 0 for speed in speeds]
 """
-IN_C = """
-#include "wheel_slide.h"
-size_t wheel_slide_size(int wheelsets) { return sizeof(int) * (size_t)(wheelsets > 0); }
-void wheel_slide_start(void *memory, int wheelsets, double period) { *(int *)memory = wheelsets; (void)period; }
-void wheel_slide_step(void *memory, double time, const double *v, int *valve)
-{
-    const int n = *(int *)memory;
-    double most = 0.0;
-    (void)time;
-    for (int i = 0; i < n; ++i) most = v[i] > most ? v[i] : most;
-    for (int i = 0; i < n; ++i) valve[i] = v[i] < 0.8 * most ? 2 : 0;
-}
-"""
 #: How much longer than its periods a paced run may take: nothing adds up. Where it does, 1.16.
 OVER = 1.1
-
-
-class LetGo:
-    def step(self, time: float, speeds: list[float]) -> list[int]:
-        return [2 if speed < 0.8 * max(speeds) else 0 for speed in speeds]
 
 
 @pytest.fixture
@@ -131,7 +114,7 @@ def test_a_client_in_another_process_makes_the_stop_of_the_class_to_the_last_bit
 def test_a_compiled_client_in_c_makes_the_stop_of_the_class_to_the_last_bit(
     own: socket.socket, here: object, tmp_path: Path
 ) -> None:
-    (tmp_path / "let_go.c").write_text(IN_C)
+    (tmp_path / "let_go.c").write_text(f"#define SHARE {SHARE}\n{SOURCE}")
     for name in ("wheel_slide.h", "udp_client.c"):
         (tmp_path / name).write_text((FOLDER / name).read_text(encoding="utf-8"))
     warnings = ["-std=c11", "-Wall", "-Wextra", "-Wconversion", "-Werror"]

@@ -16,6 +16,16 @@ from products.protection.forms import compiled
 from scenarios.controllers.replay import read_log, replay
 
 LET_GO = "class LetGo:\n    def step(self, time, v):\n        return [2 if one < 0.8 * max(v) else 0 for one in v]\n"
+OF_MANY = """
+import numpy as np
+
+class Many:
+    def start(self, rows, count, wheelsets, period):
+        pass
+
+    def step(self, time, v):
+        return np.where(v < 0.8 * v.max(axis=1, keepdims=True), 2, 0)
+"""
 IN_C = """
 #include "wheel_slide.h"
 typedef struct { int n, asked; double period; } own;
@@ -33,11 +43,6 @@ void wheel_slide_step(void *memory, double time, const double *v, int *valve)
 """
 
 
-class LetGo:
-    def step(self, time: float, speeds: Sequence[float]) -> list[int]:
-        return [2 if speed < 0.8 * max(speeds) else 0 for speed in speeds]
-
-
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A log of 4 s, a row every 10 ms: wheelset 2 turns at half of the speed of wheelset 1 from 1 s to 2.5 s."""
@@ -47,6 +52,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     units = {"time": "s", "wheel_speed_1": "m/s", "wheel_speed_2": "m/s", "valve_2": "1"}
     bb.Recording(units, rows).write(tmp_path / "log.csv")
     (tmp_path / "let_go.py").write_text(LET_GO)
+    (tmp_path / "many.py").write_text(OF_MANY)
     (tmp_path / "let_go.c").write_text(IN_C)
     (tmp_path / "bad.py").write_text(
         "class Bad:\n    def step(self, time, v):\n        return [0, int(1 / (time < 3))]\n"
@@ -55,7 +61,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-@pytest.mark.parametrize("given", ["let_go.py:LetGo", "let_go.c"])
+@pytest.mark.parametrize("given", ["let_go.py:LetGo", "many.py:Many", "let_go.c"])
 @pytest.mark.parametrize("period", ["10ms", "4ms", "25ms", ""])
 def test_a_valve_vents_while_its_wheel_slides(
     given: str, period: str, folder: Path, capsys: pytest.CaptureFixture[str]

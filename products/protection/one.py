@@ -1,11 +1,13 @@
-"""One controller in C as an object with `step`, where no rig in C stands around it."""
+"""A controller in C, or of many machines, as an object with `step` for one machine, without a rig around it."""
 
 from __future__ import annotations
 
 import ctypes
 from collections.abc import Sequence
 
-from products.protection.forms import InC
+import numpy as np
+
+from products.protection.forms import Arrays, InC
 
 _START = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int, ctypes.c_double)
 _STEP = ctypes.CFUNCTYPE(
@@ -28,3 +30,16 @@ class OneInC:
         """Valve commands of all wheelsets from their speeds [m/s]; those before stay where it sets none."""
         self._step(self._memory, time, (ctypes.c_double * len(wheel_speeds))(*wheel_speeds), self._valves)
         return list(self._valves)
+
+
+class OneOfMany:
+    """A controller of many machines that has one, with so many wheelsets; period between two of its steps [s]."""
+
+    def __init__(self, form: Arrays, wheelsets: int, period: float) -> None:
+        self._many = form.controller
+        self._many.start(np.array([0]), 1, wheelsets, period)
+
+    def step(self, time: float, wheel_speeds: Sequence[float]) -> list[int]:
+        """Valve commands of all wheelsets from their speeds [m/s]."""
+        [valves] = np.asarray(self._many.step(np.array([time]), np.array([wheel_speeds]))).tolist()
+        return list(valves)
