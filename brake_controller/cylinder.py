@@ -1,6 +1,6 @@
 """BrakeCylinder: pressure demand in, torque capacity of one wheelset out; pressure by a timed law or by flow of air."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import casadi as ca
@@ -41,9 +41,26 @@ class Brake:
     target: ca.SX
     valve: ca.SX
     angular_velocity: ca.SX
+    beside: ca.SX
 
 
-def _begin(name: str, description: str, defaults: BrakeParameters, without: tuple[str, ...] = ()) -> Brake:
+#: A brake beside the cylinder: from the system, the demand [Pa], the valve and the angular velocity [rad/s] to the
+#: demand that it leaves to the cylinder [Pa] and its own torque capacity [N.m].
+Blending = Callable[[System, ca.SX, ca.SX, ca.SX], tuple[ca.SX, ca.SX]]
+
+
+def alone(_: System, demand: ca.SX, __: ca.SX, ___: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """There is no other brake."""
+    return demand, ca.SX(0)
+
+
+def _begin(
+    name: str,
+    description: str,
+    defaults: BrakeParameters,
+    without: tuple[str, ...] = (),
+    blending: Blending = alone,
+) -> Brake:
     """Inputs and parameters. Fail-safe: a demand that is lost (NaN), or never given, counts as the full supply.
 
     So does the de-energised solenoid of the experiment, which opens the line to the cylinders (section 6.3.9).
@@ -75,24 +92,47 @@ def _begin(name: str, description: str, defaults: BrakeParameters, without: tupl
         )
     )
     p = {name: system.parameter(defaults.variable(name)) for name in defaults.values() if name not in without}
-    return Brake(system, p, regulated_pressure(demand, p["supply_pressure"]), valve, angular_velocity)
+    left, beside = blending(system, demand, valve, angular_velocity)
+    return Brake(system, p, regulated_pressure(left, p["supply_pressure"]), valve, angular_velocity, beside)
 
 
-def _finish(brake: Brake, pressure: ca.SX, spring_pressure: ca.SX, table: FrictionTable) -> System:
+@dataclass(frozen=True)
+class Rubbing:
+    """What a cylinder presses, and on what.
+
+    without: fields of BrakeParameters that it has no use for. torque: adds its equations and outputs to a system and
+    gives the torque capacity [N.m], from the system, its parameters, the force [N] and the angular velocity [rad/s].
+    """
+
+    without: tuple[str, ...]
+    torque: Callable[[System, Mapping[str, ca.SX], ca.SX, ca.SX], ca.SX]
+
+
+def treads(table: FrictionTable = EXAMPLE_TABLE) -> Rubbing:
+    """Shoes on the treads of the wheels, eq. (2.7). table: for friction law 5."""
+
+    def torque(system: System, p: Mapping[str, ca.SX], force: ca.SX, angular_velocity: ca.SX) -> ca.SX:
+        speed = sliding_speed(angular_velocity, p["wheel_radius"])
+        friction = shoe_friction(system, p, force / p["shoes"], speed, table)
+        system.output(Variable("shoe_force", "output", "N", "Normal force of the shoes on this wheelset"), force)
+        text = "Friction coefficient between shoes and wheel"
+        system.output(Variable("shoe_friction", "output", "1", text), friction)
+        return torque_capacity(friction, force, p["wheel_radius"])
+
+    return Rubbing((), torque)
+
+
+def _finish(brake: Brake, pressure: ca.SX, spring_pressure: ca.SX, rubbing: Rubbing) -> System:
     """From cylinder pressure to the outputs; spring_pressure: what of it the return spring of the piston takes."""
     system, p = brake.system, brake.parameter
     per_pressure = p["force_per_pressure"] * p["wheelset_share"]
     counter_force = p["slack_adjuster_force"] + per_pressure * spring_pressure
     force = shoe_force(pressure, per_pressure, counter_force, p["rigging_efficiency"])
-    speed = sliding_speed(brake.angular_velocity, p["wheel_radius"])
-    friction = shoe_friction(system, p, force / p["shoes"], speed, table)
-    torque = torque_capacity(friction, force, p["wheel_radius"])
-    system.output(
-        Variable("cylinder_pressure", "output", "Pa", "Pressure in the cylinder", display_unit="kPa"), pressure
-    )
-    system.output(Variable("shoe_force", "output", "N", "Normal force of the shoes on this wheelset"), force)
-    system.output(Variable("shoe_friction", "output", "1", "Friction coefficient between shoes and wheel"), friction)
-    system.output(Variable("brake_torque", "output", "N.m", "Torque capacity of the brake on this wheelset"), torque)
+    text = "Pressure in the cylinder"
+    system.output(Variable("cylinder_pressure", "output", "Pa", text, display_unit="kPa"), pressure)
+    torque = rubbing.torque(system, p, force, brake.angular_velocity)
+    text = "Torque capacity of the brake on this wheelset"
+    system.output(Variable("brake_torque", "output", "N.m", text), torque + brake.beside)
     return system
 
 
@@ -103,32 +143,38 @@ def timed_brake(defaults: BrakeParameters, table: FrictionTable = EXAMPLE_TABLE)
     pressure = brake.system.state("cylinder_pressure", "Pa", 0.0, NOMINAL_PRESSURE)
     rate = pressure_rate(pressure, brake.target, brake.valve, p["application_time"], p["release_time"])
     brake.system.derivative(pressure, rate)
-    return _finish(brake, pressure, p["touch_pressure"], table)
+    return _finish(brake, pressure, p["touch_pressure"], treads(table))
 
 
 def flow_brake(defaults: BrakeParameters, air: FlowParameters, table: FrictionTable = EXAMPLE_TABLE) -> System:
     """Pressure from the air that flows through the restrictions (section 6.3.9), and from the travel of the piston."""
     brake = _begin("flow", "Cylinder pressure by flow of air through restrictions", defaults, TIMES)
     cylinder = _filled(brake, air, Regulator(brake.target, brake.target), commanded(brake.valve))
-    return _finish(brake, cylinder.pressure, cylinder.spring_pressure, table)
+    return _finish(brake, cylinder.pressure, cylinder.spring_pressure, treads(table))
 
 
 def reservoir_brake(
-    defaults: BrakeParameters, air: FlowParameters, valves: ValveParameters, table: FrictionTable = EXAMPLE_TABLE
+    defaults: BrakeParameters,
+    air: FlowParameters,
+    valves: ValveParameters,
+    rubbing: Rubbing | None = None,
+    blending: Blending = alone,
 ) -> System:
     """As `flow_brake` (section 6.3.9), with air from a reservoir, an input, through valves that take their time.
 
-    Nothing flows back into a reservoir that has less pressure than the cylinder.
+    Nothing flows back into a reservoir that has less pressure than the cylinder. rubbing: by default shoes on treads;
+    blending: of a dynamic brake with it.
     """
+    rubbing = rubbing or treads()
     text = "Cylinder pressure by flow of air from a reservoir, through valves that take time"
-    brake = _begin("reservoir", text, defaults, TIMES)
+    brake = _begin("reservoir", text, defaults, (*TIMES, *rubbing.without), blending)
     text = "Pressure in the reservoir that the cylinder is filled from"
     reservoir = Variable("reservoir_pressure", "input", "Pa", text, defaults.supply_pressure, 0.0, display_unit="kPa")
     regulator = Regulator(brake.target, ca.fmin(brake.target, brake.system.input(reservoir)))
     cylinder = _filled(brake, air, regulator, following(brake.system, brake.valve, valves))
     text = "Air that flows from the reservoir into the cylinder"
     brake.system.output(Variable("air_flow", "output", "kg/s", text), cylinder.flows[0])
-    return _finish(brake, cylinder.pressure, cylinder.spring_pressure, table)
+    return _finish(brake, cylinder.pressure, cylinder.spring_pressure, rubbing)
 
 
 @dataclass(frozen=True)

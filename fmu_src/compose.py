@@ -6,7 +6,7 @@ derivatives go through it by the chain rule. Nothing of the parts' equations is 
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -22,10 +22,15 @@ def scope(system: System, before: str = "", after: str = "", common: Collection[
     Of variables, states, tables and observables; equations know symbols, not names, and stay as they are. So do the
     sentences of frictions and conditions.
     """
+    return _named(system, lambda name: name if name in common else f"{before}{name}{after}")
 
-    def named(name: str) -> str:
-        return name if name in common else f"{before}{name}{after}"
 
+def renamed(system: System, names: Mapping[str, str]) -> System:
+    """The same system with other names for some of what `scope` names; names: the new one of each."""
+    return _named(system, lambda name: names.get(name, name))
+
+
+def _named(system: System, named: Callable[[str], str]) -> System:
     def keyed(entries: Mapping[str, Any]) -> dict[str, Any]:
         return {named(name): entry for name, entry in entries.items()}
 

@@ -39,6 +39,12 @@ UNITS: dict[str, dict[str, int]] = {
     "N.s/m": {"kg": 1, "s": -1},
     "N.s2/m2": {"kg": 1, "m": -1},
     "kg.m2": {"kg": 1, "m": 2},
+    "kg/m": {"kg": 1, "m": -1},
+    "N.m/Pa": {"m": 3},
+    "1/K": {"K": -1},
+    "J/(kg.K)": {"m": 2, "s": -2, "K": -1},
+    "W/K": {"kg": 1, "m": 2, "s": -3, "K": -1},
+    "W.s/(K.m)": {"kg": 1, "m": 1, "s": -2, "K": -1},
 }
 #: Display unit -> (its unit, display value of one unit).
 DISPLAY_UNITS: dict[str, tuple[str, float]] = {

@@ -38,15 +38,23 @@ def brake_of(vehicle: Vehicle, full_torque: float) -> BrakeParameters:
 
 def with_brakes(system: System, vehicle: Vehicle, brake: Callable[[], System]) -> System:
     """A vehicle at one level of detail with a brake on each wheelset; all brakes have the same parameters."""
-    cylinders, radius = [], system.parameter_symbols["wheel_radius"]
+    return on_each_wheelset(system, vehicle, brake, "brake_torque")
+
+
+def on_each_wheelset(system: System, vehicle: Vehicle, make: Callable[[], System], torque: str) -> System:
+    """The same with a brake, or a motor, that makes a torque of its `angular_velocity`; all have the same parameters.
+
+    torque: that output, and the input of the vehicle that it becomes.
+    """
+    parts, radius = [], system.parameter_symbols["wheel_radius"]
     for number, _ in vehicle.numbered:
         text = f"Circumferential speed of the wheels of wheelset {number}, which a wheel-slide protection measures"
         measured = Variable(f"wheel_speed_{number}", "output", "m/s", text)
         system.output(measured, radius * system.outputs[f"angular_velocity_{number}"])
-        one = brake()
-        cylinders.append(scope(one, after=f"_{number}", common=list(one.parameter_symbols)))
-    faces = [f"{name}_{number}" for name in ("brake_torque", "angular_velocity") for number, _ in vehicle.numbered]
-    return compose(system.name, system.description, [system, *cylinders], {name: name for name in faces})
+        one = make()
+        parts.append(scope(one, after=f"_{number}", common=list(one.parameter_symbols)))
+    faces = [f"{name}_{number}" for name in (torque, "angular_velocity") for number, _ in vehicle.numbered]
+    return compose(system.name, system.description, [system, *parts], {name: name for name in faces})
 
 
 def braked_vehicle(vehicle: Vehicle | None = None, brake: BrakeParameters | None = None) -> Model:

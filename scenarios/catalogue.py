@@ -1,7 +1,7 @@
 """All scenarios. A new one is a file and one entry here."""
 
 from fmu_src.suggestion import suggestion
-from scenarios.brakes import anti_skid, brake_timing, controller_prototype, uneven_brakes
+from scenarios.brakes import anti_skid, brake_timing, controller_prototype, sanding, uneven_brakes
 from scenarios.contact import contact_depth, contact_manchester, creep_laws, flange_climb
 from scenarios.coupling import coupling_step
 from scenarios.lines import curve_braking, curve_steering, gradient, line_from_file, track_yields, transition
@@ -40,6 +40,7 @@ SCENARIOS: list[Scenario] = [
     *qr30.SCENARIOS,
     lock_boundary.SCENARIO,
     brake_timing.SCENARIO,
+    sanding.SCENARIO,
     traction_braking.SCENARIO,
     heavy_braking.SCENARIO,
     contact_geometry.SCENARIO,

@@ -38,7 +38,7 @@ static void show(double time, int row, double *shown)
 
 static int run(bool inside)
 {
-    rig_settings settings = {WHEELSETS, 0.46, 5e-3, 1.0, 380e3, 0.02, 300.0, 0.3, 0.3, 3.0, 1, {300, 0.03, 1e-6, 5.0}};
+    rig_settings settings = {WHEELSETS, 0.46, 5e-3, 1.0, 380e3, 300.0, 0.3, 0.3, 3.0, 1, 0, {300, 0.03, 1e-6, 5.0}};
     rig_controller controller = {start, step, sizeof(int)};
     double time[ROWS], speed[ROWS * WHEELSETS], error[WHEELSETS * 300], *shown = malloc(ROWS * WIDTH * sizeof(double));
     double told[ROWS * 2 * WHEELSETS], *look = malloc(ROWS * 50 * (3 + 4 * WHEELSETS) * sizeof(double));
@@ -58,7 +58,7 @@ static int run(bool inside)
     rig_write_down(self, &notes);
     for (int row = 0; row < ROWS; ++row) {
         show(0.0, row, shown + row * WIDTH);
-        rig_begin(self, row, row % 2 ? error : NULL, wheelset);
+        rig_begin(self, row, 0.02, row % 2 ? error : NULL, wheelset);
         if (!inside) rig_look(self, row, 0, shown + row * WIDTH);
     }
     for (int n = 0; n < LOOKS; ++n) {

@@ -81,7 +81,7 @@ def test_the_course_of_a_stop_ends_where_the_stop_does(machine: Machine) -> None
     locked = history.angular_velocity[history.time.searchsorted(10.0)]
     assert np.any(locked == 0.0)
     assert np.all(history.sensor_speed[history.time >= 3.0, 0] == 0.0)
-    assert history.pressure.max() == pytest.approx(machine.full_pressure, rel=1e-2)
+    assert history.effort.max() == pytest.approx(machine.full_pressure, rel=1e-2)
 
 
 def test_looks_farther_apart_are_some_of_the_others() -> None:

@@ -18,6 +18,7 @@ from scipy.optimize import brentq
 from brake_controller.protection_fmu import MOST_WHEELSETS
 from brake_controller.sensors import GATE, LOWEST_FREQUENCY, TIMER, Encoder, edge_errors
 from brake_controller.wheel_slide import SlideProtection
+from brake_controller.wheel_spin import SpinProtection
 from fmu_src.compile import FLAGS, compiler, plain_library
 from products.protection import forms as forms_module
 from products.protection import rig as module
@@ -31,6 +32,7 @@ from products.protection.rig import Rig
 from products.protection.rig_in_c import SensorSettings
 from products.protection.runs import Fault, Run, Stop
 from scenarios.bench.peak_adhesion import PeakAdhesion
+from scenarios.controllers.scoring import ideal_distance
 from scenarios.methods.protected_throughput import SHARE, SOURCE, LetAllGo, LetGo
 from tests.fmu.sanitized import SANITIZERS, run
 
@@ -249,6 +251,115 @@ def test_locked_wheels_turn_the_energy_of_motion_into_sliding(machine: Machine) 
     assert dry.longest_skid == 0.0
 
 
+# ---- what a machine has ----------------------------------------------------------------------------------------------
+
+
+#: Of the ideal, by an integration of its own: what the rig may be off where all wheels roll. A cylinder refills behind
+#: its regulator as a dynamic brake fades, which the ideal does at once.
+ROLLS, REFILLS = 1e-3, 2e-2
+
+
+@pytest.mark.parametrize("machine", [bogie(), coach()], ids=["bogie", "coach"])
+@pytest.mark.parametrize(
+    "equipment", [("discs",), ("dynamic brake",), ("sanders",), ("traction",)], ids=lambda one: one[0]
+)
+def test_where_all_wheels_roll_a_run_is_the_ideal_one(equipment: tuple[str, ...], machine: Machine) -> None:
+    rail = RAILS[0].values(len(machine.numbers)) | ({"sand_rate_1": 0.05} if "sanders" in equipment else {})
+    band = REFILLS if "dynamic brake" in equipment else ROLLS
+    for speed, strength in ((25.0, 1.0), (12.0, 0.6)):
+        run = Run(rail, speed, strength, equipment=equipment)
+        [found] = Rig(machine, None, Settings(), by_flow=True).runs([run])
+        ideal = ideal_distance(machine, run, Settings())
+        assert ideal is not None
+        assert found.distance == pytest.approx(ideal, rel=band)
+
+
+@pytest.mark.parametrize("machine", [bogie(), coach()], ids=["bogie", "coach"])
+def test_motors_that_spin_turn_their_work_into_motion_and_sliding(machine: Machine) -> None:
+    """On a rail of next to no friction, m v^2 / 2 + J w^2 / 2 + sliding is the work: power all the time, once fast."""
+    count = len(machine.numbers)
+    low = {f"friction_{number}": 0.02 for number in machine.numbers}
+    run = Run(LOW.values(count) | low, 4.0, 3.0, equipment=("traction",))
+    [found] = Rig(machine, None, Settings(), by_flow=True).runs([run], every=0.05)
+    course = found.history
+    assert course is not None
+    work = np.trapezoid((course.effort * course.angular_velocity).sum(axis=1), course.time)
+    p = machine.parameters
+    turning = p.wheelset_pitch_inertia * (course.angular_velocity[-1] ** 2).sum() / 2
+    moving = machine.mass * (course.speed[-1] ** 2 - course.speed[0] ** 2) / 2
+    assert found.longest_lock > 10.0
+    assert work == pytest.approx(moving + turning + sum(found.sliding), rel=1e-2)
+
+
+@pytest.mark.parametrize("by_flow", [False, True], ids=["timed", "by flow"])
+def test_a_protection_against_spin_gains_speed_sooner_than_motors_that_spin(by_flow: bool) -> None:
+    """Friction and strength drawn anew; on a dry rail no motor is told anything."""
+    draw = np.random.default_rng(32)
+    for machine in (bogie(), coach()):
+        count = len(machine.numbers)
+        runs = []
+        for _ in range(6):
+            friction = {f"friction_{number}": draw.uniform(0.03, 0.1) for number in machine.numbers}
+            runs.append(Run(LOW.values(count) | friction, 15.0, draw.uniform(1.0, 2.0), equipment=("traction",)))
+        protected = Rig(machine, SpinProtection, Settings(jitter=0.05), by_flow=by_flow).runs(runs)
+        alone = Rig(machine, None, Settings(), by_flow=by_flow).runs(runs)
+        for stop, other in zip(protected, alone, strict=True):
+            assert (stop.distance or math.inf) < 1.01 * (other.distance or 0.0)
+            assert stop.longest_lock < 0.4
+        [dry] = Rig(machine, SpinProtection, Settings(), by_flow=by_flow).runs(
+            [Run(RAILS[0].values(count), 15.0, 1.7, equipment=("traction",))]
+        )
+        assert dry.commands == 0
+
+
+def test_sand_stops_a_machine_sooner_the_further_ahead_it_falls() -> None:
+    def stop(equipment: tuple[str, ...], **sand: float) -> float:
+        run = Run(LOW.values(4) | {f"friction_{n}": 0.03 for n in range(1, 5)} | sand, 15.0, equipment=equipment)
+        [found] = Rig(coach(), None, Settings(), by_flow=True).runs([run])
+        return found.distance or math.inf
+
+    none, last, first = stop(()), stop(("sanders",), sand_rate_4=0.03), stop(("sanders",), sand_rate_1=0.03)
+    assert stop(("sanders",)) == pytest.approx(none, rel=1e-6)
+    assert first < 0.7 * last < 0.7 * none
+
+
+def test_a_dynamic_brake_lets_go_when_its_valve_vents(tmp_path: Path) -> None:
+    """Here nothing but motors brakes: cylinders are cut off from their air. Wheels slide, until the brakes fade."""
+    rail = LOW.values() | {"initial_reservoir_pressure": 0.0, "feed_orifice": 0.0, "motor_torque": 15e3}
+    run = Run(rail, 15.0, equipment=("dynamic brake",))
+    [alone], [protected] = (Rig(bogie(), one, Settings(), by_flow=True).runs([run]) for one in (None, SlideProtection))
+    assert max(protected.sliding) < 0.1 * max(alone.sliding)
+    assert protected.share_in_band > 0.9 > 0.5 > alone.share_in_band
+
+
+def test_runs_of_machines_with_other_equipment_keep_their_places(tmp_path: Path) -> None:
+    rail = LOW.values()
+    kinds = [(), ("discs",), ("traction",), (), ("discs", "sanders")]
+    runs = [Run(rail, 8.0, equipment=kind) for kind in kinds]
+    for form in (in_c(tmp_path), Arrays(LetAllGo()), LetGo):
+        together = Rig(bogie(), form, Settings(), by_flow=True).runs(runs)
+        assert together == [Rig(bogie(), form, Settings(), by_flow=True).runs([run])[0] for run in runs]
+
+
+@pytest.mark.parametrize(
+    ("equipment", "sentence"),
+    [
+        (("disc",), "Choose equipment from discs, dynamic brake, sanders, traction: it was 'disc'."),
+        (("discs", "traction"), "Give a machine with traction no discs and no dynamic brake: its run does not brake."),
+    ],
+)
+def test_equipment_that_cannot_be_is_refused(equipment: tuple[str, ...], sentence: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(sentence)):
+        Run({}, equipment=equipment)
+
+
+def test_what_a_machine_has_not_is_told() -> None:
+    with pytest.raises(ValueError, match=r"This machine has no friction_11; did you mean friction_1\?"):
+        Rig(bogie(), None, Settings()).runs([Run({"friction_11": 0.1})])
+    with pytest.raises(ValueError, match="Fill cylinders by flow of air on a machine with discs"):
+        Rig(bogie(), None, Settings()).runs([Run({}, equipment=("discs",))])
+
+
 # ---- what fails in the machine ---------------------------------------------------------------------------------------
 
 
@@ -338,7 +449,7 @@ def test_faults_of_wheelsets_that_are_not_there_are_refused() -> None:
 
 def test_the_programme_that_comes_along_reads_as_it_is_written() -> None:
     cases = {case.name: case for case in read_programme(OWN)}
-    assert len(cases) == 28
+    assert len(cases) == 32
     assert cases["low, 200 km/h"].speed == pytest.approx(200 / 3.6)
     assert cases["low, valve 1 sticks at 6 s"].faults == (Fault(1, valve_from=6.0),)
     assert cases["dry"].run(coach()).values["friction_4"] == 0.55

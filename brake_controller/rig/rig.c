@@ -13,6 +13,7 @@
 /* One run: its sensors are `wheelsets` long, its controller's memory `size`. */
 typedef struct {
     long long int looks;
+    double end_speed;
     bool asks; /* whether a controller at the desk is to answer what was seen */
     encoder *sensor;
     rig_wheelset *wheelset;
@@ -87,12 +88,13 @@ void rig_free(rig *self)
     free(self);
 }
 
-void rig_begin(rig *self, long long int row, const double *error, const rig_wheelset *wheelset)
+void rig_begin(rig *self, long long int row, double end_speed, const double *error, const rig_wheelset *wheelset)
 {
     const rig_settings *s = &self->settings;
     rig_run *one = &self->run[row];
     const size_t n = (size_t)s->wheelsets, pulses = (size_t)s->encoder.pulses;
     one->looks = 0;
+    one->end_speed = end_speed;
     one->asks = false;
     memcpy(one->wheelset, wheelset, n * sizeof *wheelset);
     if (error) memcpy(one->error, error, n * pulses * sizeof(double));
@@ -156,14 +158,16 @@ static void judge(rig *self, long long int row, double time, const double *shown
     rig_score *score = &self->score[row];
     bool good = true;
     for (int i = 0; i < n; ++i) {
-        one->locked[i] = omega[i] == 0.0 && speed > s->lock_above ? one->locked[i] + 1.0 : 0.0;
+        const bool slides = s->driven ? s->radius * omega[i] > 2.0 * speed : omega[i] == 0.0;
+        one->locked[i] = slides && speed > s->lock_above ? one->locked[i] + 1.0 : 0.0;
         score->longest_lock = fmax(score->longest_lock, one->locked[i] * s->period);
         one->skid[i] = omega[i] == 0.0 ? one->skid[i] + speed * s->period : 0.0;
         score->longest_skid = fmax(score->longest_skid, one->skid[i]);
         score->sliding[i] += fabs(creep[i] * (speed - s->radius * omega[i])) * s->period;
         score->filled += fmax(pressure[i] - one->pressure[i], 0.0);
         one->pressure[i] = pressure[i];
-        good &= 1.0 - s->radius * omega[i] / fmax(speed, 1e-9) <= s->band;
+        const double slip = 1.0 - s->radius * omega[i] / fmax(speed, 1e-9);
+        good &= (s->driven ? -slip : slip) <= s->band;
     }
     if (s->reservoir) {
         score->taken = air[0];
@@ -176,8 +180,8 @@ static void judge(rig *self, long long int row, double time, const double *shown
     score->time = time;
     score->speed = speed;
     score->distance = shown[1];
-    if (time > s->brake_start && speed < s->standing)
-        score->state = RIG_STANDS;
+    if (time > s->brake_start && (s->driven ? speed >= one->end_speed : speed < one->end_speed))
+        score->state = RIG_DONE;
     else if (time >= s->longest)
         score->state = RIG_TOO_LONG;
 }
@@ -211,9 +215,9 @@ static void set(rig *self, long long int row, double *told)
 {
     const rig_settings *s = &self->settings;
     rig_run *one = &self->run[row];
-    const bool braked = (double)one->looks * s->period >= s->brake_start;
+    const bool demanded = (double)one->looks * s->period >= s->brake_start;
     for (int i = 0; i < s->wheelsets; ++i) {
-        told[i] = braked ? s->pressure : 0.0;
+        told[i] = demanded ? s->demand : 0.0;
         told[s->wheelsets + i] = one->valve[i];
         self->score[row].commands += one->valve[i] != WHEEL_SLIDE_APPLY;
     }

@@ -20,12 +20,12 @@ typedef struct {
     int wheelsets;
     double radius;            /* of the wheels [m] */
     double period;            /* of the controllers */
-    double brake_start;       /* when the brake is demanded */
-    double pressure;          /* of the full brake */
-    double standing, longest; /* a stop ends below this speed, or at this time */
+    double brake_start;       /* when the brake is demanded, or traction */
+    double demand;            /* pressure of the full brake [Pa], or share of the largest traction [1] */
+    double longest;           /* a run ends at this time */
     double lock_above;        /* speed above which a lock counts */
     double band, look_above;  /* slip up to which a wheel counts as protected, and above which speed it is looked at */
-    int reservoir;            /* whether a machine shows its reservoir */
+    int reservoir, driven;    /* whether a machine shows its reservoir; whether motors drive it in place of brakes */
     encoder_settings encoder;
 } rig_settings;
 
@@ -46,8 +46,8 @@ typedef struct {
     int sensor, valve_sticks;
 } rig_wheelset;
 
-/* How a run stands: it goes on; it stands still; it ran too long; its machine failed, or derailed. */
-enum { RIG_RUNS = 0, RIG_STANDS = 1, RIG_TOO_LONG = 2, RIG_LOST = 3 };
+/* How a run stands: it goes on; it came to its last speed; it ran too long; its machine failed, or derailed. */
+enum { RIG_RUNS = 0, RIG_DONE = 1, RIG_TOO_LONG = 2, RIG_LOST = 3 };
 
 /* Most wheelsets of a machine. */
 #define RIG_MOST 16
@@ -55,9 +55,10 @@ enum { RIG_RUNS = 0, RIG_STANDS = 1, RIG_TOO_LONG = 2, RIG_LOST = 3 };
 /* What a run came to, all numbers as of its end. */
 typedef struct {
     double distance, speed, time;
-    double longest_lock, longest_skid; /* of a wheelset that is locked: time [s], and way at any speed [m] */
+    double longest_lock, longest_skid; /* of a wheelset that is locked: time [s], and way at any speed [m]; of one that is
+                                        * driven: time for which it turns at more than twice the speed, and 0 */
     double band, looked;      /* looks above the speed, and those of them with all slips in the band */
-    double filled;            /* rises of all cylinders' pressures [Pa] */
+    double filled;            /* rises of all cylinders' pressures [Pa], or of all motors' torques [N.m] */
     double taken, reservoir;  /* air from the reservoir [kg], and the lowest pressure in it [Pa]; without one 0 */
     double sliding[RIG_MOST]; /* energy of sliding between wheels and rails, by wheelset [J] */
     double commands;          /* looks at which a valve was told anything but to apply, counted by valve */
@@ -83,14 +84,15 @@ typedef struct {
 typedef struct rig rig;
 
 /* What a machine shows, in this order: speed, distance; then of each wheelset its rotation [rad], angular velocity [rad/s],
- * cylinder pressure [Pa] and creep force [N], by kind; then, if it has a reservoir, air taken [kg] and pressure [Pa]. What it is
- * told: pressure demands of all wheelsets, then their valves. */
+ * cylinder pressure [Pa], or driven its motor's torque [N.m], and creep force [N], by kind; then, if it has a reservoir, air
+ * taken [kg] and pressure [Pa]. What it is told: demands of all wheelsets, then their valves. */
 
 /* null: there is no memory, or a machine has more than RIG_MOST wheelsets. */
 RIG_SHOWN rig *rig_create(long long int rows, const rig_settings *settings, const rig_controller *controller, const rig_desk *desk);
 RIG_SHOWN void rig_free(rig *self);
-/* A run begins in a row. error: of the edges of each wheelset's sensor, pulses each, or null. Both are copied. */
-RIG_SHOWN void rig_begin(rig *self, long long int row, const double *error, const rig_wheelset *wheelset);
+/* A run begins in a row. end_speed: its last one, to which it slows or, driven, speeds up. error: of the edges of each
+ * wheelset's sensor, pulses each, or null. Both are copied. */
+RIG_SHOWN void rig_begin(rig *self, long long int row, double end_speed, const double *error, const rig_wheelset *wheelset);
 RIG_SHOWN const rig_score *rig_scores(const rig *self);
 /* Runs that begin from now on are written down there; it outlives the rig. */
 RIG_SHOWN void rig_write_down(rig *self, const rig_notes *notes);

@@ -9,23 +9,26 @@ from pathlib import Path
 
 import numpy as np
 
-from brake_controller.cylinder import reservoir_brake, timed_brake
+from brake_controller.cylinder import alone, reservoir_brake, timed_brake, treads
+from brake_controller.discs import MEAN_PAD_FRICTION, axle_discs, discs
 from brake_controller.flow_parameters import FlowParameters
 from brake_controller.magnet_valves import common_valves
-from brake_controller.parameters import BrakeParameters
+from brake_controller.motors import dynamic_brake, motor_of, traction_motor
 from brake_controller.ready_sets import qr30_experiment
 from brake_controller.reservoir import ReservoirParameters, air_reservoir
 from brake_controller.timing import filling_time, with_application_time, with_release_time
 from fmu_src.batch import BatchLibrary
 from fmu_src.compile import build_library
-from fmu_src.compose import compose
+from fmu_src.compose import compose, renamed
 from fmu_src.kernel import Library
 from fmu_src.system import Model, System, model_of
-from products.braked_vehicle import brake_of, with_brakes
+from products.braked_vehicle import brake_of, on_each_wheelset, with_brakes
 from products.protection.braked_machine import APPLICATION_TIME, RELEASE_TIME, Machine, bogie, coach
 from products.protection.protected_stop import CYLINDER_VOLUME
+from products.protection.runs import DISCS, DYNAMIC_BRAKE, SANDERS, TRACTION
 from products.remembered import noted_path
 from rbd_model.levels.models import DEFAULT_TOLERANCE, places_of, system_at
+from rbd_model.track.sand import sanders
 from rbd_model.vehicle.description import Vehicle
 from rbd_model.vehicle.ready import passenger_coach, two_axle_bogie
 
@@ -42,24 +45,38 @@ class Kind:
     """Which equations of a machine. counted: frame, the bogie; body, the coach. level: 2 in the plane, 3 in space.
 
     by_flow: cylinders are filled by flow of air from a reservoir, through valves that take their time; else timed.
+    equipment: what else it has, as `Run` has it. Raises ValueError for another level, and for what is not together.
     """
 
     counted: str
     by_flow: bool = False
     level: int = 2
+    equipment: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        if self.level not in PLACES:
+            raise ValueError(f"Set level to 2 (in the plane) or 3 (in space) on the test rig: it was {self.level}.")
+        if self.equipment and not (self.by_flow or TRACTION in self.equipment):
+            raise ValueError(f"Fill cylinders by flow of air on a machine with {' and '.join(self.equipment)}.")
 
 
 @lru_cache
 def machine_model(kind: Kind) -> Model:
-    """The machine with a cylinder on each wheelset, one system. Raises ValueError for another level."""
-    if kind.level not in PLACES:
-        raise ValueError(f"Set level to 2 (in the plane) or 3 (in space) on the test rig: it was {kind.level}.")
+    """The machine with a cylinder, or with traction a motor, on each wheelset, one system."""
     machine = bogie() if kind.counted == "frame" else coach()
     vehicle = two_axle_bogie() if kind.counted == "frame" else passenger_coach()
-    brake, system = brake_of(vehicle, machine.full_torque), system_at(vehicle, PLACES[kind.level])
-    if kind.by_flow:
-        return model_of(with_reservoir(system, vehicle, brake, machine), DEFAULT_TOLERANCE)
-    return model_of(with_brakes(system, vehicle, lambda: timed_brake(brake)), DEFAULT_TOLERANCE)
+    system = system_at(vehicle, PLACES[kind.level])
+    if SANDERS in kind.equipment:
+        system = on_sand(system, vehicle)
+    if TRACTION in kind.equipment:
+        motor = motor_of(machine.full_torque, machine.parameters.wheel_radius)
+        whole = on_each_wheelset(system, vehicle, lambda: traction_motor(motor), "traction_torque")
+    elif kind.by_flow:
+        whole = with_reservoir(system, vehicle, machine, kind)
+    else:
+        brake = brake_of(vehicle, machine.full_torque)
+        whole = with_brakes(system, vehicle, lambda: timed_brake(brake))
+    return model_of(whole, DEFAULT_TOLERANCE)
 
 
 @lru_cache
@@ -80,10 +97,26 @@ def machine_file(kind: Kind, what: str, make: Callable[[], Path]) -> Path:
     return noted_path(f"{what} of the rig's {kind}", make)
 
 
-def with_reservoir(system: System, vehicle: Vehicle, brake: BrakeParameters, machine: Machine) -> System:
-    """A vehicle with a cylinder on each wheelset and one reservoir for all."""
-    air, numbers = cylinder_air(machine.full_pressure), machine.numbers
-    braked = with_brakes(system, vehicle, lambda: reservoir_brake(brake, air, common_valves()))
+def on_sand(system: System, vehicle: Vehicle) -> System:
+    """A vehicle with a sander ahead of each wheelset, whose friction is that of the rail with their sand."""
+    places = {number: vehicle.number(one.along) for number, one in vehicle.numbered}
+    own = {f"friction_{number}": f"friction_with_sand_{number}" for number in places}
+    given = {inside: f"sanded_{name}" for name, inside in own.items()} | {"speed": "speed"}
+    return compose(system.name, system.description, [renamed(system, own), sanders(list(places.values()))], given)
+
+
+def with_reservoir(system: System, vehicle: Vehicle, machine: Machine, kind: Kind) -> System:
+    """A vehicle with a cylinder on each wheelset, with what else brakes it, and one reservoir for all."""
+    air, numbers, full = cylinder_air(machine.full_pressure), machine.numbers, machine.full_torque
+    brake, rubbing = brake_of(vehicle, full), treads()
+    if DISCS in kind.equipment:
+        disc = axle_discs()
+        on_treads = brake.constant_shoe_friction * brake.wheel_radius
+        same = brake.force_per_pressure * on_treads / (MEAN_PAD_FRICTION * disc.friction_radius)
+        brake, rubbing = replace(brake, force_per_pressure=same), discs(disc)
+    motor = motor_of(full, machine.parameters.wheel_radius)
+    blending = dynamic_brake(motor, machine.full_pressure, full) if DYNAMIC_BRAKE in kind.equipment else alone
+    braked = with_brakes(system, vehicle, lambda: reservoir_brake(brake, air, common_valves(), rubbing, blending))
     reservoir = air_reservoir(
         reservoir_of(len(numbers)), air.variable("ambient_pressure"), air.variable("air_temperature"), len(numbers)
     )

@@ -84,7 +84,7 @@ class Environment:
         Raises TypeError for a draw that is no Run, ValueError and KernelError for one that cannot be.
         """
         drawn = {row: self._drawn(random) for row, random in zip(rows, randoms, strict=True)}
-        faults = {row: self._rig.faults(run) for row, run in drawn.items()}
+        beginnings = {row: self._rig.beginning(run) for row, run in drawn.items()}
         for row, run in drawn.items():
             values = self._rig.values(run)
             self._instances.reset(row, **values)
@@ -95,7 +95,7 @@ class Environment:
             self._rolling[row] = rolling.distance, rolling.duration
             self._cost[row] = self.reward[row] = 0.0
             self.terminated[row] = self.truncated[row] = False
-        self._loop.begin(faults)
+        self._loop.begin(beginnings)
         self.observation = self._seen()
 
     def _drawn(self, random: np.random.Generator) -> Run:

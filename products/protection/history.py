@@ -22,8 +22,8 @@ class History:
     """A stop at instants, the last of which is its end.
 
     time [s], speed [m/s] and distance [m] of the machine have shape (looks,). Of shape (looks, wheelsets) are the
-    angular velocity [rad/s], the circumferential speed that the sensor shows [m/s], the cylinder pressure [Pa], and
-    what the valve did until then: 0 apply, 1 hold, 2 vent.
+    angular velocity [rad/s], the circumferential speed that the sensor shows [m/s], the effort: cylinder pressure [Pa],
+    or of a start the motor's torque [N.m]; and what the valve did until then: 0 apply, 1 hold, 2 vent.
     """
 
     time: Numbers
@@ -31,7 +31,7 @@ class History:
     distance: Numbers
     angular_velocity: Numbers
     sensor_speed: Numbers
-    pressure: Numbers
+    effort: Numbers
     valve: NDArray[np.int8]
 
 
@@ -52,5 +52,5 @@ class Notebook:
         looks = self._looks[row, : self._count[row]].copy()
         of_each = np.split(looks[:, 3:], 4, axis=1)
         time, speed, distance = looks[:, :3].T
-        turning, shown, pressure, valve = of_each
-        return History(time, speed, distance, turning, shown, pressure, valve.astype(np.int8))
+        turning, shown, effort, valve = of_each
+        return History(time, speed, distance, turning, shown, effort, valve.astype(np.int8))

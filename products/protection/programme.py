@@ -12,23 +12,27 @@ from typing import Any
 
 from products.protection.braked_machine import Machine
 from products.protection.rails import RAILS
-from products.protection.runs import Fault, Run
+from products.protection.runs import EQUIPMENT, TRACTION, Fault, Run, in_order
 from rbd_model.track.friction import CONDITIONS
 
 #: Python reads TOML itself from 3.11 on.
 tomllib = import_module("tomllib" if sys.version_info >= (3, 11) else "tomli")
-#: The one that comes along.
-OWN = Path(__file__).with_name("programme.toml")
+#: Those that come along, by the names that the command line has for them: of stops, and of starts.
+PROGRAMMES = {"full": Path(__file__).with_name("programme.toml"), "starts": Path(__file__).with_name("starts.toml")}
+OWN = PROGRAMMES["full"]
 SPEEDS = {"m/s": 1.0, "km/h": 1 / 3.6, "": 1.0}
 FASTEST, STRONGEST = 100.0, 5.0
-KNOWN = ("name", "rail", "friction", "speed", "strength", "load", "values", "fault")
+KNOWN = ("name", "rail", "friction", "speed", "strength", "load", "values", "fault", "equipment")
 #: Of its mass, how much a body may be loaded with [1].
 LOADS = (0.2, 5.0)
 
 
 @dataclass(frozen=True)
 class Case:
-    """A stop of a programme by its name; rail: name of its condition; load: mass of the body over its own."""
+    """A stop of a programme by its name; rail: name of its condition; load: mass of the body over its own.
+
+    equipment: as `Run` has it; with traction it is a start, to `speed`.
+    """
 
     name: str
     rail: str
@@ -38,6 +42,7 @@ class Case:
     load: float = 1.0
     values: tuple[tuple[str, float], ...] = ()
     faults: tuple[Fault, ...] = ()
+    equipment: tuple[str, ...] = ()
 
     def run(self, machine: Machine) -> Run:
         """The stop of a machine. Raises ValueError for a fault of a wheelset that it has not."""
@@ -51,7 +56,13 @@ class Case:
         condition = CONDITIONS[self.rail]()
         if self.friction is not None:
             condition = replace(condition, friction=self.friction)
-        return Run(condition.values(wheelsets) | mass | dict(self.values), self.speed, self.strength, self.faults)
+        return Run(
+            condition.values(wheelsets) | mass | dict(self.values),
+            self.speed,
+            self.strength,
+            self.faults,
+            self.equipment,
+        )
 
 
 def four_rails() -> list[Case]:
@@ -84,6 +95,9 @@ def read_programme(path: Path) -> list[Case]:
         except (ValueError, TypeError) as error:
             raise ValueError(f"{path}, case {number} ({table.get('name', 'without a name')}): {error}") from None
     names = [case.name for case in cases]
+    driven = [case.name for case in cases if TRACTION in case.equipment]
+    if driven and len(driven) < len(cases):
+        raise ValueError(f"{path} mixes starts such as {driven[0]} with stops; give each a file of its own.")
     for name in names:
         if names.count(name) > 1:
             raise ValueError(f"{path}: {names.count(name)} cases are called {name}; give each its own name.")
@@ -110,7 +124,10 @@ def _case(table: Mapping[str, Any]) -> Case:
     values = tuple((name, float(value)) for name, value in table.get("values", {}).items())
     speed = speed_of(table["speed"]) if "speed" in table else None
     faults = tuple(_fault(one) for one in table.get("fault", []))
-    return Case(table["name"], table["rail"], friction, speed, strength, load, values, faults)
+    equipment = table.get("equipment", [])
+    if not isinstance(equipment, list):
+        raise ValueError(f"give equipment a list of names, some of {', '.join(EQUIPMENT)}.")
+    return Case(table["name"], table["rail"], friction, speed, strength, load, values, faults, in_order(equipment))
 
 
 def _fault(table: Mapping[str, Any]) -> Fault:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import ctypes
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from types import TracebackType
 from typing import Any
 
@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from brake_controller.sensors import GATE, LOWEST_FREQUENCY, TIMER, edge_errors
 from brake_controller.wheel_slide import APPLY, VENT, ControllerError, LateError, Supervised, failure, within
 from fmu_src.batch import Instances
+from fmu_src.suggestion import suggestion
 from products.braked_vehicle import FULL_PRESSURE
 from products.protection import rig_in_c
 from products.protection.braked_machine import RELEASE_TIME, STANDING, Machine
@@ -27,13 +28,15 @@ from products.protection.forms import Arrays, Form, FunctionsInC, InC, Outside, 
 from products.protection.history import Notebook
 from products.protection.protected_stop import BRAKE_START, CYLINDER_VOLUME, GAS, LONGEST, Settings
 from products.protection.rails import ABOVE, BAND, LOCK_ABOVE
-from products.protection.rig_in_c import LOST, RUNS, SCORE, STANDS, TOO_LONG, Wheelset
-from products.protection.runs import SENSOR_FAILURES, Run, Stop
+from products.protection.rig_in_c import DONE, LOST, RUNS, SCORE, TOO_LONG, Wheelset
+from products.protection.runs import DYNAMIC_BRAKE, SENSOR_FAILURES, TRACTION, Run, Stop, in_order
 
 #: Looks between two glances at which runs have ended; so many at most go on for nothing.
 GLANCE = 100
 #: So many controllers in Python share an alarm, and must answer within so many seconds of wall time.
 TOGETHER, PATIENCE = 8, 1.0
+#: Speed from which a machine with traction starts [m/s].
+START_SPEED = 1.0
 #: Looks that a sensor remembers, ENCODER_LOOKS of encoder.h.
 LOOKS = 64
 
@@ -54,11 +57,20 @@ def commands_of(answer: NDArray[Any]) -> tuple[NDArray[np.int32], NDArray[np.boo
     return commands, ((commands == answer) & (commands >= APPLY) & (commands <= VENT)).all(axis=1)
 
 
+@dataclass(frozen=True)
+class Beginning:
+    """What the rig in C is told of a run: its last speed [m/s], and what is wrong with each wheelset."""
+
+    end_speed: float
+    wheelsets: ctypes.Array[Wheelset]
+
+
 class Rig:
     """Stops of one machine under one controller, many at once.
 
     by_flow: cylinders are filled by flow of air from a reservoir that empties, through valves that take their time.
-    level: 2 in the plane, 3 in space, which costs 4 to 5 times as much.
+    level: 2 in the plane, 3 in space, which costs 4 to 5 times as much. equipment: what else the machine has, as `Run`
+    has it; with traction it has no cylinders, and starts in place of stopping.
     step: length of the steps of the integration [s], of which a period is a multiple; 0: chosen by the error. Raises
     ValueError for a period of which a sensor remembers too few.
     """
@@ -73,36 +85,59 @@ class Rig:
         level: int = 2,
         step: float = 0.0,
         threads: int | None = None,
+        equipment: Iterable[str] = (),
     ) -> None:
         check_period(settings.period)
-        self.machine, self.form, self.settings, self.by_flow = machine, form, settings, by_flow
-        self._step, self._threads = step, threads
+        self.machine, self.form, self.settings, self.equipment = machine, form, settings, in_order(equipment)
+        self.driven = TRACTION in self.equipment
+        self._asked: dict[str, Any] = {"by_flow": by_flow, "level": level, "step": step, "threads": threads}
+        self.by_flow, self._step, self._threads = by_flow and not self.driven, step, threads
         self._call = rig_in_c.functions()
-        self._kind = Kind(machine.counted, by_flow, level)
+        self._kind = Kind(machine.counted, self.by_flow, level, self.equipment)
         self.model = machine_model(self._kind)
-        n = machine.numbers
-        self._inputs = [f"{name}_{number}" for name in ("pressure_demand", "valve") for number in n]
-        of_each = ("rotation", "angular_velocity", "cylinder_pressure", "creep_force")
+        n, demand = machine.numbers, "traction_demand" if self.driven else "pressure_demand"
+        self._inputs = [f"{name}_{number}" for name in (demand, "valve") for number in n]
+        effort = "traction_torque" if self.driven else "cylinder_pressure"
+        of_each = ("rotation", "angular_velocity", effort, "creep_force")
         self._outputs = ["speed", "distance", *(f"{name}_{number}" for name in of_each for number in n)]
-        self._outputs += ["air_taken", "reservoir_pressure"] if by_flow else []
+        self._outputs += ["air_taken", "reservoir_pressure"] if self.by_flow else []
 
     def stops(self, rails: Sequence[Mapping[str, float]]) -> list[Stop]:
         """A stop on each rail (inputs and parameters of the vehicle), in their order."""
         return self.runs([Run(rail) for rail in rails])
 
     def runs(self, runs: Sequence[Run], goes_on: Callable[[], None] = lambda: None, every: float = 0.0) -> list[Stop]:
-        """A stop of each run, in their order. Raises ValueError for the fault of a wheelset that is not there.
+        """A stop of each run, in their order, each with its own equipment beside that of the rig.
 
         goes_on: called every now and then. every: about this time lies between two looks that the history of a stop
-        has [s]; 0: there is none.
+        has [s]; 0: there is none. Raises ValueError for what the machine has not: a value, the fault of a wheelset.
         """
+        kinds = [in_order({*self.equipment, *run.equipment}) for run in runs]
+        stops: list[Stop | None] = [None] * len(runs)
+        for kind in dict.fromkeys(kinds):
+            rig = self if kind == self.equipment else self._with(kind)
+            places = [place for place, own in enumerate(kinds) if own == kind]
+            found = rig._alike([runs[place] for place in places], goes_on, every)
+            for place, stop in zip(places, found, strict=True):
+                stops[place] = stop
+        return [one for one in stops if one is not None]
+
+    def _with(self, equipment: Iterable[str]) -> Rig:
+        """The same rig with other equipment."""
+        return Rig(self.machine, self.form, self.settings, equipment=equipment, **self._asked)
+
+    def _alike(self, runs: Sequence[Run], goes_on: Callable[[], None], every: float) -> list[Stop]:
+        """A stop of each run with the rig's own equipment."""
         looks = max(1, round(every / self.settings.period)) if every else 0
         found: list[Stop | None] = [None] * len(runs)
         count = min(len(runs), at_once(self.form))
         own = [self.values(run) for run in runs]
-        faults = [self.faults(run) for run in runs]
+        beginnings = [self.beginning(run) for run in runs]
         names = sorted({name for one in own for name in one})
         first = {variable.name: variable.start for variable in self.model.variables}
+        for name in names:
+            if name not in first:
+                raise ValueError(f"This machine has no {name}; {suggestion(name, first)}")
         values = [{name: one.get(name, first[name]) for name in names} for one in own]
         start: dict[str, Any] = {name: [one[name] for one in values[:count]] for name in names}
         with (
@@ -112,7 +147,7 @@ class Rig:
             notebook = Notebook(count, loop.wheelsets, looks, self.settings.period) if looks else None
             if notebook:
                 self._call.rig_write_down(loop.own, notebook.place)
-            for row, number in self._turns(loop, values, faults, count, goes_on):
+            for row, number in self._turns(loop, values, beginnings, count, goes_on):
                 stop = loop.stop(row)
                 found[number] = replace(stop, history=notebook.history(row)) if notebook else stop
         return [one for one in found if one is not None]
@@ -126,14 +161,14 @@ class Rig:
         self,
         loop: Loop,
         values: Sequence[Mapping[str, float]],
-        faults: Sequence[ctypes.Array[Wheelset]],
+        beginnings: Sequence[Beginning],
         count: int,
         goes_on: Callable[[], None],
     ) -> Iterator[tuple[int, int]]:
         """Rows that have ended, with the numbers of their runs; each then takes the next run that waits."""
         runs = dict(enumerate(range(count)))
         waiting = iter(range(count, len(values)))
-        loop.begin({row: faults[number] for row, number in runs.items()})
+        loop.begin({row: beginnings[number] for row, number in runs.items()})
         while runs:
             loop.go_on(GLANCE)
             goes_on()
@@ -144,10 +179,14 @@ class Rig:
             for row, number in begun.items():
                 loop.instances.reset(row, **values[number])
             runs |= begun
-            loop.begin({row: faults[number] for row, number in begun.items()})
+            loop.begin({row: beginnings[number] for row, number in begun.items()})
 
-    def faults(self, run: Run) -> ctypes.Array[Wheelset]:
-        """What is wrong with each wheelset. Raises ValueError for one that is not there."""
+    def beginning(self, run: Run) -> Beginning:
+        """What the rig in C is told of a run. Raises ValueError for a fault of a wheelset that is not there."""
+        end = (self.settings.speed if run.speed is None else run.speed) if self.driven else STANDING
+        return Beginning(end, self._faults(run))
+
+    def _faults(self, run: Run) -> ctypes.Array[Wheelset]:
         each = (Wheelset * len(self.machine.numbers))(*(Wheelset(1.0, 0.0, 0.0, 0, 0) for _ in self.machine.numbers))
         for one in run.faults:
             if one.wheelset not in self.machine.numbers:
@@ -162,17 +201,23 @@ class Rig:
         """What the machine of a run begins with."""
         s = self.settings
         strength = s.strength if run.strength is None else run.strength
-        full = next(one.start for one in self.model.variables if one.name == "force_per_pressure")
+        first = {one.name: one.start for one in self.model.variables}
+        fixed = {"integration_method": 2, "integration_step": self._step} if self._step else {}
+        if self.driven:
+            motor = {name: strength * first[name] for name in ("motor_torque", "motor_power")}
+            return {"initial_speed": START_SPEED, **motor, **fixed, **run.values}
+        share = strength * FULL_PRESSURE / self.machine.full_pressure
         brake = {
             "supply_pressure": self.machine.brake["supply_pressure"],
-            "force_per_pressure": strength * full * FULL_PRESSURE / self.machine.full_pressure,
+            "force_per_pressure": first["force_per_pressure"] * share,
         }
+        if DYNAMIC_BRAKE in self.equipment:
+            brake |= {"torque_per_pressure": strength * first["torque_per_pressure"]}
         if self.by_flow:
             air = cylinder_air(self.machine.full_pressure, s.application_time)
             brake |= {"application_orifice": air.application_orifice}
         else:
             brake |= {"application_time": s.application_time, "release_time": RELEASE_TIME}
-        fixed = {"integration_method": 2, "integration_step": self._step} if self._step else {}
         speed = s.speed if run.speed is None else run.speed
         return {"initial_speed": speed, **brake, **fixed, **run.values}
 
@@ -196,13 +241,13 @@ class Loop:
             machine.parameters.wheel_radius,
             s.period,
             BRAKE_START,
-            machine.full_pressure,
-            STANDING,
+            1.0 if rig.driven else machine.full_pressure,
             LONGEST,
             LOCK_ABOVE,
             BAND,
             ABOVE,
             int(rig.by_flow),
+            int(rig.driven),
             rig_in_c.SensorSettings(s.pulses, GATE, TIMER, LOWEST_FREQUENCY),
         )
         self.time, self.speeds = np.zeros(self.count), np.zeros((self.count, self.wheelsets))
@@ -216,6 +261,7 @@ class Loop:
         self.score = whole.view(SCORE)
         self.each: list[Supervised | None] = [None] * self.count
         self.sentences: dict[int, str] = {}
+        self.ends = np.zeros(self.count)
         errors = [edge_errors(s.pulses, s.jitter, number) for number in machine.numbers]
         self.errors = np.array(errors) if s.jitter else None
 
@@ -227,14 +273,15 @@ class Loop:
     ) -> None:
         self.call.rig_free(self.own)
 
-    def begin(self, rows: Mapping[int, ctypes.Array[Wheelset]]) -> None:
-        """Runs begin in these rows, each with what is wrong with its wheelsets."""
+    def begin(self, rows: Mapping[int, Beginning]) -> None:
+        """Runs begin in these rows."""
         if not rows:
             return
         form = self.rig.form
         errors = None if self.errors is None else self.errors.ctypes.data
-        for row, wheelsets in rows.items():
-            self.call.rig_begin(self.own, row, errors, ctypes.addressof(wheelsets))
+        for row, one in rows.items():
+            self.call.rig_begin(self.own, row, one.end_speed, errors, ctypes.addressof(one.wheelsets))
+            self.ends[row] = one.end_speed
             self.sentences.pop(row, None)
             self.valves[row] = 0
         if isinstance(form, Arrays):
@@ -334,14 +381,15 @@ class Loop:
 
     def stop(self, row: int) -> Stop:
         """What the run in a row came to."""
-        one, by_flow = self.score[row], self.rig.by_flow
+        one, by_flow, driven = self.score[row], self.rig.by_flow, self.rig.driven
         said = self.sentences.get(row, "") or self._failure(one)
-        stands = one["state"] == STANDS and math.isnan(one["failed_at"])
+        stands = one["state"] == DONE and math.isnan(one["failed_at"])
         distance = float(one["distance"])
         if one["state"] == LOST:
             said = said or f"The machine went no further: {self.instances.message(row)}"
         elif one["state"] == TOO_LONG:
-            said = said or f"It did not stop: {one['speed']:.1f} m/s after {one['time']:.0f} s."
+            missed = f"come to {self.ends[row]:g} m/s" if driven else "stop"
+            said = said or f"It did not {missed}: {one['speed']:.1f} m/s after {one['time']:.0f} s."
         return Stop(
             distance if stands else None,
             float(one["speed"]),
@@ -349,7 +397,7 @@ class Loop:
             float(one["longest_lock"]),
             float(one["longest_skid"]),
             float(one["band"] / one["looked"]) if one["looked"] else 1.0,
-            float(one["taken"] if by_flow else one["filled"] * CYLINDER_VOLUME / GAS),
+            0.0 if driven else float(one["taken"] if by_flow else one["filled"] * CYLINDER_VOLUME / GAS),
             tuple(one["sliding"][: self.wheelsets].tolist()),
             float(one["reservoir"]) if by_flow else None,
             int(one["commands"]),

@@ -27,9 +27,9 @@ class Settings(ctypes.Structure):
 
     _fields_ = (
         ("wheelsets", ctypes.c_int),
-        *((name, ctypes.c_double) for name in ("radius", "period", "brake_start", "pressure", "standing", "longest")),
+        *((name, ctypes.c_double) for name in ("radius", "period", "brake_start", "demand", "longest")),
         *((name, ctypes.c_double) for name in ("lock_above", "band", "look_above")),
-        ("reservoir", ctypes.c_int),
+        *((name, ctypes.c_int) for name in ("reservoir", "driven")),
         ("encoder", SensorSettings),
     )
 
@@ -69,7 +69,7 @@ SCORE = np.dtype(
     ],
     align=True,
 )
-RUNS, STANDS, TOO_LONG, LOST = range(4)
+RUNS, DONE, TOO_LONG, LOST = range(4)
 
 
 @lru_cache
@@ -81,7 +81,7 @@ def functions() -> ctypes.CDLL:
     signatures: dict[str, tuple[Any, list[Any]]] = {
         "rig_create": (pointer, [count, *map(ctypes.POINTER, (Settings, FunctionsInC, Desk))]),
         "rig_free": (None, [pointer]),
-        "rig_begin": (None, [pointer, count, pointer, pointer]),
+        "rig_begin": (None, [pointer, count, ctypes.c_double, pointer, pointer]),
         "rig_scores": (pointer, [pointer]),
         "rig_write_down": (None, [pointer, ctypes.POINTER(Notes)]),
         "rig_look": (None, [pointer, count, ctypes.c_int, pointer]),

@@ -3,13 +3,29 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 from products.protection.history import History
 
 #: How a sensor may fail, by the numbers of rig.h.
 SENSOR_FAILURES = {"stuck": 1, "zero": 2, "doubled": 3}
+
+
+#: What a machine may have: discs in place of treads, a dynamic brake that blends with the cylinders, a sander ahead of
+#: each wheelset; or, in place of cylinders, traction by a motor on each wheelset.
+EQUIPMENT = DISCS, DYNAMIC_BRAKE, SANDERS, TRACTION = ("discs", "dynamic brake", "sanders", "traction")
+
+
+def in_order(equipment: Iterable[str]) -> tuple[str, ...]:
+    """Names of equipment in the order of EQUIPMENT, each once. Raises ValueError for what there is not."""
+    given = set(equipment)
+    for name in given:
+        if name not in EQUIPMENT:
+            raise ValueError(f"Choose equipment from {', '.join(EQUIPMENT)}: it was {name!r}.")
+    if TRACTION in given and given & {DISCS, DYNAMIC_BRAKE}:
+        raise ValueError("Give a machine with traction no discs and no dynamic brake: its run does not brake.")
+    return tuple(name for name in EQUIPMENT if name in given)
 
 
 @dataclass(frozen=True)
@@ -39,20 +55,33 @@ class Fault:
 
 @dataclass(frozen=True)
 class Run:
-    """One stop: inputs and parameters of the vehicle; speed [m/s] and strength, by default those of the settings."""
+    """One stop: inputs and parameters of the vehicle; speed [m/s] and strength, by default those of the settings.
+
+    equipment: what the machine has, some of EQUIPMENT. With traction a run is no stop: it ends as it comes to `speed`.
+    """
 
     values: Mapping[str, float]
     speed: float | None = None
     strength: float | None = None
     faults: tuple[Fault, ...] = ()
+    equipment: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "equipment", in_order(self.equipment))
+
+    @property
+    def driven(self) -> bool:
+        """Whether motors drive the machine."""
+        return TRACTION in self.equipment
 
 
 @dataclass(frozen=True)
 class Stop:
     """What a run came to.
 
-    distance [m]: None where it did not stop or its controller failed; end_speed [m/s] and time [s]: of its end.
-    longest_lock [s], above the speed at which locks count; longest_skid: way of a locked wheelset at any speed [m];
+    distance [m]: None where it did not stop, or driven did not come to its speed, or its controller failed; end_speed
+    [m/s] and time [s]: of its end; longest_lock [s], above the speed at which locks count; driven it is that of a
+    wheelset that turns at more than twice the speed; longest_skid: way of a locked wheelset at any speed [m];
     share_in_band: of the braked time, with all slips in the band; air: what all cylinders took [kg]; sliding: energy
     between the wheels of each wheelset and the rails [J]; lowest_reservoir: pressure [Pa], None without a reservoir;
     commands: how often a valve was told anything but to apply; said: a sentence; history: where it was asked for.

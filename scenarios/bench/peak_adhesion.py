@@ -1,4 +1,4 @@
-"""The most that a rail can give: what a stop with the best slip at every instant would take."""
+"""The most that a rail can give: what a run with the best slip at every instant would take."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -8,11 +8,13 @@ import casadi as ca
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from brake_controller.discs import MEAN_PAD_FRICTION, pad_friction
 from fmu_src.kernel import Kernel
 from products.protection.braked_machine import APPLICATION_TIME, STANDING, Machine
 from products.protection.braked_system import Kind, machine_kernel, machine_model
 from products.protection.protected_stop import BRAKE_START, LONGEST, ProtectedStop
 from products.protection.rails import ABOVE
+from products.protection.runs import DISCS, SANDERS, TRACTION
 from rbd_model.levels.resistance import curve_share
 
 
@@ -37,34 +39,44 @@ def held_back(rail: Mapping[str, float]) -> float:
 class PeakAdhesion:
     """Largest deceleration that a rail can give, from a machine's own equations: the creep force at its best slip.
 
-    In the plane. rail: inputs and parameters of the machine with its cylinders, as `Run` has them.
-    filling: share of the full pressure so long after the demand [s].
+    In the plane. rail: inputs and parameters of the machine with its cylinders, and equipment: as `Run` has them. With
+    traction it is the largest acceleration. filling: share of the full pressure so long after the demand [s].
     """
 
     #: Slip ratios that are tried, and instants of a stop that are looked at.
     SLIPS, INSTANTS = np.geomspace(2e-3, 0.4, 28), 50
 
     def __init__(
-        self, machine: Machine, rail: Mapping[str, float], filling: Callable[[float], float] = by_time
+        self,
+        machine: Machine,
+        rail: Mapping[str, float],
+        filling: Callable[[float], float] = by_time,
+        equipment: tuple[str, ...] = (),
     ) -> None:
-        self.machine, self.filling = laden(machine, rail), filling
+        self.machine, self.filling, self.equipment = laden(machine, rail), filling, equipment
         self.held_back = machine.parameters.gravity * held_back(rail)
-        kind = Kind(machine.counted, by_flow=True)
+        self.driven = TRACTION in equipment
+        kind = Kind(machine.counted, by_flow=not self.driven, equipment=equipment)
         self.kernel = Kernel(machine_kernel(kind), initial_speed=25.0, **rail)
         self.kernel.initialise()
-        self.states = list(machine_model(kind).systems[0].states)
+        model = machine_model(kind)
+        self.states = list(model.systems[0].states)
         self.place = np.array(self.kernel.linearise().state)
+        self.sanded_from = 0.0
+        self.values = {one.name: one.start for one in model.variables} | dict(rail)
 
     def at(self, distance: float, speed: float, slip: float) -> float:
-        """Deceleration [m/s2] with all wheelsets at a slip ratio, their loads those at rest."""
-        place, machine = self.place.copy(), self.machine
+        """Deceleration [m/s2] with all wheelsets at a slip ratio, their loads those at rest; driven, acceleration."""
+        place, machine, sign = self.place.copy(), self.machine, -1.0 if self.driven else 1.0
+        if SANDERS in self.equipment:
+            place[self.states.index("sanded_way")] = max(distance - self.sanded_from, 0.0)
         place[self.states.index(f"{machine.counted}_distance")] = distance
         place[self.states.index(f"{machine.counted}_speed")] = speed
         for number in machine.numbers:
             rolling = speed / machine.parameters.wheel_radius
-            place[self.states.index(f"angular_velocity_{number}")] = (1.0 - slip) * rolling
+            place[self.states.index(f"angular_velocity_{number}")] = (1.0 - sign * slip) * rolling
         self.kernel.arrive(self.kernel.time, place.tolist())
-        return -sum(self.kernel[f"creep_force_{number}"] for number in machine.numbers) / machine.mass
+        return -sign * sum(self.kernel[f"creep_force_{number}"] for number in machine.numbers) / machine.mass
 
     def best(self, distance: float, speed: float) -> tuple[float, float]:
         """Largest deceleration [m/s2], and the slip ratio at which it is reached."""
@@ -80,18 +92,29 @@ class PeakAdhesion:
 
         Raises ValueError where the rail stops nothing within the longest time of a stop.
         """
+        return self._distance(speed, STANDING, strength)
+
+    def starting_distance(self, start: float, speed: float, strength: float = 1.0) -> float:
+        """The same of a machine with traction, from `start` to `speed` [m/s]."""
+        return self._distance(start, speed, strength)
+
+    def _distance(self, start: float, end: float, strength: float) -> float:
+        sign = 1.0 if self.driven else -1.0
+        if SANDERS in self.equipment:
+            self.sanded_from = start * (self.values["sand_start"] + self.values["sand_delay"])
 
         def slope(time: float, state: np.ndarray) -> list[float]:
-            most = self.best(state[0], max(state[1], STANDING))[0]
-            return [state[1], -min(strength * self.braking(time), most) - self.held_back]
+            speed = max(state[1], STANDING)
+            most = self.best(state[0], speed)[0]
+            return [state[1], sign * min(self.asked(time, speed, start, strength), most) - self.held_back]
 
-        def stands(time: float, state: np.ndarray) -> float:
-            return float(state[1]) - STANDING
+        def there(time: float, state: np.ndarray) -> float:
+            return float(state[1]) - end
 
-        stands.terminal = True  # type: ignore[attr-defined]
-        found = solve_ivp(slope, (0.0, LONGEST), [0.0, speed], events=stands, max_step=0.25, rtol=1e-3, atol=1e-2)
+        there.terminal = True  # type: ignore[attr-defined]
+        found = solve_ivp(slope, (0.0, LONGEST), [0.0, start], events=there, max_step=0.25, rtol=1e-3, atol=1e-2)
         if not found.t_events[0].size:
-            raise ValueError(f"Give a rail that stops the vehicle from {speed:g} m/s within {LONGEST:g} s: it did not.")
+            raise ValueError(f"Give a rail on which the speed comes from {start:g} to {end:g} m/s: it does not.")
         return float(found.y[0, -1])
 
     def used(self, stop: ProtectedStop) -> np.ndarray:
@@ -106,6 +129,37 @@ class PeakAdhesion:
         largest = [self.machine.mass * self.best(way[i], speed[i])[0] for i in instants]
         return np.asarray(stop.series["braking_force"][instants] / largest)
 
-    def braking(self, time: float) -> float:
-        """Deceleration that the filling brake allows [m/s2]."""
-        return self.filling(time - BRAKE_START) * self.machine.deceleration(self.machine.full_torque)
+    def asked(self, time: float, speed: float, start: float, strength: float) -> float:
+        """Deceleration, or driven acceleration, that brake or motors ask for [m/s2]; start: speed at which it began."""
+        since, machine = time - BRAKE_START, self.machine
+        motor = self.motor_share(speed, since) * self.values.get("motor_torque", 0.0)
+        if self.driven:
+            return strength * machine.deceleration(motor)
+        full = strength * machine.full_torque
+        by_motor = min(motor / full, 1.0)
+        friction = min(self.filling(since), 1.0 - by_motor)
+        if DISCS in self.equipment:
+            friction *= self.pad_friction(speed, start) / MEAN_PAD_FRICTION
+        return (by_motor + friction) * machine.deceleration(full)
+
+    def motor_share(self, speed: float, since: float) -> float:
+        """Torque of a motor that was asked for all of it so long ago [s], over its largest; 0 without a motor."""
+        if "motor_torque" not in self.values or since <= 0.0:
+            return 0.0
+        turning = speed / self.machine.parameters.wheel_radius
+        share = min(1.0, self.values["motor_power"] / (self.values["motor_torque"] * turning))
+        fades = 1.0 if self.driven else min(1.0, turning / self.values["fade_speed"])
+        return share * fades * (1.0 - 20.0 ** (-since / self.values["motor_rise_time"]))
+
+    def pad_friction(self, speed: float, start: float) -> float:
+        """Of pads on discs that took all energy of motion since the start, and lost none by cooling."""
+        v, machine = self.values, self.machine
+        motion = machine.mass * (start**2 - speed**2) / 2 * v["disc_heat_share"]
+        warmer = motion / (len(machine.numbers) * v["disc_mass"] * v["disc_heat_capacity"])
+        rubbing = speed * v["friction_radius"] / machine.parameters.wheel_radius
+        temperature = v["initial_disc_temperature"] + warmer
+        return float(
+            ca.evalf(
+                pad_friction({name: ca.SX(value) for name, value in v.items()}, *map(ca.SX, (rubbing, temperature)))
+            )
+        )

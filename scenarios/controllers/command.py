@@ -7,7 +7,9 @@
   bogie-braking controllers compare 'mine.py:PI(kp=0.3)' 'mine.py:PI(kp=0.5)'
                                                                   a class with two choices of its gains
   bogie-braking controllers compare mine.py:PI --rails low,wet    on these rails alone
-  bogie-braking controllers compare mine.py:PI --programme full   27 cases: 60 to 200 km/h, sensors and valves that fail
+  bogie-braking controllers compare mine.py:PI --programme full   32 cases: 60 to 200 km/h, sensors and valves that fail
+  bogie-braking controllers compare mine.py:Spin --programme starts
+                                                                  driven wheels that must not spin
   bogie-braking controllers compare mine.py:PI --programme my.toml
                                                                   cases of your own (controllers programme > my.toml)
   bogie-braking controllers compare mine.py:PI --speed 160km/h --teeth 80 --period 10ms
@@ -38,10 +40,11 @@ from typing import Any
 
 from products.protection.braked_machine import bogie, coach
 from products.protection.forms import FOLDER
-from products.protection.programme import OWN, Case, four_rails, read_programme, speed_of
+from products.protection.programme import OWN, PROGRAMMES, Case, four_rails, read_programme, speed_of
 from products.protection.protected_stop import Settings
 from products.protection.rails import RAILS
 from products.protection.rig import check_period
+from products.protection.runs import TRACTION
 from scenarios.controllers import answering, loop, replay, verdict
 from scenarios.controllers.given import controllers_of
 from scenarios.controllers.page import page
@@ -80,12 +83,12 @@ def add_commands(parser: argparse.ArgumentParser, speech: Callable[[argparse.Arg
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""
     text = "FILE.py:CLASS, also with gains, 'FILE.py:CLASS(kp=0.3)'; a library; C that includes wheel_slide.h; an FMU"
-    parser.add_argument("controller", nargs="+", help=text)
+    parser.add_argument("controller", nargs="*", help=text)
     parser.add_argument("--level", type=int, choices=(2, 3), default=2, help="2 in the plane (default), 3 in space")
     group = parser.add_mutually_exclusive_group()
     text = f"some of {','.join(rail.name for rail in RAILS)} (default: all)"
     group.add_argument("--rails", default="", metavar="NAMES", help=text)
-    text = "a TOML file with cases, or full: the programme that comes along"
+    text = "a TOML file with cases; full: the programme that comes along; starts: the one for driven wheels"
     group.add_argument("--programme", metavar="FILE", help=text)
     parser.add_argument("--html", action="store_true", help="also write a page that plays all stops side by side")
     add_settings(parser)
@@ -95,7 +98,7 @@ def add_case(parser: argparse.ArgumentParser) -> None:
     """Options of one stop alone."""
     text = f"one of {','.join(rail.name for rail in RAILS)}, or a case of the programme (default: low)"
     parser.add_argument("--rail", default="low", metavar="NAME", help=text)
-    parser.add_argument("--programme", metavar="FILE", help="a TOML file with cases, or full")
+    parser.add_argument("--programme", metavar="FILE", help="a TOML file with cases, full or starts")
     parser.set_defaults(rails="")
     add_settings(parser)
 
@@ -115,11 +118,11 @@ def add_settings(parser: argparse.ArgumentParser) -> None:
 def cases_of(chosen: argparse.Namespace) -> list[Case]:
     """The cases that are asked for. Raises BadInputError."""
     if chosen.programme:
-        path = OWN if chosen.programme == "full" else Path(chosen.programme)
+        path = PROGRAMMES.get(chosen.programme) or Path(chosen.programme)
         try:
             return read_programme(path)
         except OSError:
-            raise BadInputError(f"There is no file {path}; give a programme, or full.") from None
+            raise BadInputError(f"There is no file {path}; give a programme, or {' or '.join(PROGRAMMES)}.") from None
         except ValueError as error:
             raise BadInputError(str(error)) from None
     known = {case.name: case for case in four_rails()}
@@ -148,8 +151,9 @@ def run(chosen: argparse.Namespace) -> bool:
         return run_loop(chosen)
     settings = settings_of(chosen)
     machine = MACHINES[chosen.vehicle]()
-    controllers = controllers_of(chosen.controller, len(machine.numbers))
-    scores = compare(machine, controllers, cases_of(chosen), settings, chosen.level, recorded=chosen.html)
+    cases = cases_of(chosen)
+    controllers = controllers_of(chosen.controller, len(machine.numbers), TRACTION in cases[0].equipment)
+    scores = compare(machine, controllers, cases, settings, chosen.level, recorded=chosen.html)
     folder = chosen.out / "controllers"
     folder.mkdir(parents=True, exist_ok=True)
     found = verdict.verdicts(scores)
@@ -179,7 +183,7 @@ def run_loop(chosen: argparse.Namespace) -> bool:
     with loop.socket_at(chosen.host, chosen.port) as own:
         found = loop.run_in_loop(machine, run, settings, own, chosen.pace)
     ideal = ideal_distance(machine, run, settings)
-    score = Scored(chosen.rail, "client", found.stop, machine.parameters.wheel_radius, ideal, None)
+    score = Scored(chosen.rail, "client", found.stop, machine.parameters.wheel_radius, ideal, None, run.driven)
     about = document(chosen.vehicle, settings, [score]) | {"loop": loop.document(found)}
     folder = chosen.out / "controllers"
     folder.mkdir(parents=True, exist_ok=True)

@@ -14,6 +14,7 @@ from typing import Any
 from fmpy import read_model_description
 
 from brake_controller.wheel_slide import SlideProtection
+from brake_controller.wheel_spin import SpinProtection
 from fmu_src.compile import CompilerError
 from products.protection.apart import Apart
 from products.protection.forms import Arrays, Form, InC, compiled
@@ -24,16 +25,16 @@ from scenarios.scenario import BadInputError
 #: What a comparison scores: in this process, or in one of its own.
 Given = Form | Apart
 #: Of every comparison, ahead of what is given.
-ALWAYS: dict[str, Given] = {"none": None, "protection": SlideProtection}
+ALWAYS = ("none", "protection")
 LIBRARIES = (".so", ".dll", ".dylib")
 KINDS = (*LIBRARIES, ".c", ".fmu")
 #: FILE.py:CLASS, with or without the class's gains behind it.
 IN_PYTHON = re.compile(r"(?P<file>.+\.py):(?P<name>\w+)(?P<gains>\(.*\))?", re.DOTALL)
 
 
-def controllers_of(given: Sequence[str], wheelsets: int) -> dict[str, Given]:
-    """Controllers by their names, those of every comparison first. Raises BadInputError."""
-    found = dict(ALWAYS)
+def controllers_of(given: Sequence[str], wheelsets: int, driven: bool = False) -> dict[str, Given]:
+    """Controllers by their names, those of every comparison first. driven: for starts. Raises BadInputError."""
+    found: dict[str, Given] = dict(zip(ALWAYS, (None, SpinProtection if driven else SlideProtection), strict=True))
     for text in given:
         name, controller = controller_of(text, wheelsets)
         if name in found:

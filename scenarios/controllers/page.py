@@ -25,6 +25,7 @@ from products.protection.rails import LOCK_ABOVE
 from scenarios import reporting
 from scenarios.controllers import table, verdict
 from scenarios.controllers.scoring import Scored
+from scenarios.controllers.words import words_of
 
 WEB = Path(__file__).parent / "web"
 CANVAS = Path(reporting.__file__).parent / "page" / "canvas.js"
@@ -32,8 +33,8 @@ CANVAS = Path(reporting.__file__).parent / "page" / "canvas.js"
 SCRIPTS = (CANVAS, *(WEB / name for name in ("stops.js", "track.js", "chart.js", "player.js")))
 #: Looks of a stop that a page holds at most; of a longer one it has every second look, every third, and so on.
 MOST_LOOKS = 600
-#: What the whole numbers of a page count: ms, dm, cm/s, kPa.
-TIME, DISTANCE, SPEED, PRESSURE = 1e-3, 0.1, 0.01, 1e3
+#: What the whole numbers of a page count: ms, dm, cm/s, kPa or kN.m.
+TIME, DISTANCE, SPEED, EFFORT = 1e-3, 0.1, 0.01, 1e3
 #: Largest of them that a difference may reach: a sensor that shows more than 327 m/s is shown to show that.
 LARGEST = 2**15 - 1
 
@@ -44,11 +45,12 @@ def page(vehicle: str, machine: Machine, settings: Settings, scores: Sequence[Sc
     parts = {
         "STYLE": (WEB / "page.css").read_text(encoding="utf-8"),
         "SAID": escape(" ".join(verdict.sentences(found))),
-        "VERDICT": "\n".join(rows(verdict.HEADS, verdict.UNITS, [[verdict.cells(one)] for one in found])),
-        "ABOUT": escape(table.about(vehicle, settings)),
+        "VERDICT": "\n".join(rows(verdict.heads(found), verdict.UNITS, [[verdict.cells(one)] for one in found])),
+        "ABOUT": escape(table.about(vehicle, settings, scores)),
         "CASES": "".join(options(scores)),
         "SCORES": "\n".join(rows(table.HEADS, table.UNITS, by_case(scores), buttons=True)),
         "SENTENCES": "".join(f"<li>{escape(text)}</li>" for text in table.said(scores)),
+        "EFFORT": words_of(scores).effort,
         "DATA": json.dumps(data(machine, scores), separators=(",", ":")).replace("<", "\\u003c"),
         "SCRIPT": "\n".join(path.read_text(encoding="utf-8") for path in SCRIPTS),
     }
@@ -101,12 +103,15 @@ def rows(
 
 def data(machine: Machine, scores: Sequence[Scored]) -> dict[str, object]:
     """Numbers of all stops; their histories are one text, 16-bit differences of whole numbers, deflated, in base64."""
-    histories = [thinned(one.history) for one in scores if one.history]
+    histories, words = [thinned(one.history) for one in scores if one.history], words_of(scores)
     numbers = b"".join(packed(one, machine.parameters.wheel_radius) for one in histories)
     return {
         "wheelsets": len(machine.numbers),
         "radius": machine.parameters.wheel_radius,
-        "fullPressure": machine.full_pressure / PRESSURE,
+        "fullEffort": full_effort(machine, scores) / EFFORT,
+        "effortUnit": words.unit,
+        "noEnd": words.none,
+        "end": "arrives" if scores[0].driven else "stands",
         "lockAbove": LOCK_ABOVE,
         "units": {"time": TIME, "distance": DISTANCE, "speed": SPEED},
         "cases": names_of(scores),
@@ -125,6 +130,13 @@ def data(machine: Machine, scores: Sequence[Scored]) -> dict[str, object]:
     }
 
 
+def full_effort(machine: Machine, scores: Sequence[Scored]) -> float:
+    """Pressure of the full brake [Pa]; of starts the largest torque of a motor that was seen [N.m]."""
+    if not scores[0].driven:
+        return machine.full_pressure
+    return max(float(one.history.effort.max()) for one in scores if one.history)
+
+
 def thinned(history: History) -> History:
     """The same with at most MOST_LOOKS looks and the last one."""
     chosen = np.arange(0, history.time.size - 1, math.ceil(history.time.size / MOST_LOOKS))
@@ -133,10 +145,10 @@ def thinned(history: History) -> History:
 
 
 def packed(history: History, radius: float) -> bytes:
-    """Columns one after the other: time, distance, speed; of all wheelsets speed, what is shown, pressure, valve."""
+    """Columns one after the other: time, distance, speed; of all wheelsets speed, what is shown, effort, valve."""
     columns = [history.time / TIME, history.distance / DISTANCE, history.speed / SPEED]
     wheel_speed = radius * history.angular_velocity
-    for of_each in (wheel_speed / SPEED, history.sensor_speed / SPEED, history.pressure / PRESSURE, history.valve):
+    for of_each in (wheel_speed / SPEED, history.sensor_speed / SPEED, history.effort / EFFORT, history.valve):
         columns += list(np.clip(of_each, 0.0, LARGEST).T)
     return b"".join(differences(column) for column in columns)
 

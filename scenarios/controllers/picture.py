@@ -13,6 +13,7 @@ from matplotlib.ticker import NullLocator
 
 from scenarios.controllers.scoring import Scored
 from scenarios.controllers.verdict import best_given, verdicts
+from scenarios.controllers.words import words_of
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, plt, titled
 
 #: Distance over the ideal up to which a stop counts as near it [1]: a choice of this picture.
@@ -30,7 +31,7 @@ MARKS = (
 ROW, OF_EACH, AROUND, APART = 0.22, 0.045, 1.5, 0.18
 #: Columns of the legend.
 COLUMNS = 4
-LABEL = "stopping distance over that with the best slip at every instant [1]"
+LABEL = "{distance} over that with the best slip at every instant [1]"
 #: Letters of a case's name for which there is room.
 LETTERS = 48
 
@@ -82,12 +83,14 @@ def set_axis(axis: Axes, scores: Sequence[Scored], cases: Sequence[str]) -> floa
         axis.xaxis.set_minor_locator(NullLocator())
     low = min([1.0, *ratios])
     edge = largest * (largest / low) ** 0.08 if largest > WIDE else largest + 0.08 * (largest - low)
-    axis.set(xlim=(low - 0.03, edge), ylim=(-0.6, len(cases) - 0.4), xlabel=LABEL)
+    axis.set(
+        xlim=(low - 0.03, edge), ylim=(-0.6, len(cases) - 0.4), xlabel=LABEL.format(distance=words_of(scores).distance)
+    )
     axis.axvspan(1.0, NEAR, color=THESIS, alpha=0.13, linewidth=0, zorder=0)
     axis.axvline(1.0, color="0.2", linewidth=1.0)
     if any(one.stop.distance is None for one in scores):
         axis.axvline(edge, color="0.4", linewidth=1.0, linestyle=":")
-        axis.text(edge, len(cases) - 0.3, "no stop", ha="center", va="bottom", fontsize=9)
+        axis.text(edge, len(cases) - 0.3, words_of(scores).none, ha="center", va="bottom", fontsize=9)
     shown = [name if len(name) <= LETTERS else f"{name[: LETTERS - 1]}…" for name in cases]
     axis.set_yticks(range(len(cases)), [plain(name) for name in reversed(shown)])
     axis.tick_params(axis="y", length=0)
@@ -104,11 +107,11 @@ def message(scores: Sequence[Scored]) -> str:
     """What the picture says, in at most twelve words if a name is one."""
     found = verdicts(scores)
     best = best_given(found)
-    name, cases = plain(best.controller), best.stopped + best.failed
+    name, cases, words = plain(best.controller), best.stopped + best.failed, best.words
     if not best.stopped:
-        return f"{name} does not stop"
+        return f"{name} does not {words.do}"
     if best.worst is None or cases == 1:
-        return f"{name} takes {best.worst:.2f} of the ideal distance" if best.worst else f"{name} stops"
+        return f"{name} takes {best.worst:.2f} of the ideal distance" if best.worst else f"{name} {words.does}"
     own = (one.over(one.ideal) for one in scores if one.controller == best.controller)
     near = count([ratio for ratio in own if ratio is not None], cases)
-    return f"{name} stops within {NEAR:g} of the ideal in {near} cases"
+    return f"{name} {words.does} within {NEAR:g} of the ideal in {near} cases"

@@ -8,12 +8,14 @@ import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from fmu_src.suggestion import suggestion
 from products.protection.apart import Apart, NoControllerError, Order, runs_apart
 from products.protection.braked_machine import Machine
 from products.protection.braked_system import Kind, filling_by_flow, machine_model
 from products.protection.history import EVERY, History
 from products.protection.programme import Case
 from products.protection.protected_stop import GAS, Settings
+from products.protection.rig import START_SPEED
 from products.protection.runs import Run, Stop
 from scenarios.bench.peak_adhesion import PeakAdhesion
 from scenarios.controllers.given import Given
@@ -32,7 +34,7 @@ FREE_AIR = 101325.0
 class Scored:
     """A stop of a controller in a case, beside the ideal and its own on the dry rail [m].
 
-    radius: of the wheels [m].
+    radius: of the wheels [m]; driven: it is a start.
     """
 
     case: str
@@ -41,6 +43,7 @@ class Scored:
     radius: float
     ideal: float | None
     dry: float | None
+    driven: bool = False
 
     @property
     def history(self) -> History | None:
@@ -99,9 +102,9 @@ def compare(
     dry = {name: found[names.index("dry")].distance if "dry" in names else None for name, found in stops.items()}
     radius = machine.parameters.wheel_radius
     return [
-        Scored(case, name, found[number], radius, ideal[number], dry[name] if cases[number].speed is None else None)
-        for number, case in enumerate(names)
-        for name, found in stops.items()
+        Scored(case.name, name, stop, radius, best, dry[name] if case.speed is None else None, run.driven)
+        for case, run, best, *of_each in zip(cases, runs, ideal, *stops.values(), strict=True)
+        for name, stop in zip(stops, of_each, strict=True)
     ]
 
 
@@ -111,11 +114,13 @@ def runs_of(machine: Machine, cases: Sequence[Case], level: int = 2) -> list[Run
         runs = [case.run(machine) for case in cases]
     except ValueError as error:
         raise BadInputError(str(error)) from None
-    known = {variable.name for variable in machine_model(Kind(machine.counted, by_flow=True, level=level)).variables}
     for case, run in zip(cases, runs, strict=True):
+        kind = Kind(machine.counted, not run.driven, level, run.equipment)
+        known = [variable.name for variable in machine_model(kind).variables]
         for name in run.values:
             if name not in known:
-                raise BadInputError(f"The case {case.name} sets {name}, which this machine has not.")
+                near = suggestion(name, known, "give one of docs/variables.md.")
+                raise BadInputError(f"The case {case.name} sets {name}, which this machine has not; {near}")
     return runs
 
 
@@ -138,7 +143,9 @@ def ideal_distance(machine: Machine, run: Run, settings: Settings) -> float | No
     strength = settings.strength if run.strength is None else run.strength
     filling = filling_by_flow(machine.full_pressure, settings.application_time)
     try:
-        peak = PeakAdhesion(machine, run.values, filling)
+        peak = PeakAdhesion(machine, run.values, filling, run.equipment)
+        if run.driven:
+            return peak.starting_distance(START_SPEED, run.speed or settings.speed, strength)
         return peak.stopping_distance(run.speed or settings.speed, strength)
     except ValueError:
         return None

@@ -7,7 +7,9 @@ from dataclasses import asdict, replace
 
 from products.protection.protected_stop import Settings
 from products.protection.rails import LOCK_ABOVE
+from products.protection.rig import START_SPEED
 from scenarios.controllers.scoring import Scored
+from scenarios.controllers.words import words_of
 
 HEADS = (
     *("case", "controller", "distance", "over ideal", "over dry", "longest lock", "in the band"),
@@ -18,7 +20,7 @@ UNITS = ("", "", "m", "1", "1", "s", "1", "kJ", "mm", "l", "kPa")
 
 def lines(vehicle: str, settings: Settings, scores: Sequence[Scored]) -> Iterator[str]:
     """The table, and what was said."""
-    yield about(vehicle, settings)
+    yield about(vehicle, settings, scores)
     yield ""
     rows = [HEADS, UNITS, *(cells(one) for one in scores)]
     widths = [max(len(row[column]) for row in rows) for column in range(len(HEADS))]
@@ -35,11 +37,16 @@ def lines(vehicle: str, settings: Settings, scores: Sequence[Scored]) -> Iterato
         yield text
 
 
-def about(vehicle: str, settings: Settings) -> str:
-    """How all stops are made."""
-    others = f"{settings.pulses} teeth, every {1e3 * settings.period:g} ms; lock counted above {LOCK_ABOVE:g} m/s"
-    strength = "full brake" if settings.strength == 1.0 else f"{settings.strength:g} of the full brake"
-    return f"{vehicle}: {strength} from {settings.speed:g} m/s unless the case says otherwise, {others}"
+def about(vehicle: str, settings: Settings, scores: Sequence[Scored]) -> str:
+    """How all stops, or starts, are made."""
+    teeth = f"{settings.pulses} teeth, every {1e3 * settings.period:g} ms"
+    what = "traction" if scores[0].driven else "brake"
+    strength = f"full {what}" if settings.strength == 1.0 else f"{settings.strength:g} of the full {what}"
+    if scores[0].driven:
+        way, lock = f"from {START_SPEED:g} to {settings.speed:g} m/s", "lock: wheels turn at more than twice the speed"
+    else:
+        way, lock = f"from {settings.speed:g} m/s", f"lock counted above {LOCK_ABOVE:g} m/s"
+    return f"{vehicle}: {strength} {way} unless the case says otherwise, {teeth}; {lock}"
 
 
 def said(scores: Sequence[Scored]) -> list[str]:
@@ -51,7 +58,9 @@ def cells(one: Scored) -> tuple[str, ...]:
     """A row of the table."""
 
     def number(value: float | None, form: str) -> str:
-        return "no stop" if value is None and form == ".1f" else "-" if value is None else format(value, form)
+        return (
+            words_of([one]).none if value is None and form == ".1f" else "-" if value is None else format(value, form)
+        )
 
     stop = one.stop
     ratios = number(one.over(one.ideal), ".3f"), number(one.over(one.dry), ".3f")

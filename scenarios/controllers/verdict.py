@@ -10,8 +10,9 @@ from statistics import median
 
 from scenarios.controllers.given import ALWAYS
 from scenarios.controllers.scoring import Scored
+from scenarios.controllers.words import STOPS, Words, words_of
 
-HEADS = ("controller", "stops", "no stop", "median over ideal", "worst", "in the case", "longest lock", "mean air")
+HEADS = ("controller", "{does}", "{none}", "median over ideal", "worst", "in the case", "longest lock", "mean air")
 UNITS = ("", "1", "1", "1", "1", "", "s", "l")
 #: Columns of words; the others are numbers.
 WORDS = ("controller", "in the case")
@@ -37,6 +38,7 @@ class Verdict:
     worst_case: str
     longest_lock: float
     air: float
+    words: Words = STOPS
 
     @property
     def rank(self) -> tuple[float, float, float]:
@@ -65,6 +67,7 @@ def verdict(name: str, own: Sequence[Scored]) -> Verdict:
         failed[0] if failed else worst,
         max(one.stop.longest_lock for one in own),
         sum(one.air for one in own) / len(own),
+        words_of(own),
     )
 
 
@@ -72,14 +75,15 @@ def sentences(found: Sequence[Verdict]) -> list[str]:
     """Which is best; and where each is worst, but for the wheels that nothing protects."""
     order = sorted(found, key=lambda one: one.rank)
     best, cases = [one for one in order if one.rank == order[0].rank], found[0].stopped + found[0].failed
+    words = found[0].words
     if not best[0].stopped:
-        return ["No controller stops in any case."]
+        return [f"No controller {words.does} in any case."]
     names = " and ".join(one.controller for one in best)
     who = (
         "All controllers are alike" if len(best) == len(found) else f"{names} {'is' if len(best) == 1 else 'are'} best"
     )
     where = "in every case" if best[0].stopped == cases else f"in {best[0].stopped} of {cases} cases"
-    said = [f"{who}: {'it stops' if len(best) == 1 else 'they stop'} {where}{_median(best[0], cases)}."]
+    said = [f"{who}: {f'it {words.does}' if len(best) == 1 else f'they {words.do}'} {where}{_median(best[0], cases)}."]
     worst = [_worst(one) for one in order if one.controller != "none"]
     return said if len(best) == len(found) or cases == 1 else [*said, f"Where each is worst: {'; '.join(worst)}."]
 
@@ -91,7 +95,7 @@ def _median(one: Verdict, cases: int) -> str:
 
 def _worst(one: Verdict) -> str:
     more = f" and {one.failed - 1} more" if one.failed > 1 else ""
-    ratio = "no stop" if one.failed else "no ideal" if one.worst is None else f"{one.worst:.2f}"
+    ratio = one.words.none if one.failed else "no ideal" if one.worst is None else f"{one.worst:.2f}"
     return f"{one.controller} {ratio} ({one.worst_case}{more})" if one.worst_case else f"{one.controller} {ratio}"
 
 
@@ -99,16 +103,22 @@ def lines(found: Sequence[Verdict]) -> Iterator[str]:
     """The sentences, and the table for people."""
     yield from textwrap.wrap(" ".join(sentences(found)), WIDTH)
     yield ""
-    rows = [HEADS, UNITS, *(cells(one) for one in found)]
+    rows = [heads(found), UNITS, *(cells(one) for one in found)]
     widths = [max(len(row[column]) for row in rows) for column in range(len(HEADS))]
     for number, row in enumerate(rows):
         if number == 2:
             yield "-" * (sum(widths) + 2 * (len(widths) - 1))
         texts = (
             text.ljust(width) if head in WORDS else text.rjust(width)
-            for head, text, width in zip(HEADS, row, widths, strict=True)
+            for head, text, width in zip(rows[0], row, widths, strict=True)
         )
         yield "  ".join(texts).rstrip()
+
+
+def heads(found: Sequence[Verdict]) -> tuple[str, ...]:
+    """Of the table's columns."""
+    words = found[0].words
+    return tuple(head.format(does=words.does, none=words.none) for head in HEADS)
 
 
 def cells(one: Verdict) -> tuple[str, ...]:
@@ -120,7 +130,10 @@ def cells(one: Verdict) -> tuple[str, ...]:
 
 def document(found: Sequence[Verdict]) -> dict[str, object]:
     """For programs."""
-    return {"sentences": sentences(found), "controllers": [asdict(one) for one in found]}
+    return {
+        "sentences": sentences(found),
+        "controllers": [{k: v for k, v in asdict(one).items() if k != "words"} for one in found],
+    }
 
 
 def best_given(found: Sequence[Verdict]) -> Verdict:

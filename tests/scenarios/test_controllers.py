@@ -161,4 +161,43 @@ def test_a_programme_of_ones_own_is_run(folder: Path, capsys: pytest.CaptureFixt
     assert float(distances["let_go"]) > 1.2 * float(distances["none"])
     (folder / "my.toml").write_text(case + "values = { nothing = 1.0 }\n")
     assert main(["controllers", "compare", "--programme", "my.toml", "let_go.c"]) == 2
-    assert capsys.readouterr().err == "The case slow, one sensor lost sets nothing, which this machine has not.\n"
+    assert (
+        capsys.readouterr().err
+        == "The case slow, one sensor lost sets nothing, which this machine has not; give one of docs/variables.md.\n"
+    )
+
+
+def test_starts_are_compared_with_a_protection_of_their_own(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    case = '[[case]]\nname = "low"\nrail = "low"\nspeed = "20km/h"\nstrength = 2.0\nequipment = ["traction"]\n'
+    (folder / "my.toml").write_text(case)
+    assert main(["controllers", "compare", "--programme", "my.toml", "--html"]) == 0
+    shown = capsys.readouterr().out
+    assert shown.startswith("protection is best: it arrives in every case, after 1.")
+    assert "controller  arrives  no arrival" in shown
+    assert "bogie: full traction from 1 to 25 m/s unless the case says otherwise" in shown
+    distances = {name: float(of) for name, of in re.findall(r"^low +(\w+) +([0-9.]+)", shown, re.MULTILINE)}
+    assert distances["protection"] < 0.8 * distances["none"]
+    page = (folder / "results/controllers/compare.html").read_text()
+    assert "below it the torque of its motor" in page
+    (folder / "slow.toml").write_text(case.replace("low", "very_low").replace("20km/h", "300km/h"))
+    assert main(["controllers", "compare", "--programme", "slow.toml"]) == 1
+    assert re.search(
+        r"none, very_low: It did not come to 83\.3333 m/s: \d+\.\d m/s after 300 s\.", capsys.readouterr().out
+    )
+
+
+@pytest.mark.parametrize(
+    ("case", "words"),
+    [
+        ('equipment = ["disks"]', "Choose equipment from discs, dynamic brake, sanders, traction: it was 'disks'."),
+        ('equipment = "discs"', "give equipment a list of names, some of discs, dynamic brake, sanders, traction."),
+        ('equipment = ["traction"]', "mixes starts such as b with stops; give each a file of its own."),
+        ("values = { sand_rate_1 = 0.03 }", "The case b sets sand_rate_1, which this machine has not; "),
+    ],
+)
+def test_equipment_that_cannot_be_is_refused(
+    case: str, words: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "my.toml").write_text(f'[[case]]\nname = "a"\nrail = "dry"\n[[case]]\nname = "b"\nrail = "dry"\n{case}\n')
+    assert main(["controllers", "compare", "--programme", "my.toml"]) == 2
+    assert words in capsys.readouterr().err

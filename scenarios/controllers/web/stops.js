@@ -16,7 +16,7 @@ class Stop {
     this.time = next(units.time);
     this.way = next(units.distance);
     this.speed = next(units.speed);
-    [this.wheel, this.shown, this.pressure, this.valve] = [units.speed, units.speed, 1, 1].map(each);
+    [this.wheel, this.shown, this.effort, this.valve] = [units.speed, units.speed, 1, 1].map(each);
     this.end = this.time.at(-1);
     this.rolled = this.wheel.map((speed) => this.integral(speed));
   }
@@ -42,7 +42,7 @@ class Stop {
     const [speed, wheel] = [between(this.speed), this.wheel.map(between)];
     return {
       speed, wheel, way: between(this.way), ended: time >= this.end,
-      pressure: this.pressure.map(between), rolled: this.rolled.map(between), valve: this.valve.map((one) => one[high]),
+      effort: this.effort.map(between), rolled: this.rolled.map(between), valve: this.valve.map((one) => one[high]),
       locked: wheel.map((one) => one < 0.005 && speed > DATA.lockAbove),
     };
   }

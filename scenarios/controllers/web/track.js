@@ -34,14 +34,14 @@ class Track {
 
   words({ speed, way, locked, ended }) {
     const { distance, end, said } = this.stop;
-    if (ended) return distance === null ? said : `stands after ${distance.toFixed(1)} m, ${end.toFixed(1)} s`;
+    if (ended) return distance === null ? said : `${DATA.end} after ${distance.toFixed(1)} m, ${end.toFixed(1)} s`;
     const those = locked.flatMap((one, number) => (one ? [number + 1] : []));
     const locks = those.length ? `, wheelset${those.length > 1 ? "s" : ""} ${those.join(", ")} locked` : "";
     return `${speed.toFixed(1)} m/s, ${way.toFixed(0)} m${locks}`;
   }
 
   described(now) {
-    const valves = now.valve.map((one, number) => `valve ${number + 1} ${VALVES[one]} at ${now.pressure[number].toFixed(0)} kPa`);
+    const valves = now.valve.map((one, number) => `valve ${number + 1} ${VALVES[one]} at ${now.effort[number].toFixed(0)} ${DATA.effortUnit}`);
     return `${this.words(now)}; ${valves.join(", ")}`;
   }
 
@@ -82,9 +82,9 @@ class Track {
     this.brake(context, x, number, now);
   }
 
-  // A cylinder as full as its pressure, and above it what its valve does.
-  brake(context, x, number, { pressure, valve }) {
-    const [width, top, bottom] = [14, 24, 42], share = Math.min(pressure[number] / DATA.fullPressure, 1);
+  // A cylinder as full as its pressure, or a motor as its torque, and above it what its valve does.
+  brake(context, x, number, { effort, valve }) {
+    const [width, top, bottom] = [14, 24, 42], share = Math.min(effort[number] / DATA.fullEffort, 1);
     context.lineWidth = 1;
     context.fillStyle = colour("soft");
     context.strokeStyle = colour("soft");

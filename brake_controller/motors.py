@@ -1,0 +1,97 @@
+"""Electric motors on wheelsets: a dynamic brake that blends with the cylinders, and traction; both let go when asked.
+
+A protection tells the motor of a wheelset what it tells its valve: 0 as demanded, 1 hold, 2 let go. The torque follows
+as a first-order lag, up to the motor's largest torque and, at speed, its largest power. Lag, limits and numbers are
+assumed: motors differ more than any mean of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import casadi as ca
+
+from brake_controller.cylinder import Blending
+from brake_controller.pneumatics import APPLY, HOLD, TIME_CONSTANTS_TO_95_PERCENT, VENT
+from fmu_src.system import ParameterSet, System, Variable, quantity
+
+NOMINAL_TORQUE = 1e3
+#: Corner of |w|, and where a dynamic brake begins to fade [rad/s]; the second assumed: 8 km/h on common wheels.
+REST, FADE_SPEED = 0.02, 5.0
+
+
+@dataclass(frozen=True)
+class MotorParameters(ParameterSet):
+    """The motor of one wheelset, its numbers at the wheelset."""
+
+    motor_torque: float = quantity("N.m", "Largest torque of the motor on its wheelset", 0.0)
+    motor_power: float = quantity("W", "Largest power of the motor", 0.0)
+    motor_rise_time: float = quantity("s", "Time to 95 % of a torque that is asked for", 1e-3)
+    motor_release_time: float = quantity("s", "Time to 5 % of the torque where it is let go", 1e-3)
+
+
+def motor_of(full_torque: float, radius: float) -> MotorParameters:
+    """Half of a full brake's torque [N.m], up to 15 m/s on wheels of this radius [m]; then its power. Assumed."""
+    torque = full_torque / 2
+    return MotorParameters(
+        motor_torque=torque, motor_power=torque / radius * 15.0, motor_rise_time=0.3, motor_release_time=0.15
+    )
+
+
+def _given(system: System, defaults: MotorParameters) -> dict[str, ca.SX]:
+    return {name: system.parameter(defaults.variable(name)) for name in defaults.values()}
+
+
+def available(p: Mapping[str, ca.SX], angular_velocity: ca.SX) -> ca.SX:
+    """Largest torque of the motor at this angular velocity [N.m]."""
+    turning = ca.sqrt(angular_velocity**2 + REST**2)
+    return ca.fmin(p["motor_torque"], p["motor_power"] / turning)
+
+
+def follow(system: System, name: str, p: Mapping[str, ca.SX], wanted: ca.SX, largest: ca.SX, valve: ca.SX) -> ca.SX:
+    """The motor's torque as a state of this name [N.m]; wanted, largest: what is asked for and what there is [N.m]."""
+    torque = system.state(name, "N.m", 0.0, NOMINAL_TORQUE)
+    held = ca.if_else(valve == HOLD, torque, wanted)
+    target = ca.if_else(valve == VENT, 0, ca.fmin(held, largest))
+    time = ca.if_else(target > torque, p["motor_rise_time"], p["motor_release_time"])
+    system.derivative(torque, (target - torque) * TIME_CONSTANTS_TO_95_PERCENT / time)
+    return torque
+
+
+def dynamic_brake(defaults: MotorParameters, full_pressure: float, full_torque: float) -> Blending:
+    """Takes what it can of the brake that is demanded, and leaves the cylinder the rest.
+
+    It fades below `fade_speed`, so that the cylinder brings the wheelset to rest. full_pressure [Pa], full_torque
+    [N.m]: of the friction brake, in whose pressure the demand counts.
+    """
+
+    def blend(system: System, demand: ca.SX, valve: ca.SX, turning: ca.SX) -> tuple[ca.SX, ca.SX]:
+        p = _given(system, defaults)
+        text = "Torque of the friction brake for each pascal of the demand"
+        per_pressure = system.parameter(
+            Variable("torque_per_pressure", "parameter", "N.m/Pa", text, full_torque / full_pressure, 1e-9)
+        )
+        text = "Angular velocity below which the dynamic brake fades"
+        fade = system.parameter(Variable("fade_speed", "parameter", "rad/s", text, FADE_SPEED, 0.1))
+        fades = ca.fmin(ca.sqrt(turning**2 + REST**2) / fade, 1)
+        torque = follow(system, "dynamic_torque", p, demand * per_pressure, available(p, turning) * fades, valve)
+        system.output(Variable("dynamic_torque", "output", "N.m", "Torque capacity of the dynamic brake"), torque)
+        return ca.fmax(demand - torque / per_pressure, 0), torque
+
+    return blend
+
+
+def traction_motor(defaults: MotorParameters) -> System:
+    """The share of its torque that is demanded in, the torque that drives the wheelset out."""
+    system = System("traction_motor", "Motor that drives a wheelset")
+    p = _given(system, defaults)
+    text = "Demanded share of the largest torque; NaN counts as a lost signal: no traction"
+    demand = system.input(Variable("traction_demand", "input", "1", text, 0.0, 0.0, 1.0, when_lost=0.0))
+    text = "0 as demanded (de-energised), 1 hold, 2 let go"
+    valve = system.input(Variable("valve", "input", "1", text, APPLY, APPLY, VENT, "integer"))
+    turning = system.input(Variable("angular_velocity", "input", "rad/s", "Angular velocity of the driven wheelset"))
+    largest = available(p, turning)
+    torque = follow(system, "traction_torque", p, demand * p["motor_torque"], largest, valve)
+    system.output(Variable("traction_torque", "output", "N.m", "Torque that drives this wheelset"), torque)
+    return system

@@ -1,0 +1,139 @@
+"""Wheel-slip protection of driven wheels: from the speeds of the wheels to commands for their motors.
+
+It has the form of a wheel-slide controller (wheel_slide.py): 0 as demanded, 1 hold, 2 let go. This file needs nothing
+but Python, so that it can travel inside an FMU.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+DEMANDED, HOLD, LET_GO = 0, 1, 2
+#: A wheel that is let go rolls once it has not slowed by more than this [m/s2] over a while, at the earliest after a
+#: time [s]; it is believed to roll after the longest time [s].
+ROLLING, WHILE, SHORTEST, LONGEST = 0.3, 0.1, 0.25, 2.0
+#: Time for which sensors are only listened to behind a reading of 0 [s].
+SETTLING = 0.5
+#: A sensor that shows 0 while another shows more than this is lost [m/s]: no wheel that is driven locks.
+BLIND_ABOVE = 2.0
+#: Time constants of the filters of speeds: for slips, and for the slowest wheel, as teeth err [s]. Chosen among five on
+#: 16 starts with friction from 0.03 to 0.1 below each wheelset.
+CALM, SLOW = 0.02, 0.3
+#: From the first true speed to the second, and between later ones [s].
+SECOND_LOOK, LOOKS = 1.0, 3.0
+#: What the vehicle may gain beside what it gained between two true speeds [m/s2].
+MARGIN = 0.1
+#: A true speed this near the reference, as a share of it, shows that nothing spins [1].
+NEAR = 0.02
+
+
+def filtered(before: Sequence[float], speeds: Sequence[float], share: float) -> list[float]:
+    """First-order lags, a share of their time constant further; without one, or at first, the speeds."""
+    if not before or not share:
+        return list(speeds)
+    return [old + min(share, 1.0) * (speed - old) for old, speed in zip(before, speeds, strict=True)]
+
+
+@dataclass(frozen=True)
+class SpinProtectionParameters:
+    """Thresholds of `SpinProtection`; all finite and above 0."""
+
+    #: Slip below which a motor gives what is demanded, and above which it is let go; in between it holds [1].
+    lower_slip: float
+    upper_slip: float
+    #: Speed below which slips are those at this speed [m/s].
+    slowest: float
+    #: Acceleration that no vehicle has, and the one that is believed of a vehicle whose wheels begin to spin [m/s2].
+    largest_acceleration: float
+    first_acceleration: float
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            if not (math.isfinite(value) and value > 0.0):
+                raise ValueError(f"Set {name} to a finite number above 0: it was {value}.")
+        if self.lower_slip >= self.upper_slip:
+            raise ValueError(f"Set lower_slip below upper_slip, {self.upper_slip}: it was {self.lower_slip}.")
+
+
+def common_spin_protection() -> SpinProtectionParameters:
+    """Assumed, and not tuned: the band of slips in which braked wheels are held; no vehicle here gains 1.5 m/s2."""
+    return SpinProtectionParameters(
+        lower_slip=0.05, upper_slip=0.10, slowest=3.0, largest_acceleration=1.5, first_acceleration=0.5
+    )
+
+
+class SpinProtection:
+    """Holds the slip of driven wheels in a band, over a reference that no wheel is slower than.
+
+    Where all spin at once the slowest gains speed faster than any vehicle: the reference follows it no further. From
+    then on one wheelset after the other is let go until it rolls, which shows the true speed, and how fast it grows. A
+    sensor that shows nothing while others turn is lost: its motor is let go while the others spin.
+    """
+
+    def __init__(self, parameters: SpinProtectionParameters | None = None) -> None:
+        self.parameters = parameters or common_spin_protection()
+        self.time, self.reference, self.growth = 0.0, math.inf, self.parameters.largest_acceleration
+        self.spins, self.looks, self.looked_at, self.true_speed = False, 0, 0.0, 0.0
+        self.rolls: int | None = None
+        self._since, self._shown_since, self._course = 0.0, 0.0, [(0.0, 0.0)]
+        self._calm: list[float] = []
+        self._slow: list[float] = []
+
+    def step(self, time: float, wheel_speeds: Sequence[float]) -> list[int]:
+        """Commands of all motors from the circumferential speeds of their wheels [m/s]; time [s]."""
+        blind = [speed == 0.0 and max(wheel_speeds) > BLIND_ABOVE for speed in wheel_speeds]
+        size = max(time - self.time, 0.0)
+        if any(speed == 0.0 and not lost for speed, lost in zip(wheel_speeds, blind, strict=True)):
+            self._shown_since = time
+        settles = time - self._shown_since < SETTLING
+        self._calm = filtered(self._calm, wheel_speeds, 0.0 if settles else size / CALM)
+        self._slow = filtered(self._slow, wheel_speeds, 0.0 if settles else size / SLOW)
+        slowest = min(speed for speed, lost in zip(self._slow, blind, strict=True) if not lost)
+        self.reference = slowest if settles else min(slowest + SLOW * self.growth, self.reference + size * self.growth)
+        self.time = time
+        if settles:
+            return [DEMANDED] * len(wheel_speeds)
+        unseen = LET_GO if self.spins else DEMANDED
+        commands = [unseen if lost else self._command(speed) for speed, lost in zip(self._calm, blind, strict=True)]
+        if any(command != DEMANDED for command in commands) and not self.spins:
+            self.spins, self.looks, self.growth = True, 0, self.parameters.first_acceleration
+        self._look(time, self._calm, blind)
+        if self.rolls is not None:
+            commands[self.rolls] = LET_GO
+        return commands
+
+    def _command(self, speed: float) -> int:
+        p = self.parameters
+        slip = (speed - self.reference) / max(self.reference, p.slowest)
+        return LET_GO if slip > p.upper_slip else DEMANDED if slip < p.lower_slip else HOLD
+
+    def _look(self, time: float, wheel_speeds: Sequence[float], blind: Sequence[bool]) -> None:
+        """Lets the slowest wheelset go where the true speed is due, and takes it once the wheelset rolls."""
+        due = (0.0, SECOND_LOOK)[self.looks] if self.looks < 2 else LOOKS
+        if self.rolls is None:
+            if self.spins and time - self.looked_at >= due:
+                slowest = min(range(len(wheel_speeds)), key=lambda one: (blind[one], wheel_speeds[one]))
+                self.rolls, self._since, self._course = slowest, time, []
+            return
+        if blind[self.rolls]:  # its sensor is lost: look at another
+            self.rolls = None
+            return
+        speed = wheel_speeds[self.rolls]
+        self._course = [(at, of) for at, of in self._course if time - at <= WHILE] + [(time, speed)]
+        first = self._course[0]
+        slows = (first[1] - speed) / max(time - first[0], 1e-9) > ROLLING
+        if time - self._since > LONGEST or (time - self._since > SHORTEST and not slows):
+            self._take(time, speed)
+
+    def _take(self, time: float, speed: float) -> None:
+        """Takes a true speed, and from two of them how fast it grows."""
+        p = self.parameters
+        if self.looks:
+            gained = (speed - self.true_speed) / (time - self.looked_at)
+            self.growth = min(max(gained, 0.0) + MARGIN, p.largest_acceleration)
+            if self.looks > 1 and speed > (1.0 - NEAR) * self.reference - NEAR:
+                self.spins, self.growth = False, p.largest_acceleration
+        self.looks += 1
+        self.reference, self.looked_at, self.true_speed, self.rolls = speed, time, speed, None
