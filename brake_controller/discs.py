@@ -61,14 +61,14 @@ def axle_discs() -> DiscParameters:
 
 
 def pad_friction(p: Mapping[str, ca.SX], speed: ca.SX, temperature: ca.SX) -> ca.SX:
-    """mu - a v - b (T - T_0), never below the least; sliding speed in m/s, temperature in K; see the module's text."""
+    """mu - a v - b (T - T_0), of the form of Sawczuk (2021), never below the least; speed in m/s, temperature in K."""
     warmer = temperature - p["surroundings_temperature"]
     fallen = p["pad_friction_over_speed"] * speed + p["pad_friction_over_temperature"] * warmer
     return ca.fmax(p["pad_friction_at_rest"] - fallen, p["least_pad_friction"])
 
 
 def discs(defaults: DiscParameters | None = None) -> Rubbing:
-    """Pads on discs: T = mu F r, and m c dT/dt = (share) T w - (cooling) (T - T_0)."""
+    """Pads on discs: T = mu F r; First law: m c d(theta)/dt = (share) T w - (cooling) (theta - theta_0)."""
     given = defaults or axle_discs()
 
     def torque(system: System, _: Mapping[str, ca.SX], force: ca.SX, angular_velocity: ca.SX) -> ca.SX:

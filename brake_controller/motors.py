@@ -50,7 +50,10 @@ def available(p: Mapping[str, ca.SX], angular_velocity: ca.SX) -> ca.SX:
 
 
 def follow(system: System, name: str, p: Mapping[str, ca.SX], wanted: ca.SX, largest: ca.SX, valve: ca.SX) -> ca.SX:
-    """The motor's torque as a state of this name [N.m]; wanted, largest: what is asked for and what there is [N.m]."""
+    """The motor's torque as a state of this name [N.m], to 95 % in its times, as section 2.4.2 counts a cylinder's.
+
+    wanted, largest: what is asked for and what there is [N.m].
+    """
     torque = system.state(name, "N.m", 0.0, NOMINAL_TORQUE)
     held = ca.if_else(valve == HOLD, torque, wanted)
     target = ca.if_else(valve == VENT, 0, ca.fmin(held, largest))

@@ -154,7 +154,7 @@ def test_every_public_function_method_and_class_says_what_it_is(package: str) ->
 #: An equation, a place in the thesis, a source with its year or a standard, or a principle by its name.
 CITATION = re.compile(
     r"\([2-9]\.\d+|\b([Ss]ections?|chapter|Tables?|Figs?\.) \d"
-    r"|\b[A-Z][a-z]+ \(\d{4}\)|\b(EN|ISO|UIC) \d+|Karwatzki|MaSzyna"
+    r"|\b[A-Z][a-z]+ \(\d{4}\)|\b(EN|ISO|UIC) \d+|RSSB T\d+|Karwatzki|MaSzyna"
     r"|Newton's|Hooke's|implicit function theorem|First law|ideal gas|isentropic"
 )
 #: Functions without physics of their own, by file: they build FMUs, declare variables, read files, serve numerics.
@@ -196,7 +196,11 @@ PLUMBING = {
     },
     "rbd_model/vehicle/description.py": {"as_sum", "size_of", "wheelset_name", "check"},
     "rbd_model/wheelset/yielding_rails.py": {"add_give", "rows_of"},
-    "brake_controller/cylinder.py": {"brake_model"},
+    "brake_controller/cylinder.py": {"alone", "brake_model"},
+    "brake_controller/discs.py": {"axle_discs"},
+    "brake_controller/motors.py": {"available", "dynamic_brake", "motor_of", "traction_motor"},
+    "brake_controller/wheel_spin.py": {"common_spin_protection", "filtered"},
+    "rbd_model/track/sand.py": {"common_sand", "sand_laid", "sanders"},
     "brake_controller/magnet_valves.py": {"common_valves"},
     "brake_controller/rig/udp_client.py": {"answer", "answer_to", "is_end", "question"},
     "brake_controller/sensors.py": {"edge_errors"},

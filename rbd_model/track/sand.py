@@ -43,7 +43,7 @@ def sand_laid(rate: ca.SX, limit: ca.SX, speed: ca.SX) -> ca.SX:
 
 
 def friction_with_sand(friction: ca.SX, sand: ca.SX, sanded: ca.SX, scale: ca.SX) -> ca.SX:
-    """mu0 + (mu_s - mu0) (1 - exp(-q / Q)), for mu0 below mu_s; see the module's text."""
+    """mu0 + (mu_s - mu0) (1 - exp(-q / Q)), for mu0 below mu_s: assumed, and fitted to trials of RSSB T1107."""
     return friction + ca.fmax(sanded - friction, 0) * (1 - ca.exp(-sand / scale))
 
 
