@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import re
 import sys
 import time
 from collections.abc import Sequence
@@ -158,8 +159,13 @@ def build_controller(text: str, out: Path, wheelsets: int) -> int:
     begin = time.perf_counter()
     try:
         path = _controller(text, out, wheelsets)
+    except FileNotFoundError:
+        print(f"There is no file {text.split(':')[0]}; give the path of a controller.", file=sys.stderr)
+        return 2
     except CompilerError as error:
-        print(f"{text} does not compile. {error}", file=sys.stderr)
+        missing = sorted(set(re.findall(r"undefined reference to `(wheel_slide_\w+)'", str(error))))
+        lacks = f"{text} lacks {', '.join(missing)}, functions of wheel_slide.h; add them."
+        print(lacks if missing else f"{text} does not compile. {error}", file=sys.stderr)
         return 2
     except (OSError, ValueError, ImportError, SyntaxError, NameError, TypeError, AttributeError) as error:
         print(f"{text} does not become an FMU: {error}", file=sys.stderr)

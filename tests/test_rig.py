@@ -418,7 +418,7 @@ def test_a_valve_that_sticks_stays_where_it_stands() -> None:
     [
         ({"wheelset": 1, "sensor": "blind"}, "Set sensor to one of stuck, zero, doubled: it was 'blind'."),
         ({"wheelset": 1, "radius": 3.0}, "Set radius to 0.5 to 2 times the true one: it was 3.0."),
-        ({"wheelset": 0, "sensor": "zero"}, "Set wheelset to 1 or more: it was 0."),
+        ({"wheelset": 0, "sensor": "zero"}, "Set wheelset to a whole number, 1 or more: it was 0."),
         ({"wheelset": 1, "sensor_from": 3.0}, "This fault has no effect; give it a sensor,"),
     ],
 )
@@ -477,6 +477,26 @@ def test_the_programme_that_comes_along_reads_as_it_is_written() -> None:
         ('[[case]]\nname = "a"\nrail = "dry"\nfriction = 2\n', "set friction above 0 and up to 1: it was 2."),
         ('[[case]]\nname = "a"\nrail = "dry"\nfault = [{}]\n', "a fault needs the number of its wheelset."),
         ('[[case]]\nname = "a"\nrail = "dry"\nfault = [{ wheel = 1 }]\n', "a fault has no wheel; give some of"),
+        ('[[case]]\nname = "a"\nrail = "dry"\nvalues = [1]\n', "give values names, as in values = { gradient"),
+        (
+            '[[case]]\nname = "a"\nrail = "dry"\nvalues = { gradient = "up" }\n',
+            "set gradient to a number: it was 'up'.",
+        ),
+        ('[[case]]\nname = "a"\nrail = "dry"\nfriction = "low"\n', "set friction to a number: it was 'low'."),
+        ('[[case]]\nname = "a"\nrail = "dry"\nstrength = true\n', "set strength to a number: it was True."),
+        (
+            '[[case]]\nname = "a"\nrail = "dry"\nfault = [{ wheelset = 1.5, radius = 1.1 }]\n',
+            "Set wheelset to a whole number, 1 or more: it was 1.5.",
+        ),
+        (
+            '[[case]]\nname = "a"\nrail = "dry"\nfault = [{ wheelset = 1, sensor = "zero", sensor_from = "6s" }]\n',
+            "set sensor_from to a number: it was '6s'.",
+        ),
+        (
+            '[[case]]\nname = "a"\nrail = "dry"\nfault = [{ wheelset = 1, valve_from = nan }]\n',
+            "Set valve_from to a time of at least 0 s: it was nan.",
+        ),
+        ('[[case]]\nname = "a"\nrail = "dry"\nfault = [3]\n', "give fault a list, [{ wheelset = 1, sensor = ... }]."),
         (2 * '[[case]]\nname = "a"\nrail = "dry"\n', "2 cases are called a; give each its own name."),
     ],
 )

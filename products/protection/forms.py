@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,16 +52,18 @@ class InC:
         return ctypes.CDLL(str(self.path))
 
     def functions(self, wheelsets: int) -> FunctionsInC:
-        """Its functions and the size of its memory. Raises OSError, AttributeError, ValueError for what is none."""
-        size = self.library.wheel_slide_size
+        """Its functions and the size of its memory. Raises OSError, ValueError for what is none."""
+        size, start, step = (self._function(f"wheel_slide_{name}") for name in ("size", "start", "step"))
         size.restype, size.argtypes = ctypes.c_size_t, [ctypes.c_int]
-        start, step = (
-            ctypes.cast(getattr(self.library, f"wheel_slide_{name}"), ctypes.c_void_p) for name in ("start", "step")
-        )
         bytes_of_one = int(size(wheelsets))
         if bytes_of_one > LARGEST_MEMORY:
             raise ValueError(f"wheel_slide_size asks for {bytes_of_one} bytes; ask for at most {LARGEST_MEMORY}")
-        return FunctionsInC(start, step, bytes_of_one)
+        return FunctionsInC(*(ctypes.cast(one, ctypes.c_void_p) for one in (start, step)), bytes_of_one)
+
+    def _function(self, name: str) -> Any:
+        if not hasattr(self.library, name):
+            raise ValueError(f"it has no function {name}")
+        return getattr(self.library, name)
 
 
 @dataclass(frozen=True)

@@ -84,7 +84,7 @@ def read_programme(path: Path) -> list[Case]:
     """The cases of a file. Raises ValueError with a sentence that names the file and the case, OSError."""
     try:
         read = tomllib.loads(path.read_text(encoding="utf-8"))
-    except tomllib.TOMLDecodeError as error:
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ValueError(f"{path} is no TOML file ({error}); mend it.") from None
     if not isinstance(read.get("case"), list) or not read["case"]:
         raise ValueError(f"{path} has no [[case]]; give it one for each stop.")
@@ -110,18 +110,20 @@ def _case(table: Mapping[str, Any]) -> Case:
             raise ValueError(f"there is no {name}; give some of {', '.join(KNOWN)}.")
     if not isinstance(table.get("name"), str) or table.get("rail") not in CONDITIONS:
         raise ValueError(f"give a name and a rail, one of {', '.join(CONDITIONS)}: it was {table.get('rail')!r}.")
-    strength = table.get("strength")
-    if strength is not None and not 0.0 < float(strength) <= STRONGEST:
-        raise ValueError(f"set strength above 0 and up to {STRONGEST:g}: it was {strength}.")
-    friction = table.get("friction")
-    if friction is not None and not 0.0 < float(friction) <= 1.0:
-        raise ValueError(f"set friction above 0 and up to 1: it was {friction}.")
-    load = float(table.get("load", 1.0))
+    strength, friction = (_number(name, table[name]) if name in table else None for name in ("strength", "friction"))
+    if strength is not None and not 0.0 < strength <= STRONGEST:
+        raise ValueError(f"set strength above 0 and up to {STRONGEST:g}: it was {strength:g}.")
+    if friction is not None and not 0.0 < friction <= 1.0:
+        raise ValueError(f"set friction above 0 and up to 1: it was {friction:g}.")
+    load = _number("load", table.get("load", 1.0))
     if not LOADS[0] <= load <= LOADS[1]:
         raise ValueError(f"set load to {LOADS[0]:g} to {LOADS[1]:g} times the mass of the body: it was {load:g}.")
     if not isinstance(table.get("fault", []), list):
         raise ValueError("give fault a list, [{ wheelset = 1, sensor = ... }].")
-    values = tuple((name, float(value)) for name, value in table.get("values", {}).items())
+    given = table.get("values", {})
+    if not isinstance(given, dict):
+        raise ValueError("give values names, as in values = { gradient = -0.02 }.")
+    values = tuple((name, _number(name, value)) for name, value in given.items())
     speed = speed_of(table["speed"]) if "speed" in table else None
     faults = tuple(_fault(one) for one in table.get("fault", []))
     equipment = table.get("equipment", [])
@@ -130,11 +132,22 @@ def _case(table: Mapping[str, Any]) -> Case:
     return Case(table["name"], table["rail"], friction, speed, strength, load, values, faults, in_order(equipment))
 
 
+def _number(name: str, value: object) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise ValueError(f"set {name} to a number: it was {value!r}.")
+    return float(value)
+
+
 def _fault(table: Mapping[str, Any]) -> Fault:
+    if not isinstance(table, dict):
+        raise ValueError("give fault a list, [{ wheelset = 1, sensor = ... }].")
     known = [one.name for one in fields(Fault)]
     for name in table:
         if name not in known:
             raise ValueError(f"a fault has no {name}; give some of {', '.join(known)}.")
     if "wheelset" not in table:
         raise ValueError("a fault needs the number of its wheelset.")
+    for name, value in table.items():
+        if name != "sensor":
+            _number(name, value)
     return Fault(**table)

@@ -47,8 +47,11 @@ class Fault:
             raise ValueError(f"Set sensor to one of {', '.join(SENSOR_FAILURES)}: it was {self.sensor!r}.")
         if not 0.5 <= self.radius <= 2.0:
             raise ValueError(f"Set radius to 0.5 to 2 times the true one: it was {self.radius}.")
-        if self.wheelset < 1:
-            raise ValueError(f"Set wheelset to 1 or more: it was {self.wheelset}.")
+        if self.wheelset < 1 or self.wheelset != int(self.wheelset):
+            raise ValueError(f"Set wheelset to a whole number, 1 or more: it was {self.wheelset}.")
+        for name in ("sensor_from", "valve_from"):
+            if not getattr(self, name) >= 0.0:
+                raise ValueError(f"Set {name} to a time of at least 0 s: it was {getattr(self, name)}.")
         if not self.sensor and (self.sensor_from or (self.radius == 1.0 and math.isinf(self.valve_from))):
             raise ValueError("This fault has no effect; give it a sensor, a radius other than 1, or valve_from.")
 

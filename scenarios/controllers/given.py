@@ -65,7 +65,7 @@ def controller_of(text: str, wheelsets: int) -> tuple[str, Given]:
 
 
 def in_c(path: Path, wheelsets: int, period: float) -> Form:
-    """A library. Raises OSError, AttributeError, ValueError for what is no controller."""
+    """A library. Raises OSError, ValueError for what is no controller."""
     form = InC(path)
     form.functions(wheelsets)
     return form

@@ -116,11 +116,16 @@ def runs_of(machine: Machine, cases: Sequence[Case], level: int = 2) -> list[Run
         raise BadInputError(str(error)) from None
     for case, run in zip(cases, runs, strict=True):
         kind = Kind(machine.counted, not run.driven, level, run.equipment)
-        known = [variable.name for variable in machine_model(kind).variables]
-        for name in run.values:
+        known = {variable.name: variable for variable in machine_model(kind).variables}
+        for name, value in run.values.items():
             if name not in known:
                 near = suggestion(name, known, "give one of docs/variables.md.")
                 raise BadInputError(f"The case {case.name} sets {name}, which this machine has not; {near}")
+            of = known[name]
+            if not (of.minimum <= value <= of.maximum and math.isfinite(value)):
+                words = f"In the case {case.name} set {name} to a finite value from {of.minimum:g} to {of.maximum:g}"
+                unit = "" if of.unit == "1" else f" {of.unit}"
+                raise BadInputError(f"{words}{unit}: it was {value:g}.")
     return runs
 
 

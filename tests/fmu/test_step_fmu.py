@@ -99,10 +99,18 @@ def test_one_command_makes_the_fmu_of_a_class(tmp_path: Path, capsys: pytest.Cap
         assert slave.get(("valve_1", "valve_2")) == [APPLY, VENT]
 
 
-@pytest.mark.parametrize("text", ["nowhere.py:Class", "no-class-at-all"])
-def test_a_class_that_is_not_there_is_refused_with_a_sentence(text: str, capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("nowhere.py:Class", "There is no file nowhere.py; give the path of a controller."),
+        ("no-class-at-all", "does not become an FMU"),
+    ],
+)
+def test_a_class_that_is_not_there_is_refused_with_a_sentence(
+    text: str, words: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert build_fmu.main(["--controller", text]) == 2
-    assert "does not become an FMU" in capsys.readouterr().err
+    assert words in capsys.readouterr().err
 
 
 def test_a_file_without_the_class_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

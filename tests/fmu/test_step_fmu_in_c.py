@@ -116,7 +116,11 @@ def test_the_period_is_fixed_once_it_runs(counts: Path) -> None:
     [
         ("p-i.c", COUNTS, "Name the file by letters, digits and _, as the FMU is called like it: it was p-i.c."),
         ("pi.c", "int wrong(;", "pi.c does not compile. The C compiler ("),
-        ("pi.c", '#include "wheel_slide.h"\n', "pi.c does not compile. The C compiler ("),
+        (
+            "pi.c",
+            '#include "wheel_slide.h"\n',
+            "pi.c lacks wheel_slide_size, wheel_slide_start, wheel_slide_step, func",
+        ),
     ],
 )
 def test_what_becomes_no_fmu_is_refused(

@@ -142,6 +142,8 @@ def test_a_library_that_is_no_controller_is_refused(folder: Path, capsys: pytest
     (folder / "libtext.so").write_text("no library")
     assert main(["controllers", "compare", "libtext.so"]) == 2
     assert "libtext is no controller" in capsys.readouterr().err
+    assert main(["controllers", "compare", "nothing.c"]) == 2
+    assert "nothing is no controller (it has no function wheel_slide_size); " in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(("action", "path"), [("header", FOLDER / "wheel_slide.h"), ("programme", OWN)])
@@ -192,6 +194,11 @@ def test_starts_are_compared_with_a_protection_of_their_own(folder: Path, capsys
         ('equipment = ["disks"]', "Choose equipment from discs, dynamic brake, sanders, traction: it was 'disks'."),
         ('equipment = "discs"', "give equipment a list of names, some of discs, dynamic brake, sanders, traction."),
         ('equipment = ["traction"]', "mixes starts such as b with stops; give each a file of its own."),
+        (
+            'values = { sand_rate_1 = -1.0 }\nequipment = ["sanders"]',
+            "In the case b set sand_rate_1 to a finite value from 0 to inf kg/s: it was -1.",
+        ),
+        ("values = { gradient = nan }", "In the case b set gradient to a finite value from -0.5 to 0.5: it was nan."),
         ("values = { sand_rate_1 = 0.03 }", "The case b sets sand_rate_1, which this machine has not; "),
     ],
 )
