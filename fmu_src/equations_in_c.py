@@ -11,6 +11,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import count
 
+import casadi as ca
+
 from fmu_src.calls_in_c import (
     ASKED,
     Group,
@@ -244,6 +246,18 @@ def _of_all_lanes(name: str, one: Generated) -> Body:
     return _of_lanes(name, one, one.function.name(), face, "LANES")
 
 
+def function_of_cells(function: ca.Function) -> str:
+    """C of a function of many cells, LANES at a time: LANES_NAME(cells_NAME)(INPUT, ..., result, stride).
+
+    Each input and the result is where the first of its numbers stands for the first cell; the number of the next cell
+    stands behind it, the next number of a cell `stride` further. Raises ValueError where an operation has no C.
+    """
+    names = function.name_in()
+    parameters = ", ".join([*(f"const double *{name}" for name in names), "double *result", "long long int stride"])
+    face = LanesFace(parameters, ", ".join([*names, "result", "stride"]), names, ["result"])
+    return _written(_of_lanes("cells", Generated(function, [], []), function.name(), face, "stride"))
+
+
 @dataclass(frozen=True)
 class LanesFace:
     """C of the parameters of a function in lanes, of what its pieces are given, of its inputs and of its results."""
@@ -259,7 +273,7 @@ def _of_lanes(name: str, one: Generated, own_name: str, face: LanesFace, distanc
     inputs = [*face.inputs[: function.n_in() - 1], "left"] if one.calls else face.inputs
 
     def at(array: str, place: int, by: str) -> str:
-        return f"{array} + {place} * {by}" if by == "LANES" else f"{array} + {place * int(by)}"
+        return f"{array} + {place * int(by)}" if by.isdigit() else f"{array} + {place} * {by}"
 
     def read(number: int, place: int) -> str:
         if inputs[number] == "left":

@@ -114,7 +114,8 @@ class PeakAdhesion:
         there.terminal = True  # type: ignore[attr-defined]
         found = solve_ivp(slope, (0.0, LONGEST), [0.0, start], events=there, max_step=0.25, rtol=1e-3, atol=1e-2)
         if not found.t_events[0].size:
-            raise ValueError(f"Give a rail on which the speed comes from {start:g} to {end:g} m/s: it does not.")
+            does = f"brings the vehicle to {end:g} m/s" if self.driven else f"stops the vehicle from {start:g} m/s"
+            raise ValueError(f"Give a rail that {does} within {LONGEST:g} s: it did not.")
         return float(found.y[0, -1])
 
     def used(self, stop: ProtectedStop) -> np.ndarray:

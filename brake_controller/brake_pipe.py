@@ -1,0 +1,193 @@
+"""The brake pipe: air in a long pipe that is cut into cells, by finite volumes.
+
+One-dimensional flow of an ideal gas with friction and heat at the wall: Euler's equations of gas dynamics (E. F. Toro,
+Riemann Solvers and Numerical Methods for Fluid Dynamics, 3rd ed. (2009), section 1.6). Densities, speeds and pressures
+are straight lines in each cell, with slopes limited as van Leer (1977) does (MUSCL); what passes a face is the flux of
+Harten, Lax and van Leer (1983), with the speeds of Davis (1988). First order cannot meet the friction of a steady flow
+at two cells a vehicle.
+
+Functions here are of one cell, one face or one end. C computes them for all cells, several at a time
+(brake_controller/pipe/).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from brake_controller.air import GAS_CONSTANT, HEAT_CAPACITY, HEAT_CAPACITY_RATIO, mass_flow
+
+_K = HEAT_CAPACITY_RATIO
+#: Heat capacity at constant volume [J/(kg.K)].
+HEAT_CAPACITY_AT_VOLUME = HEAT_CAPACITY / _K
+#: Dynamic viscosity [Pa.s] and heat conductivity [W/(m.K)] of air at 20 C (any table); Prandtl number taken as 1.
+VISCOSITY, CONDUCTIVITY = 1.81e-5, 0.026
+#: Friction factor of a smooth pipe over Re^-0.25 (Blasius (1913)), and Nusselt number of laminar flow between walls of
+#: one temperature.
+BLASIUS, LAMINAR_NUSSELT = 0.3164, 3.66
+
+
+#: Turns of Newton's method at an end; and of its pressure, below which none falls within a step.
+TURNS, LEAST_SHARE = 4, 0.05
+
+
+@dataclass(frozen=True)
+class Air:
+    """Air at a place: density [kg/m3], speed [m/s], absolute pressure [Pa]."""
+
+    density: ca.SX
+    speed: ca.SX
+    pressure: ca.SX
+
+    @property
+    def temperature(self) -> ca.SX:
+        """Of an ideal gas [K]."""
+        return self.pressure / (self.density * GAS_CONSTANT)
+
+    @property
+    def sound(self) -> ca.SX:
+        """Speed of sound of an ideal gas [m/s]."""
+        return ca.sqrt(_K * self.pressure / self.density)
+
+    @property
+    def conserved(self) -> ca.SX:
+        """Density, momentum [kg/(m2.s)] and energy [J/m3], Toro (2009), eq. (1.1)."""
+        energy = self.pressure / (_K - 1) + self.density * self.speed**2 / 2
+        return ca.vertcat(self.density, self.density * self.speed, energy)
+
+    @property
+    def flux(self) -> ca.SX:
+        """What the flow carries of each through a square metre in a second, Toro (2009), section 1.6.2."""
+        _, momentum, energy = ca.vertsplit(self.conserved)
+        return ca.vertcat(momentum, momentum * self.speed + self.pressure, self.speed * (energy + self.pressure))
+
+
+def air_of(conserved: ca.SX) -> Air:
+    """Air of its density, momentum and energy, Toro (2009), section 1.6.2."""
+    density, momentum, energy = ca.vertsplit(conserved)
+    speed = momentum / density
+    return Air(density, speed, (_K - 1) * (energy - momentum * speed / 2))
+
+
+def limited(behind: ca.SX, ahead: ca.SX) -> ca.SX:
+    """Slope of a cell from its differences to its neighbours: harmonic mean, or 0 at an extreme; van Leer (1977)."""
+    product = behind * ahead
+    together = behind + ahead
+    return ca.if_else(product > 0, 2 * product / ca.if_else(together == 0, 1, together), 0)
+
+
+def _named(name: str, given: list[ca.SX], result: ca.SX) -> ca.Function:
+    """A function whose inputs are called like their symbols."""
+    names = [str(one[0]).rpartition("_")[0] if one.numel() > 1 else str(one) for one in given]
+    return ca.Function(name, given, [ca.densify(result)], names, ["result"])
+
+
+def sides() -> ca.Function:
+    """Of three cells: air at the two sides of the middle one, and how fast a wave there is at most, van Leer (1977)."""
+    cells = [ca.SX.sym(name, 3) for name in ("before", "own", "behind")]
+    before, own, behind = (ca.vertcat(one.density, one.speed, one.pressure) for one in map(air_of, cells))
+    differences = zip(ca.vertsplit(own - before), ca.vertsplit(behind - own), strict=True)
+    half = ca.vertcat(*[limited(*pair) / 2 for pair in differences])
+    air = air_of(cells[1])
+    return _named("sides", cells, ca.vertcat(own - half, own + half, ca.fabs(air.speed) + air.sound))
+
+
+def _air(name: str) -> tuple[ca.SX, Air]:
+    symbols = ca.SX.sym(name, 3)
+    return symbols, Air(*ca.vertsplit(symbols))
+
+
+def passing() -> ca.Function:
+    """Of the air on both sides of a face: the flux of Harten, Lax and van Leer (1983), Toro (2009), section 10.3."""
+    (left_symbols, left), (right_symbols, right) = _air("behind"), _air("ahead")
+    slow = ca.fmin(ca.fmin(left.speed - left.sound, right.speed - right.sound), 0)
+    fast = ca.fmax(ca.fmax(left.speed + left.sound, right.speed + right.sound), 0)
+    jump = slow * fast * (right.conserved - left.conserved)
+    flux = (fast * left.flux - slow * right.flux + jump) / (fast - slow)
+    return _named("passing", [left_symbols, right_symbols], flux)
+
+
+#: What is constant in a cell, in this order: its length and inner diameter [m], temperature of its wall [K]; shares of
+#: friction and heat at the wall, 1 as they are; effective area of its leaks [m2], pressure around it [Pa].
+CONSTANTS = ("length", "diameter", "wall_temperature", "friction", "heat", "leak_area", "ambient_pressure")
+
+
+def rates() -> ca.Function:
+    """Of a cell, the fluxes at its two faces, and its constants: rates of density, momentum and energy.
+
+    Conservation laws with wall friction (Darcy and Weisbach, f of Blasius (1913) or laminar, 64 / Re); the heat of the
+    wall is in `warmed`, leaks are in `leaking`.
+    """
+    cell, behind, ahead, given = (
+        ca.SX.sym(name, size) for name, size in (("cell", 3), ("first", 3), ("last", 3), ("given", 7))
+    )
+    length, diameter, _, friction, _, _, _ = ca.vertsplit(given)
+    air = air_of(cell)
+    fast = ca.fabs(air.speed)
+    root = ca.sqrt(ca.sqrt(VISCOSITY / (air.density * diameter))) * ca.sqrt(fast) * ca.sqrt(ca.sqrt(fast))
+    turbulent = BLASIUS * air.density * fast * root / (2 * diameter)
+    laminar = 32 * VISCOSITY * fast / diameter**2
+    drag = friction * ca.fmax(turbulent, laminar) * ca.if_else(air.speed > 0, 1, -1)
+    return _named("rates", [cell, behind, ahead, given], (behind - ahead) / length - ca.vertcat(0, drag, 0))
+
+
+def leaking() -> ca.Function:
+    """Of a cell and its constants: mass [kg/(m3.s)] and energy [W/m3] that leave through its leaks (ISO 6358-1)."""
+    cell, given = ca.SX.sym("cell", 3), ca.SX.sym("given", 7)
+    length, diameter, _, _, _, leak_area, ambient = ca.vertsplit(given)
+    air = air_of(cell)
+    leak = mass_flow(leak_area, air.pressure, air.temperature, ambient) / (ca.pi / 4 * diameter**2 * length)
+    return _named("leaking", [cell, given], ca.vertcat(leak, leak * HEAT_CAPACITY * air.temperature))
+
+
+def warmed() -> ca.Function:
+    """Of a cell, its constants and a time [s]: its energy behind heat exchange with the wall for so long [J/m3].
+
+    First law, m c_v dT/dt = h S (T_w - T), solved exactly; h by the Reynolds analogy with friction, or laminar. With a
+    large share of heat the air is isothermal, with none adiabatic.
+    """
+    cell, given, time = ca.SX.sym("cell", 3), ca.SX.sym("given", 7), ca.SX.sym("time")
+    _, diameter, wall, _, heat, _, _ = ca.vertsplit(given)
+    air = air_of(cell)
+    fast = ca.fabs(air.speed)
+    factor = BLASIUS * ca.sqrt(ca.sqrt(VISCOSITY / (air.density * ca.fmax(fast, 1e-6) * diameter)))
+    film = ca.fmax(factor / 8 * air.density * fast * HEAT_CAPACITY, LAMINAR_NUSSELT * CONDUCTIVITY / diameter)
+    pace = heat * film * 4 / (diameter * air.density * HEAT_CAPACITY_AT_VOLUME)
+    gained = (wall - air.temperature) * (1 - ca.exp(-pace * time))
+    return _named("warmed", [cell, given, time], cell[2] + air.density * HEAT_CAPACITY_AT_VOLUME * gained)
+
+
+def ending() -> ca.Function:
+    """Of the air at an end, its speed outwards, and of what is outside: the flux outwards, mass [kg/(m2.s)] first;
+    and how fast air passes [m/s].
+
+    Outside: opening [m2], effective, of a pipe of an area [m2] to air of a pressure [Pa] and temperature [K]. The wave
+    that the end sends back and isentropic flow through the opening (ISO 6358-1) meet at a pressure between that outside
+    and that of a wall, p + rho c u: by Newton's method, from where they would meet without compressibility.
+    """
+    symbols, air = _air("air")
+    outside = ca.SX.sym("outside", 4)
+    opening, area, pressure, temperature = ca.vertsplit(outside)
+    wall = ca.fmax(air.pressure + air.density * air.sound * air.speed, LEAST_SHARE * air.pressure)
+    at = ca.SX.sym("at")
+    out = mass_flow(opening, at, air.temperature, pressure)
+    into = mass_flow(opening, pressure, temperature, at)
+    # Air that enters keeps its enthalpy: u = G R (T - u^2 / (2 c_p)) / p.
+    per_pressure = into / area * GAS_CONSTANT / at
+    enters = 2 * per_pressure * temperature / (1 + ca.sqrt(1 + 2 * per_pressure**2 * temperature / HEAT_CAPACITY))
+    leaves_at = out / (area * air.density)
+    missed = wall - at - (leaves_at - enters) * air.density * air.sound
+    newton = ca.Function("newton", [at, symbols, outside], [at - missed / ca.jacobian(missed, at)])
+    leaves = ca.if_else(wall > pressure, 1, -1)
+    half = opening / area * air.sound * ca.sqrt(air.density / 2)
+    root = ca.sqrt(half**2 + ca.fabs(wall - pressure)) - half
+    low, high = ca.fmin(wall, pressure), ca.fmax(wall, pressure)
+    meet = pressure + leaves * root**2
+    for _ in range(TURNS):
+        meet = ca.fmin(ca.fmax(newton(meet, symbols, outside), low), high)
+    out, into, through = ca.substitute([out, into, leaves_at - enters], [at], [meet])
+    mass = (out - into) / area
+    whole = HEAT_CAPACITY * air.temperature + through**2 / 2
+    energy = (out * whole - into * HEAT_CAPACITY * temperature) / area
+    return _named("ending", [symbols, outside], ca.vertcat(mass, meet + mass * through, energy, ca.fabs(through)))

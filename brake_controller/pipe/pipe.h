@@ -1,0 +1,40 @@
+/* A brake pipe of many cells: the loop over them and over time; what happens in a cell is generated (brake_pipe.py).
+ *
+ * The method is Heun's, which keeps total variation (Shu and Osher 1988), with heat exchange split off on both sides of it
+ * (Strang 1968); steps are as long as waves allow. */
+#ifndef PIPE_H
+#define PIPE_H
+
+#if defined(_WIN32)
+#define PIPE_SHOWN __declspec(dllexport)
+#else
+#define PIPE_SHOWN __attribute__((visibility("default")))
+#endif
+
+/* Numbers of a cell: density, momentum, energy; its constants, CONSTANTS of brake_pipe.py. */
+enum { PIPE_STATES = 3, PIPE_CONSTANTS = 7 };
+
+/* What is outside an end: effective opening [m2], inner area of the pipe [m2], pressure [Pa], temperature [K]. */
+typedef struct {
+    double opening, area, pressure, temperature;
+} pipe_outside;
+
+/* What has left since the beginning [kg], [J]: through each end, by leaks; and heat that walls have given [J]. */
+typedef struct {
+    double end_mass[2], end_energy[2], leak_mass, leak_energy, heat;
+} pipe_passed;
+
+typedef struct pipe pipe;
+
+/* state: PIPE_STATES rows of so many cells; constants: PIPE_CONSTANTS rows; both are copied. null: there is no memory. */
+PIPE_SHOWN pipe *pipe_create(long long int cells, const double *state, const double *constants);
+PIPE_SHOWN void pipe_free(pipe *self);
+PIPE_SHOWN void pipe_end(pipe *self, int end, const pipe_outside *outside);
+/* Air of a cell is another from now on: density, momentum, energy. */
+PIPE_SHOWN void pipe_state(const pipe *self, double *state);
+PIPE_SHOWN const pipe_passed *pipe_has_passed(const pipe *self);
+/* Goes on by a time [s] in steps of at most `courant` of what a wave needs through a cell; how many steps that took, or
+ * -1: some number is not finite, or a density or pressure is not above 0, and the pipe is as it was. */
+PIPE_SHOWN long long int pipe_advance(pipe *self, double time, double courant);
+
+#endif

@@ -1,0 +1,49 @@
+/* All cells, LANES at a time; included once for each width. Behind the last cell lanes compute what nobody reads. */
+#include "lanes.h"
+#include "pipe_cells.h"
+
+void LANES_NAME(pipe_sides)(pipe *self)
+{
+    const double *u = self->state;
+    for (long long int i = 0; i < self->cells; i += LANES)
+        LANES_NAME(cells_sides)(u + i - 1, u + i, u + i + 1, self->side + i, self->stride);
+    LANES_LEAVE;
+}
+
+/* Face i lies before cell i; those at the ends are overwritten. */
+void LANES_NAME(pipe_faces)(pipe *self)
+{
+    const double *behind = self->side + PIPE_STATES * self->stride - 1;
+    for (long long int i = 0; i <= self->cells; i += LANES)
+        LANES_NAME(cells_passing)(behind + i, self->side + i, self->flux + i, self->stride);
+    LANES_LEAVE;
+}
+
+void LANES_NAME(pipe_rates)(pipe *self)
+{
+    for (long long int i = 0; i < self->cells; i += LANES)
+        LANES_NAME(cells_rates)(self->state + i, self->flux + i, self->flux + i + 1, self->given + i, self->rate + i, self->stride);
+    LANES_LEAVE;
+}
+
+void LANES_NAME(pipe_leaks)(pipe *self)
+{
+    for (long long int i = 0; i < self->cells; i += LANES)
+        LANES_NAME(cells_leaking)(self->state + i, self->given + i, self->leak + i, self->stride);
+    LANES_LEAVE;
+}
+
+void LANES_NAME(pipe_warm)(pipe *self)
+{
+    for (long long int i = 0; i < self->cells; i += LANES)
+        LANES_NAME(cells_warmed)(self->state + i, self->given + i, self->time + i, self->rate + i, self->stride);
+    LANES_LEAVE;
+}
+
+void LANES_NAME(pipe_ending)(const double *air, const double *outside, double *flux)
+{
+    LANES_NAME(cells_ending)(air, outside, flux, LANES);
+    LANES_LEAVE;
+}
+
+#include "lanes_end.h"

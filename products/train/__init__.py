@@ -1,0 +1,1 @@
+"""Trains: brake pipes, vehicles and what couples them."""

@@ -1,0 +1,169 @@
+"""A brake pipe alone: air in cells, what is outside its ends, and its balances."""
+
+from __future__ import annotations
+
+import ctypes
+import weakref
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from brake_controller import pipe as folder
+from brake_controller.air import GAS_CONSTANT, HEAT_CAPACITY_RATIO
+from brake_controller.brake_pipe import ending, leaking, passing, rates, sides, warmed
+from fmu_src.compile import plain_library
+from fmu_src.equations_in_c import WIDTHS, function_of_cells
+
+FOLDER = Path(folder.__file__).parent
+#: Of what a wave needs through a cell, how long a step may be [1]; above 1 the method is not stable.
+COURANT = 0.8
+
+
+@dataclass(frozen=True)
+class Outside:
+    """What an end opens to: effective opening [m2], 0 closed; absolute pressure [Pa] and temperature [K]."""
+
+    opening: float = 0.0
+    pressure: float = 101325.0
+    temperature: float = 293.15
+
+
+class _Outside(ctypes.Structure):
+    _fields_ = tuple((name, ctypes.c_double) for name in ("opening", "area", "pressure", "temperature"))
+
+
+class _Passed(ctypes.Structure):
+    _fields_ = (
+        *((name, ctypes.c_double * 2) for name in ("end_mass", "end_energy")),
+        *((name, ctypes.c_double) for name in ("leak_mass", "leak_energy", "heat")),
+    )
+
+
+def sources() -> dict[str, str]:
+    """C files by name: the loop, and what is generated for each cell."""
+    texts = {path.name: path.read_text(encoding="utf-8") for path in sorted(FOLDER.glob("pipe*.[ch]"))}
+    made = [function_of_cells(one()) for one in (sides, passing, rates, leaking, warmed, ending)]
+    texts["pipe_cells.h"] = "\n".join(made)
+    for lanes in (1, *WIDTHS):
+        loops = f'#define LANES {lanes}\n#include "pipe_loops.h"\n'
+        texts[f"pipe_{lanes}.c"] = (
+            f'#include "lanes_widest.h"\n#include "pipe_inside.h"\n#if LANES_WIDEST >= {lanes}\n{loops}#endif\n'
+        )
+    return texts
+
+
+@lru_cache
+def functions() -> ctypes.CDLL:
+    """The pipe's C, compiled once."""
+    library = ctypes.CDLL(str(plain_library(sources())))
+    pointer, count, number = ctypes.c_void_p, ctypes.c_longlong, ctypes.c_double
+    signatures: dict[str, tuple[Any, list[Any]]] = {
+        "pipe_create": (pointer, [count, pointer, pointer]),
+        "pipe_free": (None, [pointer]),
+        "pipe_end": (None, [pointer, ctypes.c_int, ctypes.POINTER(_Outside)]),
+        "pipe_state": (None, [pointer, pointer]),
+        "pipe_has_passed": (ctypes.POINTER(_Passed), [pointer]),
+        "pipe_advance": (count, [pointer, number, number]),
+    }
+    for name, (result, arguments) in signatures.items():
+        function = getattr(library, name)
+        function.restype, function.argtypes = result, arguments
+    return library
+
+
+class Pipe:
+    """Air in so many cells, one behind the other.
+
+    pressure [Pa, absolute], temperature [K], speed [m/s], length [m], diameter [m, the same in all], wall temperature
+    [K], leak area [m2] (effective): a number, or one for each cell. friction, heat: shares of what the wall does; with
+    heat 0 it is adiabatic, with a large one isothermal.
+    """
+
+    def __init__(
+        self,
+        cells: int,
+        *,
+        pressure: ArrayLike,
+        length: ArrayLike,
+        diameter: float,
+        temperature: ArrayLike = 293.15,
+        speed: ArrayLike = 0.0,
+        wall_temperature: ArrayLike = 293.15,
+        friction: float = 1.0,
+        heat: float = 1.0,
+        leak_area: ArrayLike = 0.0,
+        ambient_pressure: float = 101325.0,
+    ) -> None:
+        def row(values: ArrayLike) -> NDArray[np.float64]:
+            return np.broadcast_to(np.asarray(values, float), (cells,))
+
+        self.cells, self.area = cells, np.pi / 4 * diameter**2
+        density = row(pressure) / (GAS_CONSTANT * row(temperature))
+        momentum = density * row(speed)
+        energy = row(pressure) / (HEAT_CAPACITY_RATIO - 1) + momentum * row(speed) / 2
+        given = [length, diameter, wall_temperature, friction, heat, leak_area, ambient_pressure]
+        constants = np.array([row(one) for one in given])
+        self.volume = np.pi / 4 * constants[1] ** 2 * constants[0]
+        self._call, state = functions(), np.array([density, momentum, energy])
+        self._own = self._call.pipe_create(cells, state.ctypes.data, constants.ctypes.data)
+        if not self._own:
+            raise MemoryError(f"There is no memory for {cells} cells; take fewer.")
+        weakref.finalize(self, self._call.pipe_free, self._own)
+        self.steps = 0
+
+    def open_to(self, end: int, outside: Outside) -> None:
+        """What an end, 0 or 1, opens to from now on."""
+        given = _Outside(outside.opening, self.area, outside.pressure, outside.temperature)
+        self._call.pipe_end(self._own, end, given)
+
+    def advance(self, time: float, courant: float = COURANT) -> None:
+        """Goes on by a time [s]. Raises ValueError where that leads nowhere; the pipe is as it was then."""
+        steps = self._call.pipe_advance(self._own, time, courant)
+        if steps < 0:
+            raise ValueError(f"The air in the pipe came to no finite pressure above 0 within {time:g} s.")
+        self.steps += steps
+
+    @property
+    def state(self) -> NDArray[np.float64]:
+        """Density [kg/m3], momentum [kg/(m2.s)] and energy [J/m3], shape (3, cells)."""
+        found = np.empty((3, self.cells))
+        self._call.pipe_state(self._own, found.ctypes.data)
+        return found
+
+    @property
+    def pressure(self) -> NDArray[np.float64]:
+        """Absolute [Pa], shape (cells,)."""
+        density, momentum, energy = self.state
+        return (HEAT_CAPACITY_RATIO - 1) * (energy - momentum**2 / density / 2)
+
+    @property
+    def temperature(self) -> NDArray[np.float64]:
+        """[K], shape (cells,)."""
+        return self.pressure / (self.state[0] * GAS_CONSTANT)
+
+    @property
+    def speed(self) -> NDArray[np.float64]:
+        """[m/s], shape (cells,)."""
+        density, momentum, _ = self.state
+        return momentum / density
+
+    @property
+    def mass(self) -> float:
+        """Of the air in the pipe [kg]."""
+        return float(self.state[0] @ self.volume)
+
+    @property
+    def energy(self) -> float:
+        """Of the air in the pipe, internal and of motion [J]."""
+        return float(self.state[2] @ self.volume)
+
+    @property
+    def passed(self) -> _Passed:
+        """What has left since the beginning: `end_mass`, `end_energy`, `leak_mass`, `leak_energy`; `heat` that came."""
+        found = _Passed()
+        ctypes.pointer(found)[0] = self._call.pipe_has_passed(self._own).contents
+        return found
