@@ -11,13 +11,19 @@
 
 /* Air that rests, for cells that are none. */
 static const double AIR[PIPE_STATES] = {1.2, 0.0, 2.5e5};
+enum { OWN_ROWS = 4 * VEHICLE_STATES + VEHICLE_CONSTANTS + VEHICLE_PIPE + VEHICLE_RATES };
 /* How often a step is halved at most. */
 enum { MOST_HALVED = 12 };
 enum { ROWS = 4 * PIPE_STATES + PIPE_CONSTANTS + PIPE_SIDES + 2 * PIPE_STATES + PIPE_LEAKS + 1 };
 
-static void fill(pipe *self, double *row, double value)
+static void fill(double *row, long long int stride, double value)
 {
-    for (long long int i = -PIPE_EDGE; i < self->stride - PIPE_EDGE; ++i) row[i] = value;
+    for (long long int i = -PIPE_EDGE; i < stride - PIPE_EDGE; ++i) row[i] = value;
+}
+
+static long long int stride_of(long long int count)
+{
+    return (count + 7) / 8 * 8 + 3 * PIPE_EDGE;
 }
 
 pipe *pipe_create(long long int cells, const double *state, const double *constants)
@@ -25,7 +31,7 @@ pipe *pipe_create(long long int cells, const double *state, const double *consta
     pipe *self = (pipe *)calloc(1, sizeof *self);
     if (!self) return NULL;
     self->cells = cells;
-    self->stride = (cells + 7) / 8 * 8 + 3 * PIPE_EDGE;
+    self->stride = stride_of(cells);
     self->lanes = lanes_of_processor();
     self->memory = (double *)calloc((size_t)(ROWS * self->stride), sizeof(double));
     if (!self->memory) {
@@ -43,15 +49,15 @@ pipe *pipe_create(long long int cells, const double *state, const double *consta
         row += parts[part].rows * self->stride;
     }
     for (int n = 0; n < PIPE_STATES; ++n) {
-        fill(self, self->state + n * self->stride, AIR[n]);
+        fill(self->state + n * self->stride, self->stride, AIR[n]);
         memcpy(self->state + n * self->stride, state + n * cells, (size_t)cells * sizeof(double));
     }
     for (int n = 0; n < PIPE_CONSTANTS; ++n) {
-        fill(self, self->given + n * self->stride, 1.0);
+        fill(self->given + n * self->stride, self->stride, 1.0);
         memcpy(self->given + n * self->stride, constants + n * cells, (size_t)cells * sizeof(double));
     }
     for (long long int i = 0; i < cells; ++i) self->leaks |= self->given[i + 5 * self->stride] > 0.0;
-    for (int n = 0; n < PIPE_SIDES; ++n) fill(self, self->side + n * self->stride, 1.0);
+    for (int n = 0; n < PIPE_SIDES; ++n) fill(self->side + n * self->stride, self->stride, 1.0);
     for (int end = 0; end < 2; ++end) self->outside[end] = (pipe_outside){0.0, 1.0, 1e5, 293.15};
     return self;
 }
@@ -60,7 +66,50 @@ void pipe_free(pipe *self)
 {
     if (!self) return;
     free(self->memory);
+    free(self->own_memory);
+    free(self->cell);
     free(self);
+}
+
+int pipe_vehicles(pipe *self, long long int count, const long long int *cell, const double *state, const double *given, double pace)
+{
+    const long long int stride = self->vehicle_stride = stride_of(count);
+    free(self->own_memory);
+    free(self->cell);
+    self->vehicles = 0;
+    self->cell = (long long int *)malloc((size_t)count * sizeof *cell);
+    self->own_memory = (double *)calloc((size_t)(OWN_ROWS * stride), sizeof(double));
+    if (!self->cell || !self->own_memory) return 0;
+    memcpy(self->cell, cell, (size_t)count * sizeof *cell);
+    double *row = self->own_memory + PIPE_EDGE;
+    const struct {
+        double **first;
+        int rows;
+    } parts[] = {{&self->own, VEHICLE_STATES},       {&self->own_before, VEHICLE_STATES}, {&self->own_kept, VEHICLE_STATES},
+                 {&self->own_first, VEHICLE_STATES}, {&self->own_given, VEHICLE_CONSTANTS}, {&self->own_pipe, VEHICLE_PIPE},
+                 {&self->own_rate, VEHICLE_RATES}};
+    for (size_t part = 0; part < sizeof parts / sizeof *parts; ++part) {
+        *parts[part].first = row;
+        row += parts[part].rows * stride;
+    }
+    for (int n = 0; n < VEHICLE_STATES; ++n) {
+        fill(self->own + n * stride, stride, 1e5);
+        memcpy(self->own + n * stride, state + n * count, (size_t)count * sizeof(double));
+    }
+    for (int n = 0; n < VEHICLE_CONSTANTS; ++n) {
+        fill(self->own_given + n * stride, stride, 1.0);
+        memcpy(self->own_given + n * stride, given + n * count, (size_t)count * sizeof(double));
+    }
+    for (int n = 0; n < VEHICLE_PIPE; ++n) fill(self->own_pipe + n * stride, stride, n ? 293.15 : 1e5);
+    self->vehicles = count;
+    self->pace = pace;
+    return 1;
+}
+
+void pipe_vehicle_states(const pipe *self, double *state)
+{
+    for (int n = 0; n < VEHICLE_STATES; ++n)
+        memcpy(state + n * self->vehicles, self->own + n * self->vehicle_stride, (size_t)self->vehicles * sizeof(double));
 }
 
 void pipe_end(pipe *self, int end, const pipe_outside *outside)
@@ -136,6 +185,32 @@ static void leak(pipe *self, pipe_passed *passed)
     }
 }
 
+/* Gas constant [J/(kg.K)], heat capacity [J/(kg.K)] and temperature of walls [K] as air.py and distributor.py have them. */
+static const double GAS = 287.05287, CAPACITY = 287.05287 * 3.5, WALL = 293.15;
+
+/* Takes from the rates what goes to vehicles, and finds theirs. */
+static void distribute(pipe *self, pipe_passed *passed)
+{
+    const long long int stride = self->stride, own = self->vehicle_stride;
+    for (long long int v = 0; v < self->vehicles; ++v) {
+        const double *u = self->state + self->cell[v];
+        const double pressure = 0.4 * (u[2 * stride] - u[stride] * u[stride] / u[0] / 2.0);
+        self->own_pipe[v] = pressure;
+        self->own_pipe[v + own] = pressure / (u[0] * GAS);
+    }
+    IN_LANES(pipe_distribute);
+    const double *taken = self->own_rate + VEHICLE_STATES * own, *filled = taken + own;
+    for (long long int v = 0; v < self->vehicles; ++v) {
+        const long long int i = self->cell[v];
+        const double energy = taken[v] * CAPACITY * (taken[v] > 0.0 ? self->own_pipe[v + own] : WALL);
+        self->rate[i] -= taken[v] / volume(self, i);
+        self->rate[i + 2 * stride] -= energy / volume(self, i);
+        passed->vehicle_mass += taken[v];
+        passed->vehicle_energy += energy;
+        passed->cylinder_mass += filled[v];
+    }
+}
+
 /* Rates of all cells; the fastest wave over the length of its cell [1/s]. passed: what leaves in a second. */
 static double rates(pipe *self, pipe_passed *passed)
 {
@@ -151,10 +226,11 @@ static double rates(pipe *self, pipe_passed *passed)
         passed->end_energy[end] = out[2] * self->outside[end].area;
     }
     IN_LANES(pipe_rates);
-    passed->leak_mass = passed->leak_energy = 0.0;
+    passed->leak_mass = passed->leak_energy = passed->vehicle_mass = passed->vehicle_energy = passed->cylinder_mass = 0.0;
     if (self->leaks) leak(self, passed);
+    distribute(self, passed);
     const double *wave = self->side + 6 * self->stride, *length = self->given;
-    double fastest = 0.0;
+    double fastest = self->vehicles ? self->pace / 2.0 : 0.0; /* Heun's method is stable up to 2 over a pace */
     for (long long int i = 0; i < self->cells; ++i)
         fastest = wave[i] > fastest * length[i] ? wave[i] / length[i] : fastest;
     const long long int last = self->cells - 1;
@@ -169,6 +245,9 @@ static void add(pipe_passed *to, const pipe_passed *more, double time)
     }
     to->leak_mass += time * more->leak_mass;
     to->leak_energy += time * more->leak_energy;
+    to->vehicle_mass += time * more->vehicle_mass;
+    to->vehicle_energy += time * more->vehicle_energy;
+    to->cylinder_mass += time * more->cylinder_mass;
 }
 
 /* Heat exchange with the walls for a time. */
@@ -183,19 +262,28 @@ static void warm(pipe *self, double time)
     }
 }
 
+static void mix(double *u, const double *first, const double *rate, long long int count, double share, double step)
+{
+    for (long long int i = 0; i < count; ++i) u[i] = share * first[i] + (1.0 - share) * (u[i] + step * rate[i]);
+}
+
 /* state = share of what was before, and the rest of what the rates make of it in a step. */
 static void go_on(pipe *self, double share, double step)
 {
-    for (int row = 0; row < PIPE_STATES; ++row) {
-        double *u = self->state + row * self->stride;
-        const double *first = self->before + row * self->stride, *rate = self->rate + row * self->stride;
-        for (long long int i = 0; i < self->cells; ++i) u[i] = share * first[i] + (1.0 - share) * (u[i] + step * rate[i]);
+    for (int row = 0; row < PIPE_STATES; ++row)
+        mix(self->state + row * self->stride, self->before + row * self->stride, self->rate + row * self->stride, self->cells, share,
+            step);
+    for (int row = 0; row < VEHICLE_STATES && self->vehicles; ++row) {
+        const long long int at = row * self->vehicle_stride;
+        mix(self->own + at, self->own_before + at, self->own_rate + at, self->vehicles, share, step);
     }
 }
 
-static void copy(pipe *self, double *to, const double *from)
+static void copy(const pipe *self, double *to, const double *from, double *own, const double *own_from)
 {
     memcpy(to - PIPE_EDGE, from - PIPE_EDGE, (size_t)(PIPE_STATES * self->stride) * sizeof(double));
+    if (!self->vehicles) return;
+    memcpy(own - PIPE_EDGE, own_from - PIPE_EDGE, (size_t)(VEHICLE_STATES * self->vehicle_stride) * sizeof(double));
 }
 
 static bool sound(const pipe *self)
@@ -203,6 +291,9 @@ static bool sound(const pipe *self)
     const double *density = self->state, *momentum = density + self->stride, *energy = momentum + self->stride;
     for (long long int i = 0; i < self->cells; ++i)
         if (!(density[i] > 0.0 && isfinite(energy[i]) && energy[i] * density[i] > momentum[i] * momentum[i] / 2.0)) return false;
+    for (int row = 0; row < VEHICLE_STATES; ++row)
+        for (long long int v = 0; v < self->vehicles; ++v)
+            if (!(self->own[v + row * self->vehicle_stride] > 0.0 && isfinite(self->own[v + row * self->vehicle_stride]))) return false;
     return true;
 }
 
@@ -211,7 +302,7 @@ static void step_on(pipe *self, double step)
 {
     pipe_passed first, second;
     warm(self, step / 2.0);
-    copy(self, self->before, self->state);
+    copy(self, self->before, self->state, self->own_before, self->own);
     rates(self, &first);
     go_on(self, 0.0, step);
     rates(self, &second);
@@ -226,14 +317,14 @@ static double step_of(pipe *self, double left, double courant)
 {
     pipe_passed passed = self->passed, unused;
     const double fastest = rates(self, &unused);
-    copy(self, self->kept, self->state);
+    copy(self, self->kept, self->state, self->own_kept, self->own);
     for (int halved = 0; halved < MOST_HALVED; ++halved) {
         const double count = ceil(ldexp(left * fastest / courant, halved));
         if (!(count < 1e9)) return 0.0;
         const double step = left / fmax(count, 1.0);
         step_on(self, step);
         if (sound(self)) return step;
-        copy(self, self->state, self->kept);
+        copy(self, self->state, self->kept, self->own, self->own_kept);
         self->passed = passed;
     }
     return 0.0;
@@ -242,12 +333,12 @@ static double step_of(pipe *self, double left, double courant)
 long long int pipe_advance(pipe *self, double time, double courant)
 {
     const pipe_passed passed = self->passed;
-    copy(self, self->first, self->state);
+    copy(self, self->first, self->state, self->own_first, self->own);
     long long int steps = 0;
     for (double left = time; left > 0.0; ++steps) {
         const double step = step_of(self, left, courant);
         if (step == 0.0) {
-            copy(self, self->state, self->first);
+            copy(self, self->state, self->first, self->own, self->own_first);
             self->passed = passed;
             return -1;
         }

@@ -11,17 +11,19 @@
 #define PIPE_SHOWN __attribute__((visibility("default")))
 #endif
 
-/* Numbers of a cell: density, momentum, energy; its constants, CONSTANTS of brake_pipe.py. */
-enum { PIPE_STATES = 3, PIPE_CONSTANTS = 7 };
+/* Numbers of a cell: density, momentum, energy; its constants, CONSTANTS of brake_pipe.py. Of a vehicle: its states and its
+ * parameters, STATES and DistributorParameters of distributor.py. */
+enum { PIPE_STATES = 3, PIPE_CONSTANTS = 7, VEHICLE_STATES = 4, VEHICLE_CONSTANTS = 14 };
 
 /* What is outside an end: effective opening [m2], inner area of the pipe [m2], pressure [Pa], temperature [K]. */
 typedef struct {
     double opening, area, pressure, temperature;
 } pipe_outside;
 
-/* What has left since the beginning [kg], [J]: through each end, by leaks; and heat that walls have given [J]. */
+/* What has left since the beginning [kg], [J]: through each end, by leaks, to vehicles; heat that walls have given [J]; and air
+ * that cylinders have taken [kg]. */
 typedef struct {
-    double end_mass[2], end_energy[2], leak_mass, leak_energy, heat;
+    double end_mass[2], end_energy[2], leak_mass, leak_energy, vehicle_mass, vehicle_energy, heat, cylinder_mass;
 } pipe_passed;
 
 typedef struct pipe pipe;
@@ -29,8 +31,13 @@ typedef struct pipe pipe;
 /* state: PIPE_STATES rows of so many cells; constants: PIPE_CONSTANTS rows; both are copied. null: there is no memory. */
 PIPE_SHOWN pipe *pipe_create(long long int cells, const double *state, const double *constants);
 PIPE_SHOWN void pipe_free(pipe *self);
+/* Vehicles take air from these cells; state, given: rows of so many vehicles, copied; pace: how fast a state of theirs comes to
+ * rest at most [1/s]. 0: there is no memory. */
+PIPE_SHOWN int pipe_vehicles(pipe *self, long long int count, const long long int *cell, const double *state, const double *given,
+                             double pace);
+PIPE_SHOWN void pipe_vehicle_states(const pipe *self, double *state);
 PIPE_SHOWN void pipe_end(pipe *self, int end, const pipe_outside *outside);
-/* Air of a cell is another from now on: density, momentum, energy. */
+/* Density, momentum and energy of all cells. */
 PIPE_SHOWN void pipe_state(const pipe *self, double *state);
 PIPE_SHOWN const pipe_passed *pipe_has_passed(const pipe *self);
 /* Goes on by a time [s] in steps of at most `courant` of what a wave needs through a cell; how many steps that took, or

@@ -6,14 +6,17 @@
 
 #include "pipe.h"
 
-enum { PIPE_EDGE = 8, PIPE_SIDES = 7, PIPE_LEAKS = 2 };
+enum { PIPE_EDGE = 8, PIPE_SIDES = 7, PIPE_LEAKS = 2, VEHICLE_PIPE = 2, VEHICLE_RATES = VEHICLE_STATES + 2 };
 
 struct pipe {
     long long int cells, stride;
     int lanes;
     bool leaks;
-    double *memory;
+    double *memory, *own_memory;
     double *state, *before, *kept, *first, *given, *side, *flux, *rate, *leak, *time; /* the first cell of each first row */
+    long long int vehicles, vehicle_stride, *cell; /* which cell a vehicle takes its air from */
+    double pace;
+    double *own, *own_before, *own_kept, *own_first, *own_given, *own_pipe, *own_rate; /* the same of vehicles */
     pipe_outside outside[2];
     pipe_passed passed;
 };
@@ -23,6 +26,7 @@ struct pipe {
     void pipe_faces_##lanes(pipe *self);                                                                                        \
     void pipe_rates_##lanes(pipe *self);                                                                                        \
     void pipe_leaks_##lanes(pipe *self);                                                                                        \
+    void pipe_distribute_##lanes(pipe *self);                                                                                   \
     void pipe_warm_##lanes(pipe *self);                                                                                         \
     void pipe_ending_##lanes(const double *air, const double *outside, double *flux)
 PIPE_LOOPS(1);

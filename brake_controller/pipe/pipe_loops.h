@@ -33,6 +33,14 @@ void LANES_NAME(pipe_leaks)(pipe *self)
     LANES_LEAVE;
 }
 
+void LANES_NAME(pipe_distribute)(pipe *self)
+{
+    for (long long int i = 0; i < self->vehicles; i += LANES)
+        LANES_NAME(cells_distributing)(self->own + i, self->own_pipe + i, self->own_given + i, self->own_rate + i,
+                                       self->vehicle_stride);
+    LANES_LEAVE;
+}
+
 void LANES_NAME(pipe_warm)(pipe *self)
 {
     for (long long int i = 0; i < self->cells; i += LANES)

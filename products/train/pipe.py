@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import weakref
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -15,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from brake_controller import pipe as folder
 from brake_controller.air import GAS_CONSTANT, HEAT_CAPACITY_RATIO
 from brake_controller.brake_pipe import ending, leaking, passing, rates, sides, warmed
+from brake_controller.distributor import AMBIENT, STATES, DistributorParameters, distributing, fastest_change
 from fmu_src.compile import plain_library
 from fmu_src.equations_in_c import WIDTHS, function_of_cells
 
@@ -39,14 +41,15 @@ class _Outside(ctypes.Structure):
 class _Passed(ctypes.Structure):
     _fields_ = (
         *((name, ctypes.c_double * 2) for name in ("end_mass", "end_energy")),
-        *((name, ctypes.c_double) for name in ("leak_mass", "leak_energy", "heat")),
+        *((name, ctypes.c_double) for name in ("leak_mass", "leak_energy", "vehicle_mass", "vehicle_energy", "heat")),
+        ("cylinder_mass", ctypes.c_double),
     )
 
 
 def sources() -> dict[str, str]:
     """C files by name: the loop, and what is generated for each cell."""
     texts = {path.name: path.read_text(encoding="utf-8") for path in sorted(FOLDER.glob("pipe*.[ch]"))}
-    made = [function_of_cells(one()) for one in (sides, passing, rates, leaking, warmed, ending)]
+    made = [function_of_cells(one()) for one in (sides, passing, rates, leaking, warmed, ending, distributing)]
     texts["pipe_cells.h"] = "\n".join(made)
     for lanes in (1, *WIDTHS):
         loops = f'#define LANES {lanes}\n#include "pipe_loops.h"\n'
@@ -64,6 +67,8 @@ def functions() -> ctypes.CDLL:
     signatures: dict[str, tuple[Any, list[Any]]] = {
         "pipe_create": (pointer, [count, pointer, pointer]),
         "pipe_free": (None, [pointer]),
+        "pipe_vehicles": (ctypes.c_int, [pointer, count, pointer, pointer, pointer, number]),
+        "pipe_vehicle_states": (None, [pointer, pointer]),
         "pipe_end": (None, [pointer, ctypes.c_int, ctypes.POINTER(_Outside)]),
         "pipe_state": (None, [pointer, pointer]),
         "pipe_has_passed": (ctypes.POINTER(_Passed), [pointer]),
@@ -113,7 +118,25 @@ class Pipe:
         if not self._own:
             raise MemoryError(f"There is no memory for {cells} cells; take fewer.")
         weakref.finalize(self, self._call.pipe_free, self._own)
-        self.steps = 0
+        self.steps, self.vehicles = 0, 0
+
+    def connect(self, cells: Sequence[int], distributors: Sequence[DistributorParameters], pressure: float) -> None:
+        """Vehicles take air from these cells, charged to an absolute pressure [Pa]; their cylinders are empty."""
+        self.vehicles = len(cells)
+        given = np.array([list(one.values().values()) for one in distributors]).T.copy()
+        first = {"control": pressure, "accelerator": AMBIENT, "auxiliary": pressure, "cylinder": AMBIENT}
+        state = np.array([[first[name]] * self.vehicles for name in STATES])
+        places = np.array(cells, np.int64)
+        pace = max(map(fastest_change, dict.fromkeys(distributors)))
+        rows = (one.ctypes.data for one in (places, state, given))
+        if not self._call.pipe_vehicles(self._own, self.vehicles, *rows, pace):
+            raise MemoryError(f"There is no memory for {self.vehicles} vehicles; take fewer.")
+
+    def vehicle_pressures(self, name: str) -> NDArray[np.float64]:
+        """Absolute, of control, accelerator, auxiliary or cylinder [Pa], shape (vehicles,)."""
+        found = np.empty((len(STATES), self.vehicles))
+        self._call.pipe_vehicle_states(self._own, found.ctypes.data)
+        return np.asarray(found[STATES.index(name)])
 
     def open_to(self, end: int, outside: Outside) -> None:
         """What an end, 0 or 1, opens to from now on."""
@@ -163,7 +186,10 @@ class Pipe:
 
     @property
     def passed(self) -> _Passed:
-        """What has left since the beginning: `end_mass`, `end_energy`, `leak_mass`, `leak_energy`; `heat` that came."""
+        """What has left since the beginning, mass [kg] and energy [J]: through ends, by leaks, to vehicles.
+
+        heat: that walls have given [J]; cylinder_mass: air that cylinders took [kg].
+        """
         found = _Passed()
         ctypes.pointer(found)[0] = self._call.pipe_has_passed(self._own).contents
         return found

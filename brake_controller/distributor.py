@@ -1,0 +1,164 @@
+"""The distributor of a vehicle: from the pressure in the brake pipe to that in the brake cylinder.
+
+Control chamber, accelerator, auxiliary reservoir and cylinder are volumes of air at the temperature of their walls (an
+ideal gas), between which chokes let air pass (ISO 6358-1). The cylinder follows the difference between control chamber
+and pipe, through relays without inertia. Values are those that UIC 540 and 541-1 ask for where a comment says so, from
+excerpts and from memory; all else is assumed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import casadi as ca
+from scipy.integrate import quad
+
+from brake_controller.air import GAS_CONSTANT, LAMINAR_DIFFERENCE, effective_area, mass_flow
+from fmu_src.system import ParameterSet, quantity
+
+#: Discharge coefficient of all chokes, temperature of all walls [K] and pressure around [Pa, absolute]. Assumed.
+DISCHARGE, WALL, AMBIENT = 0.8, 293.15, 101325.0
+#: Over this difference a relay opens [Pa]: the cylinder is held to a few kPa.
+RELAY = 5e3
+#: States of a vehicle, absolute pressures [Pa].
+STATES = ("control", "accelerator", "auxiliary", "cylinder")
+
+
+@dataclass(frozen=True)
+class DistributorParameters(ParameterSet):
+    """One distributor with its volumes and chokes; pressures are differences or gauge pressures."""
+
+    control_volume: float = quantity("m3", "Volume of the control chamber", 1e-5)
+    accelerator_volume: float = quantity("m3", "Volume of the chamber that takes air as braking begins", 0.0)
+    auxiliary_volume: float = quantity("m3", "Volume of the auxiliary reservoir", 1e-4)
+    cylinder_volume: float = quantity("m3", "Volume of the brake cylinders, full stroke", 1e-4)
+    control_choke: float = quantity("m", "Diameter of the choke between pipe and control chamber", 0.0)
+    auxiliary_choke: float = quantity("m", "Diameter of the choke between pipe and auxiliary reservoir", 0.0)
+    filling_choke: float = quantity("m", "Diameter of the choke that fills the cylinder", 0.0)
+    release_choke: float = quantity("m", "Diameter of the choke that empties the cylinder", 0.0)
+    inshot_choke: float = quantity("m", "Diameter of a choke beside it up to the in-shot", 0.0)
+    inshot: float = quantity("Pa", "Pressure of the cylinder up to which it fills quickly", 0.0)
+    accelerator_time: float = quantity("s", "Time to 95 % in which the accelerator's chamber fills", 1e-2)
+    sensitivity: float = quantity("Pa", "Difference at which braking begins and the control chamber is shut off", 1e2)
+    full_difference: float = quantity("Pa", "Difference that gives the full pressure of the cylinder", 1e3)
+    full_pressure: float = quantity("Pa", "Largest pressure of the cylinder", 0.0)
+
+
+def freight(position: str = "P") -> DistributorParameters:
+    """Of a wagon, whose cylinder fills and empties in the middle of the times of UIC 540, to 95 % and to 0.4 bar.
+
+    P: 4 and 17.5 s, G: 24 and 52.5 s. 3.8 bar at a difference of 1.5 bar (UIC 540); auxiliary reservoir 100 l,
+    accelerator 0.46 l, in-shot 0.69 bar, chokes of control chamber 0.59 and auxiliary reservoir 2.3 mm (data of Dako
+    BV1 as train simulators print them). Assumed: volumes of control chamber 4 l and cylinder 10.3 l, sensitivity 10
+    kPa, 1 s in which the accelerator fills.
+    """
+    filling, release = {"P": (4.0, 17.5), "G": (24.0, 52.5)}[position]
+    bare = DistributorParameters(
+        control_volume=4e-3,
+        accelerator_volume=0.46e-3,
+        auxiliary_volume=0.1,
+        cylinder_volume=10.3e-3,
+        control_choke=0.59e-3,
+        auxiliary_choke=2.3e-3,
+        filling_choke=0.0,
+        release_choke=0.0,
+        inshot_choke=6e-3,
+        inshot=69e3,
+        accelerator_time=1.0,
+        sensitivity=10e3,
+        full_difference=150e3,
+        full_pressure=380e3,
+    )
+    return replace(
+        bare,
+        filling_choke=filling_choke(bare, filling),
+        release_choke=release_choke(bare, release),
+    )
+
+
+def _flow_of_a_metre(pressure: float, behind: float) -> float:
+    """Mass flow [kg/s] through a choke of 1 m, both pressures absolute (ISO 6358-1)."""
+    area = effective_area(ca.SX(1.0), ca.SX(DISCHARGE))
+    return float(ca.evalf(mass_flow(area, ca.SX(pressure), ca.SX(WALL), ca.SX(behind))))
+
+
+def filling_choke(p: DistributorParameters, time: float) -> float:
+    """Diameter [m] with which a cylinder comes to 95 % in a time [s], from a reservoir of 5 bar that it does not empty.
+
+    Isothermal: t = V / (R T) int dp / (G of a metre) / d^2. What the in-shot takes is left out, which takes its share
+    of the way at once.
+    """
+    supply, full = 500e3 + AMBIENT, p.full_pressure
+    integral = quad(lambda x: 1.0 / _flow_of_a_metre(supply, x + AMBIENT), p.inshot, 0.95 * full, limit=200)[0]
+    return float((p.cylinder_volume / (GAS_CONSTANT * WALL) * integral / time) ** 0.5)
+
+
+def release_choke(p: DistributorParameters, time: float) -> float:
+    """Diameter [m] with which a cylinder comes from full to 0.4 bar in a time [s] (UIC 540), isothermal."""
+    integral = quad(lambda x: 1.0 / _flow_of_a_metre(x + AMBIENT, AMBIENT), 40e3, p.full_pressure, limit=200)[0]
+    return float((p.cylinder_volume / (GAS_CONSTANT * WALL) * integral / time) ** 0.5)
+
+
+def fastest_change(p: DistributorParameters) -> float:
+    """How fast a state comes to rest at most [1/s]: an explicit step of more than two over it lies.
+
+    A choke of an area A into a volume V: sqrt(R T) A / V times the steepest slope of the flow function; behind a relay,
+    the choked flow over the relay's band beside it.
+    """
+    specific = GAS_CONSTANT * WALL
+    steepest = 2 * _flow_of_a_metre(1.0, 1.0 - LAMINAR_DIFFERENCE) / LAMINAR_DIFFERENCE
+    relay = _flow_of_a_metre(p.full_pressure + 2 * AMBIENT, AMBIENT) / RELAY
+    slopes = {
+        p.control_volume: p.control_choke**2 * steepest,
+        p.auxiliary_volume: (p.auxiliary_choke**2 + p.filling_choke**2 + p.inshot_choke**2) * (steepest + relay),
+        p.cylinder_volume: (p.filling_choke**2 + p.inshot_choke**2 + p.release_choke**2) * (steepest + relay),
+    }
+    return max(3.0 / p.accelerator_time, *(specific * slope / volume for volume, slope in slopes.items()))
+
+
+def _share(value: ca.SX) -> ca.SX:
+    return ca.fmax(ca.fmin(value, 1), 0)
+
+
+def distributing() -> ca.Function:
+    """Of a vehicle's states, pressure and temperature in the pipe, and its parameters: rates of the states; what goes.
+
+    That is: air from the pipe to the vehicle, and air to its cylinder [kg/s]. Ideal gas at the temperature of the
+    walls, V dp/dt = R T G; flows by ISO 6358-1.
+    """
+    fields = list(DistributorParameters.__dataclass_fields__)
+    states, pipe, given = ca.SX.sym("states", 4), ca.SX.sym("pipe", 2), ca.SX.sym("given", len(fields))
+    p = dict(zip(fields, ca.vertsplit(given), strict=True))
+    control, accelerator, auxiliary, cylinder = ca.vertsplit(states)
+    line, warmth = ca.vertsplit(pipe)
+
+    def through(choke: ca.SX, pressure: ca.SX, temperature: ca.SX | float, behind: ca.SX | float) -> ca.SX:
+        return mass_flow(effective_area(choke, ca.SX(DISCHARGE)), pressure, ca.SX(temperature), ca.SX(behind))
+
+    fallen = control - line
+    brakes = _share(
+        2 * fallen / p["sensitivity"] - 1
+    )  # from half of the sensitivity on the control chamber is shut off
+    to_control = through(p["control_choke"], line, warmth, control)
+    from_control = (1 - brakes) * through(p["control_choke"], control, WALL, line)
+    specific = GAS_CONSTANT * WALL
+    # Braking, the chamber fills from the pipe; released, it empties to the surroundings, as fast.
+    pace = 3.0 / p["accelerator_time"]
+    into = ca.fmax(line - accelerator, 0) * pace * brakes
+    out = (accelerator - AMBIENT) * pace * (1 - brakes)
+    to_auxiliary = through(p["auxiliary_choke"], line, warmth, auxiliary)
+    wanted = ca.fmin(p["full_pressure"] / p["full_difference"] * fallen, p["full_pressure"]) * brakes
+    over = cylinder - AMBIENT
+    quick = _share((p["inshot"] - over) / RELAY) * through(p["inshot_choke"], auxiliary, WALL, cylinder)
+    fills = _share((wanted - over) / RELAY) * (through(p["filling_choke"], auxiliary, WALL, cylinder) + quick)
+    empties = _share((over - wanted) / RELAY) * through(p["release_choke"], cylinder, WALL, AMBIENT)
+    rates = ca.vertcat(
+        specific * (to_control - from_control) / p["control_volume"],
+        into - out,
+        specific * (to_auxiliary - fills) / p["auxiliary_volume"],
+        specific * (fills - empties) / p["cylinder_volume"],
+    )
+    taken = to_control - from_control + to_auxiliary + into * p["accelerator_volume"] / specific
+    names = ["states", "pipe", "given"]
+    result = ca.densify(ca.vertcat(rates, taken, fills))
+    return ca.Function("distributing", [states, pipe, given], [result], names, ["result"])
