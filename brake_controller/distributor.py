@@ -83,7 +83,7 @@ def _flow_of_a_metre(pressure: float, behind: float) -> float:
 
 
 def filling_choke(p: DistributorParameters, time: float) -> float:
-    """Diameter [m] with which a cylinder comes to 95 % in a time [s], from a reservoir of 5 bar that it does not empty.
+    """Diameter [m] with which a cylinder comes to 95 % in a time [s] (UIC 540), from 5 bar that stay.
 
     Isothermal: t = V / (R T) int dp / (G of a metre) / d^2. What the in-shot takes is left out, which takes its share
     of the way at once.
@@ -102,8 +102,8 @@ def release_choke(p: DistributorParameters, time: float) -> float:
 def fastest_change(p: DistributorParameters) -> float:
     """How fast a state comes to rest at most [1/s]: an explicit step of more than two over it lies.
 
-    A choke of an area A into a volume V: sqrt(R T) A / V times the steepest slope of the flow function; behind a relay,
-    the choked flow over the relay's band beside it.
+    A choke of an area A into a volume V: sqrt(R T) A / V times the steepest slope of the flow (ISO 6358-1); behind a
+    relay, the choked flow over the relay's band beside it.
     """
     specific = GAS_CONSTANT * WALL
     steepest = 2 * _flow_of_a_metre(1.0, 1.0 - LAMINAR_DIFFERENCE) / LAMINAR_DIFFERENCE

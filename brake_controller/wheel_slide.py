@@ -446,8 +446,10 @@ class Supervised:
     def unhurried(self, time: float, wheel_speeds: Sequence[float]) -> list[int]:
         """The same, however long it takes. Raises ControllerError."""
         try:
-            answer = list(self.controller.step(time, wheel_speeds))
+            given: object = self.controller.step(time, wheel_speeds)
+            answer: list[Any] = [] if given is None else list(given)  # type: ignore[call-overload]
             fits = len(answer) == self.wheelsets and self._commands.issuperset(answer)
+            fits = fits and not any(isinstance(one, bool) or type(one).__name__ == "bool_" for one in answer)
         except (Exception, SystemExit) as error:
             raise ControllerError(
                 f"The controller {self.name} failed at {time:.6g} s ({failure(error, self.controller)}); the brake "

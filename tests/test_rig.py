@@ -466,7 +466,10 @@ def test_the_programme_that_comes_along_reads_as_it_is_written() -> None:
     [
         ("", "has no [[case]]; give it one for each stop."),
         ("[[case]\n", "is no TOML file"),
-        ('[[case]]\nname = "a"\n', "case 1 (a): give a name and a rail, one of dry, wet, low, very_low: it was None."),
+        ('[[case]]\nname = "a"\nrail = "dry"\n[[cases]]\n', "there is no [cases]; call each stop [[case]]."),
+        ('[[case]]\nrail = "dry"\n', "give a name, as in name = "),
+        ('[[case]]\nname = "a"\nrail = "dry"\nequipment = ["sanders"]\n', "sanders without sand have no effect; set"),
+        ('[[case]]\nname = "a"\n', "case 1 (a): give a rail, one of dry, wet, low, very_low: it was None."),
         ('[[case]]\nname = "a"\nrail = "dry"\nspeeed = 3\n', "case 1 (a): there is no speeed; give some of name,"),
         ('[[case]]\nname = "a"\nrail = "dry"\nspeed = "3mph"\n', "as 25m/s or 160km/h: it was 3mph."),
         ('[[case]]\nname = "a"\nrail = "dry"\nstrength = 0\n', "set strength above 0 and up to 5: it was 0."),
@@ -494,7 +497,7 @@ def test_the_programme_that_comes_along_reads_as_it_is_written() -> None:
         ),
         (
             '[[case]]\nname = "a"\nrail = "dry"\nfault = [{ wheelset = 1, valve_from = nan }]\n',
-            "Set valve_from to a time of at least 0 s: it was nan.",
+            "Set valve_from to a time from 0 to below 300 s, when runs end: it was nan.",
         ),
         ('[[case]]\nname = "a"\nrail = "dry"\nfault = [3]\n', "give fault a list, [{ wheelset = 1, sensor = ... }]."),
         (2 * '[[case]]\nname = "a"\nrail = "dry"\n', "2 cases are called a; give each its own name."),
@@ -539,7 +542,26 @@ class Flat(LetAllGo):
         return np.zeros(len(speeds), int)
 
 
+class Truths(LetGo):
+    def step(self, time: float, speeds: list[float]) -> list[int]:
+        return [True] * len(speeds)
+
+
+class Forgets(LetGo):
+    def step(self, time: float, speeds: list[float]) -> list[int]:
+        return None  # type: ignore[return-value]
+
+
+class ManyTruths(LetAllGo):
+    def step(self, time: NDArray[np.float64], speeds: NDArray[np.float64]) -> NDArray[np.integer]:
+        return np.ones(speeds.shape, bool)  # type: ignore[return-value]
+
+
 NONSENSE = SOURCE.replace("? WHEEL_SLIDE_VENT", "? 7")
+#: Behind its memory at the third second, and behind its valves.
+LATE = "if (time > 3.0)"
+BEYOND_MEMORY = SOURCE.replace("double fastest = 0.0;", f"double fastest = 0.0;\n    {LATE} ((char *)memory)[200] = 1;")
+BEYOND_VALVES = SOURCE.replace("double fastest = 0.0;", f"double fastest = 0.0;\n    {LATE} valve[9] = 0;")
 
 
 def failing(tmp_path: Path) -> Iterator[tuple[str, Form]]:
@@ -549,6 +571,11 @@ def failing(tmp_path: Path) -> Iterator[tuple[str, Form]]:
     yield r"gave \[nan, nan\] at", Arrays(NoNumbers())
     yield r"due was \(1, 2\)", Arrays(Flat())
     yield "gave 7 for valve", in_c(tmp_path, NONSENSE, 0.9)
+    yield r"gave \[True, True\] at", Truths
+    yield r"gave \[\] at", Forgets
+    yield r"gave \[True, True\] at", Arrays(ManyTruths())
+    yield "wrote behind its memory", in_c(tmp_path, BEYOND_MEMORY, 0.91)
+    yield "or behind its 2 valves at 3.005 s", in_c(tmp_path, BEYOND_VALVES, 0.92)
 
 
 def test_a_controller_that_fails_leaves_the_brake_applied(tmp_path: Path) -> None:

@@ -7,6 +7,9 @@
 
 #include "wheel_slide.h"
 
+/* Behind the memory of a controller, and behind its valves, lie so many bytes and numbers that it may not change. */
+enum { GUARD = 1024, GUARD_VALVES = 64, GUARDED = 0x5a };
+
 /* A kernel_status above this: the step failed, or the run has ended by itself. */
 #define WORKS 1
 
@@ -59,7 +62,7 @@ rig *rig_create(long long int rows, const rig_settings *settings, const rig_cont
         one->skid = (double *)room(n, sizeof(double));
         one->pressure = (double *)room(n, sizeof(double));
         one->valve = (int *)room(n, sizeof(int));
-        one->memory = room(1, controller->size);
+        one->memory = room(1, controller->size + GUARD);
         whole = one->sensor && one->wheelset && one->seen && one->error && one->locked && one->skid && one->pressure && one->valve &&
                 one->memory;
     }
@@ -88,6 +91,24 @@ void rig_free(rig *self)
     free(self);
 }
 
+/* Whether a controller in C changed nothing behind its memory, nor behind its valves. */
+static bool kept_to_itself(const rig *self, const rig_run *one, const int *valve)
+{
+    const unsigned char *behind = (const unsigned char *)one->memory + self->controller.size;
+    for (int i = 0; i < GUARD; ++i)
+        if (behind[i] != GUARDED) return false;
+    for (int i = 0; valve && i < GUARD_VALVES; ++i)
+        if (valve[self->settings.wheelsets + i] != GUARDED) return false;
+    return true;
+}
+
+static void gone_beyond(rig *self, long long int row)
+{
+    rig_give_up(self, row);
+    self->score[row].valve = RIG_BEYOND;
+    memset((char *)self->run[row].memory + self->controller.size, GUARDED, GUARD);
+}
+
 void rig_begin(rig *self, long long int row, double end_speed, const double *error, const rig_wheelset *wheelset)
 {
     const rig_settings *s = &self->settings;
@@ -109,7 +130,9 @@ void rig_begin(rig *self, long long int row, double end_speed, const double *err
     self->score[row].reservoir = s->reservoir ? INFINITY : 0.0;
     if (!self->controller.step) return;
     memset(one->memory, 0, self->controller.size);
+    memset((char *)one->memory + self->controller.size, GUARDED, GUARD);
     self->controller.start(one->memory, s->wheelsets, s->period);
+    if (!kept_to_itself(self, one, NULL)) gone_beyond(self, row);
 }
 
 /* Numbers that a machine shows. */
@@ -286,13 +309,17 @@ bool rig_between(void *context, long long int first, long long int count, const 
     for (long long int i = 0; i < count; ++i) {
         const long long int row = first + i;
         double wheel_speed[RIG_MOST];
-        int valve[RIG_MOST];
+        int valve[RIG_MOST + GUARD_VALVES];
         if (!look(self, row, status[i], shown + (size_t)i * width(&self->settings), wheel_speed)) continue;
         memcpy(valve, self->run[row].valve, (size_t)n * sizeof *valve);
+        for (int v = 0; v < GUARD_VALVES; ++v) valve[n + v] = GUARDED;
         if (isnan(self->score[row].failed_at) && self->controller.step) {
             const double time = (double)self->run[row].looks * self->settings.period;
             self->controller.step(self->run[row].memory, time, wheel_speed, valve);
-            take(self, row, valve);
+            if (kept_to_itself(self, &self->run[row], valve))
+                take(self, row, valve);
+            else
+                gone_beyond(self, row);
         }
         set(self, row, told + i * 2 * n);
         any = true;

@@ -49,6 +49,9 @@ typedef struct {
 /* How a run stands: it goes on; it came to its last speed; it ran too long; its machine failed, or derailed. */
 enum { RIG_RUNS = 0, RIG_DONE = 1, RIG_TOO_LONG = 2, RIG_LOST = 3 };
 
+/* In place of a valve: the controller wrote behind its memory or behind its valves. */
+enum { RIG_BEYOND = -1 };
+
 /* Most wheelsets of a machine. */
 #define RIG_MOST 16
 

@@ -16,11 +16,13 @@ def table_from(path: Path) -> Recording:
 
     Raises ValueError with the line where it is none, OSError for a file that cannot be read.
     """
-    with path.open(encoding="utf-8", newline="") as file:
+    with path.open(encoding="utf-8-sig", newline="") as file:
         try:
             lines = list(csv.reader(file))
         except (UnicodeDecodeError, csv.Error) as error:
             raise ValueError(f"{path} is no CSV file ({error}); give a table of text.") from None
+    if lines and len(lines[0]) == 1 and ";" in lines[0][0]:
+        raise ValueError(f"{path}: part columns by commas, and write numbers with points.")
     heads = [re.fullmatch(r"\s*(\w+)\s*\[(.+)\]\s*", one) for one in lines[0]] if lines else []
     if not heads or None in heads or heads[0][1] != "time":  # type: ignore[index]
         raise ValueError(f"{path}: give the first line names with units, time first, such as: time [s],speed [m/s]")

@@ -12,7 +12,7 @@ from typing import Any
 
 from products.protection.braked_machine import Machine
 from products.protection.rails import RAILS
-from products.protection.runs import EQUIPMENT, TRACTION, Fault, Run, in_order
+from products.protection.runs import EQUIPMENT, SANDERS, TRACTION, Fault, Run, in_order
 from rbd_model.track.friction import CONDITIONS
 
 #: Python reads TOML itself from 3.11 on.
@@ -88,6 +88,9 @@ def read_programme(path: Path) -> list[Case]:
         raise ValueError(f"{path} is no TOML file ({error}); mend it.") from None
     if not isinstance(read.get("case"), list) or not read["case"]:
         raise ValueError(f"{path} has no [[case]]; give it one for each stop.")
+    for name in read:
+        if name != "case":
+            raise ValueError(f"{path}: there is no [{name}]; call each stop [[case]].")
     cases = []
     for number, table in enumerate(read["case"], 1):
         try:
@@ -108,8 +111,10 @@ def _case(table: Mapping[str, Any]) -> Case:
     for name in table:
         if name not in KNOWN:
             raise ValueError(f"there is no {name}; give some of {', '.join(KNOWN)}.")
-    if not isinstance(table.get("name"), str) or table.get("rail") not in CONDITIONS:
-        raise ValueError(f"give a name and a rail, one of {', '.join(CONDITIONS)}: it was {table.get('rail')!r}.")
+    if not isinstance(table.get("name"), str):
+        raise ValueError("give a name, as in name = 'wet, 120 km/h'.")
+    if table.get("rail") not in CONDITIONS:
+        raise ValueError(f"give a rail, one of {', '.join(CONDITIONS)}: it was {table.get('rail')!r}.")
     strength, friction = (_number(name, table[name]) if name in table else None for name in ("strength", "friction"))
     if strength is not None and not 0.0 < strength <= STRONGEST:
         raise ValueError(f"set strength above 0 and up to {STRONGEST:g}: it was {strength:g}.")
@@ -129,6 +134,8 @@ def _case(table: Mapping[str, Any]) -> Case:
     equipment = table.get("equipment", [])
     if not isinstance(equipment, list):
         raise ValueError(f"give equipment a list of names, some of {', '.join(EQUIPMENT)}.")
+    if SANDERS in equipment and not any(name.startswith("sand_rate_") and value for name, value in values):
+        raise ValueError("sanders without sand have no effect; set sand_rate_1 or another [kg/s] in values.")
     return Case(table["name"], table["rail"], friction, speed, strength, load, values, faults, in_order(equipment))
 
 

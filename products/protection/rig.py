@@ -28,7 +28,7 @@ from products.protection.forms import Arrays, Form, FunctionsInC, InC, Outside, 
 from products.protection.history import Notebook
 from products.protection.protected_stop import BRAKE_START, CYLINDER_VOLUME, GAS, LONGEST, Settings
 from products.protection.rails import ABOVE, BAND, LOCK_ABOVE
-from products.protection.rig_in_c import DONE, LOST, RUNS, SCORE, TOO_LONG, Wheelset
+from products.protection.rig_in_c import BEYOND, DONE, LOST, RUNS, SCORE, TOO_LONG, Wheelset
 from products.protection.runs import DYNAMIC_BRAKE, SENSOR_FAILURES, TRACTION, Run, Stop, in_order
 
 #: Looks between two glances at which runs have ended; so many at most go on for nothing.
@@ -50,7 +50,7 @@ def check_period(period: float) -> None:
 
 def commands_of(answer: NDArray[Any]) -> tuple[NDArray[np.int32], NDArray[np.bool_]]:
     """An answer of shape (rows, wheelsets) as commands, and the rows that have nothing but 0, 1 and 2."""
-    if answer.dtype.kind not in "biuf":
+    if answer.dtype.kind not in "iuf":
         return np.zeros(answer.shape, np.int32), np.zeros(len(answer), bool)
     with np.errstate(invalid="ignore"):  # no number
         commands = answer.astype(np.int32)
@@ -236,6 +236,7 @@ class Loop:
         form = rig.form
         self.in_c = form is None or isinstance(form, InC)
         controller = form.functions(self.wheelsets) if isinstance(form, InC) else FunctionsInC()
+        self.bytes = int(controller.size)
         settings = rig_in_c.Settings(
             self.wheelsets,
             machine.parameters.wheel_radius,
@@ -407,6 +408,11 @@ class Loop:
     def _failure(self, one: Any) -> str:
         if math.isnan(one["failed_at"]):
             return ""
+        if one["valve"] == BEYOND:
+            return (
+                f"The controller wrote behind its memory, wheel_slide_size asked for {self.bytes} bytes, or behind its "
+                f"{self.wheelsets} valves at {one['failed_at']:.6g} s; the brake stays applied."
+            )
         return (
             f"The controller gave {one['answer']} for valve {one['valve'] + 1} at {one['failed_at']:.6g} s where 0 "
             "(apply), 1 (hold) or 2 (vent) was due; the brake stays applied."

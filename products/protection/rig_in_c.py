@@ -70,6 +70,8 @@ SCORE = np.dtype(
     align=True,
 )
 RUNS, DONE, TOO_LONG, LOST = range(4)
+#: In place of a valve: RIG_BEYOND.
+BEYOND = -1
 
 
 @lru_cache

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 from products.protection.history import History
+from products.protection.protected_stop import LONGEST
 
 #: How a sensor may fail, by the numbers of rig.h.
 SENSOR_FAILURES = {"stuck": 1, "zero": 2, "doubled": 3}
@@ -50,8 +51,9 @@ class Fault:
         if self.wheelset < 1 or self.wheelset != int(self.wheelset):
             raise ValueError(f"Set wheelset to a whole number, 1 or more: it was {self.wheelset}.")
         for name in ("sensor_from", "valve_from"):
-            if not getattr(self, name) >= 0.0:
-                raise ValueError(f"Set {name} to a time of at least 0 s: it was {getattr(self, name)}.")
+            if not (0.0 <= getattr(self, name) < LONGEST or (name == "valve_from" and self.valve_from == math.inf)):
+                at = f"from 0 to below {LONGEST:g} s, when runs end"
+                raise ValueError(f"Set {name} to a time {at}: it was {getattr(self, name)}.")
         if not self.sensor and (self.sensor_from or (self.radius == 1.0 and math.isinf(self.valve_from))):
             raise ValueError("This fault has no effect; give it a sensor, a radius other than 1, or valve_from.")
 

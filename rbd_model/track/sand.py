@@ -19,6 +19,8 @@ from fmu_src.system import ParameterSet, System, Variable, quantity
 
 #: Below this speed a sander counts as moving with it [m/s]; over this length its sand begins [m].
 SLOWEST, BLEND = 0.1, 0.5
+#: No sander gives more [kg/s]: fixed ones give some 0.03, from memory.
+MOST_SAND = 1.0
 
 
 @dataclass(frozen=True)
@@ -62,7 +64,7 @@ def sanders(places: Sequence[float], defaults: SandParameters | None = None) -> 
     laid = {}
     for number, _ in numbered:
         text = f"Sand of the sander ahead of wheelset {number}"
-        rate = system.parameter(Variable(f"sand_rate_{number}", "parameter", "kg/s", text, 0.0, 0.0))
+        rate = system.parameter(Variable(f"sand_rate_{number}", "parameter", "kg/s", text, 0.0, 0.0, MOST_SAND))
         laid[number] = sand_laid(rate, p["sand_limit"], speed)
     for number, place in numbered:
         text = f"Friction of the rail under wheelset {number} without sand"

@@ -40,7 +40,7 @@ from typing import Any
 
 from products.protection.braked_machine import bogie, coach
 from products.protection.forms import FOLDER
-from products.protection.programme import OWN, PROGRAMMES, Case, four_rails, read_programme, speed_of
+from products.protection.programme import OWN, PROGRAMMES, STRONGEST, Case, four_rails, read_programme, speed_of
 from products.protection.protected_stop import Settings
 from products.protection.rails import RAILS
 from products.protection.rig import check_period
@@ -55,6 +55,8 @@ from scenarios.methods.pace import time_of
 from scenarios.reporting.plots import plt
 from scenarios.scenario import BadInputError
 
+#: Standard deviation of a tooth's place above which teeth change places, as a share of the pitch.
+MOST_JITTER = 0.5
 MACHINES = {"bogie": bogie, "vehicle": coach}
 
 
@@ -200,6 +202,10 @@ def settings_of(chosen: argparse.Namespace) -> Settings:
     period = time_of(chosen.period, "--period")
     if chosen.teeth < 1:
         raise BadInputError(f"Set --teeth to a whole number of at least 1: it was {chosen.teeth}.")
+    if not 0.0 < chosen.strength <= STRONGEST:
+        raise BadInputError(f"Set --strength above 0 and up to {STRONGEST:g}: it was {chosen.strength:g}.")
+    if not 0.0 <= chosen.jitter <= MOST_JITTER:
+        raise BadInputError(f"Set --jitter to 0 to {MOST_JITTER:g} of the pitch: it was {chosen.jitter:g}.")
     try:
         check_period(period)
         return Settings(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import importlib.util
+import inspect
 import re
 import sys
 from collections.abc import Callable, Sequence
@@ -37,6 +38,8 @@ def controllers_of(given: Sequence[str], wheelsets: int, driven: bool = False) -
     found: dict[str, Given] = dict(zip(ALWAYS, (None, SpinProtection if driven else SlideProtection), strict=True))
     for text in given:
         name, controller = controller_of(text, wheelsets)
+        if name in found and Path(text).suffix in KINDS:
+            name = Path(text).name  # libpi.so beside pi.c, pi.fmu beside it
         if name in found:
             raise BadInputError(f"Two controllers are called {name}; give each another name.")
         found[name] = controller
@@ -87,7 +90,8 @@ def fmu_names(path: Path, wheelsets: int) -> Names:
         if not table.is_file():
             own = sum(bool(re.fullmatch(r"wheel_speed_\d+", name)) for name in about)
             if own not in (0, wheelsets):
-                raise BadInputError(f"{path} is for {own} wheelsets; give one for the {wheelsets} of this machine.")
+                words = f"give one for the {wheelsets} of this machine, as build_fmu.py --wheelsets {wheelsets} makes"
+                raise BadInputError(f"{path} is for {own} wheelsets; {words}.")
             return names_of(about, wheelsets)
         read = tomllib.loads(table.read_text(encoding="utf-8"))
         values = tuple((name, float(value)) for name, value in read.get("values", {}).items())
@@ -127,7 +131,15 @@ def with_gains(file: Path, name: str, gains: str) -> tuple[str, Form]:
 def form_of(make: Callable[[], Any]) -> Form:
     """Of one machine, or of many at once: those have a method `start` (products/protection/forms.py)."""
     one = make()
-    return Arrays(one) if callable(getattr(one, "start", None)) else make
+    return Arrays(one) if _begins_many(getattr(one, "start", None)) else make
+
+
+def _begins_many(start: object) -> bool:
+    """Whether it takes rows, count, wheelsets and period: a class of its own may have another `start`."""
+    try:
+        return callable(start) and inspect.signature(start).bind(*range(4)) is not None
+    except TypeError:
+        return False
 
 
 def class_in(file: Path, name: str) -> type:

@@ -12,6 +12,7 @@ import re
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
+from difflib import get_close_matches
 from pathlib import Path
 
 import numpy as np
@@ -31,6 +32,8 @@ from scenarios.reporting.plots import FOUR, plt, titled
 from scenarios.reporting.progress import counting
 from scenarios.scenario import BadInputError
 
+#: Fastest wheel that a log may have [m/s], twice the fastest of a programme.
+FASTEST_LOGGED = 200.0
 #: Shortest period that may be asked for [s].
 SHORTEST = 1e-4
 #: Share of a row's time within which a question is asked with this row, not with the one before.
@@ -128,7 +131,17 @@ def read_log(path: Path) -> Recording:
     count = wheelsets_in(log)
     if not 1 <= count <= MOST_WHEELSETS:
         raise BadInputError(f"{path} has {count} columns wheel_speed_1 [m/s] and so on; give it 1 to {MOST_WHEELSETS}.")
+    if log.units["time"] != "s":
+        raise BadInputError(f"{path}: give the column time [s]; the log has it in {log.units['time']}.")
+    known = [*speeds_of(MOST_WHEELSETS), *(f"valve_{n}" for n in range(1, MOST_WHEELSETS + 1)), "speed"]
+    for name in log.names:
+        if name not in known and (near := get_close_matches(name, known, 1, 0.85)):
+            raise BadInputError(f"{path}: the column {name} is not read; did you mean {near[0]}?")
+    if "speed" in log.names and log.units["speed"] != "m/s":
+        raise BadInputError(f"{path}: give the column speed [m/s]; the log has it in {log.units['speed']}.")
     for name in speeds_of(count):
+        if name in log.names and not (log[name].min() >= 0.0 and log[name].max() <= FASTEST_LOGGED):
+            raise BadInputError(f"{path}: give {name} from 0 to {FASTEST_LOGGED:g} m/s; there is another.")
         if log.units.get(name) != "m/s":
             there = f"has it in {log.units[name]}" if name in log.units else f"has {', '.join(log.names)}"
             raise BadInputError(f"{path}: give the column {name} [m/s]; the log {there}.")

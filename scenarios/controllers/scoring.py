@@ -26,6 +26,8 @@ from scenarios.scenario import BadInputError
 #: (Lewis and Dwyer-Joyce (2004), from memory and so assumed), of steel of 7850 kg/m3. Length of the contact at first
 #: [m], assumed.
 WORN, CONTACT = 55e-3 / 7850.0, 12e-3
+#: What a case sets otherwise, by names.
+OF_THE_RIG = {"initial_speed": "give speed", "force_per_pressure": "give strength"}
 #: Pressure at which litres of air are counted [Pa].
 FREE_AIR = 101325.0
 
@@ -118,10 +120,15 @@ def runs_of(machine: Machine, cases: Sequence[Case], level: int = 2) -> list[Run
         kind = Kind(machine.counted, not run.driven, level, run.equipment)
         known = {variable.name: variable for variable in machine_model(kind).variables}
         for name, value in run.values.items():
+            if name not in known and name.startswith("sand"):
+                raise BadInputError(f"The case {case.name} sets {name}; give it equipment = ['sanders'] too.")
             if name not in known:
                 near = suggestion(name, known, "give one of docs/variables.md.")
                 raise BadInputError(f"The case {case.name} sets {name}, which this machine has not; {near}")
             of = known[name]
+            if of.causality not in ("input", "parameter") or name in OF_THE_RIG:
+                instead = OF_THE_RIG.get(name, "what it gives is no input")
+                raise BadInputError(f"The case {case.name} may not set {name}: {instead}.")
             if not (of.minimum <= value <= of.maximum and math.isfinite(value)):
                 words = f"In the case {case.name} set {name} to a finite value from {of.minimum:g} to {of.maximum:g}"
                 unit = "" if of.unit == "1" else f" {of.unit}"

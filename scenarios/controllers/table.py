@@ -64,7 +64,8 @@ def cells(one: Scored) -> tuple[str, ...]:
 
     stop = one.stop
     ratios = number(one.over(one.ideal), ".3f"), number(one.over(one.dry), ".3f")
-    rest = f"{stop.longest_lock:.2f}", f"{stop.share_in_band:.2f}", f"{one.tread_energy / 1e3:.0f}"
+    band = "-" if stop.distance is None else f"{stop.share_in_band:.2f}"
+    rest = f"{stop.longest_lock:.2f}", band, f"{one.tread_energy / 1e3:.0f}"
     air = f"{1e3 * one.flat:.0f}", f"{one.air:.0f}", f"{(stop.lowest_reservoir or 0.0) / 1e3:.0f}"
     return one.case, one.controller, number(stop.distance, ".1f"), *ratios, *rest, *air
 

@@ -8,12 +8,23 @@ from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from statistics import median
 
+from products.protection.rails import LONGEST_LOCK
 from scenarios.controllers.given import ALWAYS
 from scenarios.controllers.scoring import Scored
 from scenarios.controllers.words import STOPS, Words, words_of
 
-HEADS = ("controller", "{does}", "{none}", "median over ideal", "worst", "in the case", "longest lock", "mean air")
-UNITS = ("", "1", "1", "1", "1", "", "s", "l")
+HEADS = (
+    "controller",
+    "{does}",
+    "{none}",
+    "locks",
+    "median over ideal",
+    "worst",
+    "in the case",
+    "longest lock",
+    "mean air",
+)
+UNITS = ("", "1", "1", "1", "1", "1", "", "s", "l")
 #: Columns of words; the others are numbers.
 WORDS = ("controller", "in the case")
 WIDTH = 120
@@ -25,7 +36,8 @@ ALIKE = 0.005
 class Verdict:
     """What a controller came to in all cases.
 
-    stopped, failed: cases in which it stopped, and in which it did not; median, worst: distance over the ideal where it
+    stopped, failed: cases in which it stopped, and in which it did not; locked: those with a lock of more than
+    LONGEST_LOCK; median, worst: distance over the ideal where it
     stopped, None where there is none to compare with; worst_case: the first in which it did not stop, or that of the
     worst; longest_lock [s]; air [l], the mean.
     """
@@ -33,6 +45,7 @@ class Verdict:
     controller: str
     stopped: int
     failed: int
+    locked: int
     median: float | None
     worst: float | None
     worst_case: str
@@ -41,10 +54,10 @@ class Verdict:
     words: Words = STOPS
 
     @property
-    def rank(self) -> tuple[float, float, float]:
-        """Fewest failures first, then the smallest median, then the smallest worst."""
+    def rank(self) -> tuple[float, float, float, float]:
+        """Fewest failures first, then the fewest locks, then the smallest median, then the smallest worst."""
         ratios = [math.inf if one is None else round(one / ALIKE) * ALIKE for one in (self.median, self.worst)]
-        return self.failed, ratios[0], ratios[1]
+        return self.failed, self.locked, ratios[0], ratios[1]
 
 
 def verdicts(scores: Sequence[Scored]) -> list[Verdict]:
@@ -62,6 +75,7 @@ def verdict(name: str, own: Sequence[Scored]) -> Verdict:
         name,
         len(own) - len(failed),
         len(failed),
+        sum(one.stop.longest_lock > LONGEST_LOCK for one in own),
         median(ratios.values()) if ratios else None,
         ratios.get(worst),
         failed[0] if failed else worst,
@@ -125,7 +139,7 @@ def cells(one: Verdict) -> tuple[str, ...]:
     """A row of the table."""
     ratios = ("-" if ratio is None else f"{ratio:.2f}" for ratio in (one.median, one.worst))
     rest = f"{one.longest_lock:.2f}", f"{one.air:.0f}"
-    return one.controller, f"{one.stopped}", f"{one.failed}", *ratios, one.worst_case or "-", *rest
+    return one.controller, f"{one.stopped}", f"{one.failed}", f"{one.locked}", *ratios, one.worst_case or "-", *rest
 
 
 def document(found: Sequence[Verdict]) -> dict[str, object]:

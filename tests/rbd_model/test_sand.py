@@ -54,7 +54,7 @@ def test_sand_of_two_sanders_adds(library: Library) -> None:
 
 
 def test_a_sander_of_variable_rate_gives_so_much_for_each_metre(library: Library) -> None:
-    assert sanded(library, 10.0, sand_rate_1=10.0, sand_limit=1e-3) == pytest.approx([law(1e-3)] * 4)
+    assert sanded(library, 10.0, sand_rate_1=1.0, sand_limit=1e-3) == pytest.approx([law(1e-3)] * 4)
 
 
 def test_no_sand_falls_before_its_delay_and_none_without_a_rate(library: Library) -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+import build_fmu
 from bogie_braking.__main__ import main
 from products.protection.forms import FOLDER
 from products.protection.programme import OWN
@@ -112,7 +113,7 @@ def test_a_class_with_two_choices_of_its_gains_is_two_controllers(
         (["wrong.c"], "wrong.c does not compile. The C compiler ("),
         (["let_go.c", "--programme", "third.toml"], "The case a has a fault of wheelset 3; there are 2 here."),
         (["let_go.py:LetGo", "--teeth", "0"], "Set --teeth to a whole number of at least 1: it was 0."),
-        (["let_go.py:LetGo", "--jitter", "nan"], "Set jitter to a finite value of at least 0: it was nan."),
+        (["let_go.py:LetGo", "--jitter", "nan"], "Set --jitter to 0 to 0.5 of the pitch: it was nan."),
         (["let_go.py:LetGo", "--rails", "low,low"], "Give each of --rails once: low was there 2 times."),
         (
             ["gains.py:Gains(2 * 3)"],
@@ -191,15 +192,17 @@ def test_starts_are_compared_with_a_protection_of_their_own(folder: Path, capsys
 @pytest.mark.parametrize(
     ("case", "words"),
     [
+        ("values = { initial_speed = 9.0 }", "The case b may not set initial_speed: give speed."),
+        ("values = { brake_torque_1 = 9.0 }", "The case b may not set brake_torque_1: what it gives is no input."),
         ('equipment = ["disks"]', "Choose equipment from discs, dynamic brake, sanders, traction: it was 'disks'."),
         ('equipment = "discs"', "give equipment a list of names, some of discs, dynamic brake, sanders, traction."),
         ('equipment = ["traction"]', "mixes starts such as b with stops; give each a file of its own."),
         (
             'values = { sand_rate_1 = -1.0 }\nequipment = ["sanders"]',
-            "In the case b set sand_rate_1 to a finite value from 0 to inf kg/s: it was -1.",
+            "In the case b set sand_rate_1 to a finite value from 0 to 1 kg/s: it was -1.",
         ),
         ("values = { gradient = nan }", "In the case b set gradient to a finite value from -0.5 to 0.5: it was nan."),
-        ("values = { sand_rate_1 = 0.03 }", "The case b sets sand_rate_1, which this machine has not; "),
+        ("values = { sand_rate_1 = 0.03 }", "The case b sets sand_rate_1; give it equipment = ['sanders'] too."),
     ],
 )
 def test_equipment_that_cannot_be_is_refused(
@@ -208,3 +211,23 @@ def test_equipment_that_cannot_be_is_refused(
     (folder / "my.toml").write_text(f'[[case]]\nname = "a"\nrail = "dry"\n[[case]]\nname = "b"\nrail = "dry"\n{case}\n')
     assert main(["controllers", "compare", "--programme", "my.toml"]) == 2
     assert words in capsys.readouterr().err
+
+
+def test_a_class_with_a_start_of_its_own_is_a_class(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (folder / "own.py").write_text(
+        "class Own:\n    def start(self):\n        pass\n\n    def step(self, time, speeds):\n        return [0, 0]\n"
+    )
+    assert main(["controllers", "compare", "--rails", "dry", "own.py:Own", "let_go.c", "--json"]) == 0
+    assert main(["controllers", "compare", "--rails", "dry", "--strength", "6"]) == 2
+    assert "Set --strength above 0 and up to 5: it was 6." in capsys.readouterr().err
+    assert main(["controllers", "compare", "--rails", "dry", "--jitter", "2"]) == 2
+    assert "Set --jitter to 0 to 0.5 of the pitch: it was 2." in capsys.readouterr().err
+
+
+def test_two_forms_of_one_name_are_told_apart_by_their_files(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert build_fmu.main(["--controller", "let_go.c", "--out", "."]) == 0
+    assert main(["controllers", "compare", "--rails", "dry", "let_go.c", "native/let_go.fmu", "--json"]) == 0
+    text = capsys.readouterr().out
+    runs = json.loads(text[text.index("{") :])["runs"]
+    distances = {run["controller"]: run["distance"] for run in runs}
+    assert distances["let_go"] == distances["let_go.fmu"]

@@ -137,6 +137,20 @@ def test_a_controller_in_c_that_gives_no_command_is_named(folder: Path) -> None:
         ),
         ("time [s],wheel_speed_1 [m/s]\n", "log.csv: give at least two rows whose time grows."),
         ("time [s],wheel_speed_1 [m/s],wheel_speed_1 [m/s]\n0,1,1\n", "log.csv: give each column a name of its own;"),
+        ("time [ms],wheel_speed_1 [m/s]\n0,1\n1,1\n", "log.csv: give the column time [s]; the log has it in ms."),
+        (
+            "time [s],wheel_speed_1 [m/s],wheel_spede_2 [m/s]\n0,1,1\n1,1,1\n",
+            "log.csv: the column wheel_spede_2 is not read; did you mean wheel_speed_2?",
+        ),
+        (
+            "time [s],wheel_speed_1 [m/s],speed [km/h]\n0,1,1\n1,1,1\n",
+            "log.csv: give the column speed [m/s]; the log has it in km/h.",
+        ),
+        (
+            "time [s],wheel_speed_1 [m/s]\n0,-1\n1,1\n",
+            "log.csv: give wheel_speed_1 from 0 to 200 m/s; there is another.",
+        ),
+        ("time [s];wheel_speed_1 [m/s]\n0,0;1,0\n", "log.csv: part columns by commas, and write numbers with points."),
         ("time,wheel_speed_1\n0,1\n", "log.csv: give the first line names with units, time first"),
     ],
 )

@@ -56,6 +56,13 @@ def test_the_best_has_the_fewest_failures_then_the_smallest_median_then_the_smal
     assert first == "none is best: it stops in every case, after 1.85 of the ideal distance in the median."
 
 
+def test_wheels_that_lock_count_before_the_distance() -> None:
+    """A flat costs more than some metres: 0.5 s is a lock, 0.3 s is none."""
+    rolls = [replace(one, stop=replace(one.stop, longest_lock=0.3)) for one in scores("protection")]
+    [first, _] = sentences(verdicts([*rolls, *scores("none", "PD")]))
+    assert first == "protection is best: it stops in every case, after 1.12 of the ideal distance in the median."
+
+
 def test_controllers_that_are_alike_are_told_so() -> None:
     alike = "All controllers are alike: they stop in every case, after 1.00 of the ideal distance."
     assert sentences(verdicts(scores(*RATIOS, cases=1))) == [alike]
@@ -70,8 +77,8 @@ def test_controllers_that_are_alike_are_told_so() -> None:
 def test_the_table_has_a_row_for_each_controller() -> None:
     table = list(lines(verdicts(scores(*RATIOS))))
     rows = {row.split()[0]: row.split() for row in table[-len(RATIOS) :]}
-    assert rows["none"] == ["none", "4", "0", "1.85", "2.00", "case", "1", "0.50", "83"]
-    assert rows["PI"] == ["PI", "3", "1", "1.10", "1.30", "case", "3", "0.50", "83"]
+    assert rows["none"] == ["none", "4", "0", "4", "1.85", "2.00", "case", "1", "0.50", "83"]
+    assert rows["PI"] == ["PI", "3", "1", "4", "1.10", "1.30", "case", "3", "0.50", "83"]
     assert max(map(len, table)) <= 120
 
 
