@@ -22,7 +22,7 @@ from scenarios.catalogue import SCENARIOS
 from scenarios.contact import contact_depth, creep_laws
 from scenarios.coupling import coupling_step
 from scenarios.lines import track_yields
-from scenarios.methods import ensembles, throughput
+from scenarios.methods import ensembles, environment_throughput, protected_throughput, throughput
 from scenarios.methods import scenes as six_scenes
 from scenarios.numerics import oracle, speed, speed_accuracy, stability_atlas
 from scenarios.reporting import report
@@ -97,6 +97,11 @@ def short_measurements(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(speed, "REPEATS", 1)
     monkeypatch.setattr(speed, "HOST_STEPS", 500)
     monkeypatch.setattr(speed, "CALLS", 1000)
+    monkeypatch.setattr(environment_throughput, "REPEATS", 1)
+    few_turns = {name: (rows, 100, wanted) for name, (rows, _, wanted) in environment_throughput.MEASURED.items()}
+    monkeypatch.setattr(environment_throughput, "MEASURED", few_turns)
+    few_stops = {name: (4, wanted) for name, (_, wanted) in protected_throughput.COUNTED.items()}
+    monkeypatch.setattr(protected_throughput, "COUNTED", few_stops)
     few = {level: (system, number, 64, *wanted) for level, (system, number, _, *wanted) in throughput.STOPS.items()}
     monkeypatch.setattr(throughput, "STOPS", few)
     monkeypatch.setattr(throughput, "MANY", 64)

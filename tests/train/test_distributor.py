@@ -140,7 +140,7 @@ def test_air_of_pipe_and_vehicles_closes() -> None:
 
 def test_trains_at_random_stay_above_zero() -> None:
     draw = np.random.default_rng(34)
-    for _ in range(5):
+    for _ in range(3):
         vehicles = int(draw.integers(1, 9))
         scale = {
             field.name: getattr(freight(), field.name) * draw.choice([0.7, 1.0, 1.4])
