@@ -13,7 +13,9 @@ from dataclasses import dataclass, replace
 import casadi as ca
 from scipy.integrate import quad
 
-from brake_controller.air import GAS_CONSTANT, LAMINAR_DIFFERENCE, effective_area, mass_flow
+from brake_controller.air import GAS_CONSTANT, HEAT_CAPACITY, LAMINAR_DIFFERENCE, effective_area, mass_flow
+from brake_controller.brake_pipe import air_of
+from brake_controller.pneumatics import TIME_CONSTANTS_TO_95_PERCENT
 from fmu_src.system import ParameterSet, quantity
 
 #: Discharge coefficient of all chokes, temperature of all walls [K] and pressure around [Pa, absolute]. Assumed.
@@ -39,7 +41,7 @@ class DistributorParameters(ParameterSet):
     inshot_choke: float = quantity("m", "Diameter of a choke beside it up to the in-shot", 0.0)
     inshot: float = quantity("Pa", "Pressure of the cylinder up to which it fills quickly", 0.0)
     accelerator_time: float = quantity("s", "Time to 95 % in which the accelerator's chamber fills", 1e-2)
-    sensitivity: float = quantity("Pa", "Difference at which braking begins and the control chamber is shut off", 1e2)
+    sensitivity: float = quantity("Pa", "Difference at which all brakes; from half of it on it begins to", 1e2)
     full_difference: float = quantity("Pa", "Difference that gives the full pressure of the cylinder", 1e3)
     full_pressure: float = quantity("Pa", "Largest pressure of the cylinder", 0.0)
 
@@ -108,12 +110,12 @@ def fastest_change(p: DistributorParameters) -> float:
     specific = GAS_CONSTANT * WALL
     steepest = 2 * _flow_of_a_metre(1.0, 1.0 - LAMINAR_DIFFERENCE) / LAMINAR_DIFFERENCE
     relay = _flow_of_a_metre(p.full_pressure + 2 * AMBIENT, AMBIENT) / RELAY
-    slopes = {
-        p.control_volume: p.control_choke**2 * steepest,
-        p.auxiliary_volume: (p.auxiliary_choke**2 + p.filling_choke**2 + p.inshot_choke**2) * (steepest + relay),
-        p.cylinder_volume: (p.filling_choke**2 + p.inshot_choke**2 + p.release_choke**2) * (steepest + relay),
-    }
-    return max(3.0 / p.accelerator_time, *(specific * slope / volume for volume, slope in slopes.items()))
+    paces = (
+        p.control_choke**2 * steepest / p.control_volume,
+        (p.auxiliary_choke**2 + p.filling_choke**2 + p.inshot_choke**2) * (steepest + relay) / p.auxiliary_volume,
+        (p.filling_choke**2 + p.inshot_choke**2 + p.release_choke**2) * (steepest + relay) / p.cylinder_volume,
+    )
+    return max(TIME_CONSTANTS_TO_95_PERCENT / p.accelerator_time, *(specific * pace for pace in paces))
 
 
 def _share(value: ca.SX) -> ca.SX:
@@ -121,29 +123,29 @@ def _share(value: ca.SX) -> ca.SX:
 
 
 def distributing() -> ca.Function:
-    """Of a vehicle's states, pressure and temperature in the pipe, and its parameters: rates of the states; what goes.
+    """Of a vehicle's states, its cell of the pipe, and its parameters: rates of the states [Pa/s], and what goes.
 
-    That is: air from the pipe to the vehicle, and air to its cylinder [kg/s]. Ideal gas at the temperature of the
-    walls, V dp/dt = R T G; flows by ISO 6358-1.
+    That is, from the pipe to the vehicle: air [kg/s] and its enthalpy [W]; and air to the cylinder [kg/s]. Ideal gas at
+    the temperature of the walls, V dp/dt = R T G; flows by ISO 6358-1. What comes back is as warm as the walls.
     """
     fields = list(DistributorParameters.__dataclass_fields__)
-    states, pipe, given = ca.SX.sym("states", 4), ca.SX.sym("pipe", 2), ca.SX.sym("given", len(fields))
+    states, pipe, given = ca.SX.sym("states", 4), ca.SX.sym("pipe", 3), ca.SX.sym("given", len(fields))
     p = dict(zip(fields, ca.vertsplit(given), strict=True))
     control, accelerator, auxiliary, cylinder = ca.vertsplit(states)
-    line, warmth = ca.vertsplit(pipe)
+    air = air_of(pipe)
+    line, warmth = air.pressure, air.temperature
 
     def through(choke: ca.SX, pressure: ca.SX, temperature: ca.SX | float, behind: ca.SX | float) -> ca.SX:
         return mass_flow(effective_area(choke, ca.SX(DISCHARGE)), pressure, ca.SX(temperature), ca.SX(behind))
 
     fallen = control - line
-    brakes = _share(
-        2 * fallen / p["sensitivity"] - 1
-    )  # from half of the sensitivity on the control chamber is shut off
+    # From half of the sensitivity on the control chamber is shut off more and more.
+    brakes = _share(2 * fallen / p["sensitivity"] - 1)
     to_control = through(p["control_choke"], line, warmth, control)
     from_control = (1 - brakes) * through(p["control_choke"], control, WALL, line)
     specific = GAS_CONSTANT * WALL
     # Braking, the chamber fills from the pipe; released, it empties to the surroundings, as fast.
-    pace = 3.0 / p["accelerator_time"]
+    pace = TIME_CONSTANTS_TO_95_PERCENT / p["accelerator_time"]
     into = ca.fmax(line - accelerator, 0) * pace * brakes
     out = (accelerator - AMBIENT) * pace * (1 - brakes)
     to_auxiliary = through(p["auxiliary_choke"], line, warmth, auxiliary)
@@ -160,5 +162,6 @@ def distributing() -> ca.Function:
     )
     taken = to_control - from_control + to_auxiliary + into * p["accelerator_volume"] / specific
     names = ["states", "pipe", "given"]
-    result = ca.densify(ca.vertcat(rates, taken, fills))
+    enthalpy = HEAT_CAPACITY * taken * ca.if_else(taken > 0, warmth, WALL)
+    result = ca.densify(ca.vertcat(rates, taken, enthalpy, fills))
     return ca.Function("distributing", [states, pipe, given], [result], names, ["result"])

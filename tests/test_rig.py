@@ -272,6 +272,8 @@ def test_where_all_wheels_roll_a_run_is_the_ideal_one(equipment: tuple[str, ...]
         ideal = ideal_distance(machine, run, Settings())
         assert ideal is not None
         assert found.distance == pytest.approx(ideal, rel=band)
+        assert found.distance is not None
+        assert found.distance > (1 - ROLLS) * ideal
 
 
 @pytest.mark.parametrize("machine", [bogie(), coach()], ids=["bogie", "coach"])
@@ -291,8 +293,7 @@ def test_motors_that_spin_turn_their_work_into_motion_and_sliding(machine: Machi
     assert work == pytest.approx(moving + turning + sum(found.sliding), rel=1e-2)
 
 
-@pytest.mark.parametrize("by_flow", [False, True], ids=["timed", "by flow"])
-def test_a_protection_against_spin_gains_speed_sooner_than_motors_that_spin(by_flow: bool) -> None:
+def test_a_protection_against_spin_gains_speed_sooner_than_motors_that_spin() -> None:
     """Friction and strength drawn anew; on a dry rail no motor is told anything."""
     draw = np.random.default_rng(32)
     for machine in (bogie(), coach()):
@@ -301,12 +302,12 @@ def test_a_protection_against_spin_gains_speed_sooner_than_motors_that_spin(by_f
         for _ in range(6):
             friction = {f"friction_{number}": draw.uniform(0.03, 0.1) for number in machine.numbers}
             runs.append(Run(LOW.values(count) | friction, 15.0, draw.uniform(1.0, 2.0), equipment=("traction",)))
-        protected = Rig(machine, SpinProtection, Settings(jitter=0.05), by_flow=by_flow).runs(runs)
-        alone = Rig(machine, None, Settings(), by_flow=by_flow).runs(runs)
+        protected = Rig(machine, SpinProtection, Settings(jitter=0.05)).runs(runs)
+        alone = Rig(machine, None, Settings()).runs(runs)
         for stop, other in zip(protected, alone, strict=True):
-            assert (stop.distance or math.inf) < 1.01 * (other.distance or 0.0)
+            assert (stop.distance or math.inf) <= (other.distance or 0.0)
             assert stop.longest_lock < 0.4
-        [dry] = Rig(machine, SpinProtection, Settings(), by_flow=by_flow).runs(
+        [dry] = Rig(machine, SpinProtection, Settings()).runs(
             [Run(RAILS[0].values(count), 15.0, 1.7, equipment=("traction",))]
         )
         assert dry.commands == 0

@@ -11,7 +11,7 @@
 
 /* Air that rests, for cells that are none. */
 static const double AIR[PIPE_STATES] = {1.2, 0.0, 2.5e5};
-enum { OWN_ROWS = 4 * VEHICLE_STATES + VEHICLE_CONSTANTS + VEHICLE_PIPE + VEHICLE_RATES };
+enum { OWN_ROWS = 4 * VEHICLE_STATES + VEHICLE_CONSTANTS + PIPE_STATES + VEHICLE_RATES };
 /* How often a step is halved at most. */
 enum { MOST_HALVED = 12 };
 enum { ROWS = 4 * PIPE_STATES + PIPE_CONSTANTS + PIPE_SIDES + 2 * PIPE_STATES + PIPE_LEAKS + 1 };
@@ -86,7 +86,7 @@ int pipe_vehicles(pipe *self, long long int count, const long long int *cell, co
         double **first;
         int rows;
     } parts[] = {{&self->own, VEHICLE_STATES},       {&self->own_before, VEHICLE_STATES}, {&self->own_kept, VEHICLE_STATES},
-                 {&self->own_first, VEHICLE_STATES}, {&self->own_given, VEHICLE_CONSTANTS}, {&self->own_pipe, VEHICLE_PIPE},
+                 {&self->own_first, VEHICLE_STATES}, {&self->own_given, VEHICLE_CONSTANTS}, {&self->own_pipe, PIPE_STATES},
                  {&self->own_rate, VEHICLE_RATES}};
     for (size_t part = 0; part < sizeof parts / sizeof *parts; ++part) {
         *parts[part].first = row;
@@ -100,7 +100,7 @@ int pipe_vehicles(pipe *self, long long int count, const long long int *cell, co
         fill(self->own_given + n * stride, stride, 1.0);
         memcpy(self->own_given + n * stride, given + n * count, (size_t)count * sizeof(double));
     }
-    for (int n = 0; n < VEHICLE_PIPE; ++n) fill(self->own_pipe + n * stride, stride, n ? 293.15 : 1e5);
+    for (int n = 0; n < PIPE_STATES; ++n) fill(self->own_pipe + n * stride, stride, AIR[n]);
     self->vehicles = count;
     self->pace = pace;
     return 1;
@@ -151,7 +151,7 @@ static void mirror(pipe *self)
     }
 }
 
-/* What passes an end, per square metre, outwards; and what that is along the pipe. */
+/* What passes an end outwards, per square metre, and how fast. */
 static void pass_end(pipe *self, int end, double *out)
 {
     const long long int place = end ? self->cells - 1 : 0;
@@ -160,10 +160,6 @@ static void pass_end(pipe *self, int end, double *out)
     const double air[PIPE_STATES] = {side[0], outwards * side[self->stride], side[2 * self->stride]};
     const double outside[] = {o->opening, o->area, o->pressure, o->temperature};
     pipe_ending_1(air, outside, out);
-    double *flux = self->flux + (end ? self->cells : 0);
-    flux[0] = outwards * out[0];
-    flux[self->stride] = out[1];
-    flux[2 * self->stride] = outwards * out[2];
 }
 
 static double volume(const pipe *self, long long int i)
@@ -185,56 +181,57 @@ static void leak(pipe *self, pipe_passed *passed)
     }
 }
 
-/* Gas constant [J/(kg.K)], heat capacity [J/(kg.K)] and temperature of walls [K] as air.py and distributor.py have them. */
-static const double GAS = 287.05287, CAPACITY = 287.05287 * 3.5, WALL = 293.15;
-
 /* Takes from the rates what goes to vehicles, and finds theirs. */
 static void distribute(pipe *self, pipe_passed *passed)
 {
     const long long int stride = self->stride, own = self->vehicle_stride;
-    for (long long int v = 0; v < self->vehicles; ++v) {
-        const double *u = self->state + self->cell[v];
-        const double pressure = 0.4 * (u[2 * stride] - u[stride] * u[stride] / u[0] / 2.0);
-        self->own_pipe[v] = pressure;
-        self->own_pipe[v + own] = pressure / (u[0] * GAS);
-    }
+    for (long long int v = 0; v < self->vehicles; ++v)
+        for (int n = 0; n < PIPE_STATES; ++n) self->own_pipe[v + n * own] = self->state[self->cell[v] + n * stride];
     IN_LANES(pipe_distribute);
-    const double *taken = self->own_rate + VEHICLE_STATES * own, *filled = taken + own;
+    const double *mass = self->own_rate + VEHICLE_STATES * own, *energy = mass + own, *filled = energy + own;
     for (long long int v = 0; v < self->vehicles; ++v) {
         const long long int i = self->cell[v];
-        const double energy = taken[v] * CAPACITY * (taken[v] > 0.0 ? self->own_pipe[v + own] : WALL);
-        self->rate[i] -= taken[v] / volume(self, i);
-        self->rate[i + 2 * stride] -= energy / volume(self, i);
-        passed->vehicle_mass += taken[v];
-        passed->vehicle_energy += energy;
+        self->rate[i] -= mass[v] / volume(self, i);
+        self->rate[i + 2 * stride] -= energy[v] / volume(self, i);
+        passed->vehicle_mass += mass[v];
+        passed->vehicle_energy += energy[v];
         passed->cylinder_mass += filled[v];
     }
 }
 
-/* Rates of all cells; the fastest wave over the length of its cell [1/s]. passed: what leaves in a second. */
-static double rates(pipe *self, pipe_passed *passed)
+/* Looks at the sides of cells and at the ends; how fast waves and vehicles change at most [1/s]. passed: through the ends. */
+static double look(pipe *self, pipe_passed *passed)
 {
     double through[2];
     mirror(self);
     IN_LANES(pipe_sides);
-    IN_LANES(pipe_faces);
     for (int end = 0; end < 2; ++end) {
         double out[PIPE_STATES + 1];
         pass_end(self, end, out);
         through[end] = out[PIPE_STATES];
         passed->end_mass[end] = out[0] * self->outside[end].area;
         passed->end_energy[end] = out[2] * self->outside[end].area;
+        for (int n = 0; n < PIPE_STATES; ++n) self->end_flux[end][n] = (n == 1 || end ? 1.0 : -1.0) * out[n];
     }
-    IN_LANES(pipe_rates);
-    passed->leak_mass = passed->leak_energy = passed->vehicle_mass = passed->vehicle_energy = passed->cylinder_mass = 0.0;
-    if (self->leaks) leak(self, passed);
-    distribute(self, passed);
     const double *wave = self->side + 6 * self->stride, *length = self->given;
     double fastest = self->vehicles ? self->pace / 2.0 : 0.0; /* Heun's method is stable up to 2 over a pace */
     for (long long int i = 0; i < self->cells; ++i)
         fastest = wave[i] > fastest * length[i] ? wave[i] / length[i] : fastest;
     const long long int last = self->cells - 1;
     return fmax(fastest, fmax((wave[0] + through[0]) / length[0], (wave[last] + through[1]) / length[last]));
+}
+
+/* Rates of all cells and vehicles. passed: what leaves in a second. */
+static void rates(pipe *self, pipe_passed *passed)
+{
+    memset(passed, 0, sizeof *passed);
+    look(self, passed);
+    IN_LANES(pipe_faces);
+    for (int end = 0; end < 2; ++end)
+        for (int n = 0; n < PIPE_STATES; ++n) self->flux[(end ? self->cells : 0) + n * self->stride] = self->end_flux[end][n];
+    IN_LANES(pipe_rates);
+    if (self->leaks) leak(self, passed);
+    distribute(self, passed);
 }
 
 static void add(pipe_passed *to, const pipe_passed *more, double time)
@@ -316,7 +313,7 @@ static void step_on(pipe *self, double step)
 static double step_of(pipe *self, double left, double courant)
 {
     pipe_passed passed = self->passed, unused;
-    const double fastest = rates(self, &unused);
+    const double fastest = look(self, &unused);
     copy(self, self->kept, self->state, self->own_kept, self->own);
     for (int halved = 0; halved < MOST_HALVED; ++halved) {
         const double count = ceil(ldexp(left * fastest / courant, halved));

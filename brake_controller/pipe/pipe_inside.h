@@ -6,7 +6,7 @@
 
 #include "pipe.h"
 
-enum { PIPE_EDGE = 8, PIPE_SIDES = 7, PIPE_LEAKS = 2, VEHICLE_PIPE = 2, VEHICLE_RATES = VEHICLE_STATES + 2 };
+enum { PIPE_EDGE = 8, PIPE_SIDES = 7, PIPE_LEAKS = 2, VEHICLE_RATES = VEHICLE_STATES + 3 };
 
 struct pipe {
     long long int cells, stride;
@@ -18,6 +18,7 @@ struct pipe {
     double pace;
     double *own, *own_before, *own_kept, *own_first, *own_given, *own_pipe, *own_rate; /* the same of vehicles */
     pipe_outside outside[2];
+    double end_flux[2][PIPE_STATES];
     pipe_passed passed;
 };
 

@@ -7,7 +7,8 @@
 
 #include "wheel_slide.h"
 
-/* Behind the memory of a controller, and behind its valves, lie so many bytes and numbers that it may not change. */
+/* Behind the memory of a controller, and behind its valves, lie so many bytes and numbers that it may not change; the numbers are no
+ * commands. */
 enum { GUARD = 1024, GUARD_VALVES = 64, GUARDED = 0x5a };
 
 /* A kernel_status above this: the step failed, or the run has ended by itself. */
@@ -33,6 +34,7 @@ struct rig {
     rig_run *run;
     rig_score *score;
     rig_notes notes;
+    unsigned char guard[GUARD];
 };
 
 static void *room(size_t count, size_t size)
@@ -47,6 +49,7 @@ rig *rig_create(long long int rows, const rig_settings *settings, const rig_cont
     self->settings = *settings;
     self->controller = *controller;
     self->desk = *desk;
+    memset(self->guard, GUARDED, GUARD);
     self->rows = rows;
     self->run = (rig_run *)room((size_t)rows, sizeof *self->run);
     self->score = (rig_score *)room((size_t)rows, sizeof *self->score);
@@ -94,19 +97,15 @@ void rig_free(rig *self)
 /* Whether a controller in C changed nothing behind its memory, nor behind its valves. */
 static bool kept_to_itself(const rig *self, const rig_run *one, const int *valve)
 {
-    const unsigned char *behind = (const unsigned char *)one->memory + self->controller.size;
-    for (int i = 0; i < GUARD; ++i)
-        if (behind[i] != GUARDED) return false;
-    for (int i = 0; valve && i < GUARD_VALVES; ++i)
-        if (valve[self->settings.wheelsets + i] != GUARDED) return false;
-    return true;
+    return !memcmp((const char *)one->memory + self->controller.size, self->guard, GUARD) &&
+           (!valve || !memcmp(valve + self->settings.wheelsets, self->guard, GUARD_VALVES * sizeof *valve));
 }
 
 static void gone_beyond(rig *self, long long int row)
 {
     rig_give_up(self, row);
     self->score[row].valve = RIG_BEYOND;
-    memset((char *)self->run[row].memory + self->controller.size, GUARDED, GUARD);
+    memcpy((char *)self->run[row].memory + self->controller.size, self->guard, GUARD);
 }
 
 void rig_begin(rig *self, long long int row, double end_speed, const double *error, const rig_wheelset *wheelset)
@@ -130,7 +129,7 @@ void rig_begin(rig *self, long long int row, double end_speed, const double *err
     self->score[row].reservoir = s->reservoir ? INFINITY : 0.0;
     if (!self->controller.step) return;
     memset(one->memory, 0, self->controller.size);
-    memset((char *)one->memory + self->controller.size, GUARDED, GUARD);
+    memcpy((char *)one->memory + self->controller.size, self->guard, GUARD);
     self->controller.start(one->memory, s->wheelsets, s->period);
     if (!kept_to_itself(self, one, NULL)) gone_beyond(self, row);
 }
@@ -312,7 +311,7 @@ bool rig_between(void *context, long long int first, long long int count, const 
         int valve[RIG_MOST + GUARD_VALVES];
         if (!look(self, row, status[i], shown + (size_t)i * width(&self->settings), wheel_speed)) continue;
         memcpy(valve, self->run[row].valve, (size_t)n * sizeof *valve);
-        for (int v = 0; v < GUARD_VALVES; ++v) valve[n + v] = GUARDED;
+        memcpy(valve + n, self->guard, GUARD_VALVES * sizeof *valve);
         if (isnan(self->score[row].failed_at) && self->controller.step) {
             const double time = (double)self->run[row].looks * self->settings.period;
             self->controller.step(self->run[row].memory, time, wheel_speed, valve);

@@ -410,7 +410,7 @@ class Loop:
             return ""
         if one["valve"] == BEYOND:
             return (
-                f"The controller wrote behind its memory, wheel_slide_size asked for {self.bytes} bytes, or behind its "
+                f"The controller wrote behind its memory (wheel_slide_size asked for {self.bytes} bytes) or behind its "
                 f"{self.wheelsets} valves at {one['failed_at']:.6g} s; the brake stays applied."
             )
         return (

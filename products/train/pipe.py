@@ -1,4 +1,4 @@
-"""A brake pipe alone: air in cells, what is outside its ends, and its balances."""
+"""A brake pipe: air in cells, the vehicles that it feeds, what is outside its ends, and its balances."""
 
 from __future__ import annotations
 
@@ -106,12 +106,23 @@ class Pipe:
         def row(values: ArrayLike) -> NDArray[np.float64]:
             return np.broadcast_to(np.asarray(values, float), (cells,))
 
+        if cells < 1 or cells != int(cells):
+            raise ValueError(f"Give a pipe a whole number of cells, at least 1: it was {cells}.")
         self.cells, self.area = cells, np.pi / 4 * diameter**2
         density = row(pressure) / (GAS_CONSTANT * row(temperature))
         momentum = density * row(speed)
         energy = row(pressure) / (HEAT_CAPACITY_RATIO - 1) + momentum * row(speed) / 2
         given = [length, diameter, wall_temperature, friction, heat, leak_area, ambient_pressure]
         constants = np.array([row(one) for one in given])
+        above = {"pressure": pressure, "temperature": temperature, "length": length, "diameter": diameter}
+        above |= {"wall_temperature": wall_temperature, "ambient_pressure": ambient_pressure}
+        least = {"friction": friction, "heat": heat, "leak_area": leak_area}
+        for name, values in (above | least).items():
+            good = row(values) > 0.0 if name in above else row(values) >= 0.0
+            if not (good & np.isfinite(row(values))).all():
+                limit = "above 0" if name in above else "of at least 0"
+                wrong = row(values)[~(good & np.isfinite(row(values)))][0]
+                raise ValueError(f"Set {name} of a pipe to finite values {limit}: one was {wrong:g}.")
         self.volume = np.pi / 4 * constants[1] ** 2 * constants[0]
         self._call, state = functions(), np.array([density, momentum, energy])
         self._own = self._call.pipe_create(cells, state.ctypes.data, constants.ctypes.data)
@@ -122,11 +133,13 @@ class Pipe:
 
     def connect(self, cells: Sequence[int], distributors: Sequence[DistributorParameters], pressure: float) -> None:
         """Vehicles take air from these cells, charged to an absolute pressure [Pa]; their cylinders are empty."""
+        places = np.array(cells, np.int64)
+        if not (places.size == len(distributors) and places.size and places.min() >= 0 and places.max() < self.cells):
+            raise ValueError(f"Give each distributor one of the cells 0 to {self.cells - 1}: it was {list(cells)}.")
         self.vehicles = len(cells)
         given = np.array([list(one.values().values()) for one in distributors]).T.copy()
         first = {"control": pressure, "accelerator": AMBIENT, "auxiliary": pressure, "cylinder": AMBIENT}
         state = np.array([[first[name]] * self.vehicles for name in STATES])
-        places = np.array(cells, np.int64)
         pace = max(map(fastest_change, dict.fromkeys(distributors)))
         rows = (one.ctypes.data for one in (places, state, given))
         if not self._call.pipe_vehicles(self._own, self.vehicles, *rows, pace):
@@ -140,11 +153,20 @@ class Pipe:
 
     def open_to(self, end: int, outside: Outside) -> None:
         """What an end, 0 or 1, opens to from now on."""
+        if end not in (0, 1):
+            raise ValueError(f"A pipe has the ends 0 and 1: it was {end}.")
         given = _Outside(outside.opening, self.area, outside.pressure, outside.temperature)
         self._call.pipe_end(self._own, end, given)
 
     def advance(self, time: float, courant: float = COURANT) -> None:
-        """Goes on by a time [s]. Raises ValueError where that leads nowhere; the pipe is as it was then."""
+        """Goes on by a time [s]. Raises ValueError where that leads nowhere; the pipe is as it was then.
+
+        courant: length of a step over what a wave needs through a cell; above 1 the pipe lies.
+        """
+        if not (0.0 <= time < np.inf and courant > 0.0):
+            raise ValueError(
+                f"Go on by a time of at least 0 s in steps above 0: it was {time} s in steps of {courant}."
+            )
         steps = self._call.pipe_advance(self._own, time, courant)
         if steps < 0:
             raise ValueError(f"The air in the pipe came to no finite pressure above 0 within {time:g} s.")

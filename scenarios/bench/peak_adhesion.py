@@ -144,7 +144,10 @@ class PeakAdhesion:
         return (by_motor + friction) * machine.deceleration(full)
 
     def motor_share(self, speed: float, since: float) -> float:
-        """Torque of a motor that was asked for all of it so long ago [s], over its largest; 0 without a motor."""
+        """Torque of a motor that was asked for all of it so long ago [s], over its largest; 0 without a motor.
+
+        Written anew: the rig, whose motors are those of brake_controller/motors.py, is checked against this.
+        """
         if "motor_torque" not in self.values or since <= 0.0:
             return 0.0
         turning = speed / self.machine.parameters.wheel_radius

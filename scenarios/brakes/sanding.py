@@ -154,9 +154,9 @@ def run(options: Options) -> Report:
         "clean, and what sanders gave is from memory."
     ]
     parameters = sand.values() | {"speed": SPEED, "untreated": UNTREATED, "fixed": FIXED, "variable": VARIABLE}
-    seconds = float(stop(TWO, sand)["time"][-1])
-    rows = rows_of(sand, ways, others)
-    return Report(rows, stop(TWO, sand), lambda: draw(trials, ways), parameters, seconds, remarks)
+    rows, series = rows_of(sand, ways, others), stop(TWO, sand)
+    seconds = float(series["time"][-1])
+    return Report(rows, series, lambda: draw(trials, ways), parameters, seconds, remarks)
 
 
 def draw(trials: Sequence[Trial], ways: Mapping[str, float]) -> Figure:

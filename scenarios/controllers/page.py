@@ -50,7 +50,7 @@ def page(vehicle: str, machine: Machine, settings: Settings, scores: Sequence[Sc
         "CASES": "".join(options(scores)),
         "SCORES": "\n".join(rows(table.HEADS, table.UNITS, by_case(scores), buttons=True)),
         "SENTENCES": "".join(f"<li>{escape(text)}</li>" for text in table.said(scores)),
-        "EFFORT": words_of(scores).effort,
+        "EFFORT": words_of(scores[0].driven).effort,
         "DATA": json.dumps(data(machine, scores), separators=(",", ":")).replace("<", "\\u003c"),
         "SCRIPT": "\n".join(path.read_text(encoding="utf-8") for path in SCRIPTS),
     }
@@ -103,7 +103,7 @@ def rows(
 
 def data(machine: Machine, scores: Sequence[Scored]) -> dict[str, object]:
     """Numbers of all stops; their histories are one text, 16-bit differences of whole numbers, deflated, in base64."""
-    histories, words = [thinned(one.history) for one in scores if one.history], words_of(scores)
+    histories, words = [thinned(one.history) for one in scores if one.history], words_of(scores[0].driven)
     numbers = b"".join(packed(one, machine.parameters.wheel_radius) for one in histories)
     return {
         "wheelsets": len(machine.numbers),

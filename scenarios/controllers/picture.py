@@ -84,13 +84,15 @@ def set_axis(axis: Axes, scores: Sequence[Scored], cases: Sequence[str]) -> floa
     low = min([1.0, *ratios])
     edge = largest * (largest / low) ** 0.08 if largest > WIDE else largest + 0.08 * (largest - low)
     axis.set(
-        xlim=(low - 0.03, edge), ylim=(-0.6, len(cases) - 0.4), xlabel=LABEL.format(distance=words_of(scores).distance)
+        xlim=(low - 0.03, edge),
+        ylim=(-0.6, len(cases) - 0.4),
+        xlabel=LABEL.format(distance=words_of(scores[0].driven).distance),
     )
     axis.axvspan(1.0, NEAR, color=THESIS, alpha=0.13, linewidth=0, zorder=0)
     axis.axvline(1.0, color="0.2", linewidth=1.0)
     if any(one.stop.distance is None for one in scores):
         axis.axvline(edge, color="0.4", linewidth=1.0, linestyle=":")
-        axis.text(edge, len(cases) - 0.3, words_of(scores).none, ha="center", va="bottom", fontsize=9)
+        axis.text(edge, len(cases) - 0.3, words_of(scores[0].driven).none, ha="center", va="bottom", fontsize=9)
     shown = [name if len(name) <= LETTERS else f"{name[: LETTERS - 1]}…" for name in cases]
     axis.set_yticks(range(len(cases)), [plain(name) for name in reversed(shown)])
     axis.tick_params(axis="y", length=0)

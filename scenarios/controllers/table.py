@@ -59,7 +59,11 @@ def cells(one: Scored) -> tuple[str, ...]:
 
     def number(value: float | None, form: str) -> str:
         return (
-            words_of([one]).none if value is None and form == ".1f" else "-" if value is None else format(value, form)
+            words_of(one.driven).none
+            if value is None and form == ".1f"
+            else "-"
+            if value is None
+            else format(value, form)
         )
 
     stop = one.stop

@@ -81,7 +81,7 @@ def verdict(name: str, own: Sequence[Scored]) -> Verdict:
         failed[0] if failed else worst,
         max(one.stop.longest_lock for one in own),
         sum(one.air for one in own) / len(own),
-        words_of(own),
+        words_of(own[0].driven),
     )
 
 

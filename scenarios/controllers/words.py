@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 
 @dataclass(frozen=True)
@@ -23,15 +21,6 @@ STOPS = Words("stops", "stop", "no stop", "stopping distance", "the pressure of 
 STARTS = Words("arrives", "arrive", "no arrival", "distance to the speed", "the torque of its motor", "kN.m")
 
 
-class Ended(Protocol):
-    """What is known of a run here."""
-
-    @property
-    def driven(self) -> bool:
-        """Whether motors drove it."""
-        ...
-
-
-def words_of(scores: Sequence[Ended]) -> Words:
-    """For scores that are all of stops, or all of starts."""
-    return STARTS if scores[0].driven else STOPS
+def words_of(driven: bool) -> Words:
+    """Of starts, or of stops."""
+    return STARTS if driven else STOPS

@@ -162,6 +162,12 @@ def test_a_log_that_cannot_be_replayed_is_refused(
     assert capsys.readouterr().err.startswith(sentence)
 
 
+def test_a_log_from_a_spreadsheet_is_read(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """It begins with a mark of its encoding."""
+    (folder / "log.csv").write_text("time [s],wheel_speed_1 [m/s]\n0,1\n1,1\n", encoding="utf-8-sig")
+    assert main(["controllers", "replay", "log.csv", "let_go.py:LetGo"]) == 0
+
+
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [
