@@ -16,7 +16,8 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from brake_controller.air import GAS_CONSTANT, HEAT_CAPACITY, HEAT_CAPACITY_RATIO, mass_flow
+from brake_controller.air import GAS_CONSTANT, HEAT_CAPACITY, HEAT_CAPACITY_RATIO, elliptic_flow, mass_flow
+from fmu_src.chain import function_of
 
 _K = HEAT_CAPACITY_RATIO
 #: Heat capacity at constant volume [J/(kg.K)].
@@ -28,6 +29,8 @@ VISCOSITY, CONDUCTIVITY = 1.81e-5, 0.026
 BLASIUS, LAMINAR_NUSSELT = 0.3164, 3.66
 
 
+#: Mass flow [kg/s] and area [m2] below which nothing is divided by them.
+LEAST_MASS, LEAST_AREA = 1e-12, 1e-9
 #: Turns of Newton's method at an end; and of its pressure, below which none falls within a step.
 TURNS, LEAST_SHARE = 4, 0.05
 
@@ -77,12 +80,6 @@ def limited(behind: ca.SX, ahead: ca.SX) -> ca.SX:
     return ca.if_else(product > 0, 2 * product / ca.if_else(together == 0, 1, together), 0)
 
 
-def _named(name: str, given: list[ca.SX], result: ca.SX) -> ca.Function:
-    """A function whose inputs are called like their symbols."""
-    names = [str(one[0]).rpartition("_")[0] if one.numel() > 1 else str(one) for one in given]
-    return ca.Function(name, given, [ca.densify(result)], names, ["result"])
-
-
 def sides() -> ca.Function:
     """Of three cells: air at the two sides of the middle one, and how fast a wave there is at most, van Leer (1977)."""
     cells = [ca.SX.sym(name, 3) for name in ("before", "own", "behind")]
@@ -90,7 +87,7 @@ def sides() -> ca.Function:
     differences = zip(ca.vertsplit(own - before), ca.vertsplit(behind - own), strict=True)
     half = ca.vertcat(*[limited(*pair) / 2 for pair in differences])
     air = air_of(cells[1])
-    return _named("sides", cells, ca.vertcat(own - half, own + half, ca.fabs(air.speed) + air.sound))
+    return function_of("sides", cells, ca.vertcat(own - half, own + half, ca.fabs(air.speed) + air.sound))
 
 
 def _air(name: str) -> tuple[ca.SX, Air]:
@@ -105,7 +102,7 @@ def passing() -> ca.Function:
     fast = ca.fmax(ca.fmax(left.speed + left.sound, right.speed + right.sound), 0)
     jump = slow * fast * (right.conserved - left.conserved)
     flux = (fast * left.flux - slow * right.flux + jump) / (fast - slow)
-    return _named("passing", [left_symbols, right_symbols], flux)
+    return function_of("passing", [left_symbols, right_symbols], flux)
 
 
 #: What is constant in a cell, in this order: its length and inner diameter [m], temperature of its wall [K]; shares of
@@ -129,7 +126,7 @@ def rates() -> ca.Function:
     turbulent = BLASIUS * air.density * fast * root / (2 * diameter)
     laminar = 32 * VISCOSITY * fast / diameter**2
     drag = friction * ca.fmax(turbulent, laminar) * ca.if_else(air.speed > 0, 1, -1)
-    return _named("rates", [cell, behind, ahead, given], (behind - ahead) / length - ca.vertcat(0, drag, 0))
+    return function_of("rates", [cell, behind, ahead, given], (behind - ahead) / length - ca.vertcat(0, drag, 0))
 
 
 def leaking() -> ca.Function:
@@ -138,7 +135,7 @@ def leaking() -> ca.Function:
     length, diameter, _, _, _, leak_area, ambient = ca.vertsplit(given)
     air = air_of(cell)
     leak = mass_flow(leak_area, air.pressure, air.temperature, ambient) / (ca.pi / 4 * diameter**2 * length)
-    return _named("leaking", [cell, given], ca.vertcat(leak, leak * HEAT_CAPACITY * air.temperature))
+    return function_of("leaking", [cell, given], ca.vertcat(leak, leak * HEAT_CAPACITY * air.temperature))
 
 
 def warmed() -> ca.Function:
@@ -155,7 +152,7 @@ def warmed() -> ca.Function:
     film = ca.fmax(factor / 8 * air.density * fast * HEAT_CAPACITY, LAMINAR_NUSSELT * CONDUCTIVITY / diameter)
     pace = heat * film * 4 / (diameter * air.density * HEAT_CAPACITY_AT_VOLUME)
     gained = (wall - air.temperature) * (1 - ca.exp(-pace * time))
-    return _named("warmed", [cell, given, time], cell[2] + air.density * HEAT_CAPACITY_AT_VOLUME * gained)
+    return function_of("warmed", [cell, given, time], cell[2] + air.density * HEAT_CAPACITY_AT_VOLUME * gained)
 
 
 def ending() -> ca.Function:
@@ -190,4 +187,69 @@ def ending() -> ca.Function:
     mass = (out - into) / area
     whole = HEAT_CAPACITY * air.temperature + through**2 / 2
     energy = (out * whole - into * HEAT_CAPACITY * temperature) / area
-    return _named("ending", [symbols, outside], ca.vertcat(mass, meet + mass * through, energy, ca.fabs(through)))
+    return function_of("ending", [symbols, outside], ca.vertcat(mass, meet + mass * through, energy, ca.fabs(through)))
+
+
+#: What a driver's valve is at a moment: effective areas that feed, let out, and let out in an emergency [m2], pressure
+#: that it holds and band in which it opens [Pa], pressure and temperature [K] of what feeds it, pressure around it [Pa],
+#: inner areas of the pipe behind and ahead of it [m2], 0 where the pipe ends.
+VALVE = (
+    *("feeding", "exhaust", "emergency", "held", "band", "supply_pressure", "supply_temperature", "ambient_pressure"),
+    *("area_behind", "area_ahead"),
+)
+
+
+def _valve_between(at: ca.SX) -> tuple[list[ca.SX], Air, Air, dict[str, ca.SX], ca.SX, ca.SX]:
+    """Symbols; air behind and ahead; the valve; and the mass [kg/s] that it lets out and in at a pressure (ISO 6358-1)."""
+    (first, behind), (last, ahead) = _air("behind"), _air("ahead")
+    given = ca.SX.sym("given", len(VALVE))
+    valve = dict(zip(VALVE, ca.vertsplit(given), strict=True))
+    warmth = ca.if_else(valve["area_behind"] > 0, behind.temperature, ahead.temperature)
+    over = (at - valve["held"]) / valve["band"]
+    area_out = valve["exhaust"] * ca.fmax(ca.fmin(over, 1), 0) + valve["emergency"]
+    area_in = valve["feeding"] * ca.fmax(ca.fmin(-over, 1), 0)
+    out = elliptic_flow(area_out, at, warmth, valve["ambient_pressure"])
+    into = elliptic_flow(area_in, valve["supply_pressure"], valve["supply_temperature"], at)
+    return [first, last, given], behind, ahead, valve, out, into
+
+
+def _arriving(air: Air, area: ca.SX, at: ca.SX) -> ca.SX:
+    """Mass [kg/s] that comes to a place of a pressure, by the wave that it sends back, Toro (2009), section 9.3."""
+    return area * (air.density * air.speed + (air.pressure - at) / air.sound)
+
+
+def tapping() -> ca.Function:
+    """Of a pressure at a driver's valve, of the air behind and ahead of it and of the valve: mass that is missing [kg/s],
+    and its slope; waves from both sides meet the flow through the valve (Toro (2009), section 9.3, and ISO 6358-1).
+    """
+    at = ca.SX.sym("at")
+    symbols, behind, ahead, valve, out, into = _valve_between(at)
+    ahead = Air(ahead.density, -ahead.speed, ahead.pressure)
+    missed = _arriving(behind, valve["area_behind"], at) + _arriving(ahead, valve["area_ahead"], at) - out + into
+    return function_of("tapping", [at, *symbols], ca.vertcat(missed, ca.jacobian(missed, at)))
+
+
+def tapped() -> ca.Function:
+    """Of the same: fluxes behind and ahead of the valve; mass [kg/s] and energy [W] that leave by it; and mass let in.
+
+    What leaves has the temperature of the side that it comes from, what enters mixes with what passes.
+    """
+    at = ca.SX.sym("at")
+    symbols, behind, ahead, valve, out, into = _valve_between(at)
+    mirrored = Air(ahead.density, -ahead.speed, ahead.pressure)
+    arrive = [_arriving(behind, valve["area_behind"], at), _arriving(mirrored, valve["area_ahead"], at)]
+    here = [HEAT_CAPACITY * air.temperature + air.speed**2 / 2 for air in (behind, ahead)]
+    brought = [ca.fmax(mass, 0) * own for mass, own in zip(arrive, here, strict=True)]
+    together = ca.fmax(arrive[0], 0) + ca.fmax(arrive[1], 0) + into
+    whole = brought[0] + brought[1] + into * HEAT_CAPACITY * valve["supply_temperature"]
+    mixed = whole / ca.fmax(together, LEAST_MASS)
+    carried = [own + ca.fmin(mass, 0) * mixed for mass, own in zip(arrive, brought, strict=True)]
+    fluxes = []
+    for air, mass, energy, area, sense in (
+        (behind, arrive[0], carried[0], valve["area_behind"], 1),
+        (ahead, arrive[1], carried[1], valve["area_ahead"], -1),
+    ):
+        size = ca.fmax(area, LEAST_AREA)
+        fluxes += [sense * mass / size, at + mass**2 / (size**2 * air.density), sense * energy / size]
+    net = arrive[0] + arrive[1]
+    return function_of("tapped", [at, *symbols], ca.vertcat(*fluxes, net, carried[0] + carried[1], into))

@@ -8,14 +8,24 @@ excerpts and from memory; all else is assumed.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import casadi as ca
 from scipy.integrate import quad
 
-from brake_controller.air import GAS_CONSTANT, HEAT_CAPACITY, LAMINAR_DIFFERENCE, effective_area, mass_flow
+from brake_controller.air import (
+    CHOKED_FLOW,
+    CRITICAL_RATIO,
+    GAS_CONSTANT,
+    HEAT_CAPACITY,
+    LAMINAR_DIFFERENCE,
+    effective_area,
+    elliptic_flow,
+)
 from brake_controller.brake_pipe import air_of
 from brake_controller.pneumatics import TIME_CONSTANTS_TO_95_PERCENT
+from fmu_src.chain import function_of
 from fmu_src.system import ParameterSet, quantity
 
 #: Discharge coefficient of all chokes, temperature of all walls [K] and pressure around [Pa, absolute]. Assumed.
@@ -81,7 +91,7 @@ def freight(position: str = "P") -> DistributorParameters:
 def _flow_of_a_metre(pressure: float, behind: float) -> float:
     """Mass flow [kg/s] through a choke of 1 m, both pressures absolute (ISO 6358-1)."""
     area = effective_area(ca.SX(1.0), ca.SX(DISCHARGE))
-    return float(ca.evalf(mass_flow(area, ca.SX(pressure), ca.SX(WALL), ca.SX(behind))))
+    return float(ca.evalf(elliptic_flow(area, ca.SX(pressure), ca.SX(WALL), ca.SX(behind))))
 
 
 def filling_choke(p: DistributorParameters, time: float) -> float:
@@ -136,7 +146,7 @@ def distributing() -> ca.Function:
     line, warmth = air.pressure, air.temperature
 
     def through(choke: ca.SX, pressure: ca.SX, temperature: ca.SX | float, behind: ca.SX | float) -> ca.SX:
-        return mass_flow(effective_area(choke, ca.SX(DISCHARGE)), pressure, ca.SX(temperature), ca.SX(behind))
+        return elliptic_flow(effective_area(choke, ca.SX(DISCHARGE)), pressure, ca.SX(temperature), ca.SX(behind))
 
     fallen = control - line
     # From half of the sensitivity on the control chamber is shut off more and more.
@@ -161,7 +171,40 @@ def distributing() -> ca.Function:
         specific * (fills - empties) / p["cylinder_volume"],
     )
     taken = to_control - from_control + to_auxiliary + into * p["accelerator_volume"] / specific
-    names = ["states", "pipe", "given"]
     enthalpy = HEAT_CAPACITY * taken * ca.if_else(taken > 0, warmth, WALL)
-    result = ca.densify(ca.vertcat(rates, taken, enthalpy, fills))
-    return ca.Function("distributing", [states, pipe, given], [result], names, ["result"])
+    return function_of("distributing", [states, pipe, given], ca.vertcat(rates, taken, enthalpy, fills))
+
+
+#: How fast an empirical valve comes to what is wanted at most [1/s]. Assumed: a relay that is near gives way.
+EMPIRICAL_PACE = 10.0
+
+
+def empirical() -> ca.Function:
+    """As `distributing`, of a valve that is no part of the pipe: it follows the pressure there and takes no air from it.
+
+    The cylinder fills from 5 bar and empties by its chokes, as ISO 6358-1 has it with sqrt(1 - y^2) as 1 - y^2 / 2, and
+    comes to what is wanted with EMPIRICAL_PACE; the auxiliary reservoir stays full; the control chamber fills with a time
+    constant of its choke. Without the roots and volumes of the whole valve; fails where a reservoir is not full.
+    """
+    fields = list(DistributorParameters.__dataclass_fields__)
+    states, pipe, given = ca.SX.sym("states", 4), ca.SX.sym("pipe", 3), ca.SX.sym("given", len(fields))
+    p = dict(zip(fields, ca.vertsplit(given), strict=True))
+    control, _, auxiliary, cylinder = ca.vertsplit(states)
+    line = air_of(pipe).pressure
+    fallen = control - line
+    brakes = _share(2 * fallen / p["sensitivity"] - 1)
+    choked = CHOKED_FLOW * DISCHARGE * math.pi / 4 * (GAS_CONSTANT * WALL) ** 0.5
+
+    def passes(choke: ca.SX, volume: ca.SX, pressure: ca.SX, behind: ca.SX | float) -> ca.SX:
+        y = ca.fmax((behind / pressure - CRITICAL_RATIO) / (1 - CRITICAL_RATIO), 0)
+        return choked * choke**2 / volume * pressure * (1 - y**2 / 2)
+
+    over = cylinder - AMBIENT
+    wanted = ca.fmin(p["full_pressure"] / p["full_difference"] * fallen, p["full_pressure"]) * brakes
+    wide = p["filling_choke"] ** 2 + p["inshot_choke"] ** 2 * ca.if_else(over < p["inshot"], 1, 0)
+    fills = passes(ca.sqrt(wide), p["cylinder_volume"], auxiliary, cylinder)
+    empties = passes(p["release_choke"], p["cylinder_volume"], cylinder, AMBIENT)
+    changes = ca.fmax(ca.fmin(EMPIRICAL_PACE * (wanted - over), fills), -empties)
+    charged = ca.fmin(-fallen, 0.1 * line) * (1 - brakes) * choked * 10 * p["control_choke"] ** 2 / p["control_volume"]
+    rates = ca.vertcat(charged, 0, 0, changes)
+    return function_of("empirical", [states, pipe, given], ca.vertcat(rates, 0, 0, 0))

@@ -20,6 +20,12 @@ import casadi as ca
 ONE_WRITES = RLock()
 
 
+def function_of(name: str, given: list[ca.SX], result: ca.SX) -> ca.Function:
+    """A function whose inputs are called like their symbols, for `equations_in_c.function_of_cells`."""
+    names = [str(one[0]).rpartition("_")[0] if one.numel() > 1 else str(one) for one in given]
+    return ca.Function(name, given, [ca.densify(result)], names, ["result"])
+
+
 @dataclass(frozen=True)
 class Part:
     """A function that is generated once and called for each of what repeats, such as the wheelsets of a vehicle.

@@ -6,58 +6,51 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "lanes_widest.h"
 #include "pipe_inside.h"
+#include "rows.h"
 
 /* Air that rests, for cells that are none. */
 static const double AIR[PIPE_STATES] = {1.2, 0.0, 2.5e5};
 enum { OWN_ROWS = 4 * VEHICLE_STATES + VEHICLE_CONSTANTS + PIPE_STATES + VEHICLE_RATES };
 /* How often a step is halved at most. */
 enum { MOST_HALVED = 12 };
-enum { ROWS = 4 * PIPE_STATES + PIPE_CONSTANTS + PIPE_SIDES + 2 * PIPE_STATES + PIPE_LEAKS + 1 };
-
-static void fill(double *row, long long int stride, double value)
-{
-    for (long long int i = -PIPE_EDGE; i < stride - PIPE_EDGE; ++i) row[i] = value;
-}
-
-static long long int stride_of(long long int count)
-{
-    return (count + 7) / 8 * 8 + 3 * PIPE_EDGE;
-}
+enum { ROWS = 4 * PIPE_STATES + PIPE_CONSTANTS + PIPE_SIDES + 3 * PIPE_STATES + PIPE_LEAKS + 1 };
+/* Of the area of the pipe, what a hose that has parted opens. Assumed. */
+static const double HOSE = 0.9;
 
 pipe *pipe_create(long long int cells, const double *state, const double *constants)
 {
     pipe *self = (pipe *)calloc(1, sizeof *self);
     if (!self) return NULL;
     self->cells = cells;
-    self->stride = stride_of(cells);
+    self->stride = rows_stride(cells);
     self->lanes = lanes_of_processor();
     self->memory = (double *)calloc((size_t)(ROWS * self->stride), sizeof(double));
-    if (!self->memory) {
-        free(self);
+    self->joint = (unsigned char *)calloc((size_t)(cells + 1), 1);
+    if (!self->memory || !self->joint) {
+        pipe_free(self);
         return NULL;
     }
-    double *row = self->memory + PIPE_EDGE;
+    double *row = self->memory + ROWS_EDGE;
     const struct {
         double **first;
         int rows;
     } parts[] = {{&self->state, PIPE_STATES}, {&self->before, PIPE_STATES}, {&self->kept, PIPE_STATES}, {&self->first, PIPE_STATES}, {&self->given, PIPE_CONSTANTS}, {&self->side, PIPE_SIDES},
-                 {&self->flux, PIPE_STATES},  {&self->rate, PIPE_STATES},   {&self->leak, PIPE_LEAKS},     {&self->time, 1}};
+                 {&self->flux, PIPE_STATES},  {&self->rate, PIPE_STATES},   {&self->leak, PIPE_LEAKS},     {&self->time, 1}, {&self->jump, PIPE_STATES}};
     for (size_t part = 0; part < sizeof parts / sizeof *parts; ++part) {
         *parts[part].first = row;
         row += parts[part].rows * self->stride;
     }
     for (int n = 0; n < PIPE_STATES; ++n) {
-        fill(self->state + n * self->stride, self->stride, AIR[n]);
+        rows_fill(self->state + n * self->stride, self->stride, AIR[n]);
         memcpy(self->state + n * self->stride, state + n * cells, (size_t)cells * sizeof(double));
     }
     for (int n = 0; n < PIPE_CONSTANTS; ++n) {
-        fill(self->given + n * self->stride, self->stride, 1.0);
+        rows_fill(self->given + n * self->stride, self->stride, 1.0);
         memcpy(self->given + n * self->stride, constants + n * cells, (size_t)cells * sizeof(double));
     }
     for (long long int i = 0; i < cells; ++i) self->leaks |= self->given[i + 5 * self->stride] > 0.0;
-    for (int n = 0; n < PIPE_SIDES; ++n) fill(self->side + n * self->stride, self->stride, 1.0);
+    for (int n = 0; n < PIPE_SIDES; ++n) rows_fill(self->side + n * self->stride, self->stride, 1.0);
     for (int end = 0; end < 2; ++end) self->outside[end] = (pipe_outside){0.0, 1.0, 1e5, 293.15};
     return self;
 }
@@ -66,6 +59,7 @@ void pipe_free(pipe *self)
 {
     if (!self) return;
     free(self->memory);
+    free(self->joint);
     free(self->own_memory);
     free(self->cell);
     free(self);
@@ -73,7 +67,7 @@ void pipe_free(pipe *self)
 
 int pipe_vehicles(pipe *self, long long int count, const long long int *cell, const double *state, const double *given, double pace)
 {
-    const long long int stride = self->vehicle_stride = stride_of(count);
+    const long long int stride = self->vehicle_stride = rows_stride(count);
     free(self->own_memory);
     free(self->cell);
     self->vehicles = 0;
@@ -81,7 +75,7 @@ int pipe_vehicles(pipe *self, long long int count, const long long int *cell, co
     self->own_memory = (double *)calloc((size_t)(OWN_ROWS * stride), sizeof(double));
     if (!self->cell || !self->own_memory) return 0;
     memcpy(self->cell, cell, (size_t)count * sizeof *cell);
-    double *row = self->own_memory + PIPE_EDGE;
+    double *row = self->own_memory + ROWS_EDGE;
     const struct {
         double **first;
         int rows;
@@ -93,17 +87,25 @@ int pipe_vehicles(pipe *self, long long int count, const long long int *cell, co
         row += parts[part].rows * stride;
     }
     for (int n = 0; n < VEHICLE_STATES; ++n) {
-        fill(self->own + n * stride, stride, 1e5);
+        rows_fill(self->own + n * stride, stride, 1e5);
         memcpy(self->own + n * stride, state + n * count, (size_t)count * sizeof(double));
     }
     for (int n = 0; n < VEHICLE_CONSTANTS; ++n) {
-        fill(self->own_given + n * stride, stride, 1.0);
+        rows_fill(self->own_given + n * stride, stride, 1.0);
         memcpy(self->own_given + n * stride, given + n * count, (size_t)count * sizeof(double));
     }
-    for (int n = 0; n < PIPE_STATES; ++n) fill(self->own_pipe + n * stride, stride, AIR[n]);
+    for (int n = 0; n < PIPE_STATES; ++n) rows_fill(self->own_pipe + n * stride, stride, AIR[n]);
     self->vehicles = count;
     self->pace = pace;
     return 1;
+}
+
+void pipe_depth(pipe *self, int depth) { self->depth = depth; }
+
+void pipe_give(pipe *self, long long int cell, double pressure)
+{
+    self->state[cell + 2 * self->stride] = 2.5 * pressure; /* p / (kappa - 1), at rest */
+    self->state[cell + self->stride] = 0.0;
 }
 
 void pipe_vehicle_states(const pipe *self, double *state)
@@ -117,6 +119,33 @@ void pipe_end(pipe *self, int end, const pipe_outside *outside)
     self->outside[end] = *outside;
 }
 
+void pipe_join(pipe *self, long long int face, int how)
+{
+    self->joints += (how != PIPE_JOINED) - (self->joint[face] != PIPE_JOINED);
+    self->joint[face] = (unsigned char)how;
+}
+
+long long int pipe_numbers(const pipe *self)
+{
+    return PIPE_STATES * self->cells + VEHICLE_STATES * self->vehicles + (long long int)(sizeof self->passed / sizeof(double));
+}
+
+void pipe_save(const pipe *self, double *numbers)
+{
+    pipe_state(self, numbers);
+    pipe_vehicle_states(self, numbers + PIPE_STATES * self->cells);
+    memcpy(numbers + PIPE_STATES * self->cells + VEHICLE_STATES * self->vehicles, &self->passed, sizeof self->passed);
+}
+
+void pipe_load(pipe *self, const double *numbers)
+{
+    for (int n = 0; n < PIPE_STATES; ++n, numbers += self->cells)
+        memcpy(self->state + n * self->stride, numbers, (size_t)self->cells * sizeof(double));
+    for (int n = 0; n < VEHICLE_STATES && self->vehicles; ++n, numbers += self->vehicles)
+        memcpy(self->own + n * self->vehicle_stride, numbers, (size_t)self->vehicles * sizeof(double));
+    memcpy(&self->passed, numbers, sizeof self->passed);
+}
+
 void pipe_state(const pipe *self, double *state)
 {
     for (int n = 0; n < PIPE_STATES; ++n)
@@ -127,18 +156,6 @@ const pipe_passed *pipe_has_passed(const pipe *self)
 {
     return &self->passed;
 }
-
-static void in_lanes(pipe *self, void (*one)(pipe *), void (*two)(pipe *), void (*four)(pipe *), void (*eight)(pipe *))
-{
-    (self->lanes >= 8 ? eight : self->lanes >= 4 ? four : self->lanes >= 2 ? two : one)(self);
-}
-#if LANES_WIDEST >= 8
-#define IN_LANES(what) in_lanes(self, what##_1, what##_2, what##_4, what##_8)
-#elif LANES_WIDEST >= 2
-#define IN_LANES(what) in_lanes(self, what##_1, what##_2, what##_2, what##_2)
-#else
-#define IN_LANES(what) in_lanes(self, what##_1, what##_1, what##_1, what##_1)
-#endif
 
 /* Cells beyond a closed end are the mirror of those inside, beyond an open one the same as those. */
 static void mirror(pipe *self)
@@ -151,12 +168,10 @@ static void mirror(pipe *self)
     }
 }
 
-/* What passes an end outwards, per square metre, and how fast. */
-static void pass_end(pipe *self, int end, double *out)
+/* What passes the first (0) or the last end of a cell outwards, per square metre, and how fast. */
+static void pass_end(const pipe *self, long long int place, int end, const pipe_outside *o, double *out)
 {
-    const long long int place = end ? self->cells - 1 : 0;
     const double outwards = end ? 1.0 : -1.0, *side = self->side + (end ? PIPE_STATES : 0) * self->stride + place;
-    const pipe_outside *o = &self->outside[end];
     const double air[PIPE_STATES] = {side[0], outwards * side[self->stride], side[2 * self->stride]};
     const double outside[] = {o->opening, o->area, o->pressure, o->temperature};
     pipe_ending_1(air, outside, out);
@@ -187,6 +202,10 @@ static void distribute(pipe *self, pipe_passed *passed)
     const long long int stride = self->stride, own = self->vehicle_stride;
     for (long long int v = 0; v < self->vehicles; ++v)
         for (int n = 0; n < PIPE_STATES; ++n) self->own_pipe[v + n * own] = self->state[self->cell[v] + n * stride];
+    if (self->depth != PIPE_WHOLE) {
+        IN_LANES(pipe_follow);
+        return;
+    }
     IN_LANES(pipe_distribute);
     const double *mass = self->own_rate + VEHICLE_STATES * own, *energy = mass + own, *filled = energy + own;
     for (long long int v = 0; v < self->vehicles; ++v) {
@@ -199,15 +218,150 @@ static void distribute(pipe *self, pipe_passed *passed)
     }
 }
 
+static double area_of(const pipe *self, long long int cell)
+{
+    const double diameter = self->given[cell + self->stride];
+    return 0.78539816339744831 * diameter * diameter;
+}
+
+void pipe_valve(pipe *self, int valve, long long int face, const double numbers[VALVE_NUMBERS])
+{
+    valve_at *own = &self->valve[valve];
+    own->face = face;
+    memcpy(own->numbers, numbers, VALVE_NUMBERS * sizeof(double));
+    own->numbers[VALVE_NUMBERS] = face > 0 ? area_of(self, face - 1) : 0.0;
+    own->numbers[VALVE_NUMBERS + 1] = face < self->cells ? area_of(self, face) : 0.0;
+    if (valve >= self->valves) self->valves = valve + 1;
+}
+
+/* Cells at faces that are not joined see nothing beyond them. */
+static void look_at_joints(pipe *self)
+{
+    for (long long int face = 1; face < self->cells; ++face)
+        for (int ahead = 0; ahead < 2 && self->joint[face]; ++ahead) {
+            const long long int own = face - 1 + ahead;
+            double cells[3][PIPE_STATES], found[PIPE_SIDES];
+            for (int n = 0; n < PIPE_STATES; ++n)
+                for (int k = 0; k < 3; ++k) {
+                    const double *u = self->state + n * self->stride;
+                    const int beyond = (ahead && k == 0) || (!ahead && k == 2);
+                    const double mirrored = n == 1 && self->joint[face] == PIPE_SHUT ? -1.0 : 1.0;
+                    cells[k][n] = beyond ? mirrored * u[own] : u[own + k - 1];
+                }
+            pipe_side_1(cells[0], cells[1], cells[2], found);
+            for (int n = 0; n < PIPE_SIDES; ++n) self->side[own + n * self->stride] = found[n];
+        }
+}
+
+/* The pressure at a driver's valve at which the waves meet what passes it: Newton's method within a bracket. */
+static double meet(valve_at *own, const double *behind, const double *ahead)
+{
+    enum { MOST = 60 };
+    double low = 0.02 * fmin(behind[2], ahead[2]), high = 4.0 * fmax(fmax(behind[2], ahead[2]), own->numbers[5]), found[TAP_FOUND];
+    double at = own->at > low && own->at < high ? own->at : behind[2];
+    for (int turn = 0; turn < MOST; ++turn) {
+        pipe_tapping_1(&at, behind, ahead, own->numbers, found);
+        if (found[0] > 0.0) low = at; else high = at;
+        const double better = at - found[0] / found[1], near = 1e-11 * at;
+        if (fabs(better - at) < near || high - low < near) break;
+        at = better > low && better < high ? better : (low + high) / 2.0;
+    }
+    return own->at = at;
+}
+
+/* Puts the fluxes on both sides of a face: of a joint or a valve; what a rate is ahead of it beyond its shared flux. */
+static void split_flux(pipe *self, long long int face, const double *behind, const double *ahead)
+{
+    for (int n = 0; n < PIPE_STATES; ++n) {
+        self->flux[face + n * self->stride] = face > 0 ? behind[n] : ahead[n];
+        if (face > 0 && face < self->cells) self->jump[face + n * self->stride] = ahead[n] - behind[n];
+    }
+}
+
+static void pass_valves(pipe *self, pipe_passed *passed)
+{
+    for (int valve = 0; valve < self->valves; ++valve) {
+        valve_at *own = &self->valve[valve];
+        const long long int stride = self->stride, face = own->face, last = self->cells - 1;
+        double air[2][PIPE_STATES], found[TAPPED];
+        for (int n = 0; n < PIPE_STATES; ++n) {
+            air[0][n] = face > 0 ? self->side[face - 1 + (PIPE_STATES + n) * stride] : self->side[n * stride];
+            air[1][n] = face <= last ? self->side[face + n * stride] : self->side[last + (PIPE_STATES + n) * stride];
+        }
+        const double at = meet(own, air[0], air[1]);
+        pipe_tapped_1(&at, air[0], air[1], own->numbers, found);
+        split_flux(self, face, found, found + PIPE_STATES);
+        passed->valve_mass += found[VALVE_OUT];
+        passed->valve_energy += found[ENERGY_OUT];
+        passed->let_in += found[LET_IN];
+    }
+}
+
+/* Between cells that are not joined: nothing passes, or all that waves bring leaves the pipe. */
+static void pass_joints(pipe *self, pipe_passed *passed)
+{
+    for (long long int face = 1; face < self->cells; ++face) {
+        if (!self->joint[face]) continue;
+        double out[2][PIPE_STATES + 1];
+        for (int ahead = 0; ahead < 2; ++ahead) {
+            const long long int own = face - 1 + ahead;
+            const double area = area_of(self, own), *given = self->given + own;
+            const double opening = self->joint[face] == PIPE_PARTED ? HOSE * area : 0.0;
+            const pipe_outside o = {opening, area, given[6 * self->stride], given[2 * self->stride]};
+            pass_end(self, own, !ahead, &o, out[ahead]);
+            passed->leak_mass += out[ahead][0] * area;
+            passed->leak_energy += out[ahead][2] * area;
+        }
+        out[1][0] = -out[1][0];
+        out[1][2] = -out[1][2];
+        split_flux(self, face, out[0], out[1]);
+    }
+}
+
+/* What the rate of the cell ahead of a face lacks. */
+static void add_jump(pipe *self, long long int face)
+{
+    for (int n = 0; n < PIPE_STATES; ++n) self->rate[face + n * self->stride] += self->jump[face + n * self->stride] / self->given[face];
+}
+
+static void add_jumps(pipe *self)
+{
+    for (int valve = 0; valve < self->valves; ++valve) {
+        const long long int face = self->valve[valve].face;
+        if (face > 0 && face < self->cells && !self->joint[face]) add_jump(self, face);
+    }
+    for (long long int face = 1; face < self->cells && self->joints; ++face)
+        if (self->joint[face]) add_jump(self, face);
+}
+
+/* How fast waves and air change the cells beside valves at most [1/s]. */
+static double fastest_at_valves(const pipe *self)
+{
+    double fastest = 0.0;
+    for (int valve = 0; valve < self->valves; ++valve)
+        for (int ahead = 0; ahead < 2; ++ahead) {
+            const valve_at *own = &self->valve[valve];
+            const long long int cell = own->face - 1 + ahead, row = (ahead ? 0 : PIPE_STATES) * self->stride;
+            if (cell < 0 || cell >= self->cells) continue;
+            const double *side = self->side + row + cell, density = side[0], pressure = side[2 * self->stride];
+            const double wave = self->side[cell + 6 * self->stride];
+            const double through = own->at > 0.0 ? fabs(pressure - own->at) / (density * wave) : 0.0;
+            fastest = fmax(fastest, (wave + through) / self->given[cell]);
+        }
+    return fastest;
+}
+
 /* Looks at the sides of cells and at the ends; how fast waves and vehicles change at most [1/s]. passed: through the ends. */
 static double look(pipe *self, pipe_passed *passed)
 {
+    if (self->depth == PIPE_GIVEN) return self->pace / 2.0;
     double through[2];
     mirror(self);
     IN_LANES(pipe_sides);
+    if (self->joints) look_at_joints(self);
     for (int end = 0; end < 2; ++end) {
         double out[PIPE_STATES + 1];
-        pass_end(self, end, out);
+        pass_end(self, end ? self->cells - 1 : 0, end, &self->outside[end], out);
         through[end] = out[PIPE_STATES];
         passed->end_mass[end] = out[0] * self->outside[end].area;
         passed->end_energy[end] = out[2] * self->outside[end].area;
@@ -218,6 +372,7 @@ static double look(pipe *self, pipe_passed *passed)
     for (long long int i = 0; i < self->cells; ++i)
         fastest = wave[i] > fastest * length[i] ? wave[i] / length[i] : fastest;
     const long long int last = self->cells - 1;
+    fastest = fmax(fastest, fastest_at_valves(self));
     return fmax(fastest, fmax((wave[0] + through[0]) / length[0], (wave[last] + through[1]) / length[last]));
 }
 
@@ -225,11 +380,18 @@ static double look(pipe *self, pipe_passed *passed)
 static void rates(pipe *self, pipe_passed *passed)
 {
     memset(passed, 0, sizeof *passed);
+    if (self->depth == PIPE_GIVEN) {
+        distribute(self, passed);
+        return;
+    }
     look(self, passed);
     IN_LANES(pipe_faces);
     for (int end = 0; end < 2; ++end)
         for (int n = 0; n < PIPE_STATES; ++n) self->flux[(end ? self->cells : 0) + n * self->stride] = self->end_flux[end][n];
+    if (self->valves) pass_valves(self, passed);
+    if (self->joints) pass_joints(self, passed);
     IN_LANES(pipe_rates);
+    if (self->valves || self->joints) add_jumps(self);
     if (self->leaks) leak(self, passed);
     distribute(self, passed);
 }
@@ -245,11 +407,15 @@ static void add(pipe_passed *to, const pipe_passed *more, double time)
     to->vehicle_mass += time * more->vehicle_mass;
     to->vehicle_energy += time * more->vehicle_energy;
     to->cylinder_mass += time * more->cylinder_mass;
+    to->valve_mass += time * more->valve_mass;
+    to->valve_energy += time * more->valve_energy;
+    to->let_in += time * more->let_in;
 }
 
 /* Heat exchange with the walls for a time. */
 static void warm(pipe *self, double time)
 {
+    if (self->depth == PIPE_GIVEN) return;
     for (long long int i = 0; i < self->cells; ++i) self->time[i] = time;
     IN_LANES(pipe_warm);
     double *energy = self->state + 2 * self->stride;
@@ -278,9 +444,10 @@ static void go_on(pipe *self, double share, double step)
 
 static void copy(const pipe *self, double *to, const double *from, double *own, const double *own_from)
 {
-    memcpy(to - PIPE_EDGE, from - PIPE_EDGE, (size_t)(PIPE_STATES * self->stride) * sizeof(double));
+    memcpy(to - ROWS_EDGE, from - ROWS_EDGE, (size_t)(PIPE_STATES * self->stride) * sizeof(double));
     if (!self->vehicles) return;
-    memcpy(own - PIPE_EDGE, own_from - PIPE_EDGE, (size_t)(VEHICLE_STATES * self->vehicle_stride) * sizeof(double));
+    if (!self->vehicles) return;
+    memcpy(own - ROWS_EDGE, own_from - ROWS_EDGE, (size_t)(VEHICLE_STATES * self->vehicle_stride) * sizeof(double));
 }
 
 static bool sound(const pipe *self)
@@ -292,6 +459,12 @@ static bool sound(const pipe *self)
         for (long long int v = 0; v < self->vehicles; ++v)
             if (!(self->own[v + row * self->vehicle_stride] > 0.0 && isfinite(self->own[v + row * self->vehicle_stride]))) return false;
     return true;
+}
+
+double pipe_longest(pipe *self, double courant)
+{
+    pipe_passed unused;
+    return courant / look(self, &unused);
 }
 
 /* One step: Heun's between two halves of heat exchange. */

@@ -13,17 +13,24 @@
 
 /* Numbers of a cell: density, momentum, energy; its constants, CONSTANTS of brake_pipe.py. Of a vehicle: its states and its
  * parameters, STATES and DistributorParameters of distributor.py. */
-enum { PIPE_STATES = 3, PIPE_CONSTANTS = 7, VEHICLE_STATES = 4, VEHICLE_CONSTANTS = 14 };
+enum { PIPE_STATES = 3, PIPE_CONSTANTS = 7, VEHICLE_STATES = 4, VEHICLE_CONSTANTS = 14, VALVE_NUMBERS = 8, MOST_VALVES = 16 };
+/* How two cells are joined: as one pipe; a cock between them is shut; the hose between them has parted. */
+enum { PIPE_JOINED, PIPE_SHUT, PIPE_PARTED };
 
 /* What is outside an end: effective opening [m2], inner area of the pipe [m2], pressure [Pa], temperature [K]. */
 typedef struct {
     double opening, area, pressure, temperature;
 } pipe_outside;
 
+/* How much of the brake is computed: flow of air and whole distributors; flow of air and empirical valves; empirical valves on
+ * pressures that are given. */
+enum { PIPE_WHOLE, PIPE_EMPIRICAL, PIPE_GIVEN };
+
 /* What has left since the beginning [kg], [J]: through each end, by leaks, to vehicles; heat that walls have given [J]; and air
- * that cylinders have taken [kg]. */
+ * that cylinders have taken [kg]; net by driver's valves, and air that they have let in [kg]. */
 typedef struct {
     double end_mass[2], end_energy[2], leak_mass, leak_energy, vehicle_mass, vehicle_energy, heat, cylinder_mass;
+    double valve_mass, valve_energy, let_in;
 } pipe_passed;
 
 typedef struct pipe pipe;
@@ -35,8 +42,22 @@ PIPE_SHOWN void pipe_free(pipe *self);
  * rest at most [1/s]. 0: there is no memory. */
 PIPE_SHOWN int pipe_vehicles(pipe *self, long long int count, const long long int *cell, const double *state, const double *given,
                              double pace);
+PIPE_SHOWN void pipe_depth(pipe *self, int depth);
+/* With PIPE_GIVEN: the pressure in a cell [Pa]. */
+PIPE_SHOWN void pipe_give(pipe *self, long long int cell, double pressure);
 PIPE_SHOWN void pipe_vehicle_states(const pipe *self, double *state);
 PIPE_SHOWN void pipe_end(pipe *self, int end, const pipe_outside *outside);
+/* A driver's valve, one of MOST_VALVES, at the face before a cell, or behind the last one; numbers: the first of VALVE in
+ * brake_pipe.py. What it was before is gone. */
+PIPE_SHOWN void pipe_valve(pipe *self, int valve, long long int face, const double numbers[VALVE_NUMBERS]);
+/* How the cells before and behind a face are joined. */
+PIPE_SHOWN void pipe_join(pipe *self, long long int face, int how);
+/* All that a run changes but ends, valves and joints: how many numbers, and from and to a place for them. */
+PIPE_SHOWN long long int pipe_numbers(const pipe *self);
+PIPE_SHOWN void pipe_save(const pipe *self, double *numbers);
+PIPE_SHOWN void pipe_load(pipe *self, const double *numbers);
+/* How long a step waves and vehicles allow now [s]. */
+PIPE_SHOWN double pipe_longest(pipe *self, double courant);
 /* Density, momentum and energy of all cells. */
 PIPE_SHOWN void pipe_state(const pipe *self, double *state);
 PIPE_SHOWN const pipe_passed *pipe_has_passed(const pipe *self);

@@ -1,4 +1,4 @@
-/* A pipe from inside. Rows hold a number of all cells, behind EDGE of them that are no cells; `stride` lies between rows. */
+/* A pipe from inside. Rows hold a number of all cells, as rows.h lays them. */
 #ifndef PIPE_INSIDE_H
 #define PIPE_INSIDE_H
 
@@ -6,18 +6,28 @@
 
 #include "pipe.h"
 
-enum { PIPE_EDGE = 8, PIPE_SIDES = 7, PIPE_LEAKS = 2, VEHICLE_RATES = VEHICLE_STATES + 3 };
+enum { PIPE_SIDES = 7, PIPE_LEAKS = 2, VEHICLE_RATES = VEHICLE_STATES + 3 };
+
+/* A driver's valve: the face, its numbers with the areas of the pipe on both sides, and the pressure there. */
+typedef struct {
+    long long int face;
+    double numbers[VALVE_NUMBERS + 2], at;
+} valve_at;
+enum { TAP_FOUND = 2, TAPPED = 9, VALVE_OUT = 6, ENERGY_OUT = 7, LET_IN = 8 };
 
 struct pipe {
     long long int cells, stride;
-    int lanes;
+    int lanes, depth;
     bool leaks;
     double *memory, *own_memory;
-    double *state, *before, *kept, *first, *given, *side, *flux, *rate, *leak, *time; /* the first cell of each first row */
+    double *state, *before, *kept, *first, *given, *side, *flux, *rate, *leak, *time, *jump; /* the first cell of each first row */
     long long int vehicles, vehicle_stride, *cell; /* which cell a vehicle takes its air from */
     double pace;
     double *own, *own_before, *own_kept, *own_first, *own_given, *own_pipe, *own_rate; /* the same of vehicles */
     pipe_outside outside[2];
+    int valves, joints; /* how many are valves, and how many faces are not joined */
+    valve_at valve[MOST_VALVES];
+    unsigned char *joint;
     double end_flux[2][PIPE_STATES];
     pipe_passed passed;
 };
@@ -28,7 +38,11 @@ struct pipe {
     void pipe_rates_##lanes(pipe *self);                                                                                        \
     void pipe_leaks_##lanes(pipe *self);                                                                                        \
     void pipe_distribute_##lanes(pipe *self);                                                                                   \
+    void pipe_follow_##lanes(pipe *self);                                                                                       \
     void pipe_warm_##lanes(pipe *self);                                                                                         \
+    void pipe_side_##lanes(const double *before, const double *own, const double *behind, double *side);                        \
+    void pipe_tapping_##lanes(const double *at, const double *behind, const double *ahead, const double *valve, double *found);  \
+    void pipe_tapped_##lanes(const double *at, const double *behind, const double *ahead, const double *valve, double *found);   \
     void pipe_ending_##lanes(const double *air, const double *outside, double *flux)
 PIPE_LOOPS(1);
 PIPE_LOOPS(2);

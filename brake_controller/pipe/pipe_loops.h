@@ -41,10 +41,35 @@ void LANES_NAME(pipe_distribute)(pipe *self)
     LANES_LEAVE;
 }
 
+void LANES_NAME(pipe_follow)(pipe *self)
+{
+    for (long long int i = 0; i < self->vehicles; i += LANES)
+        LANES_NAME(cells_empirical)(self->own + i, self->own_pipe + i, self->own_given + i, self->own_rate + i, self->vehicle_stride);
+    LANES_LEAVE;
+}
+
 void LANES_NAME(pipe_warm)(pipe *self)
 {
     for (long long int i = 0; i < self->cells; i += LANES)
         LANES_NAME(cells_warmed)(self->state + i, self->given + i, self->time + i, self->rate + i, self->stride);
+    LANES_LEAVE;
+}
+
+void LANES_NAME(pipe_side)(const double *before, const double *own, const double *behind, double *side)
+{
+    LANES_NAME(cells_sides)(before, own, behind, side, LANES);
+    LANES_LEAVE;
+}
+
+void LANES_NAME(pipe_tapping)(const double *at, const double *behind, const double *ahead, const double *valve, double *found)
+{
+    LANES_NAME(cells_tapping)(at, behind, ahead, valve, found, LANES);
+    LANES_LEAVE;
+}
+
+void LANES_NAME(pipe_tapped)(const double *at, const double *behind, const double *ahead, const double *valve, double *found)
+{
+    LANES_NAME(cells_tapped)(at, behind, ahead, valve, found, LANES);
     LANES_LEAVE;
 }
 

@@ -15,12 +15,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from brake_controller import pipe as folder
 from brake_controller.air import GAS_CONSTANT, HEAT_CAPACITY_RATIO
-from brake_controller.brake_pipe import ending, leaking, passing, rates, sides, warmed
-from brake_controller.distributor import AMBIENT, STATES, DistributorParameters, distributing, fastest_change
+from brake_controller.brake_pipe import ending, leaking, passing, rates, sides, tapped, tapping, warmed
+from brake_controller.distributor import AMBIENT, STATES, DistributorParameters, distributing, empirical, fastest_change
+from fmu_src.codegen import RUNTIME
 from fmu_src.compile import plain_library
 from fmu_src.equations_in_c import WIDTHS, function_of_cells
 
-FOLDER = Path(folder.__file__).parent
+FOLDER, ROWS = Path(folder.__file__).parent, RUNTIME / "rows.h"
 #: Of what a wave needs through a cell, how long a step may be [1]; above 1 the method is not stable.
 COURANT = 0.8
 
@@ -42,14 +43,15 @@ class _Passed(ctypes.Structure):
     _fields_ = (
         *((name, ctypes.c_double * 2) for name in ("end_mass", "end_energy")),
         *((name, ctypes.c_double) for name in ("leak_mass", "leak_energy", "vehicle_mass", "vehicle_energy", "heat")),
-        ("cylinder_mass", ctypes.c_double),
+        *((name, ctypes.c_double) for name in ("cylinder_mass", "valve_mass", "valve_energy", "let_in")),
     )
 
 
 def sources() -> dict[str, str]:
     """C files by name: the loop, and what is generated for each cell."""
-    texts = {path.name: path.read_text(encoding="utf-8") for path in sorted(FOLDER.glob("pipe*.[ch]"))}
-    made = [function_of_cells(one()) for one in (sides, passing, rates, leaking, warmed, ending, distributing)]
+    texts = {path.name: path.read_text(encoding="utf-8") for path in (*sorted(FOLDER.glob("pipe*.[ch]")), ROWS)}
+    functions = (sides, passing, rates, leaking, warmed, ending, tapping, tapped, distributing, empirical)
+    made = [function_of_cells(one()) for one in functions]
     texts["pipe_cells.h"] = "\n".join(made)
     for lanes in (1, *WIDTHS):
         loops = f'#define LANES {lanes}\n#include "pipe_loops.h"\n'

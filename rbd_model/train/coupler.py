@@ -1,0 +1,150 @@
+"""Couplers between vehicles: curves of loading and unloading, with dry friction between them that sticks.
+
+On its way a coupler's force rises along the curve of loading and falls along that of unloading; in between the friction
+holds and the coupler is as stiff as its locked steel. That is a play operator with bounds that hang on the way
+(Q. Wu, M. Spiryagin, C. Cole: Longitudinal train dynamics: an overview, Vehicle System Dynamics 54 (2016), on
+draft gear models): it has no speed in it, so that a coupler at rest keeps what force it has.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import casadi as ca
+
+from fmu_src.chain import function_of
+
+#: Points of a curve at most, with the one that a preload adds.
+POINTS = 6
+#: Constants of a coupler: locked stiffness [N/m], whether it is coupled, and four curves: tension loading and unloading,
+#: compression loading and unloading, each as ways [m] and changes of slope [N/m].
+COUPLER_CONSTANTS = 2 + 4 * 2 * POINTS
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Force [N] over way [m], straight between the points and at the locked stiffness behind the last one.
+
+    The first point lies at way 0; a force there is a preload.
+    """
+
+    ways: tuple[float, ...]
+    forces: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        if len(self.ways) != len(self.forces) or not 2 <= len(self.ways) < POINTS or self.ways[0] != 0.0:
+            raise ValueError(
+                f"Give a coupler's curve 2 to {POINTS - 1} ways, the first 0 m, and as many forces: they were"
+                f" {list(self.ways)} and {list(self.forces)}."
+            )
+        if any(b <= a for a, b in pairwise(self.ways)) or any(b < a for a, b in pairwise(self.forces)):
+            raise ValueError(f"Let ways of a coupler's curve rise and its forces never fall: they were {self}.")
+        if self.forces[0] < 0.0:
+            raise ValueError(f"Set the preload of a coupler's curve to at least 0 N: it was {self.forces[0]:g} N.")
+
+    def bends(self, locked: float) -> list[tuple[float, float]]:
+        """Ways [m] and changes of slope [N/m] there; a preload is reached at the locked stiffness [N/m]."""
+        points = list(zip(self.ways, self.forces, strict=True))
+        if points[0][1] > 0.0:
+            points = [(0.0, 0.0), (points[0][1] / locked, points[0][1]), *points[1:]]
+        if any(b <= a for (a, _), (b, _) in pairwise(points)):
+            raise ValueError(f"Set a coupler's locked stiffness so high that its preload is reached before {points[2][0]:g} m.")
+        slopes = [(fb - fa) / (b - a) for (a, fa), (b, fb) in pairwise(points)]
+        if max(slopes) > locked:
+            raise ValueError(
+                f"Set a coupler's locked stiffness to at least the steepest slope of its curves, {max(slopes):g} N/m:"
+                f" it was {locked:g} N/m."
+            )
+        changes = [after - before for before, after in pairwise([0.0, *slopes, locked])]
+        found = list(zip([way for way, _ in points], changes, strict=True))
+        return found + [(1.0, 0.0)] * (POINTS - len(found))
+
+
+@dataclass(frozen=True)
+class Coupler:
+    """Both directions of a coupling between two vehicles, and its locked stiffness [N/m]; ways are of the coupling."""
+
+    name: str
+    locked: float
+    tension: tuple[Curve, Curve]
+    compression: tuple[Curve, Curve]
+
+    def constants(self) -> list[float]:
+        """As C takes them, COUPLER_CONSTANTS of them."""
+        rows = [self.locked, 1.0]
+        for curve in (*self.tension, *self.compression):
+            ways, changes = zip(*curve.bends(self.locked), strict=True)
+            rows += [*ways, *changes]
+        return rows
+
+
+def _scaled(curve: Curve, share: float) -> Curve:
+    return Curve(curve.ways, tuple(share * force for force in curve.forces))
+
+
+def screw_coupler() -> Coupler:
+    """Screw coupler with side buffers of 105 mm, two beside and two behind each other; wagons in Europe.
+
+    Assumed: the middle of the forces that are known of buffers of categories A and B, 30 kN at rest, 80 at 25 mm, 250 at
+    60, 675 at 105; that friction takes half of the energy (at least 0.42 is asked for); draw gear of 20 kN at rest and 400
+    kN at 60 mm; 50 MN/m where the friction holds.
+    """
+    compression = Curve((0.0, 0.05, 0.12, 0.21), (60e3, 160e3, 500e3, 1350e3))
+    tension = Curve((0.0, 0.06), (20e3, 400e3))
+    return Coupler("screw", 50e6, (tension, _scaled(tension, 0.5)), (compression, _scaled(compression, 0.5)))
+
+
+def draft_gear() -> Coupler:
+    """Automatic coupler with friction draft gear and slack: curves that GE Research published for freight cars.
+
+    Loading 0 N up to 11.9 mm, 120 kN at 18.8, 681 at 49.5, 1352 at 125.5; unloading 120 kN at 18.8, 284 at 119.4; 198
+    MN/m where the friction holds.
+    """
+    loading = Curve((0.0, 11.9e-3, 18.8e-3, 49.5e-3, 125.5e-3), (0.0, 0.0, 120e3, 681e3, 1352e3))
+    unloading = Curve((0.0, 11.9e-3, 18.8e-3, 119.4e-3), (0.0, 0.0, 120e3, 284e3))
+    return Coupler("draft-gear", 198e6, (loading, unloading), (loading, unloading))
+
+
+def rigid(stiffness: float = 1e9) -> Coupler:
+    """A bar: one stiffness [N/m] both ways, no friction."""
+    bar = Curve((0.0, 1.0), (0.0, stiffness))
+    return Coupler("rigid", stiffness, (bar, bar), (bar, bar))
+
+
+#: By the name that consists use.
+COUPLERS = {"screw": screw_coupler, "draft-gear": draft_gear, "rigid": rigid}
+
+
+def _curve(way: ca.SX, bends: ca.SX) -> ca.SX:
+    ways, changes = bends[:POINTS], bends[POINTS:]
+    return ca.dot(changes, ca.fmax(way - ways, 0))
+
+
+def coupling() -> ca.Function:
+    """Of the places of two vehicles, where the locked force is zero, and the constants: force [N] and that place again.
+
+    Tension is above 0. Play operator with bounds: F = min(max(K (s - z), lower(s)), upper(s)), z = s - F / K
+    (Wu, Spiryagin and Cole (2016)).
+    """
+    ahead, behind, rest = (ca.SX.sym(name) for name in ("ahead", "behind", "rest"))
+    given = ca.SX.sym("given", COUPLER_CONSTANTS)
+    locked, coupled = given[0], given[1]
+    size = 2 * POINTS
+    loads, unloads, presses, eases = (given[2 + n * size : 2 + (n + 1) * size] for n in range(4))
+    way = ahead - behind
+    upper = coupled * _curve(way, loads) - _curve(-way, eases)
+    lower = coupled * _curve(way, unloads) - _curve(-way, presses)
+    force = ca.fmin(ca.fmax(locked * (way - rest), lower), upper)
+    return function_of("coupling", [ahead, behind, rest, given], ca.vertcat(force, way - force / locked))
+
+
+def fastest(couplers: Sequence[Coupler], masses: Sequence[float]) -> float:
+    """Largest angular frequency [1/s] of a chain, not above this: Gershgorin's circles, all couplers locked.
+
+    An explicit step is stable up to 2 over it, as central differences are (Hairer, Lubich and Wanner, Geometric
+    Numerical Integration, section I.1).
+    """
+    stiff = [0.0, *(one.locked for one in couplers), 0.0]
+    return float(max(2 * (stiff[n] + stiff[n + 1]) / mass for n, mass in enumerate(masses)) ** 0.5)

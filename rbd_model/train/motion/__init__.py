@@ -1,0 +1,1 @@
+"""C around the couplers and vehicles of a train: memory, steps, balances."""

@@ -1,0 +1,144 @@
+/* motion.h: memory and steps. */
+#include "motion.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "motion_inside.h"
+#include "rows.h"
+
+enum { ROWS = MOTION_STATES + MOTION_ACTING + MOTION_GIVEN + COUPLER_GIVEN + MOTION_FOUND + 3 };
+
+motion *motion_create(long long int vehicles, const double *given, const double *coupler)
+{
+    motion *self = (motion *)calloc(1, sizeof *self);
+    if (!self) return NULL;
+    const long long int stride = self->stride = rows_stride(vehicles);
+    self->vehicles = vehicles;
+    self->lanes = lanes_of_processor();
+    self->memory = (double *)malloc((size_t)(ROWS * stride) * sizeof(double));
+    if (!self->memory) {
+        free(self);
+        return NULL;
+    }
+    double *row = self->memory + ROWS_EDGE;
+    const struct {
+        double **first;
+        int rows;
+        double value;
+    } parts[] = {{&self->state, MOTION_STATES, 0.0}, {&self->acting, MOTION_ACTING, 0.0}, {&self->given, MOTION_GIVEN, 1.0},
+                 {&self->coupler, COUPLER_GIVEN, 1.0}, {&self->found, MOTION_FOUND, 0.0},   {&self->force, 1, 0.0},
+                 {&self->step, 1, 1.0},                {&self->wish, 1, 1.0}};
+    for (size_t part = 0; part < sizeof parts / sizeof *parts; ++part) {
+        *parts[part].first = row;
+        for (int n = 0; n < parts[part].rows; ++n, row += stride) rows_fill(row, stride, parts[part].value);
+    }
+    self->speed = self->state + stride;
+    self->wheel = self->speed + stride;
+    self->rest = self->wheel + stride;
+    for (int n = 0; n < MOTION_GIVEN; ++n)
+        memcpy(self->given + n * stride, given + n * vehicles, (size_t)vehicles * sizeof(double));
+    for (int n = 0; n < COUPLER_GIVEN; ++n)
+        memcpy(self->coupler + n * stride, coupler + n * (vehicles - 1), (size_t)(vehicles - 1) * sizeof(double));
+    return self;
+}
+
+void motion_free(motion *self)
+{
+    if (!self) return;
+    free(self->memory);
+    free(self);
+}
+
+void motion_put(motion *self, const double *state)
+{
+    for (int n = 0; n < MOTION_STATES; ++n)
+        memcpy(self->state + n * self->stride, state + n * self->vehicles, (size_t)self->vehicles * sizeof(double));
+}
+
+void motion_get(const motion *self, double *state)
+{
+    for (int n = 0; n < MOTION_STATES; ++n)
+        memcpy(state + n * self->vehicles, self->state + n * self->stride, (size_t)self->vehicles * sizeof(double));
+}
+
+double *motion_acting(motion *self, int row) { return self->acting + row * self->stride; }
+const double *motion_place(const motion *self) { return self->state; }
+const double *motion_speed(const motion *self) { return self->speed; }
+const double *motion_wheel(const motion *self) { return self->wheel; }
+double *motion_force(motion *self) { return self->force; }
+const double *motion_rail(const motion *self) { return self->found + 2 * self->stride; }
+
+int motion_is_coupled(const motion *self, long long int coupler)
+{
+    return self->coupler[coupler + COUPLED * self->stride] > 0.0;
+}
+
+void motion_couple(motion *self, long long int coupler, int coupled)
+{
+    self->wish[coupler] = coupled;
+    if (!coupled) self->coupler[coupler + COUPLED * self->stride] = 0.0;
+    self->waiting = 0;
+    for (long long int i = 0; i + 1 < self->vehicles; ++i) self->waiting += self->wish[i] > 0.0 && !motion_is_coupled(self, i);
+}
+
+/* Couplers that wait to be coupled are, where the vehicles touch. */
+static void couple_what_touches(motion *self)
+{
+    for (long long int i = 0; i + 1 < self->vehicles; ++i)
+        if (self->wish[i] > 0.0 && !motion_is_coupled(self, i) && self->state[i] <= self->state[i + 1]) {
+            self->coupler[i + COUPLED * self->stride] = 1.0;
+            --self->waiting;
+        }
+}
+
+static void go_ways(motion *self, double time)
+{
+    for (long long int i = 0; i < self->vehicles; ++i) self->state[i] += time * self->speed[i];
+}
+
+static void find_forces(motion *self)
+{
+    const double *force = self->found, *rest = force + self->stride;
+    const long long int couplers = self->vehicles - 1;
+    if (self->waiting) couple_what_touches(self);
+    IN_LANES(motion_force);
+    memcpy(self->force, force, (size_t)couplers * sizeof(double));
+    memcpy(self->rest, rest, (size_t)couplers * sizeof(double));
+}
+
+/* Speeds behind a step; wheels that slide have their own law. */
+static void find_speeds(motion *self)
+{
+    double *speed = self->found, *over = speed + self->stride;
+    IN_LANES(motion_speed);
+    for (long long int i = 0; i < self->vehicles; ++i) {
+        double wheel = speed[i];
+        if (over[i] > 0.0) {
+            motion_slide_1(self, i, self->found + i); /* speed, speed of the wheels, what the rail gives */
+            wheel = over[i];
+        }
+        self->wheel[i] = wheel;
+    }
+    memcpy(self->speed, speed, (size_t)self->vehicles * sizeof(double));
+}
+
+void motion_go(motion *self, long long int steps, double step)
+{
+    for (long long int i = 0; i < self->vehicles; ++i) self->step[i] = step;
+    for (long long int n = 0; n < steps; ++n) {
+        go_ways(self, step / 2.0);
+        find_forces(self);
+        find_speeds(self);
+        go_ways(self, step / 2.0);
+    }
+}
+
+int motion_sound(const motion *self)
+{
+    for (int n = 0; n < MOTION_STATES; ++n)
+        for (long long int i = 0; i < self->vehicles; ++i)
+            if (!isfinite(self->state[i + n * self->stride])) return 0;
+    return 1;
+}

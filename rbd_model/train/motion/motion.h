@@ -1,0 +1,43 @@
+/* Vehicles of a train along the track, and the couplers between them; what happens at a vehicle and in a coupler is generated
+ * (vehicle.py, coupler.py).
+ *
+ * Half a step of way, a step of speed, half a step of way (Störmer and Verlet), in steps that are as long as the stiffest
+ * locked coupler allows. Places are ways from where the couplers are neither long nor short. */
+#ifndef MOTION_H
+#define MOTION_H
+
+/* Numbers of a vehicle: what acts on it and its constants (ACTING and VEHICLE_CONSTANTS of vehicle.py); of a coupler: its
+ * constants, of which the second says whether it is coupled (coupler.py). */
+enum { MOTION_ACTING = 4, MOTION_GIVEN = 8, COUPLER_GIVEN = 50, COUPLED = 1 };
+/* Rows of what acts. */
+enum { SLOPE, PULL, BRAKE, FRICTION };
+
+/* A state: so many numbers, rows of so many vehicles: place [m], speed, speed of the wheels at the rim [m/s], and where the
+ * locked force of the coupler behind is zero [m]. */
+enum { MOTION_STATES = 4 };
+
+typedef struct motion motion;
+
+/* given: MOTION_GIVEN rows of so many vehicles, coupler: COUPLER_GIVEN rows of one less; copied. null: there is no memory. */
+motion *motion_create(long long int vehicles, const double *given, const double *coupler);
+void motion_free(motion *self);
+void motion_put(motion *self, const double *state);
+void motion_get(const motion *self, double *state);
+/* What acts on a vehicle from now on, a row of all vehicles: for others to write. */
+double *motion_acting(motion *self, int row);
+const double *motion_place(const motion *self);
+const double *motion_speed(const motion *self);
+const double *motion_wheel(const motion *self);
+/* Tension in each coupler [N]; at -1 and behind the last vehicle what pulls at the ends of the train, for others to write. */
+double *motion_force(motion *self);
+/* What the rail gives to each vehicle [N], forwards above zero. */
+const double *motion_rail(const motion *self);
+/* A coupler, counted from the head, is coupled as soon as it is not long, or uncoupled at once. */
+void motion_couple(motion *self, long long int coupler, int coupled);
+int motion_is_coupled(const motion *self, long long int coupler);
+/* Goes on by so many steps. */
+void motion_go(motion *self, long long int steps, double step);
+/* Whether all numbers of the state are finite. */
+int motion_sound(const motion *self);
+
+#endif

@@ -1,0 +1,25 @@
+/* The motion from inside: rows as rows.h lays them. */
+#ifndef MOTION_INSIDE_H
+#define MOTION_INSIDE_H
+
+#include "motion.h"
+
+enum { MOTION_FOUND = 3, COUPLER_FOUND = 2 };
+
+struct motion {
+    long long int vehicles, stride;
+    int lanes, waiting; /* couplers that are to be coupled */
+    double *memory;
+    double *state, *speed, *wheel, *rest, *acting, *given, *coupler, *step, *found, *force, *wish; /* first cells of first rows */
+};
+
+#define MOTION_LOOPS(lanes)                  \
+    void motion_force_##lanes(motion *self); \
+    void motion_speed_##lanes(motion *self); \
+    void motion_slide_##lanes(const motion *self, long long int vehicle, double *result)
+MOTION_LOOPS(1);
+MOTION_LOOPS(2);
+MOTION_LOOPS(4);
+MOTION_LOOPS(8);
+
+#endif

@@ -1,0 +1,81 @@
+"""A vehicle of a train as two masses, its own and that of its wheels at the rim, which roll or slide.
+
+Brakes and resistance are capacities: they take what motion there is, and hold a vehicle that stands (Coulomb's law, as
+J. J. Moreau's time stepping has it: Unilateral contact and dry friction in finite freedom dynamics (1988)).
+"""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from fmu_src.chain import function_of
+
+#: Standard gravity [m/s2] (ISO 80000-3).
+GRAVITY = 9.80665
+#: Constants of a vehicle's motion: mass and rotating mass at the rim [kg]; weight on its braked wheels [N]; share of
+#: friction that is left at high speed of sliding [1], and its fall [s/m] (Polach (2005)); resistance [N], [N.s/m], [N.s2/m2].
+VEHICLE_CONSTANTS = ("mass", "rotating_mass", "weight", "friction_left", "friction_fall", "constant", "linear", "square")
+#: What acts on a vehicle in a step: forces of gravity and of motors, capacity of its brake [N], friction of its rail [1].
+ACTING = ("slope", "pull", "brake", "friction")
+#: Below which no force divides anything [N].
+LEAST_FORCE = 1e-9
+
+
+def _slowed(speed: ca.SX, most: ca.SX) -> ca.SX:
+    """A speed behind dry friction that may take so much of it."""
+    left = ca.fmax(ca.fabs(speed) - most, 0)
+    return ca.if_else(speed > 0, left, -left)
+
+
+def _given() -> tuple[list[ca.SX], dict[str, ca.SX]]:
+    sizes = {"acting": len(ACTING), "given": len(VEHICLE_CONSTANTS)}
+    names = ("speed", "wheel", "ahead", "behind", "acting", "given", "step")
+    symbols = [ca.SX.sym(name, sizes.get(name, 1)) for name in names]
+    found = dict(zip(names, symbols, strict=True))
+    found |= dict(zip(ACTING, ca.vertsplit(found.pop("acting")), strict=True))
+    return symbols, found | dict(zip(VEHICLE_CONSTANTS, ca.vertsplit(found.pop("given")), strict=True))
+
+
+def _resistance(p: dict[str, ca.SX]) -> ca.SX:
+    """Of rolling and air [N], a + b v + c v^2, W. J. Davis (1926)."""
+    fast = ca.fabs(p["speed"])
+    return p["constant"] + fast * (p["linear"] + fast * p["square"])
+
+
+def rolling() -> ca.Function:
+    """Of a vehicle whose wheels roll: its speed behind a step; by how much its rail is asked too much [N]; what it is asked.
+
+    (m + m_r) dv = h (F_ahead - F_behind + slope + pull), less what brakes and resistance take (Moreau (1988)). The rail is
+    asked for pull, brake and m_r dv / h, and gives mu N; a wheel that slides asks too much by 1 N.
+    """
+    symbols, p = _given()
+    whole, resistance, step = p["mass"] + p["rotating_mass"], _resistance(p), p["step"]
+    driven = p["speed"] + step / whole * (p["ahead"] - p["behind"] + p["slope"] + p["pull"])
+    speed = _slowed(driven, step / whole * (p["brake"] + resistance))
+    taken = whole / step * (speed - driven)
+    braked = taken * p["brake"] / ca.fmax(p["brake"] + resistance, LEAST_FORCE)
+    asked = p["pull"] + braked - p["rotating_mass"] / step * (speed - p["speed"])
+    over = ca.fmax(ca.fabs(asked) - p["friction"] * p["weight"], ca.if_else(p["wheel"] == p["speed"], -1, 1))
+    return function_of("rolling", symbols, ca.vertcat(speed, over, asked))
+
+
+def sliding() -> ca.Function:
+    """Of a vehicle whose wheels slide: its speed and theirs at the rim behind a step, and what the rail gives [N].
+
+    m dv = h (F + H), m_r dw = h (pull - H), H = +-mu N against the sliding, mu as Polach (2005) has it; wheels and vehicle
+    whose speeds meet go on together with their momentum (Moreau (1988)).
+    """
+    symbols, p = _given()
+    asked = function_of("rolling", symbols, rolling()(*symbols)[2])(*symbols)
+    step, apart = p["step"], p["wheel"] - p["speed"]
+    sense = ca.if_else(ca.if_else(apart == 0, asked, apart) > 0, 1, -1)
+    left = p["friction_left"]
+    friction = p["friction"] * (left + (1 - left) * ca.exp(-p["friction_fall"] * ca.fabs(apart)))
+    gives = sense * friction * p["weight"]
+    driven = p["speed"] + step / p["mass"] * (p["ahead"] - p["behind"] + p["slope"] + gives)
+    speed = _slowed(driven, step / p["mass"] * _resistance(p))
+    turned = p["wheel"] + step / p["rotating_mass"] * (p["pull"] - gives)
+    wheel = _slowed(turned, step / p["rotating_mass"] * p["brake"])
+    meet = (wheel - speed) * sense <= 0
+    both = (p["mass"] * speed + p["rotating_mass"] * wheel) / (p["mass"] + p["rotating_mass"])
+    return function_of("sliding", symbols, ca.vertcat(ca.if_else(meet, both, speed), ca.if_else(meet, both, wheel), gives))
