@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import casadi as ca
 from scipy.integrate import quad
@@ -47,22 +48,25 @@ class DistributorParameters(ParameterSet):
     control_choke: float = quantity("m", "Diameter of the choke between pipe and control chamber", 0.0)
     auxiliary_choke: float = quantity("m", "Diameter of the choke between pipe and auxiliary reservoir", 0.0)
     filling_choke: float = quantity("m", "Diameter of the choke that fills the cylinder", 0.0)
-    release_choke: float = quantity("m", "Diameter of the choke that empties the cylinder", 0.0)
+    release_choke: float = quantity("m", "Diameter of the choke that empties the cylinder", 1e-4)
     inshot_choke: float = quantity("m", "Diameter of a choke beside it up to the in-shot", 0.0)
     inshot: float = quantity("Pa", "Pressure of the cylinder up to which it fills quickly", 0.0)
     accelerator_time: float = quantity("s", "Time to 95 % in which the accelerator's chamber fills", 1e-2)
     sensitivity: float = quantity("Pa", "Difference at which all brakes; from half of it on it begins to", 1e2)
     full_difference: float = quantity("Pa", "Difference that gives the full pressure of the cylinder", 1e3)
     full_pressure: float = quantity("Pa", "Largest pressure of the cylinder", 0.0)
+    vent_choke: float = quantity("m", "Diameter of the choke that wheel-slide protection opens", 0.0)
 
 
+@lru_cache
 def freight(position: str = "P") -> DistributorParameters:
     """Of a wagon, whose cylinder fills and empties in the middle of the times of UIC 540, to 95 % and to 0.4 bar.
 
     P: 4 and 17.5 s, G: 24 and 52.5 s. 3.8 bar at a difference of 1.5 bar (UIC 540); auxiliary reservoir 100 l,
     accelerator 0.46 l, in-shot 0.69 bar, chokes of control chamber 0.59 and auxiliary reservoir 2.3 mm (data of Dako
     BV1 as train simulators print them). Assumed: volumes of control chamber 4 l and cylinder 10.3 l, sensitivity 10
-    kPa, 1 s in which the accelerator fills.
+    kPa, 1 s in which the accelerator
+    fills, 10 mm for wheel-slide protection.
     """
     filling, release = {"P": (4.0, 17.5), "G": (24.0, 52.5)}[position]
     bare = DistributorParameters(
@@ -73,13 +77,14 @@ def freight(position: str = "P") -> DistributorParameters:
         control_choke=0.59e-3,
         auxiliary_choke=2.3e-3,
         filling_choke=0.0,
-        release_choke=0.0,
+        release_choke=1e-4,
         inshot_choke=6e-3,
         inshot=69e3,
         accelerator_time=1.0,
         sensitivity=10e3,
         full_difference=150e3,
         full_pressure=380e3,
+        vent_choke=10e-3,
     )
     return replace(
         bare,
@@ -115,21 +120,36 @@ def fastest_change(p: DistributorParameters) -> float:
     """How fast a state comes to rest at most [1/s]: an explicit step of more than two over it lies.
 
     A choke of an area A into a volume V: sqrt(R T) A / V times the steepest slope of the flow (ISO 6358-1); behind a
-    relay, the choked flow over the relay's band beside it.
+    relay, the choked flow over the relay's band, if that is more: a flow is steep where there is next to none. No cylinder
+    fills and empties at once.
     """
     specific = GAS_CONSTANT * WALL
     steepest = 2 * _flow_of_a_metre(1.0, 1.0 - LAMINAR_DIFFERENCE) / LAMINAR_DIFFERENCE
     relay = _flow_of_a_metre(p.full_pressure + 2 * AMBIENT, AMBIENT) / RELAY
+    filling = p.filling_choke**2 + p.inshot_choke**2
     paces = (
         p.control_choke**2 * steepest / p.control_volume,
-        (p.auxiliary_choke**2 + p.filling_choke**2 + p.inshot_choke**2) * (steepest + relay) / p.auxiliary_volume,
-        (p.filling_choke**2 + p.inshot_choke**2 + p.release_choke**2) * (steepest + relay) / p.cylinder_volume,
+        (p.auxiliary_choke**2 * steepest + filling * max(steepest, relay)) / p.auxiliary_volume,
+        max(filling, p.release_choke**2) * max(steepest, relay) / p.cylinder_volume,
     )
     return max(TIME_CONSTANTS_TO_95_PERCENT / p.accelerator_time, *(specific * pace for pace in paces))
 
 
+def _given() -> tuple[list[ca.SX], ca.SX, ca.SX, dict[str, ca.SX]]:
+    """Symbols; of them the states, the cell of the pipe, and parameters and commands by name."""
+    fields = list(DistributorParameters.__dataclass_fields__)
+    sizes = {"states": len(STATES), "pipe": 3, "given": len(fields), "command": len(COMMANDED)}
+    symbols = [ca.SX.sym(name, size) for name, size in sizes.items()]
+    values = [*ca.vertsplit(symbols[2]), *ca.vertsplit(symbols[3])]
+    return symbols, symbols[0], symbols[1], dict(zip([*fields, *COMMANDED], values, strict=True))
+
+
 def _share(value: ca.SX) -> ca.SX:
     return ca.fmax(ca.fmin(value, 1), 0)
+
+
+#: What wheel-slide protection commands, as shares: no air into the cylinder nor out; the cylinder open to the surroundings.
+COMMANDED = ("held", "vented")
 
 
 def distributing() -> ca.Function:
@@ -138,9 +158,7 @@ def distributing() -> ca.Function:
     That is, from the pipe to the vehicle: air [kg/s] and its enthalpy [W]; and air to the cylinder [kg/s]. Ideal gas at
     the temperature of the walls, V dp/dt = R T G; flows by ISO 6358-1. What comes back is as warm as the walls.
     """
-    fields = list(DistributorParameters.__dataclass_fields__)
-    states, pipe, given = ca.SX.sym("states", 4), ca.SX.sym("pipe", 3), ca.SX.sym("given", len(fields))
-    p = dict(zip(fields, ca.vertsplit(given), strict=True))
+    symbols, states, pipe, p = _given()
     control, accelerator, auxiliary, cylinder = ca.vertsplit(states)
     air = air_of(pipe)
     line, warmth = air.pressure, air.temperature
@@ -163,7 +181,9 @@ def distributing() -> ca.Function:
     over = cylinder - AMBIENT
     quick = _share((p["inshot"] - over) / RELAY) * through(p["inshot_choke"], auxiliary, WALL, cylinder)
     fills = _share((wanted - over) / RELAY) * (through(p["filling_choke"], auxiliary, WALL, cylinder) + quick)
-    empties = _share((over - wanted) / RELAY) * through(p["release_choke"], cylinder, WALL, AMBIENT)
+    released = through(p["release_choke"], cylinder, WALL, AMBIENT)
+    vents = p["vented"] * (p["vent_choke"] / p["release_choke"]) ** 2 * released
+    fills, empties = (1 - p["held"]) * fills, (1 - p["held"]) * _share((over - wanted) / RELAY) * released + vents
     rates = ca.vertcat(
         specific * (to_control - from_control) / p["control_volume"],
         into - out,
@@ -172,7 +192,7 @@ def distributing() -> ca.Function:
     )
     taken = to_control - from_control + to_auxiliary + into * p["accelerator_volume"] / specific
     enthalpy = HEAT_CAPACITY * taken * ca.if_else(taken > 0, warmth, WALL)
-    return function_of("distributing", [states, pipe, given], ca.vertcat(rates, taken, enthalpy, fills))
+    return function_of("distributing", symbols, ca.vertcat(rates, taken, enthalpy, fills))
 
 
 #: How fast an empirical valve comes to what is wanted at most [1/s]. Assumed: a relay that is near gives way.
@@ -186,9 +206,7 @@ def empirical() -> ca.Function:
     comes to what is wanted with EMPIRICAL_PACE; the auxiliary reservoir stays full; the control chamber fills with a time
     constant of its choke. Without the roots and volumes of the whole valve; fails where a reservoir is not full.
     """
-    fields = list(DistributorParameters.__dataclass_fields__)
-    states, pipe, given = ca.SX.sym("states", 4), ca.SX.sym("pipe", 3), ca.SX.sym("given", len(fields))
-    p = dict(zip(fields, ca.vertsplit(given), strict=True))
+    symbols, states, pipe, p = _given()
     control, _, auxiliary, cylinder = ca.vertsplit(states)
     line = air_of(pipe).pressure
     fallen = control - line
@@ -204,7 +222,8 @@ def empirical() -> ca.Function:
     wide = p["filling_choke"] ** 2 + p["inshot_choke"] ** 2 * ca.if_else(over < p["inshot"], 1, 0)
     fills = passes(ca.sqrt(wide), p["cylinder_volume"], auxiliary, cylinder)
     empties = passes(p["release_choke"], p["cylinder_volume"], cylinder, AMBIENT)
-    changes = ca.fmax(ca.fmin(EMPIRICAL_PACE * (wanted - over), fills), -empties)
+    vents = p["vented"] * (p["vent_choke"] / p["release_choke"]) ** 2 * empties
+    changes = (1 - p["held"]) * ca.fmax(ca.fmin(EMPIRICAL_PACE * (wanted - over), fills), -empties) - vents
     charged = ca.fmin(-fallen, 0.1 * line) * (1 - brakes) * choked * 10 * p["control_choke"] ** 2 / p["control_volume"]
     rates = ca.vertcat(charged, 0, 0, changes)
-    return function_of("empirical", [states, pipe, given], ca.vertcat(rates, 0, 0, 0))
+    return function_of("empirical", symbols, ca.vertcat(rates, 0, 0, 0))

@@ -11,7 +11,10 @@
 
 /* Air that rests, for cells that are none. */
 static const double AIR[PIPE_STATES] = {1.2, 0.0, 2.5e5};
-enum { OWN_ROWS = 4 * VEHICLE_STATES + VEHICLE_CONSTANTS + PIPE_STATES + VEHICLE_RATES };
+enum { OWN_ROWS = 4 * VEHICLE_STATES + VEHICLE_CONSTANTS + VEHICLE_COMMANDS + PIPE_STATES + VEHICLE_RATES };
+/* A step so far below what waves allowed in the step before is not measured again: air that flows at the speed of sound
+ * doubles their speed. */
+static const double WELL_BELOW = 0.4;
 /* How often a step is halved at most. */
 enum { MOST_HALVED = 12 };
 enum { ROWS = 4 * PIPE_STATES + PIPE_CONSTANTS + PIPE_SIDES + 3 * PIPE_STATES + PIPE_LEAKS + 1 };
@@ -80,7 +83,7 @@ int pipe_vehicles(pipe *self, long long int count, const long long int *cell, co
         double **first;
         int rows;
     } parts[] = {{&self->own, VEHICLE_STATES},       {&self->own_before, VEHICLE_STATES}, {&self->own_kept, VEHICLE_STATES},
-                 {&self->own_first, VEHICLE_STATES}, {&self->own_given, VEHICLE_CONSTANTS}, {&self->own_pipe, PIPE_STATES},
+                 {&self->own_first, VEHICLE_STATES}, {&self->own_given, VEHICLE_CONSTANTS}, {&self->own_pipe, PIPE_STATES}, {&self->own_command, VEHICLE_COMMANDS},
                  {&self->own_rate, VEHICLE_RATES}};
     for (size_t part = 0; part < sizeof parts / sizeof *parts; ++part) {
         *parts[part].first = row;
@@ -100,6 +103,12 @@ int pipe_vehicles(pipe *self, long long int count, const long long int *cell, co
     return 1;
 }
 
+void pipe_command(pipe *self, long long int vehicle, double held, double vented)
+{
+    self->own_command[vehicle] = held;
+    self->own_command[vehicle + self->vehicle_stride] = vented;
+}
+
 void pipe_depth(pipe *self, int depth) { self->depth = depth; }
 
 void pipe_give(pipe *self, long long int cell, double pressure)
@@ -112,6 +121,15 @@ void pipe_vehicle_states(const pipe *self, double *state)
 {
     for (int n = 0; n < VEHICLE_STATES; ++n)
         memcpy(state + n * self->vehicles, self->own + n * self->vehicle_stride, (size_t)self->vehicles * sizeof(double));
+}
+
+void pipe_pressures(const pipe *self, double *line, double *cylinder)
+{
+    for (long long int v = 0; v < self->vehicles && line; ++v) {
+        const double *u = self->state + self->cell[v], momentum = u[self->stride];
+        line[v] = 0.4 * (u[2 * self->stride] - momentum * momentum / u[0] / 2.0); /* (kappa - 1) times inner energy */
+    }
+    if (cylinder) memcpy(cylinder, self->own + 3 * self->vehicle_stride, (size_t)self->vehicles * sizeof(double));
 }
 
 void pipe_end(pipe *self, int end, const pipe_outside *outside)
@@ -127,14 +145,17 @@ void pipe_join(pipe *self, long long int face, int how)
 
 long long int pipe_numbers(const pipe *self)
 {
-    return PIPE_STATES * self->cells + VEHICLE_STATES * self->vehicles + (long long int)(sizeof self->passed / sizeof(double));
+    const long long int passed = (long long int)(sizeof self->passed / sizeof(double));
+    return PIPE_STATES * self->cells + VEHICLE_STATES * self->vehicles + passed + MOST_VALVES;
 }
 
 void pipe_save(const pipe *self, double *numbers)
 {
     pipe_state(self, numbers);
     pipe_vehicle_states(self, numbers + PIPE_STATES * self->cells);
-    memcpy(numbers + PIPE_STATES * self->cells + VEHICLE_STATES * self->vehicles, &self->passed, sizeof self->passed);
+    numbers += PIPE_STATES * self->cells + VEHICLE_STATES * self->vehicles;
+    memcpy(numbers, &self->passed, sizeof self->passed);
+    for (int valve = 0; valve < MOST_VALVES; ++valve) numbers[sizeof self->passed / sizeof(double) + valve] = self->valve[valve].at;
 }
 
 void pipe_load(pipe *self, const double *numbers)
@@ -144,6 +165,7 @@ void pipe_load(pipe *self, const double *numbers)
     for (int n = 0; n < VEHICLE_STATES && self->vehicles; ++n, numbers += self->vehicles)
         memcpy(self->own + n * self->vehicle_stride, numbers, (size_t)self->vehicles * sizeof(double));
     memcpy(&self->passed, numbers, sizeof self->passed);
+    for (int valve = 0; valve < MOST_VALVES; ++valve) self->valve[valve].at = numbers[sizeof self->passed / sizeof(double) + valve];
 }
 
 void pipe_state(const pipe *self, double *state)
@@ -384,7 +406,7 @@ static void rates(pipe *self, pipe_passed *passed)
         distribute(self, passed);
         return;
     }
-    look(self, passed);
+    self->fastest = look(self, passed);
     IN_LANES(pipe_faces);
     for (int end = 0; end < 2; ++end)
         for (int n = 0; n < PIPE_STATES; ++n) self->flux[(end ? self->cells : 0) + n * self->stride] = self->end_flux[end][n];
@@ -486,7 +508,7 @@ static void step_on(pipe *self, double step)
 static double step_of(pipe *self, double left, double courant)
 {
     pipe_passed passed = self->passed, unused;
-    const double fastest = look(self, &unused);
+    const double fastest = left * self->fastest < WELL_BELOW * courant && self->fastest > 0.0 ? self->fastest : look(self, &unused);
     copy(self, self->kept, self->state, self->own_kept, self->own);
     for (int halved = 0; halved < MOST_HALVED; ++halved) {
         const double count = ceil(ldexp(left * fastest / courant, halved));

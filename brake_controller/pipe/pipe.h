@@ -13,7 +13,7 @@
 
 /* Numbers of a cell: density, momentum, energy; its constants, CONSTANTS of brake_pipe.py. Of a vehicle: its states and its
  * parameters, STATES and DistributorParameters of distributor.py. */
-enum { PIPE_STATES = 3, PIPE_CONSTANTS = 7, VEHICLE_STATES = 4, VEHICLE_CONSTANTS = 14, VALVE_NUMBERS = 8, MOST_VALVES = 16 };
+enum { PIPE_STATES = 3, PIPE_CONSTANTS = 7, VEHICLE_STATES = 4, VEHICLE_CONSTANTS = 15, VEHICLE_COMMANDS = 2, VALVE_NUMBERS = 8, MOST_VALVES = 16 };
 /* How two cells are joined: as one pipe; a cock between them is shut; the hose between them has parted. */
 enum { PIPE_JOINED, PIPE_SHUT, PIPE_PARTED };
 
@@ -42,10 +42,14 @@ PIPE_SHOWN void pipe_free(pipe *self);
  * rest at most [1/s]. 0: there is no memory. */
 PIPE_SHOWN int pipe_vehicles(pipe *self, long long int count, const long long int *cell, const double *state, const double *given,
                              double pace);
+/* What wheel-slide protection of a vehicle commands, COMMANDED of distributor.py. */
+PIPE_SHOWN void pipe_command(pipe *self, long long int vehicle, double held, double vented);
 PIPE_SHOWN void pipe_depth(pipe *self, int depth);
 /* With PIPE_GIVEN: the pressure in a cell [Pa]. */
 PIPE_SHOWN void pipe_give(pipe *self, long long int cell, double pressure);
 PIPE_SHOWN void pipe_vehicle_states(const pipe *self, double *state);
+/* Of each vehicle: the pressure in its cell and in its cylinder [Pa]; null: not asked for. */
+PIPE_SHOWN void pipe_pressures(const pipe *self, double *line, double *cylinder);
 PIPE_SHOWN void pipe_end(pipe *self, int end, const pipe_outside *outside);
 /* A driver's valve, one of MOST_VALVES, at the face before a cell, or behind the last one; numbers: the first of VALVE in
  * brake_pipe.py. What it was before is gone. */

@@ -22,8 +22,8 @@ struct pipe {
     double *memory, *own_memory;
     double *state, *before, *kept, *first, *given, *side, *flux, *rate, *leak, *time, *jump; /* the first cell of each first row */
     long long int vehicles, vehicle_stride, *cell; /* which cell a vehicle takes its air from */
-    double pace;
-    double *own, *own_before, *own_kept, *own_first, *own_given, *own_pipe, *own_rate; /* the same of vehicles */
+    double pace, fastest; /* of vehicles, and of all in the last step [1/s] */
+    double *own, *own_before, *own_kept, *own_first, *own_given, *own_command, *own_pipe, *own_rate; /* the same of vehicles */
     pipe_outside outside[2];
     int valves, joints; /* how many are valves, and how many faces are not joined */
     valve_at valve[MOST_VALVES];

@@ -36,15 +36,16 @@ void LANES_NAME(pipe_leaks)(pipe *self)
 void LANES_NAME(pipe_distribute)(pipe *self)
 {
     for (long long int i = 0; i < self->vehicles; i += LANES)
-        LANES_NAME(cells_distributing)(self->own + i, self->own_pipe + i, self->own_given + i, self->own_rate + i,
-                                       self->vehicle_stride);
+        LANES_NAME(cells_distributing)(self->own + i, self->own_pipe + i, self->own_given + i, self->own_command + i,
+                                       self->own_rate + i, self->vehicle_stride);
     LANES_LEAVE;
 }
 
 void LANES_NAME(pipe_follow)(pipe *self)
 {
     for (long long int i = 0; i < self->vehicles; i += LANES)
-        LANES_NAME(cells_empirical)(self->own + i, self->own_pipe + i, self->own_given + i, self->own_rate + i, self->vehicle_stride);
+        LANES_NAME(cells_empirical)(self->own + i, self->own_pipe + i, self->own_given + i, self->own_command + i, self->own_rate + i,
+                                    self->vehicle_stride);
     LANES_LEAVE;
 }
 

@@ -52,7 +52,7 @@ class Curve:
         if any(b <= a for (a, _), (b, _) in pairwise(points)):
             raise ValueError(f"Set a coupler's locked stiffness so high that its preload is reached before {points[2][0]:g} m.")
         slopes = [(fb - fa) / (b - a) for (a, fa), (b, fb) in pairwise(points)]
-        if max(slopes) > locked:
+        if max(slopes) > locked * (1 + 1e-9):
             raise ValueError(
                 f"Set a coupler's locked stiffness to at least the steepest slope of its curves, {max(slopes):g} N/m:"
                 f" it was {locked:g} N/m."

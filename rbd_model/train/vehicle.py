@@ -15,8 +15,9 @@ GRAVITY = 9.80665
 #: Constants of a vehicle's motion: mass and rotating mass at the rim [kg]; weight on its braked wheels [N]; share of
 #: friction that is left at high speed of sliding [1], and its fall [s/m] (Polach (2005)); resistance [N], [N.s/m], [N.s2/m2].
 VEHICLE_CONSTANTS = ("mass", "rotating_mass", "weight", "friction_left", "friction_fall", "constant", "linear", "square")
-#: What acts on a vehicle in a step: forces of gravity and of motors, capacity of its brake [N], friction of its rail [1].
-ACTING = ("slope", "pull", "brake", "friction")
+#: What acts on a vehicle in a step: forces of gravity and of motors, capacity of its brake [N], friction of its rail [1], resistance
+#: of a curve [N].
+ACTING = ("slope", "pull", "brake", "friction", "curve")
 #: Below which no force divides anything [N].
 LEAST_FORCE = 1e-9
 
@@ -39,7 +40,7 @@ def _given() -> tuple[list[ca.SX], dict[str, ca.SX]]:
 def _resistance(p: dict[str, ca.SX]) -> ca.SX:
     """Of rolling and air [N], a + b v + c v^2, W. J. Davis (1926)."""
     fast = ca.fabs(p["speed"])
-    return p["constant"] + fast * (p["linear"] + fast * p["square"])
+    return p["constant"] + p["curve"] + fast * (p["linear"] + fast * p["square"])
 
 
 def rolling() -> ca.Function:

@@ -8,7 +8,7 @@
 #include "motion_inside.h"
 #include "rows.h"
 
-enum { ROWS = MOTION_STATES + MOTION_ACTING + MOTION_GIVEN + COUPLER_GIVEN + MOTION_FOUND + 3 };
+enum { ROWS = MOTION_STATES + MOTION_ACTING + MOTION_GIVEN + COUPLER_GIVEN + MOTION_FOUND + 4, EXTREMES = 4 };
 
 motion *motion_create(long long int vehicles, const double *given, const double *coupler)
 {
@@ -29,7 +29,7 @@ motion *motion_create(long long int vehicles, const double *given, const double 
         double value;
     } parts[] = {{&self->state, MOTION_STATES, 0.0}, {&self->acting, MOTION_ACTING, 0.0}, {&self->given, MOTION_GIVEN, 1.0},
                  {&self->coupler, COUPLER_GIVEN, 1.0}, {&self->found, MOTION_FOUND, 0.0},   {&self->force, 1, 0.0},
-                 {&self->step, 1, 1.0},                {&self->wish, 1, 1.0}};
+                 {&self->step, 1, 1.0},                {&self->wish, 1, 1.0}, {&self->lead, 1, NAN}};
     for (size_t part = 0; part < sizeof parts / sizeof *parts; ++part) {
         *parts[part].first = row;
         for (int n = 0; n < parts[part].rows; ++n, row += stride) rows_fill(row, stride, parts[part].value);
@@ -75,12 +75,62 @@ int motion_is_coupled(const motion *self, long long int coupler)
     return self->coupler[coupler + COUPLED * self->stride] > 0.0;
 }
 
+static void count_waiting(motion *self)
+{
+    self->waiting = 0;
+    for (long long int i = 0; i + 1 < self->vehicles; ++i) self->waiting += self->wish[i] > 0.0 && !motion_is_coupled(self, i);
+}
+
+static void count_led(motion *self)
+{
+    self->led = 0;
+    for (long long int i = 0; i < self->vehicles; ++i) self->led |= isfinite(self->lead[i]) != 0;
+}
+
 void motion_couple(motion *self, long long int coupler, int coupled)
 {
     self->wish[coupler] = coupled;
     if (!coupled) self->coupler[coupler + COUPLED * self->stride] = 0.0;
-    self->waiting = 0;
-    for (long long int i = 0; i + 1 < self->vehicles; ++i) self->waiting += self->wish[i] > 0.0 && !motion_is_coupled(self, i);
+    count_waiting(self);
+}
+
+void motion_lead(motion *self, long long int vehicle, double speed)
+{
+    self->lead[vehicle] = speed;
+    count_led(self);
+    if (isfinite(speed)) self->speed[vehicle] = self->wheel[vehicle] = speed;
+}
+
+void motion_extremes(const motion *self, double found[4]) { memcpy(found, self->extremes, sizeof self->extremes); }
+void motion_forget(motion *self) { memset(self->extremes, 0, sizeof self->extremes); }
+
+/* States, couplings that are and that are wished, forces, speeds that are given, extremes. */
+long long int motion_numbers(const motion *self) { return (MOTION_STATES + 4) * self->vehicles + EXTREMES; }
+
+static double *kept_rows(const motion *self, int row)
+{
+    double *rows[] = {self->coupler + COUPLED * self->stride, self->wish, self->force, self->lead};
+    return rows[row];
+}
+
+void motion_save(const motion *self, double *numbers)
+{
+    motion_get(self, numbers);
+    numbers += MOTION_STATES * self->vehicles;
+    for (int row = 0; row < 4; ++row, numbers += self->vehicles)
+        memcpy(numbers, kept_rows(self, row), (size_t)self->vehicles * sizeof(double));
+    memcpy(numbers, self->extremes, sizeof self->extremes);
+}
+
+void motion_load(motion *self, const double *numbers)
+{
+    motion_put(self, numbers);
+    numbers += MOTION_STATES * self->vehicles;
+    for (int row = 0; row < 4; ++row, numbers += self->vehicles)
+        memcpy(kept_rows(self, row), numbers, (size_t)self->vehicles * sizeof(double));
+    memcpy(self->extremes, numbers, sizeof self->extremes);
+    count_waiting(self);
+    count_led(self);
 }
 
 /* Couplers that wait to be coupled are, where the vehicles touch. */
@@ -90,6 +140,25 @@ static void couple_what_touches(motion *self)
         if (self->wish[i] > 0.0 && !motion_is_coupled(self, i) && self->state[i] <= self->state[i + 1]) {
             self->coupler[i + COUPLED * self->stride] = 1.0;
             --self->waiting;
+        }
+}
+
+/* Looks for the largest forces so far. */
+static void find_extremes(motion *self)
+{
+    double most = 0.0, least = 0.0;
+    const double *force = self->force;
+    for (long long int i = 0; i + 1 < self->vehicles; ++i) {
+        most = force[i] > most ? force[i] : most;
+        least = force[i] < least ? force[i] : least;
+    }
+    if (most <= self->extremes[0] && -least <= self->extremes[2]) return;
+    for (long long int i = 0; i + 1 < self->vehicles; ++i)
+        for (int n = 0; n < EXTREMES; n += 2) {
+            const double size = n ? -force[i] : force[i];
+            if (size <= self->extremes[n]) continue;
+            self->extremes[n] = size;
+            self->extremes[n + 1] = (double)(i + 1);
         }
 }
 
@@ -106,6 +175,7 @@ static void find_forces(motion *self)
     IN_LANES(motion_force);
     memcpy(self->force, force, (size_t)couplers * sizeof(double));
     memcpy(self->rest, rest, (size_t)couplers * sizeof(double));
+    find_extremes(self);
 }
 
 /* Speeds behind a step; wheels that slide have their own law. */
@@ -121,6 +191,8 @@ static void find_speeds(motion *self)
         }
         self->wheel[i] = wheel;
     }
+    for (long long int i = 0; i < self->vehicles && self->led; ++i)
+        if (isfinite(self->lead[i])) speed[i] = self->wheel[i] = self->lead[i];
     memcpy(self->speed, speed, (size_t)self->vehicles * sizeof(double));
 }
 

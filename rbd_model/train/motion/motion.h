@@ -8,9 +8,9 @@
 
 /* Numbers of a vehicle: what acts on it and its constants (ACTING and VEHICLE_CONSTANTS of vehicle.py); of a coupler: its
  * constants, of which the second says whether it is coupled (coupler.py). */
-enum { MOTION_ACTING = 4, MOTION_GIVEN = 8, COUPLER_GIVEN = 50, COUPLED = 1 };
+enum { MOTION_ACTING = 5, MOTION_GIVEN = 8, COUPLER_GIVEN = 50, COUPLED = 1 };
 /* Rows of what acts. */
-enum { SLOPE, PULL, BRAKE, FRICTION };
+enum { SLOPE, PULL, BRAKE, FRICTION, CURVE };
 
 /* A state: so many numbers, rows of so many vehicles: place [m], speed, speed of the wheels at the rim [m/s], and where the
  * locked force of the coupler behind is zero [m]. */
@@ -35,6 +35,15 @@ const double *motion_rail(const motion *self);
 /* A coupler, counted from the head, is coupled as soon as it is not long, or uncoupled at once. */
 void motion_couple(motion *self, long long int coupler, int coupled);
 int motion_is_coupled(const motion *self, long long int coupler);
+/* A vehicle whose speed is given from outside [m/s], with that of its wheels; not finite: no longer. */
+void motion_lead(motion *self, long long int vehicle, double speed);
+/* Largest tension and largest compression so far [N], each with the coupling where it was, from 1 on; and to forget them. */
+void motion_extremes(const motion *self, double found[4]);
+void motion_forget(motion *self);
+/* All that a run changes but what acts: how many numbers, and from and to a place for them. */
+long long int motion_numbers(const motion *self);
+void motion_save(const motion *self, double *numbers);
+void motion_load(motion *self, const double *numbers);
 /* Goes on by so many steps. */
 void motion_go(motion *self, long long int steps, double step);
 /* Whether all numbers of the state are finite. */

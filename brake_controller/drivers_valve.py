@@ -1,0 +1,64 @@
+"""The driver's brake valve: a relay that holds the pipe at a pressure which the driver commands.
+
+Values of Dako BS2 as train simulators print them: it feeds through 22 mm less a core of 10 mm, lets out through 10 mm and, in
+an emergency, through an annulus of 26 and 8 mm; 5.4 bar of overcharge fall to 5 bar within 180 s.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from brake_controller.distributor import AMBIENT, DISCHARGE, WALL
+from fmu_src.system import ParameterSet, quantity
+
+#: Positions, by the number that a host sets.
+POSITIONS = {"shut-off": 0, "running": 1, "overcharge": 2, "service": 3, "emergency": 4}
+
+
+@dataclass(frozen=True)
+class DriversValve(ParameterSet):
+    """A driver's valve; pressures are gauge pressures. A step of service lies between the first and full service."""
+
+    feeding_area: float = quantity("m2", "Geometric area through which the valve feeds the pipe", 0.0)
+    exhaust_area: float = quantity("m2", "Geometric area through which it lets air out", 0.0)
+    emergency_area: float = quantity("m2", "Geometric area in an emergency", 0.0)
+    band: float = quantity("Pa", "Difference at which the relay is open as far as it goes", 1.0)
+    supply: float = quantity("Pa", "Pressure of the main reservoir, which stays", 0.0)
+    running: float = quantity("Pa", "Pressure of the pipe when brakes are released", 0.0)
+    overcharge: float = quantity("Pa", "Pressure of the pipe in overcharge", 0.0)
+    first_step: float = quantity("Pa", "Fall of the pipe at the first step of service", 0.0)
+    full_service: float = quantity("Pa", "Fall of the pipe at full service", 0.0)
+    service_rate: float = quantity("Pa/s", "How fast the pressure falls that the valve holds", 0.0)
+    release_rate: float = quantity("Pa/s", "How fast it rises", 0.0)
+    overcharge_rate: float = quantity("Pa/s", "How fast an overcharge falls", 0.0)
+    emergency_rate: float = quantity("Pa/s", "How fast the pipe at the valve falls in an emergency, without flow of air", 0.0)
+
+    def numbers(self, face: int, place: float, delay: float) -> list[float]:
+        """As C takes them (products/train/c/train.h); face: of the pipe; place: from the head [m]; delay: [s], or below 0."""
+        areas = [DISCHARGE * area for area in (self.feeding_area, self.exhaust_area, self.emergency_area)]
+        levels = [self.running + AMBIENT, self.overcharge + AMBIENT, self.first_step, self.full_service]
+        paces = [self.service_rate, self.release_rate, self.overcharge_rate, self.emergency_rate]
+        return [face, *areas, self.band, self.supply + AMBIENT, WALL, AMBIENT, *levels, *paces, place, delay]
+
+
+def drivers_valve() -> DriversValve:
+    """Areas and overcharge of Dako BS2; pipe 5 bar, 0.4 bar at the first step, 1.5 at full service (UIC 540, excerpts).
+
+    Assumed: main reservoir 8 bar, band 10 kPa, 0.5 bar/s down and 1 bar/s up, and 3 bar/s in an emergency without flow.
+    """
+    return DriversValve(
+        feeding_area=math.pi / 4 * (0.022**2 - 0.010**2),
+        exhaust_area=math.pi / 4 * 0.010**2,
+        emergency_area=math.pi / 4 * (0.026**2 - 0.008**2),
+        band=10e3,
+        supply=800e3,
+        running=500e3,
+        overcharge=540e3,
+        first_step=40e3,
+        full_service=150e3,
+        service_rate=50e3,
+        release_rate=100e3,
+        overcharge_rate=40e3 / 180.0,
+        emergency_rate=300e3,
+    )

@@ -1,0 +1,40 @@
+"""From the cylinders of a train's vehicle to what its brake can hold at the rim: rigging, shoes, weighing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from brake_controller.distributor import AMBIENT
+from brake_controller.rigging import shoe_force
+from brake_controller.shoe_friction import COMPOSITE, KARWATZKI, composite, karwatzki
+from fmu_src.chain import function_of
+from fmu_src.system import ParameterSet, quantity
+
+
+@dataclass(frozen=True)
+class VehicleBrake(ParameterSet):
+    """All shoes or discs of one vehicle."""
+
+    force_per_pressure: float = quantity("N/Pa", "Force of all shoes over the cylinder's pressure, without losses", 0.0)
+    counter_force: float = quantity("N", "Force of springs at the shoes that draw them back", 0.0)
+    efficiency: float = quantity("1", "Efficiency of the rigging", 0.0, 1.0)
+    shoes: float = quantity("1", "Number of shoes", 1.0)
+    friction_law: float = quantity("1", "0 constant, 2 cast iron, 3 composite K", 0.0, 3.0, "integer")
+    constant_friction: float = quantity("1", "Friction with law 0; of discs, times their radius over the wheel's", 0.0)
+
+
+def braking() -> ca.Function:
+    """Of the pressure in a vehicle's cylinder [Pa], the speed of its wheels at the rim [m/s], and its brake: what the
+    brake can hold there [N], eqs (2.4), (2.6) and (2.7); friction by the laws of `shoe_friction`.
+    """
+    fields = list(VehicleBrake.__dataclass_fields__)
+    cylinder, wheel, given = ca.SX.sym("cylinder"), ca.SX.sym("wheel"), ca.SX.sym("given", len(fields))
+    p = dict(zip(fields, ca.vertsplit(given), strict=True))
+    over = ca.fmax(cylinder - AMBIENT, 0)
+    pressed = shoe_force(over, p["force_per_pressure"], p["counter_force"], p["efficiency"])
+    fast, one = ca.fabs(wheel), pressed / p["shoes"]
+    friction = ca.if_else(p["friction_law"] == KARWATZKI, karwatzki(one, fast), p["constant_friction"])
+    friction = ca.if_else(p["friction_law"] == COMPOSITE, composite(fast), friction)
+    return function_of("braking", [cylinder, wheel, given], friction * pressed)

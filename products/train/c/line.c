@@ -1,0 +1,58 @@
+/* Gravity and curves on a train's vehicles. */
+#include <math.h>
+
+#include "train_inside.h"
+
+#define GRAVITY 9.80665
+
+/* The row before a place, searched from where it was found last. */
+static long long int row_at(const train *self, double at, long long int guess)
+{
+    const double *distance = self->line[0];
+    while (guess + 1 < self->points - 1 && distance[guess + 1] <= at) ++guess;
+    while (guess > 0 && distance[guess] > at) --guess;
+    return guess;
+}
+
+/* Height of the line [m], with straight lines of gradient between its points, and its ends' gradients beyond them. */
+static double height_at(const train *self, double at, long long int row)
+{
+    const double *distance = self->line[0], *gradient = self->line[1], *height = self->line[3];
+    const double first = distance[0], last = distance[self->points - 1];
+    if (self->points < 2 || at <= first) return (at - first) * gradient[0];
+    if (at >= last) return height[self->points - 1] + (at - last) * gradient[self->points - 1];
+    const double over = at - distance[row], share = over / (distance[row + 1] - distance[row]);
+    return height[row] + over * (gradient[row] + share * (gradient[row + 1] - gradient[row]) / 2.0);
+}
+
+static double curvature_at(const train *self, double at, long long int row)
+{
+    const double *distance = self->line[0], *curvature = self->line[2];
+    if (self->points < 2) return curvature[0];
+    const double share = (at - distance[row]) / (distance[row + 1] - distance[row]);
+    return curvature[row] + fmin(fmax(share, 0.0), 1.0) * (curvature[row + 1] - curvature[row]);
+}
+
+/* Resistance of a curve over weight, v. Roeckl: 0.65 m / (R - 55 m) from 300 m on, 0.5 m / (R - 30 m) below. */
+static double roeckl(double curvature)
+{
+    const double radius = 1.0 / fmax(fabs(curvature), 1e-9);
+    return radius >= 300.0 ? 0.65 / (radius - 55.0) : 0.5 / (fmax(radius, 60.0) - 30.0);
+}
+
+/* The whole vehicle's weight lies on its length: its force is its mean gradient's. */
+void line_act(train *self, double step)
+{
+    const double *place = motion_place(self->moves), *speed = motion_speed(self->moves);
+    double *slope = motion_acting(self->moves, SLOPE), *curve = motion_acting(self->moves, CURVE);
+    for (long long int i = 0; i < self->vehicles; ++i) {
+        const double middle = place[i] + self->centre[i] + speed[i] * step / 2.0, half = self->length[i] / 2.0;
+        const double weight = self->mass[i] * GRAVITY;
+        long long int row = row_at(self, middle + half, self->hint[i]);
+        const double ahead = height_at(self, middle + half, row);
+        row = self->hint[i] = row_at(self, middle - half, row);
+        slope[i] = -weight * (ahead - height_at(self, middle - half, row)) / self->length[i];
+        const double bend = curvature_at(self, middle, row_at(self, middle, row));
+        curve[i] = bend == 0.0 ? 0.0 : weight * roeckl(bend);
+    }
+}

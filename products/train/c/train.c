@@ -1,0 +1,383 @@
+/* train.h: memory, steps, saved states. */
+#include "train.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "rows.h"
+#include "train_inside.h"
+
+/* A step in which brakes and line stay as they are is as long as waves in the pipe allow, from and to [s]; assumed. */
+static const double SHORTEST = 0.01, LONGEST = 0.05;
+enum { MOST = 1 << 20 };
+/* Rows of brakes: constants, and three in which all lanes compute. */
+enum { ROWS = BRAKE_GIVEN + 3 };
+
+static long long int widths(const double *head, int row)
+{
+    const long long int vehicles = (long long int)head[HEAD_VEHICLES], valves = (long long int)head[HEAD_VALVES];
+    const long long int of[TRAIN_INPUTS] = {valves, valves, vehicles, vehicles, vehicles, vehicles - 1, vehicles - 1, 2};
+    return of[row];
+}
+
+/* Whether so many numbers are those of a train. */
+static int whole(const double *numbers, long long int count)
+{
+    if (count < TRAIN_HEAD) return 0;
+    for (int n = HEAD_VEHICLES; n <= HEAD_DEPTH; ++n)
+        if (!(numbers[n] >= 0.0 && numbers[n] < MOST && numbers[n] == floor(numbers[n]))) return 0;
+    const long long int vehicles = (long long int)numbers[HEAD_VEHICLES], cells = (long long int)numbers[HEAD_CELLS];
+    const long long int valves = (long long int)numbers[HEAD_VALVES], points = (long long int)numbers[HEAD_POINTS];
+    if (vehicles < 1 || cells < 1 || valves < 1 || valves > MOST_VALVES || points < 1) return 0;
+    return count == TRAIN_HEAD + PIPE_ROWS * cells + (2 + VEHICLE_CONSTANTS + BRAKE_GIVEN + MOTION_GIVEN + 2) * vehicles +
+                        COUPLER_GIVEN * (vehicles - 1) + VALVE_ROWS * valves + (LINE_ROWS - 1) * points;
+}
+
+static double *take(double **from, long long int count)
+{
+    double *place = *from;
+    *from += count;
+    return place;
+}
+
+static void lay_inputs(train *self, double *room)
+{
+    self->given_before = room + self->inputs;
+    for (int n = 0; n < TRAIN_INPUTS; ++n) {
+        self->input[n] = room;
+        room += widths(self->head, n);
+    }
+}
+
+static void lay_outputs(train *self, double *room)
+{
+    for (int n = 0; n < OUT_FORCE; ++n) self->output[n] = take(&room, self->vehicles);
+    self->output[OUT_FORCE] = take(&room, self->vehicles - 1);
+    self->output[OUT_SUMS] = take(&room, TRAIN_SUMS);
+}
+
+static void put_brakes(train *self, const double *brake)
+{
+    for (int n = 0; n < BRAKE_GIVEN; ++n) {
+        rows_fill(self->brake + n * self->stride, self->stride, 1.0);
+        memcpy(self->brake + n * self->stride, brake + n * self->vehicles, (size_t)self->vehicles * sizeof(double));
+    }
+    double *rows[] = {self->cylinder, self->wheel, self->held};
+    for (int n = 0; n < 3; ++n) rows_fill(rows[n], self->stride, 1.0);
+}
+
+/* Height above the first point of the line, from the gradients between its points. */
+static void put_heights(train *self)
+{
+    const double *distance = self->line[0], *gradient = self->line[1];
+    double *height = self->line[3];
+    height[0] = 0.0;
+    for (long long int i = 1; i < self->points; ++i)
+        height[i] = height[i - 1] + (distance[i] - distance[i - 1]) * (gradient[i - 1] + gradient[i]) / 2.0;
+}
+
+static train *lay(train *self, const double *numbers)
+{
+    const long long int n = self->vehicles, couplings = n - 1;
+    const double *at = numbers + TRAIN_HEAD, *constants = at, *cells = constants + PIPE_ROWS * self->cells;
+    const double *distributors = cells + 2 * n, *brake = distributors + VEHICLE_CONSTANTS * n, *mass = brake + BRAKE_GIVEN * n;
+    const double *places = mass + MOTION_GIVEN * n, *couplers = places + 2 * n, *valves = couplers + COUPLER_GIVEN * couplings;
+    const double *line = valves + VALVE_ROWS * self->valves;
+    for (int row = 0; row < TRAIN_INPUTS; ++row) self->inputs += widths(self->head, row);
+    const long long int outputs = OUT_FORCE * n + couplings + TRAIN_SUMS, run = RUN_VALVES + OF_VALVE * self->valves;
+    const long long int given = VEHICLE_STATES * n + VEHICLE_CONSTANTS * n + 3 * n + VALVE_ROWS * self->valves + LINE_ROWS * self->points;
+    self->memory = (double *)calloc((size_t)(given + 2 * self->inputs + outputs + run + ROWS * self->stride), sizeof(double));
+    self->cell = (long long int *)calloc((size_t)(3 * n), sizeof(long long int));
+    if (!self->memory || !self->cell) return NULL;
+    self->hint = self->cell + n;
+    self->face = self->hint + n;
+    double *room = self->memory + ROWS_EDGE;
+    self->brake = take(&room, BRAKE_GIVEN * self->stride);
+    self->cylinder = take(&room, self->stride);
+    self->wheel = take(&room, self->stride);
+    self->held = take(&room, self->stride);
+    room -= ROWS_EDGE;
+    self->vehicle_state = take(&room, VEHICLE_STATES * n);
+    self->vehicle_given = take(&room, VEHICLE_CONSTANTS * n);
+    self->mass = take(&room, n);
+    self->centre = take(&room, n);
+    self->length = take(&room, n);
+    self->valve = take(&room, VALVE_ROWS * self->valves);
+    for (int row = 0; row < LINE_ROWS; ++row) self->line[row] = take(&room, self->points);
+    lay_inputs(self, take(&room, 2 * self->inputs));
+    lay_outputs(self, take(&room, outputs));
+    self->run = take(&room, run);
+    put_brakes(self, brake);
+    memcpy(self->vehicle_given, distributors, (size_t)(VEHICLE_CONSTANTS * n) * sizeof(double));
+    memcpy(self->mass, mass, (size_t)n * sizeof(double));
+    memcpy(self->centre, places, (size_t)n * sizeof(double));
+    memcpy(self->length, places + n, (size_t)n * sizeof(double));
+    memcpy(self->valve, valves, (size_t)(VALVE_ROWS * self->valves) * sizeof(double));
+    for (int row = 0; row + 1 < LINE_ROWS; ++row)
+        memcpy(self->line[row], line + row * self->points, (size_t)self->points * sizeof(double));
+    put_heights(self);
+    for (long long int i = 0; i < n; ++i) {
+        self->cell[i] = (long long int)cells[i];
+        self->face[i] = (long long int)cells[i + n];
+    }
+    self->moves = motion_create(n, mass, couplers);
+    double *air = (double *)calloc((size_t)(PIPE_STATES * self->cells), sizeof(double));
+    self->air = air ? pipe_create(self->cells, air, constants) : NULL;
+    free(air);
+    if (!self->moves || !self->air) return NULL;
+    if (!pipe_vehicles(self->air, n, self->cell, self->vehicle_state, self->vehicle_given, self->head[HEAD_PACE])) return NULL;
+    pipe_depth(self->air, self->depth);
+    self->saved = (double *)malloc((size_t)train_numbers(self) * sizeof(double));
+    return self->saved ? self : NULL;
+}
+
+train *train_create(const double *numbers, long long int count)
+{
+    if (!whole(numbers, count)) return NULL;
+    train *self = (train *)calloc(1, sizeof *self);
+    if (!self) return NULL;
+    memcpy(self->head, numbers, sizeof self->head);
+    self->vehicles = (long long int)numbers[HEAD_VEHICLES];
+    self->cells = (long long int)numbers[HEAD_CELLS];
+    self->valves = (long long int)numbers[HEAD_VALVES];
+    self->points = (long long int)numbers[HEAD_POINTS];
+    self->depth = (int)numbers[HEAD_DEPTH];
+    self->stride = rows_stride(self->vehicles);
+    self->lanes = lanes_of_processor();
+    if (lay(self, numbers)) {
+        train_begin(self, 0.0, 0.0, 0.0, self->valve[VALVE_RUNNING], self->valve[VALVE_AROUND]);
+        return self;
+    }
+    train_free(self);
+    return NULL;
+}
+
+void train_free(train *self)
+{
+    if (!self) return;
+    pipe_free(self->air);
+    motion_free(self->moves);
+    free(self->memory);
+    free(self->cell);
+    free(self->saved);
+    free(self);
+}
+
+static void fill(double *values, long long int count, double value)
+{
+    for (long long int i = 0; i < count; ++i) values[i] = value;
+}
+
+static void begin_inputs(train *self)
+{
+    fill(self->input[0], self->inputs, 0.0);
+    fill(self->input[IN_POSITION], self->valves, SHUT_OFF);
+    self->input[IN_POSITION][0] = RUNNING;
+    fill(self->input[IN_FRICTION], self->vehicles, 0.3);
+    fill(self->input[IN_COUPLED], self->vehicles - 1, 1.0);
+    fill(self->input[IN_JOINED], self->vehicles - 1, PIPE_JOINED);
+    memcpy(self->given_before, self->input[0], (size_t)self->inputs * sizeof(double));
+}
+
+/* `saved` is no more than a place here. */
+static void begin_air(train *self, double pressure, double cylinder)
+{
+    const double temperature = self->valve[VALVE_WARMTH], density = pressure / (287.05287 * temperature);
+    const double state[VEHICLE_STATES] = {pressure, self->valve[VALVE_AROUND], pressure, cylinder};
+    double *at = self->saved, *own = at + PIPE_STATES * self->cells;
+    fill(at, pipe_numbers(self->air), 0.0);
+    fill(at, self->cells, density);
+    fill(at + 2 * self->cells, self->cells, 2.5 * pressure);
+    for (int n = 0; n < VEHICLE_STATES; ++n) fill(own + n * self->vehicles, self->vehicles, state[n]);
+    pipe_load(self->air, at);
+}
+
+static void begin_motion(train *self, double speed, double distance)
+{
+    double *at = self->saved;
+    fill(at, MOTION_STATES * self->vehicles, 0.0);
+    fill(at, self->vehicles, distance);
+    fill(at + self->vehicles, 2 * self->vehicles, speed);
+    motion_put(self->moves, at);
+    motion_forget(self->moves);
+    for (long long int i = 0; i + 1 < self->vehicles; ++i) motion_couple(self->moves, i, 1);
+    for (long long int i = 0; i < self->vehicles; ++i) motion_lead(self->moves, i, NAN);
+}
+
+static void find_outputs(train *self)
+{
+    double *sums = self->output[OUT_SUMS];
+    const double *place = motion_place(self->moves), *speed = motion_speed(self->moves), *wheel = motion_wheel(self->moves);
+    const double *rail = motion_rail(self->moves), *force = motion_force(self->moves);
+    for (long long int i = 0; i < self->vehicles; ++i) {
+        self->output[OUT_DISTANCE][i] = place[i] + self->centre[i];
+        self->output[OUT_SPEED][i] = speed[i];
+        self->output[OUT_WHEEL][i] = wheel[i];
+        self->output[OUT_BRAKE][i] = self->held[i];
+        self->output[OUT_RAIL][i] = rail[i];
+        if (i + 1 < self->vehicles) self->output[OUT_FORCE][i] = force[i];
+    }
+    pipe_pressures(self->air, self->output[OUT_PIPE], self->output[OUT_CYLINDER]);
+    memcpy(sums, self->run + RUN_SUMS, TRAIN_SUMS * sizeof(double));
+    sums[SUM_TIME] = self->run[RUN_TIME];
+    sums[SUM_AIR] = pipe_has_passed(self->air)->let_in;
+    motion_extremes(self->moves, sums + SUM_TENSION);
+}
+
+void train_begin(train *self, double time, double speed, double distance, double pressure, double cylinder)
+{
+    begin_inputs(self);
+    begin_air(self, pressure, cylinder);
+    begin_motion(self, speed, distance);
+    fill(self->run, RUN_VALVES + OF_VALVE * self->valves, 0.0);
+    self->run[RUN_TIME] = time;
+    self->run[RUN_TOLD] = floor(time / HISTORY_STEP);
+    for (long long int v = 0; v < self->valves; ++v) {
+        double *own = valves_run(self, v);
+        fill(own, 1 + HISTORY, pressure);
+        fill(own + 1 + HISTORY, HISTORY, v ? SHUT_OFF : RUNNING);
+    }
+    for (long long int i = 0; i + 1 < self->vehicles; ++i)
+        if (self->face[i] > 0) pipe_join(self->air, self->face[i], PIPE_JOINED);
+    self->steps[0] = self->steps[1] = 0;
+    find_outputs(self);
+}
+
+/* Couplings and joints that have been changed from outside. */
+static void take_inputs(train *self)
+{
+    const long long int couplings = self->vehicles - 1;
+    const double *coupled = self->input[IN_COUPLED], *joined = self->input[IN_JOINED];
+    const double *coupled_before = self->given_before + (coupled - self->input[0]);
+    const double *joined_before = self->given_before + (joined - self->input[0]);
+    for (long long int i = 0; i < couplings; ++i) {
+        if (coupled[i] != coupled_before[i]) motion_couple(self->moves, i, coupled[i] > 0.0);
+        if (joined[i] != joined_before[i] && self->face[i] > 0) pipe_join(self->air, self->face[i], (int)joined[i]);
+    }
+    memcpy(self->given_before, self->input[0], (size_t)self->inputs * sizeof(double));
+    for (long long int i = 0; i < self->vehicles; ++i) {
+        const double command = self->input[IN_PROTECTION][i];
+        pipe_command(self->air, i, command != PROTECTION_APPLY, command == PROTECTION_RELEASE);
+    }
+    double *force = motion_force(self->moves);
+    force[-1] = self->input[IN_ENDS][0];
+    force[couplings] = self->input[IN_ENDS][1];
+    memcpy(motion_acting(self->moves, PULL), self->input[IN_PULL], (size_t)self->vehicles * sizeof(double));
+    memcpy(motion_acting(self->moves, FRICTION), self->input[IN_FRICTION], (size_t)self->vehicles * sizeof(double));
+}
+
+/* One step in which brakes and line stay as they are in its middle; 0: it leads nowhere. */
+static int step_on(train *self, double step)
+{
+    valves_command(self, step);
+    pipe_pressures(self->air, NULL, self->cylinder);
+    memcpy(self->held, self->cylinder, (size_t)self->vehicles * sizeof(double));
+    const long long int taken = pipe_advance(self->air, step, self->head[HEAD_COURANT]);
+    if (taken < 0) return 0;
+    valves_tell(self, step);
+    pipe_pressures(self->air, NULL, self->cylinder);
+    for (long long int i = 0; i < self->vehicles; ++i) self->cylinder[i] = (self->cylinder[i] + self->held[i]) / 2.0;
+    memcpy(self->wheel, motion_wheel(self->moves), (size_t)self->vehicles * sizeof(double));
+    IN_LANES(train_brake);
+    memcpy(motion_acting(self->moves, BRAKE), self->held, (size_t)self->vehicles * sizeof(double));
+    line_act(self, step);
+    const double count = fmax(1.0, ceil(step / (self->head[HEAD_SHARE] * self->head[HEAD_BOUND])));
+    if (!(count < 1e9)) return 0;
+    motion_go(self->moves, (long long int)count, step / count);
+    self->steps[0] += taken;
+    self->steps[1] += (long long int)count;
+    return motion_sound(self->moves);
+}
+
+/* What a step changes that may lead nowhere; of the history only what is overwritten, which is old. */
+static void keep(const train *self)
+{
+    double *at = self->saved;
+    pipe_save(self->air, at);
+    motion_save(self->moves, at += pipe_numbers(self->air));
+    memcpy(at += motion_numbers(self->moves), self->run, RUN_VALVES * sizeof(double));
+    at += RUN_VALVES;
+    for (long long int v = 0; v < self->valves; ++v) at[v] = self->run[RUN_VALVES + v * OF_VALVE];
+}
+
+static void restore(train *self)
+{
+    const double *at = self->saved;
+    pipe_load(self->air, at);
+    motion_load(self->moves, at += pipe_numbers(self->air));
+    memcpy(self->run, at += motion_numbers(self->moves), RUN_VALVES * sizeof(double));
+    at += RUN_VALVES;
+    for (long long int v = 0; v < self->valves; ++v) self->run[RUN_VALVES + v * OF_VALVE] = at[v];
+    find_outputs(self);
+}
+
+int train_go(train *self, double time)
+{
+    const double begin = self->run[RUN_TIME];
+    keep(self);
+    take_inputs(self);
+    for (double left = time; left > 0.0;) {
+        const double most = left <= SHORTEST ? SHORTEST : fmin(fmax(pipe_longest(self->air, self->head[HEAD_COURANT]), SHORTEST), LONGEST);
+        const double count = ceil(left / most * (1.0 - 1e-12));
+        const double step = count > 1.0 ? left / count : left;
+        if (!(count < 1e9) || !step_on(self, step)) {
+            restore(self);
+            return -1;
+        }
+        left = count > 1.0 ? left - step : 0.0;
+        self->run[RUN_TIME] = begin + (time - left);
+    }
+    find_outputs(self);
+    return 0;
+}
+
+double *train_input(train *self, int row, long long int *count)
+{
+    if (count) *count = widths(self->head, row);
+    return self->input[row];
+}
+
+const double *train_output(const train *self, int row, long long int *count)
+{
+    if (count) *count = row < OUT_FORCE ? self->vehicles : row == OUT_FORCE ? self->vehicles - 1 : TRAIN_SUMS;
+    return self->output[row];
+}
+
+static long long int runs(const train *self) { return RUN_VALVES + OF_VALVE * self->valves; }
+
+long long int train_numbers(const train *self)
+{
+    return pipe_numbers(self->air) + motion_numbers(self->moves) + 2 * self->inputs + runs(self);
+}
+
+void train_save(const train *self, double *numbers)
+{
+    pipe_save(self->air, numbers);
+    motion_save(self->moves, numbers += pipe_numbers(self->air));
+    memcpy(numbers += motion_numbers(self->moves), self->input[0], (size_t)(2 * self->inputs) * sizeof(double));
+    memcpy(numbers += 2 * self->inputs, self->run, (size_t)runs(self) * sizeof(double));
+}
+
+void train_load(train *self, const double *numbers)
+{
+    pipe_load(self->air, numbers);
+    motion_load(self->moves, numbers += pipe_numbers(self->air));
+    memcpy(self->input[0], numbers += motion_numbers(self->moves), (size_t)(2 * self->inputs) * sizeof(double));
+    memcpy(self->run, numbers += 2 * self->inputs, (size_t)runs(self) * sizeof(double));
+    for (long long int i = 0; i + 1 < self->vehicles; ++i) {
+        const long long int joint = self->input[IN_JOINED] - self->input[0] + i;
+        if (self->face[i] > 0) pipe_join(self->air, self->face[i], (int)self->given_before[joint]);
+    }
+    find_outputs(self);
+}
+
+void train_steps(const train *self, long long int *steps) { memcpy(steps, self->steps, sizeof self->steps); }
+void train_motion(const train *self, double *state) { motion_get(self->moves, state); }
+void train_lead(train *self, long long int vehicle, double speed) { motion_lead(self->moves, vehicle, speed); }
+
+void train_set_motion(train *self, const double *state)
+{
+    motion_put(self->moves, state);
+    find_outputs(self);
+}

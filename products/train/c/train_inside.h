@@ -1,0 +1,52 @@
+/* The train from inside. */
+#ifndef TRAIN_INSIDE_H
+#define TRAIN_INSIDE_H
+
+#include "motion.h"
+#include "pipe.h"
+#include "train.h"
+
+enum { BRAKE_GIVEN = 6, PIPE_ROWS = PIPE_CONSTANTS, LINE_ROWS = 4 };
+/* What driver's valves did is kept for a while, at multiples of HISTORY_STEP: HISTORY of them. */
+enum { HISTORY = 1024, TOLD = 3 }; /* pressure, position, step */
+#define HISTORY_STEP 0.01
+/* What a run changes beside pipe, motion and inputs: of each valve the pressure that it holds, and its history. */
+enum { RUN_TIME, RUN_TOLD, RUN_SUMS, RUN_VALVES = RUN_SUMS + TRAIN_SUMS, OF_VALVE = 1 + TOLD * HISTORY };
+
+struct train {
+    long long int vehicles, cells, valves, points, stride;
+    int lanes, depth;
+    double head[TRAIN_HEAD];
+    pipe *air;
+    motion *moves;
+    double *memory;
+    double *vehicle_state, *vehicle_given; /* of distributors: rows of so many vehicles */
+    double *brake, *cylinder, *wheel, *held; /* rows as rows.h lays them: constants, what they hang on, what the brake holds */
+    double *mass, *centre, *length;
+    long long int *cell, *hint, *face; /* where a vehicle takes air; line; before which cell it ends, or none: 0 */
+    double *valve;             /* VALVE_ROWS of each valve */
+    double *line[LINE_ROWS];   /* distance, gradient, curvature, height */
+    double *input[TRAIN_INPUTS], *given_before; /* input: one block, so long as `inputs` */
+    double *output[TRAIN_OUTPUTS];
+    long long int inputs;
+    /* what a run changes beside pipe and motion */
+    double *run;
+    double *saved;
+    long long int steps[2];
+};
+
+#define TRAIN_LOOPS(lanes) void train_brake_##lanes(train *self)
+TRAIN_LOOPS(1);
+TRAIN_LOOPS(2);
+TRAIN_LOOPS(4);
+TRAIN_LOOPS(8);
+
+/* What a driver's valve holds and lets through in a step (valves.c). */
+void valves_command(train *self, double step);
+/* Remembers it, and tells it to pressures that are given. */
+void valves_tell(train *self, double step);
+double *valves_run(train *self, long long int valve);
+/* Gravity and curves on all vehicles (line.c), in the middle of a step. */
+void line_act(train *self, double step);
+
+#endif

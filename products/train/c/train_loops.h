@@ -1,0 +1,12 @@
+/* The brakes of all vehicles, LANES at a time; included once for each width. */
+#include "lanes.h"
+#include "train_cells.h"
+
+void LANES_NAME(train_brake)(train *self)
+{
+    for (long long int i = 0; i < self->vehicles; i += LANES)
+        LANES_NAME(cells_braking)(self->cylinder + i, self->wheel + i, self->brake + i, self->held + i, self->stride);
+    LANES_LEAVE;
+}
+
+#include "lanes_end.h"

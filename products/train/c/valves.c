@@ -1,0 +1,89 @@
+/* Driver's valves: the pressure that each holds, its history, and what a second valve or a pipe without flow is told of it. */
+#include <math.h>
+
+#include "train_inside.h"
+
+double *valves_run(train *self, long long int valve) { return self->run + RUN_VALVES + valve * OF_VALVE; }
+
+/* What a valve was at a time: pressure (0), position (1) or step (2); between the multiples of HISTORY_STEP a straight line. */
+static double told(train *self, long long int valve, int what, double time)
+{
+    const double *row = valves_run(self, valve) + 1 + what * HISTORY, newest = self->run[RUN_TOLD];
+    const double at = fmin(fmax(time / HISTORY_STEP, newest - HISTORY + 2.0), newest), before = floor(at);
+    const long long int place = (long long int)fmod(before, HISTORY), own = place < 0 ? place + HISTORY : place;
+    if (what) return row[own]; /* positions have nothing in between */
+    return row[own] + (at - before) * (row[(own + 1) % HISTORY] - row[own]);
+}
+
+static double position_of(train *self, long long int valve, double *step)
+{
+    const double delay = self->valve[valve * VALVE_ROWS + VALVE_DELAY], time = self->run[RUN_TIME] - delay;
+    *step = delay < 0.0 ? self->input[IN_STEP][valve] : told(self, 0, 2, time);
+    return delay < 0.0 ? self->input[IN_POSITION][valve] : told(self, 0, 1, time);
+}
+
+/* The pressure that a valve is to hold. */
+static double wanted(const double *given, double position, double step)
+{
+    if (position == OVERCHARGED) return given[VALVE_OVERCHARGE];
+    if (position == SERVICE) return given[VALVE_RUNNING] - given[VALVE_FIRST] - step * (given[VALVE_FULL] - given[VALVE_FIRST]);
+    return position == EMERGENCY ? given[VALVE_AROUND] : given[VALVE_RUNNING];
+}
+
+static double moved(const double *given, double held, double position, double step, double time)
+{
+    const double target = wanted(given, position, step);
+    if (position == SHUT_OFF) return held;
+    if (held < target) return fmin(target, held + given[VALVE_UP] * time);
+    const int slowly = position == RUNNING;
+    return fmax(target, held - given[position == EMERGENCY ? VALVE_QUICKLY : slowly ? VALVE_SLOWLY : VALVE_DOWN] * time);
+}
+
+/* How a valve stands in the middle of a step. */
+void valves_command(train *self, double time)
+{
+    for (long long int v = 0; v < self->valves; ++v) {
+        const double *given = self->valve + v * VALVE_ROWS;
+        double *held = valves_run(self, v), step;
+        const double position = position_of(self, v, &step), before = *held;
+        *held = moved(given, before, position, step, time);
+        if (self->depth == PIPE_GIVEN) continue;
+        const double regulates = position != SHUT_OFF && position != EMERGENCY;
+        const double numbers[VALVE_NUMBERS] = {
+            regulates * given[VALVE_FEEDING], regulates * given[VALVE_EXHAUST], (position == EMERGENCY) * given[VALVE_EMERGENCY],
+            (before + *held) / 2.0, given[VALVE_BAND], given[VALVE_SUPPLY], given[VALVE_WARMTH], given[VALVE_AROUND]};
+        pipe_valve(self->air, (int)v, (long long int)given[VALVE_FACE], numbers);
+    }
+}
+
+/* Where no air flows: pressures in all vehicles' cells are those of the nearest open valve, so much earlier. */
+static void give_pressures(train *self, double time)
+{
+    for (long long int i = 0; i < self->vehicles; ++i) {
+        double nearest = INFINITY, pressure = NAN, step;
+        for (long long int v = 0; v < self->valves; ++v) {
+            const double distance = fabs(self->centre[i] - self->valve[v * VALVE_ROWS + VALVE_PLACE]);
+            if (distance >= nearest || position_of(self, v, &step) == SHUT_OFF) continue;
+            nearest = distance;
+            pressure = told(self, v, 0, time - distance / self->head[HEAD_PROPAGATION]);
+        }
+        if (isfinite(pressure)) pipe_give(self->air, self->cell[i], pressure);
+    }
+}
+
+/* Writes what valves were in a step into their history. */
+void valves_tell(train *self, double step)
+{
+    const double end = self->run[RUN_TIME] + step, newest = floor(end / HISTORY_STEP);
+    for (double k = self->run[RUN_TOLD] + 1.0; k <= newest; ++k) {
+        const long long int place = (long long int)fmod(fmod(k, HISTORY) + HISTORY, HISTORY);
+        for (long long int v = 0; v < self->valves; ++v) {
+            double *row = valves_run(self, v);
+            row[1 + place] = row[0];
+            row[1 + HISTORY + place] = self->input[IN_POSITION][v];
+            row[1 + 2 * HISTORY + place] = self->input[IN_STEP][v];
+        }
+    }
+    self->run[RUN_TOLD] = newest;
+    if (self->depth == PIPE_GIVEN) give_pressures(self, end);
+}

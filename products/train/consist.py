@@ -1,0 +1,140 @@
+"""A consist: the vehicles of a train from head to end, each with its pipe, its brake and the coupler behind it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+from brake_controller.distributor import DistributorParameters, freight
+from brake_controller.drivers_valve import DriversValve, drivers_valve
+from brake_controller.vehicle_brake import VehicleBrake
+from rbd_model.train.coupler import Coupler, screw_coupler
+from rbd_model.train.vehicle import GRAVITY
+
+#: Hose at each end of a vehicle [m], as train simulators print it.
+HOSE = 0.62
+#: Of a vehicle, at most [m], and inner diameter of its pipe, from and to [m] (UIC 540).
+LONGEST_VEHICLE, NARROWEST, WIDEST = 31.0, 0.025, 0.032
+
+
+@dataclass(frozen=True)
+class TrainVehicle:
+    """A vehicle: masses [kg], lengths [m], resistance a + b v + c v^2 [N, N.s/m, N.s2/m2].
+
+    braked_share: of its weight on braked wheels. distributor_at: where it takes air, as a share of its length. valve: of a
+    driver, at its front end; valve_delay: how long it follows the first valve of the train behind it [s], below 0: it does not.
+    leak: effective area of the leaks of its pipe [m2].
+    """
+
+    kind: str
+    mass: float
+    length: float
+    distributor: DistributorParameters
+    brake: VehicleBrake
+    coupler: Coupler = field(default_factory=screw_coupler)
+    rotating_share: float = 0.04
+    braked_share: float = 1.0
+    friction_left: float = 0.4
+    friction_fall: float = 0.6
+    resistance: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    distributor_at: float = 0.5
+    pipe_diameter: float = 0.03175
+    leak: float = 0.0
+    valve: DriversValve | None = None
+    valve_delay: float = -1.0
+
+    def motion(self) -> list[float]:
+        """Constants of its motion, VEHICLE_CONSTANTS of rbd_model/train/vehicle.py."""
+        weight = self.mass * GRAVITY * self.braked_share
+        shape = [self.friction_left, self.friction_fall, *self.resistance]
+        return [self.mass, self.rotating_share * self.mass, weight, *shape]
+
+    @property
+    def pipe_length(self) -> float:
+        """Of its pipe with both hoses [m]."""
+        return self.length + 2 * HOSE
+
+
+def freight_resistance(mass: float) -> tuple[float, float, float]:
+    """Of a wagon: 1.6e-3 + 5.7e-3 (v / 27.8)^2 of its weight, as RailProfAC's shunting stops have it."""
+    weight = mass * GRAVITY
+    return (1.6e-3 * weight, 0.0, 5.7e-3 * weight / 27.8**2)
+
+
+def wagon(load: float = 60e3, position: str = "P") -> TrainVehicle:
+    """Four-axle wagon of 20 t and 14 m with 16 composite blocks; load [kg].
+
+    Cylinder of 406 mm, rigging of ratio 5.65 and efficiency 0.83, return force 1500 N: those of RailProfAC's shunting
+    stops. Assumed: it brakes an empty wagon with half of that, from 40 t on with all (a lever for empty and loaded).
+    """
+    mass = 20e3 + load
+    weighed = 1.0 if mass >= 40e3 else 0.5
+    area = 3.141592653589793 / 4 * 0.406**2
+    brake = VehicleBrake(
+        force_per_pressure=weighed * 5.65 * area,
+        counter_force=weighed * 5.65 * 1500.0,
+        efficiency=0.83,
+        shoes=16.0,
+        friction_law=3.0,
+        constant_friction=0.0,
+    )
+    return TrainVehicle("wagon", mass, 14.0, freight(position), brake, resistance=freight_resistance(mass))
+
+
+def locomotive(load: float = 0.0, position: str = "P") -> TrainVehicle:
+    """Four-axle locomotive of 84 t and 19 m with a driver's valve. Assumed: it brakes with 0.9 of its weight's 100 %."""
+    mass = 84e3 + load
+    force = 0.75 * mass / 380e3
+    brake = VehicleBrake(
+        force_per_pressure=force / 0.3,
+        counter_force=0.0,
+        efficiency=1.0,
+        shoes=8.0,
+        friction_law=0.0,
+        constant_friction=0.3,
+    )
+    return TrainVehicle(
+        "locomotive", mass, 19.0, freight(position), brake, resistance=freight_resistance(mass), valve=drivers_valve()
+    )
+
+
+def coach(load: float = 0.0, position: str = "P") -> TrainVehicle:
+    """Coach of 46 t and 26.4 m with discs. Assumed: lambda of about 135 %, 1.05 m/s2 at 3.8 bar whatever its load."""
+    mass = 46e3 + load
+    brake = VehicleBrake(
+        force_per_pressure=1.05 * mass / 380e3 / 0.2,
+        counter_force=0.0,
+        efficiency=1.0,
+        shoes=16.0,
+        friction_law=0.0,
+        constant_friction=0.2,
+    )
+    return TrainVehicle("coach", mass, 26.4, freight(position), brake, resistance=freight_resistance(mass))
+
+
+#: By the name that consists use; load [kg], position.
+KINDS: dict[str, Callable[[float, str], TrainVehicle]] = {"wagon": wagon, "locomotive": locomotive, "coach": coach}
+
+
+@dataclass(frozen=True)
+class Consist:
+    """Vehicles from head to end; leading is the first. At least one has a driver's valve."""
+
+    vehicles: tuple[TrainVehicle, ...]
+
+    @property
+    def length(self) -> float:
+        """From the front of the first to the back of the last [m]."""
+        return sum(one.length for one in self.vehicles)
+
+    @property
+    def mass(self) -> float:
+        """Of all [kg]."""
+        return sum(one.mass for one in self.vehicles)
+
+
+def block_train(wagons: int, load: float = 60e3, position: str = "P", fast_from: int = 0, **changes: object) -> Consist:
+    """A locomotive and equal wagons; fast_from: how many vehicles at the head brake in position G; changes: of wagons."""
+    own = [replace(wagon(load, position), **changes) for _ in range(wagons)]  # type: ignore[arg-type]
+    everything = [locomotive(0.0, position), *own]
+    return Consist(tuple(replace(v, distributor=freight("G")) if n < fast_from else v for n, v in enumerate(everything)))

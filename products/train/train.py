@@ -1,0 +1,168 @@
+"""A train as an object in Python: a consist on a line, driven by its brake valves; C does the work (products/train/c/)."""
+
+from __future__ import annotations
+
+import ctypes
+import weakref
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from brake_controller.distributor import AMBIENT
+from brake_controller.drivers_valve import POSITIONS
+from brake_controller.vehicle_brake import braking
+from fmu_src.compile import plain_library
+from fmu_src.equations_in_c import WIDTHS, function_of_cells
+from products.train import c as folder
+from products.train import pipe
+from products.train.consist import Consist
+from products.train.numbers import Settings, numbers_of
+from rbd_model.train import motion
+from rbd_model.track.line import Line
+from rbd_model.train.coupler import coupling
+from rbd_model.train.vehicle import rolling, sliding
+
+#: What is set from outside and what is found, in the order of train.h.
+INPUTS = ("position", "step", "pull", "friction", "protection", "coupled", "joined", "ends")
+OUTPUTS = ("distance", "speed", "wheel_speed", "pipe_pressure", "cylinder_pressure", "brake_force", "rail_force", "coupler_force")
+SUMS = ("time", "largest_tension", "largest_tension_at", "largest_compression", "largest_compression_at", "air_used")
+
+
+def sources() -> dict[str, str]:
+    """C files by name: pipe, motion, what joins them, and what is generated for each cell."""
+    texts = pipe.sources()
+    for place, functions, name in ((motion, (coupling, rolling, sliding), "motion"), (folder, (braking,), "train")):
+        own = Path(place.__file__ or "").parent
+        texts |= {path.name: path.read_text(encoding="utf-8") for path in sorted(own.glob("*.[ch]"))}
+        texts[f"{name}_cells.h"] = "\n".join(function_of_cells(one()) for one in functions)
+        for lanes in (1, *WIDTHS):
+            loops = f'#define LANES {lanes}\n#include "{name}_loops.h"\n'
+            texts[f"{name}_{lanes}.c"] = (
+                f'#include "lanes_widest.h"\n#include "{name}_inside.h"\n#if LANES_WIDEST >= {lanes}\n{loops}#endif\n'
+            )
+    return texts
+
+
+@lru_cache
+def functions() -> ctypes.CDLL:
+    """The train's C, compiled once."""
+    library = ctypes.CDLL(str(plain_library(sources())))
+    pointer, count, number = ctypes.c_void_p, ctypes.c_longlong, ctypes.c_double
+    block, told = ctypes.POINTER(number), ctypes.POINTER(count)
+    signatures: dict[str, tuple[Any, list[Any]]] = {
+        "train_create": (pointer, [pointer, count]),
+        "train_free": (None, [pointer]),
+        "train_begin": (None, [pointer, *[number] * 5]),
+        "train_input": (block, [pointer, ctypes.c_int, told]),
+        "train_output": (block, [pointer, ctypes.c_int, told]),
+        "train_go": (ctypes.c_int, [pointer, number]),
+        "train_numbers": (count, [pointer]),
+        "train_save": (None, [pointer, pointer]),
+        "train_load": (None, [pointer, pointer]),
+        "train_steps": (None, [pointer, pointer]),
+        "train_motion": (None, [pointer, pointer]),
+        "train_set_motion": (None, [pointer, pointer]),
+        "train_lead": (None, [pointer, count, number]),
+    }
+    for name, (result, arguments) in signatures.items():
+        function = getattr(library, name)
+        function.restype, function.argtypes = result, arguments
+    return library
+
+
+class Train:
+    """A train that goes on as it is told.
+
+    Inputs are arrays to write into: `position` and `step` of each driver's valve, `pull` [N], `friction` [1] and
+    `protection` of each vehicle, `coupled` and `joined` of each coupling, `ends`: forces at both ends [N]. Outputs are
+    arrays that each call of `advance` fills anew: OUTPUTS, and SUMS as attributes. Pressures are gauge pressures [Pa].
+    """
+
+    def __init__(
+        self,
+        consist: Consist,
+        *,
+        speed: float = 0.0,
+        distance: float = 0.0,
+        pipe: float = 500e3,
+        cylinder: float = 0.0,
+        line: Line | None = None,
+        settings: Settings | None = None,
+    ) -> None:
+        self.consist, self.settings = consist, settings or Settings()
+        numbers = numbers_of(consist, self.settings, line)
+        self._call = functions()
+        self._own = self._call.train_create(numbers.ctypes.data, numbers.size)
+        if not self._own:
+            raise MemoryError(f"There is no memory for a train of {len(consist.vehicles)} vehicles; take fewer.")
+        weakref.finalize(self, self._call.train_free, self._own)
+        self._call.train_begin(self._own, 0.0, speed, distance, pipe + AMBIENT, cylinder + AMBIENT)
+        self.inputs = {name: self._view(self._call.train_input, row) for row, name in enumerate(INPUTS)}
+        self.outputs = {name: self._view(self._call.train_output, row) for row, name in enumerate(OUTPUTS)}
+        self._sums = self._view(self._call.train_output, len(OUTPUTS))
+
+    def _view(self, call: Any, row: int) -> NDArray[np.float64]:
+        count = ctypes.c_longlong()
+        found = call(self._own, row, ctypes.byref(count))
+        if not count.value:
+            return np.empty(0)
+        return np.ctypeslib.as_array(found, (count.value,))
+
+    def drive(self, position: str, step: float = 0.0, valve: int = 0) -> None:
+        """Sets a driver's valve; step: of service, 0 the first, 1 full."""
+        if position not in POSITIONS:
+            raise ValueError(f"Set a driver's valve to one of {', '.join(POSITIONS)}: it was {position}.")
+        if not 0.0 <= step <= 1.0:
+            raise ValueError(f"Set a step of service from 0, the first, to 1, full service: it was {step}.")
+        self.inputs["position"][valve], self.inputs["step"][valve] = POSITIONS[position], step
+
+    def advance(self, time: float) -> None:
+        """Goes on by a time [s]. Raises ValueError where that leads nowhere; the train is as it was then."""
+        if not 0.0 <= time < np.inf:
+            raise ValueError(f"Go on by a time of at least 0 s: it was {time} s.")
+        if self._call.train_go(self._own, time):
+            raise ValueError(f"The train came to no finite state within {time:g} s; look at what was set.")
+
+    def __getattr__(self, name: str) -> Any:
+        if name in OUTPUTS:
+            values = self.outputs[name]
+            return values - AMBIENT if name.endswith("pressure") else values.copy()
+        if name in SUMS:
+            return float(self._sums[SUMS.index(name)])
+        raise AttributeError(name)
+
+    @property
+    def state(self) -> NDArray[np.float64]:
+        """All that a run changes, to be given back later."""
+        found = np.empty(self._call.train_numbers(self._own))
+        self._call.train_save(self._own, found.ctypes.data)
+        return found
+
+    @state.setter
+    def state(self, numbers: NDArray[np.float64]) -> None:
+        self._call.train_load(self._own, np.ascontiguousarray(numbers).ctypes.data)
+
+    @property
+    def motion(self) -> NDArray[np.float64]:
+        """Places beside those of neutral couplers [m], speeds, speeds of wheels [m/s], rests of couplers [m]; (4, n)."""
+        found = np.empty((4, len(self.consist.vehicles)))
+        self._call.train_motion(self._own, found.ctypes.data)
+        return found
+
+    @motion.setter
+    def motion(self, state: NDArray[np.float64]) -> None:
+        self._call.train_set_motion(self._own, np.ascontiguousarray(state, float).ctypes.data)
+
+    def lead(self, vehicle: int, speed: float) -> None:
+        """Gives a vehicle's speed from outside [m/s] from now on; not a number: no longer."""
+        self._call.train_lead(self._own, vehicle, speed)
+
+    @property
+    def steps(self) -> tuple[int, int]:
+        """Of the pipe, and of the couplers."""
+        found = np.zeros(2, np.int64)
+        self._call.train_steps(self._own, found.ctypes.data)
+        return int(found[0]), int(found[1])
