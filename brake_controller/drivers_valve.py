@@ -32,7 +32,9 @@ class DriversValve(ParameterSet):
     service_rate: float = quantity("Pa/s", "How fast the pressure falls that the valve holds", 0.0)
     release_rate: float = quantity("Pa/s", "How fast it rises", 0.0)
     overcharge_rate: float = quantity("Pa/s", "How fast an overcharge falls", 0.0)
-    emergency_rate: float = quantity("Pa/s", "How fast the pipe at the valve falls in an emergency, without flow of air", 0.0)
+    emergency_rate: float = quantity(
+        "Pa/s", "How fast the pipe at the valve falls in an emergency, without flow of air", 0.0
+    )
 
     def numbers(self, face: int, place: float, delay: float) -> list[float]:
         """As C takes them (products/train/c/train.h); face: of the pipe; place: from the head [m]; delay: [s], or below 0."""

@@ -137,4 +137,6 @@ def block_train(wagons: int, load: float = 60e3, position: str = "P", fast_from:
     """A locomotive and equal wagons; fast_from: how many vehicles at the head brake in position G; changes: of wagons."""
     own = [replace(wagon(load, position), **changes) for _ in range(wagons)]  # type: ignore[arg-type]
     everything = [locomotive(0.0, position), *own]
-    return Consist(tuple(replace(v, distributor=freight("G")) if n < fast_from else v for n, v in enumerate(everything)))
+    return Consist(
+        tuple(replace(v, distributor=freight("G")) if n < fast_from else v for n, v in enumerate(everything))
+    )

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from brake_controller.distributor import AMBIENT, EMPIRICAL_PACE, WALL, fastest_change
 from products.train.consist import Consist
 from products.train.pipe import COURANT
-from rbd_model.train.coupler import fastest
 from rbd_model.track.line import Line
+from rbd_model.train.coupler import fastest
 
 #: Depths of the brake: flow of air and whole distributors; flow of air and empirical valves; a delay and empirical valves.
 DEPTHS = {"whole": 0, "empirical": 1, "delay": 2}

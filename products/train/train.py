@@ -20,14 +20,23 @@ from products.train import c as folder
 from products.train import pipe
 from products.train.consist import Consist
 from products.train.numbers import Settings, numbers_of
-from rbd_model.train import motion
 from rbd_model.track.line import Line
+from rbd_model.train import motion
 from rbd_model.train.coupler import coupling
 from rbd_model.train.vehicle import rolling, sliding
 
 #: What is set from outside and what is found, in the order of train.h.
 INPUTS = ("position", "step", "pull", "friction", "protection", "coupled", "joined", "ends")
-OUTPUTS = ("distance", "speed", "wheel_speed", "pipe_pressure", "cylinder_pressure", "brake_force", "rail_force", "coupler_force")
+OUTPUTS = (
+    "distance",
+    "speed",
+    "wheel_speed",
+    "pipe_pressure",
+    "cylinder_pressure",
+    "brake_force",
+    "rail_force",
+    "coupler_force",
+)
 SUMS = ("time", "largest_tension", "largest_tension_at", "largest_compression", "largest_compression_at", "air_used")
 
 

@@ -50,7 +50,9 @@ class Curve:
         if points[0][1] > 0.0:
             points = [(0.0, 0.0), (points[0][1] / locked, points[0][1]), *points[1:]]
         if any(b <= a for (a, _), (b, _) in pairwise(points)):
-            raise ValueError(f"Set a coupler's locked stiffness so high that its preload is reached before {points[2][0]:g} m.")
+            raise ValueError(
+                f"Set a coupler's locked stiffness so high that its preload is reached before {points[2][0]:g} m."
+            )
         slopes = [(fb - fa) / (b - a) for (a, fa), (b, fb) in pairwise(points)]
         if max(slopes) > locked * (1 + 1e-9):
             raise ValueError(

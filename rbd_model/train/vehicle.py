@@ -14,7 +14,16 @@ from fmu_src.chain import function_of
 GRAVITY = 9.80665
 #: Constants of a vehicle's motion: mass and rotating mass at the rim [kg]; weight on its braked wheels [N]; share of
 #: friction that is left at high speed of sliding [1], and its fall [s/m] (Polach (2005)); resistance [N], [N.s/m], [N.s2/m2].
-VEHICLE_CONSTANTS = ("mass", "rotating_mass", "weight", "friction_left", "friction_fall", "constant", "linear", "square")
+VEHICLE_CONSTANTS = (
+    "mass",
+    "rotating_mass",
+    "weight",
+    "friction_left",
+    "friction_fall",
+    "constant",
+    "linear",
+    "square",
+)
 #: What acts on a vehicle in a step: forces of gravity and of motors, capacity of its brake [N], friction of its rail [1], resistance
 #: of a curve [N].
 ACTING = ("slope", "pull", "brake", "friction", "curve")
@@ -79,4 +88,6 @@ def sliding() -> ca.Function:
     wheel = _slowed(turned, step / p["rotating_mass"] * p["brake"])
     meet = (wheel - speed) * sense <= 0
     both = (p["mass"] * speed + p["rotating_mass"] * wheel) / (p["mass"] + p["rotating_mass"])
-    return function_of("sliding", symbols, ca.vertcat(ca.if_else(meet, both, speed), ca.if_else(meet, both, wheel), gives))
+    return function_of(
+        "sliding", symbols, ca.vertcat(ca.if_else(meet, both, speed), ca.if_else(meet, both, wheel), gives)
+    )

@@ -184,7 +184,8 @@ static void begin_inputs(train *self)
 static void begin_air(train *self, double pressure, double cylinder)
 {
     const double temperature = self->valve[VALVE_WARMTH], density = pressure / (287.05287 * temperature);
-    const double state[VEHICLE_STATES] = {pressure, self->valve[VALVE_AROUND], pressure, cylinder};
+    const double charged = fmax(pressure, self->valve[VALVE_RUNNING]);
+    const double state[VEHICLE_STATES] = {charged, self->valve[VALVE_AROUND], charged, cylinder};
     double *at = self->saved, *own = at + PIPE_STATES * self->cells;
     fill(at, pipe_numbers(self->air), 0.0);
     fill(at, self->cells, density);
@@ -209,15 +210,15 @@ static void find_outputs(train *self)
 {
     double *sums = self->output[OUT_SUMS];
     const double *place = motion_place(self->moves), *speed = motion_speed(self->moves), *wheel = motion_wheel(self->moves);
-    const double *rail = motion_rail(self->moves), *force = motion_force(self->moves);
+    const double *rail = motion_rail(self->moves);
     for (long long int i = 0; i < self->vehicles; ++i) {
         self->output[OUT_DISTANCE][i] = place[i] + self->centre[i];
         self->output[OUT_SPEED][i] = speed[i];
         self->output[OUT_WHEEL][i] = wheel[i];
         self->output[OUT_BRAKE][i] = self->held[i];
         self->output[OUT_RAIL][i] = rail[i];
-        if (i + 1 < self->vehicles) self->output[OUT_FORCE][i] = force[i];
     }
+    motion_force_now(self->moves, self->output[OUT_FORCE]);
     pipe_pressures(self->air, self->output[OUT_PIPE], self->output[OUT_CYLINDER]);
     memcpy(sums, self->run + RUN_SUMS, TRAIN_SUMS * sizeof(double));
     sums[SUM_TIME] = self->run[RUN_TIME];

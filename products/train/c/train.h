@@ -48,7 +48,8 @@ typedef struct train train;
 /* null: there is no memory, or the numbers are not those of a train. */
 TRAIN_SHOWN train *train_create(const double *numbers, long long int count);
 TRAIN_SHOWN void train_free(train *self);
-/* From the start: speed [m/s], distance of the head [m], pressures of the pipe and of the cylinders [Pa]. */
+/* From the start: speed [m/s], distance of the head [m], pressures of the pipe and of the cylinders [Pa]; control chambers and
+ * auxiliary reservoirs are charged to the running pressure, or to the pipe's where that is more. */
 TRAIN_SHOWN void train_begin(train *self, double time, double speed, double distance, double pipe, double cylinder);
 TRAIN_SHOWN double *train_input(train *self, int row, long long int *count);
 TRAIN_SHOWN const double *train_output(const train *self, int row, long long int *count);

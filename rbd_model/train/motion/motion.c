@@ -178,6 +178,12 @@ static void find_forces(motion *self)
     find_extremes(self);
 }
 
+void motion_force_now(motion *self, double *force)
+{
+    IN_LANES(motion_force);
+    memcpy(force, self->found, (size_t)(self->vehicles - 1) * sizeof(double));
+}
+
 /* Speeds behind a step; wheels that slide have their own law. */
 static void find_speeds(motion *self)
 {

@@ -30,6 +30,8 @@ const double *motion_speed(const motion *self);
 const double *motion_wheel(const motion *self);
 /* Tension in each coupler [N]; at -1 and behind the last vehicle what pulls at the ends of the train, for others to write. */
 double *motion_force(motion *self);
+/* The same of where vehicles are now, half a step behind that [N]. */
+void motion_force_now(motion *self, double *force);
 /* What the rail gives to each vehicle [N], forwards above zero. */
 const double *motion_rail(const motion *self);
 /* A coupler, counted from the head, is coupled as soon as it is not long, or uncoupled at once. */

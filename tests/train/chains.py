@@ -1,0 +1,29 @@
+"""Trains for tests: vehicles without brakes or resistance, and couplers of few numbers."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from products.train.consist import Consist, locomotive, wagon
+from products.train.numbers import Settings
+from products.train.train import Train
+from rbd_model.train.coupler import Coupler, Curve
+
+MASS = 80e3
+
+
+def spring(stiffness: float, unloading: float = 1.0, locked: float | None = None) -> Coupler:
+    """The same both ways; unloading: share of the stiffness when it yields back."""
+    load, back = Curve((0.0, 5.0), (0.0, 5.0 * stiffness)), Curve((0.0, 5.0), (0.0, 5.0 * stiffness * unloading))
+    return Coupler("spring", locked or stiffness, (load, back), (load, back))
+
+
+def chain(masses: list[float], coupler: Coupler, *, braked: bool = False, **settings: object) -> Train:
+    """A train at rest; without brakes, its wheels without inertia, unless braked."""
+    vehicles = []
+    for number, mass in enumerate(masses):
+        one = locomotive() if number == 0 else wagon()
+        brake = replace(wagon().brake, friction_law=0, constant_friction=0.2 if braked else 0.0)
+        own = {"mass": mass, "length": 15.0, "coupler": coupler, "brake": brake, "resistance": (0.0, 0.0, 0.0)}
+        vehicles.append(replace(one, rotating_share=0.04 if braked else 1e-9, **own))  # type: ignore[arg-type]
+    return Train(Consist(tuple(vehicles)), settings=Settings(**settings))  # type: ignore[arg-type]

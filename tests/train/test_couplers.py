@@ -1,0 +1,290 @@
+"""Couplers and the motion of vehicles against closed forms: collisions, balances, statics, the limit of explicit steps."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from products.train.consist import Consist, block_train, locomotive, wagon
+from products.train.numbers import SHARE, Settings
+from products.train.train import Train
+from rbd_model.track.line import Line
+from rbd_model.train.coupler import COUPLERS, Coupler, Curve, draft_gear, fastest, rigid
+from tests.train.chains import MASS, chain, spring
+
+GRAVITY = 9.80665
+#: What is asked: of closed forms, momentum, energy, rigid couplers.
+CLOSED, MOMENTUM, ENERGY, ONE_MASS = 1e-5, 1e-12, 1e-8, 1e-6
+#: Steps so small that their own error is below what is asked.
+FINE = 1e-4
+
+
+def momentum(train: Train) -> float:
+    masses = np.array([one.mass for one in train.consist.vehicles])
+    return float(masses @ train.speed)
+
+
+def moving(train: Train) -> float:
+    masses = np.array([one.mass for one in train.consist.vehicles])
+    return float(masses @ train.speed**2) / 2
+
+
+def collide(coupler: Coupler, speed: float = 1.0, time: float = 0.6, **settings: object) -> Train:
+    """The second vehicle runs against the first, which stands; they are not coupled."""
+    train = chain([MASS, MASS], coupler, depth="delay", share=FINE, **settings)
+    train.inputs["coupled"][:] = 0.0
+    state = train.motion
+    state[1:3, 1] = speed
+    train.motion = state
+    train.advance(time)
+    return train
+
+
+def test_two_vehicles_collide_as_on_a_spring() -> None:
+    """F = v sqrt(k m / 2) at most; equal masses exchange their speeds."""
+    stiffness, speed = 5e6, 1.3
+    train = collide(spring(stiffness), speed)
+    assert train.largest_compression == pytest.approx(speed * math.sqrt(stiffness * MASS / 2), rel=CLOSED)
+    assert train.speed == pytest.approx([speed, 0.0], abs=1e-6 * speed)
+    assert train.coupler_force[0] == 0.0
+
+
+def test_a_collision_with_friction_gives_back_what_lies_below_the_line_of_unloading() -> None:
+    """Loading k1 s; then the locked line K down to k2 s; v' = sqrt(2 E / (m / 2)) of the area below both."""
+    k1, k2, locked, speed = 5e6, 1.5e6, 60e6, 1.0
+    train = collide(spring(k1, k2 / k1, locked), speed)
+    most = speed * math.sqrt(MASS / 2 / k1)
+    meets = (locked * most - k1 * most) / (locked - k2)
+    back = (k1 * most + k2 * meets) / 2 * (most - meets) + k2 * meets**2 / 2
+    assert train.speed[0] - train.speed[1] == pytest.approx(math.sqrt(4 * back / MASS), rel=CLOSED)
+    assert train.largest_compression == pytest.approx(k1 * most, rel=CLOSED)
+
+
+def test_friction_that_sticks_keeps_its_force() -> None:
+    """Pushed to 100 kN and eased to 90 the coupler rests in its friction, for as long as one likes."""
+    train = chain([MASS, MASS], spring(5e6, 0.3, 60e6), depth="delay", share=FINE)
+    train.lead(0, 0.0)
+    train.lead(1, 0.02)
+    train.advance(1.0)
+    loaded = train.coupler_force[0]
+    assert loaded == pytest.approx(-5e6 * 0.02, rel=1e-9)
+    train.lead(1, -0.001)
+    train.advance(0.1)
+    eased = train.coupler_force[0]
+    assert eased == pytest.approx(loaded + 60e6 * 1e-4, rel=CLOSED)
+    train.lead(1, 0.0)
+    train.advance(10.0)
+    assert train.coupler_force[0] == eased
+
+
+@pytest.mark.parametrize("name", sorted(COUPLERS))
+def test_momentum_stays_whatever_the_couplers_do(name: str) -> None:
+    draw = np.random.default_rng(33)
+    train = chain(list(draw.uniform(20e3, 90e3, 30)), COUPLERS[name](), depth="delay")
+    state = train.motion
+    state[0], state[1] = draw.normal(0.0, 0.02, 30), draw.normal(0.0, 1.0, 30)
+    state[2] = state[1]
+    train.motion = state
+    before, size = momentum(train), float(np.abs(state[1]).sum()) * 50e3
+    train.advance(5.0)
+    assert abs(momentum(train) - before) < MOMENTUM * size
+
+
+def test_energy_stays_where_there_is_no_friction() -> None:
+    """Motion and k s^2 / 2 of each coupler, to the error of the method, which falls with the square of its steps."""
+    draw = np.random.default_rng(34)
+    lost = []
+    for share in (FINE, 300 * FINE):
+        train = chain(list(draw.uniform(40e3, 90e3, 8)), spring(5e6), depth="delay", share=share)
+        state = train.motion
+        state[1] = state[2] = np.linspace(0.0, 1.0, 8)
+        train.motion = state
+        first = moving(train)
+        train.advance(2.0)
+        ways = np.diff(train.motion[0])
+        lost.append(abs(moving(train) + 5e6 / 2 * float(ways @ ways) - first) / first)
+    assert lost[0] < ENERGY < lost[1]
+
+
+def test_friction_takes_energy_and_never_gives_any() -> None:
+    train = chain([MASS] * 10, draft_gear(), depth="delay")
+    state = train.motion
+    state[1] = state[2] = np.linspace(0.0, 3.0, 10)
+    train.motion = state
+    centre = momentum(train) / (10 * MASS)
+    courses = [moving(train) - 5 * MASS * centre**2]
+    for _ in range(20):
+        train.advance(3.0)
+        courses.append(moving(train) - 5 * MASS * centre**2)
+    assert courses[-1] < 1e-2 * courses[0]
+    assert max(b for _, b in pairwise(courses)) < courses[0]
+
+
+def test_equal_brakes_on_equal_vehicles_leave_couplers_without_force() -> None:
+    train = chain([MASS] * 20, draft_gear(), braked=True, depth="delay", propagation=1e9)
+    state = train.motion
+    state[1:3] = 20.0
+    train.motion = state
+    train.drive("emergency")
+    train.advance(10.0)
+    assert train.speed[0] < 17.0
+    assert max(train.largest_compression, train.largest_tension) < 1.0
+
+
+def test_rigid_couplers_give_the_motion_of_one_mass() -> None:
+    """x = F t^2 / (2 M), each vehicle."""
+    masses = [84e3, *[MASS] * 9]
+    train = chain(masses, rigid(1e11), depth="delay")
+    train.inputs["pull"][0] = 100e3
+    train.advance(20.0)
+    due = 100e3 * 20.0**2 / (2 * sum(masses))
+    assert train.motion[0] == pytest.approx(np.full(10, due), rel=ONE_MASS)
+
+
+def gradients(rows: list[tuple[float, float]]) -> Line:
+    distance, gradient = np.array(rows).T
+    return Line({"distance": distance, "gradient": gradient, "curvature": np.zeros(len(rows))})
+
+
+@pytest.mark.parametrize(("slope", "sense"), [(0.01, 1.0), (-0.01, -1.0)])
+def test_a_train_across_a_crest_or_a_sag_carries_the_weight_of_its_halves(slope: float, sense: float) -> None:
+    """Tension on a crest, compression in a sag: m g sin of all vehicles beyond; the mean over swings without damping."""
+    consist = Consist(chain([MASS] * 10, spring(5e6), depth="delay").consist.vehicles)
+    line = gradients([(-1000.0, slope), (-75.01, slope), (-74.99, -slope), (1000.0, -slope)])
+    train = Train(consist, line=line, settings=Settings(depth="delay"))
+    forces = []
+    for _ in range(4000):
+        train.advance(0.01)
+        forces.append(train.coupler_force)
+    due = MASS * GRAVITY * 0.01 * np.minimum(np.arange(1, 10), np.arange(9, 0, -1))
+    assert np.mean(forces, axis=0) == pytest.approx(sense * due, rel=0.02)
+
+
+def test_brakes_hold_a_train_on_a_gradient_and_it_stands() -> None:
+    """No creeping: speeds are exactly zero, and the forces of the couplers rest too."""
+    consist = chain([MASS] * 5, draft_gear(), braked=True).consist
+    train = Train(consist, cylinder=380e3, pipe=350e3, line=gradients([(-1e4, 0.02), (1e4, 0.02)]))
+    train.drive("service", 1.0)
+    train.advance(30.0)
+    assert (train.speed == 0.0).all()
+    place, force = train.motion[0], train.coupler_force
+    train.advance(60.0)
+    assert np.array_equal(train.motion[0], place)
+    assert np.array_equal(train.coupler_force, force)
+
+
+# ---- wheels ----------------------------------------------------------------------------------------------------------
+
+
+def lone(friction: float, left: float = 1.0, law: float = 0.2) -> Train:
+    """A locomotive alone at 20 m/s, whose cylinders are full."""
+    one = locomotive()
+    brake = replace(one.brake, force_per_pressure=1.0, constant_friction=law)
+    vehicle = replace(one, brake=brake, resistance=(0.0, 0.0, 0.0), friction_left=left)
+    train = Train(Consist((vehicle,)), speed=20.0, cylinder=380e3, pipe=350e3)
+    train.drive("service", 1.0)
+    train.inputs["friction"][:] = friction
+    return train
+
+
+def test_wheels_that_roll_brake_mass_and_rotating_mass() -> None:
+    train = lone(0.3)
+    train.advance(5.0)
+    held = 0.2 * 380e3
+    assert train.speed[0] == pytest.approx(20.0 - held / (1.04 * 84e3) * 5.0, rel=1e-4)
+    assert train.wheel_speed[0] == train.speed[0]
+    assert train.rail_force[0] == pytest.approx(-held * (1 - 0.04 / 1.04), rel=1e-4)
+
+
+def test_wheels_that_are_asked_too_much_lock_and_slide() -> None:
+    """m_r dw/dt = mu m g - B until they stand; then dv/dt = -mu g."""
+    friction, brake, rotating = 0.05, 0.2 * 380e3, 0.04 * 84e3
+    train = lone(friction)
+    lock = 20.0 * rotating / (brake - friction * 84e3 * GRAVITY)
+    train.advance(lock / 2)
+    assert train.wheel_speed[0] == pytest.approx(10.0, abs=0.2)
+    train.advance(5.0 - lock / 2)
+    assert train.wheel_speed[0] == 0.0
+    assert train.speed[0] == pytest.approx(20.0 - friction * GRAVITY * 5.0, rel=1e-4)
+
+
+def test_a_locked_wheel_turns_again_when_its_cylinder_is_vented() -> None:
+    train = lone(0.05)
+    train.advance(2.5)
+    assert train.wheel_speed[0] == 0.0
+    train.inputs["protection"][0] = 2.0
+    train.advance(3.0)
+    assert train.wheel_speed[0] == train.speed[0] > 15.0
+    assert train.cylinder_pressure[0] < 30e3
+    train.inputs["protection"][0] = 0.0
+    train.advance(5.0)
+    assert train.cylinder_pressure[0] > 300e3
+
+
+# ---- limits ----------------------------------------------------------------------------------------------------------
+
+
+def run_in(share: float) -> float:
+    """Largest compression [N] where 40 wagons of 20 t run into one another behind a locomotive that brakes."""
+    consist = block_train(40, load=0.0, coupler=draft_gear())
+    train = Train(consist, speed=20.0, settings=Settings(depth="delay", share=share))
+    train.drive("emergency")
+    train.advance(12.0)
+    return train.largest_compression
+
+
+def test_steps_above_two_over_omega_lie_and_the_default_does_not() -> None:
+    """Friction bounds what would blow up. 10.05 ms for draft gears of 198 MN/m between wagons of 20 t."""
+    assert 2 / fastest([draft_gear()] * 5, [20e3] * 6) == pytest.approx(2 / math.sqrt(4 * 198e6 / 20e3), rel=1e-12)
+    true = run_in(0.02)
+    assert run_in(SHARE) == pytest.approx(true, rel=0.01)
+    assert abs(run_in(2.0) / true - 1.0) > 0.1
+
+
+# ---- input -----------------------------------------------------------------------------------------------------------
+
+
+def test_curves_that_cannot_be_are_refused() -> None:
+    with pytest.raises(ValueError, match="the first 0 m"):
+        Curve((0.1, 0.2), (0.0, 1.0))
+    with pytest.raises(ValueError, match="ways of a coupler's curve rise and its forces never fall"):
+        Curve((0.0, 0.1), (2.0, 1.0))
+    with pytest.raises(ValueError, match=r"locked stiffness to at least the steepest slope of its curves, 5e\+06 N/m"):
+        spring(5e6, 0.3, 1e6).constants()
+
+
+def test_a_state_that_is_given_back_goes_on_with_the_same_bits() -> None:
+    train = Train(block_train(10), speed=20.0)
+    train.drive("emergency")
+    train.advance(3.0)
+    kept = train.state
+    train.advance(4.0)
+    once = train.state
+    train.state = kept
+    train.advance(4.0)
+    assert np.array_equal(train.state, once, equal_nan=True)
+
+
+def test_a_coupling_holds_from_when_vehicles_touch() -> None:
+    train = chain([MASS, MASS], spring(5e6, 0.3, 60e6), depth="delay")
+    train.inputs["coupled"][:] = 0.0
+    state = train.motion
+    state[0, 1], state[1:3, 1] = -1.0, 0.5
+    train.motion = state
+    train.advance(1.0)
+    assert train.coupler_force[0] == 0.0
+    train.inputs["coupled"][:] = 1.0
+    train.advance(0.5)
+    assert train.coupler_force[0] == 0.0
+    train.advance(4.5)
+    assert train.speed[0] == pytest.approx(train.speed[1], abs=0.2)
+    assert train.largest_tension > 0.0
+
+
+def test_a_wagon_is_a_wagon() -> None:
+    assert wagon(0.0).mass == 20e3
+    assert wagon(0.0).brake.force_per_pressure == pytest.approx(wagon().brake.force_per_pressure / 2)
