@@ -65,6 +65,12 @@ def sources() -> dict[str, str]:
 def functions() -> ctypes.CDLL:
     """The pipe's C, compiled once."""
     library = ctypes.CDLL(str(plain_library(sources())))
+    declare(library)
+    return library
+
+
+def declare(library: ctypes.CDLL) -> None:
+    """Arguments and results of the functions of pipe.h."""
     pointer, count, number = ctypes.c_void_p, ctypes.c_longlong, ctypes.c_double
     signatures: dict[str, tuple[Any, list[Any]]] = {
         "pipe_create": (pointer, [count, pointer, pointer]),
@@ -79,10 +85,60 @@ def functions() -> ctypes.CDLL:
     for name, (result, arguments) in signatures.items():
         function = getattr(library, name)
         function.restype, function.argtypes = result, arguments
-    return library
 
 
-class Pipe:
+class Air:
+    """The air in a pipe that C computes, of a library, at `own`; volume: of its cells [m3]."""
+
+    def __init__(self, library: ctypes.CDLL, own: int, volume: NDArray[np.float64]) -> None:
+        self._call, self.own, self.volume = library, own, volume
+
+    @property
+    def state(self) -> NDArray[np.float64]:
+        """Density [kg/m3], momentum [kg/(m2.s)] and energy [J/m3], shape (3, cells)."""
+        found = np.empty((3, self.volume.size))
+        self._call.pipe_state(self.own, found.ctypes.data)
+        return found
+
+    @property
+    def pressure(self) -> NDArray[np.float64]:
+        """Absolute [Pa], shape (cells,)."""
+        density, momentum, energy = self.state
+        return (HEAT_CAPACITY_RATIO - 1) * (energy - momentum**2 / density / 2)
+
+    @property
+    def temperature(self) -> NDArray[np.float64]:
+        """[K], shape (cells,)."""
+        return self.pressure / (self.state[0] * GAS_CONSTANT)
+
+    @property
+    def speed(self) -> NDArray[np.float64]:
+        """[m/s], shape (cells,)."""
+        density, momentum, _ = self.state
+        return momentum / density
+
+    @property
+    def mass(self) -> float:
+        """Of the air in the pipe [kg]."""
+        return float(self.state[0] @ self.volume)
+
+    @property
+    def energy(self) -> float:
+        """Of the air in the pipe, internal and of motion [J]."""
+        return float(self.state[2] @ self.volume)
+
+    @property
+    def passed(self) -> _Passed:
+        """What has left since the beginning, mass [kg] and energy [J]: through ends, by leaks, to vehicles.
+
+        heat: that walls have given [J]; cylinder_mass: air that cylinders took [kg].
+        """
+        found = _Passed()
+        ctypes.pointer(found)[0] = self._call.pipe_has_passed(self.own).contents
+        return found
+
+
+class Pipe(Air):
     """Air in so many cells, one behind the other.
 
     pressure [Pa, absolute], temperature [K], speed [m/s], length [m], diameter [m, the same in all], wall temperature
@@ -125,12 +181,12 @@ class Pipe:
                 limit = "above 0" if name in above else "of at least 0"
                 wrong = row(values)[~(good & np.isfinite(row(values)))][0]
                 raise ValueError(f"Set {name} of a pipe to finite values {limit}: one was {wrong:g}.")
-        self.volume = np.pi / 4 * constants[1] ** 2 * constants[0]
-        self._call, state = functions(), np.array([density, momentum, energy])
-        self._own = self._call.pipe_create(cells, state.ctypes.data, constants.ctypes.data)
-        if not self._own:
+        state, library = np.array([density, momentum, energy]), functions()
+        own = library.pipe_create(cells, state.ctypes.data, constants.ctypes.data)
+        super().__init__(library, own, np.pi / 4 * constants[1] ** 2 * constants[0])
+        if not self.own:
             raise MemoryError(f"There is no memory for {cells} cells; take fewer.")
-        weakref.finalize(self, self._call.pipe_free, self._own)
+        weakref.finalize(self, self._call.pipe_free, self.own)
         self.steps, self.vehicles = 0, 0
 
     def connect(self, cells: Sequence[int], distributors: Sequence[DistributorParameters], pressure: float) -> None:
@@ -144,13 +200,13 @@ class Pipe:
         state = np.array([[first[name]] * self.vehicles for name in STATES])
         pace = max(map(fastest_change, dict.fromkeys(distributors)))
         rows = (one.ctypes.data for one in (places, state, given))
-        if not self._call.pipe_vehicles(self._own, self.vehicles, *rows, pace):
+        if not self._call.pipe_vehicles(self.own, self.vehicles, *rows, pace):
             raise MemoryError(f"There is no memory for {self.vehicles} vehicles; take fewer.")
 
     def vehicle_pressures(self, name: str) -> NDArray[np.float64]:
         """Absolute, of control, accelerator, auxiliary or cylinder [Pa], shape (vehicles,)."""
         found = np.empty((len(STATES), self.vehicles))
-        self._call.pipe_vehicle_states(self._own, found.ctypes.data)
+        self._call.pipe_vehicle_states(self.own, found.ctypes.data)
         return np.asarray(found[STATES.index(name)])
 
     def open_to(self, end: int, outside: Outside) -> None:
@@ -158,7 +214,7 @@ class Pipe:
         if end not in (0, 1):
             raise ValueError(f"A pipe has the ends 0 and 1: it was {end}.")
         given = _Outside(outside.opening, self.area, outside.pressure, outside.temperature)
-        self._call.pipe_end(self._own, end, given)
+        self._call.pipe_end(self.own, end, given)
 
     def advance(self, time: float, courant: float = COURANT) -> None:
         """Goes on by a time [s]. Raises ValueError where that leads nowhere; the pipe is as it was then.
@@ -169,51 +225,7 @@ class Pipe:
             raise ValueError(
                 f"Go on by a time of at least 0 s in steps above 0: it was {time} s in steps of {courant}."
             )
-        steps = self._call.pipe_advance(self._own, time, courant)
+        steps = self._call.pipe_advance(self.own, time, courant)
         if steps < 0:
             raise ValueError(f"The air in the pipe came to no finite pressure above 0 within {time:g} s.")
         self.steps += steps
-
-    @property
-    def state(self) -> NDArray[np.float64]:
-        """Density [kg/m3], momentum [kg/(m2.s)] and energy [J/m3], shape (3, cells)."""
-        found = np.empty((3, self.cells))
-        self._call.pipe_state(self._own, found.ctypes.data)
-        return found
-
-    @property
-    def pressure(self) -> NDArray[np.float64]:
-        """Absolute [Pa], shape (cells,)."""
-        density, momentum, energy = self.state
-        return (HEAT_CAPACITY_RATIO - 1) * (energy - momentum**2 / density / 2)
-
-    @property
-    def temperature(self) -> NDArray[np.float64]:
-        """[K], shape (cells,)."""
-        return self.pressure / (self.state[0] * GAS_CONSTANT)
-
-    @property
-    def speed(self) -> NDArray[np.float64]:
-        """[m/s], shape (cells,)."""
-        density, momentum, _ = self.state
-        return momentum / density
-
-    @property
-    def mass(self) -> float:
-        """Of the air in the pipe [kg]."""
-        return float(self.state[0] @ self.volume)
-
-    @property
-    def energy(self) -> float:
-        """Of the air in the pipe, internal and of motion [J]."""
-        return float(self.state[2] @ self.volume)
-
-    @property
-    def passed(self) -> _Passed:
-        """What has left since the beginning, mass [kg] and energy [J]: through ends, by leaks, to vehicles.
-
-        heat: that walls have given [J]; cylinder_mass: air that cylinders took [kg].
-        """
-        found = _Passed()
-        ctypes.pointer(found)[0] = self._call.pipe_has_passed(self._own).contents
-        return found

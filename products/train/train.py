@@ -19,7 +19,8 @@ from fmu_src.equations_in_c import WIDTHS, function_of_cells
 from products.train import c as folder
 from products.train import pipe
 from products.train.consist import Consist
-from products.train.numbers import Settings, numbers_of
+from products.train.pipe import Air, declare
+from products.train.numbers import Settings, cells_of, numbers_of
 from rbd_model.track.line import Line
 from rbd_model.train import motion
 from rbd_model.train.coupler import coupling
@@ -61,6 +62,7 @@ def functions() -> ctypes.CDLL:
     library = ctypes.CDLL(str(plain_library(sources())))
     pointer, count, number = ctypes.c_void_p, ctypes.c_longlong, ctypes.c_double
     block, told = ctypes.POINTER(number), ctypes.POINTER(count)
+    declare(library)
     signatures: dict[str, tuple[Any, list[Any]]] = {
         "train_create": (pointer, [pointer, count]),
         "train_free": (None, [pointer]),
@@ -74,6 +76,7 @@ def functions() -> ctypes.CDLL:
         "train_steps": (None, [pointer, pointer]),
         "train_motion": (None, [pointer, pointer]),
         "train_set_motion": (None, [pointer, pointer]),
+        "train_air": (pointer, [pointer]),
         "train_lead": (None, [pointer, count, number]),
     }
     for name, (result, arguments) in signatures.items():
@@ -104,6 +107,8 @@ class Train:
         self.consist, self.settings = consist, settings or Settings()
         numbers = numbers_of(consist, self.settings, line)
         self._call = functions()
+        lengths, _, _ = cells_of(consist, self.settings.cells)
+        self._volumes = np.pi / 4 * consist.vehicles[0].pipe_diameter ** 2 * lengths
         self._own = self._call.train_create(numbers.ctypes.data, numbers.size)
         if not self._own:
             raise MemoryError(f"There is no memory for a train of {len(consist.vehicles)} vehicles; take fewer.")
@@ -168,6 +173,11 @@ class Train:
     def lead(self, vehicle: int, speed: float) -> None:
         """Gives a vehicle's speed from outside [m/s] from now on; not a number: no longer."""
         self._call.train_lead(self._own, vehicle, speed)
+
+    @property
+    def air(self) -> Air:
+        """Of the pipe: its cells, and what has passed since the beginning."""
+        return Air(self._call, self._call.train_air(self._own), self._volumes)
 
     @property
     def steps(self) -> tuple[int, int]:

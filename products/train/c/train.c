@@ -373,6 +373,7 @@ void train_load(train *self, const double *numbers)
     find_outputs(self);
 }
 
+pipe *train_air(train *self) { return self->air; }
 void train_steps(const train *self, long long int *steps) { memcpy(steps, self->steps, sizeof self->steps); }
 void train_motion(const train *self, double *state) { motion_get(self->moves, state); }
 void train_lead(train *self, long long int vehicle, double speed) { motion_lead(self->moves, vehicle, speed); }

@@ -61,6 +61,8 @@ TRAIN_SHOWN void train_save(const train *self, double *numbers);
 TRAIN_SHOWN void train_load(train *self, const double *numbers);
 /* Steps of pipe and of couplers so far. */
 TRAIN_SHOWN void train_steps(const train *self, long long int *steps);
+/* The pipe, for its balances (pipe.h). */
+TRAIN_SHOWN struct pipe *train_air(train *self);
 /* State of the motion: rows of place, speed, speed of wheels, rest of couplers (motion.h), to read and to set. */
 TRAIN_SHOWN void train_motion(const train *self, double *state);
 TRAIN_SHOWN void train_set_motion(train *self, const double *state);

@@ -1,0 +1,175 @@
+"""Driver's valves, cocks and hoses that part: pressures that are held, balances, what reaches the end of a train."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from brake_controller.distributor import freight
+from brake_controller.drivers_valve import drivers_valve
+from products.train.consist import Consist, block_train, locomotive, wagon
+from products.train.numbers import Settings
+from products.train.train import Train
+
+#: Gauge pressures [Pa]: running, of the cylinder at most.
+RUNNING, FULL = 500e3, 380e3
+#: What a relay leaves [Pa], half of its band at most.
+HELD = 5e3
+MASS, ENERGY = 1e-12, 1e-9
+
+
+def train(wagons: int = 10, **settings: object) -> Train:
+    return Train(block_train(wagons), settings=Settings(**settings))  # type: ignore[arg-type]
+
+
+def settled(one: Train, position: str, step: float = 0.0, time: float = 60.0) -> np.ndarray:
+    one.drive(position, step)
+    one.advance(time)
+    return np.asarray(one.pipe_pressure)
+
+
+@pytest.mark.parametrize(("step", "fall"), [(0.0, 40e3), (0.5, 95e3), (1.0, 150e3)])
+def test_service_holds_the_pipe_at_its_step(step: float, fall: float) -> None:
+    """First step 4.6 bar (UIC 540: 4.6 to 4.8), full service 3.5 bar, in the whole train, and cylinders follow."""
+    one = train()
+    pressure = settled(one, "service", step)
+    assert pressure == pytest.approx(np.full(11, RUNNING - fall), abs=HELD)
+    due = FULL * min(fall / 150e3, 1.0)
+    assert one.cylinder_pressure == pytest.approx(np.full(11, due), abs=0.04 * FULL)
+
+
+def test_a_release_brings_the_pipe_back_and_cylinders_to_nothing() -> None:
+    one = train()
+    settled(one, "service", 1.0, 30.0)
+    pressure = settled(one, "running", time=90.0)
+    assert pressure == pytest.approx(np.full(11, RUNNING), abs=HELD)
+    assert one.cylinder_pressure.max() < 20e3
+    assert one.air_used > 0.0
+
+
+def test_an_overcharge_falls_in_three_minutes_without_braking() -> None:
+    one = train(4)
+    assert settled(one, "overcharge", time=30.0) == pytest.approx(np.full(5, 540e3), abs=HELD)
+    one.drive("running")
+    one.advance(90.0)
+    assert one.pipe_pressure == pytest.approx(np.full(5, 520e3), abs=HELD)
+    one.advance(120.0)
+    assert one.pipe_pressure == pytest.approx(np.full(5, RUNNING), abs=HELD)
+    assert one.cylinder_pressure.max() < 1e3
+
+
+def test_a_valve_that_is_shut_off_lets_leaks_empty_the_pipe_and_an_open_one_feeds_them() -> None:
+    leaky = Consist(tuple(replace(one, leak=1e-7) for one in block_train(5).vehicles))
+    fed, closed = Train(leaky), Train(leaky)
+    fed.drive("running")
+    closed.drive("shut-off")
+    for one in (fed, closed):
+        one.advance(60.0)
+    assert fed.pipe_pressure == pytest.approx(np.full(6, RUNNING), abs=2 * HELD)
+    assert (closed.pipe_pressure < RUNNING - 20e3).all()
+    assert closed.air_used == 0.0 < fed.air_used
+
+
+def test_an_emergency_empties_the_pipe_and_fills_all_cylinders() -> None:
+    one = train()
+    pressure = settled(one, "emergency", time=30.0)
+    assert pressure.max() < 50e3
+    assert one.cylinder_pressure == pytest.approx(np.full(11, FULL), rel=0.01)
+
+
+def test_a_shut_cock_keeps_the_brake_from_what_is_behind_it() -> None:
+    one = train()
+    one.inputs["joined"][4] = 1.0
+    one.drive("emergency")
+    one.advance(20.0)
+    assert (one.cylinder_pressure[:5] > 0.99 * FULL).all()
+    assert one.cylinder_pressure[5:].max() < 1e3
+    assert one.pipe_pressure[5:] == pytest.approx(np.full(6, RUNNING), rel=1e-3)
+
+
+def test_a_hose_that_parts_brakes_both_parts() -> None:
+    one = train()
+    one.inputs["joined"][4] = 2.0
+    one.inputs["coupled"][4] = 0.0
+    one.advance(20.0)
+    assert (one.cylinder_pressure[5:] > 0.9 * FULL).all()
+    assert one.cylinder_pressure[4] > 0.9 * FULL
+    # The valve at the head goes on feeding what it can.
+    assert one.pipe_pressure[0] > one.pipe_pressure[4]
+
+
+@pytest.mark.parametrize("where", [5, 10])
+def test_a_second_valve_helps_as_soon_as_its_radio_lets_it(where: int) -> None:
+    """In the middle or at the end. Until its radio tells it to brake it feeds the pipe, and holds the brake off in the middle."""
+    vehicles = list(block_train(10).vehicles)
+    begun = []
+    for delay in (None, 0.0, 1.0):
+        own = list(vehicles)
+        if delay is not None:
+            own[where] = replace(wagon(), valve=drivers_valve(), valve_delay=delay)
+        one = Train(Consist(tuple(own)))
+        one.drive("emergency")
+        time = 0.0
+        while one.cylinder_pressure[where] < 10e3:
+            one.advance(0.01)
+            time += 0.01
+        begun.append(time)
+    alone, at_once, later = begun
+    assert at_once < alone <= later <= at_once + 1.05
+
+
+def test_a_valve_in_the_middle_brakes_both_halves_alike() -> None:
+    equal = replace(wagon(), distributor_at=0.5)
+    vehicles = [equal] * 4 + [replace(equal, valve=drivers_valve())] + [equal] * 4
+    one = Train(Consist((replace(equal, valve=drivers_valve()), *vehicles)), settings=Settings(cells=3))
+    one.drive("shut-off", valve=0)
+    one.drive("emergency", valve=1)
+    one.advance(2.0)
+    pressure = one.pipe_pressure
+    assert pressure[5] == pytest.approx(pressure[4], rel=0.02)
+    assert pressure[9] == pytest.approx(pressure[0], rel=0.02)
+    assert pressure[9] < RUNNING - 20e3
+
+
+def test_mass_and_energy_close_with_valves_cocks_and_parted_hoses() -> None:
+    """Of the air in the pipe: what left by valves, hoses and vehicles, and heat from walls."""
+    one = train(6)
+    one.inputs["joined"][2] = 2.0
+    one.inputs["joined"][4] = 1.0
+    mass, energy = one.air.mass, one.air.energy
+    for position in ("emergency", "running", "service", "overcharge"):
+        one.drive(position, 0.3)
+        one.advance(3.0)
+    gone = one.air.passed
+    left = gone.valve_mass + gone.leak_mass + gone.vehicle_mass
+    assert one.air.mass + left == pytest.approx(mass, rel=MASS)
+    carried = gone.valve_energy + gone.leak_energy + gone.vehicle_energy - gone.heat
+    assert one.air.energy + carried == pytest.approx(energy, rel=ENERGY)
+    assert gone.let_in > 0.0
+    assert gone.leak_mass > 0.0
+
+
+def test_a_drivers_position_out_of_range_is_refused() -> None:
+    one = train(1)
+    with pytest.raises(ValueError, match="Set a driver's valve to one of shut-off, running, overcharge, service, emer"):
+        one.drive("full")
+    with pytest.raises(ValueError, match="Set a step of service from 0, the first, to 1, full service: it was 1.2."):
+        one.drive("service", 1.2)
+
+
+def test_a_train_in_position_g_brakes_later_than_in_p() -> None:
+    times = []
+    for position in ("P", "G"):
+        vehicles = (locomotive(0.0, position), *[wagon(60e3, position)] * 5)
+        one = Train(Consist(vehicles))
+        one.drive("emergency")
+        time = 0.0
+        while one.cylinder_pressure[-1] < 0.95 * FULL:
+            one.advance(0.05)
+            time += 0.05
+        times.append(time)
+    assert 3.0 < times[0] < 6.0
+    assert 18.0 < times[1] < 30.0
+    assert freight("G").filling_choke < freight("P").filling_choke
