@@ -22,7 +22,7 @@ class TrainVehicle:
     """A vehicle: masses [kg], lengths [m], resistance a + b v + c v^2 [N, N.s/m, N.s2/m2].
 
     braked_share: of its weight on braked wheels. distributor_at: where it takes air, as a share of its length. valve: of a
-    driver, at its front end; valve_delay: how long it follows the first valve of the train behind it [s], below 0: it does not.
+    driver, at its front end (at its back end where it is the last); leads: it is the head's; valve_delay: how long it follows the first valve of the train behind it [s], below 0: it does not.
     leak: effective area of the leaks of its pipe [m2].
     """
 
@@ -42,6 +42,7 @@ class TrainVehicle:
     leak: float = 0.0
     valve: DriversValve | None = None
     valve_delay: float = -1.0
+    leads: bool = False
 
     def motion(self) -> list[float]:
         """Constants of its motion, VEHICLE_CONSTANTS of rbd_model/train/vehicle.py."""
@@ -59,6 +60,26 @@ def freight_resistance(mass: float) -> tuple[float, float, float]:
     """Of a wagon: 1.6e-3 + 5.7e-3 (v / 27.8)^2 of its weight, as RailProfAC's shunting stops have it."""
     weight = mass * GRAVITY
     return (1.6e-3 * weight, 0.0, 5.7e-3 * weight / 27.8**2)
+
+
+def mean_force(percentage: float, mass: float) -> float:
+    """Brake force [N] of a mass [kg] for a brake weight percentage: lambda = 52840 / S - 10 at 100 km/h (UIC 544-1)."""
+    speed = 100.0 / 3.6
+    distance = 52840.0 / (percentage + 10.0)
+    return 1.04 * mass * speed**2 / (2 * (distance - 2.0 * speed))
+
+
+def braked_by(percentage: float, mass: float) -> VehicleBrake:
+    """Shoes of constant friction that give a mass [kg] a brake weight percentage [%] at 3.8 bar (UIC 544-1)."""
+    force = mean_force(percentage, mass)
+    return VehicleBrake(
+        force_per_pressure=force / 380e3 / 0.3,
+        counter_force=0.0,
+        efficiency=1.0,
+        shoes=8.0,
+        friction_law=0.0,
+        constant_friction=0.3,
+    )
 
 
 def wagon(load: float = 60e3, position: str = "P") -> TrainVehicle:

@@ -26,6 +26,7 @@ from rbd_model.train import motion
 from rbd_model.train.coupler import coupling
 from rbd_model.train.vehicle import rolling, sliding
 
+FOLDER = Path(folder.__file__ or "").parent
 #: What is set from outside and what is found, in the order of train.h.
 INPUTS = ("position", "step", "pull", "friction", "protection", "coupled", "joined", "ends")
 OUTPUTS = (
@@ -46,7 +47,8 @@ def sources() -> dict[str, str]:
     texts = pipe.sources()
     for place, functions, name in ((motion, (coupling, rolling, sliding), "motion"), (folder, (braking,), "train")):
         own = Path(place.__file__ or "").parent
-        texts |= {path.name: path.read_text(encoding="utf-8") for path in sorted(own.glob("*.[ch]"))}
+        files = [path for path in sorted(own.glob("*.[ch]")) if path.name != "train_fmu.c"]
+        texts |= {path.name: path.read_text(encoding="utf-8") for path in files}
         texts[f"{name}_cells.h"] = "\n".join(function_of_cells(one()) for one in functions)
         for lanes in (1, *WIDTHS):
             loops = f'#define LANES {lanes}\n#include "{name}_loops.h"\n'

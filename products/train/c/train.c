@@ -172,8 +172,8 @@ static void fill(double *values, long long int count, double value)
 static void begin_inputs(train *self)
 {
     fill(self->input[0], self->inputs, 0.0);
-    fill(self->input[IN_POSITION], self->valves, SHUT_OFF);
-    self->input[IN_POSITION][0] = RUNNING;
+    fill(self->input[IN_POSITION], self->valves, VALVE_SHUT_OFF);
+    self->input[IN_POSITION][0] = VALVE_IS_RUNNING;
     fill(self->input[IN_FRICTION], self->vehicles, 0.3);
     fill(self->input[IN_COUPLED], self->vehicles - 1, 1.0);
     fill(self->input[IN_JOINED], self->vehicles - 1, PIPE_JOINED);
@@ -237,7 +237,7 @@ void train_begin(train *self, double time, double speed, double distance, double
     for (long long int v = 0; v < self->valves; ++v) {
         double *own = valves_run(self, v);
         fill(own, 1 + HISTORY, pressure);
-        fill(own + 1 + HISTORY, HISTORY, v ? SHUT_OFF : RUNNING);
+        fill(own + 1 + HISTORY, HISTORY, v ? VALVE_SHUT_OFF : VALVE_IS_RUNNING);
     }
     for (long long int i = 0; i + 1 < self->vehicles; ++i)
         if (self->face[i] > 0) pipe_join(self->air, self->face[i], PIPE_JOINED);

@@ -33,7 +33,7 @@ enum {
 };
 
 /* Positions of a driver's valve. */
-enum { SHUT_OFF, RUNNING, OVERCHARGED, SERVICE, EMERGENCY };
+enum { VALVE_SHUT_OFF, VALVE_IS_RUNNING, VALVE_OVERCHARGED, VALVE_IN_SERVICE, VALVE_IN_EMERGENCY };
 /* What wheel-slide protection of a vehicle commands. */
 enum { PROTECTION_APPLY, PROTECTION_HOLD, PROTECTION_RELEASE };
 

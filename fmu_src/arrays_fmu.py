@@ -1,0 +1,219 @@
+"""FMUs (FMI 2.0 and 3.0, co-simulation) around an object in C whose variables are arrays: arrays_in_c/.
+
+One binary serves arrays of all lengths; the lengths stand in modelDescription.xml and in what the object reads from its
+resources. In FMI 3.0 an array is a variable, in FMI 2.0 each of its elements is.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import xml.etree.ElementTree as ET
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import fmpy
+
+from fmu_src import __version__
+from fmu_src.archive import write_archive
+from fmu_src.c_literals import c_array, c_number, c_text
+from fmu_src.codegen import RUNTIME
+from fmu_src.compile import FMI_HEADERS, library_suffix, plain_library
+from fmu_src.model_description import DISPLAY_UNITS, LOG_CATEGORIES, NOMINAL, UNITS
+from fmu_src.native_fmu import STANDARD_HEADERS
+
+FOLDER = Path(__file__).parent / "arrays_in_c"
+#: Elements of an array at most; the value reference in FMI 2.0 is array * ELEMENTS + element.
+ELEMENTS = 65536
+CAUSALITIES = {"parameter": "ARRAY_PARAMETER", "input": "ARRAY_INPUT", "output": "ARRAY_OUTPUT"}
+
+
+@dataclass(frozen=True)
+class ArrayVariable:
+    """An array: how it may be used, unit, meaning, limits, and whether it holds whole numbers."""
+
+    name: str
+    causality: str
+    unit: str
+    description: str
+    minimum: float = -math.inf
+    maximum: float = math.inf
+    whole: bool = False
+
+
+@dataclass(frozen=True)
+class ArraysInC:
+    """An object in C behind arrays.h: its C files by name, and its arrays in the order in which it knows them."""
+
+    name: str
+    description: str
+    arrays: tuple[ArrayVariable, ...]
+    sources: Mapping[str, str]
+
+
+def token_of(given: ArraysInC) -> str:
+    """What modelDescription.xml and the binary have in common."""
+    texts = {path.name: path.read_text(encoding="utf-8") for path in FOLDER.glob("*.[ch]")} | dict(given.sources)
+    h = hashlib.sha256(repr((given.arrays, sorted(texts.items()))).encode()).hexdigest()
+    return f"{{{h[:8]}-{h[8:12]}-{h[12:16]}-{h[16:20]}-{h[20:32]}}}"
+
+
+def all_sources(given: ArraysInC) -> dict[str, str]:
+    """C files by name: the object, both faces, and the table of arrays."""
+    faces = {path.name: path.read_text(encoding="utf-8") for path in sorted(FOLDER.glob("*.[ch]"))}
+    faces["fmi2Functions.h"] = (RUNTIME / "fmi2Functions.h").read_text(encoding="utf-8")
+    return dict(given.sources) | faces | {"arrays_about.c": _about(given)}
+
+
+def _about(given: ArraysInC) -> str:
+    rows = []
+    for one in given.arrays:
+        limits = ", ".join(c_number(max(min(limit, 1e300), -1e300)) for limit in (one.minimum, one.maximum))
+        unit = "" if one.unit == "1" else one.unit
+        rows.append(f"{{{c_text(one.name)}, {c_text(unit)}, {CAUSALITIES[one.causality]}, {int(one.whole)}, {limits}}}")
+    table = c_array("arrays_about", "ARRAYS_ABOUT", rows).replace("static ", "", 1)
+    token = f"const char ARRAYS_TOKEN[] = {c_text(token_of(given))};"
+    return f'#include "arrays.h"\n{table}\nconst int ARRAYS = {len(given.arrays)};\n{token}\n'
+
+
+def library_of_arrays(given: ArraysInC) -> Path:
+    """Path of the binary for this platform, compiled now unless the cache has it. Raises CompilerError."""
+    return plain_library(all_sources(given))
+
+
+@dataclass(frozen=True)
+class Lengths:
+    """Of one object: how long each array is, and start values of parameters and inputs, in the order of the arrays."""
+
+    lengths: Sequence[int]
+    starts: Sequence[Sequence[float]]
+    step_size: float
+    stop_time: float
+
+
+def build_arrays_fmu(
+    given: ArraysInC, of: Lengths, path: Path, version: int, binary: Path, resources: Mapping[str, bytes]
+) -> None:
+    """Writes the FMU of an object with arrays of these lengths; resources: what it reads, by name."""
+    about = (description2 if version == 2 else description3)(given, of)
+    platform = fmpy.platform if version == 2 else fmpy.platform_tuple
+    files = {"modelDescription.xml": about.encode(), f"binaries/{platform}/{given.name}{library_suffix()}": binary.read_bytes()}
+    files |= {f"sources/{name}": text.encode() for name, text in all_sources(given).items()}
+    files |= {f"sources/{name}": (FMI_HEADERS / name).read_bytes() for name in STANDARD_HEADERS[version]}
+    write_archive(path, files | {f"resources/{name}": data for name, data in resources.items()})
+
+
+def _root(given: ArraysInC, **more: str) -> ET.Element:
+    return ET.Element(
+        "fmiModelDescription",
+        modelName=given.name,
+        description=given.description,
+        version=__version__,
+        license="MIT",
+        generationTool="bogie-braking",
+        variableNamingConvention="structured",
+        **more,
+    )
+
+
+def _units(root: ET.Element, given: ArraysInC) -> None:
+    found = ET.SubElement(root, "UnitDefinitions")
+    for unit in sorted({one.unit for one in given.arrays} | {"s"}):
+        element = ET.SubElement(found, "Unit", name=unit)
+        ET.SubElement(element, "BaseUnit", {name: str(power) for name, power in UNITS[unit].items()})
+        for shown, (of, factor) in DISPLAY_UNITS.items():
+            if of == unit:
+                ET.SubElement(element, "DisplayUnit", name=shown, factor=repr(factor))
+
+
+def _categories(root: ET.Element, of: Lengths) -> None:
+    categories = ET.SubElement(root, "LogCategories")
+    for name, description in LOG_CATEGORIES.items():
+        ET.SubElement(categories, "Category", name=name, description=description)
+    times = {"startTime": "0.0", "stopTime": repr(of.stop_time), "stepSize": repr(of.step_size)}
+    ET.SubElement(root, "DefaultExperiment", times)
+
+
+def _text(one: ArrayVariable, value: float) -> str:
+    return str(int(value)) if one.whole else repr(float(value))
+
+
+def _limits(one: ArrayVariable) -> dict[str, str]:
+    pairs = (("min", one.minimum), ("max", one.maximum))
+    return {name: _text(one, limit) for name, limit in pairs if math.isfinite(limit)}
+
+
+def _nature(one: ArrayVariable) -> dict[str, str]:
+    found = {"causality": one.causality}
+    found["variability"] = "fixed" if one.causality == "parameter" else "discrete" if one.whole else "continuous"
+    if one.causality == "output":
+        found["initial"] = "calculated"
+    return found
+
+
+def description2(given: ArraysInC, of: Lengths) -> str:
+    """modelDescription.xml of FMI 2.0: a variable for each element."""
+    root = _root(given, fmiVersion="2.0", guid=token_of(given))
+    able = {"canHandleVariableCommunicationStepSize": "true", "canGetAndSetFMUstate": "true"}
+    able |= {"canSerializeFMUstate": "true", "canNotUseMemoryManagementFunctions": "true"}
+    slave = ET.SubElement(root, "CoSimulation", {"modelIdentifier": given.name} | able)
+    files = ET.SubElement(slave, "SourceFiles")
+    for name in all_sources(given):
+        if name.endswith(".c") and "fmi3" not in name:
+            ET.SubElement(files, "File", name=name)
+    _units(root, given)
+    _categories(root, of)
+    variables, outputs = ET.SubElement(root, "ModelVariables"), []
+    for number, one in enumerate(given.arrays):
+        for element in range(of.lengths[number]):
+            name = one.name if of.lengths[number] == 1 and one.causality != "input" else f"{one.name}[{element + 1}]"
+            attributes = {"name": name, "valueReference": str(number * ELEMENTS + element), "description": one.description}
+            variable = ET.SubElement(variables, "ScalarVariable", attributes | _nature(one))
+            kind = {} if one.whole else {"unit": one.unit}
+            if one.causality != "output":
+                kind["start"] = _text(one, of.starts[number][element])
+            ET.SubElement(variable, "Integer" if one.whole else "Real", kind | _limits(one))
+            if one.causality == "output":
+                outputs.append(str(len(variables)))
+    structure = ET.SubElement(root, "ModelStructure")
+    for place in ("Outputs", "InitialUnknowns"):
+        element_of = ET.SubElement(structure, place)
+        for index in outputs:
+            ET.SubElement(element_of, "Unknown", index=index)
+    ET.indent(root)
+    return '<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
+
+
+def description3(given: ArraysInC, of: Lengths) -> str:
+    """modelDescription.xml of FMI 3.0: a variable for each array."""
+    root = _root(given, fmiVersion="3.0", instantiationToken=token_of(given))
+    able = {"canHandleVariableCommunicationStepSize": "true", "canGetAndSetFMUState": "true", "canSerializeFMUState": "true"}
+    ET.SubElement(root, "CoSimulation", {"modelIdentifier": given.name} | able)
+    _units(root, given)
+    _categories(root, of)
+    variables, outputs = ET.SubElement(root, "ModelVariables"), []
+    for number, one in enumerate(given.arrays):
+        length = of.lengths[number]
+        if length == 0:
+            continue
+        attributes = {"name": one.name, "valueReference": str(number), "description": one.description} | _nature(one)
+        if not one.whole:
+            attributes["unit"] = one.unit
+            if one.unit in NOMINAL:
+                attributes["nominal"] = repr(NOMINAL[one.unit])
+        if one.causality != "output":
+            attributes["start"] = " ".join(_text(one, value) for value in of.starts[number])
+        variable = ET.SubElement(variables, "Int32" if one.whole else "Float64", attributes | _limits(one))
+        if length > 1 or one.causality == "input":
+            ET.SubElement(variable, "Dimension", start=str(length))
+        if one.causality == "output":
+            outputs.append(str(number))
+    time = {"name": "time", "valueReference": str(len(given.arrays)), "causality": "independent"}
+    ET.SubElement(variables, "Float64", time | {"variability": "continuous", "unit": "s"})
+    structure = ET.SubElement(root, "ModelStructure")
+    for place in ("Output", "InitialUnknown"):
+        for reference in outputs:
+            ET.SubElement(structure, place, valueReference=reference)
+    ET.indent(root)
+    return '<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n"

@@ -1,0 +1,164 @@
+/* The train behind the faces of FMI (arrays.h): gauge pressures, and its consist from resources/train.bin. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "arrays.h"
+#include "train.h"
+#include "train_arrays.h"
+
+/* Bytes of a consist at most. */
+enum { LARGEST = 1 << 27 };
+static const double AROUND = 101325.0;
+
+struct arrays_object {
+    train *own;
+    double *values; /* of all arrays, one behind the other */
+    size_t place[ARRAYS_MOST + 1];
+};
+
+/* The numbers of a consist from a file; null: and why. */
+static double *read_numbers(const char *folder, long long int *count, char *problem)
+{
+    static const char name[] = "/train.bin";
+    char *path = (char *)malloc(strlen(folder) + sizeof name);
+    if (!path) return NULL;
+    strcat(strcpy(path, folder), name);
+    FILE *file = fopen(path, "rb");
+    double *numbers = NULL;
+    if (file && fseek(file, 0, SEEK_END) == 0) {
+        const long size = ftell(file);
+        rewind(file);
+        if (size > 0 && size < LARGEST && size % (long)sizeof(double) == 0) numbers = (double *)malloc((size_t)size);
+        if (numbers && fread(numbers, 1, (size_t)size, file) != (size_t)size) {
+            free(numbers);
+            numbers = NULL;
+        }
+        *count = size / (long)sizeof(double);
+    }
+    if (file) fclose(file);
+    if (!numbers) snprintf(problem, ARRAYS_PROBLEM, "The consist %.200s cannot be read; build the FMU again.", path);
+    free(path);
+    return numbers;
+}
+
+static size_t length_of(train *own, int array)
+{
+    long long int count = 1;
+    if (array >= FIRST_INPUT && array < FIRST_INPUT + TRAIN_INPUTS) train_input(own, array - FIRST_INPUT, &count);
+    if (array >= FIRST_OUTPUT && array < FIRST_OUTPUT + OUT_SUMS) train_output(own, array - FIRST_OUTPUT, &count);
+    if (array == LOCKED || array == SLIP) train_output(own, OUT_SPEED, &count);
+    return (size_t)count;
+}
+
+arrays_object *arrays_create(const char *folder, char problem[ARRAYS_PROBLEM])
+{
+    long long int count = 0;
+    double *numbers = read_numbers(folder, &count, problem);
+    if (!numbers) return NULL;
+    arrays_object *self = (arrays_object *)calloc(1, sizeof *self);
+    if (self) self->own = train_create(numbers, count);
+    free(numbers);
+    if (self && self->own) {
+        for (int n = 0; n < ARRAYS; ++n) self->place[n + 1] = self->place[n] + length_of(self->own, n);
+        self->values = (double *)calloc(self->place[ARRAYS], sizeof(double));
+        if (self->values) return self;
+    }
+    snprintf(problem, ARRAYS_PROBLEM, "There is no memory for the train, or its consist is not whole; build the FMU again.");
+    arrays_free(self);
+    return NULL;
+}
+
+void arrays_free(arrays_object *self)
+{
+    if (!self) return;
+    train_free(self->own);
+    free(self->values);
+    free(self);
+}
+
+double *arrays_values(arrays_object *self, int array, size_t *count)
+{
+    *count = self->place[array + 1] - self->place[array];
+    return self->values + self->place[array];
+}
+
+static double *values_of(arrays_object *self, int array) { return self->values + self->place[array]; }
+
+static void put_inputs(arrays_object *self)
+{
+    for (int n = 0; n < TRAIN_INPUTS; ++n) {
+        long long int count;
+        double *to = train_input(self->own, n, &count);
+        memcpy(to, values_of(self, FIRST_INPUT + n), (size_t)count * sizeof(double));
+    }
+}
+
+static void find_outputs(arrays_object *self)
+{
+    for (int n = 0; n < OUT_SUMS; ++n) {
+        long long int count;
+        const double *from = train_output(self->own, n, &count), less = n == OUT_PIPE || n == OUT_CYLINDER ? AROUND : 0.0;
+        double *to = values_of(self, FIRST_OUTPUT + n);
+        for (long long int i = 0; i < count; ++i) to[i] = from[i] - less;
+    }
+    long long int count;
+    const double *speed = train_output(self->own, OUT_SPEED, &count), *wheel = train_output(self->own, OUT_WHEEL, &count);
+    for (long long int i = 0; i < count; ++i) {
+        values_of(self, LOCKED)[i] = wheel[i] == 0.0 && speed[i] != 0.0;
+        values_of(self, SLIP)[i] = speed[i] == wheel[i] ? 0.0 : (speed[i] - wheel[i]) / fmax(fabs(speed[i]), fabs(wheel[i]));
+    }
+    const double *sums = train_output(self->own, OUT_SUMS, &count);
+    for (int n = SUM_TENSION; n < TRAIN_SUMS; ++n) *values_of(self, FIRST_SUM + n - SUM_TENSION) = sums[n];
+}
+
+void arrays_reset(arrays_object *self)
+{
+    train_begin(self->own, 0.0, 0.0, 0.0, START_PIPE_PRESSURE + AROUND, AROUND);
+    memset(self->values, 0, self->place[ARRAYS] * sizeof(double));
+    *values_of(self, FIRST_PARAMETER + 2) = START_PIPE_PRESSURE;
+    for (int n = 0; n < TRAIN_INPUTS; ++n) {
+        long long int count;
+        const double *from = train_input(self->own, n, &count);
+        memcpy(values_of(self, FIRST_INPUT + n), from, (size_t)count * sizeof(double));
+    }
+    find_outputs(self);
+}
+
+bool arrays_start(arrays_object *self, double time, char problem[ARRAYS_PROBLEM])
+{
+    const double *given = values_of(self, FIRST_PARAMETER); /* speed, distance, pressures of pipe and cylinders */
+    train_begin(self->own, time, given[0], given[1], given[2] + AROUND, given[3] + AROUND);
+    put_inputs(self);
+    find_outputs(self);
+    (void)problem;
+    return true;
+}
+
+bool arrays_go(arrays_object *self, double time, double step, char problem[ARRAYS_PROBLEM])
+{
+    put_inputs(self);
+    if (train_go(self->own, step)) {
+        snprintf(problem, ARRAYS_PROBLEM,
+                 "From %g s on %g s lead to no finite state, and the train is as it was; look at what was set, or take a shorter step.",
+                 time, step);
+        return false;
+    }
+    find_outputs(self);
+    return true;
+}
+
+size_t arrays_numbers(const arrays_object *self) { return (size_t)train_numbers(self->own) + self->place[ARRAYS]; }
+
+void arrays_save(const arrays_object *self, double *numbers)
+{
+    memcpy(numbers, self->values, self->place[ARRAYS] * sizeof(double));
+    train_save(self->own, numbers + self->place[ARRAYS]);
+}
+
+void arrays_load(arrays_object *self, const double *numbers)
+{
+    memcpy(self->values, numbers, self->place[ARRAYS] * sizeof(double));
+    train_load(self->own, numbers + self->place[ARRAYS]);
+}

@@ -1,0 +1,103 @@
+"""TrainDynamics.fmu: a train of a consist, for FMI 2.0 and FMI 3.0; the binary is the same for every consist."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+
+from fmu_src.arrays_fmu import ArraysInC, ArrayVariable, Lengths, build_arrays_fmu, library_of_arrays
+from products.train.consist import Consist
+from products.train.numbers import Settings, numbers_of
+from products.train.train import FOLDER, sources
+from rbd_model.track.line import Line
+
+NAME = "TrainDynamics"
+#: Gauge pressure of the pipe at the start by default [Pa].
+START_PIPE_PRESSURE = 500e3
+PARAMETERS = (
+    ArrayVariable("start_speed", "parameter", "m/s", "Speed at the start", -150.0, 150.0),
+    ArrayVariable("start_distance", "parameter", "m", "Distance of the train's front at the start", -1e9, 1e9),
+    ArrayVariable("start_pipe_pressure", "parameter", "Pa", "Gauge pressure in the pipe at the start", 0.0, 1e6),
+    ArrayVariable("start_cylinder_pressure", "parameter", "Pa", "Gauge pressure in all cylinders at the start", 0.0, 1e6),
+)
+POSITIONS = "Driver's valve: 0 shut off, 1 running, 2 overcharge, 3 service, 4 emergency; the first is the head's"
+INPUTS = (
+    ArrayVariable("driver_position", "input", "1", POSITIONS, 0, 4, True),
+    ArrayVariable("driver_step", "input", "1", "Step of service: 0 the first, 1 full service", 0.0, 1.0),
+    ArrayVariable("pull", "input", "N", "Traction of each vehicle at the rim, below zero an electric brake", -1e7, 1e7),
+    ArrayVariable("friction", "input", "1", "Friction between wheels and rail, by vehicle", 0.0, 2.0),
+    ArrayVariable("protection", "input", "1", "Wheel-slide protection by vehicle: 0 apply, 1 hold, 2 release", 0, 2, True),
+    ArrayVariable("coupled", "input", "1", "Coupling behind each vehicle: 1 coupled once they touch, 0 apart", 0, 1, True),
+    ArrayVariable("joined", "input", "1", "Pipe behind each vehicle: 0 joined, 1 cock shut, 2 hose parted", 0, 2, True),
+    ArrayVariable("end_force", "input", "N", "Pull forwards at the head, and backwards at the end", -1e8, 1e8),
+)
+OUTPUTS = (
+    ArrayVariable("distance", "output", "m", "Distance of each vehicle's middle"),
+    ArrayVariable("speed", "output", "m/s", "Speed of each vehicle"),
+    ArrayVariable("wheel_speed", "output", "m/s", "Speed of each vehicle's wheels at the rim"),
+    ArrayVariable("pipe_pressure", "output", "Pa", "Gauge pressure in the pipe at each vehicle's distributor"),
+    ArrayVariable("cylinder_pressure", "output", "Pa", "Gauge pressure in each vehicle's cylinders"),
+    ArrayVariable("brake_force", "output", "N", "What each vehicle's brake can hold at the rim"),
+    ArrayVariable("rail_force", "output", "N", "What the rail gives to each vehicle's wheels, forwards above zero"),
+    ArrayVariable("coupler_force", "output", "N", "Tension in the coupling behind each vehicle, compression below zero"),
+    ArrayVariable("locked", "output", "1", "Whether a vehicle's wheels are locked while it moves", 0, 1, True),
+    ArrayVariable("slip", "output", "1", "(v - w) over the larger of both, of each vehicle's wheels"),
+    ArrayVariable("largest_tension", "output", "N", "Largest tension in any coupling so far"),
+    ArrayVariable("largest_tension_at", "output", "1", "The coupling where that was, from 1 on"),
+    ArrayVariable("largest_compression", "output", "N", "Largest compression in any coupling so far"),
+    ArrayVariable("largest_compression_at", "output", "1", "The coupling where that was, from 1 on"),
+    ArrayVariable("air_used", "output", "kg", "Air that driver's valves have let in"),
+)
+ARRAYS = (*PARAMETERS, *INPUTS, *OUTPUTS)
+
+
+def _places() -> str:
+    first = len(PARAMETERS) + len(INPUTS)
+    names = [one.name for one in ARRAYS]
+    sums, locked, slip = names.index("largest_tension"), names.index("locked"), names.index("slip")
+    return (
+        f"enum {{ FIRST_PARAMETER, FIRST_INPUT = {len(PARAMETERS)}, FIRST_OUTPUT = {first}, LOCKED = {locked},"
+        f" SLIP = {slip}, FIRST_SUM = {sums}, ARRAYS_MOST = {len(ARRAYS)} }};\n"
+        f"#define START_PIPE_PRESSURE {START_PIPE_PRESSURE!r}\n"
+    )
+
+
+@lru_cache
+def train_in_c() -> ArraysInC:
+    """The train's object in C with its arrays."""
+    own = {"train_fmu.c": (FOLDER / "train_fmu.c").read_text(encoding="utf-8"), "train_arrays.h": _places()}
+    about = "A train: brake pipe, distributors, couplers, wheels that roll or slide; driven by its brake valves"
+    return ArraysInC(NAME, about, ARRAYS, sources() | own)
+
+
+def lengths_of(consist: Consist) -> Lengths:
+    """Of a consist, in the order of the arrays, with start values."""
+    vehicles = len(consist.vehicles)
+    valves = sum(one.valve is not None for one in consist.vehicles)
+    inputs = [valves, valves, vehicles, vehicles, vehicles, vehicles - 1, vehicles - 1, 2]
+    lengths = [1] * len(PARAMETERS) + inputs + [vehicles] * 7 + [vehicles - 1, vehicles, vehicles] + [1] * 5
+    starts = [[0.0] * length for length in lengths]
+    names = [one.name for one in ARRAYS]
+    starts[names.index("start_pipe_pressure")] = [START_PIPE_PRESSURE]
+    starts[names.index("driver_position")] = [1.0, *[0.0] * (valves - 1)]
+    starts[names.index("friction")] = [0.3] * vehicles
+    starts[names.index("coupled")] = [1.0] * (vehicles - 1)
+    return Lengths(lengths, starts, 0.01, 60.0)
+
+
+def build_train_fmu(
+    consist: Consist,
+    path: Path,
+    version: int = 3,
+    *,
+    settings: Settings | None = None,
+    line: Line | None = None,
+    extras: dict[str, bytes] | None = None,
+) -> None:
+    """Writes the FMU of a consist on a line. extras: more resources by name. Raises CompilerError."""
+    numbers = np.ascontiguousarray(numbers_of(consist, settings or Settings(), line), "<f8")
+    resources = {"train.bin": numbers.tobytes()} | (extras or {})
+    binary = library_of_arrays(train_in_c())
+    build_arrays_fmu(train_in_c(), lengths_of(consist), path, version, binary, resources)
