@@ -11,6 +11,9 @@
                                          FixedSlip.fmu (pythonfmu): wheel-slide protection by your class FixedSlip
   python build_fmu.py --controller pi.c --wheelsets 4
                                          pi4.fmu (native, without Python): by your controller in C, for a coach
+  python build_fmu.py train --consist consist.csv --line line.csv
+                                         TrainDynamics.fmu of a consist on a line; docs/train.md says what such files
+                                         hold. It needs no compiler where a wheel is installed
   python build_fmu.py --describe         no FMUs: the table of variables as Markdown
 
 Exit status: 0, 1 after a failed build or validation, 2 after bad input, 130 when it was interrupted.
@@ -29,9 +32,11 @@ from products.parameter_sets import write_sets
 from products.promise import changes
 from products.registry import FMUS, model_of
 from products.systems import build_systems
+from products.train.building import build_train
+from products.train.numbers import DEPTHS, Settings
 
 #: What can be built.
-NAMES = (*FMUS, "ssp", "all")
+NAMES = (*FMUS, "train", "ssp", "all")
 
 
 def known(name: str) -> str:
@@ -53,15 +58,24 @@ def main(arguments: list[str] | None = None, program: str | None = None) -> int:
     add("--platforms", choices=["own", "all"], default="own", help="of native FMUs (default: own)")
     add("--controller", metavar="FILE", help="only the FMU of FILE.py:CLASS, a wheel-slide protection, or of FILE.c")
     add("--wheelsets", type=int, default=BOGIE, help="of the vehicle that it protects (default: 2)")
+    add("--consist", type=Path, metavar="FILE", help="of the train, CSV or TOML (default: a locomotive and 20 wagons)")
+    add("--line", type=Path, metavar="FILE", help="that the train runs on, CSV (default: straight and level)")
+    add("--depth", default="whole", choices=[*DEPTHS], help="of the train's brake (default: whole)")
+    add("--cells", type=float, default=2.0, help="of the pipe in each vehicle (default: 2)")
     add("--describe", action="store_true", help="print the table of variables instead of building")
     chosen = parser.parse_args(arguments)
     names = {"all": list(FMUS), "ssp": ["bogie", "brake"]}.get(chosen.model, [chosen.model])
     every = chosen.platforms == "all"
-    able = ["native"] if chosen.model == "ssp" else [*NATIVE] if every else [*KINDS]
+    native_only = every or chosen.model == "train"
+    able = ["native"] if chosen.model == "ssp" else [*NATIVE] if native_only else [*KINDS]
     if chosen.kind not in ("all", *able):
         parser.error(f"--kind {chosen.kind} does not go with this; take one of {', '.join(able)}.")
     if not 1 <= chosen.wheelsets <= MOST_WHEELSETS:
         parser.error(f"Set --wheelsets to 1 to {MOST_WHEELSETS}: it was {chosen.wheelsets}.")
+    if chosen.model != "train" and (chosen.consist or chosen.line):
+        parser.error("--consist and --line are of a train; say: train --consist FILE.")
+    if chosen.model == "train":
+        return train(chosen, able if chosen.kind == "all" else [chosen.kind])
     if chosen.describe:
         print("\n".join(variable_table(model_of(name)) for name in names), end="")
         return 0
@@ -82,6 +96,23 @@ def main(arguments: list[str] | None = None, program: str | None = None) -> int:
         print(f"Interrupted; the FMUs that were finished are in {chosen.out}.", file=sys.stderr)
         return 130
     return 1 if problems else 0
+
+
+def train(chosen: argparse.Namespace, kinds: list[str]) -> int:
+    """Builds the FMU of a train; exit status."""
+    try:
+        settings = Settings(depth=chosen.depth, cells=chosen.cells)
+        every = chosen.platforms == "all"
+        return 1 if build_train(chosen.out, kinds, chosen.consist, chosen.line, settings, every) else 0
+    except FileNotFoundError as error:
+        print(f"There is no file {error.filename}; give the path of a consist or a line.", file=sys.stderr)
+        return 2
+    except ValueError as error:
+        print(error, file=sys.stderr)
+        return 2
+    except (CompilerError, OSError) as error:
+        print(f"The FMU of the train was not built ({error}).", file=sys.stderr)
+        return 1
 
 
 if __name__ == "__main__":

@@ -20,6 +20,7 @@ from pathlib import Path
 
 from fmu_src import __version__
 from fmu_src.archive import write_archive
+from fmu_src.arrays_fmu import binary_of_arrays
 from fmu_src.codegen import generate
 from fmu_src.compile import CompilerError
 from fmu_src.native_fmu import PLATFORMS, binary_of, build_native_fmu
@@ -29,6 +30,9 @@ from products.prebuilt import PAGE, write_contents
 from products.registry import DIFFERENT, FMUS, model_of
 from products.sources import PREBUILT, ROOT
 from products.systems import build_systems
+from products.train.building import build_train
+from products.train.fmu import NAME as TRAIN
+from products.train.fmu import train_in_c
 from scenarios.live.page import write_page
 
 #: Platforms of wheels -> folder in binaries/ of an FMU.
@@ -58,6 +62,9 @@ def fill(folder: Path, platform: str) -> None:
         kernel = folder / "kernel" / f"{name}{suffix}"
         kernel.parent.mkdir(exist_ok=True)
         kernel.write_bytes(binary_of(generate(model), targets, fmu=False))
+    train = folder / "train" / f"{TRAIN}{suffix}"
+    train.parent.mkdir(exist_ok=True)
+    train.write_bytes(binary_of_arrays(train_in_c(), targets))
     write_page(folder / PAGE)
     write_contents(folder, platform, DIFFERENT)
 
@@ -90,6 +97,8 @@ def write_fmus(out: Path) -> None:
             raise CompilerError("An FMU is not valid; nothing was packed")
         write_sets(list(FMUS), folder)
         build_systems(list(FMUS), folder)
+        if build_train(folder, NATIVE, all_platforms=True):
+            raise CompilerError("The train's FMU is not valid; nothing was packed")
         made = [path for path in folder.rglob("*") if path.suffix in (".fmu", ".ssp", ".ssv")]
         files = {path.relative_to(folder).as_posix(): path.read_bytes() for path in made}
     write_archive(out / f"bogie_braking-{__version__}-fmus.zip", files | {"LICENSE": license_text()})

@@ -13,15 +13,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import fmpy
-
 from fmu_src import __version__
 from fmu_src.archive import write_archive
 from fmu_src.c_literals import c_array, c_number, c_text
 from fmu_src.codegen import RUNTIME
-from fmu_src.compile import FMI_HEADERS, library_suffix, plain_library
+from fmu_src.compile import FMI_HEADERS, plain_library
 from fmu_src.model_description import DISPLAY_UNITS, LOG_CATEGORIES, NOMINAL, UNITS
-from fmu_src.native_fmu import STANDARD_HEADERS
+from fmu_src.native_fmu import STANDARD_HEADERS, universal
 
 FOLDER = Path(__file__).parent / "arrays_in_c"
 #: Elements of an array at most; the value reference in FMI 2.0 is array * ELEMENTS + element.
@@ -77,9 +75,11 @@ def _about(given: ArraysInC) -> str:
     return f'#include "arrays.h"\n{table}\nconst int ARRAYS = {len(given.arrays)};\n{token}\n'
 
 
-def library_of_arrays(given: ArraysInC) -> Path:
-    """Path of the binary for this platform, compiled now unless the cache has it. Raises CompilerError."""
-    return plain_library(all_sources(given))
+def binary_of_arrays(given: ArraysInC, targets: Sequence[str] = ()) -> bytes:
+    """The binary for targets of zig, one file for two; none: for this platform. Raises CompilerError."""
+    libraries = {target: plain_library(all_sources(given), target=target).read_bytes() for target in targets}
+    libraries = libraries or {"own": plain_library(all_sources(given)).read_bytes()}
+    return universal(libraries) if len(libraries) > 1 else next(iter(libraries.values()))
 
 
 @dataclass(frozen=True)
@@ -93,28 +93,24 @@ class Lengths:
 
 
 def build_arrays_fmu(
-    given: ArraysInC, of: Lengths, path: Path, version: int, binary: Path, resources: Mapping[str, bytes]
+    given: ArraysInC, of: Lengths, path: Path, version: int, binaries: Mapping[str, bytes], extras: Mapping[str, bytes]
 ) -> None:
-    """Writes the FMU of an object with arrays of these lengths; resources: what it reads, by name."""
+    """Writes the FMU of an object with arrays of these lengths.
+
+    binaries: by their places in binaries/; extras: by their names in the archive, among them the resources that it reads.
+    """
     about = (description2 if version == 2 else description3)(given, of)
-    platform = fmpy.platform if version == 2 else fmpy.platform_tuple
-    files = {"modelDescription.xml": about.encode(), f"binaries/{platform}/{given.name}{library_suffix()}": binary.read_bytes()}
+    files = {"modelDescription.xml": about.encode()}
+    files |= {f"binaries/{place}": data for place, data in binaries.items()}
     files |= {f"sources/{name}": text.encode() for name, text in all_sources(given).items()}
     files |= {f"sources/{name}": (FMI_HEADERS / name).read_bytes() for name in STANDARD_HEADERS[version]}
-    write_archive(path, files | {f"resources/{name}": data for name, data in resources.items()})
+    write_archive(path, files | dict(extras))
 
 
-def _root(given: ArraysInC, **more: str) -> ET.Element:
-    return ET.Element(
-        "fmiModelDescription",
-        modelName=given.name,
-        description=given.description,
-        version=__version__,
-        license="MIT",
-        generationTool="bogie-braking",
-        variableNamingConvention="structured",
-        **more,
-    )
+def _root(given: ArraysInC, version: dict[str, str]) -> ET.Element:
+    common = {"modelName": given.name, "description": given.description, "version": __version__, "license": "MIT"}
+    common |= {"generationTool": "bogie-braking", "variableNamingConvention": "structured"}
+    return ET.Element("fmiModelDescription", version | common)
 
 
 def _units(root: ET.Element, given: ArraysInC) -> None:
@@ -154,7 +150,7 @@ def _nature(one: ArrayVariable) -> dict[str, str]:
 
 def description2(given: ArraysInC, of: Lengths) -> str:
     """modelDescription.xml of FMI 2.0: a variable for each element."""
-    root = _root(given, fmiVersion="2.0", guid=token_of(given))
+    root = _root(given, {"fmiVersion": "2.0", "guid": token_of(given)})
     able = {"canHandleVariableCommunicationStepSize": "true", "canGetAndSetFMUstate": "true"}
     able |= {"canSerializeFMUstate": "true", "canNotUseMemoryManagementFunctions": "true"}
     slave = ET.SubElement(root, "CoSimulation", {"modelIdentifier": given.name} | able)
@@ -168,7 +164,11 @@ def description2(given: ArraysInC, of: Lengths) -> str:
     for number, one in enumerate(given.arrays):
         for element in range(of.lengths[number]):
             name = one.name if of.lengths[number] == 1 and one.causality != "input" else f"{one.name}[{element + 1}]"
-            attributes = {"name": name, "valueReference": str(number * ELEMENTS + element), "description": one.description}
+            attributes = {
+                "name": name,
+                "valueReference": str(number * ELEMENTS + element),
+                "description": one.description,
+            }
             variable = ET.SubElement(variables, "ScalarVariable", attributes | _nature(one))
             kind = {} if one.whole else {"unit": one.unit}
             if one.causality != "output":
@@ -187,8 +187,12 @@ def description2(given: ArraysInC, of: Lengths) -> str:
 
 def description3(given: ArraysInC, of: Lengths) -> str:
     """modelDescription.xml of FMI 3.0: a variable for each array."""
-    root = _root(given, fmiVersion="3.0", instantiationToken=token_of(given))
-    able = {"canHandleVariableCommunicationStepSize": "true", "canGetAndSetFMUState": "true", "canSerializeFMUState": "true"}
+    root = _root(given, {"fmiVersion": "3.0", "instantiationToken": token_of(given)})
+    able = {
+        "canHandleVariableCommunicationStepSize": "true",
+        "canGetAndSetFMUState": "true",
+        "canSerializeFMUState": "true",
+    }
     ET.SubElement(root, "CoSimulation", {"modelIdentifier": given.name} | able)
     _units(root, given)
     _categories(root, of)

@@ -226,10 +226,7 @@ def compile_library(
     those of kernel.h and studies.h. Either calls its own functions, also where the host has loaded others of the same
     names. lanes: of the library of a batch, whose own sources are among those given; 0: it is none.
     """
-    if target and "windows" in target:
-        flags = [flag for flag in flags if flag != "-fPIC"]
-    if target and target.startswith("x86-"):
-        flags = [*flags, *FLAGS_X86]
+    flags = _flags_for(target, flags)
     names, shown = (FACE_SOURCES, []) if fmu else (STUDY_SOURCES, ["-DKERNEL_LIBRARY"])
     runtime = {name: (RUNTIME / name).read_text() for name in (*KERNEL_SOURCES, *names)}
     single = {name: text for name, text in sources.items() if not name.startswith("batch_")}
@@ -246,6 +243,12 @@ def compile_library(
     with tempfile.TemporaryDirectory() as folder:
         run([*_linking(flags, target), "-o", "library", *map(str, objects), "-lm"], target, Path(folder))
         _keep(Path(folder) / "library", output)
+
+
+def _flags_for(target: str | None, flags: Sequence[str]) -> list[str]:
+    """Those of a target of zig."""
+    windows, old = bool(target) and "windows" in str(target), str(target).startswith("x86-")
+    return [*(flag for flag in flags if not (windows and flag == "-fPIC")), *(FLAGS_X86 if old else ())]
 
 
 def _linking(flags: Sequence[str], target: str | None) -> list[str]:
@@ -284,23 +287,25 @@ def batch_library(sources: Mapping[str, str], lanes: int) -> Path:
 FOREIGN_FLAGS = tuple(flag for flag in FLAGS if not flag.startswith("-W"))
 
 
-def plain_library(sources: Mapping[str, str], foreign: Mapping[str, str] | None = None) -> Path:
+def plain_library(
+    sources: Mapping[str, str], foreign: Mapping[str, str] | None = None, target: str | None = None
+) -> Path:
     """Path of a shared library of C files that need nothing of the runtime, compiled now unless the cache has it.
 
-    foreign: files of a user. Raises CompilerError.
+    foreign: files of a user; target: of zig. Raises CompilerError.
     """
-    parts = [(sources, FLAGS), (foreign or {}, FOREIGN_FLAGS)]
-    words = [*compiler(), *_linking(FLAGS, None), *sorted(sources), "foreign", *sorted(foreign or {})]
+    own = _flags_for(target, FLAGS)
+    parts = [(sources, own), (foreign or {}, _flags_for(target, FOREIGN_FLAGS))]
+    words = [*compiler(target), *_linking(own, target), *sorted(sources), "foreign", *sorted(foreign or {})]
     path = cache() / f"{_content(words, {**sources, **(foreign or {})}, ())}{library_suffix()}"
     with _missing(path) as missing:
         if missing:
-            objects = [one for files, flags in parts for one in objects_of(files, [*flags, OPTIMISE_RUNTIME])]
+            objects = [one for files, flags in parts for one in objects_of(files, [*flags, OPTIMISE_RUNTIME], target)]
             with tempfile.TemporaryDirectory() as folder:
-                whole = (
-                    ["-Wl,-z,defs"] if sys.platform == "linux" else []
-                )  # elsewhere what is missing is an error anyway
-                linking = [*_linking(FLAGS, None), *whole, "-o", "library", *map(str, objects), "-lm"]
-                run(linking, None, Path(folder))
+                # Elsewhere what is missing is an error anyway.
+                whole = ["-Wl,-z,defs"] if "linux" in (target or sys.platform) else []
+                linking = [*_linking(own, target), *whole, "-o", "library", *map(str, objects), "-lm"]
+                run(linking, target, Path(folder))
                 _keep(Path(folder) / "library", path)
     return path
 

@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 import re
-import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 from products.protection.braked_machine import Machine
 from products.protection.rails import RAILS
 from products.protection.runs import EQUIPMENT, SANDERS, TRACTION, Fault, Run, in_order
+from products.toml import tomllib
 from rbd_model.track.friction import CONDITIONS
 
-#: Python reads TOML itself from 3.11 on.
-tomllib = import_module("tomllib" if sys.version_info >= (3, 11) else "tomli")
 #: Those that come along, by the names that the command line has for them: of stops, and of starts.
 PROGRAMMES = {"full": Path(__file__).with_name("programme.toml"), "starts": Path(__file__).with_name("starts.toml")}
 OWN = PROGRAMMES["full"]

@@ -1,17 +1,17 @@
 """Consists from files: CSV with a row for each kind of vehicle in turn, or TOML with a [[vehicle]] for each.
 
-  kind        wagon, locomotive, coach
-  count       how many of them, one behind the other (default 1)
-  load        on each [t] (default 60 t for wagons, otherwise 0)
-  position    of the distributor, P or G (default P)
-  coupler     behind each: screw, draft-gear, rigid (default screw)
-  lambda      brake weight percentage [%], in place of the cylinder's and shoes' data
-  mass        of one with its load [t], in place of the kind's
-  length      over buffers [m], in place of the kind's
-  at          of the distributor, as a share of the length from the front (default 0.5)
-  leak        of the pipe, diameter of a hole [mm] (default 0)
-  valve       of a driver: head, second (it follows the head's by radio) or none; by itself the first locomotive is head
-  delay       of that radio [s] (default 0)
+kind        wagon, locomotive, coach
+count       how many of them, one behind the other (default 1)
+load        on each [t] (default 60 t for wagons, otherwise 0)
+position    of the distributor, P or G (default P)
+coupler     behind each: screw, draft-gear, rigid (default screw)
+lambda      brake weight percentage [%], in place of the cylinder's and shoes' data
+mass        of one with its load [t], in place of the kind's
+length      over buffers [m], in place of the kind's
+at          of the distributor, as a share of the length from the front (default 0.5)
+leak        of the pipe, diameter of a hole [mm] (default 0)
+valve       of a driver: head, second (it follows the head's by radio) or none; by itself the first locomotive is head
+delay       of that radio [s] (default 0)
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from typing import Any
 
 from brake_controller.distributor import DISCHARGE
 from brake_controller.drivers_valve import drivers_valve
-from products.protection.programme import tomllib
+from products.toml import tomllib
 from products.train.consist import KINDS, LONGEST_VEHICLE, Consist, TrainVehicle, braked_by, freight_resistance
 from rbd_model.train.coupler import COUPLERS
 
@@ -91,7 +91,9 @@ def consist_of(rows: list[dict[str, Any]], name: str = "the consist") -> Consist
             if len(heads) > 1:
                 raise ValueError(f"row {heads[0]} is the head already; give one vehicle valve = head.")
             if len(vehicles) > MOST:
-                raise ValueError(f"a train has at most {MOST} vehicles: with this row it had {len(vehicles)}; take fewer.")
+                raise ValueError(
+                    f"a train has at most {MOST} vehicles: with this row it had {len(vehicles)}; take fewer."
+                )
         except ValueError as error:
             raise ValueError(f"{name}, row {number}: {error}") from None
     if not vehicles:

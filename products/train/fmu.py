@@ -5,9 +5,14 @@ from __future__ import annotations
 from functools import lru_cache
 from pathlib import Path
 
+import fmpy
 import numpy as np
 
-from fmu_src.arrays_fmu import ArraysInC, ArrayVariable, Lengths, build_arrays_fmu, library_of_arrays
+from fmu_src.arrays_fmu import ArraysInC, ArrayVariable, Lengths, binary_of_arrays, build_arrays_fmu
+from fmu_src.compile import library_suffix
+from fmu_src.native_fmu import PLATFORMS, PLATFORMS3
+from products.prebuilt import contents, sources_here
+from products.sources import PREBUILT
 from products.train.consist import Consist
 from products.train.numbers import Settings, numbers_of
 from products.train.train import FOLDER, sources
@@ -20,7 +25,9 @@ PARAMETERS = (
     ArrayVariable("start_speed", "parameter", "m/s", "Speed at the start", -150.0, 150.0),
     ArrayVariable("start_distance", "parameter", "m", "Distance of the train's front at the start", -1e9, 1e9),
     ArrayVariable("start_pipe_pressure", "parameter", "Pa", "Gauge pressure in the pipe at the start", 0.0, 1e6),
-    ArrayVariable("start_cylinder_pressure", "parameter", "Pa", "Gauge pressure in all cylinders at the start", 0.0, 1e6),
+    ArrayVariable(
+        "start_cylinder_pressure", "parameter", "Pa", "Gauge pressure in all cylinders at the start", 0.0, 1e6
+    ),
 )
 POSITIONS = "Driver's valve: 0 shut off, 1 running, 2 overcharge, 3 service, 4 emergency; the first is the head's"
 INPUTS = (
@@ -28,8 +35,12 @@ INPUTS = (
     ArrayVariable("driver_step", "input", "1", "Step of service: 0 the first, 1 full service", 0.0, 1.0),
     ArrayVariable("pull", "input", "N", "Traction of each vehicle at the rim, below zero an electric brake", -1e7, 1e7),
     ArrayVariable("friction", "input", "1", "Friction between wheels and rail, by vehicle", 0.0, 2.0),
-    ArrayVariable("protection", "input", "1", "Wheel-slide protection by vehicle: 0 apply, 1 hold, 2 release", 0, 2, True),
-    ArrayVariable("coupled", "input", "1", "Coupling behind each vehicle: 1 coupled once they touch, 0 apart", 0, 1, True),
+    ArrayVariable(
+        "protection", "input", "1", "Wheel-slide protection by vehicle: 0 apply, 1 hold, 2 release", 0, 2, True
+    ),
+    ArrayVariable(
+        "coupled", "input", "1", "Coupling behind each vehicle: 1 coupled once they touch, 0 apart", 0, 1, True
+    ),
     ArrayVariable("joined", "input", "1", "Pipe behind each vehicle: 0 joined, 1 cock shut, 2 hose parted", 0, 2, True),
     ArrayVariable("end_force", "input", "N", "Pull forwards at the head, and backwards at the end", -1e8, 1e8),
 )
@@ -41,7 +52,9 @@ OUTPUTS = (
     ArrayVariable("cylinder_pressure", "output", "Pa", "Gauge pressure in each vehicle's cylinders"),
     ArrayVariable("brake_force", "output", "N", "What each vehicle's brake can hold at the rim"),
     ArrayVariable("rail_force", "output", "N", "What the rail gives to each vehicle's wheels, forwards above zero"),
-    ArrayVariable("coupler_force", "output", "N", "Tension in the coupling behind each vehicle, compression below zero"),
+    ArrayVariable(
+        "coupler_force", "output", "N", "Tension in the coupling behind each vehicle, compression below zero"
+    ),
     ArrayVariable("locked", "output", "1", "Whether a vehicle's wheels are locked while it moves", 0, 1, True),
     ArrayVariable("slip", "output", "1", "(v - w) over the larger of both, of each vehicle's wheels"),
     ArrayVariable("largest_tension", "output", "N", "Largest tension in any coupling so far"),
@@ -87,6 +100,30 @@ def lengths_of(consist: Consist) -> Lengths:
     return Lengths(lengths, starts, 0.01, 60.0)
 
 
+def prebuilt_binary() -> Path:
+    """Where a wheel has the binary of its platform."""
+    return PREBUILT / "train" / f"{NAME}{library_suffix()}"
+
+
+def own_binary() -> bytes:
+    """The binary for this platform, from the wheel where no source has changed, otherwise compiled. Raises CompilerError."""
+    path = prebuilt_binary()
+    if path.exists() and contents().get("sources") == sources_here():
+        return path.read_bytes()
+    return binary_of_arrays(train_in_c())
+
+
+def binaries_of(version: int, all_platforms: bool) -> dict[str, bytes]:
+    """By their places in binaries/."""
+    if not all_platforms:
+        platform = fmpy.platform if version == 2 else fmpy.platform_tuple
+        return {f"{platform}/{NAME}{library_suffix()}": own_binary()}
+    known = PLATFORMS if version == 2 else PLATFORMS3
+    return {
+        f"{name}/{NAME}{suffix}": binary_of_arrays(train_in_c(), targets) for name, (targets, suffix) in known.items()
+    }
+
+
 def build_train_fmu(
     consist: Consist,
     path: Path,
@@ -94,10 +131,10 @@ def build_train_fmu(
     *,
     settings: Settings | None = None,
     line: Line | None = None,
+    all_platforms: bool = False,
     extras: dict[str, bytes] | None = None,
 ) -> None:
-    """Writes the FMU of a consist on a line. extras: more resources by name. Raises CompilerError."""
+    """Writes the FMU of a consist on a line, for FMI 2 or 3. extras: more files of the archive. Raises CompilerError."""
     numbers = np.ascontiguousarray(numbers_of(consist, settings or Settings(), line), "<f8")
-    resources = {"train.bin": numbers.tobytes()} | (extras or {})
-    binary = library_of_arrays(train_in_c())
-    build_arrays_fmu(train_in_c(), lengths_of(consist), path, version, binary, resources)
+    files = {"resources/train.bin": numbers.tobytes()} | (extras or {})
+    build_arrays_fmu(train_in_c(), lengths_of(consist), path, version, binaries_of(version, all_platforms), files)

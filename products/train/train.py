@@ -19,8 +19,8 @@ from fmu_src.equations_in_c import WIDTHS, function_of_cells
 from products.train import c as folder
 from products.train import pipe
 from products.train.consist import Consist
-from products.train.pipe import Air, declare
 from products.train.numbers import Settings, cells_of, numbers_of
+from products.train.pipe import Air, declare
 from rbd_model.track.line import Line
 from rbd_model.train import motion
 from rbd_model.train.coupler import coupling

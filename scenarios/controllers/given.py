@@ -20,7 +20,7 @@ from fmu_src.compile import CompilerError
 from products.protection.apart import Apart
 from products.protection.forms import Arrays, Form, InC, compiled
 from products.protection.in_fmu import InFmu, Names, names_of
-from products.protection.programme import tomllib
+from products.toml import tomllib
 from scenarios.scenario import BadInputError
 
 #: What a comparison scores: in this process, or in one of its own.

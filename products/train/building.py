@@ -1,0 +1,46 @@
+"""Builds the FMU of a train from files."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from products.building import announce, license_text
+from products.train.consist import block_train
+from products.train.consist_file import read_consist
+from products.train.fmu import NAME, build_train_fmu
+from products.train.numbers import Settings
+from rbd_model.track.line import read_line
+
+
+def build_train(
+    out: Path,
+    kinds: Sequence[str],
+    consist: Path | None = None,
+    line: Path | None = None,
+    settings: Settings | None = None,
+    all_platforms: bool = False,
+) -> list[str]:
+    """OUT/KIND/TrainDynamics.fmu of a consist on a line, by default 20 wagons; the problems that fmpy finds.
+
+    Raises ValueError with one sentence, OSError, CompilerError.
+    """
+    own = read_consist(consist) if consist else block_train(20)
+    files = {"documentation/licenses/license.txt": license_text()}
+    if consist:
+        files[f"resources/{consist.name}"] = consist.read_bytes()
+    problems = []
+    for kind in kinds:
+        begin, path = time.perf_counter(), out / kind / f"{NAME}.fmu"
+        build_train_fmu(
+            own,
+            path,
+            2 if kind == "native" else 3,
+            settings=settings,
+            line=read_line(line) if line else None,
+            all_platforms=all_platforms,
+            extras=files,
+        )
+        problems += announce(path, time.perf_counter() - begin)
+    return problems
