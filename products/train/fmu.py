@@ -30,6 +30,7 @@ PARAMETERS = (
     ),
 )
 POSITIONS = "Driver's valve: 0 shut off, 1 running, 2 overcharge, 3 service, 4 emergency; the first is the head's"
+LED = "A vehicle computed in detail elsewhere: 1 its speed is held in a step, 2 corrected before a step, 0 neither"
 INPUTS = (
     ArrayVariable("driver_position", "input", "1", POSITIONS, 0, 4, True),
     ArrayVariable("driver_step", "input", "1", "Step of service: 0 the first, 1 full service", 0.0, 1.0),
@@ -43,6 +44,8 @@ INPUTS = (
     ),
     ArrayVariable("joined", "input", "1", "Pipe behind each vehicle: 0 joined, 1 cock shut, 2 hose parted", 0, 2, True),
     ArrayVariable("end_force", "input", "N", "Pull forwards at the head, and backwards at the end", -1e8, 1e8),
+    ArrayVariable("led", "input", "1", LED, 0, 2, True),
+    ArrayVariable("led_speed", "input", "m/s", "Speed of a vehicle that is led", -300.0, 300.0),
 )
 OUTPUTS = (
     ArrayVariable("distance", "output", "m", "Distance of each vehicle's middle"),
@@ -55,6 +58,7 @@ OUTPUTS = (
     ArrayVariable(
         "coupler_force", "output", "N", "Tension in the coupling behind each vehicle, compression below zero"
     ),
+    ArrayVariable("mean_coupler_force", "output", "N", "Mean tension over the last step, which has its impulse"),
     ArrayVariable("locked", "output", "1", "Whether a vehicle's wheels are locked while it moves", 0, 1, True),
     ArrayVariable("slip", "output", "1", "(v - w) over the larger of both, of each vehicle's wheels"),
     ArrayVariable("largest_tension", "output", "N", "Largest tension in any coupling so far"),
@@ -89,8 +93,8 @@ def lengths_of(consist: Consist) -> Lengths:
     """Of a consist, in the order of the arrays, with start values."""
     vehicles = len(consist.vehicles)
     valves = sum(one.valve is not None for one in consist.vehicles)
-    inputs = [valves, valves, vehicles, vehicles, vehicles, vehicles - 1, vehicles - 1, 2]
-    lengths = [1] * len(PARAMETERS) + inputs + [vehicles] * 7 + [vehicles - 1, vehicles, vehicles] + [1] * 5
+    inputs = [valves, valves, vehicles, vehicles, vehicles, vehicles - 1, vehicles - 1, 2, vehicles, vehicles]
+    lengths = [1] * len(PARAMETERS) + inputs + [vehicles] * 7 + [vehicles - 1, vehicles - 1, vehicles, vehicles] + [1] * 5
     starts = [[0.0] * length for length in lengths]
     names = [one.name for one in ARRAYS]
     starts[names.index("start_pipe_pressure")] = [START_PIPE_PRESSURE]

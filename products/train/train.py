@@ -28,7 +28,7 @@ from rbd_model.train.vehicle import rolling, sliding
 
 FOLDER = Path(folder.__file__ or "").parent
 #: What is set from outside and what is found, in the order of train.h.
-INPUTS = ("position", "step", "pull", "friction", "protection", "coupled", "joined", "ends")
+INPUTS = ("position", "step", "pull", "friction", "protection", "coupled", "joined", "ends", "led", "led_speed")
 OUTPUTS = (
     "distance",
     "speed",
@@ -38,6 +38,7 @@ OUTPUTS = (
     "brake_force",
     "rail_force",
     "coupler_force",
+    "mean_coupler_force",
 )
 SUMS = ("time", "largest_tension", "largest_tension_at", "largest_compression", "largest_compression_at", "air_used")
 
@@ -79,7 +80,6 @@ def functions() -> ctypes.CDLL:
         "train_motion": (None, [pointer, pointer]),
         "train_set_motion": (None, [pointer, pointer]),
         "train_air": (pointer, [pointer]),
-        "train_lead": (None, [pointer, count, number]),
     }
     for name, (result, arguments) in signatures.items():
         function = getattr(library, name)
@@ -173,8 +173,8 @@ class Train:
         self._call.train_set_motion(self._own, np.ascontiguousarray(state, float).ctypes.data)
 
     def lead(self, vehicle: int, speed: float) -> None:
-        """Gives a vehicle's speed from outside [m/s] from now on; not a number: no longer."""
-        self._call.train_lead(self._own, vehicle, speed)
+        """Gives a vehicle's speed from outside [m/s] from now on."""
+        self.inputs["led"][vehicle], self.inputs["led_speed"][vehicle] = 1.0, speed
 
     @property
     def air(self) -> Air:

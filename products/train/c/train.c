@@ -17,7 +17,7 @@ enum { ROWS = BRAKE_GIVEN + 3 };
 static long long int widths(const double *head, int row)
 {
     const long long int vehicles = (long long int)head[HEAD_VEHICLES], valves = (long long int)head[HEAD_VALVES];
-    const long long int of[TRAIN_INPUTS] = {valves, valves, vehicles, vehicles, vehicles, vehicles - 1, vehicles - 1, 2};
+    const long long int of[TRAIN_INPUTS] = {valves, valves, vehicles, vehicles, vehicles, vehicles - 1, vehicles - 1, 2, vehicles, vehicles};
     return of[row];
 }
 
@@ -54,6 +54,7 @@ static void lay_outputs(train *self, double *room)
 {
     for (int n = 0; n < OUT_FORCE; ++n) self->output[n] = take(&room, self->vehicles);
     self->output[OUT_FORCE] = take(&room, self->vehicles - 1);
+    self->output[OUT_MEAN] = take(&room, self->vehicles - 1);
     self->output[OUT_SUMS] = take(&room, TRAIN_SUMS);
 }
 
@@ -85,7 +86,7 @@ static train *lay(train *self, const double *numbers)
     const double *places = mass + MOTION_GIVEN * n, *couplers = places + 2 * n, *valves = couplers + COUPLER_GIVEN * couplings;
     const double *line = valves + VALVE_ROWS * self->valves;
     for (int row = 0; row < TRAIN_INPUTS; ++row) self->inputs += widths(self->head, row);
-    const long long int outputs = OUT_FORCE * n + couplings + TRAIN_SUMS, run = RUN_VALVES + OF_VALVE * self->valves;
+    const long long int outputs = OUT_FORCE * n + 2 * couplings + TRAIN_SUMS, run = RUN_VALVES + OF_VALVE * self->valves;
     const long long int given = VEHICLE_STATES * n + VEHICLE_CONSTANTS * n + 3 * n + VALVE_ROWS * self->valves + LINE_ROWS * self->points;
     self->memory = (double *)calloc((size_t)(given + 2 * self->inputs + outputs + run + ROWS * self->stride), sizeof(double));
     self->cell = (long long int *)calloc((size_t)(3 * n), sizeof(long long int));
@@ -219,6 +220,7 @@ static void find_outputs(train *self)
         self->output[OUT_RAIL][i] = rail[i];
     }
     motion_force_now(self->moves, self->output[OUT_FORCE]);
+    motion_mean(self->moves, self->output[OUT_MEAN]);
     pipe_pressures(self->air, self->output[OUT_PIPE], self->output[OUT_CYLINDER]);
     memcpy(sums, self->run + RUN_SUMS, TRAIN_SUMS * sizeof(double));
     sums[SUM_TIME] = self->run[RUN_TIME];
@@ -245,6 +247,17 @@ void train_begin(train *self, double time, double speed, double distance, double
     find_outputs(self);
 }
 
+/* Vehicles that are computed in detail elsewhere. */
+static void lead(train *self)
+{
+    const double *led = self->input[IN_LED], *speed = self->input[IN_LED_SPEED];
+    const double *before = self->given_before + (led - self->input[0]);
+    for (long long int i = 0; i < self->vehicles; ++i) {
+        if (led[i] == LED_CORRECTED) motion_correct(self->moves, i, speed[i], self->run[RUN_STEP]);
+        if (led[i] == LED_HELD || before[i] == LED_HELD) motion_lead(self->moves, i, led[i] == LED_HELD ? speed[i] : NAN);
+    }
+}
+
 /* Couplings and joints that have been changed from outside. */
 static void take_inputs(train *self)
 {
@@ -256,11 +269,13 @@ static void take_inputs(train *self)
         if (coupled[i] != coupled_before[i]) motion_couple(self->moves, i, coupled[i] > 0.0);
         if (joined[i] != joined_before[i] && self->face[i] > 0) pipe_join(self->air, self->face[i], (int)joined[i]);
     }
+    lead(self);
     memcpy(self->given_before, self->input[0], (size_t)self->inputs * sizeof(double));
     for (long long int i = 0; i < self->vehicles; ++i) {
         const double command = self->input[IN_PROTECTION][i];
         pipe_command(self->air, i, command != PROTECTION_APPLY, command == PROTECTION_RELEASE);
     }
+    motion_begin_mean(self->moves);
     double *force = motion_force(self->moves);
     force[-1] = self->input[IN_ENDS][0];
     force[couplings] = self->input[IN_ENDS][1];
@@ -329,6 +344,7 @@ int train_go(train *self, double time)
         left = count > 1.0 ? left - step : 0.0;
         self->run[RUN_TIME] = begin + (time - left);
     }
+    self->run[RUN_STEP] = time;
     find_outputs(self);
     return 0;
 }
@@ -341,7 +357,7 @@ double *train_input(train *self, int row, long long int *count)
 
 const double *train_output(const train *self, int row, long long int *count)
 {
-    if (count) *count = row < OUT_FORCE ? self->vehicles : row == OUT_FORCE ? self->vehicles - 1 : TRAIN_SUMS;
+    if (count) *count = row < OUT_FORCE ? self->vehicles : row < OUT_SUMS ? self->vehicles - 1 : TRAIN_SUMS;
     return self->output[row];
 }
 
@@ -376,7 +392,6 @@ void train_load(train *self, const double *numbers)
 pipe *train_air(train *self) { return self->air; }
 void train_steps(const train *self, long long int *steps) { memcpy(steps, self->steps, sizeof self->steps); }
 void train_motion(const train *self, double *state) { motion_get(self->moves, state); }
-void train_lead(train *self, long long int vehicle, double speed) { motion_lead(self->moves, vehicle, speed); }
 
 void train_set_motion(train *self, const double *state)
 {

@@ -38,9 +38,11 @@ enum { VALVE_SHUT_OFF, VALVE_IS_RUNNING, VALVE_OVERCHARGED, VALVE_IN_SERVICE, VA
 enum { PROTECTION_APPLY, PROTECTION_HOLD, PROTECTION_RELEASE };
 
 /* What is set from outside: of each valve, of each vehicle, of each coupling, and forces at the head and at the end [N]. */
-enum { IN_POSITION, IN_STEP, IN_PULL, IN_FRICTION, IN_PROTECTION, IN_COUPLED, IN_JOINED, IN_ENDS, TRAIN_INPUTS };
+enum { IN_POSITION, IN_STEP, IN_PULL, IN_FRICTION, IN_PROTECTION, IN_COUPLED, IN_JOINED, IN_ENDS, IN_LED, IN_LED_SPEED, TRAIN_INPUTS };
+/* How a vehicle is led by what computes it in detail: not at all; it has that speed; it goes on from that speed by itself. */
+enum { LED_NOT, LED_HELD, LED_CORRECTED };
 /* What is found: of each vehicle, of each coupling, and of the train, TRAIN_SUMS. */
-enum { OUT_DISTANCE, OUT_SPEED, OUT_WHEEL, OUT_PIPE, OUT_CYLINDER, OUT_BRAKE, OUT_RAIL, OUT_FORCE, OUT_SUMS, TRAIN_OUTPUTS };
+enum { OUT_DISTANCE, OUT_SPEED, OUT_WHEEL, OUT_PIPE, OUT_CYLINDER, OUT_BRAKE, OUT_RAIL, OUT_FORCE, OUT_MEAN, OUT_SUMS, TRAIN_OUTPUTS };
 enum { SUM_TIME, SUM_TENSION, SUM_TENSION_AT, SUM_COMPRESSION, SUM_COMPRESSION_AT, SUM_AIR, TRAIN_SUMS };
 
 typedef struct train train;
@@ -66,7 +68,5 @@ TRAIN_SHOWN struct pipe *train_air(train *self);
 /* State of the motion: rows of place, speed, speed of wheels, rest of couplers (motion.h), to read and to set. */
 TRAIN_SHOWN void train_motion(const train *self, double *state);
 TRAIN_SHOWN void train_set_motion(train *self, const double *state);
-/* A vehicle's speed is given from outside from now on [m/s]; not finite: no longer. */
-TRAIN_SHOWN void train_lead(train *self, long long int vehicle, double speed);
 
 #endif

@@ -11,7 +11,7 @@ enum { BRAKE_GIVEN = 6, PIPE_ROWS = PIPE_CONSTANTS, LINE_ROWS = 4 };
 enum { HISTORY = 1024, TOLD = 3 }; /* pressure, position, step */
 #define HISTORY_STEP 0.01
 /* What a run changes beside pipe, motion and inputs: of each valve the pressure that it holds, and its history. */
-enum { RUN_TIME, RUN_TOLD, RUN_SUMS, RUN_VALVES = RUN_SUMS + TRAIN_SUMS, OF_VALVE = 1 + TOLD * HISTORY };
+enum { RUN_TIME, RUN_TOLD, RUN_STEP, RUN_SUMS, RUN_VALVES = RUN_SUMS + TRAIN_SUMS, OF_VALVE = 1 + TOLD * HISTORY };
 
 struct train {
     long long int vehicles, cells, valves, points, stride;

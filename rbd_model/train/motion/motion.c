@@ -8,7 +8,7 @@
 #include "motion_inside.h"
 #include "rows.h"
 
-enum { ROWS = MOTION_STATES + MOTION_ACTING + MOTION_GIVEN + COUPLER_GIVEN + MOTION_FOUND + 4, EXTREMES = 4 };
+enum { ROWS = MOTION_STATES + MOTION_ACTING + MOTION_GIVEN + COUPLER_GIVEN + MOTION_FOUND + 5, EXTREMES = 4 };
 
 motion *motion_create(long long int vehicles, const double *given, const double *coupler)
 {
@@ -29,7 +29,7 @@ motion *motion_create(long long int vehicles, const double *given, const double 
         double value;
     } parts[] = {{&self->state, MOTION_STATES, 0.0}, {&self->acting, MOTION_ACTING, 0.0}, {&self->given, MOTION_GIVEN, 1.0},
                  {&self->coupler, COUPLER_GIVEN, 1.0}, {&self->found, MOTION_FOUND, 0.0},   {&self->force, 1, 0.0},
-                 {&self->step, 1, 1.0},                {&self->wish, 1, 1.0}, {&self->lead, 1, NAN}};
+                 {&self->step, 1, 1.0},                {&self->wish, 1, 1.0}, {&self->lead, 1, NAN}, {&self->sum, 1, 0.0}};
     for (size_t part = 0; part < sizeof parts / sizeof *parts; ++part) {
         *parts[part].first = row;
         for (int n = 0; n < parts[part].rows; ++n, row += stride) rows_fill(row, stride, parts[part].value);
@@ -99,6 +99,23 @@ void motion_lead(motion *self, long long int vehicle, double speed)
     self->lead[vehicle] = speed;
     count_led(self);
     if (isfinite(speed)) self->speed[vehicle] = self->wheel[vehicle] = speed;
+}
+
+void motion_correct(motion *self, long long int vehicle, double speed, double step)
+{
+    self->state[vehicle] += (speed - self->speed[vehicle]) * step / 2.0;
+    self->speed[vehicle] = self->wheel[vehicle] = speed;
+}
+
+void motion_begin_mean(motion *self)
+{
+    rows_fill(self->sum, self->stride, 0.0);
+    self->summed = 0;
+}
+
+void motion_mean(const motion *self, double *force)
+{
+    for (long long int i = 0; i + 1 < self->vehicles; ++i) force[i] = self->summed ? self->sum[i] / (double)self->summed : self->force[i];
 }
 
 void motion_extremes(const motion *self, double found[4]) { memcpy(found, self->extremes, sizeof self->extremes); }
@@ -175,6 +192,8 @@ static void find_forces(motion *self)
     IN_LANES(motion_force);
     memcpy(self->force, force, (size_t)couplers * sizeof(double));
     memcpy(self->rest, rest, (size_t)couplers * sizeof(double));
+    for (long long int i = 0; i < couplers; ++i) self->sum[i] += force[i];
+    ++self->summed;
     find_extremes(self);
 }
 

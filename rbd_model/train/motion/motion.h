@@ -39,6 +39,12 @@ void motion_couple(motion *self, long long int coupler, int coupled);
 int motion_is_coupled(const motion *self, long long int coupler);
 /* A vehicle whose speed is given from outside [m/s], with that of its wheels; not finite: no longer. */
 void motion_lead(motion *self, long long int vehicle, double speed);
+/* A vehicle goes on with another speed than it came to in a step of this length, and lies where that speed, which came about
+ * evenly, has brought it. */
+void motion_correct(motion *self, long long int vehicle, double speed, double step);
+/* Mean tension in each coupler since it was last asked to begin anew [N]. */
+void motion_mean(const motion *self, double *force);
+void motion_begin_mean(motion *self);
 /* Largest tension and largest compression so far [N], each with the coupling where it was, from 1 on; and to forget them. */
 void motion_extremes(const motion *self, double found[4]);
 void motion_forget(motion *self);

@@ -10,9 +10,10 @@ struct motion {
     long long int vehicles, stride;
     int lanes, waiting; /* couplers that are to be coupled */
     double *memory;
-    double *state, *speed, *wheel, *rest, *acting, *given, *coupler, *step, *found, *force, *wish, *lead; /* first cells of first rows */
+    double *state, *speed, *wheel, *rest, *acting, *given, *coupler, *step, *found, *force, *wish, *lead, *sum; /* first cells of first rows */
     int led; /* whether any vehicle's speed is given */
     double extremes[4];
+    long long int summed;
 };
 
 #define MOTION_LOOPS(lanes)                  \
