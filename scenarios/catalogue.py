@@ -27,6 +27,7 @@ from scenarios.thesis import (
     wheelset_torque,
     wheelset_variable_speed,
 )
+from scenarios.trains import train_one_vehicle_in_detail
 from scenarios.vehicles import (
     vehicle_anti_skid,
     vehicle_braking,
@@ -73,6 +74,7 @@ SCENARIOS: list[Scenario] = [
     transition.SCENARIO,
     gradient.SCENARIO,
     curve_braking.SCENARIO,
+    train_one_vehicle_in_detail.SCENARIO,
     creep_laws.SCENARIO,
     coupling_step.SCENARIO,
     sensitivity.SCENARIO,

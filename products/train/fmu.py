@@ -94,7 +94,9 @@ def lengths_of(consist: Consist) -> Lengths:
     vehicles = len(consist.vehicles)
     valves = sum(one.valve is not None for one in consist.vehicles)
     inputs = [valves, valves, vehicles, vehicles, vehicles, vehicles - 1, vehicles - 1, 2, vehicles, vehicles]
-    lengths = [1] * len(PARAMETERS) + inputs + [vehicles] * 7 + [vehicles - 1, vehicles - 1, vehicles, vehicles] + [1] * 5
+    lengths = (
+        [1] * len(PARAMETERS) + inputs + [vehicles] * 7 + [vehicles - 1, vehicles - 1, vehicles, vehicles] + [1] * 5
+    )
     starts = [[0.0] * length for length in lengths]
     names = [one.name for one in ARRAYS]
     starts[names.index("start_pipe_pressure")] = [START_PIPE_PRESSURE]

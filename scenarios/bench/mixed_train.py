@@ -1,0 +1,233 @@
+"""A train with one vehicle in detail: the ways to couple both, and on paper where each begins to grow.
+
+The train goes first in a macro step, with the vehicle's speed, and gives forces of couplers; the vehicle follows.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import expm
+from scipy.optimize import brentq
+
+from fmu_src.kernel import Kernel, KernelError
+from products.coach import COACH, NUMBERS, brakes
+from products.train.consist import Consist, coach, locomotive
+from products.train.numbers import Settings
+from products.train.train import Train
+from rbd_model.train.coupler import Coupler, Curve, rigid
+from scenarios.bench.drive import prepare, system_of
+
+#: Of the coach: mass, and mass of its wheelsets' rotation over that.
+MASS = COACH.body_mass + 2 * COACH.frame_mass + 4 * COACH.wheelset_mass
+ROTATING = 4 * COACH.wheelset_pitch_inertia / COACH.wheel_radius**2 / MASS
+#: Place of the vehicle in detail, and vehicles of the train.
+PLACE, VEHICLES, SPEED = 5, 12, 27.78
+#: Speed of what the couplers pull at, by level.
+PULLED = {1: "state_speed", 2: "state_body_speed"}
+#: Ways: its speed is held in a macro step; the same with the mean force of the step; goes on as in the step before; both
+#: sides take values of the step before (Jacobi); the train carries a vehicle of its mass, corrected by its speed.
+WAYS = ("held", "mean", "extrapolated", "jacobi", "corrected")
+#: Kept beside 1: eigenvalues that only say that place and speed of the whole have no steady value.
+NEUTRAL = 1e-6
+SPEED_AT = VEHICLES + PLACE
+Matrix = NDArray[np.float64]
+
+
+def consist_of(coupler: Coupler) -> Consist:
+    """A locomotive and coaches with the mass of the detailed one."""
+    own = replace(coach(), mass=MASS, rotating_share=ROTATING, resistance=(0.0, 0.0, 0.0), coupler=coupler, length=20.0)
+    head = replace(locomotive(), coupler=coupler, resistance=(0.0, 0.0, 0.0))
+    return Consist((head, *[own] * (VEHICLES - 1)))
+
+
+@dataclass
+class MixedTrain:
+    """The train, its vehicle in detail, and how they are coupled; `forces`: of all couplers behind each step [N]."""
+
+    train: Train
+    vehicle: Kernel
+    level: int
+    way: str
+
+    def __post_init__(self) -> None:
+        self.forces: list[Matrix] = []
+        self._before = self.vehicle[PULLED[self.level]]
+
+    def _led_speed(self) -> float:
+        now = self.vehicle[PULLED[self.level]]
+        gained, self._before = now - self._before, now
+        return now + gained / 2 if self.way == "extrapolated" else now
+
+    def step(self, size: float) -> None:
+        """One macro step [s]."""
+        train = self.train
+        train.inputs["led"][PLACE] = 2.0 if self.way == "corrected" else 1.0
+        train.inputs["led_speed"][PLACE] = self._led_speed()
+        forces = train.coupler_force
+        brake = train.brake_force[PLACE]
+        train.advance(size)
+        if self.way != "jacobi":
+            forces = train.mean_coupler_force if self.way in ("mean", "corrected") else train.coupler_force
+            brake = train.brake_force[PLACE]
+        own = {"coupler_force_front": forces[PLACE - 1], "coupler_force_rear": -forces[PLACE]}
+        self.vehicle.set(**own, **brakes(brake * COACH.wheel_radius / len(NUMBERS)))
+        self.vehicle.advance(size)
+        self.forces.append(train.coupler_force)
+
+
+def mixed(coupler: Coupler, level: int, way: str, speed: float = SPEED, share: float = 0.4) -> MixedTrain:
+    """At a speed, couplers without force."""
+    train = Train(consist_of(coupler), speed=speed, settings=Settings(share=share))
+    vehicle = prepare("vehicle", level=level, initial_speed=speed)
+    vehicle.initialise()
+    return MixedTrain(train, vehicle, level, way)
+
+
+# ---- on paper --------------------------------------------------------------------------------------------------------
+
+
+def _chain(stiffness: float, led: bool) -> Matrix:
+    """Slopes of places and speeds of the train without brakes; its vehicle's speed is given, or free."""
+    masses = np.array([one.mass * (1 + one.rotating_share) for one in consist_of(rigid()).vehicles])
+    n = len(masses)
+    stiff = np.zeros((n, n))
+    for i in range(n - 1):
+        stiff[i : i + 2, i : i + 2] += stiffness * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    slopes = np.zeros((2 * n, 2 * n))
+    slopes[:n, n:] = np.eye(n)
+    slopes[n:, :n] = -stiff / masses[:, None]
+    if led:
+        slopes[SPEED_AT] = 0.0
+    return slopes
+
+
+def _ends(stiffness: float) -> Matrix:
+    """Forward force of both couplers on the vehicle from places [N/m]."""
+    row = np.zeros(2 * VEHICLES)
+    row[PLACE - 1 : PLACE + 2] = stiffness * np.array([1.0, -2.0, 1.0])
+    return row
+
+
+def _held_exactly(slopes: Matrix, drive: Matrix, size: float) -> tuple[Matrix, Matrix]:
+    """What a time makes of a state, and of inputs that are held."""
+    n, m = slopes.shape[0], drive.shape[1]
+    whole = expm(size * np.block([[slopes, drive], [np.zeros((m, n + m))]]))
+    return whole[:n, :n], whole[:n, n:]
+
+
+@dataclass(frozen=True)
+class Linear:
+    """The vehicle about a steady run: x' = A x + b F, pulled speed c x."""
+
+    a: Matrix
+    b: Matrix
+    c: Matrix
+
+
+def linear_vehicle(level: int, speed: float = SPEED) -> Linear:
+    """From the exact Jacobian of its kernel; it rolls freely."""
+    vehicle = prepare("vehicle", level=level, initial_speed=speed)
+    vehicle.initialise()
+    vehicle.advance(1.0)
+    place = vehicle.linearise().state
+    a = np.array(vehicle.jacobian_at(vehicle.time, place))
+
+    def slopes(force: float) -> Matrix:
+        vehicle.set(coupler_force_front=force)
+        return np.array(vehicle.slopes_at(vehicle.time, place))
+
+    b = (slopes(1e3) - slopes(0.0)) / 1e3
+    states = list(system_of("vehicle", level=level).states)
+    c = np.zeros(len(place))
+    c[states.index(PULLED[level].removeprefix("state_"))] = 1.0
+    return Linear(a, b[:, None], c)
+
+
+def growth(way: str, size: float, stiffness: float, vehicle: Linear) -> float:
+    """Largest modulus of what a macro step makes of small disturbances, linear couplers [1]; 1: they stay."""
+    n, m = 2 * VEHICLES, len(vehicle.c)
+    own, driven = _held_exactly(vehicle.a, vehicle.b, size)
+    chain = _chain(stiffness, led=way != "corrected")
+    both = expm(size * np.block([[chain, np.zeros((n, n))], [np.eye(n), np.zeros((n, n))]]))
+    train, mean = both[:n, :n], both[n:, :n] / size
+    ends = _ends(stiffness)
+    # State: train, vehicle, and its pulled speed one step before.
+    give = np.zeros((n, n + m + 1))
+    give[:, :n] = np.eye(n)
+    give[SPEED_AT, :n] = 0.0
+    give[SPEED_AT, n : n + m] = vehicle.c * (1.5 if way == "extrapolated" else 1.0)
+    give[SPEED_AT, n + m] = -0.5 if way == "extrapolated" else 0.0
+    if way == "corrected":  # it lies where the corrected speed has brought it
+        give[PLACE, n : n + m] = size / 2 * vehicle.c
+        give[PLACE, SPEED_AT] = -size / 2
+    after = train @ give
+    force = {"mean": ends @ mean @ give, "corrected": ends @ mean @ give, "jacobi": ends @ np.eye(n, n + m + 1)}
+    pulled = force.get(way, ends @ after)
+    follow = np.zeros((m, n + m + 1))
+    follow[:, n : n + m] = own
+    follow += driven @ np.atleast_2d(pulled)
+    last = np.zeros((1, n + m + 1))
+    last[0, n : n + m] = vehicle.c
+    whole = np.vstack([after, follow, last])
+    return float(np.abs(np.linalg.eigvals(whole)).max())
+
+
+def boundary(way: str, stiffness: float, vehicle: Linear, least: float = 1e-4, most: float = 0.2) -> float:
+    """Largest stable macro step [s] with linear couplers; 0 or infinity where there is none within these."""
+
+    def beyond(size: float) -> float:
+        return growth(way, size, stiffness, vehicle) - 1.0 - NEUTRAL
+
+    sizes = np.geomspace(least, most, 40)
+    grows = [beyond(size) > 0.0 for size in sizes]
+    if grows[0]:
+        return 0.0
+    if not any(grows):
+        return float("inf")
+    first = grows.index(True)
+    return float(brentq(beyond, sizes[first - 1], sizes[first], rtol=1e-4))
+
+
+# ---- as it runs ------------------------------------------------------------------------------------------------------
+
+#: Steps of a run that shows whether a disturbance [m/s] grows, its last quarter held against the one before; of 'corrected',
+#: which begins to grow slowly; steps of the couplers, of their limit; and how close to the boundary it is looked for [1].
+STEPS, SLOW, DISTURBANCE, FINE, RESOLUTION = 600, 6000, 1e-3, 0.05, 0.01
+
+
+def spring(stiffness: float) -> Coupler:
+    """The same both ways, without friction [N/m]."""
+    bar = Curve((0.0, 1.0), (0.0, stiffness))
+    return Coupler("spring", stiffness, (bar, bar), (bar, bar))
+
+
+def grows(way: str, level: int, stiffness: float, size: float) -> bool:
+    """Whether a small disturbance of a train that rolls grows in macro steps of this size [s]."""
+    one = mixed(spring(stiffness), level, way, share=FINE)
+    state = one.train.motion
+    state[1:3, PLACE - 1] += DISTURBANCE
+    one.train.motion = state
+    apart, steps = [], SLOW if way == "corrected" else STEPS
+    for _ in range(steps):
+        try:
+            one.step(size)
+        except KernelError:  # it has grown out of what its level can say
+            return True
+        apart.append(np.abs(one.forces[-1]).max())
+        if apart[-1] > 30 * max(apart[:20]) > 0.0:
+            return True
+    return max(apart[-steps // 4 :]) > 1.1 * max(apart[-steps // 2 : -steps // 4])
+
+
+def found_boundary(way: str, level: int, stiffness: float, paper: float) -> float:
+    """Largest step [s] in which none grows, looked for from three quarters of what paper says; bisection."""
+    low, high = 0.75 * paper, 1.25 * paper
+    if grows(way, level, stiffness, low) or not grows(way, level, stiffness, high):
+        return float("nan")
+    while high / low > 1.0 + RESOLUTION:
+        middle = (low * high) ** 0.5
+        low, high = (low, middle) if grows(way, level, stiffness, middle) else (middle, high)
+    return (low * high) ** 0.5

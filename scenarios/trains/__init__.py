@@ -1,0 +1,1 @@
+"""Trains: brake pipe, couplers, stopping distances."""

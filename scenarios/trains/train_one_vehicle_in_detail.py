@@ -1,0 +1,165 @@
+"""One vehicle of a train in detail, the others as points: where the coupling of both lies, and the way that does not."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from matplotlib.figure import Figure
+
+from fmu_src.cosimulation.recording import Recording
+from products.train.train import Train
+from rbd_model.train.coupler import screw_coupler
+from scenarios.bench.mixed_train import (
+    MASS,
+    PLACE,
+    SPEED,
+    VEHICLES,
+    WAYS,
+    MixedTrain,
+    boundary,
+    consist_of,
+    found_boundary,
+    linear_vehicle,
+    mixed,
+)
+from scenarios.reporting.plots import FOUR, single
+from scenarios.reporting.plots import BOGIE as GREY
+from scenarios.reporting.progress import counting
+from scenarios.reporting.report import Report, Row, at_most, near
+from scenarios.scenario import Options, Scenario
+
+#: Macro steps [s]; that of the rows, and the fine one of the reference; an emergency from SPEED for so long [s].
+STEPS = (5e-4, 1e-3, 2e-3, 5e-3, 1e-2, 2e-2)
+SHOWN, FINE, LONG = 1e-3, 1e-4, 12.0
+#: What is asked: of the largest compression, of the distance [m], of a boundary.
+FORCE, DISTANCE, BOUNDARY = 0.01, 0.01, 0.05
+#: Locked stiffness whose boundaries are looked for: screw couplers, and draft gears [N/m].
+STIFFNESS = {"screw coupler, 50 MN/m": 50e6, "draft gear, 198 MN/m": 198e6}
+DEFAULT = "corrected"
+LEVELS = {1: "point", 2: "planar"}
+
+
+@dataclass(frozen=True)
+class Stop:
+    """What a run came to: largest compression [N], distance of the head [m], times and forces at both couplers."""
+
+    compression: float
+    distance: float
+    course: Recording
+
+
+def emergency(level: int, way: str, size: float) -> Stop:
+    """The mixed train brakes."""
+    one = mixed(screw_coupler(), level, way)
+    one.train.drive("emergency")
+    for _ in range(round(LONG / size)):
+        one.step(size)
+    return Stop(one.train.largest_compression, float(one.train.distance[0]), _course(one, size))
+
+
+def _course(one: MixedTrain, size: float) -> Recording:
+    rows = [[(n + 1) * size, force[PLACE - 1], force[PLACE]] for n, force in enumerate(one.forces)]
+    return Recording({"time": "s", "coupler_force_front": "N", "coupler_force_rear": "N"}, rows)
+
+
+def monolithic(size: float = SHOWN) -> tuple[float, float]:
+    """All vehicles as points in one system: largest compression [N] and distance of the head [m]."""
+    train = Train(consist_of(screw_coupler()), speed=SPEED)
+    train.drive("emergency")
+    for _ in range(round(LONG / size)):
+        train.advance(size)
+    return train.largest_compression, float(train.distance[0])
+
+
+def run(options: Options) -> Report:
+    whole = monolithic()
+    planar = emergency(2, "held", FINE)
+    tries = [(way, size) for way in WAYS for size in STEPS]
+    stops = {one: emergency(1, *one) for one in counting(tries, "macro steps", unit="run")}
+    shown = emergency(2, DEFAULT, SHOWN)
+    borders = find_boundaries()
+    rows = [*default_rows(whole, stops[DEFAULT, SHOWN], planar, shown), *boundary_rows(borders)]
+    for (way, size), stop in stops.items():
+        error = 100 * (stop.compression / whole[0] - 1)
+        rows.append(Row(f"{way}, {1e3 * size:g} ms: error of the largest compression", "%", None, error, None, "point"))
+    parameters = {"mass": MASS, "speed": SPEED, "vehicles": VEHICLES, "place": PLACE + 1}
+    said = [
+        f"With '{DEFAULT}', the default, a macro step of {1e3 * SHOWN:g} ms errs by "
+        f"{100 * abs(stops[DEFAULT, SHOWN].compression / whole[0] - 1):.2f} % of the largest compression.",
+        "'mean' and 'jacobi' grow at any step until friction of the couplers holds them: they lie without blowing up.",
+    ]
+    seconds = LONG * (2 + len(tries) + 1)
+    return Report(rows, shown.course, lambda: draw(stops, whole[0]), parameters, seconds, said)
+
+
+def default_rows(whole: tuple[float, float], point: Stop, planar: Stop, shown: Stop) -> list[Row]:
+    """The default way against one system, and in the plane against a fine step of another way."""
+    rows = []
+    pairs = (
+        ("point", whole, point, "all in one system"),
+        ("planar", (planar.compression, planar.distance), shown, "held, 0.1 ms"),
+    )
+    for level, (force, distance), stop, source in pairs:
+        name = f"{level}, default at {1e3 * SHOWN:g} ms"
+        asked = near(1e-3 * force, 1e-3 * FORCE * force)
+        rows.append(Row(f"{name}: largest compression", "kN", None, 1e-3 * stop.compression, asked, source))
+        asked = near(distance, DISTANCE)
+        rows.append(Row(f"{name}: distance of the head", "m", None, stop.distance, asked, source))
+    return rows
+
+
+@dataclass(frozen=True)
+class Border:
+    """Largest stable macro step [s] with a linear coupler, on paper and as it runs."""
+
+    paper: float
+    found: float
+
+
+def find_boundaries() -> dict[tuple[str, str, int], Border]:
+    """Of the ways that have one, by coupler, way and level."""
+    found = {}
+    places = [(level, way) for level in LEVELS for way in ("held", "extrapolated")] + [(2, DEFAULT)]
+    bar = counting([(name, *place) for name in STIFFNESS for place in places], "boundaries", unit="boundary")
+    vehicles = {level: linear_vehicle(level) for level in LEVELS}
+    for name, level, way in bar:
+        paper = boundary(way, STIFFNESS[name], vehicles[level])
+        found[name, way, level] = Border(paper, found_boundary(way, level, STIFFNESS[name], paper))
+    return found
+
+
+def boundary_rows(borders: Mapping[tuple[str, str, int], Border]) -> list[Row]:
+    rows = []
+    for (name, way, level), one in borders.items():
+        asked = near(1e3 * one.paper, 1e3 * BOUNDARY * one.paper)
+        quantity = f"{name}, {way}, {LEVELS[level]}: largest stable macro step"
+        rows.append(Row(quantity, "ms", None, 1e3 * one.found, asked, "eigenvalues of a macro step, exact Jacobian"))
+    smallest = 1e3 * min(one.paper for (_, way, _), one in borders.items() if way == DEFAULT)
+    quantity = f"default step over the smallest boundary of '{DEFAULT}'"
+    return [*rows, Row(quantity, "1", None, 1e3 * SHOWN / smallest, at_most(0.5), "eigenvalues")]
+
+
+def draw(stops: Mapping[tuple[str, float], Stop], whole: float) -> Figure:
+    figure, axis = single(
+        f"A corrected copy inside the train carries macro steps at which other ways lie ({VEHICLES} vehicles)",
+        "macro step [ms]",
+        "error of the largest compression [%]",
+    )
+    colours = dict(zip(WAYS, (*FOUR[:1], FOUR[1], FOUR[2], FOUR[3], GREY), strict=True))
+    marks = dict(zip(WAYS, "o^sDv", strict=True))
+    for way in WAYS:
+        errors = [max(100 * abs(stops[way, size].compression / whole - 1), 1e-3) for size in STEPS]
+        label = f"{way} (default)" if way == DEFAULT else way
+        axis.loglog([1e3 * s for s in STEPS], errors, marks[way] + "-", color=colours[way], label=label)
+    axis.axhline(100 * FORCE, color=GREY, linewidth=0.8)
+    axis.annotate("asked: 1 %", (1e3 * STEPS[0], 100 * FORCE), va="bottom", fontsize=8)
+    axis.legend()
+    return figure
+
+
+SCENARIO = Scenario(
+    "train-one-vehicle-in-detail",
+    "A train with one vehicle in detail at its two couplers: where the coupling lies, and the way that does not",
+    run,
+)
