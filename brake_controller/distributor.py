@@ -56,6 +56,7 @@ class DistributorParameters(ParameterSet):
     full_difference: float = quantity("Pa", "Difference that gives the full pressure of the cylinder", 1e3)
     full_pressure: float = quantity("Pa", "Largest pressure of the cylinder", 0.0)
     vent_choke: float = quantity("m", "Diameter of the choke that wheel-slide protection opens", 0.0)
+    cylinder_leak: float = quantity("m", "Diameter of a hole through which the cylinder leaks", 0.0)
 
 
 @lru_cache
@@ -85,6 +86,7 @@ def freight(position: str = "P") -> DistributorParameters:
         full_difference=150e3,
         full_pressure=380e3,
         vent_choke=10e-3,
+        cylinder_leak=0.0,
     )
     return replace(
         bare,
@@ -182,7 +184,7 @@ def distributing() -> ca.Function:
     quick = _share((p["inshot"] - over) / RELAY) * through(p["inshot_choke"], auxiliary, WALL, cylinder)
     fills = _share((wanted - over) / RELAY) * (through(p["filling_choke"], auxiliary, WALL, cylinder) + quick)
     released = through(p["release_choke"], cylinder, WALL, AMBIENT)
-    vents = p["vented"] * (p["vent_choke"] / p["release_choke"]) ** 2 * released
+    vents = (p["vented"] * p["vent_choke"] ** 2 + p["cylinder_leak"] ** 2) / p["release_choke"] ** 2 * released
     fills, empties = (1 - p["held"]) * fills, (1 - p["held"]) * _share((over - wanted) / RELAY) * released + vents
     rates = ca.vertcat(
         specific * (to_control - from_control) / p["control_volume"],
@@ -222,7 +224,7 @@ def empirical() -> ca.Function:
     wide = p["filling_choke"] ** 2 + p["inshot_choke"] ** 2 * ca.if_else(over < p["inshot"], 1, 0)
     fills = passes(ca.sqrt(wide), p["cylinder_volume"], auxiliary, cylinder)
     empties = passes(p["release_choke"], p["cylinder_volume"], cylinder, AMBIENT)
-    vents = p["vented"] * (p["vent_choke"] / p["release_choke"]) ** 2 * empties
+    vents = (p["vented"] * p["vent_choke"] ** 2 + p["cylinder_leak"] ** 2) / p["release_choke"] ** 2 * empties
     changes = (1 - p["held"]) * ca.fmax(ca.fmin(EMPIRICAL_PACE * (wanted - over), fills), -empties) - vents
     charged = ca.fmin(-fallen, 0.1 * line) * (1 - brakes) * choked * 10 * p["control_choke"] ** 2 / p["control_volume"]
     rates = ca.vertcat(charged, 0, 0, changes)

@@ -27,7 +27,15 @@ from scenarios.thesis import (
     wheelset_torque,
     wheelset_variable_speed,
 )
-from scenarios.trains import train_one_vehicle_in_detail
+from scenarios.trains import (
+    train_braking,
+    train_coupling,
+    train_low_adhesion,
+    train_one_vehicle_in_detail,
+    train_parts,
+    train_release,
+    train_standing,
+)
 from scenarios.vehicles import (
     vehicle_anti_skid,
     vehicle_braking,
@@ -74,6 +82,12 @@ SCENARIOS: list[Scenario] = [
     transition.SCENARIO,
     gradient.SCENARIO,
     curve_braking.SCENARIO,
+    train_braking.SCENARIO,
+    train_release.SCENARIO,
+    train_coupling.SCENARIO,
+    train_low_adhesion.SCENARIO,
+    train_parts.SCENARIO,
+    train_standing.SCENARIO,
     train_one_vehicle_in_detail.SCENARIO,
     creep_laws.SCENARIO,
     coupling_step.SCENARIO,

@@ -1,0 +1,147 @@
+"""Emergency and full service of freight trains from 400 to 1500 m: pressures along the pipe, forces of couplers, distances."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from products.train.train import Train
+from rbd_model.train.coupler import COUPLERS
+from scenarios.bench.train_runs import Course, build_up_time, follow, propagation, stop, train_of
+from scenarios.reporting.plots import FOUR, plt, titled
+from scenarios.reporting.progress import counting
+from scenarios.reporting.report import Report, Row, at_least, at_most
+from scenarios.scenario import Options, Scenario, Sweepable
+
+LENGTHS, SPEED = (400.0, 750.0, 1000.0, 1500.0), 100 / 3.6
+#: Positions: how all brake, and how many vehicles at the head brake in G.
+MODES = {"P": ("P", 0), "five in G": ("P", 5), "G": ("G", 0)}
+COMMANDS = {"emergency": ("emergency", 0.0), "full service": ("service", 1.0)}
+#: The trains that are drawn, and asked of the wave of an emergency (UIC 540) [m/s].
+DRAWN, WAVE = 750.0, 250.0
+
+
+@dataclass(frozen=True)
+class Case:
+    """One train, its command and its coupler."""
+
+    length: float
+    mode: str
+    command: str
+    coupler: str = "screw"
+
+    def train(self) -> Train:
+        position, fast_from = MODES[self.mode]
+        values = {"position": position, "fast_from": fast_from, "coupler": COUPLERS[self.coupler]()}
+        return Train(train_of(self.length, **values), speed=SPEED)
+
+    def run(self) -> tuple[Train, Course]:
+        train = self.train()
+        train.drive(*COMMANDS[self.command])
+        return train, stop(train)
+
+    @property
+    def name(self) -> str:
+        return f"{self.length:g} m, {self.mode}, {self.command}, {self.coupler}"
+
+
+def cases() -> list[Case]:
+    """Every length in every position, and once more with draft gears where the pictures are."""
+    found = [Case(length, mode, command) for length in LENGTHS for mode in MODES for command in COMMANDS]
+    return found + [Case(DRAWN, mode, "emergency", "draft-gear") for mode in MODES]
+
+
+def run(options: Options) -> Report:
+    done = {case: case.run() for case in counting(cases(), "trains", unit="train")}
+    rows = [*judged_rows(done)]
+    for case, (train, course) in done.items():
+        where = f"in coupling {train.largest_compression_at:g}"
+        rows += [
+            Row(f"{case.name}: stopping distance", "m", None, course.braking_distance, None, "from 100 km/h"),
+            Row(f"{case.name}: build-up time", "s", None, build_up_time(course), None, "mean of all cylinders"),
+            Row(f"{case.name}: largest compression", "kN", None, 1e-3 * train.largest_compression, None, where),
+            Row(f"{case.name}: largest tension", "kN", None, 1e-3 * train.largest_tension, None, ""),
+        ]
+    drawn = {mode: done[Case(DRAWN, mode, "emergency")] for mode in MODES}
+    seconds = sum(float(course.time[-1]) for _, course in done.values())
+    parameters = {"speed": SPEED, "wagon": "80 t, 14 m, composite blocks", "mode": list(MODES)}
+    force = {mode: 1e-3 * train.largest_compression for mode, (train, _) in drawn.items()}
+    said = [
+        f"An emergency of {DRAWN:g} m compresses couplers by {force['P']:.0f} kN in P, {force['five in G']:.0f} kN with five "
+        f"vehicles in G at the head, {force['G']:.0f} kN in G: the head brakes before the end.",
+    ]
+    series = drawn["P"][1].recording()
+    return Report(rows, series, lambda: draw(drawn), parameters, seconds, said)
+
+
+def judged_rows(done: Mapping[Case, tuple[Train, Course]]) -> list[Row]:
+    """What the standard asks of the wave; what an order of positions and lengths must be."""
+    train, _ = done[Case(DRAWN, "P", "emergency")]
+    fresh = Case(DRAWN, "P", "emergency").train()
+    fresh.drive("emergency")
+    wave = propagation(follow(fresh, 8.0, 0.01), train.consist.length)
+    rows = [Row(f"{DRAWN:g} m, emergency: propagation", "m/s", None, wave, at_least(WAVE), "UIC 540: at least 250 m/s")]
+    for length in LENGTHS[1:]:  # shorter ones hardly leave the preload of their buffers
+        most = {mode: done[Case(length, mode, "emergency")][0].largest_compression for mode in MODES}
+        share = most["G"] / most["P"]
+        name = f"{length:g} m, emergency: compression in G over that in P"
+        rows.append(Row(name, "1", None, share, at_most(0.8), "slow filling is what position G is for"))
+    for mode in MODES:
+        distances = [done[Case(length, mode, "emergency")][1].braking_distance for length in LENGTHS]
+        grows = float(np.diff(distances).min())
+        rows.append(Row(f"{mode}: least growth of the distance with length", "m", None, grows, at_least(0.0), "delay"))
+    return rows
+
+
+def draw(drawn: Mapping[str, tuple[Train, Course]]) -> Figure:
+    figure, grid = plt.subplots(2, 3, figsize=(11.0, 6.6), sharey="row")
+    for axes, (mode, (train, course)) in zip(grid.T, drawn.items(), strict=True):
+        place = -train.outputs["distance"] + train.outputs["distance"][0]
+        until = course.time <= 25.0
+        shades = axes[0].pcolormesh(
+            course.time[until], place, course.pipe[until].T / 1e5, vmin=0.0, vmax=5.0, cmap="cividis", shading="nearest"
+        )
+        axes[0].set_title(f"{mode}: pressure in the pipe [bar]")
+        axes[0].set_xlabel("time [s]")
+        axes[1].fill_between(
+            range(1, course.force.shape[1] + 1),
+            course.force.min(axis=0) / 1e3,
+            course.force.max(axis=0) / 1e3,
+            color=FOUR[0],
+        )
+        axes[1].set_title(f"{mode}: extremes of coupler forces [kN]")
+        axes[1].set_xlabel("coupler")
+    grid[0, 0].set_ylabel("behind the head [m]")
+    grid[1, 0].set_ylabel("tension above 0 [kN]")
+    figure.colorbar(shades, ax=list(grid[0]), label="bar")
+    return titled(
+        figure, f"Emergency of {DRAWN:g} m from 100 km/h: the head brakes first, and position G spares the couplers"
+    )
+
+
+def point(length: float = DRAWN, load: float = 60e3, position: float = 0.0) -> dict[str, float | None]:
+    """One emergency; position: 0 P, 1 G."""
+    train = Train(train_of(length, load=load, position="G" if position else "P"), speed=SPEED)
+    train.drive("emergency")
+    course = stop(train)
+    return {
+        "stopping_distance": course.braking_distance,
+        "largest_compression": train.largest_compression,
+        "largest_tension": train.largest_tension,
+        "air_used": train.air_used,
+    }
+
+
+SCENARIO = Scenario(
+    "train-braking",
+    "Emergency and full service of freight trains of 400 to 1500 m in P, G and mixed: pressures, coupler forces, distances",
+    run,
+    sweep=Sweepable(
+        {"length": "m", "load": "kg", "position": "1"},
+        {"stopping_distance": "m", "largest_compression": "N", "largest_tension": "N", "air_used": "kg"},
+        point,
+    ),
+)

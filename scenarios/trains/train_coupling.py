@@ -1,0 +1,90 @@
+"""A wagon runs against a standing train and couples: largest force over its speed, with screw couplers and draft gears."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from products.train.consist import Consist, TrainVehicle, block_train
+from products.train.numbers import Settings
+from products.train.train import Train
+from rbd_model.train.coupler import COUPLERS, Coupler, Curve
+from scenarios.bench.train_runs import Course, follow
+from scenarios.reporting.plots import FOUR, single
+from scenarios.reporting.progress import counting
+from scenarios.reporting.report import Report, Row, at_most, near
+from scenarios.scenario import Options, Scenario
+
+#: Speeds [m/s], standing vehicles, of which the first holds its brake, and gap before [m].
+SPEEDS, STANDING, GAP = (0.5, 1.0, 1.5, 2.0, 2.5, 3.0), 3, 1.0
+#: A spring without friction against its closed form, and couplings that hold behind the impact.
+STIFFNESS, CLOSED = 10e6, 1e-3
+LONG = 15.0
+
+
+def spring() -> Coupler:
+    bar = Curve((0.0, 1.0), (0.0, STIFFNESS))
+    return Coupler("spring", STIFFNESS, (bar, bar), (bar, bar))
+
+
+def impact(coupler: Coupler, speed: float, standing: int = STANDING) -> tuple[Train, Course]:
+    """The last vehicle comes from behind, uncoupled; it is coupled once they touch."""
+    consist = Consist(block_train(standing, coupler=coupler).vehicles[: standing + 1])
+    free = tuple(_rolling(one, coupler) for one in consist.vehicles)
+    train = Train(Consist(free), settings=Settings(depth="delay", share=0.02))
+    train.inputs["coupled"][-1] = 0.0
+    state = train.motion
+    state[0, -1], state[1:3, -1] = -GAP, speed
+    train.motion = state
+    train.advance(1e-3)
+    train.inputs["coupled"][-1] = 1.0
+    return train, follow(train, GAP / speed + LONG, 0.01)
+
+
+def _rolling(one: TrainVehicle, coupler: Coupler) -> TrainVehicle:
+    """It stands or rolls without resistance."""
+    return replace(one, mass=80e3, rotating_share=1e-9, resistance=(0.0, 0.0, 0.0), coupler=coupler)
+
+
+def run(options: Options) -> Report:
+    names = ("screw", "draft-gear")
+    tries = [(name, speed) for name in names for speed in SPEEDS]
+    found = {(name, v): impact(COUPLERS[name](), v) for name, v in counting(tries, "impacts", unit="impact")}
+    rows = []
+    for speed in (SPEEDS[0], SPEEDS[-1]):
+        train, _ = impact(spring(), speed, standing=1)
+        due = 1e-3 * speed * math.sqrt(STIFFNESS * 80e3 / 2)
+        asked, source = near(due, CLOSED * due), "v sqrt(k m / 2)"
+        value = 1e-3 * train.largest_compression
+        rows.append(Row(f"one against one on a spring, {speed:g} m/s: compression", "kN", None, value, asked, source))
+    for (name, speed), (train, course) in found.items():
+        mass = np.array([one.mass for one in train.consist.vehicles])
+        kept = float(abs(mass @ course.speed[-1] / (mass[-1] * speed) - 1.0))
+        rows.append(Row(f"{name}, {speed:g} m/s: momentum that is missing", "1", None, kept, at_most(1e-9), "Newton"))
+    for (name, speed), (train, _) in found.items():
+        rows.append(Row(f"{name}, {speed:g} m/s: compression", "kN", None, 1e-3 * train.largest_compression, None, ""))
+        rows.append(Row(f"{name}, {speed:g} m/s: tension after it", "kN", None, 1e-3 * train.largest_tension, None, ""))
+    force = {name: [found[name, v][0].largest_compression for v in SPEEDS] for name in names}
+    said = [
+        f"At 3 m/s side buffers take {1e-3 * force['screw'][-1]:.0f} kN, draft gears {1e-3 * force['draft-gear'][-1]:.0f} kN."
+    ]
+    parameters = {"standing": STANDING, "mass": 80e3, "gap": GAP}
+    series = found["screw", 2.0][1].recording()
+    return Report(rows, series, lambda: draw(force), parameters, LONG * len(tries), said)
+
+
+def draw(force: dict[str, list[float]]) -> Figure:
+    title = "A wagon of 80 t runs against a standing train: friction gears and buffers differ above their stroke"
+    figure, axis = single(title, "speed [m/s]", "largest compression [kN]")
+    for colour, mark, (name, values) in zip((FOUR[0], FOUR[3]), "os", force.items(), strict=True):
+        axis.plot(SPEEDS, [value / 1e3 for value in values], mark + "-", color=colour, label=name)
+    axis.legend()
+    return figure
+
+
+SCENARIO = Scenario(
+    "train-coupling", "A wagon runs against a standing train and couples: largest forces over its speed", run
+)

@@ -1,0 +1,125 @@
+"""A train stands on a gradient by air alone while its cylinders leak: how long, against the closed form."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from matplotlib.figure import Figure
+from scipy.integrate import quad
+
+from brake_controller.distributor import DISCHARGE, freight
+from products.train.consist import Consist, block_train
+from products.train.numbers import Settings
+from products.train.train import Train
+from rbd_model.track.line import Line
+from scenarios.bench.train_runs import Course, follow
+from scenarios.reporting.plots import FOUR, mark, panels
+from scenarios.reporting.progress import counting
+from scenarios.reporting.report import Report, Row, at_most, near
+from scenarios.scenario import Options, Scenario
+
+#: Gradients [1], diameters of the leaks of each cylinder [m], and wagons.
+GRADIENTS, LEAKS, WAGONS = (0.01, 0.025), (0.5e-3, 1e-3), 20
+#: What is asked of the time at which it begins to roll; friction at rest of its shoes.
+ASKED, LONGEST = 0.02, 4 * 3600.0
+AMBIENT, GAS, WARM = 101325.0, 287.05287, 293.15
+
+
+def standing(gradient: float, leak: float) -> tuple[Train, Course]:
+    """Full service, then the driver's valve is shut off and the locomotive's engine stops; nothing feeds the pipe."""
+    own = replace(freight(), cylinder_leak=leak)
+    vehicles = tuple(replace(one, distributor=own, valve_delay=-1.0) for one in block_train(WAGONS).vehicles)
+    rows = {"distance": np.array([-1e5, 1e5]), "gradient": np.full(2, gradient), "curvature": np.zeros(2)}
+    train = Train(Consist(vehicles), cylinder=380e3, pipe=350e3, line=Line(rows), settings=Settings(cells=1))
+    train.drive("shut-off")
+    course = follow(train, LONGEST, 5.0, lambda one: bool(np.abs(one.speed).max() > 0.5))
+    return train, course
+
+
+def holding_pressure(gradient: float) -> float:
+    """Mean gauge pressure [Pa] at which brakes and rolling resistance hold the weight's part along the track, statics."""
+    train = block_train(WAGONS)
+    slope = sum(one.mass * 9.80665 * gradient - one.resistance[0] for one in train.vehicles)
+
+    def held(pressure: float) -> float:
+        forces = 0.0
+        for one in train.vehicles:
+            b = one.brake
+            pressed = b.efficiency * max(b.force_per_pressure * pressure - b.counter_force, 0.0)
+            forces += pressed * (0.3 if b.friction_law else b.constant_friction)
+        return forces
+
+    low, high = 0.0, 380e3
+    for _ in range(60):
+        middle = (low + high) / 2
+        low, high = (middle, high) if held(middle) < slope else (low, middle)
+    return high
+
+
+def leaking(pressure: float, leak: float) -> float:
+    """Mass flow [kg/s] through a hole of a diameter [m] into the open, isentropic and choked (Saint-Venant and Wantzel)."""
+    ratio = max(AMBIENT / pressure, (2 / 2.4) ** 3.5)
+    shape = math.sqrt(7.0 * (ratio ** (2 / 1.4) - ratio ** (2.4 / 1.4)))
+    return DISCHARGE * math.pi / 4 * leak**2 * pressure / math.sqrt(GAS * WARM) * shape
+
+
+def time_on_paper(gradient: float, leak: float) -> float:
+    """Time [s] from full cylinders to where it rolls: isothermal, V dp/dt = -R T G(p) of all that feeds the cylinder.
+
+    First the reservoir falls to the cylinder's full pressure, which stays; then both fall together; and from the
+    pressure of the pipe on that of its vehicle falls with them.
+    """
+    own, full, pipe = freight(), 380e3 + AMBIENT, 350e3 + AMBIENT
+    reservoir = 500e3 + AMBIENT
+    length = block_train(WAGONS).length + 2 * 0.62 * (WAGONS + 1)
+    of_pipe = math.pi / 4 * 0.03175**2 * length / (WAGONS + 1)
+    volume = own.auxiliary_volume + own.cylinder_volume
+
+    def time(volume: float, first: float, last: float) -> float:
+        return float(volume / (GAS * WARM) * quad(lambda p: 1.0 / leaking(p, leak), last, first)[0])
+
+    rolls = holding_pressure(gradient) + AMBIENT
+    first = own.auxiliary_volume * (reservoir - full) / (GAS * WARM * leaking(full, leak))
+    return first + time(volume, full, max(pipe, rolls)) + time(volume + of_pipe, pipe, min(pipe, rolls))
+
+
+def run(options: Options) -> Report:
+    tries = [(gradient, leak) for gradient in GRADIENTS for leak in LEAKS]
+    found = {one: standing(*one) for one in counting(tries, "standing", unit="train")}
+    rows = []
+    for (gradient, leak), (_, course) in found.items():
+        name = f"{1e3 * gradient:g} permille, holes of {1e3 * leak:g} mm"
+        moves = np.abs(course.speed).max(axis=1) > 0.0
+        rolls = float(course.time[moves.argmax()]) if moves.any() else math.inf
+        due = time_on_paper(gradient, leak)
+        source = "isothermal leak of cylinder and reservoir, statics"
+        rows.append(Row(f"{name}: rolls after", "s", None, rolls, near(due, ASKED * due), source))
+        before = course.speed[: max(int(moves.argmax()) - 1, 1)]
+        rows.append(Row(f"{name}: speed before", "m/s", None, float(np.abs(before).max()), at_most(0.0), "it stands"))
+    drawn = found[GRADIENTS[1], LEAKS[1]]
+    hours = {one: float(course.time[-1]) / 60 for one, (_, course) in found.items()}
+    said = [
+        f"With holes of 1 mm in each cylinder air alone holds the train on 25 permille for {hours[GRADIENTS[1], LEAKS[1]]:.0f} minutes."
+    ]
+    seconds = float(sum(course.time[-1] for _, course in found.values()))
+    parameters = {"wagons": WAGONS, "gradients": list(GRADIENTS), "leaks": list(LEAKS)}
+    return Report(rows, drawn[1].recording(), lambda: draw(found), parameters, seconds, said)
+
+
+def draw(found: dict[tuple[float, float], tuple[Train, Course]]) -> Figure:
+    labels = ["pressure in the cylinders, mean [bar]", "speed of the head [m/s]"]
+    figure, axes = panels("By air alone a train stands until its leaks have emptied what fed them", labels, 2.6)
+    for colour, ((gradient, leak), (_, course)) in zip(FOUR, found.items(), strict=True):
+        label = f"{1e3 * gradient:g} ‰, holes of {1e3 * leak:g} mm"
+        axes[0].plot(course.time, course.cylinder.mean(axis=1) / 1e5, color=colour, label=label)
+        axes[1].plot(course.time, course.speed[:, 0], color=colour)
+        mark(axes[1], float(course.time[-1]), "")
+    axes[0].legend(fontsize=8)
+    return figure
+
+
+SCENARIO = Scenario(
+    "train-standing", "A train stands on a gradient by air alone while its cylinders leak: how long", run
+)
