@@ -150,6 +150,16 @@ def _share(value: ca.SX) -> ca.SX:
     return ca.fmax(ca.fmin(value, 1), 0)
 
 
+def _accelerating(p: dict[str, ca.SX], line: ca.SX, chamber: ca.SX, brakes: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """Rate of the accelerator's pressure [Pa/s], and air that it takes from the pipe [kg/s].
+
+    Braking, the chamber fills from the pipe; released, it empties to the surroundings, as fast.
+    """
+    pace = TIME_CONSTANTS_TO_95_PERCENT / p["accelerator_time"]
+    into = ca.fmax(line - chamber, 0) * pace * brakes
+    return into - (chamber - AMBIENT) * pace * (1 - brakes), into * p["accelerator_volume"] / (GAS_CONSTANT * WALL)
+
+
 #: What wheel-slide protection commands, as shares: no air into the cylinder nor out; the cylinder open to the surroundings.
 COMMANDED = ("held", "vented")
 
@@ -174,10 +184,7 @@ def distributing() -> ca.Function:
     to_control = through(p["control_choke"], line, warmth, control)
     from_control = (1 - brakes) * through(p["control_choke"], control, WALL, line)
     specific = GAS_CONSTANT * WALL
-    # Braking, the chamber fills from the pipe; released, it empties to the surroundings, as fast.
-    pace = TIME_CONSTANTS_TO_95_PERCENT / p["accelerator_time"]
-    into = ca.fmax(line - accelerator, 0) * pace * brakes
-    out = (accelerator - AMBIENT) * pace * (1 - brakes)
+    quickens, to_accelerator = _accelerating(p, line, accelerator, brakes)
     to_auxiliary = through(p["auxiliary_choke"], line, warmth, auxiliary)
     wanted = ca.fmin(p["full_pressure"] / p["full_difference"] * fallen, p["full_pressure"]) * brakes
     over = cylinder - AMBIENT
@@ -188,11 +195,11 @@ def distributing() -> ca.Function:
     fills, empties = (1 - p["held"]) * fills, (1 - p["held"]) * _share((over - wanted) / RELAY) * released + vents
     rates = ca.vertcat(
         specific * (to_control - from_control) / p["control_volume"],
-        into - out,
+        quickens,
         specific * (to_auxiliary - fills) / p["auxiliary_volume"],
         specific * (fills - empties) / p["cylinder_volume"],
     )
-    taken = to_control - from_control + to_auxiliary + into * p["accelerator_volume"] / specific
+    taken = to_control - from_control + to_auxiliary + to_accelerator
     enthalpy = HEAT_CAPACITY * taken * ca.if_else(taken > 0, warmth, WALL)
     return function_of("distributing", symbols, ca.vertcat(rates, taken, enthalpy, fills))
 
@@ -202,15 +209,16 @@ EMPIRICAL_PACE = 10.0
 
 
 def empirical() -> ca.Function:
-    """As `distributing`, of a valve that is no part of the pipe: it follows the pressure there and takes no air from it.
+    """As `distributing`, of a valve that follows the pipe and takes nothing from it but what its accelerator takes.
 
     The cylinder fills from 5 bar and empties by its chokes, as ISO 6358-1 has it with sqrt(1 - y^2) as 1 - y^2 / 2, and
     comes to what is wanted with EMPIRICAL_PACE; the auxiliary reservoir stays full; the control chamber fills with a time
     constant of its choke. Without the roots and volumes of the whole valve; fails where a reservoir is not full.
     """
     symbols, states, pipe, p = _given()
-    control, _, auxiliary, cylinder = ca.vertsplit(states)
-    line = air_of(pipe).pressure
+    control, accelerator, auxiliary, cylinder = ca.vertsplit(states)
+    air = air_of(pipe)
+    line = air.pressure
     fallen = control - line
     brakes = _share(2 * fallen / p["sensitivity"] - 1)
     choked = CHOKED_FLOW * DISCHARGE * math.pi / 4 * (GAS_CONSTANT * WALL) ** 0.5
@@ -227,5 +235,7 @@ def empirical() -> ca.Function:
     vents = (p["vented"] * p["vent_choke"] ** 2 + p["cylinder_leak"] ** 2) / p["release_choke"] ** 2 * empties
     changes = (1 - p["held"]) * ca.fmax(ca.fmin(EMPIRICAL_PACE * (wanted - over), fills), -empties) - vents
     charged = ca.fmin(-fallen, 0.1 * line) * (1 - brakes) * choked * 10 * p["control_choke"] ** 2 / p["control_volume"]
-    rates = ca.vertcat(charged, 0, 0, changes)
-    return function_of("empirical", symbols, ca.vertcat(rates, 0, 0, 0))
+    quickens, taken = _accelerating(p, line, accelerator, brakes)
+    enthalpy = HEAT_CAPACITY * taken * air.temperature
+    rates = ca.vertcat(charged, quickens, 0, changes)
+    return function_of("empirical", symbols, ca.vertcat(rates, taken, enthalpy, ca.fmax(changes, 0)))

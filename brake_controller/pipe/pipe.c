@@ -224,11 +224,11 @@ static void distribute(pipe *self, pipe_passed *passed)
     const long long int stride = self->stride, own = self->vehicle_stride;
     for (long long int v = 0; v < self->vehicles; ++v)
         for (int n = 0; n < PIPE_STATES; ++n) self->own_pipe[v + n * own] = self->state[self->cell[v] + n * stride];
-    if (self->depth != PIPE_WHOLE) {
+    if (self->depth == PIPE_WHOLE)
+        IN_LANES(pipe_distribute);
+    else
         IN_LANES(pipe_follow);
-        return;
-    }
-    IN_LANES(pipe_distribute);
+    if (self->depth == PIPE_GIVEN) return;
     const double *mass = self->own_rate + VEHICLE_STATES * own, *energy = mass + own, *filled = energy + own;
     for (long long int v = 0; v < self->vehicles; ++v) {
         const long long int i = self->cell[v];
