@@ -27,6 +27,7 @@ from scenarios.thesis import (
     wheelset_torque,
     wheelset_variable_speed,
 )
+from scenarios.trains import braking_distance
 from scenarios.vehicles import (
     vehicle_anti_skid,
     vehicle_braking,
@@ -67,6 +68,7 @@ SCENARIOS: list[Scenario] = [
     vehicle_anti_skid.SCENARIO,
     vehicle_composed.SCENARIO,
     vehicle_or_bogie.SCENARIO,
+    braking_distance.SCENARIO,
     curve_steering.SCENARIO,
     line_from_file.SCENARIO,
     track_yields.SCENARIO,

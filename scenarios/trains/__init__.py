@@ -1,0 +1,1 @@
+"""Trains: how far they run until they stand."""
