@@ -28,6 +28,7 @@ from scenarios.thesis import (
     wheelset_variable_speed,
 )
 from scenarios.trains import (
+    braking_distance,
     train_braking,
     train_coupling,
     train_low_adhesion,
@@ -76,6 +77,7 @@ SCENARIOS: list[Scenario] = [
     vehicle_anti_skid.SCENARIO,
     vehicle_composed.SCENARIO,
     vehicle_or_bogie.SCENARIO,
+    braking_distance.SCENARIO,
     curve_steering.SCENARIO,
     line_from_file.SCENARIO,
     track_yields.SCENARIO,

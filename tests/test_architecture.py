@@ -109,7 +109,7 @@ def test_a_ring_is_found() -> None:
 
 
 #: Rooms of scenarios/ that hold scenarios, one file each; the others are the machinery.
-SUBJECTS = ("thesis", "brakes", "vehicles", "contact", "lines", "numerics", "coupling")
+SUBJECTS = ("thesis", "brakes", "vehicles", "contact", "lines", "numerics", "coupling", "trains")
 
 
 def test_no_scenario_imports_a_scenario() -> None:
@@ -155,7 +155,7 @@ def test_every_public_function_method_and_class_says_what_it_is(package: str) ->
 CITATION = re.compile(
     r"\([2-9]\.\d+|\b([Ss]ections?|chapter|Tables?|Figs?\.) \d"
     r"|\b[A-Z][a-z]+ \(\d{4}\)|\b(EN|ISO|UIC) \d+|RSSB T\d+|Karwatzki|MaSzyna"
-    r"|Newton's|Hooke's|implicit function theorem|First law|ideal gas|isentropic"
+    r"|SUBSET-\d+|Newton's|Hooke's|implicit function theorem|First law|ideal gas|isentropic"
 )
 #: Functions without physics of their own, by file: they build FMUs, declare variables, read files, serve numerics.
 PLUMBING = {
