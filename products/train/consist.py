@@ -2,19 +2,34 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
-from brake_controller.distributor import DistributorParameters, freight
+import numpy as np
+
+from brake_controller.brake_weight import (
+    FROM_100,
+    VEHICLE_BUILD_UP,
+    braked_weight,
+    force_of_percentage,
+    percentage_of_vehicle,
+    train_percentage,
+)
+from brake_controller.distributor import AMBIENT, DistributorParameters, freight
 from brake_controller.drivers_valve import DriversValve, drivers_valve
-from brake_controller.vehicle_brake import VehicleBrake
+from brake_controller.vehicle_brake import VehicleBrake, braking
 from rbd_model.train.coupler import Coupler, screw_coupler
 from rbd_model.train.vehicle import GRAVITY
 
 #: Hose at each end of a vehicle [m], as train simulators print it.
 HOSE = 0.62
+#: Mass of what turns at the rim, over the vehicle's, as RailProfAC's shunting stops have it.
+ROTATING = 0.04
 #: Of a vehicle, at most [m], and inner diameter of its pipe, from and to [m] (UIC 540).
 LONGEST_VEHICLE, NARROWEST, WIDEST = 31.0, 0.025, 0.032
+
+_BRAKING = braking()
 
 
 @dataclass(frozen=True)
@@ -32,7 +47,7 @@ class TrainVehicle:
     distributor: DistributorParameters
     brake: VehicleBrake
     coupler: Coupler = field(default_factory=screw_coupler)
-    rotating_share: float = 0.04
+    rotating_share: float = ROTATING
     braked_share: float = 1.0
     friction_left: float = 0.4
     friction_fall: float = 0.6
@@ -51,6 +66,16 @@ class TrainVehicle:
         return [self.mass, self.rotating_share * self.mass, weight, *shape]
 
     @property
+    def percentage(self) -> float:
+        """Brake weight percentage [%] of its full cylinders from 100 km/h: S = T v + int m v / F(v) dv (EN 14531-1)."""
+        speed = np.linspace(0.0, FROM_100.speed, 101)
+        full = self.distributor.full_pressure + AMBIENT
+        force = np.array([float(_BRAKING(full, v, list(self.brake.values().values()))) for v in speed])
+        turning = (1 + self.rotating_share) * self.mass
+        way = VEHICLE_BUILD_UP * FROM_100.speed + float(np.trapezoid(turning * speed / force, speed))
+        return percentage_of_vehicle(way, FROM_100)
+
+    @property
     def pipe_length(self) -> float:
         """Of its pipe with both hoses [m]."""
         return self.length + 2 * HOSE
@@ -62,16 +87,9 @@ def freight_resistance(mass: float) -> tuple[float, float, float]:
     return (1.6e-3 * weight, 0.0, 5.7e-3 * weight / 27.8**2)
 
 
-def mean_force(percentage: float, mass: float) -> float:
-    """Brake force [N] of a mass [kg] for a brake weight percentage: lambda = 52840 / S - 10 at 100 km/h (UIC 544-1)."""
-    speed = 100.0 / 3.6
-    distance = 52840.0 / (percentage + 10.0)
-    return 1.04 * mass * speed**2 / (2 * (distance - 2.0 * speed))
-
-
 def braked_by(percentage: float, mass: float) -> VehicleBrake:
     """Shoes of constant friction that give a mass [kg] a brake weight percentage [%] at 3.8 bar (UIC 544-1)."""
-    force = mean_force(percentage, mass)
+    force = force_of_percentage(percentage, (1 + ROTATING) * mass, FROM_100)
     return VehicleBrake(
         force_per_pressure=force / 380e3 / 0.3,
         counter_force=0.0,
@@ -82,15 +100,16 @@ def braked_by(percentage: float, mass: float) -> VehicleBrake:
     )
 
 
-def wagon(load: float = 60e3, position: str = "P") -> TrainVehicle:
+def wagon(load: float = 60e3, position: str = "P", weighing: str = "lever") -> TrainVehicle:
     """Four-axle wagon of 20 t and 14 m with 16 composite blocks; load [kg].
 
     Cylinder of 406 mm, rigging of ratio 5.65 and efficiency 0.83, return force 1500 N: those of RailProfAC's shunting
-    stops. Assumed: it brakes an empty wagon with half of that, from 40 t on with all (a lever for empty and loaded).
+    stops. Assumed: up to 40 t it brakes with two fifths of that (a lever for empty
+    and loaded); with continuous weighing as its mass is of 80 t.
     """
     mass = 20e3 + load
-    weighed = 1.0 if mass >= 40e3 else 0.5
-    area = 3.141592653589793 / 4 * 0.406**2
+    weighed = mass / 80e3 if weighing == "continuous" else 1.0 if mass > 40e3 else 0.4
+    area = math.pi / 4 * 0.406**2
     brake = VehicleBrake(
         force_per_pressure=weighed * 5.65 * area,
         counter_force=weighed * 5.65 * 1500.0,
@@ -103,38 +122,27 @@ def wagon(load: float = 60e3, position: str = "P") -> TrainVehicle:
 
 
 def locomotive(load: float = 0.0, position: str = "P") -> TrainVehicle:
-    """Four-axle locomotive of 84 t and 19 m with a driver's valve. Assumed: it brakes with 0.9 of its weight's 100 %."""
+    """Four-axle locomotive of 84 t and 19 m with a driver's valve. Assumed: a brake weight percentage of 85 %."""
     mass = 84e3 + load
-    force = 0.75 * mass / 380e3
-    brake = VehicleBrake(
-        force_per_pressure=force / 0.3,
-        counter_force=0.0,
-        efficiency=1.0,
-        shoes=8.0,
-        friction_law=0.0,
-        constant_friction=0.3,
-    )
     return TrainVehicle(
-        "locomotive", mass, 19.0, freight(position), brake, resistance=freight_resistance(mass), valve=drivers_valve()
+        "locomotive",
+        mass,
+        19.0,
+        freight(position),
+        braked_by(85.0, mass),
+        resistance=freight_resistance(mass),
+        valve=drivers_valve(),
     )
 
 
 def coach(load: float = 0.0, position: str = "P") -> TrainVehicle:
-    """Coach of 46 t and 26.4 m with discs. Assumed: lambda of about 135 %, 1.05 m/s2 at 3.8 bar whatever its load."""
+    """Coach of 46 t and 26.4 m with discs. Assumed: a brake weight percentage of 135 %, whatever its load."""
     mass = 46e3 + load
-    brake = VehicleBrake(
-        force_per_pressure=1.05 * mass / 380e3 / 0.2,
-        counter_force=0.0,
-        efficiency=1.0,
-        shoes=16.0,
-        friction_law=0.0,
-        constant_friction=0.2,
-    )
-    return TrainVehicle("coach", mass, 26.4, freight(position), brake, resistance=freight_resistance(mass))
+    return TrainVehicle("coach", mass, 26.4, freight(position), braked_by(135.0, mass), resistance=freight_resistance(mass))
 
 
 #: By the name that consists use; load [kg], position.
-KINDS: dict[str, Callable[[float, str], TrainVehicle]] = {"wagon": wagon, "locomotive": locomotive, "coach": coach}
+KINDS: dict[str, Callable[..., TrainVehicle]] = {"wagon": wagon, "locomotive": locomotive, "coach": coach}
 
 
 @dataclass(frozen=True)
@@ -152,6 +160,13 @@ class Consist:
     def mass(self) -> float:
         """Of all [kg]."""
         return sum(one.mass for one in self.vehicles)
+
+    @property
+    def percentage(self) -> float:
+        """Brake weight percentage of the train [%], all braked weights over all masses (UIC 544-1)."""
+        masses = [one.mass for one in self.vehicles]
+        weights = [braked_weight(one.percentage, one.mass) for one in self.vehicles]
+        return train_percentage(weights, masses)
 
 
 def block_train(wagons: int, load: float = 60e3, position: str = "P", fast_from: int = 0, **changes: object) -> Consist:

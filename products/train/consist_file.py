@@ -46,6 +46,7 @@ WORDS = {
     "kind": tuple(KINDS),
     "position": ("P", "G"),
     "coupler": tuple(COUPLERS),
+    "weighing": ("lever", "continuous"),
     "valve": ("head", "second", "none"),
 }
 
@@ -141,7 +142,10 @@ def _checked(row: Mapping[str, Any]) -> dict[str, Any]:
 
 def _vehicles(values: Mapping[str, Any]) -> list[TrainVehicle]:
     load = values.get("load", 60.0 if values["kind"] == "wagon" else 0.0)
-    one = KINDS[values["kind"]](1e3 * load, values.get("position", "P"))
+    if "weighing" in values and values["kind"] != "wagon":
+        raise ValueError("weighing is of wagons; leave it out.")
+    more = {"weighing": values["weighing"]} if "weighing" in values else {}
+    one = KINDS[values["kind"]](1e3 * load, values.get("position", "P"), **more)
     if "mass" in values:
         mass = 1e3 * values["mass"]
         one = replace(one, mass=mass, resistance=freight_resistance(mass))

@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from products.train.consist import Consist, block_train, locomotive, wagon
+from products.train.consist import Consist, block_train, locomotive
 from products.train.numbers import SHARE, Settings
 from products.train.train import Train
 from rbd_model.track.line import Line
@@ -283,8 +283,3 @@ def test_a_coupling_holds_from_when_vehicles_touch() -> None:
     train.advance(4.5)
     assert train.speed[0] == pytest.approx(train.speed[1], abs=0.2)
     assert train.largest_tension > 0.0
-
-
-def test_a_wagon_is_a_wagon() -> None:
-    assert wagon(0.0).mass == 20e3
-    assert wagon(0.0).brake.force_per_pressure == pytest.approx(wagon().brake.force_per_pressure / 2)
