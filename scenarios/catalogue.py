@@ -30,7 +30,9 @@ from scenarios.thesis import (
 from scenarios.trains import (
     braking_distance,
     train_braking,
+    train_build_up,
     train_coupling,
+    train_depths,
     train_low_adhesion,
     train_one_vehicle_in_detail,
     train_parts,
@@ -86,6 +88,8 @@ SCENARIOS: list[Scenario] = [
     curve_braking.SCENARIO,
     train_braking.SCENARIO,
     train_release.SCENARIO,
+    train_build_up.SCENARIO,
+    train_depths.SCENARIO,
     train_coupling.SCENARIO,
     train_low_adhesion.SCENARIO,
     train_parts.SCENARIO,

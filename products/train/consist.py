@@ -138,7 +138,9 @@ def locomotive(load: float = 0.0, position: str = "P") -> TrainVehicle:
 def coach(load: float = 0.0, position: str = "P") -> TrainVehicle:
     """Coach of 46 t and 26.4 m with discs. Assumed: a brake weight percentage of 135 %, whatever its load."""
     mass = 46e3 + load
-    return TrainVehicle("coach", mass, 26.4, freight(position), braked_by(135.0, mass), resistance=freight_resistance(mass))
+    return TrainVehicle(
+        "coach", mass, 26.4, freight(position), braked_by(135.0, mass), resistance=freight_resistance(mass)
+    )
 
 
 #: By the name that consists use; load [kg], position.

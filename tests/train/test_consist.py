@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from products.train.choice import DEPTHS_BY_COST, smallest
 from products.train.consist import Consist, block_train, braked_by, coach, locomotive, wagon
 from products.train.train import Train
 
@@ -40,3 +41,31 @@ def test_weighing_brakes_an_empty_wagon_less() -> None:
     half = wagon(20e3, weighing="continuous")
     assert half.brake.force_per_pressure == pytest.approx(0.5 * full.brake.force_per_pressure)
     assert np.isclose(wagon(60e3, weighing="continuous").percentage, full.percentage)
+
+
+def test_the_smallest_depth_follows_what_is_asked() -> None:
+    short, long = block_train(10), block_train(60)
+    assert smallest(short, distance=0.05, force=0.2).depth == "delay"
+    assert smallest(long, distance=0.05, force=0.2).depth == "empirical"
+    assert smallest(long, distance=0.05, force=0.2, releases=True).depth == "whole"
+    assert smallest(long).cells == 1.0
+    assert smallest(long, distance=0.003).cells == 2.0
+    assert smallest(long, force=0.01).cells == 8.0
+    with pytest.raises(ValueError, match="Ask for an error of the force of at least 0: it was nan"):
+        smallest(short, force=float("nan"))
+
+
+@pytest.mark.parametrize("length", [15, 70])
+def test_the_errors_that_the_choice_counts_with_hold_for_another_train(length: int) -> None:
+    """Of 229 and 999 m, half service in P: against eight cells a vehicle."""
+    consist = block_train(length)
+    stops = []
+    for one in DEPTHS_BY_COST.values():
+        train = Train(consist, speed=25.0, settings=one.settings)
+        train.drive("service", 0.4)
+        while train.speed.max() > 0.0:
+            train.advance(2.0)
+        stops.append(train.distance[0])
+    for one, stop in zip(DEPTHS_BY_COST.values(), stops, strict=True):
+        if one.longest >= consist.length:
+            assert stop == pytest.approx(stops[-1], rel=max(one.distance, 1e-12))

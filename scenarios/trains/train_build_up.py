@@ -1,0 +1,154 @@
+"""Build-up time of trains beside the formulas of the conversion model, and what each unknown moves.
+
+Told, not judged, not tuned: the formulas hold margins of their own. What is judged is that each unknown moves the time
+the way physics says.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from brake_controller.brake_weight import Case, build_up_time as formula
+from brake_controller.distributor import filling_choke, freight
+from products.train.consist import Consist
+from products.train.numbers import Settings
+from products.train.train import Train
+from scenarios.bench.train_runs import Course, build_up_time, follow, train_of
+from scenarios.reporting.plots import FOUR, plt, titled
+from scenarios.reporting.progress import counting
+from scenarios.reporting.report import Report, Row, at_least, at_most
+from scenarios.scenario import Options, Scenario
+
+#: Lengths by position [m]; mixed trains have five vehicles in G at their head.
+LENGTHS = {"P": (400.0, 500.0, 600.0), "G": (400.0, 600.0, 750.0, 900.0), "five in G": (900.0, 1200.0, 1500.0)}
+CASES = {"P": Case.EMERGENCY_FREIGHT_P, "G": Case.EMERGENCY_FREIGHT_G, "five in G": Case.EMERGENCY_FREIGHT_P}
+MODES = {"P": ("P", 0), "G": ("G", 0), "five in G": ("P", 5)}
+#: The trains whose unknowns are moved, and the time that is watched [s].
+VARIED, WATCHED = {"P": 600.0, "G": 750.0}, {"P": 60.0, "G": 90.0, "five in G": 90.0}
+
+
+def build_up(consist: Consist, mode: str, settings: Settings | None = None) -> tuple[float, Course]:
+    """An emergency at rest: equivalent time [s], and the course."""
+    train = Train(consist, settings=settings)
+    train.drive("emergency")
+    course = follow(train, WATCHED[mode], 0.1)
+    return build_up_time(course), course
+
+
+def consist_of(mode: str, length: float) -> Consist:
+    position, fast_from = MODES[mode]
+    return train_of(length, position=position, fast_from=fast_from)
+
+
+def with_distributors(consist: Consist, **changes: float) -> Consist:
+    """All distributors changed alike."""
+    vehicles = [replace(one, distributor=replace(one.distributor, **changes)) for one in consist.vehicles]
+    return Consist(tuple(vehicles))
+
+
+def with_valve(consist: Consist, share: float) -> Consist:
+    """The head's valve lets out through so much of its area in an emergency."""
+    head = consist.vehicles[0]
+    assert head.valve is not None
+    narrow = replace(head.valve, emergency_area=share * head.valve.emergency_area)
+    return Consist((replace(head, valve=narrow), *consist.vehicles[1:]))
+
+
+def slower(consist: Consist, mode: str) -> Consist:
+    """Cylinders fill in the longest time of UIC 540: 5 s in P, 30 s in G."""
+    choke = filling_choke(freight(mode), {"P": 5.0, "G": 30.0}[mode])
+    return with_distributors(consist, filling_choke=choke)
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """What is changed; later: whether physics says that it takes longer (1), not as long (-1), or either (0)."""
+
+    change: Callable[[Consist, str], Consist] | None
+    settings: Settings
+    later: int
+
+
+UNKNOWNS = {
+    "a third of the emergency valve's area": Unknown(lambda c, _: with_valve(c, 1 / 3), Settings(), 1),
+    "filling in the longest time of UIC 540": Unknown(slower, Settings(), 1),
+    "no in-shot": Unknown(lambda c, _: with_distributors(c, inshot=0.0), Settings(), 1),
+    "no accelerators": Unknown(lambda c, _: with_distributors(c, accelerator_volume=0.0), Settings(), 1),
+    "twice the wall friction": Unknown(None, Settings(friction=2.0), 1),
+    "half of the wall friction": Unknown(None, Settings(friction=0.5), -1),
+    "isothermal air": Unknown(None, Settings(heat=1e3), 1),
+    "adiabatic air": Unknown(None, Settings(heat=0.0), -1),
+    "pipes of 25 mm": Unknown(  # less air has to leave, against more friction
+        lambda c, _: Consist(tuple(replace(v, pipe_diameter=0.025) for v in c.vehicles)), Settings(), 0
+    ),
+}
+
+
+def run(options: Options) -> Report:
+    trains = [(mode, length) for mode, lengths in LENGTHS.items() for length in lengths]
+    found = {one: build_up(consist_of(*one), one[0]) for one in counting(trains, "trains", unit="train")}
+    tries = [(mode, name) for mode in VARIED for name in UNKNOWNS]
+    moved = {(mode, name): shift(mode, name) for mode, name in counting(tries, "unknowns", unit="train")}
+    rows = []
+    for (mode, name), seconds in moved.items():
+        sense = UNKNOWNS[name].later
+        asked = {1: at_least(-0.05), 0: None, -1: at_most(0.05)}[sense]
+        quantity = f"{mode}, {VARIED[mode]:g} m, {name}: moves it by"
+        rows.append(Row(quantity, "s", None, seconds, asked, "the way physics says"))
+    for (mode, length), (seconds, _) in found.items():
+        due = formula(CASES[mode], length)
+        rows.append(Row(f"{mode}, {length:g} m: build-up time", "s", None, seconds, None, f"formula {due:.2f} s"))
+        rows.append(
+            Row(f"{mode}, {length:g} m: over that of the formula", "1", None, seconds / due, None, "SUBSET-026")
+        )
+    largest = max(moved, key=lambda one: moved[one])
+    said = [
+        f"Plain physics builds up in {found['P', 600.0][0]:.1f} s in P at 600 m, where the formula has "
+        f"{formula(CASES['P'], 600.0):.1f} s, and in {found['G', 750.0][0]:.1f} s in G at 750 m for "
+        f"{formula(CASES['G'], 750.0):.1f} s.",
+        f"Of the unknowns '{largest[1]}' moves it most: {moved[largest]:+.1f} s in {largest[0]}.",
+    ]
+    course = found["P", 600.0][1]
+    seconds = sum(WATCHED[mode] for mode, _ in [*trains, *tries])
+    parameters = {"varied": VARIED, "positions": list(MODES)}
+    return Report(rows, course.recording(), lambda: draw(found, moved), parameters, seconds, said)
+
+
+def shift(mode: str, name: str) -> float:
+    """By how much an unknown moves the build-up time [s]."""
+    own, one = consist_of(mode, VARIED[mode]), UNKNOWNS[name]
+    plain, _ = build_up(own, mode)
+    changed, _ = build_up(one.change(own, mode) if one.change else own, mode, one.settings)
+    return changed - plain
+
+
+def draw(found: Mapping[tuple[str, float], tuple[float, Course]], moved: Mapping[tuple[str, str], float]) -> Figure:
+    figure, grid = plt.subplots(1, 2, figsize=(11.0, 4.8))
+    for colour, mark, (mode, lengths) in zip((FOUR[0], FOUR[2], FOUR[3]), "os^", LENGTHS.items(), strict=True):
+        grid[0].plot(
+            lengths, [found[mode, one][0] for one in lengths], mark + "-", color=colour, label=f"{mode}, physics"
+        )
+        fine = np.linspace(lengths[0], lengths[-1], 50)
+        grid[0].plot(fine, [formula(CASES[mode], one) for one in fine], "--", color=colour, label=f"{mode}, formula")
+    grid[0].set(xlabel="length [m]", title="equivalent build-up time [s]")
+    grid[0].legend(fontsize=8)
+    names = list(UNKNOWNS)
+    for offset, colour, mode in ((-0.2, FOUR[0], "P"), (0.2, FOUR[3], "G")):
+        places = np.arange(len(names)) + offset
+        label = f"{mode}, {VARIED[mode]:g} m"
+        grid[1].barh(places, [moved[mode, name] for name in names], 0.38, color=colour, label=label)
+    grid[1].set_yticks(range(len(names)), names, fontsize=8)
+    grid[1].set(xlabel="moves the build-up time by [s]", title="what is not known")
+    grid[1].legend(fontsize=8)
+    return titled(
+        figure, "Plain physics builds up sooner than the conversion model: its formulas hold margins of their own"
+    )
+
+
+SCENARIO = Scenario(
+    "train-build-up", "Build-up time of trains beside the conversion model, and what each unknown moves", run
+)
