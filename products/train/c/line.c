@@ -45,6 +45,7 @@ void line_act(train *self, double step)
 {
     const double *place = motion_place(self->moves), *speed = motion_speed(self->moves);
     double *slope = motion_acting(self->moves, SLOPE), *curve = motion_acting(self->moves, CURVE);
+    if (self->level) return; /* nothing has ever been written there */
     for (long long int i = 0; i < self->vehicles; ++i) {
         const double middle = place[i] + self->centre[i] + speed[i] * step / 2.0, half = self->length[i] / 2.0;
         const double weight = self->mass[i] * GRAVITY;

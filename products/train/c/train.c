@@ -9,7 +9,7 @@
 #include "train_inside.h"
 
 /* A step in which brakes and line stay as they are is as long as waves in the pipe allow, from and to [s]; assumed. */
-static const double SHORTEST = 0.01, LONGEST = 0.05;
+static const double SHORTEST = 0.01, LONGEST = 0.1;
 enum { MOST = 1 << 20 };
 /* Rows of brakes: constants, and three in which all lanes compute. */
 enum { ROWS = BRAKE_GIVEN + 3 };
@@ -74,6 +74,8 @@ static void put_heights(train *self)
     const double *distance = self->line[0], *gradient = self->line[1];
     double *height = self->line[3];
     height[0] = 0.0;
+    self->level = 1;
+    for (long long int i = 0; i < self->points; ++i) self->level &= gradient[i] == 0.0 && self->line[2][i] == 0.0;
     for (long long int i = 1; i < self->points; ++i)
         height[i] = height[i - 1] + (distance[i] - distance[i - 1]) * (gradient[i - 1] + gradient[i]) / 2.0;
 }

@@ -15,7 +15,7 @@ enum { RUN_TIME, RUN_TOLD, RUN_STEP, RUN_SUMS, RUN_VALVES = RUN_SUMS + TRAIN_SUM
 
 struct train {
     long long int vehicles, cells, valves, points, stride;
-    int lanes, depth;
+    int lanes, depth, level; /* level: the line is, and straight */
     double head[TRAIN_HEAD];
     pipe *air;
     motion *moves;
