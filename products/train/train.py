@@ -48,7 +48,7 @@ def sources() -> dict[str, str]:
     texts = pipe.sources()
     for place, functions, name in ((motion, (coupling, rolling, sliding), "motion"), (folder, (braking,), "train")):
         own = Path(place.__file__ or "").parent
-        files = [path for path in sorted(own.glob("*.[ch]")) if path.name != "train_fmu.c"]
+        files = [path for path in sorted(own.glob("*.[ch]")) if not path.name.endswith("_fmu.c")]
         texts |= {path.name: path.read_text(encoding="utf-8") for path in files}
         texts[f"{name}_cells.h"] = "\n".join(function_of_cells(one()) for one in functions)
         for lanes in (1, *WIDTHS):

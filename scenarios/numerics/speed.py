@@ -22,6 +22,7 @@ from scenarios.methods import fmi_overhead, old_and_new, throughput
 from scenarios.methods.environment_throughput import environment_rows
 from scenarios.methods.protected_throughput import protected_rows
 from scenarios.methods.timing import LEVELS, REPEATS, least
+from scenarios.methods.train_pace import train_rows
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, titled
 from scenarios.reporting.report import Report, Row
 from scenarios.scenario import Options, Scenario
@@ -161,6 +162,7 @@ def run(options: Options) -> Report:
         rows.append(Row(what, "us", None, extra, None, aim))
     rows += vehicle_rows()
     rows += throughput.batch_rows() + throughput.control_rows() + protected_rows() + environment_rows()
+    rows += train_rows()
     rows += beginning_rows()
     rows += fmi_overhead.rows(library)
     begin = time.perf_counter()

@@ -1,0 +1,98 @@
+/* One coupler behind the faces of FMI (arrays.h): from the way of its coupling to its tension; curves from
+ * resources/coupler.bin. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "arrays.h"
+#include "coupler_arrays.h"
+#define LANES 1
+#include "lanes.h"
+#include "coupler_cells.h"
+
+/* Between the ways of two steps the coupler goes evenly, in so many parts. */
+enum { PARTS = 64, CONSTANTS = 50, COUPLED_AT = 1 };
+
+struct arrays_object {
+    double values[ARRAYS_MOST]; /* WAY, COUPLED, FORCE, MEAN_FORCE, WORK */
+    double constants[CONSTANTS], rest, way, force;
+};
+
+arrays_object *arrays_create(const char *folder, char problem[ARRAYS_PROBLEM])
+{
+    static const char name[] = "/coupler.bin";
+    arrays_object *self = (arrays_object *)calloc(1, sizeof *self);
+    char *path = (char *)malloc(strlen(folder) + sizeof name);
+    FILE *file = path ? fopen(strcat(strcpy(path, folder), name), "rb") : NULL;
+    const size_t found = file && self ? fread(self->constants, sizeof(double), CONSTANTS, file) : 0;
+    if (file) fclose(file);
+    free(path);
+    if (found == CONSTANTS && self->constants[0] > 0.0) return self;
+    snprintf(problem, ARRAYS_PROBLEM, "The coupler's curves in resources%s cannot be read; build the FMU again.", name);
+    free(self);
+    return NULL;
+}
+
+void arrays_free(arrays_object *self) { free(self); }
+
+double *arrays_values(arrays_object *self, int array, size_t *count)
+{
+    *count = 1;
+    return self->values + array;
+}
+
+void arrays_reset(arrays_object *self)
+{
+    memset(self->values, 0, sizeof self->values);
+    self->values[COUPLED] = 1.0;
+    self->rest = self->way = self->force = 0.0;
+}
+
+/* Tension at a way, and where the locked force is zero from then on. */
+static double pull(arrays_object *self, double way)
+{
+    const double behind = 0.0;
+    double found[2];
+    LANES_NAME(cells_coupling)(&way, &behind, &self->rest, self->constants, found, 1);
+    self->rest = found[1];
+    return found[0];
+}
+
+static void find(arrays_object *self)
+{
+    self->way = self->values[WAY];
+    self->values[FORCE] = self->values[MEAN_FORCE] = self->force = pull(self, self->way);
+}
+
+bool arrays_start(arrays_object *self, double time, char problem[ARRAYS_PROBLEM])
+{
+    (void)time, (void)problem;
+    self->constants[COUPLED_AT] = self->values[COUPLED];
+    self->rest = 0.0;
+    self->values[WORK] = 0.0;
+    find(self);
+    return true;
+}
+
+bool arrays_go(arrays_object *self, double time, double step, char problem[ARRAYS_PROBLEM])
+{
+    (void)time, (void)step, (void)problem;
+    const double begin = self->way, gone = self->values[WAY] - begin;
+    double sum = 0.0, before = self->force;
+    /* Coupled, it holds from when the vehicles touch. */
+    if (self->values[COUPLED] == 0.0 || begin <= 0.0 || self->values[WAY] <= 0.0) self->constants[COUPLED_AT] = self->values[COUPLED];
+    for (int n = 1; n <= PARTS; ++n) {
+        const double force = pull(self, begin + gone * n / PARTS);
+        sum += (before + force) / 2.0 / PARTS;
+        before = force;
+    }
+    self->way = self->values[WAY];
+    self->force = self->values[FORCE] = before;
+    self->values[MEAN_FORCE] = sum;
+    self->values[WORK] += sum * gone;
+    return true;
+}
+
+size_t arrays_numbers(const arrays_object *self) { return sizeof *self / sizeof(double); }
+void arrays_save(const arrays_object *self, double *numbers) { memcpy(numbers, self, sizeof *self); }
+void arrays_load(arrays_object *self, const double *numbers) { memcpy(self, numbers, sizeof *self); }

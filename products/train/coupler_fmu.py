@@ -1,0 +1,50 @@
+"""Coupler.fmu: a coupler alone, from the way of a coupling to its tension; for FMI 2.0 and FMI 3.0."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+
+from fmu_src.arrays_fmu import ArraysInC, ArrayVariable, Lengths, build_arrays_fmu
+from fmu_src.codegen import RUNTIME
+from fmu_src.equations_in_c import function_of_cells
+from products.train.fmu import binaries_of
+from products.train.train import FOLDER
+from rbd_model.train.coupler import Coupler, coupling
+
+NAME = "Coupler"
+WAY = "Way of the coupling from where it is neither long nor short: of the vehicle ahead less that behind"
+ARRAYS = (
+    ArrayVariable("way", "input", "m", WAY, -10.0, 10.0),
+    ArrayVariable("coupled", "input", "1", "1 coupled, once the vehicles touch; 0 only pushed", 0, 1, True),
+    ArrayVariable("force", "output", "N", "Tension at the end of the step, compression below zero"),
+    ArrayVariable("mean_force", "output", "N", "Mean tension on the way of the step"),
+    ArrayVariable("work", "output", "J", "Work that the coupler has taken since the start"),
+)
+
+
+@lru_cache
+def coupler_in_c() -> ArraysInC:
+    """Its object in C with its arrays."""
+    places = f"enum {{ WAY, COUPLED, FORCE, MEAN_FORCE, WORK, ARRAYS_MOST = {len(ARRAYS)} }};\n"
+    own = {"coupler_arrays.h": places, "coupler_cells.h": function_of_cells(coupling())}
+    own["coupler_fmu.c"] = (FOLDER / "coupler_fmu.c").read_text(encoding="utf-8")
+    own |= {path.name: path.read_text(encoding="utf-8") for path in sorted(RUNTIME.glob("lanes*.h"))}
+    return ArraysInC(NAME, "A coupler with friction that sticks, between two vehicles of a train", ARRAYS, own)
+
+
+def build_coupler_fmu(
+    coupler: Coupler,
+    path: Path,
+    version: int = 3,
+    *,
+    all_platforms: bool = False,
+    extras: dict[str, bytes] | None = None,
+) -> None:
+    """Writes the FMU of a coupler, for FMI 2 or 3. extras: more files of the archive. Raises CompilerError."""
+    constants = np.array(coupler.constants(), "<f8")
+    files = {"resources/coupler.bin": constants.tobytes()} | (extras or {})
+    of = Lengths([1] * len(ARRAYS), [[0.0], [1.0], [0.0], [0.0], [0.0]], 0.001, 10.0)
+    build_arrays_fmu(coupler_in_c(), of, path, version, binaries_of(coupler_in_c(), version, all_platforms), files)
