@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from bogie_braking.simulation import Simulation as Simulation
     from bogie_braking.simulation import run as run
     from bogie_braking.sweeping import sweep as sweep
+    from bogie_braking.trains import train as train
     from fmu_src.cosimulation.master import Connection as Connection
     from fmu_src.cosimulation.master import couple as couple
     from fmu_src.cosimulation.recording import Recording as Recording
@@ -52,6 +53,7 @@ _HOMES = {
     "bogie_braking.rare_events": ("rare",),
     "bogie_braking.simulation": ("Simulation", "run"),
     "bogie_braking.sweeping": ("sweep",),
+    "bogie_braking.trains": ("train",),
     "fmu_src.cosimulation.master": ("Connection", "couple"),
     "fmu_src.cosimulation.recording": ("Recording",),
     "fmu_src.cosimulation.slave": ("CosimulationError", "Slave"),

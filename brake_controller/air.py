@@ -33,7 +33,9 @@ def _isentropic(ratio: ca.SX | float) -> ca.SX:
 
 
 def _joined(value: float, slope: float) -> tuple[float, float]:
-    """Coefficients of the difference and of its square that join a law of this value and slope at LAMINAR_DIFFERENCE."""
+    """Coefficients of the difference and of its square that join a law of this value and slope at
+    LAMINAR_DIFFERENCE.
+    """
     d = LAMINAR_DIFFERENCE
     return (2 * value - slope * d) / d, (slope * d - value) / d**2
 

@@ -191,8 +191,8 @@ def ending() -> ca.Function:
 
 
 #: What a driver's valve is at a moment: effective areas that feed, let out, and let out in an emergency [m2], pressure
-#: that it holds and band in which it opens [Pa], pressure and temperature [K] of what feeds it, pressure around it [Pa],
-#: inner areas of the pipe behind and ahead of it [m2], 0 where the pipe ends.
+#: that it holds and band in which it opens [Pa], pressure and temperature [K] of what feeds it, pressure around it
+#: [Pa], inner areas of the pipe behind and ahead of it [m2], 0 where the pipe ends.
 VALVE = (
     *("feeding", "exhaust", "emergency", "held", "band", "supply_pressure", "supply_temperature", "ambient_pressure"),
     *("area_behind", "area_ahead"),
@@ -200,7 +200,9 @@ VALVE = (
 
 
 def _valve_between(at: ca.SX) -> tuple[list[ca.SX], Air, Air, dict[str, ca.SX], ca.SX, ca.SX]:
-    """Symbols; air behind and ahead; the valve; and the mass [kg/s] that it lets out and in at a pressure (ISO 6358-1)."""
+    """Symbols; air behind and ahead; the valve; and the mass [kg/s] that it lets out and in at a pressure (ISO
+    6358-1).
+    """
     (first, behind), (last, ahead) = _air("behind"), _air("ahead")
     given = ca.SX.sym("given", len(VALVE))
     valve = dict(zip(VALVE, ca.vertsplit(given), strict=True))
@@ -219,8 +221,10 @@ def _arriving(air: Air, area: ca.SX, at: ca.SX) -> ca.SX:
 
 
 def tapping() -> ca.Function:
-    """Of a pressure at a driver's valve, of the air behind and ahead of it and of the valve: mass that is missing [kg/s],
-    and its slope; waves from both sides meet the flow through the valve (Toro (2009), section 9.3, and ISO 6358-1).
+    """Of a pressure at a driver's valve, of the air behind and ahead of it and of the valve: mass that is missing
+    [kg/s], and its slope.
+
+    Waves from both sides meet the flow through the valve (Toro (2009), section 9.3, and ISO 6358-1).
     """
     at = ca.SX.sym("at")
     symbols, behind, ahead, valve, out, into = _valve_between(at)

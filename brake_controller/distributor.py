@@ -122,8 +122,8 @@ def fastest_change(p: DistributorParameters) -> float:
     """How fast a state comes to rest at most [1/s]: an explicit step of more than two over it lies.
 
     A choke of an area A into a volume V: sqrt(R T) A / V times the steepest slope of the flow (ISO 6358-1); behind a
-    relay, the choked flow over the relay's band, if that is more: a flow is steep where there is next to none. No cylinder
-    fills and empties at once.
+    relay, the choked flow over the relay's band, if that is more: a flow is steep where there is next to none. No
+    cylinder fills and empties at once.
     """
     specific = GAS_CONSTANT * WALL
     steepest = 2 * _flow_of_a_metre(1.0, 1.0 - LAMINAR_DIFFERENCE) / LAMINAR_DIFFERENCE
@@ -160,7 +160,8 @@ def _accelerating(p: dict[str, ca.SX], line: ca.SX, chamber: ca.SX, brakes: ca.S
     return into - (chamber - AMBIENT) * pace * (1 - brakes), into * p["accelerator_volume"] / (GAS_CONSTANT * WALL)
 
 
-#: What wheel-slide protection commands, as shares: no air into the cylinder nor out; the cylinder open to the surroundings.
+#: What wheel-slide protection commands, as shares: no air into the cylinder nor out; the cylinder open to the
+#: surroundings.
 COMMANDED = ("held", "vented")
 
 
@@ -212,8 +213,8 @@ def empirical() -> ca.Function:
     """As `distributing`, of a valve that follows the pipe and takes nothing from it but what its accelerator takes.
 
     The cylinder fills from 5 bar and empties by its chokes, as ISO 6358-1 has it with sqrt(1 - y^2) as 1 - y^2 / 2, and
-    comes to what is wanted with EMPIRICAL_PACE; the auxiliary reservoir stays full; the control chamber fills with a time
-    constant of its choke. Without the roots and volumes of the whole valve; fails where a reservoir is not full.
+    comes to what is wanted with EMPIRICAL_PACE; the auxiliary reservoir stays full; the control chamber fills with a
+    time constant of its choke. Without the roots and volumes of the whole valve; fails where a reservoir is not full.
     """
     symbols, states, pipe, p = _given()
     control, accelerator, auxiliary, cylinder = ca.vertsplit(states)

@@ -1,7 +1,7 @@
 """The driver's brake valve: a relay that holds the pipe at a pressure which the driver commands.
 
-Values of Dako BS2 as train simulators print them: it feeds through 22 mm less a core of 10 mm, lets out through 10 mm and, in
-an emergency, through an annulus of 26 and 8 mm; 5.4 bar of overcharge fall to 5 bar within 180 s.
+Values of Dako BS2 as train simulators print them: it feeds through 22 mm less a core of 10 mm, lets out through 10 mm
+and, in an emergency, through an annulus of 26 and 8 mm; 5.4 bar of overcharge fall to 5 bar within 180 s.
 """
 
 from __future__ import annotations
@@ -37,7 +37,9 @@ class DriversValve(ParameterSet):
     )
 
     def numbers(self, face: int, place: float, delay: float) -> list[float]:
-        """As C takes them (products/train/c/train.h); face: of the pipe; place: from the head [m]; delay: [s], or below 0."""
+        """As C takes them (products/train/c/train.h); face: of the pipe; place: from the head [m]; delay: [s], or
+        below 0.
+        """
         areas = [DISCHARGE * area for area in (self.feeding_area, self.exhaust_area, self.emergency_area)]
         levels = [self.running + AMBIENT, self.overcharge + AMBIENT, self.first_step, self.full_service]
         paces = [self.service_rate, self.release_rate, self.overcharge_rate, self.emergency_rate]

@@ -36,9 +36,10 @@ _BRAKING = braking()
 class TrainVehicle:
     """A vehicle: masses [kg], lengths [m], resistance a + b v + c v^2 [N, N.s/m, N.s2/m2].
 
-    braked_share: of its weight on braked wheels. distributor_at: where it takes air, as a share of its length. valve: of a
-    driver, at its front end (at its back end where it is the last); leads: it is the head's; valve_delay: how long it follows the first valve of the train behind it [s], below 0: it does not.
-    leak: effective area of the leaks of its pipe [m2].
+    braked_share: of its weight on braked wheels. distributor_at: where it takes air, as a share of its length. valve:
+    of a driver, at its front end (at its back end where it is the last); leads: it is the head's; valve_delay: how
+    long it follows the first valve of the train behind it [s], below 0: it does not. leak: effective area of the leaks
+    of its pipe [m2].
     """
 
     kind: str
@@ -172,7 +173,9 @@ class Consist:
 
 
 def block_train(wagons: int, load: float = 60e3, position: str = "P", fast_from: int = 0, **changes: object) -> Consist:
-    """A locomotive and equal wagons; fast_from: how many vehicles at the head brake in position G; changes: of wagons."""
+    """A locomotive and equal wagons; fast_from: how many vehicles at the head brake in position G; changes: of
+    wagons.
+    """
     own = [replace(wagon(load, position), **changes) for _ in range(wagons)]  # type: ignore[arg-type]
     everything = [locomotive(0.0, position), *own]
     return Consist(

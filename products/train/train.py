@@ -1,4 +1,6 @@
-"""A train as an object in Python: a consist on a line, driven by its brake valves; C does the work (products/train/c/)."""
+"""A train as an object in Python: a consist on a line, driven by its brake valves; C does the work
+(products/train/c/).
+"""
 
 from __future__ import annotations
 
@@ -15,6 +17,7 @@ from brake_controller.distributor import AMBIENT
 from brake_controller.drivers_valve import POSITIONS
 from brake_controller.vehicle_brake import braking
 from fmu_src.compile import plain_library
+from fmu_src.cosimulation.recording import Recording
 from fmu_src.equations_in_c import WIDTHS, function_of_cells
 from products.train import c as folder
 from products.train import pipe
@@ -40,6 +43,16 @@ OUTPUTS = (
     "coupler_force",
     "mean_coupler_force",
 )
+#: Of the outputs that are recorded.
+UNITS = {
+    "distance": "m",
+    "speed": "m/s",
+    "wheel_speed": "m/s",
+    "pipe_pressure": "Pa",
+    "cylinder_pressure": "Pa",
+    "rail_force": "N",
+    "coupler_force": "N",
+}
 SUMS = ("time", "largest_tension", "largest_tension_at", "largest_compression", "largest_compression_at", "air_used")
 
 
@@ -142,6 +155,29 @@ class Train:
         if self._call.train_go(self._own, time):
             raise ValueError(f"The train came to no finite state within {time:g} s; look at what was set.")
 
+    def record(self, seconds: float, interval: float = 0.1) -> Recording:
+        """Goes on for so long, or until all stand, and gives every output of each vehicle, `speed[1]` the head's.
+
+        interval [s]. Pressures are gauge pressures.
+        """
+        if not (0.0 < interval < np.inf and 0.0 <= seconds < np.inf):
+            raise ValueError(f"Record at intervals above 0 s: it was {interval} s for {seconds} s.")
+        units = {"time": "s"} | {name: unit for one, unit in UNITS.items() for name in self._names(one)}
+        rows = [self._row()]
+        for _ in range(round(seconds / interval)):
+            moving = bool(self.speed.any())
+            self.advance(interval)
+            rows.append(self._row())
+            if moving and not self.speed.any():
+                break
+        return Recording(units, np.array(rows))
+
+    def _names(self, output: str) -> list[str]:
+        return [f"{output}[{n + 1}]" for n in range(len(self.outputs[output]))]
+
+    def _row(self) -> NDArray[np.float64]:
+        return np.concatenate([[self.time], *(getattr(self, name) for name in UNITS)])
+
     def __getattr__(self, name: str) -> Any:
         if name in OUTPUTS:
             values = self.outputs[name]
@@ -163,7 +199,9 @@ class Train:
 
     @property
     def motion(self) -> NDArray[np.float64]:
-        """Places beside those of neutral couplers [m], speeds, speeds of wheels [m/s], rests of couplers [m]; (4, n)."""
+        """Places beside those of neutral couplers [m], speeds, speeds of wheels [m/s], rests of couplers [m]; (4,
+        n).
+        """
         found = np.empty((4, len(self.consist.vehicles)))
         self._call.train_motion(self._own, found.ctypes.data)
         return found

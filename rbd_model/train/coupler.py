@@ -18,8 +18,8 @@ from fmu_src.chain import function_of
 
 #: Points of a curve at most, with the one that a preload adds.
 POINTS = 6
-#: Constants of a coupler: locked stiffness [N/m], whether it is coupled, and four curves: tension loading and unloading,
-#: compression loading and unloading, each as ways [m] and changes of slope [N/m].
+#: Constants of a coupler: locked stiffness [N/m], whether it is coupled, and four curves: tension loading and
+#: unloading, compression loading and unloading, each as ways [m] and changes of slope [N/m].
 COUPLER_CONSTANTS = 2 + 4 * 2 * POINTS
 
 
@@ -89,9 +89,9 @@ def _scaled(curve: Curve, share: float) -> Curve:
 def screw_coupler() -> Coupler:
     """Screw coupler with side buffers of 105 mm, two beside and two behind each other; wagons in Europe.
 
-    Assumed: the middle of the forces that are known of buffers of categories A and B, 30 kN at rest, 80 at 25 mm, 250 at
-    60, 675 at 105; that friction takes half of the energy (at least 0.42 is asked for); draw gear of 20 kN at rest and 400
-    kN at 60 mm; 50 MN/m where the friction holds.
+    Assumed: the middle of the forces that are known of buffers of categories A and B, 30 kN at rest, 80 at 25 mm, 250
+    at 60, 675 at 105; that friction takes half of the energy (at least 0.42 is asked for); draw gear of 20 kN at rest
+    and 400 kN at 60 mm; 50 MN/m where the friction holds.
     """
     compression = Curve((0.0, 0.05, 0.12, 0.21), (60e3, 160e3, 500e3, 1350e3))
     tension = Curve((0.0, 0.06), (20e3, 400e3))

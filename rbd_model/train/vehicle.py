@@ -13,7 +13,8 @@ from fmu_src.chain import function_of
 #: Standard gravity [m/s2] (ISO 80000-3).
 GRAVITY = 9.80665
 #: Constants of a vehicle's motion: mass and rotating mass at the rim [kg]; weight on its braked wheels [N]; share of
-#: friction that is left at high speed of sliding [1], and its fall [s/m] (Polach (2005)); resistance [N], [N.s/m], [N.s2/m2].
+#: friction that is left at high speed of sliding [1], and its fall [s/m] (Polach (2005)); resistance [N], [N.s/m],
+#: [N.s2/m2].
 VEHICLE_CONSTANTS = (
     "mass",
     "rotating_mass",
@@ -24,8 +25,8 @@ VEHICLE_CONSTANTS = (
     "linear",
     "square",
 )
-#: What acts on a vehicle in a step: forces of gravity and of motors, capacity of its brake [N], friction of its rail [1], resistance
-#: of a curve [N].
+#: What acts on a vehicle in a step: forces of gravity and of motors, capacity of its brake [N], friction of its rail
+#: [1], resistance of a curve [N].
 ACTING = ("slope", "pull", "brake", "friction", "curve")
 #: Below which no force divides anything [N].
 LEAST_FORCE = 1e-9
@@ -53,10 +54,11 @@ def _resistance(p: dict[str, ca.SX]) -> ca.SX:
 
 
 def rolling() -> ca.Function:
-    """Of a vehicle whose wheels roll: its speed behind a step; by how much its rail is asked too much [N]; what it is asked.
+    """Of a vehicle whose wheels roll: its speed behind a step; by how much its rail is asked too much [N]; what it is
+    asked.
 
-    (m + m_r) dv = h (F_ahead - F_behind + slope + pull), less what brakes and resistance take (Moreau (1988)). The rail is
-    asked for pull, brake and m_r dv / h, and gives mu N; a wheel that slides asks too much by 1 N.
+    (m + m_r) dv = h (F_ahead - F_behind + slope + pull), less what brakes and resistance take (Moreau (1988)). The rail
+    is asked for pull, brake and m_r dv / h, and gives mu N; a wheel that slides asks too much by 1 N.
     """
     symbols, p = _given()
     whole, resistance, step = p["mass"] + p["rotating_mass"], _resistance(p), p["step"]
@@ -72,8 +74,8 @@ def rolling() -> ca.Function:
 def sliding() -> ca.Function:
     """Of a vehicle whose wheels slide: its speed and theirs at the rim behind a step, and what the rail gives [N].
 
-    m dv = h (F + H), m_r dw = h (pull - H), H = +-mu N against the sliding, mu as Polach (2005) has it; wheels and vehicle
-    whose speeds meet go on together with their momentum (Moreau (1988)).
+    m dv = h (F + H), m_r dw = h (pull - H), H = +-mu N against the sliding, mu as Polach (2005) has it; wheels and
+    vehicle whose speeds meet go on together with their momentum (Moreau (1988)).
     """
     symbols, p = _given()
     asked = function_of("rolling", symbols, rolling()(*symbols)[2])(*symbols)

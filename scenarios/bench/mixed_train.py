@@ -27,8 +27,8 @@ ROTATING = 4 * COACH.wheelset_pitch_inertia / COACH.wheel_radius**2 / MASS
 PLACE, VEHICLES, SPEED = 5, 12, 27.78
 #: Speed of what the couplers pull at, by level.
 PULLED = {1: "state_speed", 2: "state_body_speed"}
-#: Ways: its speed is held in a macro step; the same with the mean force of the step; goes on as in the step before; both
-#: sides take values of the step before (Jacobi); the train carries a vehicle of its mass, corrected by its speed.
+#: Ways: its speed is held in a macro step; the same with the mean force of the step; goes on as in the step before;
+#: both sides take values of the step before (Jacobi); the train carries a vehicle of its mass, corrected by its speed.
 WAYS = ("held", "mean", "extrapolated", "jacobi", "corrected")
 #: Kept beside 1: eigenvalues that only say that place and speed of the whole have no steady value.
 NEUTRAL = 1e-6
@@ -193,8 +193,9 @@ def boundary(way: str, stiffness: float, vehicle: Linear, least: float = 1e-4, m
 
 # ---- as it runs ------------------------------------------------------------------------------------------------------
 
-#: Steps of a run that shows whether a disturbance [m/s] grows, its last quarter held against the one before; of 'corrected',
-#: which begins to grow slowly; steps of the couplers, of their limit; and how close to the boundary it is looked for [1].
+#: Steps of a run that shows whether a disturbance [m/s] grows, its last quarter held against the one before; of
+#: 'corrected', which begins to grow slowly; steps of the couplers, of their limit; and how close to the boundary it is
+#: looked for [1].
 STEPS, SLOW, DISTURBANCE, FINE, RESOLUTION = 600, 6000, 1e-3, 0.05, 0.01
 
 

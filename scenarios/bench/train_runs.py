@@ -26,7 +26,9 @@ def train_of(length: float, **values: object) -> Consist:
 
 @dataclass(frozen=True)
 class Course:
-    """By time [s] and vehicle or coupling: gauge pressures [Pa], tension [N], speed [m/s], distance [m], speed of wheels."""
+    """By time [s] and vehicle or coupling: gauge pressures [Pa], tension [N], speed [m/s], distance [m], speed of
+    wheels.
+    """
 
     time: Numbers
     pipe: Numbers

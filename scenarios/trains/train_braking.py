@@ -1,4 +1,6 @@
-"""Emergency and full service of freight trains from 400 to 1500 m: pressures along the pipe, forces of couplers, distances."""
+"""Emergency and full service of freight trains from 400 to 1500 m: pressures along the pipe, forces of couplers,
+distances.
+"""
 
 from __future__ import annotations
 
@@ -70,8 +72,8 @@ def run(options: Options) -> Report:
     parameters = {"speed": SPEED, "wagon": "80 t, 14 m, composite blocks", "mode": list(MODES)}
     force = {mode: 1e-3 * train.largest_compression for mode, (train, _) in drawn.items()}
     said = [
-        f"An emergency of {DRAWN:g} m compresses couplers by {force['P']:.0f} kN in P, {force['five in G']:.0f} kN with five "
-        f"vehicles in G at the head, {force['G']:.0f} kN in G: the head brakes before the end.",
+        f"An emergency of {DRAWN:g} m compresses couplers by {force['P']:.0f} kN in P, "
+        f"{force['five in G']:.0f} kN with five vehicles in G at the head, {force['G']:.0f} kN in G: the head brakes before the end.",
     ]
     series = drawn["P"][1].recording()
     return Report(rows, series, lambda: draw(drawn), parameters, seconds, said)
@@ -137,7 +139,7 @@ def point(length: float = DRAWN, load: float = 60e3, position: float = 0.0) -> d
 
 SCENARIO = Scenario(
     "train-braking",
-    "Emergency and full service of freight trains of 400 to 1500 m in P, G and mixed: pressures, coupler forces, distances",
+    "Emergency and full service of freight trains in P, G and mixed: pressures, coupler forces, distances",
     run,
     sweep=Sweepable(
         {"length": "m", "load": "kg", "position": "1"},

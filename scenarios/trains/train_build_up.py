@@ -12,7 +12,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from matplotlib.figure import Figure
 
-from brake_controller.brake_weight import Case, build_up_time as formula
+from brake_controller.brake_weight import Case
+from brake_controller.brake_weight import build_up_time as formula
 from brake_controller.distributor import filling_choke, freight
 from products.train.consist import Consist
 from products.train.numbers import Settings

@@ -1,4 +1,6 @@
-"""A wagon runs against a standing train and couples: largest force over its speed, with screw couplers and draft gears."""
+"""A wagon runs against a standing train and couples: largest force over its speed, with screw couplers and draft
+gears.
+"""
 
 from __future__ import annotations
 
@@ -68,9 +70,8 @@ def run(options: Options) -> Report:
         rows.append(Row(f"{name}, {speed:g} m/s: compression", "kN", None, 1e-3 * train.largest_compression, None, ""))
         rows.append(Row(f"{name}, {speed:g} m/s: tension after it", "kN", None, 1e-3 * train.largest_tension, None, ""))
     force = {name: [found[name, v][0].largest_compression for v in SPEEDS] for name in names}
-    said = [
-        f"At 3 m/s side buffers take {1e-3 * force['screw'][-1]:.0f} kN, draft gears {1e-3 * force['draft-gear'][-1]:.0f} kN."
-    ]
+    screw, gear = (1e-3 * force[name][-1] for name in names)
+    said = [f"At 3 m/s side buffers take {screw:.0f} kN, draft gears {gear:.0f} kN: their strokes are used up."]
     parameters = {"standing": STANDING, "mass": 80e3, "gap": GAP}
     series = found["screw", 2.0][1].recording()
     return Report(rows, series, lambda: draw(force), parameters, LONG * len(tries), said)

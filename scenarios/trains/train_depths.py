@@ -101,7 +101,7 @@ def run(options: Options) -> Report:
     said = [
         f"Empirical valves on half a cell a vehicle err by {100 * cheap.distance:.1f} % of the distance and "
         f"{100 * cheap.force:.1f} % of the compression at {pace['empirical, half a cell']:.0f} times real time.",
-        "A delay errs by a quarter of the distance in service of 1200 m: the pipe, not its propagation, sets the pace there.",
+        "A delay errs by a quarter of the distance in service of 1200 m: the pipe sets the pace there.",
     ]
     series = Recording({"time": "s", "distance_error": "1", "force_error": "1", "pace": "1"}, _rows_of(held))
     seconds = len(tries) * 40.0

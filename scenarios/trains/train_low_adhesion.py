@@ -1,4 +1,6 @@
-"""A passenger train on a low rail: its first vehicles slide and clean the rail for the others, each with its protection."""
+"""A passenger train on a low rail: its first vehicles slide and clean the rail for the others, each with its
+protection.
+"""
 
 from __future__ import annotations
 
@@ -46,9 +48,9 @@ WAYS = {
 def train_of(friction: float) -> Train:
     """Locomotive and coaches; friction falls with sliding as that of a low rail does (Polach 2005)."""
     law = low().law.values()
-    falls = {"friction_left": law["friction_ratio"], "friction_fall": law["friction_decay"]}
+    left, fall = law["friction_ratio"], law["friction_decay"]
     vehicles = (locomotive(), *[coach()] * COACHES)
-    train = Train(Consist(tuple(replace(one, **falls) for one in vehicles)), speed=SPEED)
+    train = Train(Consist(tuple(replace(one, friction_left=left, friction_fall=fall) for one in vehicles)), speed=SPEED)
     train.inputs["friction"][:] = friction
     return train
 
@@ -149,8 +151,8 @@ def run(options: Options) -> Report:
             Row(f"low, protected: mean friction under vehicle {n}", "1", None, float(value), None, "assumed recovery")
         )
     said = [
-        f"Cleaned by those ahead the train stops after {distance['low, protected']:.0f} m, on a rail that stays dirty after "
-        f"{distance['low, protected, rail stays dirty']:.0f} m, dry after {distance['dry']:.0f} m.",
+        f"Cleaned by those ahead the train stops after {distance['low, protected']:.0f} m, on a rail that "
+        f"stays dirty after {distance['low, protected, rail stays dirty']:.0f} m, dry after {distance['dry']:.0f} m.",
     ]
     seconds = float(sum(one.course.time[-1] for one in found.values()))
     parameters = {"coaches": COACHES, "speed": SPEED, "vents": VENTS, "applies": APPLIES}

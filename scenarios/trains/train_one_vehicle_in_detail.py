@@ -1,4 +1,6 @@
-"""One vehicle of a train in detail, the others as points: where the coupling of both lies, and the way that does not."""
+"""One vehicle of a train in detail, the others as points: where the coupling of both lies, and the way that does
+not.
+"""
 
 from __future__ import annotations
 
@@ -23,8 +25,8 @@ from scenarios.bench.mixed_train import (
     linear_vehicle,
     mixed,
 )
-from scenarios.reporting.plots import FOUR, plt, titled
 from scenarios.reporting.plots import BOGIE as GREY
+from scenarios.reporting.plots import FOUR, plt, titled
 from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, at_most, near
 from scenarios.scenario import Options, Scenario

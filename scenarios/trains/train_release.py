@@ -1,4 +1,6 @@
-"""Release after full service: how late the end lets go, what an overcharge gains, and what runs through the couplers."""
+"""Release after full service: how late the end lets go, what an overcharge gains, and what runs through the
+couplers.
+"""
 
 from __future__ import annotations
 

@@ -39,7 +39,9 @@ def standing(gradient: float, leak: float) -> tuple[Train, Course]:
 
 
 def holding_pressure(gradient: float) -> float:
-    """Mean gauge pressure [Pa] at which brakes and rolling resistance hold the weight's part along the track, statics."""
+    """Mean gauge pressure [Pa] at which brakes and rolling resistance hold the weight's part along the track,
+    statics.
+    """
     train = block_train(WAGONS)
     slope = sum(one.mass * 9.80665 * gradient - one.resistance[0] for one in train.vehicles)
 
@@ -59,7 +61,9 @@ def holding_pressure(gradient: float) -> float:
 
 
 def leaking(pressure: float, leak: float) -> float:
-    """Mass flow [kg/s] through a hole of a diameter [m] into the open, isentropic and choked (Saint-Venant and Wantzel)."""
+    """Mass flow [kg/s] through a hole of a diameter [m] into the open, isentropic and choked (Saint-Venant and
+    Wantzel).
+    """
     ratio = max(AMBIENT / pressure, (2 / 2.4) ** 3.5)
     shape = math.sqrt(7.0 * (ratio ** (2 / 1.4) - ratio ** (2.4 / 1.4)))
     return DISCHARGE * math.pi / 4 * leak**2 * pressure / math.sqrt(GAS * WARM) * shape
@@ -99,10 +103,8 @@ def run(options: Options) -> Report:
         before = course.speed[: max(int(moves.argmax()) - 1, 1)]
         rows.append(Row(f"{name}: speed before", "m/s", None, float(np.abs(before).max()), at_most(0.0), "it stands"))
     drawn = found[GRADIENTS[1], LEAKS[1]]
-    hours = {one: float(course.time[-1]) / 60 for one, (_, course) in found.items()}
-    said = [
-        f"With holes of 1 mm in each cylinder air alone holds the train on 25 permille for {hours[GRADIENTS[1], LEAKS[1]]:.0f} minutes."
-    ]
+    minutes = float(found[GRADIENTS[1], LEAKS[1]][1].time[-1]) / 60
+    said = [f"With holes of 1 mm in each cylinder air alone holds it on 25 permille for {minutes:.0f} minutes."]
     seconds = float(sum(course.time[-1] for _, course in found.values()))
     parameters = {"wagons": WAGONS, "gradients": list(GRADIENTS), "leaks": list(LEAKS)}
     return Report(rows, drawn[1].recording(), lambda: draw(found), parameters, seconds, said)

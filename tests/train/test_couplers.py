@@ -1,4 +1,6 @@
-"""Couplers and the motion of vehicles against closed forms: collisions, balances, statics, the limit of explicit steps."""
+"""Couplers and the motion of vehicles against closed forms: collisions, balances, statics, the limit of explicit
+steps.
+"""
 
 from __future__ import annotations
 
@@ -152,7 +154,9 @@ def gradients(rows: list[tuple[float, float]]) -> Line:
 
 @pytest.mark.parametrize(("slope", "sense"), [(0.01, 1.0), (-0.01, -1.0)])
 def test_a_train_across_a_crest_or_a_sag_carries_the_weight_of_its_halves(slope: float, sense: float) -> None:
-    """Tension on a crest, compression in a sag: m g sin of all vehicles beyond; the mean over swings without damping."""
+    """Tension on a crest, compression in a sag: m g sin of all vehicles beyond; the mean over swings without
+    damping.
+    """
     consist = Consist(chain([MASS] * 10, spring(5e6), depth="delay").consist.vehicles)
     line = gradients([(-1000.0, slope), (-75.01, slope), (-74.99, -slope), (1000.0, -slope)])
     train = Train(consist, line=line, settings=Settings(depth="delay"))

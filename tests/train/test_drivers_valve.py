@@ -102,7 +102,9 @@ def test_a_hose_that_parts_brakes_both_parts() -> None:
 
 @pytest.mark.parametrize("where", [5, 10])
 def test_a_second_valve_helps_as_soon_as_its_radio_lets_it(where: int) -> None:
-    """In the middle or at the end. Until its radio tells it to brake it feeds the pipe, and holds the brake off in the middle."""
+    """In the middle or at the end. Until its radio tells it to brake it feeds the pipe, and holds the brake off in the
+    middle.
+    """
     vehicles = list(block_train(10).vehicles)
     begun = []
     for delay in (None, 0.0, 1.0):
@@ -155,7 +157,7 @@ def test_a_drivers_position_out_of_range_is_refused() -> None:
     one = train(1)
     with pytest.raises(ValueError, match="Set a driver's valve to one of shut-off, running, overcharge, service, emer"):
         one.drive("full")
-    with pytest.raises(ValueError, match="Set a step of service from 0, the first, to 1, full service: it was 1.2."):
+    with pytest.raises(ValueError, match=r"Set a step of service from 0, the first, to 1, full service: it was 1.2."):
         one.drive("service", 1.2)
 
 
