@@ -239,7 +239,7 @@ def tapped() -> ca.Function:
     What leaves has the temperature of the side that it comes from, what enters mixes with what passes.
     """
     at = ca.SX.sym("at")
-    symbols, behind, ahead, valve, out, into = _valve_between(at)
+    symbols, behind, ahead, valve, _, into = _valve_between(at)
     mirrored = Air(ahead.density, -ahead.speed, ahead.pressure)
     arrive = [_arriving(behind, valve["area_behind"], at), _arriving(mirrored, valve["area_ahead"], at)]
     here = [HEAT_CAPACITY * air.temperature + air.speed**2 / 2 for air in (behind, ahead)]

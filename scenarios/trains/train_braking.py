@@ -73,7 +73,8 @@ def run(options: Options) -> Report:
     force = {mode: 1e-3 * train.largest_compression for mode, (train, _) in drawn.items()}
     said = [
         f"An emergency of {DRAWN:g} m compresses couplers by {force['P']:.0f} kN in P, "
-        f"{force['five in G']:.0f} kN with five vehicles in G at the head, {force['G']:.0f} kN in G: the head brakes before the end.",
+        f"{force['five in G']:.0f} kN with five vehicles in G at the head, {force['G']:.0f} kN in G: "
+        "the head brakes before the end.",
     ]
     series = drawn["P"][1].recording()
     return Report(rows, series, lambda: draw(drawn), parameters, seconds, said)
