@@ -8,10 +8,19 @@
 
 enum { ELEMENTS = 65536 };
 
+/* The sentence is the format itself, so that hosts that do not expand arguments show it too; hence % is doubled. */
 static void tell(const arrays_component *self, arrays_status status, const char *sentence)
 {
     const char *category[] = {"events", "logStatusWarning", "logStatusDiscard", "logStatusError"};
-    ((fmi2CallbackLogger)self->logger)(self->environment, self->name, (fmi2Status)status, category[status], sentence);
+    char text[2 * ARRAYS_PROBLEM]; /* even of nothing but % */
+    size_t length = 0;
+    for (const char *c = sentence; *c; ++c) {
+        if (*c == '%') text[length++] = '%';
+        text[length++] = *c;
+    }
+    text[length] = '\0';
+    const char *name = self->name ? self->name : "";
+    ((fmi2CallbackLogger)self->logger)(self->environment, name, (fmi2Status)status, category[status], text);
 }
 
 #define REQUIRE(phases, function)                           \
@@ -94,11 +103,11 @@ fmi2Status fmi2Reset(fmi2Component c)
     {                                                                                                         \
         REQUIRE(ALWAYS, #function);                                                                           \
         if (count && (!vr || !value)) return error(self, #function ": give places for the values.");          \
-        for (size_t i = 0; i < count; ++i) {                                                                  \
-            const double *found = arrays_find(self, vr[i] / ELEMENTS, vr[i] % ELEMENTS, whole, #function);    \
-            if (!found) return fmi2Error;                                                                     \
-            value[i] = (type)found[vr[i] % ELEMENTS];                                                         \
-        }                                                                                                     \
+        for (size_t i = 0; i < count; ++i)                                                                    \
+            if (!arrays_find(self, vr[i] / ELEMENTS, vr[i] % ELEMENTS, whole, #function)) return fmi2Error;   \
+        arrays_settle(self);                                                                                  \
+        for (size_t i = 0; i < count; ++i)                                                                    \
+            value[i] = (type)arrays_find(self, vr[i] / ELEMENTS, vr[i] % ELEMENTS, whole, #function)[vr[i] % ELEMENTS]; \
         return fmi2OK;                                                                                        \
     }
 #define SET(function, type, whole)                                                                            \
@@ -111,6 +120,7 @@ fmi2Status fmi2Reset(fmi2Component c)
             if (!arrays_find(self, array, element, whole, #function)) return fmi2Error;                       \
             if (!arrays_settable(self, array, element, (double)value[i])) return fmi2Error;                   \
         }                                                                                                     \
+        self->stale = true;                                                                                   \
         for (size_t i = 0; i < count; ++i)                                                                    \
             arrays_find(self, vr[i] / ELEMENTS, vr[i] % ELEMENTS, whole, #function)[vr[i] % ELEMENTS] = (double)value[i]; \
         return fmi2OK;                                                                                        \
@@ -155,39 +165,31 @@ fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state)
 fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state)
 {
     REQUIRE(ALWAYS, "fmi2GetFMUstate");
-    return state ? (fmi2Status)arrays_keep(self, state) : error(self, "fmi2GetFMUstate: give a place for the state.");
+    return (fmi2Status)arrays_keep(self, state);
 }
 
 fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state)
 {
     REQUIRE(ALWAYS, "fmi2SetFMUstate");
-    return state ? (fmi2Status)arrays_take_back(self, state) : error(self, "fmi2SetFMUstate: give a state that was saved.");
+    return (fmi2Status)arrays_take_back(self, state);
 }
 
 fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate state, size_t *size)
 {
     REQUIRE(ALWAYS, "fmi2SerializedFMUstateSize");
-    if (!state || !size) return error(self, "fmi2SerializedFMUstateSize: give a state and a place for its size.");
-    *size = arrays_bytes(self);
-    return fmi2OK;
+    return (fmi2Status)arrays_size(self, state, size);
 }
 
 fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size)
 {
     REQUIRE(ALWAYS, "fmi2SerializeFMUstate");
-    if (!state || !bytes || size < arrays_bytes(self)) return error(self, "fmi2SerializeFMUstate: give room for the whole state.");
-    memcpy(bytes, state, arrays_bytes(self));
-    return fmi2OK;
+    return (fmi2Status)arrays_serialise(self, state, bytes, size);
 }
 
 fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state)
 {
     REQUIRE(ALWAYS, "fmi2DeSerializeFMUstate");
-    if (!state || !arrays_is_state(self, bytes, size)) return fmi2Error;
-    if (!*state) *state = malloc(size);
-    if (!*state) return error(self, "There is no memory for a saved state.");
-    memcpy(*state, bytes, size);
-    return fmi2OK;
+    return (fmi2Status)arrays_deserialise(self, bytes, size, state);
 }
 
 /* ---- what this FMU does not offer ---- */
