@@ -52,6 +52,7 @@ struct arrays_component {
     arrays_object *object;
     arrays_phase now;
     double start, time;
+    arrays_status failed; /* what a step has that leads nowhere */
     bool stale; /* while it initialises: outputs are not those of what was set */
     char *name;
     const char *standard; /* which section lists the calls that are allowed */

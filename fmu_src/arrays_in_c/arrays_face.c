@@ -154,7 +154,7 @@ arrays_status arrays_step(arrays_component *self, double time, double step)
         return arrays_say(self, ARRAYS_ERROR, "Give doStep a finite time and a step above 0 s: they were %g s and %g s.", time, step);
     if (fabs(time - self->time) > ROUNDING * fmax(1.0, fabs(time)) + 1e-3 * step)
         return arrays_say(self, ARRAYS_ERROR, "Go on from where the last step ended, %g s: this one began at %g s.", self->time, time);
-    if (!arrays_go(self->object, time, step, problem)) return arrays_say(self, ARRAYS_DISCARD, "%s", problem);
+    if (!arrays_go(self->object, time, step, problem)) return arrays_say(self, self->failed, "%s", problem);
     self->time = time + step;
     return ARRAYS_OK;
 }

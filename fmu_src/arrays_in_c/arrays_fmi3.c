@@ -37,6 +37,7 @@ static arrays_component log_of(fmi3String name, fmi3InstanceEnvironment environm
     memset(&log, 0, sizeof log);
     log.name = (char *)name;
     log.standard = "FMI 3.0, section 4.2.1";
+    log.failed = ARRAYS_DISCARD;
     log.tell = tell;
     log.logger = (void (*)(void))logger;
     log.environment = environment;
