@@ -130,13 +130,13 @@ static int any_bytes(host *h, host *hosts)
     if (!from->bytes) from->bytes = look(from, &from->size);
     const size_t at = random_number((unsigned)from->size), cut = random_number(4) ? 0 : random_number((unsigned)from->size) + 1;
     const unsigned char bit = (unsigned char)(random_number(3) ? 0 : 1 << random_number(8));
-    const int own = strcmp(from->folder, h->folder) == 0;
+    const int own = strcmp(from->folder, h->folder) == 0, taken = *state != NULL; /* maybe by another train's */
     unsigned char *copy = malloc(from->size - cut + 1); /* so short that a sanitizer sees what is read beyond */
     if (!copy) exit(2);
     memcpy(copy, from->bytes, from->size - cut);
     if (at < from->size - cut) copy[at] ^= bit;
     const int status = read_bytes(h, copy, from->size - cut, state);
-    promise((status == 0) == (own && !cut && !bit), "only bytes of the same train, as they were, are taken");
+    promise((status == 0) == (own && !cut && !bit) || (status && taken), "only bytes of the same train, as they were, are taken");
     free(copy);
     return status;
 }
@@ -284,7 +284,7 @@ static int act(host *h, host *hosts)
     if (choice < 25) return doing = "set", h->three ? set_or_get3(h, 1) : set_or_get2(h, 1);
     if (choice < 40) return doing = "get", h->three ? set_or_get3(h, 0) : set_or_get2(h, 0);
     if (choice < 70) return doing = "step", any_step(h);
-    if (choice < 76) return doing = "keep", keep(h, &h->state[random_number(STATES)]);
+    if (choice < 76) return doing = "keep", keep(h, &other->state[random_number(STATES)]);
     if (choice < 82) return doing = "take back", take_back(h, other->state[random_number(STATES)]);
     if (choice < 87) return doing = "bytes", any_bytes(h, hosts);
     if (choice < 91) return doing = "enter", enter(h);

@@ -312,6 +312,27 @@ def test_a_saved_state_goes_on_with_the_same_bits(train: Host) -> None:
     train.slave.forget(saved)
 
 
+@pytest.mark.parametrize("cells", [1.0, 6.0])
+def test_a_state_goes_on_with_the_same_bits_whatever_its_train_did_before(cells: float) -> None:
+    """Steps of air hang on how fast waves ran at valves and in the step before; steps of any length, at any time."""
+    given, draw = Settings(cells=cells), np.random.default_rng(5)
+    one, fresh, used = (Train(SHORT, speed=SPEED, settings=given) for _ in range(3))
+    one.drive("emergency")
+    for number in range(12):
+        one.advance(0.01 * number)
+        fresh = Train(SHORT, settings=given)
+        state = one.state
+        for other in (fresh, used):
+            other.state = state
+        for step in (0.05 + 0.01 * number, *draw.choice([1e-3, 2e-3, 4e-3, 0.012, 0.1], 8)):
+            for own in (one, fresh, used):
+                own.advance(step)
+            assert np.array_equal(one.state, fresh.state, equal_nan=True)
+            assert np.array_equal(one.state, used.state, equal_nan=True)
+        used.drive("running")
+        used.advance(3.0)
+
+
 def test_a_state_as_bytes_goes_on_in_another_instance_with_the_same_bits(train: Host) -> None:
     """In one that has not begun."""
     state, other = train.state(), Host(train.path)
