@@ -37,6 +37,8 @@ from products.train.numbers import DEPTHS, Settings
 
 #: What can be built.
 NAMES = (*FMUS, "train", "ssp", "all")
+#: Of the pipe in a vehicle, from and to.
+CELLS = (0.01, 100.0)
 
 
 def known(name: str) -> str:
@@ -74,6 +76,8 @@ def main(arguments: list[str] | None = None, program: str | None = None) -> int:
         parser.error(f"Set --wheelsets to 1 to {MOST_WHEELSETS}: it was {chosen.wheelsets}.")
     if chosen.model != "train" and (chosen.consist or chosen.line):
         parser.error("--consist and --line are of a train; say: train --consist FILE.")
+    if not CELLS[0] <= chosen.cells <= CELLS[1]:
+        parser.error(f"Set --cells to {CELLS[0]:g} to {CELLS[1]:g}: it was {chosen.cells:g}.")
     if chosen.model == "train":
         return train(chosen, able if chosen.kind == "all" else [chosen.kind])
     if chosen.describe:
@@ -106,6 +110,9 @@ def train(chosen: argparse.Namespace, kinds: list[str]) -> int:
         return 1 if build_train(chosen.out, kinds, chosen.consist, chosen.line, settings, every) else 0
     except FileNotFoundError as error:
         print(f"There is no file {error.filename}; give the path of a consist or a line.", file=sys.stderr)
+        return 2
+    except IsADirectoryError as error:
+        print(f"{error.filename} is a folder; give the path of a consist or a line.", file=sys.stderr)
         return 2
     except ValueError as error:
         print(error, file=sys.stderr)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import math
+import re
 import xml.etree.ElementTree as ET
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -103,9 +104,52 @@ def build_arrays_fmu(
     about = (description2 if version == 2 else description3)(given, of)
     files = {"modelDescription.xml": about.encode()}
     files |= {f"binaries/{place}": data for place, data in binaries.items()}
-    files |= {f"sources/{name}": text.encode() for name, text in all_sources(given).items()}
+    texts = _sources_for(given, version)
+    texts |= _runtime_headers(texts)
+    files |= {f"sources/{name}": text.encode() for name, text in texts.items()}
     files |= {f"sources/{name}": (FMI_HEADERS / name).read_bytes() for name in STANDARD_HEADERS[version]}
+    if version == 3:
+        files["sources/buildDescription.xml"] = build_description(given).encode()
     write_archive(path, files | dict(extras))
+
+
+def _sources_for(given: ArraysInC, version: int) -> dict[str, str]:
+    """C files by name, without the face of the other version."""
+    other = {2: ("arrays_fmi3.c",), 3: ("arrays_fmi2.c", "fmi2Functions.h")}[version]
+    return {name: text for name, text in all_sources(given).items() if name not in other}
+
+
+def _runtime_headers(texts: Mapping[str, str]) -> dict[str, str]:
+    """Headers of the runtime that C files include, and that these include, by name."""
+    found: dict[str, str] = {}
+    waiting = list(texts.values())
+    while waiting:
+        for name in re.findall(r'#include "(\w+\.h)"', waiting.pop()):
+            if name not in texts and name not in found and (RUNTIME / name).exists():
+                found[name] = (RUNTIME / name).read_text(encoding="utf-8")
+                waiting.append(found[name])
+    return found
+
+
+def _listed(given: ArraysInC, version: int) -> list[str]:
+    """Which of the sources are compiled."""
+    return [name for name in _sources_for(given, version) if name.endswith(".c")]
+
+
+def build_description(given: ArraysInC) -> str:
+    """How sources/ are compiled, FMI 3.0."""
+    root = ET.Element("fmiBuildDescription", {"fmiVersion": "3.0"})
+    configuration = ET.SubElement(root, "BuildConfiguration", {"modelIdentifier": given.name})
+    files = ET.SubElement(configuration, "SourceFileSet", {"language": "C11"})
+    for name in _listed(given, 3):
+        ET.SubElement(files, "SourceFile", name=name)
+    ET.SubElement(configuration, "Library", name="m")
+    return _document(root)
+
+
+def _document(root: ET.Element) -> str:
+    ET.indent(root)
+    return '<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
 
 
 def _root(given: ArraysInC, version: dict[str, str]) -> ET.Element:
@@ -156,9 +200,8 @@ def description2(given: ArraysInC, of: Lengths) -> str:
     able |= {"canSerializeFMUstate": "true", "canNotUseMemoryManagementFunctions": "true"}
     slave = ET.SubElement(root, "CoSimulation", {"modelIdentifier": given.name} | able)
     files = ET.SubElement(slave, "SourceFiles")
-    for name in all_sources(given):
-        if name.endswith(".c") and "fmi3" not in name:
-            ET.SubElement(files, "File", name=name)
+    for name in _listed(given, 2):
+        ET.SubElement(files, "File", name=name)
     _units(root, given)
     _categories(root, of)
     variables, outputs = ET.SubElement(root, "ModelVariables"), []
@@ -182,8 +225,7 @@ def description2(given: ArraysInC, of: Lengths) -> str:
         element_of = ET.SubElement(structure, place)
         for index in outputs:
             ET.SubElement(element_of, "Unknown", index=index)
-    ET.indent(root)
-    return '<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
+    return _document(root)
 
 
 def description3(given: ArraysInC, of: Lengths) -> str:
@@ -220,5 +262,4 @@ def description3(given: ArraysInC, of: Lengths) -> str:
     for place in ("Output", "InitialUnknown"):
         for reference in outputs:
             ET.SubElement(structure, place, valueReference=reference)
-    ET.indent(root)
-    return '<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
+    return _document(root)

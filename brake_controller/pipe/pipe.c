@@ -165,6 +165,7 @@ void pipe_load(pipe *self, const double *numbers)
     for (int n = 0; n < VEHICLE_STATES && self->vehicles; ++n, numbers += self->vehicles)
         memcpy(self->own + n * self->vehicle_stride, numbers, (size_t)self->vehicles * sizeof(double));
     memcpy(&self->passed, numbers, sizeof self->passed);
+    self->fastest = 0.0; /* that was of another state: it is looked for again */
     for (int valve = 0; valve < MOST_VALVES; ++valve) self->valve[valve].at = numbers[sizeof self->passed / sizeof(double) + valve];
 }
 

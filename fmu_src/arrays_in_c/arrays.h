@@ -34,6 +34,8 @@ void arrays_reset(arrays_object *self);
 bool arrays_start(arrays_object *self, double time, char problem[ARRAYS_PROBLEM]);
 /* Goes on by a time; false: it cannot, is as it was, and one sentence says why. */
 bool arrays_go(arrays_object *self, double time, double step, char problem[ARRAYS_PROBLEM]);
+/* What tells objects apart that were made of other files. */
+unsigned long long arrays_mark(const arrays_object *self);
 /* All that a run changes, inputs and outputs too: how many numbers, and from and to a place for them. */
 size_t arrays_numbers(const arrays_object *self);
 void arrays_save(const arrays_object *self, double *numbers);
@@ -50,6 +52,8 @@ struct arrays_component {
     arrays_object *object;
     arrays_phase now;
     double start, time;
+    arrays_status failed; /* what a step has that leads nowhere */
+    bool stale; /* while it initialises: outputs are not those of what was set */
     char *name;
     const char *standard; /* which section lists the calls that are allowed */
     void (*tell)(const arrays_component *self, arrays_status status, const char *sentence);
@@ -66,16 +70,19 @@ arrays_status arrays_plan(arrays_component *self, double start);
 arrays_status arrays_initialise(arrays_component *self);
 arrays_status arrays_step(arrays_component *self, double time, double step);
 void arrays_begin_anew(arrays_component *self);
+/* Outputs are those of what was set, also while it initialises. */
+void arrays_settle(arrays_component *self);
 /* The array for a value reference if it holds numbers of this kind and has such an element; null: it was told. */
 double *arrays_find(const arrays_component *self, unsigned array, size_t element, int whole, const char *function);
 size_t arrays_length(const arrays_component *self, unsigned array);
 /* Whether an element may be set to a value now; false: it was told. */
 bool arrays_settable(const arrays_component *self, unsigned array, size_t element, double value);
-/* Saved states: a block of so many bytes. */
-size_t arrays_bytes(const arrays_component *self);
+/* Saved states; those of other FMUs and of objects of other files are refused. */
 arrays_status arrays_keep(const arrays_component *self, void **state);
 arrays_status arrays_take_back(arrays_component *self, const void *state);
-/* Of the same bytes; false: they are another's, and it was told. */
-bool arrays_is_state(const arrays_component *self, const void *bytes, size_t size);
+/* As bytes, which are refused where any of them has changed. */
+arrays_status arrays_size(const arrays_component *self, const void *state, size_t *size);
+arrays_status arrays_serialise(const arrays_component *self, const void *state, void *bytes, size_t size);
+arrays_status arrays_deserialise(const arrays_component *self, const void *bytes, size_t size, void **state);
 
 #endif

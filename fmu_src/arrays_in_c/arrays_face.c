@@ -1,4 +1,5 @@
 /* What the faces of FMI 2.0 and 3.0 share around an object of arrays. */
+#include <ctype.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -10,29 +11,48 @@
 /* In front of a saved state: which object it belongs to, and where the run was. */
 typedef struct {
     char token[48];
+    unsigned long long mark, sum; /* sum: of what was serialised */
     size_t numbers;
-    arrays_phase now;
+    unsigned long long now; /* arrays_phase */
     double start, time;
 } kept;
 
 /* Rounding that a host's times may have. */
 static const double ROUNDING = 1e-9;
 
+/* Bytes of the letter that begins here; 0: it is none, or steers a terminal. Unicode 15, table 3-7. */
+static size_t length_of_letter(const unsigned char *c)
+{
+    if (c[0] < 0x80) return c[0] >= ' ' && c[0] != 0x7F;
+    if (c[0] < 0xC2 || c[0] > 0xF4) return 0;
+    const size_t length = c[0] < 0xE0 ? 2 : c[0] < 0xF0 ? 3 : 4;
+    const unsigned char lowest = c[0] == 0xE0 ? 0xA0 : c[0] == 0xF0 ? 0x90 : 0x80;
+    const unsigned char highest = c[0] == 0xED ? 0x9F : c[0] == 0xF4 ? 0x8F : 0xBF;
+    if (c[1] < lowest || c[1] > highest) return 0;
+    for (size_t i = 2; i < length; ++i)
+        if (c[i] < 0x80 || c[i] > 0xBF) return 0;
+    return length;
+}
+
+/* Sentences quote paths, which may be anything; what is no letter becomes a question mark. */
+static void make_readable(char *text)
+{
+    for (unsigned char *c = (unsigned char *)text; *c;) {
+        const size_t length = length_of_letter(c);
+        if (!length) *c = '?';
+        c += length ? length : 1;
+    }
+}
+
 arrays_status arrays_say(const arrays_component *self, arrays_status status, const char *format, ...)
 {
-    char sentence[ARRAYS_PROBLEM], text[2 * sizeof sentence];
-    size_t length = 0;
+    char sentence[ARRAYS_PROBLEM];
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(sentence, sizeof sentence, format, arguments);
     va_end(arguments);
-    /* The sentence is a format for hosts that expand none, too: % is doubled; line breaks end nothing. */
-    for (const char *c = sentence; *c; ++c) {
-        if (*c == '%') text[length++] = '%';
-        text[length++] = *c == '\n' || *c == '\r' ? ' ' : *c;
-    }
-    text[length] = '\0';
-    if (self->tell && self->logger) self->tell(self, status, text);
+    make_readable(sentence);
+    if (self->tell && self->logger) self->tell(self, status, sentence);
     return status;
 }
 
@@ -48,14 +68,16 @@ bool arrays_may(const arrays_component *self, int phases, const char *function)
 static void decode(const char *uri, char *path)
 {
     char *const begin = path;
-    if (strncmp(uri, "file:", 5) == 0) {
+    const bool is_uri = strncmp(uri, "file:", 5) == 0;
+    if (is_uri) {
         uri += 5;
         if (strncmp(uri, "//", 2) == 0) uri += 2 + strcspn(uri + 2, "/"); /* behind the host's name, which is empty */
         if (uri[0] == '/' && uri[1] && uri[2] == ':') ++uri;               /* "/C:/" */
     }
     while (*uri) {
         unsigned letter;
-        const bool coded = uri[0] == '%' && uri[1] && uri[2] && sscanf(uri + 1, "%2x", &letter) == 1;
+        const bool coded = is_uri && uri[0] == '%' && isxdigit((unsigned char)uri[1]) && isxdigit((unsigned char)uri[2]) &&
+                           sscanf(uri + 1, "%2x", &letter) == 1;
         *path++ = coded ? (char)letter : *uri;
         uri += coded ? 3 : 1;
     }
@@ -106,6 +128,7 @@ void arrays_begin_anew(arrays_component *self)
 {
     self->now = INSTANTIATED;
     self->start = self->time = 0.0;
+    self->stale = true;
     arrays_reset(self->object);
 }
 
@@ -131,9 +154,16 @@ arrays_status arrays_step(arrays_component *self, double time, double step)
         return arrays_say(self, ARRAYS_ERROR, "Give doStep a finite time and a step above 0 s: they were %g s and %g s.", time, step);
     if (fabs(time - self->time) > ROUNDING * fmax(1.0, fabs(time)) + 1e-3 * step)
         return arrays_say(self, ARRAYS_ERROR, "Go on from where the last step ended, %g s: this one began at %g s.", self->time, time);
-    if (!arrays_go(self->object, time, step, problem)) return arrays_say(self, ARRAYS_DISCARD, "%s", problem);
+    if (!arrays_go(self->object, time, step, problem)) return arrays_say(self, self->failed, "%s", problem);
     self->time = time + step;
     return ARRAYS_OK;
+}
+
+void arrays_settle(arrays_component *self)
+{
+    char problem[ARRAYS_PROBLEM];
+    if (self->now != INITIALISING || !self->stale) return;
+    self->stale = !arrays_start(self->object, self->start, problem);
 }
 
 size_t arrays_length(const arrays_component *self, unsigned array)
@@ -162,47 +192,118 @@ bool arrays_settable(const arrays_component *self, unsigned array, size_t elemen
         arrays_say(self, ARRAYS_ERROR, "Leave %s as it is: %s.", about->name, wrong);
     else if (!(value >= about->least && value <= about->most)) {
         wrong = "limits";
-        arrays_say(self, ARRAYS_ERROR, "Set %s[%zu] to %g to %g %s: it was %g.", about->name, element + 1, about->least, about->most,
-                   about->unit, value);
+        arrays_say(self, ARRAYS_ERROR, "Set %s[%zu] to %g to %g%s%s: it was %g.", about->name, element + 1, about->least, about->most,
+                   *about->unit ? " " : "", about->unit, value);
     }
     return !wrong;
 }
 
-size_t arrays_bytes(const arrays_component *self)
+static size_t bytes_of(const arrays_component *self)
 {
     return sizeof(kept) + arrays_numbers(self->object) * sizeof(double);
 }
 
+/* Of numbers, to see whether any has changed. */
+static unsigned long long sum_of(const char *numbers, size_t count, const kept *head)
+{
+    unsigned long long sum = head->mark ^ head->now, word;
+    const double times[] = {head->start, head->time};
+    for (size_t i = 0; i < count + 2; ++i) {
+        memcpy(&word, i < count ? numbers + i * sizeof word : (const char *)(times + (i - count)), sizeof word);
+        sum = (sum ^ word) * 1099511628211ULL;
+        sum ^= sum >> 29;
+    }
+    return sum;
+}
+
+static kept head_of(const arrays_component *self)
+{
+    kept head;
+    memset(&head, 0, sizeof head);
+    const size_t length = strlen(ARRAYS_TOKEN);
+    memcpy(head.token, ARRAYS_TOKEN, length < sizeof head.token ? length : sizeof head.token);
+    head.numbers = arrays_numbers(self->object);
+    head.mark = arrays_mark(self->object);
+    head.now = (unsigned long long)self->now;
+    head.start = self->start;
+    head.time = self->time;
+    return head;
+}
+
+/* The head of a state that this object may take back; false: it is another's, and it was told. */
+static bool read_head(const arrays_component *self, const void *state, kept *head)
+{
+    const kept own = head_of(self);
+    if (state) memcpy(head, state, sizeof *head);
+    if (state && memcmp(head->token, own.token, sizeof own.token) == 0 && head->numbers == own.numbers && head->mark == own.mark)
+        return true;
+    arrays_say(self, ARRAYS_ERROR, "This state is not one of this FMU with the same resources; give one that it has saved.");
+    return false;
+}
+
+/* Room for a state: what is there already, if it is one of this object. */
+static bool make_room(const arrays_component *self, void **state)
+{
+    kept head;
+    if (!state) {
+        arrays_say(self, ARRAYS_ERROR, "Give a place for the saved state.");
+        return false;
+    }
+    if (*state) return read_head(self, *state, &head);
+    *state = malloc(bytes_of(self));
+    if (!*state) arrays_say(self, ARRAYS_ERROR, "There is no memory for a saved state of %zu bytes.", bytes_of(self));
+    return *state != NULL;
+}
+
 arrays_status arrays_keep(const arrays_component *self, void **state)
 {
-    kept head = {.numbers = arrays_numbers(self->object), .now = self->now, .start = self->start, .time = self->time};
-    memcpy(head.token, ARRAYS_TOKEN, strlen(ARRAYS_TOKEN) < sizeof head.token ? strlen(ARRAYS_TOKEN) : sizeof head.token);
-    if (!*state) *state = malloc(arrays_bytes(self));
-    if (!*state) return arrays_say(self, ARRAYS_ERROR, "There is no memory for a saved state of %zu bytes.", arrays_bytes(self));
+    const kept head = head_of(self);
+    if (!make_room(self, state)) return ARRAYS_ERROR;
     memcpy(*state, &head, sizeof head);
     arrays_save(self->object, (double *)((char *)*state + sizeof head));
     return ARRAYS_OK;
 }
 
-bool arrays_is_state(const arrays_component *self, const void *bytes, size_t size)
-{
-    kept head;
-    if (bytes && size == arrays_bytes(self)) {
-        memcpy(&head, bytes, sizeof head);
-        const size_t length = strlen(ARRAYS_TOKEN) < sizeof head.token ? strlen(ARRAYS_TOKEN) : sizeof head.token;
-        if (memcmp(head.token, ARRAYS_TOKEN, length) == 0 && head.numbers == arrays_numbers(self->object)) return true;
-    }
-    arrays_say(self, ARRAYS_ERROR, "This state is not one of this FMU with as many variables; give one that it has saved.");
-    return false;
-}
-
 arrays_status arrays_take_back(arrays_component *self, const void *state)
 {
     kept head;
-    memcpy(&head, state, sizeof head);
-    self->now = head.now;
+    if (!read_head(self, state, &head)) return ARRAYS_ERROR;
+    self->now = (arrays_phase)head.now;
     self->start = head.start;
     self->time = head.time;
+    self->stale = true;
     arrays_load(self->object, (const double *)((const char *)state + sizeof head));
+    return ARRAYS_OK;
+}
+
+arrays_status arrays_size(const arrays_component *self, const void *state, size_t *size)
+{
+    kept head;
+    if (!read_head(self, state, &head)) return ARRAYS_ERROR;
+    if (!size) return arrays_say(self, ARRAYS_ERROR, "Give a place for the size of the saved state.");
+    *size = bytes_of(self);
+    return ARRAYS_OK;
+}
+
+arrays_status arrays_serialise(const arrays_component *self, const void *state, void *bytes, size_t size)
+{
+    kept head;
+    if (!read_head(self, state, &head)) return ARRAYS_ERROR;
+    if (!bytes || size < bytes_of(self))
+        return arrays_say(self, ARRAYS_ERROR, "Give room for the whole state, %zu bytes: there were %zu.", bytes_of(self), size);
+    memcpy(bytes, state, bytes_of(self));
+    head.sum = sum_of((const char *)state + sizeof head, head.numbers, &head);
+    memcpy(bytes, &head, sizeof head);
+    return ARRAYS_OK;
+}
+
+arrays_status arrays_deserialise(const arrays_component *self, const void *bytes, size_t size, void **state)
+{
+    kept head;
+    if (!read_head(self, size == bytes_of(self) ? bytes : NULL, &head)) return ARRAYS_ERROR;
+    if (head.sum != sum_of((const char *)bytes + sizeof head, head.numbers, &head))
+        return arrays_say(self, ARRAYS_ERROR, "The bytes of this state have changed since it was saved; give them as they were.");
+    if (!make_room(self, state)) return ARRAYS_ERROR;
+    memcpy(*state, bytes, size);
     return ARRAYS_OK;
 }

@@ -8,10 +8,19 @@
 
 enum { ELEMENTS = 65536 };
 
+/* The sentence is the format itself, so that hosts that do not expand arguments show it too; hence % is doubled. */
 static void tell(const arrays_component *self, arrays_status status, const char *sentence)
 {
     const char *category[] = {"events", "logStatusWarning", "logStatusDiscard", "logStatusError"};
-    ((fmi2CallbackLogger)self->logger)(self->environment, self->name, (fmi2Status)status, category[status], sentence);
+    char text[2 * ARRAYS_PROBLEM]; /* even of nothing but % */
+    size_t length = 0;
+    for (const char *c = sentence; *c; ++c) {
+        if (*c == '%') text[length++] = '%';
+        text[length++] = *c;
+    }
+    text[length] = '\0';
+    const char *name = self->name ? self->name : "";
+    ((fmi2CallbackLogger)self->logger)(self->environment, name, (fmi2Status)status, category[status], text);
 }
 
 #define REQUIRE(phases, function)                           \
@@ -42,6 +51,7 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     memset(&log, 0, sizeof log);
     log.name = (char *)name;
     log.standard = "FMI 2.0, section 4.2.4";
+    log.failed = ARRAYS_ERROR; /* behind fmi2Discard hosts would go on from a time that they have to ask for */
     log.tell = tell;
     log.logger = (void (*)(void))functions->logger;
     log.environment = functions->componentEnvironment;
@@ -94,11 +104,11 @@ fmi2Status fmi2Reset(fmi2Component c)
     {                                                                                                         \
         REQUIRE(ALWAYS, #function);                                                                           \
         if (count && (!vr || !value)) return error(self, #function ": give places for the values.");          \
-        for (size_t i = 0; i < count; ++i) {                                                                  \
-            const double *found = arrays_find(self, vr[i] / ELEMENTS, vr[i] % ELEMENTS, whole, #function);    \
-            if (!found) return fmi2Error;                                                                     \
-            value[i] = (type)found[vr[i] % ELEMENTS];                                                         \
-        }                                                                                                     \
+        for (size_t i = 0; i < count; ++i)                                                                    \
+            if (!arrays_find(self, vr[i] / ELEMENTS, vr[i] % ELEMENTS, whole, #function)) return fmi2Error;   \
+        arrays_settle(self);                                                                                  \
+        for (size_t i = 0; i < count; ++i)                                                                    \
+            value[i] = (type)arrays_find(self, vr[i] / ELEMENTS, vr[i] % ELEMENTS, whole, #function)[vr[i] % ELEMENTS]; \
         return fmi2OK;                                                                                        \
     }
 #define SET(function, type, whole)                                                                            \
@@ -111,6 +121,7 @@ fmi2Status fmi2Reset(fmi2Component c)
             if (!arrays_find(self, array, element, whole, #function)) return fmi2Error;                       \
             if (!arrays_settable(self, array, element, (double)value[i])) return fmi2Error;                   \
         }                                                                                                     \
+        self->stale = true;                                                                                   \
         for (size_t i = 0; i < count; ++i)                                                                    \
             arrays_find(self, vr[i] / ELEMENTS, vr[i] % ELEMENTS, whole, #function)[vr[i] % ELEMENTS] = (double)value[i]; \
         return fmi2OK;                                                                                        \
@@ -140,6 +151,18 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real size, fmi2Boolean
     return (fmi2Status)arrays_step(self, time, size);
 }
 
+/* How far it has come, and that it does not ask for an end. */
+#define STATUS(function, type, known, answer)                                                                 \
+    fmi2Status function(fmi2Component c, const fmi2StatusKind kind, type *value)                              \
+    {                                                                                                         \
+        REQUIRE(RUNNING | STOPPED, #function);                                                                \
+        if (kind != known || !value) return error(self, #function ": ask for " #known ", and give a place."); \
+        *value = answer;                                                                                      \
+        return fmi2OK;                                                                                        \
+    }
+STATUS(fmi2GetRealStatus, fmi2Real, fmi2LastSuccessfulTime, self->time)
+STATUS(fmi2GetBooleanStatus, fmi2Boolean, fmi2Terminated, fmi2False)
+
 /* ---- saved states ---- */
 
 fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state)
@@ -155,39 +178,31 @@ fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state)
 fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state)
 {
     REQUIRE(ALWAYS, "fmi2GetFMUstate");
-    return state ? (fmi2Status)arrays_keep(self, state) : error(self, "fmi2GetFMUstate: give a place for the state.");
+    return (fmi2Status)arrays_keep(self, state);
 }
 
 fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state)
 {
     REQUIRE(ALWAYS, "fmi2SetFMUstate");
-    return state ? (fmi2Status)arrays_take_back(self, state) : error(self, "fmi2SetFMUstate: give a state that was saved.");
+    return (fmi2Status)arrays_take_back(self, state);
 }
 
 fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate state, size_t *size)
 {
     REQUIRE(ALWAYS, "fmi2SerializedFMUstateSize");
-    if (!state || !size) return error(self, "fmi2SerializedFMUstateSize: give a state and a place for its size.");
-    *size = arrays_bytes(self);
-    return fmi2OK;
+    return (fmi2Status)arrays_size(self, state, size);
 }
 
 fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size)
 {
     REQUIRE(ALWAYS, "fmi2SerializeFMUstate");
-    if (!state || !bytes || size < arrays_bytes(self)) return error(self, "fmi2SerializeFMUstate: give room for the whole state.");
-    memcpy(bytes, state, arrays_bytes(self));
-    return fmi2OK;
+    return (fmi2Status)arrays_serialise(self, state, bytes, size);
 }
 
 fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state)
 {
     REQUIRE(ALWAYS, "fmi2DeSerializeFMUstate");
-    if (!state || !arrays_is_state(self, bytes, size)) return fmi2Error;
-    if (!*state) *state = malloc(size);
-    if (!*state) return error(self, "There is no memory for a saved state.");
-    memcpy(*state, bytes, size);
-    return fmi2OK;
+    return (fmi2Status)arrays_deserialise(self, bytes, size, state);
 }
 
 /* ---- what this FMU does not offer ---- */
@@ -207,9 +222,7 @@ OFFERS_NOT(fmi2SetRealInputDerivatives, const fmi2ValueReference vr[], size_t co
            const fmi2Real value[])
 OFFERS_NOT(fmi2GetRealOutputDerivatives, const fmi2ValueReference vr[], size_t count, const fmi2Integer order[], fmi2Real value[])
 OFFERS_NOT(fmi2GetStatus, const fmi2StatusKind kind, fmi2Status *value)
-OFFERS_NOT(fmi2GetRealStatus, const fmi2StatusKind kind, fmi2Real *value)
 OFFERS_NOT(fmi2GetIntegerStatus, const fmi2StatusKind kind, fmi2Integer *value)
-OFFERS_NOT(fmi2GetBooleanStatus, const fmi2StatusKind kind, fmi2Boolean *value)
 OFFERS_NOT(fmi2GetStringStatus, const fmi2StatusKind kind, fmi2String *value)
 
 fmi2Status fmi2CancelStep(fmi2Component c)

@@ -37,6 +37,7 @@ static arrays_component log_of(fmi3String name, fmi3InstanceEnvironment environm
     memset(&log, 0, sizeof log);
     log.name = (char *)name;
     log.standard = "FMI 3.0, section 4.2.1";
+    log.failed = ARRAYS_DISCARD;
     log.tell = tell;
     log.logger = (void (*)(void))logger;
     log.environment = environment;
@@ -108,11 +109,16 @@ fmi3Status fmi3Reset(fmi3Instance instance)
     return fmi3OK;
 }
 
-/* Whether so many values are those of these arrays. */
-static bool counts(const arrays_component *self, const fmi3ValueReference vr[], size_t count, size_t values, const char *function)
+/* Whether these are arrays of this kind and so many values are theirs; the time may be among them where that is not whole. */
+static bool counts(const arrays_component *self, const fmi3ValueReference vr[], size_t count, size_t values, int whole,
+                   const char *function)
 {
     size_t due = 0;
-    for (size_t i = 0; i < count; ++i) due += vr[i] == (unsigned)ARRAYS ? 1 : arrays_length(self, vr[i]);
+    for (size_t i = 0; i < count; ++i) {
+        const bool time = vr[i] == (unsigned)ARRAYS && !whole;
+        if (!time && !arrays_find(self, vr[i], 0, whole, function)) return false;
+        due += time ? 1 : arrays_length(self, vr[i]);
+    }
     if (due != values)
         arrays_say(self, ARRAYS_ERROR, "%s: give all elements of each array, %zu values: they were %zu.", function, due, values);
     return due == values;
@@ -123,7 +129,8 @@ static bool counts(const arrays_component *self, const fmi3ValueReference vr[], 
     {                                                                                                                          \
         REQUIRE(ALWAYS, #function);                                                                                            \
         if ((count && !vr) || (size && !values)) return error(self, #function ": give places for the values.");                \
-        if (!counts(self, vr, count, size, #function)) return fmi3Error;                                                       \
+        if (!counts(self, vr, count, size, is_whole, #function)) return fmi3Error;                                             \
+        arrays_settle(self);                                                                                                   \
         for (size_t i = 0; i < count; ++i) {                                                                                   \
             if (vr[i] == (unsigned)ARRAYS && !is_whole) {                                                                      \
                 *values++ = (type)self->time;                                                                                  \
@@ -140,7 +147,7 @@ static bool counts(const arrays_component *self, const fmi3ValueReference vr[], 
     {                                                                                                                          \
         REQUIRE(INSTANTIATED | INITIALISING | RUNNING, #function);                                                             \
         if ((count && !vr) || (size && !values)) return error(self, #function ": give all values.");                           \
-        if (!counts(self, vr, count, size, #function)) return fmi3Error;                                                       \
+        if (!counts(self, vr, count, size, is_whole, #function)) return fmi3Error;                                             \
         const type *value = values;                                                                                            \
         for (size_t i = 0; i < count; ++i) {                                                                                   \
             if (!arrays_find(self, vr[i], 0, is_whole, #function)) return fmi3Error;                                           \
@@ -148,6 +155,7 @@ static bool counts(const arrays_component *self, const fmi3ValueReference vr[], 
                 if (!arrays_settable(self, vr[i], k, (double)*value++)) return fmi3Error;                                      \
         }                                                                                                                      \
         value = values;                                                                                                        \
+        self->stale = true;                                                                                                    \
         for (size_t i = 0; i < count; ++i) {                                                                                   \
             double *found = arrays_find(self, vr[i], 0, is_whole, #function);                                                  \
             for (size_t k = 0; k < arrays_length(self, vr[i]); ++k) found[k] = (double)*value++;                               \
@@ -202,13 +210,13 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 time, fmi3Float64 size,
 fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState *state)
 {
     REQUIRE(ALWAYS, "fmi3GetFMUState");
-    return state ? (fmi3Status)arrays_keep(self, state) : error(self, "fmi3GetFMUState: give a place for the state.");
+    return (fmi3Status)arrays_keep(self, state);
 }
 
 fmi3Status fmi3SetFMUState(fmi3Instance instance, fmi3FMUState state)
 {
     REQUIRE(ALWAYS, "fmi3SetFMUState");
-    return state ? (fmi3Status)arrays_take_back(self, state) : error(self, "fmi3SetFMUState: give a state that was saved.");
+    return (fmi3Status)arrays_take_back(self, state);
 }
 
 fmi3Status fmi3FreeFMUState(fmi3Instance instance, fmi3FMUState *state)
@@ -224,27 +232,19 @@ fmi3Status fmi3FreeFMUState(fmi3Instance instance, fmi3FMUState *state)
 fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState state, size_t *size)
 {
     REQUIRE(ALWAYS, "fmi3SerializedFMUStateSize");
-    if (!state || !size) return error(self, "fmi3SerializedFMUStateSize: give a state and a place for its size.");
-    *size = arrays_bytes(self);
-    return fmi3OK;
+    return (fmi3Status)arrays_size(self, state, size);
 }
 
 fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState state, fmi3Byte bytes[], size_t size)
 {
     REQUIRE(ALWAYS, "fmi3SerializeFMUState");
-    if (!state || !bytes || size < arrays_bytes(self)) return error(self, "fmi3SerializeFMUState: give room for the whole state.");
-    memcpy(bytes, state, arrays_bytes(self));
-    return fmi3OK;
+    return (fmi3Status)arrays_serialise(self, state, bytes, size);
 }
 
 fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte bytes[], size_t size, fmi3FMUState *state)
 {
     REQUIRE(ALWAYS, "fmi3DeserializeFMUState");
-    if (!state || !arrays_is_state(self, bytes, size)) return fmi3Error;
-    if (!*state) *state = malloc(size);
-    if (!*state) return error(self, "There is no memory for a saved state.");
-    memcpy(*state, bytes, size);
-    return fmi3OK;
+    return (fmi3Status)arrays_deserialise(self, bytes, size, state);
 }
 
 /* ---- what this FMU does not offer ---- */

@@ -31,6 +31,8 @@ from rbd_model.train.coupler import COUPLERS
 
 #: Vehicles of a train at most, and of what a consist may have: load and mass [t], lambda [%], delay [s], leak [mm].
 MOST = 2000
+#: Driver's valves at most, MOST_VALVES of pipe.h.
+MOST_VALVES = 16
 LIMITS = {
     "count": (1, MOST),
     "load": (0.0, 200.0),
@@ -63,6 +65,10 @@ def read_consist(path: Path) -> Consist:
 def _rows_of_csv(path: Path) -> list[dict[str, Any]]:
     lines = path.read_text(encoding="utf-8-sig").splitlines()
     rows = csv.DictReader([line for line in lines if line.strip() and not line.lstrip().startswith("#")])
+    names = [name.strip() for name in rows.fieldnames or ()]
+    for name in names:
+        if name and names.count(name) > 1:
+            raise ValueError(f"{path}: it names {name} twice; name each column once.")
     found = []
     for number, row in enumerate(rows, 1):
         if None in row:
@@ -76,7 +82,10 @@ def _rows_of_toml(path: Path) -> list[dict[str, Any]]:
     for name in read:
         if name != "vehicle":
             raise ValueError(f"{path}: there is no {name}; call each [[vehicle]].")
-    return list(read.get("vehicle", []))
+    vehicles = read.get("vehicle", [])
+    if not isinstance(vehicles, list):
+        raise ValueError(f"{path}: give each vehicle as [[vehicle]], with two brackets.")
+    return vehicles
 
 
 def consist_of(rows: list[dict[str, Any]], name: str = "the consist") -> Consist:
@@ -99,7 +108,11 @@ def consist_of(rows: list[dict[str, Any]], name: str = "the consist") -> Consist
             raise ValueError(f"{name}, row {number}: {error}") from None
     if not vehicles:
         raise ValueError(f"{name} has no vehicle; give it a row for each kind of vehicle in turn.")
-    return Consist(tuple(_with_head(vehicles, name)))
+    led = _with_head(vehicles, name)
+    valves = sum(one.valve is not None for one in led)
+    if valves > MOST_VALVES:
+        raise ValueError(f"{name} has {valves} driver's valves; give it at most {MOST_VALVES}.")
+    return Consist(tuple(led))
 
 
 def _with_head(vehicles: list[TrainVehicle], name: str) -> list[TrainVehicle]:
@@ -132,6 +145,8 @@ def _checked(row: Mapping[str, Any]) -> dict[str, Any]:
     for name, value in row.items():
         if name in WORDS and value not in WORDS[name]:
             raise ValueError(f"set {name} to one of {', '.join(WORDS[name])}: it was {value}.")
+        if not name:
+            raise ValueError("there is a value without a name; name each column.")
         if name not in WORDS and name not in LIMITS:
             raise ValueError(f"there is no {name}; give some of {', '.join([*WORDS, *LIMITS])}.")
         values[name] = value if name in WORDS else _number(name, value)
@@ -159,13 +174,13 @@ def _vehicles(values: Mapping[str, Any]) -> list[TrainVehicle]:
         leak=DISCHARGE * math.pi / 4 * (1e-3 * values.get("leak", 0.0)) ** 2,
     )
     valve = values.get("valve")
+    if "delay" in values and valve != "second":
+        raise ValueError("a delay is of a valve that follows by radio; set valve to second.")
     if valve == "none":
         one = replace(one, valve=None)
     elif valve is not None:
         delay = values.get("delay", 0.0) if valve == "second" else -1.0
         one = replace(one, valve=drivers_valve(), valve_delay=delay, leads=valve == "head")
-    elif "delay" in values:
-        raise ValueError("a delay is of a valve that follows by radio; set valve to second.")
     count = int(values.get("count", 1))
     if valve in ("head", "second") and count > 1:
         raise ValueError(f"one vehicle has a {valve} valve: count was {count}; give it a row of its own.")

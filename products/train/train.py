@@ -80,6 +80,7 @@ def functions() -> ctypes.CDLL:
     block, told = ctypes.POINTER(number), ctypes.POINTER(count)
     declare(library)
     signatures: dict[str, tuple[Any, list[Any]]] = {
+        "train_wrong": (ctypes.c_char_p, [pointer, count]),
         "train_create": (pointer, [pointer, count]),
         "train_free": (None, [pointer]),
         "train_begin": (None, [pointer, *[number] * 5]),
@@ -122,6 +123,9 @@ class Train:
         self.consist, self.settings = consist, settings or Settings()
         numbers = numbers_of(consist, self.settings, line)
         self._call = functions()
+        wrong = self._call.train_wrong(numbers.ctypes.data, numbers.size)
+        if wrong:
+            raise ValueError(f"These vehicles, settings or line make no train: {wrong.decode()} cannot be.")
         lengths, _, _ = cells_of(consist, self.settings.cells)
         self._volumes = np.pi / 4 * consist.vehicles[0].pipe_diameter ** 2 * lengths
         self._own = self._call.train_create(numbers.ctypes.data, numbers.size)

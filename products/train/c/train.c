@@ -10,7 +10,6 @@
 
 /* A step in which brakes and line stay as they are is as long as waves in the pipe allow, from and to [s]; assumed. */
 static const double SHORTEST = 0.01, LONGEST = 0.1;
-enum { MOST = 1 << 20 };
 /* Rows of brakes: constants, and three in which all lanes compute. */
 enum { ROWS = BRAKE_GIVEN + 3 };
 
@@ -19,19 +18,6 @@ static long long int widths(const double *head, int row)
     const long long int vehicles = (long long int)head[HEAD_VEHICLES], valves = (long long int)head[HEAD_VALVES];
     const long long int of[TRAIN_INPUTS] = {valves, valves, vehicles, vehicles, vehicles, vehicles - 1, vehicles - 1, 2, vehicles, vehicles};
     return of[row];
-}
-
-/* Whether so many numbers are those of a train. */
-static int whole(const double *numbers, long long int count)
-{
-    if (count < TRAIN_HEAD) return 0;
-    for (int n = HEAD_VEHICLES; n <= HEAD_DEPTH; ++n)
-        if (!(numbers[n] >= 0.0 && numbers[n] < MOST && numbers[n] == floor(numbers[n]))) return 0;
-    const long long int vehicles = (long long int)numbers[HEAD_VEHICLES], cells = (long long int)numbers[HEAD_CELLS];
-    const long long int valves = (long long int)numbers[HEAD_VALVES], points = (long long int)numbers[HEAD_POINTS];
-    if (vehicles < 1 || cells < 1 || valves < 1 || valves > MOST_VALVES || points < 1) return 0;
-    return count == TRAIN_HEAD + PIPE_ROWS * cells + (2 + VEHICLE_CONSTANTS + BRAKE_GIVEN + MOTION_GIVEN + 2) * vehicles +
-                        COUPLER_GIVEN * (vehicles - 1) + VALVE_ROWS * valves + (LINE_ROWS - 1) * points;
 }
 
 static double *take(double **from, long long int count)
@@ -137,7 +123,7 @@ static train *lay(train *self, const double *numbers)
 
 train *train_create(const double *numbers, long long int count)
 {
-    if (!whole(numbers, count)) return NULL;
+    if (train_wrong(numbers, count)) return NULL;
     train *self = (train *)calloc(1, sizeof *self);
     if (!self) return NULL;
     memcpy(self->head, numbers, sizeof self->head);
@@ -166,6 +152,8 @@ void train_free(train *self)
     free(self->saved);
     free(self);
 }
+
+static long long int runs(const train *self) { return RUN_VALVES + OF_VALVE * self->valves; }
 
 static void fill(double *values, long long int count, double value)
 {
@@ -209,17 +197,29 @@ static void begin_motion(train *self, double speed, double distance)
     for (long long int i = 0; i < self->vehicles; ++i) motion_lead(self->moves, i, NAN);
 }
 
+/* What brakes hold at pressures of cylinders and speeds of wheels. */
+static void find_brakes(train *self)
+{
+    memcpy(self->wheel, motion_wheel(self->moves), (size_t)self->vehicles * sizeof(double));
+    IN_LANES(train_brake);
+}
+
+/* Forces of the last step. */
+static void find_forces(train *self)
+{
+    memcpy(self->output[OUT_BRAKE], self->held, (size_t)self->vehicles * sizeof(double));
+    memcpy(self->output[OUT_RAIL], motion_rail(self->moves), (size_t)self->vehicles * sizeof(double));
+}
+
+/* What hangs on the state alone. */
 static void find_outputs(train *self)
 {
     double *sums = self->output[OUT_SUMS];
     const double *place = motion_place(self->moves), *speed = motion_speed(self->moves), *wheel = motion_wheel(self->moves);
-    const double *rail = motion_rail(self->moves);
     for (long long int i = 0; i < self->vehicles; ++i) {
         self->output[OUT_DISTANCE][i] = place[i] + self->centre[i];
         self->output[OUT_SPEED][i] = speed[i];
         self->output[OUT_WHEEL][i] = wheel[i];
-        self->output[OUT_BRAKE][i] = self->held[i];
-        self->output[OUT_RAIL][i] = rail[i];
     }
     motion_force_now(self->moves, self->output[OUT_FORCE]);
     motion_mean(self->moves, self->output[OUT_MEAN]);
@@ -230,22 +230,35 @@ static void find_outputs(train *self)
     motion_extremes(self->moves, sums + SUM_TENSION);
 }
 
+/* Joints as inputs had them in the last step. */
+static void put_joints(train *self)
+{
+    const double *joined = self->given_before + (self->input[IN_JOINED] - self->input[0]);
+    for (long long int i = 0; i + 1 < self->vehicles; ++i)
+        if (self->face[i] > 0) pipe_join(self->air, self->face[i], (int)joined[i]);
+}
+
 void train_begin(train *self, double time, double speed, double distance, double pressure, double cylinder)
 {
     begin_inputs(self);
     begin_air(self, pressure, cylinder);
     begin_motion(self, speed, distance);
-    fill(self->run, RUN_VALVES + OF_VALVE * self->valves, 0.0);
+    fill(self->run, runs(self), 0.0);
     self->run[RUN_TIME] = time;
     self->run[RUN_TOLD] = floor(time / HISTORY_STEP);
     for (long long int v = 0; v < self->valves; ++v) {
+        static const double closed[VALVE_NUMBERS] = {0.0}; /* until a step commands it; how long that may be hangs on it */
         double *own = valves_run(self, v);
+        pipe_valve(self->air, (int)v, (long long int)self->valve[v * VALVE_ROWS + VALVE_FACE], closed);
         fill(own, 1 + HISTORY, pressure);
         fill(own + 1 + HISTORY, HISTORY, v ? VALVE_SHUT_OFF : VALVE_IS_RUNNING);
     }
-    for (long long int i = 0; i + 1 < self->vehicles; ++i)
-        if (self->face[i] > 0) pipe_join(self->air, self->face[i], PIPE_JOINED);
+    put_joints(self);
     self->steps[0] = self->steps[1] = 0;
+    pipe_pressures(self->air, NULL, self->cylinder);
+    find_brakes(self);
+    find_forces(self);
+    fill(self->output[OUT_RAIL], self->vehicles, 0.0);
     find_outputs(self);
 }
 
@@ -296,8 +309,7 @@ static int step_on(train *self, double step)
     valves_tell(self, step);
     pipe_pressures(self->air, NULL, self->cylinder);
     for (long long int i = 0; i < self->vehicles; ++i) self->cylinder[i] = (self->cylinder[i] + self->held[i]) / 2.0;
-    memcpy(self->wheel, motion_wheel(self->moves), (size_t)self->vehicles * sizeof(double));
-    IN_LANES(train_brake);
+    find_brakes(self);
     memcpy(motion_acting(self->moves, BRAKE), self->held, (size_t)self->vehicles * sizeof(double));
     line_act(self, step);
     const double count = fmax(1.0, ceil(step / (self->head[HEAD_SHARE] * self->head[HEAD_BOUND])));
@@ -308,15 +320,14 @@ static int step_on(train *self, double step)
     return motion_sound(self->moves);
 }
 
-/* What a step changes that may lead nowhere; of the history only what is overwritten, which is old. */
+/* What a step changes that may lead nowhere. */
 static void keep(const train *self)
 {
     double *at = self->saved;
     pipe_save(self->air, at);
     motion_save(self->moves, at += pipe_numbers(self->air));
-    memcpy(at += motion_numbers(self->moves), self->run, RUN_VALVES * sizeof(double));
-    at += RUN_VALVES;
-    for (long long int v = 0; v < self->valves; ++v) at[v] = self->run[RUN_VALVES + v * OF_VALVE];
+    memcpy(at += motion_numbers(self->moves), self->run, (size_t)runs(self) * sizeof(double));
+    memcpy(at + runs(self), self->given_before, (size_t)self->inputs * sizeof(double));
 }
 
 static void restore(train *self)
@@ -324,10 +335,20 @@ static void restore(train *self)
     const double *at = self->saved;
     pipe_load(self->air, at);
     motion_load(self->moves, at += pipe_numbers(self->air));
-    memcpy(self->run, at += motion_numbers(self->moves), RUN_VALVES * sizeof(double));
-    at += RUN_VALVES;
-    for (long long int v = 0; v < self->valves; ++v) self->run[RUN_VALVES + v * OF_VALVE] = at[v];
+    memcpy(self->run, at += motion_numbers(self->moves), (size_t)runs(self) * sizeof(double));
+    memcpy(self->given_before, at + runs(self), (size_t)self->inputs * sizeof(double));
+    put_joints(self);
     find_outputs(self);
+}
+
+/* Of all that a step has found. */
+static int outputs_finite(const train *self)
+{
+    const double *rail = motion_rail(self->moves), *found = self->output[0];
+    int finite = 1;
+    for (const double *end = self->output[OUT_SUMS] + TRAIN_SUMS; found < end; ++found) finite &= isfinite(*found) != 0;
+    for (long long int i = 0; i < self->vehicles; ++i) finite &= isfinite(rail[i]) && isfinite(self->held[i]);
+    return finite;
 }
 
 int train_go(train *self, double time)
@@ -348,6 +369,11 @@ int train_go(train *self, double time)
     }
     self->run[RUN_STEP] = time;
     find_outputs(self);
+    if (!outputs_finite(self)) {
+        restore(self);
+        return -1;
+    }
+    find_forces(self);
     return 0;
 }
 
@@ -363,11 +389,9 @@ const double *train_output(const train *self, int row, long long int *count)
     return self->output[row];
 }
 
-static long long int runs(const train *self) { return RUN_VALVES + OF_VALVE * self->valves; }
-
 long long int train_numbers(const train *self)
 {
-    return pipe_numbers(self->air) + motion_numbers(self->moves) + 2 * self->inputs + runs(self);
+    return pipe_numbers(self->air) + motion_numbers(self->moves) + 2 * self->inputs + runs(self) + 2 * self->vehicles;
 }
 
 void train_save(const train *self, double *numbers)
@@ -376,6 +400,8 @@ void train_save(const train *self, double *numbers)
     motion_save(self->moves, numbers += pipe_numbers(self->air));
     memcpy(numbers += motion_numbers(self->moves), self->input[0], (size_t)(2 * self->inputs) * sizeof(double));
     memcpy(numbers += 2 * self->inputs, self->run, (size_t)runs(self) * sizeof(double));
+    memcpy(numbers += runs(self), self->output[OUT_BRAKE], (size_t)self->vehicles * sizeof(double));
+    memcpy(numbers + self->vehicles, self->output[OUT_RAIL], (size_t)self->vehicles * sizeof(double));
 }
 
 void train_load(train *self, const double *numbers)
@@ -384,10 +410,9 @@ void train_load(train *self, const double *numbers)
     motion_load(self->moves, numbers += pipe_numbers(self->air));
     memcpy(self->input[0], numbers += motion_numbers(self->moves), (size_t)(2 * self->inputs) * sizeof(double));
     memcpy(self->run, numbers += 2 * self->inputs, (size_t)runs(self) * sizeof(double));
-    for (long long int i = 0; i + 1 < self->vehicles; ++i) {
-        const long long int joint = self->input[IN_JOINED] - self->input[0] + i;
-        if (self->face[i] > 0) pipe_join(self->air, self->face[i], (int)self->given_before[joint]);
-    }
+    memcpy(self->output[OUT_BRAKE], numbers += runs(self), (size_t)self->vehicles * sizeof(double));
+    memcpy(self->output[OUT_RAIL], numbers + self->vehicles, (size_t)self->vehicles * sizeof(double));
+    put_joints(self);
     find_outputs(self);
 }
 

@@ -47,6 +47,8 @@ enum { SUM_TIME, SUM_TENSION, SUM_TENSION_AT, SUM_COMPRESSION, SUM_COMPRESSION_A
 
 typedef struct train train;
 
+/* What of these numbers is not that of a train, or null (check.c). */
+TRAIN_SHOWN const char *train_wrong(const double *numbers, long long int count);
 /* null: there is no memory, or the numbers are not those of a train. */
 TRAIN_SHOWN train *train_create(const double *numbers, long long int count);
 TRAIN_SHOWN void train_free(train *self);

@@ -10,12 +10,15 @@
 
 /* Bytes of a consist at most. */
 enum { LARGEST = 1 << 27 };
+/* Times of a run from and to, and a step at most [s]: beyond them hundredths of a second are lost, or patience. */
+static const double FARTHEST = 1e10, LONGEST = 86400.0;
 static const double AROUND = 101325.0;
 
 struct arrays_object {
     train *own;
     double *values; /* of all arrays, one behind the other */
     size_t place[ARRAYS_MOST + 1];
+    unsigned long long mark; /* of the consist */
 };
 
 /* The numbers of a consist from a file; null: and why. */
@@ -43,6 +46,18 @@ static double *read_numbers(const char *folder, long long int *count, char *prob
     return numbers;
 }
 
+/* What tells consists apart. */
+static unsigned long long mark_of(const double *numbers, long long int count)
+{
+    unsigned long long mark = 14695981039346656037ULL, word;
+    for (long long int i = 0; i < count; ++i) {
+        memcpy(&word, numbers + i, sizeof word);
+        mark = (mark ^ word) * 1099511628211ULL;
+        mark ^= mark >> 29;
+    }
+    return mark;
+}
+
 static size_t length_of(train *own, int array)
 {
     long long int count = 1;
@@ -52,22 +67,33 @@ static size_t length_of(train *own, int array)
     return (size_t)count;
 }
 
+static arrays_object *create(const double *numbers, long long int count)
+{
+    arrays_object *self = (arrays_object *)calloc(1, sizeof *self);
+    if (self) self->own = train_create(numbers, count);
+    if (self && self->own) {
+        self->mark = mark_of(numbers, count);
+        for (int n = 0; n < ARRAYS; ++n) self->place[n + 1] = self->place[n] + length_of(self->own, n);
+        self->values = (double *)calloc(self->place[ARRAYS], sizeof(double));
+        if (self->values) return self;
+    }
+    arrays_free(self);
+    return NULL;
+}
+
 arrays_object *arrays_create(const char *folder, char problem[ARRAYS_PROBLEM])
 {
     long long int count = 0;
     double *numbers = read_numbers(folder, &count, problem);
     if (!numbers) return NULL;
-    arrays_object *self = (arrays_object *)calloc(1, sizeof *self);
-    if (self) self->own = train_create(numbers, count);
+    const char *wrong = train_wrong(numbers, count);
+    arrays_object *self = wrong ? NULL : create(numbers, count);
+    if (wrong)
+        snprintf(problem, ARRAYS_PROBLEM, "The consist %.200s/train.bin is damaged, %s cannot be; build the FMU again.", folder, wrong);
+    else if (!self)
+        snprintf(problem, ARRAYS_PROBLEM, "There is no memory for the train.");
     free(numbers);
-    if (self && self->own) {
-        for (int n = 0; n < ARRAYS; ++n) self->place[n + 1] = self->place[n] + length_of(self->own, n);
-        self->values = (double *)calloc(self->place[ARRAYS], sizeof(double));
-        if (self->values) return self;
-    }
-    snprintf(problem, ARRAYS_PROBLEM, "There is no memory for the train, or its consist is not whole; build the FMU again.");
-    arrays_free(self);
-    return NULL;
+    return self;
 }
 
 void arrays_free(arrays_object *self)
@@ -84,9 +110,9 @@ double *arrays_values(arrays_object *self, int array, size_t *count)
     return self->values + self->place[array];
 }
 
-static double *values_of(arrays_object *self, int array) { return self->values + self->place[array]; }
+static double *values_of(const arrays_object *self, int array) { return self->values + self->place[array]; }
 
-static void put_inputs(arrays_object *self)
+static void put_inputs(const arrays_object *self)
 {
     for (int n = 0; n < TRAIN_INPUTS; ++n) {
         long long int count;
@@ -128,16 +154,24 @@ void arrays_reset(arrays_object *self)
 
 bool arrays_start(arrays_object *self, double time, char problem[ARRAYS_PROBLEM])
 {
+    if (fabs(time) > FARTHEST) {
+        snprintf(problem, ARRAYS_PROBLEM, "Set the start time to -%g s to %g s: it was %g s.", FARTHEST, FARTHEST, time);
+        return false;
+    }
     const double *given = values_of(self, FIRST_PARAMETER); /* speed, distance, pressures of pipe and cylinders */
     train_begin(self->own, time, given[0], given[1], given[2] + AROUND, given[3] + AROUND);
     put_inputs(self);
     find_outputs(self);
-    (void)problem;
     return true;
 }
 
 bool arrays_go(arrays_object *self, double time, double step, char problem[ARRAYS_PROBLEM])
 {
+    if (step > LONGEST || time + step > 2.0 * FARTHEST) {
+        snprintf(problem, ARRAYS_PROBLEM, "Take steps of at most %g s up to a time of %g s: this one was of %g s at %g s.", LONGEST,
+                 2.0 * FARTHEST, step, time);
+        return false;
+    }
     put_inputs(self);
     if (train_go(self->own, step)) {
         snprintf(problem, ARRAYS_PROBLEM,
@@ -149,10 +183,13 @@ bool arrays_go(arrays_object *self, double time, double step, char problem[ARRAY
     return true;
 }
 
+unsigned long long arrays_mark(const arrays_object *self) { return self->mark; }
+
 size_t arrays_numbers(const arrays_object *self) { return (size_t)train_numbers(self->own) + self->place[ARRAYS]; }
 
 void arrays_save(const arrays_object *self, double *numbers)
 {
+    put_inputs(self); /* as they would be in the next step */
     memcpy(numbers, self->values, self->place[ARRAYS] * sizeof(double));
     train_save(self->own, numbers + self->place[ARRAYS]);
 }

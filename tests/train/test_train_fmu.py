@@ -1,0 +1,578 @@
+"""FMUs of trains: both standards against the class, states, what they refuse, damaged consists, C under sanitizers."""
+
+from __future__ import annotations
+
+import math
+import shutil
+import subprocess
+import xml.etree.ElementTree as ET
+import zipfile
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from fmpy import read_model_description, simulate_fmu
+from fmpy.fmi1 import FMICallException
+from fmpy.validation import validate_fmu
+
+from brake_controller.drivers_valve import drivers_valve
+from fmu_src.arrays_fmu import all_sources
+from fmu_src.compile import FLAGS, compiler, objects_of
+from fmu_src.cosimulation.faces import face_of
+from fmu_src.cosimulation.slave import CosimulationError, Slave
+from products.train.consist import Consist, block_train
+from products.train.fmu import OUTPUTS, build_train_fmu, train_in_c
+from products.train.numbers import Settings, numbers_of
+from products.train.train import Train
+from tests.fmu.sanitized import HEADERS, SANITIZERS, run
+
+STEP, COUNT, SPEED, PULL = 0.125, 32, 20.0, 65536.0
+SHORT, LONG, LIGHT = block_train(2), block_train(5), block_train(2, load=10e3)
+CONSISTS = {"short": SHORT, "long": LONG, "light": LIGHT}
+#: Outputs that are of each vehicle or coupling.
+OF_EACH = [one.name for one in OUTPUTS[:8]]
+
+
+@pytest.fixture(scope="module")
+def fmus(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, int], Path]:
+    """By consist and version of FMI."""
+    folder = tmp_path_factory.mktemp("trains")
+    found = {(name, version): folder / f"{name}{version}.fmu" for name in CONSISTS for version in (2, 3)}
+    for (name, version), path in found.items():
+        build_train_fmu(CONSISTS[name], path, version)
+    return found
+
+
+class Host:
+    """A train in an FMU of either standard, with arrays by name."""
+
+    def __init__(self, path: Path) -> None:
+        self.path, self.slave = path, Slave(path)
+        self.two = read_model_description(str(path)).fmiVersion == "2.0"
+        self.count = 0
+
+    def put(self, name: str, values: Sequence[float]) -> None:
+        """Sets an array."""
+        if self.two:
+            self.slave.set(**{f"{name}[{number}]": value for number, value in enumerate(values, 1)})
+        else:
+            self.slave.set(**{name: list(values)})
+
+    def array(self, name: str) -> list[float]:
+        """Of each vehicle or coupling."""
+        if not self.two:
+            return [float(value) for value in self.slave.array(name)]
+        return self.slave.get([one for one in self.slave.units if one.startswith(f"{name}[")])
+
+    def outputs(self) -> list[list[float]]:
+        """Those of each vehicle or coupling."""
+        return [self.array(name) for name in OF_EACH]
+
+    def go(self, steps: int = 1) -> None:
+        """So many steps."""
+        for _ in range(steps):
+            self.slave.step(self.count * STEP, STEP)
+            self.count += 1
+
+    def state(self) -> bytes:
+        """The whole state as bytes."""
+        saved = self.slave.save()
+        fmu = self.slave.fmu
+        found = bytes(fmu.serializeFMUstate(saved) if self.two else fmu.serializeFMUState(saved))
+        self.slave.forget(saved)
+        return found
+
+    def take(self, state: bytes) -> None:
+        """Takes it back."""
+        read = self.slave.fmu.deSerializeFMUstate if self.two else self.slave.fmu.deserializeFMUState
+        saved = self.slave._call(read, state)
+        self.slave.restore(saved)
+        self.slave.forget(saved)
+
+
+@pytest.fixture(params=[2, 3])
+def train(request: pytest.FixtureRequest, fmus: dict[tuple[str, int], Path]) -> Iterator[Host]:
+    """That has run for a while, its brake applied."""
+    host = started(fmus["short", request.param])
+    with host.slave:
+        host.put("driver_position", [4])
+        host.go(8)
+        yield host
+
+
+def started(path: Path) -> Host:
+    """At its speed."""
+    host = Host(path)
+    host.slave.set(start_speed=SPEED)
+    host.slave.start()
+    return host
+
+
+def refused(host: Host, call: Callable[[], object]) -> str:
+    """The one sentence with which a call is refused that leaves all as it was."""
+    before = host.state()
+    host.slave.messages.clear()
+    with pytest.raises((CosimulationError, FMICallException)):
+        call()
+    [sentence] = host.slave.messages
+    assert host.state() == before
+    assert sentence.endswith(".")
+    return sentence
+
+
+# ---- numbers -----------------------------------------------------------------------------------------------------
+
+
+def simulated(path: Path, version: int, vehicles: int) -> np.ndarray:
+    """By fmpy: the locomotive pulls, and an emergency from 1 s on.
+
+    FMPy 0.3 takes no inputs of FMI 3.0 that are both discrete and arrays: there the valve is set between its steps.
+    """
+    two, pull = version == 2, [PULL, *[0.0] * (vehicles - 1)]
+    if two:
+        names = ["driver_position[1]", *[f"pull[{number}]" for number in range(1, vehicles + 1)]]
+        kinds = [("time", float), (names[0], np.int32), *[(name, float) for name in names[1:]]]
+        rows = [(time, position, *pull) for time, position in ((0.0, 1), (1.0, 1), (1.0, 4), (4.0, 4))]
+    else:
+        kinds = [("time", float), ("pull", float, (vehicles,))]
+        rows = [(0.0, pull), (4.0, pull)]
+
+    def applied(time: float, recorder: Any) -> bool:
+        if not two and time == 1.0:
+            recorder.fmu.setInt32([reference_of(path, "driver_position")], [4])
+        return True
+
+    how = {"stop_time": STEP * COUNT, "output_interval": STEP, "step_size": STEP, "step_finished": applied}
+    start = {"start_speed": SPEED}
+    return np.asarray(simulate_fmu(str(path), start_values=start, input=np.array(rows, dtype=kinds), **how))
+
+
+def reference_of(path: Path, name: str) -> int:
+    """Of a variable."""
+    return next(v.valueReference for v in read_model_description(str(path)).modelVariables if v.name == name)
+
+
+@pytest.mark.parametrize("name", ["short", "long"])
+def test_both_versions_and_the_class_give_the_same_bits(name: str, fmus: dict[tuple[str, int], Path]) -> None:
+    vehicles = len(CONSISTS[name].vehicles)
+    two, three = (simulated(fmus[name, version], version, vehicles) for version in (2, 3))
+    own = Train(CONSISTS[name], speed=SPEED)
+    own.inputs["pull"][0] = PULL
+    assert len(two) == len(three) == COUNT + 1
+    for number in range(COUNT + 1):
+        for output in OF_EACH:
+            expected = getattr(own, output).tolist()
+            assert three[output][number].tolist() == expected, (output, number)
+            assert [two[f"{output}[{i}]"][number] for i in range(1, len(expected) + 1)] == expected
+        assert two["largest_tension"][number] == three["largest_tension"][number] == own.largest_tension
+        assert two["air_used"][number] == own.air_used
+        own.drive("emergency" if number * STEP >= 1.0 else "running")
+        own.advance(STEP)
+    assert own.cylinder_pressure.min() > 100e3
+    assert own.largest_tension > 1e3
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_outputs_are_those_of_what_was_set_already_while_it_initialises(
+    version: int, fmus: dict[tuple[str, int], Path]
+) -> None:
+    host, own = Host(fmus["short", version]), Train(SHORT, speed=SPEED, cylinder=200e3)
+    with host.slave as slave:
+        before: list[list[list[float]]] = []
+        slave._call(
+            slave._face.begin,
+            0.0,
+            lambda: slave.set(start_cylinder_pressure=200e3),
+            lambda: (slave.set(start_speed=SPEED), before.append(host.outputs())),
+        )
+        assert before == [host.outputs()]
+        assert before[0] == [getattr(own, name).tolist() for name in OF_EACH]
+    assert own.brake_force.min() > 1e3
+    assert not own.rail_force.any()
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_wheels_that_lock_are_told(version: int, fmus: dict[tuple[str, int], Path]) -> None:
+    host = started(fmus["short", version])
+    with host.slave:
+        host.put("friction", [0.3, 0.02, 0.3])
+        host.put("driver_position", [4])
+        host.go(80)
+        assert host.array("locked") == [0, 1, 0]
+        assert host.array("slip")[1] == 1.0
+        assert max(host.array("slip")[::2]) < 0.1
+
+
+def test_a_reset_train_runs_as_a_new_one(train: Host) -> None:
+    train.put("coupled", [0, 0])
+    train.put("joined", [2, 1])
+    train.go(4)
+    train.count = 0
+    train.slave.restart({"start_speed": SPEED})
+    fresh = started(train.path)
+    with fresh.slave:
+        for _ in range(8):
+            assert train.outputs() == fresh.outputs()
+            train.go()
+            fresh.go()
+
+
+def test_where_a_step_leads_nowhere_what_was_asked_for_is_done_in_the_next() -> None:
+    """A coupling that was opened and a hose that parted in a step that failed."""
+    one, other = Train(SHORT, speed=SPEED), Train(SHORT, speed=SPEED)
+    for own in (one, other):
+        own.drive("emergency")
+        own.advance(1.0)
+    before = one.state
+    one.inputs["pull"][0] = math.nan
+    for own in (one, other):
+        own.inputs["coupled"][0], own.inputs["joined"][1] = 0, 2
+    with pytest.raises(ValueError, match="no finite state"):
+        one.advance(20.0)
+    one.inputs["pull"][0] = 0.0
+    assert one.brake_force.tolist() == other.brake_force.tolist()
+    for own in (one, other):
+        own.advance(1.0)
+    assert np.array_equal(one.state, other.state, equal_nan=True)
+    one.state = before
+    assert np.array_equal(one.state, before, equal_nan=True)
+
+
+# ---- one binary --------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_archives_of_two_trains_differ_in_their_description_and_numbers_alone(
+    version: int, fmus: dict[tuple[str, int], Path]
+) -> None:
+    contents = []
+    for name in ("short", "long"):
+        with zipfile.ZipFile(fmus[name, version]) as archive:
+            contents.append({one: archive.read(one) for one in archive.namelist()})
+    assert contents[0].keys() == contents[1].keys()
+    differing = {one for one in contents[0] if contents[0][one] != contents[1][one]}
+    assert differing == {"modelDescription.xml", "resources/train.bin"}
+
+
+@pytest.mark.parametrize("name", CONSISTS)
+@pytest.mark.parametrize("version", [2, 3])
+def test_it_is_valid_and_arrays_have_the_lengths_of_the_consist(
+    name: str, version: int, fmus: dict[tuple[str, int], Path]
+) -> None:
+    path, vehicles = fmus[name, version], len(CONSISTS[name].vehicles)
+    assert validate_fmu(str(path)) == []
+    about = read_model_description(str(path))
+    for array, length in {"pull": vehicles, "speed": vehicles, "coupled": vehicles - 1, "end_force": 2}.items():
+        if version == 3:
+            [one] = [v for v in about.modelVariables if v.name == array]
+            assert one.shape == (length,)
+        else:
+            assert sum(v.name.startswith(f"{array}[") for v in about.modelVariables) == length
+
+
+def test_a_locomotive_alone_is_a_train(tmp_path: Path) -> None:
+    for version in (2, 3):
+        path = tmp_path / f"alone{version}.fmu"
+        build_train_fmu(Consist(SHORT.vehicles[:1]), path, version)
+        assert validate_fmu(str(path)) == []
+        with Slave(path, start_speed=SPEED) as slave:
+            slave.start()
+            slave.step(0.0, 1.0)
+            assert slave["largest_tension"] == 0.0
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_the_sources_that_are_listed_compile(version: int, fmus: dict[tuple[str, int], Path], tmp_path: Path) -> None:
+    with zipfile.ZipFile(fmus["short", version]) as archive:
+        archive.extractall(tmp_path)
+    place = "modelDescription.xml" if version == 2 else "sources/buildDescription.xml"
+    kind = "File" if version == 2 else "SourceFile"
+    listed = [str(one.get("name")) for one in ET.parse(tmp_path / place).iter(kind)]
+    assert sorted(listed) == sorted(one.name for one in (tmp_path / "sources").glob("*.c"))
+    command = [*compiler(), "-std=c11", "-fsyntax-only", "-Wall", "-Wextra", "-Werror", *listed]
+    done = subprocess.run(command, cwd=tmp_path / "sources", capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+# ---- states ------------------------------------------------------------------------------------------------------
+
+
+def test_a_saved_state_goes_on_with_the_same_bits(train: Host) -> None:
+    saved, count = train.slave.save(), train.count
+    ways = []
+    for _ in range(2):
+        train.go(6)
+        ways.append(train.outputs())
+        train.slave.restore(saved)
+        train.count = count
+    assert ways[0] == ways[1]
+    train.slave.forget(saved)
+
+
+@pytest.mark.parametrize("cells", [1.0, 6.0])
+def test_a_state_goes_on_with_the_same_bits_whatever_its_train_did_before(cells: float) -> None:
+    """Steps of air hang on how fast waves ran at valves and in the step before; steps of any length, at any time."""
+    given, draw = Settings(cells=cells), np.random.default_rng(5)
+    one, fresh, used = (Train(SHORT, speed=SPEED, settings=given) for _ in range(3))
+    one.drive("emergency")
+    for number in range(12):
+        one.advance(0.01 * number)
+        fresh = Train(SHORT, settings=given)
+        state = one.state
+        for other in (fresh, used):
+            other.state = state
+        for step in (0.05 + 0.01 * number, *draw.choice([1e-3, 2e-3, 4e-3, 0.012, 0.1], 8)):
+            for own in (one, fresh, used):
+                own.advance(step)
+            assert np.array_equal(one.state, fresh.state, equal_nan=True)
+            assert np.array_equal(one.state, used.state, equal_nan=True)
+        used.drive("running")
+        used.advance(3.0)
+
+
+def test_a_state_as_bytes_goes_on_in_another_instance_with_the_same_bits(train: Host) -> None:
+    """In one that has not begun."""
+    state, other = train.state(), Host(train.path)
+    with other.slave:
+        other.take(state)
+        assert other.state() == state
+        other.count = train.count
+        for _ in range(6):
+            assert other.outputs() == train.outputs()
+            other.go()
+            train.go()
+        assert other.state() == train.state()
+
+
+@pytest.mark.parametrize("name", ["long", "light"])
+def test_a_state_of_another_consist_is_refused(name: str, train: Host, fmus: dict[tuple[str, int], Path]) -> None:
+    """Also of one of the same length."""
+    other = started(fmus[name, 2 if train.two else 3])
+    with other.slave:
+        state, saved = other.state(), other.slave.save()
+        words = "This state is not one of this FMU with the same resources; give one that it has saved."
+        assert refused(train, lambda: train.take(state)) == words
+        assert refused(train, lambda: train.slave.restore(saved)) == words
+        other.slave.forget(saved)
+
+
+def test_bytes_that_have_changed_are_refused(train: Host) -> None:
+    state = bytearray(train.state())
+    state[-1000] ^= 1
+    words = "The bytes of this state have changed since it was saved; give them as they were."
+    assert refused(train, lambda: train.take(bytes(state))) == words
+    assert "not one of this FMU" in refused(train, lambda: train.take(bytes(state[:-8])))
+
+
+# ---- what is refused ---------------------------------------------------------------------------------------------
+
+
+def test_calls_out_of_order_are_refused_by_the_section_that_lists_them(train: Host) -> None:
+    fmu, section = train.slave.fmu, "see FMI 2.0, section 4.2.4." if train.two else "see FMI 3.0, section 4.2.1."
+    prefix = "fmi2" if train.two else "fmi3"
+    calls = {
+        "EnterInitializationMode": fmu.enterInitializationMode,
+        "ExitInitializationMode": fmu.exitInitializationMode,
+    }
+    for name, call in calls.items():
+        assert refused(train, call) == f"{prefix}{name} may not be called now; {section}"
+    fmu.terminate()
+    words = f"{prefix}DoStep may not be called now; {section}"
+    assert refused(train, lambda: fmu.doStep(train.count * STEP, STEP)) == words
+    assert "may not be called now" in refused(train, lambda: train.put("pull", [0.0] * 3))
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "words"),
+    [
+        ("speed", [1.0, 1.0, 1.0], "Leave speed as it is: it is an output and cannot be set."),
+        ("driver_position", [7], "Set driver_position[1] to 0 to 4: it was 7."),
+        ("friction", [0.3, -1.0, 0.3], "Set friction[2] to 0 to 2: it was -1."),
+        ("friction", [0.3, 0.3, math.nan], "Set friction[3] to 0 to 2: it was nan."),
+        ("pull", [1e300, 0.0, 0.0], "Set pull[1] to -1e+07 to 1e+07 N: it was 1e+300."),
+        ("joined", [3, 0], "Set joined[1] to 0 to 2: it was 3."),
+    ],
+)
+def test_what_cannot_be_set_is_refused_and_nothing_changes(
+    name: str, values: list[float], words: str, train: Host
+) -> None:
+    sentence = refused(train, lambda: train.put(name, values))
+    assert sentence.replace("-nan", "nan") == words
+
+
+def test_parameters_are_fixed_once_it_runs(train: Host) -> None:
+    sentence = refused(train, lambda: train.slave.set(start_speed=1.0))
+    assert sentence == "Leave start_speed as it is: it is fixed once the run has begun."
+
+
+def test_unknown_references_are_refused(train: Host) -> None:
+    fmu = train.slave.fmu
+    calls = (fmu.getReal, fmu.getInteger) if train.two else (fmu.getFloat64, fmu.getInt32)
+    for call in calls:
+        for reference in (28, 31, 65535, 13 * 65536 + 3, 4294967295):
+            if (reference, train.two) == (28, True) and call is fmu.getReal:
+                continue
+            assert "no such variable has the reference" in refused(train, lambda: call([reference]))  # noqa: B023
+    wrong = fmu.getInteger if train.two else fmu.getInt32
+    speed = train.slave._reference("speed[1]" if train.two else "speed")[0]
+    assert "no such variable has the reference" in refused(train, lambda: wrong([speed]))
+
+
+@pytest.mark.parametrize("count", [0, 2, 4])
+def test_sizes_that_do_not_fit_are_refused(count: int, fmus: dict[tuple[str, int], Path]) -> None:
+    host = started(fmus["short", 3])
+    with host.slave:
+        reference, fmu = host.slave._reference("pull")[0], host.slave.fmu
+        words = f"give all elements of each array, 3 values: they were {count}."
+        assert refused(host, lambda: fmu.setFloat64([reference], [0.0] * count)) == f"fmi3SetFloat64: {words}"
+        assert refused(host, lambda: fmu.getFloat64([reference], count)) == f"fmi3GetFloat64: {words}"
+
+
+@pytest.mark.parametrize(
+    ("back", "step", "words"),
+    [
+        (0.1, STEP, "Go on from where the last step ended, 1 s: this one began at 0.9 s."),
+        (-1.0, STEP, "Go on from where the last step ended, 1 s: this one began at 2 s."),
+        (0.0, 0.0, "Give doStep a finite time and a step above 0 s: they were 1 s and 0 s."),
+        (0.0, -1.0, "Give doStep a finite time and a step above 0 s: they were 1 s and -1 s."),
+        (0.0, math.nan, "Give doStep a finite time and a step above 0 s: they were 1 s and nan s."),
+        (math.nan, STEP, "Give doStep a finite time and a step above 0 s: they were nan s and 0.125 s."),
+        (0.0, 1e6, "Take steps of at most 86400 s up to a time of 2e+10 s: this one was of 1e+06 s at 1 s."),
+    ],
+)
+def test_steps_that_do_not_go_on_are_refused(back: float, step: float, words: str, train: Host) -> None:
+    fmu = train.slave.fmu
+    assert refused(train, lambda: fmu.doStep(train.count * STEP - back, step)).replace("-nan", "nan") == words
+    train.go()
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_a_start_beyond_what_time_can_count_is_refused(version: int, fmus: dict[tuple[str, int], Path]) -> None:
+    """Hundredths of a second are lost there."""
+    host = Host(fmus["short", version])
+    with (
+        host.slave,
+        pytest.raises(CosimulationError, match="Set the start time to -1e\\+10 s to 1e\\+10 s: it was 1e\\+15 s"),
+    ):
+        host.slave.start(1e15)
+
+
+# ---- consists that are damaged -----------------------------------------------------------------------------------
+
+VEHICLES, CELLS = 3, 6
+FIRST_PLACE = 10 + 7 * CELLS
+MASS_AT = FIRST_PLACE + (2 + 15 + 6) * VEHICLES
+VALVE_AT = FIRST_PLACE + (2 + 15 + 6 + 8 + 2) * VEHICLES + 50 * (VEHICLES - 1)
+
+
+def number_at(place: int, value: float) -> Callable[[Path], None]:
+    """Puts a number there."""
+
+    def change(path: Path) -> None:
+        numbers = np.fromfile(path, "<f8")
+        numbers[place] = value
+        numbers.tofile(path)
+
+    return change
+
+
+DAMAGES: dict[str, tuple[Callable[[Path], None], str]] = {
+    "missing": (lambda path: path.unlink(), "train.bin cannot be read; build the FMU again."),
+    "empty": (lambda path: path.write_bytes(b""), "train.bin cannot be read; build the FMU again."),
+    "odd": (lambda path: path.write_bytes(path.read_bytes()[:-3]), "train.bin cannot be read; build the FMU again."),
+    "truncated": (lambda path: path.write_bytes(path.read_bytes()[:-8]), "is damaged, its length cannot be"),
+    "head alone": (lambda path: path.write_bytes(path.read_bytes()[:80]), "is damaged, its length cannot be"),
+    "half a head": (lambda path: path.write_bytes(path.read_bytes()[:40]), "is damaged, its length cannot be"),
+    "random": (
+        lambda path: path.write_bytes(np.random.default_rng(3).bytes(8000)),
+        "is damaged, its number of vehicles",
+    ),
+    "NaN in the head": (number_at(1, math.nan), "is damaged, its number of cells cannot be"),
+    "half a vehicle": (number_at(0, 2.5), "is damaged, its number of vehicles cannot be"),
+    "no valve": (number_at(2, 0.0), "is damaged, its number of valves cannot be"),
+    "depth": (number_at(4, 3.0), "is damaged, the depth of its brake cannot be"),
+    "a cell of negative length": (number_at(11, -7.0), "is damaged, the length of a cell cannot be"),
+    "a vehicle beyond the cells": (
+        number_at(FIRST_PLACE, CELLS),
+        "is damaged, a vehicle's place at the pipe cannot be",
+    ),
+    "an end beyond the cells": (
+        number_at(FIRST_PLACE + 4, CELLS + 1),
+        "is damaged, a vehicle's end at the pipe cannot be",
+    ),
+    "NaN mass": (number_at(MASS_AT, math.nan), "is damaged, the mass of a vehicle cannot be"),
+    "a valve beyond the pipe": (
+        number_at(VALVE_AT, CELLS + 1),
+        "is damaged, a driver's valve's place at the pipe cannot",
+    ),
+    "a valve before the pipe": (number_at(VALVE_AT, -1), "is damaged, a driver's valve's place at the pipe cannot be"),
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+@pytest.mark.parametrize("version", [2, 3])
+def test_a_damaged_consist_gives_no_instance_and_one_sentence(
+    damage: str, version: int, fmus: dict[tuple[str, int], Path], tmp_path: Path
+) -> None:
+    change, words = DAMAGES[damage]
+    path, said = fmus["short", version], list[str]()
+    with zipfile.ZipFile(path) as archive:
+        archive.extractall(tmp_path)
+    change(tmp_path / "resources" / "train.bin")
+    face = face_of(read_model_description(str(path)), str(tmp_path), "train", said.append)
+    with pytest.raises(Exception, match="Failed to instantiate"):
+        face.instantiate()
+    [sentence] = said
+    assert words in sentence
+    assert sentence.endswith("build the FMU again.")
+
+
+# ---- sanitizers --------------------------------------------------------------------------------------------------
+
+
+def write_numbers(consist: Consist, settings: Settings, folder: Path) -> Path:
+    """train.bin in a new folder."""
+    folder.mkdir()
+    np.asarray(numbers_of(consist, settings, None), "<f8").tofile(folder / "train.bin")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """arrays_host.c with the train, sanitized."""
+    folder, texts = tmp_path_factory.mktemp("host"), all_sources(train_in_c())
+    (folder / "arrays.h").write_text(texts["arrays.h"])
+    flags = [*FLAGS, "-O1", *SANITIZERS]
+    objects = objects_of(texts, flags)
+    own = [f"-I{folder}", *HEADERS, Path(__file__).with_name("arrays_host.c"), "-o", folder / "host", "-lm"]
+    done = run([*compiler(), *flags, *objects, *own], folder)
+    assert done.returncode == 0, done.stderr
+    return folder / "host"
+
+
+@pytest.mark.parametrize(("how", "seed", "rounds"), [("calls", 1, 8000), ("calls", 2, 8000), ("numbers", 3, 1500)])
+def test_anything_in_any_order_keeps_to_its_own_memory_and_to_what_it_promises(
+    how: str, seed: int, rounds: int, program: Path, tmp_path: Path
+) -> None:
+    """Two trains at once in both standards; numbers of a train that some have been changed of."""
+    one = write_numbers(block_train(1), Settings(cells=1.0), tmp_path / "one")
+    *front, last = block_train(3).vehicles
+    second = replace(last, valve=drivers_valve(), valve_delay=1.0)
+    other = write_numbers(Consist((*front, second)), Settings(depth="delay", cells=0.5), tmp_path / "other")
+    done = run([program, how, one, other, str(seed), str(rounds)], tmp_path)
+    assert (done.returncode, done.stderr) == (0, ""), done.stdout
+    assert int(done.stdout.split()[0]) > rounds // 10
+
+
+@pytest.mark.parametrize("name", ["gcc", "clang"])
+def test_the_c_is_clean_for_more_than_one_compiler(name: str, tmp_path: Path) -> None:
+    if not shutil.which(name):
+        pytest.skip(f"there is no {name}")
+    for file, text in all_sources(train_in_c()).items():
+        (tmp_path / file).write_text(text)
+    files = [*sorted(tmp_path.glob("*.c")), Path(__file__).with_name("arrays_host.c")]
+    done = run([name, *FLAGS, "-fsyntax-only", f"-I{tmp_path}", *HEADERS, *files], tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
