@@ -24,7 +24,7 @@ from fmu_src.compile import FLAGS, compiler, objects_of
 from fmu_src.cosimulation.faces import face_of
 from fmu_src.cosimulation.slave import CosimulationError, Slave
 from products.train.consist import Consist, block_train
-from products.train.fmu import OUTPUTS, build_train_fmu, train_in_c
+from products.train.fmu import ARRAYS, OUTPUTS, build_train_fmu, train_in_c
 from products.train.numbers import Settings, numbers_of
 from products.train.train import Train
 from tests.fmu.sanitized import HEADERS, SANITIZERS, run
@@ -412,7 +412,7 @@ def test_unknown_references_are_refused(train: Host) -> None:
     fmu = train.slave.fmu
     calls = (fmu.getReal, fmu.getInteger) if train.two else (fmu.getFloat64, fmu.getInt32)
     for call in calls:
-        for reference in (28, 31, 65535, 13 * 65536 + 3, 4294967295):
+        for reference in (len(ARRAYS) + 1, len(ARRAYS) + 4, 65535, 13 * 65536 + 3, 4294967295):
             if (reference, train.two) == (28, True) and call is fmu.getReal:
                 continue
             assert "no such variable has the reference" in refused(train, lambda: call([reference]))  # noqa: B023
@@ -464,8 +464,8 @@ def test_a_start_beyond_what_time_can_count_is_refused(version: int, fmus: dict[
 
 VEHICLES, CELLS = 3, 6
 FIRST_PLACE = 10 + 7 * CELLS
-MASS_AT = FIRST_PLACE + (2 + 15 + 6) * VEHICLES
-VALVE_AT = FIRST_PLACE + (2 + 15 + 6 + 8 + 2) * VEHICLES + 50 * (VEHICLES - 1)
+MASS_AT = FIRST_PLACE + (2 + 16 + 6) * VEHICLES
+VALVE_AT = FIRST_PLACE + (2 + 16 + 6 + 8 + 2) * VEHICLES + 50 * (VEHICLES - 1)
 
 
 def number_at(place: int, value: float) -> Callable[[Path], None]:
