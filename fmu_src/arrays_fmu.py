@@ -98,7 +98,7 @@ def build_arrays_fmu(
 ) -> None:
     """Writes the FMU of an object with arrays of these lengths.
 
-    binaries: by their places in binaries/; extras: by their names in the archive, among them the resources that it reads.
+    binaries: by their places in binaries/; extras: by their names in the archive, among them resources that it reads.
     """
     about = (description2 if version == 2 else description3)(given, of)
     files = {"modelDescription.xml": about.encode()}

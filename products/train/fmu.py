@@ -106,7 +106,7 @@ def prebuilt_binary() -> Path:
 
 
 def own_binary() -> bytes:
-    """The binary for this platform, from the wheel where no source has changed, otherwise compiled. Raises CompilerError."""
+    """The binary for this platform, of the wheel where no source has changed, or compiled. Raises CompilerError."""
     path = prebuilt_binary()
     if path.exists() and contents().get("sources") == sources_here():
         return path.read_bytes()
@@ -134,7 +134,7 @@ def build_train_fmu(
     all_platforms: bool = False,
     extras: dict[str, bytes] | None = None,
 ) -> None:
-    """Writes the FMU of a consist on a line, for FMI 2 or 3. extras: more files of the archive. Raises CompilerError."""
+    """Writes the FMU of a consist on a line, for FMI 2 or 3. extras: more files of the archive; CompilerError."""
     numbers = np.ascontiguousarray(numbers_of(consist, settings or Settings(), line), "<f8")
     files = {"resources/train.bin": numbers.tobytes()} | (extras or {})
     build_arrays_fmu(train_in_c(), lengths_of(consist), path, version, binaries_of(version, all_platforms), files)

@@ -20,7 +20,7 @@ from fmpy.validation import validate_fmu
 
 from brake_controller.drivers_valve import drivers_valve
 from fmu_src.arrays_fmu import all_sources
-from fmu_src.compile import FLAGS, compiler, objects_of
+from fmu_src.compile import FLAGS, compiler, objects_of, plain_library
 from fmu_src.cosimulation.faces import face_of
 from fmu_src.cosimulation.slave import CosimulationError, Slave
 from products.train.consist import Consist, block_train
@@ -576,3 +576,8 @@ def test_the_c_is_clean_for_more_than_one_compiler(name: str, tmp_path: Path) ->
     files = [*sorted(tmp_path.glob("*.c")), Path(__file__).with_name("arrays_host.c")]
     done = run([name, *FLAGS, "-fsyntax-only", f"-I{tmp_path}", *HEADERS, *files], tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_the_c_is_clean_for_clang_and_for_windows_as_zig_has_them() -> None:
+    pytest.importorskip("ziglang")
+    assert plain_library(all_sources(train_in_c()), target="x86_64-windows-gnu").stat().st_size > 0
