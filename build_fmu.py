@@ -14,6 +14,8 @@
   python build_fmu.py train --consist consist.csv --line line.csv
                                          TrainDynamics.fmu of a consist on a line; docs/train.md says what such files
                                          hold. It needs no compiler where a wheel is installed
+  python build_fmu.py coupler --coupler draft-gear
+                                         Coupler.fmu, one coupler between two vehicles
   python build_fmu.py --describe         no FMUs: the table of variables as Markdown
 
 Exit status: 0, 1 after a failed build or validation, 2 after bad input, 130 when it was interrupted.
@@ -32,11 +34,12 @@ from products.parameter_sets import write_sets
 from products.promise import changes
 from products.registry import FMUS, model_of
 from products.systems import build_systems
-from products.train.building import build_train
+from products.train.building import build_coupler, build_train
 from products.train.numbers import DEPTHS, Settings
+from rbd_model.train.coupler import COUPLERS
 
 #: What can be built.
-NAMES = (*FMUS, "train", "ssp", "all")
+NAMES = (*FMUS, "train", "coupler", "ssp", "all")
 #: Of the pipe in a vehicle, from and to.
 CELLS = (0.01, 100.0)
 
@@ -62,13 +65,14 @@ def main(arguments: list[str] | None = None, program: str | None = None) -> int:
     add("--wheelsets", type=int, default=BOGIE, help="of the vehicle that it protects (default: 2)")
     add("--consist", type=Path, metavar="FILE", help="of the train, CSV or TOML (default: a locomotive and 20 wagons)")
     add("--line", type=Path, metavar="FILE", help="that the train runs on, CSV (default: straight and level)")
+    add("--coupler", default="screw", choices=[*COUPLERS], help="of the coupler's FMU (default: screw)")
     add("--depth", default="whole", choices=[*DEPTHS], help="of the train's brake (default: whole)")
     add("--cells", type=float, default=2.0, help="of the pipe in each vehicle (default: 2)")
     add("--describe", action="store_true", help="print the table of variables instead of building")
     chosen = parser.parse_args(arguments)
     names = {"all": list(FMUS), "ssp": ["bogie", "brake"]}.get(chosen.model, [chosen.model])
     every = chosen.platforms == "all"
-    native_only = every or chosen.model == "train"
+    native_only = every or chosen.model in ("train", "coupler")
     able = ["native"] if chosen.model == "ssp" else [*NATIVE] if native_only else [*KINDS]
     if chosen.kind not in ("all", *able):
         parser.error(f"--kind {chosen.kind} does not go with this; take one of {', '.join(able)}.")
@@ -78,7 +82,7 @@ def main(arguments: list[str] | None = None, program: str | None = None) -> int:
         parser.error("--consist and --line are of a train; say: train --consist FILE.")
     if not CELLS[0] <= chosen.cells <= CELLS[1]:
         parser.error(f"Set --cells to {CELLS[0]:g} to {CELLS[1]:g}: it was {chosen.cells:g}.")
-    if chosen.model == "train":
+    if chosen.model in ("train", "coupler"):
         return train(chosen, able if chosen.kind == "all" else [chosen.kind])
     if chosen.describe:
         print("\n".join(variable_table(model_of(name)) for name in names), end="")
@@ -103,8 +107,10 @@ def main(arguments: list[str] | None = None, program: str | None = None) -> int:
 
 
 def train(chosen: argparse.Namespace, kinds: list[str]) -> int:
-    """Builds the FMU of a train; exit status."""
+    """Builds the FMU of a train or of a coupler; exit status."""
     try:
+        if chosen.model == "coupler":
+            return 1 if build_coupler(chosen.out, kinds, chosen.coupler, chosen.platforms == "all") else 0
         settings = Settings(depth=chosen.depth, cells=chosen.cells)
         every = chosen.platforms == "all"
         return 1 if build_train(chosen.out, kinds, chosen.consist, chosen.line, settings, every) else 0

@@ -30,8 +30,8 @@ from products.prebuilt import PAGE, write_contents
 from products.registry import DIFFERENT, FMUS, model_of
 from products.sources import PREBUILT, ROOT
 from products.systems import build_systems
-from products.train.building import build_train
-from products.train.fmu import NAME as TRAIN
+from products.train.building import build_coupler, build_train
+from products.train.coupler_fmu import coupler_in_c
 from products.train.fmu import train_in_c
 from scenarios.live.page import write_page
 
@@ -62,9 +62,9 @@ def fill(folder: Path, platform: str) -> None:
         kernel = folder / "kernel" / f"{name}{suffix}"
         kernel.parent.mkdir(exist_ok=True)
         kernel.write_bytes(binary_of(generate(model), targets, fmu=False))
-    train = folder / "train" / f"{TRAIN}{suffix}"
-    train.parent.mkdir(exist_ok=True)
-    train.write_bytes(binary_of_arrays(train_in_c(), targets))
+    (folder / "train").mkdir(exist_ok=True)
+    for own in (train_in_c(), coupler_in_c()):
+        (folder / "train" / f"{own.name}{suffix}").write_bytes(binary_of_arrays(own, targets))
     write_page(folder / PAGE)
     write_contents(folder, platform, DIFFERENT)
 
@@ -97,8 +97,8 @@ def write_fmus(out: Path) -> None:
             raise CompilerError("An FMU is not valid; nothing was packed")
         write_sets(list(FMUS), folder)
         build_systems(list(FMUS), folder)
-        if build_train(folder, NATIVE, all_platforms=True):
-            raise CompilerError("The train's FMU is not valid; nothing was packed")
+        if build_train(folder, NATIVE, all_platforms=True) or build_coupler(folder, NATIVE, all_platforms=True):
+            raise CompilerError("An FMU of trains is not valid; nothing was packed")
         made = [path for path in folder.rglob("*") if path.suffix in (".fmu", ".ssp", ".ssv")]
         files = {path.relative_to(folder).as_posix(): path.read_bytes() for path in made}
     write_archive(out / f"bogie_braking-{__version__}-fmus.zip", files | {"LICENSE": license_text()})

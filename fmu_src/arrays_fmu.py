@@ -98,8 +98,7 @@ def build_arrays_fmu(
 ) -> None:
     """Writes the FMU of an object with arrays of these lengths.
 
-    binaries: by their places in binaries/; extras: by their names in the archive, among them the resources that it
-    reads.
+    binaries: by their places in binaries/; extras: by their names in the archive, among them resources that it reads.
     """
     about = (description2 if version == 2 else description3)(given, of)
     files = {"modelDescription.xml": about.encode()}
@@ -207,7 +206,7 @@ def description2(given: ArraysInC, of: Lengths) -> str:
     variables, outputs = ET.SubElement(root, "ModelVariables"), []
     for number, one in enumerate(given.arrays):
         for element in range(of.lengths[number]):
-            name = one.name if of.lengths[number] == 1 and one.causality != "input" else f"{one.name}[{element + 1}]"
+            name = one.name if of.lengths[number] == 1 else f"{one.name}[{element + 1}]"
             attributes = {
                 "name": name,
                 "valueReference": str(number * ELEMENTS + element),
@@ -252,7 +251,7 @@ def description3(given: ArraysInC, of: Lengths) -> str:
         if one.causality != "output":
             attributes["start"] = " ".join(_text(one, value) for value in of.starts[number])
         variable = ET.SubElement(variables, "Int32" if one.whole else "Float64", attributes | _limits(one))
-        if length > 1 or one.causality == "input":
+        if length > 1:
             ET.SubElement(variable, "Dimension", start=str(length))
         if one.causality == "output":
             outputs.append(str(number))

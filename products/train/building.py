@@ -10,9 +10,12 @@ from pathlib import Path
 from products.building import announce, license_text
 from products.train.consist import block_train
 from products.train.consist_file import read_consist
+from products.train.coupler_fmu import NAME as COUPLER
+from products.train.coupler_fmu import build_coupler_fmu
 from products.train.fmu import NAME, build_train_fmu
 from products.train.numbers import Settings
 from rbd_model.track.line import Line, read_line
+from rbd_model.train.coupler import COUPLERS
 
 #: Of a line: from minus to plus; distance [m], gradient [1], curvature [1/m].
 LINE_LIMITS = {"distance": 1e9, "gradient": 0.3, "curvature": 0.05}
@@ -68,5 +71,17 @@ def build_train(
             all_platforms=all_platforms,
             extras=files,
         )
+        problems += announce(path, time.perf_counter() - begin)
+    return problems
+
+
+def build_coupler(out: Path, kinds: Sequence[str], coupler: str = "screw", all_platforms: bool = False) -> list[str]:
+    """OUT/KIND/Coupler.fmu of a ready coupler; the problems that fmpy finds. Raises OSError, CompilerError."""
+    problems = []
+    for kind in kinds:
+        begin, path = time.perf_counter(), out / kind / f"{COUPLER}.fmu"
+        files = {"documentation/licenses/license.txt": license_text()}
+        version = 2 if kind == "native" else 3
+        build_coupler_fmu(COUPLERS[coupler](), path, version, all_platforms=all_platforms, extras=files)
         problems += announce(path, time.perf_counter() - begin)
     return problems

@@ -106,29 +106,27 @@ def lengths_of(consist: Consist) -> Lengths:
     return Lengths(lengths, starts, 0.01, 60.0)
 
 
-def prebuilt_binary() -> Path:
+def prebuilt_binary(name: str) -> Path:
     """Where a wheel has the binary of its platform."""
-    return PREBUILT / "train" / f"{NAME}{library_suffix()}"
+    return PREBUILT / "train" / f"{name}{library_suffix()}"
 
 
-def own_binary() -> bytes:
-    """The binary for this platform, from the wheel where no source has changed, otherwise compiled. Raises
-    CompilerError.
-    """
-    path = prebuilt_binary()
+def own_binary(given: ArraysInC) -> bytes:
+    """The binary for this platform, of the wheel where no source has changed, or compiled. Raises CompilerError."""
+    path = prebuilt_binary(given.name)
     if path.exists() and contents().get("sources") == sources_here():
         return path.read_bytes()
-    return binary_of_arrays(train_in_c())
+    return binary_of_arrays(given)
 
 
-def binaries_of(version: int, all_platforms: bool) -> dict[str, bytes]:
+def binaries_of(given: ArraysInC, version: int, all_platforms: bool) -> dict[str, bytes]:
     """By their places in binaries/."""
     if not all_platforms:
         platform = fmpy.platform if version == 2 else fmpy.platform_tuple
-        return {f"{platform}/{NAME}{library_suffix()}": own_binary()}
+        return {f"{platform}/{given.name}{library_suffix()}": own_binary(given)}
     known = PLATFORMS if version == 2 else PLATFORMS3
     return {
-        f"{name}/{NAME}{suffix}": binary_of_arrays(train_in_c(), targets) for name, (targets, suffix) in known.items()
+        f"{name}/{given.name}{suffix}": binary_of_arrays(given, targets) for name, (targets, suffix) in known.items()
     }
 
 
@@ -142,9 +140,9 @@ def build_train_fmu(
     all_platforms: bool = False,
     extras: dict[str, bytes] | None = None,
 ) -> None:
-    """Writes the FMU of a consist on a line, for FMI 2 or 3. extras: more files of the archive. Raises
-    CompilerError.
-    """
+    """Writes the FMU of a consist on a line, for FMI 2 or 3. extras: more files of the archive; CompilerError."""
     numbers = np.ascontiguousarray(numbers_of(consist, settings or Settings(), line), "<f8")
     files = {"resources/train.bin": numbers.tobytes()} | (extras or {})
-    build_arrays_fmu(train_in_c(), lengths_of(consist), path, version, binaries_of(version, all_platforms), files)
+    build_arrays_fmu(
+        train_in_c(), lengths_of(consist), path, version, binaries_of(train_in_c(), version, all_platforms), files
+    )

@@ -13,8 +13,7 @@ from products.train.pipe import COURANT
 from rbd_model.track.line import Line
 from rbd_model.train.coupler import fastest
 
-#: Depths of the brake: flow of air and whole distributors; flow of air and empirical valves; a delay and empirical
-#: valves.
+#: Depths of the brake: flow of air and whole distributors; flow of air and empirical valves; a delay and those.
 DEPTHS = {"whole": 0, "empirical": 1, "delay": 2}
 #: Of the longest stable step of the couplers, what is taken.
 SHARE = 0.4
@@ -22,8 +21,7 @@ SHARE = 0.4
 
 @dataclass(frozen=True)
 class Settings:
-    """How a train is computed: depth of its brake, cells a vehicle, shares of longest steps, propagation [m/s] of a
-    delay.
+    """How a train is computed: depth of its brake, cells a vehicle, shares of longest steps, propagation [m/s].
 
     cells: below 1 a cell spans several vehicles. share: above 1 forces of couplers lie.
     """

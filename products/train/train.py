@@ -1,6 +1,4 @@
-"""A train as an object in Python: a consist on a line, driven by its brake valves; C does the work
-(products/train/c/).
-"""
+"""A train as an object in Python: a consist on a line, driven by its brake valves; the work is done in C."""
 
 from __future__ import annotations
 
@@ -203,9 +201,7 @@ class Train:
 
     @property
     def motion(self) -> NDArray[np.float64]:
-        """Places beside those of neutral couplers [m], speeds, speeds of wheels [m/s], rests of couplers [m]; (4,
-        n).
-        """
+        """Places beside neutral couplers' [m], speeds, speeds of wheels [m/s], rests of couplers [m]; (4, n)."""
         found = np.empty((4, len(self.consist.vehicles)))
         self._call.train_motion(self._own, found.ctypes.data)
         return found
