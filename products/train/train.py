@@ -197,6 +197,7 @@ class Train:
 
     @state.setter
     def state(self, numbers: NDArray[np.float64]) -> None:
+        """Goes back to what was saved."""
         self._call.train_load(self._own, np.ascontiguousarray(numbers).ctypes.data)
 
     @property
@@ -208,6 +209,7 @@ class Train:
 
     @motion.setter
     def motion(self, state: NDArray[np.float64]) -> None:
+        """Sets places, speeds and rests."""
         self._call.train_set_motion(self._own, np.ascontiguousarray(state, float).ctypes.data)
 
     def lead(self, vehicle: int, speed: float) -> None:

@@ -87,7 +87,7 @@ def _scaled(curve: Curve, share: float) -> Curve:
 
 
 def screw_coupler() -> Coupler:
-    """Screw coupler with side buffers of 105 mm, two beside and two behind each other; wagons in Europe.
+    """Screw coupler with side buffers of 105 mm (UIC 526-1 and 520, excerpts), two beside and two behind each other; wagons in Europe.
 
     Assumed: the middle of the forces that are known of buffers of categories A and B, 30 kN at rest, 80 at 25 mm, 250
     at 60, 675 at 105; that friction takes half of the energy (at least 0.42 is asked for); draw gear of 20 kN at rest
@@ -99,7 +99,7 @@ def screw_coupler() -> Coupler:
 
 
 def draft_gear() -> Coupler:
-    """Automatic coupler with friction draft gear and slack: curves that GE Research published for freight cars.
+    """Automatic coupler with friction draft gear and slack, curves of a freight car (GE Research (2020), public code).
 
     Loading 0 N up to 11.9 mm, 120 kN at 18.8, 681 at 49.5, 1352 at 125.5; unloading 120 kN at 18.8, 284 at 119.4; 198
     MN/m where the friction holds.
@@ -110,7 +110,7 @@ def draft_gear() -> Coupler:
 
 
 def rigid(stiffness: float = 1e9) -> Coupler:
-    """A bar: one stiffness [N/m] both ways, no friction."""
+    """A bar: one stiffness [N/m] both ways, no friction (Hooke (1678))."""
     bar = Curve((0.0, 1.0), (0.0, stiffness))
     return Coupler("rigid", stiffness, (bar, bar), (bar, bar))
 
@@ -143,7 +143,7 @@ def coupling() -> ca.Function:
 
 
 def fastest(couplers: Sequence[Coupler], masses: Sequence[float]) -> float:
-    """Largest angular frequency [1/s] of a chain, not above this: Gershgorin's circles, all couplers locked.
+    """Largest angular frequency [1/s] of a chain, not above this, all couplers locked: circles of Gershgorin (1931).
 
     An explicit step is stable up to 2 over it, as central differences are (Hairer, Lubich and Wanner, Geometric
     Numerical Integration, section I.1).
