@@ -27,7 +27,7 @@ from scenarios.thesis import (
     wheelset_torque,
     wheelset_variable_speed,
 )
-from scenarios.trains import train_one_vehicle_in_detail
+from scenarios.trains import train_methods, train_one_vehicle_in_detail
 from scenarios.vehicles import (
     vehicle_anti_skid,
     vehicle_braking,
@@ -75,6 +75,7 @@ SCENARIOS: list[Scenario] = [
     gradient.SCENARIO,
     curve_braking.SCENARIO,
     train_one_vehicle_in_detail.SCENARIO,
+    train_methods.SCENARIO,
     creep_laws.SCENARIO,
     coupling_step.SCENARIO,
     sensitivity.SCENARIO,
