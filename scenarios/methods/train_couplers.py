@@ -1,0 +1,318 @@
+"""One braked train by several methods: the product's explicit steps, linearly implicit ones, CVODE and LSODA.
+
+Work is counted and not timed: evaluations of all couplers and vehicles, and solutions of their tridiagonal equations.
+What one of each costs in C is measured on the spot.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import math
+import time as clock
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import odeint
+
+from fmu_src.compile import plain_library
+from products.train.consist import Consist, block_train
+from products.train.numbers import Settings
+from products.train.train import Train, sources
+from rbd_model.train.coupler import Coupler, draft_gear, fastest
+from scenarios.methods import sundials
+
+SOURCE = Path(__file__).with_suffix(".c")
+#: Speed at which the train brakes [m/s]; how long it is followed [s]; wagons; their loads by name [kg].
+SPEED, LONG, WAGONS = 25.0, 12.0, 40
+LOADS = {"loaded, 80 t": 60e3, "empty, 20 t": 0.0}
+#: Times at which forces of brakes are recorded, and at which states of CVODE and LSODA are looked at [s].
+RECORDED, LOOKED = 0.01, 2.5e-4
+#: What tolerances are relative to: places, ways and rests of couplers [m], speeds [m/s].
+NOMINAL_PLACE, NOMINAL_WAY, NOMINAL_SPEED = 1.0, 0.1, 1.0
+#: Solutions and repetitions of what is timed.
+TIMED, REPEATED = 20_000, 5
+#: Least relative tolerance that LSODA takes; evaluations after which it is given up.
+LEAST, MOST = 1e-13, 500_000
+#: Of the reference: tolerance of CVODE; step [s] where that is not there.
+REFERENCE, FINE = 1e-10, 2e-5
+#: Vehicles for which train_couplers.c has room.
+MOST_VEHICLES = 256
+Matrix = NDArray[np.float64]
+_pointer = ctypes.POINTER(ctypes.c_double)
+
+
+class Equations(ctypes.Structure):
+    """`train_equations` of train_couplers.c."""
+
+    _fields_ = [
+        ("vehicles", ctypes.c_longlong),
+        *((name, _pointer) for name in ("mass", "resistance", "coupler", "brake")),
+        ("rows", ctypes.c_longlong),
+        ("interval", ctypes.c_double),
+        ("evaluations", ctypes.c_longlong),
+        ("solves", ctypes.c_longlong),
+        ("compression", ctypes.c_double),
+    ]
+
+
+@lru_cache
+def functions() -> ctypes.CDLL:
+    """The train's own C and train_couplers.c, compiled once."""
+    library = ctypes.CDLL(str(plain_library(sources() | {SOURCE.name: SOURCE.read_text(encoding="utf-8")})))
+    pointer, count, number = ctypes.c_void_p, ctypes.c_longlong, ctypes.c_double
+    signatures: dict[str, tuple[Any, list[Any]]] = {
+        "equations_laws": (None, [pointer, count, *[pointer] * 5]),
+        "equations_slopes": (ctypes.c_int, [pointer, number, *[pointer] * 3]),
+        "equations_solutions": (number, [count, count]),
+        "equations_implicit": (None, [pointer, pointer, count, number, number, count]),
+        "equations_explicit": (ctypes.c_int, [pointer, *[pointer] * 3, count, number]),
+    }
+    for name, (result, arguments) in signatures.items():
+        function = getattr(library, name)
+        function.restype, function.argtypes = result, arguments
+    return library
+
+
+def rates(coupler: Coupler, way: Matrix, rest: Matrix, rate: Matrix) -> tuple[Matrix, Matrix]:
+    """Of equal couplers: forces [N], and how much of a way [m] their rests [m] go along [1]; rate: of ways [m/s]."""
+    given = np.array(coupler.constants())
+    force, yields = np.empty(len(way)), np.empty(len(way))
+    arrays = [np.ascontiguousarray(one, float) for one in (way, rest, rate)]
+    functions().equations_laws(given.ctypes.data, len(way), *(one.ctypes.data for one in (*arrays, force, yields)))
+    return force, yields
+
+
+@dataclass(frozen=True)
+class Found:
+    """What a run came to: largest compression [N], distance of the head [m], evaluations, solves; reason: it failed."""
+
+    compression: float
+    distance: float
+    evaluations: int = 0
+    solves: int = 0
+    reason: str = ""
+
+
+class GivenUpError(Exception):
+    """A run took more than MOST evaluations."""
+
+
+class BrakedTrain:
+    """A consist with equal couplers at SPEED, couplers without force, and what its brakes can hold over time [N]."""
+
+    def __init__(self, consist: Consist, long: float = LONG) -> None:
+        if len(consist.vehicles) > MOST_VEHICLES:
+            raise ValueError(f"Take at most {MOST_VEHICLES} vehicles: they were {len(consist.vehicles)}.")
+        self.consist, self.long, self.vehicles = consist, long, len(consist.vehicles)
+        self.coupler = consist.vehicles[0].coupler
+        self.brake, self.pipe_step = recorded(consist, long)
+        self._motion = np.array([one.motion() for one in consist.vehicles]).T.copy()
+        self._constants = np.array(self.coupler.constants())
+        self._couplers = np.repeat(self._constants[:, None], self.vehicles - 1, axis=1).copy()
+        self._mass = self._motion[0] + self._motion[1]
+        self._resistance = self._motion[5:8].copy()
+        masses = [one.mass for one in consist.vehicles]
+        #: Longest stable step of the couplers [s].
+        self.bound = 2.0 / fastest([self.coupler] * (self.vehicles - 1), masses)
+
+    def equations(self) -> Equations:
+        """As C takes them, nothing counted."""
+        own = {"mass": self._mass, "resistance": self._resistance, "coupler": self._constants, "brake": self.brake}
+        arrays = {name: value.ctypes.data_as(_pointer) for name, value in own.items()}
+        return Equations(vehicles=self.vehicles, rows=len(self.brake), interval=RECORDED, **arrays)
+
+    def state(self) -> Matrix:
+        """Place of the head, ways, speeds, rests."""
+        n = self.vehicles
+        return np.concatenate([np.zeros(n), np.full(n, SPEED), np.zeros(n - 1)])
+
+    def nominal(self) -> Matrix:
+        n = self.vehicles
+        ways = np.full(n - 1, NOMINAL_WAY)
+        return np.concatenate([[NOMINAL_PLACE], ways, np.full(n, NOMINAL_SPEED), ways])
+
+    # ---- our own steps -----------------------------------------------------------------------------------------------
+
+    def explicit(self, share: float) -> Found:
+        """Motion of the product alone, in steps of a share of the longest stable one."""
+        equations, steps = self.equations(), math.ceil(self.long / (share * self.bound))
+        moving = np.zeros((4, self.vehicles))
+        moving[1:3] = SPEED
+        given = (self._motion.ctypes.data, self._couplers.ctypes.data, moving.ctypes.data)
+        if functions().equations_explicit(ctypes.byref(equations), *given, steps, self.long / steps):
+            raise MemoryError("There is no memory for the motion of a train.")
+        return Found(equations.compression, float(moving[0, 0]), equations.evaluations)
+
+    def implicit(self, size: float, share: float = 1.0, held_for: int = 1) -> Found:
+        """Linearly implicit steps [s], forces at a share of them, 1 (Euler) or 1/2; brakes held for several steps."""
+        equations, state = self.equations(), self.state()
+        steps = math.ceil(self.long / size * (1 - 1e-12))
+        functions().equations_implicit(
+            ctypes.byref(equations), state.ctypes.data, steps, self.long / steps, share, held_for
+        )
+        return Found(equations.compression, float(state[0]), equations.evaluations, equations.solves)
+
+    def split(self, count: int) -> Found:
+        """Euler's implicit steps, so many in a step of the pipe, in which brakes are held."""
+        return self.implicit(self.pipe_step / count, 1.0, count)
+
+    def scatter(self, share: float, changes: Sequence[float]) -> float:
+        """By how much the largest compression differs where all brakes are changed by so little [1]; explicit steps."""
+        kept, found = self.brake, []
+        try:
+            for change in (0.0, *changes):
+                self.brake = kept * (1.0 + change)
+                found.append(self.explicit(share).compression)
+        finally:
+            self.brake = kept
+        return max(found) / min(found) - 1.0
+
+    # ---- methods of others -------------------------------------------------------------------------------------------
+
+    def _times(self) -> Matrix:
+        return np.linspace(0.0, self.long, round(self.long / LOOKED) + 1)
+
+    def forces(self, states: Matrix) -> Matrix:
+        """Of all couplers [N], a row for each state."""
+        n = self.vehicles
+        ways, rests = states[:, 1:n].ravel(), states[:, 2 * n :].ravel()
+        return rates(self.coupler, ways, rests, np.zeros(len(ways)))[0].reshape(len(states), n - 1)
+
+    def _seen(self, states: Matrix, evaluations: int, solves: int) -> Found:
+        return Found(-float(self.forces(states).min()), float(states[-1, 0]), evaluations, solves)
+
+    def lsoda(self, tolerance: float) -> Found:
+        """SciPy's LSODA; a Jacobian counts as an evaluation and a solution, Newton's iterations are not told."""
+        equations, call = self.equations(), functions().equations_slopes
+        slopes, jacobian = np.empty(3 * self.vehicles - 1), np.empty((3 * self.vehicles - 1,) * 2)
+        own, to, rows, counts = ctypes.byref(equations), slopes.ctypes.data, jacobian.ctypes.data, [0]
+
+        def at(time: float, state: Matrix) -> Matrix:
+            if equations.evaluations > MOST:
+                raise GivenUpError
+            call(own, time, state.ctypes.data, to, None)
+            return slopes
+
+        def jacobian_at(time: float, state: Matrix) -> Matrix:
+            counts[0] += 1
+            call(own, time, state.ctypes.data, to, rows)
+            return jacobian
+
+        setting = {"rtol": LEAST, "atol": tolerance * self.nominal(), "mxstep": MOST, "full_output": True}
+        try:
+            states, told = odeint(at, self.state(), self._times(), Dfun=jacobian_at, tfirst=True, **setting)
+        except GivenUpError:
+            return failed(equations, f"given up after {MOST} evaluations")
+        if told["message"] != "Integration successful.":
+            return failed(equations, told["message"])
+        return self._seen(states, equations.evaluations, counts[0])
+
+    def cvode(self, tolerance: float) -> Found:
+        """CVODE with exact Jacobians; each evaluation is one of Newton's and brings a solution, as a Jacobian does."""
+        equations, state = self.equations(), self.state()
+        rows = np.empty((len(self._times()), len(state)))
+        rows[0] = state
+        session = self._session(equations, rows)
+        arrays = {"nominal": self.nominal(), "place": state, "slope": np.zeros_like(state), "samples": rows}
+        for name, array in arrays.items():
+            setattr(session, name, array.ctypes.data_as(_pointer))
+        session.tolerance, driver = tolerance, sundials.driver()
+        driver.cvode_open(ctypes.byref(session))
+        flag = driver.cvode_advance(ctypes.byref(session))
+        driver.cvode_close(ctypes.byref(session))
+        if flag < 0 or session.written < len(rows):
+            return failed(equations, f"SUNDIALS stopped with flag {flag}")
+        return self._seen(rows, equations.evaluations, equations.evaluations)
+
+    def _session(self, equations: Equations, rows: Matrix) -> sundials.Session:
+        """What sundials.c is given but its arrays."""
+        own = functions()
+        address = {"slopes_at": own.equations_slopes, "margin_at": own.equations_margin}
+        return sundials.Session(
+            machine=ctypes.addressof(equations),
+            **{name: ctypes.cast(function, ctypes.c_void_p).value for name, function in address.items()},
+            size=rows.shape[1],
+            end=self.long,
+            interval=LOOKED,
+            longest_step=math.inf,
+            capacity=len(rows),
+            written=1,
+            deadline=math.inf,
+        )
+
+    def reference(self) -> tuple[Found, str]:
+        """By a method that shares nothing with the product's, and its name."""
+        if sundials.is_installed():
+            return self.cvode(REFERENCE), f"CVODE, tolerance {REFERENCE:g}"
+        return self.implicit(FINE, 0.5), f"implicit midpoint, {1e3 * FINE:g} ms"
+
+
+def failed(equations: Equations, reason: str) -> Found:
+    return Found(math.nan, math.nan, equations.evaluations, equations.solves, reason)
+
+
+def recorded(consist: Consist, long: float) -> tuple[Matrix, float]:
+    """What brakes can hold [N] in an emergency of the whole train, every RECORDED s; mean step of its pipe [s]."""
+    train = Train(consist, speed=SPEED)
+    train.drive("emergency")
+    rows = [np.zeros(len(consist.vehicles))]
+    for _ in range(math.ceil(long / RECORDED) + 1):
+        train.advance(RECORDED)
+        rows.append(train.brake_force)
+    return np.array(rows), RECORDED * (len(rows) - 1) / train.steps[0]
+
+
+def braked_train(load: float, wagons: int = WAGONS, long: float = LONG, coupler: Coupler | None = None) -> BrakedTrain:
+    """A locomotive and wagons with this load each [kg], followed so long [s]; draft gears unless told."""
+    own = coupler or draft_gear()
+    vehicles = [replace(one, coupler=own) for one in block_train(wagons, load=load).vehicles]
+    return BrakedTrain(Consist(tuple(vehicles)), long)
+
+
+# ---- what work costs -------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Costs:
+    """Wall time of one evaluation of all couplers and vehicles, and of one solution of their equations [s]."""
+
+    evaluation: float
+    solve: float
+
+    def of(self, found: Found) -> float:
+        """Counted work times what it costs [s]."""
+        return found.evaluations * self.evaluation + found.solves * self.solve
+
+
+def _fastest(work: Callable[[], object]) -> float:
+    """Wall time [s], the least of several."""
+    times = []
+    for _ in range(REPEATED):
+        begin = clock.perf_counter()
+        work()
+        times.append(clock.perf_counter() - begin)
+    return min(times)
+
+
+def _step_cost(consist: Consist) -> float:
+    """Of one step of the couplers [s]: two trains that differ in nothing but how many they take."""
+    spent, steps = [], []
+    for share in (0.1, 0.005):
+        train = Train(consist, speed=SPEED, settings=Settings(depth="delay", share=share))
+        spent.append(_fastest(lambda train=train: train.advance(1.0)))  # type: ignore[misc]
+        steps.append(train.steps[1] / REPEATED)
+    return (spent[1] - spent[0]) / (steps[1] - steps[0])
+
+
+def _solve_cost(n: int) -> float:
+    """Of one tridiagonal solution of n unknowns [s]."""
+    return _fastest(lambda: functions().equations_solutions(n, TIMED)) / TIMED
+
+
+def measured(consist: Consist) -> Costs:
+    return Costs(_step_cost(consist), _solve_cost(len(consist.vehicles)))

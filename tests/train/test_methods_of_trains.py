@@ -1,0 +1,80 @@
+"""What methods of trains are compared by: the rate form of a coupler, orders of implicit steps, the default's error."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from products.train.numbers import SHARE
+from rbd_model.train.coupler import Coupler, coupling, draft_gear, screw_coupler
+from scenarios.methods.train_couplers import braked_train, rates
+from tests.train.chains import spring
+
+#: What is asked: of forces of the rate form, relative to the largest; of the default, as the scenario asks it.
+RATE, FORCE, DISTANCE = 1e-9, 0.01, 1e-4
+#: Of a way, in how many pieces it is gone, and how often a piece is halved to find a corner.
+PIECES, HALVINGS = 200, 50
+
+
+def yields(coupler: Coupler, way: float, rest: float, sense: float) -> float:
+    return float(rates(coupler, np.array([way]), np.array([rest]), np.array([sense]))[1][0])
+
+
+def same(coupler: Coupler, way: float, rest: float, piece: float) -> float:
+    """How much of a piece of way is gone until a corner is just behind; all of it where there is none."""
+    sense, low, high = np.sign(piece), 0.0, abs(piece)
+    share = yields(coupler, way, rest, sense)
+
+    def is_same(far: float) -> bool:
+        return yields(coupler, way + sense * far, rest + share * sense * far, sense) == share
+
+    for _ in range(0 if is_same(high) else HALVINGS):
+        middle = (low + high) / 2
+        low, high = (middle, high) if is_same(middle) else (low, middle)
+    return sense * high
+
+
+def go(coupler: Coupler, way: float, rest: float, end: float) -> float:
+    """The rest behind a way in one sense: z' = yields s', from corner to corner."""
+    piece = (end - way) / PIECES
+    while way != end:
+        left = end - way
+        gone = same(coupler, way, rest, piece if abs(piece) < abs(left) else left)
+        rest += yields(coupler, way, rest, piece) * gone
+        way = end if gone == left else way + gone
+    return rest
+
+
+@pytest.mark.parametrize("coupler", [draft_gear(), screw_coupler()], ids=lambda one: one.name)
+def test_the_rate_of_a_coupler_gives_its_play_operator(coupler: Coupler) -> None:
+    """On ways to and fro, at their turns."""
+    draw = np.random.default_rng(41)
+    turns = [0.0, *draw.uniform(-0.05, 0.05, 12)]
+    play, given = coupling(), coupler.constants()
+    rest, kept, errors, forces = 0.0, 0.0, [], []
+    for way, end in pairwise(turns):
+        rest = go(coupler, way, rest, end)
+        force, kept = (float(one) for one in np.array(play(end, 0.0, kept, given)).ravel())
+        found = float(rates(coupler, np.array([end]), np.array([rest]), np.array([0.0]))[0][0])
+        errors.append(abs(found - force))
+        forces.append(abs(force))
+    assert max(errors) < RATE * max(forces)
+
+
+def test_implicit_steps_have_their_orders() -> None:
+    """Euler 1, midpoint 2, on couplers without corners; distances between steps that are halved."""
+    train = braked_train(60e3, wagons=5, long=2.0, coupler=spring(5e6))
+    for share, order in ((1.0, 1), (0.5, 2)):
+        forces = [train.implicit(size, share).compression for size in (2e-3, 1e-3, 5e-4)]
+        assert np.log2((forces[0] - forces[1]) / (forces[1] - forces[2])) == pytest.approx(order, abs=0.2)
+
+
+def test_the_default_is_within_its_bands() -> None:
+    """Against steps that share nothing with it. Loaded: slack makes short empty trains chaotic."""
+    train = braked_train(60e3, wagons=10, long=8.0)
+    true, found = train.implicit(1e-4, 0.5), train.explicit(SHARE)
+    assert true.compression > 50e3
+    assert found.compression == pytest.approx(true.compression, rel=FORCE)
+    assert found.distance == pytest.approx(true.distance, rel=DISTANCE)
