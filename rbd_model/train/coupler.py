@@ -87,7 +87,7 @@ def _scaled(curve: Curve, share: float) -> Curve:
 
 
 def screw_coupler() -> Coupler:
-    """Screw coupler with side buffers of 105 mm (UIC 526-1 and 520, excerpts), two beside and two behind each other; wagons in Europe.
+    """Screw coupler with side buffers of 105 mm (UIC 526-1), two beside and two behind each other.
 
     Assumed: the middle of the forces that are known of buffers of categories A and B, 30 kN at rest, 80 at 25 mm, 250
     at 60, 675 at 105; that friction takes half of the energy (at least 0.42 is asked for); draw gear of 20 kN at rest
@@ -99,7 +99,9 @@ def screw_coupler() -> Coupler:
 
 
 def draft_gear() -> Coupler:
-    """Automatic coupler with friction draft gear and slack, curves of a freight car (GE Research (2020), public code).
+    """Automatic coupler with friction draft gear and slack (kind: Wu, Spiryagin and Cole (2016)).
+
+    Curves of a freight car that GE Research published in code.
 
     Loading 0 N up to 11.9 mm, 120 kN at 18.8, 681 at 49.5, 1352 at 125.5; unloading 120 kN at 18.8, 284 at 119.4; 198
     MN/m where the friction holds.
