@@ -107,34 +107,39 @@ def passing() -> ca.Function:
 
 #: What is constant in a cell, in this order: its length and inner diameter [m], temperature of its wall [K]; shares of
 #: friction and heat at the wall, 1 as they are; effective area of its leaks [m2], pressure around it [Pa].
-CONSTANTS = ("length", "diameter", "wall_temperature", "friction", "heat", "leak_area", "ambient_pressure")
+#: And what its branches hold, as a length of the pipe [m].
+CONSTANTS = ("length", "diameter", "wall_temperature", "friction", "heat", "leak_area", "ambient_pressure", "branch")
 
 
 def rates() -> ca.Function:
     """Of a cell, the fluxes at its two faces, and its constants: rates of density, momentum and energy.
 
+    Air in branches rests and is that of the cell: it adds to what the cell holds, not to what flows.
+
     Conservation laws with wall friction (Darcy and Weisbach, f of Blasius (1913) or laminar, 64 / Re); the heat of the
     wall is in `warmed`, leaks are in `leaking`.
     """
     cell, behind, ahead, given = (
-        ca.SX.sym(name, size) for name, size in (("cell", 3), ("first", 3), ("last", 3), ("given", 7))
+        ca.SX.sym(name, size) for name, size in (("cell", 3), ("first", 3), ("last", 3), ("given", len(CONSTANTS)))
     )
-    length, diameter, _, friction, _, _, _ = ca.vertsplit(given)
+    length, diameter, _, friction, _, _, _, branch = ca.vertsplit(given)
     air = air_of(cell)
     fast = ca.fabs(air.speed)
     root = ca.sqrt(ca.sqrt(VISCOSITY / (air.density * diameter))) * ca.sqrt(fast) * ca.sqrt(ca.sqrt(fast))
     turbulent = BLASIUS * air.density * fast * root / (2 * diameter)
     laminar = 32 * VISCOSITY * fast / diameter**2
     drag = friction * ca.fmax(turbulent, laminar) * ca.if_else(air.speed > 0, 1, -1)
-    return function_of("rates", [cell, behind, ahead, given], (behind - ahead) / length - ca.vertcat(0, drag, 0))
+    over = ca.vertcat(length + branch, length, length + branch)
+    return function_of("rates", [cell, behind, ahead, given], (behind - ahead) / over - ca.vertcat(0, drag, 0))
 
 
 def leaking() -> ca.Function:
     """Of a cell and its constants: mass [kg/(m3.s)] and energy [W/m3] that leave through its leaks (ISO 6358-1)."""
-    cell, given = ca.SX.sym("cell", 3), ca.SX.sym("given", 7)
-    length, diameter, _, _, _, leak_area, ambient = ca.vertsplit(given)
+    cell, given = ca.SX.sym("cell", 3), ca.SX.sym("given", len(CONSTANTS))
+    length, diameter, _, _, _, leak_area, ambient, branch = ca.vertsplit(given)
     air = air_of(cell)
-    leak = mass_flow(leak_area, air.pressure, air.temperature, ambient) / (ca.pi / 4 * diameter**2 * length)
+    volume = ca.pi / 4 * diameter**2 * (length + branch)
+    leak = mass_flow(leak_area, air.pressure, air.temperature, ambient) / volume
     return function_of("leaking", [cell, given], ca.vertcat(leak, leak * HEAT_CAPACITY * air.temperature))
 
 
@@ -144,8 +149,8 @@ def warmed() -> ca.Function:
     First law, m c_v dT/dt = h S (T_w - T), solved exactly; h by the Reynolds analogy with friction, or laminar. With a
     large share of heat the air is isothermal, with none adiabatic.
     """
-    cell, given, time = ca.SX.sym("cell", 3), ca.SX.sym("given", 7), ca.SX.sym("time")
-    _, diameter, wall, _, heat, _, _ = ca.vertsplit(given)
+    cell, given, time = ca.SX.sym("cell", 3), ca.SX.sym("given", len(CONSTANTS)), ca.SX.sym("time")
+    _, diameter, wall, _, heat, _, _, _ = ca.vertsplit(given)
     air = air_of(cell)
     fast = ca.fabs(air.speed)
     factor = BLASIUS * ca.sqrt(ca.sqrt(VISCOSITY / (air.density * ca.fmax(fast, 1e-6) * diameter)))
@@ -234,7 +239,8 @@ def tapping() -> ca.Function:
 
 
 def tapped() -> ca.Function:
-    """Of the same: fluxes behind and ahead of the valve; mass [kg/s] and energy [W] out of it, and mass in, Toro (2009).
+    """Of the same: fluxes behind and ahead of the valve; mass [kg/s] and energy [W] out of it, and mass in, Toro
+    (2009).
 
     What leaves has the temperature of the side that it comes from, what enters mixes with what passes.
     """

@@ -202,8 +202,8 @@ static void pass_end(const pipe *self, long long int place, int end, const pipe_
 
 static double volume(const pipe *self, long long int i)
 {
-    const double *length = self->given, *diameter = length + self->stride;
-    return 0.78539816339744831 * diameter[i] * diameter[i] * length[i];
+    const double *length = self->given, *diameter = length + self->stride, *branch = length + 7 * self->stride;
+    return 0.78539816339744831 * diameter[i] * diameter[i] * (length[i] + branch[i]);
 }
 
 /* Takes from the rates what leaks. */
@@ -344,7 +344,9 @@ static void pass_joints(pipe *self, pipe_passed *passed)
 /* What the rate of the cell ahead of a face lacks. */
 static void add_jump(pipe *self, long long int face)
 {
-    for (int n = 0; n < PIPE_STATES; ++n) self->rate[face + n * self->stride] += self->jump[face + n * self->stride] / self->given[face];
+    const double length = self->given[face], branch = self->given[face + 7 * self->stride];
+    for (int n = 0; n < PIPE_STATES; ++n)
+        self->rate[face + n * self->stride] += self->jump[face + n * self->stride] / (n == 1 ? length : length + branch);
 }
 
 static void add_jumps(pipe *self)

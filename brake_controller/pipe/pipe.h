@@ -13,7 +13,7 @@
 
 /* Numbers of a cell: density, momentum, energy; its constants, CONSTANTS of brake_pipe.py. Of a vehicle: its states and its
  * parameters, STATES and DistributorParameters of distributor.py. */
-enum { PIPE_STATES = 3, PIPE_CONSTANTS = 7, VEHICLE_STATES = 4, VEHICLE_CONSTANTS = 16, VEHICLE_COMMANDS = 2, VALVE_NUMBERS = 8, MOST_VALVES = 16 };
+enum { PIPE_STATES = 3, PIPE_CONSTANTS = 8, VEHICLE_STATES = 4, VEHICLE_CONSTANTS = 16, VEHICLE_COMMANDS = 2, VALVE_NUMBERS = 8, MOST_VALVES = 16 };
 /* How two cells are joined: as one pipe; a cock between them is shut; the hose between them has parted. */
 enum { PIPE_JOINED, PIPE_SHUT, PIPE_PARTED };
 

@@ -39,7 +39,7 @@ class TrainVehicle:
     braked_share: of its weight on braked wheels. distributor_at: where it takes air, as a share of its length. valve:
     of a driver, at its front end (at its back end where it is the last); leads: it is the head's; valve_delay: how
     long it follows the first valve of the train behind it [s], below 0: it does not. leak: effective area of the leaks
-    of its pipe [m2].
+    of its pipe [m2]; branch: what its branches hold [m3].
     """
 
     kind: str
@@ -56,6 +56,7 @@ class TrainVehicle:
     distributor_at: float = 0.5
     pipe_diameter: float = 0.03175
     leak: float = 0.0
+    branch: float = 0.0
     valve: DriversValve | None = None
     valve_delay: float = -1.0
     leads: bool = False

@@ -41,9 +41,10 @@ LIMITS = {
     "length": (3.0, LONGEST_VEHICLE),
     "at": (0.0, 1.0),
     "leak": (0.0, 10.0),
+    "branch": (0.0, 25.0),
     "delay": (0.0, 9.0),
 }
-UNITS = {"load": " t", "lambda": " %", "mass": " t", "length": " m", "leak": " mm", "delay": " s"}
+UNITS = {"load": " t", "lambda": " %", "mass": " t", "length": " m", "leak": " mm", "branch": " l", "delay": " s"}
 WORDS = {
     "kind": tuple(KINDS),
     "position": ("P", "G"),
@@ -171,6 +172,7 @@ def _vehicles(values: Mapping[str, Any]) -> list[TrainVehicle]:
         length=values.get("length", one.length),
         coupler=COUPLERS[values.get("coupler", "screw")](),
         distributor_at=values.get("at", 0.5),
+        branch=1e-3 * values.get("branch", 0.0),
         leak=DISCHARGE * math.pi / 4 * (1e-3 * values.get("leak", 0.0)) ** 2,
     )
     valve = values.get("valve")

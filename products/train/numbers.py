@@ -54,6 +54,20 @@ def cells_of(consist: Consist, cells: float) -> tuple[NDArray[np.float64], list[
     return np.array(lengths), places, faces
 
 
+def branches_of(consist: Consist, places: list[int], cells: int) -> NDArray[np.float64]:
+    """What branches of the pipe hold in each cell, as a length of the pipe [m]."""
+    found = np.zeros(cells)
+    np.add.at(found, places, [one.branch / (np.pi / 4 * one.pipe_diameter**2) for one in consist.vehicles])
+    return found
+
+
+def volumes_of(consist: Consist, settings: Settings) -> NDArray[np.float64]:
+    """Of each cell with its branches [m3]."""
+    lengths, places, _ = cells_of(consist, settings.cells)
+    area = np.pi / 4 * consist.vehicles[0].pipe_diameter ** 2
+    return area * (lengths + branches_of(consist, places, len(lengths)))
+
+
 def numbers_of(consist: Consist, settings: Settings, line: Line | None) -> NDArray[np.float64]:
     """All of it, in the order of train.c."""
     vehicles = consist.vehicles
@@ -62,10 +76,10 @@ def numbers_of(consist: Consist, settings: Settings, line: Line | None) -> NDArr
     if len({one.pipe_diameter for one in vehicles}) > 1:
         raise ValueError("Give all vehicles pipes of one inner diameter, such as 0.03175 m: they had several.")
     diameter = np.full(cells, vehicles[0].pipe_diameter)
-    leak = np.zeros(cells)
+    leak, branch = np.zeros(cells), branches_of(consist, places, cells)
     np.add.at(leak, places, [one.leak for one in vehicles])
     constants = [lengths, diameter, np.full(cells, WALL), np.full(cells, settings.friction)]
-    constants += [np.full(cells, settings.heat), leak, np.full(cells, AMBIENT)]
+    constants += [np.full(cells, settings.heat), leak, np.full(cells, AMBIENT), branch]
     ends = np.concatenate([[0.0], -np.cumsum([one.length for one in vehicles])])
     centre = (ends[:-1] + ends[1:]) / 2
     valves = []

@@ -142,8 +142,8 @@ class Pipe(Air):
     """Air in so many cells, one behind the other.
 
     pressure [Pa, absolute], temperature [K], speed [m/s], length [m], diameter [m, the same in all], wall temperature
-    [K], leak area [m2] (effective): a number, or one for each cell. friction, heat: shares of what the wall does; with
-    heat 0 it is adiabatic, with a large one isothermal.
+    [K], leak area [m2] (effective), what branches hold as a length of pipe [m]: a number, or one for each cell.
+    friction, heat: shares of what the wall does; with heat 0 it is adiabatic, with a large one isothermal.
     """
 
     def __init__(
@@ -160,6 +160,7 @@ class Pipe(Air):
         heat: float = 1.0,
         leak_area: ArrayLike = 0.0,
         ambient_pressure: float = 101325.0,
+        branch: ArrayLike = 0.0,
     ) -> None:
         def row(values: ArrayLike) -> NDArray[np.float64]:
             return np.broadcast_to(np.asarray(values, float), (cells,))
@@ -170,11 +171,11 @@ class Pipe(Air):
         density = row(pressure) / (GAS_CONSTANT * row(temperature))
         momentum = density * row(speed)
         energy = row(pressure) / (HEAT_CAPACITY_RATIO - 1) + momentum * row(speed) / 2
-        given = [length, diameter, wall_temperature, friction, heat, leak_area, ambient_pressure]
+        given = [length, diameter, wall_temperature, friction, heat, leak_area, ambient_pressure, branch]
         constants = np.array([row(one) for one in given])
         above = {"pressure": pressure, "temperature": temperature, "length": length, "diameter": diameter}
         above |= {"wall_temperature": wall_temperature, "ambient_pressure": ambient_pressure}
-        least = {"friction": friction, "heat": heat, "leak_area": leak_area}
+        least = {"friction": friction, "heat": heat, "leak_area": leak_area, "branch": branch}
         for name, values in (above | least).items():
             good = row(values) > 0.0 if name in above else row(values) >= 0.0
             if not (good & np.isfinite(row(values))).all():
@@ -183,7 +184,7 @@ class Pipe(Air):
                 raise ValueError(f"Set {name} of a pipe to finite values {limit}: one was {wrong:g}.")
         state, library = np.array([density, momentum, energy]), functions()
         own = library.pipe_create(cells, state.ctypes.data, constants.ctypes.data)
-        super().__init__(library, own, np.pi / 4 * constants[1] ** 2 * constants[0])
+        super().__init__(library, own, np.pi / 4 * constants[1] ** 2 * (constants[0] + constants[7]))
         if not self.own:
             raise MemoryError(f"There is no memory for {cells} cells; take fewer.")
         weakref.finalize(self, self._call.pipe_free, self.own)

@@ -20,7 +20,7 @@ from fmu_src.equations_in_c import WIDTHS, function_of_cells
 from products.train import c as folder
 from products.train import pipe
 from products.train.consist import Consist
-from products.train.numbers import Settings, cells_of, numbers_of
+from products.train.numbers import Settings, numbers_of, volumes_of
 from products.train.pipe import Air, declare
 from rbd_model.track.line import Line
 from rbd_model.train import motion
@@ -124,8 +124,7 @@ class Train:
         wrong = self._call.train_wrong(numbers.ctypes.data, numbers.size)
         if wrong:
             raise ValueError(f"These vehicles, settings or line make no train: {wrong.decode()} cannot be.")
-        lengths, _, _ = cells_of(consist, self.settings.cells)
-        self._volumes = np.pi / 4 * consist.vehicles[0].pipe_diameter ** 2 * lengths
+        self._volumes = volumes_of(consist, self.settings)
         self._own = self._call.train_create(numbers.ctypes.data, numbers.size)
         if not self._own:
             raise MemoryError(f"There is no memory for a train of {len(consist.vehicles)} vehicles; take fewer.")

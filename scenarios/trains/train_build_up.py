@@ -83,6 +83,7 @@ UNKNOWNS = {
     "half of the wall friction": Unknown(None, Settings(friction=0.5), -1),
     "isothermal air": Unknown(None, Settings(heat=1e3), 1),
     "adiabatic air": Unknown(None, Settings(heat=0.0), -1),
+    "branches of 2 l": Unknown(lambda c, _: Consist(tuple(replace(v, branch=2e-3) for v in c.vehicles)), Settings(), 1),
     "pipes of 25 mm": Unknown(  # less air has to leave, against more friction
         lambda c, _: Consist(tuple(replace(v, pipe_diameter=0.025) for v in c.vehicles)), Settings(), 0
     ),

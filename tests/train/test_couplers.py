@@ -287,3 +287,16 @@ def test_a_coupling_holds_from_when_vehicles_touch() -> None:
     train.advance(4.5)
     assert train.speed[0] == pytest.approx(train.speed[1], abs=0.2)
     assert train.largest_tension > 0.0
+
+
+def test_backwards_forces_change_their_sign() -> None:
+    """Draft gears are alike both ways: what was compression forwards is tension backwards, to the last digits."""
+    found = []
+    for sense in (1.0, -1.0):
+        train = Train(block_train(12, coupler=draft_gear()), speed=sense * 20.0)
+        train.drive("emergency")
+        train.advance(60.0)
+        assert (train.speed == 0.0).all()
+        found.append((train.largest_compression, train.largest_tension, float(train.motion[0, 0])))
+    forwards, backwards = found
+    assert backwards == pytest.approx((forwards[1], forwards[0], -forwards[2]), rel=1e-9)

@@ -65,7 +65,7 @@ def test_the_rate_of_a_coupler_gives_its_play_operator(coupler: Coupler) -> None
 
 def test_implicit_steps_have_their_orders() -> None:
     """Euler 1, midpoint 2, on couplers without corners; distances between steps that are halved."""
-    train = braked_train(60e3, wagons=5, long=2.0, coupler=spring(5e6))
+    train = braked_train(60e3, wagons=8, long=3.0, coupler=spring(5e6))
     for share, order in ((1.0, 1), (0.5, 2)):
         forces = [train.implicit(size, share).compression for size in (2e-3, 1e-3, 5e-4)]
         assert np.log2((forces[0] - forces[1]) / (forces[1] - forces[2])) == pytest.approx(order, abs=0.2)

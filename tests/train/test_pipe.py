@@ -103,6 +103,18 @@ def test_a_small_wave_runs_at_the_speed_of_sound() -> None:
     assert (centre() - first) / 3.0 == pytest.approx(SOUND, rel=SPEED_OF_SOUND)
 
 
+def test_branches_slow_a_wave_by_what_they_hold() -> None:
+    """They add to what a cell holds, not to what moves: c sqrt(L / (L + L_b))."""
+    cells = 400
+    x = np.arange(cells) * 7.5
+    pressure = FILLED * (1.0 + 1e-4 * np.exp(-(((x - 1500.0) / 60.0) ** 2)))
+    temperature = WARM * (pressure / FILLED) ** ((KAPPA - 1) / KAPPA)
+    pipe = smooth_pipe(cells, pressure=pressure, temperature=temperature, length=7.5, branch=2.5)
+    pipe.advance(3.0)
+    over = (pipe.pressure - FILLED) * (x > 1500.0)
+    assert (float(over @ x / over.sum()) - 1500.0) / 3.0 == pytest.approx(SOUND * math.sqrt(7.5 / 10.0), rel=5e-3)
+
+
 def riemann(left: tuple[float, float], right: tuple[float, float]) -> Callable[[Numbers], Numbers]:
     """Density over x / t of two volumes of air at rest, (density, pressure), the left one denser: rarefaction, contact,
     shock (Toro 2009, chapter 4).
@@ -222,6 +234,7 @@ def test_mass_and_energy_close_whatever_happens() -> None:
             diameter=DIAMETER,
             heat=draw.choice([0.0, 1.0, 100.0]),
             leak_area=leak,
+            branch=draw.choice([0.0, 1.0]),
         )
         mass, energy = pipe.mass, pipe.energy
         for _ in range(5):

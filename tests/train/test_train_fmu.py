@@ -8,7 +8,7 @@ import subprocess
 import xml.etree.ElementTree as ET
 import zipfile
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +17,10 @@ from fmpy import read_model_description, simulate_fmu
 from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 
+from brake_controller.brake_pipe import CONSTANTS
+from brake_controller.distributor import DistributorParameters
 from brake_controller.drivers_valve import drivers_valve
+from brake_controller.vehicle_brake import VehicleBrake
 from fmu_src.arrays_fmu import all_sources
 from fmu_src.compile import FLAGS, compiler, objects_of, plain_library
 from fmu_src.cosimulation.faces import face_of
@@ -26,6 +29,8 @@ from products.train.consist import Consist, block_train
 from products.train.fmu import ARRAYS, OUTPUTS, build_train_fmu, train_in_c
 from products.train.numbers import Settings, numbers_of
 from products.train.train import Train
+from rbd_model.train.coupler import COUPLER_CONSTANTS
+from rbd_model.train.vehicle import VEHICLE_CONSTANTS
 from tests.fmu.sanitized import HEADERS, SANITIZERS, run
 
 STEP, COUNT, SPEED, PULL = 0.125, 32, 20.0, 65536.0
@@ -458,9 +463,9 @@ def test_a_start_beyond_what_time_can_count_is_refused(version: int, fmus: dict[
 # ---- consists that are damaged -----------------------------------------------------------------------------------
 
 VEHICLES, CELLS = 3, 6
-FIRST_PLACE = 10 + 7 * CELLS
-MASS_AT = FIRST_PLACE + (2 + 16 + 6) * VEHICLES
-VALVE_AT = FIRST_PLACE + (2 + 16 + 6 + 8 + 2) * VEHICLES + 50 * (VEHICLES - 1)
+FIRST_PLACE = 10 + len(CONSTANTS) * CELLS
+MASS_AT = FIRST_PLACE + (2 + len(fields(DistributorParameters)) + len(fields(VehicleBrake))) * VEHICLES
+VALVE_AT = MASS_AT + (len(VEHICLE_CONSTANTS) + 2) * VEHICLES + COUPLER_CONSTANTS * (VEHICLES - 1)
 
 
 def number_at(place: int, value: float) -> Callable[[Path], None]:

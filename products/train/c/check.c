@@ -37,6 +37,7 @@ static const struct {
     {OF_CELLS, 2, {0.0, 1e6, "friction or heat in the pipe"}},
     {OF_CELLS, 1, {0.0, 1.0, "a leak"}},
     {OF_CELLS, 1, {1.0, 1e8, "the pressure around the pipe"}},
+    {OF_CELLS, 1, {0.0, 1e6, "a branch of the pipe"}},
     {OF_VEHICLES, 1, {0.0, MOST, "a vehicle's place at the pipe"}},
     {OF_VEHICLES, 1, {0.0, MOST, "a vehicle's end at the pipe"}},
     {OF_VEHICLES, VEHICLE_CONSTANTS, {0.0, 1e9, "a number of a distributor"}},
