@@ -34,6 +34,8 @@ from products.train.building import build_coupler, build_train
 from products.train.coupler_fmu import coupler_in_c
 from products.train.fmu import train_in_c
 from scenarios.live.page import write_page
+from scenarios.live.train_page import PAGE as TRAIN_PAGE
+from scenarios.live.train_page import write_train_page
 
 #: Platforms of wheels -> folder in binaries/ of an FMU.
 WHEELS = {
@@ -66,6 +68,7 @@ def fill(folder: Path, platform: str) -> None:
     for own in (train_in_c(), coupler_in_c()):
         (folder / "train" / f"{own.name}{suffix}").write_bytes(binary_of_arrays(own, targets))
     write_page(folder / PAGE)
+    write_train_page(folder / TRAIN_PAGE)
     write_contents(folder, platform, DIFFERENT)
 
 

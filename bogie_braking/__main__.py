@@ -139,6 +139,7 @@ def parser_of(asked: str) -> tuple[argparse.ArgumentParser, Any]:
         commands.add_parser("controllers", help=CONTROLLERS)
     page = commands.add_parser("live", help="write a page that brakes a bogie, or a coach, in any browser")
     page.add_argument("--out", type=Path, default=Path("results"), help="folder of live.html (default: results)")
+    page.add_argument("--train", action="store_true", help="a page on which a train brakes, train.html")
     for command in ("run", "sweep", "pace"):
         add_speech(commands.choices[command], "no progress and no table, only the exit status", "the summary")
     commands.add_parser("build", help="build FMUs", add_help=False)

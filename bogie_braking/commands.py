@@ -23,6 +23,8 @@ from scenarios.catalogue import SCENARIOS, find
 from scenarios.completion import completion
 from scenarios.controllers import command as controllers
 from scenarios.live.page import write_page
+from scenarios.live.train_page import PAGE as TRAIN_PAGE
+from scenarios.live.train_page import write_train_page
 from scenarios.methods import pace
 from scenarios.reporting.progress import ticking, without_bars
 from scenarios.reporting.report import Report, save, short_table, stopwatch, table
@@ -142,7 +144,8 @@ def carry_out(chosen: argparse.Namespace) -> int:
     """Runs one of the commands that write results; the exit status."""
     try:
         if chosen.command == "live":
-            print(f"Open in a browser: {write_page(chosen.out / 'live.html')}")
+            name, write = (TRAIN_PAGE, write_train_page) if chosen.train else ("live.html", write_page)
+            print(f"Open in a browser: {write(chosen.out / name)}")
             return HOLDS
         if chosen.command == "report":
             return index(chosen.out)

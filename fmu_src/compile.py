@@ -332,6 +332,20 @@ def web_module(model: Model) -> Path:
     return path
 
 
+def web_library(sources: Mapping[str, str]) -> Path:
+    """Path of a WebAssembly module of C files that need nothing of the runtime, with malloc, compiled unless it is cached."""
+    flags = [flag for flag in FLAGS if flag != "-fPIC"]
+    linking = [OPTIMISE_RUNTIME, "-mexec-model=reactor", "-s", "-Wl,--export-dynamic", "-Wl,--export=malloc"]
+    path = cache() / f"{_content([*compiler(WEB_TARGET), *flags, *linking], sources, ())}.wasm"
+    with _missing(path) as missing:
+        if missing:
+            objects = objects_of(sources, [*flags, OPTIMISE_RUNTIME], WEB_TARGET)
+            with tempfile.TemporaryDirectory() as folder:
+                run([*linking, "-o", "module", *map(str, objects), "-lm"], WEB_TARGET, Path(folder))
+                _keep(Path(folder) / "module", path)
+    return path
+
+
 def build_library(model: Model) -> Path:
     """Compiled kernel of a model, for kernel.py."""
     return library_of(generate(model))

@@ -64,7 +64,7 @@ def prebuilt(name: str, file: str) -> Path | None:
     return path if same else None
 
 
-def prebuilt_page() -> Path | None:
-    """The live page that a release made, if no source of it has changed."""
+def prebuilt_page(name: str = PAGE) -> Path | None:
+    """A live page that a release made, if no source of it has changed."""
     same = contents().get("page") == digest(*PAGE_SOURCES)
-    return PREBUILT / PAGE if same else None
+    return PREBUILT / name if same else None

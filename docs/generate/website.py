@@ -27,8 +27,9 @@ from scenario_pages import pictures_of, scenario_page
 
 from products.sources import HOUSE
 from scenarios.live import page as live
+from scenarios.live.train_page import train_page
 
-LIVE = "live.html"
+LIVE, TRAIN = "live.html", "train.html"
 OUTSIDE = ("README.md", "EQUATIONS.md", "CHANGELOG.md")
 #: Of a Python file of ours, and a name in it; the same as a name with dots.
 PLACE = rf"(?<![\w/])((?:{'|'.join(HOUSE)})/[\w/]+|build_fmu)\.py(?::\s(\w+(?:\.\w+)*))?"
@@ -79,6 +80,7 @@ def contents() -> Iterator[tuple[str, str | Path]]:
     for path in sorted(DOCS.glob("notebooks/*.ipynb")):
         yield f"notebooks/{path.stem}.md", run_notebook(path)
     yield LIVE, live.page()
+    yield TRAIN, train_page()
     yield "assets/formulas.ttf", Path(ziamath.__file__).parent / "fonts" / "STIXTwoMath-Regular.ttf"
     yield "assets/instead-of-iframe-worker.js", search_from_disk()
 

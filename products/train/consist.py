@@ -175,10 +175,11 @@ class Consist:
 
 def block_train(wagons: int, load: float = 60e3, position: str = "P", fast_from: int = 0, **changes: object) -> Consist:
     """A locomotive and equal wagons; fast_from: how many vehicles at the head brake in position G; changes: of
-    wagons.
+    wagons, whose coupler is the locomotive's too.
     """
     own = [replace(wagon(load, position), **changes) for _ in range(wagons)]  # type: ignore[arg-type]
-    everything = [locomotive(0.0, position), *own]
+    head = locomotive(0.0, position)
+    everything = [replace(head, coupler=own[0].coupler) if own else head, *own]
     return Consist(
         tuple(replace(v, distributor=freight("G")) if n < fast_from else v for n, v in enumerate(everything))
     )

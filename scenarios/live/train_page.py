@@ -1,0 +1,61 @@
+"""Writes the page on which a train brakes: the C of TrainDynamics.fmu as WebAssembly, and a few trains as numbers."""
+
+from __future__ import annotations
+
+import base64
+import json
+import zlib
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+
+from fmu_src import __version__
+from fmu_src.compile import web_library
+from products.prebuilt import prebuilt_page
+from products.train.consist import block_train
+from products.train.numbers import Settings, numbers_of
+from products.train.train import sources
+from scenarios.live.page import CANVAS, WEB
+
+#: Trains by the name that the page shows: wagons, position.
+TRAINS = {
+    "40 wagons, P": (40, "P"),
+    "40 wagons, G": (40, "G"),
+    "10 wagons, P": (10, "P"),
+    "100 wagons, G": (100, "G"),
+}
+PAGE = "train.html"
+
+
+def packed(data: bytes) -> str:
+    """As text that a page unpacks."""
+    return base64.b64encode(zlib.compress(data, 9)).decode()
+
+
+@lru_cache
+def train_page() -> str:
+    """Its text, a few hundred kilobytes; it needs no network. Raises CompilerError."""
+    consists = {name: numbers_of(block_train(n, position=p), Settings(), None) for name, (n, p) in TRAINS.items()}
+    data = {
+        "version": __version__,
+        "module": packed(web_library(sources()).read_bytes()),
+        "consists": {name: packed(np.asarray(one, "<f8").tobytes()) for name, one in consists.items()},
+    }
+    parts = {
+        "@STYLE@": (WEB / "page.css").read_text(encoding="utf-8"),
+        "@DATA@": json.dumps(data, separators=(",", ":")).replace("</", "<\\/"),
+        "@SCRIPT@": "\n".join(path.read_text(encoding="utf-8") for path in (CANVAS, WEB / "train.js")),
+    }
+    whole = (WEB / PAGE).read_text(encoding="utf-8")
+    for mark, text in parts.items():
+        whole = whole.replace(mark, text)
+    return whole
+
+
+def write_train_page(path: Path) -> Path:
+    """Writes it. Raises CompilerError, OSError."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    made = prebuilt_page(PAGE)
+    path.write_text(made.read_text(encoding="utf-8") if made else train_page(), encoding="utf-8")
+    return path
