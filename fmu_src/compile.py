@@ -333,7 +333,9 @@ def web_module(model: Model) -> Path:
 
 
 def web_library(sources: Mapping[str, str]) -> Path:
-    """Path of a WebAssembly module of C files that need nothing of the runtime, with malloc, compiled unless it is cached."""
+    """Path of a WebAssembly module of C files that need nothing of the runtime, with malloc, compiled unless it is
+    cached.
+    """
     flags = [flag for flag in FLAGS if flag != "-fPIC"]
     linking = [OPTIMISE_RUNTIME, "-mexec-model=reactor", "-s", "-Wl,--export-dynamic", "-Wl,--export=malloc"]
     path = cache() / f"{_content([*compiler(WEB_TARGET), *flags, *linking], sources, ())}.wasm"

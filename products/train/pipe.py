@@ -17,11 +17,11 @@ from brake_controller import pipe as folder
 from brake_controller.air import GAS_CONSTANT, HEAT_CAPACITY_RATIO
 from brake_controller.brake_pipe import ending, leaking, passing, rates, sides, tapped, tapping, warmed
 from brake_controller.distributor import AMBIENT, STATES, DistributorParameters, distributing, empirical, fastest_change
-from fmu_src.codegen import RUNTIME
+from fmu_src.arrays_fmu import FOLDER as FACES
 from fmu_src.compile import plain_library
 from fmu_src.equations_in_c import WIDTHS, function_of_cells
 
-FOLDER, ROWS = Path(folder.__file__).parent, RUNTIME / "rows.h"
+FOLDER, ROWS = Path(folder.__file__).parent, FACES / "rows.h"
 #: Of what a wave needs through a cell, how long a step may be [1]; above 1 the method is not stable.
 COURANT = 0.8
 

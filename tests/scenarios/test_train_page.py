@@ -1,4 +1,4 @@
-"""The page on which a train brakes, in a real browser: its numbers are those of Python, its controls do what they say."""
+"""The page on which a train brakes, in a real browser: its numbers are those of Python, controls do what they say."""
 
 from __future__ import annotations
 
