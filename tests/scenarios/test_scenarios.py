@@ -22,13 +22,21 @@ from scenarios.catalogue import SCENARIOS
 from scenarios.contact import contact_depth, creep_laws
 from scenarios.coupling import coupling_step
 from scenarios.lines import track_yields
-from scenarios.methods import ensembles, environment_throughput, protected_throughput, throughput
+from scenarios.methods import ensembles, environment_throughput, protected_throughput, throughput, train_pace
 from scenarios.methods import scenes as six_scenes
 from scenarios.numerics import oracle, speed, speed_accuracy, stability_atlas
 from scenarios.reporting import report
 from scenarios.reporting.report import Row
 from scenarios.thesis import qr30, thesis_step
 from scenarios.thesis.creep_forces import EXACT
+from scenarios.trains import (
+    braking_distance,
+    train_braking,
+    train_depths,
+    train_methods,
+    train_one_vehicle_in_detail,
+    train_standing,
+)
 from scenarios.vehicles import vehicle_anti_skid, vehicle_composed, vehicle_hunting
 
 PUBLISHED = Path(__file__).parents[1] / "data" / "creep" / "exact.csv"
@@ -147,6 +155,31 @@ def short_laws(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(creep_laws, "LAWS", {name: creep_laws.LAWS[name] for name in chosen})
 
 
+@pytest.fixture
+def short_trains(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fewer settings of methods, shorter trains, few macro steps; tests/train has the others."""
+    few = {name: (work, settings[-1:], text) for name, (work, settings, text) in train_methods.METHODS.items()}
+    explicit, implicit = train_methods.EXPLICIT, train_methods.MIDPOINT
+    few[explicit] = (few[explicit][0], (train_methods.SHARE, train_methods.LYING), few[explicit][2])
+    few[implicit] = (few[implicit][0], (4e-3,), few[implicit][2])
+    tolerant = {name: (few[name][0], (1e-4,), few[name][2]) for name in ("CVODE", "LSODA")}
+    split = {train_methods.SPLIT: (few[train_methods.SPLIT][0], (5,), few[train_methods.SPLIT][2])}
+    monkeypatch.setattr(train_methods, "METHODS", few | tolerant | split)
+    monkeypatch.setattr(train_methods, "FEW", (10,))
+    monkeypatch.setattr(train_depths, "FITTED", (300.0,))
+    monkeypatch.setattr(train_depths, "HELD", (250.0,))
+    monkeypatch.setattr(train_depths, "SHOWN", 250.0)
+    monkeypatch.setattr(train_one_vehicle_in_detail, "STEPS", (1e-3, 1e-2))
+    monkeypatch.setattr(train_one_vehicle_in_detail, "LONG", 6.0)
+    monkeypatch.setattr(train_one_vehicle_in_detail, "FINE", 5e-4)
+    stiffest = dict(list(train_one_vehicle_in_detail.STIFFNESS.items())[-1:])
+    monkeypatch.setattr(train_one_vehicle_in_detail, "STIFFNESS", stiffest)
+    monkeypatch.setattr(train_braking, "LENGTHS", (400.0, 750.0))
+    monkeypatch.setattr(train_standing, "LEAKS", train_standing.LEAKS[1:])
+    monkeypatch.setattr(braking_distance, "MANY", 20_000)
+    monkeypatch.setattr(train_pace, "VEHICLES", 20)
+
+
 #: What is known not to hold, by scenario; docs/checking.md says why. A miss that is gone is told as one that is new.
 MISSES = {
     "asymmetric-braking": {
@@ -188,7 +221,13 @@ MOTION = re.compile(r'<script id="motion-data" type="application/json">(.*?)</sc
 
 @pytest.mark.usefixtures("short_oracle", "short_coupling", "short_study", "short_ensembles")
 @pytest.mark.usefixtures(
-    "short_anti_skid", "short_measurements", "short_vehicles", "short_thesis_step", "short_laws", "short_track"
+    "short_anti_skid",
+    "short_measurements",
+    "short_vehicles",
+    "short_thesis_step",
+    "short_laws",
+    "short_track",
+    "short_trains",
 )
 @pytest.mark.parametrize("name", [scenario.name for scenario in SCENARIOS])
 def test_scenario_holds_but_for_its_known_misses_and_leaves_table_data_and_picture(name: str, tmp_path: Path) -> None:
