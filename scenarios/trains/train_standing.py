@@ -105,7 +105,8 @@ def run(options: Options) -> Report:
     drawn = found[GRADIENTS[-1], LEAKS[-1]]
     minutes = float(found[GRADIENTS[-1], LEAKS[-1]][1].time[-1]) / 60
     said = [
-        f"With holes of {1e3 * LEAKS[-1]:g} mm in each cylinder air alone holds it on 25 permille for {minutes:.0f} minutes."
+        f"With holes of {1e3 * LEAKS[-1]:g} mm in each cylinder air alone holds it on "
+        f"{1e3 * GRADIENTS[-1]:g} permille for {minutes:.0f} minutes."
     ]
     seconds = float(sum(course.time[-1] for _, course in found.values()))
     parameters = {"wagons": WAGONS, "gradients": list(GRADIENTS), "leaks": list(LEAKS)}

@@ -177,7 +177,8 @@ def short_trains(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(train_braking, "LENGTHS", (400.0, 750.0))
     monkeypatch.setattr(train_standing, "LEAKS", train_standing.LEAKS[1:])
     monkeypatch.setattr(braking_distance, "MANY", 20_000)
-    monkeypatch.setattr(train_pace, "VEHICLES", 20)
+    for number, count in {"VEHICLES": 20, "HOSTED": 10, "FEW": 10, "MANY": 40, "WATCHED": 5.0}.items():
+        monkeypatch.setattr(train_pace, number, count)
 
 
 #: What is known not to hold, by scenario; docs/checking.md says why. A miss that is gone is told as one that is new.
