@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
 
 from brake_controller.brake_weight import (
     FROM_100,
@@ -26,6 +28,8 @@ from rbd_model.train.vehicle import GRAVITY
 HOSE = 0.62
 #: Mass of what turns at the rim, over the vehicle's, as RailProfAC's shunting stops have it.
 ROTATING = 0.04
+#: Masses without a load [kg].
+WAGON, LOCOMOTIVE, COACH = 20e3, 84e3, 46e3
 #: Of a vehicle, at most [m], and inner diameter of its pipe, from and to [m] (UIC 540).
 LONGEST_VEHICLE, NARROWEST, WIDEST = 31.0, 0.025, 0.032
 
@@ -69,13 +73,14 @@ class TrainVehicle:
 
     @property
     def percentage(self) -> float:
-        """Brake weight percentage [%] of its full cylinders from 100 km/h: S = T v + int m v / F(v) dv (EN 14531-1)."""
-        speed = np.linspace(0.0, FROM_100.speed, 101)
+        """Brake weight percentage [%] of its full cylinders from 100 km/h: S = T v + int m v / (F + R) dv (EN
+        14531-1).
+        """
         full = self.distributor.full_pressure + AMBIENT
-        force = np.array([float(_BRAKING(full, v, list(self.brake.values().values()))) for v in speed])
-        turning = (1 + self.rotating_share) * self.mass
-        way = VEHICLE_BUILD_UP * FROM_100.speed + float(np.trapezoid(turning * speed / force, speed))
-        return percentage_of_vehicle(way, FROM_100)
+        given = list(self.brake.values().values())
+        force = np.array([float(_BRAKING(full, speed, given)) for speed in SPEEDS])
+        way = braking_way(force, (1 + self.rotating_share) * self.mass, self.resistance)
+        return percentage_of_vehicle(VEHICLE_BUILD_UP * FROM_100.speed + way, FROM_100)
 
     @property
     def pipe_length(self) -> float:
@@ -89,9 +94,18 @@ def freight_resistance(mass: float) -> tuple[float, float, float]:
     return (1.6e-3 * weight, 0.0, 5.7e-3 * weight / 27.8**2)
 
 
-def braked_by(percentage: float, mass: float) -> VehicleBrake:
-    """Shoes of constant friction that give a mass [kg] a brake weight percentage [%] at 3.8 bar (UIC 544-1)."""
-    force = force_of_percentage(percentage, (1 + ROTATING) * mass, FROM_100)
+def braked_by(percentage: float, mass: float, resistance: Sequence[float] = (0.0, 0.0, 0.0)) -> VehicleBrake:
+    """Shoes of constant friction that give a mass [kg] a brake weight percentage [%] at 3.8 bar (UIC 544-1).
+
+    With a resistance (a, b, c) it stops where the percentage says all the same: the shoes leave it what it takes.
+    """
+    mean = force_of_percentage(percentage, (1 + ROTATING) * mass, FROM_100)
+    way = (1 + ROTATING) * mass * FROM_100.speed**2 / (2 * mean)
+
+    def too_long(force: float) -> float:
+        return braking_way(np.full(SPEEDS.size, force), (1 + ROTATING) * mass, resistance) - way
+
+    force = brentq(too_long, 0.2 * mean, 1.001 * mean)
     return VehicleBrake(
         force_per_pressure=force / 380e3 / 0.3,
         counter_force=0.0,
@@ -102,6 +116,17 @@ def braked_by(percentage: float, mass: float) -> VehicleBrake:
     )
 
 
+#: From rest to the speed of the assessment [m/s].
+SPEEDS = np.linspace(0.0, FROM_100.speed, 401)
+
+
+def braking_way(force: NDArray[np.float64], turning_mass: float, resistance: Sequence[float]) -> float:
+    """Way [m] under forces at SPEEDS [N] and a resistance a + b v + c v^2, int m v / F dv (EN 14531-1)."""
+    a, b, c = resistance
+    whole = force + a + b * SPEEDS + c * SPEEDS**2
+    return float(np.trapezoid(turning_mass * SPEEDS / whole, SPEEDS))
+
+
 def wagon(load: float = 60e3, position: str = "P", weighing: str = "lever") -> TrainVehicle:
     """Four-axle wagon of 20 t and 14 m with 16 composite blocks; load [kg].
 
@@ -109,7 +134,7 @@ def wagon(load: float = 60e3, position: str = "P", weighing: str = "lever") -> T
     stops. Assumed: up to 40 t it brakes with two fifths of that (a lever for empty
     and loaded); with continuous weighing as its mass is of 80 t.
     """
-    mass = 20e3 + load
+    mass = WAGON + load
     weighed = mass / 80e3 if weighing == "continuous" else 1.0 if mass > 40e3 else 0.4
     area = math.pi / 4 * 0.406**2
     brake = VehicleBrake(
@@ -125,28 +150,31 @@ def wagon(load: float = 60e3, position: str = "P", weighing: str = "lever") -> T
 
 def locomotive(load: float = 0.0, position: str = "P") -> TrainVehicle:
     """Four-axle locomotive of 84 t and 19 m with a driver's valve. Assumed: a brake weight percentage of 85 %."""
-    mass = 84e3 + load
+    mass = LOCOMOTIVE + load
+    resistance = freight_resistance(mass)
     return TrainVehicle(
         "locomotive",
         mass,
         19.0,
         freight(position),
-        braked_by(85.0, mass),
-        resistance=freight_resistance(mass),
+        braked_by(85.0, mass, resistance),
+        resistance=resistance,
         valve=drivers_valve(),
     )
 
 
 def coach(load: float = 0.0, position: str = "P") -> TrainVehicle:
     """Coach of 46 t and 26.4 m with discs. Assumed: a brake weight percentage of 135 %, whatever its load."""
-    mass = 46e3 + load
-    return TrainVehicle(
-        "coach", mass, 26.4, freight(position), braked_by(135.0, mass), resistance=freight_resistance(mass)
-    )
+    mass = COACH + load
+    resistance = freight_resistance(mass)
+    brake = braked_by(135.0, mass, resistance)
+    return TrainVehicle("coach", mass, 26.4, freight(position), brake, resistance=resistance)
 
 
 #: By the name that consists use; load [kg], position.
 KINDS: dict[str, Callable[..., TrainVehicle]] = {"wagon": wagon, "locomotive": locomotive, "coach": coach}
+#: Mass of each without a load [kg].
+EMPTY = {"wagon": WAGON, "locomotive": LOCOMOTIVE, "coach": COACH}
 
 
 @dataclass(frozen=True)

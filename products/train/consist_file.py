@@ -5,11 +5,14 @@ count       how many of them, one behind the other (default 1)
 load        on each [t] (default 60 t for wagons, otherwise 0)
 position    of the distributor, P or G (default P)
 coupler     behind each: screw, draft-gear, rigid (default screw)
+weighing    of a wagon's brake: lever (for empty and loaded) or continuous (default lever)
 lambda      brake weight percentage [%], in place of the cylinder's and shoes' data
-mass        of one with its load [t], in place of the kind's
+mass        of one with its load [t], in place of load
 length      over buffers [m], in place of the kind's
-at          of the distributor, as a share of the length from the front (default 0.5)
+rotating    mass of what turns at the rim, over the vehicle's [%] (default 4)
+at          of the distributor, as a share of the length from the front (default 0.5); counts from two cells on
 leak        of the pipe, diameter of a hole [mm] (default 0)
+branch      what branches of the pipe hold [l] (default 0)
 valve       of a driver: head, second (it follows the head's by radio) or none; by itself the first locomotive is head
 delay       of that radio [s] (default 0)
 """
@@ -26,7 +29,7 @@ from typing import Any
 from brake_controller.distributor import DISCHARGE
 from brake_controller.drivers_valve import drivers_valve
 from products.toml import tomllib
-from products.train.consist import KINDS, LONGEST_VEHICLE, Consist, TrainVehicle, braked_by, freight_resistance
+from products.train.consist import EMPTY, KINDS, LONGEST_VEHICLE, Consist, TrainVehicle, braked_by
 from rbd_model.train.coupler import COUPLERS
 
 #: Vehicles of a train at most, and of what a consist may have: load and mass [t], lambda [%], delay [s], leak [mm].
@@ -40,11 +43,21 @@ LIMITS = {
     "mass": (1.0, 300.0),
     "length": (3.0, LONGEST_VEHICLE),
     "at": (0.0, 1.0),
+    "rotating": (0.0, 100.0),
     "leak": (0.0, 10.0),
     "branch": (0.0, 25.0),
     "delay": (0.0, 9.0),
 }
-UNITS = {"load": " t", "lambda": " %", "mass": " t", "length": " m", "leak": " mm", "branch": " l", "delay": " s"}
+UNITS = {
+    "rotating": " %",
+    "load": " t",
+    "lambda": " %",
+    "mass": " t",
+    "length": " m",
+    "leak": " mm",
+    "branch": " l",
+    "delay": " s",
+}
 WORDS = {
     "kind": tuple(KINDS),
     "position": ("P", "G"),
@@ -157,19 +170,22 @@ def _checked(row: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _vehicles(values: Mapping[str, Any]) -> list[TrainVehicle]:
-    load = values.get("load", 60.0 if values["kind"] == "wagon" else 0.0)
-    if "weighing" in values and values["kind"] != "wagon":
+    kind = values["kind"]
+    if "load" in values and "mass" in values:
+        raise ValueError("give load or mass, not both: the mass is that with the load.")
+    load = values.get("load", 60.0 if kind == "wagon" else 0.0)
+    if "mass" in values:
+        load = values["mass"] - 1e-3 * EMPTY[kind]
+    if "weighing" in values and kind != "wagon":
         raise ValueError("weighing is of wagons; leave it out.")
     more = {"weighing": values["weighing"]} if "weighing" in values else {}
-    one = KINDS[values["kind"]](1e3 * load, values.get("position", "P"), **more)
-    if "mass" in values:
-        mass = 1e3 * values["mass"]
-        one = replace(one, mass=mass, resistance=freight_resistance(mass))
+    one = KINDS[kind](1e3 * load, values.get("position", "P"), **more)
     if "lambda" in values:
-        one = replace(one, brake=braked_by(values["lambda"], one.mass))
+        one = replace(one, brake=braked_by(values["lambda"], one.mass, one.resistance))
     one = replace(
         one,
         length=values.get("length", one.length),
+        rotating_share=1e-2 * values["rotating"] if "rotating" in values else one.rotating_share,
         coupler=COUPLERS[values.get("coupler", "screw")](),
         distributor_at=values.get("at", 0.5),
         branch=1e-3 * values.get("branch", 0.0),

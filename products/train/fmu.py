@@ -15,7 +15,7 @@ from products.prebuilt import contents, sources_here
 from products.sources import PREBUILT
 from products.train.consist import Consist
 from products.train.numbers import Settings, numbers_of
-from products.train.train import FOLDER, sources
+from products.train.train import FOLDER, HIGHEST, INPUT_LIMITS, sources
 from rbd_model.track.line import Line
 
 NAME = "TrainDynamics"
@@ -24,28 +24,50 @@ START_PIPE_PRESSURE = 500e3
 PARAMETERS = (
     ArrayVariable("start_speed", "parameter", "m/s", "Speed at the start", -150.0, 150.0),
     ArrayVariable("start_distance", "parameter", "m", "Distance of the train's front at the start", -1e9, 1e9),
-    ArrayVariable("start_pipe_pressure", "parameter", "Pa", "Gauge pressure in the pipe at the start", 0.0, 1e6),
+    ArrayVariable("start_pipe_pressure", "parameter", "Pa", "Gauge pressure in the pipe at the start", 0.0, HIGHEST),
     ArrayVariable(
         "start_cylinder_pressure", "parameter", "Pa", "Gauge pressure in all cylinders at the start", 0.0, 1e6
     ),
 )
-POSITIONS = "Driver's valve: 0 shut off, 1 running, 2 overcharge, 3 service, 4 emergency; the first is the head's"
+POSITIONS = (
+    "Driver's valve: 0 shut off, or a second valve follows the head's; 1 running, 2 overcharge, 3 service, 4 emergency"
+)
 LED = "A vehicle computed in detail elsewhere: 1 its speed is held in a step, 2 corrected before a step, 0 neither"
 INPUTS = (
-    ArrayVariable("driver_position", "input", "1", POSITIONS, 0, 4, True),
-    ArrayVariable("driver_step", "input", "1", "Step of service: 0 the first, 1 full service", 0.0, 1.0),
-    ArrayVariable("pull", "input", "N", "Traction of each vehicle at the rim, below zero an electric brake", -1e7, 1e7),
-    ArrayVariable("friction", "input", "1", "Friction between wheels and rail, by vehicle", 0.0, 2.0),
+    ArrayVariable("driver_position", "input", "1", POSITIONS, *INPUT_LIMITS["position"]),
+    ArrayVariable("driver_step", "input", "1", "Step of service: 0 the first, 1 full service", *INPUT_LIMITS["step"]),
+    ArrayVariable(
+        "pull",
+        "input",
+        "N",
+        "Force of motors at the rim; below zero it drives backwards",
+        *INPUT_LIMITS["pull"],
+    ),
+    ArrayVariable("friction", "input", "1", "Friction between wheels and rail, by vehicle", *INPUT_LIMITS["friction"]),
     ArrayVariable(
         "protection", "input", "1", "Wheel-slide protection by vehicle: 0 apply, 1 hold, 2 release", 0, 2, True
     ),
     ArrayVariable(
-        "coupled", "input", "1", "Coupling behind each vehicle: 1 coupled once they touch, 0 apart", 0, 1, True
+        "coupled",
+        "input",
+        "1",
+        "Coupling behind each vehicle: 1 coupled once they touch, 0 apart (its hose: joined)",
+        0,
+        1,
+        True,
     ),
-    ArrayVariable("joined", "input", "1", "Pipe behind each vehicle: 0 joined, 1 cock shut, 2 hose parted", 0, 2, True),
-    ArrayVariable("end_force", "input", "N", "Pull forwards at the head, and backwards at the end", -1e8, 1e8),
-    ArrayVariable("led", "input", "1", LED, 0, 2, True),
-    ArrayVariable("led_speed", "input", "m/s", "Speed of a vehicle that is led", -300.0, 300.0),
+    ArrayVariable(
+        "joined",
+        "input",
+        "1",
+        "Pipe behind each vehicle: 0 joined, 1 cock shut, 2 hose parted",
+        *INPUT_LIMITS["joined"],
+    ),
+    ArrayVariable(
+        "end_force", "input", "N", "Pull forwards at the head, and backwards at the end", *INPUT_LIMITS["ends"]
+    ),
+    ArrayVariable("led", "input", "1", LED, *INPUT_LIMITS["led"]),
+    ArrayVariable("led_speed", "input", "m/s", "Speed of a vehicle that is led", *INPUT_LIMITS["led_speed"]),
 )
 OUTPUTS = (
     ArrayVariable("distance", "output", "m", "Distance of each vehicle's middle"),

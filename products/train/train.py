@@ -27,6 +27,8 @@ from rbd_model.train import motion
 from rbd_model.train.coupler import coupling
 from rbd_model.train.vehicle import rolling, sliding
 
+#: Pressures that a train may start with at most [Pa].
+HIGHEST = 800e3
 FOLDER = Path(folder.__file__ or "").parent
 #: What is set from outside and what is found, in the order of train.h.
 INPUTS = ("position", "step", "pull", "friction", "protection", "coupled", "joined", "ends", "led", "led_speed")
@@ -41,6 +43,19 @@ OUTPUTS = (
     "coupler_force",
     "mean_coupler_force",
 )
+#: Least and largest value of each input, and whether it is a whole number.
+INPUT_LIMITS = {
+    "position": (0.0, 4.0, True),
+    "step": (0.0, 1.0, False),
+    "pull": (-1e7, 1e7, False),
+    "friction": (0.0, 2.0, False),
+    "protection": (0.0, 2.0, True),
+    "coupled": (0.0, 1.0, True),
+    "joined": (0.0, 2.0, True),
+    "ends": (-1e8, 1e8, False),
+    "led": (0.0, 2.0, True),
+    "led_speed": (-300.0, 300.0, False),
+}
 #: Of the outputs that are recorded.
 UNITS = {
     "distance": "m",
@@ -56,7 +71,7 @@ SUMS = ("time", "largest_tension", "largest_tension_at", "largest_compression", 
 
 def sources() -> dict[str, str]:
     """C files by name: pipe, motion, what joins them, and what is generated for each cell."""
-    texts = pipe.sources()
+    texts = pipe.sources() | {"train_limits.h": _limits()}
     for place, functions, name in ((motion, (coupling, rolling, sliding), "motion"), (folder, (braking,), "train")):
         own = Path(place.__file__ or "").parent
         files = [path for path in sorted(own.glob("*.[ch]")) if not path.name.endswith("_fmu.c")]
@@ -68,6 +83,13 @@ def sources() -> dict[str, str]:
                 f'#include "lanes_widest.h"\n#include "{name}_inside.h"\n#if LANES_WIDEST >= {lanes}\n{loops}#endif\n'
             )
     return texts
+
+
+def _limits() -> str:
+    """C of INPUT_LIMITS."""
+    rows = ", ".join(f"{{{least!r}, {most!r}, {int(whole)}}}" for least, most, whole in INPUT_LIMITS.values())
+    shape = "typedef struct {\n    double least, most;\n    int whole;\n} input_limits;"
+    return f"{shape}\nstatic const input_limits INPUT_LIMITS[] = {{{rows}}};\n"
 
 
 @lru_cache
@@ -85,6 +107,7 @@ def functions() -> ctypes.CDLL:
         "train_input": (block, [pointer, ctypes.c_int, told]),
         "train_output": (block, [pointer, ctypes.c_int, told]),
         "train_go": (ctypes.c_int, [pointer, number]),
+        "train_input_wrong": (ctypes.c_int, [pointer, told]),
         "train_numbers": (count, [pointer]),
         "train_save": (None, [pointer, pointer]),
         "train_load": (None, [pointer, pointer]),
@@ -99,12 +122,25 @@ def functions() -> ctypes.CDLL:
     return library
 
 
+def _within(name: str, value: float, least: float, most: float, unit: str) -> None:
+    """Raises ValueError for what is no number within limits."""
+    number = isinstance(value, (int, float, np.floating, np.integer)) and not isinstance(value, bool)
+    if not (number and least <= value <= most):
+        raise ValueError(f"Set {name} to a number from {least:g} to {most:g} {unit}".rstrip() + f": it was {value}.")
+
+
+def _place(name: str, value: int, count: int) -> None:
+    """Raises ValueError for what counts none of so many."""
+    if not (isinstance(value, (int, np.integer)) and 0 <= value < count):
+        raise ValueError(f"Name a {name} by a whole number from 0 to {count - 1}: it was {value}.")
+
+
 class Train:
     """A train that goes on as it is told.
 
     Inputs are arrays to write into: `position` and `step` of each driver's valve, `pull` [N], `friction` [1] and
     `protection` of each vehicle, `coupled` and `joined` of each coupling, `ends`: forces at both ends [N]. Outputs are
-    arrays that each call of `advance` fills anew: OUTPUTS, and SUMS as attributes. Pressures are gauge pressures [Pa].
+    attributes: OUTPUTS, an array of each, and SUMS. Pressures are gauge pressures [Pa].
     """
 
     def __init__(
@@ -118,6 +154,10 @@ class Train:
         line: Line | None = None,
         settings: Settings | None = None,
     ) -> None:
+        _within("speed", speed, -150.0, 150.0, "m/s")
+        _within("distance", distance, -1e9, 1e9, "m")
+        _within("pipe", pipe, 0.0, HIGHEST, "Pa")
+        _within("cylinder", cylinder, 0.0, HIGHEST, "Pa")
         self.consist, self.settings = consist, settings or Settings()
         numbers = numbers_of(consist, self.settings, line)
         self._call = functions()
@@ -131,7 +171,7 @@ class Train:
         weakref.finalize(self, self._call.train_free, self._own)
         self._call.train_begin(self._own, 0.0, speed, distance, pipe + AMBIENT, cylinder + AMBIENT)
         self.inputs = {name: self._view(self._call.train_input, row) for row, name in enumerate(INPUTS)}
-        self.outputs = {name: self._view(self._call.train_output, row) for row, name in enumerate(OUTPUTS)}
+        self._outputs = {name: self._view(self._call.train_output, row) for row, name in enumerate(OUTPUTS)}
         self._sums = self._view(self._call.train_output, len(OUTPUTS))
 
     def _view(self, call: Any, row: int) -> NDArray[np.float64]:
@@ -145,16 +185,28 @@ class Train:
         """Sets a driver's valve; step: of service, 0 the first, 1 full."""
         if position not in POSITIONS:
             raise ValueError(f"Set a driver's valve to one of {', '.join(POSITIONS)}: it was {position}.")
-        if not 0.0 <= step <= 1.0:
-            raise ValueError(f"Set a step of service from 0, the first, to 1, full service: it was {step}.")
+        _within("a step of service, 0 the first and 1 full,", step, 0.0, 1.0, "")
+        _place("valve", valve, self.inputs["position"].size)
         self.inputs["position"][valve], self.inputs["step"][valve] = POSITIONS[position], step
 
     def advance(self, time: float) -> None:
         """Goes on by a time [s]. Raises ValueError where that leads nowhere; the train is as it was then."""
-        if not 0.0 <= time < np.inf:
-            raise ValueError(f"Go on by a time of at least 0 s: it was {time} s.")
-        if self._call.train_go(self._own, time):
+        _within("the time to go on by", time, 0.0, 1e9, "s")
+        status = self._call.train_go(self._own, time)
+        if status == -2:
+            raise ValueError(self._wrong_input())
+        if status:
             raise ValueError(f"The train came to no finite state within {time:g} s; look at what was set.")
+
+    def _wrong_input(self) -> str:
+        place = ctypes.c_longlong()
+        name = INPUTS[self._call.train_input_wrong(self._own, ctypes.byref(place))]
+        value, (least, most, whole) = self.inputs[name][place.value], INPUT_LIMITS[name]
+        if name == "joined" and value in (1.0, 2.0):
+            depth = f"with {self.settings.cells:g} cells a vehicle"
+            return f"Leave inputs['joined'][{place.value}] at 0: {depth} there is no cock or hose; take one cell."
+        kind = "a whole number from" if whole else "a number from"
+        return f"Set inputs['{name}'][{place.value}] to {kind} {least:g} to {most:g}: it was {value:g}."
 
     def record(self, seconds: float, interval: float = 0.1) -> Recording:
         """Goes on for so long, or until all stand, and gives every output of each vehicle, `speed[1]` the head's.
@@ -174,14 +226,14 @@ class Train:
         return Recording(units, np.array(rows))
 
     def _names(self, output: str) -> list[str]:
-        return [f"{output}[{n + 1}]" for n in range(len(self.outputs[output]))]
+        return [f"{output}[{n + 1}]" for n in range(len(self._outputs[output]))]
 
     def _row(self) -> NDArray[np.float64]:
         return np.concatenate([[self.time], *(getattr(self, name) for name in UNITS)])
 
     def __getattr__(self, name: str) -> Any:
         if name in OUTPUTS:
-            values = self.outputs[name]
+            values = self._outputs[name]
             return values - AMBIENT if name.endswith("pressure") else values.copy()
         if name in SUMS:
             return float(self._sums[SUMS.index(name)])
@@ -196,7 +248,12 @@ class Train:
 
     @state.setter
     def state(self, numbers: NDArray[np.float64]) -> None:
-        """Goes back to what was saved."""
+        """Goes back to what was saved. Raises ValueError for that of another train."""
+        due = self._call.train_numbers(self._own)
+        if np.shape(numbers) != (due,):
+            raise ValueError(
+                f"Give a train a state that it has saved, {due} numbers: it had the shape {np.shape(numbers)}."
+            )
         self._call.train_load(self._own, np.ascontiguousarray(numbers).ctypes.data)
 
     @property
@@ -213,6 +270,7 @@ class Train:
 
     def lead(self, vehicle: int, speed: float) -> None:
         """Gives a vehicle's speed from outside [m/s] from now on."""
+        _place("vehicle", vehicle, len(self.consist.vehicles))
         self.inputs["led"][vehicle], self.inputs["led_speed"][vehicle] = 1.0, speed
 
     @property

@@ -94,7 +94,7 @@ def screw_coupler() -> Coupler:
     and 400 kN at 60 mm; 50 MN/m where the friction holds.
     """
     compression = Curve((0.0, 0.05, 0.12, 0.21), (60e3, 160e3, 500e3, 1350e3))
-    tension = Curve((0.0, 0.06), (20e3, 400e3))
+    tension = Curve((0.0, 0.12), (20e3, 400e3))
     return Coupler("screw", 50e6, (tension, _scaled(tension, 0.5)), (compression, _scaled(compression, 0.5)))
 
 

@@ -215,7 +215,7 @@ def grows(way: str, level: int, stiffness: float, size: float) -> bool:
     for _ in range(steps):
         try:
             one.step(size)
-        except KernelError:  # it has grown out of what its level can say
+        except (KernelError, ValueError):  # it has grown out of what its level or the train can say
             return True
         apart.append(np.abs(one.forces[-1]).max())
         if apart[-1] > 30 * max(apart[:20]) > 0.0:

@@ -102,7 +102,7 @@ def judged_rows(done: Mapping[Case, tuple[Train, Course]]) -> list[Row]:
 def draw(drawn: Mapping[str, tuple[Train, Course]]) -> Figure:
     figure, grid = plt.subplots(2, 3, figsize=(11.0, 6.6), sharey="row")
     for axes, (mode, (train, course)) in zip(grid.T, drawn.items(), strict=True):
-        place = -train.outputs["distance"] + train.outputs["distance"][0]
+        place = train.distance[0] - train.distance
         until = course.time <= 25.0
         shades = axes[0].pcolormesh(
             course.time[until], place, course.pipe[until].T / 1e5, vmin=0.0, vmax=5.0, cmap="cividis", shading="nearest"

@@ -78,7 +78,7 @@ def run(options: Options) -> Report:
 
 
 def draw(force: dict[str, list[float]]) -> Figure:
-    title = "A wagon of 80 t runs against a standing train: friction gears and buffers differ above their stroke"
+    title = "A wagon of 80 t runs into a train: above 2 m/s draft gears are solid steel"
     figure, axis = single(title, "speed [m/s]", "largest compression [kN]")
     for colour, mark, (name, values) in zip((FOUR[0], FOUR[3]), "os", force.items(), strict=True):
         axis.plot(SPEEDS, [value / 1e3 for value in values], mark + "-", color=colour, label=name)

@@ -288,7 +288,7 @@ def mark_default(found: Study, axis: Axes) -> None:
     one = found.both(EXPLICIT)[SHARE]
     place = (100 * one.force, 1e3 * one.cost)
     axis.plot(*place, "o", markersize=14, markerfacecolor="none", color=GREY)
-    axis.annotate(f"default, share {SHARE:g}", place, (-34, -10), ha="right", textcoords="offset points")
+    axis.annotate(f"default, share {SHARE:g}", place, (-10, -22), ha="right", textcoords="offset points")
 
 
 SCENARIO = Scenario(

@@ -155,7 +155,7 @@ def draw(stops: Mapping[tuple[str, float], Stop], whole: tuple[float, float]) ->
             axis.loglog(steps, errors, marks[way] + "-", color=colours[way], label=label)
     for axis, asked, name in zip(grid, (100 * FORCE, 100 * DISTANCE), ("1 %", "1 cm"), strict=True):
         axis.axhline(asked, color=GREY, linewidth=0.8)
-        axis.annotate(f"asked: {name}", (steps[0], asked), va="bottom", fontsize=8)
+        axis.annotate(f"asked: {name}", (steps[-1], asked), va="bottom", ha="right", fontsize=8)
         axis.set_xlabel("macro step [ms]")
     grid[0].set_title("error of the largest compression [%]")
     grid[1].set_title("error of the distance [cm]")

@@ -86,7 +86,7 @@ def run(options: Options) -> Report:
 def draw(shut: Parting, kept: Parting) -> Figure:
     labels = ["pressure in the pipe beside the parted hose [bar]", "speed of both parts [km/h]", "gap between them [m]"]
     figure, axes = panels(
-        "A parted hose brakes both parts; a valve that goes on feeding holds the head's brake off", labels
+        "A parted hose brakes both parts; a valve that goes on feeding lets the head run further", labels
     )
     for one, style, name in ((shut, "-", "shut off after 2 s"), (kept, "--", "left in running")):
         time, course = one.course.time, one.course

@@ -15,12 +15,18 @@ from products.train.train import Train
 @pytest.mark.parametrize("percentage", [40.0, 65.0, 100.0, 150.0])
 def test_a_percentage_becomes_forces_and_forces_that_percentage(percentage: float) -> None:
     one = wagon()
-    assert replace(one, brake=braked_by(percentage, one.mass)).percentage == pytest.approx(percentage, rel=1e-9)
+    assert replace(one, brake=braked_by(percentage, one.mass, one.resistance)).percentage == pytest.approx(
+        percentage, rel=1e-9
+    )
 
 
 def test_a_vehicle_of_a_percentage_stops_where_that_says() -> None:
-    """S = 52840 / (lambda + 10) from 100 km/h with a build-up of 2 s; here cylinders are full from the start."""
-    one = replace(locomotive(), brake=braked_by(80.0, 84e3), resistance=(0.0, 0.0, 0.0))
+    """S = 52840 / (lambda + 10) from 100 km/h with a build-up of 2 s; here cylinders are full from the start.
+
+    Its resistance is a part of what the percentage says.
+    """
+    plain = locomotive()
+    one = replace(plain, brake=braked_by(80.0, 84e3, plain.resistance))
     train = Train(Consist((one,)), speed=100 / 3.6, pipe=350e3, cylinder=380e3)
     train.drive("service", 1.0)
     while train.speed[0] > 0.0:

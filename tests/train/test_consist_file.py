@@ -66,7 +66,12 @@ def test_csv_and_toml_of_the_same_train_are_equal(tmp_path: Path) -> None:
     assert (head.mass, head.coupler) == (84e3, COUPLERS["draft-gear"]())
     assert head.distributor == locomotive(0.0, "G").distributor
     for one in wagons:
-        assert (one.mass, one.length, one.distributor_at, one.brake) == (60e3, 12.5, 0.25, braked_by(65, 60e3))
+        assert (one.mass, one.length, one.distributor_at, one.brake) == (
+            60e3,
+            12.5,
+            0.25,
+            braked_by(65, 60e3, one.resistance),
+        )
         assert one.leak > 0.0
     assert last == wagon()
     assert second.valve is not None

@@ -157,7 +157,9 @@ def test_a_drivers_position_out_of_range_is_refused() -> None:
     one = train(1)
     with pytest.raises(ValueError, match="Set a driver's valve to one of shut-off, running, overcharge, service, emer"):
         one.drive("full")
-    with pytest.raises(ValueError, match=r"Set a step of service from 0, the first, to 1, full service: it was 1.2."):
+    with pytest.raises(
+        ValueError, match=r"Set a step of service, 0 the first and 1 full, to a number from 0 to 1: it was 1.2."
+    ):
         one.drive("service", 1.2)
 
 
@@ -175,3 +177,56 @@ def test_a_train_in_position_g_brakes_later_than_in_p() -> None:
     assert 3.0 < times[0] < 6.0
     assert 18.0 < times[1] < 30.0
     assert freight("G").filling_choke < freight("P").filling_choke
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "sentence"),
+    [
+        ("position", 2.5, r"Set inputs\['position'\]\[0\] to a whole number from 0 to 4: it was 2.5."),
+        ("protection", 3.0, r"Set inputs\['protection'\]\[0\] to a whole number from 0 to 2: it was 3."),
+        ("friction", float("nan"), r"Set inputs\['friction'\]\[0\] to a number from 0 to 2: it was nan."),
+        ("friction", -0.3, r"Set inputs\['friction'\]\[0\] to a number from 0 to 2: it was -0.3."),
+        ("joined", 3.0, r"Set inputs\['joined'\]\[0\] to a whole number from 0 to 2: it was 3."),
+    ],
+)
+def test_an_input_that_cannot_be_is_refused_and_the_train_stays_as_it_was(
+    name: str, value: float, sentence: str
+) -> None:
+    one = train(3)
+    one.advance(1.0)
+    before = one.motion
+    one.inputs[name][0] = value
+    with pytest.raises(ValueError, match=sentence):
+        one.advance(1.0)
+    assert np.array_equal(one.motion, before)
+
+
+def test_what_is_no_number_place_or_state_is_refused() -> None:
+    one, other = train(3), train(5)
+    with pytest.raises(ValueError, match="Set the time to go on by to a number from 0 to 1e\\+09 s: it was 1."):
+        one.advance("1")  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="Name a valve by a whole number from 0 to 0: it was 3."):
+        one.drive("service", 0.5, 3)
+    with pytest.raises(ValueError, match="Name a vehicle by a whole number from 0 to 3: it was -1."):
+        one.lead(-1, 1.0)
+    with pytest.raises(ValueError, match="Give a train a state that it has saved"):
+        one.state = other.state
+    with pytest.raises(ValueError, match="Set speed to a number from -150 to 150 m/s: it was nan."):
+        Train(block_train(3), speed=float("nan"))
+
+
+def test_a_cock_where_a_coarse_pipe_has_none_is_refused() -> None:
+    one = train(6, cells=0.5)
+    one.inputs["joined"][0] = 1.0
+    with pytest.raises(ValueError, match="there is no cock or hose; take one cell"):
+        one.advance(1.0)
+
+
+def test_a_second_valve_follows_until_it_has_a_position_of_its_own() -> None:
+    vehicles = list(block_train(10).vehicles)
+    vehicles[-1] = replace(wagon(), valve=drivers_valve(), valve_delay=0.0)
+    one = Train(Consist(tuple(vehicles)))
+    one.drive("emergency", valve=1)
+    one.advance(1.0)
+    assert one.pipe_pressure[-1] < 250e3
+    assert one.pipe_pressure[0] > 450e3

@@ -4,6 +4,7 @@
 #include <stddef.h>
 
 #include "train_inside.h"
+#include "train_limits.h"
 
 enum { MOST = 1 << 20 };
 enum { OF_CELLS, OF_VEHICLES, OF_COUPLINGS };
@@ -144,4 +145,21 @@ const char *train_wrong(const double *numbers, long long int count)
     if (!wrong && !all_places(places + vehicles, vehicles, (double)cells)) wrong = "a vehicle's end at the pipe";
     if (!wrong) wrong = wrong_in_valves(at, valves, cells);
     return wrong ? wrong : wrong_in_line(at + VALVE_ROWS * valves, points);
+}
+
+static int fits(double value, const input_limits *of)
+{
+    return value >= of->least && value <= of->most && (!of->whole || value == floor(value));
+}
+
+int train_input_wrong(const train *self, long long int *element)
+{
+    for (int row = 0; row < TRAIN_INPUTS; ++row) {
+        const double *end = row + 1 < TRAIN_INPUTS ? self->input[row + 1] : self->input[0] + self->inputs;
+        for (const double *value = self->input[row]; value < end; ++value) {
+            *element = value - self->input[row];
+            if (!fits(*value, &INPUT_LIMITS[row]) || (row == IN_JOINED && *value != PIPE_JOINED && self->face[*element] <= 0)) return row;
+        }
+    }
+    return -1;
 }

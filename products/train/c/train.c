@@ -354,6 +354,8 @@ static int outputs_finite(const train *self)
 int train_go(train *self, double time)
 {
     const double begin = self->run[RUN_TIME];
+    long long int wrong;
+    if (train_input_wrong(self, &wrong) >= 0) return -2;
     keep(self);
     take_inputs(self);
     for (double left = time; left > 0.0;) {

@@ -28,7 +28,7 @@ enum {
     VALVE_RUNNING, VALVE_OVERCHARGE, VALVE_FIRST, VALVE_FULL, /* pressures; falls of the first step and of full service [Pa] */
     VALVE_DOWN, VALVE_UP, VALVE_SLOWLY, VALVE_QUICKLY,   /* rates of the pressure that it holds: service, release, overcharge, emergency [Pa/s] */
     VALVE_PLACE,                                         /* from the head, backwards below 0 [m] */
-    VALVE_DELAY,                                         /* behind the first valve [s]; below 0 it has commands of its own */
+    VALVE_DELAY,                                         /* behind the first valve [s], while its own position is 0; below 0: never */
     VALVE_ROWS
 };
 
@@ -57,9 +57,12 @@ TRAIN_SHOWN void train_free(train *self);
 TRAIN_SHOWN void train_begin(train *self, double time, double speed, double distance, double pipe, double cylinder);
 TRAIN_SHOWN double *train_input(train *self, int row, long long int *count);
 TRAIN_SHOWN const double *train_output(const train *self, int row, long long int *count);
-/* Goes on by a time [s]; 0, or -1: that leads nowhere, and the train is as it was. */
+/* Goes on by a time [s]; 0, or -1: that leads nowhere, -2: an input is wrong, and the train is as it was. */
 TRAIN_SHOWN int train_go(train *self, double time);
 /* All that a run changes, inputs too: how many numbers, and from and to a place for them. */
+/* Row of an input that is beyond its limits (INPUT_LIMITS of products/train/train.py), or that cannot be where the pipe has
+ * no face behind a vehicle, and the element; -1: there is none. */
+TRAIN_SHOWN int train_input_wrong(const train *self, long long int *element);
 TRAIN_SHOWN long long int train_numbers(const train *self);
 TRAIN_SHOWN void train_save(const train *self, double *numbers);
 TRAIN_SHOWN void train_load(train *self, const double *numbers);

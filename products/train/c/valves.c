@@ -18,8 +18,9 @@ static double told(train *self, long long int valve, int what, double time)
 static double position_of(train *self, long long int valve, double *step)
 {
     const double delay = self->valve[valve * VALVE_ROWS + VALVE_DELAY], time = self->run[RUN_TIME] - delay;
-    *step = delay < 0.0 ? self->input[IN_STEP][valve] : told(self, 0, 2, time);
-    return delay < 0.0 ? self->input[IN_POSITION][valve] : told(self, 0, 1, time);
+    const int follows = delay >= 0.0 && self->input[IN_POSITION][valve] == VALVE_SHUT_OFF;
+    *step = follows ? told(self, 0, 2, time) : self->input[IN_STEP][valve];
+    return follows ? told(self, 0, 1, time) : self->input[IN_POSITION][valve];
 }
 
 /* The pressure that a valve is to hold. */
