@@ -203,15 +203,15 @@ def test_an_input_that_cannot_be_is_refused_and_the_train_stays_as_it_was(
 
 def test_what_is_no_number_place_or_state_is_refused() -> None:
     one, other = train(3), train(5)
-    with pytest.raises(ValueError, match="Set the time to go on by to a number from 0 to 1e\\+09 s: it was 1."):
+    with pytest.raises(ValueError, match=r"Set the time to go on by to a number from 0 to 1e\+09 s: it was 1."):
         one.advance("1")  # type: ignore[arg-type]
-    with pytest.raises(ValueError, match="Name a valve by a whole number from 0 to 0: it was 3."):
+    with pytest.raises(ValueError, match=r"Name a valve by a whole number from 0 to 0: it was 3."):
         one.drive("service", 0.5, 3)
-    with pytest.raises(ValueError, match="Name a vehicle by a whole number from 0 to 3: it was -1."):
+    with pytest.raises(ValueError, match=r"Name a vehicle by a whole number from 0 to 3: it was -1."):
         one.lead(-1, 1.0)
     with pytest.raises(ValueError, match="Give a train a state that it has saved"):
         one.state = other.state
-    with pytest.raises(ValueError, match="Set speed to a number from -150 to 150 m/s: it was nan."):
+    with pytest.raises(ValueError, match=r"Set speed to a number from -150 to 150 m/s: it was nan."):
         Train(block_train(3), speed=float("nan"))
 
 

@@ -228,7 +228,7 @@ def test_where_a_step_leads_nowhere_what_was_asked_for_is_done_in_the_next() -> 
         own.advance(1.0)
     before = one.state
     motion = one.motion
-    one.motion = np.where(np.arange(4)[:, None] == 1, 1e308, motion)  # speeds that lead nowhere
+    one.motion = np.where(np.arange(4)[:, None] == 0, math.nan, motion)  # places that lead nowhere
     for own in (one, other):
         own.inputs["coupled"][0], own.inputs["joined"][1] = 0, 2
     with pytest.raises(ValueError, match="no finite state"):
