@@ -239,8 +239,7 @@ def tapping() -> ca.Function:
 
 
 def tapped() -> ca.Function:
-    """Of the same: fluxes behind and ahead of the valve; mass [kg/s] and energy [W] out of it, and mass in, Toro
-    (2009).
+    """Fluxes behind and ahead of a driver's valve; mass [kg/s] and energy [W] out of it, and mass in; Toro (2009).
 
     What leaves has the temperature of the side that it comes from, what enters mixes with what passes.
     """

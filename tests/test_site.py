@@ -63,7 +63,7 @@ def test_every_page_and_every_notebook_has_its_place() -> None:
     assert len(found) == len(set(found))
     docs = {path.name for path in ROOT.glob("docs/*.md")} - {"scenarios.md"}
     notebooks = {f"notebooks/{path.stem}.md" for path in ROOT.glob("docs/notebooks/*.ipynb")}
-    assert set(found) == docs | notebooks | {"README.md", "EQUATIONS.md", "CHANGELOG.md", "live.html"}
+    assert set(found) == docs | notebooks | {"README.md", "EQUATIONS.md", "CHANGELOG.md", "live.html", "train.html"}
 
 
 def public_names() -> Iterator[str]:

@@ -353,13 +353,15 @@ def test_without_the_extra_there_is_the_csv_and_a_sentence(
 
 
 HEAVY = "bogie-heavy-braking"
+#: Scenarios that take part, as they are listed.
+SWEPT = f"{HEAVY}, anti-skid, braking-distance, train-braking, levels"
 
 
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
         (["levles", "--vary", "level=1"], "There is no scenario levles; did you mean levels?"),
-        (["speed", "--vary", "level=1"], f"speed takes no part in sweeps; these do: {HEAVY}, anti-skid, levels."),
+        (["speed", "--vary", "level=1"], f"speed takes no part in sweeps; these do: {SWEPT}."),
         ([HEAVY], "Give at least one --vary: write name=first:last:count or name=a,b,c; bogie-heavy-braking has fric"),
         ([HEAVY, "--vary", "frictoin=1"], f"{HEAVY} has no parameter frictoin to vary; did you mean friction?"),
         ([HEAVY, "--vary", "zzz=1"], f"{HEAVY} has no parameter zzz to vary; it has friction, brake_torque_1"),
