@@ -12,8 +12,8 @@
   python build_fmu.py --controller pi.c --wheelsets 4
                                          pi4.fmu (native, without Python): by your controller in C, for a coach
   python build_fmu.py train --consist consist.csv --line line.csv
-                                         TrainDynamics.fmu of a consist on a line; the page "A train" of the documentation
-                                         says what such files hold. It needs no compiler where a wheel is installed
+                                         TrainDynamics.fmu of a consist on a line; the page "A train" says what such
+                                         files hold. It needs no compiler where a wheel is installed
   python build_fmu.py coupler --coupler draft-gear
                                          Coupler.fmu, one coupler between two vehicles
   python build_fmu.py --describe         no FMUs: the table of variables as Markdown
