@@ -19,7 +19,7 @@ from bogie_braking.__main__ import main
 from scenarios.bench.torque_history import read_torque_history
 from scenarios.brakes import anti_skid
 from scenarios.catalogue import SCENARIOS
-from scenarios.contact import contact_depth, creep_laws, flange_climb
+from scenarios.contact import contact_depth, creep_laws
 from scenarios.coupling import coupling_step
 from scenarios.lines import track_yields
 from scenarios.methods import ensembles, environment_throughput, protected_throughput, throughput, train_pace
@@ -116,7 +116,6 @@ def short_measurements(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(throughput, "STOPS", few)
     monkeypatch.setattr(throughput, "MANY", 64)
     monkeypatch.setattr(throughput, "RAILS", {"dry": (0.3, 2.0)})
-    monkeypatch.setattr(flange_climb, "YAWS", flange_climb.YAWS[::3])
     monkeypatch.setattr(contact_depth, "ROUNDS", 1)
     monkeypatch.setattr(contact_depth, "TORQUES", contact_depth.TORQUES[::4])
     monkeypatch.setattr(contact_depth, "NEIGHBOURS", contact_depth.NEIGHBOURS[::3])
