@@ -11,7 +11,7 @@ from rbd_model.body.connections import STATELESS, Load, along, connect, connect_
 from rbd_model.body.kinematics import Body, turned_about_axes
 from rbd_model.body.loads import Loads
 from rbd_model.body.relation import End
-from rbd_model.track.frame import HERE, Pose
+from rbd_model.track.frame import HERE, Pose, TrackFrame
 from rbd_model.vehicle.assembly import Assembly
 from rbd_model.vehicle.description import RigidBody, Size, SuspensionElement, Wheelset, wheelset_name
 
@@ -179,7 +179,16 @@ def loads_of(assembly: Assembly, bodies: Sequence[MovingBody], axles: Mapping[in
     for pull in vehicle.pulls:
         end = ends[pull.body]
         place = ca.vertcat(*[ca.SX(assembly.value(size)) for size in pull.place])
-        force = along(pull.direction, assembly.input[pull.name])
+        force = assembly.input[pull.name] * direction_at(place[0] - end.centre[0], pull.direction, end.body.track)
         moment = ca.cross(place - end.centre, end.body.axes.T @ force)
         loads.of[pull.body].append(Load(force, moment))
     return loads
+
+
+def direction_at(ahead: ca.SX, direction: str, track: TrackFrame) -> ca.SX:
+    """Direction of the track so far ahead of a body [m] in the axes where the body is, t + s (omega x t), eq. (3.12).
+
+    A train's couplers pull along the track where they meet: in a curve, aside.
+    """
+    here = along(direction, ca.SX(1))
+    return here + ahead * ca.cross(track.turning, here)

@@ -25,6 +25,7 @@ from scenarios.bench.mixed_train import (
     linear_vehicle,
     mixed,
 )
+from scenarios.bench.pushed_in_a_curve import RADIUS, on_paper, pushed
 from scenarios.reporting.plots import BOGIE as GREY
 from scenarios.reporting.plots import FOUR, plt, titled
 from scenarios.reporting.progress import counting
@@ -39,6 +40,8 @@ FORCE, DISTANCE, BOUNDARY = 0.01, 0.01, 0.05
 #: Locked stiffness whose boundaries are looked for: screw couplers, and draft gears [N/m].
 STIFFNESS = {"screw coupler, 50 MN/m": 50e6, "draft gear, 198 MN/m": 198e6}
 DEFAULT = "corrected"
+#: A compression of freight trains [N], and what is asked of the force aside in a curve.
+HEAVY, CURVE = 300e3, 5e-3
 LEVELS = {1: "point", 2: "planar"}
 
 
@@ -82,6 +85,7 @@ def run(options: Options) -> Report:
     shown = emergency(2, DEFAULT, SHOWN)
     borders = find_boundaries()
     rows = [*default_rows(whole, stops[DEFAULT, SHOWN], planar, shown), *boundary_rows(borders)]
+    rows += curve_rows(stops[DEFAULT, SHOWN].compression)
     for (way, size), stop in stops.items():
         error = 100 * (stop.compression / whole[0] - 1)
         rows.append(Row(f"{way}, {1e3 * size:g} ms: error of the largest compression", "%", None, error, None, "point"))
@@ -108,6 +112,20 @@ def default_rows(whole: tuple[float, float], point: Stop, planar: Stop, shown: S
         rows.append(Row(f"{name}: largest compression", "kN", None, 1e-3 * stop.compression, asked, source))
         asked = near(distance, DISTANCE)
         rows.append(Row(f"{name}: distance of the head", "m", None, stop.distance, asked, source))
+    return rows
+
+
+def curve_rows(compression: float) -> list[Row]:
+    """The coach in space in a curve, pushed as in the train, and as much as freight trains push."""
+    rows = []
+    free = pushed(0.0)
+    for force in (compression, HEAVY):
+        one, due = pushed(force), 1e-3 * on_paper(force)
+        name = f"curve of {RADIUS:g} m, couplers pushed by {1e-3 * force:.0f} kN"
+        asked = near(due, CURVE * due)
+        aside = 1e-3 * (one.force - free.force)
+        rows.append(Row(f"{name}: pushed outwards", "kN", None, aside, asked, "2 F a / R, couplers along the track"))
+        rows.append(Row(f"{name}: largest Y/Q", "1", None, one.quotient, None, f"{free.quotient:.3f} without"))
     return rows
 
 
