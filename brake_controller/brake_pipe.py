@@ -160,6 +160,17 @@ def warmed() -> ca.Function:
     return function_of("warmed", [cell, given, time], cell[2] + air.density * HEAT_CAPACITY_AT_VOLUME * gained)
 
 
+def _wall_pressure(air: Air) -> ca.SX:
+    """Of air that runs against a wall, p + rho c u, Toro (2009), section 9.3 [Pa]."""
+    return ca.fmax(air.pressure + air.density * air.sound * air.speed, LEAST_SHARE * air.pressure)
+
+
+def walled() -> ca.Function:
+    """Of the air at an end that is shut, as `ending`: a wall takes momentum alone, Toro (2009), section 9.3."""
+    symbols, air = _air("air")
+    return function_of("walled", [symbols], ca.vertcat(0, _wall_pressure(air), 0, 0))
+
+
 def ending() -> ca.Function:
     """Of the air at an end, its speed outwards, and of what is outside: the flux outwards, mass [kg/(m2.s)] first;
     and how fast air passes [m/s].
@@ -171,7 +182,7 @@ def ending() -> ca.Function:
     symbols, air = _air("air")
     outside = ca.SX.sym("outside", 4)
     opening, area, pressure, temperature = ca.vertsplit(outside)
-    wall = ca.fmax(air.pressure + air.density * air.sound * air.speed, LEAST_SHARE * air.pressure)
+    wall = _wall_pressure(air)
     at = ca.SX.sym("at")
     out = mass_flow(opening, at, air.temperature, pressure)
     into = mass_flow(opening, pressure, temperature, at)

@@ -17,9 +17,15 @@ enum { OWN_ROWS = 4 * VEHICLE_STATES + VEHICLE_CONSTANTS + VEHICLE_COMMANDS + PI
 static const double WELL_BELOW = 0.4;
 /* How often a step is halved at most. */
 enum { MOST_HALVED = 12 };
-enum { ROWS = 4 * PIPE_STATES + PIPE_CONSTANTS + PIPE_SIDES + 3 * PIPE_STATES + PIPE_LEAKS + 1 };
+enum { ROWS = 4 * PIPE_STATES + PIPE_CONSTANTS + PIPE_SIDES + 3 * PIPE_STATES + PIPE_LEAKS + 2 };
 /* Of the area of the pipe, what a hose that has parted opens. Assumed. */
 static const double HOSE = 0.9;
+
+static double volume(const pipe *self, long long int i)
+{
+    const double *length = self->given, *diameter = length + self->stride, *branch = length + 7 * self->stride;
+    return 0.78539816339744831 * diameter[i] * diameter[i] * (length[i] + branch[i]);
+}
 
 pipe *pipe_create(long long int cells, const double *state, const double *constants)
 {
@@ -39,7 +45,7 @@ pipe *pipe_create(long long int cells, const double *state, const double *consta
         double **first;
         int rows;
     } parts[] = {{&self->state, PIPE_STATES}, {&self->before, PIPE_STATES}, {&self->kept, PIPE_STATES}, {&self->first, PIPE_STATES}, {&self->given, PIPE_CONSTANTS}, {&self->side, PIPE_SIDES},
-                 {&self->flux, PIPE_STATES},  {&self->rate, PIPE_STATES},   {&self->leak, PIPE_LEAKS},     {&self->time, 1}, {&self->jump, PIPE_STATES}};
+                 {&self->flux, PIPE_STATES},  {&self->rate, PIPE_STATES},   {&self->leak, PIPE_LEAKS},     {&self->time, 1}, {&self->jump, PIPE_STATES}, {&self->over_volume, 1}};
     for (size_t part = 0; part < sizeof parts / sizeof *parts; ++part) {
         *parts[part].first = row;
         row += parts[part].rows * self->stride;
@@ -52,6 +58,7 @@ pipe *pipe_create(long long int cells, const double *state, const double *consta
         rows_fill(self->given + n * self->stride, self->stride, 1.0);
         memcpy(self->given + n * self->stride, constants + n * cells, (size_t)cells * sizeof(double));
     }
+    for (long long int i = 0; i < cells; ++i) self->over_volume[i] = 1.0 / volume(self, i);
     for (long long int i = 0; i < cells; ++i) self->leaks |= self->given[i + 5 * self->stride] > 0.0;
     for (int n = 0; n < PIPE_SIDES; ++n) rows_fill(self->side + n * self->stride, self->stride, 1.0);
     for (int end = 0; end < 2; ++end) self->outside[end] = (pipe_outside){0.0, 1.0, 1e5, 293.15};
@@ -135,10 +142,12 @@ void pipe_pressures(const pipe *self, double *line, double *cylinder)
 void pipe_end(pipe *self, int end, const pipe_outside *outside)
 {
     self->outside[end] = *outside;
+    self->looked = 0.0;
 }
 
 void pipe_join(pipe *self, long long int face, int how)
 {
+    self->looked = 0.0;
     self->joints += (how != PIPE_JOINED) - (self->joint[face] != PIPE_JOINED);
     self->joint[face] = (unsigned char)how;
 }
@@ -165,7 +174,7 @@ void pipe_load(pipe *self, const double *numbers)
     for (int n = 0; n < VEHICLE_STATES && self->vehicles; ++n, numbers += self->vehicles)
         memcpy(self->own + n * self->vehicle_stride, numbers, (size_t)self->vehicles * sizeof(double));
     memcpy(&self->passed, numbers, sizeof self->passed);
-    self->fastest = 0.0; /* that was of another state: it is looked for again */
+    self->fastest = self->looked = 0.0; /* that was of another state: it is looked for again */
     for (int valve = 0; valve < MOST_VALVES; ++valve) self->valve[valve].at = numbers[sizeof self->passed / sizeof(double) + valve];
 }
 
@@ -197,13 +206,10 @@ static void pass_end(const pipe *self, long long int place, int end, const pipe_
     const double outwards = end ? 1.0 : -1.0, *side = self->side + (end ? PIPE_STATES : 0) * self->stride + place;
     const double air[PIPE_STATES] = {side[0], outwards * side[self->stride], side[2 * self->stride]};
     const double outside[] = {o->opening, o->area, o->pressure, o->temperature};
-    pipe_ending_1(air, outside, out);
-}
-
-static double volume(const pipe *self, long long int i)
-{
-    const double *length = self->given, *diameter = length + self->stride, *branch = length + 7 * self->stride;
-    return 0.78539816339744831 * diameter[i] * diameter[i] * (length[i] + branch[i]);
+    if (o->opening == 0.0)
+        pipe_walled_1(air, out);
+    else
+        pipe_ending_1(air, outside, out);
 }
 
 /* Takes from the rates what leaks. */
@@ -233,8 +239,8 @@ static void distribute(pipe *self, pipe_passed *passed)
     const double *mass = self->own_rate + VEHICLE_STATES * own, *energy = mass + own, *filled = energy + own;
     for (long long int v = 0; v < self->vehicles; ++v) {
         const long long int i = self->cell[v];
-        self->rate[i] -= mass[v] / volume(self, i);
-        self->rate[i + 2 * stride] -= energy[v] / volume(self, i);
+        self->rate[i] -= mass[v] * self->over_volume[i];
+        self->rate[i + 2 * stride] -= energy[v] * self->over_volume[i];
         passed->vehicle_mass += mass[v];
         passed->vehicle_energy += energy[v];
         passed->cylinder_mass += filled[v];
@@ -489,7 +495,8 @@ static bool sound(const pipe *self)
 double pipe_longest(pipe *self, double courant)
 {
     pipe_passed unused;
-    return courant / look(self, &unused);
+    self->looked = look(self, &unused);
+    return courant / self->looked;
 }
 
 /* One step: Heun's between two halves of heat exchange. */
@@ -511,7 +518,9 @@ static void step_on(pipe *self, double step)
 static double step_of(pipe *self, double left, double courant)
 {
     pipe_passed passed = self->passed, unused;
-    const double fastest = left * self->fastest < WELL_BELOW * courant && self->fastest > 0.0 ? self->fastest : look(self, &unused);
+    const int slow = left * self->fastest < WELL_BELOW * courant && self->fastest > 0.0;
+    const double fastest = self->looked > 0.0 ? self->looked : slow ? self->fastest : look(self, &unused);
+    self->looked = 0.0;
     copy(self, self->kept, self->state, self->own_kept, self->own);
     for (int halved = 0; halved < MOST_HALVED; ++halved) {
         const double count = ceil(ldexp(left * fastest / courant, halved));

@@ -20,9 +20,9 @@ struct pipe {
     int lanes, depth;
     bool leaks;
     double *memory, *own_memory;
-    double *state, *before, *kept, *first, *given, *side, *flux, *rate, *leak, *time, *jump; /* the first cell of each first row */
+    double *state, *before, *kept, *first, *given, *side, *flux, *rate, *leak, *time, *jump, *over_volume; /* the first cell of each first row */
     long long int vehicles, vehicle_stride, *cell; /* which cell a vehicle takes its air from */
-    double pace, fastest; /* of vehicles, and of all in the last step [1/s] */
+    double pace, fastest, looked; /* of vehicles; of all in the last step; as looked for since, or 0 [1/s] */
     double *own, *own_before, *own_kept, *own_first, *own_given, *own_command, *own_pipe, *own_rate; /* the same of vehicles */
     pipe_outside outside[2];
     int valves, joints; /* how many are valves, and how many faces are not joined */
@@ -43,6 +43,7 @@ struct pipe {
     void pipe_side_##lanes(const double *before, const double *own, const double *behind, double *side);                        \
     void pipe_tapping_##lanes(const double *at, const double *behind, const double *ahead, const double *valve, double *found);  \
     void pipe_tapped_##lanes(const double *at, const double *behind, const double *ahead, const double *valve, double *found);   \
+    void pipe_walled_##lanes(const double *air, double *flux);                                                                  \
     void pipe_ending_##lanes(const double *air, const double *outside, double *flux)
 PIPE_LOOPS(1);
 PIPE_LOOPS(2);

@@ -74,6 +74,12 @@ void LANES_NAME(pipe_tapped)(const double *at, const double *behind, const doubl
     LANES_LEAVE;
 }
 
+void LANES_NAME(pipe_walled)(const double *air, double *flux)
+{
+    LANES_NAME(cells_walled)(air, flux, LANES);
+    LANES_LEAVE;
+}
+
 void LANES_NAME(pipe_ending)(const double *air, const double *outside, double *flux)
 {
     LANES_NAME(cells_ending)(air, outside, flux, LANES);

@@ -30,7 +30,7 @@ class Depth:
 #: From the cheapest to the dearest.
 DEPTHS_BY_COST = {
     "delay": Depth(Settings("delay", cells=1.0), 0.02, 0.15, False, 300.0),
-    "empirical, half a cell": Depth(Settings("empirical", cells=0.5), 0.025, 0.06, False),
+    "empirical, half a cell": Depth(Settings("empirical", cells=0.5, share=0.8), 0.025, 0.06, False),
     "whole, a cell": Depth(Settings("whole", cells=1.0), 0.0075, 0.05, True),
     "whole, two cells": Depth(Settings("whole", cells=2.0), 0.0025, 0.05, True),
     "whole, four cells": Depth(Settings("whole", cells=4.0), 0.001, 0.02, True),

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from brake_controller import pipe as folder
 from brake_controller.air import GAS_CONSTANT, HEAT_CAPACITY_RATIO
-from brake_controller.brake_pipe import ending, leaking, passing, rates, sides, tapped, tapping, warmed
+from brake_controller.brake_pipe import ending, leaking, passing, rates, sides, tapped, tapping, walled, warmed
 from brake_controller.distributor import AMBIENT, STATES, DistributorParameters, distributing, empirical, fastest_change
 from fmu_src.arrays_fmu import FOLDER as FACES
 from fmu_src.compile import plain_library
@@ -50,7 +50,7 @@ class _Passed(ctypes.Structure):
 def sources() -> dict[str, str]:
     """C files by name: the loop, and what is generated for each cell."""
     texts = {path.name: path.read_text(encoding="utf-8") for path in (*sorted(FOLDER.glob("pipe*.[ch]")), ROWS)}
-    functions = (sides, passing, rates, leaking, warmed, ending, tapping, tapped, distributing, empirical)
+    functions = (sides, passing, rates, leaking, warmed, ending, walled, tapping, tapped, distributing, empirical)
     made = [function_of_cells(one()) for one in functions]
     texts["pipe_cells.h"] = "\n".join(made)
     for lanes in (1, *WIDTHS):

@@ -130,7 +130,7 @@ def draw(found: Mapping[tuple[Scene, str], tuple[float, float, float]], pace: Ma
     grid[0].set_ylabel(f"times real time, {SHOWN:g} m")
     grid[0].legend(fontsize=8)
     return titled(
-        figure, "Empirical valves are three times as fast for 2 % of the distance; a delay fails in long trains"
+        figure, "Empirical valves are four times as fast for 2 % of the distance; a delay fails in long trains"
     )
 
 

@@ -225,11 +225,11 @@ void motion_go(motion *self, long long int steps, double step)
 {
     for (long long int i = 0; i < self->vehicles; ++i) self->step[i] = step;
     for (long long int n = 0; n < steps; ++n) {
-        go_ways(self, step / 2.0);
+        go_ways(self, n ? step : step / 2.0); /* the second half of the step before, and the first of this one */
         find_forces(self);
         find_speeds(self);
-        go_ways(self, step / 2.0);
     }
+    go_ways(self, step / 2.0);
 }
 
 int motion_sound(const motion *self)
