@@ -582,3 +582,16 @@ def test_the_c_is_clean_for_more_than_one_compiler(name: str, tmp_path: Path) ->
 def test_the_c_is_clean_for_clang_and_for_windows_as_zig_has_them() -> None:
     pytest.importorskip("ziglang")
     assert plain_library(all_sources(train_in_c()), target="x86_64-windows-gnu").stat().st_size > 0
+
+
+def test_a_cock_that_a_coarse_pipe_does_not_have_is_told(tmp_path: Path) -> None:
+    path = tmp_path / "coarse.fmu"
+    build_train_fmu(CONSISTS["long"], path, 3, settings=Settings(cells=0.5))
+    host = started(path)
+    with host.slave:
+        joined = [0.0] * (len(CONSISTS["long"].vehicles) - 1)
+        host.put("joined", [1, *joined[1:]])
+        with pytest.raises(CosimulationError, match=r"Set joined\[1\] to what can be there: it was 1"):
+            host.go(1)
+        host.put("joined", joined)
+        host.go(1)

@@ -173,6 +173,13 @@ bool arrays_go(arrays_object *self, double time, double step, char problem[ARRAY
         return false;
     }
     put_inputs(self);
+    long long int element;
+    const int wrong = train_input_wrong(self->own, &element);
+    if (wrong >= 0) {
+        snprintf(problem, ARRAYS_PROBLEM, "Set %s[%lld] to what can be there: it was %g. Where a cell of the pipe spans vehicles there is no cock or hose.",
+                 ARRAYS_ABOUT[FIRST_INPUT + wrong].name, element + 1, values_of(self, FIRST_INPUT + wrong)[element]);
+        return false;
+    }
     if (train_go(self->own, step)) {
         snprintf(problem, ARRAYS_PROBLEM,
                  "From %g s on %g s lead to no finite state, and the train is as it was; look at what was set, or take a shorter step.",
