@@ -117,12 +117,12 @@ def short_measurements(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(throughput, "MANY", 64)
     monkeypatch.setattr(throughput, "RAILS", {"dry": (0.3, 2.0)})
     monkeypatch.setattr(contact_depth, "ROUNDS", 1)
-    monkeypatch.setattr(contact_depth, "TORQUES", contact_depth.TORQUES[::4])
+    monkeypatch.setattr(contact_depth, "TORQUES", contact_depth.TORQUES[::8])
     monkeypatch.setattr(contact_depth, "NEIGHBOURS", contact_depth.NEIGHBOURS[::3])
     monkeypatch.setattr(stability_atlas, "TRIED", (0.01, 25.0, 60.0))
     monkeypatch.setattr(stability_atlas, "SPEEDS", tuple(np.geomspace(0.01, 60.0, 11).tolist()))
-    monkeypatch.setattr(stability_atlas, "FRICTIONS", tuple(np.linspace(0.05, 0.6, 5).tolist()))
-    monkeypatch.setattr(stability_atlas, "LOADS", tuple(np.linspace(0.25, 1.5, 6).tolist()))
+    monkeypatch.setattr(stability_atlas, "FRICTIONS", tuple(np.linspace(0.05, 0.6, 3).tolist()))
+    monkeypatch.setattr(stability_atlas, "LOADS", tuple(np.linspace(0.25, 1.5, 3).tolist()))
 
 
 @pytest.fixture
