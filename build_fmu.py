@@ -35,13 +35,13 @@ from products.promise import changes
 from products.registry import FMUS, model_of
 from products.systems import build_systems
 from products.train.building import build_coupler, build_train
-from products.train.numbers import DEPTHS, Settings
+from products.train.numbers import DEPTHS, SETTING_LIMITS, Settings
 from rbd_model.train.coupler import COUPLERS
 
 #: What can be built.
 NAMES = (*FMUS, "train", "coupler", "ssp", "all")
-#: Of the pipe in a vehicle, from and to.
-CELLS = (0.01, 100.0)
+#: Cells of a pipe in each vehicle, from and to.
+CELLS = SETTING_LIMITS["cells"]
 
 
 def known(name: str) -> str:

@@ -19,6 +19,17 @@ DEPTHS = {"whole": 0, "empirical": 1, "delay": 2}
 SHARE = 0.4
 
 
+#: From and to. Couplers lie in steps above their limit, and blow up above three times it.
+SETTING_LIMITS = {
+    "cells": (0.1, 32.0),
+    "courant": (0.01, 1.0),
+    "share": (1e-5, 2.5),
+    "propagation": (1.0, 1e12),
+    "friction": (0.0, 1e6),
+    "heat": (0.0, 1e6),
+}
+
+
 @dataclass(frozen=True)
 class Settings:
     """How a train is computed: depth of its brake, cells a vehicle, shares of longest steps, propagation [m/s].
@@ -33,6 +44,16 @@ class Settings:
     propagation: float = 280.0
     friction: float = 1.0
     heat: float = 1.0
+
+    def __post_init__(self) -> None:
+        if self.depth not in DEPTHS:
+            raise ValueError(f"Set the depth of a train's brake to one of {', '.join(DEPTHS)}: it was {self.depth}.")
+        for name, (least, most) in SETTING_LIMITS.items():
+            if not least <= getattr(self, name) <= most:
+                raise ValueError(f"Set {name} to a number from {least:g} to {most:g}: it was {getattr(self, name)}.")
+        count = self.cells if self.cells >= 1.0 else 1.0 / self.cells
+        if abs(count - round(count)) > 1e-9:
+            raise ValueError(f"Set cells to a whole number, or to one over a whole number: it was {self.cells}.")
 
 
 def cells_of(consist: Consist, cells: float) -> tuple[NDArray[np.float64], list[int], list[int]]:

@@ -9,6 +9,7 @@ import pytest
 
 from products.train.choice import DEPTHS_BY_COST, smallest
 from products.train.consist import Consist, block_train, braked_by, coach, locomotive, wagon
+from products.train.numbers import Settings
 from products.train.train import Train
 
 
@@ -75,3 +76,19 @@ def test_the_errors_that_the_choice_counts_with_hold_for_another_train(length: i
     for one, stop in zip(DEPTHS_BY_COST.values(), stops, strict=True):
         if one.longest >= consist.length:
             assert stop == pytest.approx(stops[-1], rel=max(one.distance, 1e-12))
+
+
+@pytest.mark.parametrize(
+    ("values", "sentence"),
+    [
+        ({"depth": "deep"}, "Set the depth of a train's brake to one of whole, empirical, delay: it was deep"),
+        ({"cells": 0.0}, "Set cells to a number from 0.1 to 32: it was 0"),
+        ({"cells": 1.5}, "Set cells to a whole number, or to one over a whole number: it was 1.5"),
+        ({"share": 4.0}, "Set share to a number from 1e-05 to 2.5: it was 4"),
+        ({"courant": 1.1}, "Set courant to a number from 0.01 to 1: it was 1.1"),
+        ({"heat": float("nan")}, "Set heat to a number from 0 to 1e\\+06: it was nan"),
+    ],
+)
+def test_settings_that_cannot_be_are_refused(values: dict, sentence: str) -> None:
+    with pytest.raises(ValueError, match=sentence):
+        Settings(**values)

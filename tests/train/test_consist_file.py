@@ -280,4 +280,4 @@ def test_what_is_no_line_is_told_in_one_sentence(case: str, tmp_path: Path, caps
 def test_cells_that_cannot_be_are_told(cells: str, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit, match="2"):
         build_fmu.main(["train", f"--cells={cells}"])
-    assert "Set --cells to 0.01 to 100: it was" in capsys.readouterr().err
+    assert "Set --cells to 0.1 to 32: it was" in capsys.readouterr().err

@@ -23,7 +23,7 @@ static const limits HEADS[TRAIN_HEAD] = {
     [HEAD_PACE] = {1e-3, 1e6, "the pace of its vehicles"},
     [HEAD_COURANT] = {1e-2, 1.0, "the step of its pipe"},
     [HEAD_BOUND] = {1e-6, 1e9, "the step of its couplers"},
-    [HEAD_SHARE] = {1e-5, 1e3, "the share of its couplers' step"},
+    [HEAD_SHARE] = {1e-5, 2.5, "the share of its couplers' step"},
     [HEAD_PROPAGATION] = {1.0, 1e12, "its propagation"},
 };
 
