@@ -477,7 +477,6 @@ static void copy(const pipe *self, double *to, const double *from, double *own, 
 {
     memcpy(to - ROWS_EDGE, from - ROWS_EDGE, (size_t)(PIPE_STATES * self->stride) * sizeof(double));
     if (!self->vehicles) return;
-    if (!self->vehicles) return;
     memcpy(own - ROWS_EDGE, own_from - ROWS_EDGE, (size_t)(VEHICLE_STATES * self->vehicle_stride) * sizeof(double));
 }
 

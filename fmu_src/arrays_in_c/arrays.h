@@ -41,6 +41,14 @@ size_t arrays_numbers(const arrays_object *self);
 void arrays_save(const arrays_object *self, double *numbers);
 void arrays_load(arrays_object *self, const double *numbers);
 
+/* ---- what is there for objects (arrays_face.c) ---- */
+
+/* The numbers in a file of a folder; null: it cannot be read, is empty or no file of numbers, and one sentence says so. */
+double *arrays_read(const char *folder, const char *name, size_t *count, char problem[ARRAYS_PROBLEM]);
+/* What tells numbers apart, begun from another mark or from ARRAYS_MARK. */
+unsigned long long arrays_mark_of(unsigned long long mark, const double *numbers, size_t count);
+#define ARRAYS_MARK 14695981039346656037ULL
+
 /* ---- what both faces share (arrays_face.c) ---- */
 
 typedef enum { ARRAYS_OK, ARRAYS_WARNING, ARRAYS_DISCARD, ARRAYS_ERROR } arrays_status;

@@ -17,6 +17,8 @@ typedef struct {
     double start, time;
 } kept;
 
+/* Bytes of a file at most. */
+enum { LARGEST = 1 << 27 };
 /* Rounding that a host's times may have. */
 static const double ROUNDING = 1e-9;
 
@@ -83,6 +85,34 @@ static void decode(const char *uri, char *path)
     }
     while (path > begin + 1 && (path[-1] == '/' || path[-1] == '\\')) --path;
     *path = '\0';
+}
+
+static double *read_numbers(FILE *file, size_t *count)
+{
+    if (fseek(file, 0, SEEK_END) != 0) return NULL;
+    const long size = ftell(file);
+    rewind(file);
+    if (size <= 0 || size >= LARGEST || size % (long)sizeof(double) != 0) return NULL;
+    double *numbers = (double *)malloc((size_t)size);
+    if (numbers && fread(numbers, 1, (size_t)size, file) != (size_t)size) {
+        free(numbers);
+        numbers = NULL;
+    }
+    *count = (size_t)size / sizeof(double);
+    return numbers;
+}
+
+double *arrays_read(const char *folder, const char *name, size_t *count, char problem[ARRAYS_PROBLEM])
+{
+    const size_t length = strlen(folder) + strlen(name) + 2;
+    char *path = (char *)malloc(length);
+    if (path) snprintf(path, length, "%s/%s", folder, name);
+    FILE *file = path ? fopen(path, "rb") : NULL;
+    double *numbers = file ? read_numbers(file, count) : NULL;
+    if (file) fclose(file);
+    if (!numbers) snprintf(problem, ARRAYS_PROBLEM, "%.200s/%s cannot be read; build the FMU again.", folder, name);
+    free(path);
+    return numbers;
 }
 
 arrays_component *arrays_instantiate(const arrays_component *log, const char *name, const char *token, const char *resources)
@@ -203,17 +233,28 @@ static size_t bytes_of(const arrays_component *self)
     return sizeof(kept) + arrays_numbers(self->object) * sizeof(double);
 }
 
-/* Of numbers, to see whether any has changed. */
+/* In the manner of Fowler, Noll and Vo, by words. */
+static unsigned long long mark_on(unsigned long long mark, const char *bytes, size_t words)
+{
+    unsigned long long word;
+    for (size_t i = 0; i < words; ++i) {
+        memcpy(&word, bytes + i * sizeof word, sizeof word);
+        mark = (mark ^ word) * 1099511628211ULL;
+        mark ^= mark >> 29;
+    }
+    return mark;
+}
+
+unsigned long long arrays_mark_of(unsigned long long mark, const double *numbers, size_t count)
+{
+    return mark_on(mark, (const char *)numbers, count);
+}
+
+/* Of a state, to see whether any of it has changed; its numbers may lie anywhere. */
 static unsigned long long sum_of(const char *numbers, size_t count, const kept *head)
 {
-    unsigned long long sum = head->mark ^ head->now, word;
     const double times[] = {head->start, head->time};
-    for (size_t i = 0; i < count + 2; ++i) {
-        memcpy(&word, i < count ? numbers + i * sizeof word : (const char *)(times + (i - count)), sizeof word);
-        sum = (sum ^ word) * 1099511628211ULL;
-        sum ^= sum >> 29;
-    }
-    return sum;
+    return arrays_mark_of(mark_on(head->mark ^ head->now, numbers, count), times, 2);
 }
 
 static kept head_of(const arrays_component *self)

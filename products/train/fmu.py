@@ -15,18 +15,27 @@ from products.prebuilt import contents, sources_here
 from products.sources import PREBUILT
 from products.train.consist import Consist
 from products.train.numbers import Settings, numbers_of
-from products.train.train import FOLDER, HIGHEST, INPUT_LIMITS, sources
+from products.train.train import (
+    FARTHEST,
+    FASTEST,
+    FOLDER,
+    HIGHEST,
+    INPUT_LIMITS,
+    START_FRICTION,
+    START_PIPE_PRESSURE,
+    sources,
+)
 from rbd_model.track.line import Line
 
 NAME = "TrainDynamics"
-#: Gauge pressure of the pipe at the start by default [Pa].
-START_PIPE_PRESSURE = 500e3
 PARAMETERS = (
-    ArrayVariable("start_speed", "parameter", "m/s", "Speed at the start", -150.0, 150.0),
-    ArrayVariable("start_distance", "parameter", "m", "Distance of the train's front at the start", -1e9, 1e9),
+    ArrayVariable("start_speed", "parameter", "m/s", "Speed at the start", -FASTEST, FASTEST),
+    ArrayVariable(
+        "start_distance", "parameter", "m", "Distance of the train's front at the start", -FARTHEST, FARTHEST
+    ),
     ArrayVariable("start_pipe_pressure", "parameter", "Pa", "Gauge pressure in the pipe at the start", 0.0, HIGHEST),
     ArrayVariable(
-        "start_cylinder_pressure", "parameter", "Pa", "Gauge pressure in all cylinders at the start", 0.0, 1e6
+        "start_cylinder_pressure", "parameter", "Pa", "Gauge pressure in all cylinders at the start", 0.0, HIGHEST
     ),
 )
 POSITIONS = (
@@ -45,16 +54,18 @@ INPUTS = (
     ),
     ArrayVariable("friction", "input", "1", "Friction between wheels and rail, by vehicle", *INPUT_LIMITS["friction"]),
     ArrayVariable(
-        "protection", "input", "1", "Wheel-slide protection by vehicle: 0 apply, 1 hold, 2 release", 0, 2, True
+        "protection",
+        "input",
+        "1",
+        "Wheel-slide protection by vehicle: 0 apply, 1 hold, 2 release",
+        *INPUT_LIMITS["protection"],
     ),
     ArrayVariable(
         "coupled",
         "input",
         "1",
         "Coupling behind each vehicle: 1 coupled once they touch, 0 apart (its hose: joined)",
-        0,
-        1,
-        True,
+        *INPUT_LIMITS["coupled"],
     ),
     ArrayVariable(
         "joined",
@@ -123,7 +134,7 @@ def lengths_of(consist: Consist) -> Lengths:
     names = [one.name for one in ARRAYS]
     starts[names.index("start_pipe_pressure")] = [START_PIPE_PRESSURE]
     starts[names.index("driver_position")] = [1.0, *[0.0] * (valves - 1)]
-    starts[names.index("friction")] = [0.3] * vehicles
+    starts[names.index("friction")] = [START_FRICTION] * vehicles
     starts[names.index("coupled")] = [1.0] * (vehicles - 1)
     return Lengths(lengths, starts, 0.01, 60.0)
 

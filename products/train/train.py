@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from brake_controller.air import GAS_CONSTANT
 from brake_controller.distributor import AMBIENT
 from brake_controller.drivers_valve import POSITIONS
 from brake_controller.vehicle_brake import braking
@@ -25,10 +26,14 @@ from products.train.pipe import Air, declare
 from rbd_model.track.line import Line
 from rbd_model.train import motion
 from rbd_model.train.coupler import coupling
-from rbd_model.train.vehicle import rolling, sliding
+from rbd_model.train.vehicle import GRAVITY, rolling, sliding
 
 #: Pressures that a train may start with at most [Pa].
 HIGHEST = 800e3
+#: Gauge pressure of the pipe at the start [Pa], and friction between wheels and rail, by default.
+START_PIPE_PRESSURE, START_FRICTION = 500e3, 0.3
+#: Speed [m/s] and distance [m] at the start, from minus to plus.
+FASTEST, FARTHEST = 150.0, 1e9
 FOLDER = Path(folder.__file__ or "").parent
 #: What is set from outside and what is found, in the order of train.h.
 INPUTS = ("position", "step", "pull", "friction", "protection", "coupled", "joined", "ends", "led", "led_speed")
@@ -86,10 +91,12 @@ def sources() -> dict[str, str]:
 
 
 def _limits() -> str:
-    """C of INPUT_LIMITS."""
+    """C of INPUT_LIMITS, and of constants that C and Python share; no macros, which would hide other names."""
     rows = ", ".join(f"{{{least!r}, {most!r}, {int(whole)}}}" for least, most, whole in INPUT_LIMITS.values())
     shape = "typedef struct {\n    double least, most;\n    int whole;\n} input_limits;"
-    return f"{shape}\nstatic const input_limits INPUT_LIMITS[] = {{{rows}}};\n"
+    shared = {"GRAVITY": GRAVITY, "GAS_CONSTANT": GAS_CONSTANT, "AMBIENT": AMBIENT, "START_FRICTION": START_FRICTION}
+    constants = "".join(f"static const double {name} = {value!r};\n" for name, value in shared.items())
+    return f"{constants}{shape}\nstatic const input_limits INPUT_LIMITS[] = {{{rows}}};\n"
 
 
 @lru_cache
@@ -149,13 +156,13 @@ class Train:
         *,
         speed: float = 0.0,
         distance: float = 0.0,
-        pipe: float = 500e3,
+        pipe: float = START_PIPE_PRESSURE,
         cylinder: float = 0.0,
         line: Line | None = None,
         settings: Settings | None = None,
     ) -> None:
-        _within("speed", speed, -150.0, 150.0, "m/s")
-        _within("distance", distance, -1e9, 1e9, "m")
+        _within("speed", speed, -FASTEST, FASTEST, "m/s")
+        _within("distance", distance, -FARTHEST, FARTHEST, "m")
         _within("pipe", pipe, 0.0, HIGHEST, "Pa")
         _within("cylinder", cylinder, 0.0, HIGHEST, "Pa")
         self.consist, self.settings = consist, settings or Settings()

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import zipfile
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
+from fmpy import read_model_description
 from fmpy.validation import validate_fmu
 
 import build_fmu
+from fmu_src.cosimulation.faces import face_of
 from fmu_src.cosimulation.slave import Slave
 from products.train.coupler_fmu import build_coupler_fmu
 from rbd_model.train.coupler import Coupler, Curve
@@ -85,3 +89,27 @@ def test_a_saved_state_goes_back_with_its_friction(fmu: Path) -> None:
 def test_the_command_line_builds_the_ready_ones(tmp_path: Path) -> None:
     assert build_fmu.main(["coupler", "--coupler", "draft-gear", "--out", str(tmp_path)]) == 0
     assert {path.name for path in tmp_path.rglob("*.fmu")} == {"Coupler.fmu"}
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda path: path.unlink(), "coupler.bin cannot be read"),
+        (lambda path: path.write_bytes(path.read_bytes()[:-8]), "coupler.bin are damaged"),
+        (lambda path: np.full(50, np.nan).tofile(path), "coupler.bin are damaged"),
+        (lambda path: np.r_[np.fromfile(path)[:9], np.inf, np.fromfile(path)[10:]].tofile(path), "are damaged"),
+    ],
+)
+def test_damaged_curves_give_no_instance_and_one_sentence(
+    change: Callable[[Path], None], words: str, fmu: Path, tmp_path: Path
+) -> None:
+    said = list[str]()
+    with zipfile.ZipFile(fmu) as archive:
+        archive.extractall(tmp_path)
+    change(tmp_path / "resources" / "coupler.bin")
+    face = face_of(read_model_description(str(fmu)), str(tmp_path), "coupler", said.append)
+    with pytest.raises(Exception, match="Failed to instantiate"):
+        face.instantiate()
+    [sentence] = said
+    assert words in sentence
+    assert sentence.endswith("build the FMU again.")

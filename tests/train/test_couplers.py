@@ -184,11 +184,11 @@ def test_brakes_hold_a_train_on_a_gradient_and_it_stands() -> None:
 # ---- wheels ----------------------------------------------------------------------------------------------------------
 
 
-def lone(friction: float, left: float = 1.0, law: float = 0.2) -> Train:
+def lone(friction: float) -> Train:
     """A locomotive alone at 20 m/s, whose cylinders are full."""
     one = locomotive()
-    brake = replace(one.brake, force_per_pressure=1.0, constant_friction=law)
-    vehicle = replace(one, brake=brake, resistance=(0.0, 0.0, 0.0), friction_left=left)
+    brake = replace(one.brake, force_per_pressure=1.0, constant_friction=0.2)
+    vehicle = replace(one, brake=brake, resistance=(0.0, 0.0, 0.0), friction_left=1.0)
     train = Train(Consist((vehicle,)), speed=20.0, cylinder=380e3, pipe=350e3)
     train.drive("service", 1.0)
     train.inputs["friction"][:] = friction

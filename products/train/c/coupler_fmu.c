@@ -1,5 +1,6 @@
 /* One coupler behind the faces of FMI (arrays.h): from the way of its coupling to its tension; curves from
  * resources/coupler.bin. */
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,21 +17,35 @@ enum { PARTS = 64, CONSTANTS = 50, COUPLED_AT = 1 };
 struct arrays_object {
     double values[ARRAYS_MOST]; /* WAY, COUPLED, FORCE, MEAN_FORCE, WORK */
     double constants[CONSTANTS], rest, way, force;
+    unsigned long long mark; /* of its curves as they were read */
 };
+
+/* Its curves, if they are as many as they should be and finite; null: and one sentence that says why. */
+static double *read_curves(const char *folder, char *problem)
+{
+    size_t count = 0;
+    double *found = arrays_read(folder, "coupler.bin", &count, problem);
+    if (!found) return NULL;
+    int good = count == CONSTANTS && found[0] > 0.0;
+    for (size_t n = 0; good && n < CONSTANTS; ++n) good = isfinite(found[n]) != 0;
+    if (good) return found;
+    snprintf(problem, ARRAYS_PROBLEM, "The coupler's curves in %.200s/coupler.bin are damaged; build the FMU again.", folder);
+    free(found);
+    return NULL;
+}
 
 arrays_object *arrays_create(const char *folder, char problem[ARRAYS_PROBLEM])
 {
-    static const char name[] = "/coupler.bin";
+    double *curves = read_curves(folder, problem);
+    if (!curves) return NULL;
     arrays_object *self = (arrays_object *)calloc(1, sizeof *self);
-    char *path = (char *)malloc(strlen(folder) + sizeof name);
-    FILE *file = path ? fopen(strcat(strcpy(path, folder), name), "rb") : NULL;
-    const size_t found = file && self ? fread(self->constants, sizeof(double), CONSTANTS, file) : 0;
-    if (file) fclose(file);
-    free(path);
-    if (found == CONSTANTS && self->constants[0] > 0.0) return self;
-    snprintf(problem, ARRAYS_PROBLEM, "The coupler's curves in resources%s cannot be read; build the FMU again.", name);
-    free(self);
-    return NULL;
+    if (self) {
+        memcpy(self->constants, curves, sizeof self->constants);
+        self->mark = arrays_mark_of(ARRAYS_MARK, curves, CONSTANTS);
+    } else
+        snprintf(problem, ARRAYS_PROBLEM, "There is no memory for the coupler.");
+    free(curves);
+    return self;
 }
 
 void arrays_free(arrays_object *self) { free(self); }
@@ -93,16 +108,8 @@ bool arrays_go(arrays_object *self, double time, double step, char problem[ARRAY
     return true;
 }
 
+/* Its mark is the same wherever a state may be taken back. */
 size_t arrays_numbers(const arrays_object *self) { return sizeof *self / sizeof(double); }
 void arrays_save(const arrays_object *self, double *numbers) { memcpy(numbers, self, sizeof *self); }
 void arrays_load(arrays_object *self, const double *numbers) { memcpy(self, numbers, sizeof *self); }
-
-/* Of its curves. */
-unsigned long long arrays_mark(const arrays_object *self)
-{
-    unsigned long long mark = 14695981039346656037ull; /* FNV-1a */
-    const unsigned char *bytes = (const unsigned char *)self->constants;
-    for (size_t n = 0; n < sizeof self->constants; ++n)
-        if (n / sizeof(double) != COUPLED_AT) mark = (mark ^ bytes[n]) * 1099511628211ull;
-    return mark;
-}
+unsigned long long arrays_mark(const arrays_object *self) { return self->mark; }

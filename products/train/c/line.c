@@ -2,8 +2,7 @@
 #include <math.h>
 
 #include "train_inside.h"
-
-#define GRAVITY 9.80665
+#include "train_limits.h"
 
 /* The row before a place, searched from where it was found last. */
 static long long int row_at(const train *self, double at, long long int guess)

@@ -7,6 +7,7 @@
 
 #include "rows.h"
 #include "train_inside.h"
+#include "train_limits.h"
 
 /* A step in which brakes and line stay as they are is as long as waves in the pipe allow, from and to [s]; assumed. */
 static const double SHORTEST = 0.01, LONGEST = 0.1;
@@ -165,7 +166,7 @@ static void begin_inputs(train *self)
     fill(self->input[0], self->inputs, 0.0);
     fill(self->input[IN_POSITION], self->valves, VALVE_SHUT_OFF);
     self->input[IN_POSITION][0] = VALVE_IS_RUNNING;
-    fill(self->input[IN_FRICTION], self->vehicles, 0.3);
+    fill(self->input[IN_FRICTION], self->vehicles, START_FRICTION);
     fill(self->input[IN_COUPLED], self->vehicles - 1, 1.0);
     fill(self->input[IN_JOINED], self->vehicles - 1, PIPE_JOINED);
     memcpy(self->given_before, self->input[0], (size_t)self->inputs * sizeof(double));
@@ -174,7 +175,7 @@ static void begin_inputs(train *self)
 /* `saved` is no more than a place here. */
 static void begin_air(train *self, double pressure, double cylinder)
 {
-    const double temperature = self->valve[VALVE_WARMTH], density = pressure / (287.05287 * temperature);
+    const double temperature = self->valve[VALVE_WARMTH], density = pressure / (GAS_CONSTANT * temperature);
     const double charged = fmax(pressure, self->valve[VALVE_RUNNING]);
     const double state[VEHICLE_STATES] = {charged, self->valve[VALVE_AROUND], charged, cylinder};
     double *at = self->saved, *own = at + PIPE_STATES * self->cells;

@@ -59,10 +59,10 @@ TRAIN_SHOWN double *train_input(train *self, int row, long long int *count);
 TRAIN_SHOWN const double *train_output(const train *self, int row, long long int *count);
 /* Goes on by a time [s]; 0, or -1: that leads nowhere, -2: an input is wrong, and the train is as it was. */
 TRAIN_SHOWN int train_go(train *self, double time);
-/* All that a run changes, inputs too: how many numbers, and from and to a place for them. */
 /* Row of an input that is beyond its limits (INPUT_LIMITS of products/train/train.py), or that cannot be where the pipe has
  * no face behind a vehicle, and the element; -1: there is none. */
 TRAIN_SHOWN int train_input_wrong(const train *self, long long int *element);
+/* All that a run changes, inputs too: how many numbers, and from and to a place for them. */
 TRAIN_SHOWN long long int train_numbers(const train *self);
 TRAIN_SHOWN void train_save(const train *self, double *numbers);
 TRAIN_SHOWN void train_load(train *self, const double *numbers);

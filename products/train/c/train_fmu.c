@@ -7,12 +7,10 @@
 #include "arrays.h"
 #include "train.h"
 #include "train_arrays.h"
+#include "train_limits.h"
 
-/* Bytes of a consist at most. */
-enum { LARGEST = 1 << 27 };
 /* Times of a run from and to, and a step at most [s]: beyond them hundredths of a second are lost, or patience. */
 static const double FARTHEST = 1e10, LONGEST = 86400.0;
-static const double AROUND = 101325.0;
 
 struct arrays_object {
     train *own;
@@ -20,43 +18,6 @@ struct arrays_object {
     size_t place[ARRAYS_MOST + 1];
     unsigned long long mark; /* of the consist */
 };
-
-/* The numbers of a consist from a file; null: and why. */
-static double *read_numbers(const char *folder, long long int *count, char *problem)
-{
-    static const char name[] = "/train.bin";
-    char *path = (char *)malloc(strlen(folder) + sizeof name);
-    if (!path) return NULL;
-    strcat(strcpy(path, folder), name);
-    FILE *file = fopen(path, "rb");
-    double *numbers = NULL;
-    if (file && fseek(file, 0, SEEK_END) == 0) {
-        const long size = ftell(file);
-        rewind(file);
-        if (size > 0 && size < LARGEST && size % (long)sizeof(double) == 0) numbers = (double *)malloc((size_t)size);
-        if (numbers && fread(numbers, 1, (size_t)size, file) != (size_t)size) {
-            free(numbers);
-            numbers = NULL;
-        }
-        *count = size / (long)sizeof(double);
-    }
-    if (file) fclose(file);
-    if (!numbers) snprintf(problem, ARRAYS_PROBLEM, "The consist %.200s cannot be read; build the FMU again.", path);
-    free(path);
-    return numbers;
-}
-
-/* What tells consists apart. */
-static unsigned long long mark_of(const double *numbers, long long int count)
-{
-    unsigned long long mark = 14695981039346656037ULL, word;
-    for (long long int i = 0; i < count; ++i) {
-        memcpy(&word, numbers + i, sizeof word);
-        mark = (mark ^ word) * 1099511628211ULL;
-        mark ^= mark >> 29;
-    }
-    return mark;
-}
 
 static size_t length_of(train *own, int array)
 {
@@ -72,7 +33,7 @@ static arrays_object *create(const double *numbers, long long int count)
     arrays_object *self = (arrays_object *)calloc(1, sizeof *self);
     if (self) self->own = train_create(numbers, count);
     if (self && self->own) {
-        self->mark = mark_of(numbers, count);
+        self->mark = arrays_mark_of(ARRAYS_MARK, numbers, (size_t)count);
         for (int n = 0; n < ARRAYS; ++n) self->place[n + 1] = self->place[n] + length_of(self->own, n);
         self->values = (double *)calloc(self->place[ARRAYS], sizeof(double));
         if (self->values) return self;
@@ -83,11 +44,11 @@ static arrays_object *create(const double *numbers, long long int count)
 
 arrays_object *arrays_create(const char *folder, char problem[ARRAYS_PROBLEM])
 {
-    long long int count = 0;
-    double *numbers = read_numbers(folder, &count, problem);
+    size_t count = 0;
+    double *numbers = arrays_read(folder, "train.bin", &count, problem);
     if (!numbers) return NULL;
-    const char *wrong = train_wrong(numbers, count);
-    arrays_object *self = wrong ? NULL : create(numbers, count);
+    const char *wrong = train_wrong(numbers, (long long int)count);
+    arrays_object *self = wrong ? NULL : create(numbers, (long long int)count);
     if (wrong)
         snprintf(problem, ARRAYS_PROBLEM, "The consist %.200s/train.bin is damaged, %s cannot be; build the FMU again.", folder, wrong);
     else if (!self)
@@ -125,7 +86,7 @@ static void find_outputs(arrays_object *self)
 {
     for (int n = 0; n < OUT_SUMS; ++n) {
         long long int count;
-        const double *from = train_output(self->own, n, &count), less = n == OUT_PIPE || n == OUT_CYLINDER ? AROUND : 0.0;
+        const double *from = train_output(self->own, n, &count), less = n == OUT_PIPE || n == OUT_CYLINDER ? AMBIENT : 0.0;
         double *to = values_of(self, FIRST_OUTPUT + n);
         for (long long int i = 0; i < count; ++i) to[i] = from[i] - less;
     }
@@ -141,7 +102,7 @@ static void find_outputs(arrays_object *self)
 
 void arrays_reset(arrays_object *self)
 {
-    train_begin(self->own, 0.0, 0.0, 0.0, START_PIPE_PRESSURE + AROUND, AROUND);
+    train_begin(self->own, 0.0, 0.0, 0.0, START_PIPE_PRESSURE + AMBIENT, AMBIENT);
     memset(self->values, 0, self->place[ARRAYS] * sizeof(double));
     *values_of(self, FIRST_PARAMETER + 2) = START_PIPE_PRESSURE;
     for (int n = 0; n < TRAIN_INPUTS; ++n) {
@@ -159,7 +120,7 @@ bool arrays_start(arrays_object *self, double time, char problem[ARRAYS_PROBLEM]
         return false;
     }
     const double *given = values_of(self, FIRST_PARAMETER); /* speed, distance, pressures of pipe and cylinders */
-    train_begin(self->own, time, given[0], given[1], given[2] + AROUND, given[3] + AROUND);
+    train_begin(self->own, time, given[0], given[1], given[2] + AMBIENT, given[3] + AMBIENT);
     put_inputs(self);
     find_outputs(self);
     return true;

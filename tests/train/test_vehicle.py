@@ -1,0 +1,98 @@
+"""One vehicle of a train against closed forms: resistance, curves, gradients, friction that falls, traction, shoes."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+from products.train.consist import Consist, locomotive, wagon
+from products.train.train import Train
+from rbd_model.track.line import Line
+
+GRAVITY, MASS, TURNING, SPEED = 9.80665, 84e3, 1.04, 20.0
+#: Of closed forms: what is left are steps of 0.1 s, in which resistance and brake stay as they are.
+CLOSED = 1e-3
+
+
+def lone(line: Line | None = None, **changes: object) -> Train:
+    """A locomotive at its speed, without resistance unless it is given; its brake is released."""
+    own = {"resistance": (0.0, 0.0, 0.0), "friction_left": 1.0} | changes
+    return Train(Consist((replace(locomotive(), **own),)), speed=SPEED, line=line)  # type: ignore[arg-type]
+
+
+def level(gradient: float = 0.0, curvature: float = 0.0) -> Line:
+    """The same everywhere."""
+    rows = {"distance": (-1e4, 1e4), "gradient": (gradient,) * 2, "curvature": (curvature,) * 2}
+    return Line({name: np.array(values) for name, values in rows.items()})
+
+
+@pytest.mark.parametrize("resistance", [(2e3, 0.0, 0.0), (0.0, 500.0, 0.0), (0.0, 0.0, 30.0), (2e3, 300.0, 20.0)])
+def test_it_coasts_as_its_resistance_says(resistance: tuple[float, float, float]) -> None:
+    """t = int (m + m_r) dv / (a + b v + c v^2) from the speed behind it to that before."""
+    a, b, c = resistance
+    train = lone(resistance=resistance)
+    train.advance(30.0)
+    assert train.speed[0] < SPEED - 0.5
+    time = quad(lambda v: TURNING * MASS / (a + b * v + c * v**2), float(train.speed[0]), SPEED)[0]
+    assert time == pytest.approx(30.0, rel=CLOSED)
+
+
+@pytest.mark.parametrize(("radius", "share"), [(1000.0, 0.65 / 945.0), (300.0, 0.65 / 245.0), (200.0, 0.5 / 170.0)])
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_curves_and_gradients_slow_it_by_their_share_of_its_weight(radius: float, share: float, side: float) -> None:
+    """Roeckl's 0.65 m / (R - 55 m) from 300 m on and 0.5 m / (R - 30 m) below, to either side; m g sin uphill."""
+    for gradient in (0.0, 0.01):
+        train = lone(level(gradient, side / radius))
+        train.advance(10.0)
+        lost = GRAVITY * (share + gradient) / TURNING * 10.0
+        assert SPEED - train.speed[0] == pytest.approx(lost, rel=CLOSED)
+
+
+def test_a_locked_wheel_slides_with_the_friction_of_its_speed() -> None:
+    """dv/dt = -mu g (l + (1 - l) exp(-B v)) (Polach 2005), once the wheels stand."""
+    left, fall, friction = 0.4, 0.6, 0.05
+    brake = replace(locomotive().brake, force_per_pressure=1.0, constant_friction=0.5)
+    train = Train(
+        Consist(
+            (replace(locomotive(), brake=brake, resistance=(0.0, 0.0, 0.0), friction_left=left, friction_fall=fall),)
+        ),
+        speed=SPEED,
+        cylinder=380e3,
+        pipe=350e3,
+    )
+    train.drive("service", 1.0)
+    train.inputs["friction"][:] = friction
+    train.advance(2.0)
+    assert train.wheel_speed[0] == 0.0
+    first = float(train.speed[0])
+    while train.speed[0] > 3.0:
+        train.advance(0.1)
+    time = train.time - 2.0
+    due = quad(lambda v: 1.0 / (friction * GRAVITY * (left + (1 - left) * math.exp(-fall * v))), train.speed[0], first)
+    assert time == pytest.approx(due[0], rel=CLOSED)
+
+
+def test_wheels_that_are_pulled_too_much_spin_up() -> None:
+    """m dv/dt = mu m g and m_r dw/dt = P - mu m g."""
+    pull, friction = 100e3, 0.05
+    train = lone()
+    train.inputs["friction"][:], train.inputs["pull"][:] = friction, pull
+    train.advance(2.0)
+    held = friction * MASS * GRAVITY
+    assert train.speed[0] - SPEED == pytest.approx(held / MASS * 2.0, rel=CLOSED)
+    assert train.wheel_speed[0] - SPEED == pytest.approx((pull - held) / (0.04 * MASS) * 2.0, rel=CLOSED)
+
+
+@pytest.mark.parametrize("load", [0.0, 60e3])
+def test_shoes_hold_what_cylinder_and_rigging_make(load: float) -> None:
+    """mu eta (k p - F_c) (2.4), (2.6), at one friction."""
+    one = wagon(load)
+    share, area = (1.0 if load else 0.4), math.pi / 4 * 0.406**2
+    pressed = 0.83 * share * 5.65 * (area * 380e3 - 1500.0)
+    vehicle = replace(locomotive(), brake=replace(one.brake, friction_law=0.0, constant_friction=0.25))
+    train = Train(Consist((vehicle,)), cylinder=380e3, pipe=350e3)
+    assert train.brake_force[0] == pytest.approx(0.25 * pressed, rel=1e-9)
