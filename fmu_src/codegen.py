@@ -70,6 +70,7 @@ RUNTIME_HEADERS = (
     "lanes_scalar.h",
     "lanes_table.h",
     "piecewise.h",
+    "readable.h",
     "stepper.h",
     "tableau.h",
     "known.h",

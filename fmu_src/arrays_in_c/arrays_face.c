@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "arrays.h"
+#include "readable.h"
 
 /* In front of a saved state: which object it belongs to, and where the run was. */
 typedef struct {
@@ -22,30 +23,6 @@ enum { LARGEST = 1 << 27 };
 /* Rounding that a host's times may have. */
 static const double ROUNDING = 1e-9;
 
-/* Bytes of the letter that begins here; 0: it is none, or steers a terminal. Unicode 15, table 3-7. */
-static size_t length_of_letter(const unsigned char *c)
-{
-    if (c[0] < 0x80) return c[0] >= ' ' && c[0] != 0x7F;
-    if (c[0] < 0xC2 || c[0] > 0xF4) return 0;
-    const size_t length = c[0] < 0xE0 ? 2 : c[0] < 0xF0 ? 3 : 4;
-    const unsigned char lowest = c[0] == 0xE0 ? 0xA0 : c[0] == 0xF0 ? 0x90 : 0x80;
-    const unsigned char highest = c[0] == 0xED ? 0x9F : c[0] == 0xF4 ? 0x8F : 0xBF;
-    if (c[1] < lowest || c[1] > highest) return 0;
-    for (size_t i = 2; i < length; ++i)
-        if (c[i] < 0x80 || c[i] > 0xBF) return 0;
-    return length;
-}
-
-/* Sentences quote paths, which may be anything; what is no letter becomes a question mark. */
-static void make_readable(char *text)
-{
-    for (unsigned char *c = (unsigned char *)text; *c;) {
-        const size_t length = length_of_letter(c);
-        if (!length) *c = '?';
-        c += length ? length : 1;
-    }
-}
-
 arrays_status arrays_say(const arrays_component *self, arrays_status status, const char *format, ...)
 {
     char sentence[ARRAYS_PROBLEM];
@@ -53,7 +30,7 @@ arrays_status arrays_say(const arrays_component *self, arrays_status status, con
     va_start(arguments, format);
     vsnprintf(sentence, sizeof sentence, format, arguments);
     va_end(arguments);
-    make_readable(sentence);
+    make_readable(sentence); /* sentences quote paths, which may be anything */
     if (self->tell && self->logger) self->tell(self, status, sentence);
     return status;
 }
