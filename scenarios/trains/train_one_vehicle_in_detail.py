@@ -178,9 +178,7 @@ def draw(stops: Mapping[tuple[str, float], Stop], whole: tuple[float, float]) ->
     grid[0].set_title("error of the largest compression [%]")
     grid[1].set_title("error of the distance [cm]")
     grid[0].legend(loc="upper left", bbox_to_anchor=(0.0, 0.9))
-    title = (
-        f"Only a copy in the train, corrected by the vehicle's speed, keeps force and distance ({VEHICLES} vehicles)"
-    )
+    title = "Only a corrected copy keeps force and distance in long macro steps"
     return titled(figure, title)
 
 
