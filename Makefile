@@ -64,7 +64,7 @@ $(VENV)/charts-installed: pyproject.toml | $(VENV)/bin/python
 
 # The screenshots of the documentation, by the tests of the pages in a browser.
 screenshots: $(VENV)/test-installed
-	BOGIE_BRAKING_PICTURES=docs/pictures $(RUN) -m pytest -p no:xdist tests/scenarios/test_live.py
+	BOGIE_BRAKING_PICTURES=docs/pictures $(RUN) -m pytest -p no:xdist tests/scenarios/test_live.py tests/scenarios/test_train_page.py
 
 # Writes what is generated of the README, EQUATIONS.md and the pages in docs/ anew, from the code and docs/data/.
 pages: $(VENV)/demo-installed

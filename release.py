@@ -1,6 +1,6 @@
 """Makes what a release consists of: a wheel for each platform with its FMUs, kernels and the live page inside, one
 without for all others, the sdist, an archive of the FMUs for all platforms with parameter sets and systems, the live
-page, and SHA256SUMS.
+page with that of the train, and SHA256SUMS.
 
   python release.py              into dist/
   python release.py --out FOLDER
@@ -126,6 +126,7 @@ def main(arguments: list[str] | None = None) -> int:
         write_wheels(WHEELS, out)
         write_fmus(out)
         write_page(out / f"bogie_braking-{__version__}-{PAGE}")
+        write_train_page(out / f"bogie_braking-{__version__}-{TRAIN_PAGE}")
         write_checksums(out)
     except (CompilerError, OSError, subprocess.CalledProcessError) as error:
         print(f"The release in {out} is not complete ({error}).", file=sys.stderr)

@@ -18,7 +18,7 @@
                                                                  on a Dask cluster
   bogie-braking pace spatial --step 1ms --seconds 10             in real time on this machine: longest step, overruns
   bogie-braking controllers compare mine.py:PI                   scores wheel-slide controllers, in Python and in C
-  bogie-braking live                                             a page that brakes a bogie in any browser
+  bogie-braking live                                             pages that brake a coach, a bogie or a train
   bogie-braking build bogie                                      FMUs; build --help says more
   bogie-braking run levels --json | jq .rows                     the summary for a program
   for name in $(bogie-braking list --quiet); do ...              the names alone
@@ -137,9 +137,8 @@ def parser_of(asked: str) -> tuple[argparse.ArgumentParser, Any]:
         )
     else:
         commands.add_parser("controllers", help=CONTROLLERS)
-    page = commands.add_parser("live", help="write a page that brakes a bogie, or a coach, in any browser")
-    page.add_argument("--out", type=Path, default=Path("results"), help="folder of live.html (default: results)")
-    page.add_argument("--train", action="store_true", help="a page on which a train brakes, train.html")
+    page = commands.add_parser("live", help="write pages that brake a coach, a bogie or a train in any browser")
+    page.add_argument("--out", type=Path, default=Path("results"), help="folder of both pages (default: results)")
     for command in ("run", "sweep", "pace"):
         add_speech(commands.choices[command], "no progress and no table, only the exit status", "the summary")
     commands.add_parser("build", help="build FMUs", add_help=False)

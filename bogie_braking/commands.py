@@ -18,6 +18,7 @@ from bogie_braking.exit_status import BAD_INPUT, DOES_NOT_HOLD, FAILED, HOLDS, I
 from fmu_src.compile import CompilerError
 from fmu_src.cosimulation.slave import CosimulationError
 from fmu_src.kernel import KernelError
+from products.prebuilt import PAGE
 from products.registry import FMUS
 from scenarios.catalogue import SCENARIOS, find
 from scenarios.completion import completion
@@ -144,8 +145,8 @@ def carry_out(chosen: argparse.Namespace) -> int:
     """Runs one of the commands that write results; the exit status."""
     try:
         if chosen.command == "live":
-            name, write = (TRAIN_PAGE, write_train_page) if chosen.train else ("live.html", write_page)
-            print(f"Open in a browser: {write(chosen.out / name)}")
+            write_train_page(chosen.out / TRAIN_PAGE)
+            print(f"Open in a browser: {write_page(chosen.out / PAGE)}")
             return HOLDS
         if chosen.command == "report":
             return index(chosen.out)

@@ -94,15 +94,15 @@ class Browser:
             page.hear(message["method"], message["params"])
         return message
 
-    def open(self, path: Path, width: int, height: int = 900) -> Page:
-        """A page from a file, in a window of this size [pixels], when it is loaded."""
+    def open(self, path: Path, width: int, height: int = 900, link: str = "") -> Page:
+        """A page from a file, in a window of this size [pixels], when it is loaded; link: goes behind its address."""
         target = self.call("Target.createTarget", url="about:blank")["targetId"]
         session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
         page = self._pages[session] = Page(self, session)
         for domain in ("Page", "Runtime", "Log", "Network"):
             page.call(f"{domain}.enable")
         page.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
-        page.call("Page.navigate", url=path.resolve().as_uri())
+        page.call("Page.navigate", url=path.resolve().as_uri() + link)
         while not page.loaded:
             self.next_message()
         return page
@@ -153,6 +153,18 @@ class Page:
         steps = [("mousePressed", begin), ("mouseMoved", middle), ("mouseMoved", end), ("mouseReleased", end)]
         for kind, (x, y) in steps:
             self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", buttons=1, clickCount=1)
+
+    def press(self, key: str) -> None:
+        """Presses a key and lets it go: " " or "Tab"."""
+        code = {" ": 32, "Tab": 9}[key]
+        about = {"key": key, "code": key.replace(" ", "Space"), "windowsVirtualKeyCode": code}
+        text = {"text": key} if key == " " else {}
+        self.call("Input.dispatchKeyEvent", type="keyDown", **about, **text)
+        self.call("Input.dispatchKeyEvent", type="keyUp", **about)
+
+    def prefer(self, scheme: str) -> None:
+        """Whether the reader wants a page "light" or "dark"."""
+        self.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
 
     def close(self) -> None:
         """Ends it, so that it costs nothing any more."""

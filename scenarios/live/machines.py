@@ -6,44 +6,49 @@ from functools import lru_cache
 
 from brake_controller.cylinder import timed_brake
 from brake_controller.parameters import BrakeParameters
-from fmu_src.system import Model, System, Variable, model_of_choices
-from products.braked_vehicle import brake_of, coach_brake, with_brakes
+from fmu_src.system import NONE, Model, System, Variable, integration_variables
+from products.braked_vehicle import FULL_TORQUE, brake_of, coach_brake, with_brakes
 from rbd_model.contact.depth import Contact
 from rbd_model.contact.geometry import Pair, synthetic_pair, thesis_pair
-from rbd_model.levels.models import DEFAULT_DEPTH, DEFAULT_TOLERANCE
+from rbd_model.levels.models import DEFAULT_TOLERANCE, DEPTH_ON_LINE
 from rbd_model.levels.planar import planar_vehicle
 from rbd_model.levels.point import point_vehicle
 from rbd_model.levels.spatial import spatial_vehicle
 from rbd_model.track.irregularity import irregular_track, section_5_3
+from rbd_model.track.line_table import LINE
 from rbd_model.vehicle.description import Vehicle
 from rbd_model.vehicle.ready import passenger_coach, two_axle_bogie
 
 #: Torque capacity of one wheelset of the bogie, fully braked [N.m]: two thirds of what dry rails bear. Assumed.
 BOGIE_TORQUE = 26e3
+#: Yaw torque of a wheelset over its brake torque at an error of the shoes of 100 %: chapter 9 has 43.92 kN.m for an
+#: error of 25 % at a brake torque of 20 kN.m, and its other rows are in proportion.
+YAW_PER_BRAKE_TORQUE = 43.92 / 20 / 0.25
 
 
 @dataclass(frozen=True)
 class Machine:
-    """A vehicle with its brakes. full_traction [N.m]: of each wheelset, assumed; pair: the profiles of its wheels."""
+    """A vehicle with its brakes. full_torque, full_traction [N.m]: of each wheelset; pair: profiles of its wheels."""
 
     title: str
     vehicle: Callable[[], Vehicle]
     brake: Callable[[], BrakeParameters]
     pair: Callable[[], Pair]
-    full_traction: float
+    full_torque: float
+    full_traction: float  # assumed
 
 
 MACHINES = {
+    "coach": Machine("coach", passenger_coach, coach_brake, synthetic_pair, FULL_TORQUE, 5e3),
     "bogie": Machine(
-        "Bogie (60 t on two axles)", two_axle_bogie, lambda: brake_of(two_axle_bogie(), BOGIE_TORQUE), thesis_pair, 15e3
+        "bogie, 60 t", two_axle_bogie, lambda: brake_of(two_axle_bogie(), BOGIE_TORQUE), thesis_pair, BOGIE_TORQUE, 15e3
     ),
-    "coach": Machine("Coach (four axles)", passenger_coach, coach_brake, synthetic_pair, 5e3),
 }
 
 
 def levels(vehicle: Vehicle) -> tuple[System, ...]:
-    """Those of the parameter `level`; in space with the depth of contact that the FMUs start with."""
-    spatial = spatial_vehicle(vehicle, irregular_track(section_5_3()), Contact(int(DEFAULT_DEPTH)))
+    """Those of the parameter `level`; the one in space runs on the line of a file."""
+    spatial = spatial_vehicle(vehicle, irregular_track(section_5_3()), Contact(DEPTH_ON_LINE), on_line=True)
     return point_vehicle(vehicle), planar_vehicle(vehicle), spatial
 
 
@@ -54,6 +59,11 @@ def model_of(name: str) -> Model:
     vehicle, brake = machine.vehicle(), machine.brake()
     systems = tuple(with_brakes(system, vehicle, lambda: timed_brake(brake)) for system in levels(vehicle))
     level = Variable("level", "parameter", "1", "1 point, 2 planar, 3 spatial", 2.0, 1.0, 3.0, kind="integer")
-    return model_of_choices(
-        f"Live{name.capitalize()}", machine.title, systems, [level], tuple(range(len(systems))), DEFAULT_TOLERANCE
+    declared = {v.name: v for system in systems for v in system.variables}
+    inputs, outputs, parameters = (
+        [v for v in declared.values() if v.causality == causality] for causality in ("input", "output", "parameter")
     )
+    table = (*inputs, *outputs, level, *parameters, LINE.variable, *integration_variables(DEFAULT_TOLERANCE))
+    # Levels 1 and 2 run without a line's file, level 3 with one.
+    choice = (0, 1, NONE, NONE, NONE, 2)
+    return Model(f"Live{name.capitalize()}", machine.title, table, systems, (level.name,), choice)

@@ -17,9 +17,12 @@ from fmu_src.codegen import generate, guid_of
 from fmu_src.compile import web_module
 from products.braked_vehicle import FULL_PRESSURE
 from products.prebuilt import prebuilt_page
+from rbd_model.track.line_table import LINE
 from rbd_model.vehicle.description import size_of
 from scenarios import reporting
-from scenarios.live.machines import MACHINES, model_of
+from scenarios.live.lines import CANTS, rows_of
+from scenarios.live.machines import MACHINES, YAW_PER_BRAKE_TORQUE, model_of
+from scenarios.live.presets import DEFAULTS, PERIOD, PRESETS
 from scenarios.reporting.motion import drawn
 from scenarios.reporting.plots import FOUR
 from scenarios.reporting.progress import PATIENCE
@@ -28,7 +31,10 @@ WEB = Path(__file__).parent / "web"
 #: Of all pages with canvases.
 CANVAS = Path(reporting.__file__).parent / "page" / "canvas.js"
 #: In the order in which they use each other.
-SCRIPTS = ("kernel.js", "protection.js", "simulation.js", "charts.js", "side_view.js", "section_view.js", "page.js")
+SCRIPTS = (
+    *("packed.js", "one_file.js", "kernel.js", "protection.js", "stop.js", "simulation.js", "link.js"),
+    *("look.js", "charts.js", "side_view.js", "section_view.js", "page.js"),
+)
 
 #: What the page knows of the sensors of the wheels.
 SENSOR = ("pulses", "gate", "resolution", "lowest_frequency")
@@ -54,6 +60,11 @@ def page() -> str:
             "thresholds": asdict(common_protection()),
             "sensor": {name: getattr(Encoder(), name) for name in SENSOR},
         },
+        "period": PERIOD,
+        "defaults": DEFAULTS,
+        "presets": [{"title": one.title, "link": one.link} for one in PRESETS.values()],
+        "curves": {radius: {"cant": cant, "rows": rows_of(radius)} for radius, cant in CANTS.items()},
+        "lineVariable": LINE.variable.name,
         "machines": {name: machine(name) for name in tqdm(MACHINES, "machines", delay=PATIENCE, leave=False)},
     }
     parts = {
@@ -80,6 +91,7 @@ def machine(name: str) -> dict[str, Any]:
         "variables": [variable.name for variable in model.variables],
         "fullPressure": FULL_PRESSURE,
         "fullTraction": one.full_traction,
+        "fullYaw": YAW_PER_BRAKE_TORQUE * one.full_torque,
         "wheelsets": [
             {"along": float(size_of(wheelset.along, numbers)), "radius": float(size_of(wheelset.mean_radius, numbers))}
             for wheelset in vehicle.wheelsets

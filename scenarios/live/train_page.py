@@ -26,6 +26,14 @@ TRAINS = {
     "100 wagons, G": (100, "G"),
 }
 PAGE = "train.html"
+#: Beside those of the live page; in the order in which they use each other.
+SCRIPTS = ("packed.js", "look.js", "charts.js", "train.js", "train_view.js", "train_page.js")
+#: Runs of one click: the links that the page writes, behind #. Steps are those of STEP in train.js.
+PRESETS = {
+    "Emergency, 40 wagons": "do=50:emergency",
+    "Full service, 100 wagons": "train=100 wagons, G&do=50:full service",
+    "The train parts": "do=50:part",
+}
 
 
 def packed(data: bytes) -> str:
@@ -40,12 +48,13 @@ def train_page() -> str:
     data = {
         "version": __version__,
         "module": packed(web_library(sources()).read_bytes()),
+        "presets": PRESETS,
         "consists": {name: packed(np.asarray(one, "<f8").tobytes()) for name, one in consists.items()},
     }
     parts = {
         "@STYLE@": (WEB / "page.css").read_text(encoding="utf-8"),
         "@DATA@": json.dumps(data, separators=(",", ":")).replace("</", "<\\/"),
-        "@SCRIPT@": "\n".join(path.read_text(encoding="utf-8") for path in (CANVAS, WEB / "train.js")),
+        "@SCRIPT@": "\n".join(path.read_text(encoding="utf-8") for path in (CANVAS, *(WEB / name for name in SCRIPTS))),
     }
     whole = (WEB / PAGE).read_text(encoding="utf-8")
     for mark, text in parts.items():

@@ -1,85 +1,94 @@
-"""The live page in a real browser: controls, pictures, and its kernel and protection against those of Python."""
+"""The live page in a real browser: controls, pictures, links, and its kernel and protection against those of Python."""
 
 from __future__ import annotations
 
+import csv
+import io
 import json
 import math
 import os
+import re
 from collections.abc import Iterator
-from functools import lru_cache
 from pathlib import Path
 
 import pytest
 
 from brake_controller.sensors import Encoder
 from brake_controller.wheel_slide import APPLY, HOLD, VENT, SlideProtection
-from fmu_src.compile import build_library
-from fmu_src.kernel import Kernel, Library
-from products.braked_vehicle import FULL_PRESSURE
-from rbd_model.vehicle.description import size_of
 from scenarios.live.machines import MACHINES, model_of
 from scenarios.live.page import write_page
+from scenarios.live.presets import PERIOD, PRESETS
+from tests.axe import violations
 from tests.browser import Browser, Page, browser
+from tests.scenarios.live_run import Run
 
 __all__ = ["browser"]
 
-#: Period of the page's controls [s], PERIOD in simulation.js.
-PERIOD = 5e-3
-#: Wet rail with leaves: friction, and that from a place on over some metres.
-FRICTION, LEAVES, AHEAD, LENGTH = 0.08, 0.05, 50.0, 40.0
+#: What runs start with here: wet rail; at level 3 a curve downhill over a wave, with uneven shoes.
+FRICTION = 0.08
+START = {
+    1: {"gradient": -5},
+    2: {"gradient": -5},
+    3: {"gradient": -5, "curve": 500, "wave": 5, "uneven": 10},
+}
+ACTIONS = ((0, "lever", 100.0), (0, "leaves", 1.0))
 #: Of outputs that may be small: forces of contacts, loads [N].
 NOMINAL = {"lateral_force": 1e3, "flange_force": 1e3, "guiding_force": 1e3, "creep_force": 1e3}
 #: Looks of a stop without and with protection, 20 and 8 s: valves that act on sliding wheels enlarge rounding in time.
-STEPS = {"false": round(20 / PERIOD), "true": round(8 / PERIOD)}
-#: Amplitude of the rails' wave at level 3 [m].
-WAVE = 5e-3
+STEPS = {False: round(20 / PERIOD), True: round(8 / PERIOD)}
 #: Resolution of the timers of the wheels' sensors [s], so fine that it does not enlarge rounding; the real one is that
 #: of `test_sensors_and_protection_of_the_page_give_the_same_commands`.
-FINE_TIMER = 1e-12
+FINE_TIMER, TIMER = 1e-12, Encoder().resolution
 #: Rounding of two mathematical libraries, relative; and what becomes of it where valves act on what the wheels do: the
 #: local error that is allowed, the default `tolerance`.
 BANDS = {False: 1e-9, True: 1e-6}
 #: Bytes that a telephone should be asked to load at most.
-LARGEST = 3_000_000
+LARGEST = 3 * 2**20
+#: Of a window: width and height [pixels].
+SIZES = [(1440, 900), (390, 844)]
 
 
-#: What a person does, and the drive of `in_python`, in the language of the page.
+#: What a person does, and the drive of `Run`, in the language of the page.
 HANDS = f"""
 function move(values) {{
   for (const [name, value] of Object.entries(values)) {{
     const control = document.getElementById(name);
     if (typeof value === "boolean") control.checked = value; else control.value = value;
-    control.dispatchEvent(new Event(control.tagName === "SELECT" ? "change" : "input"));
+    for (const event of ["input", "change"]) control.dispatchEvent(new Event(event));
   }}
 }}
 const isLocked = () => live.simulation.read("locked").includes(1);
-async function stop(name, level, protection, outputs) {{
-  const machine = DATA.machines[name];
-  const kernel = await Kernel.create(await moduleOf(name), machine.variables);
-  const sensor = {{ ...DATA.protection.sensor, resolution: {FINE_TIMER} }};
-  const simulation = new Simulation(kernel, machine, {{ ...DATA.protection, sensor }});
-  simulation.restart({{ level, initial_speed: 25, lateral_irregularity: level === 3 ? {WAVE} : 0 }});
-  Object.assign(simulation.controls, {{ handle: -1, friction: {FRICTION}, protection }});
-  simulation.addPatch({AHEAD}, {LENGTH}, {LEAVES});
+async function played(start, actions, steps, outputs) {{
+  const link = new URLSearchParams({{ ...start, do: actions.map((one) => one.join(":")).join(",") }});
+  const fine = structuredClone(DATA.protection.sensor);
+  DATA.protection.sensor.resolution = {FINE_TIMER};
+  await openLink(`#${{link}}`);
+  live.running = false;
+  DATA.protection.sensor.resolution = fine.resolution;
   let vented = 0;
-  for (let step = 0; step < {json.dumps(STEPS)}[protection]; step += 1) {{
-    simulation.advance({PERIOD});
-    vented += simulation.valves.filter((valve) => valve === VENT).length;
+  for (let step = 0; step < steps; step += 1) {{
+    live.simulation.advance({PERIOD});
+    vented += live.simulation.valves.filter((valve) => valve === VENT).length;
   }}
-  return {{ vented, values: outputs.map((output) => kernel.get(output)) }};
+  return {{ vented, values: outputs.map((output) => live.simulation.kernel.get(output)) }};
 }}
-async function commandsOnDryRail(name, level) {{
-  const machine = DATA.machines[name];
-  const kernel = await Kernel.create(await moduleOf(name), machine.variables);
-  const simulation = new Simulation(kernel, machine, DATA.protection);
-  simulation.restart({{ level, initial_speed: 25 }});
+async function stopped(link) {{
+  await openLink(link);
+  live.running = false;
+  while (!live.simulation.ended) live.simulation.advance({PERIOD});
+  followPlan();
+  finish();
+  return at("result").firstChild.textContent;
+}}
+async function commandsOnDryRail(machine, level) {{
+  await openLink(`#machine=${{machine}}&level=${{level}}&do=0:lever:50,{round(3 / PERIOD)}:lever:100`);
+  live.running = false;
   let commands = 0;
-  for (let step = 0; step < {round(40 / PERIOD)}; step += 1) {{
-    simulation.controls.handle = step < {round(3 / PERIOD)} ? -0.5 : -1;
-    simulation.advance({PERIOD});
-    commands += simulation.valves.filter((valve) => valve !== APPLY).length;
+  while (!live.simulation.ended) {{
+    live.simulation.advance({PERIOD});
+    commands += live.simulation.valves.filter((valve) => valve !== APPLY).length;
   }}
-  return [commands, kernel.get("speed")];
+  return [commands, live.simulation.kernel.get("speed")];
 }}
 function commandsOf(rotations) {{
   const encoders = rotations[0].map(() => new Encoder(DATA.protection.sensor));
@@ -95,8 +104,8 @@ def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return write_page(tmp_path_factory.mktemp("live") / "live.html")
 
 
-def opened(browser: Browser, file: Path, width: int) -> Iterator[Page]:
-    page = browser.open(file, width)
+def opened(browser: Browser, file: Path, width: int, height: int = 900, link: str = "") -> Iterator[Page]:
+    page = browser.open(file, width, height, link)
     page.evaluate(HANDS)
     page.evaluate("live.ready")
     yield page
@@ -105,9 +114,9 @@ def opened(browser: Browser, file: Path, width: int) -> Iterator[Page]:
     assert page.requests == []
 
 
-@pytest.fixture(scope="module", params=[1440, 390])
+@pytest.fixture(scope="module", params=SIZES, ids=str)
 def page(browser: Browser, file: Path, request: pytest.FixtureRequest) -> Iterator[Page]:
-    yield from opened(browser, file, request.param)
+    yield from opened(browser, file, *request.param)
 
 
 @pytest.fixture(scope="module")
@@ -122,19 +131,71 @@ def test_the_page_is_small(file: Path) -> None:
     assert file.stat().st_size <= LARGEST
 
 
-def test_the_handle_brakes_and_wheels_lock(page: Page) -> None:
+def test_brake_and_main_chart_are_on_the_first_screen(page: Page) -> None:
+    for name in ("brake", "lever", "chart-speed", "result", "presets"):
+        assert page.evaluate(f"at('{name}').getBoundingClientRect().bottom <= innerHeight"), name
+    assert "Press Brake" in page.evaluate("at('result').textContent")
+
+
+def test_the_lever_brakes_and_wheels_lock(page: Page) -> None:
     """Controls as a person moves them: without protection on wet rail wheels lock; charts move."""
-    page.evaluate("move({ level: 3, rails: 5, handle: -60 }), live.simulation.advance(8)")
-    page.evaluate(f"move({{ pace: 4, friction: {FRICTION}, protection: false, handle: -100 }})")
+    page.evaluate("openLink('')")
+    page.evaluate(f"move({{ pace: 4, friction: {FRICTION}, protection: false, lever: 100 }})")
     moved = "chart.toDataURL() !== before"
     page.evaluate("globalThis.chart = at('chart-speed'), globalThis.before = chart.toDataURL(), null")
     page.evaluate(f"new Promise((found) => setInterval(() => isLocked() && {moved} && found(), 50))")
-    assert "locked" in page.evaluate("at('sentences').textContent")
     assert page.evaluate("live.simulation.history.at(-1).speed") < 90.0
-    name = f"live-{page.evaluate('innerWidth')}.png"
-    if "BOGIE_BRAKING_PICTURES" in os.environ:
-        page.screenshot(Path(os.environ["BOGIE_BRAKING_PICTURES"]) / name)
+    page.evaluate(
+        "new Promise((found) => setInterval(() => at('sentences').textContent.includes('locked') && found(), 50))"
+    )
+    assert "times real time on this machine" in page.evaluate("showCost() ?? at('cost').textContent")
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+
+
+def test_the_space_bar_brakes_releases_and_begins_anew(page: Page) -> None:
+    page.evaluate("openLink('').then(() => document.activeElement.blur())")
+    for word, lever in (("Release", 100), ("Brake", 0), ("Release", 100)):
+        page.press(" ")
+        assert page.evaluate("[at('brake-word').textContent, at('lever').value]") == [word, str(lever)]
+    page.evaluate("live.running = false; while (!live.simulation.ended) live.simulation.advance(1); showControls()")
+    assert page.evaluate("at('brake-word').textContent") == "Again"
+    page.press(" ")
+    page.evaluate("new Promise((found) => setInterval(() => live.simulation.time < 5 && found(), 20))")
+    assert page.evaluate("[at('brake-word').textContent, at('lever').value]") == ["Brake", "0"]
+
+
+def test_the_keyboard_reaches_everything(page: Page) -> None:
+    page.evaluate("openLink('#level=3').then(() => { at('more').open = true; document.activeElement.blur() })")
+    interactive = (
+        "[...document.querySelectorAll('button, select, input, summary, a[href]')].filter((one) => !one.disabled)"
+    )
+    count = page.evaluate(f"{interactive}.length")
+    page.evaluate(
+        "globalThis.reached = new Set(); document.addEventListener('focusin', ({ target }) => reached.add(target))"
+    )
+    for _ in range(count + 1):
+        page.press("Tab")
+    assert (
+        page.evaluate(f"{interactive}.filter((one) => !reached.has(one)).map((one) => one.id || one.textContent)") == []
+    )
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_nothing_is_hard_to_read_or_to_use(page: Page, scheme: str) -> None:
+    page.prefer(scheme)
+    page.evaluate("openLink('#level=3&foo=1&do=0:lever:100').then(() => { at('more').open = true })")
+    assert violations(page, "heading-order") == []
+    page.prefer("light")
+
+
+def test_pictures_for_the_documentation(page: Page) -> None:
+    """Wheels that have locked, with the dry stop as the run before."""
+    for name in ("dry", "wet"):
+        page.evaluate(f"stopped('#{PRESETS[name].link}')")
+        page.evaluate("live.still = 0; live.frames = CHART_FRAMES; draw()")
+    if "BOGIE_BRAKING_PICTURES" in os.environ:
+        page.screenshot(Path(os.environ["BOGIE_BRAKING_PICTURES"]) / f"live-{page.evaluate('innerWidth')}.png")
+    assert re.match(r"127\.\d m longer than the run before\.", page.evaluate("at('result').lastChild.textContent"))
 
 
 def test_a_page_that_stands_still_costs_nothing(still: Page) -> None:
@@ -152,16 +213,75 @@ def test_a_page_that_stands_still_costs_nothing(still: Page) -> None:
 @pytest.mark.parametrize("protection", [False, True])
 @pytest.mark.parametrize("level", [1, 2, 3])
 @pytest.mark.parametrize("name", MACHINES)
-def test_the_page_computes_what_python_does(still: Page, name: str, level: int, protection: bool) -> None:
-    """A stop on wet rail with leaves, at level 3 over a wave: all outputs, and how often valves vent."""
+def test_the_page_computes_what_python_does(
+    still: Page, name: str, level: int, protection: bool, tmp_path: Path
+) -> None:
+    """A stop on wet rail with leaves, at level 3 over a wave in a curve: all outputs, and how often valves vent."""
     outputs = [variable.name for variable in model_of(name).variables if variable.causality == "output"]
-    found = still.evaluate(f"stop({name!r}, {level}, {json.dumps(protection)}, {outputs})")
-    kernel, vented = stopped_in_python(name, level, protection)
-    assert found["vented"] == vented
-    assert (vented > 10) == protection
+    start = {"machine": name, "level": level, "friction": FRICTION, "protection": int(protection), **START[level]}
+    steps = STEPS[protection]
+    found = still.evaluate(f"played({json.dumps(start)}, {json.dumps(ACTIONS)}, {steps}, {outputs})")
+    run = Run(start, ACTIONS, tmp_path, FINE_TIMER)
+    for _ in range(steps):
+        run.step()
+    assert found["vented"] == run.vented
+    assert (run.vented > 10) == protection
     for output, one in zip(outputs, found["values"], strict=True):
-        size = BANDS[protection] * max(abs(kernel[output]), NOMINAL.get(output.rstrip("_1234"), 1.0))
-        assert abs(one - kernel[output]) <= size, (output, one, kernel[output])
+        size = BANDS[protection] * max(abs(run.kernel[output]), NOMINAL.get(output.rstrip("_1234"), 1.0))
+        assert abs(one - run.kernel[output]) <= size, (output, one, run.kernel[output])
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_a_preset_ends_as_the_native_kernel_does(still: Page, name: str, tmp_path: Path) -> None:
+    """The distance of its end sentence to 0.1 %, the longest lock to 0.1 s."""
+    sentence = still.evaluate(f"stopped('#{PRESETS[name].link}')")
+    run = Run(PRESETS[name].start, PRESETS[name].actions, tmp_path, TIMER)
+    distance = run.stop()
+    found = re.match(r"Stopped in ([\d.]+) m and ([\d.]+) s from \d+ km/h; (.*?)\.( |$)", sentence)
+    assert found, sentence
+    assert float(found[1]) == pytest.approx(distance, rel=1e-3)
+    locked = max(run.locked) * PERIOD
+    told = re.search(r"for (?:up to )?([\d.]+) s", found[3])
+    assert (float(told[1]) if told else 0.0) == pytest.approx(locked if locked > 0.05 else 0.0, abs=0.1)
+
+
+def test_a_link_brings_back_the_run_to_the_last_digit(browser: Browser, file: Path) -> None:
+    """A run by hand in frames of any length, its address opened anew, in a page that computes it in one go."""
+    for page in opened(browser, file, 800):
+        page.evaluate("move({ machine: 'bogie', speed: 40, gradient: -10 })")
+        page.evaluate("new Promise((found) => setInterval(() => live.settings.gradient === '-10' && found(), 20))")
+        page.evaluate("move({ pace: 4 }), new Promise((found) => setTimeout(found, 200))")
+        for controls in ({"lever": 35}, {"friction": 0.07}, {"lever": 90}, {"protection": False}, {"friction": 0.21}):
+            page.evaluate(f"move({json.dumps(controls)}), new Promise((found) => setTimeout(found, 300))")
+        page.evaluate("at('leaves').click()")
+        page.evaluate("new Promise((found) => setInterval(() => live.told && found(), 50))")
+        sentence, link = page.evaluate("[at('result').textContent, location.hash]")
+    assert link.count(":") == 12, link
+    for again in opened(browser, file, 800):
+        assert again.evaluate(f"stopped({json.dumps(link)})") == sentence
+    for fresh in opened(browser, file, 800, link=link):
+        fresh.evaluate("at('pace').value = 4, new Promise((found) => setInterval(() => live.told && found(), 50))")
+        assert fresh.evaluate("at('result').textContent") == sentence
+
+
+def test_a_link_that_cannot_be_says_what_is_left_out(still: Page) -> None:
+    still.evaluate("openLink('#level=7&friction=1e9&colour=red&do=3:lever:100,x:y,5:lever:1e4,6:gradient:3')")
+    told = still.evaluate("[...at('sentences').children].map((one) => one.textContent)")
+    assert len(told) == 6
+    assert "The link has level 7; this page takes 1, 2, 3, and starts with 2." in told
+    assert any('"colour"' in one for one in told)
+    assert still.evaluate("live.simulation.plan") == [[3, "lever", 1]]
+    assert still.evaluate("live.simulation.controls.friction") == 0.3
+
+
+def test_the_table_holds_the_run(still: Page) -> None:
+    still.evaluate(f"stopped('#{PRESETS['wet'].link}')")
+    rows = list(csv.DictReader(io.StringIO(still.evaluate("live.simulation.table()"))))
+    assert len(rows) == still.evaluate("live.simulation.history.length")
+    assert {"time [s]", "distance [m]", "speed [km/h]", "wheel speed 4 [km/h]", "axle load 1 [kN]"} <= set(rows[0])
+    assert float(rows[0]["speed [km/h]"]) == pytest.approx(90.0)
+    assert float(rows[-1]["wheel speed 1 [km/h]"]) == pytest.approx(0.0, abs=1e-9)
+    assert all(None not in row and None not in row.values() for row in rows)
 
 
 @pytest.mark.parametrize("level", [1, 2])
@@ -193,31 +313,3 @@ def test_sensors_and_protection_of_the_page_give_the_same_commands(still: Page) 
     assert believed[1100] == [True, True, False, False]
     assert {APPLY, HOLD, VENT} == {command for one in commands for command in one}
     assert still.evaluate(f"commandsOf({json.dumps(rotations)})") == commands
-
-
-@lru_cache
-def stopped_in_python(name: str, level: int, protected: bool) -> tuple[Kernel, int]:
-    """The drive of the page's `Simulation` with the kernel and the protection of Python; how often a valve vented."""
-    vehicle = MACHINES[name].vehicle()
-    sizes = vehicle.parameters.values()
-    along = [float(size_of(wheelset.along, sizes)) for wheelset in vehicle.wheelsets]
-    radii = [float(size_of(wheelset.mean_radius, sizes)) for wheelset in vehicle.wheelsets]
-    kernel, protection, vented = Kernel(Library(build_library(model_of(name)))), SlideProtection(), 0
-    encoders = [Encoder(resolution=FINE_TIMER) for _ in radii]
-    kernel.set(level=level, initial_speed=25.0, lateral_irregularity=WAVE if level == 3 else 0.0)
-    kernel.set(**{f"pressure_demand_{number}": 0.0 for number, _ in enumerate(along, 1)})
-    kernel.initialise()
-    begin = kernel["distance"] + along[0] + AHEAD
-    for step in range(STEPS[str(protected).lower()]):
-        turned = [kernel[f"rotation_{number}"] for number, _ in enumerate(radii, 1)]
-        seen = [one.angular_velocity(step * PERIOD, angle) for one, angle in zip(encoders, turned, strict=True)]
-        speeds = [radius * omega for radius, omega in zip(radii, seen, strict=True)]
-        valves, distance = protection.step(step * PERIOD, speeds), kernel["distance"]
-        valves = valves if protected else [APPLY] * len(valves)
-        vented += valves.count(VENT)
-        for number, (valve, place) in enumerate(zip(valves, along, strict=True), 1):
-            leaves = begin <= distance + place < begin + LENGTH
-            inputs = {"pressure_demand": FULL_PRESSURE, "valve": valve, "friction": LEAVES if leaves else FRICTION}
-            kernel.set(**{f"{one}_{number}": value for one, value in inputs.items()})
-        kernel.step(step * PERIOD, PERIOD)
-    return kernel, vented

@@ -1,31 +1,52 @@
-// Rolling charts: the last seconds of a history, drawn anew for each frame.
+// Charts of a history over time, drawn anew for each frame; the run before lies below as a pale line.
 
-const DASHES = [[], [6, 3], [2, 2], [8, 3, 2, 3]]; // told apart without colours, too
-const INK = "#333333", GRID = "#dddddd";
+const SHORTEST = 30, WINDOW = 60; // of the time axis [s]
 
 class Chart {
-  // lines: label, colour, and a function from a point of the history to its value; least: range of values at least shown.
+  // lines: label, colour (of `look` where it is a name of it), and a function from a point of the history to its value;
+  // least: range of values at least shown.
   constructor(canvas, title, lines, least) {
     Object.assign(this, { canvas, title, lines, least });
   }
 
-  draw(history) {
+  // before: history of the run before, its first line alone is shown, so shifted [s] that both brake at one time.
+  draw(history, before = [], shift = 0) {
     const { context, width, height } = sharp(this.canvas);
-    const box = { left: 44, right: width - 8, top: 22, bottom: height - 20 };
-    const last = history.at(-1).time, first = Math.max(0, last - WINDOW);
+    const box = { left: 44, right: width - 8, top: 24, bottom: height - 20 };
+    const last = history.at(-1).time, first = Math.max(0, last - WINDOW), span = Math.min(WINDOW, Math.max(SHORTEST, last));
     const [low, high] = this.range(history);
-    const x = (time) => box.left + ((time - first) / WINDOW) * (box.right - box.left);
+    const x = (time) => box.left + ((time - first) / span) * (box.right - box.left);
     const y = (value) => box.bottom - ((value - low) / (high - low)) * (box.bottom - box.top);
-    this.axes(context, box, first, low, high, x, y);
-    this.lines.forEach(({ colour, value, heavy }, number) => {
-      context.strokeStyle = colour;
-      context.lineWidth = heavy ? 2.5 : 1.5;
-      context.setLineDash(heavy ? [] : DASHES[number % DASHES.length]);
+    this.axes(context, box, first, span, low, high, x, y);
+    if (before.length) this.pale(context, box, before, (time) => x(time + shift), y);
+    this.lines.forEach(({ value }, number) => {
+      this.style(context, number);
       context.beginPath();
-      for (const point of history) context.lineTo(x(point.time), y(value(point)));
+      for (const point of history) if (point.time >= first) context.lineTo(x(point.time), y(value(point)));
       context.stroke();
     });
     context.setLineDash([]);
+  }
+
+  style(context, number) {
+    const { colour, heavy } = this.lines[number];
+    context.strokeStyle = look[colour] ?? colour;
+    context.lineWidth = heavy ? 3 : 1.7;
+    context.setLineDash(heavy ? [] : DASHES[number % DASHES.length]);
+  }
+
+  pale(context, box, before, x, y) {
+    const { value } = this.lines[0], inside = before.filter((point) => x(point.time) >= box.left && x(point.time) <= box.right);
+    if (!inside.length) return;
+    context.save();
+    Object.assign(context, { strokeStyle: look.soft, fillStyle: look.soft, lineWidth: 5, globalAlpha: 0.4 });
+    context.beginPath();
+    for (const point of inside) context.lineTo(x(point.time), y(value(point)));
+    context.stroke();
+    context.globalAlpha = 1;
+    const middle = inside[Math.floor(0.6 * inside.length)];
+    context.fillText("run before", Math.min(x(middle.time) + 8, box.right - 70), y(value(middle)) - 8);
+    context.restore();
   }
 
   range(history) {
@@ -38,11 +59,8 @@ class Chart {
     return [low, high + 0.05 * (high - low)];
   }
 
-  axes(context, box, first, low, high, x, y) {
-    context.lineWidth = 1;
-    context.strokeStyle = GRID;
-    context.fillStyle = INK;
-    context.textAlign = "right";
+  axes(context, box, first, span, low, high, x, y) {
+    Object.assign(context, { lineWidth: 1, strokeStyle: look.grid, fillStyle: look.soft, textAlign: "right" });
     for (let step = roundStep(high - low, 4), value = Math.ceil(low / step) * step; value <= high; value += step) {
       context.beginPath();
       context.moveTo(box.left, y(value));
@@ -51,9 +69,10 @@ class Chart {
       context.fillText(`${+value.toFixed(6)}`, box.left - 5, y(value) + 4);
     }
     context.textAlign = "center";
-    for (let time = Math.ceil(first / 10) * 10; time <= first + WINDOW; time += 10)
+    for (let time = Math.ceil(first / 10) * 10; time <= first + span; time += 10)
       context.fillText(`${time} s`, Math.min(x(time), box.right - 12), box.bottom + 15);
     context.textAlign = "left";
+    context.fillStyle = look.ink;
     context.fillText(this.title, 4, 13);
     this.legend(context, box);
   }
@@ -62,11 +81,9 @@ class Chart {
     let right = box.right;
     context.textAlign = "right";
     for (let number = this.lines.length - 1; number >= 0; number -= 1) {
-      const { label, colour, heavy } = this.lines[number], begin = right - context.measureText(label).width - 22;
+      const { label } = this.lines[number], begin = right - context.measureText(label).width - 22;
       context.fillText(label, right, 13);
-      context.strokeStyle = colour;
-      context.lineWidth = heavy ? 2.5 : 1.5;
-      context.setLineDash(heavy ? [] : DASHES[number % DASHES.length]);
+      this.style(context, number);
       context.beginPath();
       context.moveTo(begin, 9);
       context.lineTo(begin + 18, 9);
@@ -74,5 +91,6 @@ class Chart {
       right = begin - 8;
     }
     context.setLineDash([]);
+    context.textAlign = "left";
   }
 }

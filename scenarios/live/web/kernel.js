@@ -1,32 +1,30 @@
 // The kernel of the FMUs, compiled to WebAssembly: variables by name, steps, sentences.
 
 const WARNING = 1; // kernel.h: from 2 on a call was refused or failed
-const NOT_THERE = 8; // what WASI says of a file that is not open: a page has none
 
 // Unpacks and compiles a module; every kernel of it shares its code.
 async function loadModule(packed) {
-  const bytes = Uint8Array.from(atob(packed), (letter) => letter.charCodeAt(0));
-  const plain = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
-  return WebAssembly.compile(await new Response(plain).arrayBuffer());
+  return WebAssembly.compile(await unpacked(packed));
 }
 
 class KernelError extends Error {}
 
 class Kernel {
   static async create(module, names) {
-    const system = new Proxy({}, { get: () => () => NOT_THERE });
+    const file = new OneFile(), system = file.system(() => exports.memory);
     const { exports } = await WebAssembly.instantiate(module, { wasi_snapshot_preview1: system });
     exports._initialize();
-    return new Kernel(exports, names);
+    return new Kernel(exports, names, file);
   }
 
-  constructor(exports, names) {
-    this.exports = exports;
+  constructor(exports, names, file) {
+    Object.assign(this, { exports, file });
     this.places = new Map(names.map((name, place) => [name, place]));
     this.self = exports.kernel_create();
     this.room = exports.malloc(8);
+    this.path = exports.malloc(PLACE.length + 1);
+    new TextEncoder().encodeInto(`${PLACE}\0`, new Uint8Array(exports.memory.buffer, this.path, PLACE.length + 1));
   }
-
 
   set(values) {
     for (const [name, value] of Object.entries(values))
@@ -44,10 +42,15 @@ class Kernel {
     return this.numbers;
   }
 
-  // Back to the start values, then with some others up to the first instant.
-  start(values) {
+  // Back to the start values, then with some others up to the first instant; texts: what a file holds, by the variable
+  // that names the file.
+  start(values, texts = {}) {
     this.exports.kernel_reset(this.self);
     this.set(values);
+    for (const [name, text] of Object.entries(texts)) {
+      this.file.write(text);
+      this.check(this.exports.kernel_set_text(this.self, this.places.get(name), this.path));
+    }
     this.check(this.exports.kernel_initialise(this.self, 0));
   }
 

@@ -1,119 +1,191 @@
-// The page itself: controls, the loop of frames, and what it costs.
+// The page itself: controls, the loop of frames, and what is told at the end.
 
 const LONGEST_FRAME = 0.1; // a page that was asleep does not catch up [s]
 const CHART_FRAMES = 4; // charts are drawn in one frame of so many
-const PATCH = { ahead: 25, length: 40, friction: 0.05 };
-const DATA = JSON.parse(document.getElementById("data").textContent);
+const STARTS = ["machine", "level", "speed", "gradient", "curve", "wave"]; // settings that begin a run anew
+const ACTS = ["lever", "friction", "protection", "uneven"]; // controls that act while it goes
 const at = (name) => document.getElementById(name);
 
-const live = { modules: {}, kernels: {}, simulation: null, running: true, frames: 0, busy: 0, simulated: 0, still: 0, costs: {} };
+const live = { modules: {}, kernels: {}, simulation: null, running: true, frames: 0, busy: 0, simulated: 0, still: 0, before: null };
 
-async function moduleOf(name) {
-  live.modules[name] ??= await loadModule(DATA.machines[name].module);
-  return live.modules[name];
+async function kernelOf(name) {
+  const { module, variables } = DATA.machines[name];
+  live.modules[name] ??= loadModule(module);
+  live.kernels[name] ??= await Kernel.create(await live.modules[name], variables);
+  return live.kernels[name];
 }
 
-async function choose(name) {
-  const machine = DATA.machines[name], module = await moduleOf(name);
-  live.kernels[name] ??= await Kernel.create(module, machine.variables);
-  live.simulation = new Simulation(live.kernels[name], machine, DATA.protection);
-  live.charts = chartsOf(machine.wheelsets.length);
-  live.costs = {};
-  restart();
-  for (const level of [1, 2, 3]) live.costs[level] = await timesRealTime(module, machine, DATA.protection, level);
-  showCosts();
+const valueOf = (name) => (at(name).type === "checkbox" ? String(Number(at(name).checked)) : at(name).value);
+
+function show(name, value) {
+  if (at(name).type === "checkbox") at(name).checked = value === true || String(value) === "1";
+  else at(name).value = value;
 }
 
-function restart() {
-  const wave = Number(at("rails").value) / 1e3;
-  at("handle").value = 0;
-  readControls();
-  live.simulation.restart({
-    level: Number(at("level").value),
-    initial_speed: Number(at("speed").value) / 3.6,
-    ...(at("level").value === "3" ? { lateral_irregularity: wave } : {}),
-  });
+// What the page's controls say, as a link has it.
+function settingsOf() {
+  return Object.fromEntries(Object.keys(DATA.defaults).map((name) => [name, valueOf(name)]));
+}
+
+// Begins a run with what the controls say; plan: what a link does in it.
+async function restart(plan = []) {
+  const settings = settingsOf(), machine = DATA.machines[settings.machine], spatial = settings.level === "3";
+  const kernel = await kernelOf(settings.machine);
+  keepBefore();
+  const simulation = new Simulation(kernel, machine, DATA.protection), gradient = Number(settings.gradient) / 1000;
+  const values = { level: Number(settings.level), initial_speed: Number(settings.speed) / 3.6 };
+  const wave = spatial ? { lateral_irregularity: Number(settings.wave) / 1e3 } : {};
+  const texts = spatial ? { [DATA.lineVariable]: lineText(settings.curve, gradient) } : {};
+  const controls = Object.fromEntries(["friction", "protection", "uneven"].map((name) => [name, inside(name, settings[name])]));
   at("sentences").replaceChildren();
-  live.left = live.busy = live.simulated = live.still = 0;
-  const spatial = at("level").value === "3";
-  at("section").hidden = !spatial;
-  at("section-note").hidden = spatial;
-  showCosts();
+  at("result").textContent = `It rolls at ${settings.speed} km/h. Press Brake.`;
+  simulation.restart({ ...values, ...wave }, texts, { ...controls, gradient: spatial ? 0 : gradient }, plan);
+  if (machine !== live.simulation?.machine) live.charts = chartsOf(machine.wheelsets.length);
+  Object.assign(live, { simulation, settings, running: true, left: 0, busy: 0, simulated: 0, still: 0, told: false });
+  live.line = { gradient, words: wordsOnLine(settings, spatial) };
+  show("lever", 0);
+  at("in-space").disabled = !spatial;
+  at("section-box").hidden = !spatial;
+  at("pause").textContent = "pause";
+  showControls();
 }
 
-function readControls() {
-  const handle = Number(at("handle").value) / 100, friction = Number(at("friction").value);
-  Object.assign(live.simulation.controls, { handle, friction, protection: at("protection").checked });
+// The file of the line: rows as page.py writes them, with a gradient [1].
+function lineText(radius, gradient) {
+  const [heads, ...rows] = DATA.curves[radius].rows;
+  return [`${heads},gradient`, ...rows.map((row) => `${row},${gradient}`)].join("\n") + "\n";
+}
+
+function wordsOnLine({ gradient, curve }, spatial) {
+  const slope = Number(gradient) === 0 ? [] : [`${Math.abs(gradient)} ‰ ${gradient > 0 ? "uphill" : "downhill"}`];
+  const { cant } = DATA.curves[curve];
+  if (spatial && curve !== "0") slope.push(`a curve of ${curve} m to the left, cant ${(1e3 * cant).toFixed(0)} mm`);
+  return slope.join("; ");
+}
+
+// A run that came to its end stays as a pale line.
+function keepBefore() {
+  const { simulation } = live;
+  if (simulation?.stop.ended) live.before = { history: simulation.history, begun: simulation.stop.begun.time, distance: simulation.stop.distance };
+}
+
+// A person moves a control: it acts at once, and the rest of a link's plan is dropped.
+function act(name) {
+  live.simulation.act(name, name === "leaves" ? 1 : inside(name, valueOf(name)));
+  if (live.simulation.steps === 0 && name in live.settings) live.settings[name] = valueOf(name);
   live.still = 0;
-  const { fullPressure, fullTraction } = live.simulation.machine;
-  at("handle-value").value = handle < 0
-    ? `brake: ${((-handle * fullPressure) / 1e3).toFixed(0)} kPa demanded`
-    : handle > 0 ? `traction: ${((handle * fullTraction) / 1e3).toFixed(1)} kN.m a wheelset` : "rolling";
-  at("friction-value").value = friction.toFixed(2);
+  showControls();
+}
+
+// A link's plan moves the controls, too.
+function followPlan() {
+  const { controls } = live.simulation;
+  for (const name of ACTS) {
+    const value = name === "lever" || name === "uneven" ? Math.round(100 * controls[name]) : controls[name];
+    show(name, value);
+  }
+  showControls();
+}
+
+function showControls() {
+  const lever = Number(at("lever").value), { fullPressure, fullTraction } = live.simulation.machine;
+  const words = lever > 0 ? `brakes: ${((lever / 100) * fullPressure / 1e3).toFixed(0)} kPa demanded`
+    : lever < 0 ? `drives: ${((-lever / 100) * fullTraction / 1e3).toFixed(1)} kN.m a wheelset` : "rolls";
+  at("lever-value").textContent = words;
+  at("lever").setAttribute("aria-valuetext", words);
+  at("friction-value").value = Number(at("friction").value).toFixed(2);
+  at("gradient-value").value = `${at("gradient").value} ‰`;
+  at("uneven-value").value = `${at("uneven").value} %`;
+  const over = Boolean(live.simulation.ended);
+  at("brake-word").textContent = over ? "Again" : lever > 0 ? "Release" : "Brake";
+  at("brake").setAttribute("aria-pressed", String(!over && lever > 0));
+  if (lever > 0 && !live.told) at("result").textContent = "It brakes.";
+}
+
+// The large button, and the space bar: brakes, releases, begins anew with the lever back.
+function pressBrake() {
+  if (live.simulation.ended) return void restart();
+  show("lever", Number(at("lever").value) > 0 ? 0 : 100);
+  act("lever");
 }
 
 function chartsOf(count) {
   const numbers = Array.from({ length: count }, (_, number) => number);
   const colours = count > 2 ? DATA.colours : [DATA.colours[0], DATA.colours[3]];
   const each = (name) => numbers.map((n) => ({ label: `${n + 1}`, colour: colours[n], value: (point) => point[name][n] }));
-  const train = { label: "vehicle", colour: INK, heavy: true, value: (point) => point.speed };
+  const vehicle = { label: "vehicle", colour: "ink", heavy: true, value: (point) => point.speed };
   return [
-    new Chart(at("chart-speed"), "vehicle, wheels [km/h]", [train, ...each("wheels")], [0, 10]),
-    new Chart(at("chart-slip"), "slip of the wheels [%]", each("slip"), [-2, 10]),
+    new Chart(at("chart-speed"), "speed [km/h]", [vehicle, ...each("wheels")], [0, 10]),
+    new Chart(at("chart-slip"), "slip [%]", each("slip"), [-2, 10]),
     new Chart(at("chart-pressure"), "cylinder pressure [kPa]", each("pressure"), [0, 400]),
     new Chart(at("chart-load"), "axle load [kN]", each("load"), [0, 10]),
   ];
 }
 
-// Times real time of each level, and what a millisecond costs; that which runs as it runs, once it has run a while.
-function showCosts() {
-  const now = Number(at("level").value);
-  if (live.simulated > 1) live.costs[now] = live.simulated / live.busy;
-  const rows = Object.entries(live.costs).map(([level, times]) => {
-    const row = document.createElement("tr"), name = at("level").options[level - 1].text;
-    row.className = Number(level) === now ? "now" : "";
-    for (const text of [name, times.toFixed(0), `${(1e3 / times).toPrecision(2)} us`])
-      row.append(Object.assign(document.createElement("td"), { textContent: text }));
-    return row;
-  });
-  at("costs").tBodies[0].replaceChildren(...rows);
-}
-
 function goOn(seconds) {
-  const { simulation } = live, begin = performance.now();
+  const { simulation } = live, begin = performance.now(), planned = simulation.plan.length;
   live.left += Number(at("pace").value) * Math.min(seconds, LONGEST_FRAME);
   const whole = Math.floor(live.left / PERIOD) * PERIOD;
   live.left -= whole;
   simulation.advance(whole);
   live.busy += (performance.now() - begin) / 1e3;
   live.simulated += whole;
+  if (simulation.plan.length < planned) followPlan();
   for (const sentence of simulation.sentences.splice(0)) tell(sentence);
-  if (simulation.ended && live.told !== simulation) {
-    tell(`${simulation.ended} Start anew.`, "end");
-    live.told = simulation;
-  }
+  if (!live.told && (simulation.stop.ended || simulation.ended)) finish();
+  if (simulation.ended) showControls();
 }
 
-function tell(sentence, kind = "") {
-  at("sentences").prepend(Object.assign(document.createElement("li"), { textContent: sentence, className: kind }));
+// What the run came to, beside the run before; the address becomes its link.
+function finish() {
+  const { simulation, before } = live, { stop } = simulation;
+  live.told = true;
+  const sentence = stop.ended ? stop.sentence(PERIOD) : simulation.ended;
+  at("result").textContent = sentence;
+  if (stop.ended && before) {
+    const more = stop.distance - before.distance;
+    const words = Math.abs(more) < 0.05 ? "As far as the run before." : `${Math.abs(more).toFixed(1)} m ${more > 0 ? "longer" : "shorter"} than the run before.`;
+    at("result").append(" ", Object.assign(document.createElement("span"), { textContent: words, className: "compared" }));
+  }
+  at("chart-speed").setAttribute("aria-label", `speed of the vehicle and of its wheels over time. ${sentence}`);
+  showLink();
+}
+
+function showLink() {
+  const hash = writeLink(live.settings, live.simulation.done);
+  history.replaceState(null, "", document.body.className ? `${hash}&embed=1` : hash);
+}
+
+function tell(sentence) {
+  at("sentences").prepend(Object.assign(document.createElement("li"), { textContent: sentence }));
+}
+
+function showCost() {
+  if (live.simulated < 1) return;
+  const times = live.simulated / live.busy;
+  at("cost").textContent = `${times.toFixed(0)} times real time on this machine`;
 }
 
 function draw() {
-  live.side.draw(live.simulation);
-  if (at("level").value === "3") live.section.draw(live.simulation);
-  if (live.frames % CHART_FRAMES === 0) for (const chart of live.charts) chart.draw(live.simulation.history);
-  const { time, kernel } = live.simulation;
-  at("state").textContent = `${time.toFixed(1)} s, ${(3.6 * kernel.get("speed")).toFixed(1)} km/h, ${kernel.get("distance").toFixed(0)} m`;
+  const { simulation, before } = live, { time, kernel, stop } = simulation;
+  live.side.draw(simulation, live.line);
+  if (!at("section-box").hidden) live.section.draw(simulation);
+  if (live.frames % CHART_FRAMES === 0) {
+    const shift = before && stop.begun ? stop.begun.time - before.begun : 0;
+    live.charts.forEach((chart, number) => chart.draw(simulation.history, number === 0 && stop.begun ? before?.history : [], shift));
+  }
+  const braked = stop.begun ? `, ${(kernel.get("distance") - stop.begun.distance).toFixed(0)} m since braking` : "";
+  at("state").textContent = `${(3.6 * kernel.get("speed")).toFixed(1)} km/h, ${time.toFixed(1)} s${braked}`;
 }
 
 function frame(now) {
-  const seconds = (now - (live.before ?? now)) / 1e3;
-  live.before = now;
+  const seconds = (now - (live.last ?? now)) / 1e3;
+  live.last = now;
   live.frames += 1;
   if (live.simulation) {
     const moves = live.running && !live.simulation.ended;
     if (moves) goOn(seconds);
-    if (live.frames % 30 === 0) showCosts();
+    if (live.frames % 30 === 0) showCost();
     // What stands still is drawn on a little, until charts have had their turn, and then costs nothing.
     live.still = moves ? 0 : live.still + 1;
     if (live.still <= CHART_FRAMES) draw();
@@ -121,24 +193,92 @@ function frame(now) {
   requestAnimationFrame(frame);
 }
 
-function begin() {
+// Plays the run of an address.
+async function openLink(hash) {
+  const { settings, plan, sentences } = readLink(hash.replace(/^#/, ""));
+  for (const [name, value] of Object.entries(settings)) show(name, value);
+  await restart(plan);
+  sentences.forEach(tell);
+  for (const one of at("presets").querySelectorAll("a"))
+    if (one.getAttribute("href") === hash) one.setAttribute("aria-current", "true");
+    else one.removeAttribute("aria-current");
+}
+
+function listPresets() {
+  const add = (title, href) => {
+    const link = Object.assign(document.createElement("a"), { textContent: title, href });
+    at("presets").append(Object.assign(document.createElement("li"), {}));
+    at("presets").lastChild.append(link);
+    return link;
+  };
+  for (const { title, link } of DATA.presets)
+    add(title, `#${link}`).addEventListener("click", (event) => {
+      event.preventDefault();
+      history.replaceState(null, "", `#${link}`);
+      openLink(`#${link}`);
+    });
+  const train = location.pathname.replace(/live\.html$/, "train.html"); // its page lies beside this one
+  if (train !== location.pathname) add("A train's pipe empties", `${train.split("/").at(-1)}#emergency`).target = "_top";
+}
+
+function fillChoices() {
   for (const [name, { title }] of Object.entries(DATA.machines)) at("machine").append(new Option(title, name));
-  live.side = new SideView(at("side"), DATA.colours);
-  live.section = new SectionView(at("section"), DATA.colours);
-  for (const name of ["handle", "friction", "protection"]) at(name).addEventListener("input", readControls);
+  for (const radius of Object.keys(DATA.curves))
+    at("curve").append(new Option(radius === "0" ? "straight" : `curve of ${radius} m`, radius));
+}
+
+function save() {
+  const address = URL.createObjectURL(new Blob([live.simulation.table()], { type: "text/csv" }));
+  Object.assign(document.createElement("a"), { href: address, download: "run.csv" }).click();
+  setTimeout(() => URL.revokeObjectURL(address), 1000);
+}
+
+async function share() {
+  showLink();
+  try {
+    await navigator.clipboard.writeText(location.href);
+    at("share").textContent = "link copied";
+  } catch {
+    at("share").textContent = "the link is the address above";
+  }
+  setTimeout(() => { at("share").textContent = "copy link"; }, 3000);
+}
+
+function listen() {
+  for (const name of ACTS) at(name).addEventListener("input", () => act(name));
+  for (const name of STARTS) at(name).addEventListener("change", () => restart());
   for (const event of ["resize", "click"]) addEventListener(event, () => { live.still = 0; });
-  for (const name of ["level", "speed", "rails"]) at(name).addEventListener("change", restart);
-  at("machine").addEventListener("change", () => choose(at("machine").value));
-  at("restart").addEventListener("click", restart);
-  at("patch").addEventListener("click", () => live.simulation.addPatch(PATCH.ahead, PATCH.length, PATCH.friction));
+  addEventListener("hashchange", () => openLink(location.hash));
+  // The space bar brakes, unless the focus is on what it presses by itself.
+  addEventListener("keydown", (event) => {
+    if (event.key !== " " || event.repeat || event.target.closest("button, select, summary, a, [type=checkbox]")) return;
+    event.preventDefault();
+    pressBrake();
+  });
+  at("brake").addEventListener("click", pressBrake);
+  at("leaves").addEventListener("click", () => act("leaves"));
+  at("restart").addEventListener("click", () => restart());
+  at("share").addEventListener("click", share);
+  at("table").addEventListener("click", save);
   at("pause").addEventListener("click", () => {
     live.running = !live.running;
     at("pause").textContent = live.running ? "pause" : "go on";
   });
+  look.changed = () => { live.still = 0; };
+}
+
+function begin() {
+  fillChoices();
+  listPresets();
+  listen();
+  if (new URLSearchParams(location.hash.slice(1)).has("embed")) document.body.className = "embedded";
+  if (document.body.className || innerWidth < 900) at("more").open = false;
+  live.side = new SideView(at("side"));
+  live.section = new SectionView(at("section"), DATA.colours);
   const guids = Object.values(DATA.machines).map(({ guid }) => guid).join(", ");
   at("about").textContent = `bogie-braking ${DATA.version}; models ${guids}. After Y. A. Handoko (2006).`;
   requestAnimationFrame(frame);
-  return choose("bogie");
+  return openLink(location.hash);
 }
 
 live.ready = begin();

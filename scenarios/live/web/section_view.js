@@ -16,7 +16,7 @@ class SectionView {
       const scale = Math.min(width / 230, height / 100), middle = width / 2 - side * 0.25 * width;
       const view = { context, scale, x: (y) => middle - side * scale * y, z: (z) => height * 0.52 - scale * z, side };
       this.side(view, machine, 1e3 * kernel.get("lateral_1"), values);
-      context.fillStyle = INK;
+      context.fillStyle = look.ink;
       context.textAlign = "center";
       const { wheel_load: load, lateral_force: lateral } = values;
       context.fillText(`${name}: Q ${(load / 1e3).toFixed(0)} kN, Y ${(lateral / 1e3).toFixed(1)} kN`, middle, height - 8);
@@ -31,8 +31,8 @@ class SectionView {
     const over = machine.wheel.map(([y, z]) => [y + shift, z]);
     const gaps = over.map(([y, z]) => z - heightAt(machine.rail, y)), least = Math.min(...gaps);
     const wheel = over.map(([y, z]) => [y, z + (load > 0 ? -least : 1e3 * rise)]);
-    this.filled(view, machine.rail, "#c9ced3", -30);
-    this.filled(view, wheel, "#e9eef2", 34);
+    this.filled(view, machine.rail, look.rail, -30);
+    this.filled(view, wheel, look.car, 34);
     if (load <= 0) return;
     wheel.forEach(([y, z], number) => {
       if (gaps[number] - least < TOUCHES) this.dot(view, y, z);
@@ -50,7 +50,7 @@ class SectionView {
     context.closePath();
     context.fillStyle = colour;
     context.fill();
-    context.strokeStyle = INK;
+    context.strokeStyle = look.ink;
     context.lineWidth = 1.2;
     context.stroke();
   }

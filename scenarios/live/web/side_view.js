@@ -1,8 +1,11 @@
-// The machine from its left side, running to the right: bodies, turning wheels, axle loads, rails with patches.
+// The machine from its left side, running to the right: bodies, turning wheels, axle loads, valves, rails with leaves.
 
 const EXAGGERATED = 10; // bounce and pitch of the bodies
 const SLEEPERS = 0.6, POSTS = 50; // along the track [m]
 const FRAME = { size: 0.5, beyond: 0.6 }, CAR = { size: 2.6, beyond: 2.5 }; // height and what juts out, drawn [m]
+const PANE = { pitch: 2, width: 1.3 }; // of windows, drawn [m]
+const SMALLEST = 15; // a wheel with its number in it [pixels]
+const VALVES = ["", "hold", "vent"]; // by command; what applies needs no word
 
 // What carries wheelsets is drawn as a frame, what lies on frames as a car.
 function shapeOf(body) {
@@ -10,14 +13,15 @@ function shapeOf(body) {
 }
 
 class SideView {
-  constructor(canvas, colours) {
-    Object.assign(this, { canvas, colours });
+  constructor(canvas) {
+    this.canvas = canvas;
   }
 
-  draw(simulation) {
+  // line: gradient [1] and the words on the line.
+  draw(simulation, line) {
     const { context, width, height } = sharp(this.canvas), { machine, kernel } = simulation;
-    const radius = machine.wheelsets[0].radius, rail = height - 46;
-    const top = Math.max(...machine.bodies.map((body) => radius + body.height + shapeOf(body).size / 2)) + 0.3;
+    const radius = machine.wheelsets[0].radius, rail = height - 50;
+    const top = Math.max(...machine.bodies.map((body) => radius + body.height + shapeOf(body).size / 2)) + 0.5;
     const scale = Math.min(width / (2 * (machine.wheelsets[0].along + CAR.beyond + 0.7)), rail / top);
     const half = width / 2 / scale;
     const view = {
@@ -25,28 +29,35 @@ class SideView {
       x: (along) => width / 2 + scale * along,
       y: (above) => rail - scale * above,
     };
+    context.save();
+    context.translate(width / 2, rail);
+    context.rotate(-Math.atan(line.gradient));
+    context.translate(-width / 2, -rail);
     this.track(view, simulation.patches, rail, half);
     for (const body of machine.bodies) {
       this.springs(view, body, machine, radius);
       this.body(view, body, simulation, radius);
     }
     machine.wheelsets.forEach((wheelset, number) => this.wheel(view, wheelset, number + 1, simulation));
-    this.loads(view, simulation, rail);
+    context.restore();
+    this.below(view, simulation, rail);
+    Object.assign(context, { fillStyle: look.soft, textAlign: "left" });
+    context.fillText(`bounce and pitch ${EXAGGERATED} times${line.words ? `; ${line.words}` : ""}`, 6, 14);
   }
 
   track({ context, x, scale, width, distance }, patches, rail, half) {
-    context.fillStyle = "#b9a48a";
+    context.fillStyle = look.ground;
     const first = Math.ceil((distance - half) / SLEEPERS);
     for (let number = first; number * SLEEPERS < distance + half; number += 1)
       context.fillRect(x(number * SLEEPERS - distance) - 0.12 * scale, rail + 5, 0.24 * scale, 6);
-    context.fillStyle = "#777777";
-    context.fillRect(0, rail, width, 5);
-    context.fillStyle = this.colours[2];
+    context.fillStyle = look.steel;
+    context.fillRect(-width, rail, 3 * width, 5);
+    context.fillStyle = look.leaf;
     for (const { begin, end } of patches) {
       const from = Math.max(0, x(begin - distance)), to = Math.min(width, x(end - distance));
-      if (to > from) context.fillRect(from, rail - 3, to - from, 8);
+      if (to > from) context.fillRect(from, rail - 5, to - from, 9);
     }
-    context.fillStyle = INK;
+    context.fillStyle = look.soft;
     context.textAlign = "center";
     for (let post = Math.ceil((distance - half) / POSTS) * POSTS; post < distance + half; post += POSTS) {
       context.fillRect(x(post - distance) - 1, rail - 1.4 * scale, 2, 1.4 * scale);
@@ -62,19 +73,26 @@ class SideView {
     context.save();
     context.translate(x(body.along), y(radius + body.height + EXAGGERATED * motion("bounce")));
     context.rotate(EXAGGERATED * motion("pitch"));
-    context.fillStyle = carried.length ? "#56606b" : "#dfe7ee";
-    context.strokeStyle = INK;
-    context.lineWidth = 1;
+    Object.assign(context, { fillStyle: carried.length ? look.frame : look.car, strokeStyle: look.ink, lineWidth: 1 });
     context.beginPath();
     context.roundRect((-length / 2) * scale, (-size / 2) * scale, length * scale, size * scale, 0.15 * scale);
     context.fill();
     context.stroke();
+    if (!carried.length) this.windows(context, length, size, scale);
     context.restore();
   }
 
+  windows(context, length, size, scale) {
+    context.fillStyle = look.window;
+    const count = Math.floor(length / PANE.pitch) - 1;
+    for (let number = 0; number < count; number += 1) {
+      const middle = (number - (count - 1) / 2) * PANE.pitch;
+      context.fillRect((middle - PANE.width / 2) * scale, (-0.3 * size) * scale, PANE.width * scale, 0.3 * size * scale);
+    }
+  }
+
   springs({ context, x, y }, body, machine, radius) {
-    context.strokeStyle = "#8a949e";
-    context.lineWidth = 4;
+    Object.assign(context, { strokeStyle: look.steel, lineWidth: 4 });
     for (const number of body.carries) {
       const place = x(machine.wheelsets[number].along);
       context.beginPath();
@@ -85,39 +103,53 @@ class SideView {
   }
 
   wheel({ context, x, y, scale }, { along, radius }, number, { kernel }) {
-    const locked = kernel.get(`locked_${number}`) > 0.5, angle = kernel.get(`rotation_${number}`);
+    const locked = kernel.get(`locked_${number}`) > 0.5, angle = kernel.get(`rotation_${number}`), size = radius * scale;
     context.save();
     context.translate(x(along), y(radius));
-    context.fillStyle = locked ? this.colours[3] : "#ffffff";
-    context.strokeStyle = INK;
-    context.lineWidth = Math.max(2, 0.06 * scale);
+    Object.assign(context, { fillStyle: locked ? look.signal : look.paper, strokeStyle: look.ink, lineWidth: Math.max(2, 0.06 * scale) });
     context.beginPath();
-    context.arc(0, 0, radius * scale, 0, 2 * Math.PI);
+    context.arc(0, 0, size, 0, 2 * Math.PI);
     context.fill();
     context.stroke();
     context.rotate(angle);
-    context.strokeStyle = locked ? "#ffffff" : INK;
+    Object.assign(context, { strokeStyle: locked ? look.paper : look.ink, lineWidth: 1.5 });
     context.beginPath();
     for (let spoke = 0; spoke < 6; spoke += 1) {
       context.moveTo(0, 0);
-      context.lineTo(radius * scale * Math.cos((spoke * Math.PI) / 3), radius * scale * Math.sin((spoke * Math.PI) / 3));
+      context.lineTo(size * Math.cos((spoke * Math.PI) / 3), size * Math.sin((spoke * Math.PI) / 3));
     }
-    context.lineWidth = 1.5;
     context.stroke();
     context.restore();
+    if (size >= SMALLEST) this.number(context, x(along), y(radius), number);
   }
 
-  loads({ context, x }, simulation, rail) {
-    const narrow = simulation.count > 2 && this.canvas.clientWidth < 700;
-    context.fillStyle = INK;
+  number(context, x, y, number) {
+    Object.assign(context, { fillStyle: look.paper, strokeStyle: look.ink, lineWidth: 1, textAlign: "center" });
+    context.beginPath();
+    context.arc(x, y, 9, 0, 2 * Math.PI);
+    context.fill();
+    context.stroke();
+    context.fillStyle = look.ink;
+    context.fillText(`${number}`, x, y + 4);
+  }
+
+  // Below each wheelset its load, and what its valve or its brake does; where there is little room, by turns in two lines.
+  below({ context, x, scale, width }, simulation, rail) {
+    const narrow = scale * simulation.machine.wheelsets[0].radius < SMALLEST;
     context.textAlign = "center";
     simulation.read("axle_load").forEach((load, number) => {
-      const place = x(simulation.machine.wheelsets[number].along);
-      const locked = simulation.kernel.get(`locked_${number + 1}`) > 0.5, size = (load / 1e3).toFixed(narrow ? 0 : 1);
-      context.fillText(`${size}${narrow ? "" : " kN"}`, place, rail + 26);
-      if (locked) context.fillText("locked", place, rail + 41);
+      const place = x(simulation.machine.wheelsets[number].along), size = `${(load / 1e3).toFixed(narrow ? 0 : 1)} kN`;
+      const locked = simulation.kernel.get(`locked_${number + 1}`) > 0.5;
+      const words = [locked ? "locked" : "", VALVES[simulation.valves[number]]].filter(Boolean).join(", ");
+      context.fillStyle = look.ink;
+      if (narrow) {
+        const text = [`${number + 1}: ${size}`, words].filter(Boolean).join(", "), half = context.measureText(text).width / 2 + 4;
+        context.fillText(text, Math.min(Math.max(place, half), width - half), rail + (number % 2 ? 42 : 26));
+        return;
+      }
+      context.fillText(size, place, rail + 26);
+      context.fillStyle = look.signal;
+      context.fillText(words, place, rail + 42);
     });
-    context.textAlign = "left";
-    context.fillText(`axle loads${narrow ? " [kN]" : ""}; bounce and pitch drawn ${EXAGGERATED} times`, 6, 14);
   }
 }

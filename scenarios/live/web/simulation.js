@@ -1,26 +1,26 @@
 // A run of one machine: the driver's controls become inputs of the kernel, step by step, and its outputs a history.
 
-const PERIOD = 5e-3; // between looks at the controls, and of the wheel-slide protection [s]
-const WINDOW = 30; // of the history [s]
+const PERIOD = DATA.period; // between looks at the controls, and of the wheel-slide protection [s]
 const KEPT = 10; // every so many steps one point of the history
+const LONGEST_RUN = 1200; // [s]
+const LEAVES = { ahead: 25, length: 100, friction: 0.05 }; // [m], [1]
 
 class Simulation {
   // machine and protection, with its thresholds and sensor: as page.py writes them.
   constructor(kernel, machine, protection) {
     Object.assign(this, { kernel, machine, protection });
-    this.controls = { handle: 0, friction: 0.3, protection: true };
     this.count = machine.wheelsets.length;
   }
 
-  // values: start values of the kernel, level and initial_speed among them.
-  restart(values) {
+  // values: start values of the kernel, level and initial_speed among them; texts: of files, by variable. controls: lever
+  // from -1 (drives) to 1 (brakes fully), friction, protection, uneven (share by which the first wheelset's shoes
+  // differ), gradient (0 where a line's file has it). plan: what is done later, as [step, control, value]; `act` puts an end to it.
+  restart(values, texts, controls, plan = []) {
     const off = Object.fromEntries(this.each("pressure_demand").map((name) => [name, 0]));
-    this.kernel.start({ ...values, ...off });
-    this.steps = 0;
-    this.patches = [];
-    this.history = [];
-    this.ended = "";
-    this.sentences = [];
+    this.controls = { lever: 0, friction: 0.3, protection: true, uneven: 0, gradient: 0, ...controls };
+    this.kernel.start({ ...values, ...off, gradient: this.controls.gradient }, texts);
+    Object.assign(this, { steps: 0, patches: [], history: [], ended: "", sentences: [], done: [], plan: [...plan] });
+    this.stop = new Stop(this.count);
     this.guard = new SlideProtection(this.protection.thresholds);
     this.encoders = this.machine.wheelsets.map(() => new Encoder(this.protection.sensor));
     this.valves = Array(this.count).fill(APPLY);
@@ -37,6 +37,20 @@ class Simulation {
 
   get time() {
     return this.steps * PERIOD;
+  }
+
+  // What a person does now; the rest of the plan is dropped.
+  act(name, value) {
+    this.plan = [];
+    this.apply(name, value);
+  }
+
+  apply(name, value) {
+    const last = this.done.at(-1);
+    if (last && last[0] === this.steps && last[1] === name && name !== "leaves") this.done.pop();
+    this.done.push([this.steps, name, value]);
+    if (name === "leaves") this.addPatch(LEAVES.ahead, LEAVES.length, LEAVES.friction);
+    else this.controls[name] = value;
   }
 
   // Leaves on the rail: friction [1] over some metres, counted from the front axle.
@@ -63,49 +77,60 @@ class Simulation {
   }
 
   step() {
-    const { handle, protection } = this.controls;
+    while (this.plan.length && this.plan[0][0] <= this.steps) this.apply(...this.plan.shift().slice(1));
+    const { lever, protection } = this.controls;
     const speeds = this.read("rotation").map(
       (rotation, i) => this.machine.wheelsets[i].radius * this.encoders[i].angularVelocity(this.time, rotation));
     const commands = this.guard.step(this.time, speeds);
     this.valves = protection ? commands : commands.map(() => APPLY);
-    const inputs = {}, distance = this.kernel.get("distance");
-    this.machine.wheelsets.forEach((wheelset, number) => {
-      inputs[`pressure_demand_${number + 1}`] = this.machine.fullPressure * Math.max(0, -handle);
-      inputs[`traction_torque_${number + 1}`] = this.machine.fullTraction * Math.max(0, handle);
-      inputs[`valve_${number + 1}`] = this.valves[number];
-      inputs[`friction_${number + 1}`] = this.frictionAt(distance + wheelset.along);
-    });
-    this.kernel.set(inputs);
+    this.stop.follow(this.time, this.kernel, this.valves, lever > 0);
+    this.kernel.set(this.inputs());
     this.kernel.step(this.time, PERIOD);
     this.steps += 1;
     if (this.steps % KEPT === 0) this.keep();
+    const stands = this.stop.ended && this.time > this.stop.ended.time + SWAYS;
+    if (stands) this.ended = this.stop.sentence(PERIOD);
+    else if (this.time > LONGEST_RUN) this.ended = `The run ends after ${LONGEST_RUN} s.`;
+  }
+
+  inputs() {
+    const { lever } = this.controls, { fullPressure, fullTraction } = this.machine, inputs = { gradient: this.controls.gradient };
+    const distance = this.kernel.get("distance");
+    this.machine.wheelsets.forEach((wheelset, number) => {
+      inputs[`pressure_demand_${number + 1}`] = fullPressure * Math.max(0, lever);
+      inputs[`traction_torque_${number + 1}`] = fullTraction * Math.max(0, -lever);
+      inputs[`valve_${number + 1}`] = this.valves[number];
+      inputs[`friction_${number + 1}`] = this.frictionAt(distance + wheelset.along);
+    });
+    const share = this.kernel.get("cylinder_pressure_1") / fullPressure;
+    inputs.yaw_torque_1 = this.controls.uneven * this.machine.fullYaw * share;
+    return inputs;
   }
 
   // One point of the history: speeds [km/h], slips [%], pressures [kPa], wheel loads of an axle [kN].
   keep() {
-    const speed = this.kernel.get("speed");
     this.history.push({
       time: this.time,
-      speed: 3.6 * speed,
+      distance: this.kernel.get("distance"),
+      lever: this.controls.lever,
+      speed: 3.6 * this.kernel.get("speed"),
       wheels: this.read("angular_velocity").map((omega, i) => 3.6 * omega * this.machine.wheelsets[i].radius),
       slip: this.read("slip_ratio").map((ratio) => 100 * ratio),
       pressure: this.read("cylinder_pressure").map((pressure) => pressure / 1e3),
       load: this.read("axle_load").map((load) => load / 1e3),
+      valve: [...this.valves],
     });
-    while (this.history[0].time < this.time - WINDOW) this.history.shift();
   }
-}
 
-// How many times faster than real time a level runs here: a stop by full brake on dry rail, the least of three.
-async function timesRealTime(module, machine, protection, level) {
-  const simulation = new Simulation(await Kernel.create(module, machine.variables), machine, protection);
-  let best = 0;
-  for (let run = 0; run < 3; run += 1) {
-    simulation.restart({ level, initial_speed: 25 });
-    simulation.controls.handle = -1;
-    const begin = performance.now();
-    simulation.advance(5);
-    best = Math.max(best, 5e3 / (performance.now() - begin));
+  // The history as a table for other programs, a row for each point.
+  table() {
+    const numbers = Array.from({ length: this.count }, (_, i) => i + 1);
+    const each = { wheels: "wheel speed # [km/h]", slip: "slip # [%]", pressure: "cylinder pressure # [kPa]", load: "axle load # [kN]",
+      valve: "valve # (0 apply 1 hold 2 vent)" };
+    const heads = ["time [s]", "distance [m]", "speed [km/h]", "lever (1 full brake)"];
+    for (const text of Object.values(each)) heads.push(...numbers.map((number) => text.replace("#", number)));
+    const rows = this.history.map((point) => [
+      point.time, point.distance, point.speed, point.lever, ...Object.keys(each).flatMap((name) => point[name])]);
+    return [heads, ...rows].map((row) => row.join(",")).join("\n") + "\n";
   }
-  return best;
 }

@@ -1,15 +1,18 @@
-// A train on a page: the C of its FMU, a driver's valve, and what happens along it.
+// A train: the C of its FMU, whose arrays are views into its memory, and a driver who moves the valve.
 
-const DATA = JSON.parse(document.getElementById("data").textContent);
-const AROUND = 101325, FULL = 3.8e5, RUNNING = 5e5, LONGEST_STEP = 0.05, MOST_FORCE = 4e5;
+const AROUND = 101325, RUNNING = 5e5; // pressures: outside [Pa], and of the pipe above it
+const STEP = 0.02; // of a run [s]; a link counts in it
+const KEPT = 5, LONGEST_RUN = 1200; // every so many steps a point of the history; [s]
+const RESTS = 0.05; // slower, the train stands [m/s]
+// Names of the driver's positions, with position and step of the valve.
 const VALVE = { running: [1, 0], "first step": [3, 0], "half service": [3, 0.4], "full service": [3, 1], emergency: [4, 0], overcharge: [2, 0] };
+const BRAKING = ["first step", "half service", "full service", "emergency", "part"];
 const INPUT = { position: 0, step: 1, coupled: 5, joined: 6 };
 const OUTPUT = { distance: 0, speed: 1, pipe: 3, cylinder: 4, force: 7 };
 
-// A train of numbers that Python has written; arrays are views into its memory.
 class Train {
   static async create(module, numbers) {
-    const system = new Proxy({}, { get: () => () => 8 });
+    const system = new Proxy({}, { get: () => () => 8 }); // WASI: there is no file
     const { exports } = await WebAssembly.instantiate(module, { wasi_snapshot_preview1: system });
     exports._initialize();
     const place = exports.malloc(8 * numbers.length);
@@ -32,9 +35,33 @@ class Train {
 
   input(name) { return this.array("input", INPUT[name]); }
   output(name) { return this.array("output", OUTPUT[name]); }
-  begin(speed) { this.exports.train_begin(this.self, 0, speed, 0, RUNNING + AROUND, AROUND); }
+
+  // plan: what is done later, as [step, name], name of VALVE or "part"; `act` puts an end to it.
+  begin(speed, plan = []) {
+    this.exports.train_begin(this.self, 0, speed, 0, RUNNING + AROUND, AROUND);
+    Object.assign(this, { steps: 0, plan: [...plan], done: [], history: [], begun: null, stopped: null, pushed: 0, pulled: 0, valve: "running" });
+    this.keep();
+  }
+
+  get time() { return this.steps * STEP; }
+  get speed() { return this.output("speed")[0]; }
+  get distance() { return this.output("distance")[0]; }
+  get ended() { return this.stopped !== null || this.time > LONGEST_RUN; }
+
+  act(name) {
+    this.plan = [];
+    this.apply(name);
+  }
+
+  apply(name) {
+    this.done.push([this.steps, name]);
+    if (name === "part") this.part();
+    else this.drive(name);
+    if (!this.begun && BRAKING.includes(name) && this.speed > RESTS) this.begun = { time: this.time, distance: this.distance, speed: this.speed };
+  }
 
   drive(name) {
+    this.valve = name;
     [this.input("position")[0], this.input("step")[0]] = VALVE[name];
   }
 
@@ -44,99 +71,27 @@ class Train {
     this.input("joined")[middle] = 2;
   }
 
-  advance(time) {
-    if (this.exports.train_go(this.self, time)) throw new Error("The train came to no finite state.");
+  step() {
+    while (this.plan.length && this.plan[0][0] <= this.steps) this.apply(this.plan.shift()[1]);
+    if (this.exports.train_go(this.self, STEP)) throw new Error("The train came to no finite state.");
+    this.steps += 1;
+    for (const force of this.output("force")) {
+      this.pushed = Math.max(this.pushed, -force);
+      this.pulled = Math.max(this.pulled, force);
+    }
+    if (this.steps % KEPT === 0) this.keep();
+    if (this.begun && !this.stopped && this.speed < RESTS) this.stopped = { time: this.time, distance: this.distance };
+  }
+
+  keep() {
+    this.history.push({ time: this.time, speed: 3.6 * this.speed, distance: this.distance });
+  }
+
+  // The end in one sentence.
+  sentence() {
+    if (!this.stopped) return `The run ends after ${LONGEST_RUN} s.`;
+    const { begun, stopped } = this, kilo = (force) => `${(force / 1e3).toFixed(0)} kN`;
+    return `The head stopped in ${(stopped.distance - begun.distance).toFixed(1)} m and ${(stopped.time - begun.time).toFixed(1)} s from `
+      + `${(3.6 * begun.speed).toFixed(0)} km/h; couplers were pushed by ${kilo(this.pushed)} and pulled by ${kilo(this.pulled)} at most.`;
   }
 }
-
-async function unpacked(text) {
-  const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
-  const plain = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
-  return new Response(plain).arrayBuffer();
-}
-
-// ---- the picture ----
-
-// Rows of bars along the train: pressure of the pipe, of cylinders, forces of couplers.
-function draw(canvas, train) {
-  const { context, width, height } = sharp(canvas);
-  const box = { left: 52, right: width - 10 }, rows = [0.05, 0.37, 0.69].map((share) => share * height), size = 0.24 * height;
-  const n = train.vehicles, x = (i) => box.right - ((box.right - box.left) * (i + 1)) / n;
-  const wide = Math.max((box.right - box.left) / n - 1, 1);
-  const bars = (row, values, most, colour, offset = 0) => values.forEach((value, i) => {
-    const tall = Math.max(-1, Math.min(1, value / most)) * size;
-    context.fillStyle = colour(value);
-    context.fillRect(x(i) - offset, tall >= 0 ? rows[row] + size - tall : rows[row] + size, wide, Math.abs(tall));
-  });
-  const label = (row, text, marks) => {
-    context.fillStyle = "#333333";
-    context.fillText(text, box.left, rows[row] - 4);
-    for (const [share, mark] of marks) context.fillText(mark, 6, rows[row] + size * (1 - share) + 4);
-  };
-  bars(0, [...train.output("pipe")].map((p) => p - AROUND), RUNNING * 1.1, () => "#0072b2");
-  label(0, "pressure in the pipe [bar]; the head is on the right", [[0, "0"], [1 / 1.1, "5.0"]]);
-  bars(1, [...train.output("cylinder")].map((p) => p - AROUND), FULL * 1.1, () => "#d55e00");
-  label(1, "pressure in the cylinders [bar]", [[0, "0"], [1 / 1.1, "3.8"]]);
-  rows[2] -= size / 2 - 6;
-  bars(2, [...train.output("force")], 2 * MOST_FORCE, (force) => (force < 0 ? "#e69f00" : "#56b4e9"), wide / 2);
-  label(2, "", [[0, "0"], [0.5, "+400"], [-0.5, "-400"]]);
-  context.fillText("forces of couplers [kN]: pulled above, pushed below", box.left, rows[2] + size * 0.42);
-}
-
-// ---- the page ----
-
-const live = { running: true, train: null, time: 0, module: null };
-const element = (id) => document.getElementById(id);
-
-async function start() {
-  live.module ??= await WebAssembly.compile(await unpacked(DATA.module));
-  const numbers = new Float64Array(await unpacked(DATA.consists[element("consist").value]));
-  const train = await Train.create(live.module, numbers);
-  train.begin(Number(element("speed").value) / 3.6);
-  Object.assign(live, { train, time: 0 });
-  press("running");
-  show();
-}
-
-function press(name) {
-  live.train.drive(name);
-  for (const button of element("valve").children) button.setAttribute("aria-pressed", button.textContent === name);
-}
-
-function show() {
-  const { train } = live;
-  draw(element("train-view"), train);
-  const speed = train.output("speed")[0], force = [...train.output("force")];
-  const pushed = force.length ? -Math.min(...force) / 1e3 : 0;
-  element("state").textContent = `${live.time.toFixed(1)} s, ${(3.6 * speed).toFixed(1)} km/h, ${train.output("distance")[0].toFixed(0)} m; `
-    + `couplers pushed by ${Math.max(pushed, 0).toFixed(0)} kN at most now`;
-}
-
-function advance(time) {
-  for (let left = time; left > 1e-9; left -= LONGEST_STEP) live.train.advance(Math.min(left, LONGEST_STEP));
-  live.time += time;
-  show();
-}
-
-let before = null;
-function frame(now) {
-  if (live.running && live.train && before !== null) advance(Math.min((now - before) / 1e3, 0.1) * Number(element("pace").value));
-  before = now;
-  requestAnimationFrame(frame);
-}
-
-for (const name of Object.keys(VALVE)) {
-  const button = document.createElement("button");
-  Object.assign(button, { type: "button", textContent: name });
-  button.addEventListener("click", () => press(name));
-  element("valve").append(button);
-}
-for (const name of Object.keys(DATA.consists)) element("consist").append(new Option(name, name));
-for (const id of ["consist", "speed", "restart"]) element(id).addEventListener(id === "restart" ? "click" : "change", start);
-element("part").addEventListener("click", () => live.train.part());
-element("pause").addEventListener("click", () => {
-  live.running = !live.running;
-  element("pause").textContent = live.running ? "pause" : "go on";
-});
-element("about").textContent = `bogie-braking ${DATA.version}; wagons of 80 t, screw couplers, two cells of the pipe a vehicle.`;
-live.ready = start().then(() => requestAnimationFrame(frame));

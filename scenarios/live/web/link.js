@@ -1,0 +1,60 @@
+// A run as the address of the page: what it starts with and what is done in it, `friction=0.08&do=100:lever:100`.
+
+const DONE_LATER = ["lever", "friction", "protection", "uneven", "leaves"]; // controls that act while a run goes
+
+// The settings and the plan of a link, without its #; sentences tell what of it cannot be. The page's controls know what
+// they take.
+function readLink(text) {
+  const settings = { ...DATA.defaults }, sentences = [];
+  let plan = [];
+  for (const [name, value] of new URLSearchParams(text)) {
+    if (name === "embed") continue;
+    if (name === "do") plan = readPlan(value, sentences);
+    else if (!(name in settings)) sentences.push(`The link has "${name}", which this page does not know; it is left out.`);
+    else if (takes(name, value)) settings[name] = value;
+    else sentences.push(`The link has ${name} ${value}; this page takes ${taken(name)}, and starts with ${settings[name]}.`);
+  }
+  return { settings, plan, sentences };
+}
+
+function readPlan(text, sentences) {
+  const plan = [];
+  for (const one of text.split(",").filter(Boolean)) {
+    const [step, name, value] = one.split(":");
+    const known = DONE_LATER.includes(name) && /^\d{1,6}$/.test(step) && (name === "leaves" || takes(name, value));
+    if (known) plan.push([Number(step), name, inside(name, value)]);
+    else sentences.push(`The link does "${one}", which is no step:control:value of this page; it is left out.`);
+  }
+  return plan.sort(([a], [b]) => a - b);
+}
+
+// Whether a control of the page can have this value.
+function takes(name, value) {
+  const control = at(name);
+  if (control.tagName === "SELECT") return [...control.options].some((option) => option.value === value);
+  if (control.type === "checkbox") return value === "0" || value === "1";
+  const number = Number(value);
+  return value.trim() !== "" && number >= Number(control.min) && number <= Number(control.max);
+}
+
+function taken(name) {
+  const control = at(name);
+  if (control.tagName === "SELECT") return [...control.options].map((option) => option.value).join(", ");
+  return control.type === "checkbox" ? "0 or 1" : `${control.min} to ${control.max}`;
+}
+
+// A control's value as a simulation has it.
+function inside(name, value) {
+  if (name === "protection") return value === true || value === "1";
+  return Number(value) / ({ lever: 100, uneven: 100, gradient: 1000 }[name] ?? 1);
+}
+
+// The link of a run: settings that are not the page's own, and what was done.
+function writeLink(settings, done) {
+  const words = new URLSearchParams();
+  for (const [name, value] of Object.entries(settings))
+    if (String(value) !== String(DATA.defaults[name])) words.set(name, value);
+  const outside = ([step, name, value]) => `${step}:${name}:${name === "lever" || name === "uneven" ? +(100 * value).toFixed(6) : Number(value)}`;
+  if (done.length) words.set("do", done.map(outside).join(","));
+  return `#${decodeURIComponent(words.toString())}`;
+}

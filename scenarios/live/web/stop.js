@@ -1,0 +1,51 @@
+// One stop, from the first braking to rest: how far, how long, and what the wheelsets did meanwhile.
+
+const RESTS = 0.01; // slower, a vehicle stands [m/s]
+const MOVES = 0.5; // slower, braking begins no stop [m/s]
+const SWAYS = 1.5; // goes on after it stands, for its bodies to come to rest [s]
+const BRIEF = 0.05; // a wheelset that is locked for less is not told of [s]
+
+class Stop {
+  // count: of wheelsets.
+  constructor(count) {
+    Object.assign(this, { begun: null, ended: null, vented: 0, before: [] });
+    this.locked = Array(count).fill(0);
+  }
+
+  // Called before each step: kernel and valves as they are, whether the lever brakes.
+  follow(time, kernel, valves, brakes) {
+    if (this.ended) return;
+    const speed = kernel.get("speed"), now = { time, speed, distance: kernel.get("distance") };
+    if (!this.begun) {
+      if (brakes && speed > MOVES) this.begun = now;
+      return;
+    }
+    if (speed < RESTS) {
+      this.ended = now;
+      return;
+    }
+    this.locked = this.locked.map((steps, i) => steps + (kernel.get(`locked_${i + 1}`) > 0.5 ? 1 : 0));
+    valves.forEach((valve, i) => { this.vented += valve === VENT && this.before[i] !== VENT ? 1 : 0; });
+    this.before = [...valves];
+  }
+
+  get distance() {
+    return this.ended.distance - this.begun.distance;
+  }
+
+  // The end in one sentence; period [s] of the steps that were followed.
+  sentence(period) {
+    const seconds = this.ended.time - this.begun.time;
+    const from = `${(3.6 * this.begun.speed).toFixed(0)} km/h`;
+    const vents = this.vented === 0 ? "" : this.vented === 1 ? " A valve let air out once." : ` Valves let air out ${this.vented} times.`;
+    return `Stopped in ${this.distance.toFixed(1)} m and ${seconds.toFixed(1)} s from ${from}; ${this.lockedWords(period)}.${vents}`;
+  }
+
+  lockedWords(period) {
+    const times = this.locked.map((steps, i) => [i + 1, steps * period]).filter(([, time]) => time > BRIEF);
+    if (!times.length) return "no wheelset locked";
+    const longest = Math.max(...times.map(([, time]) => time)).toFixed(1);
+    if (times.length === this.locked.length) return `all wheelsets locked, for up to ${longest} s`;
+    return times.map(([number, time]) => `wheelset ${number} locked for ${time.toFixed(1)} s`).join(", ");
+  }
+}
