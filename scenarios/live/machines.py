@@ -6,11 +6,11 @@ from functools import lru_cache
 
 from brake_controller.cylinder import timed_brake
 from brake_controller.parameters import BrakeParameters
-from fmu_src.system import Model, System, Variable, model_of_choices
+from fmu_src.system import Model, System, model_of_choices
 from products.braked_vehicle import brake_of, coach_brake, with_brakes
 from rbd_model.contact.depth import Contact
 from rbd_model.contact.geometry import Pair, synthetic_pair, thesis_pair
-from rbd_model.levels.models import DEFAULT_DEPTH, DEFAULT_TOLERANCE
+from rbd_model.levels.models import DEFAULT_DEPTH, DEFAULT_TOLERANCE, selectors
 from rbd_model.levels.planar import planar_vehicle
 from rbd_model.levels.point import point_vehicle
 from rbd_model.levels.spatial import spatial_vehicle
@@ -53,7 +53,7 @@ def model_of(name: str) -> Model:
     machine = MACHINES[name]
     vehicle, brake = machine.vehicle(), machine.brake()
     systems = tuple(with_brakes(system, vehicle, lambda: timed_brake(brake)) for system in levels(vehicle))
-    level = Variable("level", "parameter", "1", "1 point, 2 planar, 3 spatial", 2.0, 1.0, 3.0, kind="integer")
+    level, _ = selectors()
     return model_of_choices(
         f"Live{name.capitalize()}", machine.title, systems, [level], tuple(range(len(systems))), DEFAULT_TOLERANCE
     )
