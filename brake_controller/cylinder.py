@@ -19,15 +19,17 @@ from brake_controller.flow import (
 from brake_controller.flow_parameters import FlowParameters
 from brake_controller.magnet_valves import ValveParameters, following
 from brake_controller.parameters import BrakeParameters, qr30
-from brake_controller.pneumatics import APPLY, VENT, pressure_rate, regulated_pressure
+from brake_controller.pneumatics import APPLY, VALVE, pressure_rate, regulated_pressure
 from brake_controller.ready_sets import qr30_experiment
 from brake_controller.rigging import shoe_force, torque_capacity
 from brake_controller.shoe_friction import EXAMPLE_TABLE, FrictionTable, shoe_friction, sliding_speed
-from fmu_src.system import Model, System, Variable, model_of_choices
+from fmu_src.system import Model, System, Variable, choosing, model_of_choices
 
 #: Local error of 0.1 Pa per step at this tolerance.
 DEFAULT_TOLERANCE = 1e-6
 NOMINAL_PRESSURE, NOMINAL_MASS = 1e5, 1e-3
+#: Kinds of `pneumatics`, by their numbers.
+PNEUMATICS = {1: "by application and release time", 2: "by flow of air through restrictions"}
 #: Parameters that only the timed law has: its times, and what the piston's spring takes, which by flow follows from it.
 TIMES = ("application_time", "release_time", "touch_pressure")
 
@@ -79,9 +81,7 @@ def _begin(
             when_lost=full,
         )
     )
-    valve = system.input(
-        Variable("valve", "input", "1", "0 apply (de-energised), 1 hold, 2 vent", APPLY, APPLY, VENT, "integer")
-    )
+    valve = system.input(Variable("valve", "input", start=APPLY, **choosing("Valve of the cylinder", VALVE)))
     angular_velocity = system.input(
         Variable(
             "angular_velocity",
@@ -216,16 +216,8 @@ def _filled(brake: Brake, air: FlowParameters, regulator: Regulator, valves: Ope
 
 def brake_model(systems: tuple[System, ...]) -> Model:
     """The systems, in the order of the parameter `pneumatics`, as one FMU."""
-    pneumatics = Variable(
-        "pneumatics",
-        "parameter",
-        "1",
-        "Cylinder pressure: 1 by application and release time, 2 by flow of air through restrictions",
-        1.0,
-        1.0,
-        float(len(systems)),
-        kind="integer",
-    )
+    known = {number: PNEUMATICS[number] for number in range(1, len(systems) + 1)}
+    pneumatics = Variable("pneumatics", "parameter", start=1.0, **choosing("Cylinder pressure", known))
     text = "Pneumatic brake cylinder, rigging and shoes of one wheelset, after Handoko (2006)"
     return model_of_choices(
         "BrakeCylinder", text, systems, (pneumatics,), tuple(range(len(systems))), DEFAULT_TOLERANCE

@@ -14,7 +14,7 @@ import casadi as ca
 
 from brake_controller.cylinder import Blending
 from brake_controller.pneumatics import APPLY, HOLD, TIME_CONSTANTS_TO_95_PERCENT, VENT
-from fmu_src.system import ParameterSet, System, Variable, quantity
+from fmu_src.system import ParameterSet, System, Variable, choosing, quantity
 
 NOMINAL_TORQUE = 1e3
 #: Corner of |w|, and where a dynamic brake begins to fade [rad/s]; the second assumed: 8 km/h on common wheels.
@@ -91,8 +91,8 @@ def traction_motor(defaults: MotorParameters) -> System:
     p = _given(system, defaults)
     text = "Demanded share of the largest torque; NaN counts as a lost signal: no traction"
     demand = system.input(Variable("traction_demand", "input", "1", text, 0.0, 0.0, 1.0, when_lost=0.0))
-    text = "0 as demanded (de-energised), 1 hold, 2 let go"
-    valve = system.input(Variable("valve", "input", "1", text, APPLY, APPLY, VENT, "integer"))
+    commands = {APPLY: "as demanded (de-energised)", HOLD: "hold", VENT: "let go"}
+    valve = system.input(Variable("valve", "input", start=APPLY, **choosing("Command of the protection", commands)))
     turning = system.input(Variable("angular_velocity", "input", "rad/s", "Angular velocity of the driven wheelset"))
     largest = available(p, turning)
     torque = follow(system, "traction_torque", p, demand * p["motor_torque"], largest, valve)

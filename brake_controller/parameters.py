@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 from brake_controller.experiment import APPLICATION_TIME, EXPERIMENT, FORCE_PER_PRESSURE, SHOES, SUPPLY_PRESSURE
 from brake_controller.rigging import force_per_pressure
-from brake_controller.shoe_friction import CONSTANT, KARWATZKI, TABULATED
-from fmu_src.system import ParameterSet, quantity
+from brake_controller.shoe_friction import CONSTANT, KARWATZKI, LAWS
+from fmu_src.system import ParameterSet, choice, quantity
 
 #: Fall of law 4 with sliding speed [s/m]. Assumed.
 FALLING_FRICTION_CONSTANT = 0.02
@@ -30,14 +30,7 @@ class BrakeParameters(ParameterSet):
     )
     rigging_efficiency: float = quantity("1", "Effective over calculated shoe force (eta)", 0.0, 1.0)
     wheel_radius: float = quantity("m", "Radius at which the shoes rub (r_w)", 1e-3)
-    friction_law: float = quantity(
-        "1",
-        "Shoe friction: 0 constant, 1 measured against shoe force (chapter 7), 2 cast iron (Karwatzki), 3 composite "
-        "(type K), 4 falling with speed (section 2.5.2), 5 table over speed",
-        CONSTANT,
-        TABULATED,
-        "integer",
-    )
+    friction_law: float = choice("Shoe friction", LAWS)
     constant_shoe_friction: float = quantity(
         "1", "Shoe friction coefficient of law 0, and of law 4 at rest (mu_b)", 0.0, 2.0
     )

@@ -5,6 +5,8 @@ import math
 import casadi as ca
 
 APPLY, HOLD, VENT = 0, 1, 2
+#: What these do, for people.
+VALVE = {APPLY: "apply (de-energised)", HOLD: "hold", VENT: "vent"}
 
 #: A first-order lag covers 95 % of the way in ln(20) time constants.
 TIME_CONSTANTS_TO_95_PERCENT = math.log(20.0)

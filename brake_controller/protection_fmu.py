@@ -4,8 +4,8 @@ import re
 from pathlib import Path
 
 from brake_controller import rig
-from brake_controller.wheel_slide import APPLY, VENT
-from fmu_src.system import StepInC, StepInPython, Variable
+from brake_controller.pneumatics import APPLY, VALVE
+from fmu_src.system import StepInC, StepInPython, Variable, choosing
 
 #: Place of the protocol, the supervision and the protection that comes with the brake.
 PROTECTION = Path(__file__).parent / "wheel_slide.py"
@@ -80,9 +80,8 @@ def faces(wheelsets: int) -> tuple[list[Variable], list[Variable]]:
         Variable(f"wheel_speed_{number}", "input", "m/s", f"Circumferential speed of the wheels of wheelset {number}")
         for number in numbers
     ]
-    text = "Valve of the cylinder of wheelset {}: 0 apply, 1 hold, 2 vent"
+    text = "Valve of the cylinder of wheelset {}"
     outputs = [
-        Variable(f"valve_{number}", "output", "1", text.format(number), APPLY, APPLY, VENT, "integer")
-        for number in numbers
+        Variable(f"valve_{number}", "output", start=APPLY, **choosing(text.format(number), VALVE)) for number in numbers
     ]
     return inputs, outputs

@@ -11,6 +11,15 @@ from fmu_src.system import System
 
 #: Numbers of the laws, parameter `friction_law`.
 CONSTANT, MEASURED_AGAINST_FORCE, KARWATZKI, COMPOSITE, FALLING, TABULATED = range(6)
+#: What these are, for people.
+LAWS = {
+    CONSTANT: "constant",
+    MEASURED_AGAINST_FORCE: "measured against shoe force (chapter 7)",
+    KARWATZKI: "cast iron (Karwatzki)",
+    COMPOSITE: "composite (type K)",
+    FALLING: "falling with speed (section 2.5.2)",
+    TABULATED: "a table over sliding speed that is compiled into the FMU (FrictionTable)",
+}
 
 #: Force of one shoe [N] and average shoe friction in the three cases of the experiment.
 MEASURED_FORCE = [1e3 * kpa * FORCE_PER_PRESSURE / SHOES * case.rigging_efficiency for kpa, case in EXPERIMENT.items()]

@@ -8,9 +8,9 @@ import casadi as ca
 
 from brake_controller.distributor import AMBIENT
 from brake_controller.rigging import shoe_force
-from brake_controller.shoe_friction import COMPOSITE, KARWATZKI, composite, karwatzki
+from brake_controller.shoe_friction import COMPOSITE, CONSTANT, KARWATZKI, LAWS, composite, karwatzki
 from fmu_src.chain import function_of
-from fmu_src.system import ParameterSet, quantity
+from fmu_src.system import ParameterSet, choice, quantity
 
 
 @dataclass(frozen=True)
@@ -21,7 +21,7 @@ class VehicleBrake(ParameterSet):
     counter_force: float = quantity("N", "Force of springs at the shoes that draw them back", 0.0)
     efficiency: float = quantity("1", "Efficiency of the rigging", 0.0, 1.0)
     shoes: float = quantity("1", "Number of shoes", 1.0)
-    friction_law: float = quantity("1", "0 constant, 2 cast iron, 3 composite K", 0.0, 3.0, "integer")
+    friction_law: float = choice("Shoe friction", {law: LAWS[law] for law in (CONSTANT, KARWATZKI, COMPOSITE)})
     constant_friction: float = quantity("1", "Friction with law 0; of discs, times their radius over the wheel's", 0.0)
 
 

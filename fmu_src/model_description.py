@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from fmu_src import __version__
 from fmu_src.dependencies import input_dependencies, start_dependencies, step_dependencies
@@ -164,33 +164,44 @@ def add_units(root: ET.Element, variables: Iterable[Variable]) -> None:
 
 
 def _variable(parent: ET.Element, reference: int, variable: Variable) -> None:
-    discrete = variable.kind != "real"
     attributes = {
         "name": variable.name,
         "valueReference": str(reference),
         "description": variable.description,
         "causality": variable.causality,
+        "variability": variability(variable),
     }
     if variable.causality == "parameter":
-        attributes |= {"variability": "fixed", "initial": "exact"}
-    else:
-        attributes["variability"] = "discrete" if discrete else "continuous"
+        attributes["initial"] = "exact"
     if variable.causality in ("output", "local"):
         attributes["initial"] = "calculated"
     element = ET.SubElement(parent, "ScalarVariable", attributes)
     of_type: dict[str, str] = {}
-    if not discrete:
+    if variable.kind == "real":
         of_type["unit"] = variable.unit
         if variable.display_unit:
             of_type["displayUnit"] = variable.display_unit
         if variable.unit in NOMINAL:
             of_type["nominal"] = repr(NOMINAL[variable.unit])
-    for name, limit in (("min", variable.minimum), ("max", variable.maximum)):
-        if math.isfinite(limit) and variable.kind not in ("boolean", "string"):
-            of_type[name] = number_text(variable, limit)
+    of_type |= limits(variable)
     if variable.causality not in ("output", "local"):
         of_type["start"] = number_text(variable, variable.start)
     ET.SubElement(element, TYPES[variable.kind], of_type)
+
+
+def variability(variable: Variable) -> str:
+    """When its value may change, in the words of FMI."""
+    if variable.causality == "parameter":
+        return "fixed"
+    return "continuous" if variable.kind == "real" else "discrete"
+
+
+def limits(variable: Variable) -> dict[str, str]:
+    """The attributes min and max that its type has."""
+    if variable.kind in ("boolean", "string"):
+        return {}
+    both = {"min": variable.minimum, "max": variable.maximum}
+    return {name: number_text(variable, limit) for name, limit in both.items() if math.isfinite(limit)}
 
 
 def number_text(variable: Variable, value: float) -> str:
@@ -200,15 +211,38 @@ def number_text(variable: Variable, value: float) -> str:
     return repr(float(value)) if variable.kind == "real" else str(int(value))
 
 
+def cells(variable: Variable) -> dict[str, str]:
+    """What tables for people tell of a variable, by the heads of their columns."""
+    given = variable.causality in ("parameter", "input") and variable.kind != "string"
+    between = limits(variable)
+    return {
+        "name": variable.name,
+        "type": TYPES[variable.kind],
+        "causality": variable.causality,
+        "variability": variability(variable),
+        "unit": variable.unit if variable.kind == "real" else "",
+        "start": f"{variable.start:g}" if given else "",
+        **{name: f"{float(between[name]):g}" if name in between else "" for name in ("min", "max")},
+        "meaning": variable.description,
+    }
+
+
 def variable_table(model: Model) -> str:
-    """The variables as a Markdown table, for people."""
-    lines = [f"| {model.name} | causality | unit | start | meaning |", "|---|---|---|---|---|"]
-    for v in model.variables:
-        if v.causality == "local":
-            continue  # the states; they follow from the equations and are on the page inside the FMU
-        start = "" if v.causality == "output" or v.kind == "string" else f"{v.start:g}"
-        lines.append(f"| `{v.name}` | {v.causality} | {v.unit} | {start} | {v.description} |")
-    return "\n".join(lines) + "\n"
+    """The variables as Markdown, for people: a table of the inputs, one of the outputs, one of the parameters."""
+    parts = []
+    for causality in ("input", "output", "parameter"):
+        rows = [cells(variable) for variable in model.variables if variable.causality == causality]
+        if rows:
+            parts.append(f"### {causality.capitalize()}s of {model.name}\n\n{_markdown(rows)}")
+    return "\n".join(parts)
+
+
+def _markdown(rows: Sequence[Mapping[str, str]]) -> str:
+    """A table of these rows, without columns that are empty in all of them."""
+    heads = [head for head in rows[0] if any(row[head] for row in rows)]
+    lines = [heads, ["---"] * len(heads)]
+    lines += [[f"`{row[head]}`" if head == "name" else row[head] for head in heads] for row in rows]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines) + "\n"
 
 
 def _mark_states(variables: ET.Element, model: Model) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import xml.etree.ElementTree as ET
 
 from fmu_src import __version__
@@ -12,7 +11,9 @@ from fmu_src.model_description import (
     NOMINAL,
     add_categories_and_experiment,
     add_units,
+    limits,
     number_text,
+    variability,
 )
 from fmu_src.system import Model, Variable, state_variable
 
@@ -70,11 +71,7 @@ def model_description3(model: Model, token: str) -> str:
 def _attributes(reference: int, variable: Variable) -> dict[str, str]:
     real = variable.kind == "real"
     found = {"name": variable.name, "valueReference": str(reference), "description": variable.description}
-    found["causality"] = variable.causality
-    if variable.causality == "parameter":
-        found["variability"] = "fixed"
-    else:
-        found["variability"] = "continuous" if real else "discrete"
+    found |= {"causality": variable.causality, "variability": variability(variable)}
     if variable.causality in ("output", "local"):
         found["initial"] = "calculated"
     if real:
@@ -83,10 +80,7 @@ def _attributes(reference: int, variable: Variable) -> dict[str, str]:
             found["displayUnit"] = variable.display_unit
         if variable.unit in NOMINAL:
             found["nominal"] = repr(NOMINAL[variable.unit])
-    if variable.kind not in ("boolean", "string"):
-        for name, limit in (("min", variable.minimum), ("max", variable.maximum)):
-            if math.isfinite(limit):
-                found[name] = number_text(variable, limit)
+    found |= limits(variable)
     if variable.causality not in ("output", "local") and variable.kind != "string":
         found["start"] = number_text(variable, variable.start)
     return found

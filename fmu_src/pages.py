@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 
 from fmu_src.compliance import CHECKS
 from fmu_src.exchange import exchanged_states
+from fmu_src.model_description import cells
 from fmu_src.references import PAGE
 from fmu_src.system import Model
 
@@ -30,7 +31,7 @@ ENDS = {
     ),
 }
 STYLE = (
-    "<style>body{font-family:sans-serif;max-width:60em;margin:2em auto}td,th{text-align:left;padding:0 .8em .2em 0}"
+    "<style>body{font-family:sans-serif;max-width:80em;margin:2em auto}td,th{text-align:left;padding:0 .8em .2em 0}"
     "</style>\n"
 )
 
@@ -47,13 +48,11 @@ def pages(model: Model, kind: str, beside: Collection[str] = ()) -> dict[str, by
 
 def documentation(model: Model, kind: str, beside: Collection[str] = ()) -> str:
     """A page about the FMU: what it is, how a run ends, and its variables."""
-    rows = []
-    for v in model.variables:
-        start = "" if v.causality in ("output", "local") else f"{v.start:g}"
-        cells = (f"<code>{v.name}</code>", v.causality, html.escape(v.unit), start, html.escape(v.description))
-        rows.append("<tr>" + "".join(f"<td>{cell}</td>" for cell in cells) + "</tr>")
-    heads = "".join(f"<th>{head}</th>" for head in ("name", "causality", "unit", "start", "meaning"))
-    shown = '<p><img src="picture.png" alt="" style="max-width:100%"></p>\n' if PICTURE in beside else ""
+    told = [cells(variable) for variable in model.variables]
+    heads = "".join(f'<th scope="col">{head}</th>' for head in told[0])
+    rows = [row(list(one.values())) for one in told]
+    picture = f'<p><img src="picture.png" alt="A run of {model.name}" style="max-width:100%"></p>\n'
+    shown = picture if PICTURE in beside else ""
     sets = ' <a href="fmi-ls-ref.html">Parameter sets and experiments.</a>' if PAGE in beside else ""
     host = "" if kind == "python" else " Beside this page lie programs that run the FMU, host.c and others."
     solved = "" if kind == "python" else f" {integrated(model)}"
@@ -63,6 +62,12 @@ def documentation(model: Model, kind: str, beside: Collection[str] = ()) -> str:
         f'<p>{ENDS[kind]}{solved} <a href="compliance.html">What of the standard is tested.</a>{host}{sets}</p>\n'
         f"<table><tr>{heads}</tr>\n" + "\n".join(rows) + "\n</table></html>\n"
     )
+
+
+def row(texts: Sequence[str]) -> str:
+    """A variable in the table: its name heads the row."""
+    name, *others = map(html.escape, texts)
+    return f'<tr><th scope="row"><code>{name}</code></th>{"".join(f"<td>{text}</td>" for text in others)}</tr>'
 
 
 def integrated(model: Model) -> str:

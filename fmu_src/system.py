@@ -41,12 +41,28 @@ class Variable:
     display_unit: str | None = None
     #: Value that the equations see when a NaN arrives (a lost signal); None: a NaN is refused.
     when_lost: float | None = None
+    #: Of an integer that chooses: its numbers and what each means, which `choosing` puts into the description too.
+    choices: tuple[tuple[int, str], ...] = ()
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "choices", tuple((number, text) for number, text in self.choices))
         if not (math.isfinite(self.start) and self.minimum <= self.start <= self.maximum):
             raise ValueError(
                 f"Variable {self.name}: start {self.start} must be finite and within {self.minimum} to {self.maximum}."
             )
+
+
+def choosing(description: str, choices: Mapping[int, str]) -> dict[str, Any]:
+    """Fields of a `Variable` that chooses by number among the texts: unit, description, limits, kind, choices."""
+    told = "; ".join(f"{number} {text}" for number, text in choices.items())
+    limits = {"minimum": float(min(choices)), "maximum": float(max(choices))}
+    shared = {"unit": "1", "description": f"{description}: {told}", "kind": "integer"}
+    return shared | limits | {"choices": tuple(choices.items())}
+
+
+def choice(description: str, choices: Mapping[int, str]) -> Any:
+    """A field of a `ParameterSet` that chooses by number among the texts."""
+    return field(metadata=choosing(description, choices))
 
 
 def quantity(
@@ -60,7 +76,10 @@ def quantity(
 
 @dataclass(frozen=True)
 class ParameterSet:
-    """Base of parameter sets: frozen dataclasses whose fields are made by `quantity`. Unphysical values are refused."""
+    """Base of parameter sets: frozen dataclasses whose fields are made by `quantity` and `choice`.
+
+    Unphysical values are refused.
+    """
 
     def __post_init__(self) -> None:
         for item in fields(self):
@@ -506,6 +525,14 @@ class System(Chain):
         return symbols[variable.name]
 
 
+#: Integration methods by their numbers.
+METHODS = {
+    1: "Rosenbrock (RODAS5P, order 5)",
+    2: "Rosenbrock with a reused Jacobian (ROS34PW2, order 3)",
+    3: "explicit Runge-Kutta (order 4)",
+}
+
+
 def integration_variables(tolerance: float) -> tuple[Variable, Variable, Variable]:
     """The parameters that every model has: `tolerance` with this start value, and how the equations are integrated."""
     return (
@@ -518,17 +545,7 @@ def integration_variables(tolerance: float) -> tuple[Variable, Variable, Variabl
             minimum=1e-12,
             maximum=1e-2,
         ),
-        Variable(
-            "integration_method",
-            "parameter",
-            "1",
-            "1 Rosenbrock (RODAS5P, order 5); 2 Rosenbrock with a reused Jacobian (ROS34PW2, order 3); "
-            "3 explicit Runge-Kutta (order 4)",
-            start=1.0,
-            minimum=1.0,
-            maximum=3.0,
-            kind="integer",
-        ),
+        Variable("integration_method", "parameter", start=1.0, **choosing("Integration method", METHODS)),
         Variable(
             "integration_step",
             "parameter",
@@ -635,14 +652,18 @@ def model_of_choices(
     selectors: Sequence[Variable],
     choice: tuple[int, ...],
     tolerance: float,
+    *others: Variable,
     **experiment: float,
 ) -> Model:
-    """Several systems as one FMU, chosen as `Model` says: their inputs, outputs and parameters, each once."""
+    """Several systems as one FMU, chosen as `Model` says: their inputs, outputs and parameters, each once.
+
+    others: such as the name of the file that a system reads.
+    """
     declared = {v.name: v for system in systems for v in system.variables}
     inputs, outputs, parameters = (
         [v for v in declared.values() if v.causality == causality] for causality in ("input", "output", "parameter")
     )
-    table = (*inputs, *outputs, *selectors, *parameters, *integration_variables(tolerance))
+    table = (*inputs, *outputs, *selectors, *parameters, *others, *integration_variables(tolerance))
     names = tuple(selector.name for selector in selectors)
     return Model(name, description, table, systems, names, choice, **experiment)
 

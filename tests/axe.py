@@ -1,6 +1,6 @@
 """What a page makes hard for people who hear it, enlarge it or use no mouse, as axe-core finds it.
 
-The rules are https://github.com/dequelabs/axe-core/blob/develop/doc/rule-descriptions.md.
+The rules are those of https://dequeuniversity.com/rules/axe/4.4.
 """
 
 from __future__ import annotations

@@ -6,7 +6,7 @@ from functools import lru_cache
 from itertools import compress, product
 
 from fmu_src.chain import ONE_WRITES
-from fmu_src.system import NONE, Model, System, Variable, integration_variables
+from fmu_src.system import NONE, Model, System, Variable, choosing, integration_variables
 from rbd_model.contact.depth import DEPTHS, Contact
 from rbd_model.levels.planar import planar_vehicle
 from rbd_model.levels.point import point_vehicle
@@ -23,6 +23,13 @@ DEFAULT_TOLERANCE = 1e-6
 #: Start value of `contact_depth`: depth 1 misleads where a flange bears (scenario `contact-depth`), which a run only
 #: tells when it is over.
 DEFAULT_DEPTH = 2.0
+
+#: Levels of detail by their numbers: what the parameter level chooses.
+LEVELS = {
+    1: "point (speed, wheel speeds, static loads)",
+    2: "planar (also bounce, pitch and load transfer)",
+    3: "spatial (also lateral, yaw and roll motion, profiles of wheels and rails)",
+}
 
 #: Which system of a vehicle serves, by level and, the last number running first, by depth of contact; and behind them
 #: which of those on a line. NONE: there is no such system.
@@ -83,11 +90,9 @@ def model_of_levels(name: str, text: str, vehicle: Vehicle, places: Sequence[int
 
 def selectors() -> tuple[Variable, Variable]:
     """The parameters that choose the level of detail and, in space, the depth of contact."""
-    level = "Level of detail: 1 point, 2 planar, 3 spatial"
-    depth = "Depth of contact at level 3: " + "; ".join(f"{number} {text}" for number, text in DEPTHS.items())
     return (
-        Variable("level", "parameter", "1", level, 2.0, 1.0, 3.0, kind="integer"),
-        Variable("contact_depth", "parameter", "1", depth, DEFAULT_DEPTH, 1.0, float(len(DEPTHS)), kind="integer"),
+        Variable("level", "parameter", start=2.0, **choosing("Level of detail", LEVELS)),
+        Variable("contact_depth", "parameter", start=DEFAULT_DEPTH, **choosing("Depth of contact at level 3", DEPTHS)),
     )
 
 

@@ -6,11 +6,11 @@ from functools import lru_cache
 
 from brake_controller.cylinder import timed_brake
 from brake_controller.parameters import BrakeParameters
-from fmu_src.system import NONE, Model, System, Variable, integration_variables
+from fmu_src.system import NONE, Model, System, model_of_choices
 from products.braked_vehicle import FULL_TORQUE, brake_of, coach_brake, with_brakes
 from rbd_model.contact.depth import Contact
 from rbd_model.contact.geometry import Pair, synthetic_pair, thesis_pair
-from rbd_model.levels.models import DEFAULT_TOLERANCE, DEPTH_ON_LINE
+from rbd_model.levels.models import DEFAULT_TOLERANCE, DEPTH_ON_LINE, selectors
 from rbd_model.levels.planar import planar_vehicle
 from rbd_model.levels.point import point_vehicle
 from rbd_model.levels.spatial import spatial_vehicle
@@ -58,12 +58,8 @@ def model_of(name: str) -> Model:
     machine = MACHINES[name]
     vehicle, brake = machine.vehicle(), machine.brake()
     systems = tuple(with_brakes(system, vehicle, lambda: timed_brake(brake)) for system in levels(vehicle))
-    level = Variable("level", "parameter", "1", "1 point, 2 planar, 3 spatial", 2.0, 1.0, 3.0, kind="integer")
-    declared = {v.name: v for system in systems for v in system.variables}
-    inputs, outputs, parameters = (
-        [v for v in declared.values() if v.causality == causality] for causality in ("input", "output", "parameter")
-    )
-    table = (*inputs, *outputs, level, *parameters, LINE.variable, *integration_variables(DEFAULT_TOLERANCE))
+    level, _ = selectors()
     # Levels 1 and 2 run without a line's file, level 3 with one.
     choice = (0, 1, NONE, NONE, NONE, 2)
-    return Model(f"Live{name.capitalize()}", machine.title, table, systems, (level.name,), choice)
+    name = f"Live{name.capitalize()}"
+    return model_of_choices(name, machine.title, systems, [level], choice, DEFAULT_TOLERANCE, LINE.variable)

@@ -3,7 +3,7 @@
 import base64
 import json
 import textwrap
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from html import escape
 from pathlib import Path
@@ -21,7 +21,7 @@ from rbd_model.track.irregularity import TrackParameters
 from rbd_model.vehicle.parameters import VehicleParameters
 from scenarios.reporting import plots
 from scenarios.reporting.motion import MOST_EXAGGERATION, packed
-from scenarios.reporting.report import Report, number, parted
+from scenarios.reporting.report import Report, number, parted, verdict_of
 from scenarios.scenario import Scenario
 
 #: Colours and dashes of the lines of a chart, one after the other: neighbours differ in both.
@@ -57,7 +57,8 @@ def write_report(scenario: Scenario, report: Report, folder: Path) -> None:
         title=scenario.name,
         text=scenario.summary,
         summary=summary,
-        counts=counts(summary["rows"]),
+        holds=verdict_of(row["holds"] for row in summary["rows"]),
+        sentence=sentence(summary["rows"], ": " + "; ".join(r["quantity"] for r in judged if not r["holds"])),
         judged=judged,
         others=others,
         columns=columns(summary["rows"]),
@@ -65,7 +66,7 @@ def write_report(scenario: Scenario, report: Report, folder: Path) -> None:
         motion_text=motion and motion.text,
         most_exaggeration=MOST_EXAGGERATION,
         charts=list(charts(report)),
-        figures={path.stem: encoded(path) for path in sorted(folder.glob("*.png"), key=first_figure)},
+        pictures=pictures(folder, summary),
         parameters=list(parameters(summary["parameters"])),
         plotly=get_plotlyjs(),
     )
@@ -79,20 +80,36 @@ def environment() -> Environment:
     return found
 
 
-def encoded(path: Path) -> str:
-    return base64.b64encode(path.read_bytes()).decode()
+@dataclass(frozen=True)
+class Picture:
+    """A PNG file as base64, and what says in words what it shows."""
+
+    text: str
+    data: str
 
 
-def first_figure(path: Path) -> tuple[bool, str]:
-    """Order of figures: figure.png, then the others."""
-    return path.stem != "figure", path.stem
+def pictures(folder: Path, summary: Mapping[str, Any]) -> list[Picture]:
+    """Those of a folder, figure.png first. Where the summary has no sentence on one, its name stands for it."""
+    texts = summary.get("pictures", {})
+    paths = sorted(folder.glob("*.png"), key=lambda path: (path.stem != "figure", path.stem))
+    return [
+        Picture(
+            texts.get(path.name) or f"Picture of {summary['scenario']}: {path.stem}",
+            base64.b64encode(path.read_bytes()).decode(),
+        )
+        for path in paths
+    ]
 
 
-def counts(rows: list[dict[str, Any]]) -> str:
-    """How many rows hold, do not hold, are not judged."""
+def sentence(rows: Sequence[Mapping[str, Any]], which: str) -> str:
+    """Whether all that is judged holds; which: the end of a sentence that tells what does not."""
     verdicts = [row["holds"] for row in rows]
-    words = {True: "hold", False: "do not hold", None: "are not judged"}
-    return f"Of {len(rows)} rows " + ", ".join(f"{verdicts.count(key)} {word}" for key, word in words.items()) + "."
+    failed, judged = verdicts.count(False), len(verdicts) - verdicts.count(None)
+    if not judged:
+        return "No row is judged."
+    if not failed:
+        return "The only judged row holds." if judged == 1 else f"All {judged} judged rows hold."
+    return f"{failed} of {judged} judged rows {'does' if failed == 1 else 'do'} not hold{which}."
 
 
 def columns(rows: list[dict[str, Any]]) -> dict[str, str]:

@@ -1,6 +1,7 @@
 """All results of a folder on one page, index.html.
 
-Thesis against simulation at a glance, with links to the reports; sweeps with their tables; what is not shown, and why.
+Whether what is judged holds, with links to the reports; thesis against simulation at a glance; sweeps with their
+tables; what is not shown, and why.
 """
 
 from html import escape
@@ -12,8 +13,8 @@ from plotly.offline import get_plotlyjs
 
 from scenarios.catalogue import SCENARIOS
 from scenarios.reporting import plots
-from scenarios.reporting.html_report import counts, drawn, environment
-from scenarios.reporting.report import VERDICTS, number
+from scenarios.reporting.html_report import drawn, environment, sentence
+from scenarios.reporting.report import VERDICTS, number, parted, verdict_of
 from scenarios.reporting.saved import Run, results_in
 from scenarios.scenario import BadInputError
 
@@ -34,7 +35,9 @@ def write_index(out: Path) -> tuple[Path, list[str]]:
     if not (found.runs or found.sweeps):
         advice = "run a scenario first, or give their folder with --out."
         raise BadInputError("\n".join([*found.skipped, f"There are no results in {out}; {advice}"]))
-    runs = sorted(found.runs, key=lambda one: order.get(one.name, len(order)))
+    judged, others = parted(sorted(found.runs, key=lambda one: order.get(one.name, len(order))), lambda one: one.holds)
+    runs = [*judged, *others]
+    rows = [row for one in runs for row in one.rows]
     printed = [one for one in runs if one.printed]
     text = (
         environment()
@@ -46,7 +49,8 @@ def write_index(out: Path) -> tuple[Path, list[str]]:
             sweeps=found.sweeps,
             skipped=found.skipped,
             texts=texts,
-            counts=counts([row for one in runs for row in one.rows]),
+            holds=verdict_of(one.holds for one in runs),
+            sentence=sentence(rows, ", in " + ", ".join(one.name for one in runs if one.holds is False)),
             chart=chart(printed),
             height=CHART_HEIGHT + LINE_HEIGHT * len(printed),
             plotly=get_plotlyjs(),

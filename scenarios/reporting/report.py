@@ -6,7 +6,7 @@ import platform
 import shutil
 import tempfile
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib.metadata import version
 from importlib.util import find_spec
@@ -216,6 +216,12 @@ def parted(rows: Sequence[Any], holds: Callable[[Any], bool | None]) -> tuple[li
     """Rows that are judged, those that do not hold first, and rows that are not; holds: what tells it of a row."""
     of = {verdict: [row for row in rows if holds(row) is verdict] for verdict in VERDICTS}
     return [*of[False], *of[True]], of[None]
+
+
+def verdict_of(verdicts: Iterable[bool | None]) -> bool | None:
+    """Of several together: False where one does not hold, None where none is judged."""
+    found = set(verdicts)
+    return next((verdict for verdict in (False, True) if verdict in found), None)
 
 
 def short_table(rows: Sequence[Row], folder: Path) -> str:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from scenarios.reporting.report import parted
+from scenarios.reporting.report import parted, verdict_of
 from scenarios.sweep.journal import JOURNAL
 
 #: Keys of a row that the pages show as text, and as a number or nothing.
@@ -23,6 +23,11 @@ class Run:
     link: str
     rows: list[dict[str, Any]]
     wall_seconds: float
+
+    @property
+    def holds(self) -> bool | None:
+        """Whether all that is judged holds; None: nothing is judged."""
+        return verdict_of(row["holds"] for row in self.rows)
 
     @property
     def printed(self) -> list[dict[str, Any]]:

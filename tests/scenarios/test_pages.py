@@ -23,11 +23,12 @@ from rbd_model.vehicle.parameters import AS_PRINTED
 from rbd_model.vehicle.ready import two_axle_bogie
 from scenarios.bench.drive import RIGID, prepare, prepare_on_line
 from scenarios.bench.irregularities import DURATION, INTERVAL, LATERAL, SPEEDS
-from scenarios.reporting.html_report import together, write_report
+from scenarios.reporting.html_report import pictures, sentence, together, write_report
 from scenarios.reporting.motion import Motion, Rails, box, motion_columns
 from scenarios.reporting.plots import single
 from scenarios.reporting.report import Report, Row, at_most, save
 from scenarios.scenario import Options, Scenario
+from tests.axe import violations
 from tests.browser import Browser, Page, browser
 
 __all__ = ["browser"]  # a fixture
@@ -95,6 +96,33 @@ def test_page_needs_nothing_else_says_no_error_and_cuts_nothing(
     assert page.requests == []
     assert page.evaluate("document.documentElement.scrollWidth") <= width
     assert cut(page) == []
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("width", [NARROW, WIDE])
+@pytest.mark.parametrize("file", [REPORT, INDEX])
+def test_page_is_for_people_who_hear_it_or_enlarge_it_too(
+    opened: Callable[[str, int], Page], file: str, width: int, scheme: str
+) -> None:
+    page = opened(file, width)
+    page.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
+    page.evaluate("document.querySelectorAll('details').forEach((one) => { one.open = true; })")
+    dark = page.evaluate("getComputedStyle(document.documentElement).backgroundColor") != "rgb(255, 255, 255)"
+    assert dark == (scheme == "dark")
+    assert violations(page, "heading-order", "region") == []
+
+
+def test_picture_comes_first_the_verdict_second_the_table_third(report: Page, summary: dict[str, Any]) -> None:
+    shown = report.evaluate(
+        """[...document.querySelectorAll("main img, #verdict, main table, main h2")].map((one) => one.id || one.alt
+            || one.innerText)"""
+    )
+    failing = next(row["quantity"] for row in summary["rows"] if row["holds"] is False)
+    assert shown[:4] == [f"Picture of {NAME}: figure", "verdict", "Thesis against simulation", "rows"]
+    heads = report.evaluate("[...document.querySelectorAll('h2')].map((one) => one.innerText)")
+    assert heads == ["Thesis against simulation", "Motion", "Charts", "Parameters", "Made by"]
+    told = report.evaluate("document.getElementById('verdict').innerText")
+    assert told == f"\u2717 1 of 3 judged rows does not hold: {failing}."
 
 
 def test_numbers_of_the_table_are_those_of_the_summary(report: Page, summary: dict[str, Any]) -> None:
@@ -225,6 +253,7 @@ def test_index_links_to_the_report_and_marks_what_the_thesis_prints(
     marks = page.evaluate("document.querySelector('.js-plotly-plot').data.flatMap((one) => [...one.x])")
     printed = [row for row in summary["rows"] if row["thesis"] is not None]
     assert sorted(marks) == pytest.approx(sorted(row["simulated"] / row["thesis"] for row in printed))
+    assert page.evaluate("document.getElementById('verdict').innerText").endswith(f"does not hold, in {NAME}.")
     cells = page.evaluate(
         "[...document.querySelectorAll('#scenarios td.number')].slice(0, 3).map((one) => one.innerText)"
     )
@@ -357,6 +386,39 @@ def test_columns_share_a_chart_with_their_like() -> None:
     for name, size in {"time": 1.0, **sizes}.items():
         series.add(name, series.units[name], np.array([0.0, -size]))
     assert list(together(series)) == [["distance"], ["lateral_1", "lateral_2"], ["speed"], ["none"]]
+
+
+@pytest.mark.parametrize(
+    ("verdicts", "told"),
+    [
+        ([None], "No row is judged."),
+        ([True, None], "The only judged row holds."),
+        ([True, True, None], "All 2 judged rows hold."),
+        ([True, False, None], "1 of 2 judged rows does not hold: a; b."),
+        ([False, False], "2 of 2 judged rows do not hold: a; b."),
+    ],
+)
+def test_one_sentence_says_whether_all_holds(verdicts: list[bool | None], told: str) -> None:
+    assert sentence([{"holds": one} for one in verdicts], ": a; b") == told
+
+
+def test_pictures_have_the_sentence_of_the_summary_or_their_name(tmp_path: Path) -> None:
+    for name in ("a", "figure", "map"):
+        (tmp_path / f"{name}.png").write_bytes(b"")
+    summary = {"scenario": "curve", "pictures": {"figure.png": "It derails.", "a.png": "It stops."}}
+    assert [one.text for one in pictures(tmp_path, summary)] == ["It derails.", "It stops.", "Picture of curve: map"]
+
+
+def test_index_shows_what_does_not_hold_first_and_what_is_not_judged_last(tmp_path: Path) -> None:
+    for name, asked in {"levels": None, "bogie-pitch": at_most(2.0), "speed": at_most(0.5)}.items():
+        report = nasty_report()
+        report.rows = [Row("row", "m", None, 1.0, asked, "")]
+        save(report, name, tmp_path, 1.0)
+    assert main(["report", "--out", str(tmp_path)]) == 0
+    text = (tmp_path / "index.html").read_text(encoding="utf-8")
+    places = [text.index(f'<a href="{name}/') for name in ("speed", "bogie-pitch", "levels")]
+    assert places == sorted(places)
+    assert "1 of 2 judged rows does not hold, in speed." in text
 
 
 def test_what_pages_need_is_imported_for_pages_alone() -> None:

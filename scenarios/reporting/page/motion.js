@@ -210,6 +210,8 @@
       + `${shown(data.distance[frame], 1)} m`;
     if (data.on_line) field("line").textContent = lineAt(data.distance[frame]);
     field("factor").textContent = `${times} times`;
+    bar.setAttribute("aria-valuetext", field("instant").textContent);
+    factor.setAttribute("aria-valuetext", field("factor").textContent);
     if (section) drawSection(frame);
   };
   const drawSection = (frame) => {
