@@ -265,12 +265,12 @@ def test_a_link_brings_back_the_run_to_the_last_digit(browser: Browser, file: Pa
 
 
 def test_a_link_that_cannot_be_says_what_is_left_out(still: Page) -> None:
-    still.evaluate("openLink('#level=7&friction=1e9&colour=red&do=3:lever:100,x:y,5:lever:1e4,6:gradient:3')")
+    still.evaluate("openLink('#level=7&friction=1e9&colour=red&do=90000:lever:100,x:y,5:lever:1e4,6:gradient:3')")
     told = still.evaluate("[...at('sentences').children].map((one) => one.textContent)")
     assert len(told) == 6
     assert "The link has level 7; this page takes 1, 2, 3, and starts with 2." in told
     assert any('"colour"' in one for one in told)
-    assert still.evaluate("live.simulation.plan") == [[3, "lever", 1]]
+    assert still.evaluate("live.simulation.plan") == [[90000, "lever", 1]]
     assert still.evaluate("live.simulation.controls.friction") == 0.3
 
 
