@@ -22,7 +22,8 @@ class SectionView {
       context.fillText(`${name}: Q ${(load / 1e3).toFixed(0)} kN, Y ${(lateral / 1e3).toFixed(1)} kN`, middle, height - 8);
     }
     context.textAlign = "left";
-    context.fillText(`leading wheelset, ${(1e3 * kernel.get("lateral_1")).toFixed(2)} mm to the left; Y drawn ${FORCE.Y / FORCE.Q} times as long as Q`, 4, 13);
+    const shift = 1e3 * kernel.get("lateral_1"), words = `${Math.abs(shift).toFixed(2)} mm to the ${shift < 0 ? "right" : "left"}`;
+    context.fillText(`wheelset 1 from behind, ${words}; Y drawn ${FORCE.Y / FORCE.Q} times as long as Q`, 4, 13);
   }
 
   // Profiles count outwards; a wheelset that moves to the left brings its left wheel outwards.

@@ -4,7 +4,7 @@ const EXAGGERATED = 10; // bounce and pitch of the bodies
 const SLEEPERS = 0.6, POSTS = 50; // along the track [m]
 const FRAME = { size: 0.5, beyond: 0.6 }, CAR = { size: 2.6, beyond: 2.5 }; // height and what juts out, drawn [m]
 const PANE = { pitch: 2, width: 1.3 }; // of windows, drawn [m]
-const SMALLEST = 15; // a wheel with its number in it [pixels]
+const SMALLEST = 12; // a wheel with its number in it [pixels]
 const VALVES = ["", "hold", "vent"]; // by command; what applies needs no word
 
 // What carries wheelsets is drawn as a frame, what lies on frames as a car.
