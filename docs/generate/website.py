@@ -34,14 +34,14 @@ from scenarios.live.train_page import train_page
 
 LIVE, TRAIN = "live.html", "train.html"
 #: Files beside docs/ by their names on the site, whose start is docs/index.md.
-OUTSIDE = {"overview.md": "README.md", "EQUATIONS.md": "EQUATIONS.md", "CHANGELOG.md": "CHANGELOG.md"}
+OUTSIDE = {"inside/README.md": "README.md", "EQUATIONS.md": "EQUATIONS.md", "CHANGELOG.md": "CHANGELOG.md"}
 #: Of a Python file of ours, and a name in it; the same as a name with dots.
 PLACE = rf"(?<![\w/])((?:{'|'.join(HOUSE)})/[\w/]+|build_fmu)\.py(?::\s(\w+(?:\.\w+)*))?"
 DOTTED = rf"((?:{'|'.join(HOUSE)})(?:\.\w+)+)"
 #: How pages stand in the search, by the beginnings of their names: guides first, then tables, the rest last.
 BOOST = {
     **dict.fromkeys(("scenarios", "variables", "architecture", "checking", "limits"), 0.3),
-    **dict.fromkeys(("api/", "overview", "ways", "EQUATIONS", "CHANGELOG"), 0.1),
+    **dict.fromkeys(("api/", "inside/", "ways", "EQUATIONS", "CHANGELOG"), 0.1),
 }
 #: Words of users that a page answers, where its headings say them otherwise.
 WORDS = {
@@ -131,8 +131,11 @@ def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:
     name = page.file.src_uri
     page.meta.setdefault("tags", WORDS.get(name.removesuffix(".md"), []))
     page.meta.setdefault("search", {"boost": next((BOOST[some] for some in BOOST if name.startswith(some)), 1.0)})
+    if name == "inside/README.md":
+        markdown = re.sub(r"\]\((?:docs/)?(?!#|\w+:)", "](../", markdown)
+        return re.sub(r"!\[The live page.*?\)", rf"[\g<0>](../{LIVE})", markdown)
     if name.startswith("hosts/"):
-        return markdown.replace("](../../", "](../").replace("](../README.md", "](../overview.md")
+        return markdown.replace("](../../README.md", "](../inside/README.md").replace("](../../", "](../")
     if "/" in name:
         return markdown
     if name == "EQUATIONS.md":
@@ -142,8 +145,7 @@ def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:
     if name == "downloads.md":
         markdown = downloads.filled(markdown)
     markdown = re.sub(r"\]\((?:\.\./|docs/)", "](", markdown).replace(".ipynb)", ".md)")
-    markdown = markdown.replace("](README.md", "](overview.md")
-    return re.sub(r"!\[The live page.*?\)", rf"[\g<0>]({LIVE})", markdown)
+    return re.sub(r"!\[The live page.*?\)", rf"[\g<0>]({LIVE})", markdown.replace("](README.md", "](inside/README.md"))
 
 
 def thumbnail(name: str) -> str:
@@ -163,7 +165,9 @@ def on_page_content(content: str, page: Page, **_: Any) -> str:
     content = re.sub(r'<(span|div) class="arithmatex">\\[(\[](.*?)\\[)\]]</\1>', formula, content, flags=re.DOTALL)
     content = content.replace("<pre><span></span>", '<pre tabindex="0"><span></span>')
     content = re.sub(f"<code>{PLACE}</code>", reference, content)
-    return re.sub(f"<code>{DOTTED}</code>", reference, content)
+    content = re.sub(f"<code>{DOTTED}</code>", reference, content)
+    short = r"bb\.(\w+)" if page.file.src_uri != "public.md" else r"(?:bb\.)?(\w+)"
+    return re.sub(f"<code>{short}</code>", lambda one: to_api(f"bogie_braking.{one[1]}", one[0]), content)
 
 
 def formula(match: re.Match[str]) -> str:
@@ -175,6 +179,10 @@ def formula(match: re.Match[str]) -> str:
 
 
 def reference(match: re.Match[str]) -> str:
-    """A place in the code, to be led to its entry in the API where it is public."""
-    place = ".".join(part for part in match.groups() if part).replace("/", ".")
-    return f'<autoref identifier="{place}" optional>{match.group()}</autoref>'
+    """A place in the code, to be led to its entry in the API."""
+    return to_api(".".join(part for part in match.groups() if part).replace("/", "."), match.group())
+
+
+def to_api(name: str, shown: str) -> str:
+    """What is shown, as a link to the entry of a dotted name in the API; as it is where it has none."""
+    return f'<autoref identifier="{name}" optional>{shown}</autoref>'
