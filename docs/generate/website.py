@@ -46,7 +46,8 @@ BOOST = {
 #: Words of users that a page answers, where its headings say them otherwise.
 WORDS = {
     "public": ["stopping distance", "first stop"],
-    "physics": ["shoe friction"],
+    "physics": ["shoe friction", "slip", "lock-up", "adhesion"],
+    "choosing": ["accuracy", "tolerance", "level"],
     "calibrate": ["calibrate", "calibration", "parameter identification"],
     "rare": ["histogram", "stopping distance", "distribution", "Monte Carlo"],
     "line": ["gradient", "curve", "slope"],
