@@ -15,6 +15,7 @@ import sys
 from collections.abc import Iterator
 from html.parser import HTMLParser
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -124,6 +125,17 @@ def test_numbers_of_summaries_stand_on_the_pages_that_they_cite() -> None:
             looked_at += 1
             assert re.search(rf"(?<![\d.]){re.escape(number)}(?!\d)", text), f"{number} is not in {cited}"
     assert looked_at > MANY
+
+
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")  # ziamath, as it is imported
+def test_links_to_the_root_hold_in_pages_of_hosts(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "docs" / "generate"))
+    website = importlib.import_module("website")
+    page = SimpleNamespace(file=SimpleNamespace(src_uri="hosts/rust.md"), meta={})
+    written = "[a](../../README.md#limits) [b](../../EQUATIONS.md) [c](../hosts.md)"
+    shown = "[a](../inside/README.md#limits) [b](../EQUATIONS.md) [c](../hosts.md)"
+    assert website.on_page_markdown(written, page) == shown
+    assert page.meta["search"] == {"boost": 1.0}
 
 
 def test_downloads_list_the_files_of_a_release_where_there_is_one(
