@@ -1,9 +1,13 @@
-"""The site has every page, every scenario and every public name, no dead link, and asks no network for anything."""
+"""The site has every page, every scenario and every public name, no dead link, and asks no network for anything.
+
+Its search finds for the words of a user the page that is meant, and its first page is for everybody.
+"""
 
 from __future__ import annotations
 
-import ast
 import functools
+import importlib
+import json
 import os
 import re
 import subprocess
@@ -11,11 +15,15 @@ import sys
 from collections.abc import Iterator
 from html.parser import HTMLParser
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
-from products.sources import HOUSE
+import bogie_braking as bb
 from scenarios.catalogue import SCENARIOS
+from tests.browser import Browser, browser
+
+__all__ = ["browser"]
 
 mkdocstrings = pytest.importorskip("mkdocstrings", reason="install the extra: pip install -e .[docs]")
 yaml = pytest.importorskip("yaml")
@@ -43,6 +51,37 @@ class Leads(HTMLParser):
 
 
 leads_of = functools.cache(Leads)
+MOST_TABS = 8
+#: Numbers that must have been compared, so that the comparison has seen the pages.
+MANY = 40
+#: One of at least two digits; years and versions do not stand beside a link.
+NUMBER = re.compile(r"(?<![\w.])\d[\d.e-]*\d(?![\w.])")
+#: What a user types, and the page that is meant; a host's page may stand for that of all hosts.
+ASKED = {
+    "stopping distance": "public",
+    "shoe friction": "physics",
+    "calibrate": "calibrate",
+    "histogram": "rare",
+    "gradient": "line",
+    "protection": "controller",
+    "teeth": "controller",
+    "Simulink": "hosts",
+    "license": "installation",
+    "units": "units",
+}
+#: Types into the search of a page, and waits until what is found changes.
+SEARCH = """new Promise(done => {
+  const field = document.querySelector(".md-search__input"), list = document.querySelector(".md-search-result__list")
+  list.replaceChildren()
+  field.focus()
+  field.value = %s
+  field.dispatchEvent(new KeyboardEvent("keyup", { bubbles: true }))
+  const look = setInterval(() => {
+    const found = [...list.querySelectorAll(".md-search-result__item > a")].map(one => one.pathname)
+    if (found.length) { clearInterval(look); done(found) }
+  }, 50)
+  setTimeout(() => done([]), 20000)
+})"""
 #: Behind a host, or where no file is.
 FROM_NETWORK, ELSEWHERE = re.compile(r"(https?:)?//"), re.compile(r"\w+:|//")
 
@@ -50,38 +89,69 @@ FROM_NETWORK, ELSEWHERE = re.compile(r"(https?:)?//"), re.compile(r"\w+:|//")
 def pages(entries: list) -> Iterator[str]:
     """All pages of a navigation."""
     for entry in entries:
-        (value,) = entry.values()
-        if isinstance(value, str):
-            yield value
-        else:
-            yield from pages(value)
+        for value in entry.values() if isinstance(entry, dict) else [entry]:
+            yield from [value] if isinstance(value, str) else pages(value)
 
 
 def test_every_page_and_every_notebook_has_its_place() -> None:
-    """Scenarios and modules find theirs by themselves (`docs/generate/website.py`)."""
-    found = list(pages(yaml.safe_load((ROOT / "mkdocs.yml").read_text(encoding="utf-8"))["nav"]))
+    """Scenarios and public names find theirs by themselves (`docs/generate/website.py`)."""
+    tabs = yaml.safe_load((ROOT / "mkdocs.yml").read_text(encoding="utf-8"))["nav"]
+    assert len(tabs) <= MOST_TABS
+    found = list(pages(tabs))
     assert len(found) == len(set(found))
-    docs = {path.name for path in ROOT.glob("docs/*.md")} - {"scenarios.md"}
+    texts = [*ROOT.glob("docs/*.md"), *ROOT.glob("docs/hosts/*.md")]
+    docs = {path.relative_to(ROOT / "docs").as_posix() for path in texts} - {"scenarios.md"}
     notebooks = {f"notebooks/{path.stem}.md" for path in ROOT.glob("docs/notebooks/*.ipynb")}
-    assert set(found) == docs | notebooks | {"README.md", "EQUATIONS.md", "CHANGELOG.md", "live.html", "train.html"}
+    assert set(found) == docs | notebooks | {
+        "EQUATIONS.md",
+        "CHANGELOG.md",
+        "inside/README.md",
+        "live.html",
+        "train.html",
+    }
 
 
-def public_names() -> Iterator[str]:
-    """Dotted names of functions, classes and methods that can be imported, without a leading underscore."""
+def test_numbers_of_summaries_stand_on_the_pages_that_they_cite() -> None:
+    """In each paragraph of the first page and of the questions, and what validation says was asked and measured."""
+    front, questions, validation = (
+        (ROOT / "docs" / name).read_text(encoding="utf-8") for name in ("index.md", "faq.md", "validation.md")
+    )
+    rows = re.findall(r"^\| [^-|][^|]*\|[^|]*(\|.*\|)$", validation, re.MULTILINE)
+    looked_at = 0
+    for part in (*front.split("\n\n"), *questions.split("\n\n"), *rows):
+        cited = re.findall(r"\]\((\w+\.md)", part)
+        text = " ".join((ROOT / "docs" / name).read_text(encoding="utf-8") for name in cited)
+        for number in NUMBER.findall(re.sub(r"\]\([^)]*\)", "]", part)) if cited else []:
+            looked_at += 1
+            assert re.search(rf"(?<![\d.]){re.escape(number)}(?!\d)", text), f"{number} is not in {cited}"
+    assert looked_at > MANY
 
-    def within(body: list[ast.stmt], outer: str) -> Iterator[str]:
-        for node in body:
-            if isinstance(node, ast.FunctionDef | ast.ClassDef) and not node.name.startswith("_"):
-                yield f"{outer}.{node.name}"
-                if isinstance(node, ast.ClassDef):
-                    yield from within(node.body, f"{outer}.{node.name}")
 
-    for path in [ROOT / "build_fmu.py", *(path for package in HOUSE for path in (ROOT / package).rglob("*.py"))]:
-        in_package = path.parent == ROOT or (path.parent / "__init__.py").exists()
-        if path.name == "__main__.py" or not in_package:
-            continue
-        module = ".".join(path.relative_to(ROOT).with_suffix("").parts)
-        yield from within(ast.parse(path.read_text(encoding="utf-8")).body, module)
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")  # ziamath, as it is imported
+def test_links_to_the_root_hold_in_pages_of_hosts(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "docs" / "generate"))
+    website = importlib.import_module("website")
+    page = SimpleNamespace(file=SimpleNamespace(src_uri="hosts/rust.md"), meta={})
+    written = "[a](../../README.md#limits) [b](../../EQUATIONS.md) [c](../hosts.md)"
+    shown = "[a](../inside/README.md#limits) [b](../EQUATIONS.md) [c](../hosts.md)"
+    assert website.on_page_markdown(written, page) == shown
+    assert page.meta["search"] == {"boost": 1.0}
+
+
+def test_downloads_list_the_files_of_a_release_where_there_is_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "docs" / "generate"))
+    downloads = importlib.import_module("downloads")
+    page = (ROOT / "docs" / "downloads.md").read_text(encoding="utf-8")
+    monkeypatch.setattr(downloads, "DIST", tmp_path / "none")
+    assert downloads.filled(page) == page
+    monkeypatch.setattr(downloads, "DIST", tmp_path)
+    (tmp_path / "a.whl").write_bytes(b"abc")
+    filled = downloads.filled(page)
+    assert "make release" not in filled
+    checksum = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
+    assert f"| [a.whl](downloads/a.whl) | 0.0 kB | `{checksum}` |" in filled
 
 
 @pytest.fixture(scope="module")
@@ -96,10 +166,15 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.long
-def test_every_public_name_is_in_the_site(site: Path) -> None:
+def test_every_public_name_is_in_the_site_and_no_page_is_of_a_room(site: Path) -> None:
     with (site / "objects.inv").open("rb") as file:
         inventory = mkdocstrings.Inventory.parse_sphinx(file)
-    assert sorted(set(public_names()) - set(inventory)) == []
+    names = {f"bogie_braking.{name}" for name in bb.__all__} - {"bogie_braking.__version__", "bogie_braking.parts"}
+    assert names | {"bogie_braking.parts.Springs", "products.train.train.Train.drive"} <= set(inventory)
+    linked = leads_of(site / "public.html").links
+    assert {path.relative_to(site).as_posix() for path in site.glob("api/*.html")} <= {
+        one.partition("#")[0] for one in linked
+    }
 
 
 @pytest.mark.long
@@ -121,8 +196,8 @@ def test_formulas_and_places_in_the_code_are_what_they_should_be(site: Path) -> 
     source = (ROOT / "docs" / "physics.md").read_text(encoding="utf-8")
     assert physics.count('display="block"') == source.count("$$") // 2
     assert "arithmatex" not in physics
-    assert 'href="api/rbd_model.levels.point.html#rbd_model.levels.point.point_vehicle"' in physics
-    assert 'href="api/rbd_model.thesis.euler.html' in (site / "EQUATIONS.html").read_text(encoding="utf-8")
+    assert "<code>rbd_model/levels/point.py: point_vehicle</code>" in physics
+    assert "api/Line.html#bogie_braking.arc" in leads_of(site / "ways.html").links
 
 
 def html_of(site: Path) -> list[Path]:
@@ -145,8 +220,30 @@ def test_no_link_is_dead(site: Path) -> None:
         for link in leads_of(path).links:
             if ELSEWHERE.match(link):
                 continue
-            name, _, anchor = link.partition("#")
+            name, _, anchor = link.removesuffix("#embed=1").partition("#")  # that tells the live page what to show
             target = (path.parent / name).resolve() if name else path
             if not target.is_file() or (anchor and target.suffix == ".html" and anchor not in leads_of(target).anchors):
                 dead.add(f"{path.relative_to(site)}: {link}")
-    assert dead == set()
+    assert sorted(dead) == []
+
+
+@pytest.mark.long
+def test_the_search_finds_what_a_user_means(site: Path, browser: Browser) -> None:
+    page = browser.open(site / "index.html", 1440)
+    for words, meant in ASKED.items():
+        found = [Path(place).relative_to(site).as_posix() for place in page.evaluate(SEARCH % json.dumps(words))]
+        assert any(re.match(rf"{meant}[./]", place) for place in found[:2]), f"{words}: {found}"
+    assert page.errors == page.requests == []
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("width", "height"), [(1440, 900), (390, 844)])
+def test_the_first_screen_says_what_it_is_what_to_click_and_where_to_go(
+    site: Path, browser: Browser, width: int, height: int
+) -> None:
+    page = browser.open(site / "index.html", width, height)
+    shown = "[...document.querySelectorAll('.front h1, .front iframe, .front-doors a')]"
+    assert page.evaluate(f"Math.max(...{shown}.map(one => one.getBoundingClientRect().bottom))") <= height
+    assert page.evaluate("document.querySelectorAll('.front-doors a').length") == 3
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    assert page.evaluate("document.querySelector('.front iframe').getAttribute('src')").startswith("live.html#")

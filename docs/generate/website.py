@@ -1,7 +1,7 @@
 """Hooks of MkDocs: what the site has beside the pages in docs/, and what becomes of their links, places and formulas.
 
-Added are the README, EQUATIONS.md and the changelog, a page for each scenario and for each module, the notebooks with
-what they show when they run, the live page, and a search that works from a disk.
+Added are the README, EQUATIONS.md and the changelog, a page for each scenario and for each public name, the notebooks
+with what they show when they run, the live pages, the files of a release, and a search that works from a disk.
 """
 
 import html
@@ -13,9 +13,12 @@ from pathlib import Path
 from typing import Any
 
 import catalogue
+import downloads
+import front_picture
 import material
 import nbformat
 import ziamath
+from api_pages import api_pages
 from latex2mathml.converter import convert
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
@@ -30,57 +33,66 @@ from scenarios.live import page as live
 from scenarios.live.train_page import train_page
 
 LIVE, TRAIN = "live.html", "train.html"
-OUTSIDE = ("README.md", "EQUATIONS.md", "CHANGELOG.md")
+#: Files beside docs/ by their names on the site, whose start is docs/index.md.
+OUTSIDE = {"inside/README.md": "README.md", "EQUATIONS.md": "EQUATIONS.md", "CHANGELOG.md": "CHANGELOG.md"}
 #: Of a Python file of ours, and a name in it; the same as a name with dots.
 PLACE = rf"(?<![\w/])((?:{'|'.join(HOUSE)})/[\w/]+|build_fmu)\.py(?::\s(\w+(?:\.\w+)*))?"
 DOTTED = rf"((?:{'|'.join(HOUSE)})(?:\.\w+)+)"
-#: Pages that people wrote come first in a search.
-API_PAGE = "---\nsearch:\n  boost: 0.5\n---\n\n::: {}\n"
-
-
-def is_module(path: Path) -> bool:
-    """Whether a file lies in a package; the hosts that travel in archives do not."""
-    return (path.parent / "__init__.py").exists()
-
-
-def modules() -> list[str]:
-    """Dotted names of what can be imported of ours, but for the sentences about rooms and the command line."""
-    files = [path for package in HOUSE for path in sorted((ROOT / package).rglob("[!_]*.py")) if is_module(path)]
-    return [".".join(path.relative_to(ROOT).with_suffix("").parts) for path in [*files, ROOT / "build_fmu.py"]]
-
-
-def in_rooms(names: list[str]) -> list[Any]:
-    """Modules as MkDocs wants a navigation: those of a room below it."""
-    rooms: dict[str, list[str]] = {}
-    for name in names:
-        rooms.setdefault(name.rpartition(".")[0] or name, []).append(f"api/{name}.md")
-    return [{room: [{Path(page).stem.rpartition(".")[2]: page} for page in pages]} for room, pages in rooms.items()]
+#: How pages stand in the search, by the beginnings of their names: guides first, then tables, the rest last.
+BOOST = {
+    **dict.fromkeys(("scenarios", "variables", "architecture", "checking", "limits"), 0.3),
+    **dict.fromkeys(("api/", "inside/", "ways", "EQUATIONS", "CHANGELOG"), 0.1),
+}
+#: Words of users that a page answers, where its headings say them otherwise.
+WORDS = {
+    "public": ["stopping distance", "first stop"],
+    "physics": ["shoe friction", "slip", "lock-up", "adhesion"],
+    "choosing": ["accuracy", "tolerance", "level"],
+    "calibrate": ["calibrate", "calibration", "parameter identification"],
+    "rare": ["histogram", "stopping distance", "distribution", "Monte Carlo"],
+    "line": ["gradient", "curve", "slope"],
+    "controller": ["protection", "WSP", "anti-skid", "teeth", "encoder"],
+    "hosts": ["Simulink", "Dymola", "Simpack", "OpenModelica"],
+    "installation": ["license", "licence", "install"],
+    "units": ["units", "signs"],
+}
 
 
 def on_config(config: MkDocsConfig) -> MkDocsConfig:
-    """Scenarios and modules enter the navigation, which mkdocs.yml leaves empty there."""
+    """Scenarios and public names enter the navigation, which mkdocs.yml leaves empty there."""
     rooms = [
         {room: [f"scenarios/{one.name}.md" for module in files for one in catalogue.scenarios_of(module)]}
         for room, files in catalogue.modules().items()
     ]
-    added = {"Scenarios": ["scenarios.md", *rooms], "API": in_rooms(modules())}
-    config.nav = [{name: added.get(name, pages) for name, pages in entry.items()} for entry in config.nav or []]
+    config.nav = filled(config.nav or [], {"Scenarios": ["scenarios.md", *rooms], "API": list(api_pages())})
     return config
+
+
+def filled(nav: Any, added: dict[str, list[Any]]) -> Any:
+    """A navigation or a page of it, whose empty sections of these names have what is added."""
+    if not isinstance(nav, list):
+        return nav
+    return [
+        one if isinstance(one, str) else {name: added.get(name) or filled(one[name], added) for name in one}
+        for one in nav
+    ]
 
 
 def contents() -> Iterator[tuple[str, str | Path]]:
     """What is added, by its name on the site: a text, or the file that it is."""
-    for path in (*(ROOT / name for name in OUTSIDE), *ROOT.glob("products/pictures/*.png")):
-        yield path.relative_to(ROOT).as_posix(), path
+    yield from ((name, ROOT / path) for name, path in OUTSIDE.items())
+    yield from ((path.relative_to(ROOT).as_posix(), path) for path in ROOT.glob("products/pictures/*.png"))
+    yield from ((f"downloads/{path.name}", path) for path in downloads.files())
     for module in chain.from_iterable(catalogue.modules().values()):
         for one in catalogue.scenarios_of(module):
             yield f"scenarios/{one.name}.md", scenario_page(one, module)
             yield from ((f"scenarios/{name}", path) for name, path in pictures_of(one.name).items())
-    yield from ((f"api/{name}.md", API_PAGE.format(name)) for name in modules())
+    yield from api_pages().items()
     for path in sorted(DOCS.glob("notebooks/*.ipynb")):
         yield f"notebooks/{path.stem}.md", run_notebook(path)
     yield LIVE, live.page()
     yield TRAIN, train_page()
+    yield "pictures/one-step.svg", front_picture.svg()
     yield "assets/formulas.ttf", Path(ziamath.__file__).parent / "fonts" / "STIXTwoMath-Regular.ttf"
     yield "assets/instead-of-iframe-worker.js", search_from_disk()
 
@@ -116,15 +128,25 @@ def search_from_disk() -> str:
 
 
 def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:
-    """Links between the root and docs/ hold on the site, where all lies in one folder."""
-    if "/" in page.file.src_uri:
+    """A page gets its place in the search; links between the root and docs/ hold on the site, all in one folder."""
+    name = page.file.src_uri
+    page.meta.setdefault("tags", WORDS.get(name.removesuffix(".md"), []))
+    page.meta.setdefault("search", {"boost": next((BOOST[some] for some in BOOST if name.startswith(some)), 1.0)})
+    if name == "inside/README.md":
+        markdown = re.sub(r"\]\((?:docs/)?(?!#|\w+:)", "](../", markdown)
+        return re.sub(r"!\[The live page.*?\)", rf"[\g<0>](../{LIVE})", markdown)
+    if name.startswith("hosts/"):
+        return markdown.replace("](../../README.md", "](../inside/README.md").replace("](../../", "](../")
+    if "/" in name:
         return markdown
-    if page.file.src_uri == "EQUATIONS.md":
+    if name == "EQUATIONS.md":
         markdown = re.sub(PLACE, lambda place: f"`{place.group()}`", markdown)
-    if page.file.src_uri == "scenarios.md":
+    if name == "scenarios.md":
         markdown = re.sub(r"^\| `([\w-]+)` ", lambda row: thumbnail(row.group(1)), markdown, flags=re.MULTILINE)
+    if name == "downloads.md":
+        markdown = downloads.filled(markdown)
     markdown = re.sub(r"\]\((?:\.\./|docs/)", "](", markdown).replace(".ipynb)", ".md)")
-    return re.sub(r"!\[The live page.*?\)", rf"[\g<0>]({LIVE})", markdown)
+    return re.sub(r"!\[The live page.*?\)", rf"[\g<0>]({LIVE})", markdown.replace("](README.md", "](inside/README.md"))
 
 
 def thumbnail(name: str) -> str:
@@ -133,11 +155,20 @@ def thumbnail(name: str) -> str:
     return f"| [`{name}`](scenarios/{name}.md){picture} "
 
 
-def on_page_content(content: str, **_: Any) -> str:
-    """Formulas become MathML, which browsers draw by themselves; places in the code lead to the API."""
+def on_page_content(content: str, page: Page, **_: Any) -> str:
+    """Formulas become MathML, which browsers draw by themselves; public places in the code lead to the API.
+
+    What may scroll can be reached by keys. The numbers of scenarios are not searched: they would hide the pages that
+    explain them.
+    """
+    if page.file.src_uri.startswith("scenarios"):
+        content = content.replace("<table>", "<table data-search-exclude>")
     content = re.sub(r'<(span|div) class="arithmatex">\\[(\[](.*?)\\[)\]]</\1>', formula, content, flags=re.DOTALL)
+    content = content.replace("<pre><span></span>", '<pre tabindex="0"><span></span>')
     content = re.sub(f"<code>{PLACE}</code>", reference, content)
-    return re.sub(f"<code>{DOTTED}</code>", reference, content)
+    content = re.sub(f"<code>{DOTTED}</code>", reference, content)
+    short = r"bb\.(\w+)" if page.file.src_uri != "public.md" else r"(?:bb\.)?(\w+)"
+    return re.sub(f"<code>{short}</code>", lambda one: to_api(f"bogie_braking.{one[1]}", one[0]), content)
 
 
 def formula(match: re.Match[str]) -> str:
@@ -145,12 +176,14 @@ def formula(match: re.Match[str]) -> str:
     source = html.unescape(match.group(2))
     if match.group(1) == "span":
         return str(convert(source))
-    return f'<div class="formula">{convert(source, display="block")}</div>'
+    return f'<div class="formula" tabindex="0">{convert(source, display="block")}</div>'
 
 
 def reference(match: re.Match[str]) -> str:
-    """A place in the code, to be led to its entry in the API; to its module where it is not public."""
-    module, name = (*match.groups(), None)[:2]
-    public = [part for part in (name or "").split(".") if part]
-    known = [module.replace("/", "."), *([] if any(part.startswith("_") for part in public) else public)]
-    return f'<autoref identifier="{".".join(known)}" optional>{match.group()}</autoref>'
+    """A place in the code, to be led to its entry in the API."""
+    return to_api(".".join(part for part in match.groups() if part).replace("/", "."), match.group())
+
+
+def to_api(name: str, shown: str) -> str:
+    """What is shown, as a link to the entry of a dotted name in the API; as it is where it has none."""
+    return f'<autoref identifier="{name}" optional>{shown}</autoref>'
