@@ -21,6 +21,7 @@ import pytest
 
 import bogie_braking as bb
 from scenarios.catalogue import SCENARIOS
+from tests.axe import violations
 from tests.browser import Browser, browser
 
 __all__ = ["browser"]
@@ -247,3 +248,13 @@ def test_the_first_screen_says_what_it_is_what_to_click_and_where_to_go(
     assert page.evaluate("document.querySelectorAll('.front-doors a').length") == 3
     assert page.evaluate("document.documentElement.scrollWidth") <= width
     assert page.evaluate("document.querySelector('.front iframe').getAttribute('src')").startswith("live.html#")
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", ["index", "physics", "hosts", "public"])
+def test_nothing_is_hard_to_read_or_to_use(site: Path, browser: Browser, name: str) -> None:
+    for scheme in ("light", "dark"):
+        page = browser.open(site / f"{name}.html", 1440)
+        page.prefer(scheme)
+        assert violations(page) == []
+        page.close()
