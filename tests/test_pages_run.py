@@ -29,9 +29,9 @@ from products.sources import HOUSE
 ROOT = Path(__file__).parents[1]
 #: A fenced block: its language and its text.
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
-#: What a block may be and is not tested: commands (`bash`, `bat`), what they print (`log`), other languages, and Python
-#: (`py`) that needs what takes too long to build.
-UNTESTED = {"bash", "bat", "java", "julia", "log", "py", "rust", "xml"}
+#: What a block may be and is not tested: commands (`bash`, `bat`), what they print (`log`), other languages and files,
+#: and Python (`py`) that needs what takes too long to build.
+UNTESTED = {"bash", "bat", "csv", "java", "julia", "log", "py", "rust", "xml"}
 #: What a block may be: Python, commands, changes, what is printed, other files.
 KINDS = UNTESTED | {"python", "sh", "diff", "text", "c", "toml"}
 #: What the commands of a block may call.
@@ -131,6 +131,13 @@ def shown_by_python(code: str, names: dict[str, object]) -> str:
     return shown.getvalue()
 
 
+def skip_without_extra(page: str) -> None:
+    """Ends the test of a page here if a package is missing that it needs."""
+    extra, packages = EXTRAS.get(page, ("", ()))
+    if any(importlib.util.find_spec(package) is None for package in packages):
+        pytest.skip(f"install the extra: pip install -e .[{extra}]")
+
+
 def run_page(page: str, instead: Mapping[str, str]) -> None:
     """Runs the blocks of a page in the current folder."""
     shown, names = "", {}
@@ -154,16 +161,14 @@ def run_page(page: str, instead: Mapping[str, str]) -> None:
 
 @pytest.mark.parametrize("page", [name(path) for path in PAGES if name(path) != WRITING])
 def test_a_page_runs_and_prints_what_it_says(page: str, checkout: Path) -> None:
-    extra, packages = EXTRAS.get(page, ("", ()))
-    for package in packages:
-        if importlib.util.find_spec(package) is None:
-            pytest.skip(f"install the extra: pip install -e .[{extra}]")
+    skip_without_extra(page)
     run_page((checkout / page).read_text(encoding="utf-8"), DRY | SHORT)
 
 
 @pytest.mark.long
 @pytest.mark.parametrize("page", [name(path) for path in PAGES if any(one in path.read_text("utf-8") for one in SHORT)])
 def test_a_page_runs_whole(page: str, checkout: Path) -> None:
+    skip_without_extra(page)
     run_page((checkout / page).read_text(encoding="utf-8"), DRY)
 
 
