@@ -18,9 +18,12 @@ from products.sources import HOUSE
 from scenarios.catalogue import SCENARIOS
 
 ROOT = Path(__file__).parents[1]
-PAGES = ["README.md", "CHANGELOG.md", "EQUATIONS.md", *sorted(f"docs/{path.name}" for path in ROOT.glob("docs/*.md"))]
-#: Written when something is built or run, or named as an example.
-MADE = ("build/", "results/", "rbd_model/roller_rig.py")
+WRITTEN = sorted(
+    path.relative_to(ROOT).as_posix() for folder in ("*", "hosts/*") for path in ROOT.glob(f"docs/{folder}.md")
+)
+PAGES = ["README.md", "CHANGELOG.md", "EQUATIONS.md", *WRITTEN]
+#: Written when something is built or run, within an archive, or named as an example.
+MADE = ("build/", "results/", "binaries/", "bogie/", "rbd_model/roller_rig.py")
 GENERATORS = ("charts", "counts", "equations", "variables", "catalogue")
 #: A file with its folder, and a name in it.
 PLACE = re.compile(r'(?<![\w/.*"-])((?:[\w-]+/)+[\w-]+(?:\.\w+)+)(?::[ :](\w+(?:\.\w+)*)(?=[`|<\s]))?')

@@ -2,13 +2,14 @@
 
 Python runs, or is written where its first line names a file, as C and TOML are; changes are made; commands are
 called, a few of them in a short form (SHORT). The folder is a copy of the checkout, with the FMUs that
-`python build_fmu.py ssp` makes in build/.
+`python build_fmu.py ssp` makes in build/. What needs other programs is only read (UNTESTED).
 """
 
 from __future__ import annotations
 
 import contextlib
 import doctest
+import importlib.util
 import io
 import json
 import os
@@ -28,8 +29,15 @@ from products.sources import HOUSE
 ROOT = Path(__file__).parents[1]
 #: A fenced block: its language and its text.
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
-#: What a block may be: Python, commands, changes, what is printed, other files; `bat`, for Windows, is not tested.
-KINDS = {"python", "sh", "diff", "text", "bat", "c", "toml"}
+#: What a block may be and is not tested: commands (`bash`, `bat`), what they print (`log`), other languages and files,
+#: and Python (`py`) that needs what takes too long to build.
+UNTESTED = {"bash", "bat", "csv", "java", "julia", "log", "py", "rust", "xml"}
+#: What a block may be: Python, commands, changes, what is printed, other files.
+KINDS = UNTESTED | {"python", "sh", "diff", "text", "c", "toml"}
+#: What the commands of a block may call.
+PROGRAMS = {"python", "make", "cc", "c++", "./host"}
+#: Packages that a page needs and that not every installation has, and the extra that brings them.
+EXTRAS = {"docs/hosts/ecos-and-libcosim.md": ("masters", ("ecospy", "libcosimpy"))}
 #: Commands that install, or test all of this, and what is called in their place, always.
 DRY = {f"make {target}": f"make --dry-run {target}" for target in ("demo", "test")}
 #: Commands that take more than some seconds, and what is called in their place; `make test-long` calls them themselves.
@@ -52,7 +60,9 @@ SHORT = {
     )
 }
 PAGES = [
-    path for path in (ROOT / "README.md", *sorted(ROOT.glob("docs/*.md"))) if BLOCK.search(path.read_text("utf-8"))
+    path
+    for path in (ROOT / "README.md", *sorted(ROOT.glob("docs/*.md")), *sorted(ROOT.glob("docs/hosts/*.md")))
+    if BLOCK.search(path.read_text("utf-8"))
 ]
 WRITING = "docs/writing-a-system.md"
 #: The one that trains takes minutes.
@@ -101,7 +111,7 @@ def shown_by_commands(commands: str, instead: Mapping[str, str]) -> str:
     for line in commands.splitlines():
         command = line.split("#")[0].strip()
         program, *arguments = shlex.split(instead.get(command, command))
-        assert program in {"python", "make"}, command
+        assert program in PROGRAMS, command
         called = [sys.executable if program == "python" else program, *arguments]
         environment = os.environ | {"PYTHONPATH": str(Path.cwd()), "COLUMNS": "200"}
         done = subprocess.run(called, env=environment, capture_output=True, text=True, check=False)
@@ -119,6 +129,13 @@ def shown_by_python(code: str, names: dict[str, object]) -> str:
     with contextlib.redirect_stdout(io.StringIO()) as shown:
         exec(code, names)
     return shown.getvalue()
+
+
+def skip_without_extra(page: str) -> None:
+    """Ends the test of a page here if a package is missing that it needs."""
+    extra, packages = EXTRAS.get(page, ("", ()))
+    if any(importlib.util.find_spec(package) is None for package in packages):
+        pytest.skip(f"install the extra: pip install -e .[{extra}]")
 
 
 def run_page(page: str, instead: Mapping[str, str]) -> None:
@@ -144,12 +161,14 @@ def run_page(page: str, instead: Mapping[str, str]) -> None:
 
 @pytest.mark.parametrize("page", [name(path) for path in PAGES if name(path) != WRITING])
 def test_a_page_runs_and_prints_what_it_says(page: str, checkout: Path) -> None:
+    skip_without_extra(page)
     run_page((checkout / page).read_text(encoding="utf-8"), DRY | SHORT)
 
 
 @pytest.mark.long
 @pytest.mark.parametrize("page", [name(path) for path in PAGES if any(one in path.read_text("utf-8") for one in SHORT)])
 def test_a_page_runs_whole(page: str, checkout: Path) -> None:
+    skip_without_extra(page)
     run_page((checkout / page).read_text(encoding="utf-8"), DRY)
 
 
