@@ -119,7 +119,7 @@ def run(command: Sequence[str], target: str | None, folder: Path) -> None:
 def _zig_is_missing(target: str | None) -> str:
     """What there is no compiler for, and what to do."""
     if target == WEB_TARGET:
-        advice = f"run `make live`, or without a checkout {INSTALL_ZIG}"
+        advice = f"run `make live`, which installs it, or without a checkout {INSTALL_ZIG}"
         return f"A page that simulates takes zig, which is not installed: {advice}"
     if target:
         return f"To compile for {target} takes zig, which is not installed: {INSTALL_ZIG}"

@@ -18,7 +18,8 @@ PAGE = DOCS / "variables.md"
 HEAD = """# Variables of the FMUs
 
 Written by `docs/generate/variables.py` from the equations; `python build_fmu.py --describe` prints the tables of its
-FMUs. Each FMU has one table of inputs, one of outputs and one of parameters; read them like this:
+FMUs. Which way is positive: [units and signs](units.md). Each FMU has one table of inputs, one of outputs and one of
+parameters; read them like this:
 
 | column | says |
 |---|---|
