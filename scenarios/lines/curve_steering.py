@@ -93,7 +93,8 @@ def draw(series: Recording) -> Figure:
         axis.minorticks_off()
     balance.set_xlabel("cant deficiency [mm]")
     shift.legend()
-    return titled(figure, "A bogie in steady curves to the left")
+    tightest = 1e-3 * abs(float(series["guiding_force_1"][radii][0]))
+    return titled(figure, f"The leading wheelset guides with {tightest:.0f} kN at {RADII[0]:g} m radius")
 
 
 SCENARIO = Scenario(

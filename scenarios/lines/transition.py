@@ -241,7 +241,10 @@ def draw(found: Found) -> Figure:
     for axis in (line, twisted, loads):
         axis.set_xlabel("distance [m]")
     draw_shares(bars, found)
-    return titled(figure, "A bogie on cant ramps: what their twist takes from the wheels")
+    steep, flat = (Case(ramp, SLOW) for ramp in (RAMPS[0], RAMPS[-1]))
+    most, least = (by_twist(case, found[case], moved(found[case])) / 1e3 for case in (steep, flat))
+    message = f"A ramp of 1:{steep.ramp:g} moves {most:.1f} kN, one of 1:{flat.ramp:g} {least:.1f} kN"
+    return titled(figure, message)
 
 
 def draw_shares(axis: Axes, found: Found) -> None:

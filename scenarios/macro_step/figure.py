@@ -9,11 +9,11 @@ from matplotlib.figure import Figure
 from fmu_src.cosimulation.master import GAUSS_SEIDEL, JACOBI
 from products.bogie import BOGIE
 from scenarios.macro_step import signed_torque
-from scenarios.macro_step.error import MASTERS, error_on_paper
+from scenarios.macro_step.error import MASTERS, error_on_paper, order
 from scenarios.macro_step.feedback_boundary import SPEED, boundary_on_paper, pressure_per_slip
 from scenarios.macro_step.findings import Findings
 from scenarios.reporting.plots import BOGIE as GREY
-from scenarios.reporting.plots import LEADING, THESIS, TRAILING, plt
+from scenarios.reporting.plots import LEADING, THESIS, TRAILING, plt, titled
 
 COLOUR = {JACOBI: LEADING, GAUSS_SEIDEL: TRAILING}
 #: Jacobi larger and hollow, Gauss-Seidel smaller and filled: where both lie on one point both are seen.
@@ -38,10 +38,11 @@ def draw(f: Findings) -> Figure:
         axis.xaxis.set_major_formatter("{x:g}")
         axis.yaxis.set_major_formatter("{x:g}")
         axis.set_xlabel("macro step [ms]")
-    title = "Brake and bogie coupled over the macro step: lines on paper, points by the FMUs"
-    figure.suptitle(title, x=0.02, ha="left")
-    figure.set_layout_engine("constrained", h_pad=0.12, w_pad=0.12)
-    return figure
+    held, lines = (
+        order(list(steps), [one.distance for one in steps.values()])
+        for steps in (dict(sorted(f.errors[f"Jacobi, {inputs}"].items())) for inputs in ("held", "lines"))
+    )
+    return titled(figure, f"Held inputs converge with order {held:.1f}, lines with order {lines:.1f}")
 
 
 def draw_errors(axis: Axes, f: Findings) -> None:

@@ -319,7 +319,8 @@ def draw(found: Findings) -> Figure:
         "point\nmisses the\nlock-up", (sum(band) / 2, 0.97), ha="center", va="top", xycoords=("data", "axes fraction")
     )
     draw_costs(axes[5], found)
-    return titled(figure, "Stops from 25 m/s: errors of point and planar against spatial, and what each level costs")
+    point, planar = (found.largest_error(found.stops[name], "stop_distance") for name in ("point", "planar"))
+    return titled(figure, f"Where wheelsets lock, point errs by {point:.0f} m, planar by {planar:.2f} m")
 
 
 def draw_lock_times(axis: Axes, found: Findings) -> None:

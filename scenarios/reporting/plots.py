@@ -1,6 +1,9 @@
-"""One style for all figures."""
+"""One style for all figures: each has one message, a sentence of a few words that is its title."""
 
+import math
+import textwrap
 from collections.abc import Sequence
+from typing import Any
 
 import matplotlib
 import numpy as np
@@ -22,37 +25,53 @@ plt.rcParams.update(
         "axes.spines.right": False,
         "axes.spines.top": False,
         "axes.titlelocation": "left",
-        "axes.titlesize": 10,
-        "figure.titlesize": 12,
-        "font.size": 9,
+        "axes.titlesize": 12,
+        "figure.titlesize": 15,
+        "font.size": 11,
         "grid.alpha": 0.3,
         "legend.frameon": False,
-        "lines.linewidth": 1.6,
+        "lines.linewidth": 1.8,
     }
 )
 
+#: Words of a message at most, and letters of a title in an inch of its line.
+MOST_WORDS, LETTERS = 12, 9.0
 
-def panels(title: str, labels: Sequence[str], height: float = 2.0) -> tuple[Figure, list[Axes]]:
+
+def panels(message: str, labels: Sequence[str], height: float = 2.0) -> tuple[Figure, list[Axes]]:
     """A figure of panels above each other that share the time axis; `labels` are the titles of the panels."""
     figure, grid = plt.subplots(len(labels), 1, sharex=True, figsize=(8.0, height * len(labels) + 0.8), squeeze=False)
     axes = list(grid[:, 0])
     for axis, label in zip(axes, labels, strict=True):
         axis.set_title(label)
     axes[-1].set_xlabel("time [s]")
-    return titled(figure, title), axes
+    return titled(figure, message), axes
 
 
-def single(title: str, x_label: str, y_label: str) -> tuple[Figure, Axes]:
+def single(message: str, x_label: str, y_label: str) -> tuple[Figure, Axes]:
+    """A figure of one chart."""
     figure, axis = plt.subplots(figsize=(8.0, 5.2))
     axis.set(xlabel=x_label, ylabel=y_label)
-    return titled(figure, title), axis
+    return titled(figure, message), axis
 
 
-def titled(figure: Figure, title: str) -> Figure:
-    """The figure with its title, and room for what is on it."""
-    figure.suptitle(title, x=0.02, ha="left")
+def titled(figure: Figure, message: str) -> Figure:
+    """The figure with its message as title, and room for what is on it. Raises ValueError as `message_of` does."""
+    lines = math.ceil(len(message) / (figure.get_figwidth() * LETTERS))
+    figure.suptitle(textwrap.fill(message, len(message) // max(lines, 1) + 8), x=0.02, ha="left")
     figure.set_layout_engine("constrained")
+    message_of(figure)
     return figure
+
+
+def message_of(figure: Figure) -> str:
+    """What a figure says, in one line. Raises ValueError for one that says nothing, or more than MOST_WORDS words."""
+    words = figure.get_suptitle().split()
+    if not words:
+        raise ValueError("A picture has no message; give it one with scenarios.reporting.plots.titled.")
+    if len(words) > MOST_WORDS:
+        raise ValueError(f"A message has {MOST_WORDS} words at most; this one has {len(words)}: {' '.join(words)}")
+    return " ".join(words)
 
 
 def label_edges(grid: np.ndarray, x_label: str, y_label: str) -> None:
@@ -66,6 +85,11 @@ def label_edges(grid: np.ndarray, x_label: str, y_label: str) -> None:
 def legend_above(axis: Axes, columns: int = 2) -> None:
     """The legend in the line of the title, where it hides nothing."""
     axis.legend(loc="lower right", bbox_to_anchor=(1.0, 0.96), ncols=columns, fontsize=8, borderaxespad=0.1)
+
+
+def write_at(axis: Axes, place: tuple[float, float], text: str, colour: str, **options: Any) -> None:
+    """The name of a line in its colour, at a place of its own; options: of `Axes.annotate`."""
+    axis.annotate(text, place, **{"color": colour, "fontsize": "large", "va": "center"} | options)
 
 
 def mark(axis: Axes, time: float | None, text: str) -> None:

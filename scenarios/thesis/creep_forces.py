@@ -98,7 +98,7 @@ def draw(series: Recording) -> Figure:
     plain = EXACT[EXACT[:, 2] == 0]
     left.plot(1e3 * plain[:4, 0], -plain[:4, 3] / scale, "o", color=LEADING)
     left.plot(1e3 * plain[4:, 1], -plain[4:, 4] / scale, "o", color=BOGIE)
-    left.set_title("without spin: creep force over mu N")
+    left.set_title("without spin: creep force over mu N; points: exact")
     for spin, colour in zip(SPINS, THREE, strict=True):
         right.plot(creepage, series[f"force_lateral_spin_{spin}"] / scale, color=colour, label=f"spin {spin} 1/m")
         exact = EXACT[(EXACT[:, 2] == spin) & (EXACT[:, 0] == 0)]
@@ -107,7 +107,9 @@ def draw(series: Recording) -> Figure:
     for axis in (left, right):
         axis.set_xlabel("creepage [1/1000]")
         axis.legend(loc="lower right")
-    return titled(figure, "Polach's law (lines) and Kalker's exact theory (points)")
+    distance, with_spin = distance_from_exact(), EXACT[:, 2] != 0
+    plain, spun = float(distance[~with_spin].max()), float(distance[with_spin].max())
+    return titled(figure, f"Polach's law is {plain:.0f}% off exact theory, with spin {spun:.0f}% off")
 
 
 SCENARIO = Scenario("creep-forces", "Polach's creep law against Kalker's exact theory, with and without spin", run)

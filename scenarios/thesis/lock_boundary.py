@@ -138,11 +138,10 @@ def run(options: Options) -> Report:
 
 
 def draw(curves: dict[int, np.ndarray]) -> Figure:
-    figure, axis = single(
-        "QR30: where the trailing wheelset locks (above the line) and where it rolls (below)",
-        "wheel-rail friction [1]",
-        "shoe friction [1]",
-    )
+    pressure = max(curves)
+    limit = float(np.interp(FRICTION, FRICTIONS, curves[pressure]))
+    message = f"At wheel-rail friction {FRICTION:g}, {pressure} kPa lock from shoe friction {limit:.2f} on"
+    figure, axis = single(message, "wheel-rail friction [1]", "shoe friction [1]")
     for (pressure, curve), colour in zip(curves.items(), THREE, strict=True):
         axis.plot(FRICTIONS, curve, color=colour, label=f"{pressure} kPa: locks above")
         low, high = printed_range(pressure)

@@ -12,7 +12,7 @@ from rbd_model.levels.models import smallest_level
 from rbd_model.vehicle.parameters import BogieParameters, as_printed, tables_5_1_and_5_2
 from scenarios.bench.open_fmus import open_bogie
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, mark, panels
-from scenarios.reporting.report import Report, Row, near, rounding
+from scenarios.reporting.report import Report, Row, near, number, rounding
 from scenarios.scenario import Options, Scenario
 
 DURATION = 40.0
@@ -148,10 +148,12 @@ def run(options: Options) -> Report:
     ]
     remark = f"Rolling without slip, 2T/r / (M + 2J/r2) = {expected:.4f} m/s2."
     used = parameters.values() | {"level": choice.level}
-    return Report(rows, series, lambda: draw(series, switches), used, 2 * DURATION, [remark, choice.reason], guids)
+    return Report(
+        rows, series, lambda: draw(series, switches, pulled), used, 2 * DURATION, [remark, choice.reason], guids
+    )
 
 
-def draw(series: Recording, switches: list[float | None]) -> Figure:
+def draw(series: Recording, switches: list[float | None], pulled: float | None) -> Figure:
     labels = (
         "torque on each wheelset [kN.m], traction positive",
         "speed [m/s]",
@@ -160,9 +162,8 @@ def draw(series: Recording, switches: list[float | None]) -> Figure:
         "distance [m]",
         "pitch of the frame [mrad], positive nose down",
     )
-    figure, axes = panels(
-        "Traction, rolling, braking: speed is the answer, not the input (Figs 5.24-5.29)", labels, 1.5
-    )
+    message = f"{1e-3 * FULL_TORQUE:g} kN.m on each wheelset accelerate the bogie by {number(pulled)} m/s2"
+    figure, axes = panels(message, labels, 1.5)
     time = series["time"]
     axes[0].plot(time, series["torque"] / 1e3, color=BOGIE)
     axes[1].plot(time, series["speed"], color=BOGIE)

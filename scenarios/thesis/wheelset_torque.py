@@ -44,12 +44,13 @@ def run(options: Options) -> Report:
         Row("distance while braking", "m", 199.65, travelled, None, source, assumed),
         Row("distance slipped while braking", "m", 0.10, slip, rounding("0.10"), source, "0.425 m times the rotation"),
     ]
-    return Report(rows, series, lambda: draw(series), as_printed(tables_4_1_and_4_2()).values(), DURATION)
+    return Report(rows, series, lambda: draw(series, reached), as_printed(tables_4_1_and_4_2()).values(), DURATION)
 
 
-def draw(series: Recording) -> Figure:
+def draw(series: Recording, reached: float | None) -> Figure:
     labels = ("speed [m/s]", "angular velocity [rad/s]", "distance [m]", "rotation [rad]")
-    figure, axes = panels("Traction and braking torque of 5 kN.m on one wheelset (Figs 4.21-4.23)", labels)
+    took = f"do not reach {HIGH:g} m/s" if reached is None else f"take {reached:.1f} s from {LOW:g} to {HIGH:g} m/s"
+    figure, axes = panels(f"{1e-3 * TORQUE:g} kN.m {took}", labels)
     names = ("speed", "angular_velocity_1", "distance", "rotation_1")
     for axis, name in zip(axes, names, strict=True):
         axis.plot(series["time"], series[name], color=BOGIE)

@@ -166,11 +166,11 @@ def draw(found: Mapping[str, Stop]) -> Figure:
     grid[0].set(title="speed [km/h]", xlabel="distance of the head [m]")
     grid[0].legend(fontsize=8)
     shown = found["low, protected"]
-    numbers = np.arange(1, shown.friction.shape[1] + 1)
-    grid[1].bar(numbers, shown.friction.mean(axis=0), color=FOUR[0])
+    rise = shown.friction.mean(axis=0)
+    numbers = np.arange(1, rise.size + 1)
+    grid[1].bar(numbers, rise, color=FOUR[0])
     grid[1].set(title="low, protected: mean friction under each vehicle [1]", xlabel="vehicle, from the head")
-    text = f"Wheels that slide clean the rail (friction {low().friction:g}) for those behind; locked ones clean it most"
-    return titled(figure, text)
+    return titled(figure, f"Sliding wheels raise friction from {rise[0]:.3f} to {rise[-1]:.3f} for those behind")
 
 
 SCENARIO = Scenario(

@@ -115,7 +115,8 @@ def run(options: Options) -> Report:
 
 def draw(found: dict[tuple[float, float], tuple[Train, Course]]) -> Figure:
     labels = ["pressure in the cylinders, mean [bar]", "speed of the head [m/s]"]
-    figure, axes = panels("By air alone a train stands until its leaks have emptied what fed them", labels, 2.6)
+    held = [float(course.time[-1]) / 60 for _, course in found.values()]
+    figure, axes = panels(f"Air alone holds the train for {min(held):.0f} to {max(held):.0f} minutes", labels, 2.6)
     for colour, ((gradient, leak), (_, course)) in zip(FOUR, found.items(), strict=False):
         label = f"{1e3 * gradient:g} ‰, holes of {1e3 * leak:g} mm"
         axes[0].plot(course.time, course.cylinder.mean(axis=1) / 1e5, color=colour, label=label)

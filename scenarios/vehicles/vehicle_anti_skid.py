@@ -106,7 +106,10 @@ def draw(found: Findings) -> Figure:
         top.set_title(f"{name}: speeds [m/s], {distances}, unprotected {found.unprotected[name].words}")
         bottom.set(title=f"{name}: cylinder pressures [kPa]", xlabel="time [s]")
     grid[0, 0].legend(fontsize=8)
-    return titled(figure, "Wheel-slide protection of four wheelsets on a low rail")
+    protected, unprotected = found.protected["low"].distance, found.unprotected["low"].distance
+    if protected is None or unprotected is None:
+        return titled(figure, "Not every stop on the low rail comes to rest")
+    return titled(figure, f"On low rail protection stops in {protected:.0f} m instead of {unprotected:.0f} m")
 
 
 SCENARIO = Scenario("vehicle-anti-skid", "Wheel-slide protection of four wheelsets, each of which cleans the rail", run)

@@ -88,7 +88,10 @@ def order(times: dict[int, float | None]) -> str:
 
 def draw(ramps: dict[str, tuple[Recording, dict[int, float | None]]]) -> Figure:
     titles = [title for name in ramps for title in (f"axle loads [kN], brakes {name}", "circumferential speeds [m/s]")]
-    figure, axes = panels("Load transfer and lock order of four wheelsets", titles)
+    times = ramps["hung in the frame"][1]
+    locked = sorted((time, number) for number, time in times.items() if time is not None)
+    order_of_lock = "-".join(str(number) for _, number in locked) or "none"
+    figure, axes = panels(f"With brakes in the frame wheelsets lock in the order {order_of_lock}", titles)
     for row, (series, times) in enumerate(ramps.values()):
         for number, colour in zip(NUMBERS, FOUR, strict=True):
             label = f"wheelset {number}"

@@ -206,7 +206,8 @@ def draw(found: Findings) -> Figure:
     axes[0].legend(fontsize=8)
     draw_locks(axes[1], found.locks)
     draw_costs(axes[2], found.costs)
-    return titled(figure, "One bogie or the complete vehicle")
+    largest = 100 * max(abs(one.distance) for one in found.differences.values())
+    return titled(figure, f"One bogie stands for the vehicle within {largest:.2g} % of the distance")
 
 
 def draw_locks(axis: Axes, locks: Mapping[tuple[str, float], tuple[int, float]]) -> None:
