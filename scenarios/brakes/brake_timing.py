@@ -266,8 +266,8 @@ def _draw_friction(axis: Axes, frictions: dict[str, np.ndarray]) -> None:
         axis.plot([place] * 2, [low, high], "_-", color=THESIS, linewidth=2, label=words)
         axis.annotate(f"{pressure}", (place, low), xytext=(0, -9), textcoords="offset points", ha="center", fontsize=7)
     axis.set(title="shoe friction [1], UIC brake fully applied", xlabel="sliding speed [km/h]")
-    axis.set_ylim(0.0, 0.52)
-    axis.legend(loc="upper right")
+    axis.set_ylim(0.0, 0.75)
+    axis.legend(loc="upper right", fontsize=9)
 
 
 SCENARIO = Scenario(

@@ -377,7 +377,7 @@ def draw(lines: dict[tuple[str, str], list[Found]], rows: Sequence[Row]) -> Figu
     one, strips = (
         value_of(rows, f"{METHODS[number].name}: largest miss of the place on the rail") for number in (0, 2)
     )
-    return titled(figure, f"Strips miss the place of contact by {strips:.2f} mm, one ellipse {one:.1f} mm")
+    return titled(figure, f"Strips miss the contact's place by {strips:.2f} mm, one ellipse {one:.1f} mm")
 
 
 def draw_panel(axis: Axes, lines: dict[tuple[str, str], list[Found]], name: str, quantity: str, scale: float) -> None:

@@ -124,11 +124,13 @@ def draw(rows: list[Row], series: Recording) -> Figure:
         math.tan(math.radians(CURVE_ANGLE)), color=THESIS, linestyle="--", label="no friction: tan of the flange"
     )
     right.set_xlabel("angle of attack [mrad]")
-    right.set_title(f"{CURVE_ANGLE:g} degrees, friction {CURVE_FRICTION:g}, by the flange's creep law")
+    right.set_title(f"the same by creep law, {CURVE_ANGLE:g} degrees, friction {CURVE_FRICTION:g}")
     right.legend()
     limits = [nadal(angle, mu) for angle in ANGLES for mu in FRICTIONS]
     off = [(row.simulated or 0.0) / limit - 1 for row, limit in zip(rows, limits, strict=False)]
-    return titled(figure, f"Pushed wheelsets climb within {100 * max(map(abs, off)):.1f} % of Nadal's limit")
+    return titled(
+        figure, f"At {1e3 * ATTACK:g} mrad yaw wheelsets climb within {100 * max(map(abs, off)):.1f} % of Nadal's limit"
+    )
 
 
 SCENARIO = Scenario(

@@ -221,8 +221,8 @@ def draw(series: Recording, stops: Stops) -> Figure:
     draw_stops(within, speed, stops[RADII[0]])
     quotient.set_title("Y/Q of the leading outer wheel [1]")
     quotient.legend(fontsize=8)
-    guiding.set_title("guiding force, inwards [kN]; dotted: trailing")
-    shift.set_title("lateral shift, outwards [mm]; dotted: trailing")
+    guiding.set_title("guiding force, inwards [kN];\ndotted: trailing")
+    shift.set_title("lateral shift, outwards [mm];\ndotted: trailing")
     for axis in (quotient, guiding, shift):
         axis.set_xlabel("adhesion utilisation of the brakes [1]")
     through.set_title(f"Y/Q, braked from the transition on, {THROUGH:g} [1]")

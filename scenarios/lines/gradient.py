@@ -177,15 +177,16 @@ def draw(found: Mapping[str, Mapping[str, Recording]], ends: Mapping[str, Record
     for name, series in ends.items():
         axes["terminal"].plot(series["time"], series["speed"], color=COLOURS[name], linestyle=STYLES[name])
     axes["terminal"].axhline(terminal_speed(), color=GREY, linewidth=0.8)
-    axes["down"].set_title(f"{1e3 * abs(DOWN):g} ‰ down, rolling freely and braked: speed [m/s]")
-    axes["terminal"].set_title("down against Davis's resistance and a brake: speed [m/s]")
-    axes["started"].set_title(f"started {1e3 * UP:g} ‰ up: speed [m/s]")
-    axes["held"].set_title(f"locked on {1e3 * HELD:g} ‰, released at 0 s: speed downhill [m/s]")
+    axes["down"].set_title(f"{1e3 * abs(DOWN):g} ‰ down, rolling freely and braked:\nspeed [m/s]")
+    axes["terminal"].set_title("down against Davis's resistance and a brake:\nspeed [m/s]")
+    axes["started"].set_title(f"started {1e3 * UP:g} ‰ up:\nspeed [m/s]")
+    axes["held"].set_title(f"locked on {1e3 * HELD:g} ‰, released at 0 s:\nspeed downhill [m/s]")
     axes["held"].set_xlim(-SETTLED / 4, SETTLED)
     for axis in axes.values():
         axis.set_xlabel("time [s]")
     axes["started"].legend()
-    return titled(figure, f"All levels meet the closed forms of gradients within {100 * off:.1g} %")
+    digits = math.floor(-math.log10(max(off, 1e-16)))
+    return titled(figure, f"All levels meet the closed forms of gradients to {digits} digits")
 
 
 SCENARIO = Scenario(

@@ -229,14 +229,14 @@ def draw(found: Found) -> Figure:
         for speed, style in ((SLOW, "-"), (FAST, ":")):
             series = found[Case(ramp, speed)]
             twisted.plot(series["distance"], moved(series) / 1e3, style, color=colour)
-    line.set_title(f"cant [mm] into a curve of {RADIUS:g} m and out of it")
+    line.set_title(f"cant [mm], R = {RADIUS:g} m")
     legend_above(line, 3)
     twisted.set_title(f"load moved [kN]; dotted: at {FAST:.1f} m/s")
     for speed, colour in ((SLOW, LEADING), (FAST, TRAILING)):
         series = found[Case(RAMPS[0], speed)]
         least = np.min([series[wheel] for wheel in WHEELS], axis=0)
         loads.plot(series["distance"], 1.0 - least / WHEEL_LOAD, color=colour, label=f"{speed:.1f} m/s")
-    loads.set_title(f"dQ/Q of the least loaded wheel, 1:{RAMPS[0]:g} [1]")
+    loads.set_title(f"largest dQ/Q, 1:{RAMPS[0]:g} [1]")
     legend_above(loads)
     for axis in (line, twisted, loads):
         axis.set_xlabel("distance [m]")

@@ -326,10 +326,10 @@ def draw(found: Findings) -> Figure:
 def draw_lock_times(axis: Axes, found: Findings) -> None:
     """The answers themselves; spatial is the broad line below planar."""
     for name in ("spatial", "planar", "point"):
-        label = f"{name}, both wheelsets" if name == "point" else f"{name}, trailing wheelset"
+        label = f"{name}, both" if name == "point" else f"{name}, trailing"
         axis.plot(UTILISATIONS, column(found.stops[name], "lock_time_2"), label=label, **STYLES[name])
-    axis.set_title("locks after [s]")
-    axis.legend(loc="upper left")
+    axis.set_title("wheelset locks after [s]")
+    axis.legend(loc="lower left")
 
 
 def draw_errors(axis: Axes, found: Findings, question: str, bound: float | None) -> None:

@@ -263,7 +263,7 @@ def draw(found: Findings) -> Figure:
         100 * max(float(np.abs(found.share(model, utilisation)).max()) for utilisation in UTILISATIONS)
         for model in ("point", "point without the term")
     )
-    message = "With von Roeckl's term stops err by {:.0f} %, without by {:.0f} %"
+    message = "With von Roeckl's term stops err by {:.0f}%, without by {:.0f}%"
     return titled(figure, message.format(*errors))
 
 

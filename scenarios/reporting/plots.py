@@ -1,6 +1,7 @@
 """One style for all figures: each has one message, a sentence of a few words that is its title."""
 
 import math
+import re
 import textwrap
 from collections.abc import Sequence
 from typing import Any
@@ -25,7 +26,7 @@ plt.rcParams.update(
         "axes.spines.right": False,
         "axes.spines.top": False,
         "axes.titlelocation": "left",
-        "axes.titlesize": 12,
+        "axes.titlesize": 11,
         "figure.titlesize": 15,
         "font.size": 11,
         "grid.alpha": 0.3,
@@ -36,6 +37,7 @@ plt.rcParams.update(
 
 #: Words of a message at most, and letters of a title in an inch of its line.
 MOST_WORDS, LETTERS = 12, 9.0
+NO_BREAK = "\u00a0"
 
 
 def panels(message: str, labels: Sequence[str], height: float = 2.0) -> tuple[Figure, list[Axes]]:
@@ -64,9 +66,14 @@ def titled(figure: Figure, message: str) -> Figure:
     return figure
 
 
+def one_word(name: str) -> str:
+    """A name of the user's for a message: one word, however many blanks it has."""
+    return name.replace(" ", NO_BREAK)
+
+
 def message_of(figure: Figure) -> str:
     """What a figure says, in one line. Raises ValueError for one that says nothing, or more than MOST_WORDS words."""
-    words = figure.get_suptitle().split()
+    words = [word.replace(NO_BREAK, " ") for word in re.split("[ \n]+", figure.get_suptitle()) if word]
     if not words:
         raise ValueError("A picture has no message; give it one with scenarios.reporting.plots.titled.")
     if len(words) > MOST_WORDS:

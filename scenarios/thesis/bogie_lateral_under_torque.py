@@ -86,7 +86,7 @@ def draw(runs: dict[str, Recording]) -> Figure:
         * max(float(np.abs(one[f"lateral_{n}"]).max()) for name, one in runs.items() if word in name for n in (1, 2))
         for word in ("braking", "traction")
     )
-    return titled(figure, f"The wave shifts a braked wheelset {braked:.1f} mm, a driven one {driven:.1f} mm")
+    return titled(figure, f"The wave shifts braked wheelsets {braked:.1f} mm, driven ones {driven:.1f} mm")
 
 
 SCENARIO = Scenario("bogie-lateral-under-torque", "A lateral wave while driven or braked (section 5.4.3)", run)

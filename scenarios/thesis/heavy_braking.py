@@ -142,7 +142,7 @@ def draw(planar: dict[str, Recording]) -> Figure:
             locked = series.first_time(series[f"locked_{number}"] > 0.5)
             if locked is not None and np.interp(locked, time, series["speed"]) > 1.0:
                 mark(axis, locked, "")
-        axis.legend(loc="lower left")
+        axis.legend(loc="upper right", ncols=3)
         axis.set_xlim(3.0, 14.0)
     return figure
 

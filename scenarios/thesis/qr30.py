@@ -283,7 +283,7 @@ def message(pressure: int, runs: Mapping[str, Run]) -> str:
     torque, speed = list(locking.items())[-1]
     if len(runs) == 1:
         return f"At {pressure} kPa the trailing wheelset locks at {speed:.2f} m/s"
-    return f"At {pressure} kPa {torque} lock the trailing wheelset at {speed:.2f} m/s"
+    return f"At {pressure} kPa, {torque} lock the trailing wheelset at {speed:.2f} m/s"
 
 
 def draw(pressure: int, runs: Mapping[str, Run]) -> Figure:

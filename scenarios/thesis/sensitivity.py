@@ -267,7 +267,7 @@ def draw(answers: dict[str, list[float]]) -> Figure:
         axis.set_xlabel(panel.varied)
     critical = answers[panels()[0].title]
     words = f"critical speed from {min(critical):.0f} to {max(critical):.0f} m/s"
-    return titled(figure, f"The half spacing alone moves the {words}")
+    return titled(figure, f"The half spacing moves the {words}")
 
 
 SCENARIO = Scenario("sensitivity", "What the fitted and assumed values decide", run)

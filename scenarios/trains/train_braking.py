@@ -115,7 +115,7 @@ def draw(drawn: Mapping[str, tuple[Train, Course]]) -> Figure:
             course.force.max(axis=0) / 1e3,
             color=FOUR[0],
         )
-        axes[1].set_title(f"{mode}: extremes of coupler forces [kN]")
+        axes[1].set_title(f"{mode}: extremes of\ncoupler forces [kN]")
         axes[1].set_xlabel("coupler")
     grid[0, 0].set_ylabel("behind the head [m]")
     grid[1, 0].set_ylabel("tension above 0 [kN]")

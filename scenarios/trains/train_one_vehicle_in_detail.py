@@ -178,20 +178,9 @@ def draw(stops: Mapping[tuple[str, float], Stop], whole: tuple[float, float]) ->
     grid[0].set_title("error of the largest compression [%]")
     grid[1].set_title("error of the distance [cm]")
     grid[0].legend(loc="upper left", bbox_to_anchor=(0.0, 0.9))
-    return titled(figure, message(stops, whole))
-
-
-def message(stops: Mapping[tuple[str, float], Stop], whole: tuple[float, float]) -> str:
-    """Up to which macro step the default keeps what is asked, and any other way."""
-    longest = dict.fromkeys(WAYS, 0.0)
-    for way in WAYS:
-        for size in STEPS:
-            force, distance = stops[way, size].compression / whole[0] - 1, stops[way, size].distance - whole[1]
-            if abs(force) > FORCE or abs(distance) > DISTANCE:
-                break
-            longest[way] = 1e3 * size
-    others = max(size for way, size in longest.items() if way != DEFAULT)
-    return f"A corrected copy keeps 1 % and 1 cm to {longest[DEFAULT]:g} ms, others to {others:g} ms"
+    corrected, held = (100 * abs(stops[way, STEPS[-1]].distance - whole[1]) for way in (DEFAULT, "held"))
+    message = f"At {steps[-1]:g} ms {DEFAULT} copies err by {corrected:.0f} cm, held {held:.0f} cm"
+    return titled(figure, message)
 
 
 SCENARIO = Scenario(

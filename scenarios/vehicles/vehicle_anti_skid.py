@@ -102,8 +102,7 @@ def draw(found: Findings) -> Figure:
             style = {"color": colour, "linewidth": 0.8, "label": f"wheelset {number}"}
             top.plot(series["time"], series[f"wheel_speed_{number}"], **style)
             bottom.plot(series["time"], series[f"pressure_{number}"] / 1e3, **style)
-        distances = f"{stop.words}, ideal {found.ideal[name]:.0f} m"
-        top.set_title(f"{name}: speeds [m/s], {distances}, unprotected {found.unprotected[name].words}")
+        top.set_title(f"{name}: speeds [m/s]; stops in {stop.words}, ideal {found.ideal[name]:.0f} m")
         bottom.set(title=f"{name}: cylinder pressures [kPa]", xlabel="time [s]")
     grid[0, 0].legend(fontsize=8)
     protected, unprotected = found.protected["low"].distance, found.unprotected["low"].distance

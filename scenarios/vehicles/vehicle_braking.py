@@ -101,6 +101,7 @@ def draw(ramps: dict[str, tuple[Recording, dict[int, float | None]]]) -> Figure:
             lock = times[number]
             if lock is not None:
                 axes[2 * row].axvline(lock, color=colour, linewidth=0.8, linestyle=":")
+    axes[0].margins(y=0.25)
     axes[0].legend(ncols=4, loc="upper left")
     return figure
 

@@ -200,9 +200,9 @@ def draw(onsets: Mapping[str, Onset], series: Recording) -> Figure:
         found = onsets[case.name]
         label = f"critical: {found.by_eigenvalues:.1f} m/s, in time {found.in_time:.1f} m/s"
         axis.axvline(found.by_eigenvalues, color=THESIS, linestyle="--", label=label)
-        axis.set(title=f"{case.name}: growth of the least stable motion [1/s]", xlabel="speed [m/s]")
-        axis.set_ylim(-1.6, 1.2)
+        axis.set(title=case.name, xlabel="speed [m/s]", ylim=(-1.6, 1.2))
         axis.legend(fontsize=8, loc="lower left")
+    axes[0].set_ylabel("growth of the least stable motion [1/s]")
     sound, failed = (onsets[case.name].by_eigenvalues for case in CASES)
     return titled(figure, f"Failed lateral dampers lower the critical speed from {sound:.1f} to {failed:.1f} m/s")
 
