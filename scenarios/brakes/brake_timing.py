@@ -40,7 +40,7 @@ from fmu_src.cosimulation.recording import Recording
 from fmu_src.cosimulation.slave import Slave
 from scenarios.bench.brake_air import balance_rows, closed_form_rows
 from scenarios.bench.open_fmus import open_brake
-from scenarios.reporting.plots import BOGIE, LEADING, THESIS, THREE, TRAILING, plt, titled
+from scenarios.reporting.plots import BOGIE, LEADING, LINES, THESIS, THREE, TRAILING, plt, titled
 from scenarios.reporting.report import Report, Row, between, value_of
 from scenarios.scenario import Options, Scenario
 
@@ -238,9 +238,9 @@ def draw(chosen: Sequence[Case], series: Recording, frictions: dict[str, np.ndar
 
 
 def _draw_pressures(axis: Axes, case: Case, series: Recording) -> None:
-    for pneumatics, colour in ((TIMED, LEADING), (FLOW, TRAILING)):
+    for pneumatics, line, colour in ((TIMED, "-", LEADING), (FLOW, "--", TRAILING)):
         pressure = series[f"cylinder_pressure ({case.name}, {KINDS[pneumatics]})"] / 1e3
-        axis.plot(series[f"time ({case.name})"], pressure, color=colour, label=KINDS[pneumatics])
+        axis.plot(series[f"time ({case.name})"], pressure, line, color=colour, label=KINDS[pneumatics])
     allowed = (
         (APPLIED_SHARE * case.pressure, case.timing.application, 0.0),
         (case.released, case.timing.release, case.applied),
@@ -257,8 +257,8 @@ def _draw_pressures(axis: Axes, case: Case, series: Recording) -> None:
 
 
 def _draw_friction(axis: Axes, frictions: dict[str, np.ndarray]) -> None:
-    for (label, friction), colour in zip(frictions.items(), THREE, strict=True):
-        axis.plot(SPEEDS, friction, color=colour, label=label)
+    for (label, friction), line, colour in zip(frictions.items(), LINES, THREE, strict=False):
+        axis.plot(SPEEDS, friction, line, color=colour, label=label)
     for number, (pressure, case) in enumerate(EXPERIMENT.items()):
         low, high = case.lowest_shoe_friction, case.highest_shoe_friction
         words = "QR30, measured at 130, 150, 180 kPa, below 11 km/h" if number == 0 else None

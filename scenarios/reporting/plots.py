@@ -19,6 +19,8 @@ LEADING, TRAILING, BOGIE, THESIS = "#0072b2", "#d55e00", "#333333", "#009e73"
 THREE = ("#0072b2", "#e69f00", "#d55e00")
 #: Wheelsets 1 to 4.
 FOUR = ("#0072b2", "#56b4e9", "#e69f00", "#d55e00")
+#: Dashes of three or four lines beside their colours: in grey print the second and the third of FOUR are one.
+LINES = ("-", "--", "-.", ":")
 
 plt.rcParams.update(
     {

@@ -77,7 +77,7 @@ def draw(runs: dict[str, Recording]) -> Figure:
         upper.plot(series["time"], series["speed"], color=BOGIE)
         upper.set_title(f"{name}: speed [m/s]", fontsize=9)
         lower.plot(series["time"], 1e3 * series["lateral_1"], color=LEADING, label="leading")
-        lower.plot(series["time"], 1e3 * series["lateral_2"], color=TRAILING, label="trailing")
+        lower.plot(series["time"], 1e3 * series["lateral_2"], "--", color=TRAILING, label="trailing")
         lower.set_title("lateral displacement [mm]", fontsize=9)
         lower.set_xlabel("time [s]")
     grid[1, 0].legend(loc="upper right")

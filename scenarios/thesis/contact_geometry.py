@@ -92,11 +92,11 @@ def draw(pair: Pair, series: Recording, flange: float) -> Figure:
     grid[1, 0].set_title("contact angle [deg]")
     grid[1, 0].legend()
     low = series["shift"] >= AMPLITUDES[0]
-    for name, colour, label in (
-        ("thesis", LEADING, "synthetic wheel, 60 kg rail"),
-        ("european", TRAILING, "S1002, 60E1 1:40, no roll"),
+    for name, line, colour, label in (
+        ("thesis", "-", LEADING, "synthetic wheel, 60 kg rail"),
+        ("european", "--", TRAILING, "S1002, 60E1 1:40, no roll"),
     ):
-        grid[1, 1].plot(shift[low], series[f"equivalent_conicity_{name}"][low], color=colour, label=label)
+        grid[1, 1].plot(shift[low], series[f"equivalent_conicity_{name}"][low], line, color=colour, label=label)
     grid[1, 1].set(title="equivalent conicity [1] over amplitude", ylim=(0.0, 0.6))
     grid[1, 1].legend()
     for axis in grid.flat[1:]:

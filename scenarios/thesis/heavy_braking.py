@@ -138,7 +138,7 @@ def draw(planar: dict[str, Recording]) -> Figure:
         axis.plot(time, series["speed"], color=BOGIE, label="bogie")
         for number, colour, line, label in ((1, LEADING, "-", "leading"), (2, TRAILING, "--", "trailing")):
             axis.plot(time, radius * series[f"angular_velocity_{number}"], line, color=colour, label=label)
-            loads.plot(time, series[f"axle_load_{number}"] / 1e3, color=colour)
+            loads.plot(time, series[f"axle_load_{number}"] / 1e3, line, color=colour)
             locked = series.first_time(series[f"locked_{number}"] > 0.5)
             if locked is not None and np.interp(locked, time, series["speed"]) > 1.0:
                 mark(axis, locked, "")

@@ -75,7 +75,7 @@ def draw(runs: dict[float, Recording]) -> Figure:
     for axis, (speed, series) in zip(grid, runs.items(), strict=False):
         shown = series["time"] < SHOWN
         axis.plot(series["distance"][shown], 1e3 * series["lateral_1"][shown], color=LEADING, label="wheelset")
-        axis.plot(series["distance"][shown], 1e3 * series["frame_lateral"][shown], color=TRAILING, label="frame")
+        axis.plot(series["distance"][shown], 1e3 * series["frame_lateral"][shown], "--", color=TRAILING, label="frame")
         axis.set_title(f"lateral displacement at {speed:g} m/s [mm] over the distance [m]")
     grid[0].legend(loc="upper right")
     grid[-1].plot(runs[30.0]["time"], 1e3 * runs[30.0]["lateral_1"], color=LEADING, linewidth=0.4)

@@ -110,7 +110,7 @@ def run(options: Options) -> Report:
 
 def draw(found: list[Mode]) -> Figure:
     chosen = [mode for mode in found if "swing" not in name_of(mode)][:DRAWN]
-    figure, grid = plt.subplots(DRAWN // 2, 2, figsize=(12.0, 9.0))
+    figure, grid = plt.subplots(DRAWN // 2, 2, figsize=(10.5, 8.4))
     for axis in grid.ravel():
         axis.set_axis_off()
     for axis, mode in zip(grid.ravel(), chosen, strict=False):
