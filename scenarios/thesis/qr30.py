@@ -295,13 +295,13 @@ def draw(pressure: int, runs: Mapping[str, Run]) -> Figure:
     )
     figure, axes = panels(message(pressure, runs), labels)
     radius = tables_8_1_and_8_2().wheel_radius
-    for colour, (label, one) in zip((LEADING, TRAILING), runs.items(), strict=False):
+    for colour, width, (label, one) in zip((LEADING, TRAILING), (3.2, 1.6), runs.items(), strict=False):
         s = one.series
         time = s["time"]
-        axes[0].plot(time, s["brake_torque"] / 1e3, color=colour, label=label)
-        axes[1].plot(time, s["speed"], color=colour)
-        axes[1].plot(time, radius * s["angular_velocity_2"], color=colour, linestyle="--")
-        axes[2].plot(time, s["slip_2"], color=colour)
+        axes[0].plot(time, s["brake_torque"] / 1e3, color=colour, linewidth=width, label=label)
+        axes[1].plot(time, s["speed"], color=colour, linewidth=width)
+        axes[1].plot(time, radius * s["angular_velocity_2"], "--", color=colour, linewidth=width)
+        axes[2].plot(time, s["slip_2"], color=colour, linewidth=width)
         axes[3].plot(time, s["acceleration"], color=colour, linewidth=0.9)
         if one.lock_time is not None:
             mark(axes[1], one.lock_time, f"locks at {one.lock_speed:.2f} m/s")
