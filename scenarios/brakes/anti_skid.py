@@ -250,7 +250,7 @@ def draw_periods(found: Findings) -> Figure:
     reached = "not every stop comes to rest" if worst is None else f"all stops stay within {worst:.2f} of the ideal"
     periods = f"{1e3 * PERIODS[0]:g}-{1e3 * PERIODS[-1]:g} ms"
     figure, axis = single(f"At {periods} {reached}", "controller period [ms]", "stopping distance on low rail [m]")
-    for step, marker, colour in zip(HOST_STEPS, "os^", (LEADING, TRAILING, BOGIE), strict=True):
+    for step, marker, colour in zip(HOST_STEPS, "os^", (LEADING, TRAILING, BOGIE), strict=False):
         stops = {1e3 * period: stop.distance for (period, size), stop in found.low.items() if size == step}
         distances = [np.nan if distance is None else distance for distance in stops.values()]
         label = f"host step {1e3 * step:g} ms"

@@ -371,7 +371,7 @@ def draw(lines: dict[tuple[str, str], list[Found]], rows: Sequence[Row]) -> Figu
         for row, (quantity, (title, scale)) in enumerate(PANELS.items()):
             axis = grid[row, column]
             draw_panel(axis, lines, name, quantity, scale)
-            axis.set_title(f"{name} wheel: {title}")
+            axis.set_title(f"{name} wheel: {title}", fontsize=10)
         grid[-1, column].set_xlabel("lateral shift to the right [mm]")
     grid[0, 0].legend()
     one, strips = (

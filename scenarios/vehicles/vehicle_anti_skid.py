@@ -105,10 +105,11 @@ def draw(found: Findings) -> Figure:
         top.set_title(f"{name}: speeds [m/s]; stops in {stop.words}, ideal {found.ideal[name]:.0f} m")
         bottom.set(title=f"{name}: cylinder pressures [kPa]", xlabel="time [s]")
     grid[0, 0].legend(fontsize=8)
-    protected, unprotected = found.protected["low"].distance, found.unprotected["low"].distance
+    rail = next(iter(found.protected))
+    protected, unprotected = found.protected[rail].distance, found.unprotected[rail].distance
     if protected is None or unprotected is None:
-        return titled(figure, "Not every stop on the low rail comes to rest")
-    return titled(figure, f"On low rail protection stops in {protected:.0f} m instead of {unprotected:.0f} m")
+        return titled(figure, f"On {rail} rail not every stop comes to rest")
+    return titled(figure, f"On {rail} rail protection stops in {protected:.0f}, not {unprotected:.0f} m")
 
 
 SCENARIO = Scenario("vehicle-anti-skid", "Wheel-slide protection of four wheelsets, each of which cleans the rail", run)
