@@ -203,8 +203,8 @@ def message_of_shoes(asymmetric: dict[tuple[float, float], UnevenStop]) -> str:
     ends = [max(errors) for errors, stop in asymmetric.items() if stop.derails]
     if not ends:
         return f"Shoes up to {max(map(max, asymmetric)):.0%} uneven derail no wheelset"
-    safe = max(error for error in map(max, asymmetric) if error < min(ends))
-    return f"Uneven shoes derail the bogie at {min(ends):.0%} error, not at {safe:.0%}"
+    safe = [error for error in map(max, asymmetric) if error < min(ends)]
+    return f"Uneven shoes derail the bogie at {min(ends):.0%} error" + (f", not at {max(safe):.0%}" if safe else "")
 
 
 SCENARIO = Scenario("uneven-brakes", "Wheelsets braked unequally, and asymmetric shoes, through the brake FMU", run)
