@@ -172,7 +172,8 @@ def sketch(axis: Axes, mode: Mode) -> None:
         axis.fill(sign * places[:, right], places[:, up], edgecolor=BOGIE, facecolor=fill, linewidth=2.5)
     axis.set(xlim=(-WIDTH / 2, WIDTH / 2), ylim=(middle - HEIGHT / 2, middle + HEIGHT / 2), aspect="equal")
     frames, body = phases(mode)
-    axis.set_title(f"{mode.frequency:.2f} Hz: {name_of(mode)}, {view}\nframes {frames}, body and front frame {body}")
+    words = f"{mode.frequency:.2f} Hz: {name_of(mode)}, {view}\nframes {frames}, body and front one {body}"
+    axis.set_title(words, fontsize=13)
 
 
 SCENARIO = Scenario("vehicle-modes", "Natural modes of a complete vehicle and their shapes", run)
