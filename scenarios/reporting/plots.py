@@ -110,7 +110,7 @@ def mark(axis: Axes, time: float | None, text: str) -> None:
         text,
         (time, 0.97),
         xycoords=("data", "axes fraction"),
-        fontsize=8,
+        fontsize=10,
         va="top",
         xytext=(3, 0),
         textcoords="offset points",

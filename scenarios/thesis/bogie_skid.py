@@ -54,7 +54,7 @@ def run(options: Options) -> Report:
             rows.append(Row(f"{name}: shift of wheelset 1 {label}", "mm", None, shift, None, "Figs 5.45, 5.47"))
     first = runs["leading wheelset braked"][0]
     choice = smallest_level(("brake_torque_1", *WAVE), RECORDED)
-    remarks.append(choice.reason)
+    remarks += [choice.reason, f"The picture tells the largest shift later than {SETTLED:g} s after the brake."]
     parameters = as_printed(tables_5_1_and_5_2()).values() | WAVE | {"level": choice.level}
     return Report(rows, first, lambda: draw(runs), parameters, 2 * DURATION * len(runs), remarks, motion=motion)
 

@@ -100,6 +100,7 @@ def draw(runs: dict[float, Recording]) -> Figure:
         write_at(axis, (DURATION, height), f"frame, friction {friction:g}", BOGIE, ha="right")
     write_at(axis, (2.5, 12.0), f"wheels, friction {FRICTIONS[0]:g}", TRAILING)
     write_at(axis, (1.9, 12.0), f"wheels, friction {FRICTIONS[1]:g}", TRAILING, ha="right")
+    axis.set_ylim(-1.0, SPEED + 2.5)
     mark(axis, APPLIED, "brake")
     return figure
 
