@@ -188,7 +188,7 @@ def draw(series: Recording) -> Figure:
     message = f"Wheel loads stay between {loads.min():.0f} and {loads.max():.0f} kN along the line"
     figure, axis = single(message, "distance along the line [m]", "wheel load [kN]")
     windows = np.floor(series["distance"] / WINDOW)
-    starts = np.flatnonzero(np.diff(windows, prepend=-1.0))
+    starts = np.flatnonzero(np.diff(windows, prepend=-np.inf))
     place = WINDOW * (windows[starts] + 0.5)
     largest = np.maximum.reduceat(loads.max(axis=0), starts)
     smallest = np.minimum.reduceat(loads.min(axis=0), starts)
