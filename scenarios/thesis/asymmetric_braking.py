@@ -41,7 +41,7 @@ from scenarios.reporting.report import Report, Row, at_least, rounding
 from scenarios.scenario import Options, Scenario
 
 #: Readings that are drawn, in words; wheelsets with uneven shoes, and the line and marker of each.
-READ = {AS_THESIS: "axis turns, as printed", PHYSICAL: "axis fixed, physical"}
+READ = {AS_THESIS: "axis turns (thesis)", PHYSICAL: "axis fixed (physical)"}
 WHEELSETS = {1: ("leading", "o-"), 2: ("trailing", "s--")}
 DERAILED: dict[str, Any] = {
     "marker": "x",
@@ -179,7 +179,7 @@ def message(outcomes: dict[Case, Outcome]) -> str:
         1e3 * max(max(outcomes[Case(n, error, FASTEST, reading)].peaks) for n in (1, 2))
         for reading in (AS_THESIS, PHYSICAL)
     )
-    return f"At {error}% error wheelsets shift {printed:.1f} mm as printed, {physical:.1f} mm physically"
+    return f"Shoes {error}% uneven shift wheelsets {printed:.1f} mm (axis turning), {physical:.1f} mm (fixed)"
 
 
 def draw(outcomes: dict[Case, Outcome]) -> Figure:

@@ -121,7 +121,7 @@ def draw(drawn: Mapping[str, tuple[Train, Course]]) -> Figure:
     grid[1, 0].set_ylabel("tension above 0 [kN]")
     figure.colorbar(shades, ax=list(grid[0]), label="bar")
     slow, fast = (1e-3 * drawn[mode][0].largest_compression for mode in ("G", "P"))
-    return titled(figure, f"Position G compresses couplers by {slow:.0f} kN, position P by {fast:.0f} kN")
+    return titled(figure, f"Position G compresses couplers with {slow:.0f} kN, position P with {fast:.0f} kN")
 
 
 def point(length: float = DRAWN, load: float = 60e3, position: float = 0.0) -> dict[str, float | None]:
