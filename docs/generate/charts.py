@@ -39,7 +39,7 @@ def collect() -> None:
         folder = ROOT / "results" / name
         shutil.copyfile(folder / "figure.png", PICTURES / f"{name}.png")
         summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-        kept = {key: summary[key] for key in ("scenario", "rows", "remarks", "versions", "wall_seconds")}
+        kept = {key: summary[key] for key in ("scenario", "rows", "pictures", "remarks", "versions", "wall_seconds")}
         (DATA / f"{name}.json").write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")
 
 

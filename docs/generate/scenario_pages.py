@@ -49,8 +49,11 @@ def scenario_page(scenario: Scenario, module: ModuleType) -> str:
     """The text of its page; module: the file that holds it."""
     lines = [f"# {scenario.name}", f"{scenario.summary}.", (module.__doc__ or "").strip()]
     lines += [f"```sh\npython -m bogie_braking run {scenario.name}\n```"]
-    lines += [f"![{scenario.name}]({name})" for name in pictures_of(scenario.name)]
     summary = summary_of(scenario.name)
+    said = summary.get("pictures", {}) if summary else {}
+    for name, path in pictures_of(scenario.name).items():
+        message = said.get("figure.png" if name == f"{scenario.name}.png" else path.name)
+        lines += [f"![{message or scenario.name}]({name})", *([f"*{message}*"] if message else [])]
     if summary is None:
         lines += ["Its picture and its table come here when it has been run: `make docs` does."]
     else:

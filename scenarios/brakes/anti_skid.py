@@ -8,7 +8,6 @@ from functools import lru_cache
 from multiprocessing import get_context
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from brake_controller.wheel_slide import SlideProtection, WheelSlideController
@@ -29,7 +28,7 @@ from products.protection.rails import (
 from rbd_model.track.friction import low
 from rbd_model.vehicle.parameters import tables_5_1_and_5_2
 from scenarios.bench.peak_adhesion import PeakAdhesion
-from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, plt, titled
+from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, single, titled
 from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, at_least, at_most, between
 from scenarios.scenario import Options, Scenario, Sweepable
@@ -48,6 +47,10 @@ IDEAL = "1 too where the brake asks for less than the rail gives"
 BEST = f"mean above {ABOVE:g} m/s; largest: at the best slip of all wheels, at that speed and place"
 #: What stands between wheels and valves.
 MODES: dict[str, Callable[[], WheelSlideController] | None] = {"unprotected": None, "protected": SlideProtection}
+
+
+#: How the picture marks them: with shapes that tell them apart in grey.
+MARKERS = {"ideal": ("|", BOGIE), "protected": ("o", LEADING), "unprotected": ("x", TRAILING)}
 
 
 @dataclass(frozen=True)
@@ -199,7 +202,9 @@ def run(options: Options) -> Report:
     stops = (*found.stops.values(), *found.low.values(), *found.teeth.values(), *found.dry)
     seconds = sum(stop.time for stop in stops)
     parameters = tables_5_1_and_5_2().values() | {"rails": {rail.name: rail.values() for rail in RAILS}}
-    return Report(rows, series, lambda: draw(found), parameters, seconds, remarks)
+    report = Report(rows, series, lambda: draw(found), parameters, seconds, remarks)
+    report.other_figures["periods"] = lambda: draw_periods(found)
+    return report
 
 
 def among(found: Findings, locks: bool) -> str:
@@ -211,52 +216,49 @@ def among(found: Findings, locks: bool) -> str:
 # ---- the picture -----------------------------------------------------------------------------------------------------
 
 
+def message(found: Findings) -> str:
+    """What protection gains on the low rail."""
+    protected, unprotected = (found.stops["low", mode].distance for mode in ("protected", "unprotected"))
+    if protected is None or unprotected is None:
+        return f"On low rail {'protected' if protected is None else 'unprotected'} wheels do not stop"
+    return f"A stop on low rail takes {protected:.0f} m protected, {unprotected:.0f} m unprotected"
+
+
 def draw(found: Findings) -> Figure:
-    figure, grid = plt.subplots(3, 2, figsize=(11.0, 10.0))
-    for axis, rail in zip((grid[0, 0], grid[0, 1]), ("low", "changing"), strict=True):
-        series = found.stops[rail, "protected"].series
-        axis.plot(series["time"], series["speed"], color=BOGIE, label="bogie")
-        axis.plot(series["time"], series["wheel_speed_1"], color=LEADING, linewidth=0.9, label="leading wheels")
-        axis.plot(series["time"], series["wheel_speed_2"], color=TRAILING, linewidth=0.9, label="trailing wheels")
-        axis.set_title(f"{rail} rail, protected: speeds [m/s] over time [s]")
-    grid[0, 0].legend(fontsize=8)
-    series = found.stops["low", "protected"].series
-    for number, colour in ((1, LEADING), (2, TRAILING)):
-        grid[1, 0].plot(series["time"], 1e-3 * series[f"pressure_{number}"], color=colour, linewidth=0.9)
-        slip = found.stops["low", "protected"].slip(number)
-        grid[1, 1].plot(series["time"], 100.0 * slip, color=colour, linewidth=0.9)
-    grid[1, 0].set_title("low rail, protected: cylinder pressures [kPa] over time [s]")
-    grid[1, 1].set(title="low rail, protected: slip [%] over time [s]", ylim=(-1.0, 30.0))
-    draw_distances(found, grid[2, 0])
-    draw_periods(found, grid[2, 1])
-    return titled(figure, "Wheel-slide protection: full service from 25 m/s")
+    """Stopping distances, a row for each rail."""
+    figure, axis = plt.subplots(figsize=(8.0, 4.4))
+    places = range(len(RAILS))[::-1]
+    for mode, (marker, colour) in MARKERS.items():
+        distances = [found.ideal[rail.name] if mode == "ideal" else way(found, rail.name, mode) for rail in RAILS]
+        axis.plot(distances, places, marker, color=colour, markersize=14, markeredgewidth=3.0, label=mode)
+    axis.set_yticks(places, [f"{rail.name} rail" for rail in RAILS], fontsize="x-large")
+    axis.set(xlabel="stopping distance from 25 m/s, full service [m]", xlim=(0.0, None), ylim=(-0.6, len(RAILS) - 0.4))
+    axis.legend(loc="lower right", fontsize="x-large")
+    return titled(figure, message(found))
 
 
-def draw_distances(found: Findings, axis: Axes) -> None:
-    colours = dict(zip(MODES, (TRAILING, LEADING), strict=True))
-    places = np.arange(len(RAILS))
-    for offset, (mode, colour) in enumerate(colours.items()):
-        values = [found.stops[rail.name, mode].distance or 0.0 for rail in RAILS]
-        axis.bar(places + 0.25 * (offset - 1), values, 0.24, color=colour, label=mode)
-    axis.bar(places + 0.25, [found.ideal[rail.name] for rail in RAILS], 0.24, color=THESIS, label="ideal")
-    axis.set_xticks(places, [rail.name for rail in RAILS])
-    axis.set_title("stopping distance [m]")
-    axis.legend(fontsize=8)
+def way(found: Findings, rail: str, mode: str) -> float:
+    """Stopping distance [m]; nan where there is none, which no marker shows."""
+    distance = found.stops[rail, mode].distance
+    return np.nan if distance is None else distance
 
 
-def draw_periods(found: Findings, axis: Axes) -> None:
-    for step, marker in zip(HOST_STEPS, "os^", strict=False):
-        stops = [(period, stop) for (period, size), stop in found.low.items() if size == step]
-        chosen = [(1e3 * period, stop.distance) for period, stop in stops if stop.distance is not None]
-        axis.plot(*np.reshape(chosen, (-1, 2)).T, marker, color=LEADING, label=f"host step {1e3 * step:g} ms")
-    axis.axhline(found.ideal["low"], color=THESIS, label="ideal")
-    axis.axhline(
-        OVER_IDEAL * found.ideal["low"], color=THESIS, linestyle=":", label=f"{100 * (OVER_IDEAL - 1):.0f} % beyond it"
-    )
-    axis.set_ylim(bottom=0.95 * found.ideal["low"])
-    axis.set_xlabel("controller period [ms]")
-    axis.set_title("low rail: stopping distance [m] over the controller's period")
-    axis.legend(fontsize=8)
+def draw_periods(found: Findings) -> Figure:
+    """Distances on the low rail over the controller's period, by host step."""
+    ideal = found.ideal["low"]
+    worst = longest(list(found.low.values()), ideal)
+    reached = "not every stop comes to rest" if worst is None else f"all stops stay within {worst:.2f} of the ideal"
+    periods = f"{1e3 * PERIODS[0]:g}-{1e3 * PERIODS[-1]:g} ms"
+    figure, axis = single(f"At {periods} {reached}", "controller period [ms]", "stopping distance on low rail [m]")
+    for step, marker, colour in zip(HOST_STEPS, "os^", (LEADING, TRAILING, BOGIE), strict=False):
+        stops = {1e3 * period: stop.distance for (period, size), stop in found.low.items() if size == step}
+        distances = [np.nan if distance is None else distance for distance in stops.values()]
+        label = f"host step {1e3 * step:g} ms"
+        axis.plot(list(stops), distances, marker + "-", color=colour, markersize=9, label=label)
+    axis.axhline(ideal, color=BOGIE, linestyle="--", label="ideal")
+    axis.axhline(OVER_IDEAL * ideal, color=BOGIE, linestyle=":", label=f"{100 * (OVER_IDEAL - 1):.0f} % beyond it")
+    axis.legend(fontsize="large")
+    return figure
 
 
 # ---- sweeps ---------------------------------------------------------------------------------------------------------

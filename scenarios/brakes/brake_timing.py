@@ -40,8 +40,8 @@ from fmu_src.cosimulation.recording import Recording
 from fmu_src.cosimulation.slave import Slave
 from scenarios.bench.brake_air import balance_rows, closed_form_rows
 from scenarios.bench.open_fmus import open_brake
-from scenarios.reporting.plots import BOGIE, LEADING, THESIS, THREE, TRAILING, plt, titled
-from scenarios.reporting.report import Report, Row, between
+from scenarios.reporting.plots import BOGIE, LEADING, LINES, THESIS, THREE, TRAILING, plt, titled
+from scenarios.reporting.report import Report, Row, between, value_of
 from scenarios.scenario import Options, Scenario
 
 TIMED, FLOW = 1, 2
@@ -205,7 +205,13 @@ def run(options: Options) -> Report:
     rows += closed_form_rows() + balance_rows()
     parameters = {case.name: case.ready.values() for case in chosen}
     remarks = [restrictions(case) for case in chosen]
-    return Report(rows, series, lambda: draw(chosen, series, frictions), parameters, seconds, remarks, guids)
+    fillings = [
+        [value_of(rows, f"{case.name}, {KINDS[kind]}: application to 95 %") for kind in case.kinds]
+        for case in chosen
+        if not case.vents
+    ]
+    apart = max(max(times) - min(times) for times in fillings)
+    return Report(rows, series, lambda: draw(chosen, series, frictions, apart), parameters, seconds, remarks, guids)
 
 
 def restrictions(case: Case) -> str:
@@ -216,7 +222,7 @@ def restrictions(case: Case) -> str:
     return f"{case.name}: restrictions {sizes}, found from the times."
 
 
-def draw(chosen: Sequence[Case], series: Recording, frictions: dict[str, np.ndarray]) -> Figure:
+def draw(chosen: Sequence[Case], series: Recording, frictions: dict[str, np.ndarray], apart: float) -> Figure:
     figure, grid = plt.subplots(2, 2, figsize=(10.0, 7.2))
     by_name = {case.name: case for case in chosen}
     for axis, name in zip(grid.flat, ("QR30", "UIC P", "UIC G"), strict=False):
@@ -228,13 +234,13 @@ def draw(chosen: Sequence[Case], series: Recording, frictions: dict[str, np.ndar
     for axis in (grid[0, 0], grid[0, 1], grid[1, 0]):
         axis.legend(loc="upper right")
     _draw_friction(grid[1, 1], frictions)
-    return titled(figure, "Brake cylinder: pressure by timed law and by flow of air; shoe friction")
+    return titled(figure, f"By flow of air cylinders fill within {1e3 * apart:.0f} ms of timed ones")
 
 
 def _draw_pressures(axis: Axes, case: Case, series: Recording) -> None:
-    for pneumatics, colour in ((TIMED, LEADING), (FLOW, TRAILING)):
+    for pneumatics, line, colour in ((TIMED, "-", LEADING), (FLOW, "--", TRAILING)):
         pressure = series[f"cylinder_pressure ({case.name}, {KINDS[pneumatics]})"] / 1e3
-        axis.plot(series[f"time ({case.name})"], pressure, color=colour, label=KINDS[pneumatics])
+        axis.plot(series[f"time ({case.name})"], pressure, line, color=colour, label=KINDS[pneumatics])
     allowed = (
         (APPLIED_SHARE * case.pressure, case.timing.application, 0.0),
         (case.released, case.timing.release, case.applied),
@@ -251,8 +257,8 @@ def _draw_pressures(axis: Axes, case: Case, series: Recording) -> None:
 
 
 def _draw_friction(axis: Axes, frictions: dict[str, np.ndarray]) -> None:
-    for (label, friction), colour in zip(frictions.items(), THREE, strict=True):
-        axis.plot(SPEEDS, friction, color=colour, label=label)
+    for (label, friction), line, colour in zip(frictions.items(), LINES, THREE, strict=False):
+        axis.plot(SPEEDS, friction, line, color=colour, label=label)
     for number, (pressure, case) in enumerate(EXPERIMENT.items()):
         low, high = case.lowest_shoe_friction, case.highest_shoe_friction
         words = "QR30, measured at 130, 150, 180 kPa, below 11 km/h" if number == 0 else None
@@ -260,8 +266,8 @@ def _draw_friction(axis: Axes, frictions: dict[str, np.ndarray]) -> None:
         axis.plot([place] * 2, [low, high], "_-", color=THESIS, linewidth=2, label=words)
         axis.annotate(f"{pressure}", (place, low), xytext=(0, -9), textcoords="offset points", ha="center", fontsize=7)
     axis.set(title="shoe friction [1], UIC brake fully applied", xlabel="sliding speed [km/h]")
-    axis.set_ylim(0.0, 0.52)
-    axis.legend(loc="upper right")
+    axis.set_ylim(0.0, 0.75)
+    axis.legend(loc="upper right", fontsize=9)
 
 
 SCENARIO = Scenario(

@@ -14,14 +14,14 @@ from products.protection.braked_machine import STANDING, BrakedMachine
 from rbd_model.vehicle.parameters import AS_PRINTED, tables_5_1_and_5_2
 from scenarios.bench.asymmetric_shoes import DERAILED_AT
 from scenarios.bench.drive import RIGID
-from scenarios.reporting.plots import BOGIE, LEADING, THREE, TRAILING, plt, titled
+from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, single
 from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row
 from scenarios.scenario import Options, Scenario
 
 SPEED, BRAKE_START, STEP, LONGEST = 25.0, 1.0, 5e-3, 60.0
-#: Share of the whole braking torque on the leading wheelset, and the wheel-rail friction on which it is tried.
-SHARES, FRICTION = (0.40, 0.45, 0.50, 0.55, 0.60, 0.65), 0.17
+#: Shares of the whole braking torque on the leading wheelset, the even one, and the friction on which they are tried.
+SHARES, EVEN, FRICTION = (0.40, 0.45, 0.50, 0.55, 0.60, 0.65), 0.50, 0.17
 #: Shoe friction of chapter 9, and distance of the shoes on a wheelset [m]: with them 25 % give the printed 43.92 kN.m.
 SHOE_FRICTION, SHOE_DISTANCE = 0.3, 1.12
 #: Errors of the shoe forces [1] on the leading and on the trailing wheelset.
@@ -49,6 +49,15 @@ class UnevenStop:
     @property
     def distance(self) -> float:
         return float(self.series["distance"][-1])
+
+    @property
+    def derails(self) -> bool:
+        return "Derailed" in self.ended
+
+    @property
+    def locks(self) -> bool:
+        """Whether any wheelset locked while the bogie still ran."""
+        return any(self.locked_at(number) is not None for number in (1, 2))
 
     def locked_at(self, number: int) -> float | None:
         """Time at which a wheelset locked while the bogie still ran [s]."""
@@ -126,14 +135,13 @@ def rows_of(uneven: dict[float, UnevenStop], asymmetric: dict[tuple[float, float
     for (leading, trailing), stop in asymmetric.items():
         wheelset, error = (1, leading) if leading else (2, trailing)
         name = f"shoes {error:.0%} uneven, {'leading' if wheelset == 1 else 'trailing'} wheelset"
-        derails = stop.ended.count("Derailed") > 0
         if (wheelset, error) == (1, 0.75):
-            speed = float(stop.series["speed"][-1]) if derails else None
+            speed = float(stop.series["speed"][-1]) if stop.derails else None
             rows.append(Row(f"{name}: speed at derailment", "m/s", DERAILED_AT[1.0], speed, 0.35, "Table 9.2"))
         else:
             near = (wheelset, error) == (2, 0.75)
             judged, note = (None, CLOSE) if near else (0.0, "")
-            rows.append(Row(f"{name}: derailed", "1", 0.0, float(derails), judged, "Tables 9.2, 9.3", note))
+            rows.append(Row(f"{name}: derailed", "1", 0.0, float(stop.derails), judged, "Tables 9.2, 9.3", note))
         rows.append(Row(f"{name}: peak lateral shift", "mm", None, 1e3 * stop.peak(wheelset), None, "spatial"))
     return rows
 
@@ -150,27 +158,53 @@ def run(options: Options) -> Report:
     seconds = sum(float(stop.series["time"][-1]) for stop in (*uneven.values(), *asymmetric.values()))
     series = asymmetric[ERRORS[1]].series
     parameters = tables_5_1_and_5_2().values() | {"friction": FRICTION, "shoe_distance": SHOE_DISTANCE}
-    return Report(rows_of(uneven, asymmetric), series, lambda: draw(uneven, asymmetric), parameters, seconds, remarks)
+    report = Report(rows_of(uneven, asymmetric), series, lambda: draw(uneven), parameters, seconds, remarks)
+    report.other_figures["shoes"] = lambda: draw_shoes(asymmetric)
+    return report
 
 
-def draw(uneven: dict[float, UnevenStop], asymmetric: dict[tuple[float, float], UnevenStop]) -> Figure:
-    figure, grid = plt.subplots(1, 3, figsize=(13.0, 4.4))
-    shares = [100 * share for share in uneven]
-    grid[0].plot(shares, [stop.distance for stop in uneven.values()], "o-", color=BOGIE)
-    grid[0].set_title(f"stopping distance [m], friction {FRICTION:g}")
-    for number, colour, word in ((1, LEADING, "leading"), (2, TRAILING, "trailing")):
-        times = [stop.locked_at(number) for stop in uneven.values()]
-        grid[1].plot(shares, [np.nan if t is None else t for t in times], "o-", color=colour, label=f"{word} locks")
-    grid[1].set_title("time of locking [s]")
-    grid[1].legend(fontsize=8)
-    for axis in grid[:2]:
-        axis.set_xlabel("share of the torque on the leading wheelset [%]")
-    for colour, error in zip(THREE, (0.25, 0.50, 0.75), strict=True):
-        series = asymmetric[error, 0.0].series
-        grid[2].plot(series["time"], 1e3 * series["lateral_1"], color=colour, linewidth=0.6, label=f"{error:.0%}")
-    grid[2].set(title="leading wheelset, shoes uneven: lateral shift [mm]", xlabel="time [s]")
-    grid[2].legend(fontsize=8)
-    return titled(figure, "Brakes that are not even, through the brake FMU")
+def message(uneven: dict[float, UnevenStop]) -> str:
+    """How much the share that stops shortest gains over even brakes; of equal ones the first."""
+    best = min(uneven, key=lambda share: round(uneven[share].distance, 1))
+    gained = uneven[EVEN].distance - uneven[best].distance
+    return f"{best:.0%} of the torque in front stops {gained:.0f} m shorter than {EVEN:.0%}"
+
+
+def draw(uneven: dict[float, UnevenStop]) -> Figure:
+    """Stopping distance over the share of the leading wheelset; a wheelset locks where the marker is a cross."""
+    x_label = "share of the brake torque on the leading wheelset [%]"
+    figure, axis = single(message(uneven), x_label, "stopping distance [m]")
+    axis.plot([100 * share for share in uneven], [stop.distance for stop in uneven.values()], "-", color=BOGIE)
+    for locks, marker, colour, words in (
+        (True, "X", TRAILING, "a wheelset locks"),
+        (False, "o", LEADING, "no wheelset locks"),
+    ):
+        points = [(100 * share, stop.distance) for share, stop in uneven.items() if stop.locks is locks]
+        axis.plot(*np.reshape(points, (-1, 2)).T, marker, color=colour, markersize=13, label=words)
+    axis.legend(fontsize="x-large")
+    return figure
+
+
+def draw_shoes(asymmetric: dict[tuple[float, float], UnevenStop]) -> Figure:
+    """Largest shift of the wheelset whose shoes are uneven; crossed where it derails."""
+    figure, axis = single(message_of_shoes(asymmetric), "error of the shoe forces [%]", "largest lateral shift [mm]")
+    for number, (word, line, colour) in enumerate((("leading", "o-", LEADING), ("trailing", "s--", TRAILING)), 1):
+        stops = {errors[number - 1]: stop for errors, stop in asymmetric.items() if errors[number - 1]}
+        peaks = [1e3 * stop.peak(number) for stop in stops.values()]
+        axis.plot([100 * error for error in stops], peaks, line, color=colour, markersize=9, label=f"{word} wheelset")
+        ends = [(100 * error, peak) for (error, stop), peak in zip(stops.items(), peaks, strict=True) if stop.derails]
+        axis.plot(*np.reshape(ends, (-1, 2)).T, "x", color=BOGIE, markersize=16, markeredgewidth=2.5)
+    axis.legend(fontsize="x-large")
+    return figure
+
+
+def message_of_shoes(asymmetric: dict[tuple[float, float], UnevenStop]) -> str:
+    """From which error on a wheelset derails."""
+    ends = [max(errors) for errors, stop in asymmetric.items() if stop.derails]
+    if not ends:
+        return f"Shoes up to {max(map(max, asymmetric)):.0%} uneven derail no wheelset"
+    safe = [error for error in map(max, asymmetric) if error < min(ends)]
+    return f"Uneven shoes derail the bogie at {min(ends):.0%} error" + (f", not at {max(safe):.0%}" if safe else "")
 
 
 SCENARIO = Scenario("uneven-brakes", "Wheelsets braked unequally, and asymmetric shoes, through the brake FMU", run)

@@ -408,8 +408,8 @@ def draw(found: Findings) -> Figure:
     draw_steps(grid[1, 1], found)
     draw_cost(grid[2, 0], found)
     draw_course(grid[2, 1], found)
-    words = f"braked, yaw torque rising to {1e-3 * STRONG:.0f} kN.m"
-    return titled(figure, f"From tread to flange at all depths of contact: {words}")
+    further = found.more("lateral_1", STRONG)
+    return titled(figure, f"At the flange depth 1 shifts {further:.0f} % further than depth 2")
 
 
 def draw_history(axis: Axes, found: Findings, name: str) -> None:

@@ -13,7 +13,7 @@ from rbd_model.contact.depth import Contact
 from rbd_model.wheelset.rigid_part import nadal_limit
 from scenarios.bench.climbing_wheelset import GROWTH, SPEED, climbing_wheelset, instants, push, vehicle_that_climbs
 from scenarios.reporting.motion import Motion, motion_columns
-from scenarios.reporting.plots import BOGIE, LEADING, THESIS, THREE, TRAILING, plt, titled
+from scenarios.reporting.plots import BOGIE, LEADING, LINES, THESIS, THREE, TRAILING, plt, titled
 from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, at_least, near
 from scenarios.scenario import Options, Scenario
@@ -111,8 +111,9 @@ def percent_under(low: np.ndarray, high: np.ndarray) -> float:
 def draw(rows: list[Row], series: Recording) -> Figure:
     figure, (left, right) = plt.subplots(1, 2, figsize=(9.5, 4.4))
     friction = np.linspace(0.05, 0.55, 101)
-    for number, (angle, colour) in enumerate(zip(ANGLES, THREE, strict=True)):
-        left.plot(friction, [nadal(angle, mu) for mu in friction], color=colour, label=f"Nadal, {angle:g} degrees")
+    for number, (angle, line, colour) in enumerate(zip(ANGLES, LINES, THREE, strict=False)):
+        limit = [nadal(angle, mu) for mu in friction]
+        left.plot(friction, limit, line, color=colour, label=f"Nadal, {angle:g} degrees")
         found = [row.simulated for row in rows[3 * number : 3 * number + 3]]
         left.plot(FRICTIONS, found, "o", color=colour)
     left.set(xlabel="friction coefficient [1]", title=f"Y/Q at the onset, yaw {1e3 * ATTACK:g} mrad")
@@ -124,9 +125,13 @@ def draw(rows: list[Row], series: Recording) -> Figure:
         math.tan(math.radians(CURVE_ANGLE)), color=THESIS, linestyle="--", label="no friction: tan of the flange"
     )
     right.set_xlabel("angle of attack [mrad]")
-    right.set_title(f"{CURVE_ANGLE:g} degrees, friction {CURVE_FRICTION:g}, by the flange's creep law")
+    right.set_title(f"the same by creep law, {CURVE_ANGLE:g} degrees, friction {CURVE_FRICTION:g}")
     right.legend()
-    return titled(figure, "Flange climb of a wheelset that is pushed sideways")
+    limits = [nadal(angle, mu) for angle in ANGLES for mu in FRICTIONS]
+    off = [(row.simulated or 0.0) / limit - 1 for row, limit in zip(rows, limits, strict=False)]
+    return titled(
+        figure, f"At {1e3 * ATTACK:g} mrad yaw wheelsets climb within {100 * max(map(abs, off)):.1f} % of Nadal's limit"
+    )
 
 
 SCENARIO = Scenario(

@@ -14,7 +14,7 @@ from matplotlib.ticker import NullLocator
 from scenarios.controllers.scoring import Scored
 from scenarios.controllers.verdict import best_given, verdicts
 from scenarios.controllers.words import words_of
-from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, plt, titled
+from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, one_word, plt, titled
 
 #: Distance over the ideal up to which a stop counts as near it [1]: a choice of this picture.
 NEAR = 1.2
@@ -109,7 +109,7 @@ def message(scores: Sequence[Scored]) -> str:
     """What the picture says, in at most twelve words if a name is one."""
     found = verdicts(scores)
     best = best_given(found)
-    name, cases, words = plain(best.controller), best.stopped + best.failed, best.words
+    name, cases, words = one_word(plain(best.controller)), best.stopped + best.failed, best.words
     if not best.stopped:
         return f"{name} does not {words.do}"
     if best.worst is None or cases == 1:

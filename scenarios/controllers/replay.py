@@ -28,7 +28,7 @@ from products.protection.one import OneInC, OneOfMany
 from products.protection.protected_stop import LONGEST_PERIOD
 from scenarios.controllers.given import Given, controller_of
 from scenarios.methods.pace import time_of
-from scenarios.reporting.plots import FOUR, plt, titled
+from scenarios.reporting.plots import FOUR, one_word, plt, titled
 from scenarios.reporting.progress import counting
 from scenarios.scenario import BadInputError
 
@@ -274,6 +274,7 @@ def message(found: Replayed) -> str:
     """What the picture says in one sentence."""
     told = [one["first_command"] for one in found.wheelsets if one["first_command"] is not None]
     if not told:
-        return f"{found.controller} lets all brakes apply"
+        return f"{one_word(found.controller)} lets all brakes apply"
     vents = [one["vent"] or 0.0 for one in found.wheelsets]
-    return f"{found.controller} would act from {min(told):.2f} s on, and vent for {100 * max(vents):.0f} % at most"
+    share = 100 * max(vents)
+    return f"{one_word(found.controller)} would act from {min(told):.2f} s, venting {share:.0f} % at most"

@@ -221,14 +221,16 @@ def draw(series: Recording, stops: Stops) -> Figure:
     draw_stops(within, speed, stops[RADII[0]])
     quotient.set_title("Y/Q of the leading outer wheel [1]")
     quotient.legend(fontsize=8)
-    guiding.set_title("guiding force, inwards [kN]; dotted: trailing")
-    shift.set_title("lateral shift, outwards [mm]; dotted: trailing")
+    guiding.set_title("guiding force, inwards [kN];\ndotted: trailing")
+    shift.set_title("lateral shift, outwards [mm];\ndotted: trailing")
     for axis in (quotient, guiding, shift):
         axis.set_xlabel("adhesion utilisation of the brakes [1]")
     through.set_title(f"Y/Q, braked from the transition on, {THROUGH:g} [1]")
     for axis in (through, within, speed):
         axis.set_xlabel("distance [m]")
-    return titled(figure, f"A bogie braked in curves to the left, cant for {SPEED:g} m/s")
+    first, *_, last = of_radius(series, RADII[0])[QUOTIENT]
+    word = "lowers" if last < first else "raises"
+    return titled(figure, f"Braking {word} Y/Q at {RADII[0]:g} m radius from {first:.2f} to {last:.2f}")
 
 
 def draw_stops(quotient: Axes, speed: Axes, found: dict[float, Recording]) -> None:

@@ -77,12 +77,12 @@ def draw(series: Recording) -> Figure:
     figure, axes = plt.subplots(2, 2, figsize=(9.5, 7.0))
     (shift, yaw), (guiding, balance) = axes
     radii, rest = slice(0, len(RADII)), slice(len(RADII), None)
-    for number, colour, word in ((1, LEADING, "leading"), (2, TRAILING, "trailing")):
+    for number, colour, line, word in ((1, LEADING, "o-", "leading"), (2, TRAILING, "s--", "trailing")):
         for axis, name, factor in ((shift, "lateral", 1e3), (yaw, "yaw", 1e3), (guiding, "guiding_force", 1e-3)):
             values = factor * series[f"{name}_{number}"][radii]
-            axis.semilogx(series["radius"][radii], values, "o-", color=colour, label=word)
+            axis.semilogx(series["radius"][radii], values, line, color=colour, label=word)
         forces = series[f"guiding_force_{number}"][rest] / 1e3
-        balance.plot(1e3 * series["deficiency"][rest], forces, "o-", color=colour)
+        balance.plot(1e3 * series["deficiency"][rest], forces, line, color=colour)
     shift.set_title("lateral shift, to the left [mm]")
     yaw.set_title("yaw against the track [mrad]")
     guiding.set_title("guiding force, to the left [kN]")
@@ -93,7 +93,8 @@ def draw(series: Recording) -> Figure:
         axis.minorticks_off()
     balance.set_xlabel("cant deficiency [mm]")
     shift.legend()
-    return titled(figure, "A bogie in steady curves to the left")
+    tightest = 1e-3 * abs(float(series["guiding_force_1"][radii][0]))
+    return titled(figure, f"The leading wheelset guides with {tightest:.0f} kN at {RADII[0]:g} m radius")
 
 
 SCENARIO = Scenario(

@@ -31,9 +31,10 @@ from rbd_model.track.line_table import COLUMNS, GAUGE
 from rbd_model.vehicle.ready import two_axle_bogie
 from scenarios.bench.curves import BOGIE, MASS, WHEEL_LOAD
 from scenarios.bench.drive import prepare, prepare_on_line
-from scenarios.reporting.line_picture import draw_line
+from scenarios.reporting.line_picture import draw_line, height
 from scenarios.reporting.motion import Motion, motion_columns
-from scenarios.reporting.plots import LEADING, THESIS, TRAILING, legend_above, plt, titled
+from scenarios.reporting.plots import BOGIE as GREY
+from scenarios.reporting.plots import LEADING, TRAILING, plt, single, titled, write_at
 from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, at_least, near
 from scenarios.scenario import BadInputError, Options, Scenario
@@ -48,6 +49,8 @@ PITCH, MOST_ROWS = 0.25, 20000
 SHORTEST, LEFT_OVER = 50.0, 5.0
 #: Of what the rails carry in the mean, up and across, as share of the weight: the run begins and ends a little moved.
 BAND = 1e-3
+#: In each such length of the line the largest and the smallest wheel load are drawn [m].
+WINDOW = 20.0
 SIDES = ("left", "right")
 QUIET_RUN = "Nothing that the kernel tells of: no wheel was lifted, none climbed."
 RECORDED = (
@@ -121,8 +124,10 @@ def run(options: Options) -> Report:
     rows = [*closed_forms(series, line), *safety(series)]
     parameters = BOGIE.values() | {"line": str(options.line or "own"), "speed": speed}
     seconds = float(series["time"][-1])
-    said = kernel.journal or [QUIET_RUN]
-    return Report(rows, series, lambda: draw(series, line), parameters, seconds, said, motion=partial(motion, options))
+    said = [*(kernel.journal or [QUIET_RUN]), f"The picture has the extremes of wheel loads in every {WINDOW:g} m."]
+    report = Report(rows, series, lambda: draw(series), parameters, seconds, said, motion=partial(motion, options))
+    report.other_figures["line"] = lambda: draw_track(line)
+    return report
 
 
 def motion(options: Options) -> Motion:
@@ -177,29 +182,36 @@ def safety(series: Recording) -> list[Row]:
     ]
 
 
-def draw(series: Recording, line: Line) -> Figure:
-    figure, grid = plt.subplots(4, 2, figsize=(13.0, 9.6))
-    draw_line(list(grid[:, 0]), line)
-    speed, shift, guiding, load = grid[:, 1]
-    place = series["distance"]
-    speed.plot(place, series["speed"], color=LEADING)
-    speed.set_title("speed [m/s]")
-    for number, colour, word in ((1, LEADING, "leading"), (2, TRAILING, "trailing")):
-        shift.plot(place, 1e3 * series[f"lateral_{number}"], color=colour, linewidth=0.8, label=f"{word} wheelset")
-        guiding.plot(place, 1e-3 * series[f"guiding_force_{number}"], color=colour, linewidth=0.8)
-    for side, colour in zip(SIDES, (LEADING, THESIS), strict=True):
-        loads = 1e-3 * series[f"wheel_load_1_{side}"]
-        load.plot(place, loads, color=colour, linewidth=0.8, label=f"leading wheelset, {side}")
-    shift.set_title("lateral shift, to the left [mm]")
-    guiding.set_title("guiding force, to the left [kN]")
-    load.set_title("wheel load [kN]")
-    for axis in (shift, load):
-        legend_above(axis)
-    for axis in grid[:, 1]:
-        axis.sharex(grid[1, 0])
-    for axis in grid[-1]:
-        axis.set_xlabel("distance along the line [m]")
-    return titled(figure, "A line, and a bogie on it")
+def draw(series: Recording) -> Figure:
+    """The largest and the smallest load of any wheel in each WINDOW of the line."""
+    loads = 1e-3 * np.array([series[f"wheel_load_{number}_{side}"] for number in (1, 2) for side in SIDES])
+    message = f"Wheel loads stay between {loads.min():.0f} and {loads.max():.0f} kN along the line"
+    figure, axis = single(message, "distance along the line [m]", "wheel load [kN]")
+    windows = np.floor(series["distance"] / WINDOW)
+    starts = np.flatnonzero(np.diff(windows, prepend=-np.inf))
+    place = WINDOW * (windows[starts] + 0.5)
+    largest = np.maximum.reduceat(loads.max(axis=0), starts)
+    smallest = np.minimum.reduceat(loads.min(axis=0), starts)
+    axis.fill_between(place, smallest, largest, color="#dddddd")
+    axis.plot(place, largest, color=LEADING, linewidth=2.5)
+    axis.plot(place, smallest, "--", color=TRAILING, linewidth=2.5)
+    axis.axhline(1e-3 * WHEEL_LOAD, color=GREY, linestyle=":")
+    middle = place[len(place) // 2]
+    write_at(axis, (middle, loads.max() + 5.0), "the most loaded wheel", LEADING, ha="center")
+    write_at(axis, (middle, loads.min() - 5.0), "the least loaded wheel", TRAILING, ha="center")
+    write_at(axis, (place[-1], 1e-3 * WHEEL_LOAD + 3.0), "at rest", GREY, ha="right")
+    axis.set_ylim(loads.min() - 9.0, loads.max() + 9.0)
+    return figure
+
+
+def draw_track(line: Line) -> Figure:
+    """The line itself."""
+    figure, axes = plt.subplots(4, 1, figsize=(9.0, 10.0))
+    draw_line(list(axes), line)
+    axes[-1].set_xlabel("distance along the line [m]")
+    bend, climbed = float(np.abs(line.rows["curvature"]).max()), float(np.ptp(height(line)))
+    words = f"tightest radius is {1.0 / bend:.0f} m" if bend > 1e-6 else "line is straight"
+    return titled(figure, f"The {words}, the heights differ by {climbed:.1f} m")
 
 
 SCENARIO = Scenario(

@@ -229,19 +229,22 @@ def draw(found: Found) -> Figure:
         for speed, style in ((SLOW, "-"), (FAST, ":")):
             series = found[Case(ramp, speed)]
             twisted.plot(series["distance"], moved(series) / 1e3, style, color=colour)
-    line.set_title(f"cant [mm] into a curve of {RADIUS:g} m and out of it")
+    line.set_title(f"cant [mm], R = {RADIUS:g} m")
     legend_above(line, 3)
     twisted.set_title(f"load moved [kN]; dotted: at {FAST:.1f} m/s")
     for speed, colour in ((SLOW, LEADING), (FAST, TRAILING)):
         series = found[Case(RAMPS[0], speed)]
         least = np.min([series[wheel] for wheel in WHEELS], axis=0)
         loads.plot(series["distance"], 1.0 - least / WHEEL_LOAD, color=colour, label=f"{speed:.1f} m/s")
-    loads.set_title(f"dQ/Q of the least loaded wheel, 1:{RAMPS[0]:g} [1]")
+    loads.set_title(f"largest dQ/Q, 1:{RAMPS[0]:g} [1]")
     legend_above(loads)
     for axis in (line, twisted, loads):
         axis.set_xlabel("distance [m]")
     draw_shares(bars, found)
-    return titled(figure, "A bogie on cant ramps: what their twist takes from the wheels")
+    steep, flat = (Case(ramp, SLOW) for ramp in (RAMPS[0], RAMPS[-1]))
+    most, least = (by_twist(case, found[case], moved(found[case])) / 1e3 for case in (steep, flat))
+    message = f"A ramp of 1:{steep.ramp:g} moves {most:.1f} kN, one of 1:{flat.ramp:g} {least:.1f} kN"
+    return titled(figure, message)
 
 
 def draw_shares(axis: Axes, found: Found) -> None:

@@ -9,11 +9,11 @@ from matplotlib.figure import Figure
 from fmu_src.cosimulation.master import GAUSS_SEIDEL, JACOBI
 from products.bogie import BOGIE
 from scenarios.macro_step import signed_torque
-from scenarios.macro_step.error import MASTERS, error_on_paper
+from scenarios.macro_step.error import MASTERS, error_on_paper, order
 from scenarios.macro_step.feedback_boundary import SPEED, boundary_on_paper, pressure_per_slip
 from scenarios.macro_step.findings import Findings
 from scenarios.reporting.plots import BOGIE as GREY
-from scenarios.reporting.plots import LEADING, THESIS, TRAILING, plt
+from scenarios.reporting.plots import LEADING, THESIS, TRAILING, plt, titled
 
 COLOUR = {JACOBI: LEADING, GAUSS_SEIDEL: TRAILING}
 #: Jacobi larger and hollow, Gauss-Seidel smaller and filled: where both lie on one point both are seen.
@@ -38,10 +38,11 @@ def draw(f: Findings) -> Figure:
         axis.xaxis.set_major_formatter("{x:g}")
         axis.yaxis.set_major_formatter("{x:g}")
         axis.set_xlabel("macro step [ms]")
-    title = "Brake and bogie coupled over the macro step: lines on paper, points by the FMUs"
-    figure.suptitle(title, x=0.02, ha="left")
-    figure.set_layout_engine("constrained", h_pad=0.12, w_pad=0.12)
-    return figure
+    held, lines = (
+        order(list(steps), [one.distance for one in steps.values()])
+        for steps in (dict(sorted(f.errors[f"Jacobi, {inputs}"].items())) for inputs in ("held", "lines"))
+    )
+    return titled(figure, f"Held inputs converge with order {held:.1f}, lines with order {lines:.1f}")
 
 
 def draw_errors(axis: Axes, f: Findings) -> None:
@@ -52,7 +53,7 @@ def draw_errors(axis: Axes, f: Findings) -> None:
         paper = [abs(error_on_paper(master, step, f.stop).distance) for step in steps]
         axis.plot(1e3 * steps, 1e3 * np.array(paper), color=colour, linewidth=1.0)
         axis.plot(1e3 * steps, 1e3 * np.array(errors), marker, color=colour, label=name, **POINT[master.method])
-    axis.set_title("Torque as a capacity: error of the stop distance [mm], stop from 3 m/s in 3.6 m")
+    axis.set_title("Torque as a capacity: error of the stop distance [mm],\nstop from 3 m/s in 3.6 m")
     axis.annotate("order 1", (4.0, 8.0), ha="right", fontsize=8)
     axis.annotate("order 2", (4.0, 0.05), ha="right", fontsize=8)
     axis.legend(loc="upper left")
@@ -67,7 +68,7 @@ def draw_chatter(axis: Axes, f: Findings) -> None:
         kept = (time >= WINDOW[0]) & (time <= WINDOW[1])
         rim = BOGIE.wheel_radius * chatter.series["angular_velocity_2"][kept]
         axis.plot(time[kept], 1e3 * rim, color=colour, label=label)
-    axis.set(title="The end of a stop: speed of the trailing wheels' rim [mm/s]", xlabel="time [s]")
+    axis.set(title="The end of a stop:\nspeed of the trailing wheels' rim [mm/s]", xlabel="time [s]")
     axis.legend(loc="upper right")
     axis.margins(y=0.15)
 
@@ -88,7 +89,7 @@ def draw_jumps(axis: Axes, f: Findings) -> None:
     ):
         jumps = [1e3 * chatters[step].jump for step in steps]
         axis.plot(1e3 * steps, jumps, marker, color=colour, markersize=5.0, label=label)
-    axis.set_title("Torque with sign: jump of the rim speed in each macro step [mm/s]")
+    axis.set_title("Torque with sign:\njump of the rim speed in each macro step [mm/s]")
     axis.legend(loc="upper left", fontsize=8)
 
 
@@ -101,7 +102,7 @@ def draw_boundaries(axis: Axes, f: Findings) -> None:
         axis.plot(1e3 * fine, paper, color=COLOUR[method], linewidth=1.0)
         found = [f.found[method][step] for step in steps]
         axis.plot(1e3 * steps, found, "o", color=COLOUR[method], label=label, **POINT[method])
-    axis.set_title("Slip fed back to the pressure: loop gain [1] above which errors grow")
+    axis.set_title("Slip fed back to the pressure:\nloop gain [1] above which errors grow")
     axis.set_ylabel(f"1 is {pressure_per_slip(f.plant) / 1e5:.0f} kPa per % of slip, at {SPEED:g} m/s")
     axis.annotate(
         "pitching grows",

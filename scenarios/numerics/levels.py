@@ -319,16 +319,17 @@ def draw(found: Findings) -> Figure:
         "point\nmisses the\nlock-up", (sum(band) / 2, 0.97), ha="center", va="top", xycoords=("data", "axes fraction")
     )
     draw_costs(axes[5], found)
-    return titled(figure, "Stops from 25 m/s: errors of point and planar against spatial, and what each level costs")
+    point, planar = (found.largest_error(found.stops[name], "stop_distance") for name in ("point", "planar"))
+    return titled(figure, f"Where wheelsets lock, point errs by {point:.0f} m, planar by {planar:.2f} m")
 
 
 def draw_lock_times(axis: Axes, found: Findings) -> None:
     """The answers themselves; spatial is the broad line below planar."""
     for name in ("spatial", "planar", "point"):
-        label = f"{name}, both wheelsets" if name == "point" else f"{name}, trailing wheelset"
+        label = f"{name}, both" if name == "point" else f"{name}, trailing"
         axis.plot(UTILISATIONS, column(found.stops[name], "lock_time_2"), label=label, **STYLES[name])
-    axis.set_title("locks after [s]")
-    axis.legend(loc="upper left")
+    axis.set_title("wheelset locks after [s]")
+    axis.legend(loc="lower left")
 
 
 def draw_errors(axis: Axes, found: Findings, question: str, bound: float | None) -> None:

@@ -207,7 +207,8 @@ def draw(timings: list[Timing]) -> Figure:
     axis.grid(axis="y", visible=False)
     for place, value in zip(places, values, strict=True):
         axis.annotate(f"{value:.4g}", (value, place), xytext=(3, -3), textcoords="offset points", fontsize=8)
-    return titled(figure, "What one call costs, measured on this machine")
+    [step] = [t.microseconds for t in timings if (t.what, t.level, t.kind) == ("doStep of 1 ms", "spatial", "native")]
+    return titled(figure, f"A native spatial FMU computes 1 ms in {step:.0f} us")
 
 
 SCENARIO = Scenario(

@@ -233,8 +233,17 @@ def draw(studies: list[Study], against: str) -> Figure:
     )
     shown = [name for name in STYLE if name in handles]
     figure.legend([handles[name] for name in shown], shown, loc="outside lower center", ncols=4, fontsize=9)
-    words = {"seconds": "wall time", "right_hand_sides": "right-hand sides"}[against]
-    return titled(figure, f"Error against {words} on the same compiled equations; lower left is better")
+    return titled(figure, message(studies, against))
+
+
+def message(studies: list[Study], against: str) -> str:
+    """How many times what the default needs to the wanted error the fastest peers need, over the scenes."""
+    fastest = ((one.fastest([DEFAULT], WANTED), one.fastest(PEERS, WANTED)) for one in studies)
+    times = [getattr(peer, against) / getattr(own, against) for own, peer in fastest if own and peer]
+    words = {"seconds": "time", "right_hand_sides": "evaluations"}[against]
+    if not times:
+        return f"No peer reaches an error of {WANTED:g} here"
+    return f"To errors of {WANTED:g} peers take {min(times):.1f} to {max(times):.1f} times our {words}"
 
 
 #: Where failures are drawn, and the least error shown.
@@ -242,7 +251,7 @@ FAILED, LEAST = 3.0, 1e-11
 
 
 def draw_scene(axis: Axes, one: Study, against: str, handles: dict[str, Artist]) -> None:
-    axis.set_title(f"{one.scene.name}: {one.scene.stress}")
+    axis.set_title(f"{one.scene.name}:\n{one.scene.stress}")
     axis.axhspan(LEAST, max(one.uncertainty, LEAST), color="#dddddd", zorder=0)
     axis.axhline(WANTED, color="#999999", linewidth=0.8)
     for name, (colour, marker, dashes) in STYLE.items():

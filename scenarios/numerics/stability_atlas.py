@@ -361,7 +361,7 @@ def draw(atlas: Atlas) -> Figure:
     parts = (draw_limits, draw_growth, draw_loads, draw_silent, draw_rest, draw_stops, draw_drift, draw_fold)
     for axis, part in zip(grid.ravel(), parts, strict=True):
         part(axis, atlas)
-    return titled(figure, "Where integration methods fail: predicted (lines) and found (marks)")
+    return titled(figure, f"RK4 fails above {1e3 * limit(SPATIAL, 25.0):.2f} ms on the spatial bogie at 25 m/s")
 
 
 def draw_limits(axis: Axes, atlas: Atlas) -> None:

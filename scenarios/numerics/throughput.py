@@ -63,13 +63,13 @@ def level_rows(found: Study, level: str) -> list[Row]:
 
 def message(found: Study) -> str:
     """What the picture says: how many times the stops of others a batch makes, or else those of one instance."""
-    ways, who = (PEERS, "others at best") if found.fastest("planar", PEERS, WANTED) else ((ALONE,), "one instance")
+    ways, who = (PEERS, "others'") if found.fastest("planar", PEERS, WANTED) else ((ALONE,), "one instance's")
     times = []
     for level in ensembles.LEVELS:
         batch, other = found.fastest(level, [BATCH], WANTED), found.fastest(level, ways, WANTED)
         if batch and other:
             times.append(f"{batch.stops / other.stops:.0f} ({level})")
-    return f"A batch makes {' and '.join(times)} times the stops a second of {who}, with errors below {WANTED:g}"
+    return f"A batch makes {' and '.join(times)} times {who} stops"
 
 
 def series_of(found: Study) -> Recording:

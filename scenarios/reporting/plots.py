@@ -1,6 +1,10 @@
-"""One style for all figures."""
+"""One style for all figures: each has one message, a sentence of a few words that is its title."""
 
+import math
+import re
+import textwrap
 from collections.abc import Sequence
+from typing import Any
 
 import matplotlib
 import numpy as np
@@ -15,6 +19,8 @@ LEADING, TRAILING, BOGIE, THESIS = "#0072b2", "#d55e00", "#333333", "#009e73"
 THREE = ("#0072b2", "#e69f00", "#d55e00")
 #: Wheelsets 1 to 4.
 FOUR = ("#0072b2", "#56b4e9", "#e69f00", "#d55e00")
+#: Dashes of three or four lines beside their colours: in grey print the second and the third of FOUR are one.
+LINES = ("-", "--", "-.", ":")
 
 plt.rcParams.update(
     {
@@ -22,37 +28,59 @@ plt.rcParams.update(
         "axes.spines.right": False,
         "axes.spines.top": False,
         "axes.titlelocation": "left",
-        "axes.titlesize": 10,
-        "figure.titlesize": 12,
-        "font.size": 9,
+        "axes.titlesize": 11,
+        "figure.titlesize": 15,
+        "font.size": 11,
         "grid.alpha": 0.3,
         "legend.frameon": False,
-        "lines.linewidth": 1.6,
+        "lines.linewidth": 1.8,
     }
 )
 
+#: Words of a message at most, and letters of a title in an inch of its line.
+MOST_WORDS, LETTERS = 12, 9.0
+NO_BREAK = "\u00a0"
 
-def panels(title: str, labels: Sequence[str], height: float = 2.0) -> tuple[Figure, list[Axes]]:
+
+def panels(message: str, labels: Sequence[str], height: float = 2.0) -> tuple[Figure, list[Axes]]:
     """A figure of panels above each other that share the time axis; `labels` are the titles of the panels."""
     figure, grid = plt.subplots(len(labels), 1, sharex=True, figsize=(8.0, height * len(labels) + 0.8), squeeze=False)
     axes = list(grid[:, 0])
     for axis, label in zip(axes, labels, strict=True):
         axis.set_title(label)
     axes[-1].set_xlabel("time [s]")
-    return titled(figure, title), axes
+    return titled(figure, message), axes
 
 
-def single(title: str, x_label: str, y_label: str) -> tuple[Figure, Axes]:
+def single(message: str, x_label: str, y_label: str) -> tuple[Figure, Axes]:
+    """A figure of one chart."""
     figure, axis = plt.subplots(figsize=(8.0, 5.2))
     axis.set(xlabel=x_label, ylabel=y_label)
-    return titled(figure, title), axis
+    return titled(figure, message), axis
 
 
-def titled(figure: Figure, title: str) -> Figure:
-    """The figure with its title, and room for what is on it."""
-    figure.suptitle(title, x=0.02, ha="left")
+def titled(figure: Figure, message: str) -> Figure:
+    """The figure with its message as title, and room for what is on it. Raises ValueError as `message_of` does."""
+    lines = math.ceil(len(message) / (figure.get_figwidth() * LETTERS))
+    figure.suptitle(textwrap.fill(message, len(message) // max(lines, 1) + 8), x=0.02, ha="left")
     figure.set_layout_engine("constrained")
+    message_of(figure)
     return figure
+
+
+def one_word(name: str) -> str:
+    """A name of the user's for a message: one word, however many blanks it has."""
+    return name.replace(" ", NO_BREAK)
+
+
+def message_of(figure: Figure) -> str:
+    """What a figure says, in one line. Raises ValueError for one that says nothing, or more than MOST_WORDS words."""
+    words = [word.replace(NO_BREAK, " ") for word in re.split("[ \n]+", figure.get_suptitle()) if word]
+    if not words:
+        raise ValueError("A picture has no message; give it one with scenarios.reporting.plots.titled.")
+    if len(words) > MOST_WORDS:
+        raise ValueError(f"A message has {MOST_WORDS} words at most; this one has {len(words)}: {' '.join(words)}")
+    return " ".join(words)
 
 
 def label_edges(grid: np.ndarray, x_label: str, y_label: str) -> None:
@@ -68,6 +96,11 @@ def legend_above(axis: Axes, columns: int = 2) -> None:
     axis.legend(loc="lower right", bbox_to_anchor=(1.0, 0.96), ncols=columns, fontsize=8, borderaxespad=0.1)
 
 
+def write_at(axis: Axes, place: tuple[float, float], text: str, colour: str, **options: Any) -> None:
+    """The name of a line in its colour, at a place of its own; options: of `Axes.annotate`."""
+    axis.annotate(text, place, **{"color": colour, "fontsize": "large", "va": "center"} | options)
+
+
 def mark(axis: Axes, time: float | None, text: str) -> None:
     """A thin vertical line with a word, for an event."""
     if time is None:
@@ -77,7 +110,7 @@ def mark(axis: Axes, time: float | None, text: str) -> None:
         text,
         (time, 0.97),
         xycoords=("data", "axes fraction"),
-        fontsize=8,
+        fontsize=10,
         va="top",
         xytext=(3, 0),
         textcoords="offset points",

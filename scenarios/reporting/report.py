@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 from fmu_src import __version__
 from fmu_src.cosimulation.recording import Recording
 from scenarios.reporting.motion import Motion
-from scenarios.reporting.plots import plt
+from scenarios.reporting.plots import message_of, plt
 
 
 @dataclass(frozen=True)
@@ -146,6 +146,14 @@ class Report:
         return all(row.holds is not False for row in self.rows)
 
 
+def value_of(rows: Sequence[Row], quantity: str) -> float:
+    """What was simulated of a quantity. Raises LookupError where no row has it, or nothing was found."""
+    for row in rows:
+        if row.quantity == quantity and row.simulated is not None:
+            return row.simulated
+    raise LookupError(f"nothing was simulated of {quantity}")
+
+
 def versions() -> dict[str, str]:
     """What a result came out of; zig is an extra."""
     packages = ["casadi", "fmpy", "matplotlib", "numpy", "pythonfmu", "scipy"]
@@ -160,6 +168,8 @@ def save(
 ) -> Path:
     """Writes results/NAME in one move: a run that fails on the way leaves the folder as it was.
 
+    Among the pictures in summary.json each has its message. Raises ValueError where a figure has none.
+
     further: writes what else is asked for into the folder, when all else is there.
     """
     out.mkdir(parents=True, exist_ok=True)
@@ -168,6 +178,7 @@ def save(
         summary = {
             "scenario": name,
             "rows": [row.as_dict() for row in report.rows],
+            "pictures": draw_all(report, partial),
             "remarks": report.remarks,
             "parameters": dict(report.parameters),
             "coupling": dict(report.coupling),
@@ -179,10 +190,6 @@ def save(
         (partial / "summary.json").write_text(json.dumps(summary, indent=2, allow_nan=False) + "\n", encoding="utf-8")
         for file, series in {"timeseries": report.series, **report.other_series}.items():
             series.write(partial / f"{file}.csv")
-        for file, draw in {"figure": report.draw, **report.other_figures}.items():
-            figure = draw()
-            figure.savefig(partial / f"{file}.png", dpi=130)
-            plt.close(figure)
         if further:
             further(report, partial)
         partial.chmod(0o755)
@@ -194,6 +201,17 @@ def save(
     except BaseException:
         shutil.rmtree(partial, ignore_errors=True)
         raise
+
+
+def draw_all(report: Report, folder: Path) -> dict[str, str]:
+    """Draws the figures into a folder; their messages by file name."""
+    messages = {}
+    for file, draw in {"figure": report.draw, **report.other_figures}.items():
+        figure = draw()
+        messages[f"{file}.png"] = message_of(figure)
+        figure.savefig(folder / f"{file}.png", dpi=130)
+        plt.close(figure)
+    return messages
 
 
 def number(value: float | None) -> str:

@@ -3,9 +3,11 @@
 With the flange as a spring on one rigid contact a wheel (3.106), and with a flange that has its own place and force.
 """
 
-from collections.abc import Callable
+from collections.abc import Iterable
 from dataclasses import replace
+from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -34,10 +36,20 @@ from scenarios.bench.asymmetric_shoes import (
 )
 from scenarios.bench.drive import RIGID
 from scenarios.reporting.motion import Motion, motion_columns
-from scenarios.reporting.plots import LEADING, THREE, TRAILING, label_edges, plt, titled
+from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, single, titled, write_at
 from scenarios.reporting.report import Report, Row, at_least, rounding
 from scenarios.scenario import Options, Scenario
 
+#: Readings that are drawn, in words; wheelsets with uneven shoes, and the line and marker of each.
+READ = {AS_THESIS: "axis turns (thesis)", PHYSICAL: "axis fixed (physical)"}
+WHEELSETS = {1: ("leading", "o-"), 2: ("trailing", "s--")}
+DERAILED: dict[str, Any] = {
+    "marker": "x",
+    "linestyle": "none",
+    "color": BOGIE,
+    "markersize": 15,
+    "markeredgewidth": 2.5,
+}
 FITTED = "not judged: the half spacing is fitted to it"
 CONTOUR = "not judged: hangs on the wheel's contour, which is not public"
 
@@ -133,6 +145,7 @@ def remarks_of(outcomes: dict[Case, Outcome]) -> list[str]:
         "impacts and are chaotic: a tolerance ten times tighter moves them by up to 5 %, half a millimetre.",
         ON_PATCHES_REMARK,
         IMPACTS_REMARK.format(load=1e-3 * lifting.largest_load),
+        f"Pictures have the largest shift of either wheelset, the brake applied in {FASTEST:g} s.",
         *(f"{case.name}: {line}" for case, outcome in outcomes.items() for line in outcome.sentences),
     ]
 
@@ -159,53 +172,59 @@ def motion() -> Motion:
     return Motion(f"Braked: {case.name}", vehicle, brake(case, DURATION, motion_columns(vehicle))[1])
 
 
-def draw(outcomes: dict[Case, Outcome]) -> Figure:
-    def shifts(axis: Axes, case: Case) -> None:
-        outcome = outcomes[case]
-        time = outcome.series["time"]
-        axis.plot(time, 1e3 * outcome.series["lateral_1"], color=LEADING, linewidth=0.6, label="leading")
-        axis.plot(time, 1e3 * outcome.series["lateral_2"], color=TRAILING, linewidth=0.6, label="trailing")
-        mark_derailment(axis, outcome, 1, "derailed")
-
-    return draw_cases(
-        "Asymmetric shoes, brake applied in 1 s: as the thesis did, and the physical reading", 13.0, shifts
+def message(outcomes: dict[Case, Outcome]) -> str:
+    """How far the smallest error shifts a wheelset in the two readings."""
+    error = min(YAW_TORQUE)
+    printed, physical = (
+        1e3 * max(max(outcomes[Case(n, error, FASTEST, reading)].peaks) for n in (1, 2))
+        for reading in (AS_THESIS, PHYSICAL)
     )
+    return f"Shoes {error}% uneven shift wheelsets {printed:.1f} mm (axis turning), {physical:.1f} mm (fixed)"
+
+
+def draw(outcomes: dict[Case, Outcome]) -> Figure:
+    """The largest shift of any wheelset over the error of the shoes, the brake applied as fast as it is."""
+    figure, axis = single(message(outcomes), "error of the shoe forces [%]", "largest lateral shift [mm]")
+    for (reading, words), colour, height in zip(READ.items(), (LEADING, TRAILING), (3.4, 11.6), strict=True):
+        for wheelset, (_, line) in WHEELSETS.items():
+            cases = [Case(wheelset, error, FASTEST, reading) for error in YAW_TORQUE]
+            peaks = [1e3 * max(outcomes[case].peaks) for case in cases]
+            axis.plot([0, *YAW_TORQUE], [0.0, *peaks], line, color=colour, markersize=8)
+            mark_derailed(axis, YAW_TORQUE, peaks, [outcomes[case] for case in cases])
+        write_at(axis, (25, height), words, colour, ha="center")
+    for place, line in WHEELSETS.values():
+        axis.plot([], [], line, color=BOGIE, label=f"{place} shoes uneven")
+    axis.plot([], [], **DERAILED, label="derails")
+    axis.legend(loc="lower right", fontsize="large")
+    axis.set(xticks=[0, *YAW_TORQUE], ylim=(0, 13))
+    return figure
 
 
 def draw_depths(outcomes: dict[Case, Outcome]) -> Figure:
-    """The braked wheelset with the flange as a spring (3.106), and with a flange of its own."""
-
-    def shift_by_depth(axis: Axes, case: Case) -> None:
-        for name, colour, depth in ((case.reading, TRAILING, 1), (ON_PATCHES[case.reading], LEADING, 2)):
-            outcome = outcomes[replace(case, reading=name)]
-            shift = 1e3 * outcome.series[f"lateral_{case.wheelset}"]
-            axis.plot(outcome.series["time"], shift, color=colour, linewidth=0.6, label=f"contact depth {depth}")
-            mark_derailment(axis, outcome, case.wheelset, f"depth {depth}: derailed")
-
-    title = "The wheelset with asymmetric shoes: flange as a spring, and on its own patch"
-    return draw_cases(title, 13.5, shift_by_depth)
-
-
-def draw_cases(title: str, most: float, draw_case: Callable[[Axes, Case], None]) -> Figure:
-    """Lateral shift [mm], up to `most`, of the cases with the fastest application, two readings and both wheelsets."""
-    figure, grid = plt.subplots(4, 3, sharex=True, sharey=True, figsize=(11.0, 10.0))
-    cases = [
-        Case(n, error, FASTEST, reading) for reading in (AS_THESIS, PHYSICAL) for n in (1, 2) for error in YAW_TORQUE
-    ]
-    for axis, case in zip(grid.flat, cases, strict=True):
-        draw_case(axis, case)
-        axis.set_title(case.name, fontsize=8)
-        axis.set_ylim(-most, most)
-    label_edges(grid, "time [s]", "lateral shift [mm]")
-    grid[0, 0].legend(loc="upper left", fontsize=8)
-    return titled(figure, title)
+    """The largest shift with the flange as a spring (3.106), and with a flange of its own."""
+    cases = [Case(n, error, FASTEST, reading) for reading in READ for n in WHEELSETS for error in YAW_TORQUE]
+    spring = [outcomes[case] for case in cases]
+    patch = [outcomes[replace(case, reading=ON_PATCHES[case.reading])] for case in cases]
+    ends = [sum(one.derailed_at is not None for one in some) for some in (spring, patch)]
+    figure, axis = plt.subplots(figsize=(9.0, 6.5))
+    places = range(len(cases))
+    for some, marker, colour, words in ((spring, "o", TRAILING, "spring"), (patch, "s", LEADING, "patch")):
+        shifts = [1e3 * max(one.peaks) for one in some]
+        axis.plot(shifts, places, marker, color=colour, markersize=9, label=f"flange: {words}")
+        mark_derailed(axis, shifts, places, some)
+    axis.plot([], [], **DERAILED, label="derails")
+    names = [f"{READ[one.reading]}, {WHEELSETS[one.wheelset][0]}, {one.error} %" for one in cases]
+    axis.set_yticks(places, names)
+    axis.invert_yaxis()
+    axis.set(xlabel="largest lateral shift [mm]", xlim=(0, 14))
+    axis.legend(loc="lower left", fontsize="large")
+    return titled(figure, f"Flanges as springs derail {ends[0]} of {len(cases)} cases, flanges on patches {ends[1]}")
 
 
-def mark_derailment(axis: Axes, outcome: Outcome, wheelset: int, words: str) -> None:
-    """Where the shift of the wheelset ended, and at which speed."""
-    if outcome.derailed_at is not None:
-        axis.plot(outcome.series["time"][-1], 1e3 * outcome.series[f"lateral_{wheelset}"][-1], "x", color=THREE[2])
-        axis.annotate(f"{words} at {outcome.derailed_at:.1f} m/s", (0.05, 0.05), xycoords="axes fraction")
+def mark_derailed(axis: Axes, x: Iterable[float], y: Iterable[float], outcomes: Iterable[Outcome]) -> None:
+    """A cross at the points of those that derailed."""
+    points = [(here, there) for here, there, one in zip(x, y, outcomes, strict=True) if one.derailed_at is not None]
+    axis.plot(*np.reshape(points, (-1, 2)).T, **DERAILED)
 
 
 SCENARIO = Scenario(

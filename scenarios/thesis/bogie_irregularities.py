@@ -32,6 +32,12 @@ from scenarios.scenario import Options, Scenario
 
 SPACING = "half spacing of the suspension 0.7 m and frame height 0.8 m are fitted, to other values"
 FLANGE = "not judged: the flange's stiffness is fitted to it"
+#: What the pictures say the largest value of, and of which column.
+MESSAGES = {
+    LATERAL.name: ("lateral_1", "lateral wave shifts a wheelset by"),
+    VERTICAL.name: ("axle_load_1", "vertical wave loads an axle with"),
+    CROSS_LEVEL.name: ("frame_roll", "cross level rolls the frame by"),
+}
 #: Of a closed form.
 BAND = 1e-3
 AT_RAIL = "a flange pushed at the rail, and where it meets it"
@@ -151,7 +157,10 @@ def draw(kind: Irregularity, runs: dict[float, Recording]) -> Figure:
             axis.plot(series["distance"], factor * series[name], color=colour)
             axis.set_title(f"{name} [{unit}] at {speed:g} m/s")
         grid[-1, column].set_xlabel("distance [m]")
-    return titled(figure, kind.title)
+    name, words = MESSAGES[kind.name]
+    factor, unit = scales[runs[SPEEDS[-1]].units[name]]
+    peak = factor * float(np.abs(runs[SPEEDS[-1]][name]).max())
+    return titled(figure, f"At {SPEEDS[-1]:g} m/s the {words} {peak:.0f} {unit}")
 
 
 def scenario(name: str, kind: Irregularity) -> Scenario:

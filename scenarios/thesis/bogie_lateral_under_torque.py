@@ -11,7 +11,7 @@ from rbd_model.vehicle.parameters import AS_PRINTED, as_printed, tables_5_1_and_
 from rbd_model.vehicle.ready import two_axle_bogie
 from scenarios.bench.drive import RIGID, bogie, play
 from scenarios.reporting.motion import Motion, irregular, motion_columns
-from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, titled
+from scenarios.reporting.plots import LEADING, TRAILING, label_edges, plt, titled
 from scenarios.reporting.report import Report, Row, rounding
 from scenarios.scenario import Options, Scenario
 
@@ -71,17 +71,19 @@ def motion() -> Motion:
 
 
 def draw(runs: dict[str, Recording]) -> Figure:
-    figure, grid = plt.subplots(2, len(runs), sharex=True, sharey="row", figsize=(13.0, 6.0))
-    for column, (name, series) in enumerate(runs.items()):
-        upper, lower = grid[:, column]
-        upper.plot(series["time"], series["speed"], color=BOGIE)
-        upper.set_title(f"{name}: speed [m/s]", fontsize=9)
-        lower.plot(series["time"], 1e3 * series["lateral_1"], color=LEADING, label="leading")
-        lower.plot(series["time"], 1e3 * series["lateral_2"], color=TRAILING, label="trailing")
-        lower.set_title("lateral displacement [mm]", fontsize=9)
-        lower.set_xlabel("time [s]")
-    grid[1, 0].legend(loc="upper right")
-    return titled(figure, "A lateral wave under torque (Figs 5.31-5.43)")
+    figure, grid = plt.subplots(2, 2, sharex=True, sharey=True, figsize=(9.0, 6.0))
+    for axis, (name, series) in zip(grid.flat, runs.items(), strict=True):
+        axis.plot(series["time"], 1e3 * series["lateral_1"], color=LEADING, label="leading")
+        axis.plot(series["time"], 1e3 * series["lateral_2"], "--", color=TRAILING, label="trailing")
+        axis.set_title(name)
+    label_edges(grid, "time [s]", "lateral displacement [mm]")
+    grid[0, 0].legend(loc="upper right")
+    braked, driven = (
+        1e3
+        * max(float(np.abs(one[f"lateral_{n}"]).max()) for name, one in runs.items() if word in name for n in (1, 2))
+        for word in ("braking", "traction")
+    )
+    return titled(figure, f"The wave shifts braked wheelsets {braked:.1f} mm, driven ones {driven:.1f} mm")
 
 
 SCENARIO = Scenario("bogie-lateral-under-torque", "A lateral wave while driven or braked (section 5.4.3)", run)

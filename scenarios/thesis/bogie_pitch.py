@@ -19,6 +19,8 @@ TORQUE = 15e3
 TRACTION = [(0.0, 0.0), (5.0, TORQUE), (20.5, TORQUE), (20.5, 0.0)]
 BRAKE = [(0.0, 0.0), (25.5, 0.0), (30.5, TORQUE), (37.0, TORQUE), (37.0, 0.0)]
 DURATION, INTERVAL = 40.0, 2e-3
+#: Times of steady traction and braking [s].
+PULLED, BRAKED = (15.0, 20.0), (33.0, 36.5)
 LEVELS = {2: "planar", 3: "spatial"}
 RECORDED = ("speed", "pitch", "distance")
 #: Share of the pitch by which levels may differ: the band of statics in docs/checking.md.
@@ -42,16 +44,16 @@ def run(options: Options) -> Report:
     series, source = runs[2], "section 5.4.2, Fig. 5.29"
     where = "brakes and motors hung in the frame, which (3.36) leaves out"
     ringing = (series["time"] > 20.51) & (series["time"] < 22.0)
-    pull = 1e3 * mean_between(series, 15.0, 20.0)
+    pull = 1e3 * mean_between(series, *PULLED)
     ringing_period = period(series["time"][ringing], series["pitch"][ringing])
     difference = 1e3 * float(np.abs(runs[3]["pitch"] - series["pitch"]).max())
     same, levels = at_most(SAME * abs(pull)), "levels against each other, not the thesis"
     note = "of the pitch in traction what rigid statics are asked for, 0.1 %"
     rows = [
         Row("pitch in traction", "mrad", None, pull, None, source, "negative"),
-        Row("pitch in braking", "mrad", None, 1e3 * mean_between(series, 33.0, 36.5), None, source, "positive"),
-        Row("pitch in traction, motors hung", "mrad", None, 1e3 * mean_between(hung, 15.0, 20.0), None, where),
-        Row("pitch in braking, brakes hung", "mrad", None, 1e3 * mean_between(hung, 33.0, 36.5), None, where),
+        Row("pitch in braking", "mrad", None, 1e3 * mean_between(series, *BRAKED), None, source, "positive"),
+        Row("pitch in traction, motors hung", "mrad", None, 1e3 * mean_between(hung, *PULLED), None, where),
+        Row("pitch in braking, brakes hung", "mrad", None, 1e3 * mean_between(hung, *BRAKED), None, where),
         Row("period of the ringing after the release", "s", None, ringing_period, None, source),
         Row("largest difference of pitch, spatial - planar", "mrad", None, difference, same, levels, note),
     ]
@@ -69,7 +71,9 @@ def motion() -> Motion:
 
 def draw(series: Recording) -> Figure:
     labels = ("speed [m/s]", "pitch of the frame [mrad], positive nose down")
-    figure, axes = panels("Traction, rolling, braking: the frame pitches (Fig. 5.29)", labels, 2.6)
+    pull, brake = (1e3 * mean_between(series, *times) for times in (PULLED, BRAKED))
+    message = f"The frame pitches by {pull:.1f} mrad in traction, {brake:.1f} mrad in braking"
+    figure, axes = panels(message, labels, 2.6)
     axes[0].plot(series["time"], series["speed"], color=BOGIE)
     axes[1].plot(series["time"], 1e3 * series["pitch"], color=BOGIE, label="planar")
     axes[1].plot(series["time"], 1e3 * series["pitch, spatial"], color=TRAILING, linestyle="--", label="spatial")

@@ -11,12 +11,14 @@ from rbd_model.vehicle.parameters import AS_PRINTED, as_printed, tables_5_1_and_
 from rbd_model.vehicle.ready import two_axle_bogie
 from scenarios.bench.drive import bogie, play
 from scenarios.reporting.motion import Motion, irregular, motion_columns
-from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, mark, plt, titled
+from scenarios.reporting.plots import LEADING, TRAILING, mark, single
 from scenarios.reporting.report import Report, Row
 from scenarios.scenario import Options, Scenario
 
 TORQUE, APPLIED, SPEED = 60e3, 4.0, 25.0
 DURATION, INTERVAL = 14.0, 2e-3
+#: From so long after the brake on [s] the picture's message takes the largest shift.
+SETTLED = 2.0
 CASES = {"leading wheelset braked": (1,), "both wheelsets braked": (1, 2)}
 WAVE = {"lateral_irregularity": 0.025}
 RECORDED = (
@@ -52,7 +54,7 @@ def run(options: Options) -> Report:
             rows.append(Row(f"{name}: shift of wheelset 1 {label}", "mm", None, shift, None, "Figs 5.45, 5.47"))
     first = runs["leading wheelset braked"][0]
     choice = smallest_level(("brake_torque_1", *WAVE), RECORDED)
-    remarks.append(choice.reason)
+    remarks += [choice.reason, f"The picture tells the largest shift later than {SETTLED:g} s after the brake."]
     parameters = as_printed(tables_5_1_and_5_2()).values() | WAVE | {"level": choice.level}
     return Report(rows, first, lambda: draw(runs), parameters, 2 * DURATION * len(runs), remarks, motion=motion)
 
@@ -65,21 +67,20 @@ def motion() -> Motion:
 
 
 def draw(runs: dict[str, tuple[Recording, list[str]]]) -> Figure:
-    figure, grid = plt.subplots(2, len(runs), sharex=True, figsize=(11.0, 6.0))
-    radius = tables_5_1_and_5_2().wheel_radius
-    for column, (name, (series, _)) in enumerate(runs.items()):
-        upper, lower = grid[:, column]
-        upper.plot(series["time"], series["speed"], color=BOGIE, label="bogie")
-        upper.plot(series["time"], radius * series["angular_velocity_1"], color=LEADING, label="leading wheels")
-        upper.plot(series["time"], radius * series["angular_velocity_2"], color=TRAILING, label="trailing wheels")
-        upper.set_title(f"{name}: speed and circumferential speeds [m/s]")
-        lower.plot(series["time"], 1e3 * series["lateral_1"], color=LEADING)
-        lower.plot(series["time"], 1e3 * series["lateral_2"], color=TRAILING)
-        lower.set(title="lateral displacement [mm]", xlabel="time [s]")
-        for axis in (upper, lower):
-            mark(axis, APPLIED, "brake")
-    grid[0, 0].legend(loc="lower left")
-    return titled(figure, "60 kN.m on one and on both wheelsets at 25 m/s (Figs 5.44-5.47)")
+    """Lateral shift of the leading wheelset in both cases."""
+    swings = [
+        1e3 * float(np.abs(series["lateral_1"][series["time"] > APPLIED + SETTLED]).max())
+        for series, _ in runs.values()
+    ]
+    message = "One braked wheelset swings on by {:.0f} mm, two by {:.0f} mm"
+    figure, axis = single(message.format(*swings), "time [s]", "lateral shift of the leading wheelset [mm]")
+    for (words, (series, _)), line, colour in zip(runs.items(), ("-", "--"), (LEADING, TRAILING), strict=True):
+        axis.plot(series["time"], 1e3 * series["lateral_1"], line, color=colour, label=words, linewidth=2.2)
+    axis.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, fontsize="large")
+    axis.axvspan(APPLIED + SETTLED, DURATION, color="#eeeeee", zorder=0)
+    mark(axis, APPLIED, "brake")
+    mark(axis, APPLIED + SETTLED, "swings settled")
+    return figure
 
 
 SCENARIO = Scenario("bogie-skid", "60 kN.m behind a lateral wave: skid in space (section 5.5)", run)

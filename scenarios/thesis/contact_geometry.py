@@ -92,16 +92,17 @@ def draw(pair: Pair, series: Recording, flange: float) -> Figure:
     grid[1, 0].set_title("contact angle [deg]")
     grid[1, 0].legend()
     low = series["shift"] >= AMPLITUDES[0]
-    for name, colour, label in (
-        ("thesis", LEADING, "synthetic wheel, 60 kg rail"),
-        ("european", TRAILING, "S1002, 60E1 1:40, no roll"),
+    for name, line, colour, label in (
+        ("thesis", "-", LEADING, "synthetic wheel, 60 kg rail"),
+        ("european", "--", TRAILING, "S1002, 60E1 1:40, no roll"),
     ):
-        grid[1, 1].plot(shift[low], series[f"equivalent_conicity_{name}"][low], color=colour, label=label)
+        grid[1, 1].plot(shift[low], series[f"equivalent_conicity_{name}"][low], line, color=colour, label=label)
     grid[1, 1].set(title="equivalent conicity [1] over amplitude", ylim=(0.0, 0.6))
     grid[1, 1].legend()
     for axis in grid.flat[1:]:
         axis.set_xlabel("lateral shift or amplitude [mm]")
-    return titled(figure, "Contact geometry of the profiles that stand for those of the thesis")
+    conicity = float(np.interp(COMPARED, series["shift"], series["equivalent_conicity_thesis"]))
+    return titled(figure, f"The synthetic wheel has a conicity of {conicity:.3f} at {1e3 * COMPARED:g} mm")
 
 
 def draw_profiles(axis: Axes, pair: Pair) -> None:
@@ -223,7 +224,8 @@ def draw_files(sides: Sides, series: Recording, conicity: Recording, centre: flo
         axis.set_xlabel("shift to the left [mm]")
     for axis in (grid[1, 1], grid[2, 1]):
         axis.legend()
-    return titled(figure, "Contact geometry and equivalent conicity (EN 15302)")
+    at_compared = float(np.interp(COMPARED, conicity["amplitude"], conicity["equivalent_conicity"]))
+    return titled(figure, f"The profiles have a conicity of {at_compared:.3f} at {1e3 * COMPARED:g} mm")
 
 
 #: How far the wheels are drawn above the rails [mm], and every how many shifts a contact.

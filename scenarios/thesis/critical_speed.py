@@ -9,7 +9,7 @@ from rbd_model.linear import Mode, critical_speed
 from rbd_model.vehicle.parameters import tables_4_1_and_4_2
 from scenarios.bench.drive import peaks, play, prepare
 from scenarios.bench.hunting_wheelset import RANGE, growth_by_eigenvalue, modes_at
-from scenarios.reporting.plots import LEADING, THESIS, TRAILING, plt, titled
+from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, single, write_at
 from scenarios.reporting.report import Report, Row, near
 from scenarios.scenario import Options, Scenario
 
@@ -20,6 +20,8 @@ DISTURBANCE = 1e-5
 #: Time of the disturbance and of the first modes, which decay faster than hunting grows; and end of the window [s].
 WINDOW = (8.0, 40.0)
 SAMPLE, TOLERANCE = 5e-3, 1e-9
+#: The chart of growth begins where the hunting no longer meets the slow swaying of the frame [m/s].
+SHOWN_FROM = 10.0
 
 
 def growth_in_time(speed: float, half_spacing: float) -> float:
@@ -69,23 +71,49 @@ def run(options: Options) -> Report:
         "thesis does not go that low."
     )
     parameters = tables_4_1_and_4_2().values()
-    return Report(rows, series, lambda: draw(loci, critical), parameters, 0.0, [remark])
+    report = Report(rows, series, lambda: draw(loci, critical), parameters, 0.0, [remark])
+    report.other_figures["root-locus"] = lambda: draw_loci(loci, critical)
+    return report
 
 
 def draw(loci: dict[float, list[list[Mode]]], critical: dict[float, float]) -> Figure:
-    figure, (left, right) = plt.subplots(1, 2, figsize=(11.0, 4.8))
-    for (spacing, locus), colour in zip(loci.items(), (LEADING, TRAILING), strict=True):
-        left.plot(SPEEDS, [max(m.growth for m in ms) for ms in locus], color=colour, label=f"half spacing {spacing} m")
-        left.axvline(critical[spacing], color=colour, linewidth=0.8, linestyle="--")
+    """Growth of the least damped oscillation over the speed."""
+    message = (
+        f"Hunting grows above {critical[FITTED]:.1f} m/s, with the printed spacing above {critical[PRINTED]:.1f} m/s"
+    )
+    figure, axis = single(message, "speed [m/s]", "growth of the least damped oscillation [1/s]")
+    for (spacing, locus), line, colour in zip(loci.items(), ("-", "--"), (LEADING, TRAILING), strict=True):
+        growth = [max(mode.growth for mode in modes) for modes in locus]
+        axis.plot(SPEEDS, growth, line, color=colour, linewidth=2.5)
+        axis.plot(critical[spacing], 0.0, "o", color=colour, markersize=10)
+    write_at(axis, (37.0, 0.3), f"half spacing\n{FITTED} m (fitted)", LEADING)
+    write_at(axis, (35.0, 0.65), f"half spacing\n{PRINTED} m (printed)", TRAILING, ha="right")
+    axis.axhline(0.0, color=BOGIE, linewidth=0.8)
+    axis.set_xlim(SHOWN_FROM, SPEEDS[-1])
+    return figure
+
+
+def draw_loci(loci: dict[float, list[list[Mode]]], critical: dict[float, float]) -> Figure:
+    """Frequency over growth of all oscillations at all speeds; points grow with the speed."""
+    hunting = min(
+        (mode for mode in modes_at(wheelset_in_frame(), critical[FITTED], FITTED)), key=lambda m: abs(m.growth)
+    )
+    message = f"The mode that turns unstable at {critical[FITTED]:.1f} m/s swings at {hunting.frequency:.1f} Hz"
+    figure, axis = single(message, "growth [1/s]; points grow with the speed", "frequency [Hz]")
+    for (spacing, locus), marker, colour in zip(loci.items(), "o^", (LEADING, TRAILING), strict=True):
         points = np.array([(m.growth, m.frequency, v) for v, ms in zip(SPEEDS, locus, strict=True) for m in ms])
-        right.scatter(points[:, 0], points[:, 1], s=4 + points[:, 2] / 2, color=colour, alpha=0.5, linewidths=0)
-    left.axvline(27.0, color=THESIS, label="thesis, 27 m/s")
-    left.axhline(0.0, color="#999999", linewidth=0.8)
-    left.set(xlabel="speed [m/s]", ylabel="growth of the least damped oscillation [1/s]")
-    left.legend(loc="upper left")
-    right.axvline(0.0, color="#999999", linewidth=0.8)
-    right.set(xlim=(-1.0, 0.6), xlabel="growth [1/s]; points grow with the speed", ylabel="frequency [Hz]")
-    return titled(figure, "Hunting of the wheelset of chapter 4: growth and root locus over speed")
+        axis.scatter(
+            points[:, 0],
+            points[:, 1],
+            s=6 + points[:, 2],
+            color=colour,
+            marker=marker,
+            label=f"half spacing {spacing} m",
+        )
+    axis.axvline(0.0, color=BOGIE, linewidth=0.8)
+    axis.set_xlim(-1.0, 0.6)
+    axis.legend(loc="upper left")
+    return figure
 
 
 SCENARIO = Scenario("critical-speed", "Root locus and critical speed of the wheelset of chapter 4", run)

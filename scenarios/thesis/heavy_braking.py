@@ -114,6 +114,15 @@ def motion() -> Motion:
     return Motion(f"Both wheelsets braked with {TORQUE / 1e3:g} kN.m", vehicle, series)
 
 
+def message(both: Recording) -> str:
+    """Which wheelset locks first where both are braked, and by how much."""
+    leading, trailing = (both.first_time(both[f"locked_{number}"] > 0.5) for number in (1, 2))
+    if leading is None or trailing is None:
+        return "Braked alike, the two wheelsets do not both lock"
+    first, other = ("trailing", "leading") if trailing < leading else ("leading", "trailing")
+    return f"Both braked, the {first} wheelset locks {abs(leading - trailing):.1f} s before the {other} one"
+
+
 def draw(planar: dict[str, Recording]) -> Figure:
     labels = (
         "leading wheelset braked with 60 kN.m: speed and wheel speeds [m/s]",
@@ -121,7 +130,7 @@ def draw(planar: dict[str, Recording]) -> Figure:
         "both wheelsets braked with 60 kN.m: speed and wheel speeds [m/s]",
         "axle loads [kN]",
     )
-    figure, axes = panels("Skid under heavy braking: load moves forward, the trailing wheelset locks first", labels)
+    figure, axes = panels(message(planar["both"]), labels)
     radius = BOGIE_DATA.wheel_radius
     for row, case in enumerate(CASES):
         series, axis, loads = planar[case], axes[2 * row], axes[2 * row + 1]
@@ -129,11 +138,11 @@ def draw(planar: dict[str, Recording]) -> Figure:
         axis.plot(time, series["speed"], color=BOGIE, label="bogie")
         for number, colour, line, label in ((1, LEADING, "-", "leading"), (2, TRAILING, "--", "trailing")):
             axis.plot(time, radius * series[f"angular_velocity_{number}"], line, color=colour, label=label)
-            loads.plot(time, series[f"axle_load_{number}"] / 1e3, color=colour)
+            loads.plot(time, series[f"axle_load_{number}"] / 1e3, line, color=colour)
             locked = series.first_time(series[f"locked_{number}"] > 0.5)
             if locked is not None and np.interp(locked, time, series["speed"]) > 1.0:
                 mark(axis, locked, "")
-        axis.legend(loc="lower left")
+        axis.legend(loc="upper right", ncols=3)
         axis.set_xlim(3.0, 14.0)
     return figure
 

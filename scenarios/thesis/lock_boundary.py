@@ -14,7 +14,7 @@ from rbd_model.vehicle.parameters import AS_PRINTED, tables_8_1_and_8_2
 from scenarios.bench.drive import AT_REST
 from scenarios.bench.open_fmus import open_bogie, open_brake
 from scenarios.bench.qr30_bogie import FRICTION, FRICTION_RANGE, bogie_parameters
-from scenarios.reporting.plots import BOGIE, THREE, single
+from scenarios.reporting.plots import BOGIE, LINES, THREE, single
 from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, near
 from scenarios.scenario import Options, Scenario
@@ -138,13 +138,12 @@ def run(options: Options) -> Report:
 
 
 def draw(curves: dict[int, np.ndarray]) -> Figure:
-    figure, axis = single(
-        "QR30: where the trailing wheelset locks (above the line) and where it rolls (below)",
-        "wheel-rail friction [1]",
-        "shoe friction [1]",
-    )
-    for (pressure, curve), colour in zip(curves.items(), THREE, strict=True):
-        axis.plot(FRICTIONS, curve, color=colour, label=f"{pressure} kPa: locks above")
+    pressure = max(curves)
+    limit = float(np.interp(FRICTION, FRICTIONS, curves[pressure]))
+    message = f"At wheel-rail friction {FRICTION:g}, {pressure} kPa lock from shoe friction {limit:.2f} on"
+    figure, axis = single(message, "wheel-rail friction [1]", "shoe friction [1]")
+    for (pressure, curve), line, colour in zip(curves.items(), LINES, THREE, strict=False):
+        axis.plot(FRICTIONS, curve, line, color=colour, label=f"{pressure} kPa: locks above")
         low, high = printed_range(pressure)
         width = FRICTION_RANGE[1] - FRICTION_RANGE[0]
         axis.add_patch(

@@ -275,6 +275,17 @@ def run_history(pressure: int, options: Options) -> Report:
     return Report(rows, one.series, lambda: draw(pressure, runs), parameters, length, [remark], one.guids)
 
 
+def message(pressure: int, runs: Mapping[str, Run]) -> str:
+    """Whether the trailing wheelset locks, and of several torques under which."""
+    locking = {label.partition(",")[0]: one.lock_speed for label, one in runs.items() if one.lock_speed is not None}
+    if not locking:
+        return f"At {pressure} kPa the trailing wheelset rolls until the bogie stands"
+    torque, speed = list(locking.items())[-1]
+    if len(runs) == 1:
+        return f"At {pressure} kPa the trailing wheelset locks at {speed:.2f} m/s"
+    return f"At {pressure} kPa, {torque} lock the trailing wheelset at {speed:.2f} m/s"
+
+
 def draw(pressure: int, runs: Mapping[str, Run]) -> Figure:
     labels = (
         "torque capacity of the brake on the trailing wheelset [kN.m]",
@@ -282,15 +293,15 @@ def draw(pressure: int, runs: Mapping[str, Run]) -> Figure:
         "slip of the trailing wheelset [m/s]",
         "acceleration [m/s2]",
     )
-    figure, axes = panels(f"QR30 bogie, trailing wheelset braked at {pressure} kPa (chapters 7 and 8)", labels)
+    figure, axes = panels(message(pressure, runs), labels)
     radius = tables_8_1_and_8_2().wheel_radius
-    for colour, (label, one) in zip((LEADING, TRAILING), runs.items(), strict=False):
+    for colour, width, (label, one) in zip((LEADING, TRAILING), (3.2, 1.6), runs.items(), strict=False):
         s = one.series
         time = s["time"]
-        axes[0].plot(time, s["brake_torque"] / 1e3, color=colour, label=label)
-        axes[1].plot(time, s["speed"], color=colour)
-        axes[1].plot(time, radius * s["angular_velocity_2"], color=colour, linestyle="--")
-        axes[2].plot(time, s["slip_2"], color=colour)
+        axes[0].plot(time, s["brake_torque"] / 1e3, color=colour, linewidth=width, label=label)
+        axes[1].plot(time, s["speed"], color=colour, linewidth=width)
+        axes[1].plot(time, radius * s["angular_velocity_2"], "--", color=colour, linewidth=width)
+        axes[2].plot(time, s["slip_2"], color=colour, linewidth=width)
         axes[3].plot(time, s["acceleration"], color=colour, linewidth=0.9)
         if one.lock_time is not None:
             mark(axes[1], one.lock_time, f"locks at {one.lock_speed:.2f} m/s")

@@ -216,6 +216,12 @@ def patch_panels() -> list[Panel]:
     ]
 
 
+READING = (
+    "In the picture a grey line is the value that is used, a green one what the thesis prints; 0 m/s is no derailment; "
+    "orange, in the last row, is contact depth 2."
+)
+
+
 def run(options: Options) -> Report:
     asked = [
         (f"{panel.title}{word}", answer, float(value))
@@ -232,7 +238,8 @@ def run(options: Options) -> Report:
         for word, found in (("least", min(answers[name])), ("largest", max(answers[name]))):
             rows.append(Row(f"{name}: {word}", panel.unit, panel.thesis, found, None, source))
     series = Recording({"panel": "1", "varied": "SI", "answer": "m/s, mm or kN"}, table(answers))
-    return Report(rows, series, lambda: draw(answers), as_printed(tables_5_1_and_5_2()).values(), 0.0)
+    parameters = as_printed(tables_5_1_and_5_2()).values()
+    return Report(rows, series, lambda: draw(answers), parameters, 0.0, [READING])
 
 
 def table(answers: dict[str, list[float]]) -> list[list[float]]:
@@ -258,10 +265,9 @@ def draw(answers: dict[str, list[float]]) -> Figure:
             axis.set_xscale("log")
         axis.set_title(f"{panel.title} [{panel.unit}]", fontsize=9, wrap=True)
         axis.set_xlabel(panel.varied)
-    return titled(
-        figure,
-        "What fitted values decide; grey: used, green: thesis, 0 m/s: no derailment; orange, last row: contact depth 2",
-    )
+    critical = answers[panels()[0].title]
+    words = f"critical speed from {min(critical):.0f} to {max(critical):.0f} m/s"
+    return titled(figure, f"The half spacing moves the {words}")
 
 
 SCENARIO = Scenario("sensitivity", "What the fitted and assumed values decide", run)

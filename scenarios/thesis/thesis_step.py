@@ -287,6 +287,7 @@ def remarks_of(found: Study, names: Mapping[str, list[str]], below: float) -> li
         f"accurate solution {both[None]} mm. Above the limit a number also depends on the "
         f"step as chance has it: {chosen.printed[0].quantity} is {scattered} mm over the steps.",
         f"A spectral peak is known to {GRID:.3f} Hz.",
+        "In the picture the explicit method is unstable from the start on behind the grey line.",
     ]
 
 
@@ -328,10 +329,8 @@ def draw(found: Study) -> Figure:
     axes[-1].legend(handles, labels, loc="center")
     for axis in grid[-1]:
         axis.set_xlabel("step of RK4 [ms]")
-    title = (
-        "Printed numbers over the step of the explicit method; behind the grey line it is unstable from the start on"
-    )
-    return titled(figure, title)
+    nearer = len(verdicts(found)["nearer to the thesis"])
+    return titled(figure, f"{nearer} of {len(numbers())} printed numbers come closer with a {1e3 * CLOSER:g} ms step")
 
 
 def panel(axis: Axes, run: Run, printed: Printed, values: Mapping[float | None, float]) -> None:

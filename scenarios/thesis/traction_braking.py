@@ -11,8 +11,8 @@ from fmu_src.cosimulation.slave import Slave
 from rbd_model.levels.models import smallest_level
 from rbd_model.vehicle.parameters import BogieParameters, as_printed, tables_5_1_and_5_2
 from scenarios.bench.open_fmus import open_bogie
-from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, mark, panels
-from scenarios.reporting.report import Report, Row, near, rounding
+from scenarios.reporting.plots import BOGIE, THESIS, mark, panels
+from scenarios.reporting.report import Report, Row, near, number, rounding
 from scenarios.scenario import Options, Scenario
 
 DURATION = 40.0
@@ -148,21 +148,15 @@ def run(options: Options) -> Report:
     ]
     remark = f"Rolling without slip, 2T/r / (M + 2J/r2) = {expected:.4f} m/s2."
     used = parameters.values() | {"level": choice.level}
-    return Report(rows, series, lambda: draw(series, switches), used, 2 * DURATION, [remark, choice.reason], guids)
+    return Report(
+        rows, series, lambda: draw(series, switches, pulled), used, 2 * DURATION, [remark, choice.reason], guids
+    )
 
 
-def draw(series: Recording, switches: list[float | None]) -> Figure:
-    labels = (
-        "torque on each wheelset [kN.m], traction positive",
-        "speed [m/s]",
-        "acceleration [m/s2]",
-        "wheelset angular velocity [rad/s]",
-        "distance [m]",
-        "pitch of the frame [mrad], positive nose down",
-    )
-    figure, axes = panels(
-        "Traction, rolling, braking: speed is the answer, not the input (Figs 5.24-5.29)", labels, 1.5
-    )
+def draw(series: Recording, switches: list[float | None], pulled: float | None) -> Figure:
+    labels = ("torque on each wheelset [kN.m], traction positive", "speed [m/s]", "acceleration [m/s2]")
+    message = f"{1e-3 * FULL_TORQUE:g} kN.m on each wheelset accelerate the bogie by {number(pulled)} m/s2"
+    figure, axes = panels(message, labels, 2.2)
     time = series["time"]
     axes[0].plot(time, series["torque"] / 1e3, color=BOGIE)
     axes[1].plot(time, series["speed"], color=BOGIE)
@@ -171,13 +165,6 @@ def draw(series: Recording, switches: list[float | None]) -> Figure:
     axes[2].axhline(-1.109, color=THESIS, linestyle="--", linewidth=1.0)
     axes[2].set_ylim(-2.2, 2.2)  # the axles jerk for milliseconds when a torque vanishes at once; see timeseries.csv
     axes[2].legend(loc="upper right")
-    axes[3].plot(time, series["angular_velocity_1"], color=LEADING, label="leading")
-    axes[3].plot(time, series["angular_velocity_2"], color=TRAILING, linestyle="--", label="trailing")
-    axes[3].legend(loc="lower right")
-    axes[4].plot(time, series["distance"], color=BOGIE)
-    axes[4].plot([40.0], [496.0], "o", color=THESIS, label="thesis, 496 m")
-    axes[4].legend(loc="upper left")
-    axes[5].plot(time, 1e3 * series["pitch"], color=BOGIE)
     for axis in axes:
         for moment in switches:
             mark(axis, moment, "")

@@ -75,12 +75,15 @@ def draw(runs: dict[float, Recording]) -> Figure:
     for axis, (speed, series) in zip(grid, runs.items(), strict=False):
         shown = series["time"] < SHOWN
         axis.plot(series["distance"][shown], 1e3 * series["lateral_1"][shown], color=LEADING, label="wheelset")
-        axis.plot(series["distance"][shown], 1e3 * series["frame_lateral"][shown], color=TRAILING, label="frame")
+        axis.plot(series["distance"][shown], 1e3 * series["frame_lateral"][shown], "--", color=TRAILING, label="frame")
         axis.set_title(f"lateral displacement at {speed:g} m/s [mm] over the distance [m]")
     grid[0].legend(loc="upper right")
     grid[-1].plot(runs[30.0]["time"], 1e3 * runs[30.0]["lateral_1"], color=LEADING, linewidth=0.4)
     grid[-1].set_title("30 m/s to the limit cycle: lateral displacement [mm] over time [s]")
-    return titled(figure, "A wheelset at constant speed (Figs 4.9-4.18)")
+    slow, fast = runs[SPEEDS[0]], runs[SPEEDS[-1]]
+    word = "fades" if largest(slow, SHOWN / 2, SHOWN) < largest(slow, 0.0, SHOWN / 2) else "grows"
+    reached = 1e3 * largest(fast, DURATION - 10.0, DURATION)
+    return titled(figure, f"Hunting {word} at {SPEEDS[0]:g} m/s and reaches {reached:.1f} mm at {SPEEDS[-1]:g} m/s")
 
 
 SCENARIO = Scenario("wheelset-constant-speed", "Hunting at 15, 25 and 30 m/s (section 4.4)", run)

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
+import numpy as np
 from matplotlib.figure import Figure
 
 from fmu_src.cosimulation.recording import Recording
@@ -9,7 +10,7 @@ from rbd_model.vehicle.parameters import AS_PRINTED, as_printed, tables_4_1_and_
 from rbd_model.vehicle.ready import wheelset_under_frame
 from scenarios.bench.drive import play, prepare
 from scenarios.reporting.motion import Motion, irregular, motion_columns
-from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, titled
+from scenarios.reporting.plots import BOGIE, TRAILING, mark, single, write_at
 from scenarios.reporting.report import Report, Row, at_least, at_most, between, near
 from scenarios.scenario import Options, Scenario
 
@@ -78,22 +79,30 @@ def motion() -> Motion:
     return Motion(f"Braked at friction {friction:g}", vehicle, series, irregular(**WAVE))
 
 
+def message(series: Recording) -> str:
+    """How soon the wheelset locks, and at which speed the frame runs then."""
+    locked = series.first_time(series["locked_1"] > 0.5)
+    if locked is None:
+        return f"{1e-3 * TORQUE:g} kN.m do not lock the wheelset"
+    speed = float(series["speed"][series["time"] >= locked][0])
+    return f"Wheels lock within {locked - APPLIED:.1f} s, the frame runs on at {speed:.0f} m/s"
+
+
 def draw(runs: dict[float, Recording]) -> Figure:
-    figure, grid = plt.subplots(3, 2, sharex=True, figsize=(11.0, 7.0))
-    for column, (friction, series) in enumerate(runs.items()):
-        for axis, (name, title, scale, colour) in zip(
-            grid[:, column],
-            (
-                ("speed", "speed [m/s]", 1.0, BOGIE),
-                ("angular_velocity_1", "angular velocity [rad/s]", 1.0, TRAILING),
-                ("lateral_1", "lateral displacement [mm]", 1e3, LEADING),
-            ),
-            strict=True,
-        ):
-            axis.plot(series["time"], scale * series[name], color=colour)
-            axis.set_title(f"friction {friction}: {title}")
-        grid[-1, column].set_xlabel("time [s]")
-    return titled(figure, "25 kN.m on one wheelset: skid (Figs 4.28, 4.29)")
+    """Speed of the frame, and of the wheels at their circumference."""
+    figure, axis = single(message(runs[FRICTIONS[0]]), "time [s]", "speed [m/s]")
+    radius = tables_4_1_and_4_2().wheel_radius
+    for friction, line in zip(FRICTIONS, ("-", "--"), strict=True):
+        series = runs[friction]
+        axis.plot(series["time"], series["speed"], line, color=BOGIE, linewidth=2.5)
+        axis.plot(series["time"], radius * series["angular_velocity_1"], line, color=TRAILING, linewidth=2.5)
+        height = float(np.interp(2 * APPLIED, series["time"], series["speed"])) + 1.0
+        write_at(axis, (DURATION, height), f"frame, friction {friction:g}", BOGIE, ha="right")
+    write_at(axis, (2.5, 12.0), f"wheels, friction {FRICTIONS[0]:g}", TRAILING)
+    write_at(axis, (1.9, 12.0), f"wheels, friction {FRICTIONS[1]:g}", TRAILING, ha="right")
+    axis.set_ylim(-1.0, SPEED + 2.5)
+    mark(axis, APPLIED, "brake")
+    return figure
 
 
 SCENARIO = Scenario("wheelset-skid", "25 kN.m lock the wheelset at friction 0.3 and 0.1 (section 4.7)", run)

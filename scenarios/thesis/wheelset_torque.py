@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 from fmu_src.cosimulation.recording import Recording
 from rbd_model.vehicle.parameters import AS_PRINTED, as_printed, tables_4_1_and_4_2
 from scenarios.bench.drive import play, prepare
-from scenarios.reporting.plots import BOGIE, THESIS, panels
+from scenarios.reporting.plots import BOGIE, mark, single, write_at
 from scenarios.reporting.report import Report, Row, rounding
 from scenarios.scenario import Options, Scenario
 
@@ -44,17 +44,17 @@ def run(options: Options) -> Report:
         Row("distance while braking", "m", 199.65, travelled, None, source, assumed),
         Row("distance slipped while braking", "m", 0.10, slip, rounding("0.10"), source, "0.425 m times the rotation"),
     ]
-    return Report(rows, series, lambda: draw(series), as_printed(tables_4_1_and_4_2()).values(), DURATION)
+    return Report(rows, series, lambda: draw(series, reached), as_printed(tables_4_1_and_4_2()).values(), DURATION)
 
 
-def draw(series: Recording) -> Figure:
-    labels = ("speed [m/s]", "angular velocity [rad/s]", "distance [m]", "rotation [rad]")
-    figure, axes = panels("Traction and braking torque of 5 kN.m on one wheelset (Figs 4.21-4.23)", labels)
-    names = ("speed", "angular_velocity_1", "distance", "rotation_1")
-    for axis, name in zip(axes, names, strict=True):
-        axis.plot(series["time"], series[name], color=BOGIE)
-        axis.axvspan(*BRAKE, color=THESIS, alpha=0.12)
-    axes[0].annotate("braking", (BRAKE[0] + 0.3, 11.0), fontsize=8)
+def draw(series: Recording, reached: float | None) -> Figure:
+    took = f"do not reach {HIGH:g} m/s" if reached is None else f"take {reached:.1f} s from {LOW:g} to {HIGH:g} m/s"
+    figure, axis = single(f"{1e-3 * TORQUE:g} kN.m {took}", "time [s]", "speed [m/s]")
+    axis.plot(series["time"], series["speed"], color=BOGIE, linewidth=2.5)
+    axis.axvspan(*BRAKE, color="#eeeeee", zorder=0)
+    axis.set_ylim(LOW - 1.0, HIGH + 2.0)
+    mark(axis, reached, "traction ends")
+    write_at(axis, (sum(BRAKE) / 2, LOW), "braking", BOGIE, ha="center")
     return figure
 
 

@@ -126,7 +126,8 @@ def draw(runs: dict[str, Recording]) -> Figure:
         if crossing is not None:
             lateral.axvline(crossing, color=THESIS, linestyle="--", linewidth=1.0)
         lateral.set(title="lateral displacement [mm]", xlabel="time [s]")
-    return titled(figure, "Hunting through the critical speed under torque (Figs 4.24-4.27)")
+    braked, driven = (turning_speed(runs[kind], critical_under(kind, TORQUES[1])) for kind in ("braking", "traction"))
+    return titled(figure, f"Braked, hunting ends at {braked:.1f} m/s; driven, it begins at {driven:.1f} m/s")
 
 
 SCENARIO = Scenario("wheelset-variable-speed", "Hunting through 27 m/s under torque (section 4.6)", run)

@@ -99,7 +99,14 @@ def run(options: Options) -> Report:
         "stops_distribution": MANY,
         "seed": SEED,
     }
-    return Report(rows, histogram(found), lambda: draw(found), parameters, 0.0, [f"{message(found)}."])
+    return Report(
+        rows,
+        histogram(found),
+        lambda: draw(found),
+        parameters,
+        0.0,
+        [f"{message(found)}: they count the locomotive twice."],
+    )
 
 
 def model_row(stop: Stop) -> Row:
@@ -158,7 +165,7 @@ def missing(name: str, found: Found) -> float:
 def message(found: Found) -> str:
     """What the picture shows."""
     said = " and ".join(f"{missing(name, found):.0f} m ({name})" for name in PRINTED)
-    return f"A locomotive counted twice: the published stop is {said} too short"
+    return f"Published stops are {said} too short"
 
 
 def draw(found: Found) -> Figure:

@@ -78,8 +78,9 @@ def run(options: Options) -> Report:
 
 
 def draw(force: dict[str, list[float]]) -> Figure:
-    title = "A wagon of 80 t runs into a train: above 2 m/s draft gears are solid steel"
-    figure, axis = single(title, "speed [m/s]", "largest compression [kN]")
+    screw, gear = (1e-3 * values[-1] for values in force.values())
+    message = f"At {SPEEDS[-1]:g} m/s side buffers take {screw:.0f} kN, draft gears {gear:.0f} kN"
+    figure, axis = single(message, "speed [m/s]", "largest compression [kN]")
     for colour, mark, (name, values) in zip((FOUR[0], FOUR[3]), "os", force.items(), strict=True):
         axis.plot(SPEEDS, [value / 1e3 for value in values], mark + "-", color=colour, label=name)
     axis.legend()

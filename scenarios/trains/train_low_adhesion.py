@@ -15,7 +15,7 @@ from products.train.train import Train
 from rbd_model.track.friction import low
 from rbd_model.track.recovery import assumed_recovery
 from scenarios.bench.train_runs import Course, follow, stands
-from scenarios.reporting.plots import FOUR, plt, titled
+from scenarios.reporting.plots import FOUR, LINES, plt, titled
 from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, at_least, at_most
 from scenarios.scenario import Options, Scenario
@@ -161,16 +161,16 @@ def run(options: Options) -> Report:
 
 def draw(found: Mapping[str, Stop]) -> Figure:
     figure, grid = plt.subplots(1, 2, figsize=(10.0, 4.4))
-    for colour, (name, one) in zip(FOUR, found.items(), strict=True):
-        grid[0].plot(one.course.distance[:, 0], 3.6 * one.course.speed[:, 0], color=colour, label=name)
+    for line, colour, (name, one) in zip(LINES, FOUR, found.items(), strict=True):
+        grid[0].plot(one.course.distance[:, 0], 3.6 * one.course.speed[:, 0], line, color=colour, label=name)
     grid[0].set(title="speed [km/h]", xlabel="distance of the head [m]")
     grid[0].legend(fontsize=8)
     shown = found["low, protected"]
-    numbers = np.arange(1, shown.friction.shape[1] + 1)
-    grid[1].bar(numbers, shown.friction.mean(axis=0), color=FOUR[0])
+    rise = shown.friction.mean(axis=0)
+    numbers = np.arange(1, rise.size + 1)
+    grid[1].bar(numbers, rise, color=FOUR[0])
     grid[1].set(title="low, protected: mean friction under each vehicle [1]", xlabel="vehicle, from the head")
-    text = f"Wheels that slide clean the rail (friction {low().friction:g}) for those behind; locked ones clean it most"
-    return titled(figure, text)
+    return titled(figure, f"Sliding wheels raise friction from {rise[0]:.3f} to {rise[-1]:.3f} for those behind")
 
 
 SCENARIO = Scenario(

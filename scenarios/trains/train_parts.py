@@ -85,9 +85,8 @@ def run(options: Options) -> Report:
 
 def draw(shut: Parting, kept: Parting) -> Figure:
     labels = ["pressure in the pipe beside the parted hose [bar]", "speed of both parts [km/h]", "gap between them [m]"]
-    figure, axes = panels(
-        "A parted hose brakes both parts; a valve that goes on feeding lets the head run further", labels
-    )
+    message = f"Parts stand {shut.gap[-1]:.0f} m apart, with the valve left open {kept.gap[-1]:.0f} m"
+    figure, axes = panels(message, labels)
     for one, style, name in ((shut, "-", "shut off after 2 s"), (kept, "--", "left in running")):
         time, course = one.course.time, one.course
         for colour, place, part_name in ((FOUR[0], one.coupling, "head"), (FOUR[3], one.coupling + 1, "rear")):

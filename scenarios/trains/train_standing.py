@@ -15,7 +15,7 @@ from products.train.numbers import Settings
 from products.train.train import Train
 from rbd_model.track.line import Line
 from scenarios.bench.train_runs import Course, follow
-from scenarios.reporting.plots import FOUR, mark, panels
+from scenarios.reporting.plots import FOUR, LINES, mark, panels
 from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, at_most, near
 from scenarios.scenario import Options, Scenario
@@ -115,11 +115,12 @@ def run(options: Options) -> Report:
 
 def draw(found: dict[tuple[float, float], tuple[Train, Course]]) -> Figure:
     labels = ["pressure in the cylinders, mean [bar]", "speed of the head [m/s]"]
-    figure, axes = panels("By air alone a train stands until its leaks have emptied what fed them", labels, 2.6)
-    for colour, ((gradient, leak), (_, course)) in zip(FOUR, found.items(), strict=False):
+    held = [float(course.time[-1]) / 60 for _, course in found.values()]
+    figure, axes = panels(f"Air alone holds the train for {min(held):.0f} to {max(held):.0f} minutes", labels, 2.6)
+    for line, colour, ((gradient, leak), (_, course)) in zip(LINES, FOUR, found.items(), strict=False):
         label = f"{1e3 * gradient:g} ‰, holes of {1e3 * leak:g} mm"
-        axes[0].plot(course.time, course.cylinder.mean(axis=1) / 1e5, color=colour, label=label)
-        axes[1].plot(course.time, course.speed[:, 0], color=colour)
+        axes[0].plot(course.time, course.cylinder.mean(axis=1) / 1e5, line, color=colour, label=label)
+        axes[1].plot(course.time, course.speed[:, 0], line, color=colour)
         mark(axes[1], float(course.time[-1]), "")
     axes[0].legend(fontsize=8)
     return figure

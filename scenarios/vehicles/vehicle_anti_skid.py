@@ -102,11 +102,14 @@ def draw(found: Findings) -> Figure:
             style = {"color": colour, "linewidth": 0.8, "label": f"wheelset {number}"}
             top.plot(series["time"], series[f"wheel_speed_{number}"], **style)
             bottom.plot(series["time"], series[f"pressure_{number}"] / 1e3, **style)
-        distances = f"{stop.words}, ideal {found.ideal[name]:.0f} m"
-        top.set_title(f"{name}: speeds [m/s], {distances}, unprotected {found.unprotected[name].words}")
+        top.set_title(f"{name}: speeds [m/s]; stops in {stop.words}, ideal {found.ideal[name]:.0f} m")
         bottom.set(title=f"{name}: cylinder pressures [kPa]", xlabel="time [s]")
     grid[0, 0].legend(fontsize=8)
-    return titled(figure, "Wheel-slide protection of four wheelsets on a low rail")
+    rail = next(iter(found.protected))
+    protected, unprotected = found.protected[rail].distance, found.unprotected[rail].distance
+    if protected is None or unprotected is None:
+        return titled(figure, f"On {rail} rail not every stop comes to rest")
+    return titled(figure, f"On {rail} rail protection stops in {protected:.0f}, not {unprotected:.0f} m")
 
 
 SCENARIO = Scenario("vehicle-anti-skid", "Wheel-slide protection of four wheelsets, each of which cleans the rail", run)

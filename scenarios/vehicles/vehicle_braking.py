@@ -11,7 +11,7 @@ from rbd_model.vehicle.ready import passenger_coach
 from scenarios.bench.drive import located_lock_time, play, prepare
 from scenarios.bench.four_axles import rigid_axle_loads
 from scenarios.reporting.motion import Motion, motion_columns
-from scenarios.reporting.plots import FOUR, panels
+from scenarios.reporting.plots import FOUR, LINES, panels
 from scenarios.reporting.report import Report, Row, near
 from scenarios.scenario import Options, Scenario
 
@@ -88,16 +88,20 @@ def order(times: dict[int, float | None]) -> str:
 
 def draw(ramps: dict[str, tuple[Recording, dict[int, float | None]]]) -> Figure:
     titles = [title for name in ramps for title in (f"axle loads [kN], brakes {name}", "circumferential speeds [m/s]")]
-    figure, axes = panels("Load transfer and lock order of four wheelsets", titles)
+    times = ramps["hung in the frame"][1]
+    locked = sorted((time, number) for number, time in times.items() if time is not None)
+    order_of_lock = "-".join(str(number) for _, number in locked) or "none"
+    figure, axes = panels(f"With brakes in the frame wheelsets lock in the order {order_of_lock}", titles)
     for row, (series, times) in enumerate(ramps.values()):
-        for number, colour in zip(NUMBERS, FOUR, strict=True):
+        for number, line, colour in zip(NUMBERS, LINES, FOUR, strict=True):
             label = f"wheelset {number}"
-            axes[2 * row].plot(series["time"], series[f"axle_load_{number}"] / 1e3, color=colour, label=label)
+            axes[2 * row].plot(series["time"], series[f"axle_load_{number}"] / 1e3, line, color=colour, label=label)
             wheel = COACH.wheel_radius * series[f"angular_velocity_{number}"]
-            axes[2 * row + 1].plot(series["time"], wheel, color=colour)
+            axes[2 * row + 1].plot(series["time"], wheel, line, color=colour)
             lock = times[number]
             if lock is not None:
                 axes[2 * row].axvline(lock, color=colour, linewidth=0.8, linestyle=":")
+    axes[0].margins(y=0.25)
     axes[0].legend(ncols=4, loc="upper left")
     return figure
 

@@ -8,7 +8,7 @@ from fmu_src.cosimulation.recording import Recording
 from products.coach import AS_PUBLISHED, COACH, NUMBERS
 from rbd_model.linear import Mode, oscillations
 from scenarios.bench.drive import RIGID, prepare, system_of
-from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, titled
+from scenarios.reporting.plots import BOGIE, LEADING, plt, titled
 from scenarios.reporting.report import Report, Row, near
 from scenarios.scenario import Options, Scenario
 
@@ -36,6 +36,17 @@ SPEED = 10.0
 OVERDAMPED, SLOWEST = 0.9, 0.2
 BODIES = ("body", "front_frame", "rear_frame")
 MOTIONS = ("shift", "lateral", "bounce", "roll", "pitch", "yaw")
+#: So many modes are drawn, their largest displacement as long as this [m], in a frame so wide and high [m].
+DRAWN, LARGEST, WIDTH, HEIGHT = 8, 1.2, 26.0, 7.2
+#: Centres of bodies and half their sizes as drawn, ahead, to the left and up [m]; only the pivots are the vehicle's.
+PIVOT = COACH.pivot_distance / 2
+BOXES = {
+    "body": ((0.0, 0.0, 3.2), (11.0, 1.4, 1.3)),
+    "front_frame": ((PIVOT, 0.0, 0.7), (2.0, 1.0, 0.4)),
+    "rear_frame": ((-PIVOT, 0.0, 0.7), (2.0, 1.0, 0.4)),
+}
+#: What is to the right and up in a view, of ahead, to the left and up, the sign of the first, and the middle's height.
+VIEWS = {"from the side": (0, 2, 1.0, 2.4), "from above": (0, 1, 1.0, 0.0), "from behind": (1, 2, -1.0, 2.4)}
 
 
 def modes(level: int, **values: float) -> list[Mode]:
@@ -65,6 +76,12 @@ def name_of(mode: Mode) -> str:
     return f"{word} of the {body.replace('_', ' ')}"
 
 
+def phase(one: complex, other: complex) -> str:
+    """How two motions of a mode lie to each other, in words."""
+    turn = abs(float(np.angle(one * np.conj(other), deg=True)))
+    return "in phase" if turn < 45.0 else "in antiphase" if turn > 135.0 else f"{turn:.0f}° apart"
+
+
 def shown(found: list[Mode]) -> list[Mode]:
     return [mode for mode in found if mode.damping_ratio < OVERDAMPED and mode.frequency > SLOWEST]
 
@@ -84,42 +101,79 @@ def run(options: Options) -> Report:
     series.add("damping_ratio", "1", np.array([mode.damping_ratio for mode in whole]))
     remarks = [
         "Complete: weight leans on springs that stand below the centres of mass, dampers act, lateral and yaw motions "
-        "couple with roll; bounce stays within the damping's shift, pitch gains what moves along the track with it."
+        "couple with roll; bounce stays within the damping's shift, pitch gains what moves along the track with it.",
+        f"The picture has the {DRAWN} slowest modes, without those in which frames swing along the track: body and "
+        "frames (filled) where they move furthest, and at rest (dotted); the vehicle runs to the right.",
     ]
     return Report(rows, series, lambda: draw(whole), {"initial_speed": SPEED}, 0.0, remarks)
 
 
 def draw(found: list[Mode]) -> Figure:
-    columns = 4
-    lines = -(-len(found) // columns)
-    figure, grid = plt.subplots(lines, columns, figsize=(12.0, 2.1 * lines + 0.6), squeeze=False)
+    chosen = [mode for mode in found if "swing" not in name_of(mode)][:DRAWN]
+    figure, grid = plt.subplots(DRAWN // 2, 2, figsize=(10.5, 8.4))
     for axis in grid.ravel():
         axis.set_axis_off()
-    for axis, mode in zip(grid.ravel(), found, strict=False):
+    for axis, mode in zip(grid.ravel(), chosen, strict=False):
         sketch(axis, mode)
-    return titled(figure, "Modes of the Manchester vehicle 1: from the side (above), from above (below)")
+    return titled(figure, message(chosen))
+
+
+def message(found: list[Mode]) -> str:
+    """At which frequency the body bounces, and the frames, and how these move to each other."""
+    bounces = [mode for mode in found if name_of(mode).startswith("bounce of")]
+    body, frames = (next(mode for mode in bounces if name_of(mode).endswith(word)) for word in ("body", "frame"))
+    return f"The body bounces at {body.frequency:.1f} Hz, frames {phases(frames)[0]} at {frames.frequency:.1f} Hz"
+
+
+def view_of(mode: Mode) -> str:
+    """The view that shows a mode: the side for bounce and pitch, behind where more rolls than yaws, else above."""
+    sizes = {motion: max(abs(amplitude(mode, body, motion)) for body in BODIES) for motion in MOTIONS}
+    if max(sizes["bounce"], sizes["pitch"]) > max(sizes["lateral"], sizes["yaw"], sizes["roll"]):
+        return "from the side"
+    return "from behind" if sizes["roll"] > sizes["yaw"] else "from above"
+
+
+def displaced(mode: Mode, body: str, points: np.ndarray) -> np.ndarray:
+    """Displacements of points of a body in a mode, ahead, to the left and up; each a row."""
+    ahead, left, up, *turns = (mode.shape.get(f"{body}_{motion}", 0.0) for motion in MOTIONS)
+    return np.array([ahead, left, up]) + np.cross(turns, points - BOXES[body][0])
+
+
+def phases(mode: Mode) -> tuple[str, str]:
+    """How front and rear frame move to each other, and body and front frame: from behind they roll; else at a pivot."""
+    view = view_of(mode)
+    if view == "from behind":
+        front, rear, body = (mode.shape.get(f"{name}_roll", 0.0) for name in ("front_frame", "rear_frame", "body"))
+    else:
+        places = (("front_frame", PIVOT), ("rear_frame", -PIVOT), ("body", PIVOT))
+        across = VIEWS[view][1]
+        front, rear, body = (
+            displaced(mode, name, np.array([[place, 0.0, BOXES[name][0][2]]]))[0, across] for name, place in places
+        )
+    return phase(front, rear), phase(body, front)
 
 
 def sketch(axis: Axes, mode: Mode) -> None:
-    """Body and frames displaced as in a mode, from the side and from above, over their places at rest."""
-    largest = max(abs(amplitude(mode, body, motion)) for body in BODIES for motion in MOTIONS) or 1.0
-    pivot = COACH.pivot_distance / 2
-    places = {"body": (0.0, 11.0, BOGIE), "front_frame": (pivot, 2.0, LEADING), "rear_frame": (-pivot, 2.0, TRAILING)}
-    for body, (centre, half, colour) in places.items():
-        along = np.array([-half, half])
-        level = 4.0 if body == "body" else 1.5
-        shape = {motion: mode.shape.get(f"{body}_{motion}", 0.0) / largest for motion in MOTIONS}
-        side = np.real(shape["bounce"] - shape["pitch"] * along)
-        above = np.real(shape["lateral"] + shape["yaw"] * along)
-        roll = np.real(shape["roll"])
-        for height, moved in ((level, side), (level - 6.0, above)):
-            axis.plot(centre + along, [height, height], color=colour, linewidth=0.6, linestyle=":")
-            axis.plot(centre + 2 * np.real(shape["shift"]) + along, height + moved, color=colour, linewidth=2.2)
-        if abs(roll) > 0.05:
-            axis.annotate(f"roll {roll:+.1f}", (centre, level + 0.5), ha="center", fontsize=7, color=colour)
-    axis.set(xlim=(-13, 13), ylim=(-6.5, 6.0))
-    text = f"{name_of(mode)}\n{mode.frequency:.2f} Hz, damping {100 * mode.damping_ratio:.0f} %"
-    axis.set_title(text, fontsize=8)
+    """Body and frames where a mode displaces them most, over their places at rest, in one view."""
+    view = view_of(mode)
+    right, up, sign, middle = VIEWS[view]
+    corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1)])
+    rest, moved = {}, {}
+    for body, (centre, half) in BOXES.items():
+        points = np.tile(np.array(centre), (5, 1))
+        points[:, [right, up]] += corners * np.array(half)[[right, up]]
+        rest[body], moved[body] = points, displaced(mode, body, points)
+    largest = max((moved[body][:, axis] for body in BODIES for axis in (right, up)), key=lambda row: np.abs(row).max())
+    scale = LARGEST / largest[np.argmax(np.abs(largest))]
+    for body in BODIES:
+        places = rest[body] + np.real(scale * moved[body])
+        axis.plot(sign * rest[body][:, right], rest[body][:, up], ":", color=BOGIE, linewidth=1.0)
+        fill = "none" if body == "body" else LEADING
+        axis.fill(sign * places[:, right], places[:, up], edgecolor=BOGIE, facecolor=fill, linewidth=2.5)
+    axis.set(xlim=(-WIDTH / 2, WIDTH / 2), ylim=(middle - HEIGHT / 2, middle + HEIGHT / 2), aspect="equal")
+    frames, body = phases(mode)
+    words = f"{mode.frequency:.2f} Hz: {name_of(mode)}, {view}\nframes {frames}, body and front one {body}"
+    axis.set_title(words, fontsize=13)
 
 
 SCENARIO = Scenario("vehicle-modes", "Natural modes of a complete vehicle and their shapes", run)

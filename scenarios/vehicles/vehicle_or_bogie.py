@@ -206,7 +206,8 @@ def draw(found: Findings) -> Figure:
     axes[0].legend(fontsize=8)
     draw_locks(axes[1], found.locks)
     draw_costs(axes[2], found.costs)
-    return titled(figure, "One bogie or the complete vehicle")
+    largest = 100 * max(abs(one.distance) for one in found.differences.values())
+    return titled(figure, f"One bogie stands for the vehicle within {largest:.2g} % of the distance")
 
 
 def draw_locks(axis: Axes, locks: Mapping[tuple[str, float], tuple[int, float]]) -> None:
@@ -214,7 +215,7 @@ def draw_locks(axis: Axes, locks: Mapping[tuple[str, float], tuple[int, float]])
     for name, colour in ((WHOLE, TRAILING), (ONE, LEADING)):
         axis.plot(fine, [rigid_lock(friction, name == WHOLE) for friction in fine], color=colour, linewidth=1.0)
         axis.plot(FRICTIONS, [locks[name, friction][1] for friction in FRICTIONS], "o", color=colour, label=name)
-    axis.set_title("first lock: torque over the static limit [1]; lines: rigid statics")
+    axis.set_title("first lock: torque over the static limit [1];\nlines: rigid statics")
     axis.set_xlabel("wheel-rail friction [1]")
     axis.legend(fontsize=8)
 
@@ -224,7 +225,7 @@ def draw_costs(axis: Axes, costs: Mapping[tuple[str, int], float]) -> None:
         values = [1e3 * costs[name, level] for level in LEVELS]
         axis.bar(np.arange(len(LEVELS)) + 0.35 * (offset - 0.5), values, 0.33, color=colour, label=name)
     axis.set_xticks(range(len(LEVELS)), list(LEVELS.values()))
-    axis.set(yscale="log", title=f"time to compute {DURATION:g} s of braking [ms]")
+    axis.set(yscale="log", title=f"time to compute\n{DURATION:g} s of braking [ms]")
     axis.legend(fontsize=8)
 
 

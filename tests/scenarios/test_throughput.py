@@ -40,10 +40,9 @@ def test_the_best_of_others_is_the_fastest_whose_error_is_good() -> None:
 
 
 def test_the_title_is_what_was_measured() -> None:
-    words = "A batch makes {} (planar) and {} (spatial) times the stops a second of {}, with errors below 0.0001"
-    assert throughput.message(found()) == words.format(40, 20, "others at best")
+    assert throughput.message(found()) == "A batch makes 40 (planar) and 20 (spatial) times others' stops"
     without = Study([one for one in found().rates if one.way not in ensembles.PEERS], {}, {})
-    assert throughput.message(without) == words.format(8, 8, "one instance")
+    assert throughput.message(without) == "A batch makes 8 (planar) and 8 (spatial) times one instance's stops"
 
 
 def test_errors_and_bits_are_judged_and_the_clock_is_not() -> None:
