@@ -38,7 +38,7 @@ plt.rcParams.update(
 )
 
 #: Words of a message at most, and letters of a title in an inch of its line.
-MOST_WORDS, LETTERS = 12, 9.0
+MOST_WORDS, LETTERS = 12, 8.9
 NO_BREAK = "\u00a0"
 
 
