@@ -22,7 +22,7 @@ __all__ = ["browser"]
 #: Rounding of what a browser and C compute, relative to 1 bar; bytes that a telephone should be asked to load at most.
 ROUNDING, LARGEST = 1e-6, 300_000
 #: STEP and RESTS of train.js: [s], [m/s].
-STEP, RESTS = 0.02, 0.05
+STEP, RESTS = 0.02, 0.01
 #: Of a window: width and height [pixels].
 SIZES = [(1440, 900), (390, 844)]
 

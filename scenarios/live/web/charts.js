@@ -1,24 +1,27 @@
 // Charts of a history over time, drawn anew for each frame; the run before lies below as a pale line.
 
-const SHORTEST = 30, WINDOW = 60; // of the time axis [s]
+const SHORTEST = 30, WINDOW = 90; // of the time axis [s]
 
 class Chart {
-  // lines: label, colour (of `look` where it is a name of it), and a function from a point of the history to its value;
-  // least: range of values at least shown.
+  // lines: label, colour (of `look` where it is a name of it), number of its dashes where it is not heavy, and a function
+  // from a point of the history to its value; least: range of values at least shown.
   constructor(canvas, title, lines, least) {
     Object.assign(this, { canvas, title, lines, least });
   }
 
-  // before: history of the run before, its first line alone is shown, so shifted [s] that both brake at one time.
-  draw(history, before = [], shift = 0) {
+  // before: the run before, of which the first line is shown: its history, words on it, and the shift [s] that makes both
+  // brake at one time.
+  draw(history, before = null) {
     const { context, width, height } = sharp(this.canvas);
     const box = { left: 44, right: width - 8, top: 24, bottom: height - 20 };
-    const last = history.at(-1).time, first = Math.max(0, last - WINDOW), span = Math.min(WINDOW, Math.max(SHORTEST, last));
+    const last = history.at(-1).time, first = Math.max(0, last - WINDOW);
+    const end = before ? before.history.at(-1).time + before.shift : 0;
+    const span = Math.min(WINDOW, Math.max(SHORTEST, last, end));
     const [low, high] = this.range(history);
     const x = (time) => box.left + ((time - first) / span) * (box.right - box.left);
     const y = (value) => box.bottom - ((value - low) / (high - low)) * (box.bottom - box.top);
     this.axes(context, box, first, span, low, high, x, y);
-    if (before.length) this.pale(context, box, before, (time) => x(time + shift), y);
+    if (before) this.pale(context, box, before, (time) => x(time + before.shift), y);
     this.lines.forEach(({ value }, number) => {
       this.style(context, number);
       context.beginPath();
@@ -29,14 +32,14 @@ class Chart {
   }
 
   style(context, number) {
-    const { colour, heavy } = this.lines[number];
+    const { colour, heavy, dashes } = this.lines[number];
     context.strokeStyle = look[colour] ?? colour;
     context.lineWidth = heavy ? 3 : 1.7;
-    context.setLineDash(heavy ? [] : DASHES[number % DASHES.length]);
+    context.setLineDash(heavy ? [] : DASHES[dashes % DASHES.length]);
   }
 
   pale(context, box, before, x, y) {
-    const { value } = this.lines[0], inside = before.filter((point) => x(point.time) >= box.left && x(point.time) <= box.right);
+    const { value } = this.lines[0], inside = before.history.filter((point) => x(point.time) >= box.left && x(point.time) <= box.right);
     if (!inside.length) return;
     context.save();
     Object.assign(context, { strokeStyle: look.soft, fillStyle: look.soft, lineWidth: 5, globalAlpha: 0.4 });
@@ -44,8 +47,8 @@ class Chart {
     for (const point of inside) context.lineTo(x(point.time), y(value(point)));
     context.stroke();
     context.globalAlpha = 1;
-    const middle = inside[Math.floor(0.6 * inside.length)];
-    context.fillText("run before", Math.min(x(middle.time) + 8, box.right - 70), y(value(middle)) - 8);
+    const middle = inside[Math.floor(0.6 * inside.length)], room = context.measureText(before.words).width;
+    context.fillText(before.words, Math.min(x(middle.time) + 8, box.right - room), y(value(middle)) - 8);
     context.restore();
   }
 

@@ -66,7 +66,9 @@ function wordsOnLine({ gradient, curve }, spatial) {
 // A run that came to its end stays as a pale line.
 function keepBefore() {
   const { simulation } = live;
-  if (simulation?.stop.ended) live.before = { history: simulation.history, begun: simulation.stop.begun.time, distance: simulation.stop.distance };
+  if (!simulation?.stop.ended) return;
+  const { history, stop } = simulation;
+  live.before = { history, begun: stop.begun.time, distance: stop.distance, words: `run before: ${stop.distance.toFixed(1)} m` };
 }
 
 // A person moves a control: it acts at once, and the rest of a link's plan is dropped.
@@ -112,7 +114,7 @@ function pressBrake() {
 function chartsOf(count) {
   const numbers = Array.from({ length: count }, (_, number) => number);
   const colours = count > 2 ? DATA.colours : [DATA.colours[0], DATA.colours[3]];
-  const each = (name) => numbers.map((n) => ({ label: `${n + 1}`, colour: colours[n], value: (point) => point[name][n] }));
+  const each = (name) => numbers.map((n) => ({ label: `${n + 1}`, colour: colours[n], dashes: n, value: (point) => point[name][n] }));
   const vehicle = { label: "vehicle", colour: "ink", heavy: true, value: (point) => point.speed };
   return [
     new Chart(at("chart-speed"), "speed [km/h]", [vehicle, ...each("wheels")], [0, 10]),
@@ -171,11 +173,12 @@ function draw() {
   live.side.draw(simulation, live.line);
   if (!at("section-box").hidden) live.section.draw(simulation);
   if (live.frames % CHART_FRAMES === 0) {
-    const shift = before && stop.begun ? stop.begun.time - before.begun : 0;
-    live.charts.forEach((chart, number) => chart.draw(simulation.history, number === 0 && stop.begun ? before?.history : [], shift));
+    const beside = before && stop.begun ? { ...before, shift: stop.begun.time - before.begun } : null;
+    live.charts.forEach((chart, number) => chart.draw(simulation.history, number === 0 ? beside : null));
   }
-  const braked = stop.begun ? `, ${(kernel.get("distance") - stop.begun.distance).toFixed(0)} m since braking` : "";
-  at("state").textContent = `${(3.6 * kernel.get("speed")).toFixed(1)} km/h, ${time.toFixed(1)} s${braked}`;
+  const now = stop.ended ?? { time, distance: kernel.get("distance") };
+  const since = stop.begun && `, ${(now.distance - stop.begun.distance).toFixed(0)} m and ${(now.time - stop.begun.time).toFixed(1)} s since braking`;
+  at("state").textContent = `${(3.6 * kernel.get("speed")).toFixed(1)} km/h${since ?? ""}`;
 }
 
 function frame(now) {
@@ -275,8 +278,8 @@ function begin() {
   if (document.body.className || innerWidth < 900) at("more").open = false;
   live.side = new SideView(at("side"));
   live.section = new SectionView(at("section"), DATA.colours);
-  const guids = Object.values(DATA.machines).map(({ guid }) => guid).join(", ");
-  at("about").textContent = `bogie-braking ${DATA.version}; models ${guids}. After Y. A. Handoko (2006).`;
+  at("about").textContent = `bogie-braking ${DATA.version}, after Y. A. Handoko (2006).`;
+  at("about").title = Object.values(DATA.machines).map(({ title, guid }) => `model of the ${title}: ${guid}`).join("\n");
   requestAnimationFrame(frame);
   return openLink(location.hash);
 }

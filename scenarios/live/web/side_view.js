@@ -42,7 +42,7 @@ class SideView {
     context.restore();
     this.below(view, simulation, rail);
     Object.assign(context, { fillStyle: look.soft, textAlign: "left" });
-    context.fillText(`bounce and pitch ${EXAGGERATED} times${line.words ? `; ${line.words}` : ""}`, 6, 14);
+    context.fillText(`bounce and pitch drawn ${EXAGGERATED} times as large${line.words ? `; ${line.words}` : ""}`, 6, 14);
   }
 
   track({ context, x, scale, width, distance }, patches, rail, half) {

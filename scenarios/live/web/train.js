@@ -3,7 +3,7 @@
 const AROUND = 101325, RUNNING = 5e5; // pressures: outside [Pa], and of the pipe above it
 const STEP = 0.02; // of a run [s]; a link counts in it
 const KEPT = 5, LONGEST_RUN = 1200; // every so many steps a point of the history; [s]
-const RESTS = 0.05; // slower, the train stands [m/s]
+const RESTS = 0.01; // slower, the train stands [m/s]
 // Names of the driver's positions, with position and step of the valve.
 const VALVE = { running: [1, 0], "first step": [3, 0], "half service": [3, 0.4], "full service": [3, 1], emergency: [4, 0], overcharge: [2, 0] };
 const BRAKING = ["first step", "half service", "full service", "emergency", "part"];

@@ -9,12 +9,17 @@ async function start(plan = []) {
   live.module ??= await WebAssembly.compile(await unpacked(DATA.module));
   const consist = at("train").value, numbers = new Float64Array(await unpacked(DATA.consists[consist]));
   const train = await Train.create(live.module, numbers);
-  if (live.train?.stopped) live.before = { history: live.train.history, begun: live.train.begun.time, distance: live.train.distance - live.train.begun.distance };
+  if (live.train?.stopped) keepBefore(live.train);
   train.begin(Number(at("speed").value) / 3.6, plan);
   Object.assign(live, { train, consist, left: 0, told: false, running: true });
   at("pause").textContent = "pause";
   at("result").textContent = `${consist.split(",")[0]} roll at ${at("speed").value} km/h. Press Brake.`;
   show();
+}
+
+function keepBefore({ history, begun, stopped }) {
+  const distance = stopped.distance - begun.distance;
+  live.before = { history, begun: begun.time, distance, words: `run before: ${distance.toFixed(1)} m` };
 }
 
 function act(name) {
@@ -31,12 +36,13 @@ function pressBrake() {
 function show() {
   const { train, before } = live, brakes = train.valve !== "running" && train.valve !== "overcharge";
   drawTrain(at("train-view"), train);
-  chart.draw(train.history, train.begun ? before?.history : [], before && train.begun ? train.begun.time - before.begun : 0);
+  chart.draw(train.history, before && train.begun ? { ...before, shift: train.begun.time - before.begun } : null);
   for (const button of at("valve").children) button.setAttribute("aria-pressed", String(button.textContent === train.valve));
   at("brake-word").textContent = train.ended ? "Again" : brakes ? "Release" : "Brake";
   at("brake").setAttribute("aria-pressed", String(!train.ended && brakes));
-  const since = train.begun ? `, ${(train.distance - train.begun.distance).toFixed(0)} m since braking` : "";
-  at("state").textContent = `${(3.6 * train.speed).toFixed(1)} km/h, ${train.time.toFixed(1)} s${since}`;
+  const { begun } = train;
+  const since = begun && `, ${(train.distance - begun.distance).toFixed(0)} m and ${(train.time - begun.time).toFixed(1)} s since braking`;
+  at("state").textContent = `${(3.6 * train.speed).toFixed(1)} km/h${since ?? ""}`;
   if (train.begun && !train.ended) at("result").textContent = "It brakes.";
 }
 
@@ -81,6 +87,9 @@ function openLink(hash) {
     } else if ((name === "train" || name === "speed") && [...at(name).options].some((option) => option.value === value)) at(name).value = value;
     else refused.push(`${name}=${value}`);
   }
+  for (const one of at("presets").querySelectorAll("a"))
+    if (one.getAttribute("href") === hash) one.setAttribute("aria-current", "true");
+    else one.removeAttribute("aria-current");
   return start(plan).then(() => {
     if (refused.length) at("result").textContent = `The link has ${refused.join(" and ")}, which this page does not know; it is left out.`;
   });
