@@ -45,15 +45,20 @@ def summary_of(name: str) -> Mapping[str, Any] | None:
     return None
 
 
+def messages_of(name: str) -> dict[str, str]:
+    """What the pictures of a scenario say, by their names on the site; its own name where a run has kept none."""
+    said = (summary_of(name) or {}).get("pictures", {})
+    files = {one: "figure.png" if one == f"{name}.png" else path.name for one, path in pictures_of(name).items()}
+    return {one: said.get(file, name) for one, file in files.items()}
+
+
 def scenario_page(scenario: Scenario, module: ModuleType) -> str:
     """The text of its page; module: the file that holds it."""
     lines = [f"# {scenario.name}", f"{scenario.summary}.", (module.__doc__ or "").strip()]
     lines += [f"```sh\npython -m bogie_braking run {scenario.name}\n```"]
+    for name, message in messages_of(scenario.name).items():
+        lines += [f"![{message}]({name})", f"*{message}*"]
     summary = summary_of(scenario.name)
-    said = summary.get("pictures", {}) if summary else {}
-    for name, path in pictures_of(scenario.name).items():
-        message = said.get("figure.png" if name == f"{scenario.name}.png" else path.name)
-        lines += [f"![{message or scenario.name}]({name})", *([f"*{message}*"] if message else [])]
     if summary is None:
         lines += ["Its picture and its table come here when it has been run: `make docs` does."]
     else:

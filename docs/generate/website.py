@@ -26,7 +26,7 @@ from mkdocs.structure.pages import Page
 from nbconvert import MarkdownExporter
 from nbconvert.preprocessors import ExecutePreprocessor
 from pages import DOCS, ROOT
-from scenario_pages import pictures_of, scenario_page
+from scenario_pages import messages_of, pictures_of, scenario_page
 
 from products.sources import HOUSE
 from scenarios.live import page as live
@@ -150,8 +150,9 @@ def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:
 
 
 def thumbnail(name: str) -> str:
-    """The first cell of a scenario in the table of all."""
-    picture = f'<br>![](scenarios/{name}.png){{ width="240" loading="lazy" }}' if pictures_of(name) else ""
+    """The first cell of a scenario in the table of all: its main picture and what that says."""
+    message = messages_of(name).get(f"{name}.png")
+    picture = f'<br>![](scenarios/{name}.png){{ width="240" loading="lazy" }}<br>*{message}*' if message else ""
     return f"| [`{name}`](scenarios/{name}.md){picture} "
 
 

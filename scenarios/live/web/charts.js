@@ -48,7 +48,7 @@ class Chart {
     context.stroke();
     context.globalAlpha = 1;
     const middle = inside[Math.floor(0.6 * inside.length)], room = context.measureText(before.words).width;
-    context.fillText(before.words, Math.min(x(middle.time) + 8, box.right - room), y(value(middle)) - 8);
+    context.fillText(before.words, Math.max(x(middle.time) - 8 - room, box.left), y(value(middle)) + 18);
     context.restore();
   }
 

@@ -221,7 +221,7 @@ function listPresets() {
       openLink(`#${link}`);
     });
   const train = location.pathname.replace(/live\.html$/, "train.html"); // its page lies beside this one
-  if (train !== location.pathname) add("A train's pipe empties", `${train.split("/").at(-1)}#emergency`).target = "_top";
+  if (train !== location.pathname) add("A train's pipe empties", `${train.split("/").at(-1)}#do=50:emergency`).target = "_top";
 }
 
 function fillChoices() {
