@@ -25,13 +25,12 @@ from fmu_src.system import StepInPython, Variable
 from fmu_src.terminals import FILE, ICON, terminals_and_icons
 from products.experiments import experiments_of
 from products.parameter_sets import set_files
-from products.prebuilt import content_of, prebuilt
+from products.prebuilt import PICTURES, content_of, prebuilt
 from products.registry import FMUS, model_of
 from products.remembered import remembered, remembered_path
 from products.sources import ROOT
 from products.terminals import terminals_of
 
-PICTURES = Path(__file__).parent / "pictures"
 #: Native for FMI 2.0 and for FMI 3.0, and pythonfmu, which has binaries of its own.
 NATIVE = ("native", "fmi3")
 KINDS = (*NATIVE, "python")

@@ -19,6 +19,8 @@ from products.terminals import terminals_of
 CONTENTS = "contents.json"
 #: What makes files of FMUs.
 MAKERS = ROOT / "fmu_src"
+#: Pictures on the pages inside FMUs, and their icon.
+PICTURES = Path(__file__).parent / "pictures"
 #: What FMUs and kernels are made from.
 SOURCES = ("fmu_src", "rbd_model", "brake_controller", "products")
 #: The live page in the folder, and what it is made from.
@@ -37,7 +39,7 @@ def content_of(name: str) -> str:
     """
     found = hashlib.sha256(guid_of(generate(model_of(name))).encode())
     found.update(repr([terminals_of(model_of(name)), set_files(name), experiments_of(name)]).encode())
-    for source in sorted([*MAKERS.glob("*.py"), *MAKERS.glob("hosts/*.*")]):
+    for source in (*sorted([*MAKERS.glob("*.py"), *MAKERS.glob("hosts/*.*")]), *sorted(PICTURES.glob("*.png"))):
         found.update(content(source))
     return found.hexdigest()[:24]
 

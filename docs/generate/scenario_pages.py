@@ -56,8 +56,7 @@ def scenario_page(scenario: Scenario, module: ModuleType) -> str:
     """The text of its page; module: the file that holds it."""
     lines = [f"# {scenario.name}", f"{scenario.summary}.", (module.__doc__ or "").strip()]
     lines += [f"```sh\npython -m bogie_braking run {scenario.name}\n```"]
-    for name, message in messages_of(scenario.name).items():
-        lines += [f"![{message}]({name})", f"*{message}*"]
+    lines += [f"![{message}]({name})" for name, message in messages_of(scenario.name).items()]
     summary = summary_of(scenario.name)
     if summary is None:
         lines += ["Its picture and its table come here when it has been run: `make docs` does."]

@@ -118,7 +118,7 @@ def test_picture_comes_first_the_verdict_second_the_table_third(report: Page, su
             || one.innerText)"""
     )
     failing = next(row["quantity"] for row in summary["rows"] if row["holds"] is False)
-    assert shown[:4] == [f"Picture of {NAME}: figure", "verdict", "Thesis against simulation", "rows"]
+    assert shown[:4] == [summary["pictures"]["figure.png"], "verdict", "Thesis against simulation", "rows"]
     heads = report.evaluate("[...document.querySelectorAll('h2')].map((one) => one.innerText)")
     assert heads == ["Thesis against simulation", "Motion", "Charts", "Parameters", "Made by"]
     told = report.evaluate("document.getElementById('verdict').innerText")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 import pytest
@@ -66,6 +67,16 @@ def test_what_was_changed_is_built(filled: Path, monkeypatch: pytest.MonkeyPatch
     assert path.name == "BrakeCylinder.fmu"
     for found in (path, building.kernel_of("brake")):
         assert not found.is_relative_to(filled)
+
+
+def test_an_fmu_with_another_picture_is_another(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A cache that knew no pictures gave FMUs with those of before."""
+    before = prebuilt.content_of("brake")
+    shutil.copytree(prebuilt.PICTURES, tmp_path / "pictures")
+    monkeypatch.setattr(prebuilt, "PICTURES", tmp_path / "pictures")
+    assert prebuilt.content_of("brake") == before
+    (tmp_path / "pictures" / "icon.png").write_bytes(b"another")
+    assert prebuilt.content_of("brake") != before
 
 
 def test_the_live_page_is_made_anew_when_a_source_of_it_has_changed(
