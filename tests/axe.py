@@ -17,8 +17,8 @@ TAGS = ("wcag2a", "wcag2aa", "wcag21a", "wcag21aa")
 def violations(page: Page, *more: str) -> list[str]:
     """A line for each element that breaks a rule: the rule, where the element is, and what would mend it.
 
-    Hidden elements, such as those in a closed `<details>`, are not looked at. more: names of rules beside those of the
-    levels A and AA, such as "heading-order".
+    Hidden elements, such as those in a closed `<details>`, and pages within the page are not looked at. more: names of
+    rules beside those of the levels A and AA, such as "heading-order".
     """
     script = needed_package("axe_core_python") / "axe.min.js"
     page.evaluate(script.read_text(encoding="utf-8") + "; undefined")
@@ -26,6 +26,7 @@ def violations(page: Page, *more: str) -> list[str]:
         "runOnly": {"type": "tag", "values": TAGS},
         "rules": {name: {"enabled": True} for name in more},
         "resultTypes": ["violations"],
+        "iframes": False,
     }
     found: list[str] = page.evaluate(
         f"""axe.run(document, {json.dumps(asked)}).then(({{ violations }}) => violations.flatMap((rule) =>
