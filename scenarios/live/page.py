@@ -33,7 +33,7 @@ CANVAS = Path(reporting.__file__).parent / "page" / "canvas.js"
 #: In the order in which they use each other.
 SCRIPTS = (
     *("packed.js", "one_file.js", "kernel.js", "protection.js", "stop.js", "simulation.js", "link.js"),
-    *("look.js", "charts.js", "side_view.js", "section_view.js", "page.js"),
+    *("desk.js", "look.js", "charts.js", "side_view.js", "section_view.js", "page.js"),
 )
 
 #: What the page knows of the sensors of the wheels.

@@ -27,7 +27,7 @@ TRAINS = {
 }
 PAGE = "train.html"
 #: Beside those of the live page; in the order in which they use each other.
-SCRIPTS = ("packed.js", "look.js", "charts.js", "train.js", "train_view.js", "train_page.js")
+SCRIPTS = ("packed.js", "desk.js", "look.js", "charts.js", "train.js", "train_view.js", "train_page.js")
 #: Runs of one click: the links that the page writes, behind #. Steps are those of STEP in train.js.
 PRESETS = {
     "Emergency, 40 wagons": "do=50:emergency",
@@ -48,7 +48,7 @@ def train_page() -> str:
     data = {
         "version": __version__,
         "module": packed(web_library(sources()).read_bytes()),
-        "presets": PRESETS,
+        "presets": [{"title": title, "link": link} for title, link in PRESETS.items()],
         "consists": {name: packed(np.asarray(one, "<f8").tobytes()) for name, one in consists.items()},
     }
     parts = {

@@ -276,7 +276,7 @@ def test_a_link_that_cannot_be_says_what_is_left_out(still: Page) -> None:
 
 def test_the_table_holds_the_run(still: Page) -> None:
     still.evaluate(f"stopped('#{PRESETS['wet'].link}')")
-    rows = list(csv.DictReader(io.StringIO(still.evaluate("live.simulation.table()"))))
+    rows = list(csv.DictReader(io.StringIO(still.evaluate("live.simulation.table().join('\\n')"))))
     assert len(rows) == still.evaluate("live.simulation.history.length")
     assert {"time [s]", "distance [m]", "speed [km/h]", "wheel speed 4 [km/h]", "axle load 1 [kN]"} <= set(rows[0])
     assert float(rows[0]["speed [km/h]"]) == pytest.approx(90.0)

@@ -1,10 +1,8 @@
 // The page itself: controls, the loop of frames, and what is told at the end.
 
-const LONGEST_FRAME = 0.1; // a page that was asleep does not catch up [s]
 const CHART_FRAMES = 4; // charts are drawn in one frame of so many
 const STARTS = ["machine", "level", "speed", "gradient", "curve", "wave"]; // settings that begin a run anew
 const ACTS = ["lever", "friction", "protection", "uneven"]; // controls that act while it goes
-const at = (name) => document.getElementById(name);
 
 const live = { modules: {}, kernels: {}, simulation: null, running: true, frames: 0, busy: 0, simulated: 0, still: 0, before: null };
 
@@ -68,7 +66,7 @@ function keepBefore() {
   const { simulation } = live;
   if (!simulation?.stop.ended) return;
   const { history, stop } = simulation;
-  live.before = { history, begun: stop.begun.time, distance: stop.distance, words: `run before: ${stop.distance.toFixed(1)} m` };
+  live.before = asBefore(history, stop.begun.time, stop.distance);
 }
 
 // A person moves a control: it acts at once, and the rest of a link's plan is dropped.
@@ -142,14 +140,7 @@ function goOn(seconds) {
 function finish() {
   const { simulation, before } = live, { stop } = simulation;
   live.told = true;
-  const sentence = stop.ended ? stop.sentence(PERIOD) : simulation.ended;
-  at("result").textContent = sentence;
-  if (stop.ended && before) {
-    const more = stop.distance - before.distance;
-    const words = Math.abs(more) < 0.05 ? "As far as the run before." : `${Math.abs(more).toFixed(1)} m ${more > 0 ? "longer" : "shorter"} than the run before.`;
-    at("result").append(" ", Object.assign(document.createElement("span"), { textContent: words, className: "compared" }));
-  }
-  at("chart-speed").setAttribute("aria-label", `speed of the vehicle and of its wheels over time. ${sentence}`);
+  tellEnd(stop.ended ? stop.sentence(PERIOD) : simulation.ended, stop.ended && stop.distance, before);
   showLink();
 }
 
@@ -202,38 +193,19 @@ async function openLink(hash) {
   for (const [name, value] of Object.entries(settings)) show(name, value);
   await restart(plan);
   sentences.forEach(tell);
-  for (const one of at("presets").querySelectorAll("a"))
-    if (one.getAttribute("href") === hash) one.setAttribute("aria-current", "true");
-    else one.removeAttribute("aria-current");
+  markRun(hash);
 }
 
-function listPresets() {
-  const add = (title, href) => {
-    const link = Object.assign(document.createElement("a"), { textContent: title, href });
-    at("presets").append(Object.assign(document.createElement("li"), {}));
-    at("presets").lastChild.append(link);
-    return link;
-  };
-  for (const { title, link } of DATA.presets)
-    add(title, `#${link}`).addEventListener("click", (event) => {
-      event.preventDefault();
-      history.replaceState(null, "", `#${link}`);
-      openLink(`#${link}`);
-    });
-  const train = location.pathname.replace(/live\.html$/, "train.html"); // its page lies beside this one
-  if (train !== location.pathname) add("A train's pipe empties", `${train.split("/").at(-1)}#do=50:emergency`).target = "_top";
+function listRuns() {
+  addRuns(DATA.presets, openLink);
+  const train = besides(/live\.html$/, "train.html");
+  if (train) addRun("A train's pipe empties", `${train}#do=50:emergency`).target = "_top";
 }
 
 function fillChoices() {
   for (const [name, { title }] of Object.entries(DATA.machines)) at("machine").append(new Option(title, name));
   for (const radius of Object.keys(DATA.curves))
     at("curve").append(new Option(radius === "0" ? "straight" : `curve of ${radius} m`, radius));
-}
-
-function save() {
-  const address = URL.createObjectURL(new Blob([live.simulation.table()], { type: "text/csv" }));
-  Object.assign(document.createElement("a"), { href: address, download: "run.csv" }).click();
-  setTimeout(() => URL.revokeObjectURL(address), 1000);
 }
 
 async function share() {
@@ -252,27 +224,18 @@ function listen() {
   for (const name of STARTS) at(name).addEventListener("change", () => restart());
   for (const event of ["resize", "click"]) addEventListener(event, () => { live.still = 0; });
   addEventListener("hashchange", () => openLink(location.hash));
-  // The space bar brakes, unless the focus is on what it presses by itself.
-  addEventListener("keydown", (event) => {
-    if (event.key !== " " || event.repeat || event.target.closest("button, select, summary, a, [type=checkbox]")) return;
-    event.preventDefault();
-    pressBrake();
-  });
-  at("brake").addEventListener("click", pressBrake);
+  onBrake(pressBrake);
+  onPause(live);
   at("leaves").addEventListener("click", () => act("leaves"));
   at("restart").addEventListener("click", () => restart());
   at("share").addEventListener("click", share);
-  at("table").addEventListener("click", save);
-  at("pause").addEventListener("click", () => {
-    live.running = !live.running;
-    at("pause").textContent = live.running ? "pause" : "go on";
-  });
+  at("table").addEventListener("click", () => save("run.csv", live.simulation.table()));
   look.changed = () => { live.still = 0; };
 }
 
 function begin() {
   fillChoices();
-  listPresets();
+  listRuns();
   listen();
   if (new URLSearchParams(location.hash.slice(1)).has("embed")) document.body.className = "embedded";
   if (document.body.className || innerWidth < 900) at("more").open = false;

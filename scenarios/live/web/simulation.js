@@ -122,7 +122,7 @@ class Simulation {
     });
   }
 
-  // The history as a table for other programs, a row for each point.
+  // The history as rows of a table for other programs, the first with the heads.
   table() {
     const numbers = Array.from({ length: this.count }, (_, i) => i + 1);
     const each = { wheels: "wheel speed # [km/h]", slip: "slip # [%]", pressure: "cylinder pressure # [kPa]", load: "axle load # [kN]",
@@ -131,6 +131,6 @@ class Simulation {
     for (const text of Object.values(each)) heads.push(...numbers.map((number) => text.replace("#", number)));
     const rows = this.history.map((point) => [
       point.time, point.distance, point.speed, point.lever, ...Object.keys(each).flatMap((name) => point[name])]);
-    return [heads, ...rows].map((row) => row.join(",")).join("\n") + "\n";
+    return [heads, ...rows];
   }
 }

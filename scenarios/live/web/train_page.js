@@ -1,15 +1,13 @@
 // The page itself: controls, the loop of frames, and what is told at the end.
 
-const LONGEST_FRAME = 0.1; // a page that was asleep does not catch up [s]
 const live = { running: true, train: null, module: null, left: 0, frames: 0, told: false, before: null };
-const at = (name) => document.getElementById(name);
 const chart = new Chart(at("chart-speed"), "speed of the head [km/h]", [{ label: "train", colour: "ink", heavy: true, value: (point) => point.speed }], [0, 10]);
 
 async function start(plan = []) {
   live.module ??= await WebAssembly.compile(await unpacked(DATA.module));
   const consist = at("train").value, numbers = new Float64Array(await unpacked(DATA.consists[consist]));
   const train = await Train.create(live.module, numbers);
-  if (live.train?.stopped) keepBefore(live.train);
+  keepBefore();
   train.begin(Number(at("speed").value) / 3.6, plan);
   Object.assign(live, { train, consist, left: 0, told: false, running: true });
   at("pause").textContent = "pause";
@@ -17,9 +15,9 @@ async function start(plan = []) {
   show();
 }
 
-function keepBefore({ history, begun, stopped }) {
-  const distance = stopped.distance - begun.distance;
-  live.before = { history, begun: begun.time, distance, words: `run before: ${distance.toFixed(1)} m` };
+function keepBefore() {
+  const { train } = live;
+  if (train?.stopped) live.before = asBefore(train.history, train.begun.time, train.stopped.distance - train.begun.distance);
 }
 
 function act(name) {
@@ -56,13 +54,7 @@ function advance(time) {
 function finish() {
   const { train, before } = live;
   live.told = true;
-  at("result").textContent = train.sentence();
-  if (train.stopped && before) {
-    const more = train.stopped.distance - train.begun.distance - before.distance;
-    const words = `${Math.abs(more).toFixed(1)} m ${more < 0 ? "shorter" : "longer"} than the run before.`;
-    at("result").append(" ", Object.assign(document.createElement("span"), { textContent: words, className: "compared" }));
-  }
-  at("chart-speed").setAttribute("aria-label", `speed of the train over time. ${at("result").textContent}`);
+  tellEnd(train.sentence(), train.stopped && train.stopped.distance - train.begun.distance, before);
   showLink();
 }
 
@@ -87,9 +79,7 @@ function openLink(hash) {
     } else if ((name === "train" || name === "speed") && [...at(name).options].some((option) => option.value === value)) at(name).value = value;
     else refused.push(`${name}=${value}`);
   }
-  for (const one of at("presets").querySelectorAll("a"))
-    if (one.getAttribute("href") === hash) one.setAttribute("aria-current", "true");
-    else one.removeAttribute("aria-current");
+  markRun(hash);
   return start(plan).then(() => {
     if (refused.length) at("result").textContent = `The link has ${refused.join(" and ")}, which this page does not know; it is left out.`;
   });
@@ -102,28 +92,16 @@ function frame(now) {
   requestAnimationFrame(frame);
 }
 
-function listPresets() {
-  const add = (title, href) => {
-    const item = document.createElement("li");
-    item.append(Object.assign(document.createElement("a"), { textContent: title, href }));
-    at("presets").append(item);
-    return item.firstChild;
-  };
-  for (const [title, link] of Object.entries(DATA.presets))
-    add(title, `#${link}`).addEventListener("click", (event) => {
-      event.preventDefault();
-      openLink(`#${link}`);
-    });
-  const other = location.pathname.replace(/train\.html$/, "live.html"); // its page lies beside this one
-  if (other !== location.pathname) add("One vehicle", other.split("/").at(-1));
+function listRuns() {
+  addRuns(DATA.presets, openLink);
+  const other = besides(/train\.html$/, "live.html");
+  if (other) addRun("One vehicle", other);
 }
 
-function save() {
-  const rows = live.train.history.map(({ time, distance, speed }) => [time, distance, speed].join(","));
-  const text = ["time [s],distance of the head [m],speed of the head [km/h]", ...rows].join("\n") + "\n";
-  const address = URL.createObjectURL(new Blob([text], { type: "text/csv" }));
-  Object.assign(document.createElement("a"), { href: address, download: "train.csv" }).click();
-  setTimeout(() => URL.revokeObjectURL(address), 1000);
+// The history as rows of a table, the first with the heads.
+function table() {
+  const heads = ["time [s]", "distance of the head [m]", "speed of the head [km/h]"];
+  return [heads, ...live.train.history.map(({ time, distance, speed }) => [time, distance, speed])];
 }
 
 function listen() {
@@ -136,23 +114,15 @@ function listen() {
   for (const name of ["train", "speed"]) at(name).addEventListener("change", () => start());
   addEventListener("hashchange", () => openLink(location.hash));
   addEventListener("resize", show);
-  addEventListener("keydown", (event) => {
-    if (event.key !== " " || event.repeat || event.target.closest("button, select, summary, a")) return;
-    event.preventDefault();
-    pressBrake();
-  });
-  at("brake").addEventListener("click", pressBrake);
+  onBrake(pressBrake);
+  onPause(live);
   at("part").addEventListener("click", () => act("part"));
   at("restart").addEventListener("click", () => start());
-  at("table").addEventListener("click", save);
-  at("pause").addEventListener("click", () => {
-    live.running = !live.running;
-    at("pause").textContent = live.running ? "pause" : "go on";
-  });
+  at("table").addEventListener("click", () => save("train.csv", table()));
   look.changed = () => show();
 }
 
 listen();
-listPresets();
+listRuns();
 at("about").textContent = `bogie-braking ${DATA.version}; wagons of 80 t, screw couplers, two cells of the pipe a vehicle.`;
 live.ready = openLink(location.hash).then(() => requestAnimationFrame(frame));

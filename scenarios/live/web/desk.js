@@ -1,0 +1,75 @@
+// What both live pages have: ready runs, the space bar, the pause, a table to save, and two runs compared.
+
+const LONGEST_FRAME = 0.1; // a page that was asleep does not catch up [s]
+const at = (name) => document.getElementById(name);
+
+// A ready run among the others: its title, and where it leads; the link.
+function addRun(title, href) {
+  const item = document.createElement("li");
+  item.append(Object.assign(document.createElement("a"), { textContent: title, href }));
+  at("presets").append(item);
+  return item.firstChild;
+}
+
+// The ready runs of a page, which play where they are; play: called with the hash of one.
+function addRuns(runs, play) {
+  for (const { title, link } of runs)
+    addRun(title, `#${link}`).addEventListener("click", (event) => {
+      event.preventDefault();
+      history.replaceState(null, "", `#${link}`);
+      play(`#${link}`);
+    });
+}
+
+// Marks the ready run that goes, if it is one.
+function markRun(hash) {
+  for (const one of at("presets").querySelectorAll("a"))
+    if (one.getAttribute("href") === hash) one.setAttribute("aria-current", "true");
+    else one.removeAttribute("aria-current");
+}
+
+// The other page, which lies beside this one under its own name; null where this file has another name.
+function besides(own, other) {
+  const place = location.pathname.replace(own, other);
+  return place === location.pathname ? null : place.split("/").at(-1);
+}
+
+// The large button, and the space bar unless the focus is on what it presses by itself.
+function onBrake(press) {
+  at("brake").addEventListener("click", press);
+  addEventListener("keydown", (event) => {
+    if (event.key !== " " || event.repeat || event.target.closest("button, select, summary, a, [type=checkbox]")) return;
+    event.preventDefault();
+    press();
+  });
+}
+
+function onPause(live) {
+  at("pause").addEventListener("click", () => {
+    live.running = !live.running;
+    at("pause").textContent = live.running ? "pause" : "go on";
+  });
+}
+
+// rows of a table, the first with the heads, as a file of this name.
+function save(name, rows) {
+  const text = rows.map((row) => row.join(",")).join("\n") + "\n";
+  const address = URL.createObjectURL(new Blob([text], { type: "text/csv" }));
+  Object.assign(document.createElement("a"), { href: address, download: name }).click();
+  setTimeout(() => URL.revokeObjectURL(address), 1000);
+}
+
+// The end of a run in one sentence, and how much further it went than the run before; distances [m].
+function tellEnd(sentence, distance, before) {
+  at("result").textContent = sentence;
+  at("chart-speed").setAttribute("aria-label", `speed over time. ${sentence}`);
+  if (distance === null || !before) return;
+  const more = distance - before.distance, words = `${Math.abs(more).toFixed(1)} m ${more > 0 ? "longer" : "shorter"} than the run before.`;
+  const compared = Math.abs(more) < 0.05 ? "As far as the run before." : words;
+  at("result").append(" ", Object.assign(document.createElement("span"), { textContent: compared, className: "compared" }));
+}
+
+// A run that stopped, to lie below the next: its history, the time at which it braked [s], its distance [m].
+function asBefore(history, begun, distance) {
+  return { history, begun, distance, words: `run before: ${distance.toFixed(1)} m` };
+}
