@@ -108,7 +108,7 @@ def test_every_page_and_every_notebook_has_its_place() -> None:
         "CHANGELOG.md",
         "inside/README.md",
         "live.html",
-        "train.html",
+        "live-train.html",
     }
 
 
@@ -176,6 +176,14 @@ def test_every_public_name_is_in_the_site_and_no_page_is_of_a_room(site: Path) -
     assert {path.relative_to(site).as_posix() for path in site.glob("api/*.html")} <= {
         one.partition("#")[0] for one in linked
     }
+
+
+@pytest.mark.long
+def test_the_pages_that_brake_are_those_and_no_guides(site: Path) -> None:
+    """A guide of the same name would take the place of one."""
+    for name in ("live.html", "live-train.html"):
+        assert "brake" in leads_of(site / name).anchors, name
+    assert "in-python" in leads_of(site / "train.html").anchors
 
 
 @pytest.mark.long

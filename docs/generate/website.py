@@ -30,9 +30,10 @@ from scenario_pages import messages_of, pictures_of, scenario_page
 
 from products.sources import HOUSE
 from scenarios.live import page as live
+from scenarios.live.train_page import PAGE as TRAIN_PAGE
 from scenarios.live.train_page import train_page
 
-LIVE, TRAIN = "live.html", "train.html"
+LIVE = "live.html"
 #: Files beside docs/ by their names on the site, whose start is docs/index.md.
 OUTSIDE = {"inside/README.md": "README.md", "EQUATIONS.md": "EQUATIONS.md", "CHANGELOG.md": "CHANGELOG.md"}
 #: Of a Python file of ours, and a name in it; the same as a name with dots.
@@ -91,7 +92,7 @@ def contents() -> Iterator[tuple[str, str | Path]]:
     for path in sorted(DOCS.glob("notebooks/*.ipynb")):
         yield f"notebooks/{path.stem}.md", run_notebook(path)
     yield LIVE, live.page()
-    yield TRAIN, train_page()
+    yield TRAIN_PAGE, train_page()
     yield "pictures/one-step.svg", front_picture.svg()
     yield "assets/formulas.ttf", Path(ziamath.__file__).parent / "fonts" / "STIXTwoMath-Regular.ttf"
     yield "assets/instead-of-iframe-worker.js", search_from_disk()

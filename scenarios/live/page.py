@@ -24,7 +24,6 @@ from scenarios.live.lines import CANTS, rows_of
 from scenarios.live.machines import MACHINES, YAW_PER_BRAKE_TORQUE, model_of
 from scenarios.live.presets import DEFAULTS, PERIOD, PRESETS
 from scenarios.reporting.motion import drawn
-from scenarios.reporting.plots import FOUR
 from scenarios.reporting.progress import PATIENCE
 
 WEB = Path(__file__).parent / "web"
@@ -55,7 +54,6 @@ def page() -> str:
     script = "\n".join(path.read_text(encoding="utf-8") for path in (CANVAS, *(WEB / name for name in SCRIPTS)))
     data = {
         "version": __version__,
-        "colours": FOUR,
         "protection": {
             "thresholds": asdict(common_protection()),
             "sensor": {name: getattr(Encoder(), name) for name in SENSOR},

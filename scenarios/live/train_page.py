@@ -25,7 +25,7 @@ TRAINS = {
     "10 wagons, P": (10, "P"),
     "100 wagons, G": (100, "G"),
 }
-PAGE = "train.html"
+PAGE, TEMPLATE = "live-train.html", "train.html"
 #: Beside those of the live page; in the order in which they use each other.
 SCRIPTS = ("packed.js", "desk.js", "look.js", "charts.js", "train.js", "train_view.js", "train_page.js")
 #: Runs of one click: the links that the page writes, behind #. Steps are those of STEP in train.js.
@@ -56,7 +56,7 @@ def train_page() -> str:
         "@DATA@": json.dumps(data, separators=(",", ":")).replace("</", "<\\/"),
         "@SCRIPT@": "\n".join(path.read_text(encoding="utf-8") for path in (CANVAS, *(WEB / name for name in SCRIPTS))),
     }
-    whole = (WEB / PAGE).read_text(encoding="utf-8")
+    whole = (WEB / TEMPLATE).read_text(encoding="utf-8")
     for mark, text in parts.items():
         whole = whole.replace(mark, text)
     return whole

@@ -158,7 +158,7 @@ def test_the_space_bar_brakes_releases_and_begins_anew(page: Page) -> None:
         page.press(" ")
         assert page.evaluate("[at('brake-word').textContent, at('lever').value]") == [word, str(lever)]
     page.evaluate("live.running = false; while (!live.simulation.ended) live.simulation.advance(1); showControls()")
-    assert page.evaluate("at('brake-word').textContent") == "Again"
+    assert page.evaluate("at('brake-word').textContent") == "New run"
     page.press(" ")
     page.evaluate("new Promise((found) => setInterval(() => live.simulation.time < 5 && found(), 20))")
     assert page.evaluate("[at('brake-word').textContent, at('lever').value]") == ["Brake", "0"]
@@ -195,7 +195,10 @@ def test_pictures_for_the_documentation(page: Page) -> None:
         page.evaluate("live.still = 0; live.frames = CHART_FRAMES; draw()")
     if "BOGIE_BRAKING_PICTURES" in os.environ:
         page.screenshot(Path(os.environ["BOGIE_BRAKING_PICTURES"]) / f"live-{page.evaluate('innerWidth')}.png")
-    assert re.match(r"127\.\d m longer than the run before\.", page.evaluate("at('result').lastChild.textContent"))
+    assert re.match(
+        r"127\.\d m longer than the run before \(other friction, protection\)\.",
+        page.evaluate("at('result').lastChild.textContent"),
+    )
 
 
 def test_a_page_that_stands_still_costs_nothing(still: Page) -> None:
@@ -265,13 +268,59 @@ def test_a_link_brings_back_the_run_to_the_last_digit(browser: Browser, file: Pa
 
 
 def test_a_link_that_cannot_be_says_what_is_left_out(still: Page) -> None:
-    still.evaluate("openLink('#level=7&friction=1e9&colour=red&do=90000:lever:100,x:y,5:lever:1e4,6:gradient:3')")
+    still.evaluate(
+        "openLink('#level=7&friction=1e9&colour=red&do=90000:lever:100,x:y,5:lever:1e4,6:gradient:3,7:lever')"
+    )
     told = still.evaluate("[...at('sentences').children].map((one) => one.textContent)")
-    assert len(told) == 6
+    assert len(told) == 7
     assert "The link has level 7; this page takes 1, 2, 3, and starts with 2." in told
     assert any('"colour"' in one for one in told)
     assert still.evaluate("live.simulation.plan") == [[90000, "lever", 1]]
     assert still.evaluate("live.simulation.controls.friction") == 0.3
+
+
+def test_a_stop_counts_from_the_last_braking(still: Page) -> None:
+    """Released in between, it is the stop from the second braking; what was before does not count."""
+    whole = "#do=0:lever:100,600:lever:0,1600:lever:100"
+    assert re.match(r"Stopped in [\d.]+ m and [\d.]+ s from 7\d km/h;", still.evaluate(f"stopped('{whole}')"))
+    begun = still.evaluate("live.simulation.stop.begun.time")
+    assert begun == pytest.approx(1600 * PERIOD)
+
+
+def test_a_vehicle_that_its_brake_does_not_hold_is_told_of(still: Page) -> None:
+    """40 in 1000 on rails with a friction of 0.03: it stands for an instant and slides back; downhill it gets faster."""
+    assert "slides back" in still.evaluate("stopped('#gradient=40&friction=0.03&speed=40&do=0:lever:100')")
+    still.evaluate("openLink('#gradient=-40&friction=0.02&do=0:lever:100').then(() => { live.running = false })")
+    still.evaluate("live.simulation.advance(20), showDoing()")
+    assert still.evaluate("at('result').textContent") == "The brake does not hold it: it gets faster."
+
+
+def test_a_stop_on_the_way_back_is_one_too(still: Page) -> None:
+    """It rolls backwards down the gradient until the brake is applied."""
+    sentence = still.evaluate("stopped('#gradient=40&speed=0&do=1000:lever:100')")
+    assert re.match(r"Stopped in \d+\.\d m and [\d.]+ s from \d km/h; no wheelset locked\.$", sentence)
+
+
+def test_what_it_does_is_said_in_a_sentence(still: Page) -> None:
+    still.evaluate("openLink('').then(() => { live.running = false })")
+    for lever, said in ((100, "It brakes."), (0, "It rolls. Press Brake."), (-50, "It drives.")):
+        still.evaluate(f"move({{ lever: {lever} }}), live.simulation.advance(1), showDoing()")
+        assert still.evaluate("at('result').textContent") == said
+
+
+def test_a_wheel_that_leaves_its_rail_is_in_the_result(still: Page) -> None:
+    still.evaluate("stopped('#machine=bogie&level=3&speed=120&curve=300&uneven=100&do=50:lever:100')")
+    assert "A wheel came off its rail" in still.evaluate("at('result').textContent")
+
+
+def test_back_leads_to_the_run_before(still: Page) -> None:
+    still.evaluate("document.querySelector('#presets a').click(), live.ready")
+    still.evaluate("[...document.querySelectorAll('#presets a')][1].click()")
+    first, second = (PRESETS[name].link for name in ("dry", "wet"))
+    assert still.evaluate("location.hash") == f"#{second}"
+    still.evaluate("new Promise((done) => { addEventListener('popstate', done, { once: true }); history.back() })")
+    assert still.evaluate("location.hash") == f"#{first}"
+    still.evaluate("new Promise((found) => setInterval(() => at('friction').value === '0.3' && found(), 20))")
 
 
 def test_the_table_holds_the_run(still: Page) -> None:

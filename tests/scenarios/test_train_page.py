@@ -13,7 +13,7 @@ import pytest
 from products.train.consist import block_train
 from products.train.numbers import Settings
 from products.train.train import Train
-from scenarios.live.train_page import PRESETS, TRAINS, write_train_page
+from scenarios.live.train_page import PAGE, PRESETS, TRAINS, write_train_page
 from tests.axe import violations
 from tests.browser import Browser, Page, browser
 
@@ -39,7 +39,7 @@ async function stopped(link) {
 
 @pytest.fixture(scope="module")
 def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return write_train_page(tmp_path_factory.mktemp("train") / "train.html")
+    return write_train_page(tmp_path_factory.mktemp("train") / PAGE)
 
 
 @pytest.fixture(scope="module", params=SIZES, ids=str)
@@ -134,6 +134,18 @@ def test_a_link_that_cannot_be_says_what_is_left_out(page: Page) -> None:
     told = page.evaluate("at('result').textContent")
     assert "train=9 wagons and 6:whistle" in told
     assert page.evaluate("live.train.plan") == [[90000, "emergency"]]
+
+
+def test_a_link_that_is_no_text_leaves_a_train_that_brakes(page: Page) -> None:
+    begin(page, "#%E0%A4%A")
+    assert "left out" in page.evaluate("at('result').textContent")
+    assert page.evaluate("pressBrake(), live.train.valve") == "full service"
+
+
+def test_each_page_leads_to_the_other(page: Page) -> None:
+    assert "live.html" in page.evaluate(
+        "[...document.querySelectorAll('#presets a')].map((one) => one.getAttribute('href'))"
+    )
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])

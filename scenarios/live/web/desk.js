@@ -1,6 +1,7 @@
 // What both live pages have: ready runs, the space bar, the pause, a table to save, and two runs compared.
 
 const LONGEST_FRAME = 0.1; // a page that was asleep does not catch up [s]
+const NAMES = { machine: "vehicle", level: "level of detail", curve: "line", uneven: "shoes", wave: "rails" }; // of settings
 const at = (name) => document.getElementById(name);
 
 // A ready run among the others: its title, and where it leads; the link.
@@ -11,12 +12,12 @@ function addRun(title, href) {
   return item.firstChild;
 }
 
-// The ready runs of a page, which play where they are; play: called with the hash of one.
+// The ready runs of a page, which play where they are; play: called with the hash of one. "Back" leads to the run before.
 function addRuns(runs, play) {
   for (const { title, link } of runs)
     addRun(title, `#${link}`).addEventListener("click", (event) => {
       event.preventDefault();
-      history.replaceState(null, "", `#${link}`);
+      if (window.top === window) history.pushState(null, "", `#${link}`);
       play(`#${link}`);
     });
 }
@@ -42,6 +43,27 @@ function onBrake(press) {
     event.preventDefault();
     press();
   });
+  // Who uses the mouse brakes with the space bar wherever he pressed last.
+  addEventListener("click", (event) => {
+    if (event.detail > 0) event.target.closest("button, summary, [type=checkbox]")?.blur();
+  });
+}
+
+// A speed [m/s] for people.
+function inKmh(speed) {
+  return `${(Math.abs(speed) < 0.01 ? 0 : 3.6 * speed).toFixed(1)} km/h`;
+}
+
+// Copies the address, which showLink has made that of the run.
+async function share(showLink) {
+  showLink();
+  try {
+    await navigator.clipboard.writeText(location.href);
+    at("share").textContent = "link copied";
+  } catch {
+    at("share").textContent = "the link is the address above";
+  }
+  setTimeout(() => { at("share").textContent = "copy link"; }, 3000);
 }
 
 function onPause(live) {
@@ -59,17 +81,19 @@ function save(name, rows) {
   setTimeout(() => URL.revokeObjectURL(address), 1000);
 }
 
-// The end of a run in one sentence, and how much further it went than the run before; distances [m].
-function tellEnd(sentence, distance, before) {
+// The end of a run in one sentence, and how much further it went than the run before; distances [m]; settings: what it
+// started with.
+function tellEnd(sentence, distance, before, settings) {
   at("result").textContent = sentence;
   at("chart-speed").setAttribute("aria-label", `speed over time. ${sentence}`);
   if (distance === null || !before) return;
-  const more = distance - before.distance, words = `${Math.abs(more).toFixed(1)} m ${more > 0 ? "longer" : "shorter"} than the run before.`;
-  const compared = Math.abs(more) < 0.05 ? "As far as the run before." : words;
+  const more = distance - before.distance, words = `${Math.abs(more).toFixed(1)} m ${more > 0 ? "longer" : "shorter"} than the run before`;
+  const others = Object.keys(settings).filter((name) => settings[name] !== before.settings[name]).map((name) => NAMES[name] ?? name);
+  const compared = `${Math.abs(more) < 0.05 ? "As far as the run before" : words}${others.length ? ` (other ${others.join(", ")})` : ""}.`;
   at("result").append(" ", Object.assign(document.createElement("span"), { textContent: compared, className: "compared" }));
 }
 
-// A run that stopped, to lie below the next: its history, the time at which it braked [s], its distance [m].
-function asBefore(history, begun, distance) {
-  return { history, begun, distance, words: `run before: ${distance.toFixed(1)} m` };
+// A run that stopped, to lie below the next: its history, the time at which it braked [s], its distance [m], its settings.
+function asBefore(history, begun, distance, settings) {
+  return { history, begun, distance, settings, words: `run before: ${distance.toFixed(1)} m` };
 }

@@ -7,7 +7,7 @@ const look = { read: false };
 // Reads the colours again; called when the surrounding changes.
 function readLook() {
   const style = getComputedStyle(document.documentElement);
-  for (const name of ["ink", "soft", "grid", "paper", "steel", "rail", "ground", "car", "frame", "signal", "leaf", "pipe", "edge", "window"])
+  for (const name of ["ink", "soft", "grid", "paper", "steel", "rail", "ground", "car", "frame", "signal", "leaf", "pipe", "edge", "window", "first", "second", "third", "fourth"])
     look[name] = style.getPropertyValue(`--${name}`).trim();
 }
 

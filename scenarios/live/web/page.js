@@ -2,6 +2,7 @@
 
 const CHART_FRAMES = 4; // charts are drawn in one frame of so many
 const STARTS = ["machine", "level", "speed", "gradient", "curve", "wave"]; // settings that begin a run anew
+const IN_SPACE = ["curve", "wave", "uneven"]; // that act at level 3 alone
 const ACTS = ["lever", "friction", "protection", "uneven"]; // controls that act while it goes
 
 const live = { modules: {}, kernels: {}, simulation: null, running: true, frames: 0, busy: 0, simulated: 0, still: 0, before: null };
@@ -36,16 +37,17 @@ async function restart(plan = []) {
   const texts = spatial ? { [DATA.lineVariable]: lineText(settings.curve, gradient) } : {};
   const controls = Object.fromEntries(["friction", "protection", "uneven"].map((name) => [name, inside(name, settings[name])]));
   at("sentences").replaceChildren();
-  at("result").textContent = `It rolls at ${settings.speed} km/h. Press Brake.`;
   simulation.restart({ ...values, ...wave }, texts, { ...controls, gradient: spatial ? 0 : gradient }, plan);
   if (machine !== live.simulation?.machine) live.charts = chartsOf(machine.wheelsets.length);
-  Object.assign(live, { simulation, settings, running: true, left: 0, busy: 0, simulated: 0, still: 0, told: false });
+  Object.assign(live, { simulation, settings, running: true, left: 0, busy: 0, simulated: 0, still: 0, told: false, doing: "" });
   live.line = { gradient, words: wordsOnLine(settings, spatial) };
   show("lever", 0);
-  at("in-space").disabled = !spatial;
+  for (const name of IN_SPACE) at(name).disabled = !spatial;
   at("section-box").hidden = !spatial;
   at("pause").textContent = "pause";
   showControls();
+  showDoing();
+  if (!plan.length) showLink();
 }
 
 // The file of the line: rows as page.py writes them, with a gradient [1].
@@ -57,7 +59,7 @@ function lineText(radius, gradient) {
 function wordsOnLine({ gradient, curve }, spatial) {
   const slope = Number(gradient) === 0 ? [] : [`${Math.abs(gradient)} ‰ ${gradient > 0 ? "uphill" : "downhill"}`];
   const { cant } = DATA.curves[curve];
-  if (spatial && curve !== "0") slope.push(`a curve of ${curve} m to the left, cant ${(1e3 * cant).toFixed(0)} mm`);
+  if (spatial && curve !== "0") slope.push(`curve of ${curve} m, cant ${(1e3 * cant).toFixed(0)} mm`);
   return slope.join("; ");
 }
 
@@ -66,7 +68,7 @@ function keepBefore() {
   const { simulation } = live;
   if (!simulation?.stop.ended) return;
   const { history, stop } = simulation;
-  live.before = asBefore(history, stop.begun.time, stop.distance);
+  live.before = asBefore(history, stop.begun.time, stop.distance, live.settings);
 }
 
 // A person moves a control: it acts at once, and the rest of a link's plan is dropped.
@@ -97,21 +99,35 @@ function showControls() {
   at("gradient-value").value = `${at("gradient").value} ‰`;
   at("uneven-value").value = `${at("uneven").value} %`;
   const over = Boolean(live.simulation.ended);
-  at("brake-word").textContent = over ? "Again" : lever > 0 ? "Release" : "Brake";
+  at("brake-word").textContent = over ? "New run" : lever > 0 ? "Release" : "Brake";
   at("brake").setAttribute("aria-pressed", String(!over && lever > 0));
-  if (lever > 0 && !live.told) at("result").textContent = "It brakes.";
 }
 
-// The large button, and the space bar: brakes, releases, begins anew with the lever back.
+// What the vehicle does, in a sentence, until the end is told.
+function showDoing() {
+  const { simulation } = live, { lever } = simulation.controls, { stop } = simulation, speed = simulation.kernel.get("speed");
+  const stands = Math.abs(speed) < RESTS, faster = stop.begun && Math.abs(speed) > Math.abs(stop.begun.speed) + MOVES;
+  const doing = stop.ended || (stands && lever > 0) ? "It stands, braked."
+    : lever > 0 ? (faster ? "The brake does not hold it: it gets faster." : "It brakes.")
+    : lever < 0 ? "It drives."
+    : stands ? "It stands. The lever drives it, too." : simulation.plan.length ? "It rolls." : "It rolls. Press Brake.";
+  if (doing !== live.doing) at("result").textContent = doing; // said once to those who hear it
+  live.doing = doing;
+}
+
+// The large button, and the space bar: brakes, releases, begins a run with the same start.
 function pressBrake() {
-  if (live.simulation.ended) return void restart();
+  if (live.simulation.ended) {
+    for (const name of Object.keys(live.settings)) show(name, live.settings[name]);
+    return void restart();
+  }
   show("lever", Number(at("lever").value) > 0 ? 0 : 100);
   act("lever");
 }
 
 function chartsOf(count) {
   const numbers = Array.from({ length: count }, (_, number) => number);
-  const colours = count > 2 ? DATA.colours : [DATA.colours[0], DATA.colours[3]];
+  const colours = count > 2 ? ["first", "second", "third", "fourth"] : ["first", "fourth"];
   const each = (name) => numbers.map((n) => ({ label: `${n + 1}`, colour: colours[n], dashes: n, value: (point) => point[name][n] }));
   const vehicle = { label: "vehicle", colour: "ink", heavy: true, value: (point) => point.speed };
   return [
@@ -132,15 +148,17 @@ function goOn(seconds) {
   live.simulated += whole;
   if (simulation.plan.length < planned) followPlan();
   for (const sentence of simulation.sentences.splice(0)) tell(sentence);
-  if (!live.told && (simulation.stop.ended || simulation.ended)) finish();
-  if (simulation.ended) showControls();
+  if (!simulation.ended) showDoing();
+  else if (!live.told) finish();
 }
 
 // What the run came to, beside the run before; the address becomes its link.
 function finish() {
   const { simulation, before } = live, { stop } = simulation;
   live.told = true;
-  tellEnd(stop.ended ? stop.sentence(PERIOD) : simulation.ended, stop.ended && stop.distance, before);
+  tellEnd(simulation.ended, stop.ended && stop.distance, before, live.settings);
+  if (simulation.lifted) at("result").append(" A wheel came off its rail: see what happened, below.");
+  showControls();
   showLink();
 }
 
@@ -156,7 +174,7 @@ function tell(sentence) {
 function showCost() {
   if (live.simulated < 1) return;
   const times = live.simulated / live.busy;
-  at("cost").textContent = `${times.toFixed(0)} times real time on this machine`;
+  at("cost").textContent = `${times.toFixed(0)} times real time on this machine, in this browser`;
 }
 
 function draw() {
@@ -168,8 +186,8 @@ function draw() {
     live.charts.forEach((chart, number) => chart.draw(simulation.history, number === 0 ? beside : null));
   }
   const now = stop.ended ?? { time, distance: kernel.get("distance") };
-  const since = stop.begun && `, ${(now.distance - stop.begun.distance).toFixed(0)} m and ${(now.time - stop.begun.time).toFixed(1)} s since braking`;
-  at("state").textContent = `${(3.6 * kernel.get("speed")).toFixed(1)} km/h${since ?? ""}`;
+  const since = stop.begun && `, ${Math.abs(now.distance - stop.begun.distance).toFixed(0)} m and ${(now.time - stop.begun.time).toFixed(1)} s since braking`;
+  at("state").textContent = `${inKmh(kernel.get("speed"))}${since ?? ""}`;
 }
 
 function frame(now) {
@@ -198,37 +216,26 @@ async function openLink(hash) {
 
 function listRuns() {
   addRuns(DATA.presets, openLink);
-  const train = besides(/live\.html$/, "train.html");
+  const train = besides(/live\.html$/, "live-train.html");
   if (train) addRun("A train's pipe empties", `${train}#do=50:emergency`).target = "_top";
 }
 
 function fillChoices() {
   for (const [name, { title }] of Object.entries(DATA.machines)) at("machine").append(new Option(title, name));
   for (const radius of Object.keys(DATA.curves))
-    at("curve").append(new Option(radius === "0" ? "straight" : `curve of ${radius} m`, radius));
-}
-
-async function share() {
-  showLink();
-  try {
-    await navigator.clipboard.writeText(location.href);
-    at("share").textContent = "link copied";
-  } catch {
-    at("share").textContent = "the link is the address above";
-  }
-  setTimeout(() => { at("share").textContent = "copy link"; }, 3000);
+    at("curve").append(new Option(radius === "0" ? "straight" : `${radius} m curve`, radius));
 }
 
 function listen() {
   for (const name of ACTS) at(name).addEventListener("input", () => act(name));
   for (const name of STARTS) at(name).addEventListener("change", () => restart());
   for (const event of ["resize", "click"]) addEventListener(event, () => { live.still = 0; });
-  addEventListener("hashchange", () => openLink(location.hash));
+  addEventListener("popstate", () => openLink(location.hash));
   onBrake(pressBrake);
   onPause(live);
   at("leaves").addEventListener("click", () => act("leaves"));
   at("restart").addEventListener("click", () => restart());
-  at("share").addEventListener("click", share);
+  at("share").addEventListener("click", () => share(showLink));
   at("table").addEventListener("click", () => save("run.csv", live.simulation.table()));
   look.changed = () => { live.still = 0; };
 }
@@ -240,7 +247,7 @@ function begin() {
   if (new URLSearchParams(location.hash.slice(1)).has("embed")) document.body.className = "embedded";
   if (document.body.className || innerWidth < 900) at("more").open = false;
   live.side = new SideView(at("side"));
-  live.section = new SectionView(at("section"), DATA.colours);
+  live.section = new SectionView(at("section"));
   at("about").textContent = `bogie-braking ${DATA.version}, after Y. A. Handoko (2006).`;
   at("about").title = Object.values(DATA.machines).map(({ title, guid }) => `model of the ${title}: ${guid}`).join("\n");
   requestAnimationFrame(frame);

@@ -4,8 +4,8 @@ const TOUCHES = 0.03; // gap up to which profiles are drawn as touching [mm]
 const FORCE = { Q: 0.15, Y: 0.6 }; // length of an arrow [mm for each kN]
 
 class SectionView {
-  constructor(canvas, colours) {
-    Object.assign(this, { canvas, colours });
+  constructor(canvas) {
+    this.canvas = canvas;
   }
 
   draw({ machine, kernel }) {
@@ -23,7 +23,8 @@ class SectionView {
     }
     context.textAlign = "left";
     const shift = 1e3 * kernel.get("lateral_1"), words = `${Math.abs(shift).toFixed(2)} mm to the ${shift < 0 ? "right" : "left"}`;
-    context.fillText(`wheelset 1 from behind, ${words}; Y drawn ${FORCE.Y / FORCE.Q} times as long as Q`, 4, 13);
+    const scale = width < 500 ? "" : `; Y drawn ${FORCE.Y / FORCE.Q} times as long as Q`;
+    context.fillText(`wheelset 1 from behind, ${words}${scale}`, 4, 13);
   }
 
   // Profiles count outwards; a wheelset that moves to the left brings its left wheel outwards.
@@ -39,8 +40,8 @@ class SectionView {
       if (gaps[number] - least < TOUCHES) this.dot(view, y, z);
     });
     const place = wheel[gaps.indexOf(least)];
-    this.arrow(view, place, [0, (FORCE.Q * load) / 1e3], this.colours[0], "Q");
-    this.arrow(view, place, [(FORCE.Y * force) / 1e3, 0], this.colours[3], "Y");
+    this.arrow(view, place, [0, (FORCE.Q * load) / 1e3], look.first, "Q");
+    this.arrow(view, place, [(FORCE.Y * force) / 1e3, 0], look.fourth, "Y");
   }
 
   filled({ context, x, z }, points, colour, to) {
@@ -57,7 +58,7 @@ class SectionView {
   }
 
   dot({ context, x, z }, y, height) {
-    context.fillStyle = this.colours[3];
+    context.fillStyle = look.fourth;
     context.beginPath();
     context.arc(x(y), z(height), 3, 0, 2 * Math.PI);
     context.fill();

@@ -1,6 +1,6 @@
 // The machine from its left side, running to the right: bodies, turning wheels, axle loads, valves, rails with leaves.
 
-const EXAGGERATED = 10; // bounce and pitch of the bodies
+const EXAGGERATED = 4; // bounce and pitch of the bodies
 const SLEEPERS = 0.6, POSTS = 50; // along the track [m]
 const FRAME = { size: 0.5, beyond: 0.6 }, CAR = { size: 2.6, beyond: 2.5 }; // height and what juts out, drawn [m]
 const PANE = { pitch: 2, width: 1.3 }; // of windows, drawn [m]
@@ -10,6 +10,11 @@ const VALVES = ["", "hold", "vent"]; // by command; what applies needs no word
 // What carries wheelsets is drawn as a frame, what lies on frames as a car.
 function shapeOf(body) {
   return body.carries.length ? FRAME : CAR;
+}
+
+// Whether a wheelset is locked while the vehicle moves.
+function slides(kernel, number) {
+  return kernel.get(`locked_${number}`) > 0.5 && Math.abs(kernel.get("speed")) > RESTS;
 }
 
 class SideView {
@@ -39,10 +44,11 @@ class SideView {
       this.body(view, body, simulation, radius);
     }
     machine.wheelsets.forEach((wheelset, number) => this.wheel(view, wheelset, number + 1, simulation));
-    context.restore();
     this.below(view, simulation, rail);
+    context.restore();
     Object.assign(context, { fillStyle: look.soft, textAlign: "left" });
-    context.fillText(`bounce and pitch drawn ${EXAGGERATED} times as large${line.words ? `; ${line.words}` : ""}`, 6, 14);
+    const drawn = `bounce and pitch drawn ${EXAGGERATED} times as large`;
+    context.fillText(line.words && width < 500 ? line.words : [line.words, drawn].filter(Boolean).join("; "), 6, 14);
   }
 
   track({ context, x, scale, width, distance }, patches, rail, half) {
@@ -103,7 +109,7 @@ class SideView {
   }
 
   wheel({ context, x, y, scale }, { along, radius }, number, { kernel }) {
-    const locked = kernel.get(`locked_${number}`) > 0.5, angle = kernel.get(`rotation_${number}`), size = radius * scale;
+    const locked = slides(kernel, number), angle = kernel.get(`rotation_${number}`), size = radius * scale;
     context.save();
     context.translate(x(along), y(radius));
     Object.assign(context, { fillStyle: locked ? look.signal : look.paper, strokeStyle: look.ink, lineWidth: Math.max(2, 0.06 * scale) });
@@ -139,7 +145,7 @@ class SideView {
     context.textAlign = "center";
     simulation.read("axle_load").forEach((load, number) => {
       const place = x(simulation.machine.wheelsets[number].along), size = `${(load / 1e3).toFixed(narrow ? 0 : 1)} kN`;
-      const locked = simulation.kernel.get(`locked_${number + 1}`) > 0.5;
+      const locked = slides(simulation.kernel, number + 1);
       const words = [locked ? "locked" : "", VALVES[simulation.valves[number]]].filter(Boolean).join(", ");
       context.fillStyle = look.ink;
       if (narrow) {

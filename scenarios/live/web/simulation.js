@@ -19,7 +19,7 @@ class Simulation {
     const off = Object.fromEntries(this.each("pressure_demand").map((name) => [name, 0]));
     this.controls = { lever: 0, friction: 0.3, protection: true, uneven: 0, gradient: 0, ...controls };
     this.kernel.start({ ...values, ...off, gradient: this.controls.gradient }, texts);
-    Object.assign(this, { steps: 0, patches: [], history: [], ended: "", sentences: [], done: [], plan: [...plan] });
+    Object.assign(this, { steps: 0, patches: [], history: [], ended: "", lifted: false, sentences: [], done: [], plan: [...plan] });
     this.stop = new Stop(this.count);
     this.guard = new SlideProtection(this.protection.thresholds);
     this.encoders = this.machine.wheelsets.map(() => new Encoder(this.protection.sensor));
@@ -73,7 +73,9 @@ class Simulation {
       if (!(error instanceof KernelError)) throw error;
       this.ended = error.message;
     }
-    this.sentences.push(...this.kernel.journal());
+    const heard = this.kernel.journal();
+    this.sentences.push(...heard);
+    this.lifted ||= heard.some((sentence) => sentence.includes("came off its rail"));
   }
 
   step() {
@@ -89,7 +91,10 @@ class Simulation {
     this.steps += 1;
     if (this.steps % KEPT === 0) this.keep();
     const stands = this.stop.ended && this.time > this.stop.ended.time + SWAYS;
-    if (stands) this.ended = this.stop.sentence(PERIOD);
+    if (stands) {
+      this.stop.slides = Math.abs(this.kernel.get("speed")) > RESTS;
+      this.ended = this.stop.sentence(PERIOD);
+    }
     else if (this.time > LONGEST_RUN) this.ended = `The run ends after ${LONGEST_RUN} s.`;
   }
 

@@ -1,4 +1,4 @@
-// One stop, from the first braking to rest: how far, how long, and what the wheelsets did meanwhile.
+// One stop, from the last time that the lever went over to braking, to rest: how far, how long, and what the wheelsets did.
 
 const RESTS = 0.01; // slower, a vehicle stands [m/s]
 const MOVES = 0.5; // slower, braking begins no stop [m/s]
@@ -8,19 +8,24 @@ const BRIEF = 0.05; // a wheelset that is locked for less is not told of [s]
 class Stop {
   // count: of wheelsets.
   constructor(count) {
-    Object.assign(this, { begun: null, ended: null, vented: 0, before: [] });
-    this.locked = Array(count).fill(0);
+    Object.assign(this, { begun: null, ended: null, slides: false });
+    this.forget(count);
+  }
+
+  forget(count) {
+    Object.assign(this, { vented: 0, before: [], locked: Array(count).fill(0) });
   }
 
   // Called before each step: kernel and valves as they are, whether the lever brakes.
   follow(time, kernel, valves, brakes) {
     if (this.ended) return;
     const speed = kernel.get("speed"), now = { time, speed, distance: kernel.get("distance") };
-    if (!this.begun) {
-      if (brakes && speed > MOVES) this.begun = now;
+    if (!this.begun || !brakes) {
+      this.begun = brakes && Math.abs(speed) > MOVES ? now : null;
+      this.forget(valves.length);
       return;
     }
-    if (speed < RESTS) {
+    if (speed * Math.sign(this.begun.speed) < RESTS) {
       this.ended = now;
       return;
     }
@@ -30,15 +35,16 @@ class Stop {
   }
 
   get distance() {
-    return this.ended.distance - this.begun.distance;
+    return Math.abs(this.ended.distance - this.begun.distance);
   }
 
   // The end in one sentence; period [s] of the steps that were followed.
   sentence(period) {
     const seconds = this.ended.time - this.begun.time;
-    const from = `${(3.6 * this.begun.speed).toFixed(0)} km/h`;
+    const from = `${(3.6 * Math.abs(this.begun.speed)).toFixed(0)} km/h`;
     const vents = this.vented === 0 ? "" : this.vented === 1 ? " A valve let air out once." : ` Valves let air out ${this.vented} times.`;
-    return `Stopped in ${this.distance.toFixed(1)} m and ${seconds.toFixed(1)} s from ${from}; ${this.lockedWords(period)}.${vents}`;
+    return `Stopped in ${this.distance.toFixed(1)} m and ${seconds.toFixed(1)} s from ${from}; ${this.lockedWords(period)}.${vents}`
+      + (this.slides ? " It then slides back: the brake does not hold it." : "");
   }
 
   lockedWords(period) {

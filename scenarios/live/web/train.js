@@ -7,6 +7,7 @@ const RESTS = 0.01; // slower, the train stands [m/s]
 // Names of the driver's positions, with position and step of the valve.
 const VALVE = { running: [1, 0], "first step": [3, 0], "half service": [3, 0.4], "full service": [3, 1], emergency: [4, 0], overcharge: [2, 0] };
 const BRAKING = ["first step", "half service", "full service", "emergency", "part"];
+const RELEASES = ["running", "overcharge"];
 const INPUT = { position: 0, step: 1, coupled: 5, joined: 6 };
 const OUTPUT = { distance: 0, speed: 1, pipe: 3, cylinder: 4, force: 7 };
 
@@ -39,7 +40,7 @@ class Train {
   // plan: what is done later, as [step, name], name of VALVE or "part"; `act` puts an end to it.
   begin(speed, plan = []) {
     this.exports.train_begin(this.self, 0, speed, 0, RUNNING + AROUND, AROUND);
-    Object.assign(this, { steps: 0, plan: [...plan], done: [], history: [], begun: null, stopped: null, pushed: 0, pulled: 0, valve: "running" });
+    Object.assign(this, { steps: 0, plan: [...plan], done: [], history: [], begun: null, stopped: null, pushed: 0, pulled: 0, valve: "running", parted: false });
     this.keep();
   }
 
@@ -57,6 +58,7 @@ class Train {
     this.done.push([this.steps, name]);
     if (name === "part") this.part();
     else this.drive(name);
+    if (RELEASES.includes(name) && !this.parted) Object.assign(this, { begun: null, pushed: 0, pulled: 0 });
     if (!this.begun && BRAKING.includes(name) && this.speed > RESTS) this.begun = { time: this.time, distance: this.distance, speed: this.speed };
   }
 
@@ -66,6 +68,7 @@ class Train {
   }
 
   part() {
+    this.parted = true;
     const middle = Math.floor(this.vehicles / 2) - 1;
     this.input("coupled")[middle] = 0;
     this.input("joined")[middle] = 2;

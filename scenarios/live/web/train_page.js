@@ -9,15 +9,14 @@ async function start(plan = []) {
   const train = await Train.create(live.module, numbers);
   keepBefore();
   train.begin(Number(at("speed").value) / 3.6, plan);
-  Object.assign(live, { train, consist, left: 0, told: false, running: true });
+  Object.assign(live, { train, consist, settings: { train: consist, speed: at("speed").value }, left: 0, told: false, running: true, doing: "" });
   at("pause").textContent = "pause";
-  at("result").textContent = `${consist.split(",")[0]} roll at ${at("speed").value} km/h. Press Brake.`;
   show();
 }
 
 function keepBefore() {
   const { train } = live;
-  if (train?.stopped) live.before = asBefore(train.history, train.begun.time, train.stopped.distance - train.begun.distance);
+  if (train?.stopped) live.before = asBefore(train.history, train.begun.time, train.stopped.distance - train.begun.distance, live.settings);
 }
 
 function act(name) {
@@ -36,12 +35,22 @@ function show() {
   drawTrain(at("train-view"), train);
   chart.draw(train.history, before && train.begun ? { ...before, shift: train.begun.time - before.begun } : null);
   for (const button of at("valve").children) button.setAttribute("aria-pressed", String(button.textContent === train.valve));
-  at("brake-word").textContent = train.ended ? "Again" : brakes ? "Release" : "Brake";
+  at("brake-word").textContent = train.ended ? "New run" : brakes ? "Release" : "Brake";
   at("brake").setAttribute("aria-pressed", String(!train.ended && brakes));
   const { begun } = train;
   const since = begun && `, ${(train.distance - begun.distance).toFixed(0)} m and ${(train.time - begun.time).toFixed(1)} s since braking`;
-  at("state").textContent = `${(3.6 * train.speed).toFixed(1)} km/h${since ?? ""}`;
-  if (train.begun && !train.ended) at("result").textContent = "It brakes.";
+  at("state").textContent = `${inKmh(train.speed)}${since ?? ""}`;
+  for (const button of document.querySelectorAll("#valve button, #part")) button.disabled = train.ended;
+  at("part").disabled ||= train.parted;
+  if (!train.ended) showDoing(brakes);
+}
+
+// What the train does, in a sentence, until the end is told.
+function showDoing(brakes) {
+  const { train } = live, stands = Math.abs(train.speed) < RESTS, parted = train.parted ? " It has parted in the middle." : "";
+  const doing = (stands ? "It stands." : brakes || train.parted ? "It brakes." : train.plan.length ? "It rolls." : "It rolls. Press Brake.") + parted;
+  if (doing !== live.doing) at("result").textContent = doing; // said once to those who hear it
+  live.doing = doing;
 }
 
 function advance(time) {
@@ -54,7 +63,7 @@ function advance(time) {
 function finish() {
   const { train, before } = live;
   live.told = true;
-  tellEnd(train.sentence(), train.stopped && train.stopped.distance - train.begun.distance, before);
+  tellEnd(train.sentence(), train.stopped && train.stopped.distance - train.begun.distance, before, live.settings);
   showLink();
 }
 
@@ -70,7 +79,7 @@ function openLink(hash) {
   let plan = [];
   at("train").selectedIndex = 0;
   at("speed").value = "100";
-  for (const [name, value] of new URLSearchParams(decodeURIComponent(hash.slice(1)).replaceAll("+", " "))) {
+  for (const [name, value] of new URLSearchParams(hash.slice(1))) {
     if (name === "do") {
       const done = value.split(",").filter(Boolean).map((one) => one.split(":"));
       const known = ([step, what]) => /^\d{1,6}$/.test(step) && (what in VALVE || what === "part");
@@ -94,7 +103,7 @@ function frame(now) {
 
 function listRuns() {
   addRuns(DATA.presets, openLink);
-  const other = besides(/train\.html$/, "live.html");
+  const other = besides(/live-train\.html$/, "live.html");
   if (other) addRun("One vehicle", other);
 }
 
@@ -112,11 +121,12 @@ function listen() {
   }
   for (const name of Object.keys(DATA.consists)) at("train").append(new Option(name, name));
   for (const name of ["train", "speed"]) at(name).addEventListener("change", () => start());
-  addEventListener("hashchange", () => openLink(location.hash));
+  addEventListener("popstate", () => openLink(location.hash));
   addEventListener("resize", show);
   onBrake(pressBrake);
   onPause(live);
   at("part").addEventListener("click", () => act("part"));
+  at("share").addEventListener("click", () => share(showLink));
   at("restart").addEventListener("click", () => start());
   at("table").addEventListener("click", () => save("train.csv", table()));
   look.changed = () => show();
