@@ -288,7 +288,7 @@ def test_a_stop_counts_from_the_last_braking(still: Page) -> None:
 
 
 def test_a_vehicle_that_its_brake_does_not_hold_is_told_of(still: Page) -> None:
-    """40 in 1000 on rails with a friction of 0.03: it stands for an instant and slides back; downhill it gets faster."""
+    """40 in 1000, friction of 0.03: it stands for an instant and slides back; downhill it gets faster."""
     assert "slides back" in still.evaluate("stopped('#gradient=40&friction=0.03&speed=40&do=0:lever:100')")
     still.evaluate("openLink('#gradient=-40&friction=0.02&do=0:lever:100').then(() => { live.running = false })")
     still.evaluate("live.simulation.advance(20), showDoing()")
