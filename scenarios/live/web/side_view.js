@@ -4,6 +4,7 @@ const EXAGGERATED = 4; // bounce and pitch of the bodies
 const SLEEPERS = 0.6, POSTS = 50; // along the track [m]
 const FRAME = { size: 0.5, beyond: 0.6 }, CAR = { size: 2.6, beyond: 2.5 }; // height and what juts out, drawn [m]
 const PANE = { pitch: 2, width: 1.3 }; // of windows, drawn [m]
+const CAPTION = 20; // room for the words above the vehicle [pixels]
 const SMALLEST = 12; // a wheel with its number in it [pixels]
 const VALVES = ["", "hold", "vent"]; // by command; what applies needs no word
 
@@ -26,8 +27,8 @@ class SideView {
   draw(simulation, line) {
     const { context, width, height } = sharp(this.canvas), { machine, kernel } = simulation;
     const radius = machine.wheelsets[0].radius, rail = height - 50;
-    const top = Math.max(...machine.bodies.map((body) => radius + body.height + shapeOf(body).size / 2)) + 0.5;
-    const scale = Math.min(width / (2 * (machine.wheelsets[0].along + CAR.beyond + 0.7)), rail / top);
+    const top = Math.max(...machine.bodies.map((body) => radius + body.height + shapeOf(body).size / 2)) + 0.2;
+    const scale = Math.min(width / (2 * (machine.wheelsets[0].along + CAR.beyond + 0.7)), (rail - CAPTION) / top);
     const half = width / 2 / scale;
     const view = {
       context, scale, width, distance: kernel.get("distance"),
@@ -38,7 +39,7 @@ class SideView {
     context.translate(width / 2, rail);
     context.rotate(-Math.atan(line.gradient));
     context.translate(-width / 2, -rail);
-    this.track(view, simulation.patches, rail, half);
+    this.track(view, simulation, rail, half);
     for (const body of machine.bodies) {
       this.springs(view, body, machine, radius);
       this.body(view, body, simulation, radius);
@@ -51,7 +52,7 @@ class SideView {
     context.fillText(line.words && width < 500 ? line.words : [line.words, drawn].filter(Boolean).join("; "), 6, 14);
   }
 
-  track({ context, x, scale, width, distance }, patches, rail, half) {
+  track({ context, x, scale, width, distance }, { patches, machine }, rail, half) {
     context.fillStyle = look.ground;
     const first = Math.ceil((distance - half) / SLEEPERS);
     for (let number = first; number * SLEEPERS < distance + half; number += 1)
@@ -65,7 +66,9 @@ class SideView {
     }
     context.fillStyle = look.soft;
     context.textAlign = "center";
+    const reach = machine.wheelsets[0].along + CAR.beyond + 1.5; // posts behind the vehicle are not seen
     for (let post = Math.ceil((distance - half) / POSTS) * POSTS; post < distance + half; post += POSTS) {
+      if (Math.abs(post - distance) < reach) continue;
       context.fillRect(x(post - distance) - 1, rail - 1.4 * scale, 2, 1.4 * scale);
       context.fillText(`${post} m`, x(post - distance), rail - 1.4 * scale - 4);
     }
