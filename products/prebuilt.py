@@ -25,7 +25,7 @@ PICTURES = Path(__file__).parent / "pictures"
 SOURCES = ("fmu_src", "rbd_model", "brake_controller", "products")
 #: The live page in the folder, and what it is made from.
 PAGE = "live.html"
-PAGE_SOURCES = (*SOURCES, "scenarios/live", "scenarios/reporting/motion.py", "scenarios/reporting/plots.py")
+PAGE_SOURCES = (*SOURCES, "scenarios/live", "scenarios/reporting/motion.py", "scenarios/reporting/page/canvas.js")
 
 
 def sources_here() -> str:
