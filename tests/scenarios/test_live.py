@@ -44,6 +44,7 @@ FINE_TIMER, TIMER = 1e-12, Encoder().resolution
 BANDS = {False: 1e-9, True: 1e-6}
 #: Bytes that a telephone should be asked to load at most.
 LARGEST = 3 * 2**20
+GRAVITY = 9.81
 #: Of a window: width and height [pixels].
 SIZES = [(1440, 900), (390, 844)]
 
@@ -246,6 +247,47 @@ def test_a_preset_ends_as_the_native_kernel_does(still: Page, name: str, tmp_pat
     locked = max(run.locked) * PERIOD
     told = re.search(r"for (?:up to )?([\d.]+) s", found[3])
     assert (float(told[1]) if told else 0.0) == pytest.approx(locked if locked > 0.05 else 0.0, abs=0.1)
+
+
+def test_wheels_that_are_locked_slow_the_coach_by_friction_times_gravity(still: Page) -> None:
+    """All weight rests on sliding wheels and nothing else brakes: mu g, in any vehicle."""
+    still.evaluate(f"stopped('#{PRESETS['wet'].link}')")
+    speeds = still.evaluate(
+        "[10, 25].map((time) => live.simulation.history[Math.round(time / (PERIOD * KEPT))].speed / 3.6)"
+    )
+    assert (speeds[0] - speeds[1]) / 15.0 == pytest.approx(0.08 * GRAVITY, rel=1e-6)
+
+
+@pytest.mark.parametrize("gradient", [-10, 20])
+@pytest.mark.parametrize("level", [1, 2, 3])
+def test_a_coach_rolls_downhill_as_masses_and_turning_wheels_do(still: Page, level: int, gradient: int) -> None:
+    """m a = m g sin, the four wheelsets' inertia included: (m + 4 J / r^2) a. The numbers are the benchmark's."""
+    mass, turning = 32000.0 + 2 * 2615.0 + 4 * 1813.0, 4 * 112.0 / 0.46**2
+    still.evaluate(f"openLink('#level={level}&gradient={gradient}').then(() => {{ live.running = false }})")
+    still.evaluate("live.simulation.advance(10)")
+    gained = still.evaluate("live.simulation.kernel.get('speed')") - 25.0
+    assert gained / 10.0 == pytest.approx(-GRAVITY * gradient / 1000 * mass / (mass + turning), rel=1e-3)
+
+
+def test_in_a_curve_to_the_left_the_right_flange_of_the_leading_wheelset_guides(still: Page) -> None:
+    still.evaluate("openLink('#level=3&speed=60&curve=300').then(() => { live.running = false })")
+    still.evaluate("live.simulation.advance(12)")
+    shift, force = still.evaluate("['lateral_1', 'flange_force_1'].map((name) => live.simulation.kernel.get(name))")
+    assert shift < -5e-3
+    assert force > 1e3
+
+
+def test_of_two_runs_that_are_asked_for_the_second_goes(still: Page) -> None:
+    """Though the kernel of the first is ready later."""
+    waits = "if (name === 'bogie') await new Promise((on) => setTimeout(on, 100));"
+    still.evaluate(f"globalThis.own = kernelOf, kernelOf = async (name) => {{ {waits} return own(name) }}, null")
+    still.evaluate("Promise.all([openLink('#machine=bogie'), openLink('#friction=0.2')])")
+    assert still.evaluate("[live.settings.machine, live.simulation.count, live.settings.friction]") == [
+        "coach",
+        4,
+        "0.2",
+    ]
+    still.evaluate("kernelOf = own, null")
 
 
 def test_a_link_brings_back_the_run_to_the_last_digit(browser: Browser, file: Path) -> None:

@@ -5,7 +5,7 @@ const STARTS = ["machine", "level", "speed", "gradient", "curve", "wave"]; // se
 const IN_SPACE = ["curve", "wave", "uneven"]; // that act at level 3 alone
 const ACTS = ["lever", "friction", "protection", "uneven"]; // controls that act while it goes
 
-const live = { modules: {}, kernels: {}, simulation: null, running: true, frames: 0, busy: 0, simulated: 0, still: 0, before: null };
+const live = { modules: {}, kernels: {}, simulation: null, running: true, frames: 0, busy: 0, simulated: 0, still: 0, before: null, turn: 0 };
 
 async function kernelOf(name) {
   const { module, variables } = DATA.machines[name];
@@ -26,10 +26,13 @@ function settingsOf() {
   return Object.fromEntries(Object.keys(DATA.defaults).map((name) => [name, valueOf(name)]));
 }
 
-// Begins a run with what the controls say; plan: what a link does in it.
+// Begins a run with what the controls say; plan: what a link does in it. Who asks for another run while the kernel of this
+// one is compiled gets that.
 async function restart(plan = []) {
+  const turn = (live.turn += 1);
   const settings = settingsOf(), machine = DATA.machines[settings.machine], spatial = settings.level === "3";
   const kernel = await kernelOf(settings.machine);
+  if (turn !== live.turn) return;
   keepBefore();
   const simulation = new Simulation(kernel, machine, DATA.protection), gradient = Number(settings.gradient) / 1000;
   const values = { level: Number(settings.level), initial_speed: Number(settings.speed) / 3.6 };

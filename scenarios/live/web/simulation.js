@@ -14,7 +14,8 @@ class Simulation {
 
   // values: start values of the kernel, level and initial_speed among them; texts: of files, by variable. controls: lever
   // from -1 (drives) to 1 (brakes fully), friction, protection, uneven (share by which the first wheelset's shoes
-  // differ), gradient (0 where a line's file has it). plan: what is done later, as [step, control, value]; `act` puts an end to it.
+  // differ), gradient (0 where a line's file has it). plan: what is done later, as [step, control, value]; `act` puts an end
+  // to it.
   restart(values, texts, controls, plan = []) {
     const off = Object.fromEntries(this.each("pressure_demand").map((name) => [name, 0]));
     this.controls = { lever: 0, friction: 0.3, protection: true, uneven: 0, gradient: 0, ...controls };
@@ -94,8 +95,7 @@ class Simulation {
     if (stands) {
       this.stop.slides = Math.abs(this.kernel.get("speed")) > RESTS;
       this.ended = this.stop.sentence(PERIOD);
-    }
-    else if (this.time > LONGEST_RUN) this.ended = `The run ends after ${LONGEST_RUN} s.`;
+    } else if (this.time > LONGEST_RUN) this.ended = `The run ends after ${LONGEST_RUN} s.`;
   }
 
   inputs() {

@@ -1,12 +1,14 @@
 // The page itself: controls, the loop of frames, and what is told at the end.
 
-const live = { running: true, train: null, module: null, left: 0, frames: 0, told: false, before: null };
+const live = { running: true, train: null, module: null, left: 0, frames: 0, told: false, before: null, turn: 0 };
 const chart = new Chart(at("chart-speed"), "speed of the head [km/h]", [{ label: "train", colour: "ink", heavy: true, value: (point) => point.speed }], [0, 10]);
 
 async function start(plan = []) {
+  const turn = (live.turn += 1);
   live.module ??= await WebAssembly.compile(await unpacked(DATA.module));
   const consist = at("train").value, numbers = new Float64Array(await unpacked(DATA.consists[consist]));
   const train = await Train.create(live.module, numbers);
+  if (turn !== live.turn) return;
   keepBefore();
   train.begin(Number(at("speed").value) / 3.6, plan);
   Object.assign(live, { train, consist, settings: { train: consist, speed: at("speed").value }, left: 0, told: false, running: true, doing: "" });
