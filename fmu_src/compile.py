@@ -120,7 +120,7 @@ def _zig_is_missing(target: str | None) -> str:
     """What there is no compiler for, and what to do."""
     if target == WEB_TARGET:
         advice = f"run `make live`, which installs it, or without a checkout {INSTALL_ZIG}"
-        return f"A page that simulates takes zig, which is not installed: {advice}"
+        return f"A live page needs zig, which is not installed: {advice}"
     if target:
         return f"To compile for {target} takes zig, which is not installed: {INSTALL_ZIG}"
     return f"There is no C compiler on this machine: install gcc or clang, name a compiler in $CC, or: {INSTALL_ZIG}"

@@ -122,7 +122,7 @@ def test_machine_without_a_c_compiler_builds_with_zig(tmp_path: Path, monkeypatc
     [
         ("", None, "There is no C compiler on this machine: install gcc or clang"),
         ("", "aarch64-linux-gnu", "To compile for aarch64-linux-gnu takes zig, which is not installed"),
-        ("", compiling.WEB_TARGET, "A page that simulates takes zig, which is not installed: run `make live`"),
+        ("", compiling.WEB_TARGET, "A live page needs zig, which is not installed: run `make live`"),
         ("no-such-compiler -m32", None, r"The C compiler no-such-compiler of \$CC is not on this machine"),
     ],
 )
