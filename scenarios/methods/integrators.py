@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from scipy.integrate import BDF, LSODA, RK45, OdeSolver, Radau
@@ -107,7 +108,19 @@ def layout_of(scene: Scene) -> Layout:
 
 # ---- SciPy ---------------------------------------------------------------------------------------------------------
 
-METHODS = {"RK45": RK45, "Radau": Radau, "BDF": BDF, "LSODA": LSODA}
+
+class _Bdf(BDF):
+    """Its first step subtracts a row that SciPy 1.17 has not set, and never uses the result.
+
+    What memory held there may warn of an invalid value, by chance; zeros do not.
+    """
+
+    def __init__(self, *args: Any, **options: Any) -> None:
+        super().__init__(*args, **options)
+        self.D[2:] = 0.0
+
+
+METHODS = {"RK45": RK45, "Radau": Radau, "BDF": _Bdf, "LSODA": LSODA}
 #: Rounds of bisection that locate a switch within a step: to its 2^-40th part.
 LOCATING_ROUNDS = 40
 
