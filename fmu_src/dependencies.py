@@ -106,12 +106,10 @@ def link_equations(system: System) -> list[tuple[ca.SX, ca.SX]]:
 
 def closure(begin: Iterable[int], needed: list[set[int]]) -> set[int]:
     """All that can be reached from a set, itself included."""
-    reached, waiting = set(), list(begin)
+    reached, waiting = set[int](), set(begin)
     while waiting:
-        place = waiting.pop()
-        if place not in reached:
-            reached.add(place)
-            waiting += needed[place]
+        reached |= waiting
+        waiting = set().union(*(needed[place] for place in waiting)) - reached
     return reached
 
 

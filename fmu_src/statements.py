@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import casadi as ca
 
@@ -65,7 +66,7 @@ class Statement:
     written: bool = False
     mask: bool = False
 
-    @property
+    @cached_property
     def reads(self) -> list[int]:
         """Numbers of the values that it reads."""
         return [operand for operand in self.operands if isinstance(operand, int)]

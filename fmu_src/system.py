@@ -428,9 +428,9 @@ class System(Chain):
 
     def name_of(self, state: ca.SX) -> str:
         """Name of a state. Raises ValueError for what is no symbol that `state` or `algebraic` returned."""
-        found = (name for name, known in self.states.items() if ca.is_equal(known.symbol, ca.SX(state)))
-        name = next(found, "")
-        if not name:
+        one = ca.SX(state)
+        name = one.name() if one.is_valid_input() and one.is_scalar() else ""
+        if name not in self.states or not ca.is_equal(self.states[name].symbol, one):
             raise ValueError(
                 f"{state} is no state of {self.name}; give the symbol that state() or algebraic() returned."
             )

@@ -23,6 +23,9 @@ C23 = (
     *(0.473, 0.603, 0.715, 0.823, 0.929, 1.03, 1.14, 1.25, 1.36, 1.47),
     *(1.59, 1.75, 1.95, 2.23, 2.62, 3.24, 4.32, 6.63, 14.6),
 )
+TABLE = {"c11": C11, "c22": C22, "c23": C23}
+#: g = min(a/b, b/a) of the table, and 0.
+POINTS = [0.1 * i for i in range(11)]
 
 
 @dataclass(frozen=True)
@@ -62,36 +65,47 @@ def kalker_coefficients(axis_ratio: ca.SX) -> Kalker:
     between its points within 0.4 % (the coefficients themselves curve: 7 % at a/b = 7), and beyond it into the limits.
     """
     g = ca.fmin(axis_ratio, 1 / axis_ratio)
-    points = [0.1 * i for i in range(11)]
     limits = slender_coefficients(g)
-    at_points = [slender_coefficients(ca.SX(point)) for point in points[1:]]
 
-    def value(name: str, column: tuple[float, ...]) -> ca.SX:
-        sides = []
-        for side, part in enumerate((column[:10], column[:8:-1])):
-            at_point = [float(getattr(limit[side], name)) for limit in at_points]
-            factors = [1.0, *(c / limit for c, limit in zip(part, at_point, strict=True))]
-            sides.append(getattr(limits[side], name) * ca.pw_lin(g, points, factors))
-        return ca.if_else(axis_ratio <= 1, *sides)
+    def value(name: str) -> ca.SX:
+        both = zip(limits, _factors(name), strict=True)
+        return ca.if_else(axis_ratio <= 1, *(getattr(one, name) * ca.pw_lin(g, POINTS, by) for one, by in both))
 
-    return Kalker(value("c11", C11), value("c22", C22), value("c23", C23))
+    return Kalker(value("c11"), value("c22"), value("c23"))
+
+
+@lru_cache
+def _factors(name: str) -> tuple[list[float], list[float]]:
+    """The table over the limits for slender ellipses at POINTS: of ellipses with a < b, and of those with a > b."""
+    at_points = [slender_coefficients(ca.SX(point)) for point in POINTS[1:]]
+    column, sides = TABLE[name], []
+    for side, part in enumerate((column[:10], column[:8:-1])):
+        at_point = [float(getattr(limit[side], name)) for limit in at_points]
+        sides.append([1.0, *(c / limit for c, limit in zip(part, at_point, strict=True))])
+    return sides[0], sides[1]
 
 
 #: Degree of the polynomials below; within 0.5 % of the table, which has three digits, and between its points.
 FIT_DEGREE = 5
-#: ln(a/b) where the table ends; how many ellipses beyond it, up to `LONGEST`, the cubics below are laid through.
-TABLE_END, FIT_POINTS = math.log(10.0), 100
+#: ln(a/b) where the table ends, and of the ellipses beyond it, up to `LONGEST`, that the cubics below are laid through.
+TABLE_END = math.log(10.0)
+_LONGER = np.linspace(TABLE_END, LONGEST, 100)
+
+
+@lru_cache
+def _beyond_the_table() -> list[Kalker]:
+    """Coefficients of ellipses that are longer than the table's, numbers."""
+    return [kalker_coefficients(ca.SX(ratio)) for ratio in np.exp(_LONGER)]
 
 
 @lru_cache
 def _fit(name: str) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Of the logarithm of a coefficient: polynomial of ln(a/b), and what goes on behind the end of the table."""
     ratios = np.array([*range(1, 11), *(100 / i for i in range(9, 0, -1))]) / 10
-    column = {"c11": C11, "c22": C22, "c23": C23}[name]
+    column = TABLE[name]
     terms = np.polynomial.polynomial.polyfit(np.log(ratios), np.log(column), FIT_DEGREE)
-    longer = np.linspace(TABLE_END, LONGEST, FIT_POINTS)
-    values = [float(getattr(kalker_coefficients(ca.SX(ratio)), name)) for ratio in np.exp(longer)]
-    return tuple(terms.tolist()), going_on(terms, TABLE_END, longer, np.log(values))
+    values = [float(getattr(one, name)) for one in _beyond_the_table()]
+    return tuple(terms.tolist()), going_on(terms, TABLE_END, _LONGER, np.log(values))
 
 
 def smooth_kalker_coefficients(logarithm: ca.SX) -> Kalker:
