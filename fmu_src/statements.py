@@ -67,9 +67,9 @@ class Statement:
     mask: bool = False
 
     @cached_property
-    def reads(self) -> list[int]:
+    def reads(self) -> tuple[int, ...]:
         """Numbers of the values that it reads."""
-        return [operand for operand in self.operands if isinstance(operand, int)]
+        return tuple(operand for operand in self.operands if isinstance(operand, int))
 
     def text(self, names: Mapping[int, str]) -> str:
         """The statement, with the names of values."""

@@ -98,11 +98,14 @@ class Line:
 
     def write(self, path: Path) -> Path:
         """Writes the file that a kernel reads, each number to its last digit; the path."""
-        names = [name for name in NAMES if name in self.rows]
-        table = np.column_stack([self.rows[name] for name in names]).tolist()
-        lines = [",".join(names), *(",".join(map(repr, row)) for row in table)]
+        lines = self.lines_of([name for name in NAMES if name in self.rows])
         path.write_text("\n".join(lines) + "\n", encoding="utf-8")
         return path
+
+    def lines_of(self, names: Sequence[str]) -> list[str]:
+        """Lines of that file with these columns alone."""
+        table = np.column_stack([self.rows[name] for name in names]).tolist()
+        return [",".join(names), *(",".join(map(repr, row)) for row in table)]
 
     def mirrored(self) -> Line:
         """The line with left and right exchanged."""

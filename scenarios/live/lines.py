@@ -18,8 +18,5 @@ def line_for(radius: float, gradient: float = 0.0) -> Line:
 
 
 def rows_of(radius: float) -> list[str]:
-    """Rows of its file without the last column, the gradient: distance, curvature, cant, each to its last digit."""
-    rows = line_for(radius).rows
-    names = ("distance", "curvature", "cant")
-    columns = (rows[name].tolist() for name in names)
-    return [",".join(names), *(",".join(map(repr, one)) for one in zip(*columns, strict=True))]
+    """Rows of its file without the last column, the gradient."""
+    return line_for(radius).lines_of(("distance", "curvature", "cant"))
