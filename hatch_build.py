@@ -13,7 +13,7 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 NAME = "bogie_braking"
 #: Rooms of the house and what stands beside them in a checkout; in a wheel they are below NAME.
-ROOMS = ("fmu_src", "rbd_model", "brake_controller", "products", "scenarios")
+ROOMS = ("readers", "fmu_src", "rbd_model", "brake_controller", "products", "scenarios")
 BESIDE = ("build_fmu.py",)
 #: At the beginning of a line that imports from a room. Our code has no other form (tests/test_architecture.py).
 IMPORTS = re.compile(rf"^(\s*from )((?:{'|'.join([*ROOMS, *(name[:-3] for name in BESIDE)])})\b)", re.MULTILINE)

@@ -22,7 +22,7 @@ MAKERS = ROOT / "fmu_src"
 #: Pictures on the pages inside FMUs, and their icon.
 PICTURES = Path(__file__).parent / "pictures"
 #: What FMUs and kernels are made from.
-SOURCES = ("fmu_src", "rbd_model", "brake_controller", "products")
+SOURCES = ("readers", "fmu_src", "rbd_model", "brake_controller", "products")
 #: The live page in the folder, and what it is made from.
 PAGE = "live.html"
 PAGE_SOURCES = (*SOURCES, "scenarios/live", "scenarios/reporting/motion.py", "scenarios/reporting/page/canvas.js")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 #: The rooms of the house; each knows those ahead of it.
-ROOMS = ("fmu_src", "rbd_model", "brake_controller", "products", "scenarios")
+ROOMS = ("readers", "fmu_src", "rbd_model", "brake_controller", "products", "scenarios")
 #: And the public face over them.
 HOUSE = (*ROOMS, "bogie_braking")
 #: Of all that computes; and with what travels in an FMU or makes a page.

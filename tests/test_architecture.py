@@ -16,10 +16,11 @@ from products.sources import ROOMS
 ROOT = Path(__file__).parents[1]
 #: Which of our packages a package may import.
 ALLOWED = {
-    "fmu_src": {"fmu_src"},
-    "rbd_model": {"rbd_model", "fmu_src.system", "fmu_src.chain", "fmu_src.piecewise"},
-    "brake_controller": {"brake_controller", "fmu_src.system", "fmu_src.chain", "fmu_src.piecewise"},
-    "products": {"products", "fmu_src", "rbd_model", "brake_controller"},
+    "readers": {"readers"},
+    "fmu_src": {"fmu_src", "readers"},
+    "rbd_model": {"rbd_model", "readers", "fmu_src.system", "fmu_src.chain", "fmu_src.piecewise"},
+    "brake_controller": {"brake_controller", "readers", "fmu_src.system", "fmu_src.chain", "fmu_src.piecewise"},
+    "products": {"products", "readers", "fmu_src", "rbd_model", "brake_controller"},
 }
 OURS = {*ROOMS, "build_fmu"}
 

@@ -1,0 +1,444 @@
+"""Tables that users bring: columns under names with units, or by position. One set of rules for all of them.
+
+A table is text with rows. Columns are separated by tabs, semicolons or commas, and by blanks where the first row holds
+numbers. Numbers have a decimal point or, unless commas separate columns, a decimal comma; a file has one of the two. A
+name may carry its unit, `cant [mm]` or `cant (mm)`, which is converted. In names upper and lower case are alike, and so
+are underscores, blanks and hyphens. Empty rows, rows of nothing but separators and remarks (`#`, `%`, `!`, `//`) are
+passed over. A cell may stand in quotes. `fmu_src/runtime/table_file.c` reads lines by the same rules inside FMUs.
+"""
+
+from __future__ import annotations
+
+import csv
+import difflib
+import math
+import re
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from readers.text import FileError, rows_of, text_of
+from readers.units import factor, quantity_of, spellings_for
+
+#: Most rows of a table, unless a caller sets another limit.
+MOST_ROWS = 4_000_000
+#: Rows by which the separator is found where there are no names.
+SAMPLE = 50
+#: Longest cell that a message quotes [characters].
+QUOTED = 40
+SEPARATORS = ("\t", ";", ",")
+BLANKS = " "
+NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?", re.ASCII)
+#: Cells that Python's float reads as they are meant.
+PLAIN = re.compile(r"[0-9eE+.-]*", re.ASCII)
+#: A name with its unit in square brackets, and a name with or without its unit in round ones.
+HEAD_SQUARE = re.compile(r"(?P<name>[^\[\]]*[^\[\]\s])\s*\[(?P<unit>[^\[\]]*)\]")
+HEAD_ROUND = re.compile(r"(?P<name>[^\[\]()]*[^\[\]()\s])\s*(\((?P<unit>[^()]*)\))?")
+#: A row with which some spreadsheets declare their separator.
+DECLARED = re.compile(r"sep=(.)\s*", re.IGNORECASE)
+MINUS = "\u2212"
+
+
+class TableError(FileError):
+    """A table that cannot be read as it is meant; the message names file, row, column, value, limit and remedy."""
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column that a reader accepts.
+
+    Attributes
+    ----------
+    name : str
+        Its name.
+    unit : str
+        The unit of its values in memory; "1" for a pure number.
+    minimum, maximum : float
+        Limits in that unit, both included.
+    required : bool
+        Whether the table must have it.
+    filled : bool
+        Whether every row must have a value; otherwise an empty cell is NaN, or an empty text.
+    words : tuple of str
+        What a column of words may hold; empty: it holds numbers.
+    whole : bool
+        Whether its numbers are whole.
+    """
+
+    name: str
+    unit: str = "1"
+    minimum: float = -math.inf
+    maximum: float = math.inf
+    required: bool = False
+    filled: bool = True
+    words: tuple[str, ...] = ()
+    whole: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """What a file holds.
+
+    Attributes
+    ----------
+    source : str
+        The path, for messages.
+    numbers : dict
+        Columns of numbers by name, shape (rows,), in the unit of `units`.
+    words : dict
+        Columns of words by name, a text a row.
+    units : dict
+        Unit of each column of numbers.
+    places : array of int, shape (rows,)
+        Number of each row as an editor or a spreadsheet shows it.
+    """
+
+    source: str
+    numbers: dict[str, NDArray[np.float64]]
+    words: dict[str, list[str]]
+    units: dict[str, str]
+    places: NDArray[np.int64] = field(repr=False)
+
+    def converted(self, name: str, unit: str) -> NDArray[np.float64]:
+        """Return a column of numbers in another unit.
+
+        Raises
+        ------
+        TableError
+            If the column has a unit of another quantity, or an unknown one.
+        """
+        numerator, denominator = _factor(Column(name, unit), self.units[name], self.source)
+        return self.numbers[name] * numerator / denominator
+
+    def refusal(self, row: int, column: str, text: str) -> TableError:
+        """Return the error for a value; row counts from 0, text says limit, value and remedy."""
+        return TableError(f"{self.source}, row {self.places[row]}, column {column}: {text}")
+
+    def check_growth(self, name: str, least: float = 0.0) -> None:
+        """Check that each value of a column is above the one before, by `least` or more if that is above 0.
+
+        Raises
+        ------
+        TableError
+            If one is not.
+        """
+        values, unit = self.numbers[name], self.units[name]
+        steps = np.diff(values)
+        bad = np.flatnonzero(~((steps > 0.0) & (steps >= least)))
+        if bad.size:
+            row, of_unit = int(bad[0]), "" if unit == "1" else f" {unit}"
+            limit = f"by at least {least:g}{of_unit}" if least else "from row to row"
+            raise self.refusal(
+                row + 1,
+                name,
+                f"values must grow {limit}; got {values[row + 1]:.12g}{of_unit} after {values[row]:.12g}{of_unit}. "
+                "Sort the rows, or remove this one.",
+            )
+
+
+def read_table(
+    path: str | Path,
+    columns: Sequence[Column],
+    *,
+    others: bool = False,
+    by_position: bool = False,
+    most_rows: int = MOST_ROWS,
+) -> Table:
+    """Read a table from a file.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+    columns : sequence of Column
+        What it may hold.
+    others : bool
+        Whether further columns of numbers are kept, each in the unit that its name carries ("1" without one).
+    by_position : bool
+        Whether the row of names may be missing or hold other names: columns then follow in the order of `columns`.
+    most_rows : int
+        Most rows of values.
+
+    Raises
+    ------
+    TableError
+        If a name is unknown, missing or there twice, a unit unknown, a value missing, not a number, outside its limits.
+    FileError
+        If the file is not readable as text.
+    """
+    return table_of(text_of(path), str(path), columns, others=others, by_position=by_position, most_rows=most_rows)
+
+
+def table_of(
+    text: str,
+    source: str,
+    columns: Sequence[Column],
+    *,
+    others: bool = False,
+    by_position: bool = False,
+    most_rows: int = MOST_ROWS,
+) -> Table:
+    """Read a table from its text, as `read_table` does; source: its name in messages."""
+    rows = list(rows_of(text, source))
+    separator = ""
+    if rows and (declared := DECLARED.fullmatch(rows[0][1])):
+        separator, rows = declared[1], rows[1:]
+    separator = separator or _separator_of([row for _, row in rows[:SAMPLE]])
+    split = [(at, cells) for at, row in rows if any(cells := cells_of(row, separator, f"{source}, row {at}"))]
+    if not split:
+        raise TableError(f"{source} must have a row of names and rows of values; it is empty. Give a table.")
+    if len(split) > most_rows + 1:
+        raise TableError(f"{source} must have at most {most_rows} rows; it has {len(split)}. Split it, or drop rows.")
+    place, first = f"{source}, row {split[0][0]}", split[0][1]
+    numeric = all(number_in(cell) for cell in first if cell)
+    if numeric and not by_position:
+        example = ", ".join(f"{one.name} [{one.unit}]" for one in columns[:3])
+        raise TableError(f"{place}: the first row must have names; got {quoted(first[0])}. Add them, as in {example}.")
+    if numeric:
+        return _filled(source, _by_position(place, columns, [""] * len(first)), split, separator)
+    layout = _layout(place, first, columns, others, by_position)
+    return _filled(source, layout, split[1:], separator)
+
+
+def cells_of(row: str, separator: str, place: str) -> list[str]:
+    """Return the cells of a row without the blanks around them; place: file and row, for messages.
+
+    Raises
+    ------
+    TableError
+        If quotes do not close.
+    """
+    if separator == BLANKS:
+        return row.split()
+    if '"' not in row:
+        return [cell.strip() for cell in row.split(separator)]
+    try:
+        [cells] = csv.reader([row], delimiter=separator, strict=True, skipinitialspace=True)
+    except (csv.Error, ValueError):
+        raise TableError(f"{place}: quotes must close within the row. Remove the quotes.") from None
+    return [cell.strip() for cell in cells]
+
+
+def _separator_of(rows: Sequence[str]) -> str:
+    """Return what separates columns: of names the first of SEPARATORS that is there, of numbers what leaves numbers."""
+    first = rows[0] if rows else ""
+    if any(letter.isalpha() for letter in re.sub(r"\d[eE][+-]?\d", "0", first)):
+        bare = re.sub(r'"[^"]*"', "", first)
+        return next((one for one in SEPARATORS if one in bare), ",")
+    for one in (*SEPARATORS, BLANKS):
+        parts = [cells_of(row.replace('"', ""), one, "") for row in rows]
+        if all(len(cells) > 1 and all(not cell or number_in(cell) for cell in cells) for cells in parts):
+            return one
+    return next((one for one in SEPARATORS if one in first), BLANKS)
+
+
+def number_in(cell: str) -> bool:
+    """Return whether a cell holds a number in decimal writing, with a point or a comma."""
+    return NUMBER.fullmatch(cell.replace(MINUS, "-")) is not None
+
+
+@dataclass(frozen=True)
+class _Place:
+    """A column of the file: place in a row, what it is, the factor to its unit."""
+
+    at: int
+    column: Column
+    factor: tuple[float, float] = (1.0, 1.0)
+
+
+def _tidy(name: str) -> str:
+    return re.sub(r"[\s-]+", "_", name.strip()).lower()
+
+
+def _by_position(place: str, columns: Sequence[Column], units: Sequence[str]) -> list[_Place]:
+    """Return the first columns in their order; units: as the file has them, a text each, empty where it says none."""
+    least = sum(column.required for column in columns)
+    if not least <= len(units) <= len(columns):
+        need = ", ".join(f"{one.name} [{one.unit}]" for one in columns)
+        count = f"{least}" if least == len(columns) else f"{least} to {len(columns)}"
+        raise TableError(f"{place}: a row must have {count} values ({need}); got {len(units)}. Correct the row.")
+    both = zip(columns, units, strict=False)
+    return [_Place(at, column, _factor(column, unit, place)) for at, (column, unit) in enumerate(both)]
+
+
+def _layout(
+    place: str, cells: Sequence[str], columns: Sequence[Column], others: bool, by_position: bool
+) -> list[_Place]:
+    """Return the columns of a file by its row of names."""
+    known = {_tidy(column.name): column for column in columns}
+    parts = [(at, *_name_and_unit(cell, place)) for at, cell in enumerate(cells) if cell]
+    if by_position and not any(_tidy(name) in known for _, name, _ in parts):
+        return _by_position(place, columns, [unit for _, _, unit in parts])
+    found: dict[str, _Place] = {}
+    for at, name, unit in parts:
+        column = known.get(_tidy(name))
+        if column is None and not others:
+            raise TableError(f"{place}: the column {quoted(name)} is unknown. {_advice(name, known, columns)}")
+        column = column or Column(name, unit or "1")
+        if _tidy(column.name) in found:
+            raise TableError(f"{place}: the column {column.name} must be there once; it is there twice. Remove one.")
+        found[_tidy(column.name)] = _Place(at, column, _factor(column, unit, place))
+    for key, column in known.items():
+        if column.required and key not in found:
+            there = ", ".join(one.column.name for one in found.values()) or "none"
+            raise TableError(f"{place}: the column {column.name} is missing; there are {quoted(there, 200)}. Add it.")
+    return list(found.values())
+
+
+def _name_and_unit(cell: str, place: str) -> tuple[str, str]:
+    match = HEAD_SQUARE.fullmatch(cell) or HEAD_ROUND.fullmatch(cell)
+    if not match:
+        raise TableError(
+            f"{place}: a column must have a name, and its unit in brackets; got {quoted(cell)}. Write speed [m/s]."
+        )
+    return match["name"], (match["unit"] or "").strip()
+
+
+def _advice(name: str, known: Collection[str], columns: Sequence[Column]) -> str:
+    near = difflib.get_close_matches(_tidy(name)[:100], list(known), 1)
+    return f"Did you mean {near[0]}?" if near else f"Columns are {', '.join(column.name for column in columns)}."
+
+
+def _factor(column: Column, unit: str, place: str) -> tuple[float, float]:
+    if column.words and unit:
+        raise TableError(
+            f"{place}: the column {column.name} holds words and has no unit; got {quoted(unit)}. Remove it."
+        )
+    if not unit or unit == column.unit:
+        return 1.0, 1.0
+    both = factor(unit, column.unit)
+    if both is None:
+        kind = "unknown" if quantity_of(unit) is None else "of another quantity"
+        units = ", ".join(spellings_for(column.unit))
+        raise TableError(
+            f"{place}: the unit {quoted(unit)} of {column.name} is {kind}. Use {units}; none means {column.unit}."
+        )
+    return both
+
+
+def quoted(text: str, longest: int = QUOTED) -> str:
+    """Return a text for a message, cut where it is long."""
+    return repr(text) if len(text) <= longest else f"{text[:longest]!r}... ({len(text)} characters)"
+
+
+def _filled(source: str, layout: Sequence[_Place], body: Sequence[tuple[int, list[str]]], separator: str) -> Table:
+    """Return the table of the rows behind the names."""
+    width = 1 + max((one.at for one in layout), default=-1)
+    places = np.array([number for number, _ in body], np.int64)
+    for number, cells in body:
+        if any(cells[width:]):
+            hint = " With decimal commas, separate columns by semicolons." if separator == "," else ""
+            raise TableError(
+                f"{source}, row {number}: a row must have at most {width} values; got {len(cells)}. "
+                f"Name each column in the first row.{hint}"
+            )
+    numbers, words, units = {}, {}, {}
+    mark = _DecimalMark(source)
+    for one in layout:
+        cells = [row[one.at] if one.at < len(row) else "" for _, row in body]
+        place = _Cells(source, places, one.column)
+        if one.column.words:
+            words[one.column.name] = place.words(cells)
+        else:
+            numbers[one.column.name] = place.numbers(cells, one.factor, mark)
+            units[one.column.name] = one.column.unit
+    return Table(source, numbers, words, units, places)
+
+
+@dataclass
+class _DecimalMark:
+    """The decimal mark of a file, once a number has shown it: that number and its row."""
+
+    source: str
+    shown: str = ""
+    row: int = 0
+
+    def check(self, cell: str, row: int, column: str) -> None:
+        """Check that a number has the file's decimal mark."""
+        if self.shown and ("," in cell) != ("," in self.shown):
+            raise TableError(
+                f"{self.source}, row {row}, column {column}: numbers must have one decimal mark; got {quoted(cell)}, "
+                f"and {quoted(self.shown)} in row {self.row}. Use one, and no separators of thousands."
+            )
+        self.shown, self.row = self.shown or cell, self.row or row
+
+
+@dataclass(frozen=True)
+class _Cells:
+    """The cells of one column, to be read."""
+
+    source: str
+    places: NDArray[np.int64]
+    column: Column
+
+    def refusal(self, row: int, text: str) -> TableError:
+        return TableError(f"{self.source}, row {self.places[row]}, column {self.column.name}: {text}")
+
+    def words(self, cells: Sequence[str]) -> list[str]:
+        choice = self.column.words
+        for row, cell in enumerate(cells):
+            if cell not in choice and (cell or self.column.filled):
+                raise self.refusal(
+                    row, f"the value must be one of {', '.join(choice)}; got {quoted(cell)}. Choose one."
+                )
+        return list(cells)
+
+    def numbers(self, cells: Sequence[str], both: tuple[float, float], mark: _DecimalMark) -> NDArray[np.float64]:
+        values = self._plain(cells, mark)
+        if values is None:
+            values = np.array([self._number(row, cell, mark) for row, cell in enumerate(cells)], float)
+        if both != (1.0, 1.0):
+            values = values * both[0] / both[1]
+        low, high = self.column.minimum, self.column.maximum
+        for row in np.flatnonzero((values < low) | (values > high))[:1].tolist():
+            got = f"{quoted(cells[row])}{self._unit(both)}"
+            raise self.refusal(row, f"the value must be {self._limits()}; got {got}. Check value and unit.")
+        for row in np.flatnonzero(values != np.floor(values))[:1].tolist() if self.column.whole else []:
+            if not math.isnan(values[row]):
+                raise self.refusal(row, f"the value must be a whole number; got {quoted(cells[row])}. Round it.")
+        return values
+
+    def _plain(self, cells: Sequence[str], mark: _DecimalMark) -> NDArray[np.float64] | None:
+        """Return the values where every cell is a number with a point, the quick way; None where one is not."""
+        if not PLAIN.fullmatch("".join(cells)):
+            return None
+        try:
+            values = np.array([float(cell) for cell in cells], float)
+        except ValueError:
+            return None
+        row = next((row for row, cell in enumerate(cells) if "." in cell), None)
+        if row is not None:
+            mark.check(cells[row], int(self.places[row]), self.column.name)
+        return values if np.all(np.isfinite(values)) else None
+
+    def _number(self, row: int, cell: str, mark: _DecimalMark) -> float:
+        if not cell and not self.column.filled:
+            return math.nan
+        plain = cell.replace(MINUS, "-")
+        if not NUMBER.fullmatch(plain):
+            wrong = "the cell is empty" if not cell else f"got {quoted(cell)}"
+            raise self.refusal(row, f"the value must be a number; {wrong}. Write it as 0.015 or 1.5e-2.")
+        if "." in plain or "," in plain:
+            mark.check(plain, int(self.places[row]), self.column.name)
+            plain = plain.replace(",", ".")
+        value = float(plain)
+        if not math.isfinite(value):
+            raise self.refusal(row, f"the value must be below 1.8e308 in size; got {quoted(cell)}. Check it.")
+        return value
+
+    def _limits(self) -> str:
+        low, high, unit = self.column.minimum, self.column.maximum, self._of_unit(self.column.unit)
+        if math.isinf(high):
+            return f"at least {low:g}{unit}"
+        return f"from {low:g} to {high:g}{unit}"
+
+    def _unit(self, both: tuple[float, float]) -> str:
+        if both != (1.0, 1.0):
+            return f", in the file's unit, 1 of which is {both[0] / both[1]:g}{self._of_unit(self.column.unit)}"
+        return self._of_unit(self.column.unit)
+
+    def _of_unit(self, unit: str) -> str:
+        return "" if unit == "1" else f" {unit}"

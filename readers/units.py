@@ -1,0 +1,113 @@
+"""Units that people write, and their conversion. One table for all readers, those in C among them."""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+
+#: Spellings by quantity: numerator and denominator of the factor to SI, both exact, so that a conversion rounds once.
+_SPELLINGS: dict[str, dict[str, tuple[float, float]]] = {
+    "ratio": {
+        "1": (1, 1),
+        "-": (1, 1),
+        "m/m": (1, 1),
+        "rad": (1, 1),
+        "%": (1, 100),
+        "percent": (1, 100),
+        "\u2030": (1, 1000),
+        "permille": (1, 1000),
+        "per mille": (1, 1000),
+        "promille": (1, 1000),
+        "mm/m": (1, 1000),
+        "m/km": (1, 1000),
+        "mrad": (1, 1000),
+    },
+    "length": {
+        "m": (1, 1),
+        "km": (1000, 1),
+        "cm": (1, 100),
+        "mm": (1, 1000),
+        "um": (1, 1_000_000),
+        "\u00b5m": (1, 1_000_000),
+        "ft": (3048, 10_000),
+        "in": (254, 10_000),
+    },
+    "per length": {"1/m": (1, 1), "rad/m": (1, 1), "m-1": (1, 1), "1/km": (1, 1000), "rad/km": (1, 1000)},
+    "time": {"s": (1, 1), "sec": (1, 1), "ms": (1, 1000), "us": (1, 1_000_000), "min": (60, 1), "h": (3600, 1)},
+    "speed": {
+        "m/s": (1, 1),
+        "km/h": (10, 36),
+        "kmh": (10, 36),
+        "kph": (10, 36),
+        "mm/s": (1, 1000),
+        "mph": (44704, 100_000),
+    },
+    "acceleration": {"m/s2": (1, 1), "m/s^2": (1, 1), "m/s\u00b2": (1, 1)},
+    "frequency": {"Hz": (1, 1), "1/s": (1, 1), "kHz": (1000, 1)},
+    "angular velocity": {"rad/s": (1, 1)},
+    "force": {"N": (1, 1), "kN": (1000, 1), "MN": (1_000_000, 1)},
+    "torque": {
+        "N.m": (1, 1),
+        "Nm": (1, 1),
+        "N m": (1, 1),
+        "N*m": (1, 1),
+        "N\u00b7m": (1, 1),
+        "kN.m": (1000, 1),
+        "kNm": (1000, 1),
+        "kN m": (1000, 1),
+        "kN*m": (1000, 1),
+        "kN\u00b7m": (1000, 1),
+    },
+    "pressure": {
+        "Pa": (1, 1),
+        "hPa": (100, 1),
+        "kPa": (1000, 1),
+        "MPa": (1_000_000, 1),
+        "mbar": (100, 1),
+        "bar": (100_000, 1),
+    },
+    "mass": {"kg": (1, 1), "t": (1000, 1), "g": (1, 1000)},
+    "volume": {"m3": (1, 1), "m\u00b3": (1, 1), "l": (1, 1000), "L": (1, 1000)},
+    "power": {"W": (1, 1), "kW": (1000, 1), "MW": (1_000_000, 1)},
+    "energy": {"J": (1, 1), "kJ": (1000, 1), "MJ": (1_000_000, 1)},
+    "temperature": {"K": (1, 1)},
+    "celsius": {"degC": (1, 1), "\u00b0C": (1, 1)},
+}
+SPELLINGS = MappingProxyType(_SPELLINGS)
+#: Two characters that look alike and mean micro.
+_GREEK_MU, _MICRO = "\u03bc", "\u00b5"
+
+
+def quantity_of(unit: str) -> str | None:
+    """Return the quantity that a unit measures, or None if the unit is unknown."""
+    tidy = unit.strip().replace(_GREEK_MU, _MICRO)
+    return next((quantity for quantity, units in SPELLINGS.items() if tidy in units), None)
+
+
+def factor(unit: str, target: str) -> tuple[float, float] | None:
+    """Return the factor from one unit to another as numerator and denominator, or None if it does not exist.
+
+    A value is multiplied by the first and divided by the second, in this order, in every language.
+    """
+    quantity = quantity_of(unit)
+    if unit.strip() == target:
+        return 1.0, 1.0
+    if quantity is None or quantity != quantity_of(target):
+        return None
+    up, down = SPELLINGS[quantity][unit.strip().replace(_GREEK_MU, _MICRO)]
+    of_target = SPELLINGS[quantity][target]
+    numerator, denominator = up * of_target[1], down * of_target[0]
+    shared = _common(numerator, denominator)
+    return float(numerator / shared), float(denominator / shared)
+
+
+def _common(one: float, other: float) -> float:
+    while other:
+        one, other = other, one % other
+    return one
+
+
+def spellings_for(target: str) -> dict[str, tuple[float, float]]:
+    """Return every spelling that converts to a unit, with its factor as `factor` returns it."""
+    quantity = quantity_of(target)
+    found = {} if quantity is None else {one: factor(one, target) for one in SPELLINGS[quantity]}
+    return {target: (1.0, 1.0)} | {one: both for one, both in found.items() if both is not None}
