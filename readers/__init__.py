@@ -1,1 +1,1 @@
-"""Files that users bring: text with its encoding, units, tables. Imports nothing of the project."""
+"""Files that users bring: text with its encoding, units, tables, documents. Imports nothing of the project."""

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fmu_src.suggestion import suggestion
+from readers.documents import whole_file
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -92,17 +93,16 @@ class Recording:
 
     def write(self, path: str | Path) -> Path:
         """The table as a file: .csv, ten digits, names with units in its head, or .parquet, units as metadata of its
-        columns.
+        columns. It is there as a whole, or as it was before.
 
         Raises ValueError for another ending, ImportError where Parquet has no package.
         """
         path = Path(path)
-        if path.suffix == ".csv":
-            self._write_csv(path)
-        elif path.suffix == ".parquet":
-            self._write_parquet(path)
-        else:
+        write = {".csv": self._write_csv, ".parquet": self._write_parquet}.get(path.suffix)
+        if write is None:
             raise ValueError(f"{path.name} ends with {path.suffix or 'nothing'}; a table is a .csv or a .parquet.")
+        with whole_file(path) as partial:
+            write(partial)
         return path
 
     def to_pandas(self) -> Any:

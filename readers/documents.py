@@ -1,0 +1,241 @@
+"""JSON documents: read within limits, checked value by value, and written whole."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+from readers.text import FileError
+
+#: Largest document, or line of a journal [bytes]. The head of a sweep over a million values has 27 MB.
+LARGEST = 64_000_000
+#: Deepest nesting of brackets. Documents of this project have six levels.
+DEEPEST = 64
+#: Largest integer up to which doubles hold every integer.
+LARGEST_INTEGER = 2**53
+#: Letters of a value that a message repeats.
+SHOWN = 40
+
+
+def read_document(path: Path, what: str = "") -> Any:
+    """Return what a JSON file holds; `what` names it in messages, by default its path.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be opened.
+    FileError
+        If it is not JSON within the limits.
+    """
+    what = what or str(path)
+    if path.exists() and not path.is_file():  # reading a pipe would not end
+        raise FileError(f"{what} must be a file; got a folder or a device.")
+    with path.open("rb") as file:
+        return document(file.read(LARGEST + 1), what)
+
+
+def document(text: bytes, what: str) -> Any:
+    """Return what a JSON text holds: finite numbers, each name once, brackets at most DEEPEST deep.
+
+    Raises FileError. Its message begins with `what`.
+    """
+    if len(text) > LARGEST:
+        raise FileError(f"{what} must have at most {LARGEST // 10**6} MB; got more.")
+    try:
+        found = json.loads(
+            text.decode("utf-8-sig"),
+            parse_int=_integer,
+            parse_float=_double,
+            parse_constant=_double,
+            object_pairs_hook=_once,
+        )
+    except UnicodeDecodeError as error:
+        raise FileError(f"{what} must be text in UTF-8; got the byte {text[error.start]:#04x}.") from None
+    except json.JSONDecodeError as error:
+        place = f"line {error.lineno}, column {error.colno}"
+        raise FileError(f"{what} must be JSON; got a fault in {place} ({error.msg}).") from None
+    except _LimitError as error:
+        raise FileError(f"{what} must {error}") from None
+    except RecursionError:
+        raise FileError(_too_deep(what)) from None
+    _check_depth_and_text(found, what)
+    return found
+
+
+def mapping_in(found: Any, name: str, what: str) -> dict[str, Any]:
+    """Return the object of a name in an object. Raises FileError."""
+    value = member(found, name, what)
+    if not isinstance(value, dict):
+        raise FileError(f"{what}: {name} must be an object; got {shown(value)}.")
+    return value
+
+
+def list_in(found: Any, name: str, what: str) -> list[Any]:
+    """Return the list of a name in an object. Raises FileError."""
+    value = member(found, name, what)
+    if not isinstance(value, list):
+        raise FileError(f"{what}: {name} must be a list; got {shown(value)}.")
+    return value
+
+
+def text_in(found: Any, name: str, what: str) -> str:
+    """Return the text of a name in an object. Raises FileError."""
+    value = member(found, name, what)
+    if not isinstance(value, str):
+        raise FileError(f"{what}: {name} must be a text; got {shown(value)}.")
+    return value
+
+
+def number_in(found: Any, name: str, what: str, least: float = -math.inf, most: float = math.inf) -> float:
+    """Return the number of a name in an object, within limits; `true` is not one. Raises FileError."""
+    value = member(found, name, what)
+    if not (is_number(value) and least <= value <= most):
+        limits = "" if math.isinf(least) and math.isinf(most) else f" from {least:g} to {most:g}"
+        raise FileError(f"{what}: {name} must be a number{limits}; got {shown(value)}.")
+    return float(value)
+
+
+def integer_in(found: Any, name: str, what: str, least: int, most: int = LARGEST_INTEGER) -> int:
+    """Return the integer of a name in an object, within limits; `true` is not one. Raises FileError."""
+    value = member(found, name, what)
+    if not (isinstance(value, int) and is_number(value) and least <= value <= most):
+        raise FileError(f"{what}: {name} must be an integer from {least} to {most}; got {shown(value)}.")
+    return value
+
+
+def member(found: Any, name: str, what: str) -> Any:
+    """Return the value of a name in an object. Raises FileError."""
+    if not isinstance(found, dict):
+        raise FileError(f"{what} must be an object; got {shown(found)}.")
+    if name not in found:
+        raise FileError(f"{what} must have {name}; got {shown(', '.join(found)) if found else 'nothing'}.")
+    return found[name]
+
+
+def is_number(value: Any) -> bool:
+    """Return whether a value is a finite number; `true` is not one."""
+    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def shown(value: Any) -> str:
+    """Return a value for a message, its end cut off where it is long."""
+    text = value if isinstance(value, str) else json.dumps(value, default=repr)
+    return text if len(text) <= SHOWN else f"{text[:SHOWN]}..."
+
+
+# -- writing ---------------------------------------------------------------------------------------------------------
+
+
+def document_text(value: Any) -> str:
+    """Return the text of a document. Raises ValueError for numbers that are not finite."""
+    return json.dumps(value, indent=2, allow_nan=False) + "\n"
+
+
+def finite(value: Any) -> Any:
+    """Return a document with null in the place of numbers that are not finite."""
+    if isinstance(value, Mapping):
+        return {name: finite(one) for name, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(one) for one in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+@contextmanager
+def whole_file(path: Path) -> Iterator[Path]:
+    """Yield the place to write a file to, which then takes the place of `path`, on disk. If it fails, `path` stays."""
+    target = path.resolve()  # a link stays one
+    partial = target.with_name(f".{target.name}.{os.getpid()}")
+    try:
+        yield partial
+        with partial.open("rb+") as file:
+            os.fsync(file.fileno())
+        partial.replace(target)
+    except BaseException as error:
+        with suppress(OSError):
+            partial.unlink()
+        if isinstance(error, OSError) and error.filename == str(partial):
+            error.filename = str(path)  # the name that was given
+        raise
+    sync_folder(target.parent)
+
+
+def write_whole(path: Path, content: bytes) -> None:
+    """Write a file that is on disk as a whole when this returns. If it fails, the file is as it was."""
+    with whole_file(path) as partial:
+        partial.write_bytes(content)
+
+
+def sync_folder(folder: Path) -> None:
+    """Bring the names in a folder to disk; Windows does so by itself."""
+    if sys.platform == "win32":
+        return
+    place = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(place)
+    finally:
+        os.close(place)
+
+
+# -- limits ----------------------------------------------------------------------------------------------------------
+
+
+class _LimitError(ValueError):
+    """A value beyond a limit; the text is the end of a message."""
+
+
+def _integer(text: str) -> int:
+    if len(text) > 17 or abs(int(text)) > LARGEST_INTEGER:
+        raise _LimitError(f"have integers up to 2^53; got {shown(text)}, of {len(text)} digits.")
+    return int(text)
+
+
+def _double(text: str) -> float:
+    value = float(text)
+    if not math.isfinite(value):
+        raise _LimitError(f"have finite numbers; got {shown(text)}.")
+    return value
+
+
+def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for name, value in pairs:
+        if name in found:
+            raise _LimitError(f"name each value once; got {shown(name)} again.")
+        found[name] = value
+    return found
+
+
+def _check_depth_and_text(found: Any, what: str) -> None:
+    """Raises FileError for brackets that are too deep, and for text that no file can hold."""
+    layer, depth = [found], 0
+    while layer:
+        inside: list[Any] = []
+        for one in layer:
+            if isinstance(one, dict):
+                inside += [*one, *one.values()]
+            elif isinstance(one, list):
+                inside += one
+            elif isinstance(one, str) and not one.isascii():
+                _check_text(one, what)
+        depth += any(isinstance(one, dict | list) for one in layer)
+        if depth > DEEPEST:
+            raise FileError(_too_deep(what))
+        layer = inside
+
+
+def _check_text(text: str, what: str) -> None:
+    try:
+        text.encode()
+    except UnicodeEncodeError as error:
+        half = f"\\u{ord(text[error.start]):04x}"
+        raise FileError(f"{what} must hold Unicode text; got {half}, half of a letter.") from None
+
+
+def _too_deep(what: str) -> str:
+    return f"{what} must nest brackets at most {DEEPEST} deep; got more."
