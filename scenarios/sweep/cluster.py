@@ -99,7 +99,8 @@ def on_cluster(client: Client, evaluate_point: Evaluate, points: Mapping[int, Po
             try:
                 outcome = future.result()
             except KilledWorker:
-                outcome = Outcome(failure="The workers of the cluster died of this point, one after the other.")
+                died = "The workers of the cluster died of this point, one after the other."
+                outcome = Outcome(failure=died, point=points[number])
             yield number, outcome
     except CancelledError:
         raise SweepError("The Dask scheduler went away; the same command goes on when it is back.") from None

@@ -8,21 +8,24 @@
                                                                              on a Dask cluster
 
 results/sweep-NAME/ has table.csv, table.parquet, summary.json, and journal.jsonl with each point that is done: after an
-interruption the same command goes on from there. Points that failed stay in the table with their reason.
+interruption the same command goes on from there. Points that failed stay in the table with their reason. A second sweep
+into the same folder is refused while the first one runs.
 """
 
 import argparse
 import inspect
 import os
-from collections.abc import Sequence
-from contextlib import AbstractContextManager, closing, nullcontext
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import AbstractContextManager, ExitStack, closing, contextmanager, nullcontext
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
 from tqdm import tqdm
 
+from readers.documents import sync_folder
 from scenarios import catalogue
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import versions
@@ -30,7 +33,8 @@ from scenarios.scenario import BadInputError, Scenario, Sweepable
 from scenarios.sweep.cluster import cluster
 from scenarios.sweep.grid import Grid, grid_of, points_of
 from scenarios.sweep.journal import JOURNAL, Journal
-from scenarios.sweep.points import Evaluator, in_processes, point_function, sources
+from scenarios.sweep.lock import only_writer
+from scenarios.sweep.points import FULL, Evaluator, SweepError, in_processes, point_function, sources
 from scenarios.sweep.table import Rows, remove_table, write_table
 
 
@@ -43,8 +47,9 @@ class Sweep:
     grid: Grid
     folder: Path
 
-    @property
+    @cached_property
     def points(self) -> list[dict[str, float]]:
+        """Parameters by the numbers of the points."""
         return list(points_of(self.grid))
 
     def head(self) -> dict[str, Any]:
@@ -120,45 +125,81 @@ def evaluator(chosen: argparse.Namespace) -> AbstractContextManager[Evaluator]:
 
 def finish(sweep: Sweep, journal: Journal, run_points: Evaluator) -> None:
     """Runs the points that the journal does not have. Raises SweepError, and KeyboardInterrupt with a sentence."""
-    points = sweep.points
-    left = {number: point for number, point in enumerate(points) if number not in journal.outcomes}
+    left = {number: point for number, point in enumerate(sweep.points) if number not in journal.outcomes}
     evaluate = point_function(sweep.sweepable.run, list(sweep.sweepable.results))
-    name, done = sweep.folder.name, len(journal.outcomes)
+    name, done, count = sweep.folder.name, len(journal.outcomes), len(sweep.points)
     try:
         with (
             closing(run_points(evaluate, left)) as outcomes,
-            tqdm(total=len(points), initial=done, desc=name, delay=PATIENCE, leave=False, unit="point") as bar,
+            tqdm(total=count, initial=done, desc=name, delay=PATIENCE, leave=False, unit="point") as bar,
         ):
             for number, outcome in outcomes:
-                journal.add(number, points[number], outcome)
+                journal.add(number, outcome)
                 bar.update()
     except KeyboardInterrupt:
         raise KeyboardInterrupt(
-            f"{name} was interrupted with {len(journal.outcomes)} of {len(points)} points done; the same command goes "
+            f"{name} was interrupted with {len(journal.outcomes)} of {count} points done; the same command goes "
             "on from there."
         ) from None
+
+
+def tell_what_is_done(sweep: Sweep, journal: Journal, chosen: argparse.Namespace) -> None:
+    """Says what an earlier run has left."""
+    if journal.cut and not chosen.quiet:
+        print(
+            f"The last line of {sweep.folder / JOURNAL} was cut off; what it held is computed again.", file=sys.stderr
+        )
+    if journal.outcomes and not (chosen.quiet or chosen.json):
+        print(f"{sweep.folder.name}: {len(journal.outcomes)} of {len(sweep.points)} points are done already.")
 
 
 def run(chosen: argparse.Namespace) -> bool:
     """Runs or resumes a sweep; whether all its points are good. Raises BadInputError, SweepError, KeyboardInterrupt."""
     sweep = sweep_of(chosen)
-    head, points = sweep.head(), sweep.points
-    journal = Journal(sweep.folder / JOURNAL, head, len(points), chosen.restart)
-    table_shown = not (chosen.quiet or chosen.json)
-    if journal.outcomes and table_shown:
-        print(f"{sweep.folder.name}: {len(journal.outcomes)} of {len(points)} points are done already.")
-    if len(journal.outcomes) < len(points):
-        with evaluator(chosen) as run_points, journal:
-            remove_table(sweep.folder)
-            finish(sweep, journal, run_points)
-    rows = [(point, journal.outcomes[number]) for number, point in enumerate(points)]
-    failures = sum(outcome.failure is not None for _, outcome in rows)
-    written = write_table(sweep.folder, sweep.sweepable, rows, head | {"points": len(rows), "failed": failures})
+    head = sweep.head()
+    with saying_where_room_is_missing(sweep.folder), ExitStack() as held:
+        run_points: Evaluator | None = None
+        if not sweep.folder.exists():  # where no cluster answers, no folder is made
+            run_points = held.enter_context(evaluator(chosen))
+        held.enter_context(only_writer(sweep.folder))
+        if chosen.restart:
+            forget(sweep.folder)
+        journal = Journal(sweep.folder / JOURNAL, head, sweep.points, sweep.sweepable.results)
+        tell_what_is_done(sweep, journal, chosen)
+        if len(journal.outcomes) < len(sweep.points):
+            run_points = run_points or held.enter_context(evaluator(chosen))
+            with journal:
+                remove_table(sweep.folder)
+                finish(sweep, journal, run_points)
+        rows = [(point, journal.outcomes[number]) for number, point in enumerate(sweep.points)]
+        failures = sum(outcome.failure is not None for _, outcome in rows)
+        written = write_table(sweep.folder, sweep.sweepable, rows, head | {"points": len(rows), "failed": failures})
     if chosen.json:
         print((sweep.folder / "summary.json").read_text(encoding="utf-8"), end="")
-    elif table_shown:
+    elif not chosen.quiet:
         report(sweep, rows, written)
     return failures == 0
+
+
+def forget(folder: Path) -> None:
+    """Drops what an earlier sweep left, before anything of another one is written."""
+    remove_table(folder)
+    (folder / JOURNAL).unlink(missing_ok=True)
+    sync_folder(folder)
+
+
+@contextmanager
+def saying_where_room_is_missing(folder: Path) -> Iterator[None]:
+    """Raises SweepError, with the folder and what to do, where a disk is full."""
+    try:
+        yield
+    except OSError as error:
+        if error.errno not in FULL:
+            raise
+        raise SweepError(
+            f"{folder} must have room for the results; got {error.strerror!r}. Make room, and the same command goes on "
+            "from the points that are done."
+        ) from None
 
 
 def report(sweep: Sweep, rows: Rows, written: Sequence[str]) -> None:

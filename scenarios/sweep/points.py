@@ -3,6 +3,7 @@
 Light to import: every worker process does.
 """
 
+import errno
 import math
 import multiprocessing
 import os
@@ -17,6 +18,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from itertools import islice
+from numbers import Real
 from typing import Any
 
 from products.sources import CODE, ROOMS, digest
@@ -26,6 +28,10 @@ from scenarios.reporting.progress import hide_bars
 AHEAD = 2
 #: Windows cannot wait for more processes than that.
 MOST_JOBS = 61 if sys.platform == "win32" else sys.maxsize
+#: Error numbers of a full disk. They end a sweep; they are not failures of a point.
+FULL = {errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)}
+#: Longest message on a failure [characters]; longer ones are cut off.
+LONGEST_FAILURE = 2000
 #: What building a kernel needs is not made for threads; a Dask worker may have several.
 ONE_AT_A_TIME = threading.Lock()
 
@@ -38,10 +44,14 @@ class SweepError(RuntimeError):
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a point: its results (None: did not happen), or in a sentence why there are none."""
+    """What became of a point: its results (None: did not happen), or in a sentence why there are none.
+
+    point: the parameters that the worker was given, which must be those of the row.
+    """
 
     results: Mapping[str, float | None] | None = None
     failure: str | None = None
+    point: Point | None = None
 
 
 Evaluate = Callable[[Point], Outcome]
@@ -51,13 +61,25 @@ Evaluator = Callable[[Evaluate, Mapping[int, Point]], Outcomes]
 
 
 def evaluate(run: Callable[..., Mapping[str, float | None]], promised: Sequence[str], point: Point) -> Outcome:
-    """Runs one point; an error, or anything but the promised finite results, is its failure."""
+    """Runs one point; an error, or anything but the promised finite results, is its failure.
+
+    Raises OSError where a disk is full.
+    """
     try:
         with ONE_AT_A_TIME:
-            found = run(**point)
-        return judge(found, promised)
+            outcome = judge(run(**point), promised)
     except (Exception, SystemExit) as error:
-        return Outcome(failure=" ".join(f"{type(error).__name__}: {error}".split()))
+        if isinstance(error, OSError) and error.errno in FULL:
+            raise
+        outcome = Outcome(failure=f"{type(error).__name__}: {error}")
+    said = None if outcome.failure is None else one_line(outcome.failure)
+    return Outcome(outcome.results, said, point)
+
+
+def one_line(text: str) -> str:
+    """Return a message as one line of limited length that UTF-8 can encode."""
+    line = " ".join(text.encode("utf-8", "backslashreplace").decode().split())
+    return line if len(line) <= LONGEST_FAILURE else f"{line[:LONGEST_FAILURE]}..."
 
 
 def judge(found: Any, promised: Sequence[str]) -> Outcome:
@@ -70,9 +92,10 @@ def judge(found: Any, promised: Sequence[str]) -> Outcome:
     results: dict[str, float | None] = {}
     for name in promised:
         value = found[name]
+        number = isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
+        if not (value is None or number):
+            return Outcome(failure=f"The point returned {name} = {value!r}, which is not a finite number.")
         results[name] = None if value is None else float(value)
-        if not math.isfinite(results[name] or 0.0):
-            return Outcome(failure=f"The point returned {name} = {value}, which is not a finite number.")
     return Outcome(results)
 
 
@@ -151,7 +174,8 @@ def alone(evaluate_point: Evaluate, point: Point) -> Outcome:
         try:
             return executor.submit(evaluate_point, point).result()
         except BrokenProcessPool:
-            return Outcome(failure="The worker process died, and once more when it had nothing but this point.")
+            died = "The worker process died, and once more when it had nothing but this point."
+            return Outcome(failure=died, point=point)
 
 
 def point_function(run: Callable[..., Mapping[str, float | None]], promised: Sequence[str]) -> Evaluate:

@@ -2,12 +2,11 @@
 
 import csv
 import io
-import json
-import os
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from readers.documents import document_text, write_whole
 from scenarios.scenario import Sweepable
 from scenarios.sweep.points import Outcome, Point
 
@@ -21,26 +20,27 @@ def write_table(folder: Path, sweepable: Sweepable, rows: Rows, summary: Mapping
     """Writes the files and returns their names; without pyarrow there is no Parquet.
 
     Rows come in the order of the grid and hold nothing but parameters and results: the same sweep gives the same bytes.
+    Each file is there as a whole or not at all, and summary.json, by which a report knows the table, last.
     """
     varied = list(rows[0][0])
     units = {name: sweepable.parameters[name] for name in varied} | dict(sweepable.results)
     columns = {name: [_value(name, *row) for row in rows] for name in units}
     failures = [outcome.failure for _, outcome in rows]
     contents = {"table.csv": _csv(units, columns, failures), "table.parquet": _parquet(units, columns, failures)}
-    contents["summary.json"] = (json.dumps(summary, indent=2, allow_nan=False) + "\n").encode()
+    contents["summary.json"] = document_text(summary).encode()
     written = {name: content for name, content in contents.items() if content is not None}
     remove_table(folder)
     for name, content in written.items():
-        partial = folder / f".{name}.{os.getpid()}"
-        partial.write_bytes(content)
-        partial.replace(folder / name)
+        write_whole(folder / name, content)
     return list(written)
 
 
 def remove_table(folder: Path) -> None:
-    """A table of an earlier sweep does not stay beside the journal of another."""
-    for name in FILES:
+    """A table of an earlier sweep does not stay beside the journal of another, nor what a kill left of one."""
+    for name in reversed(FILES):
         (folder / name).unlink(missing_ok=True)
+        for partial in folder.glob(f".{name}.*"):
+            partial.unlink(missing_ok=True)
 
 
 def _value(name: str, point: Point, outcome: Outcome) -> float | None:

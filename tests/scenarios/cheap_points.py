@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import errno
 import math
 import os
 import signal
+import sys
 import tempfile
 import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
+from typing import Any
 
 
 def cheap(x: float = 1.0, y: float = 2.0, z: float = 0.1) -> dict[str, float | None]:
     """A product and a ratio with all their digits; no ratio by zero."""
-    time.sleep(0.005)
+    time.sleep(0.001)
     return {"product": x * y * z, "ratio": x / y if y else None}
 
 
@@ -24,7 +30,11 @@ def moody(mood: float = 0.0) -> object:
         os.kill(os.getpid(), signal.SIGTERM)
     if mood == 6:
         raise SystemExit(7)
-    answers: dict[int, object] = {2: math.nan, 3: "a word", 7: True}
+    if mood == 10:
+        raise ValueError("\udcff" + 3000 * "long ")
+    if mood == 11:
+        raise OSError(errno.ENOSPC, "No space left on device")
+    answers: dict[int, object] = {2: math.nan, 3: "1.0", 7: True}
     return {4: {"other": 1.0}, 8: 1.0}.get(int(mood), {"answer": answers.get(int(mood), mood)})
 
 
@@ -50,16 +60,36 @@ def ticks(token: float) -> dict[str, float]:
     return {"done": 1.0}
 
 
-def run(arguments: list[str]) -> int:
-    """The command line with these points as scenarios, also in a process of its own."""
-    from bogie_braking.__main__ import main
+def in_here(jobs: int, evaluate: Callable[[Any], Any], points: Mapping[int, Any]) -> Iterator[tuple[int, Any]]:
+    """Outcomes without worker processes, which take half a second to begin."""
+    for number, point in points.items():
+        yield number, evaluate(point)
+
+
+@cache
+def made_by() -> tuple[str, dict[str, str]]:
+    """The digest of the sources and the versions of packages, looked up once: that takes longer than a sweep here."""
+    from scenarios.reporting.report import versions
+    from scenarios.sweep.points import sources
+
+    return sources(), versions()
+
+
+@contextmanager
+def catalogued(evaluator: Callable[..., Any] | None, code: tuple[str, dict[str, str]]) -> Iterator[None]:
+    """These points are scenarios, and an evaluator may stand in for worker processes."""
     from scenarios import catalogue
+    from scenarios.reporting.report import versions
     from scenarios.scenario import Scenario, Sweepable
+    from scenarios.sweep import command
+    from scenarios.sweep.points import in_processes, sources
 
     def scenario(name: str, sweep: Sweepable) -> Scenario:
         return Scenario(name, "for the tests", lambda options: None, sweep=sweep)
 
     before = list(catalogue.SCENARIOS)
+    known = {sources: lambda: code[0], versions: lambda: code[1], in_processes: evaluator or in_processes}
+    originals = {name: getattr(command, name) for name in ("sources", "versions", "in_processes")}
     catalogue.SCENARIOS += [
         scenario("cheap", Sweepable({"x": "m", "y": "s", "z": "1"}, {"product": "m.s", "ratio": "m/s"}, cheap)),
         scenario("moody", Sweepable({"mood": "1"}, {"answer": "1"}, moody)),
@@ -68,6 +98,50 @@ def run(arguments: list[str]) -> int:
         scenario("ticks", Sweepable({"token": "1"}, {"done": "1"}, ticks)),
     ]
     try:
-        return main(arguments)
+        for name, function in originals.items():
+            setattr(command, name, known.get(function, function))  # what a test has put there stays
+        yield
     finally:
         catalogue.SCENARIOS[:] = before
+        for name, function in originals.items():
+            setattr(command, name, function)
+
+
+def run(
+    arguments: list[str],
+    evaluator: Callable[..., Any] | None = None,
+    code: tuple[str, dict[str, str]] | None = None,
+) -> int:
+    """The command line with these points as scenarios, also in a process of its own; code: as `made_by` has it."""
+    from bogie_braking.__main__ import main
+
+    with catalogued(evaluator, code or made_by()):
+        return main(arguments)
+
+
+def run_here(arguments: list[str]) -> int:
+    """The command line without worker processes."""
+    return run(arguments, in_here)
+
+
+def run_and_stay(arguments: list[str], count: int, code: tuple[str, dict[str, str]]) -> None:
+    """Run the command line until `count` points are done; then wait to be killed."""
+
+    def stays(jobs: int, evaluate: Callable[[Any], Any], points: Mapping[int, Any]) -> Iterator[tuple[int, Any]]:
+        for done, (number, point) in enumerate(points.items()):
+            if done == count:
+                time.sleep(60.0)
+            yield number, evaluate(point)
+
+    sys.exit(run(arguments, stays, code))
+
+
+def run_with_room(arguments: list[str], room: int, fatal: bool, said: Path, code: tuple[str, dict[str, str]]) -> None:
+    """Run in a process whose files may have `room` bytes. At more the system kills it, or refuses to write."""
+    import resource
+
+    sys.stderr, sys.dont_write_bytecode = said.open("w", encoding="utf-8"), True
+    signal.signal(signal.SIGXFSZ, signal.SIG_DFL if fatal else signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (room, room))
+    sys.exit(run(arguments, in_here, code))

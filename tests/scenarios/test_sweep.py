@@ -1,18 +1,13 @@
-"""Sweeps: the grid, the table, what a point may do, interruption at any time, a cluster, and bad input."""
+"""Sweeps: the grid, the table, what a point may do, workers that die, a cluster, and bad input."""
 
 from __future__ import annotations
 
-import csv
 import inspect
 import json
-import multiprocessing
-import os
 import pickle
-import random
 import re
 import sys
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -29,65 +24,9 @@ from scenarios.sweep.points import sources as sources_of_points
 from scenarios.sweep.table import FILES
 from scenarios.thesis.heavy_braking import CASES, brake, lock_time
 from scenarios.thesis.heavy_braking import one_stop as heavy_stop
+from tests.scenarios.swept import GRID, JOURNAL, files, points, rows, token, whole
 
-HERE, ROOT = Path(__file__).parent, Path(__file__).parents[2]
-#: 78 points.
-GRID = ["--vary", "x=0.03:0.15:13", "--vary", "y=0,1.5,-2", "--vary", "z=1e-3,7"]
-JOURNAL = "journal.jsonl"
-
-
-@pytest.fixture
-def points(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
-    """The cheap points, under a name that worker processes find."""
-    monkeypatch.syspath_prepend(str(HERE))
-    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(ROOT), str(HERE)]))
-    import cheap_points
-
-    return cheap_points
-
-
-@pytest.fixture
-def token(points: ModuleType) -> Iterator[int]:
-    """Number of a scratch file that is not there."""
-    number = random.SystemRandom().randrange(2**40)
-    yield number
-    points.scratch(number).unlink(missing_ok=True)
-
-
-def files(folder: Path) -> dict[str, bytes]:
-    return {name: (folder / name).read_bytes() for name in FILES if (folder / name).exists()}
-
-
-def rows(folder: Path) -> list[list[str]]:
-    with (folder / "table.csv").open(newline="", encoding="utf-8") as file:
-        return list(csv.reader(file))
-
-
-def journal_lines(out: Path) -> int:
-    """Whole lines in the journal so far, the head among them."""
-    path = out / "sweep-cheap" / JOURNAL
-    return path.read_bytes().count(b"\n") if path.exists() else 0
-
-
-def wait_for(condition: Callable[[], bool], seconds: float) -> None:
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end, "waited too long"
-        time.sleep(0.002)
-
-
-@pytest.fixture
-def start(points: ModuleType) -> Callable[[list[str]], Any]:
-    """Starts a command in a process of its own that has imported what takes long."""
-    forkserver = multiprocessing.get_context("forkserver")
-    forkserver.set_forkserver_preload(["bogie_braking.commands"])
-
-    def process(arguments: list[str]) -> Any:
-        made = forkserver.Process(target=points.run, args=(arguments,))
-        made.start()
-        return made
-
-    return process
+__all__ = ["points", "token", "whole"]  # fixtures
 
 
 def test_spacing_is_decimal() -> None:
@@ -111,15 +50,13 @@ def test_spacing_is_decimal() -> None:
     assert evenly_spaced(-1e308, 1e308, 3) == [-1e308, 0.0, 1e308]
 
 
-def test_table_has_the_order_of_the_grid_units_and_all_digits(points: ModuleType, tmp_path: Path) -> None:
-    assert points.run(["sweep", "cheap", *GRID, "--jobs", "2", "--out", str(tmp_path)]) == 0
-    folder = tmp_path / "sweep-cheap"
-    head, *table = rows(folder)
+def test_table_has_the_order_of_the_grid_units_and_all_digits(whole: Path) -> None:
+    head, *table = rows(whole)
     assert head == ["x [m]", "y [s]", "z [1]", "product [m.s]", "ratio [m/s]", "failure"]
     asked = [(x, y, z) for x in evenly_spaced(0.03, 0.15, 13) for y in (0.0, 1.5, -2.0) for z in (1e-3, 7.0)]
     expected = [[x, y, z, x * y * z, x / y if y else "", ""] for x, y, z in asked]
     assert table == [[cell if cell == "" else repr(cell) for cell in row] for row in expected]
-    summary = json.loads((folder / "summary.json").read_text())
+    summary = json.loads((whole / "summary.json").read_text())
     assert summary["points"] == 78
     assert summary["failed"] == 0
     assert summary["vary"]["y"] == [0.0, 1.5, -2.0]
@@ -129,7 +66,7 @@ def test_table_has_the_order_of_the_grid_units_and_all_digits(points: ModuleType
 def test_a_report_shows_a_sweep_as_long_as_it_is_whole(
     points: ModuleType, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert points.run(["sweep", "moody", "--vary", "mood=0,1", "--jobs", "1", "--out", str(tmp_path)]) == 1
+    assert points.run_here(["sweep", "moody", "--vary", "mood=0,1", "--out", str(tmp_path)]) == 1
     folder = tmp_path / "sweep-moody"
     capsys.readouterr()
     assert main(["report", "--out", str(tmp_path)]) == 0
@@ -149,7 +86,7 @@ def test_a_report_shows_a_sweep_as_long_as_it_is_whole(
 
 def test_parquet_is_the_csv_with_units_in_its_fields(points: ModuleType, tmp_path: Path) -> None:
     parquet = pytest.importorskip("pyarrow.parquet")
-    assert points.run(["sweep", "cheap", "--vary", "y=0:1:3", "--jobs", "1", "--out", str(tmp_path)]) == 0
+    assert points.run_here(["sweep", "cheap", "--vary", "y=0:1:3", "--out", str(tmp_path)]) == 0
     table = parquet.read_table(tmp_path / "sweep-cheap" / "table.parquet")
     assert {f.name: (f.metadata or {}).get(b"unit") for f in table.schema} == {
         **{"y": b"s", "product": b"m.s", "ratio": b"m/s"},
@@ -162,24 +99,26 @@ def test_parquet_is_the_csv_with_units_in_its_fields(points: ModuleType, tmp_pat
 def test_failed_points_stay_in_the_table_with_their_reason(
     points: ModuleType, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    arguments = ["sweep", "moody", "--vary", "mood=0,1,2,3,4,5,6,8,9", "--jobs", "2", "--out", str(tmp_path)]
+    arguments = ["sweep", "moody", "--vary", "mood=0,1,2,3,4,5,6,7,8,9,10", "--jobs", "2", "--out", str(tmp_path)]
     assert points.run(arguments) == 1
-    assert "9 points, 7 failed.\nThe first that failed, at mood = 1.0: ValueError: The" in capsys.readouterr().out
+    assert "11 points, 9 failed.\nThe first that failed, at mood = 1.0: ValueError: The" in capsys.readouterr().out
     _, *table = rows(tmp_path / "sweep-moody")
     assert [(row[0], row[1]) for row in table if row[1]] == [("0.0", "0.0"), ("9.0", "9.0")]
     reasons = {float(row[0]): row[2] for row in table if row[2]}
     assert reasons == {
         1.0: "ValueError: The spring is broken.",
         2.0: "The point returned answer = nan, which is not a finite number.",
-        3.0: "ValueError: could not convert string to float: 'a word'",
+        3.0: "The point returned answer = '1.0', which is not a finite number.",
         4.0: "The point returned other; promised were answer.",
         5.0: "The worker process died, and once more when it had nothing but this point.",
         6.0: "SystemExit: 7",
+        7.0: "The point returned answer = True, which is not a finite number.",
         8.0: "The point returned a float; results by name were promised.",
+        10.0: f"ValueError: \\udcff{400 * 'long '}"[:2000] + "...",
     }
     before = files(tmp_path / "sweep-moody")
     assert points.run(arguments) == 1  # nothing is run again, and the status stays
-    assert "9 of 9 points are done already" in capsys.readouterr().out
+    assert "11 of 11 points are done already" in capsys.readouterr().out
     assert files(tmp_path / "sweep-moody") == before
 
 
@@ -194,99 +133,6 @@ def test_point_function_that_workers_cannot_load_ends_the_sweep(
 ) -> None:
     assert points.run(["sweep", "hidden", "--vary", "x=1,2,3", "--jobs", "1", "--out", str(tmp_path)]) == 3
     assert "it must stand at the top level of a file that workers can import." in capsys.readouterr().err
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="there is no fork server to start the command fast")
-def test_killed_at_random_times_and_resumed_gives_the_same_bytes(
-    points: ModuleType, start: Callable[[list[str]], Any], tmp_path: Path
-) -> None:
-    assert points.run(["sweep", "cheap", *GRID, "--jobs", "2", "--out", str(tmp_path / "whole")]) == 0
-    arguments = ["sweep", "cheap", *GRID, "--jobs", "2", "--out", str(tmp_path / "parts")]
-    chance, seen = random.Random(78), [0]
-    while seen[-1] < 60:
-        process = start(arguments)
-        target = min(seen[-1] + chance.randrange(4, 16), 70)
-        wait_for(lambda: journal_lines(tmp_path / "parts") >= target or not process.is_alive(), 15.0)  # noqa: B023
-        time.sleep(chance.uniform(0.0, 0.01))
-        process.kill()
-        process.join()
-        process.close()
-        assert journal_lines(tmp_path / "parts") >= seen[-1]  # no finished point is lost
-        seen.append(journal_lines(tmp_path / "parts"))
-        with (tmp_path / "parts" / "sweep-cheap" / JOURNAL).open("ab") as file:
-            file.write(b'{"point": 77, "resul'[: chance.randrange(20)])  # what a kill within a write leaves
-    assert len(seen) > 4
-    assert points.run(arguments) == 0
-    assert files(tmp_path / "parts" / "sweep-cheap") == files(tmp_path / "whole" / "sweep-cheap")
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="there is no fork server to start the command fast")
-def test_workers_leave_with_a_killed_parent(
-    points: ModuleType, start: Callable[[list[str]], Any], tmp_path: Path, token: int
-) -> None:
-    process, file = start(["sweep", "ticks", "--vary", f"token={token}", "--out", str(tmp_path)]), points.scratch(token)
-    wait_for(file.exists, 15.0)
-    process.kill()
-    process.join()
-    process.close()
-    time.sleep(0.3)
-    size = file.stat().st_size
-    time.sleep(0.2)
-    assert file.stat().st_size == size
-
-
-def test_interruption_says_how_to_go_on(
-    points: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    from scenarios.sweep.journal import Journal
-
-    add = Journal.add
-
-    def interrupted(journal: Journal, *arguments: Any) -> None:
-        add(journal, *arguments)
-        if len(journal.outcomes) == 2:
-            raise KeyboardInterrupt
-
-    arguments = ["sweep", "cheap", "--vary", "x=1:4:4", "--jobs", "1", "--out", str(tmp_path)]
-    monkeypatch.setattr(Journal, "add", interrupted)
-    assert points.run(arguments) == 130
-    assert capsys.readouterr().err == (
-        "sweep-cheap was interrupted with 2 of 4 points done; the same command goes on from there.\n"
-    )
-    assert not files(tmp_path / "sweep-cheap")
-    monkeypatch.undo()
-    monkeypatch.syspath_prepend(str(HERE))
-    assert points.run(arguments) == 0
-    assert "2 of 4 points are done already" in capsys.readouterr().out
-
-
-def test_journal_of_another_sweep_is_refused(
-    points: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    command = ["sweep", "cheap", "--jobs", "1", "--out", str(tmp_path)]
-    assert points.run([*command, "--vary", "x=1,2", "--vary", "y=1"]) == 0
-    path = tmp_path / "sweep-cheap" / JOURNAL
-    journal, table = path.read_bytes(), files(tmp_path / "sweep-cheap")
-    capsys.readouterr()
-    for vary, difference in (
-        (["x=1,3", "y=1"], "different: vary x (1.0, 2.0, now 1.0, 3.0). Give another --out and both stay"),
-        (["x=1,2"], "different: vary y (1.0, now absent); held y (absent, now 2.0)."),
-        (["y=1", "x=1,2"], "different: the order of vary (x, y, now y, x)."),
-    ):
-        assert points.run([*command, *(part for text in vary for part in ("--vary", text))]) == 2
-        assert difference in capsys.readouterr().err
-    monkeypatch.setattr("scenarios.sweep.command.sources", lambda: "other")
-    assert points.run([*command, "--vary", "x=1,2", "--vary", "y=1"]) == 2
-    assert "different: versions sources (" in capsys.readouterr().err
-    assert path.read_bytes() == journal
-    assert files(tmp_path / "sweep-cheap") == table
-    monkeypatch.undo()
-    monkeypatch.syspath_prepend(str(HERE))
-    path.write_bytes(journal + b"nonsense\n")
-    assert points.run([*command, "--vary", "x=1,2", "--vary", "y=1"]) == 2
-    assert "journal.jsonl, line 4 cannot be read. Give another --out and both stay" in capsys.readouterr().err
-    assert points.run([*command, "--restart", "--vary", "x=1,3", "--vary", "y=1"]) == 0
-    assert [row[0] for row in rows(tmp_path / "sweep-cheap")[1:]] == ["1.0", "3.0"]
 
 
 @pytest.fixture(scope="module")
@@ -304,11 +150,10 @@ def cluster() -> Iterator[Any]:
         yield made
 
 
-def test_dask_cluster_gives_the_same_bytes(points: ModuleType, tmp_path: Path, cluster: Any) -> None:
-    assert points.run(["sweep", "cheap", *GRID, "--jobs", "2", "--out", str(tmp_path / "own")]) == 0
+def test_dask_cluster_gives_the_same_bytes(points: ModuleType, whole: Path, tmp_path: Path, cluster: Any) -> None:
     address = ["--scheduler", cluster.scheduler_address]
-    assert points.run(["sweep", "cheap", *GRID, *address, "--out", str(tmp_path / "dask")]) == 0
-    assert files(tmp_path / "dask" / "sweep-cheap") == files(tmp_path / "own" / "sweep-cheap")
+    assert points.run(["sweep", "cheap", *GRID, *address, "--out", str(tmp_path)]) == 0
+    assert files(tmp_path / "sweep-cheap") == files(whole)
 
 
 def test_failed_points_on_a_cluster(points: ModuleType, tmp_path: Path, cluster: Any) -> None:
@@ -347,7 +192,7 @@ def test_without_the_extra_there_is_the_csv_and_a_sentence(
     command = ["sweep", "cheap", "--vary", "x=1", "--out", str(tmp_path)]
     assert points.run([*command, "--scheduler", "tcp://127.0.0.1:9"]) == 2
     assert "--scheduler needs Dask: pip install 'bogie-braking[sweep]'" in capsys.readouterr().err
-    assert points.run([*command, "--jobs", "1"]) == 0
+    assert points.run_here(command) == 0
     assert "No table.parquet: pip install 'bogie-braking[sweep]'" in capsys.readouterr().out
     assert set(files(tmp_path / "sweep-cheap")) == {"table.csv", "summary.json"}
 

@@ -1,0 +1,458 @@
+"""The journal of a sweep, its writers killed or its lines edited: each row has its own results, or it is refused."""
+
+from __future__ import annotations
+
+import errno
+import json
+import random
+import signal
+import sys
+import time
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+
+from scenarios.scenario import BadInputError
+from scenarios.sweep.journal import Journal, checked
+from scenarios.sweep.lock import LOCK, only_writer
+from tests.scenarios.swept import GRID, JOURNAL, files, points, rows, start, token, whole
+
+__all__ = ["points", "start", "token", "whole"]  # fixtures
+
+#: A small sweep: six points.
+SMALL = ["--vary", "x=1,2,3", "--vary", "y=0,4"]
+EDITS = 1000
+POSIX = pytest.mark.skipif(sys.platform == "win32", reason="Windows has neither the signal nor the limit")
+
+
+def lines_of(path: Path) -> list[bytes]:
+    """Whole lines of a journal, the head among them."""
+    return path.read_bytes().split(b"\n")[:-1] if path.exists() else []
+
+
+def small(points: ModuleType, out: Path) -> int:
+    """Runs the small sweep here."""
+    return int(points.run_here(["sweep", "cheap", *SMALL, "--out", str(out)]))
+
+
+@pytest.fixture(scope="module")
+def good(points: ModuleType, tmp_path_factory: pytest.TempPathFactory) -> list[bytes]:
+    """Lines of the journal of the small sweep."""
+    out = tmp_path_factory.mktemp("small")
+    assert small(points, out) == 0
+    return lines_of(out / "sweep-cheap" / JOURNAL)
+
+
+def written(out: Path, lines: list[bytes]) -> Path:
+    """A journal of these lines in a folder for results."""
+    path = out / "sweep-cheap" / JOURNAL
+    path.parent.mkdir()
+    path.write_bytes(b"\n".join([*lines, b""]))
+    return path
+
+
+# ---- killed, and continued -----------------------------------------------------------------------------------------
+
+
+@POSIX
+def test_killed_at_ten_random_bytes_or_without_room_and_resumed_gives_the_same_bytes(
+    points: ModuleType, start: Callable[..., Any], whole: Path, tmp_path: Path
+) -> None:
+    """The system ends a process in the middle of a line, or refuses the rest of it, as a full disk does."""
+    arguments, folder, said = (
+        ["sweep", "cheap", *GRID, "--out", str(tmp_path)],
+        tmp_path / "sweep-cheap",
+        tmp_path / "said",
+    )
+    chance, room, kept, ends = random.Random(47), 700, 0, []
+    for turn in range(10):
+        room, fatal = room + chance.randrange(40, 1900), turn % 2 == 0
+        process = start(points.run_with_room, arguments, room, fatal, said, points.made_by())
+        process.join()
+        ends.append(process.exitcode)
+        assert process.exitcode == (-signal.SIGXFSZ if fatal else 3)
+        if not fatal:
+            assert f"{folder} must have room for the results; got 'File too large'. Make room" in said.read_text()
+        assert len(lines_of(folder / JOURNAL)) >= kept  # no finished point is lost
+        kept = len(lines_of(folder / JOURNAL))
+        assert not files(folder)
+    assert 20 < kept < 70
+    assert points.run(["sweep", "cheap", *GRID, "--jobs", "2", "--out", str(tmp_path)]) == 0
+    assert files(folder) == files(whole)
+
+
+@POSIX
+def test_killed_with_its_workers_and_resumed_gives_the_same_bytes(
+    points: ModuleType, start: Callable[..., Any], whole: Path, tmp_path: Path
+) -> None:
+    arguments = ["sweep", "cheap", *GRID, "--jobs", "2", "--out", str(tmp_path)]
+    folder = tmp_path / "sweep-cheap"
+    process = start(points.run, arguments)
+    while len(lines_of(folder / JOURNAL)) < 5:
+        assert process.is_alive()
+        time.sleep(0.001)
+    process.kill()
+    process.join()
+    assert 5 <= len(lines_of(folder / JOURNAL)) < 79
+    assert points.run_here(arguments) == 0
+    assert files(folder) == files(whole)
+
+
+@POSIX
+def test_workers_leave_with_a_killed_parent(
+    points: ModuleType, start: Callable[..., Any], tmp_path: Path, token: int
+) -> None:
+    arguments, file = ["sweep", "ticks", "--vary", f"token={token}", "--out", str(tmp_path)], points.scratch(token)
+    process = start(points.run, arguments)
+    while not file.exists():
+        time.sleep(0.002)
+    process.kill()
+    process.join()
+    process.close()
+    time.sleep(0.3)
+    size = file.stat().st_size
+    time.sleep(0.2)
+    assert file.stat().st_size == size
+
+
+def test_a_line_that_was_cut_off_is_dropped_and_told(
+    points: ModuleType, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert small(points, tmp_path) == 0
+    folder = tmp_path / "sweep-cheap"
+    journal, table = (folder / JOURNAL).read_bytes(), files(folder)
+    capsys.readouterr()
+    for cut in (1, 5, len(journal.split(b"\n")[-2]), len(journal) - 20):
+        (folder / JOURNAL).write_bytes(journal[:-cut])
+        assert small(points, tmp_path) == 0
+        assert capsys.readouterr().err == (
+            f"The last line of {folder / JOURNAL} was cut off; what it held is computed again.\n"
+        )
+        assert sorted((folder / JOURNAL).read_bytes().split(b"\n")) == sorted(journal.split(b"\n"))
+        assert files(folder) == table
+
+
+def test_a_table_without_room_is_left_out_and_comes_later(
+    points: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert small(points, tmp_path) == 0
+    folder = tmp_path / "sweep-cheap"
+    table = files(folder)
+
+    def full(path: Path, content: bytes) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr("scenarios.sweep.table.write_whole", full)
+    assert small(points, tmp_path) == 3
+    assert f"{folder} must have room for the results; got 'No space left on device'." in capsys.readouterr().err
+    assert not files(folder)
+    monkeypatch.undo()
+    assert small(points, tmp_path) == 0
+    assert files(folder) == table
+    assert {path.name for path in folder.iterdir()} == {*table, JOURNAL, LOCK}
+
+
+def test_interruption_says_how_to_go_on(
+    points: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    add = Journal.add
+
+    def interrupted(journal: Journal, *arguments: Any) -> None:
+        add(journal, *arguments)
+        if len(journal.outcomes) == 2:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(Journal, "add", interrupted)
+    assert small(points, tmp_path) == 130
+    assert capsys.readouterr().err == (
+        "sweep-cheap was interrupted with 2 of 6 points done; the same command goes on from there.\n"
+    )
+    assert not files(tmp_path / "sweep-cheap")
+    monkeypatch.undo()
+    assert small(points, tmp_path) == 0
+    assert "2 of 6 points are done already" in capsys.readouterr().out
+
+
+# ---- of another sweep, or damaged ----------------------------------------------------------------------------------
+
+
+def test_journal_of_another_sweep_is_refused(
+    points: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = ["sweep", "cheap", "--out", str(tmp_path)]
+    assert points.run_here([*command, "--vary", "x=1,2", "--vary", "y=1"]) == 0
+    path = tmp_path / "sweep-cheap" / JOURNAL
+    journal, table = path.read_bytes(), files(tmp_path / "sweep-cheap")
+    capsys.readouterr()
+    for vary, difference in (
+        (["x=1,3", "y=1"], "different: vary x (1.0, 2.0, now 1.0, 3.0). Give another --out and both stay"),
+        (["x=1,2"], "different: vary y (1.0, now absent); held y (absent, now 2.0)."),
+        (["y=1", "x=1,2"], "different: the order of vary (x, y, now y, x)."),
+    ):
+        assert points.run_here([*command, *(part for text in vary for part in ("--vary", text))]) == 2
+        assert difference in capsys.readouterr().err
+    with monkeypatch.context() as patch:
+        patch.setattr("scenarios.sweep.command.sources", lambda: "other")
+        assert points.run_here([*command, "--vary", "x=1,2", "--vary", "y=1"]) == 2
+        assert "different: versions sources (" in capsys.readouterr().err
+    assert path.read_bytes() == journal
+    assert files(tmp_path / "sweep-cheap") == table
+    assert points.run_here([*command, "--restart", "--vary", "x=1,3", "--vary", "y=1"]) == 0
+    assert [row[0] for row in rows(tmp_path / "sweep-cheap")[1:]] == ["1.0", "3.0"]
+
+
+#: Texts that replace line 4, and the beginnings of the messages.
+DAMAGED = {
+    "no JSON": (b"nonsense", "line 4 must be JSON"),
+    "empty": (b"", "line 4 must be JSON"),
+    "no object": (b"[3]", "line 4 must be an object"),
+    "deep": (b"[" * 3000 + b"]" * 3000, "line 4 must nest brackets at most 64 deep"),
+    "deeper": (b"[" * 200_000, "line 4 must nest brackets at most 64 deep"),
+    "a huge number": (b'{"point": 1e999}', "line 4 must have finite numbers; got 1e999"),
+    "many digits": (b'{"point": ' + 5000 * b"9" + b"}", "line 4 must have integers up to 2^53"),
+    "a long line": (1_000_001 * b" ", "line 4 must have at most 1 MB"),
+    "no text": (b'{"point": "\xff"}', "line 4 must be text in UTF-8"),
+    "twice": (b'{"point": 1, "point": 2}', "line 4 must name each value once; got point again"),
+}
+
+
+@pytest.mark.parametrize("kind", DAMAGED)
+def test_a_damaged_line_is_refused_by_its_number(
+    kind: str,
+    points: ModuleType,
+    good: list[bytes],
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    for module in ("readers.documents", "scenarios.sweep.journal"):
+        monkeypatch.setattr(f"{module}.LARGEST", 1_000_000)
+    text, sentence = DAMAGED[kind]
+    path = written(tmp_path, [*good[:3], text, *good[4:]])
+    assert small(points, tmp_path) == 2
+    said = capsys.readouterr().err
+    assert said.startswith(f"{path}, {sentence}")
+    assert said.count("\n") == 1
+    assert "Delete this line, and the points are computed again. Give another --out and both stay" in said
+
+
+Line = dict[str, Any]
+
+
+#: Edits of a line whose check is written anew: what another program, or a fault in this one, could leave.
+FORGED: dict[str, Callable[[Line], Line]] = {
+    "must have the parameters of point 3": lambda line: line | {"point": 3},
+    "an integer from 0 to 5; got 6": lambda line: line | {"point": 6},
+    "an integer from 0 to 5; got -1": lambda line: line | {"point": -1},
+    "an integer from 0 to 5; got true": lambda line: line | {"point": True},
+    "an integer from 0 to 5; got 1.0": lambda line: line | {"point": 1.0},
+    "must have the parameters of point 1": lambda line: line | {"parameters": {"x": 1.0, "y": 4.5}},
+    "of point 1, {": lambda line: line | {"parameters": {"x": True, "y": 4.0}},
+    "parameters must be an object": lambda line: line | {"parameters": [1.0, 4.0]},
+    "must have the results product, ratio; got none": lambda line: line | {"results": {}},
+    "the results product, ratio; got product": lambda line: line | {"results": {"product": 1.0}},
+    "ratio; got product, ratio, more": lambda line: line | {"results": line["results"] | {"more": 1.0}},
+    "product must be a finite number or null; got true": lambda line: (
+        line | {"results": line["results"] | {"product": True}}
+    ),
+    "product must be a finite number or null; got 1.0": lambda line: (
+        line | {"results": line["results"] | {"product": "1.0"}}
+    ),
+    "results must be an object; got null": lambda line: line | {"results": None},
+    "failure must be a text": lambda line: {name: line[name] for name in ("point", "parameters")} | {"failure": 1},
+    "must have results or failure": lambda line: line | {"failure": "broken"},
+}
+
+
+@pytest.mark.parametrize("sentence", FORGED)
+def test_a_line_that_is_not_of_its_row_is_refused_although_its_check_fits(
+    sentence: str, points: ModuleType, good: list[bytes], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    head, line = json.loads(good[0]), json.loads(good[2])
+    line.pop("check")
+    forged = json.dumps(checked(FORGED[sentence](line), head["check"])).encode()
+    path = written(tmp_path, [*good[:2], forged, *good[3:]])
+    assert small(points, tmp_path) == 2
+    said = capsys.readouterr().err
+    assert said.startswith(f"{path}, line 3")
+    assert sentence in said
+
+
+def test_equal_lines_are_one_and_lines_that_disagree_are_refused(
+    points: ModuleType, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert small(points, tmp_path) == 0
+    folder = tmp_path / "sweep-cheap"
+    table, lines = files(folder), lines_of(folder / JOURNAL)
+    (folder / JOURNAL).write_bytes(b"\n".join([*lines, lines[2], b""]))
+    assert small(points, tmp_path) == 0
+    assert files(folder) == table
+    other = json.loads(lines[2])
+    other.pop("check")
+    other["results"]["product"] += 1e-9
+    forged = json.dumps(checked(other, json.loads(lines[0])["check"])).encode()
+    (folder / JOURNAL).write_bytes(b"\n".join([*lines, forged, b"", b"{}", b""]))
+    capsys.readouterr()
+    assert small(points, tmp_path) == 2
+    said = capsys.readouterr().err
+    assert "line 8 must agree with line 3; got other results. Damaged too: lines 9, 10. Delete these lines" in said
+
+
+def edited(chance: random.Random, lines: list[bytes], others: list[bytes]) -> bytes:
+    """A journal after one edit; others: lines of another sweep over the same grid."""
+    some, text = list(lines), b"\n".join([*lines, b""])
+    at, one, two = chance.randrange(len(text)), *chance.sample(range(len(lines)), 2)
+    kind = chance.randrange(10)
+    if kind == 0:  # a bit
+        return text[:at] + bytes([text[at] ^ 1 << chance.randrange(8)]) + text[at + 1 :]
+    if kind == 1:  # a byte for another one
+        return text[:at] + chance.choice([b"\n", b"\r", b"0", b'"', b"{", b"\0"]) + text[at + 1 :]
+    if kind == 2:  # a part is lost
+        return text[:at] + text[at + chance.randrange(1, 400) :]
+    if kind == 3:
+        return text[:at]
+    if kind == 4:  # a part is there twice
+        return text[:at] + text[at - chance.randrange(1, 400) :]
+    if kind == 5:
+        some[one], some[two] = some[two], some[one]
+    elif kind == 6:  # the second half of another line
+        half = len(some[one]) // 2
+        some[one] = some[one][:half] + some[two][half:]
+    elif kind == 7:
+        some[one] = others[one]
+    elif kind == 8:  # the number of another point
+        found = json.loads(some[one])
+        found["point"] = chance.randrange(-1, len(lines))
+        some[one] = json.dumps(found).encode()
+    else:  # the results of another point
+        found, other = json.loads(some[one]), json.loads(some[two])
+        found["results"] = other.get("results", {})
+        some[one] = json.dumps(found).encode()
+    return b"\n".join([*some, b""])
+
+
+def test_after_a_thousand_random_edits_each_row_has_its_own_results_or_the_journal_is_refused(
+    points: ModuleType, tmp_path: Path
+) -> None:
+    grid = [{"x": x, "y": y} for x in (1.0, 2.0, 3.0) for y in (0.0, 4.0)]
+    journals = {}
+    for held in ("0.1", "0.2"):
+        folder = tmp_path / held
+        assert points.run_here(["sweep", "cheap", *SMALL, "--vary", f"z={held}", "--out", str(folder)]) == 0
+        journals[held] = lines_of(folder / "sweep-cheap" / JOURNAL)
+    lines, others = journals.values()
+    head = {name: value for name, value in json.loads(lines[0]).items() if name not in ("journal", "check")}
+    named, sentences = [point | {"z": 0.1} for point in grid], []
+    chance, path, whole = random.Random(1000), tmp_path / JOURNAL, 0
+    for _ in range(EDITS):
+        path.unlink(missing_ok=True)  # some file systems flush what is written over
+        path.write_bytes(edited(chance, lines, others))
+        try:
+            found = Journal(path, head, named, ["product", "ratio"]).outcomes
+        except BadInputError as error:
+            sentences.append(str(error))
+            continue
+        whole += len(found) == len(grid)
+        for number, outcome in found.items():
+            x, y, z = named[number].values()
+            assert outcome.results == {"product": x * y * z, "ratio": x / y if y else None}
+            assert outcome.failure is None
+    assert len(sentences) > 600
+    assert whole > 50
+    ways = ("line ", "must begin with the head of this sweep", "belongs to another sweep")
+    assert all(one.startswith(str(path)) and any(way in one for way in ways) for one in sentences)
+
+
+# ---- two writers ---------------------------------------------------------------------------------------------------
+
+
+OTHER = ["--vary", "x=1,2,3", "--vary", "y=0,5"]
+
+
+@POSIX
+@pytest.mark.parametrize("second", [SMALL, [*SMALL, "--restart"], OTHER, [*OTHER, "--restart"]], ids=" ".join)
+def test_a_second_writer_is_refused_and_goes_on_or_begins_anew_when_the_first_is_killed(
+    second: list[str],
+    points: ModuleType,
+    start: Callable[..., Any],
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    folder, command = tmp_path / "sweep-cheap", ["sweep", "cheap", "--out", str(tmp_path)]
+    first = start(points.run_and_stay, [*command, *SMALL], 3, points.made_by())
+    while len(lines_of(folder / JOURNAL)) < 4:
+        assert first.is_alive()
+        time.sleep(0.001)
+    journal = (folder / JOURNAL).read_bytes()
+    assert points.run_here([*command, *second]) == 2
+    said = capsys.readouterr().err
+    assert f"{folder} must have one sweep at a time; got a second one while process {first.pid} on " in said
+    assert "has held it since 20" in said
+    assert said.count("\n") == 1
+    assert (folder / JOURNAL).read_bytes() == journal
+    first.kill()
+    first.join()
+    refused = second == OTHER
+    assert points.run_here([*command, *second]) == (2 if refused else 0)
+    assert len(lines_of(folder / JOURNAL)) == (4 if refused else 7)
+    if refused:
+        assert "belongs to another sweep; different: vary y (0.0, 4.0, now 0.0, 5.0)" in capsys.readouterr().err
+        return
+    ways = [(x, y) for x in (1.0, 2.0, 3.0) for y in (0.0, 5.0 if second[:4] == OTHER else 4.0)]
+    expected = [[repr(x), repr(y), repr(x * y * 0.1), repr(x / y) if y else "", ""] for x, y in ways]
+    assert rows(folder)[1:] == expected
+
+
+def test_a_folder_has_one_writer_also_within_a_process(
+    points: ModuleType, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / "sweep-cheap"
+    with only_writer(folder):
+        assert small(points, tmp_path) == 2
+        (folder / LOCK).write_text("{")
+        assert small(points, tmp_path) == 2
+    assert "a second one while another process holds it. Wait for its end" in capsys.readouterr().err
+    assert small(points, tmp_path) == 0
+
+
+def test_a_journal_that_is_moved_while_it_is_written_ends_the_sweep(
+    points: ModuleType, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "sweep-cheap" / JOURNAL
+
+    def moves(jobs: int, evaluate: Callable[[Any], Any], some: Mapping[int, Any]) -> Iterator[tuple[int, Any]]:
+        for number, point in some.items():
+            if number == 2:
+                path.rename(tmp_path / "moved")
+            yield number, evaluate(point)
+
+    assert points.run(["sweep", "cheap", *SMALL, "--out", str(tmp_path)], moves) == 3
+    assert f"{path} must stay while the sweep runs; it was moved or deleted." in capsys.readouterr().err
+    assert not path.exists()
+
+
+def test_a_worker_that_returns_another_points_results_ends_the_sweep(
+    points: ModuleType, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def mixed(jobs: int, evaluate: Callable[[Any], Any], some: Mapping[int, Any]) -> Iterator[tuple[int, Any]]:
+        given = list(some.values())
+        for number in some:
+            yield number, evaluate(given[{3: 4, 4: 3}.get(number, number)])
+
+    assert points.run(["sweep", "cheap", *SMALL, "--out", str(tmp_path)], mixed) == 3
+    said = capsys.readouterr().err
+    assert 'must return the results of {"x": 2.0, "y": 4.0}; got those of {"x": 3.0, "y": 0.0}.' in said
+    assert len(lines_of(tmp_path / "sweep-cheap" / JOURNAL)) == 4
+    assert small(points, tmp_path) == 0
+
+
+def test_a_disk_that_is_full_for_a_worker_is_no_failure_of_its_point(
+    points: ModuleType, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = ["sweep", "moody", "--vary", "mood=0,11", "--out", str(tmp_path)]
+    assert points.run_here(command) == 3
+    assert "must have room for the results; got 'No space left on device'" in capsys.readouterr().err
+    assert len(lines_of(tmp_path / "sweep-moody" / JOURNAL)) == 2
