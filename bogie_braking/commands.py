@@ -29,6 +29,7 @@ from scenarios.live.train_page import write_train_page
 from scenarios.methods import pace
 from scenarios.reporting.progress import ticking, without_bars
 from scenarios.reporting.report import Report, save, short_table, stopwatch, table
+from scenarios.reporting.saved import wall_seconds
 from scenarios.scenario import BadInputError, Options, Scenario
 from scenarios.sweep import command as sweep
 from scenarios.sweep.points import SweepError
@@ -65,7 +66,7 @@ def run(chosen: argparse.Namespace) -> int:
         raise BadInputError(f"{out} is a file; give --out a folder.")
     look_for_room(out)
     elapsed = stopwatch()
-    with ticking(scenario.name, last_time(out / scenario.name)):
+    with ticking(scenario.name, wall_seconds(out / scenario.name)):
         report = scenario.run(options)
         folder = save(report, scenario.name, out, elapsed(), further)
     if chosen.json:
@@ -86,14 +87,6 @@ def look_for_room(out: Path) -> None:
     place = next(one for one in (out.absolute(), *out.absolute().parents) if one.exists())
     if not (place.is_dir() and os.access(place, os.W_OK)):
         raise OSError(f"{place} is no folder that can be written")
-
-
-def last_time(folder: Path) -> float | None:
-    """What the results of a scenario, if there are any, say that its run took [s]."""
-    try:
-        return float(json.loads((folder / "summary.json").read_text(encoding="utf-8"))["wall_seconds"])
-    except (OSError, ValueError, KeyError, TypeError):
-        return None
 
 
 def show(scenario: Scenario, report: Report, folder: Path, whole: bool) -> None:

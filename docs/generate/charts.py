@@ -17,6 +17,8 @@ from pathlib import Path
 
 from pages import DOCS, ROOT, write_or_check
 
+from readers.documents import read_document, text_in
+
 HERE, DATA, PICTURES = DOCS / "generate", DOCS / "data", DOCS / "pictures"
 CHARTS = (
     "speed-accuracy",
@@ -37,8 +39,10 @@ def collect() -> None:
     """Pictures and tables of the scenarios, from results/ to docs/; of the JSON what the text needs."""
     for name in CHARTS:
         folder = ROOT / "results" / name
+        summary = read_document(folder / "summary.json")
+        if (scenario := text_in(summary, "scenario", f"{folder}/summary.json")) != name:
+            sys.exit(f"{folder} must hold the results of {name}; got those of {scenario}. Run {name} again.")
         shutil.copyfile(folder / "figure.png", PICTURES / f"{name}.png")
-        summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
         kept = {key: summary[key] for key in ("scenario", "rows", "pictures", "remarks", "versions", "wall_seconds")}
         (DATA / f"{name}.json").write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")
 

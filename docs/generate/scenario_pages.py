@@ -5,7 +5,6 @@
 The scenarios of `make charts` take some ten minutes and have their pictures and numbers in docs/.
 """
 
-import json
 import subprocess
 import sys
 from collections.abc import Iterable, Mapping, Sequence
@@ -17,6 +16,7 @@ from pages import DOCS, ROOT
 from tqdm import tqdm
 
 from bogie_braking.exit_status import DOES_NOT_HOLD
+from readers.documents import read_document
 from scenarios.catalogue import SCENARIOS
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import VERDICTS, number, parted
@@ -40,7 +40,7 @@ def summary_of(name: str) -> Mapping[str, Any] | None:
     """What a scenario measured; None where it was not run."""
     for path in (RESULTS / name / "summary.json", DOCS / "data" / f"{name}.json"):
         if path.exists():
-            found: Mapping[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+            found: Mapping[str, Any] = read_document(path)
             return found
     return None
 

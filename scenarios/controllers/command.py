@@ -33,7 +33,6 @@ input; 3 the simulation failed; 130 interrupted with Ctrl-C.
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -45,12 +44,13 @@ from products.protection.protected_stop import Settings
 from products.protection.rails import RAILS
 from products.protection.rig import check_period
 from products.protection.runs import TRACTION
+from readers.documents import write_whole
 from scenarios.controllers import answering, loop, replay, verdict
 from scenarios.controllers.given import controllers_of
 from scenarios.controllers.page import page
 from scenarios.controllers.picture import draw
 from scenarios.controllers.scoring import Scored, compare, ideal_distance, runs_of
-from scenarios.controllers.table import document, lines
+from scenarios.controllers.table import document, lines, write_document
 from scenarios.methods.pace import time_of
 from scenarios.reporting.plots import plt
 from scenarios.scenario import BadInputError
@@ -157,17 +157,18 @@ def run(chosen: argparse.Namespace) -> bool:
     controllers = controllers_of(chosen.controller, len(machine.numbers), TRACTION in cases[0].equipment)
     scores = compare(machine, controllers, cases, settings, chosen.level, recorded=chosen.html)
     folder = chosen.out / "controllers"
-    folder.mkdir(parents=True, exist_ok=True)
     found = verdict.verdicts(scores)
     about = document(chosen.vehicle, settings, scores) | {"verdict": verdict.document(found)}
-    (folder / "compare.json").write_text(json.dumps(about, indent=2) + "\n", encoding="utf-8")
+    for name in ("compare.png", "compare.html"):  # of an earlier comparison
+        (folder / name).unlink(missing_ok=True)
+    text = write_document(folder / "compare.json", about)
     figure = draw(scores)
     figure.savefig(folder / "compare.png")
     plt.close(figure)
     if chosen.html:
-        (folder / "compare.html").write_text(page(chosen.vehicle, machine, settings, scores), encoding="utf-8")
+        write_whole(folder / "compare.html", page(chosen.vehicle, machine, settings, scores).encode())
     if chosen.json:
-        print(json.dumps(about, indent=2))
+        print(text, end="")
     elif not chosen.quiet:
         table = [*verdict.lines(found), "", *lines(chosen.vehicle, settings, scores)]
         places = [f"Page: {folder / 'compare.html'}"] if chosen.html else []
@@ -187,11 +188,9 @@ def run_loop(chosen: argparse.Namespace) -> bool:
     ideal = ideal_distance(machine, run, settings)
     score = Scored(chosen.rail, "client", found.stop, machine.parameters.wheel_radius, ideal, None, run.driven)
     about = document(chosen.vehicle, settings, [score]) | {"loop": loop.document(found)}
-    folder = chosen.out / "controllers"
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "loop.json").write_text(json.dumps(about, indent=2) + "\n", encoding="utf-8")
+    text = write_document(chosen.out / "controllers" / "loop.json", about)
     if chosen.json:
-        print(json.dumps(about, indent=2))
+        print(text, end="")
     elif not chosen.quiet:
         print("\n".join([*lines(chosen.vehicle, settings, [score]), "", *loop.sentences(found)]))
     return found.holds

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import json
 import re
 import sys
 from collections.abc import Iterator
@@ -27,6 +26,7 @@ from products.protection.forms import Arrays, Form, InC, Outside
 from products.protection.one import OneInC, OneOfMany
 from products.protection.protected_stop import LONGEST_PERIOD
 from scenarios.controllers.given import Given, controller_of
+from scenarios.controllers.table import write_document
 from scenarios.methods.pace import time_of
 from scenarios.reporting.plots import FOUR, one_word, plt, titled
 from scenarios.reporting.progress import counting
@@ -107,14 +107,12 @@ def run(chosen: argparse.Namespace) -> bool:
         print(f"The controller {name} {error}; of its commands nothing is known.", file=sys.stderr)
         return False
     folder = chosen.out / "controllers"
-    folder.mkdir(parents=True, exist_ok=True)
-    about = document(found) | {"log": str(chosen.log), "period": period}
-    (folder / "replay.json").write_text(json.dumps(about, indent=2) + "\n", encoding="utf-8")
+    text = write_document(folder / "replay.json", document(found) | {"log": str(chosen.log), "period": period})
     figure = draw(found)
     figure.savefig(folder / "replay.png")
     plt.close(figure)
     if chosen.json:
-        print(json.dumps(about, indent=2))
+        print(text, end="")
     elif not chosen.quiet:
         print("\n".join([*lines(chosen.log, found, period), "", f"Picture: {folder / 'replay.png'}"]))
     return not found.said

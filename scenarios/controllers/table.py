@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
+from pathlib import Path
 
 from products.protection.protected_stop import Settings
 from products.protection.rails import LOCK_ABOVE
 from products.protection.rig import START_SPEED
+from readers.documents import document_text, finite, write_whole
 from scenarios.controllers.scoring import Scored
 from scenarios.controllers.words import words_of
 
@@ -83,3 +85,11 @@ def document(vehicle: str, settings: Settings, scores: Sequence[Scored]) -> dict
         for one in scores
     ]
     return {"vehicle": vehicle, "settings": asdict(settings), "runs": runs}
+
+
+def write_document(path: Path, about: Mapping[str, object]) -> str:
+    """Writes a document for programs as a whole, null in the place of numbers that are not finite; returns its text."""
+    text = document_text(finite(about))
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_whole(path, text.encode())
+    return text

@@ -229,7 +229,7 @@ class Tree:
             answer = self._process.stdout.readline()
         except BrokenPipeError:
             answer = ""
-        if not answer:
+        if not answer.endswith("\n"):  # it ended on the way
             self._process.wait()
             self._errors.seek(0)
             last = (self._errors.read().strip() or "it said nothing").splitlines()[-1]

@@ -1,7 +1,6 @@
 """A report as one page that needs no other file and no network: report.html."""
 
 import base64
-import json
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
@@ -19,6 +18,7 @@ from brake_controller.parameters import BrakeParameters
 from fmu_src.cosimulation.recording import Recording
 from rbd_model.track.irregularity import TrackParameters
 from rbd_model.vehicle.parameters import VehicleParameters
+from readers.documents import read_document
 from scenarios.reporting import plots
 from scenarios.reporting.motion import MOST_EXAGGERATION, packed
 from scenarios.reporting.report import Report, number, parted, verdict_of
@@ -49,7 +49,7 @@ class Chart:
 
 def write_report(scenario: Scenario, report: Report, folder: Path) -> None:
     """Beside summary.json and the figures, which it takes from there."""
-    summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    summary = read_document(folder / "summary.json")
     motion = report.motion and report.motion()
     judged, others = parted(summary["rows"], lambda row: row["holds"])
     page = environment().get_template("report.html.jinja")

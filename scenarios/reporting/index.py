@@ -11,6 +11,7 @@ from typing import Any
 import plotly.graph_objects as go
 from plotly.offline import get_plotlyjs
 
+from readers.documents import write_whole
 from scenarios.catalogue import SCENARIOS
 from scenarios.reporting import plots
 from scenarios.reporting.html_report import drawn, environment, sentence
@@ -56,7 +57,7 @@ def write_index(out: Path) -> tuple[Path, list[str]]:
             plotly=get_plotlyjs(),
         )
     )
-    (out / "index.html").write_text(text, encoding="utf-8")
+    write_whole(out / "index.html", text.encode())
     return out / "index.html", found.skipped
 
 

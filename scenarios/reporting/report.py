@@ -1,6 +1,5 @@
 """What a scenario leaves behind: a table of thesis against simulation, time series, a figure, one JSON."""
 
-import json
 import math
 import platform
 import shutil
@@ -17,6 +16,7 @@ from matplotlib.figure import Figure
 
 from fmu_src import __version__
 from fmu_src.cosimulation.recording import Recording
+from readers.documents import document_text
 from scenarios.reporting.motion import Motion
 from scenarios.reporting.plots import message_of, plt
 
@@ -187,20 +187,31 @@ def save(
             # null where nothing runs in time, or the time of single calls is what is measured
             "times_real_time": report.simulated_seconds / wall_seconds or None,
         }
-        (partial / "summary.json").write_text(json.dumps(summary, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+        (partial / "summary.json").write_text(document_text(summary), encoding="utf-8")
         for file, series in {"timeseries": report.series, **report.other_series}.items():
             series.write(partial / f"{file}.csv")
         if further:
             further(report, partial)
         partial.chmod(0o755)
-        target = out / name
-        if target.exists():
-            shutil.rmtree(target)
-        partial.replace(target)
-        return target
+        exchange(partial, out / name)
+        return out / name
     except BaseException:
         shutil.rmtree(partial, ignore_errors=True)
         raise
+
+
+def exchange(made: Path, target: Path) -> None:
+    """Puts a folder in the place of another one, which is deleted when the new one stands there."""
+    before = made.with_name(f"{made.name}-before")
+    if target.exists():
+        target.replace(before)
+    try:
+        made.replace(target)
+    except OSError:
+        if before.exists():
+            before.replace(target)
+        raise
+    shutil.rmtree(before, ignore_errors=True)
 
 
 def draw_all(report: Report, folder: Path) -> dict[str, str]:

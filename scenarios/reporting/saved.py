@@ -1,16 +1,31 @@
 """What a folder of results holds: runs, sweeps, and what is neither, which is named and left as it is."""
 
-import json
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from readers.documents import (
+    integer_in,
+    is_number,
+    list_in,
+    mapping_in,
+    member,
+    number_in,
+    read_document,
+    shown,
+    text_in,
+)
 from scenarios.reporting.report import parted, verdict_of
 from scenarios.sweep.journal import JOURNAL
 
 #: Keys of a row that the pages show as text, and as a number or nothing.
 TEXTS, NUMBERS = ("quantity", "unit"), ("thesis", "simulated", "deviation")
+#: Longest run of a scenario that is accepted [s]: a month.
+LONGEST = 31 * 86400.0
+#: Most points of a sweep, as `scenarios/sweep/grid.py` has them.
+MOST_POINTS = 1_000_000
 #: What a run and a sweep are shown by, the best first.
 RUN_PAGES, SWEEP_PAGES = ("report.html", "figure.png", "summary.json"), ("table.csv", "summary.json")
 
@@ -63,7 +78,7 @@ def results_in(out: Path) -> Results:
         try:
             one = read(folder)
         except (OSError, ValueError) as error:
-            found.skipped.append(f"{folder} is not shown: {error}.")
+            found.skipped.append(f"{folder} is not shown: {str(error).removesuffix('.')}.")
             continue
         if isinstance(one, Run):
             found.runs.append(one)
@@ -77,14 +92,18 @@ def read(folder: Path) -> Run | Sweep:
     path = folder / "summary.json"
     if not path.exists():
         raise ValueError(unfinished(folder))
+    summary = read_document(path, path.name)
+    swept = isinstance(summary, dict) and "sweep" in summary
+    return sweep(folder, summary) if swept else run(folder, summary)
+
+
+def wall_seconds(folder: Path) -> float | None:
+    """Return the stored wall time of a scenario's last run [s], or None."""
     try:
-        summary = json.loads(path.read_text(encoding="utf-8"))
-    except ValueError as error:
-        raise ValueError(f"summary.json cannot be read ({error})") from error
-    try:
-        return sweep(folder, summary) if "sweep" in summary else run(folder, summary)
-    except (LookupError, TypeError, ValueError, AttributeError) as error:
-        raise ValueError(f"its summary.json is that of no scenario and no sweep ({error!r})") from error
+        summary = read_document(folder / "summary.json", "summary.json")
+        return number_in(summary, "wall_seconds", "summary.json", 0.0, LONGEST)
+    except (OSError, ValueError):
+        return None
 
 
 def unfinished(folder: Path) -> str:
@@ -95,20 +114,55 @@ def unfinished(folder: Path) -> str:
 
 
 def run(folder: Path, summary: Mapping[str, Any]) -> Run:
-    """A scenario's results. Raises KeyError or TypeError where something is not as `report.save` writes it."""
-    for number, row in enumerate(summary["rows"], 1):
-        texts = all(isinstance(row[key], str) for key in TEXTS)
-        numbers = all(row[key] is None or isinstance(row[key], float | int) for key in NUMBERS)
-        if not (texts and numbers and row["holds"] in (True, False, None)):
-            raise TypeError(f"row {number} is no comparison")
-    return Run(str(summary["scenario"]), link(folder, RUN_PAGES), summary["rows"], float(summary["wall_seconds"]))
+    """A scenario's results. Raises ValueError where something is not as `report.save` writes it."""
+    name = text_in(summary, "scenario", "summary.json")
+    rows = list_in(summary, "rows", "summary.json")
+    for number, row in enumerate(rows, 1):
+        check_row(row, f"summary.json, row {number}")
+    wall = number_in(summary, "wall_seconds", "summary.json", 0.0, LONGEST)
+    return Run(name, link(folder, RUN_PAGES), rows, wall)
+
+
+def check_row(row: Any, what: str) -> None:
+    """Raise ValueError if a row is not a comparison, or if deviation or verdict do not follow from its numbers."""
+    for key in TEXTS:
+        text_in(row, key, what)
+    for key in NUMBERS:
+        if member(row, key, what) is not None:
+            number_in(row, key, what)
+    thesis, simulated, deviation = (row[key] for key in NUMBERS)
+    expected = None if thesis is None or simulated is None else simulated - thesis
+    if deviation != expected:  # a double of the same two doubles
+        raise ValueError(f"{what}: deviation must be simulated less thesis, {expected}; got {deviation}.")
+    holds, due = member(row, "holds", what), verdict(row, what)
+    if holds is not due:
+        raise ValueError(f"{what}: holds must be {shown(due)} by its limits; got {shown(holds)}.")
+
+
+def verdict(row: Mapping[str, Any], what: str) -> bool | None:
+    """Return whether a saved row is within its own limits; None if it has none. Raises ValueError."""
+    limits = member(row, "limits", what)
+    if limits is None:
+        return None
+    if not (isinstance(limits, list) and len(limits) == 2 and all(x is None or is_number(x) for x in limits)):
+        raise ValueError(f"{what}: limits must be two numbers, each of which may be null; got {shown(limits)}.")
+    least, most = (end if x is None else x for x, end in zip(limits, (-math.inf, math.inf), strict=True))
+    return row["simulated"] is not None and least <= row["simulated"] <= most
 
 
 def sweep(folder: Path, summary: Mapping[str, Any]) -> Sweep:
-    """A sweep's results. Raises LookupError, TypeError or ValueError where it is not as `write_table` writes it."""
-    varied = ", ".join(values(name, summary["units"][name], given) for name, given in summary["vary"].items())
-    points, failed = int(summary["points"]), int(summary["failed"])
-    return Sweep(str(summary["sweep"]), link(folder, SWEEP_PAGES), varied, points, failed)
+    """A sweep's results. Raises ValueError where it is not as `write_table` writes it."""
+    what = "summary.json"
+    vary, units = mapping_in(summary, "vary", what), mapping_in(summary, "units", what)
+    for name, given in vary.items():
+        if not (isinstance(given, list) and given and all(map(is_number, given))):
+            raise ValueError(f"{what}: vary {name} must be a list of numbers; got {shown(given)}.")
+    points = integer_in(summary, "points", what, 1, MOST_POINTS)
+    if points != (due := math.prod(map(len, vary.values()))):
+        raise ValueError(f"{what}: points must be those of its grid, {due}; got {points}.")
+    failed = integer_in(summary, "failed", what, 0, points)
+    varied = ", ".join(values(name, text_in(units, name, what), given) for name, given in vary.items())
+    return Sweep(text_in(summary, "sweep", what), link(folder, SWEEP_PAGES), varied, points, failed)
 
 
 def link(folder: Path, pages: Sequence[str]) -> str:

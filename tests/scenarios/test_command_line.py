@@ -17,7 +17,6 @@ from tqdm import tqdm
 
 from bogie_braking import commands
 from bogie_braking.__main__ import main
-from bogie_braking.commands import last_time
 from bogie_braking.exit_status import FAILED, NOBODY_READS
 from brake_controller.cylinder import brake_cylinder
 from fmu_src import codegen
@@ -28,6 +27,7 @@ from scenarios import doctor
 from scenarios.catalogue import SCENARIOS
 from scenarios.reporting import progress, report
 from scenarios.reporting.progress import without_bars
+from scenarios.reporting.saved import wall_seconds
 
 ROOT = Path(__file__).parents[2]
 
@@ -131,11 +131,13 @@ def test_nothing_ticks_in_files_and_where_it_is_quiet(monkeypatch: pytest.Monkey
     assert sys.stderr.getvalue() == ""
 
 
-@pytest.mark.parametrize("text", ["{", "[]", "{}", '{"wall_seconds": null}'])
+@pytest.mark.parametrize(
+    "text", ["{", "[]", "{}", *(f'{{"wall_seconds": {one}}}' for one in ("null", "true", "1e999", "-1", "9" * 5000))]
+)
 def test_results_that_cannot_be_read_promise_no_time(text: str, tmp_path: Path) -> None:
-    assert last_time(tmp_path) is None
+    assert wall_seconds(tmp_path) is None
     (tmp_path / "summary.json").write_text(text)
-    assert last_time(tmp_path) is None
+    assert wall_seconds(tmp_path) is None
 
 
 def test_generating_and_compiling_show_how_far_they_are(

@@ -59,8 +59,11 @@ def block(language: str, first: str) -> str:
 
 
 def test_the_controllers_of_the_page_make_the_same_stop(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    given = ["let_go.py:LetGo", "let_go.c"]
+    given, earlier = ["let_go.py:LetGo", "let_go.c"], folder / "results/controllers/compare.html"
+    earlier.parent.mkdir(parents=True, exist_ok=True)
+    earlier.write_text("of another comparison")
     assert main(["controllers", "compare", "--rails", "low", "--json", *given]) == 0
+    assert not earlier.exists()
     runs = {run["controller"]: run for run in json.loads(capsys.readouterr().out)["runs"]}
     assert runs["LetGo"]["distance"] == runs["let_go"]["distance"]
     assert LETS_GO is not None

@@ -440,12 +440,12 @@ BARE_SWEEP = '{"sweep": "levels", "vary": {"level": []}, "units": {"level": "1"}
 @pytest.mark.parametrize(
     ("file", "text", "reason"),
     [
-        ("summary.json", '{"scenario": "levels", "ro', "summary.json cannot be read"),
-        ("summary.json", "\x00", "summary.json cannot be read"),
-        ("summary.json", "[]", "that of no scenario and no sweep"),
-        ("summary.json", "{}", "that of no scenario and no sweep"),
-        ("summary.json", BARE_RUN, "that of no scenario and no sweep"),
-        ("summary.json", BARE_SWEEP, "that of no scenario and no sweep"),
+        ("summary.json", '{"scenario": "levels", "ro', "summary.json must be JSON; got a fault in line 1, column 24"),
+        ("summary.json", "\x00", "summary.json must be JSON"),
+        ("summary.json", "[]", "summary.json must be an object"),
+        ("summary.json", "{}", "summary.json must have scenario; got nothing"),
+        ("summary.json", BARE_RUN, "summary.json, row 1 must have quantity; got holds"),
+        ("summary.json", BARE_SWEEP, "summary.json: vary level must be a list of numbers; got []"),
         ("journal.jsonl", "{}\n", "its sweep has not come to its end, and the same command goes on from there"),
         ("holiday.txt", "sun", "it has no summary.json"),
     ],
