@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import nullcontext
 from functools import partial
 from numbers import Real
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 from tqdm import tqdm
 
 from bogie_braking.batches import batch
@@ -31,6 +33,8 @@ from rbd_model.track.line import Line
 PAYS_FROM = 1000
 #: Values and sentences of one run.
 Ending = tuple[list[float], str]
+Task = TypeVar("Task")
+Answer = TypeVar("Answer")
 
 
 def end_of(
@@ -63,6 +67,32 @@ def in_batch(
     return list(zip(rows, ends.said or [], strict=True))
 
 
+def mark_of(values: Mapping[str, ArrayLike]) -> str:
+    """Return a digest of names and numbers, to all digits."""
+    found = hashlib.sha256()
+    for name, value in values.items():
+        found.update(name.encode() + b"\0" + np.array(value, float).tobytes())
+    return found.hexdigest()
+
+
+def marked(mark: Callable[[Task], str], work: Callable[[Task], Answer], task: Task) -> tuple[str, Answer]:
+    """Return the mark of a task and the result of the work on it. Workers run this."""
+    return mark(task), work(task)
+
+
+def of_their_tasks(
+    mark: Callable[[Task], str], tasks: Sequence[Task], answers: Iterable[tuple[str, Answer]]
+) -> Iterator[Answer]:
+    """Yield answers in the order of their tasks. Raises RuntimeError if one is that of another task."""
+    for number, (task, (own, answer)) in enumerate(zip(tasks, answers, strict=True)):
+        if own != mark(task):
+            raise RuntimeError(
+                f"The executor's map must give results in the order of its tasks; got another one's for task {number}. "
+                "Give an executor of concurrent.futures, or none."
+            )
+        yield answer
+
+
 def task(
     what: Runnable, duration: float, line: Line | None, names: Sequence[str], given: Sequence[Mapping[str, Any]]
 ) -> list[Ending]:
@@ -78,20 +108,34 @@ def ends_of(
     names: Sequence[str],
     given: Sequence[Mapping[str, Value]],
     executor: Executor | None,
+    varied: Sequence[str],
 ) -> list[Ending]:
-    """`end_of` of all runs, here or by an executor, in batches where these pay."""
+    """`end_of` of all runs, here or by an executor, in batches where these pay; varied: names by which runs differ."""
     pays = len(given) >= PAYS_FROM and all(isinstance(value, Real) for value in given[0].values())
     if pays and executor:
         tasks = [list(some) for some in np.array_split(np.array(given, object), len(given) // PAYS_FROM)]
-        done = executor.map(partial(task, what, duration, line, names), tasks)
-        bar = tqdm(done, "sweep", len(tasks), delay=PATIENCE, leave=False, unit="batch")
+        mark = partial(mark_of_rows, varied)
+        made = executor.map(partial(marked, mark, partial(task, what, duration, line, names)), tasks)
+        bar = tqdm(of_their_tasks(mark, tasks, made), "sweep", len(tasks), delay=PATIENCE, leave=False, unit="batch")
         return [end for some in bar for end in some]
     ends = in_batch(what, duration, line, names, None, given) if pays else None
     if ends is not None:
         return ends
-    one = partial(end_of, what, duration, line, names)
+    own = partial(mark_of_row, varied)
+    one = partial(marked, own, partial(end_of, what, duration, line, names))
     with nullcontext(executor) if executor else ThreadPoolExecutor(os.cpu_count()) as runs:
-        return list(tqdm(runs.map(one, given), "sweep", len(given), delay=PATIENCE, leave=False, unit="run"))
+        done = of_their_tasks(own, given, runs.map(one, given))
+        return list(tqdm(done, "sweep", len(given), delay=PATIENCE, leave=False, unit="run"))
+
+
+def mark_of_row(varied: Sequence[str], row: Mapping[str, Any]) -> str:
+    """Return the mark of one run."""
+    return mark_of({name: row[name] for name in varied})
+
+
+def mark_of_rows(varied: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> str:
+    """Return the mark of many runs."""
+    return mark_of({name: [row[name] for row in rows] for name in varied})
 
 
 def sweep(
@@ -111,7 +155,7 @@ def sweep(
     thread for each processor, as the equations leave Python's lock. A thousand runs or more whose values are numbers
     are made by `batch`, on an executor a thousand a task; that changes no bit. Raises KeyError for a name that there is
     not, ValueError where columns differ in length or the duration is not above 0, TypeError for equations of one's own
-    on an executor, which they cannot be sent to.
+    on an executor, which they cannot be sent to, RuntimeError where an executor gives another row's results.
     """
     duration, line = seconds("the duration", duration), line_or_none(line)
     check_executor(executor, what)
@@ -124,7 +168,7 @@ def sweep(
     names = names_of(names, machine.variables)
     units = {"number": "1"} | {key: machine.variables[key].unit for key in (*vary, *names)}
     given: list[dict[str, Value]] = [{**values, **row} for row in rows]
-    ends = ends_of(what, duration, line, names, given, executor)
+    ends = ends_of(what, duration, line, names, given, executor, list(columns))
     table = [[number, *row.values(), *end] for number, (row, (end, _)) in enumerate(zip(rows, ends, strict=True))]
     return Recording(units, table, [said for _, said in ends], {"runs": len(rows)})
 

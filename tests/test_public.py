@@ -7,10 +7,11 @@ import re
 import subprocess
 import sys
 import time
-from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ import pytest
 import bogie_braking as bb
 from bogie_braking import parts
 from bogie_braking.machines import machine_of
+from bogie_braking.sweeping import PAYS_FROM
 from fmu_src.system import model_of
 
 ROOT = Path(__file__).parents[1]
@@ -430,6 +432,20 @@ def test_a_sweep_is_its_runs_in_their_order_whoever_makes_them() -> None:
         bb.sweep("bogie", 1.0, ["distanze"], {"friction_1": [0.1]})
     with pytest.raises(ValueError, match="the same number of values"):
         bb.sweep("bogie", 1.0, ["distance"], {"friction_1": [0.1], "friction_2": [0.1, 0.2]})
+
+
+class Mixed(ThreadPoolExecutor):
+    """Gives the results of its tasks in another order than it was given them."""
+
+    def map(self, function: Any, *tasks: Any, **more: Any) -> Iterator[Any]:
+        return reversed(list(super().map(function, *tasks, **more)))
+
+
+@pytest.mark.parametrize("count", [2, 2 * PAYS_FROM])
+def test_results_of_another_row_are_refused(count: int) -> None:
+    vary = {"friction_1": np.linspace(0.1, 0.3, count)}
+    with Mixed(1) as executor, pytest.raises(RuntimeError, match="in the order of its tasks; got another one's for"):
+        bb.sweep("bogie", 0.01, ["distance"], vary, executor, level=1, **BRAKED)
 
 
 def test_a_dask_cluster_gives_the_numbers_of_threads_here() -> None:
