@@ -13,10 +13,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from fmpy import read_model_description
-
 from fmu_src import parameter_file
 from fmu_src.archive import write_archive, xml_file
+from fmu_src.cosimulation.opening import description_of
 from fmu_src.parameter_file import add_parameter
 from fmu_src.start_values import with_start_values
 
@@ -116,7 +115,7 @@ def _component(elements: ET.Element, system: str, component: Component, connecti
 
 def _types(component: Component) -> dict[str, str]:
     """Types of the variables of a component's FMU."""
-    return {v.name: v.type for v in read_model_description(str(component.fmu)).modelVariables}
+    return {v.name: v.type for v in description_of(component.fmu).modelVariables}
 
 
 def _parameters(parent: ET.Element, component: Component, prefix: str = "") -> None:

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import io
 import xml.etree.ElementTree as ET
-import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 
-from fmu_src.archive import archive_bytes, xml_file
+from fmu_src.archive import archive_bytes, contents_of, xml_file
 
 #: What the binary reads in place of its start values, face.c: rows NAME,VALUE.
 FILE = "resources/start_values.csv"
@@ -21,8 +19,7 @@ def with_start_values(fmu: Path, values: Mapping[str, float]) -> bytes:
 
     An archive that is not native, or takes no values, stays as it is. Raises ValueError for a name that it has not.
     """
-    with zipfile.ZipFile(io.BytesIO(fmu.read_bytes())) as packed:
-        contents = {name: packed.read(name) for name in packed.namelist()}
+    contents = contents_of(fmu)
     if not values or NATIVE not in contents:
         return fmu.read_bytes()
     about = ET.fromstring(contents["modelDescription.xml"])

@@ -159,9 +159,10 @@ class EndedError(Exception):
         super().__init__("The FMU asked to end the run.")
 
 
+#: By the version of the standard.
+FACES: dict[str, type[Face2] | type[Face3]] = {"2.0": Face2, "3.0": Face3}
+
+
 def face_of(about: ModelDescription, folder: str, name: str, listen: Listener) -> Face2 | Face3:
-    """An instance's face, by the version of its standard. Raises ValueError for another one."""
-    faces: dict[str, type[Face2] | type[Face3]] = {"2.0": Face2, "3.0": Face3}
-    if about.fmiVersion not in faces:
-        raise ValueError(f"{about.modelName} is of FMI {about.fmiVersion}; this master knows 2.0 and 3.0.")
-    return faces[about.fmiVersion](about, folder, name, listen)
+    """An instance's face, by the version of its standard. Raises KeyError for another one."""
+    return FACES[about.fmiVersion](about, folder, name, listen)

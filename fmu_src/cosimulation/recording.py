@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fmu_src.kept import whole_file
 from fmu_src.suggestion import suggestion
-from readers.documents import whole_file
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -95,7 +95,8 @@ class Recording:
         """The table as a file: .csv, ten digits, names with units in its head, or .parquet, units as metadata of its
         columns. It is there as a whole, or as it was before.
 
-        Raises ValueError for another ending, ImportError where Parquet has no package.
+        Raises ValueError for another ending, ImportError where Parquet has no package, StorageError where it cannot be
+        written; what was there before stays then.
         """
         path = Path(path)
         write = {".csv": self._write_csv, ".parquet": self._write_parquet}.get(path.suffix)

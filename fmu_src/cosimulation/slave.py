@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import secrets
 import shutil
+import tempfile
 import weakref
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -10,10 +13,13 @@ from types import TracebackType
 from typing import Any
 
 import numpy as np
-from fmpy import extract, read_model_description
 from fmpy.fmi1 import FMICallException
+from fmpy.model_description import ModelDescription
 
-from fmu_src.cosimulation.faces import EndedError, face_of
+from fmu_src.archive import ArchiveError
+from fmu_src.cosimulation.faces import EndedError, Face2, Face3, face_of
+from fmu_src.cosimulation.opening import unpacked
+from fmu_src.kept import ANOTHER_TEMPORARY, writing
 from fmu_src.suggestion import suggestion
 
 #: What a variable may be set to; a sequence where it is an array, row by row.
@@ -21,13 +27,14 @@ Value = float | str | Sequence[float]
 
 
 class CosimulationError(RuntimeError):
-    """A call to an FMU failed; the text is the FMU's own sentence."""
+    """An FMU cannot be loaded, or a call to it failed; the text is the FMU's own sentence where it says one."""
 
 
 class Slave:
     """One instance of an FMU, with variables by name. A context manager: it cleans up after itself.
 
-    instance: its name where several of one FMU are coupled; by default that of the model.
+    instance: its name where several of one FMU are coupled; by default that of the model. Raises CosimulationError for
+    an FMU that is damaged, is not for co-simulation, has no binary for this platform, or refuses to be instantiated.
 
     >>> with Slave("build/native/BogieDynamics.fmu", initial_speed=25.0) as bogie:
     ...     bogie.start(brake_torque_1=20e3)
@@ -38,22 +45,50 @@ class Slave:
     def __init__(self, path: str | Path, instance: str | None = None, /, **parameters: Value) -> None:
         if not Path(path).is_file():
             raise FileNotFoundError(f"There is no file {path}; give the path of an FMU.")
-        description = read_model_description(str(path))
+        self.messages: list[str] = []
+        self._folder = str(Path(tempfile.gettempdir(), f"bogie-braking-{secrets.token_hex(8)}").absolute())
+        # Registered before there is anything to remove.
+        self._clear = weakref.finalize(self, shutil.rmtree, self._folder, ignore_errors=True)
+        try:
+            self._open(Path(path), instance)
+        except BaseException:
+            self._clear()
+            raise
+        self._parameters: dict[str, Value] = parameters
+
+    def _open(self, path: Path, instance: str | None) -> None:
+        """Unpacks, loads and instantiates the FMU. Raises CosimulationError."""
+        with writing(Path(self._folder), ANOTHER_TEMPORARY):
+            Path(self._folder).mkdir(mode=0o700)
+        try:
+            description = unpacked(path, Path(self._folder))
+        except ArchiveError as error:
+            raise CosimulationError(str(error)) from error
         self.name = instance or description.modelName
         self.guid = description.guid
-        self.messages: list[str] = []
-        self._folder = extract(str(path))
-        self._clear = weakref.finalize(self, shutil.rmtree, self._folder, ignore_errors=True)
-        self._face = face_of(description, self._folder, self.name, self.messages.append)
+        self._face = self._loaded(path, description)
         self.fmu = self._face.fmu
         known = [v for v in description.modelVariables if v.type in self._face.types]
         self._variables = {v.name: (v.valueReference, self._face.types[v.type]) for v in known}
         self._shapes = {v.name: tuple(v.shape) for v in known if v.shape}
         self.units = {v.name: v.unit or "1" for v in description.modelVariables}
         self._nominals = {v.name: float(v.nominal) if v.nominal else 1.0 for v in description.modelVariables}
-        self._parameters: dict[str, Value] = parameters
         self._plans: dict[tuple[str, ...], list[tuple[str, list[int], list[int]]]] = {}
-        self._call(self._face.instantiate)
+        try:
+            self._face.instantiate()
+        except Exception as error:  # FMPy has no class for it
+            self.fmu.freeLibrary()
+            raise CosimulationError(f"{self.name}: {self.messages[-1] if self.messages else error}") from error
+
+    def _loaded(self, path: Path, description: ModelDescription) -> Face2 | Face3:
+        """The functions of the FMU's binary. Raises CosimulationError."""
+        here = os.getcwd()
+        try:
+            return face_of(description, self._folder, self.name, self.messages.append)
+        except Exception as error:  # FMPy has no class for it
+            raise CosimulationError(f"{path} cannot be loaded: {str(error).rstrip('.')}.") from error
+        finally:
+            os.chdir(here)  # FMPy stays in the FMU's folder where a library is none
 
     def __enter__(self) -> Slave:
         return self

@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from fmpy import read_model_description
-
+from fmu_src.cosimulation.opening import description_of
 from fmu_src.cosimulation.slave import Slave
 
 #: Instances at once; an FMU may have few of them.
@@ -31,8 +30,8 @@ class Names:
 class InFmu:
     """Makes controllers for machines with so many wheelsets, each an instance of one FMU; ended ones are used again.
 
-    period: of its questions [s]. Raises ValueError for an FMU that lacks a variable, CosimulationError and what FMPy
-    raises for one that makes no instance.
+    period: of its questions [s]. Raises ValueError for an FMU that lacks a variable, CosimulationError for one that
+    makes no instance.
     """
 
     path: Path
@@ -42,7 +41,7 @@ class InFmu:
     free: list[Slave] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        about = read_model_description(str(self.path))
+        about = description_of(self.path)
         there = [variable.name for variable in about.modelVariables]
         wanted = (*self.names.wheel_speed, *self.names.valve, *(name for name, _ in self.names.values))
         for name in (*wanted, *filter(None, [self.names.period])):

@@ -12,11 +12,11 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from fmpy import read_model_description
-
 from brake_controller.wheel_slide import SlideProtection
 from brake_controller.wheel_spin import SpinProtection
+from fmu_src.archive import ArchiveError
 from fmu_src.compile import CompilerError
+from fmu_src.cosimulation.opening import description_of
 from products.protection.apart import Apart
 from products.protection.forms import Arrays, Form, InC, compiled
 from products.protection.in_fmu import InFmu, Names, names_of
@@ -86,7 +86,7 @@ def fmu_names(path: Path, wheelsets: int) -> Names:
     """
     table = path.with_suffix(".toml")
     try:
-        about = [variable.name for variable in read_model_description(str(path)).modelVariables]
+        about = [variable.name for variable in description_of(path).modelVariables]
         if not table.is_file():
             own = sum(bool(re.fullmatch(r"wheel_speed_\d+", name)) for name in about)
             if own not in (0, wheelsets):
@@ -98,14 +98,14 @@ def fmu_names(path: Path, wheelsets: int) -> Names:
         return Names(tuple(read["wheel_speed"]), tuple(read["valve"]), read.get("period", ""), values)
     except BadInputError:
         raise
+    except ArchiveError as error:
+        raise BadInputError(str(error)) from None
     except tomllib.TOMLDecodeError as error:
         raise BadInputError(f"{table} is no TOML file ({error}); mend it.") from None
     except (KeyError, TypeError, ValueError) as error:
         raise BadInputError(
             f"{table} lacks or mistakes {error}; it names wheel_speed and valve, wheelset by wheelset."
         ) from None
-    except Exception as error:
-        raise BadInputError(f"{path} is no FMU ({error}); give one.") from None
 
 
 def with_gains(file: Path, name: str, gains: str) -> tuple[str, Form]:

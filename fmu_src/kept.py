@@ -1,0 +1,221 @@
+"""Files that stay on disk between runs: written whole or not at all, and checked before they are used.
+
+A kept file has its checksum in a file beside it, NAME.sha256, as `sha256sum --check` reads it.
+"""
+
+from __future__ import annotations
+
+import errno
+import hashlib
+import os
+import secrets
+import stat
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+if sys.platform == "win32":
+    import msvcrt
+else:
+    import fcntl
+
+#: Ending of the names of checksums, of locks, and of files that are being written.
+CHECKSUM, LOCK, PARTIAL = ".sha256", ".lock", ".partial"
+#: Age at which nobody writes a partial file any more [s]: its process was killed.
+STALE = 86400.0
+#: What a system says where a disk, a quota or a limit is full.
+FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+#: Write permissions of others than the owner.
+OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
+#: What to do where a place cannot be written, unless a caller knows better.
+ANOTHER_FOLDER = "choose another folder"
+ANOTHER_TEMPORARY = "name another folder for temporary files in the environment, TMPDIR"
+#: Files whose checksum this process has compared, each with what it was then.
+_compared: dict[Path, tuple[int, ...]] = {}
+
+
+class StorageError(OSError):
+    """A file cannot be written; the text names the place, the reason and the remedy."""
+
+
+def cannot_write(place: Path, error: OSError, remedy: str = ANOTHER_FOLDER) -> StorageError:
+    """Return the error for a place that cannot be written. remedy: how to name another one, as a part of a sentence."""
+    advice = f"free space on its disk, or {remedy}" if error.errno in FULL else remedy
+    if isinstance(error, StorageError) and isinstance(error.__cause__, OSError):
+        error = error.__cause__
+    told = StorageError(f"Cannot write {place}: {error.strerror or error}. {sentence(advice)}")
+    told.errno = error.errno
+    return told
+
+
+def sentence(words: str) -> str:
+    """Return words with a capital and a full stop."""
+    return f"{words[:1].upper()}{words[1:]}."
+
+
+@contextmanager
+def writing(place: Path, remedy: str = ANOTHER_FOLDER) -> Iterator[None]:
+    """Tell an OSError with the place that was written to. Raises StorageError."""
+    try:
+        yield
+    except StorageError:
+        raise
+    except OSError as error:
+        raise cannot_write(place, error, remedy) from error
+
+
+@contextmanager
+def whole_file(path: Path, remedy: str = ANOTHER_FOLDER) -> Iterator[Path]:
+    """Yield the place to write a file to, which then takes the place of `path`; if anything fails, nothing is left.
+
+    A link stays one. A device is written to directly. Raises StorageError.
+    """
+    target = path.resolve()
+    direct = target.exists() and not target.is_file()
+    partial = target if direct else target.with_name(f".{secrets.token_hex(8)}{PARTIAL}")
+    try:
+        with writing(path, remedy):
+            yield partial
+            if not direct:
+                partial.replace(target)
+    except BaseException:
+        if not direct:
+            with suppress(OSError):
+                partial.unlink()
+        raise
+
+
+def write_whole(path: Path, data: bytes, remedy: str = ANOTHER_FOLDER) -> None:
+    """Write a file in one go. Raises StorageError."""
+    with whole_file(path, remedy) as partial:
+        partial.write_bytes(data)
+
+
+def keep(data: bytes, path: Path, remedy: str = ANOTHER_FOLDER) -> None:
+    """Write a file with its checksum. Raises StorageError."""
+    with writing(path, remedy):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        if path.is_symlink():
+            path.unlink()  # what it names is not ours
+        write_whole(path, data, remedy)
+        path.chmod(0o644)  # whatever the umask leaves to others
+        write_whole(checksum_file(path), checksum_line(path.name, data).encode(), remedy)
+
+
+def checksum_file(path: Path) -> Path:
+    """Return the place of a file's checksum."""
+    return path.with_name(path.name + CHECKSUM)
+
+
+def checksum_line(name: str, data: bytes) -> str:
+    """Return a line of `sha256sum` for a file of this name."""
+    return f"{hashlib.sha256(data).hexdigest()}  {name}\n"
+
+
+def whole(path: Path) -> bool:
+    """Whether a kept file is as it was written, is no link, and can be written by its owner alone, who is us.
+
+    The checksum is compared once a process, and again where the file has changed since.
+    """
+    try:
+        about = path.lstat()
+        state = (about.st_ino, about.st_mtime_ns, about.st_ctime_ns, about.st_size, about.st_mode, about.st_uid)
+        if _compared.get(path) == state:
+            return True
+        good = (
+            stat.S_ISREG(about.st_mode)
+            and not of_others(about)
+            and checksum_file(path).read_text(encoding="utf-8") == checksum_line(path.name, path.read_bytes())
+        )
+    except (OSError, ValueError):
+        return False
+    if good:
+        _compared[path] = state
+    return good
+
+
+def of_others(about: os.stat_result) -> str:
+    """Say why a file or folder is not ours alone; empty where it is. Windows has no such owners and modes."""
+    if os.name != "posix":
+        return ""
+    if about.st_uid not in (os.geteuid(), 0):
+        return f"it belongs to user {about.st_uid}, and this is user {os.geteuid()}"
+    if about.st_mode & OTHERS_WRITE:
+        return f"others can write to it (mode {stat.S_IMODE(about.st_mode):04o})"
+    return ""
+
+
+@contextmanager
+def missing(path: Path, remedy: str = ANOTHER_FOLDER) -> Iterator[bool]:
+    """Yield whether a kept file has to be made; one process at a time makes it.
+
+    The system lets go of what a process held that ends in whatever way. A file system without locks holds nobody.
+    Raises StorageError.
+    """
+    if whole(path):
+        yield False
+        return
+    lock = path.with_name(path.name + LOCK)
+    with writing(lock, remedy):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        file = _held(lock)
+    try:
+        remove_stale(path.parent)
+        yield not whole(path)
+    finally:
+        with suppress(OSError):  # Windows removes no open file
+            lock.unlink()
+        os.close(file)
+
+
+def _held(lock: Path) -> int:
+    """Open and lock a file; the one before may remove it while others wait for it: they take a new one."""
+    while True:
+        file = os.open(lock, os.O_RDWR | os.O_CREAT, 0o600)
+        try:
+            with suppress(OSError):
+                _hold(file)
+            if os.name != "posix" or os.path.samestat(os.fstat(file), lock.stat()):
+                return file
+        except FileNotFoundError:
+            pass
+        except BaseException:
+            os.close(file)
+            raise
+        os.close(file)
+
+
+def _hold(file: int) -> None:
+    """Lock a file until it is closed; Windows gives up after ten seconds, others wait."""
+    if sys.platform == "win32":
+        msvcrt.locking(file, msvcrt.LK_LOCK, 1)
+    else:
+        fcntl.flock(file, fcntl.LOCK_EX)
+
+
+def remove_stale(folder: Path) -> None:
+    """Remove partial files whose processes were killed."""
+    for partial in folder.glob(f".*{PARTIAL}"):
+        with suppress(OSError):
+            if time.time() - partial.lstat().st_mtime > STALE:
+                partial.unlink()
+
+
+def kept_files(folder: Path) -> Iterator[Path]:
+    """Yield the kept files in a folder and in those below, whole or not."""
+    for one in sorted(folder.rglob(f"*{CHECKSUM}")):
+        yield one.with_name(one.name.removesuffix(CHECKSUM))
+
+
+def own_folder(folder: Path, remedy: str) -> Path:
+    """Return a folder that nobody else can write to, made where it is missing. Raises StorageError."""
+    with writing(folder, remedy):
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        folder.mkdir(mode=0o700, exist_ok=True)
+        wrong = of_others(folder.stat())
+    if wrong:
+        advice = f"run chmod -R go-w {folder}, or {remedy}" if "others" in wrong else remedy
+        raise StorageError(f"{folder} must be yours alone; {wrong}. {sentence(advice)}")
+    return folder

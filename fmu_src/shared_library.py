@@ -1,0 +1,91 @@
+"""Shared libraries of strangers: whether a file can be loaded without ending the process."""
+
+from __future__ import annotations
+
+import struct
+import sys
+from dataclasses import dataclass
+
+#: What a library of a system begins with; on macOS single and universal ones, of either order of bytes.
+MACH_O = (b"\xcf\xfa\xed\xfe", b"\xfe\xed\xfa\xcf", b"\xca\xfe\xba\xbe", b"\xca\xfe\xba\xbf")
+BEGINNINGS = {"linux": (b"\x7fELF",), "win32": (b"MZ",), "darwin": MACH_O}
+#: ELF: type of a shared object; segments that are loaded, and that of the dynamic section; ELF specification, 1995.
+ET_DYN, PT_LOAD, PT_DYNAMIC = 3, 1, 2
+#: Entries of a dynamic section: its end; addresses of what a loader reads, hash table, names, symbols, relocations.
+DT_NULL, DT_STRTAB, DT_SYMTAB = 0, 5, 6
+ADDRESSES = {3, 4, 5, 6, 7, 12, 13, 17, 23, 25, 26, 0x6FFFFEF5, 0x6FFFFFF0, 0x6FFFFFFC, 0x6FFFFFFE}
+
+
+@dataclass(frozen=True)
+class Segment:
+    """One program header: type, place and size in the file, address and size in memory [bytes]."""
+
+    kind: int
+    offset: int
+    address: int
+    in_file: int
+    in_memory: int
+
+
+def fault_of(data: bytes, system: str = sys.platform) -> str:
+    """Say why a file is no library that a system can load; empty where nothing was found.
+
+    Linux maps a file that is cut off and ends the process where it reads beyond its end. Windows and macOS refuse it.
+    """
+    if not data.startswith(BEGINNINGS.get(system, (b"",))):
+        return "is no shared library of this system"
+    if system != "linux":
+        return ""
+    try:
+        return _fault_of_elf(data)
+    except struct.error:
+        return f"is cut off at {len(data)} bytes"
+
+
+def _fault_of_elf(data: bytes) -> str:
+    """Compare the places that headers name with the length of the file, and what a loader reads with its segments."""
+    wide, order = data[4:5] == b"\x02", ">" if data[5:6] == b"\x02" else "<"
+    if data[4:6] not in (b"\x01\x01", b"\x01\x02", b"\x02\x01", b"\x02\x02"):
+        return "has a damaged header"
+    kind, _, _, _, programs, sections, _, _, each, count, each_section, section_count, _ = struct.unpack_from(
+        f"{order}HHI{'QQQ' if wide else 'III'}IHHHHHH", data, 16
+    )
+    if kind != ET_DYN:
+        return "is no shared library"
+    segments = [_segment(data, programs + number * each, wide, order) for number in range(count)]
+    ends = [one.offset + one.in_file for one in segments if one.in_file]
+    end = max([programs + count * each, sections + section_count * each_section if sections else 0, *ends])
+    if end > len(data):
+        return f"is cut off at {len(data)} of {end} bytes"
+    loads = [one for one in segments if one.kind == PT_LOAD]
+    if any(one.in_file > one.in_memory for one in loads):
+        return "has a damaged segment"
+    [*tables] = [one for one in segments if one.kind == PT_DYNAMIC]
+    if len(tables) != 1 or not _good_table(data, tables[0], loads, f"{order}{'QQ' if wide else 'II'}"):
+        return "has a damaged dynamic section"
+    return ""
+
+
+def _segment(data: bytes, place: int, wide: bool, order: str) -> Segment:
+    if wide:
+        kind, _, offset, address, _, in_file, in_memory, _ = struct.unpack_from(f"{order}IIQQQQQQ", data, place)
+    else:
+        kind, offset, address, _, in_file, in_memory, _, _ = struct.unpack_from(f"{order}IIIIIIII", data, place)
+    return Segment(kind, offset, address, in_file, in_memory)
+
+
+def _good_table(data: bytes, table: Segment, loads: list[Segment], form: str) -> bool:
+    """Whether a dynamic section ends, lies in a segment, and names nothing outside of all of them."""
+
+    def is_inside(address: int) -> bool:
+        return any(one.address <= address < one.address + one.in_memory for one in loads)
+
+    size = struct.calcsize(form)
+    found: dict[int, int] = {}
+    for place in range(table.offset, table.offset + table.in_file - size + 1, size):
+        tag, value = struct.unpack_from(form, data, place)
+        if tag == DT_NULL:
+            named = [value for tag, value in found.items() if tag in ADDRESSES]
+            return {DT_STRTAB, DT_SYMTAB} <= found.keys() and all(map(is_inside, [table.address, *named]))
+        found[tag] = value
+    return False
