@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from bogie_braking.checks import known, line_or_none, names_of, refused, seconds, shown
 from bogie_braking.machines import Runnable, batch_machine_of
 from fmu_src.batch import BatchLibrary, Ends, Instances, run_batch
+from fmu_src.kept import ANOTHER_TEMPORARY, writing
 from fmu_src.system import Variable
 from rbd_model.track.line import Line
 
@@ -116,5 +117,8 @@ def threads_or_none(count: int | None) -> int | None:
 
 
 def file_of(line: Line | None, folder: str) -> str | None:
-    """The path of the file of a line, written into a folder."""
-    return str(line.write(Path(folder) / "line.csv")) if line else None
+    """The path of the file of a line, written into a temporary folder. Raises StorageError."""
+    if line is None:
+        return None
+    with writing(Path(folder), ANOTHER_TEMPORARY):
+        return str(line.write(Path(folder) / "line.csv"))

@@ -17,6 +17,7 @@ from typing import Any
 from bogie_braking.exit_status import BAD_INPUT, DOES_NOT_HOLD, FAILED, HOLDS, INTERRUPTED
 from fmu_src.compile import CompilerError
 from fmu_src.cosimulation.slave import CosimulationError
+from fmu_src.kept import StorageError
 from fmu_src.kernel import KernelError
 from products.prebuilt import PAGE
 from products.registry import FMUS
@@ -163,6 +164,9 @@ def carry_out(chosen: argparse.Namespace) -> int:
         return FAILED
     except BrokenPipeError:
         raise
+    except StorageError as error:
+        print(error, file=sys.stderr)
+        return FAILED
     except OSError as error:
         print(
             f"The results cannot be written to {chosen.out} ({error}); choose another folder with --out.",

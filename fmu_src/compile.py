@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import ctypes
+import errno
 import hashlib
 import os
+import platform
 import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
+from functools import lru_cache
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -28,17 +32,26 @@ from fmu_src.codegen import (
     STUDY_SOURCES,
     generate,
 )
+from fmu_src.kept import (
+    ANOTHER_TEMPORARY,
+    StorageError,
+    cannot_write,
+    keep,
+    missing,
+    own_folder,
+    sentence,
+    whole,
+    write_whole,
+)
 from fmu_src.progress import PATIENCE
 from fmu_src.system import Model
 
-if sys.platform == "win32":
-    import msvcrt
-else:
-    import fcntl
-
 #: Where compiled kernels and FMUs are kept between runs, in the user's folder for such things unless the environment
 #: names another; named by the content of their sources and the compiler.
-CACHE = Path(os.environ.get("BOGIE_BRAKING_CACHE") or platformdirs.user_cache_dir("bogie-braking", False))
+CACHE = Path(os.environ.get("BOGIE_BRAKING_CACHE") or platformdirs.user_cache_dir("bogie-braking", False)).absolute()
+#: How to name another one, and what such a folder must allow.
+ANOTHER_CACHE = "name another folder in the environment, BOGIE_BRAKING_CACHE"
+FROM_WHICH_IT_LOADS = f"{ANOTHER_CACHE}, on a disk from which programs may run"
 #: No contraction of a*b+c: compilers differ in nothing but the last bits of their mathematical library.
 FLAGS = (
     "-std=c11",
@@ -56,6 +69,8 @@ FLAGS = (
 FLAGS_X86 = ("-msse2", "-mfpmath=sse")
 #: Generated code at -O2 takes three times as long to compile and runs 5 % faster; the runtime is small.
 OPTIMISE_GENERATED, OPTIMISE_RUNTIME = "-O1", "-O2"
+#: What compilers say where a disk, a quota or a limit is full.
+FULL_DISK = ("No space left", "Disk quota exceeded", "File size limit", "File too large")
 FMI_HEADERS = Path(fmpy.__file__).parent / "c-code"
 
 
@@ -64,14 +79,18 @@ class CompilerError(RuntimeError):
 
 
 def cache() -> Path:
-    """The folder of the cache, made where it is missing. Raises CompilerError."""
+    """Return the folder of the cache, made where it is missing; nobody else can write to it. Raises CompilerError."""
+    with _told():
+        return own_folder(CACHE, ANOTHER_CACHE)
+
+
+@contextmanager
+def _told() -> Iterator[None]:
+    """Turn a StorageError into a CompilerError, which all who compile expect."""
     try:
-        CACHE.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise CompilerError(
-            f"The cache {CACHE} cannot be made ({error}); name another folder in the environment, BOGIE_BRAKING_CACHE."
-        ) from error
-    return CACHE
+        yield
+    except StorageError as error:
+        raise CompilerError(str(error)) from error
 
 
 #: What brings zig, the compiler from PyPI.
@@ -85,7 +104,7 @@ def compiler(target: str | None = None) -> list[str]:
     """
     if target:
         return [sys.executable, "-m", "ziglang", "cc", "-target", target, "-mcpu=baseline"]
-    if os.environ.get("CC"):
+    if os.environ.get("CC", "").strip():
         return os.environ["CC"].split()
     for name in ("cc", "gcc", "clang"):
         if shutil.which(name):
@@ -109,11 +128,19 @@ def run(command: Sequence[str], target: str | None, folder: Path) -> None:
         raise CompilerError(_zig_is_missing(target))
     try:
         done = subprocess.run([*called, *command], cwd=folder, env=environment, capture_output=True, text=True)
-    except FileNotFoundError:
+    except OSError:
         advice = f"name one in $CC that is here, or leave $CC empty and install gcc or clang, or: {INSTALL_ZIG}"
         raise CompilerError(f"The C compiler {called[0]} of $CC is not on this machine; {advice}") from None
+    if done.returncode != 0 and any(words in done.stderr for words in FULL_DISK):
+        raise CompilerError(str(cannot_write(folder, OSError(errno.ENOSPC, "no space is left"), ANOTHER_TEMPORARY)))
     if done.returncode != 0:
-        raise CompilerError(f"The C compiler ({' '.join(called)}) failed:\n{done.stderr}")
+        raise CompilerError(f"The C compiler ({' '.join(called)}) failed:\n{done.stderr}{_zig_may_be_damaged(called)}")
+
+
+def _zig_may_be_damaged(called: Sequence[str]) -> str:
+    """What to do about zig's own cache, which nobody checks."""
+    own = "ziglang" in called and "ZIG_GLOBAL_CACHE_DIR" not in os.environ
+    return f"If the sources are without fault, remove the folder {CACHE / 'zig'} and try again." if own else ""
 
 
 def _zig_is_missing(target: str | None) -> str:
@@ -162,52 +189,78 @@ def headers_of(name: str, sources: Mapping[str, str]) -> dict[str, str]:
 
 def _object_of(name: str, files: Mapping[str, str], flags: Sequence[str], target: str | None) -> Path:
     """files: the one of that name and the headers that it includes."""
-    path = cache() / f"{_content([*compiler(target), *flags, name], files, RUNTIME_HEADERS)}.o"
-    with _missing(path) as missing:
-        if missing:
-            with tempfile.TemporaryDirectory() as folder:
-                for file, text in files.items():
-                    (Path(folder) / file).write_text(text)
-                compiling = [*flags, f"-I{RUNTIME}", f"-I{FMI_HEADERS}", "-c", "-o", "object", name]
-                run(compiling, target, Path(folder))
-                _keep(Path(folder) / "object", path)
+
+    def compiled(folder: Path) -> Path:
+        for file, text in files.items():
+            (folder / file).write_text(text)
+        run([*flags, f"-I{RUNTIME}", f"-I{FMI_HEADERS}", "-c", "-o", "object", name], target, folder)
+        return folder / "object"
+
+    return in_cache(f"{_content([*compiler(target), *flags, name], files, RUNTIME_HEADERS)}.o", compiled)
+
+
+def in_cache(name: str, make: Callable[[Path], Path]) -> Path:
+    """Return the place in the cache of a file of this name, made now unless it is there and whole.
+
+    make: from a folder for what it needs meanwhile to the file that it makes. Raises CompilerError.
+    """
+    path = cache() / name
+    with _told(), missing(path, ANOTHER_CACHE) as absent:
+        if absent:
+            with workshop() as folder:
+                data = make(folder).read_bytes()
+            keep(data, path, ANOTHER_CACHE)
     return path
 
 
-def _keep(made: Path, path: Path) -> None:
-    """Copies a file to its place, where it is as a whole or not at all."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_name(f"{path.name}.{os.getpid()}")
-    shutil.copyfile(made, partial)
-    partial.replace(path)
+def noted(name: str, make: Callable[[], str], good: Callable[[str], bool] = bool) -> str:
+    """Return the text that the cache has by this name, made again where it is not there, not whole or not `good`.
+
+    Raises CompilerError.
+    """
+    note = cache() / name
+    text = note.read_text(encoding="utf-8") if whole(note) else ""
+    if not good(text):
+        text = make()
+        with _told():
+            keep(text.encode(), note, ANOTHER_CACHE)
+    return text
+
+
+def path_from(text: str) -> Path | None:
+    """Return the file that a note names from the cache's folder on, if it is whole; a copied cache has its own."""
+    path = cache() / text
+    return path if text and path.is_relative_to(cache()) and ".." not in path.parts and whole(path) else None
 
 
 @contextmanager
-def _missing(made: Path) -> Iterator[bool]:
-    """Whether the cache lacks this; one process at a time makes it: two that begin together would each compile it.
-
-    The system lets go of what a process held that ends in whatever way. A file system without locks holds nobody.
-    """
-    if made.exists():
-        yield False
-        return
-    with made.with_suffix(".lock").open("w") as file:
-        with suppress(OSError):
-            _hold(file.fileno())
-        yield not made.exists()
+def workshop() -> Iterator[Path]:
+    """Yield a temporary folder to compile in. Raises CompilerError where it cannot be written."""
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            yield Path(folder)
+    except OSError as error:
+        place = Path(tempfile.tempdir or "a folder for temporary files")
+        raise CompilerError(str(cannot_write(place, error, ANOTHER_TEMPORARY))) from error
 
 
-def _hold(file: int) -> None:
-    """Locks a file until it is closed; Windows gives up after ten seconds, others wait."""
-    if sys.platform == "win32":
-        msvcrt.locking(file, msvcrt.LK_LOCK, 1)
-    else:
-        fcntl.flock(file, fcntl.LOCK_EX)
+def loaded(path: Path) -> ctypes.CDLL:
+    """Load a library of the cache into this process. Raises CompilerError."""
+    try:
+        return ctypes.CDLL(str(path))
+    except OSError as error:
+        raise CompilerError(f"Cannot load {path}: {error}. {sentence(FROM_WHICH_IT_LOADS)}") from error
+
+
+@lru_cache
+def here() -> str:
+    """Return what a library hangs on besides its sources and compiler: system, processor, C library."""
+    return " ".join([sys.platform, platform.machine(), *platform.libc_ver()])
 
 
 def _content(words: Sequence[str], sources: Mapping[str, str], runtime: Sequence[str]) -> str:
     """A name in the cache for what a command, as given in this file, makes of generated sources and the runtime."""
-    digest = hashlib.sha256("\n".join(words).encode())
+    digest = hashlib.sha256("\n".join([here(), *words]).encode())
     for name in sorted(sources):
         digest.update(sources[name].encode())
     for path in (*(RUNTIME / name for name in runtime), Path(__file__)):
@@ -243,9 +296,11 @@ def compile_library(
         )
         objects += objects_of(several, [*wide, OPTIMISE_GENERATED], target)
         objects += objects_of(runtime, [*wide, *shown, OPTIMISE_RUNTIME], target)
-    with tempfile.TemporaryDirectory() as folder:
-        run([*_linking(flags, target), "-o", "library", *map(str, objects), "-lm"], target, Path(folder))
-        _keep(Path(folder) / "library", output)
+    with workshop() as folder:
+        run([*_linking(flags, target), "-o", "library", *map(str, objects), "-lm"], target, folder)
+        data = (folder / "library").read_bytes()
+    output.parent.mkdir(parents=True, exist_ok=True)
+    write_whole(output, data)
 
 
 def _flags_for(target: str | None, flags: Sequence[str]) -> list[str]:
@@ -272,13 +327,13 @@ def library_of(
 ) -> Path:
     """Path of the compiled library of these sources, compiled now unless the cache has it; see compile_library."""
     words = [*compiler(target), *_linking(flags, target), OPTIMISE_GENERATED, str(fmu), str(lanes)]
-    path = (
-        cache() / f"{_content(words, sources, (*RUNTIME_SOURCES, *BATCH_SOURCES, *RUNTIME_HEADERS))}{library_suffix()}"
-    )
-    with _missing(path) as missing:
-        if missing:
-            compile_library(sources, path, flags, target, fmu, lanes)
-    return path
+    content = _content(words, sources, (*RUNTIME_SOURCES, *BATCH_SOURCES, *RUNTIME_HEADERS))
+
+    def linked(folder: Path) -> Path:
+        compile_library(sources, folder / "linked", flags, target, fmu, lanes)
+        return folder / "linked"
+
+    return in_cache(f"{content}{library_suffix()}", linked)
 
 
 def batch_library(sources: Mapping[str, str], lanes: int) -> Path:
@@ -300,17 +355,15 @@ def plain_library(
     own = _flags_for(target, FLAGS)
     parts = [(sources, own), (foreign or {}, _flags_for(target, FOREIGN_FLAGS))]
     words = [*compiler(target), *_linking(own, target), *sorted(sources), "foreign", *sorted(foreign or {})]
-    path = cache() / f"{_content(words, {**sources, **(foreign or {})}, ())}{library_suffix()}"
-    with _missing(path) as missing:
-        if missing:
-            objects = [one for files, flags in parts for one in objects_of(files, [*flags, OPTIMISE_RUNTIME], target)]
-            with tempfile.TemporaryDirectory() as folder:
-                # Elsewhere what is missing is an error anyway.
-                whole = ["-Wl,-z,defs"] if "linux" in (target or sys.platform) else []
-                linking = [*_linking(own, target), *whole, "-o", "library", *map(str, objects), "-lm"]
-                run(linking, target, Path(folder))
-                _keep(Path(folder) / "library", path)
-    return path
+    # Elsewhere what is missing is an error anyway.
+    complete = ["-Wl,-z,defs"] if "linux" in (target or sys.platform) else []
+
+    def linked(folder: Path) -> Path:
+        objects = [one for files, flags in parts for one in objects_of(files, [*flags, OPTIMISE_RUNTIME], target)]
+        run([*_linking(own, target), *complete, "-o", "library", *map(str, objects), "-lm"], target, folder)
+        return folder / "library"
+
+    return in_cache(f"{_content(words, {**sources, **(foreign or {})}, ())}{library_suffix()}", linked)
 
 
 #: WebAssembly with the C library of WASI; a page gives what of its system the kernel asks for.
@@ -319,36 +372,32 @@ WEB_TARGET = "wasm32-wasi"
 
 def web_module(model: Model) -> Path:
     """Path of a WebAssembly module with the functions of kernel.h, and malloc, compiled now unless the cache has it."""
-    sources = generate(model)
-    flags = [flag for flag in FLAGS if flag != "-fPIC"]
-    linking = [OPTIMISE_RUNTIME, "-mexec-model=reactor", "-s", "-Wl,--export-dynamic", "-Wl,--export=malloc"]
-    words = [*compiler(WEB_TARGET), *flags, *linking]
-    path = cache() / f"{_content(words, sources, (*KERNEL_SOURCES, *RUNTIME_HEADERS))}.wasm"
-    with _missing(path) as missing:
-        if missing:
-            runtime = {name: (RUNTIME / name).read_text() for name in KERNEL_SOURCES}
-            objects = objects_of(sources, [*flags, OPTIMISE_GENERATED], WEB_TARGET)
-            objects += objects_of(runtime, [*flags, "-DKERNEL_LIBRARY", OPTIMISE_RUNTIME], WEB_TARGET)
-            with tempfile.TemporaryDirectory() as folder:
-                run([*linking, "-o", "module", *map(str, objects), "-lm"], WEB_TARGET, Path(folder))
-                _keep(Path(folder) / "module", path)
-    return path
+    runtime = {name: (RUNTIME / name).read_text() for name in KERNEL_SOURCES}
+    return _web(generate(model), runtime)
 
 
 def web_library(sources: Mapping[str, str]) -> Path:
     """Path of a WebAssembly module of C files that need nothing of the runtime, with malloc, compiled unless it is
     cached.
     """
+    return _web({}, sources)
+
+
+def _web(generated: Mapping[str, str], others: Mapping[str, str]) -> Path:
+    """The module of generated sources and of others, which are compiled as the runtime is."""
     flags = [flag for flag in FLAGS if flag != "-fPIC"]
     linking = [OPTIMISE_RUNTIME, "-mexec-model=reactor", "-s", "-Wl,--export-dynamic", "-Wl,--export=malloc"]
-    path = cache() / f"{_content([*compiler(WEB_TARGET), *flags, *linking], sources, ())}.wasm"
-    with _missing(path) as missing:
-        if missing:
-            objects = objects_of(sources, [*flags, OPTIMISE_RUNTIME], WEB_TARGET)
-            with tempfile.TemporaryDirectory() as folder:
-                run([*linking, "-o", "module", *map(str, objects), "-lm"], WEB_TARGET, Path(folder))
-                _keep(Path(folder) / "module", path)
-    return path
+    shown = ["-DKERNEL_LIBRARY"] if generated else []
+    words = [*compiler(WEB_TARGET), *flags, *linking]
+    content = _content(words, {**generated, **others}, RUNTIME_HEADERS if generated else ())
+
+    def linked(folder: Path) -> Path:
+        objects = objects_of(generated, [*flags, OPTIMISE_GENERATED], WEB_TARGET) if generated else []
+        objects += objects_of(others, [*flags, *shown, OPTIMISE_RUNTIME], WEB_TARGET)
+        run([*linking, "-o", "module", *map(str, objects), "-lm"], WEB_TARGET, folder)
+        return folder / "module"
+
+    return in_cache(f"{content}.wasm", linked)
 
 
 def build_library(model: Model) -> Path:

@@ -103,10 +103,14 @@ class KernelError(Exception):
 
 
 class Library:
-    """A compiled model: names of the variables, and the C functions with their signatures."""
+    """A compiled model: names of the variables, and the C functions with their signatures. Raises KernelError."""
 
     def __init__(self, path: str | Path) -> None:
-        self.functions = ctypes.CDLL(str(path))
+        try:
+            self.functions = ctypes.CDLL(str(path))
+        except OSError as error:
+            words = f"Cannot load {path}: {error}. Put it on a disk from which programs may run."
+            raise KernelError(words, ERROR) from error
         for name, (result, arguments) in _SIGNATURES.items():
             function = getattr(self.functions, name)
             function.restype, function.argtypes = result, arguments

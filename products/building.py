@@ -15,7 +15,7 @@ from fmpy.validation import validate_fmu
 
 from brake_controller.protection_fmu import wheel_slide_in_c, wheel_slide_protection
 from fmu_src.chain import ONE_WRITES
-from fmu_src.compile import CompilerError, build_library, cache, compiler, library_suffix
+from fmu_src.compile import CompilerError, build_library, compiler, here, in_cache, library_suffix
 from fmu_src.native_fmu import PLATFORMS, PLATFORMS3, build_native_fmu, build_native_fmu3
 from fmu_src.python_fmu import build_python_fmu
 from fmu_src.references import reference_files
@@ -96,10 +96,12 @@ def up_to_date(name: str, kind: str) -> Path:
 
 def _in_cache(name: str, kind: str) -> Path:
     """Equal content has one place."""
-    words = hashlib.sha256(" ".join([content_of(name), *compiler()]).encode()).hexdigest()
-    out = cache() / "fmus" / words[:24]
-    path = fmu_path(name, kind, out)
-    return path if path.exists() else write_fmu(name, kind, out)
+    words = hashlib.sha256(" ".join([content_of(name), here(), *compiler()]).encode()).hexdigest()
+
+    def written(folder: Path) -> Path:
+        return write_fmu(name, kind, folder)
+
+    return in_cache(fmu_path(name, kind, Path("fmus") / words[:24]).as_posix(), written)
 
 
 def kernel_of(name: str) -> Path:

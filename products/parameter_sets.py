@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from brake_controller.ready_sets import ReadySet, qr30_experiment, uic_g, uic_p, with_dump_valve
+from fmu_src.kept import write_whole
 from fmu_src.parameter_file import parameter_file
 from fmu_src.system import ParameterSet
 from products.braked_vehicle import coach_brake
@@ -129,5 +130,5 @@ def write_sets(names: Sequence[str], out: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     for fmu in names:
         for name, data in set_files(fmu).items():
-            (folder / name).write_bytes(data)
+            write_whole(folder / name, data)
             print(folder / name)

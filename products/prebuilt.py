@@ -7,6 +7,7 @@ else the C is generated, which takes seconds, and compared, so that nothing is c
 
 import hashlib
 import json
+from functools import cache
 from pathlib import Path
 
 from fmu_src.codegen import generate, guid_of
@@ -45,28 +46,55 @@ def content_of(name: str) -> str:
 
 
 def write_contents(folder: Path, platform: str, names: list[str]) -> None:
-    """Says in a folder for which platform its files are, and from what they were made."""
+    """Says in a folder for which platform its files are, from what they were made, and their checksums."""
     made = {"contents": {name: content_of(name) for name in names}, "page": digest(*PAGE_SOURCES)}
-    about = {"platform": platform, "sources": sources_here()} | made
+    files = [path for path in sorted(folder.rglob("*")) if path.is_file() and path.name != CONTENTS]
+    sums = {path.relative_to(folder).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
+    about = {"platform": platform, "sources": sources_here()} | made | {"files": sums}
     (folder / CONTENTS).write_text(json.dumps(about, indent=2) + "\n", encoding="utf-8")
 
 
 def contents() -> dict:
-    """What `write_contents` has said; nothing where no release has filled the folder."""
+    """What `write_contents` has said; nothing where no release has filled the folder, or what it said is damaged."""
     file = PREBUILT / CONTENTS
-    return json.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
+    try:
+        about = json.loads(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    good = isinstance(about, dict) and isinstance(about.get("contents"), dict) and isinstance(about.get("files"), dict)
+    return about if good else {}
+
+
+def shipped(file: str) -> Path | None:
+    """A file of the folder that is as the release made it."""
+    path, about = PREBUILT / file, contents()
+    try:
+        now = path.stat()
+        return path if _same(path, about.get("files", {}).get(file, ""), now.st_size, now.st_mtime_ns) else None
+    except OSError:
+        return None
+
+
+@cache
+def _same(path: Path, checksum: str, size: int, changed: int) -> bool:
+    """Whether a file has a checksum, looked at once; size, changed [ns]: of the file, which is another one then."""
+    return hashlib.sha256(path.read_bytes()).hexdigest() == checksum
+
+
+def damaged() -> list[str]:
+    """Files of the folder that are not as the release made them."""
+    return [file for file in contents().get("files", {}) if shipped(file) is None]
 
 
 def prebuilt(name: str, file: str) -> Path | None:
-    """The file of an FMU of the registry that a release made, if the sources here would make the same."""
-    path, about = PREBUILT / file, contents()
-    if not about or not path.exists():
+    """The file of an FMU of the registry that a release made: whole, and as the sources here would make it."""
+    path, about = shipped(file), contents()
+    if path is None:
         return None
-    same = about["sources"] == sources_here() or about["contents"][name] == content_of(name)
+    same = about.get("sources") == sources_here() or about["contents"].get(name) == content_of(name)
     return path if same else None
 
 
 def prebuilt_page(name: str = PAGE) -> Path | None:
-    """A live page that a release made, if no source of it has changed."""
-    same = contents().get("page") == digest(*PAGE_SOURCES)
-    return PREBUILT / name if same else None
+    """A live page that a release made, if it is whole and no source of it has changed."""
+    return shipped(name) if contents().get("page") == digest(*PAGE_SOURCES) else None

@@ -2,12 +2,12 @@
 
 import hashlib
 import inspect
-import os
 from collections.abc import Callable
 from importlib.metadata import version
 from pathlib import Path
 
-from fmu_src.compile import cache, compiler
+from fmu_src import compile as compiling
+from fmu_src.compile import cache, compiler, here, path_from
 from products.prebuilt import SOURCES, sources_here
 from products.registry import FMUS
 from products.sources import ROOT
@@ -23,30 +23,28 @@ def remembered(name: str, what: str, make: Callable[[], str], good: Callable[[st
 
 def noted(what: str, make: Callable[[], str], good: Callable[[str], bool] = bool) -> str:
     """The same for whatever functions of this project make."""
-    words = [sources_here(), what, *compiler(), *map(version, ("casadi", "fmpy"))]
-    note = cache() / f"{hashlib.sha256(repr(words).encode()).hexdigest()[:24]}.made"
-    text = note.read_text(encoding="utf-8") if note.exists() else ""
-    if not good(text):
-        text = make()
-        whole = note.with_suffix(f".{os.getpid()}")
-        whole.write_text(text, encoding="utf-8")
-        whole.replace(note)
-    return text
+    words = [sources_here(), what, here(), *compiler(), *map(version, ("casadi", "fmpy"))]
+    return compiling.noted(f"{hashlib.sha256(repr(words).encode()).hexdigest()[:24]}.made", make, good)
 
 
 def noted_path(what: str, make: Callable[[], Path]) -> Path:
-    """The file that `make` made, while it is there."""
-    return Path(noted(what, lambda: str(make()), is_there))
+    """The file in the cache that `make` made, while it is there and whole."""
+    return cache() / noted(what, lambda: place_of(make()), is_there)
 
 
 def remembered_path(name: str, what: str, make: Callable[[], Path]) -> Path:
-    """The file that `make` made, while it is there."""
-    return Path(remembered(name, what, lambda: str(make()), is_there))
+    """The file in the cache that `make` made, while it is there and whole."""
+    return cache() / remembered(name, what, lambda: place_of(make()), is_there)
+
+
+def place_of(path: Path) -> str:
+    """A file's place from the cache's folder on: a cache that is copied or moved serves its own files."""
+    return path.relative_to(cache()).as_posix()
 
 
 def is_there(text: str) -> bool:
-    """Whether a text is the path of a file."""
-    return bool(text) and Path(text).exists()
+    """Whether a text is the place of a file of the cache that is whole."""
+    return path_from(text) is not None
 
 
 def written_here(name: str) -> bool:

@@ -3,19 +3,25 @@
 It imports nothing but the standard library until it knows that the packages are there.
 """
 
+import base64
+import hashlib
+import os
 import platform
 import sys
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from importlib.metadata import PackageNotFoundError, metadata, version
+from importlib.metadata import PackageNotFoundError, distribution, metadata, version
 from pathlib import Path
 from typing import Any
 
-PROJECT = "bogie-braking"
+PROJECT, PACKAGE = "bogie-braking", "bogie_braking"
 LEAST_PYTHON = (3, 10)
 #: How a finding is called that is as it should be, that is not and stops the work, and that is not but may be.
 OK, MISSING, WITHOUT = "ok", "MISSING", "without"
+#: What is compiled, and how many bytes are written, to see whether that works; names in a line.
+PROBE_IN_C = "#include <math.h>\ndouble root(double);\ndouble root(double x) { return sqrt(x); }\n"
+PROBE, MOST_NAMES = 1 << 16, 3
 
 
 @dataclass(frozen=True)
@@ -46,7 +52,8 @@ def findings() -> Iterator[Finding]:
     yield from installed
     if all(one.verdict != MISSING for one in installed):
         shipped = prebuilt()
-        yield from (shipped, compiler(shipped.verdict == OK), cache())
+        compiles = compiler(shipped.verdict == OK)
+        yield from (installation(), shipped, compiles, cache(compiles.verdict == OK))
 
 
 def python() -> Finding:
@@ -95,11 +102,44 @@ def group(extra: str, asked: Mapping[str, Any]) -> Finding:
     return Finding(WITHOUT if extra else MISSING, f"{label}: {', '.join(wrong)}", f"{install}, in a checkout with -e .")
 
 
+def installation() -> Finding:
+    """Whether the files of the package are those that were installed: tables, pages and code among them."""
+    own = [one for one in distribution(PROJECT).files or [] if one.parts[0] == PACKAGE]
+    listed = [one for one in own if one.hash and one.hash.mode == "sha256"]
+    if not listed:
+        return Finding(OK, "installation: a checkout, whose files have no checksums")
+    wrong = [str(one) for one in listed if not unchanged(Path(str(one.locate())), str(one.hash and one.hash.value))]
+    text = f"installation: {len(listed)} files"
+    if wrong:
+        return Finding(MISSING, f"{text}; damaged: {shortened(wrong)}", f"pip install --force-reinstall '{PROJECT}'")
+    return Finding(OK, text)
+
+
+def unchanged(path: Path, checksum: str) -> bool:
+    """Whether a file has the SHA-256 that pip noted, in base64 without padding."""
+    try:
+        found = hashlib.sha256(path.read_bytes()).digest()
+    except OSError:
+        return False
+    return base64.urlsafe_b64encode(found).decode().rstrip("=") == checksum
+
+
+def shortened(names: Sequence[str]) -> str:
+    """Names for one line."""
+    more = f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
+    return ", ".join(names[:MOST_NAMES]) + more
+
+
 def prebuilt() -> Finding:
     """What a wheel brings compiled."""
-    from products.prebuilt import contents, sources_here
+    from products.prebuilt import CONTENTS, PREBUILT, contents, damaged, sources_here
 
-    about = contents()
+    about, wrong = contents(), damaged()
+    if not about and (PREBUILT / CONTENTS).exists():
+        wrong = [CONTENTS]
+    if wrong:
+        text = f"prebuilt FMUs: damaged: {shortened(wrong)}"
+        return Finding(WITHOUT, text, "Install the package again; until then each is compiled when it is first needed.")
     if not about:
         return Finding(WITHOUT, "prebuilt FMUs: none", "Nothing to do: each is compiled when it is first needed.")
     text = f"prebuilt FMUs: {', '.join(about['contents'])} for {about['platform']}"
@@ -116,7 +156,7 @@ def compiler(spared: bool) -> Finding:
     command = " ".join(compiling.compiler())
     try:
         with tempfile.TemporaryDirectory() as folder:
-            (Path(folder) / "probe.c").write_text("#include <math.h>\ndouble root(double x) { return sqrt(x); }\n")
+            (Path(folder) / "probe.c").write_text(PROBE_IN_C)
             compiling.run(["-shared", "-fPIC", "-o", "probe", "probe.c", "-lm"], None, Path(folder))
     except (compiling.CompilerError, OSError) as error:
         reason = " ".join(str(error).split())
@@ -127,15 +167,24 @@ def compiler(spared: bool) -> Finding:
     return Finding(OK, f"C compiler: {command}")
 
 
-def cache() -> Finding:
-    """Where compiled kernels and FMUs are kept."""
+def cache(compiles: bool) -> Finding:
+    """Where compiled kernels and FMUs are kept, looked at as whoever loads them does; compiles: whether C can be."""
     from fmu_src import compile as compiling
+    from fmu_src.kept import StorageError, kept_files, whole, write_whole
 
     try:
-        with tempfile.TemporaryFile(dir=compiling.cache()):
-            pass
-    except (compiling.CompilerError, OSError) as error:
-        advice = "Name a folder that can be written in the environment, BOGIE_BRAKING_CACHE."
-        return Finding(MISSING, f"cache: {compiling.CACHE} cannot be written ({error})", advice)
+        probe = compiling.cache() / f"doctor-{os.getpid()}"
+        write_whole(probe, bytes(PROBE))
+        probe.unlink()
+        if compiles:
+            compiling.loaded(compiling.plain_library({"probe.c": PROBE_IN_C}))
+    except (compiling.CompilerError, StorageError) as error:
+        reason, _, advice = str(error).partition(". ")
+        return Finding(MISSING, f"cache: {reason}", advice or compiling.sentence(compiling.ANOTHER_CACHE))
     size = sum(path.stat().st_size for path in compiling.CACHE.rglob("*") if path.is_file())
-    return Finding(OK, f"cache: {compiling.CACHE}, {size / 1e6:.0f} MB")
+    text = f"cache: {compiling.CACHE}, {size / 1e6:.0f} MB"
+    wrong = [one.name for one in kept_files(compiling.CACHE) if one.exists() and not whole(one)]
+    if wrong:
+        text += f"; not whole: {shortened(wrong)}"
+        return Finding(WITHOUT, text, "Nothing to do: each is made again when it is next needed.")
+    return Finding(OK, text)

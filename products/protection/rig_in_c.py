@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from brake_controller.protection_fmu import MOST_WHEELSETS
-from fmu_src.compile import plain_library
+from fmu_src.compile import loaded, plain_library
 from products.protection.forms import FOLDER, FunctionsInC
 
 
@@ -78,7 +78,7 @@ BEYOND = -1
 def functions() -> ctypes.CDLL:
     """The rig's own C, compiled once."""
     names = ("rig.c", "encoder.c", "rig.h", "encoder.h", "wheel_slide.h")
-    library = ctypes.CDLL(str(plain_library({name: (FOLDER / name).read_text(encoding="utf-8") for name in names})))
+    library = loaded(plain_library({name: (FOLDER / name).read_text(encoding="utf-8") for name in names}))
     pointer, count = ctypes.c_void_p, ctypes.c_longlong
     signatures: dict[str, tuple[Any, list[Any]]] = {
         "rig_create": (pointer, [count, *map(ctypes.POINTER, (Settings, FunctionsInC, Desk))]),

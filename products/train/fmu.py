@@ -11,8 +11,7 @@ import numpy as np
 from fmu_src.arrays_fmu import ArraysInC, ArrayVariable, Lengths, binary_of_arrays, build_arrays_fmu
 from fmu_src.compile import library_suffix
 from fmu_src.native_fmu import PLATFORMS, PLATFORMS3
-from products.prebuilt import contents, sources_here
-from products.sources import PREBUILT
+from products.prebuilt import contents, shipped, sources_here
 from products.train.consist import Consist
 from products.train.numbers import Settings, numbers_of
 from products.train.train import (
@@ -139,15 +138,10 @@ def lengths_of(consist: Consist) -> Lengths:
     return Lengths(lengths, starts, 0.01, 60.0)
 
 
-def prebuilt_binary(name: str) -> Path:
-    """Where a wheel has the binary of its platform."""
-    return PREBUILT / "train" / f"{name}{library_suffix()}"
-
-
 def own_binary(given: ArraysInC) -> bytes:
     """The binary for this platform, of the wheel where no source has changed, or compiled. Raises CompilerError."""
-    path = prebuilt_binary(given.name)
-    if path.exists() and contents().get("sources") == sources_here():
+    path = shipped(f"train/{given.name}{library_suffix()}")
+    if path and contents().get("sources") == sources_here():
         return path.read_bytes()
     return binary_of_arrays(given)
 

@@ -18,7 +18,7 @@ from brake_controller.air import GAS_CONSTANT, HEAT_CAPACITY_RATIO
 from brake_controller.brake_pipe import ending, leaking, passing, rates, sides, tapped, tapping, walled, warmed
 from brake_controller.distributor import AMBIENT, STATES, DistributorParameters, distributing, empirical, fastest_change
 from fmu_src.arrays_fmu import FOLDER as FACES
-from fmu_src.compile import plain_library
+from fmu_src.compile import loaded, plain_library
 from fmu_src.equations_in_c import WIDTHS, function_of_cells
 
 FOLDER, ROWS = Path(folder.__file__).parent, FACES / "rows.h"
@@ -64,7 +64,7 @@ def sources() -> dict[str, str]:
 @lru_cache
 def functions() -> ctypes.CDLL:
     """The pipe's C, compiled once."""
-    library = ctypes.CDLL(str(plain_library(sources())))
+    library = loaded(plain_library(sources()))
     declare(library)
     return library
 

@@ -15,7 +15,7 @@ from brake_controller.air import GAS_CONSTANT
 from brake_controller.distributor import AMBIENT
 from brake_controller.drivers_valve import POSITIONS
 from brake_controller.vehicle_brake import braking
-from fmu_src.compile import plain_library
+from fmu_src.compile import loaded, plain_library
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.equations_in_c import WIDTHS, function_of_cells
 from products.train import c as folder
@@ -102,7 +102,7 @@ def _limits() -> str:
 @lru_cache
 def functions() -> ctypes.CDLL:
     """The train's C, compiled once."""
-    library = ctypes.CDLL(str(plain_library(sources())))
+    library = loaded(plain_library(sources()))
     pointer, count, number = ctypes.c_void_p, ctypes.c_longlong, ctypes.c_double
     block, told = ctypes.POINTER(number), ctypes.POINTER(count)
     declare(library)

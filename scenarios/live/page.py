@@ -15,6 +15,7 @@ from brake_controller.wheel_slide import common_protection
 from fmu_src import __version__
 from fmu_src.codegen import generate, guid_of
 from fmu_src.compile import web_module
+from fmu_src.kept import write_whole
 from products.braked_vehicle import FULL_PRESSURE
 from products.prebuilt import prebuilt_page
 from rbd_model.track.line_table import LINE
@@ -44,7 +45,7 @@ def write_page(path: Path) -> Path:
     made = prebuilt_page()
     text = made.read_text(encoding="utf-8") if made else page()
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(text, encoding="utf-8")
+    write_whole(path, text.encode())
     return path
 
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from fmu_src import __version__
 from fmu_src.compile import web_library
+from fmu_src.kept import write_whole
 from products.prebuilt import prebuilt_page
 from products.train.consist import block_train
 from products.train.numbers import Settings, numbers_of
@@ -66,5 +67,5 @@ def write_train_page(path: Path) -> Path:
     """Writes it. Raises CompilerError, OSError."""
     path.parent.mkdir(parents=True, exist_ok=True)
     made = prebuilt_page(PAGE)
-    path.write_text(made.read_text(encoding="utf-8") if made else train_page(), encoding="utf-8")
+    write_whole(path, made.read_bytes() if made else train_page().encode())
     return path

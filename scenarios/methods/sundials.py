@@ -3,8 +3,6 @@
 import ctypes
 import hashlib
 import math
-import os
-import tempfile
 import time as clock
 from collections.abc import Callable
 from functools import lru_cache
@@ -62,17 +60,14 @@ def driver() -> ctypes.CDLL:
 
     folder = Path(sksundae.__file__).parent.parent / "scikit_sundae.libs"
     libraries = [str(next(folder.glob(f"libsundials_{name}-*"))) for name in LIBRARIES]
-    words = " ".join([*compiling.compiler(), *FLAGS, *libraries])
+    words = " ".join([compiling.here(), *compiling.compiler(), *FLAGS, *libraries])
     digest = hashlib.sha256(SOURCE.read_bytes() + words.encode()).hexdigest()
-    path = compiling.cache() / f"sundials-{digest[:16]}{compiling.library_suffix()}"
-    if not path.exists():
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=path.parent) as place:
-            made = Path(place) / "driver"
-            command = [*FLAGS, "-o", str(made), str(SOURCE), *libraries, f"-Wl,-rpath,{folder}"]
-            compiling.run(command, None, path.parent)
-            os.replace(made, path)
-    return ctypes.CDLL(str(path))
+
+    def linked(work: Path) -> Path:
+        compiling.run([*FLAGS, "-o", "driver", str(SOURCE), *libraries, f"-Wl,-rpath,{folder}"], None, work)
+        return work / "driver"
+
+    return compiling.loaded(compiling.in_cache(f"sundials-{digest[:16]}{compiling.library_suffix()}", linked))
 
 
 def _address(function: Callable[..., int]) -> int | None:

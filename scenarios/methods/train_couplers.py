@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import odeint
 
-from fmu_src.compile import plain_library
+from fmu_src.compile import loaded, plain_library
 from products.train.consist import Consist, block_train
 from products.train.numbers import Settings
 from products.train.train import Train, sources
@@ -63,7 +63,7 @@ class Equations(ctypes.Structure):
 @lru_cache
 def functions() -> ctypes.CDLL:
     """The train's own C and train_couplers.c, compiled once."""
-    library = ctypes.CDLL(str(plain_library(sources() | {SOURCE.name: SOURCE.read_text(encoding="utf-8")})))
+    library = loaded(plain_library(sources() | {SOURCE.name: SOURCE.read_text(encoding="utf-8")}))
     pointer, count, number = ctypes.c_void_p, ctypes.c_longlong, ctypes.c_double
     signatures: dict[str, tuple[Any, list[Any]]] = {
         "equations_laws": (None, [pointer, count, *[pointer] * 5]),

@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 
 from fmu_src import __version__
 from fmu_src.cosimulation.recording import Recording
+from fmu_src.kept import cannot_write
 from readers.documents import document_text
 from scenarios.reporting.motion import Motion
 from scenarios.reporting.plots import message_of, plt
@@ -168,7 +169,8 @@ def save(
 ) -> Path:
     """Writes results/NAME in one move: a run that fails on the way leaves the folder as it was.
 
-    Among the pictures in summary.json each has its message. Raises ValueError where a figure has none.
+    Among the pictures in summary.json each has its message. Raises ValueError where a figure has none,
+    StorageError.
 
     further: writes what else is asked for into the folder, when all else is there.
     """
@@ -195,8 +197,10 @@ def save(
         partial.chmod(0o755)
         exchange(partial, out / name)
         return out / name
-    except BaseException:
+    except BaseException as error:
         shutil.rmtree(partial, ignore_errors=True)
+        if isinstance(error, OSError):
+            raise cannot_write(out / name, error, "choose another folder with --out") from error
         raise
 
 

@@ -260,7 +260,7 @@ def test_without_compiler_or_cache_doctor_tells(
 def test_with_prebuilt_fmus_a_compiler_is_spared(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    about = {"platform": "here", "sources": digest(*prebuilt.SOURCES), "contents": {"brake": "x"}}
+    about = {"platform": "here", "sources": digest(*prebuilt.SOURCES), "contents": {"brake": "x"}, "files": {}}
     (tmp_path / prebuilt.CONTENTS).write_text(json.dumps(about))
     monkeypatch.setattr(prebuilt, "PREBUILT", tmp_path)
     monkeypatch.setenv("CC", "no-such-compiler")

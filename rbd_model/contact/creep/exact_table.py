@@ -4,8 +4,10 @@
 """
 
 import math
+import zlib
 from functools import lru_cache
 from pathlib import Path
+from zipfile import BadZipFile
 
 import casadi as ca
 import numpy as np
@@ -35,9 +37,12 @@ def exact_law(patch: ContactPatch) -> tuple[ca.SX, ca.SX]:
 
 @lru_cache
 def shipped() -> CreepTable:
-    """The table that ships, Kalker (1990)."""
-    with np.load(SHIPPED) as file:
-        return CreepTable(file["forces"].astype(float))
+    """Return the table that ships, Kalker (1990). Raises RuntimeError where the file is damaged."""
+    try:
+        with np.load(SHIPPED) as file:
+            return CreepTable(file["forces"].astype(float))
+    except (OSError, ValueError, KeyError, EOFError, BadZipFile, zlib.error) as error:
+        raise RuntimeError(f"{SHIPPED} is damaged: {error}. Install the package again.") from error
 
 
 def made() -> CreepTable:
