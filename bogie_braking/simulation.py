@@ -6,15 +6,16 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from numbers import Real
-from pathlib import Path
 
 import numpy as np
 
+from bogie_braking.batches import file_of
 from bogie_braking.checks import line_or_none, names_of, refused, seconds, shown
 from bogie_braking.histories import History, Value
 from bogie_braking.machines import Runnable, machine_of
 from fmu_src.cosimulation.recording import Recording
-from fmu_src.kernel import Kernel
+from fmu_src.kernel import Kernel, KernelError
+from fmu_src.refusals import without_value_before
 from fmu_src.suggestion import suggestion
 from rbd_model.track.line import Line
 
@@ -46,15 +47,19 @@ class Simulation:
         self._machine = machine_of(what, values, line is not None)
         self._kernel = Kernel(self._machine.library)
         self._histories: dict[str, History] = {}
-        if line is not None:
-            self._lay(line)
-        self._take(values)
+        self._told = 0  # of the kernel's sentences, so many were in a recording
+        try:
+            if line is not None:
+                self._lay(line)
+            self._take(values)
+        except KernelError as error:
+            raise KernelError(without_value_before(str(error)), error.status) from error
 
     def _lay(self, line: Line) -> None:
         if "line_file" not in self._machine.variables:
             raise refused(f"{self._machine.name} runs on no line; leave the line out.")
         with tempfile.TemporaryDirectory() as folder:  # a kernel reads a line once and keeps it
-            self._kernel.set(line_file=str(line.write(Path(folder) / "line.csv")))
+            self._kernel.set(line_file=str(file_of(line, folder)))
 
     @property
     def time(self) -> float:
@@ -105,10 +110,11 @@ class Simulation:
             raise ValueError(
                 f"Give an interval above {interval:g} s: {duration:g} s would be more than {MOST:g} numbers."
             )
-        heard, before = len(kernel.journal), kernel.counts if kernel.initialised else {}
+        before = kernel.counts if kernel.initialised else {}
         rows = self._rows(duration, interval, asked)
         units = {"time": "s"} | {name: variables[name].unit for name in asked}
         counts = {name: count - before.get(name, 0) for name, count in kernel.counts.items()}
+        heard, self._told = self._told, len(kernel.journal)
         return Recording(units, rows, kernel.journal[heard:], counts)
 
     def _rows(self, duration: float, interval: float, names: Sequence[str]) -> list[list[float]]:

@@ -138,6 +138,14 @@ def mark_of_rows(varied: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> st
     return mark_of({name: [row[name] for row in rows] for name in varied})
 
 
+def sentences_of(ends: Sequence[Ending]) -> list[str]:
+    """What runs said; of one that was refused with the number of its row."""
+    refused = (all(map(math.isnan, values)) and said for values, said in ends)
+    return [
+        f"Row {row}: {said}" if one else said for row, (one, (_, said)) in enumerate(zip(refused, ends, strict=True))
+    ]
+
+
 def sweep(
     what: Runnable,
     duration: float,
@@ -151,11 +159,12 @@ def sweep(
 
     Columns have shape (rows,): the row's number, what is varied, and the variables `names` after the duration [s], or
     as a run ended before. The sentence of a row is what its run said. A run that is refused has NaN there, and its
-    sentence says why. executor: what runs them, such as `dask.distributed.Client(...).get_executor()`; by default a
-    thread for each processor, as the equations leave Python's lock. A thousand runs or more whose values are numbers
-    are made by `batch`, on an executor a thousand a task; that changes no bit. Raises KeyError for a name that there is
-    not, ValueError where columns differ in length or the duration is not above 0, TypeError for equations of one's own
-    on an executor, which they cannot be sent to, RuntimeError where an executor gives another row's results.
+    sentence says why, after the number of its row. executor: what runs them, such as
+    `dask.distributed.Client(...).get_executor()`; by default a thread for each processor, as the equations leave
+    Python's lock. A thousand runs or more whose values are numbers are made by `batch`, on an executor a thousand a
+    task; that changes no bit. Raises KeyError for a name that there is not, ValueError where columns differ in length
+    or the duration is not above 0, TypeError for equations of one's own on an executor, which they cannot be sent to,
+    RuntimeError where an executor gives another row's results.
     """
     duration, line = seconds("the duration", duration), line_or_none(line)
     check_executor(executor, what)
@@ -170,7 +179,7 @@ def sweep(
     given: list[dict[str, Value]] = [{**values, **row} for row in rows]
     ends = ends_of(what, duration, line, names, given, executor, list(columns))
     table = [[number, *row.values(), *end] for number, (row, (end, _)) in enumerate(zip(rows, ends, strict=True))]
-    return Recording(units, table, [said for _, said in ends], {"runs": len(rows)})
+    return Recording(units, table, sentences_of(ends), {"runs": len(rows)})
 
 
 def check_executor(executor: Any, what: Runnable) -> None:

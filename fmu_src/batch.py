@@ -24,6 +24,7 @@ from fmu_src.codegen import generate
 from fmu_src.compile import batch_library, build_library
 from fmu_src.kernel import DISCARD, ERROR, Kernel, KernelError, Library
 from fmu_src.progress import PATIENCE
+from fmu_src.refusals import without_value_before
 from fmu_src.suggestion import suggestion
 from fmu_src.system import Model, System
 
@@ -245,8 +246,8 @@ def run_batch(
         if count:
             _in_threads(library, min(threads or os.cpu_count() or 1, count), runs, queue)
         found = {name: result[:, i] for i, name in enumerate(outputs)}
-        failures = {row: _text(said[row]) for row in np.flatnonzero(status > DISCARD).tolist()}
-        all_said = [_text(one) for one in said] if says_all else None
+        failures = {row: without_value_before(_text(said[row])) for row in np.flatnonzero(status > DISCARD).tolist()}
+        all_said = [failures.get(row, _text(one)) for row, one in enumerate(said)] if says_all else None
     finally:
         for one in filter(None, said):
             library.functions.batch_free_said(one)

@@ -17,10 +17,11 @@ import numpy as np
 import pytest
 
 import bogie_braking as bb
-from bogie_braking import parts
+from bogie_braking import parts, sweeping
 from bogie_braking.machines import machine_of
 from bogie_braking.sweeping import PAYS_FROM
 from fmu_src.system import model_of
+from tests.fmu.sled import sled
 
 ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "docs" / "public.md").read_text(encoding="utf-8")
@@ -446,6 +447,36 @@ def test_results_of_another_row_are_refused(count: int) -> None:
     vary = {"friction_1": np.linspace(0.1, 0.3, count)}
     with Mixed(1) as executor, pytest.raises(RuntimeError, match="in the order of its tasks; got another one's for"):
         bb.sweep("bogie", 0.01, ["distance"], vary, executor, level=1, **BRAKED)
+
+
+def test_a_value_that_is_refused_is_told_with_its_row_and_no_other_stays_in_force(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Alone and in a batch. The sentence said that the start value was taken, where the row is NaN."""
+    system = sled().systems[0]
+    masses = {"mass": [10.0, -1e9, float("nan"), 10.0]}
+    tables = [bb.sweep(system, 0.5, ["distance"], masses)]
+    monkeypatch.setattr(sweeping, "PAYS_FROM", 2)
+    tables.append(bb.sweep(system, 0.5, ["distance"], masses))
+    for table in tables:
+        assert np.isnan(table["distance"]).tolist() == [False, True, True, False]
+        assert table.sentences == [
+            "",
+            "Row 1: Set mass to at least 0.001 kg: -1e+09 kg is below this limit.",
+            "Row 2: Set mass to a finite number: it was given nan.",
+            "",
+        ]
+    with pytest.raises(bb.KernelError, match=r"^Set mass to at least 0.001 kg: -1 kg is below this limit\.$"):
+        bb.run(system, 0.5, mass=-1.0)
+    [failure] = bb.batch(system, 0.5, ["distance"], mass=[10.0, -1.0]).failures.values()
+    assert failure == "Set mass to at least 0.001 kg: -1 kg is below this limit."
+
+
+def test_a_signal_that_is_lost_before_the_first_step_is_told() -> None:
+    """It was told to nobody, and the brake was applied."""
+    assert bb.run("brake", 0.1, pressure_demand=float("nan")).sentences == [
+        "The signal pressure_demand is lost (NaN): it counts as 350000 Pa, the safe side."
+    ]
 
 
 def test_a_dask_cluster_gives_the_numbers_of_threads_here() -> None:
