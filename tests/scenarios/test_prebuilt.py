@@ -19,15 +19,22 @@ from scenarios.live import page as live
 PLATFORM = next(tag for tag in platform_tags() if tag in release.WHEELS)
 
 
-@pytest.fixture
-def filled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+@pytest.fixture(scope="module")
+def filled_once(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder as in a wheel, with the brake."""
-    folder = tmp_path / "prebuilt"
-    folder.mkdir()
-    monkeypatch.setattr(release, "DIFFERENT", ["brake"])
-    release.fill(folder, PLATFORM)
-    monkeypatch.setattr(prebuilt, "PREBUILT", folder)
+    folder = tmp_path_factory.mktemp("prebuilt")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(release, "DIFFERENT", ["brake"])
+        release.fill(folder, PLATFORM)
     return folder
+
+
+@pytest.fixture
+def filled(filled_once: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A copy of it."""
+    shutil.copytree(filled_once, tmp_path / "prebuilt")
+    monkeypatch.setattr(prebuilt, "PREBUILT", tmp_path / "prebuilt")
+    return tmp_path / "prebuilt"
 
 
 def refuse(*_: object) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import threading
 import time
 from collections.abc import Callable
@@ -13,6 +14,7 @@ import pytest
 from brake_controller.cylinder import brake_cylinder
 from brake_controller.parameters import qr30
 from fmu_src import compile as compiling
+from fmu_src.kept import CHECKSUM
 from fmu_src.system import Model, System
 from products import building, remembered
 from products.prebuilt import PAGE_SOURCES
@@ -23,9 +25,22 @@ from rbd_model.levels import models
 from rbd_model.vehicle.description import Vehicle
 
 
+@pytest.fixture(scope="module")
+def objects(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A cache with the objects of the rail's kernel and nothing else, as the tests here compile the same files."""
+    folder = tmp_path_factory.mktemp("objects")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(compiling, "CACHE", folder)
+        building.kernel_of("rail")
+    for path in folder.iterdir():
+        if not path.name.endswith((".o", f".o{CHECKSUM}")):
+            path.unlink()
+    return folder
+
+
 @pytest.fixture
-def made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[], int]:
-    """An empty cache, and how often equations were written since then."""
+def made(objects: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[], int]:
+    """A cache without libraries and notes, and how often equations were written since then."""
     written: list[str] = []
     model_of = building.model_of
 
@@ -33,6 +48,7 @@ def made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[], int]:
         written.append(name)
         return model_of(name)
 
+    shutil.copytree(objects, tmp_path / "cache")
     monkeypatch.setattr(compiling, "CACHE", tmp_path / "cache")
     monkeypatch.setattr(building, "model_of", counted)
     return lambda: len(written)
