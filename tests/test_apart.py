@@ -14,7 +14,7 @@ from fmu_src.kernel import KernelError
 from products.protection import in_fmu as in_fmu_module
 from products.protection.apart import Apart, NoControllerError, Order, called_apart, runs_apart
 from products.protection.braked_machine import bogie, coach
-from products.protection.forms import compiled
+from products.protection.forms import InC, compiled
 from products.protection.in_fmu import InFmu, Names
 from products.protection.protected_stop import Settings
 from products.protection.rails import RAILS
@@ -110,6 +110,10 @@ def test_what_always_ends_its_process_is_not_asked_for_ever(tmp_path: Path) -> N
 def test_what_is_no_controller_is_told(tmp_path: Path) -> None:
     (tmp_path / "libtext.so").write_text("no library")
     (tmp_path / "nothing.c").write_text("int nothing;\n")
+    whole = compiled(tmp_path / "nothing.c").path.read_bytes()
+    (tmp_path / "cut.so").write_bytes(whole[: len(whole) // 2])
+    with pytest.raises(OSError, match=r"cut\.so is cut off at \d+ of \d+ bytes"):  # a bus error ended Python
+        InC(tmp_path / "cut.so").functions(2)
     for path in (tmp_path / "libtext.so", compiled(tmp_path / "nothing.c").path):
         with pytest.raises(NoControllerError):
             runs_apart(Order(bogie(), Apart(partial(in_c, path)), Settings()), [Run(RAILS[0].values())])

@@ -16,6 +16,7 @@ from brake_controller import rig
 from brake_controller.protection_fmu import HEADER, LARGEST_MEMORY
 from brake_controller.wheel_slide import WheelSlideController
 from fmu_src.compile import plain_library
+from fmu_src.shared_library import fault_of
 
 Numbers = NDArray[np.float64]
 #: Runs that go on together.
@@ -48,7 +49,9 @@ class InC:
 
     @cached_property
     def library(self) -> ctypes.CDLL:
-        """Loaded into this process. Raises OSError for what is no library."""
+        """Loaded into this process. Raises OSError for what is no library, or one that is cut off."""
+        if fault := fault_of(self.path.read_bytes()):
+            raise OSError(f"{self.path} {fault}")
         return ctypes.CDLL(str(self.path))
 
     def functions(self, wheelsets: int) -> FunctionsInC:

@@ -1,6 +1,6 @@
 """Model exchange: FMPy's CVODE on the native FMU, at the level whose states it exchanges."""
 
-import shutil
+import tempfile
 import time as clock
 from collections.abc import Mapping
 
@@ -36,8 +36,14 @@ def drive(fmu: FMU2Model, histories: Mapping[int, History]) -> dict[str, int]:
 
 def exchange(scene: Scene, tolerance: float) -> Run:
     """A scene through FMPy's CVODE with this relative tolerance, in nominal values absolute."""
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:  # Windows removes no loaded library
+        return _exchanged(scene, tolerance, folder)
+
+
+def _exchanged(scene: Scene, tolerance: float, folder: str) -> Run:
+    """folder: what the FMU is unpacked to."""
     path = up_to_date(scene.fmu, "native")
-    about, folder = read_model_description(str(path)), extract(str(path))
+    about, _ = read_model_description(str(path)), extract(str(path), folder)
     fmu = instantiate_fmu(folder, about, "ModelExchange")
     references = {v.name: v.valueReference for v in about.modelVariables}
     work = drive(fmu, {references[name]: history for name, history in scene.inputs.items()})
@@ -61,6 +67,5 @@ def exchange(scene: Scene, tolerance: float) -> Run:
         failure = str(error)
     seconds = clock.perf_counter() - begin
     fmu.freeInstance()
-    shutil.rmtree(folder, ignore_errors=True)
     samples = {} if failure else {"time": table["time"]} | {name: table[f"state_{name}"] for name in scene.read}
     return Run(samples, seconds, work, failure)
