@@ -174,7 +174,7 @@ def cache(compiles: bool) -> Finding:
 
     try:
         probe = compiling.cache() / f"doctor-{os.getpid()}"
-        write_whole(probe, bytes(PROBE))
+        write_whole(probe, bytes(PROBE), compiling.ANOTHER_CACHE)
         probe.unlink()
         if compiles:
             compiling.loaded(compiling.plain_library({"probe.c": PROBE_IN_C}))
