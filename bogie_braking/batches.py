@@ -14,9 +14,9 @@ from numpy.typing import ArrayLike
 from bogie_braking.checks import known, line_or_none, names_of, refused, seconds, shown
 from bogie_braking.machines import Runnable, batch_machine_of
 from fmu_src.batch import BatchLibrary, Ends, Instances, run_batch
-from fmu_src.kept import ANOTHER_TEMPORARY, writing
 from fmu_src.system import Variable
 from rbd_model.track.line import Line
+from readers.storage import ANOTHER_TEMPORARY, writing
 
 
 def batch(

@@ -17,10 +17,10 @@ from typing import Any
 from bogie_braking.exit_status import BAD_INPUT, DOES_NOT_HOLD, FAILED, HOLDS, INTERRUPTED
 from fmu_src.compile import CompilerError
 from fmu_src.cosimulation.slave import CosimulationError
-from fmu_src.kept import StorageError
 from fmu_src.kernel import KernelError
 from products.prebuilt import PAGE
 from products.registry import FMUS
+from readers.storage import StorageError
 from scenarios.catalogue import SCENARIOS, find
 from scenarios.completion import completion
 from scenarios.controllers import command as controllers

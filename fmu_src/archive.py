@@ -14,7 +14,7 @@ from functools import partial
 from pathlib import Path
 from typing import BinaryIO
 
-from fmu_src.kept import ANOTHER_TEMPORARY, StorageError, write_whole, writing
+from readers.storage import ANOTHER_TEMPORARY, StorageError, write_whole, writing
 
 #: The earliest date a zip archive can hold.
 FIXED_DATE = (1980, 1, 1, 0, 0, 0)

@@ -32,19 +32,10 @@ from fmu_src.codegen import (
     STUDY_SOURCES,
     generate,
 )
-from fmu_src.kept import (
-    ANOTHER_TEMPORARY,
-    StorageError,
-    cannot_write,
-    keep,
-    missing,
-    own_folder,
-    sentence,
-    whole,
-    write_whole,
-)
+from fmu_src.kept import keep, missing, own_folder, whole
 from fmu_src.progress import PATIENCE
 from fmu_src.system import Model
+from readers.storage import ANOTHER_TEMPORARY, StorageError, cannot_write, sentence, write_whole
 
 #: Where compiled kernels and FMUs are kept between runs, in the user's folder for such things unless the environment
 #: names another; named by the content of their sources and the compiler.
@@ -132,7 +123,8 @@ def run(command: Sequence[str], target: str | None, folder: Path) -> None:
         advice = f"name one in $CC that is here, or leave $CC empty and install gcc or clang, or: {INSTALL_ZIG}"
         raise CompilerError(f"The C compiler {called[0]} of $CC is not on this machine; {advice}") from None
     if done.returncode != 0 and any(words in done.stderr for words in FULL_DISK):
-        raise CompilerError(str(cannot_write(folder, OSError(errno.ENOSPC, "no space is left"), ANOTHER_TEMPORARY)))
+        told = cannot_write(folder, OSError(errno.ENOSPC, "no space is left"), ANOTHER_TEMPORARY)
+        raise CompilerError(str(told)) from told
     if done.returncode != 0:
         raise CompilerError(f"The C compiler ({' '.join(called)}) failed:\n{done.stderr}{_zig_may_be_damaged(called)}")
 

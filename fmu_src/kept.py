@@ -1,14 +1,12 @@
-"""Files that stay on disk between runs: written whole or not at all, and checked before they are used.
+"""Files that stay on disk between runs, and are checked before they are used.
 
 A kept file has its checksum in a file beside it, NAME.sha256, as `sha256sum --check` reads it.
 """
 
 from __future__ import annotations
 
-import errno
 import hashlib
 import os
-import secrets
 import stat
 import sys
 import time
@@ -16,81 +14,21 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from readers.storage import ANOTHER_FOLDER, PARTIAL, StorageError, sentence, write_whole, writing
+
 if sys.platform == "win32":
     import msvcrt
 else:
     import fcntl
 
-#: Ending of the names of checksums, of locks, and of files that are being written.
-CHECKSUM, LOCK, PARTIAL = ".sha256", ".lock", ".partial"
+#: Ending of the names of checksums and of locks.
+CHECKSUM, LOCK = ".sha256", ".lock"
 #: Age at which nobody writes a partial file any more [s]: its process was killed.
 STALE = 86400.0
-#: What a system says where a disk, a quota or a limit is full.
-FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 #: Write permissions of others than the owner.
 OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
-#: What to do where a place cannot be written, unless a caller knows better.
-ANOTHER_FOLDER = "choose another folder"
-ANOTHER_TEMPORARY = "name another folder for temporary files in the environment, TMPDIR"
 #: Files whose checksum this process has compared, each with what it was then.
 _compared: dict[Path, tuple[int, ...]] = {}
-
-
-class StorageError(OSError):
-    """A file cannot be written; the text names the place, the reason and the remedy."""
-
-
-def cannot_write(place: Path, error: OSError, remedy: str = ANOTHER_FOLDER) -> StorageError:
-    """Return the error for a place that cannot be written. remedy: how to name another one, as a part of a sentence."""
-    advice = f"free space on its disk, or {remedy}" if error.errno in FULL else remedy
-    if isinstance(error, StorageError) and isinstance(error.__cause__, OSError):
-        error = error.__cause__
-    told = StorageError(f"Cannot write {place}: {error.strerror or error}. {sentence(advice)}")
-    told.errno = error.errno
-    return told
-
-
-def sentence(words: str) -> str:
-    """Return words with a capital and a full stop."""
-    return f"{words[:1].upper()}{words[1:]}."
-
-
-@contextmanager
-def writing(place: Path, remedy: str = ANOTHER_FOLDER) -> Iterator[None]:
-    """Tell an OSError with the place that was written to. Raises StorageError."""
-    try:
-        yield
-    except StorageError:
-        raise
-    except OSError as error:
-        raise cannot_write(place, error, remedy) from error
-
-
-@contextmanager
-def whole_file(path: Path, remedy: str = ANOTHER_FOLDER) -> Iterator[Path]:
-    """Yield the place to write a file to, which then takes the place of `path`; if anything fails, nothing is left.
-
-    A link stays one. A device is written to directly. Raises StorageError.
-    """
-    target = path.resolve()
-    direct = target.exists() and not target.is_file()
-    partial = target if direct else target.with_name(f".{secrets.token_hex(8)}{PARTIAL}")
-    try:
-        with writing(path, remedy):
-            yield partial
-            if not direct:
-                partial.replace(target)
-    except BaseException:
-        if not direct:
-            with suppress(OSError):
-                partial.unlink()
-        raise
-
-
-def write_whole(path: Path, data: bytes, remedy: str = ANOTHER_FOLDER) -> None:
-    """Write a file in one go. Raises StorageError."""
-    with whole_file(path, remedy) as partial:
-        partial.write_bytes(data)
 
 
 def keep(data: bytes, path: Path, remedy: str = ANOTHER_FOLDER) -> None:
@@ -99,9 +37,9 @@ def keep(data: bytes, path: Path, remedy: str = ANOTHER_FOLDER) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
         if path.is_symlink():
             path.unlink()  # what it names is not ours
-        write_whole(path, data, remedy)
+        write_whole(path, data, remedy, synced=False)  # a checksum shows what a power cut left
         path.chmod(0o644)  # whatever the umask leaves to others
-        write_whole(checksum_file(path), checksum_line(path.name, data).encode(), remedy)
+        write_whole(checksum_file(path), checksum_line(path.name, data).encode(), remedy, synced=False)
 
 
 def checksum_file(path: Path) -> Path:

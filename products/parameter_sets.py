@@ -5,7 +5,6 @@ from dataclasses import replace
 from pathlib import Path
 
 from brake_controller.ready_sets import ReadySet, qr30_experiment, uic_g, uic_p, with_dump_valve
-from fmu_src.kept import write_whole
 from fmu_src.parameter_file import parameter_file
 from fmu_src.system import ParameterSet
 from products.braked_vehicle import coach_brake
@@ -22,6 +21,7 @@ from rbd_model.vehicle.parameters import (
     tables_5_1_and_5_2,
     tables_8_1_and_8_2,
 )
+from readers.storage import write_whole
 
 #: What a file says of itself, with the pressure of the experiment.
 QR30 = "Brake of one wheelset in the experiment at {} kPa, chapters 6 and 7"

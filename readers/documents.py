@@ -1,13 +1,10 @@
-"""JSON documents: read within limits, checked value by value, and written whole."""
+"""JSON documents: read within limits, and checked value by value."""
 
 from __future__ import annotations
 
 import json
 import math
-import os
-import sys
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -144,42 +141,6 @@ def finite(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [finite(one) for one in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
-@contextmanager
-def whole_file(path: Path) -> Iterator[Path]:
-    """Yield the place to write a file to, which then takes the place of `path`, on disk. If it fails, `path` stays."""
-    target = path.resolve()  # a link stays one
-    partial = target.with_name(f".{target.name}.{os.getpid()}")
-    try:
-        yield partial
-        with partial.open("rb+") as file:
-            os.fsync(file.fileno())
-        partial.replace(target)
-    except BaseException as error:
-        with suppress(OSError):
-            partial.unlink()
-        if isinstance(error, OSError) and error.filename == str(partial):
-            error.filename = str(path)  # the name that was given
-        raise
-    sync_folder(target.parent)
-
-
-def write_whole(path: Path, content: bytes) -> None:
-    """Write a file that is on disk as a whole when this returns. If it fails, the file is as it was."""
-    with whole_file(path) as partial:
-        partial.write_bytes(content)
-
-
-def sync_folder(folder: Path) -> None:
-    """Bring the names in a folder to disk; Windows does so by itself."""
-    if sys.platform == "win32":
-        return
-    place = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(place)
-    finally:
-        os.close(place)
 
 
 # -- limits ----------------------------------------------------------------------------------------------------------

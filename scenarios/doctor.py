@@ -170,7 +170,8 @@ def compiler(spared: bool) -> Finding:
 def cache(compiles: bool) -> Finding:
     """Where compiled kernels and FMUs are kept, looked at as whoever loads them does; compiles: whether C can be."""
     from fmu_src import compile as compiling
-    from fmu_src.kept import StorageError, kept_files, whole, write_whole
+    from fmu_src.kept import kept_files, whole
+    from readers.storage import StorageError, write_whole
 
     try:
         probe = compiling.cache() / f"doctor-{os.getpid()}"

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fmu_src.kept import whole_file
 from fmu_src.suggestion import suggestion
+from readers.storage import whole_file
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

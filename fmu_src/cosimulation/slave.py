@@ -19,8 +19,8 @@ from fmpy.model_description import ModelDescription
 from fmu_src.archive import ArchiveError
 from fmu_src.cosimulation.faces import EndedError, Face2, Face3, face_of
 from fmu_src.cosimulation.opening import unpacked
-from fmu_src.kept import ANOTHER_TEMPORARY, writing
 from fmu_src.suggestion import suggestion
+from readers.storage import ANOTHER_TEMPORARY, writing
 
 #: What a variable may be set to; a sequence where it is an array, row by row.
 Value = float | str | Sequence[float]

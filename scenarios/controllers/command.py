@@ -44,7 +44,7 @@ from products.protection.protected_stop import Settings
 from products.protection.rails import RAILS
 from products.protection.rig import check_period
 from products.protection.runs import TRACTION
-from readers.documents import write_whole
+from readers.storage import write_whole
 from scenarios.controllers import answering, loop, replay, verdict
 from scenarios.controllers.given import controllers_of
 from scenarios.controllers.page import page

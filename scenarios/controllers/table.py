@@ -9,7 +9,8 @@ from pathlib import Path
 from products.protection.protected_stop import Settings
 from products.protection.rails import LOCK_ABOVE
 from products.protection.rig import START_SPEED
-from readers.documents import document_text, finite, write_whole
+from readers.documents import document_text, finite
+from readers.storage import write_whole
 from scenarios.controllers.scoring import Scored
 from scenarios.controllers.words import words_of
 

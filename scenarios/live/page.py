@@ -15,11 +15,11 @@ from brake_controller.wheel_slide import common_protection
 from fmu_src import __version__
 from fmu_src.codegen import generate, guid_of
 from fmu_src.compile import web_module
-from fmu_src.kept import write_whole
 from products.braked_vehicle import FULL_PRESSURE
 from products.prebuilt import prebuilt_page
 from rbd_model.track.line_table import LINE
 from rbd_model.vehicle.description import size_of
+from readers.storage import write_whole
 from scenarios import reporting
 from scenarios.live.lines import CANTS, rows_of
 from scenarios.live.machines import MACHINES, YAW_PER_BRAKE_TORQUE, model_of

@@ -11,7 +11,7 @@ from typing import Any
 import plotly.graph_objects as go
 from plotly.offline import get_plotlyjs
 
-from readers.documents import write_whole
+from readers.storage import write_whole
 from scenarios.catalogue import SCENARIOS
 from scenarios.reporting import plots
 from scenarios.reporting.html_report import drawn, environment, sentence

@@ -16,8 +16,8 @@ from matplotlib.figure import Figure
 
 from fmu_src import __version__
 from fmu_src.cosimulation.recording import Recording
-from fmu_src.kept import cannot_write
 from readers.documents import document_text
+from readers.storage import cannot_write
 from scenarios.reporting.motion import Motion
 from scenarios.reporting.plots import message_of, plt
 

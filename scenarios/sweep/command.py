@@ -25,7 +25,7 @@ from typing import Any
 
 from tqdm import tqdm
 
-from readers.documents import sync_folder
+from readers.storage import is_full, sync_folder
 from scenarios import catalogue
 from scenarios.reporting.progress import PATIENCE
 from scenarios.reporting.report import versions
@@ -34,7 +34,7 @@ from scenarios.sweep.cluster import cluster
 from scenarios.sweep.grid import Grid, grid_of, points_of
 from scenarios.sweep.journal import JOURNAL, Journal
 from scenarios.sweep.lock import only_writer
-from scenarios.sweep.points import FULL, Evaluator, SweepError, in_processes, point_function, sources
+from scenarios.sweep.points import Evaluator, SweepError, in_processes, point_function, sources
 from scenarios.sweep.table import Rows, remove_table, write_table
 
 
@@ -194,11 +194,12 @@ def saying_where_room_is_missing(folder: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        if error.errno not in FULL:
+        if not is_full(error):
             raise
+        reason = error.strerror or str(error)
         raise SweepError(
-            f"{folder} must have room for the results; got {error.strerror!r}. Make room, and the same command goes on "
-            "from the points that are done."
+            f"{folder} must have room for the results; got {reason!r}. Make room, and the same command goes on from "
+            "the points that are done."
         ) from None
 
 

@@ -15,7 +15,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, BinaryIO
 
-from readers.documents import LARGEST, document, integer_in, is_number, mapping_in, shown, sync_folder, text_in
+from readers.documents import LARGEST, document, integer_in, is_number, mapping_in, shown, text_in
+from readers.storage import sync_folder
 from scenarios.scenario import BadInputError
 from scenarios.sweep.points import Outcome, Point, SweepError
 

@@ -3,7 +3,6 @@
 Light to import: every worker process does.
 """
 
-import errno
 import math
 import multiprocessing
 import os
@@ -22,14 +21,13 @@ from numbers import Real
 from typing import Any
 
 from products.sources import CODE, ROOMS, digest
+from readers.storage import is_full
 from scenarios.reporting.progress import hide_bars
 
 #: Points that each worker has before it, so that it need not wait for the next one.
 AHEAD = 2
 #: Windows cannot wait for more processes than that.
 MOST_JOBS = 61 if sys.platform == "win32" else sys.maxsize
-#: Error numbers of a full disk. They end a sweep; they are not failures of a point.
-FULL = {errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)}
 #: Longest message on a failure [characters]; longer ones are cut off.
 LONGEST_FAILURE = 2000
 #: What building a kernel needs is not made for threads; a Dask worker may have several.
@@ -63,13 +61,13 @@ Evaluator = Callable[[Evaluate, Mapping[int, Point]], Outcomes]
 def evaluate(run: Callable[..., Mapping[str, float | None]], promised: Sequence[str], point: Point) -> Outcome:
     """Runs one point; an error, or anything but the promised finite results, is its failure.
 
-    Raises OSError where a disk is full.
+    Raises OSError or CompilerError where a disk is full.
     """
     try:
         with ONE_AT_A_TIME:
             outcome = judge(run(**point), promised)
     except (Exception, SystemExit) as error:
-        if isinstance(error, OSError) and error.errno in FULL:
+        if is_full(error):
             raise
         outcome = Outcome(failure=f"{type(error).__name__}: {error}")
     said = None if outcome.failure is None else one_line(outcome.failure)

@@ -6,7 +6,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from readers.documents import document_text, write_whole
+from readers.documents import document_text
+from readers.storage import write_whole
 from scenarios.scenario import Sweepable
 from scenarios.sweep.points import Outcome, Point
 

@@ -20,8 +20,8 @@ from fmu_src import archive
 from fmu_src.compile import library_suffix
 from fmu_src.cosimulation import slave as slave_module
 from fmu_src.cosimulation.slave import CosimulationError, Slave
-from fmu_src.kept import StorageError
 from products.protection.in_fmu import InFmu
+from readers.storage import StorageError
 from scenarios.controllers.given import fmu_names
 from scenarios.scenario import BadInputError
 from tests.fmu.limits import files_of_at_most

@@ -11,7 +11,8 @@ from pathlib import Path
 import pytest
 
 from fmu_src.cosimulation.recording import Recording
-from readers.documents import DEEPEST, LARGEST_INTEGER, document, document_text, read_document, write_whole
+from readers.documents import DEEPEST, LARGEST_INTEGER, document, document_text, read_document
+from readers.storage import StorageError, write_whole
 from readers.text import FileError
 
 REFUSED = {
@@ -88,12 +89,12 @@ def test_a_file_that_cannot_be_written_is_as_it_was(tmp_path: Path, monkeypatch:
     def full(place: int) -> None:
         raise OSError("No space left on device")
 
-    monkeypatch.setattr("readers.documents.os.fsync", full)
+    monkeypatch.setattr("readers.storage.os.fsync", full)
     with pytest.raises(OSError, match="No space left"):
         write_whole(path, b"new")
     assert path.read_bytes() == b"old"
     assert list(tmp_path.iterdir()) == [path]
-    with pytest.raises(FileNotFoundError, match=r"nowhere/table\.csv'$"):
+    with pytest.raises(StorageError, match=r"nowhere/table\.csv: No such file or directory\. Choose another folder\.$"):
         write_whole(tmp_path / "nowhere" / "table.csv", b"new")
 
 
@@ -110,10 +111,10 @@ def test_a_recording_is_written_whole_or_stays_as_it_was(
         raise OSError("No space left on device")
 
     with monkeypatch.context() as patch:
-        patch.setattr("readers.documents.os.fsync", full)
+        patch.setattr("readers.storage.os.fsync", full)
         with pytest.raises(OSError, match="No space left"):
             Recording({"time": "s"}, [[3.0]]).write(path)
     assert path.read_bytes() == before
     assert list(tmp_path.iterdir()) == [path]
-    with pytest.raises(FileNotFoundError, match="nowhere"):
+    with pytest.raises(StorageError, match="nowhere"):
         table.write(tmp_path / "nowhere" / path.name)

@@ -1,0 +1,104 @@
+"""Files are written whole or not at all; what cannot be written is told with place, reason and remedy."""
+
+from __future__ import annotations
+
+import errno
+import os
+import secrets
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+#: Ending of the name of a file that is being written.
+PARTIAL = ".partial"
+#: What a system says where a disk, a quota or a limit is full.
+FULL = {errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)}
+#: What to do where a place cannot be written, unless a caller knows better.
+ANOTHER_FOLDER = "choose another folder"
+ANOTHER_TEMPORARY = "name another folder for temporary files in the environment, TMPDIR"
+
+
+class StorageError(OSError):
+    """A file cannot be written; the text names the place, the reason and the remedy. full: for want of space."""
+
+    full = False
+
+
+def is_full(error: BaseException | None) -> bool:
+    """Whether an error, or one that it came from, is that of a full disk."""
+    while error is not None:
+        if getattr(error, "full", False) or (isinstance(error, OSError) and error.errno in FULL):
+            return True
+        error = error.__cause__
+    return False
+
+
+def cannot_write(place: Path, error: OSError, remedy: str = ANOTHER_FOLDER) -> StorageError:
+    """Return the error for a place that cannot be written. remedy: how to name another one, as a part of a sentence."""
+    if isinstance(error, StorageError) and isinstance(error.__cause__, OSError):
+        error = error.__cause__
+    advice = f"free space on its disk, or {remedy}" if is_full(error) else remedy
+    told = StorageError(f"Cannot write {place}: {error.strerror or error}. {sentence(advice)}")
+    told.full = is_full(error)
+    return told
+
+
+def sentence(words: str) -> str:
+    """Return words with a capital and a full stop."""
+    return f"{words[:1].upper()}{words[1:]}."
+
+
+@contextmanager
+def writing(place: Path, remedy: str = ANOTHER_FOLDER) -> Iterator[None]:
+    """Tell an OSError with the place that was written to. Raises StorageError."""
+    try:
+        yield
+    except StorageError:
+        raise
+    except OSError as error:
+        raise cannot_write(place, error, remedy) from error
+
+
+@contextmanager
+def whole_file(path: Path, remedy: str = ANOTHER_FOLDER, *, synced: bool = True) -> Iterator[Path]:
+    """Yield the place to write a file to, which then takes the place of `path`; if anything fails, `path` stays.
+
+    A link stays one. A device is written to directly. synced: the file is on disk, not on its way to it, when this
+    ends. Raises StorageError.
+    """
+    target = path.resolve()
+    direct = target.exists() and not target.is_file()
+    partial = target if direct else target.with_name(f".{secrets.token_hex(8)}{PARTIAL}")
+    try:
+        with writing(path, remedy):
+            yield partial
+            if synced and not direct:
+                with partial.open("rb+") as file:
+                    os.fsync(file.fileno())
+            if not direct:
+                partial.replace(target)
+            if synced and not direct:
+                sync_folder(target.parent)
+    except BaseException:
+        if not direct:
+            with suppress(OSError):
+                partial.unlink()
+        raise
+
+
+def write_whole(path: Path, data: bytes, remedy: str = ANOTHER_FOLDER, *, synced: bool = True) -> None:
+    """Write a file as `whole_file` does. Raises StorageError."""
+    with whole_file(path, remedy, synced=synced) as partial:
+        partial.write_bytes(data)
+
+
+def sync_folder(folder: Path) -> None:
+    """Bring the names in a folder to disk; Windows does so by itself."""
+    if sys.platform == "win32":
+        return
+    place = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(place)
+    finally:
+        os.close(place)
