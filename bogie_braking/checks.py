@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import datetime
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from numbers import Real
-from typing import Any
+from typing import Any, TypeGuard
+
+import numpy as np
 
 from fmu_src.kernel import ERROR, KernelError
 from fmu_src.suggestion import suggestion
@@ -27,10 +30,15 @@ def known(name: str, those: Iterable[str], what: str) -> str:
 
 
 def seconds(what: str, value: Any) -> float:
-    """A time that is above 0 s. Raises ValueError."""
-    if not 0.0 < number(value) < math.inf:
+    """A time that is above 0 s, also as `timedelta` or `timedelta64`. Raises ValueError."""
+    found = number(value)
+    if isinstance(value, datetime.timedelta):
+        found = value.total_seconds()
+    elif isinstance(value, np.timedelta64) and np.datetime_data(value.dtype)[0] != "generic":
+        found = float(value / np.timedelta64(1, "s"))
+    if not 0.0 < found < math.inf:
         raise ValueError(f"Give {what} as a number of seconds above 0: it was {value!r}.")
-    return float(value)
+    return found
 
 
 def names_of(names: Sequence[str] | None, variables: Mapping[str, Variable]) -> list[str]:
@@ -59,9 +67,17 @@ def shown(value: Any) -> str:
     return text if len(text) <= LONGEST else f"a {type(value).__name__}"
 
 
+def is_number(value: Any) -> TypeGuard[float]:
+    """Return whether a value is a real number, of NumPy's kinds too. Python counts NumPy's durations among integers."""
+    return isinstance(value, Real) and not isinstance(value, np.timedelta64)
+
+
 def number(value: Any) -> float:
-    """A number, of NumPy's kinds too; NaN in place of what is none."""
-    return float(value) if isinstance(value, Real) else math.nan
+    """A number, of NumPy's kinds too; NaN in place of what is none or has no float."""
+    try:
+        return float(value) if is_number(value) else math.nan
+    except OverflowError:
+        return math.nan
 
 
 def refused(sentence: str) -> KernelError:

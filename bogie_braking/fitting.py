@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -95,15 +96,17 @@ def fit(
     parameters: Mapping[str, float],
     line: Line | None = None,
     until: float | None = None,
+    begin: float | None = None,
     **values: Value,
 ) -> Fit:
     """Fits parameters of a run to what was measured, by SciPy's least squares.
 
-    what, line, values: as `run` takes them. measured: a table, or the CSV file of one, whose columns are time [s], from
-    the start of the run on, and variables in their units: outputs that the run is to meet, and inputs that it is given.
-    parameters: their names and values to begin with, not 0, for they are changed by shares of themselves; inputs that
-    are constant are among them. until [s]: rows behind it are not fitted but held out, to see how the run meets them;
-    None: all are fitted. Each output counts by the spread of its own values.
+    what, line, values: as `run` takes them. measured: a table, or the CSV file of one, whose columns are time [s] and
+    variables in their units: outputs that the run is to meet, and inputs that it is given. parameters: their names and
+    values to begin with, not 0, for they are changed by shares of themselves; inputs that are constant are among them.
+    until [s]: rows behind it are not fitted but held out, to see how the run meets them; None: all are fitted. begin
+    [s]: when the run starts; None: at the first row. Both are times of the table. Each output counts by the spread of
+    its own values.
     Standard errors are those of independent errors of equal size in each column, to first order. Raises ValueError for
     what is no table, has other units or has fewer rows than parameters, KeyError for a name that there is not,
     KernelError for what a run refuses.
@@ -111,32 +114,32 @@ def fit(
     table = measured if isinstance(measured, Recording) else measured_from(measured)
     machine = machine_of(what, values, line_or_none(line) is not None)
     what = model_from(what) if isinstance(what, System) else what
-    names, driven, times = *parted(table, machine), table["time"]
-    begin = begin_of(parameters, machine, driven)
+    names, driven = parted(table, machine)
+    times, last = since(begin, table["time"]), rows_until(until, table["time"])
+    first = begin_of(parameters, machine, driven)
     inputs: dict[str, Value] = {name: (times, table[name]) for name in driven}
-    last = rows_until(until, times)
-    if last * len(names) <= begin.size:
-        raise ValueError(f"{last * len(names)} measured values do not decide on {begin.size} parameters.")
+    if last * len(names) <= first.size:
+        raise ValueError(f"{last * len(names)} measured values do not decide on {first.size} parameters.")
     sizes = np.array([np.ptp(table[one][:last]) or 1.0 for one in names])
     wanted = np.column_stack([table[one] for one in names]) / sizes
 
     def off_by(share: np.ndarray, rows: int) -> np.ndarray:
-        given = values | inputs | dict(zip(parameters, (share * begin).tolist(), strict=True))
+        given = values | inputs | dict(zip(parameters, (share * first).tolist(), strict=True))
         return at_times(Simulation(what, line, **given), names, times[:rows]) / sizes - wanted[:rows]
 
     limits = np.array([[machine.variables[one].minimum, machine.variables[one].maximum] for one in parameters])
-    bounds = np.sort(limits / begin[:, None]).T
-    found = least_squares(lambda share: off_by(share, last).ravel(), np.ones_like(begin), bounds=bounds, diff_step=STEP)
+    bounds = np.sort(limits / first[:, None]).T
+    found = least_squares(lambda share: off_by(share, last).ravel(), np.ones_like(first), bounds=bounds, diff_step=STEP)
     errors, together = what_is_told(found.jac, found.fun, list(parameters))
     off = off_by(found.x, times.size) * sizes
     return Fit(
-        dict(zip(parameters, (found.x * begin).tolist(), strict=True)),
-        dict(zip(parameters, (errors * np.abs(begin)).tolist(), strict=True)),
+        dict(zip(parameters, (found.x * first).tolist(), strict=True)),
+        dict(zip(parameters, (errors * np.abs(first)).tolist(), strict=True)),
         together,
         spread(names, off[:last]),
         spread(names, off[last:]) if last < times.size else {},
         table,
-        Recording({one: table.units[one] for one in ("time", *names)}, np.c_[times, off + wanted * sizes].tolist()),
+        Recording({one: table.units[one] for one in ("time", *names)}, np.c_[table["time"], off + wanted * sizes]),
     )
 
 
@@ -145,12 +148,27 @@ def spread(names: Sequence[str], off: np.ndarray) -> dict[str, float]:
     return dict(zip(names, np.sqrt(np.mean(off**2, axis=0)).tolist(), strict=True))
 
 
+def since(begin: float | None, times: np.ndarray) -> np.ndarray:
+    """Return the times of a table counted from the start of the run [s].
+
+    begin: the table's time at the start; None: that of its first row, as a log's clock may show anything. Raises
+    ValueError for a begin behind the first row.
+    """
+    if begin is None:
+        return times - times[0]
+    if not -math.inf < number(begin) <= times[0]:
+        raise ValueError(
+            f"begin must be at most {times[0]:.12g} s, the time of the first row; got {begin!r}. Lower it."
+        )
+    return times - float(begin)
+
+
 def rows_until(until: float | None, times: np.ndarray) -> int:
     """How many rows are fitted. Raises ValueError for fewer than two."""
     if until is None:
         return times.size
     if not number(until) >= times[1]:
-        raise ValueError(f"Set until to at least {times[1]:g} s, the time of the second row: it was {until!r}.")
+        raise ValueError(f"Set until to at least {times[1]:.12g} s, the time of the second row: it was {until!r}.")
     return int(np.searchsorted(times, float(until), "right"))
 
 
@@ -175,8 +193,8 @@ def begin_of(parameters: Mapping[str, float], machine: Machine, driven: Sequence
 
 def parted(table: Recording, machine: Machine) -> tuple[list[str], list[str]]:
     """Outputs and inputs among what was measured. Raises KeyError for other names, ValueError for another unit."""
-    if table.names[0] != "time" or np.any(np.diff(table["time"]) <= 0.0) or table["time"][0] < 0.0:
-        raise ValueError("Let the first column of what was measured be time [s], from 0 s on and growing.")
+    if table.names[0] != "time" or not np.all(np.isfinite(table["time"])) or np.any(np.diff(table["time"]) <= 0.0):
+        raise ValueError("Let the first column of what was measured be time [s], finite and growing.")
     for name in table.names[1:]:
         unit = machine.variables[known(name, machine.variables, "variable")].unit
         if table.units[name] != unit:

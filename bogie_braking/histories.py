@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 
 from bogie_braking.checks import number, refused
+from bogie_braking.times_and_values import times_and_values
 from fmu_src.system import Variable
 
-#: A value of an input or parameter, or the path of a file; of an input also a function of time [s] or a table of times
-#: [s] and values.
+#: A value of an input or parameter, or the path of a file; of an input also a function of time [s], columns of times
+#: [s] and values, rows of (time, value), or an array with a field `time`.
 Column = Sequence[float] | np.ndarray
-Value = float | str | Callable[[float], float] | tuple[Column, Column]
+Value = float | str | Callable[[float], float] | tuple[Column, Column] | Sequence[tuple[float, float]] | np.ndarray
 #: A function of time is asked so often [s].
 SAMPLING = 1e-3
 
@@ -41,6 +42,17 @@ class History:
         first, last = math.floor(begin / SAMPLING) + 1, math.ceil(end / SAMPLING)
         return [number * SAMPLING for number in range(first, last) if begin < number * SAMPLING < end]
 
+    def check_begin(self, duration: float) -> None:
+        """Raise KernelError if a table begins behind the end of a run, which lasts from 0 to `duration` [s].
+
+        Clocks of logs begin anywhere. Such a table would hold its first value throughout.
+        """
+        if not self._function and self._times[0] > duration:
+            raise refused(
+                f"The times of {self.variable.name} must begin within the run, from 0 to {duration:g} s; the first is "
+                f"{self._times[0]:.12g} s. They count from the start of the run: subtract the first, or run for longer."
+            )
+
     def at(self, time: float, after: bool = True) -> float:
         """Value at a time [s]; where it jumps, that after or that before the jump. Raises KernelError."""
         if self._function:
@@ -53,14 +65,7 @@ class History:
 
     def _table(self, given: Any) -> tuple[np.ndarray, np.ndarray]:
         name = self.variable.name
-        try:
-            times, values = (np.array(column, float) for column in given)
-        except (TypeError, ValueError):
-            times = values = np.zeros(0)
-        if times.ndim != 1 or times.shape != values.shape or times.size == 0:
-            raise refused(
-                f"Give {name} one number, a function of time, or a pair of equally long columns, times [s] and values."
-            )
+        times, values = times_and_values(name, given)
         if not np.all(np.isfinite(times)) or np.any(np.diff(times) < 0.0):
             where = int(np.argmax(~np.isfinite(times) | (np.diff(times, prepend=-math.inf) < 0.0)))
             raise refused(f"Let the times of {name} grow: row {where} has {times[where]:g} s.")

@@ -5,12 +5,11 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
-from numbers import Real
 
 import numpy as np
 
 from bogie_braking.batches import file_of
-from bogie_braking.checks import line_or_none, names_of, refused, seconds, shown
+from bogie_braking.checks import is_number, line_or_none, names_of, refused, seconds, shown
 from bogie_braking.histories import History, Value
 from bogie_braking.machines import Runnable, machine_of
 from fmu_src.cosimulation.recording import Recording
@@ -35,8 +34,9 @@ class Simulation:
     what: an FMU by its name, a vehicle, a system or a model of one's own; of a vehicle the equations of one level of
     detail are compiled, that which the values `level` and `contact_depth` choose. line: what it runs on; None:
     straight, level track. values: parameters and inputs by name, in SI units; an input may be a function of time [s],
-    or a pair of columns, times [s] and values, between whose rows it is linear. Raises KeyError for another name,
-    TypeError for what cannot be run, KernelError for a value that cannot be, each with a sentence.
+    a pair of columns ([0, 2], [0, 5e3]), times [s] and values, rows [(0, 0), (2, 5e3)], or an array with a field time,
+    between whose rows it is linear. Raises KeyError for another name, TypeError for what cannot be run, KernelError for
+    a value that cannot be, each with a sentence.
 
     >>> stop = Simulation("bogie", initial_speed=25.0, brake_torque_1=([0.0, 2.0], [0.0, 20e3]))
     >>> stop.advance(5.0).status
@@ -60,6 +60,11 @@ class Simulation:
             raise refused(f"{self._machine.name} runs on no line; leave the line out.")
         with tempfile.TemporaryDirectory() as folder:  # a kernel reads a line once and keeps it
             self._kernel.set(line_file=str(file_of(line, folder)))
+
+    @property
+    def histories(self) -> list[History]:
+        """Inputs over time."""
+        return list(self._histories.values())
 
     @property
     def time(self) -> float:
@@ -88,7 +93,7 @@ class Simulation:
         for name, value in values.items():
             if name not in self._machine.variables:
                 raise refused(f"There is no variable {name}; {suggestion(name, self._machine.variables)}")
-            if isinstance(value, Real | str):
+            if isinstance(value, str) or is_number(value):
                 self._kernel.set(**{name: value if isinstance(value, str) else float(value)})
                 self._histories.pop(name, None)
             else:
@@ -190,5 +195,11 @@ def run(
     interval: float = INTERVAL,
     **values: Value,
 ) -> Recording:
-    """One run from its start over a duration [s]: `Simulation` and `Simulation.advance`, which say what they take."""
-    return Simulation(what, line, **values).advance(duration, names, interval)
+    """One run from its start over a duration [s]: `Simulation` and `Simulation.advance`, which say what they take.
+
+    Raises KernelError for an input over time whose first point lies behind the end of the run.
+    """
+    one = Simulation(what, line, **values)
+    for history in one.histories:
+        history.check_begin(seconds("the duration", duration))
+    return one.advance(duration, names, interval)

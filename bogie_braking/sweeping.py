@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import nullcontext
 from functools import partial
-from numbers import Real
 from typing import Any, TypeVar
 
 import numpy as np
@@ -17,7 +16,7 @@ from numpy.typing import ArrayLike
 from tqdm import tqdm
 
 from bogie_braking.batches import batch
-from bogie_braking.checks import known, line_or_none, names_of, seconds, shown
+from bogie_braking.checks import is_number, known, line_or_none, names_of, seconds, shown
 from bogie_braking.histories import Column, Value
 from bogie_braking.machines import Runnable, machine_of, model_from
 from bogie_braking.simulation import Simulation
@@ -111,7 +110,7 @@ def ends_of(
     varied: Sequence[str],
 ) -> list[Ending]:
     """`end_of` of all runs, here or by an executor, in batches where these pay; varied: names by which runs differ."""
-    pays = len(given) >= PAYS_FROM and all(isinstance(value, Real) for value in given[0].values())
+    pays = len(given) >= PAYS_FROM and all(is_number(value) for value in given[0].values())
     if pays and executor:
         tasks = [list(some) for some in np.array_split(np.array(given, object), len(given) // PAYS_FROM)]
         mark = partial(mark_of_rows, varied)
