@@ -160,7 +160,7 @@ def _of_the_list(name: str) -> Machine:
 
 @lru_cache
 def _of_a_vehicle(pickled: bytes, places: tuple[int, ...]) -> Machine:
-    """By its bytes, for vehicles that are equal may have different profiles."""
+    """Return a vehicle compiled. Its bytes are the key, as its parts may be lists, which have no hash."""
     return _compiled(model_from(pickle.loads(pickled), places), frozenset(VEHICLE_SELECTORS))
 
 

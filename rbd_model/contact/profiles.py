@@ -26,13 +26,26 @@ POINT_DISTANCE = 0.02e-3
 INCLINATION = 1 / 20
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Profile:
-    """A contour z(y) as a quintic spline; `source` says where the points come from and what was fitted."""
+    """A contour z(y) as a quintic spline; `source` says where the points come from and what was fitted.
+
+    Profiles are equal if name, source and every number of the spline are.
+    """
 
     name: str
     source: str
     spline: BSpline
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Profile) and self._content == other._content
+
+    def __hash__(self) -> int:
+        return hash(self._content)
+
+    @property
+    def _content(self) -> tuple[str, str, bytes, bytes]:
+        return self.name, self.source, self.spline.t.tobytes(), self.spline.c.tobytes()
 
     @property
     def limits(self) -> tuple[float, float]:

@@ -98,7 +98,7 @@ class Wheelset:
     mass: Size = "wheelset_mass"
     inertia: tuple[Size, Size, Size] = ("wheelset_roll_inertia", "wheelset_pitch_inertia", "wheelset_yaw_inertia")
     radius: tuple[Size, Size] = ("wheel_radius", "wheel_radius")
-    pair: Sides = field(default_factory=thesis_pair, compare=False, repr=False)
+    pair: Sides = field(default_factory=thesis_pair, repr=False)
 
     @property
     def mean_radius(self) -> Size:

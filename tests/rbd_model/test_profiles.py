@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 
@@ -41,6 +42,7 @@ from rbd_model.contact.profiles import (
     wheel_cone_120,
     wheel_s1002,
 )
+from rbd_model.vehicle.ready import wheelset_under_frame
 
 #: Facts from published sources; README.md there names them.
 REFERENCE = Path(__file__).parents[1] / "data" / "contact"
@@ -427,3 +429,17 @@ def test_file_without_enough_points_is_refused(tmp_path: Path) -> None:
     path.write_text("1 2\nx y\n")
     with pytest.raises(ValueError, match=r"empty\.txt has 1 points; a rail profile needs at least 20"):
         read_profile(path, "rail")
+
+
+def test_profiles_sides_and_vehicles_are_equal_by_what_they_hold() -> None:
+    """Not by the objects that they are made of: two equal files are one profile, and one moved point is another."""
+    (y, z), name = (reference("en15302_RUIC519A.csv") / 1e3).T, "A"
+    same, moved = from_points(name, "EN 15302", y, z), from_points(name, "EN 15302", y, z + 1e-9 * (y == y[500]))
+    assert same == from_points(name, "EN 15302", y, z) != moved
+    assert hash(same) == hash(from_points(name, "EN 15302", y, z))
+    own = wheelset_under_frame()
+    pairs = [Pair(one, rail_60e1(), 0.46, 0.75, 0.75) for one in (same, moved, from_points(name, "EN 15302", y, z))]
+    first, other, equal = (replace(own, wheelsets=(replace(own.wheelsets[0], pair=pair),)) for pair in pairs)
+    assert first == equal != other
+    assert hash(first) == hash(equal)
+    assert own == wheelset_under_frame() != first
