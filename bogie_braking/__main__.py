@@ -74,6 +74,8 @@ def add_profiles(runner: argparse.ArgumentParser) -> None:
     )
     text = "inclines the rails by 1:N, for files in which they stand upright (default: as in the files)"
     group.add_argument("--inclination", type=float, metavar="N", help=text)
+    text = "side of y in the rails' files that is turned to the middle of the track (default: found by lean or wear)"
+    group.add_argument("--gauge-side", choices=("y-", "y+"), help=text, **sides)
 
 
 def parser_of(asked: str) -> tuple[argparse.ArgumentParser, Any]:

@@ -26,6 +26,7 @@ class Options:
     gauge: float | None = None
     flange_back: float | None = None
     inclination: float | None = None
+    gauge_side: Sequence[str] | None = None
     line: Path | None = None
     against: str | None = None
 

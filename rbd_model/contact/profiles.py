@@ -9,8 +9,7 @@ Quintic, because contact needs the contour's curvature and the chapter 3 formula
 curvature.
 """
 
-import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 
@@ -18,8 +17,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import BSpline, PPoly, make_lsq_spline
 
+from rbd_model.contact.gauge_side import LAID, LEAST_LEAN, SIDES, GaugeSide, gauge_side, upright
+from readers.profiles import read_contour
+
 DEGREE = 5
 KNOT_DISTANCE = 0.5e-3
+#: Largest breadth of a profile [m]; wheels are 0.14 m wide, heads of rails 0.075 m.
+LARGEST_BREADTH = 0.5
 #: Distance of the points that are laid on given arcs and lines [m].
 POINT_DISTANCE = 0.02e-3
 #: Rails stand inclined by 1:20 (section 4.3) and the tread of the wheel is a cone of the same slope.
@@ -30,12 +34,14 @@ INCLINATION = 1 / 20
 class Profile:
     """A contour z(y) as a quintic spline; `source` says where the points come from and what was fitted.
 
-    Profiles are equal if name, source and every number of the spline are.
+    gauge_side: of a contour from a file, which side of its y is turned to the middle of the track. Profiles are equal
+    if name, source and every number of the spline are.
     """
 
     name: str
     source: str
     spline: BSpline
+    gauge_side: GaugeSide | None = None
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Profile) and self._content == other._content
@@ -68,11 +74,15 @@ class Profile:
 def from_points(name: str, source: str, y: ArrayLike, z: ArrayLike) -> Profile:
     """Least-squares quintic spline through points [m] with y increasing, section 3.3.2; knots every KNOT_DISTANCE.
 
-    Raises ValueError for less than 20 points, for ones that are not finite and for a y that does not increase.
+    Raises ValueError for less than 20 points, for ones that are not finite, for a y that does not increase and for a
+    breadth above LARGEST_BREADTH, which makes a knot for each KNOT_DISTANCE.
     """
     y_array, z_array = np.asarray(y, float), np.asarray(z, float)
     if y_array.size < 20 or np.any(np.diff(y_array) <= 0.0) or not np.all(np.isfinite([y_array, z_array])):
         raise ValueError(f"Profile {name}: give at least 20 finite points whose y increases.")
+    breadth = float(y_array[-1] - y_array[0])
+    if not breadth <= LARGEST_BREADTH:
+        raise ValueError(f"Profile {name}: y must span at most {LARGEST_BREADTH:g} m; got {breadth:g} m. Give metres.")
     if np.diff(y_array).max() > KNOT_DISTANCE:
         # Points further apart than the knots are joined by straight lines, which the spline then smooths.
         fine = np.arange(y_array[0], y_array[-1], KNOT_DISTANCE / 4)
@@ -228,49 +238,97 @@ def synthetic_wheel(
     return np.concatenate([tread, *points])[::-1].T
 
 
-def read_profile(path: Path, kind: str, inclination: float = 0.0) -> Profile:
-    """A measured contour: lines that begin with two numbers, y and z [mm], as in two-column text or MiniProf files.
+#: Why a side is a contour's where a user says so.
+GIVEN = "given"
+#: Largest distance of a contour's points from the spline through them, on the median [m]. Those of two contours that
+#: are mixed are further off; corners and noise are not on the median.
+SCATTER = 0.1e-3
 
-    `kind` is "wheel" or "rail". Instruments differ in the direction of their axes, so a contour that lies upside down,
-    and a wheel whose flange lies at positive y, is turned; a rail must have its gauge corner at negative y, and is laid
-    with `inclination` where it stands upright in the file. Other lines (NAME=VALUE of the MiniProf, the instrument of
-    section 6.3.5) are passed over, and so is what lies under an overhang, as of the head of a rail. Noise is smoothed
-    by the spline alone (`from_points`): EN 15302 leaves the way open and judges by the conicity. Raises ValueError with
-    the path and what is wrong.
+
+def read_profile(path: str | Path, kind: str, inclination: float = 0.0, side: str | None = None) -> Profile:
+    """Read a measured contour: a table of y and z [mm], a file of the MiniProf or of SIMPACK (`readers.profiles`).
+
+    Instruments differ in the direction of their axes: a contour that lies upside down is turned, and so is one whose
+    gauge side lies at positive y. What lies under an overhang, as of the head of a rail, is passed over. Noise is
+    smoothed by the spline alone (`from_points`): EN 15302 leaves the way open and judges by the conicity.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+    kind : str
+        "wheel" or "rail".
+    inclination : float
+        Slope by which a rail that stands upright in the file is laid towards the middle of the track.
+    side : str, optional
+        The side of the file's y that is turned to the middle of the track, "y-" or "y+"; by default that of the flange,
+        to which a rail leans, or whose corner is worn. `Profile.gauge_side` says which and why.
+
+    Raises
+    ------
+    ValueError
+        If the file is not one contour as it is meant, if its gauge side is not given and cannot be told, or if a rail
+        would lean outwards.
     """
-    rows = []
-    for line in path.read_text(encoding="utf-8", errors="replace").splitlines():
-        cells = re.split(r"[\s,;]+", line.strip())
-        try:
-            rows.append([float(cells[0]), float(cells[1])])
-        except (ValueError, IndexError):
-            continue  # headers, remarks and empty lines
-    if len(rows) < 20:
-        raise ValueError(f"{path} has {len(rows)} points; a {kind} profile needs at least 20 lines of y, z in mm.")
-    points = np.array(rows) / 1e3
-    if not np.all(np.isfinite(points)):
-        raise ValueError(f"{path} has points that are not finite; give y and z in mm.")
-    points = inclined(upright(points, kind), inclination)
+    if kind not in ("wheel", "rail") or side not in (None, *SIDES):
+        raise ValueError(f"kind must be wheel or rail and side y- or y+; got {kind!r} and {side!r}. Correct them.")
+    contour = read_contour(path, kind)
+    points = upright(contour.points, kind)
+    faces = _facing(contour.source, points, kind, inclination, side)
+    points = inclined(points * [-1.0, 1.0] if faces.side == "y+" else points, inclination)
     start = int(np.argmax(points[:, 1]) if kind == "rail" else np.argmin(np.abs(points[:, 0])))
     if points[0, 0] > points[-1, 0]:
         points, start = points[::-1], len(points) - 1 - start
     left, right = points[: start + 1][::-1] * [-1, 1], points[start:]
     points = np.concatenate([_without_overhang(left)[:0:-1] * [-1, 1], _without_overhang(right)])
-    return from_points(f"{kind} {path.stem}", str(path.name), *points.T)
+    found = replace(from_points(f"{kind} {Path(path).stem}", Path(path).name, *points.T), gauge_side=faces)
+    scatter = float(np.median(np.abs(found.height(points[:, 0]) - points[:, 1])))
+    if scatter > SCATTER:
+        raise ValueError(
+            f"{path}: points must lie within {1e3 * SCATTER:g} mm of one smooth contour; half of them are more than "
+            f"{1e3 * scatter:.3g} mm off. Give the points of one {kind} in their order."
+        )
+    return found
+
+
+def _facing(source: str, points: np.ndarray, kind: str, inclination: float, side: str | None) -> GaugeSide:
+    """Return the gauge side of a file's contour, as it is given or found."""
+    found = gauge_side(points, kind)
+    if found is None and side is None:
+        without = "it has no flange" if kind == "wheel" else "its head is neither symmetric nor worn enough to tell"
+        raise ValueError(
+            f"{source}: the side of y that is turned to the middle of the track must be known; {without}. Give y- or y+"
+            f" as --gauge-side, or as side in Python."
+        )
+    if side is None or found is None:
+        faces = found or GaugeSide(side or "", GIVEN)
+    elif kind == "wheel" and found.side != side:
+        raise ValueError(f"{source}: the side must be that of the flange, {found.side}; got {side}. Leave it out.")
+    else:
+        lean = found.lean if found.lean is None or found.side == side else -found.lean
+        faces = GaugeSide(side, GIVEN, lean)
+    if faces.lean is not None:
+        _check_lean(source, faces, faces.lean, inclination)
+    return faces
+
+
+def _check_lean(source: str, faces: GaugeSide, lean: float, inclination: float) -> None:
+    """Check that a rail will lean inwards or stand upright, and that it is not inclined twice without a word."""
+    if inclination and lean >= LAID and faces.reason != GIVEN:
+        raise ValueError(
+            f"{source}: a rail that is to be inclined must stand upright in its file; it leans 1:{1 / lean:.3g} towards"
+            f" {faces.side} there. Leave the inclination out, or, if wear makes an upright rail look so, give its gauge"
+            f" side too."
+        )
+    if lean + inclination <= -LEAST_LEAN:
+        other = SIDES[faces.side == SIDES[0]]
+        raise ValueError(
+            f"{source}: a rail must lean towards the middle of the track; with its gauge side at {faces.side} it leans "
+            f"1:{-1 / (lean + inclination):.3g} outwards. Give the side {other}, or the rail's inclination."
+        )
 
 
 def _without_overhang(points: np.ndarray) -> np.ndarray:
     """Those rows (y, z) whose y is larger than all before."""
     y = points[:, 0]
     return points[np.concatenate([[True], y[1:] > np.maximum.accumulate(y)[:-1]])]
-
-
-def upright(points: np.ndarray, kind: str) -> np.ndarray:
-    """Rows (y, z) turned so that a rail's top or a wheel's tread is above its flanks, and a wheel's flange at y < 0."""
-    y, z = points.T
-    above, below = z.max() - np.median(z), np.median(z) - z.min()
-    if above > below:  # most of a contour is head or tread: what reaches far from it is flank or flange
-        z = -z
-    if kind == "wheel" and y[np.argmin(z)] > 0.0:
-        y = -y
-    return np.column_stack([y, z])

@@ -28,7 +28,8 @@ def sides_from_files(options: Options) -> Sides:
         missing = "--rail" if options.wheel else "--wheel"
         raise BadInputError(f"Give {missing} FILE too: conicity needs a wheel on a rail, and there is no {missing}.")
     lean = 0.0 if options.inclination is None else 1 / within("--inclination", options.inclination, "", 5.0, 1000.0)
-    wheels, rails = profiles("--wheel", options.wheel), profiles("--rail", options.rail, lean)
+    wheels = profiles("--wheel", options.wheel)
+    rails = profiles("--rail", options.rail, lean, options.gauge_side or [None])
     diameters = left_and_right("--diameter", options.diameter or [DIAMETER])
     given = FLANGE_BACK if options.flange_back is None else options.flange_back
     backs = within("--flange-back", given, " mm", 500.0, 2000.0)
@@ -59,18 +60,19 @@ def within(option: str, value: float, unit: str, least: float, most: float) -> f
     return value
 
 
-def profiles(option: str, paths: Sequence[Path], inclination: float = 0.0) -> tuple[Profile, Profile]:
+def profiles(
+    option: str, paths: Sequence[Path], inclination: float = 0.0, gauge_sides: Sequence[str | None] = (None,)
+) -> tuple[Profile, Profile]:
     """Of the left and of the right side; the same one where it is one file."""
-    left, right = left_and_right(option, paths)
-    read = {path: profile(path, option.removeprefix("--"), inclination) for path in {left: None, right: None}}
+    files, kind = left_and_right(option, paths), option.removeprefix("--")
+    left, right = zip(files, left_and_right("--gauge-side", gauge_sides), strict=True)
+    read = {one: profile(one[0], kind, inclination, one[1]) for one in {left: None, right: None}}
     return read[left], read[right]
 
 
-def profile(path: Path, kind: str, inclination: float = 0.0) -> Profile:
+def profile(path: Path, kind: str, inclination: float = 0.0, gauge_side: str | None = None) -> Profile:
     try:
-        found = read_profile(path, kind, inclination)
-    except OSError as error:
-        raise BadInputError(f"{path} cannot be read ({error.strerror}); give a text file with y, z in mm.") from error
+        found = read_profile(path, kind, inclination, gauge_side)
     except ValueError as error:
         raise BadInputError(str(error)) from error
     low, high = (1e3 * limit for limit in found.limits)

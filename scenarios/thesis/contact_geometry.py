@@ -146,7 +146,8 @@ def run_files(sides: Sides) -> Report:
     flanges = [flange_contact_shift(one, rolls=False) for one in (sides, sides.mirrored)]
     parameters = {
         word: f"{one.wheel.source} on {one.rail.source}, rolling radius {1e3 * rolling(one):.6g} mm, y = 0 of the wheel"
-        f" {1e3 * one.wheel_half_distance:.6g} mm and of the rail {1e3 * one.rail_half_distance:.6g} mm from the middle"
+        f" {1e3 * one.wheel_half_distance:.6g} mm and of the rail {1e3 * one.rail_half_distance:.6g} mm from the"
+        f" middle, gauge side in the files: of the wheel {one.wheel.gauge_side}, of the rail {one.rail.gauge_side}"
         for word, one in zip(WORDS, sides.both, strict=True)
     }
     gauge = gauge_of(sides)
@@ -257,5 +258,5 @@ SCENARIO = Scenario(
     "contact-geometry",
     "Rolling radius difference, contact angles, conicity and the fold (section 4.3)",
     run,
-    frozenset({"wheel", "rail", "diameter", "gauge", "flange_back", "inclination"}),
+    frozenset({"wheel", "rail", "diameter", "gauge", "flange_back", "inclination", "gauge_side"}),
 )

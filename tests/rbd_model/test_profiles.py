@@ -119,11 +119,18 @@ def en_15302_conicity(case: str) -> np.ndarray:
     return np.array([[float(x) for x in line.split(",")[1:]] for line in lines if line.startswith(case)]).T
 
 
+@lru_cache
+def conicity_of_equal_sides(wheel: str) -> np.ndarray:
+    """At the amplitudes of case E1, which are those of all cases."""
+    return equivalent_conicity(en_15302_pair(wheel), en_15302_conicity("E1")[0] / 1e3, rolls=False)
+
+
 @pytest.mark.parametrize(("wheel", "case"), [("A", "E1"), ("B", "E2"), ("H", "E3"), ("I", "E4")])
 def test_equivalent_conicity_is_that_of_en_15302_at_every_amplitude(wheel: str, case: str) -> None:
     """Within the standard's limits; it leaves the roll out. Up to 1.7 mm nothing guides the wheels I (E4)."""
     amplitude, value, upper, lower = en_15302_conicity(case)
-    found = equivalent_conicity(en_15302_pair(wheel), amplitude / 1e3, rolls=False)
+    found = conicity_of_equal_sides(wheel)
+    assert amplitude == pytest.approx(en_15302_conicity("E1")[0])
     assert amplitude.size == 66
     assert np.all((found <= upper) & (found >= lower))
     assert np.median(np.abs(found - value)) < 0.005
@@ -151,7 +158,7 @@ def test_conicity_of_unequal_sides_is_that_of_en_15302_at_every_amplitude(case: 
     assert np.all((found <= upper) & (found >= lower))
     assert np.median(np.abs(found - value)) < 0.005
     # The same wheels on equal radii, or A alone, leave the limits.
-    equal = equivalent_conicity(en_15302_pair(right[0]), amplitude / 1e3, rolls=False)
+    equal = conicity_of_equal_sides(right[0])
     assert not np.all((equal <= upper) & (equal >= lower))
 
 
@@ -336,10 +343,10 @@ def test_wave_of_a_rolling_cone_is_that_of_its_contacts_and_not_of_its_axle() ->
     """gamma (1 + R gamma / b): the contacts move by b / (b - r0 gamma) of the shift, the radius difference too."""
     pair = thesis_pair()
     amplitudes = np.array([1e-3, 3e-3, 6e-3])
-    wave = equivalent_conicity(pair, amplitudes)
+    wave = equivalent_conicity(pair, amplitudes, points=30)
     assert wave == pytest.approx(0.05 * (1 + 0.3 * 0.05 / 0.57), rel=3e-3)
     assert np.all(wave < 0.98 * rolling_radius_difference(pair, amplitudes) / (2 * amplitudes))
-    assert equivalent_conicity(pair, amplitudes, rolls=False) == pytest.approx(0.05, rel=1e-3)
+    assert equivalent_conicity(pair, amplitudes, rolls=False, points=30) == pytest.approx(0.05, rel=1e-3)
 
 
 def test_flange_touches_where_the_gauge_face_is_as_steep() -> None:
@@ -362,9 +369,14 @@ def test_wheelset_on_its_treads_rolls_with_its_shift() -> None:
     assert contact_at(pair, 8e-3).roll == pytest.approx(8e-3 * flange_of(pair).roll_by_shift, rel=1e-3)
 
 
+@lru_cache
+def last_of_thesis_pair() -> ContactAtShift:
+    return last_tread_contact(thesis_pair())
+
+
 def test_flange_contact_and_loss_of_tread_contact_are_where_the_thesis_says() -> None:
     assert flange_contact_shift(thesis_pair()) == pytest.approx(9.5e-3, abs=0.1e-3)
-    assert last_tread_contact(thesis_pair()).shift == pytest.approx(11.5e-3, abs=0.1e-3)
+    assert last_of_thesis_pair().shift == pytest.approx(11.5e-3, abs=0.1e-3)
 
 
 def test_tread_contact_is_lost_where_the_curvatures_of_wheel_and_rail_sum_to_zero() -> None:
@@ -378,7 +390,7 @@ def test_tread_contact_is_lost_where_the_curvatures_of_wheel_and_rail_sum_to_zer
     at_centre = gap_curvature(contact_at(pair, 0.0))
     assert at_centre == pytest.approx(1 / 0.3, rel=0.01)  # the crown against a cone
     # Half of what is left at the fold goes within the 20 um of a step: the curvature falls like a square root.
-    assert 0.0 < gap_curvature(last_tread_contact(pair)) < 0.2 * at_centre
+    assert 0.0 < gap_curvature(last_of_thesis_pair()) < 0.2 * at_centre
 
 
 def test_head_of_60e1_is_the_published_contour() -> None:
@@ -429,6 +441,14 @@ def test_file_without_enough_points_is_refused(tmp_path: Path) -> None:
     path.write_text("1 2\nx y\n")
     with pytest.raises(ValueError, match=r"empty\.txt has 1 points; a rail profile needs at least 20"):
         read_profile(path, "rail")
+
+
+def test_a_profile_in_millimetres_is_refused_before_its_knots_are_laid() -> None:
+    """72 mm as 72 m would be 144 000 knots, and one point at 1e5 two hundred million."""
+    y = np.linspace(-36.0, 36.0, 145)
+    for own in (y, np.append(y, 1e5)):
+        with pytest.raises(ValueError, match=r"Profile mine: y must span at most 0.5 m; got .* m. Give metres."):
+            from_points("mine", "test", own, np.zeros_like(own))
 
 
 def test_profiles_sides_and_vehicles_are_equal_by_what_they_hold() -> None:

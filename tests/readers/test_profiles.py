@@ -1,0 +1,153 @@
+"""Files of profiles: read as they are meant, or refused with one sentence that names the row."""
+
+from __future__ import annotations
+
+import itertools
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from readers.profiles import contour_of, read_contour
+from readers.text import FileError
+
+#: Files of instruments and programs, where they are there: kind, points, extent in y [mm].
+STRANGERS = Path("/work/shared/data/files/profiles")
+READ = {
+    "Car7216_0001r.whl": ("wheel", 645, (-0.1571, 131.3551)),
+    "MBench_S1002_v3.prw": ("wheel", 399, (-69.612628, 60.0)),
+    "MBench_UIC60_v3.ban": ("rail", 476, (-30.595912, 43.704898)),
+    "MBench_UIC60_v3.prr": ("rail", 495, (-43.704898, 30.595912)),
+    "rail_left_iter288.ban": ("rail", 571, (-36.4366, 37.2813)),
+    "uic60_true.prr": ("rail", 801, (-40.435889, 40.435889)),
+    "whl_left_iter288.whl": ("wheel", 539, (-0.2373, 145.0764)),
+}
+#: A head by a parabola [mm], and how well digits of tables keep it.
+Y = np.arange(-36.0, 36.5, 0.5)
+Z = -0.01 * Y**2
+DIGITS = 1e-4
+
+
+def rows(template: str, decimal: str = ".", scale: float = 1.0) -> str:
+    lines = [template.format(f"{scale * y:.5f}", f"{scale * z:.5f}") for y, z in zip(Y, Z, strict=True)]
+    return "\n".join(lines).replace(".", decimal)
+
+
+def read(text: str, kind: str = "rail") -> np.ndarray:
+    return 1e3 * contour_of(text, "mine.csv", kind).points
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        rows("{},{}"),
+        rows("{}; {}"),
+        rows("{};{}", ","),
+        rows("{}\t{}", ","),
+        rows("  {}   {}"),
+        rows("{} {}", ","),
+        rows('"{}";"{}"', ","),
+        "# a remark\ny;z\n" + rows("{};{}", ","),
+        "y z\n" + rows("{} {}"),
+        "X,Y\n" + rows("{},{}"),
+        "y_mm,z_mm\n" + rows("{},{}"),
+        "y [mm];z [mm]\n" + rows("{};{}", ","),
+        "y [m];z [m]\n" + rows("{};{}", ".", 1e-3),
+        "unit: mm\n" + rows("{} {}"),
+        "Rail 7, left\nMileage=12.3\n\n" + rows("{} {}"),
+        f"{Y.size}\n" + rows("{} {}"),
+        f"XYPoints={Y.size}\nXOffset=0.0000\nMirror=no\nColumnDef=X,Y,A\n\n" + rows("{} {} 0.5"),
+        f"XYPoints={Y.size + 1}\nColumnDef=X,Y\n" + rows("{} {}").replace("\n", '\n" 1.0 2.0\n', 1),
+        "z;y\n" + "\n".join(f"{z:.5f};{y:.5f}" for y, z in zip(Y, Z, strict=True)),
+        rows("{} {}   % dent"),
+        rows("{},{}") + "\n,\n,,\n\n",
+        rows("{};{}", ",").replace("\n", "\r\n"),
+    ],
+)
+def test_every_writing_of_a_contour_is_the_same_contour(text: str) -> None:
+    assert read(text) == pytest.approx(np.column_stack([Y, Z]), abs=1e-2 if "[m]" in text else DIGITS)
+
+
+def simpack(body: str, spline: str = "", kind: int = 0) -> str:
+    head = f"header.begin\n  version = 1\n  type = {kind} ! 0=rail\nheader.end\nspline.begin\n  units.len.f = 1000.\n"
+    return f"{head}{spline}\n  point.begin\n{body}\n  point.end\nspline.end\n"
+
+
+def test_blocks_of_simpack_are_obeyed() -> None:
+    points = np.column_stack([Y, Z])
+    assert read(simpack(rows("{} {} 1.0"))) == pytest.approx(points, abs=DIGITS)
+    assert read(simpack(rows("{} {} ! here"), "mirror.y = 1\nshift.y = 0.0")) == pytest.approx(
+        points * [-1, 1], abs=DIGITS
+    )
+    assert read(simpack(rows("{} {}"), "mirror.z = 1")) == pytest.approx(points * [1, -1], abs=DIGITS)
+    metres = simpack(rows("{} {}", scale=1e-3)).replace("1000.", "1.")
+    assert read(metres) == pytest.approx(points, abs=1e-2)
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        (rows("{},{}", ","), "row 1: commas must separate columns or mark decimals; in '-36,00000,-12,96000' they"),
+        (rows("{},{},1,2"), "row 1: a row must have 2 values (y [mm], z [mm]); got 4"),
+        (rows("{};{};0.0"), "row 1: a row must have 2 values (y [mm], z [mm]); got 3"),
+        (rows("{},{}").replace(".", ""), "row 1: commas must separate columns or mark decimals"),
+        (rows("{},{}") + "\ny,z\n" + rows("{},{}"), "row 146: between points a row must hold y and z; got 'y,z'"),
+        (rows("{},{}") + "\n\n" + rows("{},{}"), "row 147: a file must hold one profile, point by point; y jumps"),
+        (rows("{},{}") + "\n" + "\n".join(rows("{},{}").splitlines()[::-1]), "y turns back at 36 mm"),
+        (rows("{},{}") + "\n1e5,0.0", "row 146, column y: the value must be from -1000 to 1000 mm; got '1e5'"),
+        (rows("{},{}") + "\n900.0,0.0", "y must span 20 to 500 mm; got 936 mm"),
+        (rows("{},{}", scale=1e-3), "y must span 20 to 500 mm; got 0.072 mm. Give y and z in mm, or name the columns"),
+        (rows("{},{}") + "\n37,nan", "row 146, column z: the value must be a number; got 'nan'"),
+        (rows("{},{}") + "\n37,5,1", "row 146: a row must have at most 2 values; got 3"),
+        ("\n".join(rows("{},{}").splitlines()[:19]), "mine.csv has 19 points; a rail profile needs at least 20 rows"),
+        ("", "mine.csv has 0 points"),
+        ("Unit = furlong\n" + rows("{} {}"), "row 1: Unit must be one of mm, m, km"),
+        ("# unit: inches\n" + rows("{} {}"), "row 1: unit must be one of mm, m, km"),
+        ("All lengths in inches\n" + rows("{} {}"), "row 1: the text 'All lengths in inches' may change the points"),
+        ("XOffset=3.5\n" + rows("{} {}"), "row 1: XOffset must be 0; got '3.5'. Apply it to the points"),
+        ("Mirror=yes\n" + rows("{} {}"), "row 1: Mirror must be 0; got 'yes'"),
+        ("ScaleFactor : 25.4\n" + rows("{} {}"), "row 1: ScaleFactor must be 1; got '25.4'"),
+        ("XYPoints=12\n" + rows("{} {}"), "row 1: the header announces 12 points; the file has 145"),
+        ("12\n" + rows("{} {}"), "row 1: the header announces 12 points; the file has 145"),
+        ("ColumnDef=A,B\n" + rows("{} {}"), "ColumnDef must name X and Y, and each column once; got 'a,b'"),
+        ("y [furlong];z\n" + rows("{};{}"), "the unit 'furlong' of y is unknown"),
+        (simpack(rows("{} {}"), "shift.y = 1.5"), "row 7: shift.y must be 0; got '1.5'"),
+        (simpack(rows("{} {}"), "rotate = 0.02"), "row 7: rotate must be 0; got '0.02'"),
+        (simpack(rows("{} {}"), "bound.y.min = -30\nbound.y.max = 30"), "bound.y must be off, min above max; got -30"),
+        (simpack(rows("{} {}"), "units.len.f = 0"), "row 7: units.len.f must be above 0, 1000 for mm; got '0'"),
+        (simpack(rows("{} {}"), kind=1), "row 3: type must be that of a rail (0: rail, 1: wheel); got '1'"),
+        (simpack(rows("{} {}")) * 2, "a second block header begins; a file must hold one profile"),
+    ],
+)  # fmt: skip
+def test_what_is_not_one_contour_as_it_is_meant_gets_one_sentence(text: str, sentence: str) -> None:
+    with pytest.raises(FileError) as told:
+        read(text)
+    assert sentence in str(told.value)
+    assert "\n" not in str(told.value)
+
+
+@pytest.mark.skipif(not STRANGERS.is_dir(), reason="needs files that are not in the repository")
+@pytest.mark.parametrize("name", READ)
+def test_files_of_instruments_and_programs_are_read_whole(name: str) -> None:
+    kind, count, extent = READ[name]
+    y = 1e3 * read_contour(STRANGERS / name, kind).points[:, 0]
+    assert (y.size, *y[[np.argmin(y), np.argmax(y)]]) == pytest.approx((count, *extent))
+
+
+def test_damaged_files_give_points_or_a_sentence() -> None:
+    """Cuts, swaps, and bytes that were another: nothing but a contour or an error of files comes out."""
+    random = np.random.default_rng(0)
+    whole = ["XYPoints=145\nColumnDef=X,Y\n" + rows("{} {}"), "y;z\n" + rows("{};{}", ","), simpack(rows("{} {} 1"))]
+    letters = '0123456789.,;-+eE \t\n"#!=[]yz\u2212'
+    refused = []
+    for text, _ in itertools.product(whole, range(60)):
+        place, count = int(random.integers(len(text))), int(random.integers(1, 6))
+        put = "".join(random.choice(list(letters), int(random.integers(0, 4))))
+        try:
+            points = contour_of(text[:place] + put + text[place + count :], "mine.csv", "rail").points
+            assert np.all(np.isfinite(points))
+            assert points.shape[0] >= 20
+        except FileError as error:
+            refused.append(str(error))
+    assert len(refused) > 20
+    assert not any("\n" in sentence for sentence in refused)
