@@ -22,6 +22,7 @@ from rbd_model.levels.models import DEFAULT_DEPTH, DEPTH_ON_LINE, EVERY, model_o
 from rbd_model.track.line_table import LINE
 from rbd_model.vehicle.description import Vehicle
 from rbd_model.vehicle.ready import loaded_coal_wagon, passenger_coach, two_axle_bogie, wheelset_under_frame
+from rbd_model.wheelset.rigid import check_one_contact
 
 #: What `run`, `Simulation`, `sweep` and `fit` take.
 Runnable = str | Model | System | Vehicle
@@ -70,8 +71,7 @@ def machine_of(what: Runnable, values: Mapping[str, Any], on_line: bool) -> Mach
         if isinstance(what, Vehicle):
             level, depth = _level_and_depth(values)
             places = places_of(level, depth, on_line or LINE.variable.name in values)
-            if not places:
-                raise ValueError(f"Set contact_depth to {DEPTH_ON_LINE} on a line: it was {depth}.")
+            _check_places(what, places, level, depth)
             return _of_a_vehicle(pickle.dumps(what), places)
         return _of_a_model(what) if isinstance(what, Model) else _compiled(model_from(what))
 
@@ -120,9 +120,16 @@ def _batch_of_a_model(model: Model) -> BatchLibrary:
 
 def _one_level(what: Vehicle, level: int, depth: int, on_line: bool) -> Model:
     places = places_of(level, depth, on_line)
+    _check_places(what, places, level, depth)
+    return model_from(what, places)
+
+
+def _check_places(what: Vehicle, places: Sequence[int], level: int, depth: int) -> None:
+    """Raise ValueError if there is no such system, or if its contact does not suit the profiles."""
     if not places:
         raise ValueError(f"Set contact_depth to {DEPTH_ON_LINE} on a line: it was {depth}.")
-    return model_from(what, places)
+    for pair in {one.equal_sides for one in what.wheelsets} if (level, depth) == (3, 1) else ():
+        check_one_contact(pair)
 
 
 def _level_and_depth(values: Mapping[str, Any]) -> tuple[int, int]:

@@ -29,6 +29,11 @@ SEARCH_PITCH, TABLE_PITCH = 0.02e-3, 0.1e-3
 LEAST_BEND = 1.0
 #: How far wheel and rail may be moved against each other along the patch [m].
 REACH = 20e-3
+#: Range of shift over which a part of a wheel is nearest by itself at least [m], and the most patches. What jumps more
+#: often is joined: there the contact goes from place to place steeply, within TABLE_PITCH, instead of jumping.
+LEAST_TRAVEL, MOST_PATCHES = 0.5e-3, 6
+#: How far the y = 0 of a wheel and of its rail may lie apart [m]: offsets every TABLE_PITCH are looked at up to there.
+LARGEST_APART = 0.25
 #: Pitch of the points through which a turned rail is laid [m].
 TURNED_PITCH = 0.02e-3
 
@@ -59,33 +64,115 @@ class Patch:
         return self.direction >= TREAD_SLOPE
 
 
+@dataclass(frozen=True)
+class Part:
+    """A part of a wheel, points `first` to `last`: its direction [rad], radius [m] and rail, as a `Patch` has them, and
+    the position that is nearest to the rail at each offset [m], NaN where none is.
+    """
+
+    first: int
+    last: int
+    direction: float
+    radius: float
+    rail: Profile
+    nearest: np.ndarray
+
+    @property
+    def flange(self) -> bool:
+        """Whether it belongs to the flange, as a `Patch` does."""
+        return self.direction >= TREAD_SLOPE
+
+    @property
+    def travel(self) -> float:
+        """Range of shift over which it is nearest by itself [m]."""
+        return float(np.count_nonzero(np.isfinite(self.nearest)) - 1) * TABLE_PITCH
+
+
 @lru_cache
 def patches_of(one: Side) -> tuple[Patch, ...]:
-    """The patches of a wheel, from the field side to the flange (section 9.4.1): where contact would jump, they part.
+    """The patches of a wheel, from the field side to the flange (section 9.4.1), at most MOST_PATCHES."""
+    parts, s = list(parts_of(one)), positions_of(one)
+    gaps = [gap_of(one, s, offset) for offset in offsets_of(one)] if len(parts) > MOST_PATCHES else []
+    while len(parts) > MOST_PATCHES:
+        join_shortest(one, s, gaps, parts)
+    return tuple(patch(one, s, part) for part in parts)
+
+
+@lru_cache
+def parts_of(one: Side) -> tuple[Part, ...]:
+    """The parts of a wheel, from the field side to the flange (section 9.4.1): where contact would jump, they part.
 
     Over shifts of the wheel against its rail the nearest point of each part is followed; where it jumps while the part
     is as near as the rest of the wheel to within RELEVANT, the part is cut at the ridge between both places. So each
-    patch's own nearest point moves without jumps, and several may bear at once.
+    part's own nearest point moves without jumps, and several may bear at once. Where conformal contours jump every
+    tenth of a millimetre, as those of EN 15302 in the flange root, parts are joined again until each travels enough.
+    Raises ValueError for a wheel that touches its rail at an end of its profile alone.
     """
-    s = np.arange(one.wheel.limits[0] + SEARCH_PITCH, one.wheel.limits[1] - SEARCH_PITCH, SEARCH_PITCH)
+    s = positions_of(one)
     gaps = [gap_of(one, s, offset) for offset in offsets_of(one)]
-    parts, whole = [], [(0, s.size)]
+    cuts, whole = [], [(0, s.size)]
     while whole:
         first, last = whole.pop()
         cut = ridge(one, s, gaps, first, last)
         if cut is None:
-            parts.append((first, last))
+            cuts.append((first, last))
         else:
             whole += [(first, cut), (cut, last)]
-    parts.sort(reverse=True)
-    return tuple(patch(one, s, gaps, *part) for part in parts)
+    parts = [follow(one, s, gaps, *ends) for ends in sorted(cuts, reverse=True)]
+    while len(parts) > 1 and min(part.travel for part in parts) < LEAST_TRAVEL:
+        join_shortest(one, s, gaps, parts)
+    if parts[0].travel < LEAST_TRAVEL:
+        raise ValueError(
+            f"{one.wheel.name} must touch {one.rail.name} beside the ends of its profile over at least"
+            f" {1e3 * LEAST_TRAVEL:g} mm of shift; it does not. Give longer profiles, or change where they have y = 0."
+        )
+    return tuple(parts)
+
+
+def check_ellipses(one: Side) -> None:
+    """Check that ellipses describe a wheel: that its contact jumps in few places (section 9.4.1).
+
+    Raises ValueError if it has more parts than MOST_PATCHES, as conformal contours of many small arcs.
+    """
+    parts, s = parts_of(one), positions_of(one)
+    if len(parts) > MOST_PATCHES:
+        low, high = (1e3 * float(s[place]) for place in (parts[-2].first, parts[0].first))
+        raise ValueError(
+            f"At contact depth 2 the contact must move without jumps on at most {MOST_PATCHES} parts of a wheel; "
+            f"{one.wheel.name} on {one.rail.name} has {len(parts)}, with jumps from y = {low:.3g} to {high:.3g} mm. "
+            "Take contact depth 3, or smoother profiles."
+        )
+
+
+def join_shortest(one: Side, s: np.ndarray, gaps: list[np.ndarray], parts: list[Part]) -> None:
+    """Join the part that travels least to the shorter of its neighbours, tread to flange last.
+
+    Decided here, for contours on which a jump is no longer than the contact is wide (section 9.4.1).
+    """
+    at = int(np.argmin([part.travel for part in parts]))
+    beside = [place for place in (at - 1, at + 1) if 0 <= place < len(parts)]
+    other = min(beside, key=lambda place: (parts[place].flange != parts[at].flange, parts[place].travel))
+    low, high = sorted((at, other))
+    parts[low : high + 1] = [follow(one, s, gaps, parts[high].first, parts[low].last)]
+
+
+def positions_of(one: Side) -> np.ndarray:
+    """The points of the wheel's profile that are searched [m] (section 4.3)."""
+    return np.arange(one.wheel.limits[0] + SEARCH_PITCH, one.wheel.limits[1] - SEARCH_PITCH, SEARCH_PITCH)
 
 
 def offsets_of(one: Side) -> np.ndarray:
     """How far the wheel's y = 0 is looked at from the rail's [m] (3.77).
 
-    Profiles may be given from any origin: REACH is counted from where a centred wheelset has them as well.
+    Profiles may be given from any origin: REACH is counted from where a centred wheelset has them as well. Raises
+    ValueError for distances so different that they are no distances of one wheel and its rail.
     """
+    apart = one.wheel_half_distance - one.rail_half_distance
+    if not abs(apart) <= LARGEST_APART:
+        raise ValueError(
+            f"The half distances of a wheel and of its rail must be within {LARGEST_APART:g} m of each other; got "
+            f"{one.wheel_half_distance:g} and {one.rail_half_distance:g} m. Give both in metres."
+        )
     centred = (one.wheel_half_distance - one.rail_half_distance) / TABLE_PITCH
     first, last = math.floor(min(centred, 0.0)) * TABLE_PITCH, math.ceil(max(centred, 0.0)) * TABLE_PITCH
     return np.arange(first - REACH, last + REACH, TABLE_PITCH)
@@ -135,18 +222,17 @@ def bearing(one: Side, s: np.ndarray, gaps: list[np.ndarray], first: int, last: 
     return slopes, bends
 
 
-def patch(one: Side, s: np.ndarray, gaps: list[np.ndarray], first: int, last: int) -> Patch:
-    """One patch of the points `first` to `last` of the wheel's profile (section 3.3.2).
+def follow(one: Side, s: np.ndarray, gaps: list[np.ndarray], first: int, last: int) -> Part:
+    """Follow the nearest place of the points `first` to `last` of the wheel's profile (section 3.3.2).
 
     Described along the slope of the wheel in the middle of where it bears; level for a tread, which lies over its rail.
     """
     slopes, bends = bearing(one, s, gaps, first, last)
     middle = (min(slopes) + max(slopes)) / 2 if slopes else 0.0
     direction = 0.0 if abs(middle) < TREAD_SLOPE else middle
-    limits = float(s[first]), float(s[last - 1])
     radius = 1 / max(float(np.median(bends)), LEAST_BEND) if bends else 0.0
     rail = turned(one.rail, direction)
-    inside = np.arange(limits[0] + SEARCH_PITCH, limits[1] - SEARCH_PITCH, SEARCH_PITCH)
+    inside = np.arange(s[first] + SEARCH_PITCH, s[last - 1] - SEARCH_PITCH, SEARCH_PITCH)
     along, square = in_direction(inside, one.wheel.height(inside), direction)
     offsets = offsets_of(one)
     found = np.full(offsets.size, np.nan)
@@ -154,11 +240,17 @@ def patch(one: Side, s: np.ndarray, gaps: list[np.ndarray], first: int, last: in
         gap = square - rail.height(along + offset)
         if np.any(np.isfinite(gap)):
             found[i] = nearest_point(inside, gap, (first > 0, last < s.size))
-    known = np.isfinite(found)
-    place = in_direction(found[known], one.wheel.height(found[known]), direction)
-    nearest, beside = (PchipInterpolator(offsets[known], each) for each in (found[known], place[0]))
+    return Part(first, last, direction, radius, rail, found)
+
+
+def patch(one: Side, s: np.ndarray, part: Part) -> Patch:
+    """The patch of a part of a wheel (section 3.3.2)."""
+    offsets, known, direction = offsets_of(one), np.isfinite(part.nearest), part.direction
+    place = in_direction(part.nearest[known], one.wheel.height(part.nearest[known]), direction)
+    nearest, beside = (PchipInterpolator(offsets[known], each) for each in (part.nearest[known], place[0]))
     near, along_line = ((curve.x, curve.c[::-1].T) for curve in (nearest, beside))
-    return Patch(direction, radius, limits, rail, near, along_line, float(np.mean(place[1])))
+    limits = float(s[part.first]), float(s[part.last - 1])
+    return Patch(direction, part.radius, limits, part.rail, near, along_line, float(np.mean(place[1])))
 
 
 def nearest_point(s: np.ndarray, gap: np.ndarray, cut: tuple[bool, bool]) -> float:

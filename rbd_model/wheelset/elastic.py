@@ -16,7 +16,7 @@ from rbd_model.contact.creep.kalker import smooth_kalker_coefficients
 from rbd_model.contact.elastic import elastic_force
 from rbd_model.contact.geometry import Side, Sides
 from rbd_model.contact.hertz import POISSON_RATIO, moving_ellipse
-from rbd_model.contact.patches import patches_of, stand_on_treads
+from rbd_model.contact.patches import check_ellipses, patches_of, stand_on_treads
 from rbd_model.contact.strips_in_c import OF_SEGMENT, wheel_on_strips
 from rbd_model.track.irregularity import Section
 from rbd_model.vehicle.assembly import Assembly
@@ -168,6 +168,7 @@ class WheelFound:
 def press_patches(assembly: Assembly, number: int, index: int, stance: Stance, body: Body) -> WheelFound:
     """The wheel `index` (0 the left one) of a wheelset on its patches, (3.77), (3.78)."""
     one, system = side_of(assembly, number, index), assembly.system
+    check_ellipses(one)
     wheel, state = feel_rail(assembly, number, index, stance)
     track = TurningTrack(body.track.turning, body.stretch)
     # As the track turns about its own axis, so does the rail's place; what lies beside it the patch itself adds.

@@ -5,12 +5,13 @@ Straight track alone. What the rails do to the wheelset is the part of `rigid_pa
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import casadi as ca
 
 from rbd_model.body.connections import Load
 from rbd_model.body.kinematics import Body, turned_by
-from rbd_model.contact.geometry import flange_of
+from rbd_model.contact.geometry import Sides, contact_at, flange_of, last_tread_contact
 from rbd_model.track.irregularity import Section
 from rbd_model.vehicle.assembly import Assembly
 from rbd_model.vehicle.description import Wheelset
@@ -135,16 +136,38 @@ def ends_alone(
     return found
 
 
+#: Contacts of centred wheels this near to y = 0 of the profile begin there [m]; others where they are.
+NEARLY_NOMINAL = 0.1e-3
+#: Shift up to which the contact of a centred wheelset must go on without a jump at depth 1, steps to there, and the
+#: distance from the contact that is followed to the one that touches first, from which it is a jump [m].
+WITHOUT_JUMP, JUMP_STEP, LONG_JUMP = 3e-3, 20e-6, 1e-3
+
+
 def add_contact_positions(assembly: Assembly, number: int) -> ca.SX:
     """Algebraic states: where the (left, right) wheel of a wheelset is touched (3.54) [m]."""
-    return ca.vertcat(
-        *[
-            assembly.system.algebraic(
-                f"contact_{number}_{word}", "m", -side * assembly.parameter["initial_lateral"], NOMINAL_CONTACT
-            )
-            for side, word in SIDES.items()
-        ]
-    )
+    centred, starts = contact_at(assembly.vehicle.wheelsets[number - 1].equal_sides, 0.0).position, []
+    for (side, word), place in zip(SIDES.items(), centred, strict=True):
+        start = -side * assembly.parameter["initial_lateral"]
+        start = start if abs(place) < NEARLY_NOMINAL else start + place
+        starts.append(assembly.system.algebraic(f"contact_{number}_{word}", "m", start, NOMINAL_CONTACT))
+    return ca.vertcat(*starts)
+
+
+@lru_cache
+def check_one_contact(pair: Sides) -> None:
+    """Check that one contact follows a wheel, which is all that depth 1 has (section 9.4.1).
+
+    Raises ValueError if the contact jumps before the wheelset has shifted by WITHOUT_JUMP.
+    """
+    last, one = last_tread_contact(pair, WITHOUT_JUMP + JUMP_STEP, JUMP_STEP), pair.left
+    elsewhere = abs(contact_at(pair, last.shift).position[0] - last.position[0]) > LONG_JUMP
+    if elsewhere or last.shift < WITHOUT_JUMP - JUMP_STEP / 2:
+        raise ValueError(
+            f"At contact depth 1 the contact must move without a jump up to {1e3 * WITHOUT_JUMP:g} mm of shift; that "
+            f"of {one.wheel.name} on {one.rail.name} jumps at {1e3 * last.shift:.2g} mm or before, from y = "
+            f"{1e3 * last.position[0]:.3g} mm of the wheel. Take contact depth 2 or 3, "
+            "or smoother profiles."
+        )
 
 
 def add_normal_forces(assembly: Assembly, number: int) -> ca.SX:
