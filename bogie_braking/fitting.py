@@ -195,6 +195,8 @@ def parted(table: Recording, machine: Machine) -> tuple[list[str], list[str]]:
     """Outputs and inputs among what was measured. Raises KeyError for other names, ValueError for another unit."""
     if table.names[0] != "time" or not np.all(np.isfinite(table["time"])) or np.any(np.diff(table["time"]) <= 0.0):
         raise ValueError("Let the first column of what was measured be time [s], finite and growing.")
+    if table.units["time"] != "s":
+        raise ValueError(f"Give time in s: what was measured has it in {table.units['time']}.")
     for name in table.names[1:]:
         unit = machine.variables[known(name, machine.variables, "variable")].unit
         if table.units[name] != unit:

@@ -51,6 +51,13 @@ def test_a_measured_input_counts_from_the_same_row_as_what_it_moves(begin: float
     assert bb.fit(sled(), log, {"mass": 7.0}, length=100.0).values["mass"] == pytest.approx(MASS, rel=2e-3)
 
 
+def test_a_log_whose_time_has_another_unit_is_refused() -> None:
+    whole = logged(0.0)
+    log = bb.Recording({"time": "ms", "speed": "m/s"}, np.c_[1e3 * whole["time"], whole["speed"]])
+    with pytest.raises(ValueError, match="Give time in s: what was measured has it in ms."):
+        bb.fit(sled(), log, {"mass": 7.0}, brake=BRAKE)
+
+
 def test_a_log_may_begin_after_its_run() -> None:
     """Rows from 0.5 s on: the run starts at 0 s, as it is told."""
     whole = logged(0.0)

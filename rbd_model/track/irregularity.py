@@ -219,6 +219,8 @@ def derivatives_along(parameters: TrackParameters) -> Callable[[float], np.ndarr
 
 #: Points of a measured track that make up the shortest thing on it that steps resolve.
 POINTS_FELT = 8
+#: Least distance of two of its points [m]; steps are as long as it takes to run over some of them.
+LEAST_DISTANCE = 1e-3
 #: Columns of a track file, all in m but the last, which is a factor on the friction coefficient.
 COLUMNS = ("distance", "lateral", "left", "right", "friction")
 
@@ -254,7 +256,13 @@ def track_from_points(
         kept = np.diff(polynomial.x) > 0.0
         return np.append(polynomial.x[:-1][kept], polynomial.x[-1]), polynomial.c[::-1, kept].T
 
-    density = 1 / (POINTS_FELT * float(np.min(np.diff(distance))))
+    closest = float(np.min(np.diff(distance)))
+    if not closest >= LEAST_DISTANCE:
+        raise ValueError(
+            f"Points of a track must be at least {LEAST_DISTANCE:g} m apart; got {closest:.3g} m. Leave points out: "
+            "steps resolve what lies between them."
+        )
+    density = 1 / (POINTS_FELT * closest)
 
     def add(system: System) -> Callable[[int, ca.SX, int], Section]:
         def section(number: int, along: ca.SX, order: int) -> Section:

@@ -23,6 +23,8 @@ from rbd_model.track.line_table import LINE
 NAMES = tuple(column.name for column in LINE.columns)
 #: Rows of a line that is built: at most so far apart [m], and with so much turning between two [rad].
 ROW_DISTANCE, ROW_TURN = 5.0, 0.02
+#: Most rows of a line that is built, and most products of rows and waves of `irregular`: some minutes.
+MOST_ROWS, MOST_PRODUCTS = 1_000_000, 1e10
 #: Irregularities begin behind so much of a line and have grown to their size so much further on [m]: a vehicle starts
 #: with all wheels on rails that lie where they should.
 QUIET, GROWTH = 15.0, 35.0
@@ -85,11 +87,21 @@ def clothoid(length: float, before: Segment, behind: Segment) -> Segment:
     return Segment(length, *(tuple(pair) for pair in zip(first.tolist(), last.tolist(), strict=True)))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Line:
-    """A line by rows: arrays of shape (n,) by name and in the unit of a column of LINE."""
+    """A line by rows: arrays of shape (n,) by name and in the unit of a column of LINE; equal if these are."""
 
     rows: dict[str, np.ndarray] = field(repr=False)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Line) and self._content == other._content
+
+    def __hash__(self) -> int:
+        return hash(self._content)
+
+    @property
+    def _content(self) -> frozenset[tuple[str, bytes]]:
+        return frozenset((name, np.asarray(values, float).tobytes()) for name, values in self.rows.items())
 
     @property
     def length(self) -> float:
@@ -146,6 +158,11 @@ def line_of(segments: Iterable[Segment], start: float = 0.0) -> Line:
         inner = (first + ROUNDING if number else first), (last - ROUNDING if number + 1 < len(pieces) else last)
         steepest = float(np.max(np.abs(piece.ends[:, 0])))
         count = max(math.ceil((inner[1] - inner[0]) / min(ROW_DISTANCE, ROW_TURN / max(steepest, 1e-12))), 1)
+        if len(distances) + count > MOST_ROWS:
+            raise ValueError(
+                f"A line must have at most {MOST_ROWS} rows; this one has more than {len(distances) + count}, one for "
+                f"each {ROW_DISTANCE:g} m and {ROW_TURN:g} rad. Give shorter segments, in metres, or larger radii."
+            )
         within = np.linspace(*inner, count + 1)[0 if number else 1 :]
         distances += within.tolist()
         values += list(piece.ends[0] + np.outer(within - first, piece.slopes))
@@ -213,6 +230,12 @@ def irregular(
     if not pitch * 8 <= waves[0] < waves[1]:
         raise ValueError(
             f"Waves from {waves[0]:g} to {waves[1]:g} m need rows every {waves[0] / 8:g} m, not {pitch:g} m."
+        )
+    needed, count = line.length / pitch if pitch > 0.0 else math.inf, 2 * line.length / waves[1] + 200.0
+    if not (needed <= MOST_ROWS and needed * count <= MOST_PRODUCTS):
+        raise ValueError(
+            f"A line must have at most {MOST_ROWS} rows, and {MOST_PRODUCTS:g} rows times waves; {line.length:g} m by "
+            f"a pitch of {pitch:g} m are {needed:.3g} rows of {count:.3g} waves. Give a longer pitch or a shorter line."
         )
     old = line.rows["distance"]
     distance = np.unique(np.concatenate([old, np.arange(old[0], old[-1], pitch)]))
