@@ -54,7 +54,7 @@ def test_a_measured_input_counts_from_the_same_row_as_what_it_moves(begin: float
 def test_a_log_whose_time_has_another_unit_is_refused() -> None:
     whole = logged(0.0)
     log = bb.Recording({"time": "ms", "speed": "m/s"}, np.c_[1e3 * whole["time"], whole["speed"]])
-    with pytest.raises(ValueError, match="Give time in s: what was measured has it in ms."):
+    with pytest.raises(ValueError, match=r"Give time in s: what was measured has it in ms\."):
         bb.fit(sled(), log, {"mass": 7.0}, brake=BRAKE)
 
 
