@@ -91,6 +91,22 @@ def test_edges_of_a_wheel_that_turns_evenly_tell_its_speed(pulses: int, timer: f
     assert max(errors) < 1.01 * timer / GATE < READING
 
 
+def test_a_wheel_that_is_turned_at_the_first_look_shows_its_teeth_sooner() -> None:
+    """From 0.4 of a tooth on what a wheel shows is what one shows that has turned so far; the reading's error moves."""
+    pitch, rate = 2 * math.pi / 100, 1.3
+    ahead, other = Probe(phase=0.4), Probe()
+    seen = [
+        [one.look(0.01 * n, turned + rate * 0.01 * n) for one, turned in ((ahead, 0.0), (other, 0.4 * pitch))]
+        for n in range(60)
+    ]
+    assert [one for one, _ in seen] == pytest.approx([two for _, two in seen], rel=1e-9)
+    assert len({one for one, _ in seen} - {Probe().look(0.0, 0.0)}) > 5
+    straight = Probe()
+    assert [one for one, _ in seen] != pytest.approx(
+        [straight.look(0.01 * n, rate * 0.01 * n) for n in range(60)], rel=1e-3
+    )
+
+
 def test_a_coarse_timer_shows() -> None:
     assert max(abs(seen / (11.7 / RADIUS) - 1) for seen in seen_at(11.7, Probe(timer=1e-3))) > READING
 

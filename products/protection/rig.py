@@ -359,8 +359,9 @@ class Loop:
         for one in given:
             one.flags.writeable = False
         error = self._asked_of_all(controller, *given)
-        for row in running if error else ():
-            self._give_up(row, error)
+        if error:
+            for row in running:
+                self._give_up(row, error)
 
     def _asked_of_all(self, controller: ManyControllers, *given: NDArray[np.float64]) -> ControllerError | None:
         """Take the answer of a function of arrays; why it has none, if so."""
