@@ -131,7 +131,7 @@ def test_a_class_with_two_choices_of_its_gains_is_two_controllers(
             "Give a speed above 0 and up to 100 m/s, as 25m/s or 160km/h: it was 25mph.",
         ),
         (["gains.py:Gains"], "Gains of gains.py cannot be made without arguments (TypeError: "),
-        (["nothing.c"], "nothing is no controller ("),
+        (["nothing.c", "--rails", "dry", "--phases", "1"], "nothing is no controller ("),
         (["wrong.c"], "wrong.c does not compile. The C compiler ("),
         (["let_go.c", "--programme", "third.toml"], "The case a has a fault of wheelset 3; there are 2 here."),
         (["let_go.py:LetGo", "--teeth", "0"], "Set --teeth to a whole number of at least 1: it was 0."),
@@ -164,9 +164,9 @@ def test_what_cannot_be_is_refused_in_a_sentence(
 
 def test_a_library_that_is_no_controller_is_refused(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (folder / "libtext.so").write_text("no library")
-    assert main(["controllers", "compare", "libtext.so"]) == 2
+    assert main(["controllers", "compare", "--rails", "dry", "--phases", "1", "libtext.so"]) == 2
     assert "libtext is no controller" in capsys.readouterr().err
-    assert main(["controllers", "compare", "nothing.c"]) == 2
+    assert main(["controllers", "compare", "--rails", "dry", "--phases", "1", "nothing.c"]) == 2
     assert "nothing is no controller (it has no function wheel_slide_size); " in capsys.readouterr().err
 
 
