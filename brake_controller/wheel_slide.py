@@ -384,8 +384,7 @@ class SilentError(BaseException):
 
 #: Processor time [s] that one answer may use, and wall time [s] after which a controller without one is not judged.
 PATIENCE, GUARD = 1.0, 60.0
-#: Processor time of calls that share a watch may be counted twice up to this [s]; shortest time between two readings
-#: of the clocks [s].
+#: Processor time ahead of a call that its watch may count too [s]; shortest time between two readings of clocks [s].
 SHARED, LEAST_WAIT = 0.01, 0.01
 
 
@@ -393,26 +392,25 @@ class Watch:
     """Limits of a call: `limit` [s] of processor time of its thread, `guard` [s] of wall time.
 
     Processor time is the controller's own. Wall time is that of the machine too: a busy one must fail no controller.
+    begun: when its clocks were last started, on `time.monotonic` [s].
     """
 
     def __init__(self, limit: float, guard: float = GUARD) -> None:
         self.limit, self.guard = limit, guard
-        self.clock: int | None = None
         self.begin()
 
     def begin(self) -> None:
         """Start the clocks of a call in the present thread."""
-        self._wall, self._used = clock.monotonic(), clock.thread_time()
+        self.begun, self._used = clock.monotonic(), clock.thread_time()
 
     def next(self) -> None:
-        """Start the clocks anew for the next of several calls. Raises LateError if the last one took too long."""
-        if clock.monotonic() - self._wall > SHARED:
-            self.end()
+        """Start the clocks anew for the next of many short calls, if they are old: reading them costs a system call."""
+        if clock.monotonic() - self.begun > SHARED:
             self.begin()
 
     def end(self) -> None:
         """Judge a call that has answered, in its thread. Raises LateError."""
-        if clock.thread_time() - self._used >= self.limit:
+        if clock.monotonic() - self.begun >= self.limit and clock.thread_time() - self._used >= self.limit:
             raise LateError
 
     def check(self, used: float) -> float:
@@ -420,7 +418,7 @@ class Watch:
 
         Raises LateError, SilentError.
         """
-        left, wall = self.limit - (used - self._used), self.guard - (clock.monotonic() - self._wall)
+        left, wall = self.limit - (used - self._used), self.guard - (clock.monotonic() - self.begun)
         if left <= 0.0:
             raise LateError
         if wall <= 0.0:
@@ -446,7 +444,7 @@ def _under_an_alarm(watch: Watch, call: Callable[[], object]) -> object:
         signal.setitimer(signal.ITIMER_REAL, watch.check(clock.thread_time()))
 
     before = signal.signal(signal.SIGALRM, ring)
-    watch.begin()
+    watch.next()
     signal.setitimer(signal.ITIMER_REAL, min(watch.limit, watch.guard))
     try:
         answer = call()

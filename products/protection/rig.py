@@ -10,6 +10,7 @@ import ctypes
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from time import monotonic
 from types import TracebackType
 from typing import Any
 
@@ -21,6 +22,7 @@ from brake_controller.wheel_slide import (
     APPLY,
     GUARD,
     PATIENCE,
+    SHARED,
     VENT,
     ControllerError,
     LateError,
@@ -47,8 +49,8 @@ from products.protection.runs import DYNAMIC_BRAKE, SENSOR_FAILURES, TRACTION, R
 
 #: Looks between two glances at which runs have ended; so many at most go on for nothing.
 GLANCE = 100
-#: So many controllers in Python share an alarm. Processor time that one answer of a function of arrays may use [s].
-TOGETHER, PATIENCE_WITH_ARRAYS = 8, 10.0
+#: Processor time that one answer of a function of arrays may use [s].
+PATIENCE_WITH_ARRAYS = 10.0
 #: After so many runs in which a controller gave no answer it is not asked in the others.
 SILENCES = 3
 #: Speed from which a machine with traction starts [m/s].
@@ -292,6 +294,7 @@ class Loop:
         self.sentences: dict[int, str] = {}
         self.not_judged: set[int] = set()
         self.silences = 0
+        self.watch = Watch(PATIENCE, GUARD)
         self.ends = np.zeros(self.count)
         errors = [edge_errors(s.pulses, s.jitter, number) for number in machine.numbers]
         self.errors = np.array(errors) if s.jitter else None
@@ -405,10 +408,10 @@ class Loop:
     def _ask_each(self) -> None:
         waiting = [row for row in np.flatnonzero(self.score["state"] == RUNS).tolist() if self.each[row]]
         times, speeds, every = self.time.tolist(), self.speeds.tolist(), self.valves.tolist()
-        watch, failed = Watch(PATIENCE, GUARD), dict[int, ControllerError]()
+        watch, failed = self.watch, dict[int, ControllerError]()
 
         def ask() -> None:
-            for _ in range(min(TOGETHER, len(waiting))):
+            while waiting:
                 row = waiting[-1]
                 one = self.each[row]
                 assert one is not None
@@ -416,7 +419,9 @@ class Loop:
                     every[row] = one.unhurried(times[row], speeds[row])
                 except ControllerError as error:
                     failed[row] = error
-                watch.next()
+                if monotonic() - watch.begun > SHARED:
+                    watch.end()
+                    watch.begin()
                 waiting.pop()
 
         while waiting and self.silences < SILENCES:
