@@ -20,6 +20,8 @@ from charts import CHARTS, HERE, measured
 from counts import PAGES, constant
 from pages import DOCS, ROOT, write_or_check
 
+from readers.documents import read_document, text_in
+
 KEPT = DOCS / "data" / "numbers.json"
 #: A number, and the mark behind it.
 MARKED = re.compile(r"(?P<number>-?\d+(?: \d{3})*(?:\.\d+)?(?:e-?\d+)?)<!--= (?P<mark>[^|]+\|[^|]+\|[^|]*?) ?-->")
@@ -75,10 +77,13 @@ def collect() -> None:
     """Keep the rows that pages cite, of scenarios that have results; of the others what was kept."""
     found = {}
     for scenario, names in sorted(cited().items()):
-        summary = ROOT / "results" / scenario / "summary.json"
+        path = ROOT / "results" / scenario / "summary.json"
         rows = kept().get(scenario, {})
-        if summary.exists():
-            rows = {row["quantity"]: row["simulated"] for row in json.loads(summary.read_text("utf-8"))["rows"]}
+        if path.exists():
+            summary = read_document(path)
+            if text_in(summary, "scenario", f"{path}") != scenario:
+                sys.exit(f"{path} must hold the results of {scenario}. Run {scenario} again.")
+            rows = {row["quantity"]: row["simulated"] for row in summary["rows"]}
         found[scenario] = {name: rows[name] for name in sorted(names)}
     KEPT.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
 
