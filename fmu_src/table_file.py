@@ -21,6 +21,7 @@ def table_file_source(file: TableFile, variable: int) -> str:
     words = (file.noun, file.preposition, f"/{file.resource}", file.known)
     members = [
         *(str(variable), *map(c_text, words), c_number(file.least_growth), c_text(file.growth_text)),
+        c_number(file.rounding),
         *(str(len(file.columns)), str(len(file.added)), "COLUMN_OF_FILE", "PIECE_OF_FILE"),
         *(PREFIX + name for name in ("check_row", "complete", "piece_between")),
     ]
