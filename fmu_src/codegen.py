@@ -39,6 +39,7 @@ KERNEL_SOURCES = (
     "reuse.c",
     "runge_kutta.c",
     "outputs.c",
+    "told.c",
     "modes.c",
     "locate.c",
     "record.c",
@@ -103,6 +104,7 @@ FUNCTIONS = (
     "condition_margin",
     "warning_margin",
     "largest_change",
+    "told",
     "output_along",
     "residual_along",
 )
@@ -188,12 +190,14 @@ def _system_arrays(model: Model, system: System, solving: Elimination) -> Iterab
     yield c_array("int", f"{prefix}_algebraic_nonzero", map(str, inside))
     where = [tuple(map(algebraic.index, solving.nonzeros[number])) for number in inside]
     yield c_array("int", f"{prefix}_algebraic_place", (str(column * len(algebraic) + row) for row, column in where))
+    wholes = [friction.whole for friction in system.frictions]
     yield c_array(
         "friction_description",
         f"{prefix}_friction",
         [
-            f"{{{c_text(f.label)}, {c_text(f.stuck_word)}, {c_text(f.sliding_word)}, "
-            f"{position[f.states[0]]}, {position[f.states[1]] if f.states[1:] else -1}}}"
+            f"{{{c_text(f.whole or f.label)}, {c_text(f.stuck_word)}, {c_text(f.sliding_word)}, "
+            f"{position[f.states[0]]}, {position[f.states[1]] if f.states[1:] else -1}, "
+            f"{wholes.index(f.whole) if f.whole else -1}, {int(f.told is not None)}}}"
             for f in system.frictions
         ],
     )

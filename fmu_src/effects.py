@@ -77,7 +77,7 @@ def expressions_of(system: System) -> list[ca.SX]:
         system.ode,
         *(state.start for state in system.states.values()),
         *system.outputs.values(),
-        *(one for friction in system.frictions for one in (friction.drive, friction.capacity, friction.still)),
+        *(ca.SX(one) for f in system.frictions for one in (f.drive, f.capacity, f.still, *(f.told or ()))),
         *(one for condition in conditions for one in (condition.margin, condition.first_look)),
         *(largest for _, largest in system.largest_changes),
         *(table.argument for table in system.tables),

@@ -214,7 +214,9 @@ class Friction:
 
     The equations multiply `capacity` with `direction` and hold the velocity where it is 0. `drive` is what the friction
     must balance to stay stuck, in the unit of `capacity`; a capacity below 0 says that there is none, and never any.
-    still: speed up to which it sticks.
+    still: speed up to which it sticks. whole: the machine that it holds as a whole; frictions that hold the same one are
+    told as one. told: margins above 0 where it counts that it sticks, or could, and where that it slides; None: it
+    always does.
     """
 
     label: str
@@ -225,6 +227,8 @@ class Friction:
     stuck_word: str
     sliding_word: str
     still: ca.SX
+    whole: str = ""
+    told: tuple[ca.SX | float, ca.SX | float] | None = None
 
 
 @dataclass(frozen=True)
@@ -407,14 +411,16 @@ class System(Chain):
         capacity: ca.SX,
         words: tuple[str, str],
         still: ca.SX | float = 0.0,
+        whole: str = "",
+        told: tuple[ca.SX | float, ca.SX | float] | None = None,
     ) -> None:
         """A friction that sticks and slides, see `Friction`; its direction is a symbol from `direction`.
 
         velocity: the state that it acts on, or two whose sum it is. words: what is said when it sticks and when it
-        slides, behind the label.
+        slides, behind the label, or behind what it holds as a whole.
         """
-        states = tuple(self.name_of(state) for state in velocity)
-        self.frictions.append(Friction(label, direction, states, drive, ca.SX(capacity), *words, ca.SX(still)))
+        states, limits = tuple(self.name_of(state) for state in velocity), (ca.SX(capacity), *words, ca.SX(still))
+        self.frictions.append(Friction(label, direction, states, drive, *limits, whole, told))
 
     def limit_change(self, largest: ca.SX, *states: ca.SX) -> None:
         """Steps chosen by the error end before a state, or the sum of two, has changed by `largest` at its rate.

@@ -89,7 +89,7 @@ def test_a_recording_has_units_sentences_counts_and_goes_into_files(tmp_path: Pa
     stop = bb.run("bogie", 20.0, names=["speed", "distance"], interval=0.5, **BRAKED)
     assert stop.units == {"time": "s", "speed": "m/s", "distance": "m"}
     assert stop["time"] == pytest.approx(np.arange(41) * 0.5)
-    assert "Wheelset 1 stands at" in stop.status
+    assert "The vehicle stands at" in stop.status
     assert stop.counts["steps"] > 10
     figure = stop.plot()
     assert [axis.get_ylabel() for axis in figure.axes] == ["[m/s]", "[m]"]

@@ -193,6 +193,8 @@ kernel_status kernel_complete_step(kernel *self, bool *crossed) {
     if (status != KERNEL_OK) return status;
     *crossed = false;
     for (int i = 0; i < kernel_exchange_indicators(); ++i) *crossed |= self->modes.margin[i] < 0.0;
+    /* An output that hangs on what counts is discrete: it changes at events alone. */
+    if (self->run.now->watched) *crossed |= told_follow(self, 0.0);
     const bool warned = modes_warn(self, 0.0);
     return explicit_host_guard(self) != KERNEL_OK || warned ? KERNEL_WARNING : KERNEL_OK;
 }

@@ -66,7 +66,11 @@ kernel_status kernel_initialise(kernel *self, double time) {
     if (system->derive) kernel_call(self, system->derive, 0.0, self->run.state, &self->run.derived);
     kernel_evaluate(self, system->start, 0.0, self->run.state, self->work.trial);
     memcpy(self->run.state, self->work.trial, (size_t)system->states * sizeof(double));
-    for (int i = 0; i < system->frictions; ++i) self->run.mode[i] = 1.0;
+    for (int i = 0; i < system->frictions; ++i) {
+        self->run.mode[i] = 1.0;
+        self->run.told[i] = 0.0;
+    }
+    self->run.now->watched = false;
     for (int i = 0; i < system->conditions; ++i) self->run.said[i] = 0.0;
     if (!steady_find(self)) {
         char when[CLOCK_SIZE];

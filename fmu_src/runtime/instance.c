@@ -46,6 +46,7 @@ static size_t lay_out_run(run_state *run, const dimensions *room, double *block)
     run->state = carve(block, &used, room->states);
     run->mode = carve(block, &used, room->frictions);
     run->said = carve(block, &used, room->conditions);
+    run->told = carve(block, &used, room->frictions);
     run->kept_state = carve(block, &used, room->states);
     run->kept_input = carve(block, &used, room->inputs);
     run->kept_mode = carve(block, &used, room->frictions);
@@ -95,6 +96,7 @@ static size_t lay_out_work(kernel *self, double *block) {
     self->kept.algebraic.matrix = carve(block, &used, room->algebraics * room->algebraics);
     self->modes.drive = carve(block, &used, room->frictions);
     self->modes.capacity = carve(block, &used, 2 * room->frictions);
+    self->modes.told = carve(block, &used, 2 * room->frictions);
     self->modes.before = carve(block, &used, room->frictions);
     self->modes.overshoot = carve(block, &used, room->frictions);
     self->modes.margin = carve(block, &used, room->frictions + room->conditions);

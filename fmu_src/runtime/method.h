@@ -70,6 +70,8 @@ RUNTIME_LOCAL double modes_direction_margin(const kernel *self, int i, const dou
 RUNTIME_LOCAL double modes_margin(kernel *self, double offset, const double *state);
 RUNTIME_LOCAL int modes_switch(kernel *self, double offset, double least);
 RUNTIME_LOCAL bool modes_warn(kernel *self, double offset);
+/* Tells what has changed of frictions that stick or slide, where it counts; whether something has. */
+RUNTIME_LOCAL bool told_follow(kernel *self, double offset);
 /* Model exchange: something has switched or stopped now. */
 RUNTIME_LOCAL void modes_grow_reluctant(kernel *self);
 /* Model exchange: a step of the host begins here; slopes were read; and it ends here, a status where that is warned of. */

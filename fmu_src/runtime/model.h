@@ -61,6 +61,8 @@ typedef struct {
 typedef struct {
     const char *label, *stuck_word, *sliding_word;
     int velocity, other; /* indices; -1: there is no other */
+    int whole;   /* the first of those that hold the machine as a whole and are told as one; -1: it is told by itself */
+    bool counts; /* whether `told` says from where on what is told of it counts */
 } friction_description;
 
 /* A state, or the sum of two, whose change within a step is limited. */
@@ -112,6 +114,8 @@ typedef struct {
     generated_function condition_margin; /* of all conditions; of costly warnings something that is negative where they are */
     generated_function warning_margin;   /* of the warnings; null: condition_margin has them */
     generated_function largest_change;
+    /* Of each friction what is above 0 where it counts that it sticks, and then where it counts that it slides. */
+    generated_function told;
     generated_function output_along, residual_along; /* derivatives of outputs and of residuals along the seed */
     /* The factors of a step's matrix, a diagonal less the Jacobian, both in the order of the states: the diagonal of the
      * factors first, inverted, those below it next; and the solution in place of a vector. */

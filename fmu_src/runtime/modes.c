@@ -71,24 +71,11 @@ static void find_drive_and_capacity(kernel *self, double offset, const double *s
         }
 }
 
-static void note_switch(kernel *self, int i, double offset) {
-    const friction_description *friction = &self->system->friction[i];
-    const char *word = self->run.mode[i] == 0.0 ? friction->stuck_word : friction->sliding_word;
-    char when[CLOCK_SIZE];
-    kernel_note(self, KERNEL_OK, "%s %s at %s s.", friction->label, word,
-                kernel_clock(self->given.step_origin + offset, 6, when));
-}
-
-/* Notes what began or ceased to be stuck since the modes `before`; whether something did. */
-static bool note_switches(kernel *self, double offset) {
-    const bool heard = kernel_is_heard(self, KERNEL_OK);
-    bool changed = false;
-    for (int i = 0; i < self->system->frictions; ++i) {
-        if ((self->modes.before[i] == 0.0) == (self->run.mode[i] == 0.0)) continue;
-        if (heard) note_switch(self, i, offset);
-        changed = true;
-    }
-    return changed;
+/* Whether something began or ceased to be stuck since the modes `before`. */
+static bool has_switched(const kernel *self) {
+    for (int i = 0; i < self->system->frictions; ++i)
+        if ((self->modes.before[i] == 0.0) != (self->run.mode[i] == 0.0)) return true;
+    return false;
 }
 
 /* Mode of a friction by the drive and capacity that were found, by its velocity and the mode `before`. */
@@ -114,13 +101,15 @@ static bool refresh_once(kernel *self, double offset) {
     find_drive_and_capacity(self, offset, self->run.state);
     begin_round(self);
     for (int i = 0; i < self->system->frictions; ++i) renew_mode(self, i, offset);
-    return note_switches(self, offset);
+    return has_switched(self);
 }
 
 /* A friction may hold only what another holds already: a wheelset stands on its rails where it does not turn. */
 void modes_refresh(kernel *self, double offset) {
     if (self->system->frictions == 0) return;
-    for (int i = 0; refresh_once(self, offset) && i < ROUNDS; ++i) {}
+    bool switched = false;
+    for (int i = 0; refresh_once(self, offset) && i < ROUNDS; ++i) switched = true;
+    if (switched) (void)told_follow(self, offset);
 }
 
 /* Whether a friction has taken a velocity through zero within a step. */
@@ -209,9 +198,10 @@ bool modes_settle(kernel *self, double offset) {
     for (int i = 0; i < system->frictions; ++i)
         if (!stays(self, i, self->modes.overshoot[i] != 0.0 ? SPARE : 1.0)) renew_mode(self, i, offset);
     let_go(self, offset);
-    const bool changed = note_switches(self, offset);
-    if (changed) self->counters.events++;
-    return changed;
+    if (!has_switched(self)) return false;
+    (void)told_follow(self, offset);
+    self->counters.events++;
+    return true;
 }
 
 /* What is stuck stays exactly where it is: its slope says so, but row exchanges in the factorisation leave round-off. */
@@ -274,11 +264,13 @@ static bool is_to_warn(const kernel *self, int i) {
     return self->run.said[i] == 0.0 && !(self->modes.margin[self->system->frictions + i] >= 0.0);
 }
 
-/* Says once what only warns, from the margins of the state just reached; whether there was something. */
+/* Says once what only warns, from the margins of the state just reached; whether there was something. Tells of frictions
+ * before, where that may change without a switch. */
 bool modes_warn(kernel *self, double offset) {
     const system_description *system = self->system;
     int candidates = 0;
     bool warned = false;
+    if (self->run.now->watched) (void)told_follow(self, offset);
     for (int i = system->ends; i < system->conditions; ++i) candidates += is_to_warn(self, i);
     if (candidates && system->warning_margin)
         kernel_evaluate(self, system->warning_margin, offset, self->run.state,

@@ -21,6 +21,7 @@ typedef struct {
     int ended;                   /* 1 + index of the end condition that stopped the run; 0: running */
     bool outputs_stale;
     bool inputs_jumped; /* model exchange: an input was set to another value since modes were found last */
+    bool watched;       /* whether what is told of frictions may change without a switch */
 } run_record;
 
 typedef struct {
@@ -28,6 +29,7 @@ typedef struct {
     double *value, *input_rate, *last_rate; /* by variable of the model */
     double *state, *mode, *derived;
     double *said; /* by condition: 1 where its warning was said */
+    double *told; /* by friction: how often it counted that it sticks; below 0 where it does so now, see told.c */
     double *kept_state, *kept_input, *kept_mode; /* where the kept Jacobian was taken */
     double *block;  /* all of it */
     size_t doubles; /* its length */

@@ -63,6 +63,7 @@ typedef struct {
 typedef struct {
     double *drive, *capacity, *still;
     double *margin; /* of frictions, of what ends the run, of what only warns */
+    double *told;   /* of frictions: where it counts that they stick, and where that they slide */
     double *before, *overshoot; /* modes before a round; velocities that passed zero within a step of a fixed size */
 } mode_workspace;
 

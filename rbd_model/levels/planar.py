@@ -88,7 +88,7 @@ def roll_under_load(
     axle_load = -pull[2] - mass * falling[2]
     distance, forward = assembly.distance + axle.position[0], axle.velocity[0]
     creeping = creep_on_level_rail(assembly, number, distance, forward, centred_load(axle_load), axle_load)
-    hold, outside = add_hold(assembly.system, number), pull[0] + mass * falling[0]
+    hold, outside = add_hold(assembly.system, number, forward), pull[0] + mass * falling[0]
     pushed, grip = (outside, traction_force(assembly, number)), Grip.of(assembly, number, hold, creeping.static)
     stand_still(assembly, f"Wheelset {number}", hold, [shift.lead, assembly.speed], pushed, grip)
     pulled = outside + creeping.force

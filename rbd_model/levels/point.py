@@ -87,13 +87,15 @@ def stand_on_locked_wheels(
     them running resistance does, all in proportion to the most that they hold.
     """
     moving = assembly.system.direction("moving")
-    holds = [replace(add_hold(assembly.system, one.number), moving=moving) for one in creeping]
+    speed = assembly.speed
+    holds = [replace(add_hold(assembly.system, one.number, speed), moving=moving) for one in creeping]
     both = list(zip(holds, creeping, strict=True))
     grips = [Grip.of(assembly, one.number, hold, one.static) for hold, one in both]
     rolling = sum((hold.turns * one.force for hold, one in both), ca.SX(0))
     traction = sum(((1 - hold.turns) * traction_force(assembly, one.number) for hold, one in both), ca.SX(0))
-    whole = Grip(sum((grip.braked for grip in grips), ca.SX(0)), sum((grip.whole for grip in grips), resistance.steady))
-    stand_still(assembly, "The vehicle", holds[0], [assembly.speed], (outside + rolling, traction), whole)
+    able, braked = (sum(all_, ca.SX(0)) for all_ in zip(*((grip.able, grip.braked) for grip in grips), strict=True))
+    whole = Grip(able, braked, sum((grip.whole for grip in grips), resistance.steady))
+    stand_still(assembly, "The vehicle", holds[0], [speed], (outside + rolling, traction), whole)
     share = (holds[0].moves - 1) * pulled / at_least(whole.whole, SMALLEST_LOAD)
     return holds, [share * grip.whole for grip in grips]
 

@@ -103,7 +103,12 @@ def outputs(vehicle: Vehicle) -> dict[str, Variable]:
         *each("slip_ratio", "1", "Slip over speed, {} wheelset: 0 rolling, 1 locked"),
         *each("creep_force", "N", "Longitudinal creep force of the rails on the {} wheelset, positive forward"),
         *each("axle_load", "N", "Vertical force of the rails on the {} wheelset", display_unit="kN"),
-        *each("locked", "1", "The {} wheelset is locked by its brake", kind="boolean"),
+        *each(
+            "locked",
+            "1",
+            "The {} wheelset is locked: its brake holds it while its axle moves; false at rest",
+            kind="boolean",
+        ),
         *[row for body in vehicle.bodies for row in _in_plane(body)],
         *each("lateral", "m", "Lateral displacement of the {} wheelset from the track centre, to the left"),
         *each("yaw", "rad", "Yaw of the {} wheelset", display_unit="deg"),

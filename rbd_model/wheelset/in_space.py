@@ -170,7 +170,7 @@ def push_wheelset(
     turning = ca.vertcat(moment[0] / inertia[0], moment[1], moment[2] / inertia[2])
     push = system.narrow(ca.vertcat((1 / mass) * suspension.force, turning))
     moved = wheelset.free + push
-    hold = add_hold(system, number)
+    hold = add_hold(system, number, wheelset.on.shift.speed)
     held = (hold.moves - 1) * mass * moved[0]
     states, on = [wheelset.on.shift.lead, assembly.speed], wheelset.on
     pushed = mass * moved[0] - ca.sum1(wheelset.creep_along), traction_force(assembly, number)

@@ -17,6 +17,10 @@ from rbd_model.vehicle.scales import NOMINAL_ANGULAR_VELOCITY, NOMINAL_ROTATION
 #: Creepage at which wheels of any load begin to slide as a whole; its order of magnitude, from (3.92) and (3.94).
 BENDING = 0.01
 
+#: Speed of an axle in creepage_speed from which on its vehicle, once it stands, counts as moving again: there the
+#: regularised creepage is that of (2.3) but for half a per cent. Bodies that rock back at the end of a stop stay below.
+ON_ITS_WAY = 10.0
+
 #: Share of creepage_speed up to which an axle on a locked wheelset counts as still: ten times what BENDING says is all
 #: that is left of sliding there, and stopping from it is 0.1 um of way.
 STILL = 0.1
@@ -26,11 +30,13 @@ STILL = 0.1
 class Hold:
     """What may hold a wheelset: its brake, so that it is locked, and then its rails, so that its axle stands.
 
-    Symbols of the directions in which it turns and moves along: 1, -1, or 0 where it is held.
+    Symbols of the directions in which it turns and moves along: 1, -1, or 0 where it is held. forward [m/s]: speed of
+    its axle.
     """
 
     turning: ca.SX
     moving: ca.SX
+    forward: ca.SX
 
     @property
     def turns(self) -> ca.SX:
@@ -45,7 +51,7 @@ class Hold:
 
 @dataclass(frozen=True)
 class Rotation:
-    """Symbols of one wheelset that turns: angle, velocity, torques of its brake with sign, and 0 where it is locked."""
+    """Symbols of one wheelset: angle, velocity, torques of its brake with sign, and 0 where its brake holds it."""
 
     number: int
     angle: ca.SX
@@ -89,10 +95,12 @@ class RollingWheelset:
 class Grip:
     """The most that holds a locked wheelset along the track, else 0 [N]: what its brake holds, and with that its rails.
 
+    able [N]: what its brake could hold, where the wheelset turns too.
     More than its brake does neither hold, third line of (2.8): before that turns, its axle must move, or there is no
     creep force to turn it.
     """
 
+    able: ca.SX
     braked: ca.SX
     whole: ca.SX
 
@@ -100,7 +108,7 @@ class Grip:
     def of(cls, assembly: Assembly, number: int, hold: Hold, static: ca.SX) -> Grip:
         """Of a wheelset by its number; static [N]: friction times load, as (3.97) ends."""
         locked, braked = 1 - hold.turns, brake_capacity(assembly, number) / radius_of(assembly, number)
-        return cls(locked * braked, locked * ca.fmin(static, braked))
+        return cls(braked, locked * braked, locked * ca.fmin(static, braked))
 
 
 def stand_still(
@@ -117,7 +125,19 @@ def stand_still(
     # The capacity is looked at after each step, the drive only where something is still: so the loads are in that.
     drive = push * grip.braked / at_least(grip.whole, SMALLEST_LOAD)
     words = "stands", "moves again"
-    assembly.system.dry_friction(label, hold.moving, states, drive, grip.braked, words, still)
+    told = grip.able, ca.fabs(hold.forward) - ON_ITS_WAY * assembly.parameter["creepage_speed"]
+    assembly.system.dry_friction(
+        label, hold.moving, states, drive, grip.braked, words, still, whole="The vehicle", told=told
+    )
+
+
+def slides_along(assembly: Assembly, forward: ca.SX) -> ca.SX:
+    """Above 0 where an axle moves, so that its wheelset is locked if it does not turn; forward [m/s]: of the axle.
+
+    Below creepage_speed, creepage is regularised: there the creep of a wheelset that does not turn may still carry its
+    brake's whole force, as it does at the end of every stop.
+    """
+    return ca.fabs(forward) - assembly.parameter["creepage_speed"]
 
 
 def traction_force(assembly: Assembly, number: int) -> ca.SX:
@@ -142,9 +162,9 @@ def add_rotation_states(assembly: Assembly, number: int) -> tuple[ca.SX, ca.SX]:
     return rotated, assembly.system.state(f"angular_velocity_{number}", "rad/s", start, NOMINAL_ANGULAR_VELOCITY)
 
 
-def add_hold(system: System, number: int) -> Hold:
-    """New symbols of what may hold a wheelset, third line of eq. (2.8)."""
-    return Hold(system.direction(f"direction_{number}"), system.direction(f"moving_{number}"))
+def add_hold(system: System, number: int, forward: ca.SX) -> Hold:
+    """New symbols of what may hold a wheelset, third line of eq. (2.8); forward [m/s]: speed of its axle."""
+    return Hold(system.direction(f"direction_{number}"), system.direction(f"moving_{number}"), forward)
 
 
 def add_rotation(
@@ -170,7 +190,8 @@ def add_rotation(
     inertia = system.derived(f"turning_inertia_{number}", assembly.value(own) + assembly.drive_inertia)
     system.derivative(rotated, omega)
     system.derivative(omega, moving * (drive - direction * capacity) / inertia)
-    system.dry_friction(f"Wheelset {number}", direction, [omega], holding, capacity, ("locked", "turns again"))
+    words, told = ("locked", "turns again"), (slides_along(assembly, hold.forward), 1.0)
+    system.dry_friction(f"Wheelset {number}", direction, [omega], holding, capacity, words, told=told)
     share = brake / ca.fmax(capacity, 1e-9)
     return Rotation(number, rotated, omega, friction_torque, share * friction_torque, traction, moving)
 
@@ -186,7 +207,7 @@ def add_wheelset_outputs(assembly: Assembly, rolling: RollingWheelset, speed: ca
         "slip_ratio": creepage(slip, speed, assembly.parameter["creepage_speed"]),
         "creep_force": rolling.creep_force,
         "axle_load": rolling.load,
-        "locked": 1 - rotation.moving,
+        "locked": (1 - rotation.moving) * (slides_along(assembly, rolling.forward) > 0),
     }
     for name, expression in rows.items():
         system.output(assembly.outputs[f"{name}_{number}"], expression)

@@ -436,7 +436,7 @@ def test_host_step_is_not_an_integration_step(bogie: Library) -> None:
             one.step(number * size, size)
             if one.journal:
                 break
-        stops.append((float(re.findall(r"locked at (\S+) s", one.journal[0])[0]), one["distance"]))
+        stops.append((float(re.findall(r"stands at (\S+) s", one.journal[0])[0]), one["distance"]))
     times, distances = np.array(stops).T
     assert np.ptp(times) < STOP_TIME_BAND
     assert np.ptp(distances) < STOP_DISTANCE_BAND

@@ -249,14 +249,16 @@ def test_stop_is_that_of_another_method(bogie: Library) -> None:
         atol=1e-10,
     )
     kernel = spatial(bogie, brake_torque_1=20e3, brake_torque_2=20e3)
-    table = kernel.record(22.9, 1e-4, ["distance", "locked_1"])
-    locked = int(np.argmax(table["locked_1"]))
+    table = kernel.record(22.9, 1e-4, ["distance", "angular_velocity_1"])
+    locked = int(np.argmin(table["angular_velocity_1"]))
     assert found.t[-1] > 16.0
     assert table["time"][locked] == pytest.approx(found.t[-1], abs=STOP_TIME_BAND)
     end = dict(zip(names, found.y[:, -1], strict=True))
     moved = end["frame_distance"] + (end["shift_1"] + end["shift_2"]) / 2
     assert table["distance"][locked] == pytest.approx(moved, abs=STOP_DISTANCE_BAND)
     assert kernel["distance"] == pytest.approx(moved, abs=STOP_DISTANCE_BAND)  # it stands
+    assert not any("locked" in sentence for sentence in kernel.journal)
+    assert kernel["locked_1"] == kernel["locked_2"] == 0.0
 
 
 #: Of slopes [1/s2]: slip is a difference of 25 m/s in double precision, and its coefficient is 2200 1/s.

@@ -61,7 +61,8 @@ def test_locked_vehicle_stands_for_a_day_and_starts_by_newtons_law_once_released
     kernel.advance(DAY)
     assert kernel["distance"] == pytest.approx(place, abs=STANDING_BAND)
     assert kernel["speed"] == 0.0
-    assert kernel["locked_1"] == kernel["locked_2"] == 1.0
+    assert kernel["angular_velocity_1"] == kernel["angular_velocity_2"] == 0.0
+    assert kernel["locked_1"] == kernel["locked_2"] == 0.0
     force = kernel["creep_force_1"] + kernel["creep_force_2"]
     assert force == pytest.approx(MASS * P.gravity * GRADIENT, rel=1e-6)
     assert kernel.counts["events"] < 10

@@ -107,7 +107,7 @@ def reach(of: Machine, scene: Mapping[str, float], seconds: float) -> Snapshot |
         raise
     found = kernel.linearise()
     names = list(of.system.states)
-    locked = tuple(kernel[f"locked_{n}"] > 0.5 for n in range(1, of.wheelsets + 1))
+    locked = tuple(kernel[f"angular_velocity_{n}"] == 0.0 for n in range(1, of.wheelsets + 1))
     return Snapshot(
         of, scene, dict(zip(names, found.state, strict=True)), dict(zip(names, found.slope, strict=True)), locked
     )

@@ -1,0 +1,81 @@
+/* What is told of frictions that stick and slide.
+ *
+ * A friction may say from where on it counts that it sticks, or that it slides: a wheel is locked where it does not turn
+ * while its axle moves. Frictions that hold a machine as a whole are told as one: when the last of them sticks that could, and
+ * when they slide so that it counts. What sticks again and again is told the 1st, 2nd, 4th, 8th time, and so on, until the machine as a
+ * whole stands; that it slides, where it was told that it sticks. So what is said does not grow with a run's length. */
+#include <math.h>
+
+#include "method.h"
+
+/* Whether a friction sticks; of a machine as a whole one, and all others where it counts. */
+static bool sticks(const kernel *self, int i) {
+    const friction_description *friction = self->system->friction;
+    if (friction[i].whole < 0) return self->run.mode[i] == 0.0;
+    bool some = false;
+    for (int k = i; k < self->system->frictions; ++k) {
+        if (friction[k].whole != i) continue;
+        if (self->run.mode[k] == 0.0)
+            some = true;
+        else if (!friction[k].counts || self->modes.told[k] > 0.0)
+            return false;
+    }
+    return some;
+}
+
+static bool is_power_of_two(double count) {
+    int exponent;
+    return frexp(count, &exponent) == 0.5;
+}
+
+static void tell(kernel *self, int i, const char *word, double offset, bool counted) {
+    const double times = fabs(self->run.told[i]);
+    if (!kernel_is_heard(self, KERNEL_OK) || !is_power_of_two(times)) return;
+    char when[CLOCK_SIZE];
+    const char *label = self->system->friction[i].label;
+    (void)kernel_clock(self->given.step_origin + offset, 6, when);
+    if (counted && times > 1.0)
+        kernel_note(self, KERNEL_OK, "%s %s at %s s; %g times so far.", label, word, when, times);
+    else
+        kernel_note(self, KERNEL_OK, "%s %s at %s s.", label, word, when);
+}
+
+/* Where the machine as a whole stands, what was told of the others counts anew. */
+static void begin_anew(kernel *self) {
+    for (int i = 0; i < self->system->frictions; ++i)
+        if (self->system->friction[i].whole < 0) self->run.told[i] = self->run.told[i] < 0.0 ? -1.0 : 0.0;
+}
+
+/* Whether what counts of a friction, or of those that are told as one with it, has changed; tells it. */
+static bool follow(kernel *self, int i, double offset) {
+    const friction_description *friction = &self->system->friction[i];
+    double *told = &self->run.told[i];
+    const double *margin = self->modes.told;
+    const bool stuck = sticks(self, i), counted = *told < 0.0;
+    const bool counts = !friction->counts || friction->whole >= 0 || margin[i] > 0.0;
+    const bool slides = !stuck && (!friction->counts || margin[self->system->frictions + i] > 0.0);
+    self->run.now->watched |= friction->counts && (stuck || (counted && !slides));
+    if (stuck && counts && !counted) {
+        if (friction->whole >= 0) *told = 0.0;
+        *told = -(*told + 1.0);
+        tell(self, i, friction->stuck_word, offset, true);
+        if (friction->whole >= 0) begin_anew(self);
+        return true;
+    }
+    if (!counted || (stuck ? counts : !slides)) return false;
+    *told = -*told;
+    if (slides) tell(self, i, friction->sliding_word, offset, false);
+    return true;
+}
+
+bool told_follow(kernel *self, double offset) {
+    const system_description *system = self->system;
+    bool changed = false;
+    self->run.now->watched = false;
+    if (system->told) kernel_evaluate(self, system->told, offset, self->run.state, self->modes.told);
+    for (int i = 0; i < system->frictions; ++i)
+        if (system->friction[i].whole < 0) changed |= follow(self, i, offset);
+    for (int i = 0; i < system->frictions; ++i)
+        if (system->friction[i].whole == i) changed |= follow(self, i, offset);
+    return changed;
+}
