@@ -214,8 +214,8 @@ class Friction:
 
     The equations multiply `capacity` with `direction` and hold the velocity where it is 0. `drive` is what the friction
     must balance to stay stuck, in the unit of `capacity`; a capacity below 0 says that there is none, and never any.
-    still: speed up to which it sticks. whole: the machine that it holds as a whole; frictions that hold the same one are
-    told as one. told: margins above 0 where it counts that it sticks, or could, and where that it slides; None: it
+    still: speed up to which it sticks. whole: the machine that it holds as a whole; frictions that hold one are told as
+    one. told: margins above 0 where it counts that it sticks, or could, and where that it slides; None: it
     always does.
     """
 

@@ -97,8 +97,9 @@ RAILS = {"dry-rail": dry, "wet-rail": wet, "low-adhesion": low, "very-low-adhesi
 
 def on_rail(machine: NamedSet, condition: Callable[[], RailCondition]) -> NamedSet:
     """A vehicle's set with a condition of the rail, whose friction coefficients are start values of inputs."""
-    about = f"{machine.description}. Rail: {condition.__doc__}"
-    return NamedSet(machine.fmu, about, *machine.sources, rail=condition())
+    rail = condition()
+    about = f"{machine.description}. Rail: {rail.source}{'' if rail.verified else '; unverified'}"
+    return NamedSet(machine.fmu, about, *machine.sources, rail=rail)
 
 
 #: All by the name of their file.

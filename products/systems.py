@@ -14,8 +14,8 @@ from products.parameter_sets import PARAMETER_SETS, values_for
 from products.registry import model_of
 from rbd_model.vehicle.parameters import tables_8_1_and_8_2
 
-#: Friction of a rail on which the full brake slides. Assumed.
-LOW_FRICTION = 0.08
+#: At this friction the full brake slides; it does not fall. Assumed.
+SLIDING_FRICTION = 0.08
 #: What is shown of a vehicle besides what is connected.
 SHOWN = ("speed", "distance", "cylinder_pressure_1", "cylinder_pressure_4")
 
@@ -60,15 +60,15 @@ def braked_coach(out: Path, **scene: float) -> Component:
 
 
 def vehicle_braking(path: Path, out: Path) -> None:
-    """The braked coach alone, its only FMU, on a dry rail."""
+    """The braked coach alone, its only FMU; all wheels roll."""
     write_ssp(path, path.stem, [braked_coach(out)], [], (25.0, 1e-2))
 
 
 def vehicle_protection(path: Path, out: Path) -> None:
-    """The braked coach on a low rail with its wheel-slide protection, whose FMU needs Python in the host."""
+    """The braked coach at a friction of 0.08 with its wheel-slide protection, whose FMU needs Python in the host."""
     step = wheel_slide_protection(wheelsets=len(NUMBERS))
     controller = Component("controller", build_protection(out, step), {})
-    vehicle = braked_coach(out, **{f"friction_{number}": LOW_FRICTION for number in NUMBERS})
+    vehicle = braked_coach(out, **{f"friction_{number}": SLIDING_FRICTION for number in NUMBERS})
     wires = []
     for number in NUMBERS:
         wires.append(Wire(("vehicle", f"wheel_speed_{number}"), ("controller", f"wheel_speed_{number}")))

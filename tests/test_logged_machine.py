@@ -12,15 +12,15 @@ import bogie_braking as bb
 from bogie_braking.logs import logged_machine
 from brake_controller.wheel_slide import SlideProtection
 from products.bogie import TORQUE_PER_PRESSURE
-from products.protection.rails import LOW_FRICTION, low_rail
+from rbd_model.track.friction import low
 
 #: Friction with the law of its fall known, and without: measured 2.1 % and 4.8 %, by sensors whose teeth are 2 % of the
 #: pitch out of place; pulls of 5 to 80 1/s give no more. The slope of its fall at rest: measured 10 %.
 KNOWN, FITTED, SLOPE = 0.03, 0.07, 0.3
 #: Speed in the half that was not fitted [m/s]; measured 0.006 and 0.025, with a friction that does not fall 0.2.
 HELD_OUT = 0.05
-LAW = {name: value for name, value in low_rail().law.values().items() if name != "friction_decay"}
-DECAY = low_rail().law.values()["friction_decay"]
+LAW = {name: value for name, value in low().law.values().items() if name != "friction_decay"}
+DECAY = low().law.values()["friction_decay"]
 BEGIN = {"friction_1": 0.15, "friction_2": 0.15}
 UNTIL = 20.0
 
@@ -51,7 +51,7 @@ def test_friction_is_found_again_from_above_and_from_below(log: bb.Recording) ->
     law = LAW | {"friction_decay": DECAY}
     above, below = fitted(log, BEGIN, **law), fitted(log, dict.fromkeys(BEGIN, 0.05), **law)
     for name in BEGIN:
-        assert above.values[name] == pytest.approx(LOW_FRICTION, rel=KNOWN)
+        assert above.values[name] == pytest.approx(low().friction, rel=KNOWN)
         assert below.values[name] == pytest.approx(above.values[name], rel=1e-3)
     assert above.held_out["speed"] < HELD_OUT
     assert "In the rows that were not fitted speed is off by" in above.status
@@ -60,13 +60,13 @@ def test_friction_is_found_again_from_above_and_from_below(log: bb.Recording) ->
 def test_friction_that_does_not_fall_shows_in_the_half_that_was_not_fitted(log: bb.Recording) -> None:
     flat = fitted(log, BEGIN)
     assert flat.held_out["speed"] > 2 * HELD_OUT
-    assert abs(flat.values["friction_1"] / LOW_FRICTION - 1) > FITTED
+    assert abs(flat.values["friction_1"] / low().friction - 1) > FITTED
 
 
 def test_its_fall_is_found_too(log: bb.Recording) -> None:
     found = fitted(log, BEGIN | {"friction_decay": 0.1}, **LAW)
     for name in BEGIN:
-        assert found.values[name] == pytest.approx(LOW_FRICTION, rel=FITTED)
+        assert found.values[name] == pytest.approx(low().friction, rel=FITTED)
     assert found.held_out["speed"] < HELD_OUT
 
 

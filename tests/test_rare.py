@@ -25,7 +25,7 @@ from bogie_braking.splitting import Numbers, Population, climb, confidence_of
 ROOT = Path(__file__).parents[1]
 #: Of 200 intervals of 95 %, so many hold: 190 and two and a half standard deviations of the binomial distribution.
 FEWEST, MOST = 180, 198
-#: Stops of the point model on a dry rail, all wheels rolling.
+#: Stops of the point model at a friction of 0.3, all wheels rolling.
 DRY: dict[str, Any] = {"level": 1, "initial_speed": 25.0, "friction_1": 0.3, "friction_2": 0.3}
 TORQUES = ("brake_torque_1", "brake_torque_2")
 #: Creep and the last centimetres, which the closed form of a rolling stop leaves out; measured 3e-3.

@@ -64,8 +64,8 @@ class Case:
 
 def four_rails() -> list[Case]:
     """The rails of `products.protection.rails` as cases."""
-    conditions = {"dry": "dry", "wet": "wet", "low": "low", "changing": "wet"}
-    return [Case(rail.name, conditions[rail.name], rail.condition.friction, values=rail.changes) for rail in RAILS]
+    names = {make(): name for name, make in CONDITIONS.items()}
+    return [Case(rail.name, names[rail.condition], values=rail.changes) for rail in RAILS]
 
 
 def speed_of(text: str | float) -> float:

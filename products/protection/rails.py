@@ -4,8 +4,6 @@ from dataclasses import dataclass
 
 from rbd_model.track.friction import RailCondition, dry, low, wet
 
-#: Friction of the low rail, with the fall of Polach's set for low adhesion, unverified (rbd_model/track/friction.py).
-LOW_FRICTION = 0.08
 #: Slip ratio up to which a wheel counts as protected, and speed [m/s] above which it is looked at.
 BAND, ABOVE = 0.30, 3.0
 #: Speed above which a lock counts [m/s].
@@ -28,16 +26,11 @@ class RailCase:
         return self.condition.values(wheelsets) | dict(self.changes)
 
 
-def low_rail() -> RailCondition:
-    """The law of Polach's low set with a friction of LOW_FRICTION."""
-    return RailCondition(LOW_FRICTION, low().law, verified=False)
-
-
 #: On the changing rail leaves lie on a wet rail from 60 to 160 m, and the leading wheels clean it a little.
 RAILS = (
     RailCase("dry", dry()),
     RailCase("wet", wet()),
-    RailCase("low", low_rail()),
+    RailCase("low", low()),
     RailCase(
         "changing",
         wet(),

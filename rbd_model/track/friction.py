@@ -33,14 +33,15 @@ class FrictionAlongTrack(ParameterSet):
 
 @dataclass(frozen=True)
 class RailCondition:
-    """A named condition of the rail: mu0 of all wheelsets, and the law of its fall.
+    """A rail with a name: mu0 of all wheelsets, and the law of its fall, Polach (2005).
 
-    verified: the numbers were found in more than one source; otherwise check them before use.
+    source: of the numbers. verified: they were found in more than one source; otherwise check them before use.
     """
 
     friction: float
     law: FallingFriction
     verified: bool
+    source: str = "of one's own"
 
     def values(self, wheelsets: int = 2) -> dict[str, float]:
         """Inputs and parameters by name."""
@@ -60,26 +61,48 @@ def even_rail() -> FrictionAlongTrack:
 
 def dry() -> RailCondition:
     """Polach (2005), Table 2, dry."""
-    return RailCondition(0.55, FallingFriction(0.40, 0.60, 1.00, 0.40), verified=True)
+    return RailCondition(0.55, FallingFriction(0.40, 0.60, 1.00, 0.40), True, "Polach (2005), Table 2, dry")
 
 
 def wet() -> RailCondition:
     """Polach (2005), Table 2, wet."""
-    return RailCondition(0.30, FallingFriction(0.40, 0.20, 0.30, 0.10), verified=True)
+    return RailCondition(0.30, FallingFriction(0.40, 0.20, 0.30, 0.10), True, "Polach (2005), Table 2, wet")
 
 
 def low() -> RailCondition:
+    """Low adhesion on which protection is tried, by the law of Polach (2005). UNVERIFIED: check before use."""
+    return _slippery(0.08, 0.20, "friction assumed, fall as that of slippery")
+
+
+def slippery() -> RailCondition:
     """Low adhesion by the law of Polach (2005). UNVERIFIED: numbers from secondary literature; check before use."""
-    return RailCondition(0.06, FallingFriction(0.40, 0.20, 1.00, 0.40), verified=False)
+    return _slippery(0.06, 0.20, "secondary literature on the law of Polach (2005), low adhesion")
+
+
+def extremely_low() -> RailCondition:
+    """Between `slippery` and `very_low`, by the law of Polach (2005). UNVERIFIED: assumed."""
+    return _slippery(0.045, 0.10, "friction assumed, fall as that of very_low")
 
 
 def very_low() -> RailCondition:
     """Very low adhesion, same law, Polach (2005). UNVERIFIED: numbers from secondary literature; check before use."""
-    return RailCondition(0.03, FallingFriction(0.40, 0.10, 1.00, 0.40), verified=False)
+    return _slippery(0.03, 0.10, "secondary literature on the law of Polach (2005), very low adhesion")
 
 
-#: The conditions by name.
-CONDITIONS = {"dry": dry, "wet": wet, "low": low, "very_low": very_low}
+def _slippery(friction: float, decay: float, source: str) -> RailCondition:
+    """With the creep curve of a dry rail, k_A and k_S of Polach (2005)."""
+    return RailCondition(friction, FallingFriction(0.40, decay, 1.00, 0.40), False, source)
+
+
+#: The rails that have a name, wherever one reads it. What has another friction or another fall has no such name.
+CONDITIONS = {
+    "dry": dry,
+    "wet": wet,
+    "low": low,
+    "slippery": slippery,
+    "extremely_low": extremely_low,
+    "very_low": very_low,
+}
 
 
 @dataclass(frozen=True)

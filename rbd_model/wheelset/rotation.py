@@ -132,7 +132,7 @@ def stand_still(
 
 
 def slides_along(assembly: Assembly, forward: ca.SX) -> ca.SX:
-    """Above 0 where an axle moves, so that its wheelset is locked if it does not turn; forward [m/s]: of the axle.
+    """Above 0 where an axle moves: a wheelset that does not turn (2.8) is then locked; forward [m/s]: of the axle.
 
     Below creepage_speed, creepage is regularised: there the creep of a wheelset that does not turn may still carry its
     brake's whole force, as it does at the end of every stop.

@@ -18,12 +18,10 @@ from products.protection.rails import (
     BAND,
     LOCK_ABOVE,
     LONGEST_LOCK,
-    LOW_FRICTION,
     OVER_IDEAL,
     RAILS,
     SHARE,
     RailCase,
-    low_rail,
 )
 from rbd_model.track.friction import low
 from rbd_model.vehicle.parameters import tables_5_1_and_5_2
@@ -271,7 +269,7 @@ def own_machine() -> BrakedMachine:
 
 
 def one_point(
-    friction: float = LOW_FRICTION,
+    friction: float = low().friction,
     application_time: float = APPLICATION_TIME,
     initial_speed: float = 25.0,
     protected: float = 1.0,
@@ -283,7 +281,7 @@ def one_point(
 
     A run that did not come to rest has no stop_distance and no stop_time, but an end_speed.
     """
-    condition = low_rail()
+    condition = low()
     law = replace(condition.law, friction_ratio=friction_ratio, friction_decay=friction_decay)
     rail = replace(condition, friction=friction, law=law).values()
     settings = Settings(

@@ -39,8 +39,8 @@ class Preset:
 
 
 PRESETS = {
-    "dry": Preset("Dry stop", {}),
-    "wet": Preset("Wet rail, wheels lock", {"friction": 0.08, "protection": 0}),
+    "full": Preset("Full brake", {}),
+    "locks": Preset("Friction 0.08, wheels lock", {"friction": 0.08, "protection": 0}),
     "leaves": Preset("Leaves and protection", {}, ((BRAKING, "lever", 100), (BRAKING, "leaves", 1))),
     "uneven": Preset("Uneven brake shoes", {"machine": "bogie", "level": 3, "uneven": 75}),
     "curve": Preset("Stop in a curve", {"level": 3, "speed": 60, "curve": 300}),

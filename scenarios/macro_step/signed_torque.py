@@ -16,7 +16,7 @@ RECORDED = ("speed", "angular_velocity_1", "angular_velocity_2", "creep_force_1"
 #: The stop from a walking pace [m/s]; then time in which the swaying in the suspension dies down, and time to look at
 #: [s], at least so many macro steps.
 STOP_SPEED, SWAYING, LOOK, LOOK_STEPS = 0.5, 2.0, 0.4, 30
-#: The skid: wet rail, on which the full brake locks the wheels at once.
+#: The skid: a friction at which the full brake locks the wheels at once.
 SKID_SPEED, SKID_FRICTION, SKID_SECONDS, SKID_STEPS = 10.0, 0.1, 1.5, 150
 #: Widths tried for a smoothed sign, over the one on paper, and how close the least one is found; with jumps below this
 #: share of those with a sharp sign the wheels stand, but for the swaying.

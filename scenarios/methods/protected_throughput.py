@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from products.protection.braked_machine import bogie
 from products.protection.forms import Arrays, Form, compiled
 from products.protection.protected_stop import Settings
-from products.protection.rails import LOW_FRICTION, low_rail
 from products.protection.rig import Rig
+from rbd_model.track.friction import low
 from scenarios.reporting.report import Row
 
 #: Lets go of wheels that are slower than this share of the fastest, in every form: a trivial controller.
@@ -72,8 +72,8 @@ def in_c() -> Form:
 def protected(form: Form, count: int, step: float) -> list[float]:
     """Distances of so many stops on low rails [m]."""
     rails = [
-        low_rail().values() | {"friction_1": mu, "friction_2": mu}
-        for mu in np.linspace(LOW_FRICTION, LOW_FRICTION + SPREAD, count).tolist()
+        low().values() | {"friction_1": mu, "friction_2": mu}
+        for mu in np.linspace(low().friction, low().friction + SPREAD, count).tolist()
     ]
     found = Rig(bogie(), form, Settings(), step=step).stops(rails)
     return [one.distance or np.nan for one in found]

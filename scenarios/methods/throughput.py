@@ -29,9 +29,9 @@ SPEEDS, TORQUES, STOP = (20.0, 30.0), (18e3, 22e3), 22.9
 #: second: control step [s], instances, steps; and how many control steps a second are wanted on two processors.
 CONTROL_STEP, MANY, CONTROL_STEPS, WANTED = 5e-3, 1024, 1000, 2.5e6
 VENT_ABOVE, APPLY_BELOW, APPLY, VENT = 0.08, 0.03, 0.0, 2.0
-#: Friction of a dry rail, on which all wheels roll, and of a low one, on which the controller lets go and applies
+#: A friction at which all wheels roll, and one at which the controller lets go and applies
 #: again, each with seconds in which all stand. And how many stops are compared.
-RAILS, COMPARED = {"dry": (0.3, 35.0), "low": (0.08, 60.0)}, 16
+RAILS, COMPARED = {0.3: 35.0, 0.08: 60.0}, 16
 
 
 def stops_of(count: int) -> dict[str, np.ndarray]:
@@ -94,16 +94,16 @@ def controlled(
 
 
 def control_rows() -> list[Row]:
-    """Control steps a second, and how far the stops end then from those of the default, on both rails."""
+    """Control steps a second, and how far the stops end then from those of the default, at both frictions."""
     model, rows = braked_bogie(), []
-    for rail, (friction, seconds) in RAILS.items():
+    for friction, seconds in RAILS.items():
         periods = round(seconds / CONTROL_STEP)
         exact = controlled(model, COMPARED, periods, friction, {})[1]
         for substeps in (1, 2):
             fixed = {"integration_method": 2, "integration_step": CONTROL_STEP / substeps}
             least = min(controlled(model, MANY, CONTROL_STEPS, friction, fixed)[0] for _ in range(3))
             off = np.abs(controlled(model, COMPARED, periods, friction, fixed)[1] - exact).max()
-            words = f"planar bogie, two cylinders, {rail} rail, {1e3 * CONTROL_STEP / substeps:g} ms steps"
+            words = f"planar bogie, two cylinders, friction {friction:g}, {1e3 * CONTROL_STEP / substeps:g} ms steps"
             aim = "measured now" + (f"; to reach {WANTED:g}" if substeps == 1 else "")
             rate = MANY * CONTROL_STEPS / least
             rows.append(Row(f"control steps of 5 ms a second: {words}", "1/s", None, rate, None, aim))

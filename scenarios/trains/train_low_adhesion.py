@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from products.train.consist import Consist, coach, locomotive
 from products.train.train import Train
-from rbd_model.track.friction import low
+from rbd_model.track.friction import RailCondition, dry, low
 from rbd_model.track.recovery import assumed_recovery
 from scenarios.bench.train_runs import Course, follow, stands
 from scenarios.reporting.plots import FOUR, LINES, plt, titled
@@ -25,33 +25,32 @@ COACHES, SPEED, INTERVAL = 7, 140 / 3.6, 0.02
 VENTS, APPLIES = 0.12, 0.04
 #: Asked: no wheel locked so long [s] above this speed [m/s].
 LOCKED, ABOVE = 0.4, 5.0
-DRY = 0.3
 
 
 @dataclass(frozen=True)
 class Way:
     """What the rail is like, whether wheels clean it, and whether protection is on."""
 
-    friction: float
+    rail: RailCondition
     cleaned: bool
     protected: bool
 
 
 WAYS = {
-    "dry": Way(DRY, False, True),
-    "low, unprotected": Way(low().friction, True, False),
-    "low, protected": Way(low().friction, True, True),
-    "low, protected, rail stays dirty": Way(low().friction, False, True),
+    "dry": Way(dry(), False, True),
+    "low, unprotected": Way(low(), True, False),
+    "low, protected": Way(low(), True, True),
+    "low, protected, rail stays dirty": Way(low(), False, True),
 }
 
 
-def train_of(friction: float) -> Train:
-    """Locomotive and coaches; friction falls with sliding as that of a low rail does (Polach 2005)."""
-    law = low().law.values()
+def train_of(rail: RailCondition) -> Train:
+    """Locomotive and coaches; friction falls with sliding as that of the rail does (Polach 2005)."""
+    law = rail.law.values()
     left, fall = law["friction_ratio"], law["friction_decay"]
     vehicles = (locomotive(), *[coach()] * COACHES)
     train = Train(Consist(tuple(replace(one, friction_left=left, friction_fall=fall) for one in vehicles)), speed=SPEED)
-    train.inputs["friction"][:] = friction
+    train.inputs["friction"][:] = rail.friction
     return train
 
 
@@ -60,11 +59,11 @@ def frictions(train: Train, rail: np.ndarray, way: Way) -> np.ndarray:
     p = assumed_recovery()
     slid = np.abs(rail * (train.speed - train.wheel_speed)) / np.maximum(train.speed, 0.1)
     ahead = np.concatenate([[0.0], np.cumsum(p.left_behind * slid)[:-1]])
-    gained = max(p.recovered_friction - way.friction, 0.0)
+    gained = max(p.recovered_friction - way.rail.friction, 0.0)
     return (
-        way.friction + gained * (1.0 - np.exp(-ahead / p.recovery_energy))
+        way.rail.friction + gained * (1.0 - np.exp(-ahead / p.recovery_energy))
         if way.cleaned
-        else np.full(slid.size, way.friction)
+        else np.full(slid.size, way.rail.friction)
     )
 
 
@@ -88,7 +87,7 @@ class Stop:
 
 def stop(way: Way) -> Stop:
     """An emergency."""
-    train = train_of(way.friction)
+    train = train_of(way.rail)
     train.drive("emergency")
     found: list[np.ndarray] = []
 

@@ -9,7 +9,8 @@ from brake_controller.wheel_slide import SlideProtection
 from products.coach import NUMBERS
 from products.protection.braked_machine import BrakedMachine, coach
 from products.protection.protected_stop import BRAKE_START, ProtectedStop, Settings, protected_stop
-from products.protection.rails import ABOVE, BAND, LOCK_ABOVE, LONGEST_LOCK, OVER_IDEAL, RailCase, low_rail
+from products.protection.rails import ABOVE, BAND, LOCK_ABOVE, LONGEST_LOCK, OVER_IDEAL, RailCase
+from rbd_model.track.friction import low
 from scenarios.bench.peak_adhesion import PeakAdhesion
 from scenarios.reporting.plots import BOGIE, FOUR, plt, titled
 from scenarios.reporting.progress import counting
@@ -18,7 +19,7 @@ from scenarios.scenario import Options, Scenario
 
 #: Factor on the friction under each wheelset, whose rail the one before it has cleaned. Assumed.
 CLEANED = 1.1
-RAILS = (RailCase("low", low_rail()), RailCase("low, cleaned", low_rail(), (("cleaned_friction", CLEANED),)))
+RAILS = (RailCase("low", low()), RailCase("low, cleaned", low(), (("cleaned_friction", CLEANED),)))
 #: Part of that factor that must be seen from one wheelset to the next in braking force over load.
 HALF_OF_IT = 0.5
 

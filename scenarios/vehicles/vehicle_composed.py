@@ -136,7 +136,7 @@ def run(options: Options) -> Report:
     ]
     units = {f"{name}_{what}": "1" for name in names for what in ("error", "cost")}
     remarks = [
-        "Planar level, timed cylinders, dry rail, full brake. Held: the torque of the end of each step, so the vehicle "
+        "Planar level, timed cylinders, full brake, all roll. Held: the torque of the end of each step, so the vehicle "
         "gets half a step of its growth too early; lines: the chord of the torque within the step. Coupled FMUs run at "
         f"the tolerance {TIGHT:g}, so that the coupling's error is what is seen."
     ]

@@ -25,7 +25,7 @@ from products.braked_vehicle import FULL_PRESSURE, FULL_TORQUE
 from products.building import fmu_path
 from products.protection.braked_machine import coach
 from products.registry import DIFFERENT
-from products.systems import LOW_FRICTION, build_system
+from products.systems import SLIDING_FRICTION, build_system
 from rbd_model.vehicle.parameters import manchester_vehicle_1
 from tests.fmu.hosting import host
 from tests.fmu.masters import MASTERS, parameters_of
@@ -141,7 +141,7 @@ def test_start_values_that_are_none_leave_no_instance(fmus: dict, tmp_path: Path
 
 
 def test_wheels_lock_on_that_rail_without_protection(fmus: dict) -> None:
-    friction = {f"friction_{number}": LOW_FRICTION for number in (1, 2, 3, 4)}
+    friction = {f"friction_{number}": SLIDING_FRICTION for number in (1, 2, 3, 4)}
     with Slave(fmus["braked-vehicle", "native"], level=2, initial_speed=25.0) as vehicle:
         vehicle.start(**friction)  # demands that are never given count as full
         for number in range(500):

@@ -18,7 +18,7 @@ import pytest
 from fmu_src.compile import build_library
 from fmu_src.kernel import Kernel, KernelError, Library
 from fmu_src.system import Model, System, Variable, model_of
-from products.protection.rails import low_rail
+from rbd_model.track.friction import low
 from rbd_model.track.line import arc, line_of, straight
 from rbd_model.track.line_table import along_line
 from tests.fmu.hosting import ERROR, OK, STEP, host
@@ -163,7 +163,7 @@ def test_an_output_follows_an_input_through_an_algebraic_state(sleds: dict, kind
 def test_outputs_that_are_read_after_friction_changed_have_the_slope_that_is_told(bogie: Library, level: int) -> None:
     """At contact depth 1 normal forces are algebraic states: difference and directional derivative, two ways to it."""
     kernel = Kernel(bogie, level=level, contact_depth=1, initial_speed=20.0, brake_torque_1=8e3)
-    kernel.set(**{name: value for name, value in low_rail().values(2).items() if name.startswith("friction")})
+    kernel.set(**{name: value for name, value in low().values(2).items() if name.startswith("friction")})
     kernel.advance(3.0)
     names = ["axle_load_1", "creep_force_1", "acceleration"]
     start, change = kernel["friction_1"], 1e-5

@@ -31,6 +31,8 @@ POINT, PLANAR, SPATIAL = LEVELS = (1, 2, 3)
 STATIC_LOAD = (BOGIE.wheelset_mass + BOGIE.frame_mass / 2) * BOGIE.gravity
 #: Normal force over load: in space the contact leans with the cone of 1:20.
 LEAN = {POINT: 1.0, PLANAR: 1.0, SPATIAL: math.hypot(1.0, 1 / 20)}
+#: A rail for each law of the table of rails.
+FALLING = ("dry", "wet", "low", "very_low")
 #: Bands: friction of a locked wheelset (in space the ellipse is a fit), stop (the suspension swings), energy.
 LOCKED_BAND, STOP_BAND, ENERGY_BAND = 2e-4, 1e-3, 1e-6
 
@@ -69,7 +71,7 @@ def reduction(of: RailCondition) -> Reduction:
 # -- the law ------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", CONDITIONS)
+@pytest.mark.parametrize("name", FALLING)
 @pytest.mark.parametrize("creepage", [1e-4, 3e-3, 0.02, 0.5])
 def test_creep_force_is_that_of_polach_2005(name: str, creepage: float) -> None:
     condition, load = CONDITIONS[name](), 75e3
@@ -120,12 +122,7 @@ def test_what_does_not_fall_and_has_no_patch_changes_nothing(bogie: Library, lev
 
 
 def test_named_conditions_say_which_are_verified() -> None:
-    assert {name: make().verified for name, make in CONDITIONS.items()} == {
-        "dry": True,
-        "wet": True,
-        "low": False,
-        "very_low": False,
-    }
+    assert {name for name, make in CONDITIONS.items() if make().verified} == {"dry", "wet"}
     for make in CONDITIONS.values():
         assert make().verified != ("UNVERIFIED" in str(make.__doc__))
 
@@ -155,7 +152,7 @@ def test_wheelset_locks_beyond_the_peak_of_adhesion(bogie: Library, level: int) 
     assert used[locked + 1] == pytest.approx(adhesion(condition, end, end), rel=2e-3)
 
 
-@pytest.mark.parametrize("name", CONDITIONS)
+@pytest.mark.parametrize("name", FALLING)
 @pytest.mark.parametrize("level", LEVELS)
 def test_locked_wheelset_slides_with_the_fallen_friction(bogie: Library, level: int, name: str) -> None:
     condition = CONDITIONS[name]()

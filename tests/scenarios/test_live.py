@@ -25,7 +25,7 @@ from tests.scenarios.live_run import Run
 
 __all__ = ["browser"]
 
-#: What runs start with here: wet rail; at level 3 a curve downhill over a wave, with uneven shoes.
+#: What runs start with here: wheels that slide; at level 3 a curve downhill over a wave, with uneven shoes.
 FRICTION = 0.08
 START = {
     1: {"gradient": -5},
@@ -142,7 +142,7 @@ def test_brake_and_main_chart_are_on_the_first_screen(page: Page) -> None:
 
 
 def test_the_lever_brakes_and_wheels_lock(page: Page) -> None:
-    """Controls as a person moves them: without protection on wet rail wheels lock; charts move."""
+    """Controls as a person moves them: without protection wheels lock; charts move."""
     page.evaluate("openLink('')")
     page.evaluate(f"move({{ pace: 4, friction: {FRICTION}, protection: false, lever: 100 }})")
     moved = "chart.toDataURL() !== before"
@@ -193,8 +193,8 @@ def test_nothing_is_hard_to_read_or_to_use(page: Page, scheme: str) -> None:
 
 
 def test_pictures_for_the_documentation(page: Page) -> None:
-    """Wheels that have locked, with the dry stop as the run before."""
-    for name in ("dry", "wet"):
+    """Wheels that have locked, with the full brake as the run before."""
+    for name in ("full", "locks"):
         page.evaluate(f"stopped('#{PRESETS[name].link}')")
         page.evaluate("live.still = 0; live.frames = CHART_FRAMES; draw()")
     if "BOGIE_BRAKING_PICTURES" in os.environ:
@@ -223,7 +223,7 @@ def test_a_page_that_stands_still_costs_nothing(still: Page) -> None:
 def test_the_page_computes_what_python_does(
     still: Page, name: str, level: int, protection: bool, tmp_path: Path
 ) -> None:
-    """A stop on wet rail with leaves, at level 3 over a wave in a curve: all outputs, and how often valves vent."""
+    """A stop with leaves, at level 3 over a wave in a curve: all outputs, and how often valves vent."""
     outputs = [variable.name for variable in model_of(name).variables if variable.causality == "output"]
     start = {"machine": name, "level": level, "friction": FRICTION, "protection": int(protection), **START[level]}
     steps = STEPS[protection]
@@ -262,7 +262,7 @@ def test_a_preset_ends_as_the_native_kernel_does(still: Page, name: str, tmp_pat
 
 def test_wheels_that_are_locked_slow_the_coach_by_friction_times_gravity(still: Page) -> None:
     """All weight rests on sliding wheels and nothing else brakes: mu g, in any vehicle."""
-    still.evaluate(f"stopped('#{PRESETS['wet'].link}')")
+    still.evaluate(f"stopped('#{PRESETS['locks'].link}')")
     speeds = still.evaluate(
         "[10, 25].map((time) => live.simulation.history[Math.round(time / (PERIOD * KEPT))].speed / 3.6)"
     )
@@ -369,7 +369,7 @@ def test_a_wheel_that_leaves_its_rail_is_in_the_result(still: Page) -> None:
 def test_back_leads_to_the_run_before(still: Page) -> None:
     still.evaluate("document.querySelector('#presets a').click(), live.ready")
     still.evaluate("[...document.querySelectorAll('#presets a')][1].click()")
-    first, second = (PRESETS[name].link for name in ("dry", "wet"))
+    first, second = (PRESETS[name].link for name in ("full", "locks"))
     assert still.evaluate("location.hash") == f"#{second}"
     still.evaluate("new Promise((done) => { addEventListener('popstate', done, { once: true }); history.back() })")
     assert still.evaluate("location.hash") == f"#{first}"
@@ -377,7 +377,7 @@ def test_back_leads_to_the_run_before(still: Page) -> None:
 
 
 def test_the_table_holds_the_run(still: Page) -> None:
-    still.evaluate(f"stopped('#{PRESETS['wet'].link}')")
+    still.evaluate(f"stopped('#{PRESETS['locks'].link}')")
     rows = list(csv.DictReader(io.StringIO(still.evaluate("live.simulation.table().join('\\n')"))))
     assert len(rows) == still.evaluate("live.simulation.history.length")
     assert {"time [s]", "distance [m]", "speed [km/h]", "wheel speed 4 [km/h]", "axle load 1 [kN]"} <= set(rows[0])

@@ -119,7 +119,7 @@ def short_measurements(monkeypatch: pytest.MonkeyPatch) -> None:
     few = {level: (system, number, 64, *wanted) for level, (system, number, _, *wanted) in throughput.STOPS.items()}
     monkeypatch.setattr(throughput, "STOPS", few)
     monkeypatch.setattr(throughput, "MANY", 64)
-    monkeypatch.setattr(throughput, "RAILS", {"dry": (0.3, 2.0)})
+    monkeypatch.setattr(throughput, "RAILS", {0.3: 2.0})
     monkeypatch.setattr(contact_depth, "ROUNDS", 1)
     monkeypatch.setattr(contact_depth, "TORQUES", contact_depth.TORQUES[::8])
     monkeypatch.setattr(contact_depth, "NEIGHBOURS", contact_depth.NEIGHBOURS[::3])
