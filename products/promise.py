@@ -13,15 +13,16 @@ from fmu_src.system import Variable
 from products.registry import FMUS, model_of
 
 TABLE = Path(__file__).parent / "variables.csv"
-COLUMNS = ("version", "fmu", "name", "causality", "unit", "start")
-#: What a host can be built upon: causality, unit and value at the start, empty for what is computed.
-Promise = tuple[str, str, str]
+COLUMNS = ("version", "fmu", "name", "causality", "unit", "start", "meaning")
+#: What a host can be built upon: causality, unit, value at the start, empty for what is computed, and of what is true or
+#: false what that means.
+Promise = tuple[str, str, str, str]
 
 
 def promise_of(variable: Variable) -> Promise:
     """Of one variable; a text starts as none."""
     start = f"{variable.start:.12g}" if variable.causality in ("input", "parameter") else ""
-    return variable.causality, variable.unit, start
+    return variable.causality, variable.unit, start, variable.description if variable.kind == "boolean" else ""
 
 
 @lru_cache
@@ -31,7 +32,8 @@ def last_version() -> tuple[str, dict[str, dict[str, Promise]]]:
     with TABLE.open(encoding="utf-8", newline="") as file:
         for row in csv.DictReader(file):
             version = row["version"]
-            promised.setdefault(row["fmu"], {})[row["name"]] = row["causality"], row["unit"], row["start"]
+            promise = row["causality"], row["unit"], row["start"], row["meaning"]
+            promised.setdefault(row["fmu"], {})[row["name"]] = promise
     return version, promised
 
 
@@ -45,7 +47,7 @@ def changes(name: str, variables: Iterable[Variable] | None = None) -> list[str]
     said = [f"{key} is new, {now[key][0]} [{now[key][1]}]" for key in now if key not in before]
     said += [f"{key} is gone" for key in before if key not in now]
     for key in (one for one in now if one in before):
-        pairs = zip(("causality", "unit", "start value"), before[key], now[key], strict=True)
+        pairs = zip(("causality", "unit", "start value", "meaning"), before[key], now[key], strict=True)
         said += [
             f"the {what} of {key} is {new or 'none'} in place of {old or 'none'}"
             for what, old, new in pairs

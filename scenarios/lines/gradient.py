@@ -88,7 +88,7 @@ def terminal_speed() -> float:
 def hold(level: int) -> Recording:
     """At rest with its brakes applied for a day, and how it rolls once they let go."""
     kernel = prepare_on_line("bogie", line_of([straight(LENGTH, HELD)]), level=level, initial_speed=0.0)
-    columns = (*RECORDED, "locked_1", "locked_2")
+    columns = (*RECORDED, "angular_velocity_1", "angular_velocity_2")
     released = [(0.0, HOLDING), (STANDING, HOLDING), (STANDING, 0.0)]
     return play("bogie", kernel, STANDING + SETTLED, INTERVAL, columns, both("brake_torque", released))
 
@@ -150,11 +150,11 @@ def standing_rows(name: str, found: Mapping[str, Recording]) -> list[Row]:
     back = 1e3 * abs(float(np.min(found["started"]["distance"])))
     held = found["held"]
     standing = held["time"] < STANDING
-    locked = float(min(np.min(held[f"locked_{number}"][standing]) for number in (1, 2)))
+    turning = max(float(np.abs(held[f"angular_velocity_{number}"][standing]).max()) for number in (1, 2))
     moved = 1e3 * float(np.ptp(held["distance"][standing]))
     place = f"{1e3 * HELD:g} permille"
     return [
-        Row(f"{name}: held on {place}, both wheelsets locked", "1", None, locked, near(1.0, 0.0), "brakes outdo it"),
+        Row(f"{name}: held on {place}, wheelsets turn at", "rad/s", None, turning, at_most(0.0), "brakes outdo it"),
         Row(f"{name}: held on {place} for a day, moves by", "mm", None, moved, at_most(1e3 * MOVED), "rails hold it"),
         Row(f"{name}: rolls late once released, by", "ms", None, 1e3 * late(held), near(0.0, 1e3 * LATE), "Newton"),
         Row(f"{name}: rolls back before its motors pull, by", "mm", None, back, None, "measured"),
@@ -180,7 +180,7 @@ def draw(found: Mapping[str, Mapping[str, Recording]], ends: Mapping[str, Record
     axes["down"].set_title(f"{1e3 * abs(DOWN):g} ‰ down, rolling freely and braked:\nspeed [m/s]")
     axes["terminal"].set_title("down against Davis's resistance and a brake:\nspeed [m/s]")
     axes["started"].set_title(f"started {1e3 * UP:g} ‰ up:\nspeed [m/s]")
-    axes["held"].set_title(f"locked on {1e3 * HELD:g} ‰, released at 0 s:\nspeed downhill [m/s]")
+    axes["held"].set_title(f"held on {1e3 * HELD:g} ‰, released at 0 s:\nspeed downhill [m/s]")
     axes["held"].set_xlim(-SETTLED / 4, SETTLED)
     for axis in axes.values():
         axis.set_xlabel("time [s]")

@@ -21,7 +21,15 @@ def test_what_has_changed_since_the_last_version_is_in_the_changelog(name: str) 
 def test_the_table_is_of_all_fmus() -> None:
     _, promised = last_version()
     assert set(promised) == set(FMUS)
-    assert promised["bogie"]["brake_torque_1"] == ("input", "N.m", "0")
+    assert promised["bogie"]["brake_torque_1"] == ("input", "N.m", "0", "")
+
+
+def test_the_meaning_of_what_is_true_or_false_is_promised() -> None:
+    """Since 0.1.0 a wheelset that rests is no longer called locked."""
+    version, _ = last_version()
+    old, new = "locked by its brake", "locked: its brake holds it while its axle moves; false at rest"
+    told = f"the meaning of locked_2 is The trailing wheelset is {new} in place of The trailing wheelset is {old}"
+    assert version != "0.1.0" or f"bogie: {told}, since version 0.1.0." in changes("bogie")
 
 
 def test_nothing_was_promised_of_an_fmu_that_there_was_not() -> None:

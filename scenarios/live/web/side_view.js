@@ -15,7 +15,7 @@ function shapeOf(body) {
 
 // Whether a wheelset is locked while the vehicle moves.
 function slides(kernel, number) {
-  return kernel.get(`locked_${number}`) > 0.5 && Math.abs(kernel.get("speed")) > RESTS;
+  return kernel.get(`locked_${number}`) > 0.5;
 }
 
 class SideView {

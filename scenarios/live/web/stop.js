@@ -3,7 +3,7 @@
 const RESTS = 0.01; // slower, a vehicle stands [m/s]
 const MOVES = 0.5; // slower, braking begins no stop [m/s]
 const SWAYS = 1.5; // goes on after it stands, for its bodies to come to rest [s]
-const BRIEF = 0.05; // a wheelset that is locked for less is not told of [s]
+const BRIEF = 0.05; // a lock that lasts for less is told without its length [s]
 
 class Stop {
   // count: of wheelsets.
@@ -48,10 +48,11 @@ class Stop {
   }
 
   lockedWords(period) {
-    const times = this.locked.map((steps, i) => [i + 1, steps * period]).filter(([, time]) => time > BRIEF);
+    const times = this.locked.map((steps, i) => [i + 1, steps * period]).filter(([, time]) => time > 0);
     if (!times.length) return "no wheelset locked";
-    const longest = Math.max(...times.map(([, time]) => time)).toFixed(1);
-    if (times.length === this.locked.length) return `all wheelsets locked, for up to ${longest} s`;
-    return times.map(([number, time]) => `wheelset ${number} locked for ${time.toFixed(1)} s`).join(", ");
+    const lasts = (time) => (time < BRIEF ? "less than 0.1 s" : `${time.toFixed(1)} s`);
+    const longest = lasts(Math.max(...times.map(([, time]) => time)));
+    if (times.length === this.locked.length) return `all wheelsets locked, for up to ${longest}`;
+    return times.map(([number, time]) => `wheelset ${number} locked for ${lasts(time)}`).join(", ");
   }
 }
