@@ -14,8 +14,8 @@ from products.registry import FMUS, model_of
 
 TABLE = Path(__file__).parent / "variables.csv"
 COLUMNS = ("version", "fmu", "name", "causality", "unit", "start", "meaning")
-#: What a host can be built upon: causality, unit, value at the start, empty for what is computed, and of what is true or
-#: false what that means.
+#: What a host can be built upon: causality, unit, start value, empty for what is computed, and what true means, empty
+#: for numbers.
 Promise = tuple[str, str, str, str]
 
 

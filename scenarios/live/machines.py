@@ -19,7 +19,7 @@ from rbd_model.track.line_table import LINE
 from rbd_model.vehicle.description import Vehicle
 from rbd_model.vehicle.ready import passenger_coach, two_axle_bogie
 
-#: Torque capacity of one wheelset of the bogie, fully braked [N.m]: two thirds of what a friction of 0.3 bears. Assumed.
+#: Torque capacity of one wheelset of the bogie, fully braked [N.m]: two thirds of what a friction of 0.3 bears; assumed
 BOGIE_TORQUE = 26e3
 #: Yaw torque of a wheelset over its brake torque at an error of the shoes of 100 %: chapter 9 has 43.92 kN.m for an
 #: error of 25 % at a brake torque of 20 kN.m, and its other rows are in proportion.
