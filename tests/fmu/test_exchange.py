@@ -231,6 +231,24 @@ def test_wheels_do_not_chatter_on_the_way_to_rest(fmus: dict, torque: float, tol
 MOST_EVENTS, FEW_SECONDS = 100, 20.0
 
 
+@pytest.mark.parametrize("kind", NATIVE)
+def test_a_wheelset_that_slides_to_rest_ceases_to_be_locked_at_an_event(fmus: dict, kind: str) -> None:
+    """An output that is true or false is discrete: it changes at events alone, and an instance asks for one."""
+    with host(fmus["bogie", kind], exchange=True) as one:
+        begin(one, brake_torque_1=60e3, initial_speed=10.0)
+        states = read(one, "GetContinuousStates", 14)
+        driven = {name: states.index(one[f"state_{name}"]) for name in ("frame_speed", "angular_velocity_1")}
+        for name, value, locked in (("angular_velocity_1", 0.0, True), ("frame_speed", 0.005, False)):
+            states[driven[name]] = value
+            assert put(one, 0.0, states) == OK
+            assert complete_step(one)
+            assert one.raw("EnterEventMode") == OK
+            find_modes(one)
+            assert one.raw("EnterContinuousTimeMode") == OK
+            assert one.fmu.getBoolean([one.refs["locked_1"]]) == [locked]
+            assert not complete_step(one)
+
+
 def within(seconds: float) -> Callable[[float, object], bool]:
     """For FMPy: goes on for some seconds of wall time."""
     end = clock.monotonic() + seconds
