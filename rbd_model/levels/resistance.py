@@ -42,7 +42,7 @@ class Resistance:
 
     speed [m/s]: of the body that it acts on. direction: 1, -1, or 0 where it holds that body. steady [N]: what does
     not change with the speed; growing [N]: what does, with the sign of the speed. possible: above 0 where some of the
-    steady part may come.
+    steady part may come. alone: above 0 where no brake is applied, which would hold the vehicle too.
     """
 
     speed: ca.SX
@@ -50,6 +50,7 @@ class Resistance:
     steady: ca.SX
     growing: ca.SX
     possible: ca.SX
+    alone: ca.SX
 
     @property
     def moves(self) -> ca.SX:
@@ -70,7 +71,9 @@ class Resistance:
         """Lets it hold the body whose speed is this state, as dry friction does; drive [N]: all other forces on it."""
         absent = system.derived("no_steady_resistance", self.possible == 0)
         words = "holds the vehicle", "lets the vehicle go"
-        system.dry_friction("Running resistance", self.direction, [state], drive, self.steady - absent, words)
+        system.dry_friction(
+            "Running resistance", self.direction, [state], drive, self.steady - absent, words, told=(self.alone, 1.0)
+        )
 
 
 def add_resistance(assembly: Assembly, speed: ca.SX, places: Sequence[ca.SX]) -> Resistance:
@@ -91,7 +94,9 @@ def add_davis(assembly: Assembly, speed: ca.SX) -> Resistance:
     names = ("davis_constant", "davis_linear", "davis_quadratic")
     constant, linear, quadratic = (assembly.system.parameter(none().variable(name)) for name in names)
     direction = assembly.system.direction("resisting")
-    return Resistance(speed, direction, constant, (linear + quadratic * ca.fabs(speed)) * speed, constant)
+    brakes = ca.SX(sum(assembly.input[f"brake_torque_{number}"] for number, _ in assembly.vehicle.numbered))
+    growing = (linear + quadratic * ca.fabs(speed)) * speed
+    return Resistance(speed, direction, constant, growing, constant, brakes == 0)
 
 
 def curvatures_at(assembly: Assembly, places: Sequence[ca.SX]) -> list[ca.SX]:

@@ -46,7 +46,9 @@ def run(level: str, axles: int, seconds: float, torque: float, **values: float) 
     return kernel, {name: np.array(column) for name, column in table.items()}
 
 
-@pytest.mark.parametrize(("level", "axles"), [(level, axles) for level in LEVELS for axles in CLEAN][1:])
+@pytest.mark.parametrize(
+    ("level", "axles"), [("point", 2), ("point", 12), ("planar", 2), ("planar", 4), ("planar", 12)]
+)
 @pytest.mark.parametrize("gradient", [0.0, 0.02, -0.005])
 def test_a_clean_stop_says_once_that_the_vehicle_stands_and_locks_nothing(
     level: str, axles: int, gradient: float
@@ -59,6 +61,15 @@ def test_a_clean_stop_says_once_that_the_vehicle_stands_and_locks_nothing(
         assert not table[f"locked_{number}"].any()
         assert table[f"angular_velocity_{number}"][-1] == 0.0
     assert abs(table["speed"][-1]) < 1e-12
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_running_resistance_is_told_to_hold_a_vehicle_where_no_brake_does(level: str) -> None:
+    for torque, words in ((8e3, "The vehicle stands"), (0.0, "Running resistance holds the vehicle")):
+        kernel, table = run(level, 2, 40.0, torque, initial_speed=2.0, davis_constant=4e3)
+        assert {sentence.split(" at ")[0] for sentence in kernel.journal} >= {words}
+        assert all(sentence.startswith(("The vehicle", "Running")[torque == 0.0]) for sentence in kernel.journal)
+        assert abs(table["speed"][-1]) < 1e-3
 
 
 @pytest.mark.parametrize("axles", [2, 12])
