@@ -54,6 +54,7 @@ class ArraysInC:
 def token_of(given: ArraysInC) -> str:
     """What modelDescription.xml and the binary have in common."""
     texts = {path.name: path.read_text(encoding="utf-8") for path in FOLDER.glob("*.[ch]")} | dict(given.sources)
+    texts |= _runtime_headers(texts)
     h = hashlib.sha256(repr((given.arrays, sorted(texts.items()))).encode()).hexdigest()
     return f"{{{h[:8]}-{h[8:12]}-{h[12:16]}-{h[16:20]}-{h[20:32]}}}"
 

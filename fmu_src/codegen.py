@@ -72,6 +72,9 @@ RUNTIME_HEADERS = (
     "lanes_table.h",
     "piecewise.h",
     "readable.h",
+    "resources.h",
+    "sealed.h",
+    "duration.h",
     "stepper.h",
     "tableau.h",
     "known.h",
@@ -295,6 +298,18 @@ def _system_entry(model: Model, system: System, made: dict[str, Generated], solv
     return "    {" + ",\n     ".join(f"/* {name} */ {value}" for name, value in fields.items()) + "}"
 
 
+def _relations(model: Model) -> list[str]:
+    """What parameters must keep together, as arrays."""
+    arrays, rows = [], []
+    for number, one in enumerate(model.relations):
+        places, factors = ([pair[side] for pair in one.terms] for side in (0, 1))
+        arrays.append(c_array("int", f"RELATION_VARIABLE_{number}", [str(model.index(str(name))) for name in places]))
+        arrays.append(c_array("double", f"RELATION_FACTOR_{number}", [c_number(float(value)) for value in factors]))
+        names = f"RELATION_VARIABLE_{number}, RELATION_FACTOR_{number}"
+        rows.append(f"{{{len(one.terms)}, {names}, {c_number(one.constant)}, {c_text(one.sentence)}}}")
+    return [*arrays, c_array("relation_description", "RELATION", rows)] if rows else []
+
+
 def _description(model: Model, generated: Sequence[dict[str, Generated]], solving: Mapping[str, Elimination]) -> str:
     lines = ["#include <math.h>", '#include "model.h"', ""]
     for function in dict.fromkeys(one.function.name() for made in generated for one in made.values()):
@@ -303,6 +318,7 @@ def _description(model: Model, generated: Sequence[dict[str, Generated]], solvin
         lines.append(f"RUNTIME_LOCAL void {system.name}_factorise(const double *, const double *, double *);")
         lines.append(f"RUNTIME_LOCAL void {system.name}_substitute(const double *, double *);")
         lines += [line for line in _system_arrays(model, system, solving[system.name]) if line]
+    lines += _relations(model)
     if model.table_file:
         lines.append(table_file_source(model.table_file, model.index(model.table_file.variable.name)))
     lines.append("static const variable_description VARIABLE[] = {")
@@ -329,7 +345,8 @@ def _description(model: Model, generated: Sequence[dict[str, Generated]], solvin
         "};",
         f"RUNTIME_LOCAL const model_description MODEL = {{{c_text(model.name)}, {c_text('@GUID@')}, "
         f"{len(model.variables)}, {len(model.systems)}, {len(chosen_by)}, {selectors}, CHOICE, "
-        f"{integrated}, {integration}, VARIABLE, SYSTEM, {table_file}}};",
+        f"{integrated}, {integration}, VARIABLE, SYSTEM, {table_file}, "
+        f"{len(model.relations)}, {'RELATION' if model.relations else '0'}}};",
         "",
     ]
     return "\n".join(lines)

@@ -355,7 +355,7 @@ def plain_library(
         run([*_linking(own, target), *complete, "-o", "library", *map(str, objects), "-lm"], target, folder)
         return folder / "library"
 
-    return in_cache(f"{_content(words, {**sources, **(foreign or {})}, ())}{library_suffix()}", linked)
+    return in_cache(f"{_content(words, {**sources, **(foreign or {})}, RUNTIME_HEADERS)}{library_suffix()}", linked)
 
 
 #: WebAssembly with the C library of WASI; a page gives what of its system the kernel asks for.
@@ -381,7 +381,7 @@ def _web(generated: Mapping[str, str], others: Mapping[str, str]) -> Path:
     linking = [OPTIMISE_RUNTIME, "-mexec-model=reactor", "-s", "-Wl,--export-dynamic", "-Wl,--export=malloc"]
     shown = ["-DKERNEL_LIBRARY"] if generated else []
     words = [*compiler(WEB_TARGET), *flags, *linking]
-    content = _content(words, {**generated, **others}, RUNTIME_HEADERS if generated else ())
+    content = _content(words, {**generated, **others}, RUNTIME_HEADERS)
 
     def linked(folder: Path) -> Path:
         objects = objects_of(generated, [*flags, OPTIMISE_GENERATED], WEB_TARGET) if generated else []

@@ -194,6 +194,21 @@ CHECKS = (
         both("Reset"),
     ),
     Check(
+        "The folder of the resources is found whatever its name: a URI is decoded, a path is not",
+        "test_a_folder_of_any_name_is_found",
+        native("Instantiate", "InstantiateCoSimulation"),
+    ),
+    Check(
+        "A pipe, a folder or a device in the place of a resource is refused at once",
+        "test_what_is_no_file_is_refused_at_once",
+        native("Instantiate", "InstantiateCoSimulation"),
+    ),
+    Check(
+        "A saved state that was cut, lengthened or changed in one bit is refused with one sentence",
+        "test_each_damaged_state_is_refused_with_one_sentence",
+        native("DeSerializeFMUstate", "DeserializeFMUState"),
+    ),
+    Check(
         "A state that is returned to goes on bit for bit",
         "test_saved_state_of_the_native_fmu_is_bit_identical",
         {"native": "fmi2SetFMUstate"},

@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 OK, WARNING, DISCARD, ERROR = range(4)
+#: The most numbers that a record holds.
+MOST_NUMBERS = 1e8
 COUNTERS = ("right_hand_sides", "jacobians", "factorisations", "steps", "rejected", "events")
 
 
@@ -50,7 +52,7 @@ _SIGNATURES = {
     "kernel_state_size": (ctypes.c_size_t, [ctypes.c_void_p]),
     "kernel_state_count": (ctypes.c_int, [ctypes.c_void_p]),
     "kernel_save": (None, [ctypes.c_void_p, ctypes.c_char_p]),
-    "kernel_restore": (ctypes.c_int, [ctypes.c_void_p, ctypes.c_char_p]),
+    "kernel_restore": (ctypes.c_int, [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_size_t]),
     "kernel_time": (ctypes.c_double, [ctypes.c_void_p]),
     "kernel_ended": (ctypes.c_bool, [ctypes.c_void_p]),
     "kernel_message": (ctypes.c_char_p, [ctypes.c_void_p]),
@@ -249,6 +251,12 @@ class Kernel:
         """
         if not self.initialised:
             self.initialise()
+        if not (interval > 0.0 and size / interval * (1 + len(names)) <= MOST_NUMBERS):
+            raise KernelError(
+                f"The interval must be above 0 s and give at most {MOST_NUMBERS:g} numbers; got {interval:g} s over "
+                f"{size:g} s. Record at longer intervals.",
+                ERROR,
+            )
         start, rows, columns = self.time, int(size / interval + 1e-9) + 1, len(names)
         numbers = self._numbers(names)
         buffer = (ctypes.c_double * (rows * columns))()
@@ -262,14 +270,14 @@ class Kernel:
         return table | {name: buffer[column : kept * columns : columns] for column, name in enumerate(names)}
 
     def save(self) -> bytes:
-        """The complete state, bit for bit."""
+        """The complete state, bit for bit, sealed: changed bytes are refused."""
         buffer = ctypes.create_string_buffer(self._call.kernel_state_size(self._handle))
         self._call.kernel_save(self._handle, buffer)
         return buffer.raw
 
     def restore(self, state: bytes) -> None:
         """Back to a state from `save` of the same model. Raises KernelError for what cannot be one, nothing changed."""
-        self._check(self._call.kernel_restore(self._handle, state))
+        self._check(self._call.kernel_restore(self._handle, state, len(state)))
 
     @property
     def counts(self) -> dict[str, int]:

@@ -15,11 +15,13 @@ from fmu_src.native_fmu import STANDARD_HEADERS
 from fmu_src.system import StepInC
 
 FACE = Path(__file__).parent / "step_in_c" / "fmi2_step.c"
+#: Headers of the runtime that it includes.
+SHARED = ("duration.h", "fmi2Functions.h", "sealed.h")
 
 
 def build_step_fmu_in_c(step: StepInC, path: Path) -> None:
     """Writes the FMU, for this platform and with its sources. Raises CompilerError."""
-    face = {FACE.name: FACE.read_text(encoding="utf-8"), "fmi2Functions.h": (RUNTIME / "fmi2Functions.h").read_text()}
+    face = {path.name: path.read_text(encoding="utf-8") for path in (FACE, *(RUNTIME / name for name in SHARED))}
     digest = hashlib.sha256((repr(step) + "".join(face.values())).encode()).hexdigest()
     guid = f"{{{digest[:8]}-{digest[8:12]}-{digest[12:16]}-{digest[16:20]}-{digest[20:32]}}}"
     headers = {name: text for name, text in step.sources.items() if name.endswith(".h")}

@@ -13,6 +13,9 @@ from pythonfmu.enums import Fmi2Status
 
 from fmu_src.telling_slave import TellingSlave
 
+#: A day [s], the longest step of an instance: duration.h of the runtime.
+LONGEST_STEP = 86400.0
+
 
 class Stepper(Protocol):
     """What the FMU is made around."""
@@ -54,6 +57,9 @@ class StepSlave(TellingSlave):
 
     def do_step(self, current_time: float, step_size: float) -> bool:
         """fmi2DoStep, times in s; False discards the step, and the log says why."""
+        if not step_size <= LONGEST_STEP:
+            self.log(f"Take steps of at most {LONGEST_STEP:g} s: this one was of {step_size:g} s.", Fmi2Status.error)
+            return False
         period = self.values[self.input_count]
         if not (math.isfinite(period) and period > 0.0):
             self.failure = f"Set period above 0 s: it was {period:g} s."

@@ -74,6 +74,16 @@ def quantity(
     )
 
 
+def other_unit(value: float, unit: str, least: float, most: float) -> str:
+    """The end of the sentence for a number in km/h in place of m/s, or mm in place of m; nothing for another."""
+    own = value / (3.6 if unit == "m/s" else 1000.0)
+    if unit not in ("m/s", "m") or not least <= own <= most:
+        return ""
+    if unit == "m":
+        return f" Did you mean {value:g} mm = {own:g} m?"
+    return f" {value:g} m/s is {3.6 * value:g} km/h; did you mean {value:g} km/h = {own:.4g} m/s?"
+
+
 @dataclass(frozen=True)
 class ParameterSet:
     """Base of parameter sets: frozen dataclasses whose fields are made by `quantity` and `choice`.
@@ -88,6 +98,7 @@ class ParameterSet:
             if not (math.isfinite(value) and low <= value <= high):
                 raise ValueError(
                     f"Set {item.name} to a finite value from {low:g} to {high:g} {unit}: it was {value:g} {unit}."
+                    f"{other_unit(value, unit, low, high)}"
                 )
 
     def values(self) -> dict[str, float]:
@@ -570,6 +581,22 @@ def state_variable(state: str) -> str:
     return f"state_{state}"
 
 
+@dataclass(frozen=True)
+class Relation:
+    """What parameters must keep together: `constant` and parameters by name, each times a factor, are above 0.
+
+    sentence: said where they are not, with what lacks in place of its one %s.
+    """
+
+    terms: tuple[tuple[str, float], ...]
+    constant: float
+    sentence: str
+
+    def __post_init__(self) -> None:
+        if not self.terms or self.sentence.replace("%%", "").count("%s") != 1:
+            raise ValueError(f"Give the relation {self.sentence!r} parameters, and one %s, where what lacks stands.")
+
+
 @dataclass(frozen=True, eq=False)
 class Model:
     """What becomes one FMU: its table of variables and the systems that serve it.
@@ -578,7 +605,7 @@ class Model:
     combination of them, the last selector running first; where a system reads a table file, first for all of
     them without a table and then for all with one; NONE where there is no system. Outputs that the chosen system does
     not have are 0.
-    `step_size` and `stop_time` are the default experiment.
+    `step_size` and `stop_time` are the default experiment. `relations` are looked at before each start.
     """
 
     name: str
@@ -589,6 +616,7 @@ class Model:
     choice: tuple[int, ...] = (0,)
     step_size: float = 1e-3
     stop_time: float = 10.0
+    relations: tuple[Relation, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "variables", (*self.variables, *self._state_variables()))
@@ -645,12 +673,12 @@ class Model:
         return {variable.name: number for number, variable in enumerate(self.variables)}
 
 
-def model_of(system: System, tolerance: float, **experiment: float) -> Model:
+def model_of(system: System, tolerance: float, step_size: float = 1e-3, stop_time: float = 10.0) -> Model:
     """The FMU of a system that stands alone, with the variable that names its table file where it reads one."""
     named = [system.table_file.variable] if system.table_file else []
     variables = (*system.variables, *named, *integration_variables(tolerance))
     choice = (0,) * (1 + len(named))
-    return Model(system.name, system.description, variables, (system,), (), choice, **experiment)
+    return Model(system.name, system.description, variables, (system,), (), choice, step_size, stop_time)
 
 
 def model_of_choices(
@@ -661,7 +689,9 @@ def model_of_choices(
     choice: tuple[int, ...],
     tolerance: float,
     *others: Variable,
-    **experiment: float,
+    relations: tuple[Relation, ...] = (),
+    step_size: float = 1e-3,
+    stop_time: float = 10.0,
 ) -> Model:
     """Several systems as one FMU, chosen as `Model` says: their inputs, outputs and parameters, each once.
 
@@ -673,7 +703,7 @@ def model_of_choices(
     )
     table = (*inputs, *outputs, *selectors, *parameters, *others, *integration_variables(tolerance))
     names = tuple(selector.name for selector in selectors)
-    return Model(name, description, table, systems, names, choice, **experiment)
+    return Model(name, description, table, systems, names, choice, step_size, stop_time, relations)
 
 
 @dataclass(frozen=True)

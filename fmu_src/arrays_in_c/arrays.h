@@ -6,6 +6,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "resources.h"
+
 enum { ARRAY_PARAMETER, ARRAY_INPUT, ARRAY_OUTPUT };
 enum { ARRAYS_PROBLEM = 512 };
 
@@ -69,7 +71,10 @@ struct arrays_component {
     void *environment;
 };
 
-arrays_component *arrays_instantiate(const arrays_component *log, const char *name, const char *token, const char *resources);
+/* How a standard names a folder: resources_of_uri, resources_of_path. */
+typedef bool arrays_place(const char *given, char *path, char problem[RESOURCES_PROBLEM]);
+arrays_component *arrays_instantiate(const arrays_component *log, const char *name, const char *token, const char *resources,
+                                     arrays_place *place);
 void arrays_release(arrays_component *self);
 arrays_status arrays_say(const arrays_component *self, arrays_status status, const char *format, ...);
 /* Whether a function may be called now. */
@@ -85,10 +90,9 @@ double *arrays_find(const arrays_component *self, unsigned array, size_t element
 size_t arrays_length(const arrays_component *self, unsigned array);
 /* Whether an element may be set to a value now; false: it was told. */
 bool arrays_settable(const arrays_component *self, unsigned array, size_t element, double value);
-/* Saved states; those of other FMUs and of objects of other files are refused. */
+/* Saved states; those of other FMUs and of objects of other files, and bytes that have changed, are refused. */
 arrays_status arrays_keep(const arrays_component *self, void **state);
 arrays_status arrays_take_back(arrays_component *self, const void *state);
-/* As bytes, which are refused where any of them has changed. */
 arrays_status arrays_size(const arrays_component *self, const void *state, size_t *size);
 arrays_status arrays_serialise(const arrays_component *self, const void *state, void *bytes, size_t size);
 arrays_status arrays_deserialise(const arrays_component *self, const void *bytes, size_t size, void **state);

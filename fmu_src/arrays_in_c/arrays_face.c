@@ -1,5 +1,4 @@
 /* What the faces of FMI 2.0 and 3.0 share around an object of arrays. */
-#include <ctype.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -7,13 +6,13 @@
 #include <string.h>
 
 #include "arrays.h"
+#include "duration.h"
 #include "readable.h"
+#include "resources.h"
+#include "sealed.h"
 
-/* In front of a saved state: which object it belongs to, and where the run was. */
+/* In a saved state, in front of the object's numbers: where the run was. */
 typedef struct {
-    char token[48];
-    unsigned long long mark, sum; /* sum: of what was serialised */
-    size_t numbers;
     unsigned long long now; /* arrays_phase */
     double start, time;
 } kept;
@@ -43,27 +42,6 @@ bool arrays_may(const arrays_component *self, int phases, const char *function)
     return false;
 }
 
-/* The path in a URI "file:///a%20b", or a path as it is, without a separator at its end. */
-static void decode(const char *uri, char *path)
-{
-    char *const begin = path;
-    const bool is_uri = strncmp(uri, "file:", 5) == 0;
-    if (is_uri) {
-        uri += 5;
-        if (strncmp(uri, "//", 2) == 0) uri += 2 + strcspn(uri + 2, "/"); /* behind the host's name, which is empty */
-        if (uri[0] == '/' && uri[1] && uri[2] == ':') ++uri;               /* "/C:/" */
-    }
-    while (*uri) {
-        unsigned letter;
-        const bool coded = is_uri && uri[0] == '%' && isxdigit((unsigned char)uri[1]) && isxdigit((unsigned char)uri[2]) &&
-                           sscanf(uri + 1, "%2x", &letter) == 1;
-        *path++ = coded ? (char)letter : *uri;
-        uri += coded ? 3 : 1;
-    }
-    while (path > begin + 1 && (path[-1] == '/' || path[-1] == '\\')) --path;
-    *path = '\0';
-}
-
 static double *read_numbers(FILE *file, size_t *count)
 {
     if (fseek(file, 0, SEEK_END) != 0) return NULL;
@@ -84,15 +62,17 @@ double *arrays_read(const char *folder, const char *name, size_t *count, char pr
     const size_t length = strlen(folder) + strlen(name) + 2;
     char *path = (char *)malloc(length);
     if (path) snprintf(path, length, "%s/%s", folder, name);
-    FILE *file = path ? fopen(path, "rb") : NULL;
+    const char *why = NULL;
+    FILE *file = path ? resources_open(path, &why) : NULL;
     double *numbers = file ? read_numbers(file, count) : NULL;
     if (file) fclose(file);
-    if (!numbers) snprintf(problem, ARRAYS_PROBLEM, "%.200s/%s cannot be read; build the FMU again.", folder, name);
+    if (!numbers) snprintf(problem, ARRAYS_PROBLEM, "%.200s/%s %s; build the FMU again.", folder, name, why ? why : "cannot be read");
     free(path);
     return numbers;
 }
 
-arrays_component *arrays_instantiate(const arrays_component *log, const char *name, const char *token, const char *resources)
+arrays_component *arrays_instantiate(const arrays_component *log, const char *name, const char *token, const char *resources,
+                                     arrays_place *place)
 {
     char problem[ARRAYS_PROBLEM] = "There is no memory for an instance.";
     arrays_component *self = (arrays_component *)malloc(sizeof *self);
@@ -103,14 +83,13 @@ arrays_component *arrays_instantiate(const arrays_component *log, const char *na
     char *folder = (char *)malloc(strlen(resources ? resources : "") + 1);
     if (self->name && folder) {
         strcpy(self->name, name ? name : "");
-        decode(resources ? resources : "", folder);
         if (!*self->name)
             snprintf(problem, sizeof problem, "Give the instance a name.");
         else if (!token || strcmp(token, ARRAYS_TOKEN) != 0)
             snprintf(problem, sizeof problem, "The identifier is another FMU's; take modelDescription.xml and binary of one FMU.");
-        else if (!*folder)
+        else if (!resources || !*resources)
             snprintf(problem, sizeof problem, "Give the instance the folder of its resources, which holds what it is made of.");
-        else
+        else if (place(resources, folder, problem))
             self->object = arrays_create(folder, problem);
     }
     free(folder);
@@ -159,6 +138,8 @@ arrays_status arrays_step(arrays_component *self, double time, double step)
     char problem[ARRAYS_PROBLEM] = "";
     if (!(isfinite(time) && isfinite(step) && step > 0.0))
         return arrays_say(self, ARRAYS_ERROR, "Give doStep a finite time and a step above 0 s: they were %g s and %g s.", time, step);
+    if (step > LONGEST_STEP)
+        return arrays_say(self, ARRAYS_ERROR, "Take steps of at most %g s: this one was of %g s at %g s.", LONGEST_STEP, step, time);
     if (fabs(time - self->time) > ROUNDING * fmax(1.0, fabs(time)) + 1e-3 * step)
         return arrays_say(self, ARRAYS_ERROR, "Go on from where the last step ended, %g s: this one began at %g s.", self->time, time);
     if (!arrays_go(self->object, time, step, problem)) return arrays_say(self, self->failed, "%s", problem);
@@ -205,123 +186,97 @@ bool arrays_settable(const arrays_component *self, unsigned array, size_t elemen
     return !wrong;
 }
 
-static size_t bytes_of(const arrays_component *self)
+unsigned long long arrays_mark_of(unsigned long long mark, const double *numbers, size_t count)
+{
+    return seal_hash(mark, numbers, count * sizeof *numbers);
+}
+
+/* ---- saved states: behind the seal of all faces where the run was, and the object's numbers ---- */
+
+static size_t block_of(const arrays_component *self)
 {
     return sizeof(kept) + arrays_numbers(self->object) * sizeof(double);
 }
 
-/* In the manner of Fowler, Noll and Vo, by words. */
-static unsigned long long mark_on(unsigned long long mark, const char *bytes, size_t words)
+/* A state belongs to one binary and to the files that the object was made of. */
+static unsigned long long model_of(const arrays_component *self)
 {
-    unsigned long long word;
-    for (size_t i = 0; i < words; ++i) {
-        memcpy(&word, bytes + i * sizeof word, sizeof word);
-        mark = (mark ^ word) * 1099511628211ULL;
-        mark ^= mark >> 29;
-    }
-    return mark;
+    const unsigned long long mark = arrays_mark(self->object);
+    return seal_hash(seal_model(ARRAYS_TOKEN), &mark, sizeof mark);
 }
 
-unsigned long long arrays_mark_of(unsigned long long mark, const double *numbers, size_t count)
+/* Whether a state is a whole one of this object; false: it was told. */
+static bool is_ours(const arrays_component *self, const void *state, size_t size)
 {
-    return mark_on(mark, (const char *)numbers, count);
-}
-
-/* Of a state, to see whether any of it has changed; its numbers may lie anywhere. */
-static unsigned long long sum_of(const char *numbers, size_t count, const kept *head)
-{
-    const double times[] = {head->start, head->time};
-    return arrays_mark_of(mark_on(head->mark ^ head->now, numbers, count), times, 2);
-}
-
-static kept head_of(const arrays_component *self)
-{
-    kept head;
-    memset(&head, 0, sizeof head);
-    const size_t length = strlen(ARRAYS_TOKEN);
-    memcpy(head.token, ARRAYS_TOKEN, length < sizeof head.token ? length : sizeof head.token);
-    head.numbers = arrays_numbers(self->object);
-    head.mark = arrays_mark(self->object);
-    head.now = (unsigned long long)self->now;
-    head.start = self->start;
-    head.time = self->time;
-    return head;
-}
-
-/* The head of a state that this object may take back; false: it is another's, and it was told. */
-static bool read_head(const arrays_component *self, const void *state, kept *head)
-{
-    const kept own = head_of(self);
-    if (state) memcpy(head, state, sizeof *head);
-    if (state && memcmp(head->token, own.token, sizeof own.token) == 0 && head->numbers == own.numbers && head->mark == own.mark)
-        return true;
-    arrays_say(self, ARRAYS_ERROR, "This state is not one of this FMU with the same resources; give one that it has saved.");
+    char problem[SEALED_PROBLEM];
+    if (seal_holds(state, size, model_of(self), block_of(self), problem)) return true;
+    arrays_say(self, ARRAYS_ERROR, "%s", problem);
     return false;
 }
 
 /* Room for a state: what is there already, if it is one of this object. */
 static bool make_room(const arrays_component *self, void **state)
 {
-    kept head;
     if (!state) {
         arrays_say(self, ARRAYS_ERROR, "Give a place for the saved state.");
         return false;
     }
-    if (*state) return read_head(self, *state, &head);
-    *state = malloc(bytes_of(self));
-    if (!*state) arrays_say(self, ARRAYS_ERROR, "There is no memory for a saved state of %zu bytes.", bytes_of(self));
+    if (*state) {
+        if (seal_is_of(*state, model_of(self), block_of(self))) return true;
+        arrays_say(self, ARRAYS_ERROR, "The place holds no saved state of this FMU; give one that it has saved, or a null pointer.");
+        return false;
+    }
+    *state = malloc(sealed_size(block_of(self)));
+    if (!*state) arrays_say(self, ARRAYS_ERROR, "There is no memory for a saved state of %zu bytes.", sealed_size(block_of(self)));
     return *state != NULL;
 }
 
 arrays_status arrays_keep(const arrays_component *self, void **state)
 {
-    const kept head = head_of(self);
+    const kept head = {(unsigned long long)self->now, self->start, self->time};
     if (!make_room(self, state)) return ARRAYS_ERROR;
-    memcpy(*state, &head, sizeof head);
-    arrays_save(self->object, (double *)((char *)*state + sizeof head));
+    char *block = (char *)sealed_block(*state);
+    memcpy(block, &head, sizeof head);
+    arrays_save(self->object, (double *)(block + sizeof head));
+    seal_state(*state, model_of(self), block_of(self));
     return ARRAYS_OK;
 }
 
 arrays_status arrays_take_back(arrays_component *self, const void *state)
 {
     kept head;
-    if (!read_head(self, state, &head)) return ARRAYS_ERROR;
+    if (!is_ours(self, state, sealed_size(block_of(self)))) return ARRAYS_ERROR;
+    const char *block = (const char *)sealed_content(state);
+    memcpy(&head, block, sizeof head);
     self->now = (arrays_phase)head.now;
     self->start = head.start;
     self->time = head.time;
     self->stale = true;
-    arrays_load(self->object, (const double *)((const char *)state + sizeof head));
+    arrays_load(self->object, (const double *)(block + sizeof head));
     return ARRAYS_OK;
 }
 
 arrays_status arrays_size(const arrays_component *self, const void *state, size_t *size)
 {
-    kept head;
-    if (!read_head(self, state, &head)) return ARRAYS_ERROR;
+    if (!is_ours(self, state, sealed_size(block_of(self)))) return ARRAYS_ERROR;
     if (!size) return arrays_say(self, ARRAYS_ERROR, "Give a place for the size of the saved state.");
-    *size = bytes_of(self);
+    *size = sealed_size(block_of(self));
     return ARRAYS_OK;
 }
 
 arrays_status arrays_serialise(const arrays_component *self, const void *state, void *bytes, size_t size)
 {
-    kept head;
-    if (!read_head(self, state, &head)) return ARRAYS_ERROR;
-    if (!bytes || size < bytes_of(self))
-        return arrays_say(self, ARRAYS_ERROR, "Give room for the whole state, %zu bytes: there were %zu.", bytes_of(self), size);
-    memcpy(bytes, state, bytes_of(self));
-    head.sum = sum_of((const char *)state + sizeof head, head.numbers, &head);
-    memcpy(bytes, &head, sizeof head);
+    const size_t due = sealed_size(block_of(self));
+    if (!is_ours(self, state, due)) return ARRAYS_ERROR;
+    if (!bytes || size < due)
+        return arrays_say(self, ARRAYS_ERROR, "Give room for the whole state, %zu bytes: there were %zu.", due, size);
+    memcpy(bytes, state, due);
     return ARRAYS_OK;
 }
 
 arrays_status arrays_deserialise(const arrays_component *self, const void *bytes, size_t size, void **state)
 {
-    kept head;
-    if (!read_head(self, size == bytes_of(self) ? bytes : NULL, &head)) return ARRAYS_ERROR;
-    if (head.sum != sum_of((const char *)bytes + sizeof head, head.numbers, &head))
-        return arrays_say(self, ARRAYS_ERROR, "The bytes of this state have changed since it was saved; give them as they were.");
-    if (!make_room(self, state)) return ARRAYS_ERROR;
+    if (!is_ours(self, bytes, size) || !make_room(self, state)) return ARRAYS_ERROR;
     memcpy(*state, bytes, size);
     return ARRAYS_OK;
 }

@@ -9,7 +9,7 @@
 enum { ELEMENTS = 65536 };
 
 /* The sentence is the format itself, so that hosts that do not expand arguments show it too; hence % is doubled. */
-static void tell(const arrays_component *self, arrays_status status, const char *sentence)
+static void tell_host(const arrays_component *self, arrays_status status, const char *sentence)
 {
     const char *category[] = {"events", "logStatusWarning", "logStatusDiscard", "logStatusError"};
     char text[2 * ARRAYS_PROBLEM]; /* even of nothing but % */
@@ -52,14 +52,14 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     log.name = (char *)name;
     log.standard = "FMI 2.0, section 4.2.4";
     log.failed = ARRAYS_ERROR; /* behind fmi2Discard hosts would go on from a time that they have to ask for */
-    log.tell = tell;
+    log.tell = tell_host;
     log.logger = (void (*)(void))functions->logger;
     log.environment = functions->componentEnvironment;
     if (type != fmi2CoSimulation) {
         error(&log, "Take this FMU for co-simulation; it has no model exchange.");
         return NULL;
     }
-    return arrays_instantiate(&log, name, guid, resources);
+    return arrays_instantiate(&log, name, guid, resources, resources_of_uri);
 }
 
 void fmi2FreeInstance(fmi2Component c) { arrays_release((arrays_component *)c); }

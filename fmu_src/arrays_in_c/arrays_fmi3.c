@@ -7,7 +7,7 @@
 #include "arrays.h"
 #include "fmi3Functions.h"
 
-static void tell(const arrays_component *self, arrays_status status, const char *sentence)
+static void tell_host(const arrays_component *self, arrays_status status, const char *sentence)
 {
     const char *category[] = {"events", "logStatusWarning", "logStatusDiscard", "logStatusError"};
     ((fmi3LogMessageCallback)self->logger)(self->environment, (fmi3Status)status, category[status], sentence);
@@ -38,7 +38,7 @@ static arrays_component log_of(fmi3String name, fmi3InstanceEnvironment environm
     log.name = (char *)name;
     log.standard = "FMI 3.0, section 4.2.1";
     log.failed = ARRAYS_DISCARD;
-    log.tell = tell;
+    log.tell = tell_host;
     log.logger = (void (*)(void))logger;
     log.environment = environment;
     return log;
@@ -51,7 +51,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
 {
     (void)visible, (void)logging, (void)events, (void)early, (void)required, (void)count, (void)update;
     const arrays_component log = log_of(name, environment, logger);
-    return arrays_instantiate(&log, name, token, resources);
+    return arrays_instantiate(&log, name, token, resources, resources_of_path);
 }
 
 static fmi3Instance refuse(fmi3String name, fmi3InstanceEnvironment environment, fmi3LogMessageCallback logger)

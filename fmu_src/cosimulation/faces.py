@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from ctypes import byref
+from pathlib import Path
 from typing import Any
 
 from fmpy import calloc, free
+from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import (
     FMU2Slave,
     fmi2CallbackAllocateMemoryTYPE,
     fmi2CallbackFreeMemoryTYPE,
     fmi2CallbackFunctions,
     fmi2CallbackLoggerTYPE,
+    fmi2CoSimulation,
+    fmi2Error,
 )
 from fmpy.fmi3 import FMU3Slave
 from fmpy.model_description import ModelDescription
@@ -34,6 +39,7 @@ class Face2:
         self.fmu = FMU2Slave(
             guid=about.guid, unzipDirectory=folder, modelIdentifier=able.modelIdentifier, instanceName=name
         )
+        self._resources = undecoded(folder)
         self._callbacks = fmi2CallbackFunctions()
         self._callbacks.logger = fmi2CallbackLoggerTYPE(
             lambda environment, instance, status, category, text: listen(
@@ -45,7 +51,15 @@ class Face2:
 
     def instantiate(self) -> None:
         """As the standard's function of this name; so are the others."""
-        self.fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
+        if self._resources is None:
+            self.fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
+            return
+        fmu = self.fmu
+        name, guid, resources = (one.encode() for one in (fmu.instanceName, fmu.guid, self._resources))
+        fmu.callbacks = self._callbacks
+        fmu.component = fmu.fmi2Instantiate(name, fmi2CoSimulation, guid, resources, byref(fmu.callbacks), 0, 1)
+        if not fmu.component:
+            raise FMICallException("fmi2Instantiate", fmi2Error)
 
     def begin(self, time: float, set_parameters: Callable[[], None], set_inputs: Callable[[], None]) -> None:
         """From an instance to its first step: parameters before initialisation, inputs within."""
@@ -86,6 +100,16 @@ class Face2:
     def forget(self, state: Any) -> None:
         """Frees it."""
         self.fmu.freeFMUstate(state)
+
+
+def undecoded(folder: str) -> str | None:
+    """The resources of an FMU made by pythonfmu, whose binary decodes of a URI no more than blanks and ends the process
+    where it finds no module; None for any other FMU.
+    """
+    resources = Path(folder, "resources")
+    if not (resources / "slavemodule.txt").exists():
+        return None
+    return f"file:///{resources.absolute().as_posix().lstrip('/')}"
 
 
 class Face3:

@@ -43,6 +43,8 @@ Bond = tuple[Connection, tuple[Slave, str]]
 JACOBI, GAUSS_SEIDEL = "jacobi", "gauss-seidel"
 #: Change of the macro step from one to the next, and the smallest one [s] before the master gives up.
 SHRINK, GROW, SAFETY, SMALLEST = 0.2, 2.0, 0.9, 1e-7
+#: The most macro steps of a run, whose rows still go into memory.
+MOST_STEPS = 1e8
 
 
 @dataclass(frozen=True)
@@ -203,6 +205,11 @@ class Coupling:
         """Yields the time after each accepted step; with a tolerance, `instants` are times that no step may cross."""
         if not (math.isfinite(step) and step > 0.0):
             raise CosimulationError(f"Give a macro step above 0 s: it was {step:g} s.")
+        if not duration / step <= MOST_STEPS:
+            raise CosimulationError(
+                f"A run must have at most {MOST_STEPS:g} macro steps; got {duration:g} s with steps of {step:g} s. "
+                "Give longer steps, or a shorter run."
+            )
         if self.master.coupling_tolerance is None:
             for number in range(max(1, round(duration / step))):
                 if drive:

@@ -1,5 +1,6 @@
 /* The common part of both faces. It knows the order of calls; the kernel knows the machine. */
 #include "face.h"
+#include "sealed.h"
 #include "table_file.h"
 
 #include <stdio.h>
@@ -111,30 +112,19 @@ component *face_instantiate(const component *log, const char *name, const char *
     return NULL;
 }
 
-/* The path in a URI "file:///a%20b", or a path as it is. */
-static void decode(const char *uri, char *path) {
-    if (strncmp(uri, "file:", 5) == 0) {
-        uri += 5;
-        if (strncmp(uri, "//", 2) == 0) uri += 2 + strcspn(uri + 2, "/"); /* behind the host's name, which is empty */
-        if (uri[0] == '/' && uri[1] && uri[2] == ':') ++uri;               /* "/C:/" */
-    }
-    for (; *uri; ++uri) {
-        unsigned letter;
-        if (uri[0] == '%' && sscanf(uri + 1, "%2x", &letter) == 1 && uri[1] && uri[2]) {
-            *path++ = (char)letter;
-            uri += 2;
-        } else {
-            *path++ = *uri;
-        }
-    }
-    *path = '\0';
-}
-
-/* A file among the resources, opened, its path in self->resources until the next one's; null: there is none. */
-static FILE *own_file(component *self, const char *name) {
-    char *end = self->resources + self->folder_length;
+/* A file among the resources, opened, its path in self->resources until the next one's; null: there is none, or `status`
+ * is an error, which was told. */
+static FILE *own_file(component *self, const char *name, kernel_status *status) {
+    char *end = self->resources + self->folder_length, sentence[MESSAGE_SIZE];
+    const char *why;
     strcpy(end, name);
-    return fopen(self->resources, "rb");
+    FILE *file = resources_open(self->resources, &why);
+    if (why) {
+        snprintf(sentence, sizeof sentence, "%.300s %s; put a file there that can be read, or nothing.", self->resources, why);
+        kernel_make_readable(sentence);
+        *status = face_error(self, sentence);
+    }
+    return file;
 }
 
 /* A row NAME,VALUE of numbers, as a value that is set. */
@@ -155,7 +145,7 @@ static kernel_status set_own_start(component *self, char *row) {
 static kernel_status own_start_values(component *self) {
     char row[256];
     kernel_status status = KERNEL_OK;
-    FILE *file = own_file(self, START_VALUES);
+    FILE *file = own_file(self, START_VALUES, &status);
     while (file && status <= KERNEL_WARNING && fgets(row, sizeof row, file)) {
         row[strcspn(row, "\r\n")] = '\0';
         if (*row) status = set_own_start(self, row);
@@ -165,8 +155,9 @@ static kernel_status own_start_values(component *self) {
 }
 
 static kernel_status own_table(component *self) {
-    FILE *file = MODEL.table_file ? own_file(self, MODEL.table_file->resource) : NULL;
-    if (!file) return KERNEL_OK;
+    kernel_status status = KERNEL_OK;
+    FILE *file = MODEL.table_file ? own_file(self, MODEL.table_file->resource, &status) : NULL;
+    if (!file) return status;
     fclose(file);
     return face_report(self, kernel_set_text(self->machine, MODEL.table_file->variable, self->resources));
 }
@@ -178,14 +169,19 @@ static kernel_status read_resources(component *self) {
     return status <= KERNEL_WARNING ? own_table(self) : status;
 }
 
-component *face_take_resources(component *self, const char *resources) {
+component *face_take_resources(component *self, const char *resources, face_place *place) {
     if (!self || !resources || !*resources) return self;
+    char problem[RESOURCES_PROBLEM];
     const size_t of_table = MODEL.table_file ? strlen(MODEL.table_file->resource) + 1 : 0;
     self->resources = (char *)malloc(strlen(resources) + (of_table > sizeof START_VALUES ? of_table : sizeof START_VALUES));
     if (self->resources) {
-        decode(resources, self->resources);
-        self->folder_length = strlen(self->resources);
-        if (read_resources(self) <= KERNEL_WARNING) return self;
+        if (!place(resources, self->resources, problem)) {
+            kernel_make_readable(problem);
+            (void)face_error(self, problem);
+        } else {
+            self->folder_length = strlen(self->resources);
+            if (read_resources(self) <= KERNEL_WARNING) return self;
+        }
     }
     face_free(self);
     return NULL;
@@ -320,84 +316,67 @@ kernel_status face_set_rates(component *self, size_t count, const unsigned *refe
     return face_report(self, status);
 }
 
-/* ---- saved states: a copy of the kernel's one block, and the phase ---- */
+/* ---- saved states: behind the seal of all faces the phase, and a copy of the kernel's one block ---- */
 
 typedef struct {
-    size_t size;
-    unsigned long long checksum; /* of the kernel's bytes and the GUID: bytes that were changed on the way are refused */
     double start_time;
     long long int now, exchange; /* without gaps: equal states have equal bytes */
-} saved_header;
+} saved_phase;
 
-size_t face_saved_size(const component *self) { return sizeof(saved_header) + kernel_state_size(self->machine); }
+static size_t block_size(const component *self) { return sizeof(saved_phase) + kernel_block_size(self->machine); }
 
-/* FNV-1a, 64 bits. */
-static unsigned long long hash_of(unsigned long long hash, const void *bytes, size_t size) {
-    const unsigned char *byte = (const unsigned char *)bytes;
-    for (size_t i = 0; i < size; ++i) hash = (hash ^ byte[i]) * 1099511628211ull;
-    return hash;
-}
+size_t face_saved_size(const component *self) { return sealed_size(block_size(self)); }
 
-static unsigned long long checksum(const component *self, saved_header header, const void *kernel_bytes) {
-    unsigned long long hash = hash_of(14695981039346656037ull, MODEL.guid, strlen(MODEL.guid));
-    hash = hash_of(hash, &header.start_time, sizeof header.start_time);
-    hash = hash_of(hash, &header.now, sizeof header.now);
-    hash = hash_of(hash, &header.exchange, sizeof header.exchange);
-    return hash_of(hash, kernel_bytes, kernel_state_size(self->machine));
-}
-
-/* Whether the bytes are a saved state of this model. */
-static bool is_saved(const component *self, const void *bytes, size_t size) {
-    saved_header header;
-    if (!bytes || size < face_saved_size(self)) return false;
-    memcpy(&header, bytes, sizeof header);
-    return header.size == face_saved_size(self) &&
-           header.checksum == checksum(self, header, (const char *)bytes + sizeof header);
+/* Room for a state: what is there already, if it is one of this model; null: there is none, which was told. */
+static void *room_for_state(const component *self, void **state) {
+    if (face_missing(self, 1, state, state)) return NULL;
+    if (*state && !seal_is_of(*state, seal_model(MODEL.guid), block_size(self))) {
+        (void)face_error(self, "The place holds no saved state of this FMU; give one that it has saved, or a null pointer.");
+        return NULL;
+    }
+    if (!*state) *state = calloc(1, face_saved_size(self));
+    if (!*state) (void)face_error(self, "There is not enough memory for a saved state.");
+    return *state;
 }
 
 kernel_status face_save(component *self, void **state) {
-    const size_t size = face_saved_size(self);
-    if (face_missing(self, 1, state, state)) return KERNEL_ERROR;
-    if (!*state) *state = calloc(1, size);
-    if (!*state) return face_error(self, "There is not enough memory for a saved state.");
-    saved_header header = {size, 0, self->start_time, self->now, self->exchange};
-    kernel_save(self->machine, (char *)*state + sizeof header);
-    header.checksum = checksum(self, header, (char *)*state + sizeof header);
-    memcpy(*state, &header, sizeof header);
+    const saved_phase kept = {self->start_time, self->now, self->exchange};
+    if (!room_for_state(self, state)) return KERNEL_ERROR;
+    memcpy(sealed_block(*state), &kept, sizeof kept);
+    kernel_copy_block(self->machine, (char *)sealed_block(*state) + sizeof kept);
+    seal_state(*state, seal_model(MODEL.guid), block_size(self));
     return KERNEL_OK;
 }
 
 kernel_status face_restore(component *self, const void *state) {
-    saved_header header;
-    if (!state) return face_error(self, "There is no saved state to return to.");
-    if (!is_saved(self, state, face_saved_size(self)))
-        return face_error(self, "The saved state belongs to another model, or its bytes were changed.");
-    memcpy(&header, state, sizeof header);
-    if (header.exchange != self->exchange)
+    saved_phase kept;
+    char problem[SEALED_PROBLEM];
+    if (!seal_holds(state, face_saved_size(self), seal_model(MODEL.guid), block_size(self), problem)) return face_error(self, problem);
+    memcpy(&kept, sealed_content(state), sizeof kept);
+    if (kept.exchange != self->exchange)
         return face_error(self, "The saved state is one of the other interface, co-simulation or model exchange.");
-    if (header.now == AT_EVENT && !self->exchange && !self->events)
+    if (kept.now == AT_EVENT && !self->exchange && !self->events)
         return face_error(self, "The saved state is one in event mode; instantiate with eventModeUsed = true.");
-    const kernel_status status = kernel_restore(self->machine, (const char *)state + sizeof header);
+    const kernel_status status = kernel_take_block(self->machine, (const char *)sealed_content(state) + sizeof kept);
     if (status <= KERNEL_WARNING) {
-        self->now = (phase)header.now;
-        self->start_time = header.start_time;
+        self->now = (phase)kept.now;
+        self->start_time = kept.start_time;
     }
     return face_report(self, status);
 }
 
 kernel_status face_serialise(component *self, const void *state, void *bytes, size_t size) {
-    if (!state || !bytes || size < face_saved_size(self))
-        return face_error(self, "The buffer is too small for the saved state.");
+    char problem[SEALED_PROBLEM];
+    if (!seal_holds(state, face_saved_size(self), seal_model(MODEL.guid), block_size(self), problem)) return face_error(self, problem);
+    if (!bytes || size < face_saved_size(self)) return face_error(self, "The buffer is too small for the saved state.");
     memcpy(bytes, state, face_saved_size(self));
     return KERNEL_OK;
 }
 
 kernel_status face_deserialise(component *self, const void *bytes, size_t size, void **state) {
-    if (!is_saved(self, bytes, size))
-        return face_error(self, "The serialised state belongs to another model, or its bytes were changed.");
-    if (face_missing(self, 1, state, state)) return KERNEL_ERROR;
-    if (!*state) *state = malloc(face_saved_size(self));
-    if (!*state) return face_error(self, "There is not enough memory for a saved state.");
+    char problem[SEALED_PROBLEM];
+    if (!seal_holds(bytes, size, seal_model(MODEL.guid), block_size(self), problem)) return face_error(self, problem);
+    if (!room_for_state(self, state)) return KERNEL_ERROR;
     memcpy(*state, bytes, face_saved_size(self));
     return KERNEL_OK;
 }

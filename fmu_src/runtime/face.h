@@ -4,6 +4,7 @@
 #define FACE_H
 
 #include "kernel.h"
+#include "resources.h"
 
 /* STEPPING in co-simulation; CONTINUOUS in model exchange; AT_EVENT, event mode, in either. */
 typedef enum {
@@ -44,10 +45,11 @@ enum { WARNINGS = 1u << KERNEL_WARNING, ERRORS = 1u << KERNEL_ERROR };
 
 /* A new instance, or null after `tell` has said why. The caller fills in the fields of the log first. */
 RUNTIME_LOCAL component *face_instantiate(const component *log, const char *name, const char *token, int logging);
-/* Tells an instance (null: there is none) where its resources are, a path or a URI of a file. `start_values.csv` there has
- * rows NAME,VALUE in place of start values, and the resource that a table
- * file is called is its table. Gives it back, or null where these are refused. */
-RUNTIME_LOCAL component *face_take_resources(component *self, const char *resources);
+/* How a standard names a folder: resources_of_uri, resources_of_path. */
+typedef bool face_place(const char *given, char *path, char problem[RESOURCES_PROBLEM]);
+/* Tells an instance (null: there is none) where its resources are. `start_values.csv` there has rows NAME,VALUE in place of
+ * start values, and the resource that a table file is called is its table. Gives it back, or null where these are refused. */
+RUNTIME_LOCAL component *face_take_resources(component *self, const char *resources, face_place *place);
 RUNTIME_LOCAL void face_free(component *self);
 RUNTIME_LOCAL kernel_status face_log(component *self, int logging, size_t count, const char *const categories[]);
 RUNTIME_LOCAL kernel_status face_error(const component *self, const char *sentence);

@@ -8,7 +8,7 @@
 #define STATUS fmi2Status
 
 /* The sentence is the format itself, so that hosts that do not expand arguments show it too; hence % is doubled. */
-static void tell(const component *self, kernel_status status, const char *category, const char *sentence) {
+static void tell_host(const component *self, kernel_status status, const char *category, const char *sentence) {
     char text[2 * MESSAGE_SIZE]; /* even of nothing but % */
     size_t length = 0;
     for (const char *c = sentence; *c; ++c) {
@@ -38,11 +38,12 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
     log.name = (char *)instanceName;
     log.standard = "FMI 2.0, section 4.2.4";
     log.told = WARNINGS | ERRORS; /* section 2.1.3: of these the host is always told */
-    log.tell = tell;
+    log.tell = tell_host;
     log.logger = (void (*)(void))functions->logger;
     log.environment = functions->componentEnvironment;
     log.exchange = fmuType == fmi2ModelExchange;
-    return face_take_resources(face_instantiate(&log, instanceName, fmuGUID, loggingOn), fmuResourceLocation);
+    return face_take_resources(face_instantiate(&log, instanceName, fmuGUID, loggingOn), fmuResourceLocation,
+                               resources_of_uri);
 }
 
 void fmi2FreeInstance(fmi2Component c) { face_free((component *)c); }

@@ -10,7 +10,7 @@
 
 #define STATUS fmi3Status
 
-static void tell(const component *self, kernel_status status, const char *category, const char *sentence) {
+static void tell_host(const component *self, kernel_status status, const char *category, const char *sentence) {
     ((fmi3LogMessageCallback)self->logger)(self->environment, (fmi3Status)status, category, sentence);
 }
 
@@ -35,7 +35,7 @@ static component log_of(fmi3String name, fmi3InstanceEnvironment environment, fm
     memset(&log, 0, sizeof log);
     log.name = (char *)name;
     log.standard = "FMI 3.0, section 4.2.1";
-    log.tell = tell;
+    log.tell = tell_host;
     log.logger = (void (*)(void))logMessage;
     log.environment = environment;
     return log;
@@ -52,7 +52,8 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
     (void)nRequiredIntermediateVariables, (void)intermediateUpdate;
     component log = log_of(instanceName, instanceEnvironment, logMessage);
     log.events = eventModeUsed;
-    component *self = face_take_resources(face_instantiate(&log, instanceName, instantiationToken, loggingOn), resourcePath);
+    component *self = face_take_resources(face_instantiate(&log, instanceName, instantiationToken, loggingOn), resourcePath,
+                                          resources_of_path);
     if (self) kernel_stop_at_events(self->machine, earlyReturnAllowed);
     return self;
 }
@@ -64,7 +65,8 @@ fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String in
     (void)visible;
     component log = log_of(instanceName, instanceEnvironment, logMessage);
     log.exchange = true;
-    return face_take_resources(face_instantiate(&log, instanceName, instantiationToken, loggingOn), resourcePath);
+    return face_take_resources(face_instantiate(&log, instanceName, instantiationToken, loggingOn), resourcePath,
+                               resources_of_path);
 }
 
 fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3String instantiationToken,

@@ -1,5 +1,7 @@
 /* From parameters to a consistent start. */
 #include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "method.h"
@@ -18,23 +20,70 @@ void kernel_enter_system(kernel *self) {
     for (int i = 0; i < 2 * system->tables; ++i) self->given.held[i] = NAN; /* nothing is held anywhere */
 }
 
-/* Says that the model has no system for what was chosen. */
+/* The place of the chosen system in the model, where one selector (-1: none) has another value; below 0: there is none. */
+static int chosen_system(const kernel *self, int selector, int value, bool on_table) {
+    int combination = 0, combinations = 1;
+    for (int i = 0; i < MODEL.selectors; ++i) {
+        const int own = i == selector ? value : (int)self->run.value[MODEL.selector[i]];
+        combination = combination * MODEL.selectable[i] + own - 1;
+        combinations *= MODEL.selectable[i];
+    }
+    return MODEL.choice[on_table ? combination + combinations : combination];
+}
+
+static void add_text(char text[MESSAGE_SIZE], const char *format, ...) LIKE_PRINTF(2);
+static void add_text(char text[MESSAGE_SIZE], const char *format, ...) {
+    const size_t used = strlen(text);
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text + used, MESSAGE_SIZE - used, format, arguments);
+    va_end(arguments);
+}
+
+/* Adds what one selector could be set to, the others as they are. */
+static void add_remedy(const kernel *self, int selector, char remedies[MESSAGE_SIZE]) {
+    const variable_description *variable = &MODEL.variable[MODEL.selector[selector]];
+    bool named = false;
+    for (int value = (int)variable->minimum; value <= (int)variable->maximum; ++value) {
+        if (chosen_system(self, selector, value, self->table != NULL) < 0) continue;
+        if (named)
+            add_text(remedies, " or %d", value);
+        else
+            add_text(remedies, "%s %s to %d", *remedies ? ", or" : "Set", variable->name, value);
+        named = true;
+    }
+}
+
+/* Says that the model has no system for what was chosen, and what else would have one. */
 static kernel_status refuse_choice(kernel *self) {
     const table_file_description *file = MODEL.table_file;
-    const char *name = kernel_name_of_table_file();
-    if (MODEL.selectors == 0 && self->table)
-        return kernel_fail(self, KERNEL_ERROR, "Set %s to no text: %s has no system %s a %s.", name, MODEL.name,
-                           file->in_use, file->noun);
-    if (MODEL.selectors == 0)
-        return kernel_fail(self, KERNEL_ERROR, "Set %s to the path of a file with a %s: %s has no system without a %s.",
-                           name, file->noun, MODEL.name, file->noun);
-    const char *selector = MODEL.variable[MODEL.selector[MODEL.selectors - 1]].name;
-    if (!file)
-        return kernel_fail(self, KERNEL_ERROR, "Set %s to another value: %s has no system for this one.", selector,
-                           MODEL.name);
-    return kernel_fail(self, KERNEL_ERROR,
-                       "Set %s to another value, or %s to no text: %s has no system for these two together.", selector, name,
-                       MODEL.name);
+    char chosen[MESSAGE_SIZE] = "", remedies[MESSAGE_SIZE] = "";
+    for (int i = 0; i < MODEL.selectors; ++i) {
+        const int variable = MODEL.selector[i];
+        add_text(chosen, "%s%s %d", i ? ", " : " for ", MODEL.variable[variable].name, (int)self->run.value[variable]);
+        add_remedy(self, i, remedies);
+    }
+    if (file) add_text(chosen, " %s a %s", self->table ? file->in_use : "without", file->noun);
+    if (file && chosen_system(self, -1, 0, !self->table) >= 0)
+        add_text(remedies, "%s %s to %s", *remedies ? ", or" : "Set", kernel_name_of_table_file(),
+                 self->table ? "no text" : "the path of a file");
+    return kernel_fail(self, KERNEL_ERROR, "%s has no system%s. %s.", MODEL.name, chosen,
+                       *remedies ? remedies : "Change more than one of these");
+}
+
+/* Whether parameters are what they must be together; a status, with the sentence. */
+static kernel_status check_relations(kernel *self) {
+    for (int i = 0; i < MODEL.relations; ++i) {
+        const relation_description *relation = &MODEL.relation[i];
+        double sum = relation->constant;
+        for (int term = 0; term < relation->terms; ++term)
+            sum += relation->factor[term] * self->run.value[relation->variable[term]];
+        if (sum > 0.0) continue;
+        char lacks[CLOCK_SIZE];
+        snprintf(lacks, sizeof lacks, "%.4g", -sum);
+        return kernel_say_when(self, KERNEL_ERROR, relation->sentence, lacks);
+    }
+    return KERNEL_OK;
 }
 
 kernel_status kernel_initialise(kernel *self, double time) {
@@ -44,16 +93,13 @@ kernel_status kernel_initialise(kernel *self, double time) {
                            "Set integration_step above 0 s: integration_method %d, explicit, has no error control that "
                            "could choose its steps.",
                            METHOD_EXPLICIT);
-    int combination = 0, combinations = 1;
-    for (int i = 0; i < MODEL.selectors; ++i) combinations *= MODEL.selectable[i];
-    for (int i = 0; i < MODEL.selectors; ++i)
-        combination = combination * MODEL.selectable[i] + (int)self->run.value[MODEL.selector[i]] - 1;
-    if (self->table) combination += combinations;
-    if (MODEL.choice[combination] < 0) return refuse_choice(self);
-    if (!self->table && MODEL.system[MODEL.choice[combination]].tables > 0)
+    if (check_relations(self) != KERNEL_OK) return KERNEL_ERROR;
+    const int chosen = chosen_system(self, -1, 0, self->table != NULL);
+    if (chosen < 0) return refuse_choice(self);
+    if (!self->table && MODEL.system[chosen].tables > 0)
         return kernel_fail(self, KERNEL_ERROR, "Set %s to the path of a file with a %s; this model has no other.",
                            kernel_name_of_table_file(), MODEL.table_file->noun);
-    self->run.now->system = MODEL.choice[combination];
+    self->run.now->system = chosen;
     kernel_enter_system(self);
     const system_description *system = self->system;
     self->run.now->time = self->given.step_origin = time;

@@ -78,9 +78,14 @@ KERNEL_EXPORT kernel_status kernel_get_exchanged(kernel *self, int number, doubl
 KERNEL_EXPORT kernel_status kernel_find_modes(kernel *self, bool *jumped);
 /* Behind a step: whether something has crossed; and says what only warns. */
 KERNEL_EXPORT kernel_status kernel_complete_step(kernel *self, bool *crossed);
+/* All that a run changes, for faces, which seal it with what they add. */
+RUNTIME_LOCAL size_t kernel_block_size(const kernel *self);
+RUNTIME_LOCAL void kernel_copy_block(const kernel *self, void *bytes);
+RUNTIME_LOCAL kernel_status kernel_take_block(kernel *self, const void *bytes);
+/* The same, sealed (sealed.h): bytes that were changed, and those of another model, are refused. */
 KERNEL_EXPORT size_t kernel_state_size(const kernel *self);
 KERNEL_EXPORT void kernel_save(const kernel *self, void *bytes);
-KERNEL_EXPORT kernel_status kernel_restore(kernel *self, const void *bytes);
+KERNEL_EXPORT kernel_status kernel_restore(kernel *self, const void *bytes, size_t size);
 KERNEL_EXPORT double kernel_time(const kernel *self);
 KERNEL_EXPORT bool kernel_ended(const kernel *self);
 /* Statuses, a bit for each, whose sentences somebody hears: all, before the first call. */

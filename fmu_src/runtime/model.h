@@ -161,6 +161,15 @@ typedef struct {
     void (*piece_between)(const table_file *self, int piece, const table_part *part, double *coefficient);
 } table_file_description;
 
+/* What parameters must keep together: a constant and parameters, each times a factor, are above 0. */
+typedef struct {
+    int terms;
+    const int *variable; /* of the model */
+    const double *factor;
+    double constant;
+    const char *sentence; /* said where they are not, with what lacks in place of its %s */
+} relation_description;
+
 typedef struct {
     const char *name, *guid;
     int variables, systems;
@@ -174,6 +183,8 @@ typedef struct {
     const system_description *system;
     const table_file_description *table_file; /* null: none; otherwise `choice` has first all systems without a table, then
                                                * all with one, -1 where there is no system */
+    int relations;
+    const relation_description *relation;
 } model_description;
 
 #ifndef ONE_UNIT /* there the definition comes first */

@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "duration.h"
 #include "method.h"
 
 void kernel_stop_at_events(kernel *self, bool stops) {
@@ -14,6 +15,9 @@ static kernel_status check_step(kernel *self, double time, double size) {
         return kernel_fail(self, KERNEL_ERROR, "Initialise %s before the first step.", MODEL.name);
     if (!(size > 0.0) || !isfinite(size))
         return kernel_fail(self, KERNEL_ERROR, "Give a step size above 0 s: it was %g s; nothing was advanced.", size);
+    if (size > LONGEST_STEP)
+        return kernel_fail(self, KERNEL_ERROR, "Give a step of at most %g s, a day: it was %g s; nothing was advanced.",
+                           LONGEST_STEP, size);
     kernel_status status = kernel_check_times(self, time, size);
     if (status != KERNEL_OK) return status;
     char when[CLOCK_SIZE];

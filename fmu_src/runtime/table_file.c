@@ -5,12 +5,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#if defined(__unix__) || defined(__APPLE__) || defined(_WIN32)
-#include <sys/types.h>
 
-#include <sys/stat.h>
-#endif
-
+#include "resources.h"
 #include "table_file.h"
 
 enum { LONGEST_ROW = 2048, MOST_ROWS = 4000000, FIRST_ROOM = 1024 };
@@ -187,20 +183,6 @@ static bool complete(reader *self) {
     mark(self->made);
     about->complete(self->made);
     return true;
-}
-
-/* Whether a file that ends: a pipe would be waited for, perhaps for ever. Where nobody can tell, it is believed. */
-static bool is_plain_file(const char *path) {
-#if defined(_WIN32)
-    struct _stat about;
-    return _stat(path, &about) != 0 || (about.st_mode & _S_IFMT) == _S_IFREG;
-#elif defined(__unix__) || defined(__APPLE__)
-    struct stat about;
-    return stat(path, &about) != 0 || S_ISREG(about.st_mode);
-#else
-    (void)path;
-    return true;
-#endif
 }
 
 table_file *table_read(const char *path, char problem[PROBLEM_SIZE]) {

@@ -29,22 +29,35 @@ static bool is_allowed(const variable_description *variable, double value) {
     return isfinite(value) && value >= variable->minimum && value <= variable->maximum && whole;
 }
 
+/* The end of a sentence, for who has taken another unit than the variable's, km/h or mm. */
+static const char *other_unit(const variable_description *variable, double value, char text[120]) {
+    const bool speed = strcmp(variable->unit, "m/s") == 0;
+    const double own = value / (speed ? 3.6 : 1000.0);
+    snprintf(text, 120, ".");
+    if (own < variable->minimum || own > variable->maximum) return text;
+    if (speed)
+        snprintf(text, 120, ". %.6g m/s is %.6g km/h; did you mean %.6g km/h = %.4g m/s?", value, 3.6 * value, value, own);
+    else if (strcmp(variable->unit, "m") == 0)
+        snprintf(text, 120, ". Did you mean %.6g mm = %.6g m?", value, own);
+    return text;
+}
+
 kernel_status kernel_check_value(kernel *self, const variable_description *variable, double value, double kept) {
     if (is_allowed(variable, value)) return KERNEL_OK; /* asked at every step of a host */
     const char *name = variable->name;
-    char text[32];
+    char text[32], other[120];
     const char *unit = after_number(variable, text);
     if (!isfinite(value))
         return kernel_fail(self, KERNEL_ERROR, "Set %s to a finite number: it was given %g, and %g%s stays in force.",
                            name, value, kept, unit);
     if (value < variable->minimum)
         return kernel_fail(self, KERNEL_ERROR,
-                           "Set %s to at least %g%s: %g%s is below this limit, and %g%s stays in force.", name,
-                           variable->minimum, unit, value, unit, kept, unit);
+                           "Set %s to at least %g%s: %g%s is below this limit, and %g%s stays in force%s", name,
+                           variable->minimum, unit, value, unit, kept, unit, other_unit(variable, value, other));
     if (value > variable->maximum)
         return kernel_fail(self, KERNEL_ERROR,
-                           "Set %s to at most %g%s: %g%s is above this limit, and %g%s stays in force.", name,
-                           variable->maximum, unit, value, unit, kept, unit);
+                           "Set %s to at most %g%s: %g%s is above this limit, and %g%s stays in force%s", name,
+                           variable->maximum, unit, value, unit, kept, unit, other_unit(variable, value, other));
     return kernel_fail(self, KERNEL_ERROR, "Set %s to a whole number: it was given %g, and %g stays in force.", name,
                        value, kept);
 }

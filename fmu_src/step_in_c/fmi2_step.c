@@ -10,7 +10,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "duration.h"
 #include "fmi2Functions.h"
+#include "sealed.h"
 #include "step_model.h"
 
 /* Rounding that a host's times may have [s]. */
@@ -251,6 +253,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real size, fmi2Boolean
     values *now = self->now;
     if (!(isfinite(time) && isfinite(size) && size >= 0.0))
         return say(self, fmi2Error, "Give fmi2DoStep a finite time and a size of at least 0 s: they were %g s and %g s.", time, size);
+    if (size > LONGEST_STEP) return say(self, fmi2Error, "Take steps of at most %g s: this one was of %g s at %g s.", LONGEST_STEP, size, time);
     if (now->failed) return fmi2Discard;
     if (time - now->start_time < (double)now->asked * now->period - ROUNDING) return fmi2OK;
     now->asked = (long long int)floor((time - now->start_time) / now->period + ROUNDING) + 1;
@@ -265,7 +268,32 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real size, fmi2Boolean
     return fmi2Discard;
 }
 
-/* ---- saved states ---- */
+/* ---- saved states: behind the seal of all faces the values, and the object's memory ---- */
+
+static size_t size_of_state(const component *self) { return sealed_size(whole(self)); }
+
+/* Whether so many bytes are a whole state of this FMU; false: it was told. */
+static bool is_ours(const component *self, const void *state, size_t size)
+{
+    char problem[SEALED_PROBLEM];
+    if (seal_holds(state, size, seal_model(GUID), whole(self), problem)) return true;
+    say(self, fmi2Error, "%s", problem);
+    return false;
+}
+
+/* Room for a state: what is there already, if it is one of this FMU. */
+static bool make_room(const component *self, fmi2FMUstate *state, const char *function)
+{
+    if (!state)
+        say(self, fmi2Error, "%s: give a place for the state.", function);
+    else if (*state && !seal_is_of(*state, seal_model(GUID), whole(self)))
+        say(self, fmi2Error, "%s: the place holds no state of this FMU; give one that it has saved, or a null pointer.", function);
+    else if (!*state && !(*state = malloc(size_of_state(self))))
+        say(self, fmi2Error, "There is no memory for a saved state of %zu bytes.", size_of_state(self));
+    else
+        return true;
+    return false;
+}
 
 fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state)
 {
@@ -280,18 +308,17 @@ fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state)
 fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state)
 {
     REQUIRE(ALWAYS, "fmi2GetFMUstate");
-    if (!state) return say(self, fmi2Error, "fmi2GetFMUstate: give a place for the state.");
-    if (!*state) *state = malloc(whole(self));
-    if (!*state) return say(self, fmi2Error, "There is no memory for a saved state of %zu bytes.", whole(self));
-    memcpy(*state, self->now, whole(self));
+    if (!make_room(self, state, "fmi2GetFMUstate")) return fmi2Error;
+    memcpy(sealed_block(*state), self->now, whole(self));
+    seal_state(*state, seal_model(GUID), whole(self));
     return fmi2OK;
 }
 
 fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state)
 {
     REQUIRE(ALWAYS, "fmi2SetFMUstate");
-    if (!state) return say(self, fmi2Error, "fmi2SetFMUstate: give a state that fmi2GetFMUstate saved.");
-    memcpy(self->now, state, whole(self));
+    if (!is_ours(self, state, size_of_state(self))) return fmi2Error;
+    memcpy(self->now, sealed_content(state), whole(self));
     return fmi2OK;
 }
 
@@ -299,25 +326,24 @@ fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate state, size_
 {
     REQUIRE(ALWAYS, "fmi2SerializedFMUstateSize");
     if (!state || !size) return say(self, fmi2Error, "fmi2SerializedFMUstateSize: give a state and a place for its size.");
-    *size = whole(self);
+    *size = size_of_state(self);
     return fmi2OK;
 }
 
 fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size)
 {
     REQUIRE(ALWAYS, "fmi2SerializeFMUstate");
-    if (!state || !bytes || size < whole(self)) return say(self, fmi2Error, "fmi2SerializeFMUstate: give room for %zu bytes.", whole(self));
-    memcpy(bytes, state, whole(self));
+    if (!is_ours(self, state, size_of_state(self))) return fmi2Error;
+    if (!bytes || size < size_of_state(self))
+        return say(self, fmi2Error, "fmi2SerializeFMUstate: give room for %zu bytes.", size_of_state(self));
+    memcpy(bytes, state, size_of_state(self));
     return fmi2OK;
 }
 
 fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state)
 {
     REQUIRE(ALWAYS, "fmi2DeSerializeFMUstate");
-    if (!state || !bytes || size != whole(self))
-        return say(self, fmi2Error, "fmi2DeSerializeFMUstate: give %zu bytes that this FMU has written.", whole(self));
-    if (!*state) *state = malloc(size);
-    if (!*state) return say(self, fmi2Error, "There is no memory for a saved state of %zu bytes.", size);
+    if (!is_ours(self, bytes, size) || !make_room(self, state, "fmi2DeSerializeFMUstate")) return fmi2Error;
     memcpy(*state, bytes, size);
     return fmi2OK;
 }

@@ -16,7 +16,6 @@ from products.train.consist import Consist
 from products.train.numbers import Settings, numbers_of
 from products.train.train import (
     FARTHEST,
-    FASTEST,
     FOLDER,
     HIGHEST,
     INPUT_LIMITS,
@@ -25,6 +24,7 @@ from products.train.train import (
     sources,
 )
 from rbd_model.track.line import Line
+from rbd_model.vehicle.variables import FASTEST
 
 NAME = "TrainDynamics"
 PARAMETERS = (

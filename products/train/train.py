@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import hashlib
 import weakref
 from functools import lru_cache
 from pathlib import Path
@@ -18,6 +19,7 @@ from brake_controller.vehicle_brake import braking
 from fmu_src.compile import loaded, plain_library
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.equations_in_c import WIDTHS, function_of_cells
+from fmu_src.system import other_unit
 from products.train import c as folder
 from products.train import pipe
 from products.train.consist import Consist
@@ -27,13 +29,14 @@ from rbd_model.track.line import Line
 from rbd_model.train import motion
 from rbd_model.train.coupler import coupling
 from rbd_model.train.vehicle import GRAVITY, rolling, sliding
+from rbd_model.vehicle.variables import FASTEST
 
 #: Pressures that a train may start with at most [Pa].
 HIGHEST = 800e3
 #: Gauge pressure of the pipe at the start [Pa], and friction between wheels and rail, by default.
 START_PIPE_PRESSURE, START_FRICTION = 500e3, 0.3
-#: Speed [m/s] and distance [m] at the start, from minus to plus.
-FASTEST, FARTHEST = 150.0, 1e9
+#: Distance [m] at the start, from minus to plus; and what a train goes on by or records at most [s], [1].
+FARTHEST, LONGEST, MOST = 1e9, 86400.0, 1e8
 FOLDER = Path(folder.__file__ or "").parent
 #: What is set from outside and what is found, in the order of train.h.
 INPUTS = ("position", "step", "pull", "friction", "protection", "coupled", "joined", "ends", "led", "led_speed")
@@ -133,7 +136,8 @@ def _within(name: str, value: float, least: float, most: float, unit: str) -> No
     """Raises ValueError for what is no number within limits."""
     number = isinstance(value, (int, float, np.floating, np.integer)) and not isinstance(value, bool)
     if not (number and least <= value <= most):
-        raise ValueError(f"Set {name} to a number from {least:g} to {most:g} {unit}".rstrip() + f": it was {value}.")
+        said = f"Set {name} to a number from {least:g} to {most:g} {unit}".rstrip() + f": it was {value}."
+        raise ValueError(said + (other_unit(value, unit, least, most) if number else ""))
 
 
 def _place(name: str, value: int, count: int) -> None:
@@ -171,6 +175,7 @@ class Train:
         wrong = self._call.train_wrong(numbers.ctypes.data, numbers.size)
         if wrong:
             raise ValueError(f"These vehicles, settings or line make no train: {wrong.decode()} cannot be.")
+        self._mark = hashlib.sha256(numbers.tobytes()).digest()
         self._volumes = volumes_of(consist, self.settings)
         self._own = self._call.train_create(numbers.ctypes.data, numbers.size)
         if not self._own:
@@ -198,7 +203,7 @@ class Train:
 
     def advance(self, time: float) -> None:
         """Goes on by a time [s]. Raises ValueError where that leads nowhere; the train is as it was then."""
-        _within("the time to go on by", time, 0.0, 1e9, "s")
+        _within("the time to go on by", time, 0.0, LONGEST, "s")
         status = self._call.train_go(self._own, time)
         if status == -2:
             raise ValueError(self._wrong_input())
@@ -220,9 +225,15 @@ class Train:
 
         interval [s]. Pressures are gauge pressures.
         """
-        if not (0.0 < interval < np.inf and 0.0 <= seconds < np.inf):
-            raise ValueError(f"Record at intervals above 0 s: it was {interval} s for {seconds} s.")
+        if not (0.0 < interval < np.inf and 0.0 <= seconds <= LONGEST):
+            raise ValueError(
+                f"Record at intervals above 0 s, for at most {LONGEST:g} s: it was {interval} s for {seconds} s."
+            )
         units = {"time": "s"} | {name: unit for one, unit in UNITS.items() for name in self._names(one)}
+        if seconds / interval * len(units) > MOST:
+            raise ValueError(
+                f"Give an interval above {interval:g} s: {seconds:g} s would be more than {MOST:g} numbers."
+            )
         rows = [self._row()]
         for _ in range(round(seconds / interval)):
             moving = bool(self.speed.any())
@@ -248,20 +259,31 @@ class Train:
 
     @property
     def state(self) -> NDArray[np.float64]:
-        """All that a run changes, to be given back later."""
-        found = np.empty(self._call.train_numbers(self._own))
+        """All that a run changes, to be given back later; behind it a checksum."""
+        found = np.empty(self._call.train_numbers(self._own) + 1)
         self._call.train_save(self._own, found.ctypes.data)
+        found[-1] = self._checksum(found[:-1])
         return found
 
     @state.setter
     def state(self, numbers: NDArray[np.float64]) -> None:
         """Goes back to what was saved. Raises ValueError for that of another train."""
-        due = self._call.train_numbers(self._own)
+        due = self._call.train_numbers(self._own) + 1
         if np.shape(numbers) != (due,):
             raise ValueError(
                 f"Give a train a state that it has saved, {due} numbers: it had the shape {np.shape(numbers)}."
             )
-        self._call.train_load(self._own, np.ascontiguousarray(numbers).ctypes.data)
+        given = np.ascontiguousarray(numbers, np.float64)
+        if given[-1] != self._checksum(given[:-1]):
+            raise ValueError(
+                "Give a train a state that it has saved, as it was: numbers have changed, or it is another's."
+            )
+        self._call.train_load(self._own, given.ctypes.data)
+
+    def _checksum(self, numbers: NDArray[np.float64]) -> float:
+        """Of a state of this train's vehicles, settings and line; from 0 to 1, so that it is a number as the others."""
+        digest = hashlib.blake2b(numbers.tobytes(), key=self._mark, digest_size=8).digest()
+        return float((int.from_bytes(digest, "little") >> 11) * 2.0**-53)
 
     @property
     def motion(self) -> NDArray[np.float64]:

@@ -39,11 +39,12 @@ void wheel_slide_step(void *memory, double time, const double *speed, int *valve
 """
 
 
-@pytest.fixture
-def counts(tmp_path: Path) -> Path:
-    (tmp_path / "counts.c").write_text(COUNTS)
-    assert build_fmu.main(["--controller", str(tmp_path / "counts.c"), "--out", str(tmp_path)]) == 0
-    return tmp_path / "native" / "counts.fmu"
+@pytest.fixture(scope="module")
+def counts(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("counts")
+    (folder / "counts.c").write_text(COUNTS)
+    assert build_fmu.main(["--controller", str(folder / "counts.c"), "--out", str(folder)]) == 0
+    return folder / "native" / "counts.fmu"
 
 
 def test_it_needs_no_python_and_is_valid(counts: Path) -> None:

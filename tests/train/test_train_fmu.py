@@ -365,7 +365,7 @@ def test_bytes_that_have_changed_are_refused(train: Host) -> None:
     state[-1000] ^= 1
     words = "The bytes of this state have changed since it was saved; give them as they were."
     assert refused(train, lambda: train.take(bytes(state))) == words
-    assert "not one of this FMU" in refused(train, lambda: train.take(bytes(state[:-8])))
+    assert "must have" in refused(train, lambda: train.take(bytes(state[:-8])))
 
 
 # ---- what is refused ---------------------------------------------------------------------------------------------
@@ -441,7 +441,7 @@ def test_sizes_that_do_not_fit_are_refused(count: int, fmus: dict[tuple[str, int
         (0.0, -1.0, "Give doStep a finite time and a step above 0 s: they were 1 s and -1 s."),
         (0.0, math.nan, "Give doStep a finite time and a step above 0 s: they were 1 s and nan s."),
         (math.nan, STEP, "Give doStep a finite time and a step above 0 s: they were nan s and 0.125 s."),
-        (0.0, 1e6, "Take steps of at most 86400 s up to a time of 2e+10 s: this one was of 1e+06 s at 1 s."),
+        (0.0, 1e6, "Take steps of at most 86400 s: this one was of 1e+06 s at 1 s."),
     ],
 )
 def test_steps_that_do_not_go_on_are_refused(back: float, step: float, words: str, train: Host) -> None:

@@ -1,0 +1,78 @@
+/* Saved states in the hands of a host: a seal in front tells their size, their model and their checksum, so that bytes that
+ * were cut, lengthened or changed, and another model's, are refused. */
+#ifndef SEALED_H
+#define SEALED_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { SEALED_PROBLEM = 160 };
+
+typedef struct {
+    unsigned long long size, model, checksum; /* of all; of what it belongs to; of what lies behind the seal */
+} seal;
+
+#define SEAL_BEGIN 14695981039346656037ULL
+
+/* In the manner of Fowler, Noll and Vo, by words: each step can be undone, so that another word gives another hash. */
+static inline unsigned long long seal_hash(unsigned long long hash, const void *bytes, size_t size) {
+    const char *at = (const char *)bytes;
+    while (size > 0) {
+        unsigned long long word = 0;
+        const size_t part = size < sizeof word ? size : sizeof word;
+        memcpy(&word, at, part);
+        hash = (hash ^ word) * 1099511628211ULL;
+        hash ^= hash >> 29;
+        at += part;
+        size -= part;
+    }
+    return hash;
+}
+
+/* Of what modelDescription.xml and binary have in common. */
+static inline unsigned long long seal_model(const char *token) { return seal_hash(SEAL_BEGIN, token, strlen(token)); }
+
+static inline size_t sealed_size(size_t block) { return sizeof(seal) + block; }
+static inline void *sealed_block(void *state) { return (char *)state + sizeof(seal); }
+static inline const void *sealed_content(const void *state) { return (const char *)state + sizeof(seal); }
+
+/* Puts the seal in front of a block that lies behind its place. */
+static inline void seal_state(void *state, unsigned long long model, size_t block) {
+    seal head;
+    head.size = sealed_size(block);
+    head.model = model;
+    head.checksum = seal_hash(SEAL_BEGIN, sealed_content(state), block);
+    memcpy(state, &head, sizeof head);
+}
+
+/* Whether a state is one of this model, whatever its bytes: only then is there as much of it as there should be. */
+static inline bool seal_is_of(const void *state, unsigned long long model, size_t block) {
+    seal head;
+    memcpy(&head, state, sizeof head);
+    return head.size == sealed_size(block) && head.model == model;
+}
+
+/* Whether `size` bytes are a whole, unchanged state of this model; false: and one sentence that says what they are. */
+static inline bool seal_holds(const void *state, size_t size, unsigned long long model, size_t block, char problem[SEALED_PROBLEM]) {
+    seal head;
+    problem[0] = '\0';
+    memset(&head, 0, sizeof head);
+    if (state && size >= sizeof head) memcpy(&head, state, sizeof head);
+    if (!state) {
+        snprintf(problem, SEALED_PROBLEM, "Give a saved state: there was a null pointer.");
+    } else if (size >= sizeof head && head.model != model) {
+        snprintf(problem, SEALED_PROBLEM,
+                 "This state is not one of this FMU with the same resources; give one that it has saved.");
+    } else if (size != sealed_size(block)) {
+        snprintf(problem, SEALED_PROBLEM, "A saved state of this FMU must have %zu bytes; got %zu. Give it as it was written.",
+                 sealed_size(block), size);
+    } else {
+        if (head.size != size || head.checksum != seal_hash(SEAL_BEGIN, sealed_content(state), block))
+            snprintf(problem, SEALED_PROBLEM, "The bytes of this state have changed since it was saved; give them as they were.");
+    }
+    return !problem[0];
+}
+
+#endif

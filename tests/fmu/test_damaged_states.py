@@ -1,0 +1,180 @@
+"""Saved states that were cut, lengthened or changed are refused by every FMU, and by what keeps states in Python."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable
+from ctypes import byref, c_size_t, c_ubyte, c_void_p
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fmpy import read_model_description
+
+import bogie_braking as bb
+from brake_controller.protection_fmu import wheel_slide_in_c
+from fmu_src.arrays_fmu import all_sources, token_of
+from fmu_src.codegen import RUNTIME, generate, guid_of
+from fmu_src.compile import FLAGS, FOREIGN_FLAGS, build_library, compiler, objects_of
+from fmu_src.kernel import Kernel, KernelError, Library
+from fmu_src.step_fmu_in_c import FACE, SHARED, build_step_fmu_in_c, numbers
+from products.registry import DIFFERENT
+from products.train.consist import block_train
+from products.train.coupler_fmu import build_coupler_fmu, coupler_in_c
+from products.train.fmu import build_train_fmu
+from products.train.numbers import Settings
+from products.train.train import Train
+from rbd_model.train.coupler import screw_coupler
+from tests.fmu.hosting import ERROR, OK, Host, host
+from tests.fmu.sanitized import HEADERS, SANITIZERS, driver, run, sanitized
+from tests.fmu.sled import sled
+from tests.fmu.test_step_fmu_in_c import COUNTS
+
+DAMAGES = 1000
+DAMAGE = Path(__file__).with_name("damage.c")
+FACES = {"native": 2, "fmi3": 3}
+#: Every FMU that is shipped, and one around a controller in C.
+SHIPPED = [
+    *((name, kind) for name in (*DIFFERENT, "train", "coupler") for kind in FACES),
+    ("controller", "native"),
+]
+
+
+def controller(folder: Path) -> Path:
+    """A controller in C whose memory holds how many wheelsets it loops over."""
+    (folder / "counts.c").write_text(COUNTS)
+    return folder / "counts.c"
+
+
+def built(name: str, kind: str, fmus: dict, folder: Path) -> Path:
+    """One of SHIPPED."""
+    path = folder / f"{name}.fmu"
+    if name in DIFFERENT:
+        return Path(fmus[name, kind])
+    if name == "train":
+        build_train_fmu(block_train(3), path, FACES[kind])
+    elif name == "coupler":
+        build_coupler_fmu(screw_coupler(), path, FACES[kind])
+    else:
+        build_step_fmu_in_c(wheel_slide_in_c(controller(folder)), path)
+    return path
+
+
+def damaged(whole: bytes, draw: random.Random) -> bytes:
+    """One flipped bit, fewer bytes, or more."""
+    kind = draw.randrange(3)
+    if kind == 1:
+        return whole[: draw.randrange(len(whole))]
+    if kind == 2:
+        return whole + draw.randbytes(1 + draw.randrange(64))
+    bytes_, place = bytearray(whole), draw.randrange(len(whole))
+    bytes_[place] ^= 1 << draw.randrange(8)
+    return bytes(bytes_)
+
+
+def take(one: Host, state: bytes, place: c_void_p) -> int:
+    """Status of reading a state from bytes."""
+    size = c_size_t(len(state))
+    if one.three:
+        return one.raw("DeserializeFMUState", (c_ubyte * len(state)).from_buffer_copy(state), size, byref(place))
+    return one.raw("DeSerializeFMUstate", state, size, byref(place))
+
+
+@pytest.mark.parametrize(("name", "kind"), SHIPPED)
+def test_each_damaged_state_is_refused_with_one_sentence(name: str, kind: str, fmus: dict, tmp_path: Path) -> None:
+    draw, place = random.Random(f"{name} {kind}"), c_void_p()
+    with host(built(name, kind, fmus, tmp_path)) as one:
+        one.start()
+        assert one.step(0.0) == OK
+        whole = one.state()
+        for number in range(DAMAGES):
+            one.heard.clear()
+            assert take(one, damaged(whole, draw), place) == ERROR, number
+            assert len(one.heard) == 1
+        assert not place
+        assert take(one, whole, place) == OK
+        assert one.raw("SetFMUState" if one.three else "SetFMUstate", place) == OK
+        assert one.state() == whole
+        assert one.step(1e-3) == OK
+        assert one.raw("FreeFMUState" if one.three else "FreeFMUstate", byref(place)) == OK
+
+
+def linked(name: str, folder: Path) -> tuple[Path, str]:
+    """damage.c with an FMU of each face, under sanitizers, and the identifier of the FMU."""
+    if name == "sled":
+        sources = generate(sled())
+        return driver(sanitized(sources), DAMAGE, folder), guid_of(sources)
+    if name == "coupler":
+        given = coupler_in_c()
+        objects = objects_of(all_sources(given), [*FLAGS, "-O0", *SANITIZERS])
+        return driver([*compiler(), *FLAGS, *HEADERS, *SANITIZERS, *objects], DAMAGE, folder), token_of(given)
+    step = wheel_slide_in_c(controller(folder))
+    texts = {**step.sources, "step_model.h": numbers(step, "{counts}")}
+    texts |= {header: (RUNTIME / header).read_text() for header in SHARED}
+    for file, text in texts.items():
+        (folder / file).write_text(text)
+    objects = [folder / file for file in step.sources if file.endswith(".c")]
+    command = [*compiler(), *FOREIGN_FLAGS, *SANITIZERS, f"-I{folder}", *HEADERS, FACE, *objects]
+    return driver(command, DAMAGE, folder), "{counts}"
+
+
+@pytest.mark.parametrize("name", ["sled", "coupler", "controller"])
+def test_no_damaged_state_is_read_beyond_its_end(name: str, tmp_path: Path) -> None:
+    program, guid = linked(name, tmp_path)
+    (tmp_path / "resources").mkdir()
+    np.array(screw_coupler().constants(), "<f8").tofile(tmp_path / "resources" / "coupler.bin")
+    done = run([program, guid, (tmp_path / "resources").as_uri(), "1", str(DAMAGES)], tmp_path)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
+def test_pythonfmu_fmus_promise_no_states(fmus: dict) -> None:
+    able = read_model_description(str(fmus["brake", "python"])).coSimulation
+    assert not able.canGetAndSetFMUstate
+    assert not able.canSerializeFMUstate
+
+
+# ---- states that Python keeps ------------------------------------------------------------------------------------
+
+
+def refused(restore: Callable[[bytes], None], whole: bytes, kind: type[Exception]) -> None:
+    draw = random.Random(7)
+    for _ in range(DAMAGES):
+        with pytest.raises(kind):
+            restore(damaged(whole, draw))
+    restore(whole)
+
+
+def test_a_kernel_refuses_damaged_states() -> None:
+    kernel = Kernel(Library(build_library(sled())))
+    kernel.advance(0.1)
+    whole = kernel.save()
+    refused(kernel.restore, whole, KernelError)
+    assert kernel.save() == whole
+    with pytest.raises(
+        KernelError, match=rf"must have {len(whole)} bytes; got 3\. Give it as it was written\. Nothing"
+    ):
+        kernel.restore(whole[:3])
+
+
+def test_a_simulation_refuses_damaged_states() -> None:
+    one = bb.Simulation(sled())
+    one.advance(0.1)
+    whole = one.save()
+    refused(one.restore, whole, KernelError)
+    assert one.save() == whole
+
+
+def test_a_train_refuses_damaged_states() -> None:
+    train = Train(block_train(2), speed=10.0)
+    train.advance(0.1)
+    whole, draw = train.state, random.Random(3)
+    for _ in range(DAMAGES):
+        numbers, place = whole.copy(), draw.randrange(whole.size)
+        numbers.view(np.uint64)[place] ^= np.uint64(1 << draw.randrange(64))
+        with pytest.raises(ValueError, match="Give a train a state that it has saved"):
+            train.state = draw.choice([numbers, whole[:place], np.append(whole, numbers[place])])
+    train.state = whole
+    assert np.array_equal(train.state, whole, equal_nan=True)
+    other = Train(block_train(2), settings=Settings(friction=0.5))
+    with pytest.raises(ValueError, match="Give a train a state that it has saved"):
+        other.state = whole
