@@ -11,7 +11,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bogie_braking.checks import known, line_or_none, names_of, refused, seconds, shown
+from bogie_braking.checks import (
+    MOST_INSTANCES,
+    MOST_THREADS,
+    at_most,
+    known,
+    line_or_none,
+    names_of,
+    refused,
+    seconds,
+    shown,
+)
 from bogie_braking.machines import Runnable, batch_machine_of
 from fmu_src.batch import BatchLibrary, Ends, Instances, run_batch
 from fmu_src.system import Variable
@@ -64,6 +74,7 @@ def instances(
     """
     if not isinstance(count, int | np.integer) or count < 1:
         raise ValueError(f"Give a whole number of instances, at least 1: it was {shown(count)}.")
+    at_most("instances", int(count), MOST_INSTANCES)
     library, given = prepared(what, line, values)
     variables = variables_of_batch(library)
     takes = [one.name for one in variables.values() if one.causality == "input"]
@@ -113,7 +124,7 @@ def threads_or_none(count: int | None) -> int | None:
     """How many threads make runs; None: one for each processor. Raises ValueError."""
     if count is not None and (not isinstance(count, int | np.integer) or count < 1):
         raise ValueError(f"Give a whole number of threads, at least 1: it was {shown(count)}.")
-    return count
+    return None if count is None else at_most("threads", int(count), MOST_THREADS)
 
 
 def file_of(line: Line | None, folder: str) -> str | None:

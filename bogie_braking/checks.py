@@ -17,6 +17,10 @@ from rbd_model.track.line import Line
 
 #: The most characters of a value that a sentence shows.
 LONGEST = 60
+#: A day [s], the longest step of an instance: duration.h of the runtime.
+LONGEST_TIME = 86400.0
+#: Instances that are made at once, particles, and threads at most: more is a slip of the pen, and takes all memory.
+MOST_INSTANCES, MOST_THREADS = 1_000_000, 1024
 
 
 def known(name: str, those: Iterable[str], what: str) -> str:
@@ -29,8 +33,8 @@ def known(name: str, those: Iterable[str], what: str) -> str:
     return name
 
 
-def seconds(what: str, value: Any) -> float:
-    """A time that is above 0 s, also as `timedelta` or `timedelta64`. Raises ValueError."""
+def seconds(what: str, value: Any, most: float = LONGEST_TIME) -> float:
+    """A time above 0 s and at most so long, a day, also as `timedelta` or `timedelta64`. Raises ValueError."""
     found = number(value)
     if isinstance(value, datetime.timedelta):
         found = value.total_seconds()
@@ -38,7 +42,16 @@ def seconds(what: str, value: Any) -> float:
         found = float(value / np.timedelta64(1, "s"))
     if not 0.0 < found < math.inf:
         raise ValueError(f"Give {what} as a number of seconds above 0: it was {value!r}.")
+    if found > most:
+        raise ValueError(f"{what[0].upper()}{what[1:]} must be at most {most:g} s, a day; got {found:g} s.")
     return found
+
+
+def at_most(what: str, count: int, most: int) -> int:
+    """A count that sizes work. Raises ValueError."""
+    if count > most:
+        raise ValueError(f"The number of {what} must be at most {most}; got {count}.")
+    return count
 
 
 def names_of(names: Sequence[str] | None, variables: Mapping[str, Variable]) -> list[str]:

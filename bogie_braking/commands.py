@@ -35,8 +35,10 @@ from scenarios.scenario import BadInputError, Options, Scenario
 from scenarios.sweep import command as sweep
 from scenarios.sweep.points import SweepError
 
-#: The largest macro step that any scenario is meant for [s].
-LARGEST_STEP = 0.1
+#: The largest macro step that any scenario is meant for, and the smallest, with which one takes hours [s].
+LARGEST_STEP, SMALLEST_STEP = 0.1, 1e-5
+#: The smallest coupling error that rounding lets a macro step have.
+SMALLEST_ERROR = 1e-9
 
 
 def check(scenario: Scenario, options: Options) -> None:
@@ -44,9 +46,13 @@ def check(scenario: Scenario, options: Options) -> None:
     step = options.macro_step()
     if not (math.isfinite(step) and 0.0 < step <= LARGEST_STEP):
         raise BadInputError(f"Give --step a value above 0 and up to {LARGEST_STEP} s: it was {step} s.")
+    if step < SMALLEST_STEP:
+        raise BadInputError(f"--step must be at least {SMALLEST_STEP:g} s; got {step:g} s. Shorter steps take days.")
     tolerance = options.coupling_tolerance
     if tolerance is not None and not (math.isfinite(tolerance) and tolerance > 0.0):
         raise BadInputError(f"Give --coupling-tolerance a value above 0: it was {tolerance}.")
+    if tolerance is not None and tolerance < SMALLEST_ERROR:
+        raise BadInputError(f"--coupling-tolerance must be at least {SMALLEST_ERROR:g}; got {tolerance:g}.")
     for name in sorted(options.given - scenario.takes):
         takers = ", ".join(one.name for one in SCENARIOS if name in one.takes)
         raise BadInputError(f"--{name.replace('_', '-')} has no effect on {scenario.name}; it belongs to {takers}.")

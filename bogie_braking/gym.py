@@ -22,7 +22,7 @@ from gymnasium.utils import seeding
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
-from bogie_braking.checks import known
+from bogie_braking.checks import MOST_INSTANCES, at_most, known
 from bogie_braking.protection import MACHINES, settings_from
 from brake_controller.wheel_slide import COMMANDS
 from products.protection.draws import drawn_run
@@ -43,6 +43,7 @@ def made(
         raise TypeError(f"Give rails as a function of a generator and a number of wheelsets: it was {rails!r}.")
     if not isinstance(count, int | np.integer) or count < 1:
         raise ValueError(f"Give a whole number of environments, at least 1: it was {count!r}.")
+    at_most("environments", int(count), MOST_INSTANCES)
     machine = MACHINES[known(vehicle, MACHINES, "vehicle with brakes")]()
     return Environment(machine, settings_from(settings), int(count), rails, privileged, threads)
 

@@ -18,9 +18,16 @@ from fmu_src.system import Model, System, Variable, model_of
 from products.building import kernel_of, variables_of
 from products.registry import FMUS
 from products.registry import model_of as model_of_fmu
-from rbd_model.levels.models import DEFAULT_DEPTH, DEPTH_ON_LINE, EVERY, model_of_levels, places_of
+from rbd_model.levels.models import (
+    DEFAULT_DEPTH,
+    DEPTH_ON_LINE,
+    EVERY,
+    choice_of,
+    model_of_levels,
+    places_of,
+)
 from rbd_model.track.line_table import LINE
-from rbd_model.vehicle.description import Vehicle
+from rbd_model.vehicle.description import Vehicle, relations_of
 from rbd_model.vehicle.ready import loaded_coal_wagon, passenger_coach, two_axle_bogie, wheelset_under_frame
 from rbd_model.wheelset.rigid import check_one_contact
 
@@ -103,10 +110,14 @@ def _batch_of_the_list(name: str, selected: tuple[tuple[str, float], ...], on_li
     """Of a vehicle no other level is written; its table is the whole one, so that its runs say the same."""
     if not _is_levelled(name):
         return _batch_of_a_model(alone(model_of_fmu(name), dict(selected), on_line))
-    model = _one_level(VEHICLES[name](), *_level_and_depth(dict(selected)), on_line)
+    level, depth = _level_and_depth(dict(selected))
+    what = VEHICLES[name]()
+    model = _one_level(what, level, depth, on_line)
     table = [one for one in variables_of(name).values() if one.causality != "local"]
     kept = tuple(one for one in table if on_line or one != LINE.variable)
-    return _batch_of_a_model(replace(model, variables=kept))
+    choice = choice_of(places_of(level, depth, on_line), max(LEVELS), on_line)
+    relations = relations_of(what, [one.name for one in kept])
+    return _batch_of_a_model(replace(model, variables=kept, choice=choice, relations=relations))
 
 
 @lru_cache

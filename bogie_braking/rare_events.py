@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from scipy.special import ndtr
 
 from bogie_braking.batches import batch, file_of, prepared, threads_or_none, variables_of_batch
-from bogie_braking.checks import known, number, refused, seconds, shown
+from bogie_braking.checks import MOST_INSTANCES, at_most, known, number, refused, seconds, shown
 from bogie_braking.doubts import doubts_about
 from bogie_braking.machines import Runnable, model_from
 from bogie_braking.splitting import POPULATIONS, Numbers, Population, climb, confidence_of, interval_of
@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 PROBES = 100
 #: Fewer particles have no middle to speak of.
 FEWEST_PARTICLES = 10
+#: More moves than this bring nothing but time.
+MOST_MOVES = 10_000
 #: Rows of a tail.
 ROWS = 200
 #: Outputs that are what they will be only when another one is 0.
@@ -170,8 +172,12 @@ def rare(
     where no run can be made.
     """
     duration, limit = seconds("the duration", duration), finite(f"the limit of {output}", limit)
-    particles = whole("particles", particles, FEWEST_PARTICLES)
-    moves, seed, threads = whole("moves", moves, 1), whole("the seed", seed, 0), threads_or_none(threads)
+    particles = at_most("particles", whole("particles", particles, FEWEST_PARTICLES), MOST_INSTANCES)
+    moves, seed, threads = (
+        at_most("moves", whole("moves", moves, 1), MOST_MOVES),
+        whole("the seed", seed, 0),
+        threads_or_none(threads),
+    )
     check_executor(executor, what)
     distributions = distributions_of(vary)
     if twice := {name for names in distributions for name in names} & values.keys():

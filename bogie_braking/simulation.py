@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import tempfile
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
@@ -13,7 +14,7 @@ from bogie_braking.checks import is_number, line_or_none, names_of, refused, sec
 from bogie_braking.histories import History, Value
 from bogie_braking.machines import Runnable, machine_of
 from fmu_src.cosimulation.recording import Recording
-from fmu_src.kernel import Kernel, KernelError
+from fmu_src.kernel import MOST_NUMBERS, Kernel, KernelError
 from fmu_src.refusals import without_value_before
 from fmu_src.suggestion import suggestion
 from rbd_model.track.line import Line
@@ -24,8 +25,6 @@ INTERVAL = 0.01
 #: rounding may take.
 SAME, CLOCK = 1e-9, 1e-9
 LAST_DIGITS = 1e-15
-#: The most numbers that a recording holds.
-MOST = 1e8
 
 
 class Simulation:
@@ -108,13 +107,16 @@ class Simulation:
         says why. Columns have shape (int(duration / interval) + 1,), the instants at both ends among them. Raises
         ValueError for a duration or interval that is not above 0, KeyError for a name that there is not, KernelError.
         """
-        duration, interval = seconds("the duration", duration), seconds("the interval", interval)
+        duration, interval = (
+            seconds(what, value, math.inf) for what, value in (("the duration", duration), ("the interval", interval))
+        )
         variables, kernel = self._machine.variables, self._kernel
         asked = names_of(names, variables)
-        if duration / interval * (1 + len(asked)) > MOST:
+        if duration / interval * (1 + len(asked)) > MOST_NUMBERS:
             raise ValueError(
-                f"Give an interval above {interval:g} s: {duration:g} s would be more than {MOST:g} numbers."
+                f"Give an interval above {interval:g} s: {duration:g} s would be more than {MOST_NUMBERS:g} numbers."
             )
+        duration, interval = seconds("the duration", duration), seconds("the interval", interval)
         before = kernel.counts if kernel.initialised else {}
         rows = self._rows(duration, interval, asked)
         units = {"time": "s"} | {name: variables[name].unit for name in asked}
@@ -175,7 +177,7 @@ class Simulation:
         if not isinstance(state, bytes):
             raise TypeError(f"Give the bytes that save gave: it was {shown(state)}.")
         name, _, block = state.partition(b"\0")
-        if name != self._machine.name.encode() or len(block) != len(self._kernel.save()):
+        if name != self._machine.name.encode():
             raise refused(
                 f"This is no saved state of {self._machine.name}, whose equations are these; none is restored."
             )

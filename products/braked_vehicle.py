@@ -8,7 +8,7 @@ from brake_controller.parameters import BrakeParameters, qr30
 from fmu_src.compose import compose, scope
 from fmu_src.system import Model, System, Variable, model_of_choices
 from rbd_model.levels.models import CHOICE, DEFAULT_TOLERANCE, levels, selectors
-from rbd_model.vehicle.description import Vehicle
+from rbd_model.vehicle.description import Vehicle, relations_of
 from rbd_model.vehicle.ready import passenger_coach
 
 #: Pressure [Pa] and torque capacity of one wheelset [N.m] of the coach's full brake, which slows it at 1.2 m/s2; times
@@ -62,4 +62,14 @@ def braked_vehicle(vehicle: Vehicle | None = None, brake: BrakeParameters | None
     whole, cylinder = vehicle or passenger_coach(), brake or coach_brake()
     systems = tuple(with_brakes(system, whole, lambda: timed_brake(cylinder)) for system in levels(whole))
     text = "Four-axle railway vehicle with a brake cylinder on each wheelset: pressure in, speed and slip out"
-    return model_of_choices("BrakedVehicle", text, systems, selectors(), CHOICE, DEFAULT_TOLERANCE, stop_time=25.0)
+    parameters = {name for system in systems for name in system.parameter_symbols}
+    return model_of_choices(
+        "BrakedVehicle",
+        text,
+        systems,
+        selectors(),
+        CHOICE,
+        DEFAULT_TOLERANCE,
+        relations=relations_of(whole, parameters),
+        stop_time=25.0,
+    )

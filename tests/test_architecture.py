@@ -162,6 +162,7 @@ CITATION = re.compile(
 PLUMBING = {
     "rbd_model/vehicle/assembly.py": {"assemble"},
     "rbd_model/levels/models.py": {
+        "choice_of",
         "levels",
         "model_of_levels",
         "names_of_levels",
@@ -195,7 +196,7 @@ PLUMBING = {
         "drive_inertia",
         "initial_offsets",
     },
-    "rbd_model/vehicle/description.py": {"as_sum", "size_of", "wheelset_name", "check"},
+    "rbd_model/vehicle/description.py": {"as_sum", "size_of", "wheelset_name", "check", "relations_of"},
     "rbd_model/wheelset/yielding_rails.py": {"add_give", "rows_of"},
     "brake_controller/cylinder.py": {"alone", "brake_model"},
     "brake_controller/discs.py": {"axle_discs"},

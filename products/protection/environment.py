@@ -14,8 +14,7 @@ from brake_controller.wheel_slide import APPLY, VENT
 from products.protection.braked_machine import Machine
 from products.protection.cost import cost, cost_of_no_stop, rolling_stop
 from products.protection.forms import Outside
-from products.protection.programme import FASTEST
-from products.protection.protected_stop import BRAKE_START, LONGEST, Settings
+from products.protection.protected_stop import BRAKE_START, FASTEST, LONGEST, Settings
 from products.protection.rig import Loop, Rig, commands_of
 from products.protection.rig_in_c import LOST, RUNS, TOO_LONG
 from products.protection.runs import Run, Stop

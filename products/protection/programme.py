@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from products.protection.braked_machine import Machine
+from products.protection.protected_stop import FASTEST, STRONGEST
 from products.protection.rails import RAILS
 from products.protection.runs import EQUIPMENT, SANDERS, TRACTION, Fault, Run, in_order
 from products.toml import tomllib
@@ -18,7 +19,6 @@ from rbd_model.track.friction import CONDITIONS
 PROGRAMMES = {"full": Path(__file__).with_name("programme.toml"), "starts": Path(__file__).with_name("starts.toml")}
 OWN = PROGRAMMES["full"]
 SPEEDS = {"m/s": 1.0, "km/h": 1 / 3.6, "": 1.0}
-FASTEST, STRONGEST = 100.0, 5.0
 KNOWN = ("name", "rail", "friction", "speed", "strength", "load", "values", "fault", "equipment")
 #: Of its mass, how much a body may be loaded with [1].
 LOADS = (0.2, 5.0)

@@ -10,12 +10,23 @@ import numpy as np
 from brake_controller.sensors import TEETH, Encoder
 from brake_controller.wheel_slide import APPLY, ControllerError, NotJudgedError, Supervised, WheelSlideController
 from fmu_src.cosimulation.recording import Recording
+from fmu_src.system import other_unit
 from products.protection.braked_machine import APPLICATION_TIME, STANDING, BrakedMachine
 
 #: Start of braking [s], and time [s] after which a run that still moves is ended.
 BRAKE_START, LONGEST = 1.0, 300.0
-#: A controller is asked at least so often [s].
-LONGEST_PERIOD = 1.0
+#: A controller is asked at least so often [s], and no part of a run is shorter.
+LONGEST_PERIOD, SHORTEST_PERIOD = 1.0, 1e-5
+#: At most: speed at the start [m/s], torque over that of the full brake, time to full torque [s], teeth, and standard
+#: deviation of a tooth's place, as a share of the pitch: above it teeth change places.
+FASTEST, STRONGEST, SLOWEST_BRAKE, MOST_PULSES, MOST_JITTER = 100.0, 5.0, 60.0, 10_000, 0.5
+LIMITS = {
+    "speed": (FASTEST, "m/s"),
+    "strength": (20.0 * STRONGEST, "1"),  # a brake that locks all wheels at once, to look at what they do then
+    "application_time": (SLOWEST_BRAKE, "s"),
+    "period": (LONGEST_PERIOD, "s"),
+    "host_step": (LONGEST_PERIOD, "s"),
+}
 #: Volume of a cylinder [m3] (AAR, brake_data.csv of the sources) and gas constant times temperature of air [J/kg].
 CYLINDER_VOLUME, GAS = 10.3e-3, 287.0 * 293.0
 
@@ -37,16 +48,25 @@ class Settings:
     jitter: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("speed", "strength", "application_time", "period", "host_step"):
-            value = getattr(self, name)
-            if not (isinstance(value, Real) and 0.0 < float(value) < math.inf):
-                raise ValueError(f"Set {name} to a finite number above 0: it was {value!r}.")
-        if self.period > LONGEST_PERIOD:
-            raise ValueError(f"Set period to at most {LONGEST_PERIOD:g} s: it was {self.period:g} s.")
+        for name, (most, unit) in LIMITS.items():
+            given = getattr(self, name)
+            if not (isinstance(given, Real) and 0.0 < float(given) < math.inf):
+                raise ValueError(f"Set {name} to a finite number above 0: it was {given!r}.")
+            value = float(given)
+            in_unit = "" if unit == "1" else f" {unit}"
+            if value > most:
+                hint = other_unit(value, unit, 0.0, most)
+                raise ValueError(f"Set {name} to at most {most:g}{in_unit}: it was {value:g}{in_unit}.{hint}")
+            if unit == "s" and value < SHORTEST_PERIOD:
+                raise ValueError(f"Set {name} to at least {SHORTEST_PERIOD:g} s: it was {value:g} s.")
         if not (isinstance(self.pulses, Real) and self.pulses >= 1 and self.pulses == int(self.pulses)):
             raise ValueError(f"Set pulses to a whole number of at least 1: it was {self.pulses!r}.")
+        if self.pulses > MOST_PULSES:
+            raise ValueError(f"Set pulses to at most {MOST_PULSES}: it was {self.pulses}.")
         if not (isinstance(self.jitter, Real) and 0.0 <= float(self.jitter) < math.inf):
             raise ValueError(f"Set jitter to a finite value of at least 0: it was {self.jitter!r}.")
+        if self.jitter > MOST_JITTER:
+            raise ValueError(f"Set jitter to at most {MOST_JITTER:g} of the pitch: it was {self.jitter:g}.")
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,9 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
+from fmu_src.system import other_unit
 from products.protection.history import History
-from products.protection.protected_stop import LONGEST
+from products.protection.protected_stop import FASTEST, LONGEST
 
 #: How a sensor may fail, by the numbers of rig.h.
 SENSOR_FAILURES = {"stuck": 1, "zero": 2, "doubled": 3}
@@ -77,6 +78,9 @@ class Run:
         if not 0.0 <= self.phase < 1.0:
             raise ValueError(f"Set phase to 0 to below 1 tooth: it was {self.phase}.")
         object.__setattr__(self, "equipment", in_order(self.equipment))
+        if self.speed is not None and self.speed > FASTEST:
+            said = f"Set speed of a run to at most {FASTEST:g} m/s: it was {self.speed:g} m/s."
+            raise ValueError(said + other_unit(self.speed, "m/s", 0.0, FASTEST))
 
     @property
     def driven(self) -> bool:

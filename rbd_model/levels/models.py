@@ -14,7 +14,7 @@ from rbd_model.levels.spatial import spatial_vehicle
 from rbd_model.track.irregularity import ballasted_track, irregular_track, section_5_3
 from rbd_model.track.line_table import LINE
 from rbd_model.vehicle import variables
-from rbd_model.vehicle.description import Vehicle
+from rbd_model.vehicle.description import Vehicle, relations_of
 from rbd_model.vehicle.parameters import BogieParameters
 from rbd_model.vehicle.ready import loaded_coal_wagon, passenger_coach, two_axle_bogie, wheelset_under_frame
 
@@ -23,6 +23,8 @@ DEFAULT_TOLERANCE = 1e-6
 #: Start value of `contact_depth`: depth 1 misleads where a flange bears (scenario `contact-depth`), which a run only
 #: tells when it is over.
 DEFAULT_DEPTH = 2.0
+#: Start value of `level`: load transfer decides what a braked vehicle does.
+DEFAULT_LEVEL = 2.0
 
 #: Levels of detail by their numbers: what the parameter level chooses.
 LEVELS = {
@@ -35,6 +37,8 @@ LEVELS = {
 #: which of those on a line. NONE: there is no such system.
 CHOICE = (0, 0, 0, 1, 1, 1, 2, 3, 4)
 CHOICE_ON_LINE = (*CHOICE, 5, 5, 5, 6, 6, 6, NONE, 7, NONE)
+#: What the places in it stand for: whether on a line, level, depth of contact.
+COMBINATIONS = tuple(product((False, True), LEVELS, DEPTHS))
 #: The numbers of all systems.
 EVERY = tuple(range(8))
 #: Depth of contact in space on a line: that of the start value, in which a flange has its own place. Each further one
@@ -60,8 +64,7 @@ def levels(vehicle: Vehicle) -> tuple[System, ...]:
 def places_of(level: int | None = None, depth: int | None = None, on_line: bool | None = None) -> tuple[int, ...]:
     """Numbers in CHOICE_ON_LINE of the systems of a level, of a depth of contact, with or without a line; None: all."""
     asked = (on_line, level, depth)
-    combinations = product((False, True), (1, 2, 3), DEPTHS)
-    good = [all(one in (None, own) for one, own in zip(asked, each, strict=True)) for each in combinations]
+    good = [all(one in (None, own) for one, own in zip(asked, each, strict=True)) for each in COMBINATIONS]
     return tuple(sorted({*compress(CHOICE_ON_LINE, good)} - {NONE}))
 
 
@@ -73,26 +76,42 @@ def model_of_levels(name: str, text: str, vehicle: Vehicle, places: Sequence[int
     """
     systems = tuple(system_at(vehicle, place) for place in places)
     on_line = max(places) > max(CHOICE)
-    choice = tuple(
-        places.index(place) if place in places else NONE for place in (CHOICE_ON_LINE if on_line else CHOICE)
-    )
-    chosen_by = selectors()
+    chosen_by = selectors(places)
+    parameters = parameters_of(vehicle, systems)
     table = (
         *variables.inputs(vehicle).values(),
         *variables.outputs(vehicle).values(),
         *chosen_by,
-        *parameters_of(vehicle, systems),
+        *parameters,
         *([LINE.variable] if on_line else []),
         *integration_variables(DEFAULT_TOLERANCE),
     )
-    return Model(name, text, table, systems, tuple(one.name for one in chosen_by), choice, stop_time=25.0)
+    relations = relations_of(vehicle, [one.name for one in parameters])
+    names = tuple(one.name for one in chosen_by)
+    choice = choice_of(places, int(chosen_by[0].maximum), on_line)
+    return Model(name, text, table, systems, names, choice, stop_time=25.0, relations=relations)
 
 
-def selectors() -> tuple[Variable, Variable]:
-    """The parameters that choose the level of detail and, in space, the depth of contact."""
+def choice_of(places: Sequence[int], highest: int, on_line: bool) -> tuple[int, ...]:
+    """`Model.choice` of the systems of `places`, where `level` goes up to the highest and lines are read or not."""
+    each = [choice[: highest * len(DEPTHS)] for choice in (CHOICE, CHOICE_ON_LINE[len(CHOICE) :])]
+    kept = (*each[0], *(each[1] if on_line else ()))
+    return tuple(places.index(place) if place in places else NONE for place in kept)
+
+
+def selectors(places: Sequence[int] = EVERY) -> tuple[Variable, Variable]:
+    """The parameters that choose the level of detail and, in space, the depth of contact; of a model with `places`.
+
+    They start with the default, or what is nearest to it, and take no level that the model does not have.
+    """
+    found = [each for each, place in zip(COMBINATIONS, CHOICE_ON_LINE, strict=True) if place in places]
+    levels_there = {level: text for level, text in LEVELS.items() if level in {own for _, own, _ in found}}
+    level = min(levels_there, key=lambda one: abs(one - DEFAULT_LEVEL))
+    depths = [depth for _, own, depth in found if own == level]
+    depth = min(depths, key=lambda one: abs(one - DEFAULT_DEPTH))
     return (
-        Variable("level", "parameter", start=2.0, **choosing("Level of detail", LEVELS)),
-        Variable("contact_depth", "parameter", start=DEFAULT_DEPTH, **choosing("Depth of contact at level 3", DEPTHS)),
+        Variable("level", "parameter", start=float(level), **choosing("Level of detail", levels_there)),
+        Variable("contact_depth", "parameter", start=float(depth), **choosing("Depth of contact at level 3", DEPTHS)),
     )
 
 

@@ -7,13 +7,18 @@ a number, the name of a parameter, or a sum of such, so that one description ser
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any, Literal
 
-from fmu_src.system import ParameterSet
+from fmu_src.system import ParameterSet, Relation, other_unit
 from rbd_model.contact.geometry import Pair, Sides, thesis_pair
+
+#: Radius of a wheel from and to [m]: of scale models on rollers, and above those of steam locomotives, 1.2 m.
+SMALLEST_RADIUS, LARGEST_RADIUS = 0.01, 1.5
+#: Length of a vehicle at most [m]: the longest Schnabel cars have 70 m.
+LONGEST_VEHICLE = 100.0
 
 DIRECTIONS = ("longitudinal", "lateral", "vertical")
 ANGLES = ("roll", "pitch", "yaw")
@@ -250,6 +255,14 @@ class Vehicle:
         return float(size_of(size, self.parameters.values()))
 
     @property
+    def gaps(self) -> list[Sum]:
+        """What lies between the wheels of each wheelset and the next one [m]; below 0 they overlap."""
+        return [
+            as_sum(leading.along) - trailing.along - as_sum(leading.mean_radius) - trailing.mean_radius
+            for leading, trailing in pairwise(self.wheelsets)
+        ]
+
+    @property
     def carrying(self) -> list[Springs]:
         """The connections that have a preload."""
         return [one for one in self.connections if isinstance(one, Springs) and one.carries]
@@ -274,6 +287,7 @@ def check(vehicle: Vehicle) -> None:
     for connection in vehicle.connections:
         _check_ends(vehicle, connection)
         _check_law(vehicle, connection)
+    _check_radii(vehicle)
     _check_places(vehicle)
     _check_supports(vehicle)
 
@@ -369,7 +383,58 @@ def _check_places(vehicle: Vehicle) -> None:
                 f"wheelset_{number + 1} is at {trailing:g} m, not behind wheelset_{number} at {leading:g} m; number "
                 "the wheelsets from the front, each at its own place"
             )
-            raise _refused(vehicle, sentence)
+            names = _words(name for name, _ in _joined(vehicle.gaps[number - 1]))
+            raise _refused(vehicle, f"{sentence}, or change {names}" if names else sentence)
+    for number, gap in enumerate(vehicle.gaps, 1):
+        if not vehicle.number(gap) > 0.0:
+            raise _refused(vehicle, _overlap(number, gap) % f"{-vehicle.number(gap):.4g}")
+
+
+def _check_radii(vehicle: Vehicle) -> None:
+    for number, wheelset in vehicle.numbered:
+        for radius in wheelset.radius:
+            value, limits = _number(vehicle, wheelset_name(number), radius), (SMALLEST_RADIUS, LARGEST_RADIUS)
+            if not limits[0] <= value <= limits[1]:
+                raise ValueError(
+                    f"Vehicle {vehicle.name}: {wheelset_name(number)} must have a radius from {limits[0]:g} to "
+                    f"{limits[1]:g} m; got {value:g} m.{other_unit(value, 'm', *limits)}"
+                )
+
+
+def _overlap(number: int, gap: Sum) -> str:
+    """The sentence for wheelsets that are too near, with a place for how much."""
+    names = _words(name for name, _ in _joined(gap))
+    return (
+        f"the wheels of {wheelset_name(number)} and {wheelset_name(number + 1)} must not overlap; they do by %s m; "
+        f"{f'set {names} so that' if names else 'place them so that'} the axles lie further apart than both radii"
+    )
+
+
+def _words(names: Iterable[str]) -> str:
+    """Names in a sentence."""
+    *first, last = [*names] or [""]
+    return f"{', '.join(first)} and {last}" if first else last
+
+
+def _joined(size: Sum) -> tuple[tuple[str, float], ...]:
+    """The terms of a size, each parameter once."""
+    factors: dict[str, float] = {}
+    for name, factor in size.terms:
+        factors[name] = factors.get(name, 0.0) + factor
+    return tuple((name, factor) for name, factor in factors.items() if factor)
+
+
+def relations_of(vehicle: Vehicle, parameters: Collection[str]) -> tuple[Relation, ...]:
+    """What the `parameters` of an FMU must keep together: wheels must not overlap."""
+    found = []
+    for number, gap in enumerate(vehicle.gaps, 1):
+        terms = _joined(gap)
+        free = tuple((name, factor) for name, factor in terms if name in parameters)
+        fixed = Sum(tuple(term for term in terms if term not in free), gap.constant)
+        if free:
+            sentence = f"Vehicle {vehicle.name}: {_overlap(number, Sum(free))}."
+            found.append(Relation(free, vehicle.number(fixed), sentence))
+    return tuple(dict.fromkeys(found))
 
 
 def _check_supports(vehicle: Vehicle) -> None:

@@ -7,9 +7,12 @@ what was fitted and what was assumed.
 from dataclasses import dataclass, fields, replace
 
 from fmu_src.system import ParameterSet, quantity
+from rbd_model.vehicle.description import LARGEST_RADIUS, LONGEST_VEHICLE
 
 #: Smallest value of quantities that must be above zero; far below any bogie, far above round-off.
 POSITIVE = 1e-6
+#: Half of a lateral distance at most [m]: half of a vehicle's width on the widest gauges, rounded up.
+WIDEST = 3.0
 #: The thesis's reading of what reacts where: its torques act on the wheelsets alone (3.36), its flange's force at the
 #: wheelset's centre (3.106). Scenarios that compare with it use these values in place of the physical ones.
 AS_PRINTED = {"torque_reaction": 0.0, "flange_at_rail": 0.0}
@@ -28,14 +31,14 @@ class BogieParameters(ParameterSet):
     wheelset_roll_inertia: float = quantity("kg.m2", "Wheelset, moment of inertia about x (I_xx)", POSITIVE)
     wheelset_pitch_inertia: float = quantity("kg.m2", "Wheelset, moment of inertia about its axle (I_yy, J)", POSITIVE)
     wheelset_yaw_inertia: float = quantity("kg.m2", "Wheelset, moment of inertia about z (I_zz)", POSITIVE)
-    wheel_base: float = quantity("m", "Distance between the two axles", POSITIVE)
+    wheel_base: float = quantity("m", "Distance between the two axles", POSITIVE, LONGEST_VEHICLE)
     longitudinal_half_spacing: float = quantity(
-        "m", "Half of the lateral distance of the longitudinal and lateral springs, which resist yaw", POSITIVE
+        "m", "Half of the lateral distance of the longitudinal and lateral springs, which resist yaw", POSITIVE, WIDEST
     )
     vertical_half_spacing: float = quantity(
-        "m", "Half of the lateral distance of the vertical springs, which resist roll", POSITIVE
+        "m", "Half of the lateral distance of the vertical springs, which resist roll", POSITIVE, WIDEST
     )
-    wheel_radius: float = quantity("m", "Nominal rolling radius of the wheels (r_w)", POSITIVE)
+    wheel_radius: float = quantity("m", "Nominal rolling radius of the wheels (r_w)", POSITIVE, LARGEST_RADIUS)
     longitudinal_stiffness: float = quantity("N/m", "Suspension element, longitudinal stiffness", POSITIVE)
     lateral_stiffness: float = quantity("N/m", "Suspension element, lateral stiffness", POSITIVE)
     vertical_stiffness: float = quantity("N/m", "Suspension element, vertical stiffness", POSITIVE)
@@ -100,8 +103,10 @@ class VehicleParameters(BogieParameters):
     body_pitch_inertia: float = quantity("kg.m2", "Car body, moment of inertia about y (I_yy)", POSITIVE)
     body_yaw_inertia: float = quantity("kg.m2", "Car body, moment of inertia about z (I_zz)", POSITIVE)
     body_height: float = quantity("m", "Height of the car body's centre above the wheelset axes")
-    pivot_distance: float = quantity("m", "Distance between the two bogies' centres", POSITIVE)
-    secondary_half_spacing: float = quantity("m", "Half of the lateral distance of the secondary springs", POSITIVE)
+    pivot_distance: float = quantity("m", "Distance between the two bogies' centres", POSITIVE, LONGEST_VEHICLE)
+    secondary_half_spacing: float = quantity(
+        "m", "Half of the lateral distance of the secondary springs", POSITIVE, WIDEST
+    )
     secondary_height: float = quantity("m", "Height of the secondary springs above the wheelset axes")
     secondary_longitudinal_stiffness: float = quantity("N/m", "Secondary suspension, longitudinal stiffness", POSITIVE)
     secondary_lateral_stiffness: float = quantity("N/m", "Secondary suspension, lateral stiffness", POSITIVE)
@@ -113,7 +118,7 @@ class VehicleParameters(BogieParameters):
         "N.m/rad", "Secondary suspension, stiffness against roll and pitch of one spring's ends", 0.0
     )
     anti_roll_stiffness: float = quantity("N.m/rad", "Anti-roll bar of one bogie", 0.0)
-    coupler_distance: float = quantity("m", "Distance between the couplers of both ends", POSITIVE)
+    coupler_distance: float = quantity("m", "Distance between the couplers of both ends", POSITIVE, LONGEST_VEHICLE)
     coupler_height: float = quantity("m", "Height of the couplers above the wheelset axes")
     traction_rod_stiffness: float = quantity("N/m", "Traction rod of one bogie, stiffness along the track", 0.0)
     traction_rod_damping: float = quantity("N.s/m", "Traction rod of one bogie, damping along the track", 0.0)

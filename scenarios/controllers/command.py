@@ -42,8 +42,8 @@ from typing import Any
 
 from products.protection.braked_machine import bogie, coach
 from products.protection.forms import FOLDER
-from products.protection.programme import OWN, PROGRAMMES, STRONGEST, Case, four_rails, read_programme, speed_of
-from products.protection.protected_stop import Settings
+from products.protection.programme import OWN, PROGRAMMES, Case, four_rails, read_programme, speed_of
+from products.protection.protected_stop import MOST_JITTER, STRONGEST, Settings
 from products.protection.rails import RAILS
 from products.protection.rig import check_period
 from products.protection.runs import TRACTION
@@ -58,8 +58,6 @@ from scenarios.methods.pace import time_of
 from scenarios.reporting.plots import plt
 from scenarios.scenario import BadInputError
 
-#: Standard deviation of a tooth's place above which teeth change places, as a share of the pitch.
-MOST_JITTER = 0.5
 #: Stops of each case at most: two phases then lie a hundredth of a tooth apart.
 MOST_PHASES = 100
 MACHINES = {"bogie": bogie, "vehicle": coach}

@@ -92,7 +92,7 @@ def test_a_bad_line_is_refused_with_its_row(fmus: Mapping[tuple[str, str], Path]
 def test_depths_that_no_line_has_are_refused(fmus: Mapping[tuple[str, str], Path], curve: Path) -> None:
     with (
         Slave(fmus["bogie", "native"], **SPACE, contact_depth=3, line_file=str(curve)) as one,
-        pytest.raises(CosimulationError, match="Set contact_depth to another value, or line_file to no text"),
+        pytest.raises(CosimulationError, match="Set level to 1 or 2, or contact_depth to 2, or line_file to no text"),
     ):
         one.start()
 
