@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from fmu_src.kernel import Kernel, KernelError, Library
-from fmu_src.system import Column, Piece, System, TableFile, Variable, model_of
+from fmu_src.system import Piece, System, TableFile, Variable, model_of
+from readers.tables import Column
 from tests.quick_library import quick_library
 
 #: Head and volume flow of a pump over time; what it has moved is their integral.
@@ -22,7 +23,6 @@ MAP = TableFile(
         Column("head", "m", 0.0, 80.0),
     ),
     least_growth=0.1,
-    growth_text="0.1 s",
     known="time, flow and, where known, head",
     added=("volume",),
     pieces=(Piece("flow", "m3/s", 1), Piece("head", "m", 5), Piece("volume", "m3", 4, goes_on=True)),
@@ -88,11 +88,16 @@ def test_a_tank_is_filled_by_the_map_of_its_pump(pump: Library, tmp_path: Path) 
 @pytest.mark.parametrize(
     ("rows", "sentence"),
     [
-        ("time,flow\n0,0\n1,3\n", r"^Map .*row 3: flow is 3 m3/s; give a value from 0 to 2 m3/s\. The map before it"),
+        (
+            "time,flow\n0,0\n1,3\n",
+            r"^Map .*row 3, column flow: .* from 0 to 2 m3/s; got '3' m3/s\..* The map before it",
+        ),
         ("time,flow\n0,0\n1,1.5\n", r"row 3: the flow changes by 1.5 m3/s at once; give rows between\."),
-        ("time,flow\n0,0\n0,1\n", r"row 3: time is 0 s behind 0 s; let it grow by 0.1 s at least\."),
+        ("time,flow\n0,0\n0,1\n", r"row 3, column time: values must grow by at least 0.1 s; got 0 s after 0 s\."),
         ("time,head\n0,0\n1,1\n", r"row 1: the column flow is missing"),
-        ("time,flow,cant\n", r'row 1: the column "cant" is not known; give time, flow and, where known, head'),
+        ("time,flow,kind\n", r"row 1: the column 'kind' is unknown. Columns are time, flow and, where known, head"),
+        ("time,flow,haed\n", r"row 1: the column 'haed' is unknown. Did you mean head"),
+        ("time,flow [m3]\n", r"row 1: the unit 'm3' of flow is unknown. Use m3/s; none means m3/s"),
     ],
 )
 def test_a_bad_map_is_refused_in_its_own_words(pump: Library, tmp_path: Path, rows: str, sentence: str) -> None:
