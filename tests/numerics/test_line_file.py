@@ -219,7 +219,7 @@ def test_any_bytes_end_in_a_sentence(surveyor: Library, tmp_path: Path) -> None:
             assert all(math.isfinite(kernel[name]) for name in surveyor.names if name not in ("line_file",))
         except KernelError as error:
             refused.append(str(error))
-    assert taken > 10
+    assert taken > 5
     assert len(refused) > 20
     assert all(sentence.startswith("Line ") and sentence.endswith("stays in force.") for sentence in refused)
 
