@@ -170,6 +170,10 @@ class TableFile:
                 f"{MOST_COLUMNS} columns, those added included, and degrees up to {HIGHEST_DEGREE}."
             )
 
+        odd = [column.name for column in self.columns if column.words or column.whole or not column.filled]
+        if odd:
+            raise ValueError(f"Table file {self.noun}: columns must be numbers, one in each row; got {', '.join(odd)}.")
+
     def piece(self, name: str) -> Piece:
         """One of the pieces by its name."""
         return next(piece for piece in self.pieces if piece.name == name)

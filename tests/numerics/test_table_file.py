@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -110,3 +111,9 @@ def test_a_bad_map_is_refused_in_its_own_words(pump: Library, tmp_path: Path, ro
 def test_a_pump_without_a_map_asks_for_one(pump: Library) -> None:
     with pytest.raises(KernelError, match="Set map_file to the path of a file with a map; this model has no other"):
         Kernel(pump).initialise()
+
+
+def test_a_column_that_c_does_not_read_is_refused() -> None:
+    for odd in (Column("kind", words=("a",)), Column("gap", filled=False), Column("count", whole=True)):
+        with pytest.raises(ValueError, match=f"must be numbers, one in each row; got {odd.name}"):
+            replace(MAP, columns=(*MAP.columns, odd))
