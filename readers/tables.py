@@ -44,6 +44,7 @@ IN_QUOTES = {
     one: re.compile(rf'[{BLANK.replace(one, "")}]*"((?:[^"]|"")*)"[{BLANK.replace(one, "")}]*({re.escape(one)}|\Z)')
     for one in ("\t", ";", ",", "|", ":")
 }
+BLANK_RUN = re.compile(f"[{BLANK}]+")
 GAP = re.compile(rf"[{BLANK}_-]+")
 CAPITALS = str.maketrans({chr(letter): chr(letter + 32) for letter in range(ord("A"), ord("Z") + 1)})
 PLAIN_BYTES = b"0123456789eE+-"
@@ -333,11 +334,13 @@ def _layout(
 
 def _name_and_unit(cell: str, place: str) -> tuple[str, str]:
     match = HEAD_SQUARE.fullmatch(cell) or HEAD_ROUND.fullmatch(cell)
-    if not match or not match["name"].strip(BLANK) or not cell.isprintable():
+    name = BLANK_RUN.sub(" ", match["name"]).strip(" ") if match else ""
+    unit = (match["unit"] or "").strip(BLANK) if match else ""
+    if not name or not (name + unit).isprintable():
         raise TableError(
             f"{place}: a column must have a name, and its unit in brackets; got {quoted(cell)}. Write speed [m/s]."
         )
-    return match["name"].strip(BLANK), (match["unit"] or "").strip(BLANK)
+    return name, unit
 
 
 def _advice(name: str, known: Collection[str], columns: Sequence[Column]) -> str:

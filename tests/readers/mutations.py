@@ -53,7 +53,7 @@ LINES = (
     "sep=;\r\nDistance [km];curvature (1/km);Cant [mm];gradient [\u2030]\r\n"
     "0;0;0;0\r\n0,02;2;100;10,5\r\n0,0355;-1;50;-15\r\n",
     '# "a line\n"distance"\t"curvature"\t"cant"\t"gradient [%]"\n"0"\t0\t0\t0\n\n"12,25"\t"2,0e-3"\t"0,1"\t1\n\t\t\t\n',
-    "left-friction,Left Vertical (um),distance,curvature,cant,gradient,,\n"
+    "left-friction,Left\u00a0Vertical (um\f),distance,curvature,cant,gradient,,\n"
     "1,3,-5,0,0,0,,\n,,,,,,,\n0.5,-4.4,5,0,0,0.01,,\n",
     "distance,curvature,cant,gradient,right_lateral\n"
     "-7.30000000000000071,0.00123456789012345678,-0.012345678901234567,1.2345678901234567e-05,3.1e-23\n"
