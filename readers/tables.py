@@ -455,8 +455,8 @@ class _Body:
     def _nameless(self, number: int, at: int, cell: str, count: int) -> TableError:
         hint = " With decimal commas, separate columns by semicolons." if self.separator == "," else ""
         return TableError(
-            f"{self.source}, row {number}: a row must have at most {count} values, one below each name; got "
-            f"{quoted(cell)} as value {at + 1}. Name each column in the first row.{hint}"
+            f"{self.source}, row {number}: a row must have at most {count} values; got {at + 1}: {quoted(cell)} has no "
+            f"name. Name each column in the first row.{hint}"
         )
 
 

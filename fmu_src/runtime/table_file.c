@@ -288,8 +288,8 @@ static bool check_growth(reader *self) {
 
 static bool refuse_nameless(reader *self, int at, const char *cell) {
     self->in = NULL;
-    return refuse_file(self, "a row must have at most %d values, one below each name; got '%.*s' as value %d. Name each column "
-                       "in the first row%s", self->places, QUOTED, cell, at + 1,
+    return refuse_file(self, "a row must have at most %d values; got %d: '%.*s' has no name. Name each column in the first row%s",
+                       self->places, at + 1, QUOTED, cell,
                        self->separator == ',' ? ". With decimal commas, separate columns by semicolons" : "");
 }
 

@@ -120,7 +120,7 @@ BAD: dict[str, tuple[str, str | bytes, str]] = {
     "no name": (
         "a.csv",
         "kind,\nlocomotive,5\n",
-        "row 2: a row must have at most 1 values, one below each name; got '5'",
+        "row 2: a row must have at most 1 values; got 2: '5' has no name",
     ),
     "a name twice": (
         "a.csv",
