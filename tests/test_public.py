@@ -547,7 +547,7 @@ def table_of(units: dict[str, str]) -> bb.Recording:
 @pytest.mark.parametrize(
     ("units", "error", "sentence"),
     [
-        ({"time": "s", "speed": "km/h"}, ValueError, "Give speed in m/s: what was measured has it in km/h."),
+        ({"time": "s", "speed": "kPa"}, ValueError, "Give speed in m/s: what was measured has it in kPa."),
         ({"time": "s", "sped": "m/s"}, KeyError, "There is no variable sped; did you mean speed?"),
         ({"speed": "m/s", "time": "s"}, ValueError, "Let the first column of what was measured be time [s]"),
         ({"time": "s", "pressure_demand_1": "Pa"}, ValueError, "Give what was measured at least one output"),
