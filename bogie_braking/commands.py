@@ -20,7 +20,7 @@ from fmu_src.cosimulation.slave import CosimulationError
 from fmu_src.kernel import KernelError
 from products.prebuilt import PAGE
 from products.registry import FMUS
-from readers.storage import StorageError
+from readers.storage import StorageError, cannot_write
 from scenarios.catalogue import SCENARIOS, find
 from scenarios.completion import completion
 from scenarios.controllers import command as controllers
@@ -168,8 +168,5 @@ def carry_out(chosen: argparse.Namespace) -> int:
         print(error, file=sys.stderr)
         return FAILED
     except OSError as error:
-        print(
-            f"The results cannot be written to {chosen.out} ({error}); choose another folder with --out.",
-            file=sys.stderr,
-        )
+        print(cannot_write(chosen.out, error, "choose another folder with --out"), file=sys.stderr)
         return FAILED

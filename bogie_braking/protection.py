@@ -52,7 +52,9 @@ def protected_stops(
     Columns have shape (rails,): number of the row; friction of the rail; distance [m] and duration [s]; longest_lock,
     of any wheelset while the machine ran faster than 0.3 m/s [s]; share_in_band, of the braked time above 3 m/s in
     which no slip was above 0.3; air that the cylinders took [kg]. A stop that still ran after 300 s, or whose
-    controller failed, has NaN as its distance, and its sentence says why. Raises TypeError for what is no controller,
+    controller failed, has NaN as its distance, and its sentence says why. A controller fails if an answer uses more
+    than 1 s of processor time. If it gives none within 60 s of wall time, the stop is not judged: all its columns but
+    the first two are NaN. Raises TypeError for what is no controller,
     KeyError for another vehicle, rail or setting, ValueError for a setting that cannot be.
     """
     rows: list[list[float]] = []
@@ -60,7 +62,8 @@ def protected_stops(
     for case, stop in stops_of(controller, vehicle, rails, settings):
         distance = math.nan if stop.distance is None or stop.failure else stop.distance
         lock, share = stop.longest_lock(LOCK_ABOVE), stop.share_in_band(BAND, ABOVE)
-        rows.append([len(rows), case.condition.friction, distance, stop.time, lock, share, stop.air()])
+        duration = stop.time if stop.judged else math.nan
+        rows.append([len(rows), case.condition.friction, distance, duration, lock, share, stop.air()])
         said.append(sentence(case, stop))
     return Recording(COLUMNS, rows, said, {"stops": len(rows)})
 
@@ -118,4 +121,6 @@ def maker_of(controller: Controller) -> Callable[[], WheelSlideController] | Non
 
 def sentence(case: RailCase, stop: ProtectedStop) -> str:
     """What a stop came to."""
+    if not stop.judged:
+        return f"{case.name}: {stop.words}"
     return f"{case.name}: {stop.words}, locked for {stop.longest_lock(LOCK_ABOVE):.1f} s."

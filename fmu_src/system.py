@@ -124,7 +124,7 @@ SAME_PLACE = 10
 
 @dataclass(frozen=True)
 class Piece:
-    """What can be looked up of a table file: a polynomial of `degree` (5 at most) between two rows.
+    """What can be looked up of a table file: polynomials of `degree` (5 at most) between two rows.
 
     Beyond the ends of the table it keeps its last value or, where it `goes_on`, its last slope.
     """
@@ -145,7 +145,8 @@ class TableFile:
 
     noun, preposition: what sentences call it, "line", and that something runs "on" a line. resource: the file that an
     FMU reads from its resources where the variable is not set. columns: of the file, of numbers alone; the first one
-    grows from row to row by `least_growth`. known: the columns in words, for a sentence about one that is not.
+    grows from row to row by `least_growth`. rounding: length on either side of a row over which a corner of what is
+    straight between rows is rounded, 0: none is. known: the columns in words, for a sentence about one that is not.
     added: columns that the model computes. source: C with the functions `check_row`, `complete` and `piece_between`
     of `table_file_description` (model.h). It may call what table_file.h declares; in it, COLUMN_NAME and PIECE_NAME
     are the places of columns and pieces.
@@ -157,6 +158,7 @@ class TableFile:
     resource: str
     columns: tuple[Column, ...]
     least_growth: float
+    rounding: float
     known: str
     added: tuple[str, ...]
     pieces: tuple[Piece, ...]

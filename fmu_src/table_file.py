@@ -22,7 +22,7 @@ def table_file_source(file: TableFile, variable: int) -> str:
     [given] = with_own_names(["\n".join([*places, file.source])], PREFIX)
     words = (file.noun, file.preposition, f"/{file.resource}", file.known)
     members = [
-        *(str(variable), *map(c_text, words), c_number(file.least_growth)),
+        *(str(variable), *map(c_text, words), c_number(file.least_growth), c_number(file.rounding)),
         *(str(len(file.columns)), str(len(file.added)), "COLUMN_OF_FILE", "PIECE_OF_FILE"),
         *(PREFIX + name for name in ("check_row", "complete", "piece_between")),
     ]

@@ -30,6 +30,7 @@ from products.registry import FMUS, model_of
 from products.remembered import remembered, remembered_path
 from products.sources import ROOT
 from products.terminals import terminals_of
+from readers.storage import writing
 
 #: Native for FMI 2.0 and for FMI 3.0, and pythonfmu, which has binaries of its own.
 NATIVE = ("native", "fmi3")
@@ -74,10 +75,8 @@ def fmu_path(name: str, kind: str, out: Path) -> Path:
 def write_fmu(name: str, kind: str, out: Path, all_platforms: bool = False) -> Path:
     """Builds one FMU as OUT/KIND/Model.fmu; all_platforms: of a native one. Raises CompilerError, OSError."""
     model, path = model_of(name), fmu_path(name, kind, out)
-    try:
+    with writing(path.parent, "choose another folder with --out"):
         path.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OSError(f"{path.parent} cannot be made, {error}; choose another folder with --out") from error
     if kind == "native":
         build_native_fmu(model, path, list(PLATFORMS) if all_platforms else [], extras(name, kind))
     elif kind == "fmi3":

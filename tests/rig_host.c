@@ -45,7 +45,7 @@ static int run(bool inside)
     int valve[ROWS * WHEELSETS] = {0}, status[ROWS] = {0}, ended = 0;
     long long int written[ROWS];
     rig_wheelset wheelset[WHEELSETS] = {0};
-    for (int i = 0; i < WHEELSETS; ++i) wheelset[i] = (rig_wheelset){1.0 + 0.01 * i, 2.0, 3.0, i % 4, i % 2};
+    for (int i = 0; i < WHEELSETS; ++i) wheelset[i] = (rig_wheelset){1.0 + 0.01 * i, 2.0, 3.0, 0.05 * i, i % 4, i % 2};
     for (int i = 0; i < WHEELSETS * 300; ++i) error[i] = 0.4 * sin(i);
     if (!inside) controller.step = NULL;
     rig_desk desk = {time, speed, valve};

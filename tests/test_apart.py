@@ -9,10 +9,11 @@ from zipfile import ZipFile
 import pytest
 
 import build_fmu
+from brake_controller.wheel_slide import NOT_JUDGED
 from fmu_src.cosimulation.slave import Slave
 from fmu_src.kernel import KernelError
 from products.protection import in_fmu as in_fmu_module
-from products.protection.apart import Apart, NoControllerError, Order, called_apart, runs_apart
+from products.protection.apart import Apart, Limits, NoControllerError, Order, called_apart, runs_apart
 from products.protection.braked_machine import bogie, coach
 from products.protection.forms import InC, compiled
 from products.protection.in_fmu import InFmu, Names
@@ -24,8 +25,6 @@ from scenarios.controllers.given import fmu_names, in_c, in_fmu
 from scenarios.methods.protected_throughput import SHARE, SOURCE, LetGo
 from scenarios.scenario import BadInputError
 
-#: Patience with what hangs [s].
-SHORT = 1.0
 NAMES = {
     count: Names(
         tuple(f"wheel_speed_{number}" for number in range(1, count + 1)),
@@ -40,7 +39,7 @@ def let_go(folder: Path, name: str = "let_go", step: str = "") -> Path:
     """The trivial controller in C; step: what it does first."""
     path = folder / f"{name}.c"
     text = SOURCE.replace("double fastest = 0.0;", f"double fastest = 0.0;\n    {step}")
-    path.write_text(f"#define SHARE {SHARE}\n#include <math.h>\n#include <stdlib.h>\n{text}")
+    path.write_text(f"#define SHARE {SHARE}\n#include <math.h>\n#include <stdlib.h>\n#include <unistd.h>\n{text}")
     return path
 
 
@@ -78,24 +77,34 @@ def test_an_fmu_that_needs_python_makes_the_stops_of_its_class(tmp_path: Path) -
 
 
 @pytest.mark.parametrize(
-    ("step", "words"),
+    ("step", "words", "limits"),
     [
-        ("if (time > 6.0) abort();", "The controller ended its process (SIGABRT); the brake stays applied."),
-        ("if (time > 6.0) *(volatile int *)8 = 1;", "ended its process (SIGSEGV); the brake stays applied."),
-        ("while (time > 6.0) {}", "The controller gave no answer within 1 s; the brake stays applied."),
+        ("if (time > 6.0) abort();", "ended its process (SIGABRT); the brake stays applied.", Limits()),
+        ("if (time > 6.0) *(volatile int *)8 = 1;", "ended its process (SIGSEGV); the brake stays applied.", Limits()),
+        (
+            "while (time > 6.0) pause();",
+            f"gave no answer within 2 s of wall time {NOT_JUDGED}",
+            Limits(guard=2.0),
+        ),
+        (
+            "while (time > 6.0) {}",
+            "used more than 0.5 s of processor time without an answer; the brake stays applied.",
+            Limits(used=0.5),
+        ),
     ],
-    ids=["abort", "crash", "hang"],
+    ids=["abort", "crash", "wait", "hang"],
 )
-def test_what_ends_its_process_ends_no_comparison(step: str, words: str, tmp_path: Path) -> None:
+def test_what_ends_its_process_ends_no_comparison(step: str, words: str, limits: Limits, tmp_path: Path) -> None:
     """On a low rail it comes that far; from 5 m/s on a dry one it stops before."""
     low, soon = Run(RAILS[2].values()), Run(RAILS[0].values(), speed=5.0)
-    form = made_of(let_go(tmp_path, "bad", step))
-    found = runs_apart(Order(bogie(), form, Settings()), [soon, low, soon], SHORT)
+    form, runs = made_of(let_go(tmp_path, "bad", step)), [soon, low, *[soon] * ("abort" in step)]
+    found = runs_apart(Order(bogie(), form, Settings()), runs, limits)
     [good] = Rig(bogie(), LetGo, Settings(), by_flow=True).runs([soon])
     [none] = Rig(bogie(), None, Settings(), by_flow=True).runs([low])
-    assert found[0] == found[2] == good
+    assert found[0] == found[-1 if len(runs) == 3 else 0] == good
     assert found[1].distance is None
-    assert words in found[1].said
+    assert found[1].said == f"The controller {words}"
+    assert found[1].judged is ("not judged" not in words)
     assert found[1].time == none.time
 
 

@@ -206,7 +206,7 @@ PLUMBING = {
     "brake_controller/rig/udp_client.py": {"answer", "answer_to", "is_end", "question"},
     "brake_controller/sensors.py": {"edge_errors"},
     "brake_controller/protection_fmu.py": {"faces", "named", "wheel_slide_in_c", "wheel_slide_protection"},
-    "brake_controller/wheel_slide.py": {"failure", "within"},
+    "brake_controller/wheel_slide.py": {"failure", "silence", "within"},
 }
 
 

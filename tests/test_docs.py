@@ -24,7 +24,7 @@ WRITTEN = sorted(
 PAGES = ["README.md", "CHANGELOG.md", "EQUATIONS.md", *WRITTEN]
 #: Written when something is built or run, within an archive, or named as an example.
 MADE = ("build/", "results/", "binaries/", "bogie/", "rbd_model/roller_rig.py")
-GENERATORS = ("charts", "counts", "equations", "variables", "catalogue")
+GENERATORS = ("charts", "counts", "numbers_of_pages", "equations", "variables", "catalogue")
 #: A file with its folder, and a name in it.
 PLACE = re.compile(r'(?<![\w/.*"-])((?:[\w-]+/)+[\w-]+(?:\.\w+)+)(?::[ :](\w+(?:\.\w+)*)(?=[`|<\s]))?')
 
@@ -156,6 +156,36 @@ def test_numbers_of_checks_are_those_of_the_tests_wherever_they_are_said(monkeyp
         said = re.findall(r"\d\s+(random\s+(?:states|FMI\s+calls|calls)[^,;(]*)", path.read_text("utf-8"))
         strange = [one for one in said if not " ".join(one.split()).startswith(tuple(counts.PHRASES))]
         assert strange == [], path
+
+
+def test_a_number_with_a_mark_is_that_of_its_source(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A row that is kept, or a constant; another number is written anew, and a run that moves it is told."""
+    monkeypatch.syspath_prepend(str(ROOT / "docs" / "generate"))
+    numbers = importlib.import_module("numbers_of_pages")
+    rows = {("a-scenario", "a row"): -14.37}
+    page = "It is 10<!--= a-scenario | a row | .0f --> %, of 7<!--= tests/fmu/test_edges.py | SEEDS | --> seeds."
+    seeds = importlib.import_module("counts").constant("tests/fmu/test_edges.py", "SEEDS")
+    found = numbers.filled(page, rows)
+    assert re.sub(r"<!--.*?-->", "", found) == f"It is 14 %, of {seeds} seeds."
+    assert numbers.filled(found, rows) == found
+    with pytest.raises(KeyError):
+        numbers.filled(page.replace("a row", "no row"), rows)
+    mark = numbers.Mark("a-scenario", "a row", ".0f")
+    monkeypatch.setattr(numbers, "kept", lambda: {"a-scenario": {"a row": 14.37}})
+    monkeypatch.setattr(numbers, "marks", lambda: [mark])
+    for value, count in ((14.37, 0), (14.8, 0), (15.0, 1)):
+        assert len(numbers.moved("a-scenario", [{"quantity": "a row", "simulated": value}])) == count
+
+
+def test_every_mark_on_a_page_names_a_source(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A mark that is written in another way would be left alone without a word."""
+    monkeypatch.syspath_prepend(str(ROOT / "docs" / "generate"))
+    numbers = importlib.import_module("numbers_of_pages")
+    known = numbers.values()
+    for page in numbers.PAGES:
+        text = page.read_text(encoding="utf-8")
+        assert len(numbers.MARKED.findall(text)) == text.count("<!--="), page
+    assert all(one.of_a_test or (one.source, one.name) in known for one in numbers.marks())
 
 
 def test_options_of_the_commands_on_the_pages_are_known() -> None:

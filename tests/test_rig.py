@@ -5,7 +5,8 @@ from __future__ import annotations
 import ctypes
 import math
 import re
-from collections.abc import Iterator
+import time as clock
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, ClassVar
@@ -60,7 +61,9 @@ SHOWN = '__attribute__((visibility("default")))'
 class Probe:
     """An encoder in C alone."""
 
-    def __init__(self, pulses: int = 100, timer: float = TIMER, errors: list[float] | None = None) -> None:
+    def __init__(
+        self, pulses: int = 100, timer: float = TIMER, errors: list[float] | None = None, phase: float = 0.0
+    ) -> None:
         own, head = (FOLDER / name for name in ("encoder.c", "encoder.h"))
         text = own.read_text().replace("void encoder_begin", f"{SHOWN} void encoder_begin")
         text = text.replace("double encoder_read", f"{SHOWN} double encoder_read")
@@ -70,7 +73,7 @@ class Probe:
         self.room = ctypes.create_string_buffer(1 << 14)
         self.settings = SensorSettings(pulses, GATE, timer, LOWEST_FREQUENCY)
         self.errors = (ctypes.c_double * len(errors))(*errors) if errors else None
-        self.call.encoder_begin(self.room, self.errors)
+        self.call.encoder_begin(self.room, self.errors, ctypes.c_double(phase))
 
     def look(self, time: float, rotation: float) -> float:
         value = self.call.encoder_read(
@@ -86,6 +89,22 @@ def test_edges_of_a_wheel_that_turns_evenly_tell_its_speed(pulses: int, timer: f
     """Two times, each cut off to the timer's resolution, at least a gate apart: an error of timer over gate at most."""
     errors = [abs(seen / (speed / RADIUS) - 1) for seen in seen_at(speed, Probe(pulses, timer))]
     assert max(errors) < 1.01 * timer / GATE < READING
+
+
+def test_a_wheel_that_is_turned_at_the_first_look_shows_its_teeth_sooner() -> None:
+    """From 0.4 of a tooth on what a wheel shows is what one shows that has turned so far; the reading's error moves."""
+    pitch, rate = 2 * math.pi / 100, 1.3
+    ahead, other = Probe(phase=0.4), Probe()
+    seen = [
+        [one.look(0.01 * n, turned + rate * 0.01 * n) for one, turned in ((ahead, 0.0), (other, 0.4 * pitch))]
+        for n in range(60)
+    ]
+    assert [one for one, _ in seen] == pytest.approx([two for _, two in seen], rel=1e-9)
+    assert len({one for one, _ in seen} - {Probe().look(0.0, 0.0)}) > 5
+    straight = Probe()
+    assert [one for one, _ in seen] != pytest.approx(
+        [straight.look(0.01 * n, rate * 0.01 * n) for n in range(60)], rel=1e-3
+    )
 
 
 def test_a_coarse_timer_shows() -> None:
@@ -591,6 +610,47 @@ def test_a_controller_that_fails_leaves_the_brake_applied(tmp_path: Path) -> Non
         assert stop.end_speed < 0.02
         if form is TooFew:
             assert (stop.time, stop.longest_lock) == (unprotected.time, unprotected.longest_lock)
+
+
+class Waits(LetGo):
+    """Waits longer than anybody does, from the third second on."""
+
+    def step(self, time: float, speeds: Sequence[float]) -> list[int]:
+        clock.sleep(5.0 * (time > 3.0))
+        return super().step(time, speeds)
+
+
+class WaitsForAll(LetAllGo):
+    """The same of many machines."""
+
+    def step(self, time: NDArray[np.float64], speeds: NDArray[np.float64]) -> NDArray[np.integer]:
+        clock.sleep(5.0 * bool(time.max() > 3.0))
+        return super().step(time, speeds)
+
+
+@pytest.mark.parametrize("form", [Waits, Arrays(WaitsForAll())], ids=["class", "arrays"])
+def test_runs_of_a_controller_that_gives_no_answer_are_not_judged(form: Form, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nor are those in which it is not asked again; a run that ended before counts."""
+    monkeypatch.setattr("products.protection.rig.GUARD", 0.1)
+    monkeypatch.setattr("products.protection.rig.SILENCES", 1)
+    soon, *others = Rig(bogie(), form, Settings()).runs([Run(RAILS[0].values(), speed=1.0), *[Run(LOW.values())] * 2])
+    assert soon == Rig(bogie(), LetGo, Settings()).runs([Run(RAILS[0].values(), speed=1.0)])[0]
+    assert soon.judged
+    assert [(one.judged, one.distance) for one in others] == [(False, None)] * 2
+    assert any("gave no answer within 0.1 s of wall time at 3.005 s and is not judged" in one.said for one in others)
+
+
+def test_a_look_that_takes_long_on_a_busy_machine_changes_no_stop(monkeypatch: pytest.MonkeyPatch) -> None:
+    """At one look it waits for longer than the limit of its processor time; many share an alarm."""
+    monkeypatch.setattr("products.protection.rig.PATIENCE", 0.1)
+
+    class Late(LetGo):
+        def step(self, time: float, speeds: Sequence[float]) -> list[int]:
+            clock.sleep(0.12 * (time == 2.0))
+            return super().step(time, speeds)
+
+    rails = [RAILS[0].values(), LOW.values()]
+    assert Rig(bogie(), Late, Settings()).stops(rails) == Rig(bogie(), LetGo, Settings()).stops(rails)
 
 
 def test_a_machine_that_goes_no_further_says_why(tmp_path: Path) -> None:

@@ -69,10 +69,11 @@ static void turn(encoder *self, const encoder_settings *settings, double time, d
     self->place = place;
 }
 
-void encoder_begin(encoder *self, const double *error)
+void encoder_begin(encoder *self, const double *error, double phase)
 {
     memset(self, 0, sizeof *self);
     self->error = error;
+    self->place = phase;
     self->edge_time = -INFINITY;
 }
 
@@ -80,7 +81,7 @@ double encoder_read(encoder *self, const encoder_settings *settings, double time
 {
     const double pitch = TURN / settings->pulses;
     if (!self->looked) {
-        self->place = fabs(rotation) / pitch;
+        self->place += fabs(rotation) / pitch;
         self->edge = last_edge(self, settings, self->place);
         self->looked = true;
     } else if (time > self->time) {

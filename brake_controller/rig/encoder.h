@@ -33,8 +33,8 @@ typedef struct {
     encoder_passage passage[ENCODER_LOOKS];
 } encoder;
 
-/* error: see there; it must outlive the encoder. */
-void encoder_begin(encoder *self, const double *error);
+/* error: see there; it must outlive the encoder. phase: pitches by which the wheel is turned at the first look. */
+void encoder_begin(encoder *self, const double *error, double phase);
 /* The reading [rad/s], at least 0, at a time [s], from the rotation of the wheel [rad]. */
 double encoder_read(encoder *self, const encoder_settings *settings, double time, double rotation);
 

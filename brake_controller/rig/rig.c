@@ -119,7 +119,7 @@ void rig_begin(rig *self, long long int row, double end_speed, const double *err
     memcpy(one->wheelset, wheelset, n * sizeof *wheelset);
     if (error) memcpy(one->error, error, n * pulses * sizeof(double));
     for (size_t i = 0; i < n; ++i) {
-        encoder_begin(&one->sensor[i], error ? one->error + i * pulses : NULL);
+        encoder_begin(&one->sensor[i], error ? one->error + i * pulses : NULL, wheelset[i].phase);
         one->locked[i] = one->skid[i] = one->pressure[i] = one->seen[i] = 0.0;
         one->valve[i] = WHEEL_SLIDE_APPLY;
     }

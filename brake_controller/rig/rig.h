@@ -40,9 +40,10 @@ typedef struct {
 enum { SENSOR_WORKS = 0, SENSOR_STUCK = 1, SENSOR_ZERO = 2, SENSOR_DOUBLED = 3 };
 
 /* What is wrong with one wheelset. radius: what its wheels' radius is taken for, over the true one; from: when the sensor
- * begins to fail, and when the valve sticks where it stands [s]. */
+ * begins to fail, and when the valve sticks where it stands [s]; phase: share of a tooth by which its wheel is turned at the
+ * first look. */
 typedef struct {
-    double radius, sensor_from, valve_from;
+    double radius, sensor_from, valve_from, phase;
     int sensor, valve_sticks;
 } rig_wheelset;
 

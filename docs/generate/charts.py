@@ -54,7 +54,8 @@ def measured() -> dict[tuple[str, str], float]:
         summary = json.loads((DATA / f"{name}.json").read_text(encoding="utf-8"))
         found[name, "wall_seconds"] = summary["wall_seconds"]
         found |= {(name, row["quantity"]): row["simulated"] for row in summary["rows"]}
-    return found
+    kept = json.loads((DATA / "numbers.json").read_text(encoding="utf-8"))  # of numbers_of_pages.py
+    return found | {(name, quantity): of for name, rows in kept.items() for quantity, of in rows.items()}
 
 
 def filled(template: Path, values: dict[tuple[str, str], float]) -> str:

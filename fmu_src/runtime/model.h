@@ -122,6 +122,7 @@ typedef struct {
 } system_description;
 
 typedef struct table_file table_file; /* see table_file.h */
+typedef struct table_part table_part;
 
 /* A unit that files may have, with the factor to the unit of a column. */
 typedef struct {
@@ -138,7 +139,7 @@ typedef struct {
     int units;
 } column_description;
 
-/* What can be looked up of a table file: a polynomial between two rows. Beyond the ends it keeps its value, or its slope. */
+/* What can be looked up of a table file: polynomials between two rows. Beyond the ends it keeps its value, or its slope. */
 typedef struct {
     int degree;
     bool goes_on;
@@ -151,14 +152,16 @@ typedef struct {
     const char *resource; /* name of the file among the resources of an FMU, after a slash */
     const char *known;    /* for a sentence: what columns there may be */
     double least_growth;  /* of the first column from row to row */
+    double rounding; /* length on either side of a row over which a corner is rounded; 0: none is */
     int columns, added; /* in the file, and behind them those that `complete` computes */
     const column_description *column;
     const piece_description *piece;
     /* The model's rule for a row and the one before it: whether it is met, or else a problem in words. */
     bool (*check_row)(const table_file *self, int row, char *problem, size_t size);
     void (*complete)(const table_file *self);
-    /* Coefficients of a piece between a row and the next, lowest power first; all are 0 before. */
-    void (*piece_between)(const table_file *self, int piece, int row, double *coefficient);
+    /* Coefficients of a piece on a part of the way from a row to the next (table_file.h), lowest power first; all are 0
+     * before. */
+    void (*piece_between)(const table_file *self, int piece, const table_part *part, double *coefficient);
 } table_file_description;
 
 typedef struct {

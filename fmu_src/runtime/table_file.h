@@ -23,14 +23,28 @@ RUNTIME_LOCAL bool table_read_number(const char *text, double *value, char *mark
 RUNTIME_LOCAL void table_look_up(const table_file *self, const table_description *table, double at, int *guess, double held[2],
                           double *coefficient);
 
-/* For the model's C: coefficients, lowest power first, of the way from a row of a column towards the next one. All have
- * room for MOST_TERMS. Straight to the next row's value; */
-RUNTIME_LOCAL void table_straight(const table_file *self, int column, int row, double *c);
-/* with two continuous derivatives, by parabolas through three rows; */
-RUNTIME_LOCAL void table_smooth(const table_file *self, int column, int row, double *c);
-/* the integral of a column, of the cubic with its values and slopes. start: its value at this row. */
-RUNTIME_LOCAL void table_integral(const table_file *self, int column, int row, double start, double *c);
-/* Value, slope and bend at two rows; the gain in value between them and the distance. */
+/* A part of the way from a row to the next one, from and to so far behind the row, on which every piece is one polynomial.
+ * Values are straight between rows; a corner at a row is rounded over the `rounding` of the description on either side, and
+ * rows that are less than twice that apart are joined by one curve. */
+struct table_part {
+    int row;
+    double from, to;
+    double rounded; /* so far behind its row a corner is rounded */
+    bool straight;
+};
+
+enum { MOST_PARTS = 3 };
+
+/* The parts of the way from a row to the next; how many. */
+RUNTIME_LOCAL int table_parts(const table_file *self, int row, table_part part[MOST_PARTS]);
+/* For the model's C: coefficients, lowest power first, from the beginning of a part on. All have room for MOST_TERMS.
+ * Straight from row to row, corners too; */
+RUNTIME_LOCAL void table_straight(const table_file *self, int column, const table_part *part, double *c);
+/* with corners rounded, two continuous derivatives, and never outside the two rows; */
+RUNTIME_LOCAL void table_smooth(const table_file *self, int column, const table_part *part, double *c);
+/* the integral of a column whose corners are rounded with one continuous derivative. start: its value at the row. */
+RUNTIME_LOCAL void table_integral(const table_file *self, int column, const table_part *part, double start, double *c);
+/* Value, slope and bend at two places; the gain in value between them and the distance. */
 RUNTIME_LOCAL void table_quintic(const double first[3], const double second[3], double gain, double distance, double *c);
 RUNTIME_LOCAL double table_value(const double *c, double x);
 RUNTIME_LOCAL double table_slope(const double *c, double x);

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import math
 import os
 import signal
 import tempfile
+import threading
+import time
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from tempfile import TemporaryDirectory
 from typing import Any, TypeVar, cast
 
+from brake_controller.wheel_slide import GUARD, NOT_JUDGED
 from fmu_src.kernel import ERROR, KernelError
 from products.protection.braked_machine import Machine
 from products.protection.forms import Form
@@ -19,12 +24,17 @@ from products.protection.protected_stop import Settings
 from products.protection.rig import Rig
 from products.protection.runs import Run, Stop
 
-#: Time without a sign of life after which the process is ended [s]; and for it to begin, on a busy machine.
-PATIENCE, BEGINNING = 10.0, 120.0
+#: Processor time that the process may use without a sign of life [s], and wall time for it to begin [s].
+PATIENCE, BEGINNING = 10.0, 300.0
+#: A call that gives one answer: its processor time, and its wall time [s].
+LONGEST_CALL, LONGEST_WAIT = 120.0, 600.0
+#: So often the process looks at its processor time [s].
+TICK = 0.2
 #: So often a process that ends is begun again for the runs that are left.
 TIMES = 3
-#: What a process sends first: what follows was made, it is done, it was given no controller, or something else failed.
-GIVEN, DONE, REFUSED, FAILED = range(4)
+#: What a process sends first: what follows was made, it is done, it was given no controller, something else failed, or
+#: it used too much processor time.
+GIVEN, DONE, REFUSED, FAILED, LATE = range(5)
 Tell = Callable[[object], None]
 Result = TypeVar("Result")
 
@@ -34,7 +44,20 @@ class NoControllerError(Exception):
 
 
 class EndedError(Exception):
-    """The process ended or hung; the text says how, as "ended its process (SIGSEGV)"."""
+    """The process ended or took too long; the text says how, as "ended its process (SIGSEGV)"."""
+
+
+class SilentProcessError(EndedError):
+    """The process used little processor time and gave no answer for long: nothing is said of the controller."""
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Of a process without a sign of life: processor time [s], wall time, and wall time until its first sign [s]."""
+
+    used: float = PATIENCE
+    guard: float = GUARD
+    beginning: float = BEGINNING
 
 
 @dataclass(frozen=True)
@@ -70,77 +93,83 @@ class Order:
         return Rig(self.machine, form, self.settings, by_flow=self.by_flow, level=self.level)
 
 
-def runs_apart(order: Order, runs: Sequence[Run], patience: float = PATIENCE) -> list[Stop]:
+def runs_apart(order: Order, runs: Sequence[Run], limits: Limits | None = None) -> list[Stop]:
     """A stop of each run, in their order, as `Rig.runs` has them.
 
-    All go on together at first. If the process ends or hangs, they are made one by one, and the runs in which it does
-    so again have no distance and say why; their other numbers are those of brakes that stay applied. Raises
-    NoControllerError, and KernelError where the simulation fails.
+    All go on together at first. If the process ends or takes too long, they are made one by one, and the runs in which
+    it does so again have no distance and say why; their other numbers are those of brakes that stay applied. Where it
+    used little processor time they are not judged. Raises NoControllerError, and KernelError if the simulation fails.
     """
-    together, died = _made(order, runs, patience, alone=False)
+    limits = limits or Limits()
+    together, died = _made(order, runs, limits, alone=False)
     if not died:
         return together
     stops: list[Stop] = []
     for _ in range(TIMES):
-        found, died = _made(order, runs[len(stops) :], patience, alone=True)
+        found, died = _made(order, runs[len(stops) :], limits, alone=True)
         stops += found
         if not died:
             return stops
-        stops.append(_applied(order, runs[len(stops)], f"The controller {died}; the brake stays applied."))
+        stops.append(_applied(order, runs[len(stops)], died))
         if len(stops) == len(runs):
             return stops
-    words = f"The controller {died} in {TIMES} runs before; it was not asked again."
-    return stops + [_applied(order, run, words) for run in runs[len(stops) :]]
+    return stops + [_applied(order, run, died, asked=False) for run in runs[len(stops) :]]
 
 
-def _applied(order: Order, run: Run, words: str) -> Stop:
+def _applied(order: Order, run: Run, died: EndedError, asked: bool = True) -> Stop:
     """What comes of brakes that stay applied, which is no stop of the controller."""
     [stop] = Rig(order.machine, None, order.settings, by_flow=order.by_flow, level=order.level).runs(
         [run], every=order.every
     )
-    return replace(stop, distance=None, said=words)
+    judged = not isinstance(died, SilentProcessError)
+    if asked:
+        words = f"{died}; the brake stays applied." if judged else f"{died} {NOT_JUDGED}"
+    else:
+        words = f"{died} in {TIMES} runs before; it was not asked again{'' if judged else ' and is not judged'}."
+    return replace(stop, distance=None, said=f"The controller {words}", judged=judged)
 
 
-def _made(order: Order, runs: Sequence[Run], patience: float, alone: bool) -> tuple[list[Stop], str]:
-    """The stops that a process made, and how it ended before the last; empty: it did not."""
+def _made(order: Order, runs: Sequence[Run], limits: Limits, alone: bool) -> tuple[list[Stop], EndedError | None]:
+    """The stops that a process made, and how it ended before the last."""
     stops: list[Stop] = []
     try:
-        for some in _heard(_make, (order, list(runs), alone), patience):
+        for some in _heard(_make, (order, list(runs), alone), limits):
             stops += some
     except EndedError as ended:
-        return stops, str(ended)
-    return stops, ""
+        return stops, ended
+    return stops, None
 
 
-def called_apart(function: Callable[..., Result], *arguments: object, patience: float = BEGINNING) -> Result:
+def called_apart(function: Callable[..., Result], *arguments: object, limits: Limits | None = None) -> Result:
     """What a function gives that is called in a process of its own.
 
     Raises EndedError, NoControllerError, and KernelError where anything else fails.
     """
-    [found] = _heard(_call, (function, arguments), patience)
+    limits = limits or Limits(LONGEST_CALL, LONGEST_WAIT, LONGEST_WAIT)
+    *_, found = _heard(_call, (function, arguments), limits)
     return cast(Result, found)
 
 
-def _heard(target: Callable[..., None], arguments: tuple[object, ...], patience: float) -> Iterator[Any]:
+def _heard(target: Callable[..., None], arguments: tuple[object, ...], limits: Limits) -> Iterator[Any]:
     """What a target tells in a process of its own. Raises EndedError, NoControllerError, KernelError."""
     with TemporaryDirectory(ignore_cleanup_errors=True) as folder:  # what a process that is ended leaves behind
-        yield from _told(target, arguments, patience, folder)
+        yield from _told(target, arguments, limits, folder)
 
 
-def _told(target: Callable[..., None], arguments: tuple[object, ...], patience: float, folder: str) -> Iterator[Any]:
+def _told(target: Callable[..., None], arguments: tuple[object, ...], limits: Limits, folder: str) -> Iterator[Any]:
     """The same; folder: of the process's temporary files."""
     context = get_context("spawn")
     here, there = context.Pipe(duplex=False)
-    child = context.Process(target=_tell, args=(there, folder, target, arguments), daemon=True)
+    child = context.Process(target=_tell, args=(there, folder, target, arguments, limits.used), daemon=True)
     child.start()
     there.close()
-    waits = BEGINNING
+    waits = limits.beginning
     while True:
         if not here.poll(waits):
             child.kill()
             child.join()
-            raise EndedError(f"gave no answer within {waits:g} s")
-        waits = patience
+            raise SilentProcessError(f"gave no answer within {waits:g} s of wall time")
+        waits = limits.guard
         try:
             kind, heard = here.recv()
         except EOFError:
@@ -149,6 +178,10 @@ def _told(target: Callable[..., None], arguments: tuple[object, ...], patience: 
         if kind == GIVEN:
             yield heard
             continue
+        if kind == LATE:
+            child.kill()
+            child.join()
+            raise EndedError(f"used more than {limits.used:g} s of processor time without an answer")
         child.join()
         if kind == REFUSED:
             raise NoControllerError(heard)
@@ -164,25 +197,54 @@ def _end_of(code: int | None) -> str:
     return f"exit status {code}"
 
 
-def _tell(pipe: Connection, folder: str, target: Callable[..., None], arguments: tuple[object, ...]) -> None:
+class _Pipe:
+    """A pipe to the process that waits; what is sent is a sign of life."""
+
+    def __init__(self, pipe: Connection) -> None:
+        self._pipe, self._lock = pipe, threading.Lock()
+        self._used = math.inf  # until the first sign: imports and compilers are not the controller's
+
+    def send(self, kind: int, what: object = None) -> None:
+        """Send it, and start to count processor time anew."""
+        with self._lock:
+            self._pipe.send((kind, what))
+            self._used = time.process_time()
+
+    def watch(self, limit: float) -> None:
+        """Send LATE, once, where the process uses more than this much processor time [s] without a sign of life."""
+        while time.process_time() - self._used <= limit:
+            time.sleep(TICK)
+        with suppress(OSError):  # nobody waits any more
+            self.send(LATE)
+
+
+def _tell(
+    pipe: Connection, folder: str, target: Callable[..., None], arguments: tuple[object, ...], limit: float
+) -> None:
     """In the process: sends what the target tells, that it is done, or the sentence of what went wrong."""
+    own = _Pipe(pipe)
+    threading.Thread(target=own.watch, args=(limit,), daemon=True).start()
     try:
         os.dup2(2, 1)  # what a controller prints
         tempfile.tempdir = folder
-        target(lambda one: pipe.send((GIVEN, one)), *arguments)
-        pipe.send((DONE, None))
+        target(lambda one: own.send(GIVEN, one), *arguments)
+        own.send(DONE)
     except NoControllerError as error:
-        pipe.send((REFUSED, str(error)))
+        own.send(REFUSED, str(error))
     except Exception as error:
-        pipe.send((FAILED, f"{error} ({type(error).__name__})"))
+        own.send(FAILED, f"{error} ({type(error).__name__})")
 
 
 def _make(tell: Tell, order: Order, runs: Sequence[Run], alone: bool) -> None:
     """Tells stops in lists, empty ones as a sign of life."""
     rig = order.rig()
+    rig.prepare(runs)
+    tell([])
     for some in [[run] for run in runs] if alone else [runs]:
         tell(rig.runs(some, lambda: tell([]), order.every))
 
 
 def _call(tell: Tell, function: Callable[..., object], arguments: tuple[object, ...]) -> None:
+    """Tells that it begins, and what the function gives."""
+    tell(None)
     tell(function(*arguments))

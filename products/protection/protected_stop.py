@@ -8,7 +8,7 @@ from numbers import Real
 import numpy as np
 
 from brake_controller.sensors import TEETH, Encoder
-from brake_controller.wheel_slide import APPLY, ControllerError, Supervised, WheelSlideController
+from brake_controller.wheel_slide import APPLY, ControllerError, NotJudgedError, Supervised, WheelSlideController
 from fmu_src.cosimulation.recording import Recording
 from products.protection.braked_machine import APPLICATION_TIME, STANDING, BrakedMachine
 
@@ -54,7 +54,8 @@ class ProtectedStop:
     """What a stop came to.
 
     distance [m]: None where the machine still ran after LONGEST; end_speed [m/s] and time [s]: of the end of the run.
-    failure: the sentence of a controller that failed, whose brake stayed applied.
+    failure: the sentence of a controller that failed, whose brake stayed applied. judged: False where it gave no answer
+    for long; then nothing is said of the controller, and what it came to is NaN.
     """
 
     series: Recording
@@ -64,10 +65,13 @@ class ProtectedStop:
     time: float
     failure: str
     parameters: Mapping[str, float] = field(default_factory=dict)
+    judged: bool = True
 
     @property
     def words(self) -> str:
         """The stopping distance, or that there is none; and the sentence of a controller that failed."""
+        if not self.judged:
+            return f"not judged: {self.failure}"
         moves = f"did not stop: {self.end_speed:.1f} m/s after {self.time:.0f} s"
         found = moves if self.distance is None else f"{self.distance:.0f} m"
         return f"{found}, no stop of this controller: {self.failure}" if self.failure else found
@@ -87,8 +91,8 @@ class ProtectedStop:
 
     def longest_lock(self, above: float) -> float:
         """Longest time that a wheelset was locked while the vehicle ran faster than `above` [m/s], in s."""
-        longest = 0.0
-        for number in self.numbers:
+        longest = 0.0 if self.judged else math.nan
+        for number in self.numbers if self.judged else ():
             locked = (self.series[f"wheel_speed_{number}"] == 0.0) & (self.series["speed"] > above)
             edges = np.flatnonzero(np.diff(np.concatenate([[0], locked.astype(int), [0]])))
             spans = edges[1::2] - edges[::2]
@@ -106,6 +110,8 @@ class ProtectedStop:
 
     def share_in_band(self, largest: float, above: float) -> float:
         """Share of the braked time above a speed [m/s] in which all wheelsets' slip is at most `largest`."""
+        if not self.judged:
+            return math.nan
         chosen = self.braked(above)
         good = np.all([self.slip(number)[chosen] <= largest for number in self.numbers], axis=0)
         return float(good.mean())
@@ -116,6 +122,8 @@ class ProtectedStop:
 
     def air(self) -> float:
         """Air that the cylinders took [kg]: every rise of pressure fills their volume, which is taken as constant."""
+        if not self.judged:
+            return math.nan
         rises = sum(np.maximum(np.diff(self.series[f"pressure_{number}"]), 0.0).sum() for number in self.numbers)
         return float(rises) * CYLINDER_VOLUME / GAS
 
@@ -133,8 +141,8 @@ def protected_stop(
     run = _Run(machine, rail, controller, settings or Settings())
     run.play()
     series, numbers = Recording(columns(machine.machine.numbers), run.rows), machine.machine.numbers
-    distance = run.distance if run.speed < STANDING else None
-    return ProtectedStop(series, numbers, distance, run.speed, run.time, run.failure, dict(rail))
+    distance = run.distance if run.speed < STANDING and run.judged else None
+    return ProtectedStop(series, numbers, distance, run.speed, run.time, run.failure, dict(rail), run.judged)
 
 
 #: What is read of each wheelset.
@@ -158,6 +166,7 @@ class _Run:
     settings: Settings
     rows: list[list[float]] = field(default_factory=list)
     failure: str = ""
+    judged: bool = True
     distance: float = 0.0
     speed: float = math.inf
     seen: Sequence[float] = ()
@@ -223,6 +232,7 @@ class _Run:
             commands = supervised.step(time, speeds)
         except ControllerError as error:
             self.failure, commands = str(error), [APPLY] * len(self.encoders)
+            self.judged = not isinstance(error, NotJudgedError)
         for brake, before, now in zip(self.machine.brakes, self.commands, commands, strict=True):
             if now != before:
                 brake.set(valve=now)

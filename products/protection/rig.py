@@ -10,6 +10,7 @@ import ctypes
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from time import monotonic
 from types import TracebackType
 from typing import Any
 
@@ -17,14 +18,29 @@ import numpy as np
 from numpy.typing import NDArray
 
 from brake_controller.sensors import GATE, LOWEST_FREQUENCY, TIMER, edge_errors
-from brake_controller.wheel_slide import APPLY, VENT, ControllerError, LateError, Supervised, failure, within
+from brake_controller.wheel_slide import (
+    APPLY,
+    GUARD,
+    PATIENCE,
+    SHARED,
+    VENT,
+    ControllerError,
+    LateError,
+    NotJudgedError,
+    SilentError,
+    Supervised,
+    Watch,
+    failure,
+    silence,
+    within,
+)
 from fmu_src.batch import Instances
 from fmu_src.suggestion import suggestion
 from products.braked_vehicle import FULL_PRESSURE
 from products.protection import rig_in_c
 from products.protection.braked_machine import RELEASE_TIME, STANDING, Machine
 from products.protection.braked_system import Kind, cylinder_air, machine_library, machine_model
-from products.protection.forms import Arrays, Form, FunctionsInC, InC, Outside, at_once
+from products.protection.forms import Arrays, Form, FunctionsInC, InC, ManyControllers, Outside, at_once
 from products.protection.history import Notebook
 from products.protection.protected_stop import BRAKE_START, CYLINDER_VOLUME, GAS, LONGEST, Settings
 from products.protection.rails import ABOVE, BAND, LOCK_ABOVE
@@ -33,8 +49,10 @@ from products.protection.runs import DYNAMIC_BRAKE, SENSOR_FAILURES, TRACTION, R
 
 #: Looks between two glances at which runs have ended; so many at most go on for nothing.
 GLANCE = 100
-#: So many controllers in Python share an alarm, and must answer within so many seconds of wall time.
-TOGETHER, PATIENCE = 8, 1.0
+#: Processor time that one answer of a function of arrays may use [s].
+PATIENCE_WITH_ARRAYS = 10.0
+#: After so many runs in which a controller gave no answer it is not asked in the others.
+SILENCES = 3
 #: Speed from which a machine with traction starts [m/s].
 START_SPEED = 1.0
 #: Looks that a sensor remembers, ENCODER_LOOKS of encoder.h.
@@ -46,6 +64,11 @@ def check_period(period: float) -> None:
     shortest = GATE / (LOOKS - 2)
     if period < shortest:
         raise ValueError(f"Set period to at least {1e3 * shortest:.3g} ms on the test rig: it was {1e3 * period:g} ms.")
+
+
+def not_asked(who: str) -> NotJudgedError:
+    """Say that a controller is not judged which gave no answer in other runs."""
+    return NotJudgedError(f"{who} gave no answer in {SILENCES} runs; it was not asked again and is not judged here.")
 
 
 def commands_of(answer: NDArray[Any]) -> tuple[NDArray[np.int32], NDArray[np.bool_]]:
@@ -152,6 +175,11 @@ class Rig:
                 found[number] = replace(stop, history=notebook.history(row)) if notebook else stop
         return [one for one in found if one is not None]
 
+    def prepare(self, runs: Sequence[Run]) -> None:
+        """Compile, or load, the machines of these runs."""
+        for kind in {in_order({*self.equipment, *run.equipment}) for run in runs}:
+            machine_library(self._with(kind)._kind)
+
     def instances(self, count: int, start: Mapping[str, Any]) -> Instances:
         """So many machines with these first values, a number for all or one for each."""
         library = machine_library(self._kind)
@@ -187,7 +215,9 @@ class Rig:
         return Beginning(end, self._faults(run))
 
     def _faults(self, run: Run) -> ctypes.Array[Wheelset]:
-        each = (Wheelset * len(self.machine.numbers))(*(Wheelset(1.0, 0.0, 0.0, 0, 0) for _ in self.machine.numbers))
+        each = (Wheelset * len(self.machine.numbers))(
+            *(Wheelset(1.0, 0.0, 0.0, run.phase, 0, 0) for _ in self.machine.numbers)
+        )
         for one in run.faults:
             if one.wheelset not in self.machine.numbers:
                 raise ValueError(f"Give faults of wheelsets 1 to {len(each)}: it was {one.wheelset}.")
@@ -262,6 +292,9 @@ class Loop:
         self.score = whole.view(SCORE)
         self.each: list[Supervised | None] = [None] * self.count
         self.sentences: dict[int, str] = {}
+        self.not_judged: set[int] = set()
+        self.silences = 0
+        self.watch = Watch(PATIENCE, GUARD)
         self.ends = np.zeros(self.count)
         errors = [edge_errors(s.pulses, s.jitter, number) for number in machine.numbers]
         self.errors = np.array(errors) if s.jitter else None
@@ -284,13 +317,14 @@ class Loop:
             self.call.rig_begin(self.own, row, one.end_speed, errors, ctypes.addressof(one.wheelsets))
             self.ends[row] = one.end_speed
             self.sentences.pop(row, None)
+            self.not_judged.discard(row)
             self.valves[row] = 0
         if isinstance(form, Arrays):
             form.controller.start(np.array(list(rows)), self.count, self.wheelsets, self.rig.settings.period)
         elif form is not None and not isinstance(form, InC | Outside):
             for row in rows:
                 self.each[row] = None  # first the one before ends: an FMU may allow no second instance
-                self.each[row] = Supervised(form(), self.wheelsets)
+                self.each[row] = Supervised(form(), self.wheelsets, PATIENCE, GUARD)
         self._look(rows)
 
     def _look(self, rows: Iterable[int]) -> None:
@@ -319,21 +353,38 @@ class Loop:
         self.instances.control(self.rig.settings.period, 2, self.call.rig_take_or_look, self.own)
 
     def _ask_all(self) -> None:
+        """Ask a function of arrays, unless every run that goes on has been given up."""
         assert isinstance(self.rig.form, Arrays)
-        controller = self.rig.form.controller
-        given = [one.copy() for one in (self.time, self.speeds)]
+        running = np.flatnonzero(self.score["state"] == RUNS).tolist()
+        if self.sentences.keys() >= set(running):
+            return
+        controller, given = self.rig.form.controller, [one.copy() for one in (self.time, self.speeds)]
         for one in given:
             one.flags.writeable = False
+        error = self._asked_of_all(controller, *given)
+        if error:
+            for row in running:
+                self._give_up(row, error)
+
+    def _asked_of_all(self, controller: ManyControllers, *given: NDArray[np.float64]) -> ControllerError | None:
+        """Take the answer of a function of arrays; why it has none, if so."""
+        name, at, limit = f"The controller {type(controller).__name__}", float(self.time.max()), PATIENCE_WITH_ARRAYS
+        if self.silences >= SILENCES:
+            return not_asked(name)
         try:
-            answer = np.asarray(controller.step(*given))
+            answer = np.asarray(within(Watch(limit, GUARD), lambda: controller.step(*given)))
             if answer.shape != self.valves.shape:
                 raise ValueError(f"its commands have the shape {answer.shape}, due was {self.valves.shape}")
             self._take_all(answer)
+            return None
+        except LateError:
+            words = f"{name} used more than {limit:g} s of processor time for its answer at {at:.6g} s; "
+        except SilentError:
+            self.silences += 1
+            return NotJudgedError(silence(name, GUARD, f" at {at:.6g} s"))
         except (Exception, SystemExit) as error:
-            name, at = type(controller).__name__, float(self.time.max())
-            words = f"The controller {name} failed at {at:.6g} s ({failure(error, controller)}); "
-            for row in np.flatnonzero(self.score["state"] == RUNS).tolist():
-                self._give_up(row, words + "the brake stays applied.")
+            words = f"{name} failed at {at:.6g} s ({failure(error, controller)}); "
+        return ControllerError(words + "the brake stays applied.")
 
     def _take_all(self, answer: NDArray[np.integer]) -> None:
         """Commands of all rows; those of a row with another than 0, 1 and 2 are none."""
@@ -343,42 +394,50 @@ class Loop:
             words = (
                 f"The controller gave {answer[row].tolist()} at {self.time[row]:.6g} s where 0 (apply), 1 (hold) or 2 "
             )
-            self._give_up(row, words + "(vent) was due for each wheelset; the brake stays applied.")
+            words += "(vent) was due for each wheelset; the brake stays applied."
+            self._give_up(row, ControllerError(words))
 
-    def _give_up(self, row: int, words: str) -> None:
+    def _give_up(self, row: int, error: ControllerError) -> None:
         """The brake of a row stays applied; the first sentence counts."""
-        self.sentences.setdefault(row, words)
+        if row not in self.sentences and isinstance(error, NotJudgedError):
+            self.not_judged.add(row)
+        self.sentences.setdefault(row, str(error))
         self.valves[row] = 0
         self.call.rig_give_up(self.own, row)
 
     def _ask_each(self) -> None:
         waiting = [row for row in np.flatnonzero(self.score["state"] == RUNS).tolist() if self.each[row]]
         times, speeds, every = self.time.tolist(), self.speeds.tolist(), self.valves.tolist()
+        watch, failed = self.watch, dict[int, ControllerError]()
 
         def ask() -> None:
-            for _ in range(min(TOGETHER, len(waiting))):
+            while waiting:
                 row = waiting[-1]
                 one = self.each[row]
                 assert one is not None
                 try:
                     every[row] = one.unhurried(times[row], speeds[row])
                 except ControllerError as error:
-                    failed[row] = str(error)
+                    failed[row] = error
+                if monotonic() - watch.begun > SHARED:
+                    watch.end()
+                    watch.begin()
                 waiting.pop()
 
-        failed: dict[int, str] = {}
-        while waiting:
+        while waiting and self.silences < SILENCES:
             try:
-                within(PATIENCE, ask)
-            except LateError:
-                late = self.each[waiting[-1]]
+                within(watch, ask)
+            except (LateError, SilentError) as raised:
+                row, silent = waiting.pop(), isinstance(raised, SilentError)
+                late = self.each[row]
                 assert late is not None
-                failed[waiting[-1]] = str(late.late(times[waiting[-1]]))
-                waiting.pop()
+                failed[row] = late.silent(times[row]) if silent else late.late(times[row])
+                self.silences += silent
+        failed |= {row: not_asked(f"The controller {one.name}") for row in waiting if (one := self.each[row])}
         self.valves[:] = every
-        for row, words in failed.items():
+        for row, error in failed.items():
             self.each[row] = None
-            self._give_up(row, words)
+            self._give_up(row, error)
 
     def stop(self, row: int) -> Stop:
         """What the run in a row came to."""
@@ -403,6 +462,7 @@ class Loop:
             float(one["reservoir"]) if by_flow else None,
             int(one["commands"]),
             said,
+            row not in self.not_judged,
         )
 
     def _failure(self, one: Any) -> str:

@@ -38,7 +38,7 @@ class Wheelset(ctypes.Structure):
     """A `rig_wheelset`."""
 
     _fields_ = (
-        *((name, ctypes.c_double) for name in ("radius", "sensor_from", "valve_from")),
+        *((name, ctypes.c_double) for name in ("radius", "sensor_from", "valve_from", "phase")),
         *((name, ctypes.c_int) for name in ("sensor", "valve_sticks")),
     )
 

@@ -63,6 +63,7 @@ class Run:
     """One stop: inputs and parameters of the vehicle; speed [m/s] and strength, by default those of the settings.
 
     equipment: what the machine has, some of EQUIPMENT. With traction a run is no stop: it ends as it comes to `speed`.
+    phase: share of a tooth by which the wheels of all sensors are turned at the first look, 0 to below 1.
     """
 
     values: Mapping[str, float]
@@ -70,8 +71,11 @@ class Run:
     strength: float | None = None
     faults: tuple[Fault, ...] = ()
     equipment: tuple[str, ...] = ()
+    phase: float = 0.0
 
     def __post_init__(self) -> None:
+        if not 0.0 <= self.phase < 1.0:
+            raise ValueError(f"Set phase to 0 to below 1 tooth: it was {self.phase}.")
         object.__setattr__(self, "equipment", in_order(self.equipment))
 
     @property
@@ -89,7 +93,8 @@ class Stop:
     wheelset that turns at more than twice the speed; longest_skid: way of a locked wheelset at any speed [m];
     share_in_band: of the braked time, with all slips in the band; air: what all cylinders took [kg]; sliding: energy
     between the wheels of each wheelset and the rails [J]; lowest_reservoir: pressure [Pa], None without a reservoir;
-    commands: how often a valve was told anything but to apply; said: a sentence; history: where it was asked for.
+    commands: how often a valve was told anything but to apply; said: a sentence; judged: False if the controller gave
+    no answer for long, so that nothing is said of it; history: where it was asked for.
     """
 
     distance: float | None
@@ -103,4 +108,5 @@ class Stop:
     lowest_reservoir: float | None
     commands: int
     said: str
+    judged: bool = True
     history: History | None = field(default=None, compare=False, repr=False)

@@ -23,11 +23,11 @@ class Contact:
     Raises ValueError for another depth, and for a law that the depth would not use.
 
     flange_law: of the patches of a flange at depth 2; depth 1 has none. A flange spins, which takes lateral force from
-    Polach's law: on the Manchester contact benchmark A-2.2 it is up to 26.7 % of mu N off sideways, 8.8 % ahead, and
-    the Y/Q at which a wheel climbs comes out 12 % above Nadal's limit, on the unsafe side. With Shen, Hedrick and
-    Elkins on the flange these are 7.3 %, 10.1 % and under 2 %; FASTSIM, 5 x 5, has 7.1 % and 8.3 % at ten times the
-    cost. On a tread, which spins without sliding much, theirs is no better than Polach's (scenario creep-laws). Neither
-    is used at depth 3, where every strip creeps by FASTSIM with flexibilities of its own.
+    Polach's law: the Y/Q at which a wheel climbs comes out 12 % above Nadal's limit, on the unsafe side, with Shen,
+    Hedrick and Elkins under 2 % (scenario flange-climb). How far each is from exact theory on the Manchester contact
+    benchmark is measured by contact-manchester: docs/limits.md, Creep laws. FASTSIM, 5 x 5, is nearest at ten times the
+    cost. On a tread, which spins without sliding much, Shen, Hedrick and Elkins are no better than Polach (creep-laws).
+    Neither is used at depth 3, where every strip creeps by FASTSIM with flexibilities of its own.
     """
 
     depth: int = 1

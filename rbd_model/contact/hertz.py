@@ -7,7 +7,8 @@ from functools import lru_cache
 import casadi as ca
 import numpy as np
 
-#: Steel, as in Kalker's tabulated column (see creep.py). Assumed: the thesis prints none.
+#: Of all vehicles: a column of Kalker's table (`kalker.py`), assumed, as the thesis prints none. Steel has 0.28; what
+#: that changes is in docs/limits.md, Creep laws, and `OfSteel` (of_steel.py) has creep laws for it.
 POISSON_RATIO = 0.25
 #: The arithmetic-geometric mean converges quadratically; 6 rounds reach round-off for axis ratios above 1e-3.
 MEAN_ROUNDS = 6

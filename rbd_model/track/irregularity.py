@@ -12,10 +12,11 @@ from pathlib import Path
 
 import casadi as ca
 import numpy as np
-from scipy.interpolate import PPoly, make_interp_spline
+from scipy.interpolate import BPoly, PPoly
 
 from fmu_src.chain import Part
 from fmu_src.system import ParameterSet, System, quantity
+from rbd_model.track.line import Line
 from rbd_model.track.line_table import along_line
 from readers.tables import Column, read_table
 
@@ -233,7 +234,8 @@ COLUMNS = (
 def track_from_file(path: Path) -> Track:
     """Return a measured track from a file of COLUMNS; the row of names may be missing.
 
-    Quintic through the points, friction linear between them; the first and the last values hold beyond the ends.
+    Between points it is as a line file is between its rows (docs/line.md); the first and the last values hold beyond
+    the ends.
 
     Raises
     ------
@@ -250,11 +252,15 @@ def track_from_points(
     distance: np.ndarray, lateral: np.ndarray, left: np.ndarray, right: np.ndarray, friction: np.ndarray
 ) -> Track:
     """A track through points, arrays of shape (n,) as in `track_from_file`."""
+    names = ("left_lateral", "left_vertical", "right_vertical", "left_friction")
+    line = Line({"distance": distance} | dict(zip(names, (lateral, left, right, friction), strict=True)))
+    places = line.breaks()
 
-    def pieces(values: np.ndarray, degree: int) -> tuple[np.ndarray, np.ndarray]:
-        polynomial = PPoly.from_spline(make_interp_spline(distance, values, degree))
-        kept = np.diff(polynomial.x) > 0.0
-        return np.append(polynomial.x[:-1][kept], polynomial.x[-1]), polynomial.c[::-1, kept].T
+    def pieces(name: str) -> tuple[np.ndarray, np.ndarray]:
+        straight = name == "left_friction"
+        at = distance if straight else places
+        ends = np.stack([line.value(name, at, order) for order in range(1 if straight else 3)], axis=1)
+        return at, PPoly.from_bernstein_basis(BPoly.from_derivatives(at, ends)).c[::-1].T
 
     closest = float(np.min(np.diff(distance)))
     if not closest >= LEAST_DISTANCE:
@@ -266,12 +272,11 @@ def track_from_points(
 
     def add(system: System) -> Callable[[int, ca.SX, int], Section]:
         def section(number: int, along: ca.SX, order: int) -> Section:
-            def table(name: str, values: np.ndarray, degree: int, derivatives: int) -> ca.SX:
-                return ca.horzcat(*system.curve(f"track_{name}_{number}", *pieces(values, degree), along, derivatives))
+            def table(name: str, derivatives: int) -> ca.SX:
+                return ca.horzcat(*system.curve(f"track_{name}_{number}", *pieces(name), along, derivatives))
 
-            kinds = {"lateral": lateral, "left": left, "right": right}
-            rails = [table(name, values, 5, order) for name, values in kinds.items()]
-            return Section(ca.vertcat(*rails), table("friction", friction, 1, 0), ca.SX(density))
+            rails = [table(name, order) for name in names[:3]]
+            return Section(ca.vertcat(*rails), table(names[3], 0), ca.SX(density))
 
         return section
 

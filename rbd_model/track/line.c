@@ -1,7 +1,7 @@
 /* A line as a table file: what follows from its rows, and polynomials between them. Columns and pieces are declared in
  * line_table.py, which writes their places before this text: COLUMN_..., PIECE_... */
 
-/* Heading, rise and place of each row by integration; what lies between two rows of a line is a polynomial. */
+/* Heading, rise and place of each row by integration; what lies on a part of the way between two is a polynomial. */
 enum { PLAN = 3 }; /* places ahead and aside, and the way seen from above; each is whole metres and a rest */
 static const int PLAN_NEAR[PLAN] = {COLUMN_AHEAD, COLUMN_ASIDE, COLUMN_LEVEL};
 static const int PLAN_FAR[PLAN] = {COLUMN_AHEAD_FAR, COLUMN_ASIDE_FAR, COLUMN_LEVEL_FAR};
@@ -27,32 +27,19 @@ static void directions(double angle, double along[PLAN], double across[PLAN]) {
     across[2] = 0.0;
 }
 
-static void plan(const table_file *self, int row, int which, double *c) {
-    const double *far_off = self->column[PLAN_FAR[which]], *near_by = self->column[PLAN_NEAR[which]];
-    const double h = self->column[COLUMN_DISTANCE][row + 1] - self->column[COLUMN_DISTANCE][row];
-    double heading[MOST_TERMS], rise[MOST_TERMS], end[2][3], along[PLAN], across[PLAN];
-    table_integral(self, COLUMN_CURVATURE, row, self->column[COLUMN_HEADING][row], heading);
-    table_integral(self, COLUMN_GRADIENT, row, 0.0, rise);
-    for (int i = 0; i < 2; ++i) {
-        const double x = i * h, sine = table_slope(rise, x), level = sqrt(1.0 - sine * sine);
-        const double steepening = 2.0 * rise[2] + x * (6.0 * rise[3] + x * 12.0 * rise[4]);
-        directions(table_value(heading, x), along, across);
-        end[i][0] = near_by[row];
-        end[i][1] = level * along[which];
-        end[i][2] = -sine * steepening / level * along[which] + level * table_slope(heading, x) * across[which];
-    }
-    table_quintic(end[0], end[1], (far_off[row + 1] - far_off[row]) + (near_by[row + 1] - near_by[row]), h, c);
+/* Heading and rise from the beginning of a part on; the rise is counted from its row. */
+static void directions_of(const table_file *self, const table_part *part, double heading[MOST_TERMS], double rise[MOST_TERMS]) {
+    table_integral(self, COLUMN_CURVATURE, part, self->column[COLUMN_HEADING][part->row], heading);
+    table_integral(self, COLUMN_GRADIENT, part, 0.0, rise);
 }
 
-/* From a row to the next: Gauss's quadrature with five points. */
-static void way(const table_file *self, int row, double found[PLAN]) {
+/* What is added along a part whose heading and rise are given: Gauss's quadrature with five points. */
+static void way(const table_part *part, const double *heading, const double *rise, double found[PLAN]) {
     static const double place[5] = {-0.9061798459386640, -0.5384693101056831, 0.0, 0.5384693101056831, 0.9061798459386640};
     static const double weight[5] = {0.2369268850561891, 0.4786286704993665, 0.5688888888888889, 0.4786286704993665,
                                      0.2369268850561891};
-    const double half = (self->column[COLUMN_DISTANCE][row + 1] - self->column[COLUMN_DISTANCE][row]) / 2.0;
-    double heading[MOST_TERMS], rise[MOST_TERMS], along[PLAN], across[PLAN];
-    table_integral(self, COLUMN_CURVATURE, row, self->column[COLUMN_HEADING][row], heading);
-    table_integral(self, COLUMN_GRADIENT, row, 0.0, rise);
+    const double half = (part->to - part->from) / 2.0;
+    double along[PLAN], across[PLAN];
     for (int which = 0; which < PLAN; ++which) found[which] = 0.0;
     for (int i = 0; i < 5; ++i) {
         const double x = half * (1.0 + place[i]), sine = table_slope(rise, x);
@@ -61,77 +48,111 @@ static void way(const table_file *self, int row, double found[PLAN]) {
     }
 }
 
-static void integrate_line(const table_file *self) {
-    double heading[MOST_TERMS], rise[MOST_TERMS], gained[PLAN], *const *column = self->column;
-    column[COLUMN_HEADING][0] = column[COLUMN_RISE][0] = 0.0;
-    for (int which = 0; which < PLAN; ++which) column[PLAN_NEAR[which]][0] = column[PLAN_FAR[which]][0] = 0.0;
-    for (int i = 0; i + 1 < self->rows; ++i) {
-        const double h = column[COLUMN_DISTANCE][i + 1] - column[COLUMN_DISTANCE][i];
-        table_integral(self, COLUMN_CURVATURE, i, column[COLUMN_HEADING][i], heading);
-        table_integral(self, COLUMN_GRADIENT, i, column[COLUMN_RISE][i], rise);
-        column[COLUMN_HEADING][i + 1] = table_value(heading, h);
-        column[COLUMN_RISE][i + 1] = table_value(rise, h);
-        way(self, i, gained);
-        for (int which = 0; which < PLAN; ++which) { /* whole metres apart: no digits are lost far from the start */
-            const double rest = column[PLAN_NEAR[which]][i] + gained[which], whole = floor(rest + 0.5);
-            column[PLAN_FAR[which]][i + 1] = column[PLAN_FAR[which]][i] + whole;
-            column[PLAN_NEAR[which]][i + 1] = rest - whole;
-        }
+/* The place at the beginning of a part, beside the whole metres of its row, and what is added along it. A part in the middle
+ * begins behind the rounded corner at its row; the last one ends where the next row is. */
+static double part_of_plan(const table_file *self, const table_part *part, int which, const double *heading,
+                           const double *rise, double *gained) {
+    const int row = part->row;
+    const double *far_off = self->column[PLAN_FAR[which]], *near_by = self->column[PLAN_NEAR[which]];
+    const double whole = (far_off[row + 1] - far_off[row]) + (near_by[row + 1] - near_by[row]);
+    const bool ends = part->to == self->column[COLUMN_DISTANCE][row + 1] - self->column[COLUMN_DISTANCE][row];
+    double found[PLAN], before_heading[MOST_TERMS], before_rise[MOST_TERMS];
+    *gained = whole;
+    if (part->from == 0.0 && ends) return near_by[row];
+    way(part, heading, rise, found);
+    *gained = found[which];
+    if (ends) return near_by[row] + (whole - found[which]);
+    if (part->from == 0.0) return near_by[row];
+    const table_part before = {row, 0.0, part->from, part->rounded, false};
+    directions_of(self, &before, before_heading, before_rise);
+    way(&before, before_heading, before_rise, found);
+    return near_by[row] + found[which];
+}
+
+static void plan(const table_file *self, const table_part *part, int which, double *c) {
+    const double h = part->to - part->from;
+    double heading[MOST_TERMS], rise[MOST_TERMS], end[2][3], along[PLAN], across[PLAN], gained;
+    directions_of(self, part, heading, rise);
+    for (int i = 0; i < 2; ++i) {
+        const double x = i * h, sine = table_slope(rise, x), level = sqrt(1.0 - sine * sine);
+        const double steepening = 2.0 * rise[2] + x * (6.0 * rise[3] + x * 12.0 * rise[4]);
+        directions(table_value(heading, x), along, across);
+        end[i][1] = level * along[which];
+        end[i][2] = -sine * steepening / level * along[which] + level * table_slope(heading, x) * across[which];
+    }
+    end[0][0] = part_of_plan(self, part, which, heading, rise, &gained);
+    table_quintic(end[0], end[1], gained, h, c);
+}
+
+/* From a row to the next: its heading, rise and place. */
+static void integrate_row(const table_file *self, int row) {
+    double heading[MOST_TERMS], rise[MOST_TERMS], gained[PLAN], all[PLAN] = {0.0}, *const *column = self->column;
+    table_part part[MOST_PARTS];
+    const int parts = table_parts(self, row, part);
+    for (int i = 0; i < parts; ++i) {
+        directions_of(self, &part[i], heading, rise);
+        way(&part[i], heading, rise, gained);
+        for (int which = 0; which < PLAN; ++which) all[which] += gained[which];
+    }
+    const double width = part[parts - 1].to - part[parts - 1].from; /* heading and rise are those of the last part */
+    column[COLUMN_HEADING][row + 1] = table_value(heading, width);
+    column[COLUMN_RISE][row + 1] = column[COLUMN_RISE][row] + table_value(rise, width);
+    for (int which = 0; which < PLAN; ++which) { /* whole metres apart: no digits are lost far from the start */
+        const double rest = column[PLAN_NEAR[which]][row] + all[which], whole = floor(rest + 0.5);
+        column[PLAN_FAR[which]][row + 1] = column[PLAN_FAR[which]][row] + whole;
+        column[PLAN_NEAR[which]][row + 1] = rest - whole;
     }
 }
 
-/* Whether the file says anything of where the rails are, beside their height. */
-static bool has_rails(const table_file *self) {
-    return self->column[COLUMN_LEFT_LATERAL] || self->column[COLUMN_RIGHT_LATERAL] || self->column[COLUMN_GAUGE_WIDENING];
-}
-
-/* Position of both rails, the mean of each row, and half of what they stand too far apart. */
-static void part_rails(const table_file *self) {
-    const double *left = self->column[COLUMN_LEFT_LATERAL], *right = self->column[COLUMN_RIGHT_LATERAL];
-    const double *wide = self->column[COLUMN_GAUGE_WIDENING];
-    for (int i = 0; i < self->rows; ++i) {
-        const double at_left = left ? left[i] : 0.0, at_right = right ? right[i] : 0.0;
-        self->column[COLUMN_LATERAL][i] = (at_left + at_right) / 2.0;
-        self->column[COLUMN_SPREAD][i] = (at_left - at_right + (wide ? wide[i] : 0.0)) / 2.0;
-    }
-}
-
-/* The sine of the track's roll is negative where the right rail is the higher one. */
 static void complete(const table_file *self) {
-    for (int i = 0; i < self->rows; ++i) self->column[COLUMN_ROLL][i] = -self->column[COLUMN_CANT][i] / GAUGE;
-    if (has_rails(self)) part_rails(self);
-    integrate_line(self);
+    self->column[COLUMN_HEADING][0] = self->column[COLUMN_RISE][0] = 0.0;
+    for (int which = 0; which < PLAN; ++which) self->column[PLAN_NEAR[which]][0] = self->column[PLAN_FAR[which]][0] = 0.0;
+    for (int row = 0; row + 1 < self->rows; ++row) integrate_row(self, row);
 }
 
-/* A column that the file may leave out, where it is 0. */
-static void smooth_or_none(const table_file *self, bool known, int column, int row, double *c) {
-    if (known) table_smooth(self, column, row, c);
+/* Adds a column that the file may leave out, where it is 0. */
+static void add(const table_file *self, int column, const table_part *part, double factor, double *c) {
+    double own[MOST_TERMS];
+    if (!self->column[column]) return;
+    table_smooth(self, column, part, own);
+    for (int i = 0; i < MOST_TERMS; ++i) c[i] += factor * own[i];
 }
 
-/* Straight lines between the rows: a smoother curve might fall below 0 beside leaves. */
-static void friction(const table_file *self, int column, int row, double *c) {
+/* Straight lines between the rows, corners too. */
+static void friction(const table_file *self, int column, const table_part *part, double *c) {
     c[0] = 1.0;
-    if (self->column[column]) table_straight(self, column, row, c);
+    if (self->column[column]) table_straight(self, column, part, c);
 }
 
-static void piece_between(const table_file *self, int piece, int row, double *c) {
+static void piece_between(const table_file *self, int piece, const table_part *part, double *c) {
     double *const *column = self->column;
+    const int row = part->row;
     switch (piece) {
-        case PIECE_HEADING: table_integral(self, COLUMN_CURVATURE, row, column[COLUMN_HEADING][row], c); break;
-        case PIECE_CANT: table_smooth(self, COLUMN_ROLL, row, c); break;
-        case PIECE_RISE: table_integral(self, COLUMN_GRADIENT, row, column[COLUMN_RISE][row], c); break;
-        case PIECE_AHEAD: plan(self, row, 0, c); break;
+        case PIECE_HEADING: table_integral(self, COLUMN_CURVATURE, part, column[COLUMN_HEADING][row], c); break;
+        case PIECE_CANT: add(self, COLUMN_CANT, part, -1.0 / GAUGE, c); break; /* negative: the right rail is the higher one */
+        case PIECE_RISE: table_integral(self, COLUMN_GRADIENT, part, column[COLUMN_RISE][row], c); break;
+        case PIECE_AHEAD: plan(self, part, 0, c); break;
         case PIECE_AHEAD_FAR: c[0] = column[COLUMN_AHEAD_FAR][row]; break;
-        case PIECE_ASIDE: plan(self, row, 1, c); break;
+        case PIECE_ASIDE: plan(self, part, 1, c); break;
         case PIECE_ASIDE_FAR: c[0] = column[COLUMN_ASIDE_FAR][row]; break;
-        case PIECE_LEVEL: plan(self, row, 2, c); break;
+        case PIECE_LEVEL: plan(self, part, 2, c); break;
         case PIECE_LEVEL_FAR: c[0] = column[COLUMN_LEVEL_FAR][row]; break;
-        case PIECE_LATERAL: smooth_or_none(self, has_rails(self), COLUMN_LATERAL, row, c); break;
-        case PIECE_SPREAD: smooth_or_none(self, has_rails(self), COLUMN_SPREAD, row, c); break;
-        case PIECE_LEFT: smooth_or_none(self, column[COLUMN_LEFT_VERTICAL], COLUMN_LEFT_VERTICAL, row, c); break;
-        case PIECE_RIGHT: smooth_or_none(self, column[COLUMN_RIGHT_VERTICAL], COLUMN_RIGHT_VERTICAL, row, c); break;
-        case PIECE_LEFT_FRICTION: friction(self, COLUMN_LEFT_FRICTION, row, c); break;
-        case PIECE_RIGHT_FRICTION: friction(self, COLUMN_RIGHT_FRICTION, row, c); break;
-        default: c[0] = RESOLVING_ROWS * (column[COLUMN_DISTANCE][row + 1] - column[COLUMN_DISTANCE][row]);
+        case PIECE_LATERAL:
+            add(self, COLUMN_LEFT_LATERAL, part, 0.5, c);
+            add(self, COLUMN_RIGHT_LATERAL, part, 0.5, c);
+            break;
+        case PIECE_SPREAD:
+            add(self, COLUMN_LEFT_LATERAL, part, 0.5, c);
+            add(self, COLUMN_RIGHT_LATERAL, part, -0.5, c);
+            add(self, COLUMN_GAUGE_WIDENING, part, 0.5, c);
+            break;
+        case PIECE_LEFT: add(self, COLUMN_LEFT_VERTICAL, part, 1.0, c); break;
+        case PIECE_RIGHT: add(self, COLUMN_RIGHT_VERTICAL, part, 1.0, c); break;
+        case PIECE_LEFT_FRICTION: friction(self, COLUMN_LEFT_FRICTION, part, c); break;
+        case PIECE_RIGHT_FRICTION: friction(self, COLUMN_RIGHT_FRICTION, part, c); break;
+        default: { /* what is left between two rounded corners is no shorter than they are */
+            const double width = column[COLUMN_DISTANCE][row + 1] - column[COLUMN_DISTANCE][row];
+            c[0] = RESOLVING_ROWS * fmax(part->to - part->from, fmin(width, ROUNDING));
+        }
     }
 }

@@ -2,8 +2,8 @@
 
 A line is built of segments or read from a file, and written to one: the file is what an FMU or a kernel reads
 (`line_file`, line_table.py). Curvature and cant are positive for a curve to the left, whose right rail is the higher
-one; distance is that along the line, and gradient the rise for each metre of it. Between rows what is read is smooth:
-curvature and gradient have a continuous slope, all else but friction a continuous bend as well (line.c).
+one; distance is that along the line, and gradient the rise for each metre of it. Between rows all values are straight,
+with rounded corners at the rows: `Line.value`, and for models fmu_src/runtime/table_pieces.c.
 """
 
 from __future__ import annotations
@@ -16,8 +16,9 @@ from numbers import Real
 from pathlib import Path
 
 import numpy as np
+from numpy.polynomial import Polynomial
 
-from rbd_model.track.line_table import LARGEST_TURN, LINE
+from rbd_model.track.line_table import LARGEST_TURN, LINE, ROUNDING
 from readers.tables import read_table
 
 #: Names of the columns of a line file.
@@ -29,8 +30,14 @@ MOST_ROWS, MOST_PRODUCTS = 1_000_000, 1e10
 #: Irregularities begin behind so much of a line and have grown to their size so much further on [m]: a vehicle starts
 #: with all wheels on rails that lie where they should.
 QUIET, GROWTH = 15.0, 35.0
-#: Assumed: length on either side of a joint over which a corner of curvature, cant or gradient is rounded [m].
-ROUNDING = 1.0
+#: Columns whose corners are rounded by cubics, as their integrals are looked up too; friction keeps its corners, and
+#: all others have two continuous derivatives.
+INTEGRATED, FRICTIONS = ("curvature", "gradient"), ("left_friction", "right_friction")
+#: What a slope and a bend of 1 at a row add to the straight line over a reach of 1, until it is met again: of the cubic
+#: without a bend, of the quintic with one.
+_AWAY, _LEFT = Polynomial([0.0, 1.0]), Polynomial([1.0, -1.0])
+CUBIC = (_AWAY * _LEFT**2, Polynomial([0.0]))
+QUINTIC = (_AWAY * _LEFT**3 * Polynomial([1.0, 3.0]), _AWAY**2 * _LEFT**3 / 2)
 
 
 @dataclass(frozen=True)
@@ -109,6 +116,40 @@ class Line:
         """From the first row to the last [m]."""
         return float(self.rows["distance"][-1] - self.rows["distance"][0])
 
+    def value(self, name: str, distance: np.ndarray | float, order: int = 0) -> np.ndarray:
+        """Return a column at places [m] as models read it (docs/line.md), or its derivative of an `order` along them.
+
+        It is straight between rows; corners are rounded over ROUNDING on either side of a row. A column that is missing
+        has its neutral value. Raises KeyError for a name that is no column, ValueError for an order that is not 0 to 2.
+        """
+        if name not in NAMES:
+            raise KeyError(f"A line's columns must be of {', '.join(NAMES)}; got {name!r}. Give one of these.")
+        if order not in (0, 1, 2):
+            raise ValueError(f"The order of a derivative must be 0, 1 or 2; got {order!r}. Give one of these.")
+        s, at = self.rows["distance"], np.asarray(distance, float)
+        values = self.rows.get(name, np.full(s.size, float(name in FRICTIONS)))
+        row = np.clip(np.searchsorted(s, at, "right") - 1, 0, s.size - 2)
+        width, gain = np.diff(s)[row], np.diff(values)[row]
+        over = np.clip(at - s[row], 0.0, width)
+        found = [values[row] + over * gain / width, gain / width, np.zeros_like(over)][order]
+        if name not in FRICTIONS:
+            reaches, slopes, bends = rounded(s, values, name not in INTEGRATED)
+            basis = CUBIC if name in INTEGRATED else QUINTIC
+            for end, place, sign in ((row, over, 1.0), (row + 1, width - over, -1.0)):
+                reach = reaches[row + 1]
+                share = np.minimum(place / reach, 1.0)
+                by_slope, by_bend = (part.deriv(order)(share) if order else part(share) for part in basis)
+                steeper = sign * (slopes[end] - gain / width) * reach * by_slope
+                found = found + (steeper + bends[end] * reach**2 * by_bend) * (sign / reach) ** order
+        beyond = (at < s[0]) | (at > s[-1])
+        return np.where(beyond & ((order > 0) | (name == "curvature")), 0.0, found)
+
+    def breaks(self) -> np.ndarray:
+        """Return the places between which every column is one polynomial [m]: rows, and where rounding ends."""
+        s = self.rows["distance"]
+        far = np.diff(s) > 2 * ROUNDING
+        return np.sort(np.concatenate([s, s[:-1][far] + ROUNDING, s[1:][far] - ROUNDING]))
+
     def write(self, path: Path) -> Path:
         """Writes the file that a kernel reads, each number to its last digit; the path."""
         lines = self.lines_of([name for name in NAMES if name in self.rows])
@@ -132,6 +173,45 @@ class Line:
                 swapped.pop(name, None)
                 swapped[name] = sign * rows.get(f"{other}_{rest}", np.zeros_like(rows["distance"]))
         return Line({name: swapped[name] for name in NAMES if name in swapped})
+
+
+def rounded(distance: np.ndarray, values: np.ndarray, bending: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the reach of corners on either side of each row [m], slope [1/m] and bend [1/m2] at each row.
+
+    bending: for quintics; else for cubics, whose bends are not asked for. Reaches have one more value, beyond either
+    end of the line. As in table_pieces.c curves do not leave the values of the rows beside them:
+    Fritsch and Carlson (1980), Monotone piecewise cubic interpolation, SIAM Journal on Numerical Analysis 17.
+    """
+    width = np.diff(distance)
+    meets = np.pad(width <= 2 * ROUNDING, 1)
+    reach = np.where(meets, np.pad(width, 1), ROUNDING)
+    straight = np.pad(np.diff(values) / width, 1)
+    (left, right), (before, behind) = (reach[:-1], reach[1:]), (straight[:-1], straight[1:])
+    slope = np.where(before * behind > 0.0, (before * right + behind * left) / (left + right), 0.0)
+    if not bending:
+        most = 3.0 * np.minimum(np.abs(before), np.abs(behind))
+        return reach, np.clip(slope, -most, most), np.zeros_like(slope)
+    first = np.where(meets, np.append(0.0, slope), straight)[:-1]
+    last = np.where(meets, np.append(slope, 0.0), straight)[1:]
+    ahead, back = (6 * behind - 4 * slope - 2 * last) / right, (2 * first + 4 * slope - 6 * before) / left
+    most, turn = 4.0 * np.abs(behind - before) / (left + right), 4.0 * np.abs(slope)
+    low = np.maximum(np.where(behind > 0.0, -turn / right, -most), np.where(before < 0.0, -turn / left, -most))
+    high = np.minimum(np.where(behind < 0.0, turn / right, most), np.where(before > 0.0, turn / left, most))
+    bend = np.clip((back * right + ahead * left) / (left + right), np.maximum(low, -most), np.minimum(high, most))
+    bend[(before == 0.0) | (behind == 0.0)] = 0.0
+    share = np.minimum(share_of_end(before, slope, -bend, left), share_of_end(behind, slope, bend, right))
+    return reach, share * slope, share * bend
+
+
+def share_of_end(straight: np.ndarray, slope: np.ndarray, bend: np.ndarray, reach: np.ndarray) -> np.ndarray:
+    """Return which share of slope and bend the end of a quintic may have beside a straight line of another slope.
+
+    Dougherty, Edelman and Hyman (1989), Mathematics of Computation 52.
+    """
+    m = np.sign(straight) * slope
+    n = m + np.sign(straight) * bend * reach / 4
+    need = np.maximum.reduce([(m + n) / 5, m / 2.5, (3 * m + 2 * n) / 10, (5 * m + 2 * n) / 15])
+    return np.minimum(np.abs(straight) / np.maximum(need, 1e-300), 1.0)
 
 
 def read_line(path: Path) -> Line:
@@ -253,7 +333,7 @@ def irregular(
     old = line.rows["distance"]
     distance = np.unique(np.concatenate([old, np.arange(old[0], old[-1], pitch)]))
     distance = distance[np.append(np.diff(distance) > pitch / 10, True)]
-    rows = {name: np.interp(distance, old, values) for name, values in line.rows.items()}
+    rows = {name: line.value(name, distance) for name in line.rows} | {"distance": distance}
     random = np.random.default_rng(seed)
     share = np.clip((distance - distance[0] - QUIET) / GROWTH, 0.0, 1.0)
     growth = share**3 * (10.0 - 15.0 * share + 6.0 * share**2)

@@ -1,6 +1,7 @@
 """The line as a table file: its columns with units and limits, and what models look up of it, declared once.
 
-What is integrated along it, and the polynomials between its rows, are in line.c.
+Between rows all values are straight; corners at rows are rounded (fmu_src/runtime/table_pieces.c). What is integrated
+along the line is in line.c.
 """
 
 from pathlib import Path
@@ -12,6 +13,9 @@ from readers.tables import Column
 
 #: Distance of the rails' heads over which cant is measured, EN 13803 [m]: its angle is asin(cant / GAUGE).
 GAUGE = 1.5
+#: Length on either side of a row over which a corner is rounded [m], so that an integrator finds slopes there; assumed
+#: (the stiffness of rails has about this effect).
+ROUNDING = 1.0
 #: Largest turn between two rows [rad], between which the plan is a polynomial; and how many rows make up the shortest
 #: thing on a line that steps resolve.
 LARGEST_TURN, RESOLVING_ROWS = 0.05, 8.0
@@ -49,7 +53,8 @@ PIECES = (
     Piece("right_friction", "1", 1),
     Piece("shortest", "m", 0),  # length of the shortest thing that steps resolve
 )
-SOURCE = f"""static const double GAUGE = {GAUGE}, LARGEST_TURN = {LARGEST_TURN}, RESOLVING_ROWS = {RESOLVING_ROWS};
+SOURCE = f"""static const double GAUGE = {GAUGE}, ROUNDING = {ROUNDING}, LARGEST_TURN = {LARGEST_TURN};
+static const double RESOLVING_ROWS = {RESOLVING_ROWS};
 {(Path(__file__).parent / "line.c").read_text(encoding="utf-8")}"""
 
 LINE = TableFile(
@@ -66,12 +71,10 @@ LINE = TableFile(
     resource="line.csv",
     columns=COLUMNS,
     least_growth=1e-3,
+    rounding=ROUNDING,
     known="distance, curvature, cant, gradient, and where known gauge_widening and, behind left_ and right_, lateral, "
     "vertical, friction",
-    added=(
-        *("heading", "rise", "roll", "ahead", "ahead_far", "aside", "aside_far", "level", "level_far"),
-        *("lateral", "spread"),
-    ),
+    added=("heading", "rise", "ahead", "ahead_far", "aside", "aside_far", "level", "level_far"),
     pieces=PIECES,
     source=SOURCE,
 )

@@ -25,7 +25,7 @@ COUPLER_CONSTANTS = 2 + 4 * 2 * POINTS
 
 @dataclass(frozen=True)
 class Curve:
-    """Force [N] over way [m], straight between the points and at the locked stiffness behind the last one.
+    """Force [N] over way [m], straight between the points; behind the last one see `Coupler`.
 
     The first point lies at way 0; a force there is a preload.
     """
@@ -44,8 +44,12 @@ class Curve:
         if self.forces[0] < 0.0:
             raise ValueError(f"Set the preload of a coupler's curve to at least 0 N: it was {self.forces[0]:g} N.")
 
-    def bends(self, locked: float) -> list[tuple[float, float]]:
-        """Ways [m] and changes of slope [N/m] there; a preload is reached at the locked stiffness [N/m]."""
+    def bends(self, locked: float, stroke: float) -> list[tuple[float, float]]:
+        """Return ways [m] and changes of slope [N/m] there.
+
+        A preload is reached at the locked stiffness [N/m]. The last piece goes on to the stroke [m], where that
+        stiffness begins.
+        """
         points = list(zip(self.ways, self.forces, strict=True))
         if points[0][1] > 0.0:
             points = [(0.0, 0.0), (points[0][1] / locked, points[0][1]), *points[1:]]
@@ -60,24 +64,46 @@ class Curve:
                 f" it was {locked:g} N/m."
             )
         changes = [after - before for before, after in pairwise([0.0, *slopes, locked])]
-        found = list(zip([way for way, _ in points], changes, strict=True))
+        found = list(zip([*(way for way, _ in points[:-1]), stroke], changes, strict=True))
         return found + [(1.0, 0.0)] * (POINTS - len(found))
 
 
 @dataclass(frozen=True)
 class Coupler:
-    """Both directions of a coupling between two vehicles, and its locked stiffness [N/m]; ways are of the coupling."""
+    """Both directions of a coupling between two vehicles, and its locked stiffness [N/m]; ways are of the coupling.
+
+    Each direction has a curve of loading and one of unloading. Both meet steel at one way, the stroke: the later of
+    their last points. Up to there the other curve goes on along its last piece. Steel has no friction, so that
+    unloading lies below loading everywhere, and a closed cycle loses energy (Wu, Spiryagin and Cole (2016)). Raises
+    ValueError if it lies above.
+    """
 
     name: str
     locked: float
     tension: tuple[Curve, Curve]
     compression: tuple[Curve, Curve]
 
+    def __post_init__(self) -> None:
+        for sense, (loading, unloading) in (("tension", self.tension), ("compression", self.compression)):
+            both = self._bends(loading, unloading)
+            for way in sorted({way for bends in both for way, _ in bends}):
+                load, unload = (sum(change * max(way - at, 0.0) for at, change in bends) for bends in both)
+                if unload > load * (1 + 1e-9):
+                    raise ValueError(
+                        f"Let the {sense} of a coupler unload below its curve of loading: at {way:g} m they are "
+                        f"{unload:g} N and {load:g} N."
+                    )
+
+    def _bends(self, *curves: Curve) -> list[list[tuple[float, float]]]:
+        """Return the bends of loading and unloading, which have one stroke."""
+        stroke = max(curve.ways[-1] for curve in curves)
+        return [curve.bends(self.locked, stroke) for curve in curves]
+
     def constants(self) -> list[float]:
         """As C takes them, COUPLER_CONSTANTS of them."""
         rows = [self.locked, 1.0]
-        for curve in (*self.tension, *self.compression):
-            ways, changes = zip(*curve.bends(self.locked), strict=True)
+        for bends in (*self._bends(*self.tension), *self._bends(*self.compression)):
+            ways, changes = zip(*bends, strict=True)
             rows += [*ways, *changes]
         return rows
 

@@ -26,8 +26,11 @@ All make the same stops with the same brake, sensors and rails; cylinders fill b
 a controller the wheels may lock.
 The ideal has the best slip at every instant. Measures in the manner of EN 15595, without any claim of conformity.
 
-Exit status: 0 all controllers stopped everywhere; 1 one did not stop, failed, or missed a period in the loop; 2 bad
-input; 3 the simulation failed; 130 interrupted with Ctrl-C.
+Each case is run with the looks of the controllers in three places between two teeth of the sensors. A distance is the
+mean of those stops; controllers whose difference is within that spread are called equal.
+
+Exit status: 0 all controllers stopped everywhere; 1 one did not stop, failed, was not judged, or missed a period in the
+loop; 2 bad input; 3 the simulation failed; 130 interrupted with Ctrl-C.
 """
 
 from __future__ import annotations
@@ -49,7 +52,7 @@ from scenarios.controllers import answering, loop, replay, verdict
 from scenarios.controllers.given import controllers_of
 from scenarios.controllers.page import page
 from scenarios.controllers.picture import draw
-from scenarios.controllers.scoring import Scored, compare, ideal_distance, runs_of
+from scenarios.controllers.scoring import PHASES, Scored, compare, ideal_distance, runs_of
 from scenarios.controllers.table import document, lines, write_document
 from scenarios.methods.pace import time_of
 from scenarios.reporting.plots import plt
@@ -57,6 +60,8 @@ from scenarios.scenario import BadInputError
 
 #: Standard deviation of a tooth's place above which teeth change places, as a share of the pitch.
 MOST_JITTER = 0.5
+#: Stops of each case at most: two phases then lie a hundredth of a tooth apart.
+MOST_PHASES = 100
 MACHINES = {"bogie": bogie, "vehicle": coach}
 
 
@@ -92,6 +97,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--rails", default="", metavar="NAMES", help=text)
     text = "a TOML file with cases; full: the programme that comes along; starts: the one for driven wheels"
     group.add_argument("--programme", metavar="FILE", help=text)
+    text = f"stops of each case, with looks elsewhere between two teeth, 1 to {MOST_PHASES} (default: {PHASES})"
+    parser.add_argument("--phases", type=int, default=PHASES, metavar="N", help=text)
     parser.add_argument("--html", action="store_true", help="also write a page that plays all stops side by side")
     add_settings(parser)
 
@@ -154,8 +161,10 @@ def run(chosen: argparse.Namespace) -> bool:
     settings = settings_of(chosen)
     machine = MACHINES[chosen.vehicle]()
     cases = cases_of(chosen)
+    if not 1 <= chosen.phases <= MOST_PHASES:
+        raise BadInputError(f"Set --phases to a whole number from 1 to {MOST_PHASES}: it was {chosen.phases}.")
     controllers = controllers_of(chosen.controller, len(machine.numbers), TRACTION in cases[0].equipment)
-    scores = compare(machine, controllers, cases, settings, chosen.level, recorded=chosen.html)
+    scores = compare(machine, controllers, cases, settings, chosen.level, chosen.html, chosen.phases)
     folder = chosen.out / "controllers"
     found = verdict.verdicts(scores)
     about = document(chosen.vehicle, settings, scores) | {"verdict": verdict.document(found)}

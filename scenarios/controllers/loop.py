@@ -16,15 +16,16 @@ from dataclasses import asdict, dataclass, replace
 import numpy as np
 
 from brake_controller.rig.udp_client import HOST, PORT
+from brake_controller.wheel_slide import PATIENCE
 from products.protection.braked_machine import Machine
 from products.protection.protected_stop import Settings
-from products.protection.rig import PATIENCE, Rig
+from products.protection.rig import Rig
 from products.protection.runs import Run, Stop
 from scenarios.controllers.remote import Counts, Remote
 from scenarios.reporting.progress import counting
 from scenarios.scenario import BadInputError
 
-#: Longest period on the wall: the rig waits for one to begin and to end within its patience with a controller [s].
+#: Longest period on the clock [s]: the rig watches one begin and end within the processor time that an answer may use.
 LONGEST = 0.45 * PATIENCE
 
 
@@ -93,6 +94,11 @@ def run_in_loop(machine: Machine, run: Run, settings: Settings, own: socket.sock
     if silent is not None:
         said = f"No answer came from {silent:g} s on, and the watchdog applied the brake: no stop of this controller."
         stop = replace(stop, distance=None, said=said)
+    elif remote.counts.for_the_rig:
+        said = f"The rig itself asked late in {remote.counts.for_the_rig} of the periods that were missed: not judged. "
+        stop = replace(
+            stop, distance=None, judged=False, said=said + "Lower --pace, or lower the load of this machine."
+        )
     late, answered = np.array(remote.late), np.array(remote.answered)
     return Looped(stop, remote.counts, pace, settings.period, late, answered, silent)
 

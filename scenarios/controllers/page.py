@@ -111,6 +111,7 @@ def data(machine: Machine, scores: Sequence[Scored]) -> dict[str, object]:
         "fullEffort": full_effort(machine, scores) / EFFORT,
         "effortUnit": words.unit,
         "noEnd": words.none,
+        "notJudged": "not judged",
         "end": "arrives" if scores[0].driven else "stands",
         "lockAbove": LOCK_ABOVE,
         "units": {"time": TIME, "distance": DISTANCE, "speed": SPEED},
@@ -120,7 +121,8 @@ def data(machine: Machine, scores: Sequence[Scored]) -> dict[str, object]:
                 "case": one.case,
                 "controller": one.controller,
                 "ideal": one.ideal,
-                "distance": one.stop.distance,
+                "distance": (one.stops or [one.stop])[0].distance,  # of the phase that is drawn
+                "judged": one.stop.judged,
                 "said": one.stop.said,
                 "looks": history.time.size,
             }

@@ -47,7 +47,7 @@ def draw(scores: Sequence[Scored]) -> Figure:
         aside = APART * ((len(names) - 1) / 2 - number)
         own = {places[one.case] + aside: one for one in scores if one.controller == name}
         ratios = {place: ratio for place, one in own.items() if (ratio := one.over(one.ideal)) is not None}
-        missed = [place for place, one in own.items() if one.stop.distance is None]
+        missed = [place for place, one in own.items() if one.stop.distance is None and one.stop.judged]
         line = Line2D([], [], linestyle="none", markersize=5.5, clip_on=False, zorder=3, in_layout=False)
         line.set(**dict(zip(("marker", "color"), NONE if name == "none" else MARKS[number % len(MARKS)], strict=True)))
         hollow = copy(line)
@@ -90,7 +90,7 @@ def set_axis(axis: Axes, scores: Sequence[Scored], cases: Sequence[str]) -> floa
     )
     axis.axvspan(1.0, NEAR, color=THESIS, alpha=0.13, linewidth=0, zorder=0)
     axis.axvline(1.0, color="0.2", linewidth=1.0)
-    if any(one.stop.distance is None for one in scores):
+    if any(one.stop.distance is None and one.stop.judged for one in scores):
         axis.axvline(edge, color="0.4", linewidth=1.0, linestyle=":")
         axis.text(edge, len(cases) - 0.3, words_of(scores[0].driven).none, ha="center", va="bottom", fontsize=9)
     shown = [name if len(name) <= LETTERS else f"{name[: LETTERS - 1]}…" for name in cases]
@@ -109,11 +109,13 @@ def message(scores: Sequence[Scored]) -> str:
     """What the picture says, in at most twelve words if a name is one."""
     found = verdicts(scores)
     best = best_given(found)
-    name, cases, words = one_word(plain(best.controller)), best.stopped + best.failed, best.words
+    name, cases, words = one_word(plain(best.controller)), best.cases, best.words
+    if not best.stopped + best.failed:
+        return f"{name} is not judged"
     if not best.stopped:
         return f"{name} does not {words.do}"
     if best.worst is None or cases == 1:
-        return f"{name} takes {best.worst:.2f} of the ideal distance" if best.worst else f"{name} {words.does}"
+        return f"{name} takes {best.worst.mean:.2f} of the ideal distance" if best.worst else f"{name} {words.does}"
     own = (one.over(one.ideal) for one in scores if one.controller == best.controller)
     near = count([ratio for ratio in own if ratio is not None], cases)
     return f"{name} {words.does} within {NEAR:g} of the ideal in {near} cases"

@@ -15,10 +15,10 @@ from scenarios.controllers.scoring import Scored
 from scenarios.controllers.words import words_of
 
 HEADS = (
-    *("case", "controller", "distance", "over ideal", "over dry", "longest lock", "in the band"),
+    *("case", "controller", "distance", "spread", "over ideal", "over dry", "longest lock", "in the band"),
     *("sliding", "flat", "air", "reservoir"),
 )
-UNITS = ("", "", "m", "1", "1", "s", "1", "kJ", "mm", "l", "kPa")
+UNITS = ("", "", "m", "m", "1", "1", "s", "1", "kJ", "mm", "l", "kPa")
 
 
 def lines(vehicle: str, settings: Settings, scores: Sequence[Scored]) -> Iterator[str]:
@@ -49,7 +49,9 @@ def about(vehicle: str, settings: Settings, scores: Sequence[Scored]) -> str:
         way, lock = f"from {START_SPEED:g} to {settings.speed:g} m/s", "lock: wheels turn at more than twice the speed"
     else:
         way, lock = f"from {settings.speed:g} m/s", f"lock counted above {LOCK_ABOVE:g} m/s"
-    return f"{vehicle}: {strength} {way} unless the case says otherwise, {teeth}; {lock}"
+    phases = max(len(one.stops) for one in scores)
+    stops = f"; {phases} phases a case" if phases > 1 else ""
+    return f"{vehicle}: {strength} {way} unless the case says otherwise, {teeth}; {lock}{stops}"
 
 
 def said(scores: Sequence[Scored]) -> list[str]:
@@ -58,29 +60,27 @@ def said(scores: Sequence[Scored]) -> list[str]:
 
 
 def cells(one: Scored) -> tuple[str, ...]:
-    """A row of the table."""
+    """A row of the table; of a stop that is not judged only that."""
 
     def number(value: float | None, form: str) -> str:
-        return (
-            words_of(one.driven).none
-            if value is None and form == ".1f"
-            else "-"
-            if value is None
-            else format(value, form)
-        )
+        return "-" if value is None else format(value, form)
 
     stop = one.stop
+    if not stop.judged:
+        return one.case, one.controller, "not judged", *["-"] * (len(HEADS) - 3)
+    distance = words_of(one.driven).none if stop.distance is None else f"{stop.distance:.1f}"
     ratios = number(one.over(one.ideal), ".3f"), number(one.over(one.dry), ".3f")
     band = "-" if stop.distance is None else f"{stop.share_in_band:.2f}"
     rest = f"{stop.longest_lock:.2f}", band, f"{one.tread_energy / 1e3:.0f}"
     air = f"{1e3 * one.flat:.0f}", f"{one.air:.0f}", f"{(stop.lowest_reservoir or 0.0) / 1e3:.0f}"
-    return one.case, one.controller, number(stop.distance, ".1f"), *ratios, *rest, *air
+    return one.case, one.controller, distance, number(one.spread, ".1f"), *ratios, *rest, *air
 
 
 def document(vehicle: str, settings: Settings, scores: Sequence[Scored]) -> dict[str, object]:
     """For programs; SI units, air in litres."""
     runs = [
         {"case": one.case, "controller": one.controller, **asdict(replace(one.stop, history=None))}
+        | {"distances": [of.distance for of in one.stops or [one.stop]], "spread": one.spread}
         | {"over_ideal": one.over(one.ideal), "over_dry": one.over(one.dry), "ideal": one.ideal, "litres": one.air}
         | {"tread_energy": one.tread_energy, "flat": one.flat}
         for one in scores

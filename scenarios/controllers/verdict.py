@@ -6,6 +6,7 @@ import math
 import textwrap
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
+from statistics import fmean as mean
 from statistics import median
 
 from products.protection.rails import LONGEST_LOCK
@@ -19,12 +20,13 @@ HEADS = (
     "{none}",
     "locks",
     "median over ideal",
+    "spread",
     "worst",
     "in the case",
     "longest lock",
     "mean air",
 )
-UNITS = ("", "1", "1", "1", "1", "1", "", "s", "l")
+UNITS = ("", "1", "1", "1", "1", "1", "1", "", "s", "l")
 #: Columns of words; the others are numbers.
 WORDS = ("controller", "in the case")
 WIDTH = 120
@@ -33,11 +35,29 @@ ALIKE = 0.005
 
 
 @dataclass(frozen=True)
-class Verdict:
-    """What a controller came to in all cases.
+class Ratio:
+    """A distance over the ideal [1]: mean, smallest and largest over the phases of the look."""
 
-    stopped, failed: cases in which it stopped, and in which it did not; locked: those with a lock of more than
-    LONGEST_LOCK; median, worst: distance over the ideal where it
+    mean: float
+    least: float
+    most: float
+
+    @property
+    def spread(self) -> float:
+        """The largest less the smallest."""
+        return self.most - self.least
+
+    def is_like(self, other: Ratio) -> bool:
+        """Whether both lie within what the phase of the look, or the rig, makes of one."""
+        return abs(self.mean - other.mean) <= max(ALIKE, (self.spread + other.spread) / 2)
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What a controller came to in all cases that are judged.
+
+    stopped, failed, not_judged: cases in which it stopped in every phase, in which it did not, and which are not
+    judged; locked: those with a lock of more than LONGEST_LOCK; median, worst: distance over the ideal where it
     stopped, None where there is none to compare with; worst_case: the first in which it did not stop, or that of the
     worst; longest_lock [s]; air [l], the mean.
     """
@@ -46,18 +66,40 @@ class Verdict:
     stopped: int
     failed: int
     locked: int
-    median: float | None
-    worst: float | None
+    median: Ratio | None
+    worst: Ratio | None
     worst_case: str
     longest_lock: float
     air: float
     words: Words = STOPS
+    not_judged: int = 0
 
     @property
-    def rank(self) -> tuple[float, float, float, float]:
-        """Fewest failures first, then the fewest locks, then the smallest median, then the smallest worst."""
-        ratios = [math.inf if one is None else round(one / ALIKE) * ALIKE for one in (self.median, self.worst)]
-        return self.failed, self.locked, ratios[0], ratios[1]
+    def cases(self) -> int:
+        """How many there were."""
+        return self.stopped + self.failed + self.not_judged
+
+    @property
+    def counts(self) -> tuple[bool, int, int]:
+        """What comes before distances: all is judged, then the fewest failures, then the fewest locks."""
+        return self.not_judged > 0, self.failed, self.locked
+
+    @property
+    def rank(self) -> tuple[tuple[bool, int, int], float, float]:
+        """Then the smallest median, then the smallest worst."""
+        median, worst = (math.inf if one is None else one.mean for one in (self.median, self.worst))
+        return self.counts, median, worst
+
+
+def leaders(found: Sequence[Verdict]) -> list[Verdict]:
+    """Return the best: of those with the best counts all whose median, and then worst, is like the smallest."""
+    best = [one for one in found if one.counts == min(other.counts for other in found)]
+    for name in ("median", "worst"):
+        ratios = [ratio for one in best if (ratio := getattr(one, name)) is not None]
+        if ratios:
+            least = min(ratios, key=lambda ratio: ratio.mean)
+            best = [one for one in best if (ratio := getattr(one, name)) is not None and least.is_like(ratio)]
+    return best
 
 
 def verdicts(scores: Sequence[Scored]) -> list[Verdict]:
@@ -68,48 +110,59 @@ def verdicts(scores: Sequence[Scored]) -> list[Verdict]:
 
 def verdict(name: str, own: Sequence[Scored]) -> Verdict:
     """Of one controller, whose scores these are."""
-    ratios = {one.case: ratio for one in own if (ratio := one.over(one.ideal)) is not None}
-    failed = [one.case for one in own if one.stop.distance is None]
-    worst = max(ratios, key=lambda case: ratios[case]) if ratios else ""
+    judged = [one for one in own if one.stop.judged]
+    phases = {one.case: ratios for one in judged if (ratios := one.ratios)}
+    each = list(zip(*phases.values(), strict=True))
+    failed = [one.case for one in judged if one.stop.distance is None]
+    worst = max(phases, key=lambda case: mean(phases[case])) if phases else ""
     return Verdict(
         name,
-        len(own) - len(failed),
+        len(judged) - len(failed),
         len(failed),
-        sum(one.stop.longest_lock > LONGEST_LOCK for one in own),
-        median(ratios.values()) if ratios else None,
-        ratios.get(worst),
+        sum(one.stop.longest_lock > LONGEST_LOCK for one in judged),
+        ratio([median(of_phase) for of_phase in each]),
+        ratio(phases.get(worst, ())),
         failed[0] if failed else worst,
-        max(one.stop.longest_lock for one in own),
-        sum(one.air for one in own) / len(own),
+        max((one.stop.longest_lock for one in judged), default=math.nan),
+        sum(one.air for one in judged) / len(judged) if judged else math.nan,
         words_of(own[0].driven),
+        len(own) - len(judged),
     )
 
 
+def ratio(phases: Sequence[float]) -> Ratio | None:
+    """Of a value in each phase; None where there is none."""
+    return Ratio(mean(phases), min(phases), max(phases)) if phases else None
+
+
 def sentences(found: Sequence[Verdict]) -> list[str]:
-    """Which is best; and where each is worst, but for the wheels that nothing protects."""
-    order = sorted(found, key=lambda one: one.rank)
-    best, cases = [one for one in order if one.rank == order[0].rank], found[0].stopped + found[0].failed
-    words = found[0].words
-    if not best[0].stopped:
-        return [f"No controller {words.does} in any case."]
+    """Which is best; where each is worst, but for the wheels that nothing protects; and what is not judged."""
+    best = leaders(found)
+    order = [*best, *sorted((one for one in found if one not in best), key=lambda one: one.rank)]
+    words, cases = found[0].words, found[0].cases
+    silent = [f"{one.controller} ({one.not_judged} of {cases} cases)" for one in found if one.not_judged]
+    rest = [f"Not judged, and so not ranked: {'; '.join(silent)}."] if silent else []
+    if not any(one.stopped for one in found):
+        return rest if silent else [f"No controller {words.does} in any case."]
     names = " and ".join(one.controller for one in best)
     who = (
         "All controllers are alike" if len(best) == len(found) else f"{names} {'is' if len(best) == 1 else 'are'} best"
     )
     where = "in every case" if best[0].stopped == cases else f"in {best[0].stopped} of {cases} cases"
     said = [f"{who}: {f'it {words.does}' if len(best) == 1 else f'they {words.do}'} {where}{_median(best[0], cases)}."]
-    worst = [_worst(one) for one in order if one.controller != "none"]
-    return said if len(best) == len(found) or cases == 1 else [*said, f"Where each is worst: {'; '.join(worst)}."]
+    worst = [_worst(one) for one in order if one.controller != "none" and one.stopped + one.failed]
+    alike = len(best) == len(found) or cases == 1
+    return [*said, *rest] if alike else [*said, f"Where each is worst: {'; '.join(worst)}.", *rest]
 
 
 def _median(one: Verdict, cases: int) -> str:
-    ratio = "" if one.median is None else f", after {one.median:.2f} of the ideal distance"
+    ratio = "" if one.median is None else f", after {one.median.mean:.2f} of the ideal distance"
     return f"{ratio} in the median" if ratio and cases > 1 else ratio
 
 
 def _worst(one: Verdict) -> str:
     more = f" and {one.failed - 1} more" if one.failed > 1 else ""
-    ratio = one.words.none if one.failed else "no ideal" if one.worst is None else f"{one.worst:.2f}"
+    ratio = one.words.none if one.failed else "no ideal" if one.worst is None else f"{one.worst.mean:.2f}"
     return f"{one.controller} {ratio} ({one.worst_case}{more})" if one.worst_case else f"{one.controller} {ratio}"
 
 
@@ -137,20 +190,26 @@ def heads(found: Sequence[Verdict]) -> tuple[str, ...]:
 
 def cells(one: Verdict) -> tuple[str, ...]:
     """A row of the table."""
-    ratios = ("-" if ratio is None else f"{ratio:.2f}" for ratio in (one.median, one.worst))
+    if not one.stopped + one.failed:
+        return one.controller, *["-"] * (len(HEADS) - 1)
+    median, worst = ("-" if ratio is None else f"{ratio.mean:.2f}" for ratio in (one.median, one.worst))
+    ratios = median, "-" if one.median is None else f"{one.median.spread:.3f}", worst
     rest = f"{one.longest_lock:.2f}", f"{one.air:.0f}"
     return one.controller, f"{one.stopped}", f"{one.failed}", f"{one.locked}", *ratios, one.worst_case or "-", *rest
 
 
 def document(found: Sequence[Verdict]) -> dict[str, object]:
-    """For programs."""
-    return {
-        "sentences": sentences(found),
-        "controllers": [{k: v for k, v in asdict(one).items() if k != "words"} for one in found],
-    }
+    """For programs; what was not judged is null."""
+
+    def row(one: Verdict) -> dict[str, object]:
+        means = {name: ratio and ratio.mean for name in ("median", "worst") for ratio in [getattr(one, name)]}
+        spreads = {f"{name}_spread": ratio and ratio.spread for name in means for ratio in [getattr(one, name)]}
+        plain = {name: None if value != value else value for name, value in asdict(one).items() if name != "words"}
+        return plain | means | spreads
+
+    return {"sentences": sentences(found), "controllers": [row(one) for one in found]}
 
 
 def best_given(found: Sequence[Verdict]) -> Verdict:
     """The best of the controllers that were given, or of all where none was."""
-    given = [one for one in found if one.controller not in ALWAYS]
-    return min(given or found, key=lambda one: one.rank)
+    return leaders([one for one in found if one.controller not in ALWAYS] or found)[0]

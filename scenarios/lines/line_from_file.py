@@ -157,13 +157,9 @@ def closed_forms(series: Recording, line: Line) -> list[Row]:
 
 def pushed(series: Recording, line: Line) -> tuple[np.ndarray, np.ndarray]:
     """What the track must give each kg of a vehicle across and upwards, at the places and speeds of a run [m/s2]."""
-    rows, place, square = line.rows, series["distance"], series["speed"] ** 2
-
-    def here(values: np.ndarray) -> np.ndarray:
-        return np.interp(place, rows["distance"], values)
-
-    curvature, slope = here(rows["curvature"]), here(rows["gradient"])
-    angle, bend = np.arcsin(here(rows["cant"]) / GAUGE), here(np.gradient(rows["gradient"], rows["distance"]))
+    place, square = series["distance"], series["speed"] ** 2
+    curvature, slope = line.value("curvature", place), line.value("gradient", place)
+    angle, bend = np.arcsin(line.value("cant", place) / GAUGE), line.value("gradient", place, 1)
     level, upright = square * curvature, BOGIE.gravity * np.sqrt(1.0 - slope**2) + square * bend
     return level * np.cos(angle) - upright * np.sin(angle), upright * np.cos(angle) + level * np.sin(angle)
 

@@ -10,13 +10,14 @@ from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, legend_above
 
 #: In curves to the left, on straight track, in curves to the right: a third of a line's steepest curvature tells which.
 LEFT_CURVE, STRAIGHT, RIGHT_CURVE = LEADING, BOGIE, TRAILING
-#: Marks of distance on a plan, at most.
-MOST_MARKS = 8
+#: Marks of distance on a plan, at most; places that are drawn between rows, at most so far apart [m].
+MOST_MARKS, PITCH = 8, 5.0
 
 
 def draw_line(axes: Sequence[Axes], line: Line) -> None:
     """Plan, curvature, cant with the rails' heights where they are known, gradient with the height, on four axes."""
     plan, curvature, cant, gradient = axes
+    line = with_places_between(line)
     draw_plan(plan, line)
     distance = line.rows["distance"]
     curvature.plot(distance, 1e3 * line.rows["curvature"], color=BOGIE)
@@ -33,6 +34,13 @@ def draw_line(axes: Sequence[Axes], line: Line) -> None:
     gradient.set_title("gradient [‰] and height above the start [m]")
     for axis in axes[1:]:
         axis.set_xlim(distance[0], distance[-1])
+
+
+def with_places_between(line: Line) -> Line:
+    """The line by more rows, PITCH apart and less, as models read it there."""
+    rows = line.rows["distance"]
+    places = np.union1d(rows, np.linspace(rows[0], rows[-1], int(np.ceil(line.length / PITCH)) + 1))
+    return Line({name: line.value(name, places) for name in line.rows})
 
 
 def integral(line: Line, values: np.ndarray) -> np.ndarray:

@@ -116,8 +116,7 @@ def rows_of_track(track: TrackParameters, distance: np.ndarray) -> np.ndarray:
 def rows_of_line(line: Line, distance: np.ndarray) -> np.ndarray:
     """Of `Rails`, shape (6, n); what the line's file does not have is 0."""
     names = ("left_lateral", "right_lateral", "left_vertical", "right_vertical", "curvature", "cant", "gradient")
-    none = np.zeros_like(line.rows["distance"])
-    rows = [np.interp(distance, line.rows["distance"], line.rows.get(name, none)) for name in names]
+    rows = [line.value(name, distance) for name in names]
     return np.array([(rows[0] + rows[1]) / 2, *rows[2:]])
 
 

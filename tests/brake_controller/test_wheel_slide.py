@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import math
+import threading
+import time as clock
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -16,6 +18,7 @@ from brake_controller.wheel_slide import (
     HOLD,
     VENT,
     ControllerError,
+    NotJudgedError,
     SlideProtection,
     Supervised,
     common_protection,
@@ -431,10 +434,81 @@ def test_controller_that_returns_nonsense_is_refused(answer: object) -> None:
         Supervised(Nonsense(answer), 2).step(0.5, [10.0, 10.0])
 
 
-def test_controller_that_stalls_is_stopped() -> None:
-    supervised = Supervised(Stalls(), 2, patience=0.2)
-    with pytest.raises(ControllerError, match=r"The controller Stalls gave no answer within 0.2 s at 0.5 s"):
-        supervised.step(0.5, [10.0, 10.0])
+class Waits:
+    """Uses little processor time and answers after a wall time [s], as on a machine that others use."""
+
+    def __init__(self, wait: float) -> None:
+        self.wait = wait
+
+    def step(self, time: float, wheel_speeds: Sequence[float]) -> Sequence[int]:
+        clock.sleep(self.wait)
+        return [APPLY, VENT]
+
+
+class Computes:
+    """Uses this much processor time [s]."""
+
+    def __init__(self, used: float) -> None:
+        self.used = used
+
+    def step(self, time: float, wheel_speeds: Sequence[float]) -> Sequence[int]:
+        begin = clock.thread_time()
+        while clock.thread_time() - begin < self.used:
+            pass
+        return [APPLY, VENT]
+
+
+def here(call: Callable[[], object]) -> object:
+    """Call in the main thread, where an alarm rings."""
+    return call()
+
+
+def elsewhere(call: Callable[[], object]) -> object:
+    """Call in another thread, as a program with windows does."""
+    found: list[object] = []
+
+    def work() -> None:
+        try:
+            found.append(call())
+        except ControllerError as error:
+            found.append(error)
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    thread.join()
+    if isinstance(found[0], ControllerError):
+        raise found[0]
+    return found[0]
+
+
+THREADS = pytest.mark.parametrize("where", [here, elsewhere])
+
+
+@THREADS
+def test_a_controller_that_waits_is_judged_by_its_answer(where: Callable[..., object]) -> None:
+    """Three times the limit by the clock on the wall, as it may take where others have the processor."""
+    supervised = Supervised(Waits(0.3), 2, patience=0.1)
+    assert where(lambda: supervised.step(0.5, [10.0, 10.0])) == [APPLY, VENT]
+
+
+@THREADS
+@pytest.mark.parametrize("controller", [Stalls(), Computes(0.3)], ids=["for ever", "and answers"])
+def test_a_controller_that_uses_too_much_processor_time_fails(controller: object, where: Callable[..., object]) -> None:
+    supervised = Supervised(controller, 2, patience=0.1)  # type: ignore[arg-type]
+    words = r"used more than 0.1 s of processor time for its answer at 0.5 s; the brake stays applied"
+    with pytest.raises(ControllerError, match=words) as raised:
+        where(lambda: supervised.step(0.5, [10.0, 10.0]))
+    assert not isinstance(raised.value, NotJudgedError)
+    if where is here:
+        assert Supervised(Computes(0.05), 2, patience=0.1).step(0.5, [10.0, 10.0]) == [APPLY, VENT]
+
+
+@THREADS
+def test_a_controller_that_waits_for_ever_is_not_judged(where: Callable[..., object]) -> None:
+    supervised = Supervised(Waits(3.0), 2, patience=0.1, guard=0.3)
+    words = r"The controller Waits gave no answer within 0.3 s of wall time at 0.5 s and is not judged. Remove what"
+    with pytest.raises(NotJudgedError, match=words):
+        where(lambda: supervised.step(0.5, [10.0, 10.0]))
 
 
 def test_a_good_controller_passes_unchanged() -> None:

@@ -316,7 +316,7 @@ def test_refusal_without_a_sentence_is_not_explained_by_an_older_one(fmus: dict)
 def test_build_into_a_file_gets_a_sentence(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "taken").write_text("")
     assert main(["brake", "--kind", "native", "--out", str(tmp_path / "taken")]) == 1
-    assert "choose another folder with --out" in capsys.readouterr().err
+    assert "Choose another folder with --out" in capsys.readouterr().err
 
 
 def test_build_command_prints_a_line_for_each_fmu(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -190,10 +190,7 @@ def test_files_that_are_none_are_refused(surveyor: Library, tmp_path: Path) -> N
 
 def test_more_rows_than_there_is_room_for_are_refused(surveyor: Library, tmp_path: Path) -> None:
     path = tmp_path / "endless.csv"
-    with path.open("w") as file:
-        file.write(HEAD)
-        for thousand in range(4001):
-            file.write("".join(f"{1000 * thousand + i},0,0,0\n" for i in range(1000)))
+    path.write_text(HEAD + ",0,0,0\n".join(map(str, range(4_000_001))) + ",0,0,0\n")
     with pytest.raises(KernelError, match=r"row 4000002: the file must have at most 4000000 rows\. Split it"):
         Kernel(surveyor, line_file=str(path))
 
@@ -204,10 +201,10 @@ def test_any_bytes_end_in_a_sentence(surveyor: Library, tmp_path: Path) -> None:
     tests/readers/test_twin.py reads more of them, without what a kernel makes of their rows.
     """
     good = line_of([arc(60, 400, 0.1, 0.01)]).write(tmp_path / "good.csv").read_bytes()
-    chance, path = random.Random(11), tmp_path / "spoilt.csv"
+    chance = random.Random(11)
     taken, refused = 0, []
-    for _ in range(150):
-        spoilt = bytearray(good)
+    for number in range(150):
+        spoilt, path = bytearray(good), tmp_path / f"{number}.csv"  # to write one anew waits for the disk
         for _ in range(chance.randint(1, 4)):
             spoilt[chance.randrange(len(spoilt))] = chance.choice(b'0123456789.,-e\n\r \x00\xff"')
         path.write_bytes(bytes(spoilt[: chance.choice([len(spoilt), chance.randrange(len(spoilt))])]))

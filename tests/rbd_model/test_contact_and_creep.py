@@ -13,7 +13,9 @@ from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
 from rbd_model.contact.creep.kalker import C11, C22, C23, Kalker, kalker_coefficients, smooth_kalker_coefficients
+from rbd_model.contact.creep.kalker_linear import kalker_linear
 from rbd_model.contact.creep.law import ContactPatch
+from rbd_model.contact.creep.of_steel import OfSteel
 from rbd_model.contact.creep.polach import polach, polach_force
 from rbd_model.contact.hertz import FIT_RANGE, POISSON_RATIO, ellipse_shape, moving_ellipse
 
@@ -77,6 +79,8 @@ def test_c11_is_kalkers_table(ratio: float, coefficient: float) -> None:
 #: Between the points of a table of three digits two smooth curves differ by this [1]; linear interpolation of the
 #: coefficients themselves is 7 % high at a/b = 7 and 0.7 % at 2.2.
 BETWEEN_POINTS = 5e-3
+#: What a Poisson's ratio of 0.28 adds to c11 at a/b = 0.1, 1 and 10, and takes from the axes of the ellipse [%].
+C11_WIDE, C11_ROUND, C11_LONG, AXES_OF_STEEL = 4.0, 2.6, 1.1, 1.4
 COLUMNS = {"c11": C11, "c22": C22, "c23": C23}
 TABLE_RATIOS = np.array([*range(1, 11), *(100 / i for i in range(9, 0, -1))]) / 10
 
@@ -226,3 +230,36 @@ def test_forces_are_near_the_exact_theory_and_equal_to_polachs_law() -> None:
         if pure:
             off = np.hypot(ours[0] - value["exact_x_N"], ours[1] - value["exact_y_N"])
             assert off < POLACH_BAND * value["friction"] * value["load_N"]
+
+
+def test_kalkers_coefficients_hang_on_poissons_ratio_as_his_table_has_it() -> None:
+    """Its three columns at their ratios; between them what docs/limits.md tells of steel; at 0.25 the default."""
+    for nu, c11 in ((0.0, 3.40), (0.25, 4.12), (0.5, 5.20)):
+        assert float(kalker_coefficients(ca.SX(1.0), nu).c11) == pytest.approx(c11, rel=1e-12)
+    for ratio, more in ((0.1, C11_WIDE), (1.0, C11_ROUND), (10.0, C11_LONG)):
+        steel, default = (float(kalker_coefficients(ca.SX(ratio), nu).c11) for nu in (0.28, 0.25))
+        assert 100 * (steel / default - 1) == pytest.approx(more, abs=0.05)
+        smooth = float(smooth_kalker_coefficients(ca.log(ca.SX(ratio)), 0.28).c11)
+        assert smooth == pytest.approx(steel, rel=6e-3)
+    with pytest.raises(ValueError, match=r"Poisson's ratio must be 0 to 0\.5; got 0\.6\."):
+        kalker_coefficients(ca.SX(1.0), 0.6)
+
+
+def test_a_law_of_steel_has_steels_coefficients_and_its_smaller_ellipse() -> None:
+    """F = -G a b c11 xi for small creepages, Hertz' a b with (1 - nu)^(2/3); other ratios give other forces."""
+    patch = patch_of_ratio(1.2)
+    steel, own = (float(ca.evalf(law(patch)[0])) for law in (OfSteel(kalker_linear), OfSteel(kalker_linear, 0.25)))
+    assert own == pytest.approx(float(ca.evalf(kalker_linear(patch)[0])), rel=6e-3)
+    c11 = [float(kalker_coefficients(ca.SX(1.2), nu).c11) for nu in (0.28, 0.25)]
+    shrinks = (0.72 / 0.75) ** (1 / 3)
+    assert 100 * (1 - shrinks) == pytest.approx(AXES_OF_STEEL, abs=0.05)
+    assert steel / own == pytest.approx(shrinks**2 * c11[0] / c11[1], rel=1e-3)
+    assert OfSteel(kalker_linear) == OfSteel(kalker_linear, 0.28)
+
+
+def patch_of_ratio(ratio: float) -> ContactPatch:
+    """Which creeps a little ahead."""
+    axes, zero = (ca.SX(5e-3 * ratio), ca.SX(5e-3)), ca.SX(0)
+    return ContactPatch(
+        (ca.SX(1e-5), zero, zero), ca.SX(80e3), ca.SX(0.3), axes, ca.SX(STEEL), kalker_coefficients(ca.SX(ratio))
+    )

@@ -444,7 +444,7 @@ def test_a_flange_meets_its_rail_half_of_the_widening_further_out(written, patch
 @pytest.mark.parametrize("way", ["lateral", "vertical"])
 def test_a_wave_of_both_rails_is_one_of_the_line(way, written, patched: Library) -> None:  # type: ignore[no-untyped-def]
     """A swerve by curvature, a hump by gradient: bodies are where they are when both rails are shifted as much."""
-    distance, length = np.arange(0.0, 160.0, 0.5), 40.0
+    distance, length = np.arange(0.0, 160.0, 0.125), 40.0
     place = math.pi * np.clip((distance - 20) / length, 0.0, 1.0)
     sine, cosine, number = np.sin(place), np.cos(place), math.pi / length
     shift = 5e-3 * sine**4

@@ -52,8 +52,8 @@ ENERGY_BAND = 1e-6
 DEPTH_BAND = 0.02
 #: Between the nearest point of rigid profiles by Newton's method and by a search [m]: the pitch of that search.
 PLACE_BAND = 0.02e-3
-#: Of forces from exact theory, as a share of mu N: a guard of what the law of flanges is known to miss there, 7 %, and
-#: Polach's 27 % (`contact-manchester`), so that no change makes it worse unseen.
+#: Of forces from exact theory, as a share of mu N: a guard of what the law of flanges is known to miss on the flange
+#: there (`contact-manchester`), so that no change makes it worse unseen.
 FORCE_BAND = 0.09
 #: Two places of a wheel that both bear lie at least this far from the cut between them [m].
 CLEAR = 1e-3

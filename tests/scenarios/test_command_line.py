@@ -199,7 +199,7 @@ def test_a_folder_that_cannot_be_is_told_before_the_run(
     (tmp_path / "file").write_text("")
     monkeypatch.setattr(commands, "save", lambda *_: pytest.fail("It ran."))
     assert main(["run", "critical-speed", "--out", str(tmp_path / "file" / "results")]) == 3
-    assert "choose another folder with --out" in capsys.readouterr().err
+    assert "Choose another folder with --out.\n" in capsys.readouterr().err
 
 
 # -- doctor --------------------------------------------------------------------------------------------------------

@@ -68,6 +68,10 @@ def test_the_controllers_of_the_page_make_the_same_stop(folder: Path, capsys: py
     assert runs["LetGo"]["distance"] == runs["let_go"]["distance"]
     assert LETS_GO is not None
     assert f"{runs['LetGo']['distance']:.1f}" == LETS_GO[1]
+    assert len(set(runs["LetGo"]["distances"])) == 3
+    assert runs["LetGo"]["distances"] == runs["let_go"]["distances"]
+    assert 0.5 < runs["LetGo"]["spread"] < 0.02 * runs["LetGo"]["distance"]
+    assert runs["none"]["spread"] == 0.0  # no sensor has a part in it
     assert runs["protection"]["over_ideal"] < runs["LetGo"]["over_ideal"] < runs["none"]["over_ideal"]
     assert json.loads((folder / "results/controllers/compare.json").read_text())["vehicle"] == "bogie"
     assert (folder / "results/controllers/compare.png").exists()
@@ -75,14 +79,29 @@ def test_the_controllers_of_the_page_make_the_same_stop(folder: Path, capsys: py
 
 def test_a_class_of_arrays_makes_the_stops_of_the_class(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (folder / "many.py").write_text(block("python", "# many.py"))
-    assert main(["controllers", "compare", "--rails", "low", "--json", "let_go.py:LetGo", "many.py:LetAllGo"]) == 0
+    assert (
+        main(
+            [
+                "controllers",
+                "compare",
+                "--rails",
+                "low",
+                "--phases",
+                "2",
+                "--json",
+                "let_go.py:LetGo",
+                "many.py:LetAllGo",
+            ]
+        )
+        == 0
+    )
     runs = {run["controller"]: run for run in json.loads(capsys.readouterr().out)["runs"]}
     del runs["LetGo"]["controller"], runs["LetAllGo"]["controller"]
     assert runs["LetGo"] == runs["LetAllGo"] != runs["none"]
 
 
 def test_a_controller_that_fails_does_not_end_the_comparison(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["controllers", "compare", "--rails", "dry,wet", "bad.py:Bad"]) == 1
+    assert main(["controllers", "compare", "--rails", "dry,wet", "--phases", "1", "bad.py:Bad"]) == 1
     shown = capsys.readouterr().out
     assert len(re.findall(r"^(dry|wet) .* no stop ", shown, re.MULTILINE)) == 2
     assert "Bad, dry: The controller Bad failed at 0 s (ZeroDivisionError: division by zero, bad.py, line 3)" in shown
@@ -93,7 +112,7 @@ def test_a_class_with_two_choices_of_its_gains_is_two_controllers(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     given = ["let_go.py:LetGo", "gains.py:Gains(share=0.8)", "gains.py:Gains(0.9, mode='c')"]
-    assert main(["controllers", "compare", "--rails", "low", "--json", *given]) == 0
+    assert main(["controllers", "compare", "--rails", "low", "--phases", "1", "--json", *given]) == 0
     found = {run["controller"]: run["distance"] for run in json.loads(capsys.readouterr().out)["runs"]}
     assert list(found)[2:] == ["LetGo", "Gains(share=0.8)", "Gains(0.9, mode='c')"]
     assert found["Gains(share=0.8)"] == found["LetGo"] != found["Gains(0.9, mode='c')"]
@@ -112,10 +131,11 @@ def test_a_class_with_two_choices_of_its_gains_is_two_controllers(
             "Give a speed above 0 and up to 100 m/s, as 25m/s or 160km/h: it was 25mph.",
         ),
         (["gains.py:Gains"], "Gains of gains.py cannot be made without arguments (TypeError: "),
-        (["nothing.c"], "nothing is no controller ("),
+        (["nothing.c", "--rails", "dry", "--phases", "1"], "nothing is no controller ("),
         (["wrong.c"], "wrong.c does not compile. The C compiler ("),
         (["let_go.c", "--programme", "third.toml"], "The case a has a fault of wheelset 3; there are 2 here."),
         (["let_go.py:LetGo", "--teeth", "0"], "Set --teeth to a whole number of at least 1: it was 0."),
+        (["let_go.py:LetGo", "--phases", "0"], "Set --phases to a whole number from 1 to 100: it was 0."),
         (["let_go.py:LetGo", "--jitter", "nan"], "Set --jitter to 0 to 0.5 of the pitch: it was nan."),
         (["let_go.py:LetGo", "--rails", "low,low"], "Give each of --rails once: low was there 2 times."),
         (
@@ -144,9 +164,9 @@ def test_what_cannot_be_is_refused_in_a_sentence(
 
 def test_a_library_that_is_no_controller_is_refused(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (folder / "libtext.so").write_text("no library")
-    assert main(["controllers", "compare", "libtext.so"]) == 2
+    assert main(["controllers", "compare", "--rails", "dry", "--phases", "1", "libtext.so"]) == 2
     assert "libtext is no controller" in capsys.readouterr().err
-    assert main(["controllers", "compare", "nothing.c"]) == 2
+    assert main(["controllers", "compare", "--rails", "dry", "--phases", "1", "nothing.c"]) == 2
     assert "nothing is no controller (it has no function wheel_slide_size); " in capsys.readouterr().err
 
 
@@ -159,7 +179,7 @@ def test_files_to_begin_with_are_printed(action: str, path: Path, capsys: pytest
 def test_a_programme_of_ones_own_is_run(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     case = '[[case]]\nname = "slow, one sensor lost"\nrail = "wet"\nspeed = "36km/h"\n'
     (folder / "my.toml").write_text(case + 'fault = [{ wheelset = 2, sensor = "zero", sensor_from = 2.0 }]\n')
-    assert main(["controllers", "compare", "--programme", "my.toml", "let_go.c"]) == 0
+    assert main(["controllers", "compare", "--programme", "my.toml", "--phases", "1", "let_go.c"]) == 0
     shown = capsys.readouterr().out
     distances = dict(re.findall(r"^slow, one sensor lost +(\w+) +([0-9.]+)", shown, re.MULTILINE))
     assert distances.keys() == {"none", "protection", "let_go"}
@@ -176,7 +196,7 @@ def test_a_programme_of_ones_own_is_run(folder: Path, capsys: pytest.CaptureFixt
 def test_starts_are_compared_with_a_protection_of_their_own(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     case = '[[case]]\nname = "low"\nrail = "low"\nspeed = "20km/h"\nstrength = 2.0\nequipment = ["traction"]\n'
     (folder / "my.toml").write_text(case)
-    assert main(["controllers", "compare", "--programme", "my.toml", "--html"]) == 0
+    assert main(["controllers", "compare", "--programme", "my.toml", "--phases", "1", "--html"]) == 0
     shown = capsys.readouterr().out
     assert shown.startswith("protection is best: it arrives in every case, after 1.")
     assert "controller  arrives  no arrival" in shown
@@ -186,7 +206,7 @@ def test_starts_are_compared_with_a_protection_of_their_own(folder: Path, capsys
     page = (folder / "results/controllers/compare.html").read_text()
     assert "below it the torque of its motor" in page
     (folder / "slow.toml").write_text(case.replace("low", "very_low").replace("20km/h", "300km/h"))
-    assert main(["controllers", "compare", "--programme", "slow.toml"]) == 1
+    assert main(["controllers", "compare", "--programme", "slow.toml", "--phases", "1"]) == 1
     assert re.search(
         r"none, very_low: It did not come to 83\.3333 m/s: \d+\.\d m/s after 300 s\.", capsys.readouterr().out
     )
@@ -220,7 +240,7 @@ def test_a_class_with_a_start_of_its_own_is_a_class(folder: Path, capsys: pytest
     (folder / "own.py").write_text(
         "class Own:\n    def start(self):\n        pass\n\n    def step(self, time, speeds):\n        return [0, 0]\n"
     )
-    assert main(["controllers", "compare", "--rails", "dry", "own.py:Own", "let_go.c", "--json"]) == 0
+    assert main(["controllers", "compare", "--rails", "dry", "--phases", "1", "own.py:Own", "let_go.c", "--json"]) == 0
     assert main(["controllers", "compare", "--rails", "dry", "--strength", "6"]) == 2
     assert "Set --strength above 0 and up to 5: it was 6." in capsys.readouterr().err
     assert main(["controllers", "compare", "--rails", "dry", "--jitter", "2"]) == 2
@@ -229,7 +249,10 @@ def test_a_class_with_a_start_of_its_own_is_a_class(folder: Path, capsys: pytest
 
 def test_two_forms_of_one_name_are_told_apart_by_their_files(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert build_fmu.main(["--controller", "let_go.c", "--out", "."]) == 0
-    assert main(["controllers", "compare", "--rails", "dry", "let_go.c", "native/let_go.fmu", "--json"]) == 0
+    assert (
+        main(["controllers", "compare", "--rails", "dry", "--phases", "1", "let_go.c", "native/let_go.fmu", "--json"])
+        == 0
+    )
     text = capsys.readouterr().out
     runs = json.loads(text[text.index("{") :])["runs"]
     distances = {run["controller"]: run["distance"] for run in runs}

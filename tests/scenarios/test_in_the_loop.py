@@ -16,7 +16,7 @@ import pytest
 
 from bogie_braking.__main__ import main
 from brake_controller.rig.udp_client import ANSWER, HEADER, HELLO, HOST, MAGIC, answer, answer_to, is_end, question
-from brake_controller.wheel_slide import within
+from brake_controller.wheel_slide import Watch, within
 from fmu_src.compile import compiler
 from products.protection.braked_machine import bogie
 from products.protection.forms import FOLDER
@@ -186,7 +186,7 @@ def test_a_flood_of_packets_makes_no_period_longer(
     """There is always one more packet."""
     monkeypatch.setattr(Remote, "_next", lambda self, patience: (b"flood", ("127.0.0.1", 9)))
     for _ in range(5):
-        assert within(1.0, asked) == [0, 0]
+        assert within(Watch(1.0), asked) == [0, 0]
     counts = asked.remote.counts  # type: ignore[attr-defined]
     assert counts.missed == 5
     assert counts.strangers > 5
@@ -227,7 +227,7 @@ def test_a_paced_run_takes_as_long_as_its_periods(own: socket.socket) -> None:
     ended = clock()
     thread.join()
     due = (found.counts.periods - 1) * SHORT.period / pace
-    assert found.stop.distance is not None
+    assert (found.stop.distance is None) is bool(found.counts.for_the_rig)  # on a busy machine it is not judged
     assert 0.98 * due < ended - began[0] < OVER * due
     assert any(line.startswith("The rig asked late by") for line in sentences(found))
 

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import base64
 import csv
+import importlib
 import json
 import math
 import re
+import sys
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -39,6 +41,8 @@ from scenarios.trains import (
 )
 from scenarios.vehicles import vehicle_anti_skid, vehicle_composed, vehicle_hunting
 
+sys.path.append(str(Path(__file__).parents[2] / "docs" / "generate"))
+numbers_of_pages = importlib.import_module("numbers_of_pages")
 PUBLISHED = Path(__file__).parents[1] / "data" / "creep" / "exact.csv"
 ROW_FIELDS = {
     "quantity",
@@ -240,6 +244,7 @@ def test_scenario_holds_but_for_its_known_misses_and_leaves_table_data_and_pictu
     assert all(name.endswith(".png") for name in files - others)
     found = summary(tmp_path, name)
     assert {"rows", "parameters", "versions", "wall_seconds", "times_real_time"} <= set(found)
+    assert numbers_of_pages.moved(name, found["rows"]) == []
     missed = {row["quantity"] for row in found["rows"] if row["holds"] is False}
     assert missed == MISSES.get(name, set())
     assert status == (1 if missed else 0)
@@ -377,7 +382,8 @@ def test_failure_while_writing_leaves_the_old_results(
 
     monkeypatch.setattr(Figure, "savefig", fail)
     assert main(arguments) == 3
-    assert "cannot be written" in capsys.readouterr().err
+    words = f"Cannot write {tmp_path / name}: the disk is full. Choose another folder with --out.\n"
+    assert capsys.readouterr().err.endswith(words)  # behind what a slow machine shows of its progress
     assert (tmp_path / name / "summary.json").read_text() == before
     assert [p.name for p in tmp_path.iterdir()] == [name]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from dataclasses import replace
 
@@ -12,8 +13,9 @@ from scipy.integrate import solve_ivp
 
 from products.protection.runs import Stop
 from scenarios.controllers.picture import draw, message
-from scenarios.controllers.scoring import CONTACT, WORN, Scored
-from scenarios.controllers.verdict import lines, sentences, verdicts
+from scenarios.controllers.scoring import CONTACT, WORN, Scored, together
+from scenarios.controllers.table import cells
+from scenarios.controllers.verdict import document, lines, sentences, verdicts
 from scenarios.reporting.plots import plt
 
 STOP = Stop(100.0, 0.01, 20.0, 0.5, 1.0, 1.0, 0.1, (1e3, 1e3), 400e3, 7, "")
@@ -56,6 +58,63 @@ def test_the_best_has_the_fewest_failures_then_the_smallest_median_then_the_smal
     assert first == "none is best: it stops in every case, after 1.85 of the ideal distance in the median."
 
 
+def in_phases(case: str, controller: str, *ratios: float) -> Scored:
+    stops = [replace(STOP, distance=100.0 * ratio) for ratio in ratios]
+    return Scored(case, controller, together(stops), 0.46, 100.0, None, stops=tuple(stops))
+
+
+def test_controllers_whose_difference_is_within_their_spread_are_equal() -> None:
+    """PD is 1 % shorter in the mean than PI. Over the phases PI spreads by 1.5 %, or by 0.2 %, and so PD is best."""
+    pd = [in_phases(case, "PD", 1.20, 1.21, 1.19) for case in ("a", "b", "c")]
+    for spread, said in ((0.015, "All controllers are alike: they stop"), (0.002, "PD is best: it stops")):
+        pi = [in_phases(case, "PI", 1.212, 1.212 - spread / 2, 1.212 + spread / 2) for case in ("a", "b", "c")]
+        found = verdicts([*pd, *(in_phases(one.case, "PI", *one.ratios) for one in pi)])
+        assert sentences(found)[0].startswith(said)
+        assert found[0].median is not None
+        assert found[0].median.mean == pytest.approx(1.20)
+        assert found[0].median.spread == pytest.approx(0.02)
+    [document_of_one, _] = document(found)["controllers"]  # type: ignore[misc]
+    assert document_of_one["median_spread"] == pytest.approx(0.02)  # type: ignore[index]
+
+
+def test_a_spread_that_moves_the_cases_against_each_other_is_not_that_of_the_median() -> None:
+    """What is ranked is the median; its spread is that over the phases of the median itself."""
+    [found] = verdicts([in_phases("a", "PI", 1.0, 1.2), in_phases("b", "PI", 1.1, 1.1), in_phases("c", "PI", 1.2, 1.0)])
+    assert found.median is not None
+    assert (found.median.mean, found.median.spread) == pytest.approx((1.1, 0.0))
+
+
+def test_stops_of_all_phases_are_one_in_the_table() -> None:
+    phases = [replace(STOP, distance=d, longest_lock=lock) for d, lock in ((100.0, 0.5), (104.0, 0.1), (99.0, 0.2))]
+    one = together(phases)
+    assert (one.distance, one.longest_lock, one.air) == (101.0, 0.5, pytest.approx(0.1))
+    scored = Scored("a", "PI", one, 0.46, 100.0, None, stops=tuple(phases))
+    assert scored.spread == pytest.approx(5.0)
+    assert cells(scored)[2:5] == ("101.0", "5.0", "1.010")
+    broken = together([phases[0], replace(STOP, distance=None, said="It did not stop."), phases[2]])
+    assert (broken.distance, broken.said) == (None, "It did not stop. (phase 2 of 3)")
+    assert together(phases[:1]) is phases[0]
+
+
+def test_what_is_not_judged_is_no_score_and_is_told() -> None:
+    """It is no failure either, and does not make its controller the best by leaving out a hard case."""
+    hung = replace(STOP, distance=None, judged=False, said="PI gave no answer.", longest_lock=60.0)
+    silent = Scored("case 3", "PI", hung, 0.46, 100.0, None)
+    given = [*scores("PI", cases=3)[:3], silent, *scores("none")]
+    pi, none = verdicts(given)
+    assert (pi.stopped, pi.failed, pi.not_judged, pi.locked, pi.longest_lock) == (3, 0, 1, 3, 0.5)
+    first, _, last = sentences([pi, none])
+    assert first.startswith("none is best: it stops in every case")
+    assert last == "Not judged, and so not ranked: PI (1 of 4 cases)."
+    assert cells(silent)[:4] == ("case 3", "PI", "not judged", "-")
+    assert set(cells(silent)[3:]) == {"-"}
+    assert sorted(place for place, hollow in shown(draw(given)) if hollow) == []
+    alone = verdicts([silent])
+    assert sentences(alone) == ["Not judged, and so not ranked: PI (1 of 1 cases)."]
+    assert message([silent]) == "PI is not judged"
+    json.dumps(document(alone), allow_nan=False)
+
+
 def test_wheels_that_lock_count_before_the_distance() -> None:
     """A flat costs more than some metres: 0.5 s is a lock, 0.3 s is none."""
     rolls = [replace(one, stop=replace(one.stop, longest_lock=0.3)) for one in scores("protection")]
@@ -77,8 +136,8 @@ def test_controllers_that_are_alike_are_told_so() -> None:
 def test_the_table_has_a_row_for_each_controller() -> None:
     table = list(lines(verdicts(scores(*RATIOS))))
     rows = {row.split()[0]: row.split() for row in table[-len(RATIOS) :]}
-    assert rows["none"] == ["none", "4", "0", "4", "1.85", "2.00", "case", "1", "0.50", "83"]
-    assert rows["PI"] == ["PI", "3", "1", "4", "1.10", "1.30", "case", "3", "0.50", "83"]
+    assert rows["none"] == ["none", "4", "0", "4", "1.85", "0.000", "2.00", "case", "1", "0.50", "83"]
+    assert rows["PI"] == ["PI", "3", "1", "4", "1.10", "0.000", "1.30", "case", "3", "0.50", "83"]
     assert max(map(len, table)) <= 120
 
 

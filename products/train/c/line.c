@@ -1,4 +1,5 @@
-/* Gravity and curves on a train's vehicles. */
+/* Gravity and curves on a train's vehicles. Corners at the line's points, which vehicles on their own round over 1 m
+ * (docs/line.md), stay: that would change the mean gradient over a length L by the change of slope times 1 m2 / (12 L). */
 #include <math.h>
 
 #include "train_inside.h"
@@ -24,12 +25,12 @@ static double height_at(const train *self, double at, long long int row)
     return height[row] + over * (gradient[row] + share * (gradient[row + 1] - gradient[row]) / 2.0);
 }
 
+/* Curvature between its points [1/m]; beyond its ends a line is straight. */
 static double curvature_at(const train *self, double at, long long int row)
 {
     const double *distance = self->line[0], *curvature = self->line[2];
-    if (self->points < 2) return curvature[0];
-    const double share = (at - distance[row]) / (distance[row + 1] - distance[row]);
-    return curvature[row] + fmin(fmax(share, 0.0), 1.0) * (curvature[row + 1] - curvature[row]);
+    if (self->points < 2 || at < distance[0] || at > distance[self->points - 1]) return 0.0;
+    return curvature[row] + (at - distance[row]) / (distance[row + 1] - distance[row]) * (curvature[row + 1] - curvature[row]);
 }
 
 /* Resistance of a curve over weight, v. Roeckl: 0.65 m / (R - 55 m) from 300 m on, 0.5 m / (R - 30 m) below. */

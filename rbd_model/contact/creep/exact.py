@@ -84,7 +84,7 @@ def half_circle(place: np.ndarray) -> np.ndarray:
     return np.asarray((place * np.sqrt(np.maximum(1 - place**2, 0)) + np.arcsin(place)) / 2)
 
 
-def displacement(x: np.ndarray, y: np.ndarray, grid: Rectangles) -> np.ndarray:
+def displacement(x: np.ndarray, y: np.ndarray, grid: Rectangles, nu: float = POISSON_RATIO) -> np.ndarray:
     """Displacement of wheel against rail at places (x, y), by the stresses, shape (2 places, 2 cells).
 
     Boussinesq's and Cerruti's solution summed over each rectangle, Kalker (1990), section 3.1.1:
@@ -95,9 +95,9 @@ def displacement(x: np.ndarray, y: np.ndarray, grid: Rectangles) -> np.ndarray:
         for sign_y, end_y in ((1, grid.left), (-1, grid.right)):
             to_x, to_y = end_x - x[:, None], end_y - y[:, None]
             along, across = log_term(to_x, to_y), log_term(to_y, to_x)
-            xx += sign_x * sign_y * (across + (1 - POISSON_RATIO) * along)
-            yy += sign_x * sign_y * ((1 - POISSON_RATIO) * across + along)
-            xy -= sign_x * sign_y * POISSON_RATIO * np.hypot(to_x, to_y)
+            xx += sign_x * sign_y * (across + (1 - nu) * along)
+            yy += sign_x * sign_y * ((1 - nu) * across + along)
+            xy -= sign_x * sign_y * nu * np.hypot(to_x, to_y)
     return np.block([[xx, xy], [xy, yy]]) / math.pi
 
 
@@ -108,8 +108,10 @@ def log_term(x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 
 @lru_cache(maxsize=4)
-def half_space(axis_ratio: float, counts: tuple[int, int]) -> HalfSpace:
+def half_space(axis_ratio: float, counts: tuple[int, int], nu: float = POISSON_RATIO) -> HalfSpace:
     """Of an ellipse a/b = axis_ratio with so many cells along and across, Kalker (1990), section 4.1.
+
+    nu: Poisson's ratio.
 
     The slope at a place is the difference of the displacements half a cell behind it and half a cell ahead.
     """
@@ -118,7 +120,7 @@ def half_space(axis_ratio: float, counts: tuple[int, int]) -> HalfSpace:
     places, slopes = [], []
     for share in (AHEAD_STICKING, AHEAD_SLIPPING):
         x = (grid.behind + grid.ahead) / 2 + share * length
-        both = displacement(x - length / 2, y, grid) - displacement(x + length / 2, y, grid)
+        both = displacement(x - length / 2, y, grid, nu) - displacement(x + length / 2, y, grid, nu)
         places.append(x)
         slopes.append(both / np.tile(length, 2)[:, None])
     return HalfSpace(grid, slopes[0], slopes[1], (places[0], places[1]), y)

@@ -95,7 +95,7 @@ class Player {
   // Says which machines came to rest in between, for who does not see them.
   tell(before, now) {
     const ended = this.tracks.filter(({ stop }) => before < stop.end && stop.end <= now);
-    if (ended.length) field("told").textContent = ended.map(({ stop }) => `${stop.controller}: ${stop.distance === null ? DATA.noEnd : `${stop.distance.toFixed(0)} m`}`).join("; ");
+    if (ended.length) field("told").textContent = ended.map(({ stop }) => `${stop.controller}: ${!stop.judged ? DATA.notJudged : stop.distance === null ? DATA.noEnd : `${stop.distance.toFixed(0)} m`}`).join("; ");
   }
 
   go(time) {

@@ -1,0 +1,137 @@
+"""Puts numbers with a mark behind them into the pages, as a run measured them. --check only compares.
+
+  python docs/generate/numbers_of_pages.py              the numbers of all pages anew, from docs/data/
+  python docs/generate/numbers_of_pages.py --collect    first the rows that they cite, from results/ to docs/data/
+
+A mark is a comment behind a number, which no reader sees: `14<!--= contact-manchester | QUANTITY | .0f -->` is the row
+of a scenario's summary.json, `10 000<!--= tests/test_rare.py | RUNS | -->` a constant of a test. Templates
+(docs/generate/charts.py) name rows in the same words, `[[scenario | quantity | format]]`. When tests run a cited
+scenario they compare its rows with what is kept (tests/scenarios/test_scenarios.py).
+"""
+
+import json
+import re
+import sys
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from charts import CHARTS, HERE, measured
+from counts import PAGES, constant
+from pages import DOCS, ROOT, write_or_check
+
+from readers.documents import read_document, text_in
+
+KEPT = DOCS / "data" / "numbers.json"
+#: A number, and the mark behind it.
+MARKED = re.compile(r"(?P<number>-?\d+(?: \d{3})*(?:\.\d+)?(?:e-?\d+)?)<!--= (?P<mark>[^|]+\|[^|]+\|[^|]*?) ?-->")
+TEMPLATE = re.compile(r"\[\[([^\]|]+\|[^\]|]+\|[^\]|]*)\]\]")
+
+
+class Mark(NamedTuple):
+    """What a number is: of which scenario or test's file, which row or constant, in which format."""
+
+    source: str
+    name: str
+    form: str
+
+    @classmethod
+    def of(cls, text: str) -> "Mark":
+        """From the words between bars."""
+        return cls(*(part.strip() for part in text.split("|")))
+
+    @property
+    def of_a_test(self) -> bool:
+        """Whether it is a constant of a test."""
+        return self.source.endswith(".py")
+
+    def printed(self, value: Any) -> str:
+        """Return the number as pages have it, without a sign."""
+        text = format(abs(value), self.form)
+        return f"{abs(value):,}".replace(",", " ") if not self.form and abs(value) >= 10_000 else text
+
+
+def marks() -> Iterator[Mark]:
+    """Of all pages and templates."""
+    for page in PAGES:
+        yield from (Mark.of(one["mark"]) for one in MARKED.finditer(page.read_text("utf-8")))
+    for template in HERE.glob("*.in"):
+        yield from (Mark.of(one) for one in TEMPLATE.findall(template.read_text("utf-8")))
+
+
+def cited() -> dict[str, set[str]]:
+    """Rows by scenario that pages cite and that `make charts` does not keep."""
+    found: dict[str, set[str]] = {}
+    for one in marks():
+        if not one.of_a_test and one.source not in CHARTS:
+            found.setdefault(one.source, set()).add(one.name)
+    return found
+
+
+def kept() -> dict[str, dict[str, float]]:
+    """Rows by scenario, as they were measured."""
+    return json.loads(KEPT.read_text("utf-8"))
+
+
+def collect() -> None:
+    """Keep the rows that pages cite, of scenarios that have results; of the others what was kept."""
+    found = {}
+    for scenario, names in sorted(cited().items()):
+        path = ROOT / "results" / scenario / "summary.json"
+        rows = kept().get(scenario, {})
+        if path.exists():
+            summary = read_document(path)
+            if text_in(summary, "scenario", f"{path}") != scenario:
+                sys.exit(f"{path} must hold the results of {scenario}. Run {scenario} again.")
+            rows = {row["quantity"]: row["simulated"] for row in summary["rows"]}
+        found[scenario] = {name: rows[name] for name in sorted(names)}
+    KEPT.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+
+
+def values() -> dict[tuple[str, str], float]:
+    """All rows that are kept, by scenario and quantity."""
+    return measured()
+
+
+def filled(text: str, rows: Mapping[tuple[str, str], float]) -> str:
+    """Return a page with its numbers. Raises KeyError for a row or a constant that there is not."""
+
+    def number(match: re.Match[str]) -> str:
+        one = Mark.of(match["mark"])
+        value = constant(one.source, one.name) if one.of_a_test else rows[one.source, one.name]
+        return one.printed(value) + match[0][len(match["number"]) :]
+
+    return MARKED.sub(number, text)
+
+
+def moved(scenario: str, rows: Iterable[Mapping[str, Any]]) -> list[str]:
+    """Return a sentence for each cited row of a run that prints another number than the one kept.
+
+    A value at the edge between two numbers may differ by half a unit of the last digit.
+    """
+    then, now = kept().get(scenario, {}), {row["quantity"]: row["simulated"] for row in rows}
+    return [
+        f"{scenario}: {one.name} was {then[one.name]:{one.form}}, and is {now[one.name]:{one.form}} now. "
+        "Run docs/generate/numbers_of_pages.py --collect."
+        for one in sorted(set(marks()))
+        if one.source == scenario and one.name in now and one.name in then
+        if abs(now[one.name] - then[one.name]) > half_a_unit(one, then[one.name])
+    ]
+
+
+def half_a_unit(one: Mark, value: float) -> float:
+    """Of the last digit that a page shows."""
+    digits = one.printed(value).partition(".")[2]
+    return 0.5 * 10.0 ** -len(digits) if "e" not in digits else 0.05 * abs(value)
+
+
+def main(arguments: list[str]) -> int:
+    """Write, or compare."""
+    if "--collect" in arguments:
+        collect()
+    rows = values()
+    return write_or_check({page: filled(page.read_text("utf-8"), rows) for page in map(Path, PAGES)}, arguments)
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
