@@ -114,12 +114,6 @@ def train(chosen: argparse.Namespace, kinds: list[str]) -> int:
         settings = Settings(depth=chosen.depth, cells=chosen.cells)
         every = chosen.platforms == "all"
         return 1 if build_train(chosen.out, kinds, chosen.consist, chosen.line, settings, every) else 0
-    except FileNotFoundError as error:
-        print(f"There is no file {error.filename}; give the path of a consist or a line.", file=sys.stderr)
-        return 2
-    except IsADirectoryError as error:
-        print(f"{error.filename} is a folder; give the path of a consist or a line.", file=sys.stderr)
-        return 2
     except ValueError as error:
         print(error, file=sys.stderr)
         return 2

@@ -15,7 +15,7 @@ from bogie_braking.checks import known, line_or_none, number, shown
 from bogie_braking.histories import Value
 from bogie_braking.machines import Machine, Runnable, machine_of, model_from
 from bogie_braking.simulation import Simulation
-from fmu_src.cosimulation.measured import table_from
+from fmu_src.cosimulation.measured import in_units_of, table_from
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.suggestion import suggestion
 from fmu_src.system import System
@@ -79,14 +79,15 @@ class Fit:
 
 
 def measured_from(path: str | Path) -> Recording:
-    """A table of a measured run: a head of names with units, `time [s],speed [m/s]`, and rows of numbers.
+    """Return the table of a measured run from a file: names with units, such as `time [s],speed [km/h]`, and numbers.
 
-    Raises ValueError with the line where it is none, OSError for a file that cannot be read.
+    Raises
+    ------
+    FileError
+        If the file cannot be read as it is meant; the message names file, row, column, value and remedy.
     """
     if not isinstance(path, str | Path):
         raise TypeError(f"Give what was measured as a Recording or as the path of a CSV file: it was {shown(path)}.")
-    if not Path(path).is_file():
-        raise FileNotFoundError(f"There is no file {path}; give the path of the CSV file of a measured run.")
     return table_from(Path(path))
 
 
@@ -113,6 +114,7 @@ def fit(
     """
     table = measured if isinstance(measured, Recording) else measured_from(measured)
     machine = machine_of(what, values, line_or_none(line) is not None)
+    table = in_units_of(table, {"time": "s"} | {name: one.unit for name, one in machine.variables.items()})
     what = model_from(what) if isinstance(what, System) else what
     names, driven = parted(table, machine)
     times, last = since(begin, table["time"]), rows_until(until, table["time"])

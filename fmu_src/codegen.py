@@ -28,6 +28,7 @@ RUNTIME = Path(__file__).parent / "runtime"
 KERNEL_SOURCES = (
     "message.c",
     "decimal.c",
+    "text_rows.c",
     "table_pieces.c",
     "table_file.c",
     "evaluate.c",
@@ -63,6 +64,7 @@ RUNTIME_SOURCES = (*KERNEL_SOURCES, *FACE_SOURCES, *STUDY_SOURCES)
 RUNTIME_HEADERS = (
     "model.h",
     "table_file.h",
+    "text_rows.h",
     "lanes.h",
     "lanes_end.h",
     "lanes_math.h",

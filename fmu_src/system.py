@@ -18,6 +18,7 @@ import numpy as np
 
 from fmu_src.chain import Chain
 from fmu_src.piecewise import look_up, polynomials
+from readers.tables import Column
 
 Kind = Literal["real", "integer", "boolean", "string"]
 Causality = Literal["parameter", "input", "output", "local"]
@@ -133,17 +134,6 @@ SAME_PLACE = 10
 
 
 @dataclass(frozen=True)
-class Column:
-    """A column of a table file: its values are within the limits, in its unit ("1": a pure number)."""
-
-    name: str
-    unit: str
-    minimum: float
-    maximum: float
-    required: bool = False
-
-
-@dataclass(frozen=True)
 class Piece:
     """What can be looked up of a table file: polynomials of `degree` (5 at most) between two rows.
 
@@ -165,9 +155,9 @@ class TableFile:
     """A table that an instance reads before the start, from the CSV file that `variable`, a string, names.
 
     noun, preposition: what sentences call it, "line", and that something runs "on" a line. resource: the file that an
-    FMU reads from its resources where the variable is not set. columns: of the file; the first one grows from row to
-    row by `least_growth`, in words `growth_text`. rounding: length on either side of a row over which a corner of what
-    is straight between rows is rounded, 0: none is. known: the columns in words, for a sentence about one that is not.
+    FMU reads from its resources where the variable is not set. columns: of the file, of numbers alone; the first one
+    grows from row to row by `least_growth`. rounding: length on either side of a row over which a corner of what is
+    straight between rows is rounded, 0: none is. known: the columns in words, for a sentence about one that is not.
     added: columns that the model computes. source: C with the functions `check_row`, `complete` and `piece_between`
     of `table_file_description` (model.h). It may call what table_file.h declares; in it, COLUMN_NAME and PIECE_NAME
     are the places of columns and pieces.
@@ -179,7 +169,6 @@ class TableFile:
     resource: str
     columns: tuple[Column, ...]
     least_growth: float
-    growth_text: str
     rounding: float
     known: str
     added: tuple[str, ...]
@@ -193,6 +182,10 @@ class TableFile:
                 f"Table file {self.noun}: it has {columns} columns and pieces of degree {degree}; give at most "
                 f"{MOST_COLUMNS} columns, those added included, and degrees up to {HIGHEST_DEGREE}."
             )
+
+        odd = [column.name for column in self.columns if column.words or column.whole or not column.filled]
+        if odd:
+            raise ValueError(f"Table file {self.noun}: columns must be numbers, one in each row; got {', '.join(odd)}.")
 
     def piece(self, name: str) -> Piece:
         """One of the pieces by its name."""

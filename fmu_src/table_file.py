@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from fmu_src.c_literals import c_array, c_number, c_text
 from fmu_src.own_names import with_own_names
-from fmu_src.system import Column, TableFile
+from fmu_src.system import TableFile
+from readers.tables import Column
+from readers.units import spellings_for, twins_of
 
 #: In front of the names that the model's C has at the scope of its file: other C of the same unit may have them too.
 PREFIX = "of_table_"
@@ -20,27 +22,37 @@ def table_file_source(file: TableFile, variable: int) -> str:
     [given] = with_own_names(["\n".join([*places, file.source])], PREFIX)
     words = (file.noun, file.preposition, f"/{file.resource}", file.known)
     members = [
-        *(str(variable), *map(c_text, words), c_number(file.least_growth), c_text(file.growth_text)),
-        c_number(file.rounding),
+        *(str(variable), *map(c_text, words), c_number(file.least_growth), c_number(file.rounding)),
         *(str(len(file.columns)), str(len(file.added)), "COLUMN_OF_FILE", "PIECE_OF_FILE"),
         *(PREFIX + name for name in ("check_row", "complete", "piece_between")),
     ]
+    units = list(dict.fromkeys(column.unit for column in file.columns))
+    columns_in_c = [_column(column, units.index(column.unit)) for column in file.columns]
     pieces = [f"{{{piece.degree}, {_truth(piece.goes_on)}}}" for piece in file.pieces]
     return "\n".join(
         [
             '#include <stdio.h>\n#include "table_file.h"',
             given,
-            c_array("column_description", "COLUMN_OF_FILE", map(_column, file.columns)),
+            *(_units(unit, f"UNIT_OF_FILE_{place}") for place, unit in enumerate(units)),
+            c_array("column_description", "COLUMN_OF_FILE", columns_in_c),
             c_array("piece_description", "PIECE_OF_FILE", pieces),
             f"static const table_file_description TABLE_FILE = {{{', '.join(members)}}};",
         ]
     )
 
 
-def _column(column: Column) -> str:
-    unit = "" if column.unit == "1" else column.unit
+def _units(unit: str, name: str) -> str:
+    """Return the units that convert to `unit`, with their factors, as an array in C."""
+    spellings = [(twin, both) for one, both in spellings_for(unit).items() for twin in twins_of(one)]
+    return c_array("unit_description", name, (f"{{{c_text(one)}, {up!r}, {down!r}}}" for one, (up, down) in spellings))
+
+
+def _column(column: Column, unit: int) -> str:
+    """Return a column in C; unit: place of its unit among those of the file."""
+    shown = "" if column.unit == "1" else column.unit
     limits = f"{c_number(column.minimum)}, {c_number(column.maximum)}"
-    return f"{{{c_text(column.name)}, {c_text(unit)}, {limits}, {_truth(column.required)}}}"
+    units = f"UNIT_OF_FILE_{unit}, {sum(len(twins_of(one)) for one in spellings_for(column.unit))}"
+    return f"{{{c_text(column.name)}, {c_text(shown)}, {limits}, {_truth(column.required)}, {units}}}"
 
 
 def _truth(value: bool) -> str:

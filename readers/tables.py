@@ -4,23 +4,23 @@ A table is text with rows. Columns are separated by tabs, semicolons or commas, 
 numbers. Numbers have a decimal point or, unless commas separate columns, a decimal comma; a file has one of the two. A
 name may carry its unit, `cant [mm]` or `cant (mm)`, which is converted. In names upper and lower case are alike, and so
 are underscores, blanks and hyphens. Empty rows, rows of nothing but separators and remarks (`#`, `%`, `!`, `//`) are
-passed over. A cell may stand in quotes. `fmu_src/runtime/table_file.c` reads lines by the same rules inside FMUs.
+passed over. A cell may stand in quotes. `fmu_src/runtime/table_file.c` is the twin of this module in C.
 """
 
 from __future__ import annotations
 
-import csv
 import difflib
 import math
 import re
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, field
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from readers.text import FileError, rows_of, text_of
+from readers.text import BLANK, LONGEST_ROW, FileError, lines_of, rows_in, text_of
 from readers.units import factor, quantity_of, spellings_for
 
 #: Most rows of a table, unless a caller sets another limit.
@@ -35,10 +35,21 @@ NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?", re.ASCII)
 #: Cells that Python's float reads as they are meant.
 PLAIN = re.compile(r"[0-9eE+.-]*", re.ASCII)
 #: A name with its unit in square brackets, and a name with or without its unit in round ones.
-HEAD_SQUARE = re.compile(r"(?P<name>[^\[\]]*[^\[\]\s])\s*\[(?P<unit>[^\[\]]*)\]")
-HEAD_ROUND = re.compile(r"(?P<name>[^\[\]()]*[^\[\]()\s])\s*(\((?P<unit>[^()]*)\))?")
+HEAD_SQUARE = re.compile(r"(?P<name>[^\[\]]+)\[(?P<unit>[^\[\]]*)\]")
+HEAD_ROUND = re.compile(r"(?P<name>[^\[\]()]+)(\((?P<unit>[^()]*)\))?")
 #: A row with which some spreadsheets declare their separator.
-DECLARED = re.compile(r"sep=(.)\s*", re.IGNORECASE)
+DECLARED = re.compile(rf"sep=([,;\t|:])[{BLANK}]*", re.IGNORECASE | re.ASCII)
+#: A cell in quotes, by its separator; and what is one underscore in names.
+IN_QUOTES = {
+    one: re.compile(rf'[{BLANK.replace(one, "")}]*"((?:[^"]|"")*)"[{BLANK.replace(one, "")}]*({re.escape(one)}|\Z)')
+    for one in ("\t", ";", ",", "|", ":")
+}
+BLANK_RUN = re.compile(f"[{BLANK}]+")
+GAP = re.compile(rf"[{BLANK}_-]+")
+CAPITALS = str.maketrans({chr(letter): chr(letter + 32) for letter in range(ord("A"), ord("Z") + 1)})
+PLAIN_BYTES = b"0123456789eE+-"
+#: Lines that are read at once where all cells are plain numbers.
+BLOCK = 20_000
 MINUS = "\u2212"
 
 
@@ -115,7 +126,20 @@ class Table:
 
     def refusal(self, row: int, column: str, text: str) -> TableError:
         """Return the error for a value; row counts from 0, text says limit, value and remedy."""
-        return TableError(f"{self.source}, row {self.places[row]}, column {column}: {text}")
+        return TableError(f"{self.source}, row {self.places[row]}, column {shown(column)}: {text}")
+
+    def check_rows(self, least: int = 2) -> None:
+        """Check that there are so many rows.
+
+        Raises
+        ------
+        TableError
+            If there are fewer.
+        """
+        if self.places.size < least:
+            raise TableError(
+                f"{self.source} must have at least {least} rows of values; it has {self.places.size}. Add rows."
+            )
 
     def check_growth(self, name: str, least: float = 0.0) -> None:
         """Check that each value of a column is above the one before, by `least` or more if that is above 0.
@@ -182,25 +206,27 @@ def table_of(
     most_rows: int = MOST_ROWS,
 ) -> Table:
     """Read a table from its text, as `read_table` does; source: its name in messages."""
-    rows = list(rows_of(text, source))
-    separator = ""
-    if rows and (declared := DECLARED.fullmatch(rows[0][1])):
-        separator, rows = declared[1], rows[1:]
-    separator = separator or _separator_of([row for _, row in rows[:SAMPLE]])
-    split = [(at, cells) for at, row in rows if any(cells := cells_of(row, separator, f"{source}, row {at}"))]
-    if not split:
+    lines = lines_of(text)
+    first = list(islice(rows_in(lines, source), SAMPLE))
+    declared = DECLARED.fullmatch(first[0][1]) if first else None
+    first = first[1:] if declared else first
+    separator = declared[1] if declared else _separator_of([row for _, row in first])
+    behind = first[0][0] - 1 if first else len(lines)
+    rows = ((at, cells_of(row, separator, f"{source}, row {at}")) for at, row in rows_in(lines, source, behind))
+    filled = ((at, cells) for at, cells in rows if any(cells))
+    at, cells = next(filled, (0, []))
+    if not cells:
         raise TableError(f"{source} must have a row of names and rows of values; it is empty. Give a table.")
-    if len(split) > most_rows + 1:
-        raise TableError(f"{source} must have at most {most_rows} rows; it has {len(split)}. Split it, or drop rows.")
-    place, first = f"{source}, row {split[0][0]}", split[0][1]
-    numeric = all(number_in(cell) for cell in first if cell)
+    place = f"{source}, row {at}"
+    numeric = all(number_in(cell) for cell in cells if cell)
     if numeric and not by_position:
         example = ", ".join(f"{one.name} [{one.unit}]" for one in columns[:3])
-        raise TableError(f"{place}: the first row must have names; got {quoted(first[0])}. Add them, as in {example}.")
+        raise TableError(f"{place}: the first row must have names; got {quoted(cells[0])}. Add them, as in {example}.")
+    body = _Body(source, separator, most_rows)
     if numeric:
-        return _filled(source, _by_position(place, columns, [""] * len(first)), split, separator)
-    layout = _layout(place, first, columns, others, by_position)
-    return _filled(source, layout, split[1:], separator)
+        return body.table(_by_position(place, columns, [""] * len(cells)), [(at, cells), *filled])
+    layout = _layout(place, cells, columns, others, by_position)
+    return body.plain(layout, lines, at) or body.table(layout, filled)
 
 
 def cells_of(row: str, separator: str, place: str) -> list[str]:
@@ -212,14 +238,19 @@ def cells_of(row: str, separator: str, place: str) -> list[str]:
         If quotes do not close.
     """
     if separator == BLANKS:
-        return row.split()
+        return [cell for cell in re.split(f"[{BLANK}]+", row) if cell]
     if '"' not in row:
-        return [cell.strip() for cell in row.split(separator)]
-    try:
-        [cells] = csv.reader([row], delimiter=separator, strict=True, skipinitialspace=True)
-    except (csv.Error, ValueError):
-        raise TableError(f"{place}: quotes must close within the row. Remove the quotes.") from None
-    return [cell.strip() for cell in cells]
+        return [cell.strip(BLANK) for cell in row.split(separator)]
+    cells, at, ends = [], 0, False
+    while not ends:
+        quotes = IN_QUOTES[separator].match(row, at)
+        cell, _, _ = row[at:].partition(separator) if not quotes else (quotes[1].replace('""', '"'), "", "")
+        if not quotes and cell.lstrip(BLANK).startswith('"'):
+            raise TableError(f"{place}: quotes must close within the row. Remove the quotes.")
+        cells.append(cell.strip(BLANK))
+        ends = not quotes[2] if quotes else at + len(cell) == len(row)
+        at = quotes.end() if quotes else at + len(cell) + 1
+    return cells
 
 
 def _separator_of(rows: Sequence[str]) -> str:
@@ -248,9 +279,20 @@ class _Place:
     column: Column
     factor: tuple[float, float] = (1.0, 1.0)
 
+    def converted(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return values of the file in the column's unit."""
+        up, down = self.factor
+        return values if up == down == 1.0 else values * up / down
 
-def _tidy(name: str) -> str:
-    return re.sub(r"[\s-]+", "_", name.strip()).lower()
+    def allows(self, values: NDArray[np.float64]) -> bool:
+        """Return whether all values are within the column's limits and, where they must be, whole."""
+        inside = np.all((values >= self.column.minimum) & (values <= self.column.maximum))
+        return bool(inside and (not self.column.whole or np.all(values == np.floor(values))))
+
+
+def tidy(name: str) -> str:
+    """Return a name as names are compared: small letters, an underscore for blanks, hyphens and underscores."""
+    return GAP.sub("_", name).translate(CAPITALS)
 
 
 def _by_position(place: str, columns: Sequence[Column], units: Sequence[str]) -> list[_Place]:
@@ -268,19 +310,21 @@ def _layout(
     place: str, cells: Sequence[str], columns: Sequence[Column], others: bool, by_position: bool
 ) -> list[_Place]:
     """Return the columns of a file by its row of names."""
-    known = {_tidy(column.name): column for column in columns}
+    known = {tidy(column.name): column for column in columns}
     parts = [(at, *_name_and_unit(cell, place)) for at, cell in enumerate(cells) if cell]
-    if by_position and not any(_tidy(name) in known for _, name, _ in parts):
+    if by_position and not any(tidy(name) in known for _, name, _ in parts):
         return _by_position(place, columns, [unit for _, _, unit in parts])
     found: dict[str, _Place] = {}
     for at, name, unit in parts:
-        column = known.get(_tidy(name))
+        column = known.get(tidy(name))
         if column is None and not others:
             raise TableError(f"{place}: the column {quoted(name)} is unknown. {_advice(name, known, columns)}")
         column = column or Column(name, unit or "1")
-        if _tidy(column.name) in found:
-            raise TableError(f"{place}: the column {column.name} must be there once; it is there twice. Remove one.")
-        found[_tidy(column.name)] = _Place(at, column, _factor(column, unit, place))
+        if tidy(column.name) in found:
+            raise TableError(
+                f"{place}: the column {shown(column.name)} must be there once; it is there twice. Remove one."
+            )
+        found[tidy(column.name)] = _Place(at, column, _factor(column, unit, place))
     for key, column in known.items():
         if column.required and key not in found:
             there = ", ".join(one.column.name for one in found.values()) or "none"
@@ -290,15 +334,17 @@ def _layout(
 
 def _name_and_unit(cell: str, place: str) -> tuple[str, str]:
     match = HEAD_SQUARE.fullmatch(cell) or HEAD_ROUND.fullmatch(cell)
-    if not match:
+    name = BLANK_RUN.sub(" ", match["name"]).strip(" ") if match else ""
+    unit = (match["unit"] or "").strip(BLANK) if match else ""
+    if not name or not (name + unit).isprintable():
         raise TableError(
             f"{place}: a column must have a name, and its unit in brackets; got {quoted(cell)}. Write speed [m/s]."
         )
-    return match["name"], (match["unit"] or "").strip()
+    return name, unit
 
 
 def _advice(name: str, known: Collection[str], columns: Sequence[Column]) -> str:
-    near = difflib.get_close_matches(_tidy(name)[:100], list(known), 1)
+    near = difflib.get_close_matches(tidy(name)[:100], list(known), 1)
     return f"Did you mean {near[0]}?" if near else f"Columns are {', '.join(column.name for column in columns)}."
 
 
@@ -314,9 +360,16 @@ def _factor(column: Column, unit: str, place: str) -> tuple[float, float]:
         kind = "unknown" if quantity_of(unit) is None else "of another quantity"
         units = ", ".join(spellings_for(column.unit))
         raise TableError(
-            f"{place}: the unit {quoted(unit)} of {column.name} is {kind}. Use {units}; none means {column.unit}."
+            f"{place}: the unit {quoted(unit)} of {shown(column.name)} is {kind}. "
+            f"Use {units}; none means {column.unit}."
         )
     return both
+
+
+def shown(value: object) -> str:
+    """Return a value for a message: as it is if it is short and on one line, otherwise quoted."""
+    text = str(value)
+    return text if text.isprintable() and len(text) <= QUOTED else quoted(text)
 
 
 def quoted(text: str, longest: int = QUOTED) -> str:
@@ -324,28 +377,87 @@ def quoted(text: str, longest: int = QUOTED) -> str:
     return repr(text) if len(text) <= longest else f"{text[:longest]!r}... ({len(text)} characters)"
 
 
-def _filled(source: str, layout: Sequence[_Place], body: Sequence[tuple[int, list[str]]], separator: str) -> Table:
-    """Return the table of the rows behind the names."""
-    width = 1 + max((one.at for one in layout), default=-1)
-    places = np.array([number for number, _ in body], np.int64)
-    for number, cells in body:
-        if any(cells[width:]):
-            hint = " With decimal commas, separate columns by semicolons." if separator == "," else ""
-            raise TableError(
-                f"{source}, row {number}: a row must have at most {width} values; got {len(cells)}. "
-                f"Name each column in the first row.{hint}"
-            )
-    numbers, words, units = {}, {}, {}
-    mark = _DecimalMark(source)
-    for one in layout:
-        cells = [row[one.at] if one.at < len(row) else "" for _, row in body]
-        place = _Cells(source, places, one.column)
-        if one.column.words:
-            words[one.column.name] = place.words(cells)
-        else:
-            numbers[one.column.name] = place.numbers(cells, one.factor, mark)
-            units[one.column.name] = one.column.unit
-    return Table(source, numbers, words, units, places)
+@dataclass(frozen=True)
+class _Body:
+    """The rows behind the names."""
+
+    source: str
+    separator: str
+    most_rows: int
+
+    def plain(self, layout: Sequence[_Place], lines: Sequence[str], names: int) -> Table | None:
+        """Return the table where each cell is a number in its place and within limits, the quick way; None where not.
+
+        names: number of the row of names.
+        """
+        bare = self.separator + BLANK
+        places = [at for at in range(names, len(lines)) if lines[at].strip(bare)]
+        gapless = [one.at for one in layout] == list(range(len(layout)))
+        if not gapless or not 0 < len(places) <= self.most_rows or any(one.column.words for one in layout):
+            return None
+        values, marks = np.empty((len(places), len(layout))), set()
+        for begin in range(0, len(places), BLOCK):
+            found, mark = self._plain_block([lines[at] for at in places[begin : begin + BLOCK]])
+            marks.add(mark)
+            if found is None or found.shape != values[begin : begin + BLOCK].shape:
+                return None
+            values[begin : begin + BLOCK] = found
+        numbers = {one.column.name: one.converted(column.copy()) for one, column in zip(layout, values.T, strict=True)}
+        if marks >= {",", "."} or max(map(len, lines)) > LONGEST_ROW:
+            return None
+        if not all(one.allows(numbers[one.column.name]) for one in layout):
+            return None
+        units = {one.column.name: one.column.unit for one in layout}
+        return Table(self.source, numbers, {}, units, np.array(places) + 1)
+
+    def _plain_block(self, lines: Sequence[str]) -> tuple[NDArray[np.float64] | None, str]:
+        """Return the values of rows and their decimal mark; None where a cell is no plain number."""
+        text = "".join(lines)
+        mark = "," if self.separator != "," and "," in text else "." if "." in text else ""
+        if text.encode().translate(None, PLAIN_BYTES + f"{self.separator}{mark}".encode()):
+            return None, mark
+        try:
+            points = (line.replace(",", ".") for line in lines) if mark == "," else lines
+            values = np.loadtxt(points, delimiter=self.separator, comments=None, ndmin=2)
+        except ValueError:
+            return None, mark
+        return values if np.all(np.isfinite(values)) else None, mark
+
+    def table(self, layout: Sequence[_Place], rows: Iterable[tuple[int, list[str]]]) -> Table:
+        """Return the table; rows: number and cells of each. Raises TableError."""
+        body = list(islice(rows, self.most_rows + 1))
+        if len(body) > self.most_rows:
+            raise TableError(f"{self.source} must have at most {self.most_rows} rows; it has more. Split it.")
+        self._check_names(layout, body)
+        places = np.array([number for number, _ in body], np.int64)
+        numbers, words, units = {}, {}, {}
+        mark = _DecimalMark(self.source)
+        for one in layout:
+            texts = [row[one.at] if one.at < len(row) else "" for _, row in body]
+            cells_of_column = _Cells(self.source, places, one)
+            if one.column.words:
+                words[one.column.name] = cells_of_column.words(texts)
+            else:
+                numbers[one.column.name] = cells_of_column.numbers(texts, mark)
+                units[one.column.name] = one.column.unit
+        return Table(self.source, numbers, words, units, places)
+
+    def _check_names(self, layout: Sequence[_Place], body: Sequence[tuple[int, list[str]]]) -> None:
+        named = {one.at for one in layout}
+        width = max(named, default=-1) + 1
+        gaps = sorted({*range(width)} - named)
+        for number, cells in body:
+            if gaps or len(cells) > width:
+                for at in [*gaps, *range(width, len(cells))]:
+                    if at < len(cells) and cells[at]:
+                        raise self._nameless(number, at, cells[at], len(named))
+
+    def _nameless(self, number: int, at: int, cell: str, count: int) -> TableError:
+        hint = " With decimal commas, separate columns by semicolons." if self.separator == "," else ""
+        return TableError(
+            f"{self.source}, row {number}: a row must have at most {count} values; got {at + 1}: {quoted(cell)} has no "
+            f"name. Name each column in the first row.{hint}"
+        )
 
 
 @dataclass
@@ -360,8 +472,8 @@ class _DecimalMark:
         """Check that a number has the file's decimal mark."""
         if self.shown and ("," in cell) != ("," in self.shown):
             raise TableError(
-                f"{self.source}, row {row}, column {column}: numbers must have one decimal mark; got {quoted(cell)}, "
-                f"and {quoted(self.shown)} in row {self.row}. Use one, and no separators of thousands."
+                f"{self.source}, row {row}, column {shown(column)}: numbers must have one decimal mark; got "
+                f"{quoted(cell)}, and {quoted(self.shown)} in row {self.row}. Use one, and no separators of thousands."
             )
         self.shown, self.row = self.shown or cell, self.row or row
 
@@ -372,10 +484,15 @@ class _Cells:
 
     source: str
     places: NDArray[np.int64]
-    column: Column
+    place: _Place
+
+    @property
+    def column(self) -> Column:
+        """What they are read as."""
+        return self.place.column
 
     def refusal(self, row: int, text: str) -> TableError:
-        return TableError(f"{self.source}, row {self.places[row]}, column {self.column.name}: {text}")
+        return TableError(f"{self.source}, row {self.places[row]}, column {shown(self.column.name)}: {text}")
 
     def words(self, cells: Sequence[str]) -> list[str]:
         choice = self.column.words
@@ -386,15 +503,14 @@ class _Cells:
                 )
         return list(cells)
 
-    def numbers(self, cells: Sequence[str], both: tuple[float, float], mark: _DecimalMark) -> NDArray[np.float64]:
+    def numbers(self, cells: Sequence[str], mark: _DecimalMark) -> NDArray[np.float64]:
         values = self._plain(cells, mark)
         if values is None:
             values = np.array([self._number(row, cell, mark) for row, cell in enumerate(cells)], float)
-        if both != (1.0, 1.0):
-            values = values * both[0] / both[1]
+        values = self.place.converted(values)
         low, high = self.column.minimum, self.column.maximum
         for row in np.flatnonzero((values < low) | (values > high))[:1].tolist():
-            got = f"{quoted(cells[row])}{self._unit(both)}"
+            got = f"{quoted(cells[row])}{self._unit(self.place.factor)}"
             raise self.refusal(row, f"the value must be {self._limits()}; got {got}. Check value and unit.")
         for row in np.flatnonzero(values != np.floor(values))[:1].tolist() if self.column.whole else []:
             if not math.isnan(values[row]):

@@ -1,10 +1,14 @@
-"""The text of a user's file: its encoding, its size, its rows."""
+"""The text of a user's file: its encoding, its size, its rows.
+
+`fmu_src/runtime/text_rows.c` is its twin in C.
+"""
 
 from __future__ import annotations
 
 import codecs
+import re
 import stat
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 #: Largest file that is read [bytes], unless a caller sets another limit.
@@ -13,12 +17,20 @@ LARGEST = 1_000_000_000
 LONGEST_ROW = 20_000
 #: What a file may begin with, and the encoding that this means; without a mark it is UTF-8 or Windows-1252.
 MARKS = ((codecs.BOM_UTF8, "utf-8"), (codecs.BOM_UTF16_LE, "utf-16-le"), (codecs.BOM_UTF16_BE, "utf-16-be"))
+#: What counts as blank: space, tab, form feed and the two spaces that hold numbers together.
+BLANK = " \t\f\u00a0\u202f"
+#: Characters that text does not have; DOS ends files with \x1a.
+ODD = re.compile(r"[\x00-\x08\x0b\x0e-\x19\x1b-\x1f]")
 #: Characters that begin a remark. A semicolon does not: it separates columns.
 REMARKS = ("#", "%", "!", "//")
 
 
 class FileError(ValueError):
     """A user's file that cannot be read as it is meant; the message names file, place, value and remedy."""
+
+
+class MissingFileError(FileError, FileNotFoundError):
+    """A user's file that does not exist."""
 
 
 def text_of(path: str | Path, largest: int = LARGEST) -> str:
@@ -37,42 +49,53 @@ def text_of(path: str | Path, largest: int = LARGEST) -> str:
         If it is not a regular file, is too large, or is not text.
     """
     data = _bytes_of(Path(path), largest)
-    mark, encoding = next(((mark, name) for mark, name in MARKS if data.startswith(mark)), (b"", ""))
+    mark, encoding = next(((mark, name) for mark, name in MARKS if data.startswith(mark)), (b"", "utf-8"))
     try:
         text = _decoded(data[len(mark) :], encoding)
     except UnicodeDecodeError as error:
         raise FileError(f"{path} is not text in {encoding} ({error.reason}). Save it as text in UTF-8.") from None
-    odd = next((one for one in text if one < " " and one not in "\t\r\n\f\x1a"), "")
-    if odd:
-        row = text.count("\n", 0, text.index(odd)) + 1
-        raise FileError(f"{path}, row {row}: the character {ord(odd)} is not text. Save the file as text in UTF-8.")
+    if odd := ODD.search(text):
+        row = len(lines_of(text[: odd.start()]))
+        raise FileError(f"{path}, row {row}: the character {ord(odd[0])} is not text. Save the file as text in UTF-8.")
     return text.removeprefix("\ufeff").rstrip("\x1a")
 
 
 def _bytes_of(path: Path, largest: int) -> bytes:
     try:
         about = path.stat()
-        if not stat.S_ISREG(about.st_mode):
-            raise FileError(f"{path} must be a file; it is a folder, a pipe or a device. Give the path of a file.")
-        if about.st_size > largest:
-            raise FileError(
-                f"{path} must have at most {largest} bytes; it has {about.st_size}. Split it, or leave out rows."
-            )
-        return path.read_bytes()
+        regular, size = stat.S_ISREG(about.st_mode), about.st_size
+        data = path.read_bytes() if regular and size <= largest else b""
     except FileNotFoundError:
-        raise FileError(f"The file {path} does not exist. Check the path.") from None
+        raise MissingFileError(f"The file {path} does not exist. Check the path.") from None
     except (OSError, ValueError) as error:  # ValueError: a zero byte in the path
         raise FileError(f"{path} cannot be read ({getattr(error, 'strerror', error)}). Check the path.") from error
+    if not regular:
+        raise FileError(f"{path} must be a file; it is a folder, a pipe or a device. Give the path of a file.")
+    if size > largest:
+        raise FileError(f"{path} must have at most {largest} bytes; it has {size}. Split it, or leave out rows.")
+    return data
 
 
 def _decoded(data: bytes, encoding: str) -> str:
-    """Return text in its marked encoding; otherwise UTF-8, or what spreadsheets on Windows write."""
-    if encoding:
-        return data.decode(encoding)
+    """Return text in an encoding; each row that is not UTF-8 as spreadsheets on Windows write it."""
     try:
-        return data.decode("utf-8")
+        return data.decode(encoding)
     except UnicodeDecodeError:
-        return data.decode("cp1252", errors="replace")
+        if encoding != "utf-8":
+            raise
+    return "".join(_row_decoded(row) for row in re.split(rb"([\r\n])", data))
+
+
+def _row_decoded(row: bytes) -> str:
+    try:
+        return row.decode("utf-8")
+    except UnicodeDecodeError:
+        return row.decode("cp1252", errors="replace")
+
+
+def lines_of(text: str) -> list[str]:
+    """Return all lines of a text, as an editor or a spreadsheet counts them."""
+    return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
 
 
 def rows_of(text: str, source: str) -> Iterator[tuple[int, str]]:
@@ -85,11 +108,17 @@ def rows_of(text: str, source: str) -> Iterator[tuple[int, str]]:
     FileError
         If a row is longer than LONGEST_ROW.
     """
-    for number, row in enumerate(text.replace("\r\n", "\n").replace("\r", "\n").split("\n"), 1):
+    return rows_in(lines_of(text), source)
+
+
+def rows_in(lines: Sequence[str], source: str, behind: int = 0) -> Iterator[tuple[int, str]]:
+    """Yield what `rows_of` does of lines, those behind so many of them."""
+    for number in range(behind + 1, len(lines) + 1):
+        row = lines[number - 1]
         if len(row) > LONGEST_ROW:
             raise FileError(
                 f"{source}, row {number}: a row must have at most {LONGEST_ROW} characters; it has {len(row)}. "
                 "Check that this is a table."
             )
-        if row.strip() and not row.lstrip().startswith(REMARKS):
+        if (bare := row.lstrip(BLANK)) and not bare.startswith(REMARKS):
             yield number, row

@@ -79,7 +79,7 @@ _GREEK_MU, _MICRO = "\u03bc", "\u00b5"
 
 def quantity_of(unit: str) -> str | None:
     """Return the quantity that a unit measures, or None if the unit is unknown."""
-    tidy = unit.strip().replace(_GREEK_MU, _MICRO)
+    tidy = unit.strip(" ").replace(_GREEK_MU, _MICRO)
     return next((quantity for quantity, units in SPELLINGS.items() if tidy in units), None)
 
 
@@ -89,11 +89,11 @@ def factor(unit: str, target: str) -> tuple[float, float] | None:
     A value is multiplied by the first and divided by the second, in this order, in every language.
     """
     quantity = quantity_of(unit)
-    if unit.strip() == target:
+    if unit.strip(" ") == target:
         return 1.0, 1.0
     if quantity is None or quantity != quantity_of(target):
         return None
-    up, down = SPELLINGS[quantity][unit.strip().replace(_GREEK_MU, _MICRO)]
+    up, down = SPELLINGS[quantity][unit.strip(" ").replace(_GREEK_MU, _MICRO)]
     of_target = SPELLINGS[quantity][target]
     numerator, denominator = up * of_target[1], down * of_target[0]
     shared = _common(numerator, denominator)
@@ -104,6 +104,11 @@ def _common(one: float, other: float) -> float:
     while other:
         one, other = other, one % other
     return one
+
+
+def twins_of(unit: str) -> tuple[str, ...]:
+    """Return a unit as it is known and, if micro is in it, with the Greek letter in its place."""
+    return (unit, unit.replace(_MICRO, _GREEK_MU)) if _MICRO in unit else (unit,)
 
 
 def spellings_for(target: str) -> dict[str, tuple[float, float]]:

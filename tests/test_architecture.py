@@ -176,7 +176,7 @@ PLUMBING = {
     },
     "rbd_model/contact/creep/exact.py": {"half_circle"},
     "rbd_model/contact/creep/law.py": {"at_least"},
-    "rbd_model/contact/creep/tabulated.py": {"axes", "larger_by", "part_of", "read_table", "write_table"},
+    "rbd_model/contact/creep/tabulated.py": {"axes", "larger_by", "part_of", "read_creep_table", "write_table"},
     "rbd_model/contact/hertz.py": {"polynomial"},
     "rbd_model/contact/gauge_side.py": {"upright"},
     "rbd_model/contact/strips_in_c.py": {"array_in_c", "checked", "contour_entry", "contour_in_c", "fitted"},

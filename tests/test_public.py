@@ -547,7 +547,7 @@ def table_of(units: dict[str, str]) -> bb.Recording:
 @pytest.mark.parametrize(
     ("units", "error", "sentence"),
     [
-        ({"time": "s", "speed": "km/h"}, ValueError, "Give speed in m/s: what was measured has it in km/h."),
+        ({"time": "s", "speed": "kPa"}, ValueError, "Give speed in m/s: what was measured has it in kPa."),
         ({"time": "s", "sped": "m/s"}, KeyError, "There is no variable sped; did you mean speed?"),
         ({"speed": "m/s", "time": "s"}, ValueError, "Let the first column of what was measured be time [s]"),
         ({"time": "s", "pressure_demand_1": "Pa"}, ValueError, "Give what was measured at least one output"),
@@ -561,11 +561,11 @@ def test_a_measured_table_of_something_else_is_refused(units: dict, error: type[
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [
-        ("", "give the first line names with units"),
-        ("speed [m/s],time [s]\n1,2\n", "time first"),
-        ("time [s],speed [m/s]\n0,1\n1\n", "line 3: give 2 finite numbers; there is '1'"),
-        ("time [s],speed [m/s]\n0,1\n1,nan\n", "line 3"),
-        ("time [s],speed [m/s]\n0,1\n0,1\n", "at least two rows whose time grows"),
+        ("", "it is empty. Give a table."),
+        ("speed [m/s]\n1\n", "row 1: the column time is missing"),
+        ("time [s],speed [m/s]\n0,1\n1\n", "row 3, column speed: the value must be a number; the cell is empty."),
+        ("time [s],speed [m/s]\n0,1\n1,nan\n", "row 3, column speed: the value must be a number; got 'nan'."),
+        ("time [s],speed [m/s]\n0,1\n0,1\n", "row 3, column time: values must grow from row to row"),
     ],
 )
 def test_a_file_that_is_no_measured_run_is_refused(text: str, sentence: str, tmp_path: Path) -> None:
@@ -604,7 +604,7 @@ def test_a_fit_without_a_beginning_is_refused() -> None:
 
 
 def test_a_file_that_is_not_there_is_named_with_what_it_should_be() -> None:
-    with pytest.raises(FileNotFoundError, match=r"There is no file none\.csv; give the path of the CSV file"):
+    with pytest.raises(FileNotFoundError, match=r"The file none\.csv does not exist\. Check the path\."):
         bb.measured_from("none.csv")
     with pytest.raises(FileNotFoundError, match=r"There is no file none\.fmu; give the path of an FMU"):
         bb.Slave("none.fmu")

@@ -1,53 +1,52 @@
-"""A measured run from a CSV file: a table as Recording.write makes it, looked at row by row."""
+"""A measured run from a file: a table as Recording.write makes it, or as a logger or a spreadsheet writes it."""
 
 from __future__ import annotations
 
-import csv
-import re
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 
 from fmu_src.cosimulation.recording import Recording
+from readers.tables import Column, read_table, tidy
+from readers.units import factor
+
+TIME = Column("time", "s", required=True)
 
 
 def table_from(path: Path) -> Recording:
-    """The table of a file with a head of names with units, time first, and rows of numbers.
+    """Return the table of a file with names and units in its first row, and rows of numbers.
 
-    Raises ValueError with the line where it is none, OSError for a file that cannot be read.
+    Time is its first column and in seconds, however the file has it. Other columns keep the units of the file.
+
+    Raises
+    ------
+    FileError
+        If the file cannot be read as it is meant; the message names file, row, column, value and remedy.
     """
-    with path.open(encoding="utf-8-sig", newline="") as file:
-        try:
-            lines = list(csv.reader(file))
-        except (UnicodeDecodeError, csv.Error) as error:
-            raise ValueError(f"{path} is no CSV file ({error}); give a table of text.") from None
-    if lines and len(lines[0]) == 1 and ";" in lines[0][0]:
-        raise ValueError(f"{path}: part columns by commas, and write numbers with points.")
-    heads = [re.fullmatch(r"\s*(\w+)\s*\[(.+)\]\s*", one) for one in lines[0]] if lines else []
-    if not heads or None in heads or heads[0][1] != "time":  # type: ignore[index]
-        raise ValueError(f"{path}: give the first line names with units, time first, such as: time [s],speed [m/s]")
-    units = {head[1]: head[2] for head in heads if head}
-    if len(units) < len(heads):
-        raise ValueError(f"{path}: give each column a name of its own; there are {', '.join(lines[0])}.")
-    rows = [_row(path, place, line, len(heads)) for place, line in enumerate(lines[1:], 2)]
-    times = np.array([row[0] for row in rows])
-    if times.size < 2:
-        raise ValueError(f"{path}: give at least two rows whose time grows.")
-    back = np.flatnonzero(np.diff(times) <= 0.0)
-    if back.size:
-        place = int(back[0])
-        raise ValueError(
-            f"{path}, line {place + 3}: give at least two rows whose time grows; {times[place + 1]:g} s came behind "
-            f"{times[place]:g} s."
-        )
-    return Recording(units, rows)
+    table = read_table(path, [TIME], others=True)
+    table.check_rows()
+    table.check_growth("time")
+    names = ["time", *(name for name in table.numbers if name != "time")]
+    return Recording(
+        {name: table.units[name] for name in names}, np.column_stack([table.numbers[one] for one in names])
+    )
 
 
-def _row(path: Path, place: int, line: list[str], count: int) -> list[float]:
-    try:
-        row = [float(one) for one in line]
-    except ValueError:
-        row = []
-    if len(row) != count or not np.all(np.isfinite(row)):
-        raise ValueError(f"{path}, line {place}: give {count} finite numbers; there is {','.join(line)!r}.")
-    return row
+def in_units_of(table: Recording, units: Mapping[str, str]) -> Recording:
+    """Return a table whose columns have the names and units of variables, where they name one and can be converted.
+
+    units: of the variables, by name. Other columns stay as they are, as do those in a unit of another quantity.
+    """
+    known = {tidy(name): name for name in units} | {name: name for name in units}
+    names = {name: known.get(name, known.get(tidy(name), name)) for name in table.names}
+    if len(set(names.values())) < len(names):
+        names = {name: name for name in table.names}
+    found: dict[str, str] = {}
+    columns = []
+    for name, own in names.items():
+        factors = factor(table.units[name], units[own]) if own in units else None
+        up, down = factors or (1.0, 1.0)
+        found[own] = units[own] if factors else table.units[name]
+        columns.append(table[name] if up == down == 1.0 else table[name] * up / down)
+    return Recording(found, np.column_stack(columns), table.sentences, table.counts)

@@ -2,6 +2,7 @@
 #include "face.h"
 #include "sealed.h"
 #include "table_file.h"
+#include "text_rows.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -127,30 +128,55 @@ static FILE *own_file(component *self, const char *name, kernel_status *status) 
     return file;
 }
 
-/* A row NAME,VALUE of numbers, as a value that is set. */
-static kernel_status set_own_start(component *self, char *row) {
+static kernel_status refuse_start(component *self, const text_rows *row, const char *problem) {
     char sentence[MESSAGE_SIZE];
-    char *value = strchr(row, ',');
-    double number;
-    if (value) *value++ = '\0';
-    for (int i = 0; i < MODEL.variables; ++i)
-        if (value && strcmp(row, MODEL.variable[i].name) == 0 && table_read_number(value, &number))
-            return face_report(self, kernel_set(self->machine, i, number));
-    snprintf(sentence, sizeof sentence, "resources%s: the row \"%.60s\" does not name a variable of %s and a number behind it.",
-             START_VALUES, row, MODEL.name);
+    snprintf(sentence, sizeof sentence, "resources%s, row %d: %s.", START_VALUES, row->number, problem);
     kernel_make_readable(sentence);
     return face_error(self, sentence);
 }
 
+/* The cells NAME and VALUE of a row, and how many cells are filled; 3: more than these, or quotes do not close. */
+static int cells_of_start(char *text, const char *pair[2]) {
+    const char separator = text_separator(text);
+    char *cell;
+    int filled = 0;
+    cell_reading found;
+    for (int at = 0; (found = text_next_cell(&text, separator, &cell)) == CELL_READ; ++at) {
+        filled += *cell != '\0';
+        if (*cell && at > 1) return 3;
+        if (at < 2) pair[at] = cell;
+    }
+    return found == CELL_REFUSED ? 3 : filled;
+}
+
+/* A row NAME,VALUE of numbers, as a value that is set. */
+static kernel_status set_own_start(component *self, text_rows *row) {
+    char problem[MESSAGE_SIZE / 2], mark;
+    const char *pair[2] = {"", ""};
+    const int filled = cells_of_start(row->text, pair);
+    double number;
+    if (filled == 0) return KERNEL_OK;
+    for (int i = 0; filled == 2 && i < MODEL.variables; ++i)
+        if (strcmp(pair[0], MODEL.variable[i].name) == 0 && table_read_number(pair[1], &number, &mark))
+            return face_report(self, kernel_set(self->machine, i, number));
+    snprintf(problem, sizeof problem, "a row must have the name of a variable of %.40s and its number; got '%.60s'. Write NAME,VALUE",
+             MODEL.name, pair[0]);
+    return refuse_start(self, row, problem);
+}
+
+/* Reads start values by the rules of all tables. */
 static kernel_status own_start_values(component *self) {
-    char row[256];
     kernel_status status = KERNEL_OK;
     FILE *file = own_file(self, START_VALUES, &status);
-    while (file && status <= KERNEL_WARNING && fgets(row, sizeof row, file)) {
-        row[strcspn(row, "\r\n")] = '\0';
-        if (*row) status = set_own_start(self, row);
-    }
-    if (file) fclose(file);
+    if (!file) return status;
+    text_rows *rows = (text_rows *)malloc(sizeof *rows);
+    if (!rows) status = face_error(self, "There is not enough memory for start values.");
+    reading found = NO_MORE_ROWS;
+    if (rows) text_rows_begin(rows, file);
+    while (rows && status <= KERNEL_WARNING && (found = text_rows_next(rows)) == ROW_READ) status = set_own_start(self, rows);
+    if (found == ROW_REFUSED) status = refuse_start(self, rows, rows->problem);
+    fclose(file);
+    free(rows);
     return status;
 }
 

@@ -128,11 +128,19 @@ typedef struct {
 typedef struct table_file table_file; /* see table_file.h */
 typedef struct table_part table_part;
 
+/* A unit that files may have, with the factor to the unit of a column. */
+typedef struct {
+    const char *name;
+    double numerator, denominator;
+} unit_description;
+
 /* A column of a table file; a value outside the limits is refused. */
 typedef struct {
     const char *name, *unit; /* no unit: a pure number */
     double minimum, maximum;
     bool required;
+    const unit_description *unit_of_file;
+    int units;
 } column_description;
 
 /* What can be looked up of a table file: polynomials between two rows. Beyond the ends it keeps its value, or its slope. */
@@ -147,8 +155,7 @@ typedef struct {
     const char *noun, *in_use; /* what sentences call it, and the word before: "line", "on" a line */
     const char *resource; /* name of the file among the resources of an FMU, after a slash */
     const char *known;    /* for a sentence: what columns there may be */
-    double least_growth;  /* of the first column from row to row, and in words */
-    const char *growth_text;
+    double least_growth;  /* of the first column from row to row */
     double rounding; /* length on either side of a row over which a corner is rounded; 0: none is */
     int columns, added; /* in the file, and behind them those that `complete` computes */
     const column_description *column;

@@ -1,35 +1,49 @@
-/* A table from a file: rows of numbers under a row of names, separated by commas. */
+/* A table from a user's file, as FMUs and kernels read it: the C twin of readers/tables.py inside FMUs. Its rules stand
+ * there; tests give the same files to both. */
 #include <ctype.h>
 #include <math.h>
 #include <stdarg.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "resources.h"
 #include "table_file.h"
+#include "text_rows.h"
 
-enum { LONGEST_ROW = 2048, MOST_ROWS = 4000000, FIRST_ROOM = 1024 };
+enum {
+    MOST_ROWS = 4000000,
+    FIRST_ROOM = 1024,
+    LONGEST_NAME = 60,
+    QUOTED = 40,
+    SHOWN_PATH = 120 /* bytes of a path that a sentence shows, the last ones */
+};
 
-static const char MARK_OF_UTF8[] = "\xEF\xBB\xBF"; /* which some spreadsheets write in front */
+/* A cell of each row: its place, and the column that it belongs to. */
+typedef struct {
+    int at, column;
+    double numerator, denominator; /* of the factor to the column's unit */
+} cell_place;
 
 typedef struct {
-    FILE *file;
+    text_rows rows;
     const char *path;
     char *problem;
-    int cell[MOST_COLUMNS]; /* by column, its place among the cells of a row; -1: missing */
-    int column[MOST_COLUMNS]; /* by cell */
-    int cells, room, number; /* cells of a row; rows that there is room for; the row that was read last, from 1 */
+    const char *in; /* the column that is read, null: none */
+    char separator, mark; /* of columns; the decimal mark, 0: none was read */
+    cell_place place[MOST_COLUMNS]; /* in their order */
+    int places, room; /* rows that there is room for */
     table_file *made;
 } reader;
 
-/* false, once the sentence tells the file and, where one was read, the row. */
+/* false, once the sentence tells the file and, where one was read, the row and the column. */
 static bool refuse_file(reader *self, const char *format, ...) LIKE_PRINTF(2);
 static bool refuse_file(reader *self, const char *format, ...) {
-    const int room = PROBLEM_SIZE - 2;
-    const char *noun = MODEL.table_file->noun;
-    int used = snprintf(self->problem, (size_t)room, "%c%s %.150s", toupper(*noun), noun + 1, self->path);
-    if (self->number) used += snprintf(self->problem + used, (size_t)(room - used), ", row %d", self->number);
+    const int room = PROBLEM_SIZE - 2, length = (int)strlen(self->path), number = self->rows.number;
+    const char *noun = MODEL.table_file->noun, *dots = length > SHOWN_PATH ? "..." : "";
+    const char *path = self->path + (length > SHOWN_PATH ? length - SHOWN_PATH : 0);
+    int used = snprintf(self->problem, (size_t)room, "%c%s %s%s", toupper(*noun), noun + 1, dots, path);
+    if (number) used += snprintf(self->problem + used, (size_t)(room - used), ", row %d", number);
+    if (self->in) used += snprintf(self->problem + used, (size_t)(room - used), ", column %s", self->in);
     used += snprintf(self->problem + used, (size_t)(room - used), ": ");
     va_list arguments;
     va_start(arguments, format);
@@ -39,127 +53,273 @@ static bool refuse_file(reader *self, const char *format, ...) {
     return false;
 }
 
-typedef enum { ROW_READ, NO_MORE_ROWS, ROW_REFUSED } reading;
-
-/* Blank rows are passed over. */
-static reading next_row(reader *self, char text[LONGEST_ROW]) {
-    while (fgets(text, LONGEST_ROW, self->file)) {
-        ++self->number;
-        const size_t length = strcspn(text, "\r\n");
-        if (text[length] == '\0' && !feof(self->file)) {
-            (void)refuse_file(self, "it is longer than 2000 characters, or no text; give a table of numbers");
-            return ROW_REFUSED;
-        }
-        text[length] = '\0';
-        for (const char *c = text + 3 * !strncmp(text, MARK_OF_UTF8, 3); *c; ++c)
-            if ((unsigned char)*c > '~' || ((unsigned char)*c < ' ' && *c != '\t')) {
-                (void)refuse_file(self, "it holds the byte %d, which is no plain text; give a table of numbers",
-                                  (unsigned char)*c);
-                return ROW_REFUSED;
-            }
-        if (text[strspn(text, " \t")] != '\0') return ROW_READ;
-    }
-    return NO_MORE_ROWS;
+static reading next_row(reader *self) {
+    const reading found = text_rows_next(&self->rows);
+    if (found == ROW_REFUSED) (void)refuse_file(self, "%s", self->rows.problem);
+    return found;
 }
 
-/* The cell that begins at `text`, without blanks around it, and what comes behind its comma; null: there is none. */
-static char *cell(char **text) {
-    char *start = *text;
-    if (!start) return NULL;
-    char *end = strchr(start, ',');
-    *text = end ? end + 1 : NULL;
-    if (!end) end = start + strlen(start);
-    while (*start == ' ' || *start == '\t') ++start;
-    while (end > start && (end[-1] == ' ' || end[-1] == '\t')) --end;
-    *end = '\0';
-    return start;
+static cell_reading next_cell(reader *self, char **rest, char **cell) {
+    const cell_reading found = text_next_cell(rest, self->separator, cell);
+    if (found == CELL_REFUSED) (void)refuse_file(self, "quotes must close within the row. Remove the quotes");
+    return found;
+}
+
+/* The separator in a row "sep=;", with which some spreadsheets begin; 0: it is no such row. */
+static char declared_separator(const char *text) {
+    static const char WORD[] = "sep=";
+    for (int i = 0; i < 4; ++i)
+        if (tolower((unsigned char)text[i]) != WORD[i]) return '\0';
+    const char found = text[4];
+    if (!found || !strchr(",;\t|:", found)) return '\0';
+    for (text += 5; text_blank(text);) text += text_blank(text);
+    return *text ? '\0' : found;
+}
+
+/* A name in small letters, with one underscore for blanks, hyphens and underscores side by side. */
+static void tidy(const char *name, const char *end, char found[LONGEST_NAME]) {
+    int length = 0;
+    while (name < end && length < LONGEST_NAME - 1) {
+        const size_t blank = text_blank(name);
+        const bool gap = blank || *name == '-' || *name == '_';
+        if (!gap) found[length++] = (char)(*name >= 'A' && *name <= 'Z' ? *name - 'A' + 'a' : *name);
+        if (gap && (!length || found[length - 1] != '_')) found[length++] = '_';
+        name += blank ? blank : 1;
+    }
+    found[length] = '\0';
+}
+
+/* How many letters must change, come or go to make one name of the other: Levenshtein (1966). */
+static int distance_of_names(const char *one, const char *other) {
+    int row[LONGEST_NAME + 1];
+    const int length = (int)strlen(other);
+    for (int j = 0; j <= length; ++j) row[j] = j;
+    for (int i = 1; one[i - 1]; ++i) {
+        int before = row[0]++;
+        for (int j = 1; j <= length; ++j) {
+            const int changed = before + (one[i - 1] != other[j - 1]);
+            before = row[j];
+            const int least = row[j] < row[j - 1] ? row[j] : row[j - 1];
+            row[j] = changed < least + 1 ? changed : least + 1;
+        }
+    }
+    return row[length];
+}
+
+static bool refuse_name(reader *self, const char *cell, int length, const char *name) {
+    const table_file_description *about = MODEL.table_file;
+    const char *near = NULL;
+    for (int i = 0, least = LONGEST_NAME; i < about->columns; ++i) {
+        const int distance = distance_of_names(name, about->column[i].name);
+        if (distance >= least || distance > 1 + (int)strlen(about->column[i].name) / 4) continue;
+        near = about->column[i].name;
+        least = distance;
+    }
+    if (length > QUOTED) length = QUOTED;
+    if (near) return refuse_file(self, "the column '%.*s' is unknown. Did you mean %s?", length, cell, near);
+    return refuse_file(self, "the column '%.*s' is unknown. Columns are %s", length, cell, about->known);
+}
+
+/* Parts a cell "name [unit]" or "name (unit)": the end of its name and its unit. False where it is no such cell. */
+static bool part_name(char *cell, char **end, char **unit) {
+    const size_t length = strlen(cell);
+    char *open = cell[length - 1] == ']' ? strchr(cell, '[') : cell[length - 1] == ')' ? strchr(cell, '(') : NULL;
+    const char *odd = open && *open == '[' ? "[]" : "[]()";
+    *end = open ? open : cell + length;
+    if (strcspn(cell, odd) < (size_t)(*end - cell)) return false;
+    *unit = cell + length;
+    if (open) {
+        *text_before_blanks(open + 1, cell + length - 1) = '\0';
+        for (*unit = open + 1; text_blank(*unit);) *unit += text_blank(*unit);
+    }
+    *end = text_before_blanks(cell, *end);
+    return *end > cell && (*unit)[strcspn(*unit, odd)] == '\0';
+}
+
+/* Finds the factor from the unit of the file to that of the column. */
+static bool find_factor(reader *self, const char *unit, cell_place *place) {
+    const column_description *column = &MODEL.table_file->column[place->column];
+    char known[PROBLEM_SIZE / 2] = "";
+    place->numerator = place->denominator = 1.0;
+    if (!*unit) return true;
+    for (int i = 0; i < column->units; ++i) {
+        const unit_description *one = &column->unit_of_file[i];
+        place->numerator = one->numerator;
+        place->denominator = one->denominator;
+        if (strcmp(unit, one->name) == 0) return true;
+        const size_t used = strlen(known);
+        snprintf(known + used, sizeof known - used, "%s%s", i ? ", " : "", one->name);
+    }
+    return refuse_file(self, "the unit '%.*s' of %s is unknown. Use %s; none means %s", QUOTED, unit, column->name, known,
+                       *column->unit ? column->unit : "1");
+}
+
+static bool read_name(reader *self, char *cell, int at) {
+    const table_file_description *about = MODEL.table_file;
+    char *end, *unit, name[LONGEST_NAME];
+    if (!part_name(cell, &end, &unit))
+        return refuse_file(self, "a column must have a name, and its unit in brackets; got '%.*s'. Write speed [m/s]", QUOTED,
+                           cell);
+    tidy(cell, end, name);
+    int which = 0;
+    while (which < about->columns && strcmp(name, about->column[which].name) != 0) ++which;
+    if (which == about->columns) return refuse_name(self, cell, (int)(end - cell), name);
+    for (int i = 0; i < self->places; ++i)
+        if (self->place[i].column == which)
+            return refuse_file(self, "the column %s must be there once; it is there twice. Remove one", name);
+    cell_place *place = &self->place[self->places++];
+    place->at = at;
+    place->column = which;
+    return find_factor(self, unit, place);
+}
+
+static bool check_names(reader *self) {
+    const table_file_description *about = MODEL.table_file;
+    for (int i = 0; i < about->columns; ++i) {
+        bool there = !about->column[i].required;
+        for (int j = 0; j < self->places; ++j) there |= self->place[j].column == i;
+        if (!there) return refuse_file(self, "the column %s is missing. Add it", about->column[i].name);
+    }
+    return true;
+}
+
+/* The first row that holds something, behind one that declares the separator. */
+static reading row_of_names(reader *self) {
+    reading found = next_row(self);
+    if (found != ROW_READ) return found;
+    self->separator = declared_separator(self->rows.text);
+    if (!self->separator) {
+        self->separator = text_separator(self->rows.text);
+        return found;
+    }
+    return next_row(self);
 }
 
 static bool read_names(reader *self) {
-    const table_file_description *about = MODEL.table_file;
-    char text[LONGEST_ROW];
-    const reading found = next_row(self, text);
-    if (found == ROW_REFUSED) return false;
-    if (found == NO_MORE_ROWS) return refuse_file(self, "it is empty; give a row of names and rows of numbers");
-    for (int i = 0; i < about->columns; ++i) self->cell[i] = -1;
-    char *rest = text + 3 * !strncmp(text, MARK_OF_UTF8, 3);
-    for (const char *name; (name = cell(&rest)); ++self->cells) {
-        int which = 0;
-        while (which < about->columns && strcmp(name, about->column[which].name) != 0) ++which;
-        if (which == about->columns || self->cell[which] >= 0)
-            return refuse_file(self, "the column \"%.40s\" is %s; give %s", name,
-                               which == about->columns ? "not known" : "there twice", about->known);
-        self->cell[which] = self->cells;
-        self->column[self->cells] = which;
+    reading found = row_of_names(self);
+    for (bool any = false; found == ROW_READ && !any;) {
+        char *rest = self->rows.text, *cell;
+        double number;
+        char mark;
+        cell_reading next;
+        for (int at = 0; (next = next_cell(self, &rest, &cell)) == CELL_READ; ++at) {
+            if (!*cell) continue;
+            if (!any && table_read_number(cell, &number, &mark))
+                return refuse_file(self, "the first row must have names; got '%.*s'. Add them, as in %s", QUOTED, cell,
+                                   MODEL.table_file->known);
+            any = true;
+            if (!read_name(self, cell, at)) return false;
+        }
+        if (next == CELL_REFUSED) return false;
+        if (!any) found = next_row(self); /* it has nothing but separators */
     }
-    for (int i = 0; i < about->columns; ++i)
-        if (about->column[i].required && self->cell[i] < 0)
-            return refuse_file(self, "the column %s is missing", about->column[i].name);
-    return true;
+    if (found == NO_MORE_ROWS) return refuse_file(self, "the file must have a row of names and rows of values; it is empty. Give a table");
+    return found == ROW_READ && check_names(self);
 }
 
 static bool has_room(reader *self) {
     if (self->made->rows == MOST_ROWS)
-        return refuse_file(self, "there are more than 4 000 000 rows; cut the %s into several", MODEL.table_file->noun);
+        return refuse_file(self, "the file must have at most %d rows. Split it, or drop rows", MOST_ROWS);
     if (self->made->rows < self->room) return true;
     self->room = self->room ? 2 * self->room : FIRST_ROOM;
-    for (int i = 0; i < MODEL.table_file->columns; ++i) {
-        if (self->cell[i] < 0) continue;
-        double *more = (double *)realloc(self->made->column[i], (size_t)self->room * sizeof(double));
+    for (int i = 0; i < self->places; ++i) {
+        double **column = &self->made->column[self->place[i].column];
+        double *more = (double *)realloc(*column, (size_t)self->room * sizeof(double));
         if (!more) return refuse_file(self, "there is not enough memory for it");
-        self->made->column[i] = more;
+        *column = more;
     }
     return true;
 }
 
-static bool check_value(reader *self, const column_description *column, const char *text, double value) {
+/* Checks that all numbers of the file have one decimal mark. */
+static bool check_mark(reader *self, const char *cell, char mark) {
+    if (!mark || mark == self->mark) return true;
+    if (self->mark)
+        return refuse_file(self, "numbers must have one decimal mark; got '%.*s' after one with '%c'. Use one, and no "
+                           "separators of thousands", QUOTED, cell, self->mark);
+    self->mark = mark;
+    return true;
+}
+
+static bool read_value(reader *self, const cell_place *place, const char *cell) {
+    const column_description *column = &MODEL.table_file->column[place->column];
     const char *unit = column->unit, *blank = *unit ? " " : "";
-    if (value >= column->minimum && value <= column->maximum) return true;
-    return refuse_file(self, "%s is %.40s%s%s; give a value from %g to %g%s%s", column->name, text, blank, unit,
-                       column->minimum, column->maximum, blank, unit);
-}
-
-static bool read_row(reader *self, char *text) {
-    int count = 0;
-    for (const char *one; (one = cell(&text)); ++count) {
-        if (count == self->cells) {
-            count = -1;
-            break;
-        }
-        const column_description *column = &MODEL.table_file->column[self->column[count]];
-        double value = 0.0;
-        if (!table_read_number(one, &value))
-            return refuse_file(self, "%s is \"%.40s\"; give a finite number", column->name, one);
-        if (!check_value(self, column, one, value)) return false;
-        self->made->column[self->column[count]][self->made->rows] = value;
+    double value = 0.0;
+    char mark = '\0';
+    self->in = column->name;
+    if (!table_read_number(cell, &value, &mark))
+        return refuse_file(self, "the value must be a number; %s%.*s%s. Write it as 0.015 or 1.5e-2",
+                           *cell ? "got '" : "the cell is empty", QUOTED, cell, *cell ? "'" : "");
+    if (!check_mark(self, cell, mark)) return false;
+    const bool converted = place->numerator != 1.0 || place->denominator != 1.0;
+    if (converted) value = value * place->numerator / place->denominator;
+    self->made->column[place->column][self->made->rows] = value;
+    if (value >= column->minimum && value <= column->maximum) {
+        self->in = NULL;
+        return true;
     }
-    if (count == self->cells) return true;
-    return refuse_file(self, "it does not have the %d values that the names ask for", self->cells);
+    if (converted)
+        return refuse_file(self, "the value must be from %g to %g%s%s; got '%.*s', in the file's unit, 1 of which is %g%s%s. "
+                           "Check value and unit", column->minimum, column->maximum, blank, unit, QUOTED, cell,
+                           place->numerator / place->denominator, blank, unit);
+    return refuse_file(self, "the value must be from %g to %g%s%s; got '%.*s'%s%s. Check value and unit", column->minimum,
+                       column->maximum, blank, unit, QUOTED, cell, blank, unit);
 }
 
-/* A row must lie behind the one before it, and the model may have rules of its own for the two. */
+/* The first column grows from row to row, and the model may have a rule of its own for two rows. */
 static bool check_growth(reader *self) {
     const table_file_description *about = MODEL.table_file;
     const int row = self->made->rows;
     if (row == 0) return true;
     const double before = self->made->column[0][row - 1], at = self->made->column[0][row];
-    const char *name = about->column[0].name, *unit = about->column[0].unit, *blank = *unit ? " " : "";
-    if (!(at - before >= about->least_growth))
-        return refuse_file(self, "%s is %.12g%s%s behind %.12g%s%s; let it grow by %s at least", name, at, blank, unit,
-                           before, blank, unit, about->growth_text);
+    const char *unit = about->column[0].unit, *blank = *unit ? " " : "";
+    if (!(at - before >= about->least_growth)) {
+        self->in = about->column[0].name;
+        return refuse_file(self, "values must grow by at least %g%s%s; got %.12g%s%s after %.12g%s%s. Sort the rows, or remove "
+                           "this one", about->least_growth, blank, unit, at, blank, unit, before, blank, unit);
+    }
     char problem[PROBLEM_SIZE] = "";
     return about->check_row(self->made, row, problem, sizeof problem) || refuse_file(self, "%s", problem);
 }
 
-static bool read_rows(reader *self) {
-    char text[LONGEST_ROW];
-    reading found;
-    while ((found = next_row(self, text)) == ROW_READ) {
-        if (!has_room(self) || !read_row(self, text) || !check_growth(self)) return false;
-        ++self->made->rows;
+static bool refuse_nameless(reader *self, int at, const char *cell) {
+    self->in = NULL;
+    return refuse_file(self, "a row must have at most %d values; got %d: '%.*s' has no name. Name each column in the first row%s",
+                       self->places, at + 1, QUOTED, cell,
+                       self->separator == ',' ? ". With decimal commas, separate columns by semicolons" : "");
+}
+
+/* Reads the values of a row. One of separators alone is left out. */
+static bool read_row(reader *self) {
+    char *rest = self->rows.text, *cell;
+    cell_reading found;
+    const cell_place *place = self->place, *behind = place + self->places, *empty = NULL;
+    bool any = false, wrong = false; /* a wrong value may come of a wrong number of values, which is told first */
+    for (int at = 0; (found = next_cell(self, &rest, &cell)) == CELL_READ; ++at) {
+        const bool named = place < behind && place->at == at;
+        any |= *cell != '\0';
+        if (*cell && !named) return refuse_nameless(self, at, cell);
+        if (*cell && !wrong) wrong = !read_value(self, place, cell);
+        if (named && !*cell && !empty) empty = place;
+        place += named;
     }
-    if (found == NO_MORE_ROWS && self->made->rows < 2) return refuse_file(self, "there are fewer than two rows of numbers");
-    return found == NO_MORE_ROWS;
+    if (found == CELL_REFUSED || wrong) return false;
+    if (!any) return true;
+    if (!empty && place < behind) empty = place;
+    if (empty) return read_value(self, empty, "");
+    if (!check_growth(self)) return false;
+    ++self->made->rows;
+    return true;
+}
+
+static bool read_rows(reader *self) {
+    reading found;
+    while ((found = next_row(self)) == ROW_READ)
+        if (!has_room(self) || !read_row(self)) return false;
+    if (found == ROW_REFUSED) return false;
+    if (self->made->rows >= 2) return true;
+    self->rows.number = 0;
+    return refuse_file(self, "the file must have at least 2 rows of values; it has %d. Add rows", self->made->rows);
 }
 
 /* FNV-1a by words, 64 bits: of each column that is there, and which it is. */
@@ -185,29 +345,30 @@ static bool complete(reader *self) {
     return true;
 }
 
+static bool read_file(reader *self) {
+    if (!is_plain_file(self->path)) return refuse_file(self, "it is a folder, a pipe or a device. Give the path of a file");
+    FILE *file = fopen(self->path, "rb");
+    if (!file) return refuse_file(self, "it cannot be opened. Give the path of a file that can be read");
+    text_rows_begin(&self->rows, file);
+    const bool done = read_names(self) && read_rows(self) && complete(self);
+    fclose(file);
+    return done;
+}
+
 table_file *table_read(const char *path, char problem[PROBLEM_SIZE]) {
-    reader self;
-    memset(&self, 0, sizeof self);
-    self.path = path;
-    self.problem = problem;
-    if (!is_plain_file(path)) {
-        (void)refuse_file(&self, "it is a folder, a pipe or a device; give the path of a file");
-        return NULL;
+    reader *self = (reader *)calloc(1, sizeof *self);
+    table_file *made = (table_file *)calloc(1, sizeof *made);
+    if (self && made) {
+        self->path = path;
+        self->problem = problem;
+        self->made = made;
     }
-    self.file = fopen(path, "rb");
-    if (!self.file) {
-        (void)refuse_file(&self, "it cannot be opened; give the path of a file that can be read");
-        return NULL;
+    if (!self || !made || !read_file(self)) {
+        table_free(made);
+        made = NULL;
     }
-    self.made = (table_file *)calloc(1, sizeof *self.made);
-    if (!self.made)
-        (void)refuse_file(&self, "there is not enough memory for it");
-    else if (!read_names(&self) || !read_rows(&self) || !complete(&self)) {
-        table_free(self.made);
-        self.made = NULL;
-    }
-    fclose(self.file);
-    return self.made;
+    free(self);
+    return made;
 }
 
 void table_free(table_file *self) {

@@ -16,8 +16,8 @@ struct table_file {
 /* The table in a file; or null, and a sentence with its row and value. */
 RUNTIME_LOCAL table_file *table_read(const char *path, char problem[PROBLEM_SIZE]);
 RUNTIME_LOCAL void table_free(table_file *self);
-/* A number in decimal writing, whatever the host's language; whether it is one. */
-RUNTIME_LOCAL bool table_read_number(const char *text, double *value);
+/* A number in decimal writing, whatever the host's language, and its decimal mark, 0: it has none. False where it is none. */
+RUNTIME_LOCAL bool table_read_number(const char *text, double *value, char *mark);
 /* Origin at a place, coefficients of the pieces that are looked up there, and the range in which they hold; guess: the row
  * before the place that was looked up last. */
 RUNTIME_LOCAL void table_look_up(const table_file *self, const table_description *table, double at, int *guess, double held[2],

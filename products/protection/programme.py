@@ -12,13 +12,15 @@ from products.protection.braked_machine import Machine
 from products.protection.protected_stop import FASTEST, STRONGEST
 from products.protection.rails import RAILS
 from products.protection.runs import EQUIPMENT, SANDERS, TRACTION, Fault, Run, in_order
-from products.toml import tomllib
 from rbd_model.track.friction import CONDITIONS
+from readers.tables import quoted, shown
+from readers.toml_files import toml_of
 
 #: Those that come along, by the names that the command line has for them: of stops, and of starts.
 PROGRAMMES = {"full": Path(__file__).with_name("programme.toml"), "starts": Path(__file__).with_name("starts.toml")}
 OWN = PROGRAMMES["full"]
 SPEEDS = {"m/s": 1.0, "km/h": 1 / 3.6, "": 1.0}
+SPEED = re.compile(r"(\d{1,9}(?:\.\d{0,9})?|\.\d{1,9}) ?(m/s|km/h|)", re.ASCII)
 KNOWN = ("name", "rail", "friction", "speed", "strength", "load", "values", "fault", "equipment")
 #: Of its mass, how much a body may be loaded with [1].
 LOADS = (0.2, 5.0)
@@ -70,48 +72,49 @@ def four_rails() -> list[Case]:
 
 def speed_of(text: str | float) -> float:
     """m/s of 25, "25m/s", "160 km/h". Raises ValueError."""
-    found = re.fullmatch(r"([0-9.]+) ?(m/s|km/h|)", str(text).strip())
+    found = SPEED.fullmatch(str(text).strip())
     speed = float(found[1]) * SPEEDS[found[2]] if found else 0.0
     if not 0.0 < speed <= FASTEST:
-        raise ValueError(f"Give a speed above 0 and up to {FASTEST:g} m/s, as 25m/s or 160km/h: it was {text}.")
+        raise ValueError(f"Give a speed above 0 and up to {FASTEST:g} m/s, as 25m/s or 160km/h: it was {shown(text)}.")
     return speed
 
 
 def read_programme(path: Path) -> list[Case]:
     """The cases of a file. Raises ValueError with a sentence that names the file and the case, OSError."""
-    try:
-        read = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ValueError(f"{path} is no TOML file ({error}); mend it.") from None
+    read = toml_of(path)
     if not isinstance(read.get("case"), list) or not read["case"]:
         raise ValueError(f"{path} has no [[case]]; give it one for each stop.")
     for name in read:
         if name != "case":
-            raise ValueError(f"{path}: there is no [{name}]; call each stop [[case]].")
+            raise ValueError(f"{path}: there is no [{shown(name)}]; call each stop [[case]].")
     cases = []
     for number, table in enumerate(read["case"], 1):
         try:
             cases.append(_case(table))
         except (ValueError, TypeError) as error:
-            raise ValueError(f"{path}, case {number} ({table.get('name', 'without a name')}): {error}") from None
+            name = table.get("name", "without a name") if isinstance(table, dict) else "no table"
+            raise ValueError(f"{path}, case {number} ({shown(name)}): {error}") from None
     names = [case.name for case in cases]
     driven = [case.name for case in cases if TRACTION in case.equipment]
     if driven and len(driven) < len(cases):
         raise ValueError(f"{path} mixes starts such as {driven[0]} with stops; give each a file of its own.")
     for name in names:
         if names.count(name) > 1:
-            raise ValueError(f"{path}: {names.count(name)} cases are called {name}; give each its own name.")
+            raise ValueError(f"{path}: {names.count(name)} cases are called {shown(name)}; give each its own name.")
     return cases
 
 
 def _case(table: Mapping[str, Any]) -> Case:
+    if not isinstance(table, dict):
+        raise ValueError(f"a case must be names with values; got {shown(table)}. Write each stop as [[case]].")
     for name in table:
         if name not in KNOWN:
-            raise ValueError(f"there is no {name}; give some of {', '.join(KNOWN)}.")
+            raise ValueError(f"there is no {shown(name)}; give some of {', '.join(KNOWN)}.")
     if not isinstance(table.get("name"), str):
         raise ValueError("give a name, as in name = 'wet, 120 km/h'.")
-    if table.get("rail") not in CONDITIONS:
-        raise ValueError(f"give a rail, one of {', '.join(CONDITIONS)}: it was {table.get('rail')!r}.")
+    rail = table.get("rail")
+    if not isinstance(rail, str) or rail not in CONDITIONS:
+        raise ValueError(f"give a rail, one of {', '.join(CONDITIONS)}: it was {shown(rail)}.")
     strength, friction = (_number(name, table[name]) if name in table else None for name in ("strength", "friction"))
     if strength is not None and not 0.0 < strength <= STRONGEST:
         raise ValueError(f"set strength above 0 and up to {STRONGEST:g}: it was {strength:g}.")
@@ -129,7 +132,7 @@ def _case(table: Mapping[str, Any]) -> Case:
     speed = speed_of(table["speed"]) if "speed" in table else None
     faults = tuple(_fault(one) for one in table.get("fault", []))
     equipment = table.get("equipment", [])
-    if not isinstance(equipment, list):
+    if not isinstance(equipment, list) or not all(isinstance(one, str) for one in equipment):
         raise ValueError(f"give equipment a list of names, some of {', '.join(EQUIPMENT)}.")
     if SANDERS in equipment and not any(name.startswith("sand_rate_") and value for name, value in values):
         raise ValueError("sanders without sand have no effect; set sand_rate_1 or another [kg/s] in values.")
@@ -138,7 +141,8 @@ def _case(table: Mapping[str, Any]) -> Case:
 
 def _number(name: str, value: object) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ValueError(f"set {name} to a number: it was {value!r}.")
+        got = quoted(value) if isinstance(value, str) else shown(value)
+        raise ValueError(f"set {shown(name)} to a number: it was {got}.")
     return float(value)
 
 
@@ -148,10 +152,12 @@ def _fault(table: Mapping[str, Any]) -> Fault:
     known = [one.name for one in fields(Fault)]
     for name in table:
         if name not in known:
-            raise ValueError(f"a fault has no {name}; give some of {', '.join(known)}.")
+            raise ValueError(f"a fault has no {shown(name)}; give some of {', '.join(known)}.")
     if "wheelset" not in table:
         raise ValueError("a fault needs the number of its wheelset.")
     for name, value in table.items():
         if name != "sensor":
             _number(name, value)
+        elif not isinstance(value, str):
+            raise ValueError(f"set sensor to a word: it was {shown(value)}.")
     return Fault(**table)

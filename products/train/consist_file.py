@@ -19,18 +19,19 @@ delay       of that radio [s] (default 0)
 
 from __future__ import annotations
 
-import csv
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from brake_controller.distributor import DISCHARGE
 from brake_controller.drivers_valve import drivers_valve
-from products.toml import tomllib
+from fmu_src.suggestion import suggestion
 from products.train.consist import EMPTY, KINDS, LONGEST_VEHICLE, Consist, TrainVehicle, braked_by
 from rbd_model.train.coupler import COUPLERS
+from readers.tables import Column, quoted, read_table, shown
+from readers.toml_files import number_of, toml_of
 
 #: Vehicles of a train at most, and of what a consist may have: load and mass [t], lambda [%], delay [s], leak [mm].
 MOST = 2000
@@ -49,14 +50,14 @@ LIMITS = {
     "delay": (0.0, 9.0),
 }
 UNITS = {
-    "rotating": " %",
-    "load": " t",
-    "lambda": " %",
-    "mass": " t",
-    "length": " m",
-    "leak": " mm",
-    "branch": " l",
-    "delay": " s",
+    "rotating": "%",
+    "load": "t",
+    "lambda": "%",
+    "mass": "t",
+    "length": "m",
+    "leak": "mm",
+    "branch": "l",
+    "delay": "s",
 }
 WORDS = {
     "kind": tuple(KINDS),
@@ -67,65 +68,71 @@ WORDS = {
 }
 
 
+#: Columns of a CSV file: empty cells leave a value to its default.
+COLUMNS = (
+    *(Column(name, words=words, required=name == "kind", filled=name == "kind") for name, words in WORDS.items()),
+    *(
+        Column(name, UNITS.get(name, "1"), *limits, filled=False, whole=name == "count")
+        for name, limits in LIMITS.items()
+    ),
+)
+
+
 def read_consist(path: Path) -> Consist:
-    """The consist in a file. Raises ValueError with one sentence that names the file and the row, OSError."""
-    try:
-        rows = _rows_of_toml(path) if path.suffix == ".toml" else _rows_of_csv(path)
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ValueError(f"{path} is no consist ({error}); mend it.") from None
-    return consist_of(rows, str(path))
+    """Return the consist in a file, TOML where its name ends so, otherwise a table.
 
-
-def _rows_of_csv(path: Path) -> list[dict[str, Any]]:
-    lines = path.read_text(encoding="utf-8-sig").splitlines()
-    rows = csv.DictReader([line for line in lines if line.strip() and not line.lstrip().startswith("#")])
-    names = [name.strip() for name in rows.fieldnames or ()]
-    for name in names:
-        if name and names.count(name) > 1:
-            raise ValueError(f"{path}: it names {name} twice; name each column once.")
-    found = []
-    for number, row in enumerate(rows, 1):
-        if None in row:
-            raise ValueError(f"{path}, row {number}: it has more values than names; give one for each name.")
-        found.append({name.strip(): (text or "").strip() for name, text in row.items() if (text or "").strip()})
-    return found
+    Raises
+    ------
+    FileError, ValueError
+        If the file is not a consist; the message names file, row, column, value and remedy.
+    """
+    if path.suffix.lower() == ".toml":
+        rows = _rows_of_toml(path)
+        return consist_of(rows, str(path), [f"vehicle {number}" for number in range(1, len(rows) + 1)])
+    table = read_table(path, COLUMNS, most_rows=MOST)
+    rows = []
+    for row in range(table.places.size):
+        numbers = {name: float(values[row]) for name, values in table.numbers.items() if not math.isnan(values[row])}
+        rows.append({name: values[row] for name, values in table.words.items() if values[row]} | numbers)
+    return consist_of(rows, str(path), [f"row {place}" for place in table.places])
 
 
 def _rows_of_toml(path: Path) -> list[dict[str, Any]]:
-    read = tomllib.loads(path.read_text(encoding="utf-8"))
+    read = toml_of(path)
     for name in read:
         if name != "vehicle":
-            raise ValueError(f"{path}: there is no {name}; call each [[vehicle]].")
+            raise ValueError(f"{path}: the table {quoted(name)} is unknown. Call each [[vehicle]].")
     vehicles = read.get("vehicle", [])
     if not isinstance(vehicles, list):
-        raise ValueError(f"{path}: give each vehicle as [[vehicle]], with two brackets.")
+        raise ValueError(f"{path}: vehicle must be a list of tables. Write each as [[vehicle]], with two brackets.")
     return vehicles
 
 
-def consist_of(rows: list[dict[str, Any]], name: str = "the consist") -> Consist:
-    """A consist of rows as a file has them. Raises ValueError."""
+def consist_of(rows: list[dict[str, Any]], name: str = "the consist", places: Sequence[str] = ()) -> Consist:
+    """Return a consist of rows as a file has them; places: of each row, for messages. Raises ValueError."""
     vehicles: list[TrainVehicle] = []
-    heads: list[int] = []
-    for number, row in enumerate(rows, 1):
+    heads: list[str] = []
+    for number, row in enumerate(rows):
+        place = places[number] if places else f"row {number + 1}"
         try:
             values = _checked(row)
             if values.get("valve") == "head":
-                heads.append(number)
+                heads.append(place)
             vehicles += _vehicles(values)
             if len(heads) > 1:
-                raise ValueError(f"row {heads[0]} is the head already; give one vehicle valve = head.")
+                raise ValueError(f"one vehicle must have valve = head; {heads[0]} has it already. Take one away.")
             if len(vehicles) > MOST:
                 raise ValueError(
-                    f"a train has at most {MOST} vehicles: with this row it had {len(vehicles)}; take fewer."
+                    f"a train must have at most {MOST} vehicles; with this one it has {len(vehicles)}. Take fewer."
                 )
         except ValueError as error:
-            raise ValueError(f"{name}, row {number}: {error}") from None
+            raise ValueError(f"{name}, {place}: {error}") from None
     if not vehicles:
-        raise ValueError(f"{name} has no vehicle; give it a row for each kind of vehicle in turn.")
+        raise ValueError(f"{name} must have vehicles; it has none. Give it a row for each kind of vehicle in turn.")
     led = _with_head(vehicles, name)
     valves = sum(one.valve is not None for one in led)
     if valves > MOST_VALVES:
-        raise ValueError(f"{name} has {valves} driver's valves; give it at most {MOST_VALVES}.")
+        raise ValueError(f"{name} must have at most {MOST_VALVES} driver's valves; it has {valves}. Take fewer.")
     return Consist(tuple(led))
 
 
@@ -133,51 +140,46 @@ def _with_head(vehicles: list[TrainVehicle], name: str) -> list[TrainVehicle]:
     """The head's valve first: the one that is so called, or that of the first locomotive; others are cut out."""
     places = [i for i, one in enumerate(vehicles) if one.valve is not None and one.valve_delay < 0.0]
     if not places:
-        raise ValueError(f"{name} has no driver's valve; give it a locomotive, or one vehicle valve = head.")
+        raise ValueError(f"{name} must have a driver's valve; add a locomotive, or give one vehicle valve = head.")
     called = [i for i in places if vehicles[i].kind != "locomotive" or vehicles[i].leads]
     head = called[0] if called else places[0]
     return [replace(one, valve=None) if i in places and i != head else one for i, one in enumerate(vehicles)]
 
 
 def _number(name: str, value: Any) -> float:
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        number = math.nan
+    number = number_of(value)
     low, high = LIMITS[name]
-    unit = UNITS.get(name, "")
-    if isinstance(value, bool) or not low <= number <= high or (name == "count" and number != int(number)):
+    unit = f" {UNITS[name]}" if name in UNITS else ""
+    if not low <= number <= high or (name == "count" and number != int(number)):
         kind = "a whole number" if name == "count" else "a number"
-        raise ValueError(f"set {name} to {kind} from {low:g} to {high:g}{unit}: it was {value}{unit}.")
+        raise ValueError(f"{name} must be {kind} from {low:g} to {high:g}{unit}; got {shown(value)}. Correct it.")
     return number
 
 
 def _checked(row: Mapping[str, Any]) -> dict[str, Any]:
     values: dict[str, Any] = {}
     if not isinstance(row, Mapping):
-        raise ValueError("give names and values, as in kind = 'wagon'.")
+        raise ValueError(f"a vehicle must be names with values; got {shown(row)}. Write kind = 'wagon'.")
     for name, value in row.items():
         if name in WORDS and value not in WORDS[name]:
-            raise ValueError(f"set {name} to one of {', '.join(WORDS[name])}: it was {value}.")
-        if not name:
-            raise ValueError("there is a value without a name; name each column.")
+            raise ValueError(f"{name} must be one of {', '.join(WORDS[name])}; got {shown(value)}. Choose one.")
         if name not in WORDS and name not in LIMITS:
-            raise ValueError(f"there is no {name}; give some of {', '.join([*WORDS, *LIMITS])}.")
+            raise ValueError(f"the name {quoted(str(name))} is unknown; {suggestion(str(name), [*WORDS, *LIMITS])}")
         values[name] = value if name in WORDS else _number(name, value)
     if "kind" not in values:
-        raise ValueError(f"give a kind, one of {', '.join(KINDS)}.")
+        raise ValueError(f"a vehicle must have a kind, one of {', '.join(KINDS)}. Add it.")
     return values
 
 
 def _vehicles(values: Mapping[str, Any]) -> list[TrainVehicle]:
     kind = values["kind"]
     if "load" in values and "mass" in values:
-        raise ValueError("give load or mass, not both: the mass is that with the load.")
+        raise ValueError("a vehicle must have load or mass, not both. The mass is that with the load.")
     load = values.get("load", 60.0 if kind == "wagon" else 0.0)
     if "mass" in values:
         load = values["mass"] - 1e-3 * EMPTY[kind]
     if "weighing" in values and kind != "wagon":
-        raise ValueError("weighing is of wagons; leave it out.")
+        raise ValueError(f"weighing must be of a wagon; the vehicle is a {kind}. Leave it out.")
     more = {"weighing": values["weighing"]} if "weighing" in values else {}
     one = KINDS[kind](1e3 * load, values.get("position", "P"), **more)
     if "lambda" in values:
@@ -193,7 +195,7 @@ def _vehicles(values: Mapping[str, Any]) -> list[TrainVehicle]:
     )
     valve = values.get("valve")
     if "delay" in values and valve != "second":
-        raise ValueError("a delay is of a valve that follows by radio; set valve to second.")
+        raise ValueError("delay must be of a valve that follows by radio. Set valve to second, or leave it out.")
     if valve == "none":
         one = replace(one, valve=None)
     elif valve is not None:
@@ -201,5 +203,5 @@ def _vehicles(values: Mapping[str, Any]) -> list[TrainVehicle]:
         one = replace(one, valve=drivers_valve(), valve_delay=delay, leads=valve == "head")
     count = int(values.get("count", 1))
     if valve in ("head", "second") and count > 1:
-        raise ValueError(f"one vehicle has a {valve} valve: count was {count}; give it a row of its own.")
+        raise ValueError(f"count must be 1 with a {valve} valve; got {count}. Give that vehicle a row of its own.")
     return [one] * count

@@ -18,6 +18,7 @@ from fmu_src.chain import Part
 from fmu_src.system import ParameterSet, System, quantity
 from rbd_model.track.line import Line
 from rbd_model.track.line_table import along_line
+from readers.tables import Column, read_table
 
 #: Exponent of the plateau, eq. (5.4).
 PLATEAU_POWER = 8
@@ -222,30 +223,29 @@ def derivatives_along(parameters: TrackParameters) -> Callable[[float], np.ndarr
 POINTS_FELT = 8
 #: Least distance of two of its points [m]; steps are as long as it takes to run over some of them.
 LEAST_DISTANCE = 1e-3
-#: Columns of a track file, all in m but the last, which is a factor on the friction coefficient.
-COLUMNS = ("distance", "lateral", "left", "right", "friction")
+#: Columns of a track file; lateral is of both rails, left and right are heights, friction a factor.
+COLUMNS = (
+    Column("distance", "m", -1e7, 1e7, required=True),
+    *(Column(name, "m", -1.0, 1.0, required=True) for name in ("lateral", "left", "right")),
+    Column("friction", "1", 0.0, 10.0, required=True),
+)
 
 
 def track_from_file(path: Path) -> Track:
-    """A measured track: lines distance, lateral, left height, right height [m] and friction factor [1].
+    """Return a measured track from a file of COLUMNS; the row of names may be missing.
 
-    Comma-separated; one line of heads is passed over. Between points it is as a line file is between its rows
-    (docs/line.md); the first and the last values hold beyond the ends. Raises ValueError with the path and what is
-    wrong.
+    Between points it is as a line file is between its rows (docs/line.md); the first and the last values hold beyond
+    the ends.
+
+    Raises
+    ------
+    FileError
+        If the file cannot be read as it is meant; the message names file, row, column, value and remedy.
     """
-    rows = []
-    for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
-        try:
-            rows.append([float(cell) for cell in line.split(",")])
-        except ValueError:
-            if number > 1 and line.strip():
-                raise ValueError(f"{path}, line {number}: give the numbers {', '.join(COLUMNS)}.") from None
-    table = np.array([row for row in rows if len(row) == len(COLUMNS)])
-    if len(table) < 6 or len(table) != len(rows) or not np.all(np.isfinite(table)) or np.any(np.diff(table[:, 0]) <= 0):
-        raise ValueError(f"{path}: give at least 6 lines of finite {', '.join(COLUMNS)} with increasing distance.")
-    if np.any(table[:, 4] < 0.0):
-        raise ValueError(f"{path}: a friction factor is below 0.")
-    return track_from_points(*table.T)
+    table = read_table(path, COLUMNS, by_position=True)
+    table.check_rows(6)
+    table.check_growth("distance", LEAST_DISTANCE)
+    return track_from_points(*(table.numbers[column.name] for column in COLUMNS))
 
 
 def track_from_points(

@@ -18,7 +18,8 @@ from pathlib import Path
 import numpy as np
 from numpy.polynomial import Polynomial
 
-from rbd_model.track.line_table import LINE, ROUNDING
+from rbd_model.track.line_table import LARGEST_TURN, LINE, ROUNDING
+from readers.tables import read_table
 
 #: Names of the columns of a line file.
 NAMES = tuple(column.name for column in LINE.columns)
@@ -214,11 +215,23 @@ def share_of_end(straight: np.ndarray, slope: np.ndarray, bend: np.ndarray, reac
 
 
 def read_line(path: Path) -> Line:
-    """The line in a file, for pictures and further work; its limits are those of the kernel that reads it."""
-    with path.open(encoding="utf-8-sig") as file:
-        names = [name.strip() for name in file.readline().split(",")]
-        table = np.loadtxt(file, delimiter=",", ndmin=2)
-    return Line(dict(zip(names, table.T, strict=True)))
+    """Return the line in a file, by the rules of the kernel that reads it (fmu_src/runtime/table_file.c, line.c).
+
+    Raises
+    ------
+    FileError
+        If the file is not a line; the message names file, row, column, value and remedy.
+    """
+    table = read_table(path, LINE.columns)
+    distance, curvature = table.numbers["distance"], np.abs(table.numbers["curvature"])
+    table.check_rows()
+    table.check_growth("distance", LINE.least_growth)
+    ways = np.diff(distance)
+    turns = np.maximum(curvature[1:], curvature[:-1]) * ways
+    for row in np.flatnonzero(turns > LARGEST_TURN)[:1].tolist():
+        text = f"the line turns by {turns[row]:.3g} rad over the {ways[row]:.6g} m from the row before"
+        raise table.refusal(row + 1, "curvature", f"{text}; give rows between, for {LARGEST_TURN:g} rad at most.")
+    return Line(table.numbers)
 
 
 def line_of(segments: Iterable[Segment], start: float = 0.0) -> Line:

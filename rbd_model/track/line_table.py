@@ -8,7 +8,8 @@ from pathlib import Path
 
 import casadi as ca
 
-from fmu_src.system import Column, Piece, System, TableFile, Variable
+from fmu_src.system import Piece, System, TableFile, Variable
+from readers.tables import Column
 
 #: Distance of the rails' heads over which cant is measured, EN 13803 [m]: its angle is asin(cant / GAUGE).
 GAUGE = 1.5
@@ -70,7 +71,6 @@ LINE = TableFile(
     resource="line.csv",
     columns=COLUMNS,
     least_growth=1e-3,
-    growth_text="1 mm",
     rounding=ROUNDING,
     known="distance, curvature, cant, gradient, and where known gauge_widening and, behind left_ and right_, lateral, "
     "vertical, friction",

@@ -20,7 +20,8 @@ from fmu_src.cosimulation.opening import description_of
 from products.protection.apart import Apart
 from products.protection.forms import Arrays, Form, InC, compiled
 from products.protection.in_fmu import InFmu, Names, names_of
-from products.toml import tomllib
+from readers.text import FileError
+from readers.toml_files import toml_of
 from scenarios.scenario import BadInputError
 
 #: What a comparison scores: in this process, or in one of its own.
@@ -93,15 +94,13 @@ def fmu_names(path: Path, wheelsets: int) -> Names:
                 words = f"give one for the {wheelsets} of this machine, as build_fmu.py --wheelsets {wheelsets} makes"
                 raise BadInputError(f"{path} is for {own} wheelsets; {words}.")
             return names_of(about, wheelsets)
-        read = tomllib.loads(table.read_text(encoding="utf-8"))
+        read = toml_of(table)
         values = tuple((name, float(value)) for name, value in read.get("values", {}).items())
         return Names(tuple(read["wheel_speed"]), tuple(read["valve"]), read.get("period", ""), values)
     except BadInputError:
         raise
-    except ArchiveError as error:
+    except (ArchiveError, FileError) as error:
         raise BadInputError(str(error)) from None
-    except tomllib.TOMLDecodeError as error:
-        raise BadInputError(f"{table} is no TOML file ({error}); mend it.") from None
     except (KeyError, TypeError, ValueError) as error:
         raise BadInputError(
             f"{table} lacks or mistakes {error}; it names wheel_speed and valve, wheelset by wheelset."

@@ -19,12 +19,14 @@ from matplotlib.figure import Figure
 
 from brake_controller.protection_fmu import MOST_WHEELSETS
 from brake_controller.wheel_slide import APPLY, COMMANDS, HOLD, VENT, ControllerError, Supervised, WheelSlideController
-from fmu_src.cosimulation.measured import table_from
+from fmu_src.cosimulation.measured import in_units_of, table_from
 from fmu_src.cosimulation.recording import Recording
 from products.protection.apart import Apart, EndedError, NoControllerError, called_apart
 from products.protection.forms import Arrays, Form, InC, Outside
 from products.protection.one import OneInC, OneOfMany
 from products.protection.protected_stop import LONGEST_PERIOD
+from readers.tables import quoted, shown
+from readers.text import FileError
 from scenarios.controllers.given import Given, controller_of
 from scenarios.controllers.table import write_document
 from scenarios.methods.pace import time_of
@@ -34,6 +36,10 @@ from scenarios.scenario import BadInputError
 
 #: Fastest wheel that a log may have [m/s], twice the fastest of a programme.
 FASTEST_LOGGED = 200.0
+#: Of the columns that are read: others may be there.
+UNITS_OF_LOG = {"time": "s", "speed": "m/s"}
+for _number in range(1, MOST_WHEELSETS + 1):
+    UNITS_OF_LOG |= {f"wheel_speed_{_number}": "m/s", f"valve_{_number}": "1"}
 #: Shortest period that may be asked for [s].
 SHORTEST = 1e-4
 #: Share of a row's time within which a question is asked with this row, not with the one before.
@@ -121,28 +127,29 @@ def run(chosen: argparse.Namespace) -> bool:
 def read_log(path: Path) -> Recording:
     """A log with the speeds of wheels. Raises BadInputError with the line and the column."""
     try:
-        log = table_from(path)
-    except OSError:
-        raise BadInputError(f"There is no file {path} to read; give the CSV file of a recorded run.") from None
-    except ValueError as error:
+        log = in_units_of(table_from(path), UNITS_OF_LOG)
+    except FileError as error:
         raise BadInputError(str(error)) from None
     count = wheelsets_in(log)
     if not 1 <= count <= MOST_WHEELSETS:
         raise BadInputError(f"{path} has {count} columns wheel_speed_1 [m/s] and so on; give it 1 to {MOST_WHEELSETS}.")
-    if log.units["time"] != "s":
-        raise BadInputError(f"{path}: give the column time [s]; the log has it in {log.units['time']}.")
-    known = [*speeds_of(MOST_WHEELSETS), *(f"valve_{n}" for n in range(1, MOST_WHEELSETS + 1)), "speed"]
     for name in log.names:
-        if name not in known and (near := get_close_matches(name, known, 1, 0.85)):
-            raise BadInputError(f"{path}: the column {name} is not read; did you mean {near[0]}?")
-    if "speed" in log.names and log.units["speed"] != "m/s":
-        raise BadInputError(f"{path}: give the column speed [m/s]; the log has it in {log.units['speed']}.")
+        if name not in UNITS_OF_LOG and (near := get_close_matches(name, UNITS_OF_LOG, 1, 0.85)):
+            raise BadInputError(f"{path}: the column {shown(name)} is not read; did you mean {near[0]}?")
+        if log.units[name] != UNITS_OF_LOG.get(name, log.units[name]):
+            raise BadInputError(
+                f"{path}: the column {name} must be in {UNITS_OF_LOG[name]} or a unit that converts to it; got "
+                f"{log.units[name]}. Name its unit, as in {name} [{UNITS_OF_LOG[name]}]."
+            )
     for name in speeds_of(count):
-        if name in log.names and not (log[name].min() >= 0.0 and log[name].max() <= FASTEST_LOGGED):
-            raise BadInputError(f"{path}: give {name} from 0 to {FASTEST_LOGGED:g} m/s; there is another.")
-        if log.units.get(name) != "m/s":
-            there = f"has it in {log.units[name]}" if name in log.units else f"has {', '.join(log.names)}"
-            raise BadInputError(f"{path}: give the column {name} [m/s]; the log {there}.")
+        if name not in log.names:
+            there = quoted(", ".join(log.names), 200)
+            raise BadInputError(f"{path}: the column {name} [m/s] is missing; there are {there}. Add it.")
+        if not (log[name].min() >= 0.0 and log[name].max() <= FASTEST_LOGGED):
+            low, high = log[name].min(), log[name].max()
+            raise BadInputError(
+                f"{path}: {name} must be from 0 to {FASTEST_LOGGED:g} m/s; got {low:g} to {high:g} m/s. Check its unit."
+            )
     return log
 
 

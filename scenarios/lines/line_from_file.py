@@ -27,8 +27,9 @@ from rbd_model.track.line import (
     read_line,
     straight,
 )
-from rbd_model.track.line_table import COLUMNS, GAUGE
+from rbd_model.track.line_table import GAUGE
 from rbd_model.vehicle.ready import two_axle_bogie
+from readers.text import FileError
 from scenarios.bench.curves import BOGIE, MASS, WHEEL_LOAD
 from scenarios.bench.drive import prepare, prepare_on_line
 from scenarios.reporting.line_picture import draw_line, height
@@ -78,17 +79,16 @@ def bogie_on(path: Path | None) -> tuple[Kernel, Line]:
         line = own_line()
         return prepare_on_line("bogie", line, level=3.0), line
     try:
-        kernel = prepare("bogie", level=3.0, line_file=str(path))
         line = read_line(path)
-    except (KernelError, OSError, ValueError) as error:
-        columns = (
-            f"The columns of a line are {', '.join(column.name for column in COLUMNS)}; the first four must be there."
-        )
-        raise BadInputError(f"{error} {columns}") from error
+    except FileError as error:
+        raise BadInputError(str(error)) from None
     reaches = float(line.rows["distance"][-1])
     if reaches < SHORTEST:
         raise BadInputError(f"{path} ends at {reaches:g} m; give a line from 0 to {SHORTEST:g} m at least.")
-    return kernel, line
+    try:
+        return prepare("bogie", level=3.0, line_file=str(path)), line
+    except KernelError as error:
+        raise BadInputError(str(error)) from None
 
 
 def speed_on(line: Line) -> float:

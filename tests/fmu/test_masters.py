@@ -128,6 +128,15 @@ def test_start_values_in_the_resources_are_those_of_the_description_and_survive_
         with_start_values(path, {"pressure": 1.0})
 
 
+def test_start_values_are_read_as_all_tables_are(fmus: dict, tmp_path: Path) -> None:
+    path = tmp_path / "Brake.fmu"
+    shutil.copyfile(fmus["brake", "native"], path)
+    with zipfile.ZipFile(path, "a") as archive:
+        archive.writestr(FILE, '\ufeff# by hand\r\n\r\npressure_demand; 180000,5 \r\n;\r\n"valve";1;\r\n'.encode())
+    with host(path) as brake:
+        assert brake["pressure_demand"] == 180000.5
+
+
 @pytest.mark.parametrize(
     "row", ["pressure,1", "pressure_demand", "pressure_demand,1 bar", "pressure_demand,-1", 999 * "x"]
 )

@@ -124,30 +124,35 @@ def test_beyond_its_ends_a_line_goes_on_straight(surveyor: Library, tmp_path: Pa
 
 
 BAD = {
-    "nothing": ("", "it is empty; give a row of names"),
-    "names alone": (HEAD, "fewer than two rows"),
-    "no names": ("0,0,0,0\n1,0,0,0\n", 'row 1: the column "0" is not known'),
+    "nothing": ("", "must have a row of names and rows of values; it is empty"),
+    "names alone": (HEAD, "at least 2 rows of values; it has 0"),
+    "no names": ("0,0,0,0\n1,0,0,0\n", "row 1: the first row must have names; got '0'"),
     "a name that is missing": ("distance,curvature,cant\n0,0,0\n1,0,0\n", "row 1: the column gradient is missing"),
-    "a name twice": ("distance,cant,cant,gradient\n", "cant.* is there twice"),
-    "distance that falls": (HEAD + "0,0,0,0\n5,0,0,0\n4,0,0,0\n", r"row 4: distance is 4 m behind 5 m; let it grow"),
-    "distance that stays": (HEAD + "0,0,0,0\n5,0,0,0\n5,0,0,0\n", "row 4: distance is 5 m behind 5 m"),
+    "a name twice": ("distance,cant,cant,gradient\n", "column cant must be there once; it is there twice"),
+    "a near miss": ("distance,curvature,cant,gradiant\n", "'gradiant' is unknown. Did you mean gradient?"),
+    "another unit": (
+        "distance,curvature [1/ft],cant,gradient\n",
+        "row 1: the unit '1/ft' of curvature is unknown. Use 1/m",
+    ),
+    "distance that falls": (HEAD + "0,0,0,0\n5,0,0,0\n4,0,0,0\n", r"row 4, column distance: .*got 4 m after 5 m"),
+    "distance that stays": (HEAD + "0,0,0,0\n5,0,0,0\n5,0,0,0\n", "row 4, column distance: .*got 5 m after 5 m"),
     "a tight curve": (
         HEAD + "0,0,0,0\n1,0.021,0,0\n",
-        r"row 3: curvature is 0.021 1/m; give a value from -0.02 to 0.02",
+        r"row 3, column curvature: .*from -0.02 to 0.02 1/m; got '0.021'",
     ),
-    "cant above the gauge": (HEAD + "0,0,0,0\n1,0,1.6,0\n", "row 3: cant is 1.6 m; give a value from -0.3 to 0.3 m"),
-    "a steep gradient": (HEAD + "0,0,0,0.6\n1,0,0,0\n", "row 2: gradient is 0.6; give a value from -0.5 to 0.5"),
-    "no number": (HEAD + "0,0,0,0\n1,nan,0,0\n", 'row 3: curvature is "nan"; give a finite number'),
-    "infinite": (HEAD + "0,0,0,0\n1,0,0,1e999\n", "row 3: gradient is 1e999; give a value"),
-    "a word": (HEAD + "0,0,0,0\n1,0,left,0\n", 'row 3: cant is "left"; give a finite number'),
-    "an empty cell": (HEAD + "0,0,0,0\n1,0,,0\n", 'row 3: cant is ""; give a finite number'),
-    "a cell too few": (HEAD + "0,0,0,0\n1,0,0\n", "row 3: it does not have the 4 values"),
-    "a cell too many": (HEAD + "0,0,0,0\n1,0,0,0,0\n", "row 3: it does not have the 4 values"),
+    "cant above the gauge": (HEAD + "0,0,0,0\n1,0,1.6,0\n", "row 3, column cant: .*from -0.3 to 0.3 m; got '1.6' m"),
+    "a steep gradient": (HEAD + "0,0,0,0.6\n1,0,0,0\n", "row 2, column gradient: .*from -0.5 to 0.5; got '0.6'"),
+    "no number": (HEAD + "0,0,0,0\n1,nan,0,0\n", "row 3, column curvature: the value must be a number; got 'nan'"),
+    "infinite": (HEAD + "0,0,0,0\n1,0,0,1e999\n", "row 3, column gradient: .* got '1e999'"),
+    "a word": (HEAD + "0,0,0,0\n1,0,left,0\n", "row 3, column cant: the value must be a number; got 'left'"),
+    "an empty cell": (HEAD + "0,0,0,0\n1,0,,0\n", "row 3, column cant: .*the cell is empty"),
+    "a cell too few": (HEAD + "0,0,0,0\n1,0,0\n", "row 3, column gradient: .*the cell is empty"),
+    "a cell too many": (HEAD + "0,0,0,0\n1,0,0,0,0\n", "row 3: a row must have at most 4 values"),
     "rows too far apart": (HEAD + "0,0.01,0,0\n9,0.01,0,0\n", "row 3: the line turns by 0.09 rad over the 9 m"),
-    "a long row": (HEAD + "0,0,0,0" + "0" * 3000 + "\n", "row 2: it is longer than 2000 characters"),
-    "bytes": (HEAD + "0,0,0,\x01\n", "row 2: it holds the byte 1, which is no plain text"),
+    "a long row": (HEAD + "0,0,0,0" + "0" * 30000 + "\n", "row 2: a row must have at most 20000 characters"),
+    "bytes": (HEAD + "0,0,0,\x01\n", "row 2: the character 1 is not text"),
     "a null byte": (HEAD + "0,0,\x00,0\n1,0,0,0\n", "row 2"),
-    "letters of another kind": (HEAD + "0,0,0,½\n", "row 2: it holds the byte"),
+    "letters of another kind": (HEAD + "0,0,0,½\n", "row 2, column gradient: .*got '½'"),
 }
 
 
@@ -171,9 +176,9 @@ def test_a_bad_line_ends_with_its_row_and_value(surveyor: Library, tmp_path: Pat
 
 def test_files_that_are_none_are_refused(surveyor: Library, tmp_path: Path) -> None:
     kernel = Kernel(surveyor)
-    with pytest.raises(KernelError, match="cannot be opened; give the path"):
+    with pytest.raises(KernelError, match=r"cannot be opened\. Give the path"):
         kernel.set(line_file=str(tmp_path / "missing.csv"))
-    with pytest.raises(KernelError, match=r"Line .*; give"):
+    with pytest.raises(KernelError, match=r"Line .* Give"):
         kernel.set(line_file=str(tmp_path))
     with pytest.raises(KernelError, match="is a text, no number"):
         kernel.set(line_file=3.0)
@@ -186,16 +191,19 @@ def test_files_that_are_none_are_refused(surveyor: Library, tmp_path: Path) -> N
 def test_more_rows_than_there_is_room_for_are_refused(surveyor: Library, tmp_path: Path) -> None:
     path = tmp_path / "endless.csv"
     path.write_text(HEAD + ",0,0,0\n".join(map(str, range(4_000_001))) + ",0,0,0\n")
-    with pytest.raises(KernelError, match="row 4000002: there are more than 4 000 000 rows; cut the line"):
+    with pytest.raises(KernelError, match=r"row 4000002: the file must have at most 4000000 rows\. Split it"):
         Kernel(surveyor, line_file=str(path))
 
 
 def test_any_bytes_end_in_a_sentence(surveyor: Library, tmp_path: Path) -> None:
-    """Rows of a good file, spoilt at random: never a crash, never a NaN, never a sentence that is not one."""
+    """Rows of a good file, spoilt at random: never a crash, never a NaN, never a sentence that is not one.
+
+    tests/readers/test_twin.py reads more of them, without what a kernel makes of their rows.
+    """
     good = line_of([arc(60, 400, 0.1, 0.01)]).write(tmp_path / "good.csv").read_bytes()
     chance = random.Random(11)
     taken, refused = 0, []
-    for number in range(400):
+    for number in range(150):
         spoilt, path = bytearray(good), tmp_path / f"{number}.csv"  # to write one anew waits for the disk
         for _ in range(chance.randint(1, 4)):
             spoilt[chance.randrange(len(spoilt))] = chance.choice(b'0123456789.,-e\n\r \x00\xff"')
@@ -208,7 +216,7 @@ def test_any_bytes_end_in_a_sentence(surveyor: Library, tmp_path: Path) -> None:
             assert all(math.isfinite(kernel[name]) for name in surveyor.names if name not in ("line_file",))
         except KernelError as error:
             refused.append(str(error))
-    assert taken > 10
+    assert taken > 5
     assert len(refused) > 20
     assert all(sentence.startswith("Line ") and sentence.endswith("stays in force.") for sentence in refused)
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from fmu_src.kernel import Kernel, KernelError, Library
-from fmu_src.system import Column, Piece, System, TableFile, Variable, model_of
+from fmu_src.system import Piece, System, TableFile, Variable, model_of
+from readers.tables import Column
 from tests.quick_library import quick_library
 
 #: Head and volume flow of a pump over time; what it has moved is their integral.
@@ -22,7 +24,6 @@ MAP = TableFile(
         Column("head", "m", 0.0, 80.0),
     ),
     least_growth=0.1,
-    growth_text="0.1 s",
     rounding=0.25,
     known="time, flow and, where known, head",
     added=("volume",),
@@ -91,11 +92,16 @@ def test_a_tank_is_filled_by_the_map_of_its_pump(pump: Library, tmp_path: Path) 
 @pytest.mark.parametrize(
     ("rows", "sentence"),
     [
-        ("time,flow\n0,0\n1,3\n", r"^Map .*row 3: flow is 3 m3/s; give a value from 0 to 2 m3/s\. The map before it"),
+        (
+            "time,flow\n0,0\n1,3\n",
+            r"^Map .*row 3, column flow: .* from 0 to 2 m3/s; got '3' m3/s\..* The map before it",
+        ),
         ("time,flow\n0,0\n1,1.5\n", r"row 3: the flow changes by 1.5 m3/s at once; give rows between\."),
-        ("time,flow\n0,0\n0,1\n", r"row 3: time is 0 s behind 0 s; let it grow by 0.1 s at least\."),
+        ("time,flow\n0,0\n0,1\n", r"row 3, column time: values must grow by at least 0.1 s; got 0 s after 0 s\."),
         ("time,head\n0,0\n1,1\n", r"row 1: the column flow is missing"),
-        ("time,flow,cant\n", r'row 1: the column "cant" is not known; give time, flow and, where known, head'),
+        ("time,flow,kind\n", r"row 1: the column 'kind' is unknown. Columns are time, flow and, where known, head"),
+        ("time,flow,haed\n", r"row 1: the column 'haed' is unknown. Did you mean head"),
+        ("time,flow [m3]\n", r"row 1: the unit 'm3' of flow is unknown. Use m3/s; none means m3/s"),
     ],
 )
 def test_a_bad_map_is_refused_in_its_own_words(pump: Library, tmp_path: Path, rows: str, sentence: str) -> None:
@@ -108,3 +114,9 @@ def test_a_bad_map_is_refused_in_its_own_words(pump: Library, tmp_path: Path, ro
 def test_a_pump_without_a_map_asks_for_one(pump: Library) -> None:
     with pytest.raises(KernelError, match="Set map_file to the path of a file with a map; this model has no other"):
         Kernel(pump).initialise()
+
+
+def test_a_column_that_c_does_not_read_is_refused() -> None:
+    for odd in (Column("kind", words=("a",)), Column("gap", filled=False), Column("count", whole=True)):
+        with pytest.raises(ValueError, match=f"must be numbers, one in each row; got {odd.name}"):
+            replace(MAP, columns=(*MAP.columns, odd))

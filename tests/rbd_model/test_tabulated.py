@@ -13,7 +13,7 @@ from fmu_src.system import model_of
 from rbd_model.contact.creep.kalker_linear import kalker_linear
 from rbd_model.contact.creep.law import CreepLaw
 from rbd_model.contact.creep.polach import polach
-from rbd_model.contact.creep.tabulated import CreepTable, axes, read_table, table_of, tabulated, write_table
+from rbd_model.contact.creep.tabulated import CreepTable, axes, read_creep_table, table_of, tabulated, write_table
 from rbd_model.contact.depth import Contact
 from rbd_model.levels.spatial import spatial_vehicle
 from rbd_model.track.irregularity import irregular_track, section_5_3
@@ -76,19 +76,26 @@ def test_table_is_written_and_read_in_any_order_and_a_missing_place_is_told(tmp_
     write_table(of_polach(), path)
     head, *rows = path.read_text().splitlines()
     path.write_text("\n".join([head, *rows[::-1]]))
-    assert np.abs(read_table(path).forces - of_polach().forces).max() < STORED
+    assert np.abs(read_creep_table(path).forces - of_polach().forces).max() < STORED
     path.write_text("\n".join([head, *rows[1:]]))
     places = np.prod([place.size for place in axes()])
-    with pytest.raises(ValueError, match=rf"table\.csv: 1 of {places} places of the creep table are missing"):
-        read_table(path)
+    with pytest.raises(
+        ValueError, match=rf"table\.csv must have all {places} places of the creep table; 1 are missing"
+    ):
+        read_creep_table(path)
     elsewhere = rows[0].split(",")
     elsewhere[2] = "0.55"
     path.write_text("\n".join([head, ",".join(elsewhere), *rows[1:]]))
-    with pytest.raises(ValueError, match=r"table\.csv, row 1: spin 0\.55 is no place of the creep table"):
-        read_table(path)
+    with pytest.raises(
+        ValueError, match=r"table\.csv, row 2, column spin: .* at a place of the creep table; got 0\.55"
+    ):
+        read_creep_table(path)
     path.write_text("\n".join([head.replace("spin", "turning"), *rows]))
-    with pytest.raises(ValueError, match=r"table\.csv: a creep table has the columns longitudinal, lateral, spin"):
-        read_table(path)
+    with pytest.raises(
+        ValueError,
+        match=r"table\.csv, row 1: the column 'turning' is unknown\. Columns are longitudinal, lateral, spin",
+    ):
+        read_creep_table(path)
     with pytest.raises(ValueError, match="A creep table has"):
         CreepTable(of_polach().forces[1:])
 

@@ -133,6 +133,29 @@ def test_growth_is_refused_by_the_row_of_the_spreadsheet() -> None:
         table.check_growth("distance", 1e-3)
 
 
+@pytest.mark.parametrize("end", ["", "# a remark\n"])
+def test_rows_are_counted_against_their_limit(end: str) -> None:
+    """By the quick way of plain numbers and by the other one; rows of separators do not count."""
+    text = f"distance,curvature\n{end}0,0\n,\n1,0\n"
+    assert table_of(text, "line.csv", COLUMNS, most_rows=2).numbers["distance"].tolist() == [0.0, 1.0]
+    with pytest.raises(TableError, match=r"line\.csv must have at most 1 rows"):
+        table_of(text, "line.csv", COLUMNS, most_rows=1)
+
+
+@pytest.mark.parametrize("end", ["", "# a remark\n"])
+@pytest.mark.parametrize(("cell", "value"), [("-0", -0.0), ("-0.0", -0.0), ("1e-400", 0.0), (".5e1", 5.0), ("5.", 5.0)])
+def test_numbers_are_read_to_their_sign(end: str, cell: str, value: float) -> None:
+    table = table_of(f"distance,curvature\n{end}{cell},0\n", "line.csv", COLUMNS)
+    assert np.array_equal(table.numbers["distance"], [value])
+    assert np.signbit(table.numbers["distance"][0]) == np.signbit(value)
+
+
+@pytest.mark.parametrize("rows", ["0,5;0\n1.5;0\n", "0;0\n" * 25_000 + "30000,5;0\n30001.5;0\n"])
+def test_two_decimal_marks_are_refused_wherever_they_stand(rows: str) -> None:
+    with pytest.raises(TableError, match="one decimal mark"):
+        table_of(f"distance;curvature\n{rows}", "line.csv", COLUMNS)
+
+
 @pytest.mark.parametrize("place", ["folder", "missing", "pipe"])
 def test_what_is_no_file_is_refused(place: str, tmp_path: Path) -> None:
     path = tmp_path / "line.csv"

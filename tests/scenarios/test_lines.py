@@ -37,12 +37,12 @@ def test_line_of_ones_own_is_run_to_its_end(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [
-        (None, "it cannot be opened; give the path of a file that can be read."),
-        ("", "it is empty; give a row of names and rows of numbers."),
-        ("nonsense\n1\n", 'row 1: the column "nonsense" is not known; give distance, curvature, cant, gradient'),
-        (f"{HEAD}0,0,0,0\n", "there are fewer than two rows of numbers."),
-        (f"{HEAD}0,0,0,0\n100,0,zero,0\n", 'row 3: cant is "zero"; give a finite number.'),
-        (f"{HEAD}0,0,0,0\n100,0.5,0,0\n", "curvature is 0.5 1/m; give a value from -0.02 to 0.02 1/m."),
+        (None, "does not exist. Check the path."),
+        ("", "it is empty. Give a table."),
+        ("nonsense\n1\n", "row 1: the column 'nonsense' is unknown. Columns are distance, curvature, cant, gradient"),
+        (f"{HEAD}0,0,0,0\n", "bad.csv must have at least 2 rows of values; it has 1. Add rows."),
+        (f"{HEAD}0,0,0,0\n100,0,zero,0\n", "row 3, column cant: the value must be a number; got 'zero'."),
+        (f"{HEAD}0,0,0,0\n100,0.5,0,0\n", "curvature: the value must be from -0.02 to 0.02 1/m; got '0.5' 1/m."),
         (f"{HEAD}-100,0,0,0\n20,0,0,0\n", "ends at 20 m; give a line from 0 to 50 m at least."),
     ],
 )

@@ -318,14 +318,14 @@ def test_history_too_short_to_tell_a_deceleration_says_so(tmp_path: Path) -> Non
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [
-        ("", "0 rows of numbers"),
-        ("time,torque\n0,1\n", "1 rows of numbers"),
-        ("0,1\n1,two\n", "line 2: give two numbers"),
-        ("0,1\n1,2,3\n", "line 2: give two numbers"),
-        ("0,1\n1,-2\n", "line 2: give a finite time and a torque of at least 0"),
-        ("0,1\n1,nan\n", "line 2: give a finite time"),
-        ("0,1\n0,1\n", "line 2: let times increase"),
-        ("\x00\xff", "time [s], torque [N.m]"),
+        ("", "it is empty. Give a table."),
+        ("time,torque\n0,1\n", "must have at least 2 rows of values; it has 1."),
+        ("0,1\n1,two\n", "row 2, column torque: the value must be a number; got 'two'."),
+        ("0,1\n1,2,3\n", "row 2: a row must have at most 2 values"),
+        ("0,1\n1,-2\n", "row 2, column torque: the value must be at least 0 N.m; got '-2' N.m."),
+        ("0,1\n1,nan\n", "row 2, column torque: the value must be a number"),
+        ("0,1\n0,1\n", "row 2, column time: values must grow from row to row"),
+        ("\x00\xff", "the character 0 is not text."),
     ],
 )
 def test_bad_history_is_refused_with_its_line(
@@ -346,7 +346,7 @@ def test_bad_history_is_refused_with_its_line(
         (["qr30-180kpa", "--step", "0"], "Give --step a value above 0"),
         (["qr30-180kpa", "--step", "-0.01"], "Give --step a value above 0"),
         (["qr30-180kpa", "--step", "nan"], "Give --step a value above 0"),
-        (["qr30-180kpa", "--torque-csv", "missing.csv"], "missing.csv cannot be read"),
+        (["qr30-180kpa", "--torque-csv", "missing.csv"], "The file missing.csv does not exist. Check the path."),
         (["speed", "--kind", "python"], "--kind has no effect on speed; it belongs to qr30-130kpa"),
         (["speed", "--torque-csv", "missing.csv"], "--torque-csv has no effect on speed; it belongs to qr30-130kpa"),
     ],
@@ -365,7 +365,7 @@ def test_bad_arguments_get_one_sentence(
 def test_binary_file_is_not_a_history(tmp_path: Path) -> None:
     path = tmp_path / "binary.csv"
     path.write_bytes(b"\xff\xfe\x00\x81")
-    with pytest.raises(ValueError, match="cannot be read"):
+    with pytest.raises(ValueError, match=r"binary\.csv, row 1: a row must have 2 values"):
         read_torque_history(path)
 
 

@@ -4,7 +4,6 @@ By similarity the forces of an elliptical patch over mu N follow from four numbe
 those of `Measures`, with a/b for one of the two of spin.
 """
 
-import csv
 import hashlib
 import math
 from dataclasses import dataclass, replace
@@ -17,6 +16,7 @@ from scipy.linalg import solve_banded
 from fmu_src.chain import Part, part_in_c
 from rbd_model.contact.creep.kalker import kalker_coefficients
 from rbd_model.contact.creep.law import ContactPatch, CreepLaw
+from readers.tables import Column, TableError, read_table
 
 #: Intervals along each coordinate of `place_in_table`, its first values and its last; a/b from 1 : 20 to 20 : 1.
 INTERVALS = (12, 24, 14, 8)
@@ -179,36 +179,45 @@ static void {name}(const double *arguments, const double *constants, double *res
     return part_in_c(name, (len(INTERVALS), 0, 2), own, common)
 
 
-def read_table(path: Path) -> CreepTable:
-    """A table from a CSV file of COLUMNS, in any order of rows.
+def read_creep_table(path: Path) -> CreepTable:
+    """Return a table from a file of COLUMNS, in any order of rows.
 
-    Raises ValueError for a missing column, for missing places and for a row that belongs to none.
+    Raises
+    ------
+    FileError
+        If the file cannot be read as it is meant, a row is at no place of the table, at that of another row, or places
+        are missing.
     """
-    with path.open(encoding="utf-8") as file:
-        reader = csv.DictReader(file)
-        if not set(COLUMNS) <= set(reader.fieldnames or ()):
-            raise ValueError(f"{path.name}: a creep table has the columns {', '.join(COLUMNS)}.")
-        rows = np.array([[float(row[name]) for name in COLUMNS] for row in reader])
+    read = read_table(path, [Column(name, required=True) for name in COLUMNS])
+    rows = np.column_stack([read.numbers[name] for name in COLUMNS])
     places = axes()
-    values = np.full((*(place.size for place in places), 2), np.nan)
     away = [(row - place[0]) / (place[1] - place[0]) for row, place in zip(rows.T, places, strict=False)]
-    index = tuple(np.rint(one).astype(int) for one in away)
-    for n, (one, whole, place) in enumerate(zip(away, index, places, strict=True)):
+    for name, one, place in zip(COLUMNS, away, places, strict=False):
+        whole = np.rint(one)
         off = np.flatnonzero((np.abs(one - whole) > OFF_PLACE) | (whole < 0) | (whole >= place.size))
         if off.size:
-            raise ValueError(
-                f"{path.name}, row {off[0] + 1}: {COLUMNS[n]} {rows[off[0], n]:g} is no place of the creep table; give "
-                "it at those that write_table writes."
-            )
+            row = int(off[0])
+            text = f"the value must be at a place of the creep table; got {read.numbers[name][row]:g}"
+            raise read.refusal(row, name, f"{text}. Give those places that write_table writes.")
+    index = tuple(np.rint(one).astype(int) for one in away)
+    shape = tuple(place.size for place in places)
+    flat = np.ravel_multi_index(index, shape)
+    first = np.unique(flat, return_index=True)[1]
+    if first.size < flat.size:
+        row = int(np.setdiff1d(np.arange(flat.size), first)[0])
+        text = "a place of the creep table must be there once; it is there twice. Remove one."
+        raise read.refusal(row, COLUMNS[0], text)
+    values = np.full((*shape, 2), np.nan)
     values[index] = rows[:, 4:]
     missing = int(np.sum(np.isnan(values[..., 0])))
     if missing:
-        raise ValueError(f"{path.name}: {missing} of {values[..., 0].size} places of the creep table are missing.")
+        all_places = f"all {values[..., 0].size} places of the creep table"
+        raise TableError(f"{path} must have {all_places}; {missing} are missing. Add them.")
     return CreepTable(values)
 
 
 def write_table(table: CreepTable, path: Path) -> None:
-    """The table as a CSV file of COLUMNS, for `read_table`: to be filled by another program, CONTACT for one."""
+    """The table as a CSV file of COLUMNS, for `read_creep_table`: to be filled by another program, CONTACT for one."""
     grid = np.stack([one.ravel() for one in np.meshgrid(*axes(), indexing="ij")], axis=1)
     np.savetxt(
         path,
