@@ -309,10 +309,10 @@ def test_a_vehicle_of_ones_own_transfers_its_load_by_its_own_base(tmp_path: Path
 
 
 def test_vehicles_that_differ_in_their_profiles_alone_are_not_taken_for_each_other() -> None:
-    """Profiles do not count when two descriptions are compared."""
+    """Descriptions are compared by the content of their profiles, and each has equations of its own."""
     wheelset, pair = bb.vehicle("wheelset"), bb.vehicle("vehicle").wheelsets[0].pair
     other = replace(wheelset, wheelsets=tuple(replace(one, pair=pair) for one in wheelset.wheelsets))
-    assert other == wheelset
+    assert other != wheelset
     first, second, again = (machine_of(what, {"level": 1}, False) for what in (wheelset, other, wheelset))
     assert first is again
     assert first is not second
