@@ -38,7 +38,7 @@ def fault_of(data: bytes, system: str = sys.platform) -> str:
         return ""
     try:
         return _fault_of_elf(data)
-    except struct.error:
+    except (struct.error, OverflowError):  # places beyond what a machine can address
         return f"is cut off at {len(data)} bytes"
 
 

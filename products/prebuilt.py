@@ -16,6 +16,7 @@ from products.parameter_sets import set_files
 from products.registry import model_of
 from products.sources import PREBUILT, ROOT, content, digest
 from products.terminals import terminals_of
+from readers.documents import read_document
 
 CONTENTS = "contents.json"
 #: What makes files of FMUs.
@@ -58,7 +59,7 @@ def contents() -> dict:
     """What `write_contents` has said; nothing where no release has filled the folder, or what it said is damaged."""
     file = PREBUILT / CONTENTS
     try:
-        about = json.loads(file.read_text(encoding="utf-8"))
+        about = read_document(file)
     except (OSError, ValueError):
         return {}
     good = isinstance(about, dict) and isinstance(about.get("contents"), dict) and isinstance(about.get("files"), dict)

@@ -121,7 +121,9 @@ static FILE *own_file(component *self, const char *name, kernel_status *status) 
     strcpy(end, name);
     FILE *file = resources_open(self->resources, &why);
     if (why) {
-        snprintf(sentence, sizeof sentence, "%.300s %s; put a file there that can be read, or nothing.", self->resources, why);
+        const size_t length = strlen(self->resources), shown = 300; /* its end, which has the file's own name */
+        snprintf(sentence, sizeof sentence, "%s%s %s; put a file there that can be read, or nothing.", length > shown ? "..." : "",
+                 self->resources + (length > shown ? length - shown : 0), why);
         kernel_make_readable(sentence);
         *status = face_error(self, sentence);
     }

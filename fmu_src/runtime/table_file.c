@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "resources.h"
+#include "sealed.h"
 #include "table_file.h"
 #include "text_rows.h"
 
@@ -61,7 +62,10 @@ static reading next_row(reader *self) {
 
 static cell_reading next_cell(reader *self, char **rest, char **cell) {
     const cell_reading found = text_next_cell(rest, self->separator, cell);
-    if (found == CELL_REFUSED) (void)refuse_file(self, "quotes must close within the row. Remove the quotes");
+    if (found == CELL_REFUSED) {
+        self->in = NULL; /* the column of a value before it */
+        (void)refuse_file(self, "quotes must close within the row. Remove the quotes");
+    }
     return found;
 }
 
@@ -322,16 +326,14 @@ static bool read_rows(reader *self) {
     return refuse_file(self, "the file must have at least 2 rows of values; it has %d. Add rows", self->made->rows);
 }
 
-/* FNV-1a by words, 64 bits: of each column that is there, and which it is. */
+/* Of each column that is there, and which it is. */
 static void mark(table_file *self) {
-    unsigned long long hash = 14695981039346656037ull;
+    self->mark = SEAL_BEGIN;
     for (int column = 0; column < MODEL.table_file->columns; ++column)
-        for (int row = 0; self->column[column] && row < self->rows; ++row) {
-            unsigned long long bits;
-            memcpy(&bits, &self->column[column][row], sizeof bits);
-            hash = (hash ^ bits ^ (unsigned long long)column) * 1099511628211ull;
+        if (self->column[column]) {
+            self->mark = seal_hash(self->mark, &column, sizeof column);
+            self->mark = seal_hash(self->mark, self->column[column], (size_t)self->rows * sizeof(double));
         }
-    self->mark = hash;
 }
 
 /* The columns that the model adds. */

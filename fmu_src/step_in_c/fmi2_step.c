@@ -134,7 +134,8 @@ fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean tolerant, fmi2Real t
 {
     REQUIRE(INSTANTIATED, "fmi2SetupExperiment");
     (void)tolerant, (void)tolerance, (void)stops, (void)stop;
-    if (!isfinite(start)) return say(self, fmi2Error, "Set the start time to a finite number: it was %g s.", start);
+    if (!(fabs(start) <= FARTHEST_TIME))
+        return say(self, fmi2Error, "The start time must be from -%g to %g s; got %g s. Begin nearer to 0.", FARTHEST_TIME, FARTHEST_TIME, start);
     self->now->start_time = start;
     return fmi2OK;
 }
@@ -251,8 +252,9 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real size, fmi2Boolean
     REQUIRE(RUNNING, "fmi2DoStep");
     (void)no_way_back;
     values *now = self->now;
-    if (!(isfinite(time) && isfinite(size) && size >= 0.0))
-        return say(self, fmi2Error, "Give fmi2DoStep a finite time and a size of at least 0 s: they were %g s and %g s.", time, size);
+    if (!(fabs(time) <= 2.0 * FARTHEST_TIME && isfinite(size) && size >= 0.0))
+        return say(self, fmi2Error, "fmi2DoStep needs a time of at most %g s and a size of at least 0 s; got %g s and %g s.",
+                   2.0 * FARTHEST_TIME, time, size);
     if (size > LONGEST_STEP) return say(self, fmi2Error, "Take steps of at most %g s: this one was of %g s at %g s.", LONGEST_STEP, size, time);
     if (now->failed) return fmi2Discard;
     if (time - now->start_time < (double)now->asked * now->period - ROUNDING) return fmi2OK;

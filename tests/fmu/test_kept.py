@@ -275,9 +275,10 @@ def test_what_a_release_brought_serves_while_it_is_whole(tmp_path: Path, monkeyp
     cut(tmp_path / "kernel" / "a.so")
     assert shipped("kernel/a.so") is None
     assert "damaged: kernel/a.so" in doctor.prebuilt().text
-    (tmp_path / CONTENTS).write_text('{"platform": "here", "con')
-    assert contents() == {}
-    assert doctor.prebuilt().text == f"prebuilt FMUs: damaged: {CONTENTS}"
+    for damaged in ('{"platform": "here", "con', "[" * 3000):
+        (tmp_path / CONTENTS).write_text(damaged)
+        assert contents() == {}
+        assert doctor.prebuilt().text == f"prebuilt FMUs: damaged: {CONTENTS}"
 
 
 def test_files_of_an_installation_are_compared_with_what_pip_noted(tmp_path: Path) -> None:

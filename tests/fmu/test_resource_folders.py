@@ -203,7 +203,7 @@ def is_loop(file: Path) -> None:
 
 
 IN_PLACE: dict[str, tuple[Callable[[Path], object], str]] = {
-    "a pipe": (os.mkfifo, "is a folder, a pipe or a device"),
+    "a pipe": (lambda file: os.mkfifo(file), "is a folder, a pipe or a device"),
     "a folder": (Path.mkdir, "is a folder, a pipe or a device"),
     "a device": (lambda file: file.symlink_to("/dev/zero"), "is a folder, a pipe or a device"),
     "a loop": (is_loop, "cannot be opened"),

@@ -237,17 +237,20 @@ def test_instances_run_on_lines_of_their_own(surveyor: Library, tmp_path: Path) 
 
 
 def test_a_saved_state_belongs_to_its_line(surveyor: Library, tmp_path: Path) -> None:
-    one, other = (str(line_of([arc(300, r)]).write(tmp_path / f"{r:.0f}.csv")) for r in (200.0, 300.0))
+    """Also where the other one is its mirror image, which has the same numbers but for their signs."""
+    radii = (200.0, 300.0, -200.0)
+    one, other, mirrored = (str(line_of([arc(300, r, r / 2e3)]).write(tmp_path / f"{r:.0f}.csv")) for r in radii)
     kernel = Kernel(surveyor, line_file=one, speed=10.0)
     kernel.advance(3.0)
     saved, heading = kernel.save(), kernel["heading_0"]
     kernel.advance(3.0)
     kernel.restore(saved)
     assert kernel["heading_0"] == heading
-    stranger = Kernel(surveyor, line_file=other, speed=10.0)
-    stranger.initialise()
-    with pytest.raises(KernelError, match="one on another line; set line_file as it was then"):
-        stranger.restore(saved)
+    for file in (other, mirrored):
+        stranger = Kernel(surveyor, line_file=file, speed=10.0)
+        stranger.initialise()
+        with pytest.raises(KernelError, match="one on another line; set line_file as it was then"):
+            stranger.restore(saved)
     twin = Kernel(surveyor, line_file=one, speed=10.0)
     twin.restore(saved)
     assert twin["heading_0"] == heading

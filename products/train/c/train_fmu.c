@@ -5,12 +5,13 @@
 #include <string.h>
 
 #include "arrays.h"
+#include "duration.h"
 #include "train.h"
 #include "train_arrays.h"
 #include "train_limits.h"
 
 /* Times of a run from and to [s]: beyond them hundredths of a second are lost. */
-static const double FARTHEST = 1e10;
+static const double FARTHEST = FARTHEST_TIME;
 
 struct arrays_object {
     train *own;
