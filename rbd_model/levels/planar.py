@@ -22,6 +22,7 @@ from rbd_model.levels.resistance import add_resistance
 from rbd_model.levels.steady import start_steady
 from rbd_model.track.frame import on_gradient, on_profile
 from rbd_model.track.friction import follow_patch
+from rbd_model.track.line_table import follow_line
 from rbd_model.vehicle.assembly import Assembly, assemble
 from rbd_model.vehicle.description import Motion, Vehicle, wheelset_name
 from rbd_model.wheelset.level_rail import centred_load, creep_on_level_rail, roll_on_level_rail
@@ -44,6 +45,9 @@ def planar_vehicle(vehicle: Vehicle, on_line: bool = False) -> System:
     axles = {number: axle for number, (axle, _) in placed.items()}
     places = [assembly.distance + axle.position[0] for axle in axles.values()]
     follow_patch(system, assembly.rail, assembly.distance, places)
+    if on_line:
+        parts = [assembly.distance + assembly.value(part.along) for part in vehicle.parts]
+        follow_line(system, assembly.distance, parts)
     loads = loads_of(assembly, bodies, axles)
     falling = bodies[0].body.falling(p["gravity"])[0]
     resistance = add_resistance(assembly, assembly.speed, places)

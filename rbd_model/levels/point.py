@@ -15,7 +15,7 @@ from fmu_src.system import System
 from rbd_model.contact.creep.law import SMALLEST_LOAD, at_least
 from rbd_model.levels.resistance import Resistance, add_resistance
 from rbd_model.track.friction import follow_patch
-from rbd_model.track.line_table import along_line
+from rbd_model.track.line_table import along_line, follow_line
 from rbd_model.vehicle.assembly import Assembly, assemble
 from rbd_model.vehicle.description import Vehicle
 from rbd_model.wheelset.level_rail import CentredLoad, Creeping, centred_load, creep_on_level_rail, roll_on_level_rail
@@ -40,6 +40,8 @@ def point_vehicle(vehicle: Vehicle, on_line: bool = False) -> System:
     follow_creep(assembly, speed, speed)
     places = [distance + assembly.value(data.along) for data in vehicle.wheelsets]
     follow_patch(system, assembly.rail, distance, places)
+    if on_line:
+        follow_line(system, distance, [distance + assembly.value(part.along) for part in vehicle.parts])
 
     mass, gradient = assembly.total_mass, mean_gradient(assembly) if on_line else assembly.input["gradient"]
     loads = [static_load(assembly, number) for number, _ in vehicle.numbered]

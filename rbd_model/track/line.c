@@ -104,7 +104,48 @@ static void integrate_row(const table_file *self, int row) {
     }
 }
 
+/* Whether gradient or curvature has a corner at a row: there a step that passes over it meets another force. */
+static bool is_corner(const table_file *self, int row) {
+    static const int which[] = {COLUMN_GRADIENT, COLUMN_CURVATURE};
+    const double *at = self->column[COLUMN_DISTANCE];
+    if (row == 0 || row == self->rows - 1) return true;
+    const double before = at[row] - at[row - 1], behind = at[row + 1] - at[row];
+    for (int i = 0; i < 2; ++i) {
+        const double *value = self->column[which[i]];
+        const double bend = (value[row + 1] - value[row]) / behind - (value[row] - value[row - 1]) / before;
+        if (fabs(bend) * fmin(before, behind) > LEAST_CORNER) return true;
+    }
+    return false;
+}
+
+/* For each row the corner at or before it, the next one, and half of the shortest way between two corners about there. */
+static void find_corners(const table_file *self) {
+    const double *at = self->column[COLUMN_DISTANCE];
+    double *before = self->column[COLUMN_CORNER_BEFORE], *behind = self->column[COLUMN_CORNER_BEHIND];
+    double *half = self->column[COLUMN_HALF_STRETCH], last = at[0], length = INFINITY;
+    for (int row = 0; row < self->rows; ++row) {
+        if (row > 0 && is_corner(self, row)) {
+            length = at[row] - last;
+            last = at[row];
+        }
+        before[row] = last;
+        half[row] = length / 2.0; /* of the stretch before this one */
+    }
+    double next = at[self->rows - 1], further = INFINITY;
+    behind[self->rows - 1] = next;
+    half[self->rows - 1] = fmin(half[self->rows - 1], length / 2.0);
+    for (int row = self->rows - 2; row >= 0; --row) {
+        behind[row] = next;
+        half[row] = fmin(half[row], fmin(next - before[row], further) / 2.0);
+        if (row > 0 && before[row] == at[row]) {
+            further = next - at[row];
+            next = at[row];
+        }
+    }
+}
+
 static void complete(const table_file *self) {
+    find_corners(self);
     self->column[COLUMN_HEADING][0] = self->column[COLUMN_RISE][0] = 0.0;
     for (int which = 0; which < PLAN; ++which) self->column[PLAN_NEAR[which]][0] = self->column[PLAN_FAR[which]][0] = 0.0;
     for (int row = 0; row + 1 < self->rows; ++row) integrate_row(self, row);
@@ -148,6 +189,9 @@ static void piece_between(const table_file *self, int piece, const table_part *p
             break;
         case PIECE_LEFT: add(self, COLUMN_LEFT_VERTICAL, part, 1.0, c); break;
         case PIECE_RIGHT: add(self, COLUMN_RIGHT_VERTICAL, part, 1.0, c); break;
+        case PIECE_CORNER_BEFORE: c[0] = column[COLUMN_CORNER_BEFORE][row]; break;
+        case PIECE_CORNER_BEHIND: c[0] = column[COLUMN_CORNER_BEHIND][row]; break;
+        case PIECE_HALF_STRETCH: c[0] = column[COLUMN_HALF_STRETCH][row]; break;
         case PIECE_LEFT_FRICTION: friction(self, COLUMN_LEFT_FRICTION, part, c); break;
         case PIECE_RIGHT_FRICTION: friction(self, COLUMN_RIGHT_FRICTION, part, c); break;
         default: { /* what is left between two rounded corners is no shorter than they are */

@@ -4,6 +4,7 @@ Between rows all values are straight; corners at rows are rounded (fmu_src/runti
 along the line is in line.c.
 """
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import casadi as ca
@@ -19,6 +20,10 @@ ROUNDING = 1.0
 #: Largest turn between two rows [rad], between which the plan is a polynomial; and how many rows make up the shortest
 #: thing on a line that steps resolve.
 LARGEST_TURN, RESOLVING_ROWS = 0.05, 8.0
+#: Change of gradient [1] or curvature [1/m] beside a straight line from which on a row is a corner: 1e-6 m/s2.
+LEAST_CORNER = 1e-7
+#: Share of the way to a corner that a step may take, as no step lets a speed grow by more than half (`follow_creep`).
+SHARE_TO_CORNER = 0.8
 #: Limits: the tightest curve is that of a depot, 50 m; EN 13803 knows no cant above 0.18 m; the steepest railway on
 #: racks rises by 0.48.
 COLUMNS = (
@@ -51,10 +56,13 @@ PIECES = (
     Piece("right", "m", 5),
     Piece("left_friction", "1", 1),  # factor
     Piece("right_friction", "1", 1),
+    Piece("corner_before", "m", 0),  # place of the corner of gradient or curvature behind, and of that ahead
+    Piece("corner_behind", "m", 0),
+    Piece("half_stretch", "m", 0),  # half of the shortest way between two corners: here, before and behind
     Piece("shortest", "m", 0),  # length of the shortest thing that steps resolve
 )
 SOURCE = f"""static const double GAUGE = {GAUGE}, ROUNDING = {ROUNDING}, LARGEST_TURN = {LARGEST_TURN};
-static const double RESOLVING_ROWS = {RESOLVING_ROWS};
+static const double RESOLVING_ROWS = {RESOLVING_ROWS}, LEAST_CORNER = {LEAST_CORNER};
 {(Path(__file__).parent / "line.c").read_text(encoding="utf-8")}"""
 
 LINE = TableFile(
@@ -74,7 +82,10 @@ LINE = TableFile(
     rounding=ROUNDING,
     known="distance, curvature, cant, gradient, and where known gauge_widening and, behind left_ and right_, lateral, "
     "vertical, friction",
-    added=("heading", "rise", "ahead", "ahead_far", "aside", "aside_far", "level", "level_far"),
+    added=(
+        *("heading", "rise", "ahead", "ahead_far", "aside", "aside_far", "level", "level_far"),
+        *("corner_before", "corner_behind", "half_stretch"),
+    ),
     pieces=PIECES,
     source=SOURCE,
 )
@@ -83,3 +94,27 @@ LINE = TableFile(
 def along_line(system: System, name: str, distance: ca.SX, order: int = 0) -> list[ca.SX]:
     """Value of one of PIECES at a distance [m] on an instance's line, and its derivatives up to `order`."""
     return system.from_file(LINE, name, distance, order)
+
+
+def follow_line(system: System, distance: ca.SX, places: Sequence[ca.SX]) -> None:
+    """Let no step pass over a corner of gradient or curvature, nor over more than half of what lies between two.
+
+    Where a force is constant a step may be as long as it likes, and none of its stages would meet a hill of some metres
+    (section 2.3.1: gravity pulls along the gradient).
+
+    Parameters
+    ----------
+    system : System
+        The equations of a vehicle on a line.
+    distance : SX
+        The state that carries all places along [m].
+    places : sequence of SX
+        Where gradient or curvature act [m].
+    """
+    ways = []
+    for place in places:
+        before, behind, half = (
+            along_line(system, name, place)[0] for name in ("corner_before", "corner_behind", "half_stretch")
+        )
+        ways.append(half + SHARE_TO_CORNER * ca.fmin(ca.fabs(place - before), ca.fabs(behind - place)))
+    system.limit_change(ca.mmin(ca.vertcat(*ways)), distance)

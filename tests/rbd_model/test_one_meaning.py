@@ -12,6 +12,7 @@ from fmu_src.system import model_of
 from products.train.consist import Consist, locomotive
 from products.train.numbers import Settings
 from products.train.train import Train
+from rbd_model.levels.planar import planar_vehicle
 from rbd_model.levels.point import point_vehicle
 from rbd_model.track.line import Line, read_line
 from rbd_model.track.line_table import ROUNDING
@@ -25,6 +26,8 @@ PLACES, GRADIENTS = [-100.0, 100.0, 220.0, 1500.0, 1700.0, 3000.0], [0.0, 0.0, 0
 STRAIGHT_BAND = 1e-4
 #: Within it: a sixth of the change of slope in 1 m, as cubics depart from straight lines by 4 / 27 of it.
 ROUNDED_BAND = ROUNDING * 0.015 / 120 / 6
+#: What creep and dampers take of the work of a hill, and errors of steps at a tolerance of 1e-8.
+HILL_BAND = 2e-3
 GRAVITY, SPEED = 9.81, 40.0
 
 
@@ -58,6 +61,27 @@ def test_a_vehicle_feels_straight_lines_of_gradient(make, few_rows: Path) -> Non
     felt = -np.array(table["acceleration"]) / GRAVITY * (1.0 + turning / sum(masses))
     assert np.ptp(place) > 2000.0
     assert np.max(np.abs(felt - mean)) < STRAIGHT_BAND
+
+
+@pytest.mark.parametrize(("make", "halves"), [(point_vehicle, (0.5, 5.0, 50.0, 500.0)), (planar_vehicle, (50.0,))])
+def test_no_step_passes_over_a_hill(make, halves: tuple[float, ...], tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    """A peak of 20 per mille alone on its line: m g h = (m + J / r^2) (v0^2 - v1^2) / 2. Nothing else limits steps."""
+    vehicle = two_axle_bogie()
+    library = quick_library(model_of(make(vehicle, True), 1e-8))
+    mass = sum(vehicle.number(part.mass) for part in vehicle.parts)
+    turning = sum(vehicle.number(one.inertia[1]) / vehicle.number(one.mean_radius) ** 2 for one in vehicle.wheelsets)
+    for half in halves:
+        places, peak = (
+            np.array([-100.0, 1000.0 - half, 1000.0, 1000.0 + half, 20e3]),
+            np.array([0.0, 0.0, 0.02, 0.0, 0.0]),
+        )
+        rows = dict(zip(("distance", "curvature", "cant", "gradient"), (places, 0 * peak, 0 * peak, peak), strict=True))
+        file = Line(rows).write(tmp_path / f"{half:g}.csv")
+        kernel = Kernel(library, line_file=str(file), initial_speed=30.0, rolling_resistance_torque=0.0)
+        kernel.advance(120.0)
+        lost = (30.0**2 - kernel["speed"] ** 2) / 2 * (1.0 + turning / mass)
+        assert kernel["distance"] > 1000.0 + half + 10.0
+        assert lost == pytest.approx(GRAVITY * 0.02 * half, rel=HILL_BAND, abs=1e-4)
 
 
 def test_a_train_feels_straight_lines_of_gradient(few_rows: Path) -> None:
