@@ -16,8 +16,18 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from readers.tables import BLANKS, SEPARATORS, Column, TableError, cells_of, number_in, quoted, table_of
-from readers.text import REMARKS, rows_of, text_of
+from readers.tables import (
+    BLANKS,
+    Column,
+    TableError,
+    cells_of,
+    number_in,
+    number_of,
+    quoted,
+    separator_of_numbers,
+    table_of,
+)
+from readers.text import REMARKS, lines_of, rows_of, text_of
 from readers.units import factor, spellings_for
 
 #: Largest file [bytes], fewest and most points.
@@ -117,9 +127,9 @@ class _Header:
 def _neutral(value: str, key: str) -> bool:
     if value.lower() in NEUTRAL:
         return True
-    numbers = [one for one in re.split(r"[\s;,]+", value) if one]
+    numbers = [value] if number_in(value) else [one for one in re.split(r"[\s;,]+", value) if one]
     same = 1.0 if re.search("scal|factor|zoom", key) else 0.0
-    return all(number_in(one) and float(one) == same for one in numbers)
+    return all(number_of(one) == same for one in numbers)
 
 
 def _nothing(key: str) -> str:
@@ -152,7 +162,7 @@ def contour_of(text: str, source: str, kind: str) -> Contour:
     else:
         header, body = _plain(rows, source, text)
     if len(body) < FEWEST_POINTS:
-        count = sum(_separator([row]) is not None for _, row in body)
+        count = sum(separator_of_numbers([row]) is not None for _, row in body)
         raise TableError(
             f"{source} has {count} points; a {kind} profile needs at least {FEWEST_POINTS} rows of y, z in mm."
         )
@@ -165,22 +175,13 @@ def contour_of(text: str, source: str, kind: str) -> Contour:
 Rows = list[tuple[int, str]]
 
 
-def _separator(rows: Sequence[str]) -> str | None:
-    """Return what separates the numbers of rows, or None if some hold anything else."""
-    for one in (*SEPARATORS, BLANKS):
-        parts = [cells_of(row.replace('"', ""), one, "") for row in rows]
-        if all(len(cells) > 1 and all(not cell or number_in(cell) for cell in cells) for cells in parts):
-            return one
-    return None
-
-
 def _plain(rows: Rows, source: str, text: str) -> tuple[_Header, Rows]:
     """Return header and body of a table with or without keys before it, such as those of the MiniProf."""
     header = _Header(source)
     taken_out = sum(map(_is_taken_out, (row for _, row in rows))) if MINIPROF.search(text) else 0
     if taken_out:
         rows = [one for one in rows if not _is_taken_out(one[1])]
-    first = next((place for place, (_, row) in enumerate(rows) if _separator([_bare(row)])), len(rows))
+    first = next((place for place, (_, row) in enumerate(rows) if separator_of_numbers([_bare(row)])), len(rows))
     before, body = rows[:first], [(at, bare) for at, row in rows[first:] if CELLS.search(bare := _bare(row))]
     keys = {at: found for at, row in before if (found := KEY.fullmatch(row))}
     for at, row in _remarks(text):
@@ -206,9 +207,10 @@ def _plain(rows: Rows, source: str, text: str) -> tuple[_Header, Rows]:
 
 def _remarks(text: str) -> list[tuple[int, str]]:
     """Return the remarks of a text with their rows, without the marks."""
-    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
     return [
-        (at, row.lstrip().lstrip("#%!/").strip()) for at, row in enumerate(lines, 1) if row.lstrip().startswith(REMARKS)
+        (at, row.lstrip().lstrip("#%!/").strip())
+        for at, row in enumerate(lines_of(text), 1)
+        if row.lstrip().startswith(REMARKS)
     ]
 
 
@@ -224,7 +226,7 @@ def _bare(row: str) -> str:
 
 def _is_head(row: str, first: str) -> bool:
     """Return whether a row names the columns of the row of numbers behind it."""
-    separator = _separator([first]) or BLANKS
+    separator = separator_of_numbers([first]) or BLANKS
     cells = [cell for cell in cells_of(row.replace('"', ""), separator, "") if cell]
     count = len([cell for cell in cells_of(first.replace('"', ""), separator, "") if cell])
     return len(cells) == count and all(HEAD.fullmatch(cell) for cell in cells)
@@ -255,7 +257,7 @@ def _take_simpack(header: _Header, values: dict[str, tuple[int, str]], kind: str
     for key, (at, value) in values.items():
         name = key.partition(".")[2]
         if number_in(value):
-            numbers[key] = float(value.replace(",", "."))
+            numbers[key] = number_of(value)
         if key == "header.type" and SIMPACK_TYPES.get(numbers.get(key, math.nan)) != kind:
             raise header.refusal(at, f"type must be that of a {kind} (0: rail, 1: wheel); got {quoted(value)}.")
         if name in ("mirror.y", "mirror.z") and numbers.get(key) in (0.0, 1.0):
@@ -271,7 +273,7 @@ def _take_simpack(header: _Header, values: dict[str, tuple[int, str]], kind: str
             header.take(at, name, value)
     for axis in "yz":
         low, high = (numbers.get(f"spline.bound.{axis}.{end}", 0.0) for end in ("min", "max"))
-        if low < high:
+        if not low >= high:
             at = values.get(f"spline.bound.{axis}.min", values.get(f"spline.bound.{axis}.max", (0, "")))[0]
             raise header.refusal(
                 at, f"bound.{axis} must be off, min above max; got {low:g} to {high:g}. Cut the points, and remove it."
@@ -280,7 +282,7 @@ def _take_simpack(header: _Header, values: dict[str, tuple[int, str]], kind: str
 
 def _points(header: _Header, body: Rows) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Return points [mm] and their rows, by the rules of all tables."""
-    named = _separator([body[0][1]]) is None
+    named = separator_of_numbers([body[0][1]]) is None
     second = next((at for at, row in body[1:] if not any(map(number_in, CELLS.findall(row)))), None)
     if second is not None:
         row = dict(body)[second]
@@ -289,7 +291,7 @@ def _points(header: _Header, body: Rows) -> tuple[NDArray[np.float64], NDArray[n
             f"between points a row must hold y and z; got {quoted(row)}. Give one profile a file, and its text first.",
         )
     data = [row for _, row in body[named:]]
-    separator = _separator(data[:SAMPLE])
+    separator = separator_of_numbers(data[:SAMPLE])
     if separator == "," and not any("." in row for row in data):
         raise header.refusal(
             body[named][0],

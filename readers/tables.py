@@ -259,16 +259,34 @@ def _separator_of(rows: Sequence[str]) -> str:
     if any(letter.isalpha() for letter in re.sub(r"\d[eE][+-]?\d", "0", first)):
         bare = re.sub(r'"[^"]*"', "", first)
         return next((one for one in SEPARATORS if one in bare), ",")
+    return separator_of_numbers(rows) or next((one for one in SEPARATORS if one in first), BLANKS)
+
+
+def separator_of_numbers(rows: Sequence[str]) -> str | None:
+    """Return what separates the numbers of rows, or None if some hold anything else."""
     for one in (*SEPARATORS, BLANKS):
         parts = [cells_of(row.replace('"', ""), one, "") for row in rows]
         if all(len(cells) > 1 and all(not cell or number_in(cell) for cell in cells) for cells in parts):
             return one
-    return next((one for one in SEPARATORS if one in first), BLANKS)
+    return None
 
 
 def number_in(cell: str) -> bool:
     """Return whether a cell holds a number in decimal writing, with a point or a comma."""
     return NUMBER.fullmatch(cell.replace(MINUS, "-")) is not None
+
+
+def number_of(value: object) -> float:
+    """Return a finite number, also one in a text in decimal writing; NaN for all else, `true` among it."""
+    if isinstance(value, str):
+        value = float(value.replace(MINUS, "-").replace(",", ".")) if number_in(value) else math.nan
+    if isinstance(value, bool):
+        return math.nan
+    try:
+        number = float(value)  # type: ignore[arg-type]
+    except (TypeError, ValueError, OverflowError):
+        return math.nan
+    return number if math.isfinite(number) else math.nan
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from readers.tables import MINUS, number_in, shown
+from readers.tables import shown
 from readers.text import FileError, lines_of, text_of
 
 #: The reader of TOML that this Python has: its own from 3.11 on, before that a package.
@@ -60,16 +60,3 @@ def _check(found: Mapping[str, Any], path: str | Path) -> None:
 
 def _too_deep(path: str | Path) -> FileError:
     return FileError(f"{path} must nest brackets at most {DEEPEST} deep; it nests deeper. Take brackets out.")
-
-
-def number_of(value: object) -> float:
-    """Return a finite number, also one in a text in decimal writing; NaN for all else, `true` among it."""
-    if isinstance(value, str):
-        value = float(value.replace(MINUS, "-").replace(",", ".")) if number_in(value) else math.nan
-    if isinstance(value, bool):
-        return math.nan
-    try:
-        number = float(value)  # type: ignore[arg-type]
-    except (TypeError, ValueError, OverflowError):
-        return math.nan
-    return number if math.isfinite(number) else math.nan
