@@ -38,8 +38,8 @@ LARGEST, LEAST_BREADTH, LARGEST_BREADTH = 1000.0, 20.0, 500.0
 SAMPLE = 50
 #: Share of a contour's breadth by which its ends are apart at least, and that no step from point to point exceeds.
 ENDS_APART, LONGEST_STEP = 0.25, 0.5
-#: A row of a header: a key and its value.
-KEY = re.compile(r"\s*(?P<key>[A-Za-z][\w .()/-]*?)[\s.]*[=:]\s*(?P<value>.*?)\s*")
+#: A key of a header, and what is between it and its value.
+KEY, ASSIGNS = re.compile(r"[A-Za-z][\w .()/-]*"), re.compile("[=:]")
 #: Keys that change what points mean, unless their value is neutral.
 CHANGES = re.compile(r"scal|factor|mirror|flip|inver|swap|offset|shift|rotat|tilt|zoom|bound|axis|axes|coord", re.I)
 COUNTS = ("xypoints", "points", "npoints", "numpoints", "numberofpoints", "pointcount")
@@ -47,8 +47,8 @@ NEUTRAL = ("", "no", "none", "off", "false", "n")
 #: Words of a free text that tell of another unit or of a change.
 TELLING = re.compile(r"\b(inch(es)?|met(er|re)s?|microns?|feet|mirrored|scaled|rotated|shifted)\b", re.I)
 SIMPACK_TYPES = {0.0: "rail", 1.0: "wheel"}
-MINIPROF = re.compile(r"miniprof|wheelprof|railprof|^\s*(ColumnDef|XYPoints)\s*=", re.I | re.M)
-TRAILING = re.compile(r"\s*([#%!]|//).*$")
+MINIPROF = re.compile(r"miniprof|wheelprof|railprof|^[^\S\n]*(ColumnDef|XYPoints)\s*=", re.I | re.M)
+TRAILING = re.compile("[#%!]|//")
 CELLS = re.compile(r"[^\s;,\"]+")
 HEAD = re.compile(r"[A-Za-z]\w*\s*([\[(][^\[\]()]*[\])])?")
 
@@ -178,17 +178,18 @@ Rows = list[tuple[int, str]]
 def _plain(rows: Rows, source: str, text: str) -> tuple[_Header, Rows]:
     """Return header and body of a table with or without keys before it, such as those of the MiniProf."""
     header = _Header(source)
-    taken_out = sum(map(_is_taken_out, (row for _, row in rows))) if MINIPROF.search(text) else 0
+    of_miniprof = MINIPROF.search("\n".join(lines_of(text)))
+    taken_out = sum(map(_is_taken_out, (row for _, row in rows))) if of_miniprof else 0
     if taken_out:
         rows = [one for one in rows if not _is_taken_out(one[1])]
     first = next((place for place, (_, row) in enumerate(rows) if separator_of_numbers([_bare(row)])), len(rows))
     before, body = rows[:first], [(at, bare) for at, row in rows[first:] if CELLS.search(bare := _bare(row))]
-    keys = {at: found for at, row in before if (found := KEY.fullmatch(row))}
+    keys = {at: found for at, row in before if (found := _key_and_value(row))}
     for at, row in _remarks(text):
-        if found := KEY.fullmatch(row):
-            header.take(at, found["key"], found["value"])
+        if found := _key_and_value(row):
+            header.take(at, *found)
     for at, found in keys.items():
-        header.take(at, found["key"], found["value"])
+        header.take(at, *found)
     for place, (at, row) in enumerate(before):
         if at in keys:
             continue
@@ -221,7 +222,15 @@ def _is_taken_out(row: str) -> bool:
 
 def _bare(row: str) -> str:
     """Return a row without the remark behind its numbers."""
-    return TRAILING.sub("", row)
+    found = TRAILING.search(row)
+    return row[: found.start()].rstrip() if found else row
+
+
+def _key_and_value(row: str) -> tuple[str, str] | None:
+    """Return key and value of a row of a header, or None; dots and blanks may lead from one to the other."""
+    key, *value = ASSIGNS.split(row, maxsplit=1)
+    key = key.lstrip().rstrip("." + "".join(filter(str.isspace, set(key))))
+    return (key, value[0].strip()) if value and KEY.fullmatch(key) else None
 
 
 def _is_head(row: str, first: str) -> bool:

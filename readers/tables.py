@@ -244,7 +244,8 @@ def cells_of(row: str, separator: str, place: str) -> list[str]:
     cells, at, ends = [], 0, False
     while not ends:
         quotes = IN_QUOTES[separator].match(row, at)
-        cell, _, _ = row[at:].partition(separator) if not quotes else (quotes[1].replace('""', '"'), "", "")
+        end = row.find(separator, at) if not quotes else -1
+        cell = quotes[1].replace('""', '"') if quotes else row[at:end] if end >= 0 else row[at:]
         if not quotes and cell.lstrip(BLANK).startswith('"'):
             raise TableError(f"{place}: quotes must close within the row. Remove the quotes.")
         cells.append(cell.strip(BLANK))
@@ -530,9 +531,9 @@ class _Cells:
         for row in np.flatnonzero((values < low) | (values > high))[:1].tolist():
             got = f"{quoted(cells[row])}{self._unit(self.place.factor)}"
             raise self.refusal(row, f"the value must be {self._limits()}; got {got}. Check value and unit.")
-        for row in np.flatnonzero(values != np.floor(values))[:1].tolist() if self.column.whole else []:
-            if not math.isnan(values[row]):
-                raise self.refusal(row, f"the value must be a whole number; got {quoted(cells[row])}. Round it.")
+        parts = ~np.isnan(values) & (values != np.floor(values)) & self.column.whole
+        for row in np.flatnonzero(parts)[:1].tolist():
+            raise self.refusal(row, f"the value must be a whole number; got {quoted(cells[row])}. Round it.")
         return values
 
     def _plain(self, cells: Sequence[str], mark: _DecimalMark) -> NDArray[np.float64] | None:

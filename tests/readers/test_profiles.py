@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import itertools
 import os
+import time
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -27,6 +29,8 @@ READ = {
 Y = np.arange(-36.0, 36.5, 0.5)
 Z = -0.01 * Y**2
 DIGITS = 1e-4
+#: Blanks of a row that is just not too long.
+BLANKS = 19_900 * " "
 
 
 def rows(template: str, decimal: str = ".", scale: float = 1.0) -> str:
@@ -130,6 +134,29 @@ def test_what_is_not_one_contour_as_it_is_meant_gets_one_sentence(text: str, sen
         read(text)
     assert sentence in str(told.value)
     assert "\n" not in str(told.value)
+
+
+@pytest.mark.parametrize(
+    "row",
+    [
+        "37" + BLANKS + "-13.69",
+        "X" + BLANKS + "Y",
+        "X =" + BLANKS + "Y",
+        "X. " + ". " * (BLANKS.count(" ") // 2) + "Y = 1",
+        BLANKS + '"',
+        '"",' * (BLANKS.count(" ") // 3),
+        "y" + BLANKS + "(" + BLANKS,
+        "\n" * 10 * BLANKS.count(" "),
+    ],
+    ids=["numbers", "text", "value", "key", "quote", "quotes", "head", "rows"],
+)
+def test_the_time_for_long_rows_of_blanks_grows_with_their_length(row: str) -> None:
+    """Time that grows with the square of the length is 20 s and more."""
+    begin = time.process_time()
+    for text in (f"{row}\n{rows('{} {}')}", f"# {row}\n{rows('{} {}')}", f"{rows('{} {}')}\n{row}"):
+        with suppress(FileError):
+            read(text)
+    assert time.process_time() - begin < 2.0
 
 
 @pytest.mark.skipif(not STRANGERS.is_dir(), reason="PROFILES_OF_OTHERS names no folder of their files")

@@ -109,6 +109,13 @@ def test_columns_by_position(text: str, pairs: list[tuple[float, float]]) -> Non
     assert list(zip(table.numbers["time"], table.numbers["torque"], strict=True)) == pairs
 
 
+def test_a_part_below_an_empty_cell_is_refused() -> None:
+    columns = (Column("count", whole=True, filled=False), Column("mass", "kg"))
+    assert table_of("count,mass\n,1\n2,1\n", "mine.csv", columns).numbers["count"][1] == 2.0
+    with pytest.raises(TableError, match=r"row 3, column count: the value must be a whole number; got '2\.5'"):
+        table_of("count,mass\n,1\n2.5,1\n", "mine.csv", columns)
+
+
 @pytest.mark.parametrize("text", ["0,1,2\n1,2,3\n", "0\n1\n", "time,moment [Pa]\n0,1\n", "0,1\n2,3,4\n"])
 def test_rows_of_another_width_are_refused(text: str) -> None:
     columns = (Column("time", "s", required=True), Column("torque", "N.m", required=True))
