@@ -8,18 +8,11 @@ from __future__ import annotations
 import hashlib
 import os
 import stat
-import sys
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from readers.storage import ANOTHER_FOLDER, PARTIAL, StorageError, sentence, write_whole, writing
-
-if sys.platform == "win32":
-    import msvcrt
-else:
-    import fcntl
+from readers.storage import ANOTHER_FOLDER, StorageError, hold, remove_partial, sentence, write_whole, writing
 
 #: Ending of the names of checksums and of locks.
 CHECKSUM, LOCK = ".sha256", ".lock"
@@ -100,7 +93,7 @@ def missing(path: Path, remedy: str = ANOTHER_FOLDER) -> Iterator[bool]:
         path.parent.mkdir(parents=True, exist_ok=True)
         file = _held(lock)
     try:
-        remove_stale(path.parent)
+        remove_partial(path.parent, STALE)
         yield not whole(path)
     finally:
         with suppress(OSError):  # Windows removes no open file
@@ -114,7 +107,7 @@ def _held(lock: Path) -> int:
         file = os.open(lock, os.O_RDWR | os.O_CREAT, 0o600)
         try:
             with suppress(OSError):
-                _hold(file)
+                hold(file, wait=True)
             if os.name != "posix" or os.path.samestat(os.fstat(file), lock.stat()):
                 return file
         except FileNotFoundError:
@@ -123,22 +116,6 @@ def _held(lock: Path) -> int:
             os.close(file)
             raise
         os.close(file)
-
-
-def _hold(file: int) -> None:
-    """Lock a file until it is closed; Windows gives up after ten seconds, others wait."""
-    if sys.platform == "win32":
-        msvcrt.locking(file, msvcrt.LK_LOCK, 1)
-    else:
-        fcntl.flock(file, fcntl.LOCK_EX)
-
-
-def remove_stale(folder: Path) -> None:
-    """Remove partial files whose processes were killed."""
-    for partial in folder.glob(f".*{PARTIAL}"):
-        with suppress(OSError):
-            if time.time() - partial.lstat().st_mtime > STALE:
-                partial.unlink()
 
 
 def kept_files(folder: Path) -> Iterator[Path]:

@@ -6,12 +6,20 @@ import errno
 import os
 import secrets
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+if sys.platform == "win32":
+    import msvcrt
+else:
+    import fcntl
+
 #: Ending of the name of a file that is being written.
 PARTIAL = ".partial"
+#: Windows locks bytes, which nobody else can read then: this one is behind all that a locked file says.
+LOCKED_BYTE = 2_000_000_000
 #: What a system says where a disk, a quota or a limit is full.
 FULL = {errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)}
 #: What to do where a place cannot be written, unless a caller knows better.
@@ -94,11 +102,49 @@ def write_whole(path: Path, data: bytes, remedy: str = ANOTHER_FOLDER, *, synced
 
 
 def sync_folder(folder: Path) -> None:
-    """Bring the names in a folder to disk; Windows does so by itself."""
+    """Bring the names in a folder to disk, where the system can; Windows does so by itself.
+
+    Raises OSError where the disk is full or broken. Some file systems refuse (EINVAL), some folders cannot be read.
+    """
     if sys.platform == "win32":
         return
-    place = os.open(folder, os.O_RDONLY)
     try:
-        os.fsync(place)
-    finally:
-        os.close(place)
+        place = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(place)
+        finally:
+            os.close(place)
+    except OSError as error:
+        if is_full(error) or error.errno == errno.EIO:
+            raise
+
+
+def remove_partial(folder: Path, age: float = 0.0) -> None:
+    """Remove the files that were being written when their processes were killed; age: of the last write [s]."""
+    for partial in folder.glob(f".*{PARTIAL}"):
+        with suppress(OSError):
+            if time.time() - partial.lstat().st_mtime >= age:
+                partial.unlink()
+
+
+def hold(file: int, *, wait: bool) -> None:
+    """Lock an open file until it is closed, also by the end of its process; Windows waits for ten seconds at most.
+
+    Raises
+    ------
+    BlockingIOError
+        If another process has it, without `wait`.
+    OSError
+        If the file system has no locks.
+    """
+    if sys.platform == "win32":
+        place = os.lseek(file, 0, os.SEEK_CUR)
+        os.lseek(file, LOCKED_BYTE, os.SEEK_SET)
+        try:
+            msvcrt.locking(file, msvcrt.LK_LOCK if wait else msvcrt.LK_NBLCK, 1)
+        except PermissionError as error:
+            raise BlockingIOError(error.errno, error.strerror) from None
+        finally:
+            os.lseek(file, place, os.SEEK_SET)
+    else:
+        fcntl.flock(file, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))

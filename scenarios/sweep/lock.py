@@ -10,20 +10,13 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import BinaryIO
 
 from readers.documents import integer_in, read_document, text_in
+from readers.storage import hold
 from scenarios.scenario import BadInputError
-
-if sys.platform == "win32":
-    import msvcrt
-else:
-    import fcntl
 
 #: The file that is locked; it says who holds it and stays behind.
 LOCK = ".lock"
-#: Windows locks bytes, which nobody else can read then: this one is behind all that the file says.
-PLACE = 1_000_000
 
 
 @contextmanager
@@ -33,7 +26,7 @@ def only_writer(folder: Path) -> Iterator[None]:
     path = folder / LOCK
     with path.open("a+b") as file:
         try:
-            _take(file)
+            hold(file.fileno(), wait=False)
         except BlockingIOError:
             raise BadInputError(
                 f"{folder} must have one sweep at a time; got a second one while {_holder(path)}. Wait for its end, or "
@@ -45,18 +38,6 @@ def only_writer(folder: Path) -> Iterator[None]:
         file.write(json.dumps(_about_us()).encode())
         file.flush()
         yield
-
-
-def _take(file: BinaryIO) -> None:
-    """Raises BlockingIOError if another process has it, OSError if the file system has no locks."""
-    if sys.platform == "win32":
-        file.seek(PLACE)
-        try:
-            msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
-        except PermissionError as error:
-            raise BlockingIOError(error.errno, error.strerror) from None
-    else:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
 def _about_us() -> dict[str, object]:

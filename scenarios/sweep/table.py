@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from readers.documents import document_text
-from readers.storage import write_whole
+from readers.storage import remove_partial, write_whole
 from scenarios.scenario import Sweepable
 from scenarios.sweep.points import Outcome, Point
 
@@ -40,8 +40,7 @@ def remove_table(folder: Path) -> None:
     """A table of an earlier sweep does not stay beside the journal of another, nor what a kill left of one."""
     for name in reversed(FILES):
         (folder / name).unlink(missing_ok=True)
-        for partial in folder.glob(f".{name}.*"):
-            partial.unlink(missing_ok=True)
+    remove_partial(folder)
 
 
 def _value(name: str, point: Point, outcome: Outcome) -> float | None:

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import random
 import sys
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
 
 from fmu_src.cosimulation.recording import Recording
 from readers.documents import DEEPEST, LARGEST_INTEGER, document, document_text, read_document
-from readers.storage import StorageError, write_whole
+from readers.storage import StorageError, sync_folder, write_whole
 from readers.text import FileError
 
 REFUSED = {
@@ -96,6 +98,19 @@ def test_a_file_that_cannot_be_written_is_as_it_was(tmp_path: Path, monkeypatch:
     assert list(tmp_path.iterdir()) == [path]
     with pytest.raises(StorageError, match=r"nowhere/table\.csv: No such file or directory\. Choose another folder\.$"):
         write_whole(tmp_path / "nowhere" / "table.csv", b"new")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows syncs no folders")
+@pytest.mark.parametrize(("number", "told"), [(errno.EINVAL, False), (errno.ENOSPC, True), (errno.EIO, True)])
+def test_a_file_system_need_not_sync_folders(
+    number: int, told: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refused(place: int) -> None:
+        raise OSError(number, os.strerror(number))
+
+    monkeypatch.setattr("readers.storage.os.fsync", refused)
+    with pytest.raises(OSError, match=os.strerror(number)) if told else nullcontext():
+        sync_folder(tmp_path)
 
 
 @pytest.mark.parametrize("ending", ["csv", "parquet"])

@@ -15,6 +15,7 @@ from typing import Any
 
 import pytest
 
+from readers.storage import PARTIAL
 from scenarios.scenario import BadInputError
 from scenarios.sweep.journal import Journal, checked
 from scenarios.sweep.lock import LOCK, only_writer
@@ -128,7 +129,10 @@ def test_a_line_that_was_cut_off_is_dropped_and_told(
     capsys.readouterr()
     for cut in (1, 5, len(journal.split(b"\n")[-2]), len(journal) - 20):
         (folder / JOURNAL).write_bytes(journal[:-cut])
+        left = folder / f".0123456789abcdef{PARTIAL}"  # of a table that was being written when its writer was killed
+        left.write_text("x,y")
         assert small(points, tmp_path) == 0
+        assert not left.exists()
         assert capsys.readouterr().err == (
             f"The last line of {folder / JOURNAL} was cut off; what it held is computed again.\n"
         )
