@@ -14,6 +14,7 @@ from functools import partial
 from pathlib import Path
 from typing import BinaryIO
 
+from readers import text
 from readers.storage import ANOTHER_TEMPORARY, StorageError, write_whole, writing
 
 #: The earliest date a zip archive can hold.
@@ -30,6 +31,8 @@ FAULTS = (
     *(ValueError, KeyError, NotImplementedError, RuntimeError, OverflowError, MemoryError),
 )
 CHUNK = 1 << 20
+#: Names of entries are longer than other values that messages show.
+shown = partial(text.shown, longest=100)
 
 
 class ArchiveError(ValueError):
@@ -123,11 +126,6 @@ def parts_of(name: str) -> list[str]:
     if len(name) > LONGEST_NAME or max(len(part.encode(errors="replace")) for part in parts) > 255:
         raise ArchiveError(f"{shown(name)} has a name that is too long")
     return parts
-
-
-def shown(name: str) -> str:
-    """Return an entry's name as a sentence shows it."""
-    return name if name.isprintable() and 0 < len(name) <= 100 else f"{name[:100]!r}"
 
 
 def read_entry(archive: zipfile.ZipFile, name: str, take: Callable[[bytes], object]) -> None:

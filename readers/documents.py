@@ -5,10 +5,11 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
-from readers.text import FileError
+from readers.text import FileError, shown
 
 #: Largest document, or line of a journal [bytes]. The head of a sweep over a million values has 27 MB.
 LARGEST = 64_000_000
@@ -16,8 +17,6 @@ LARGEST = 64_000_000
 DEEPEST = 64
 #: Largest integer up to which doubles hold every integer.
 LARGEST_INTEGER = 2**53
-#: Letters of a value that a message repeats.
-SHOWN = 40
 
 
 def read_document(path: Path, what: str = "") -> Any:
@@ -60,8 +59,8 @@ def document(text: bytes, what: str) -> Any:
     except _LimitError as error:
         raise FileError(f"{what} must {error}") from None
     except RecursionError:
-        raise FileError(_too_deep(what)) from None
-    _check_depth_and_text(found, what)
+        raise too_deep(what) from None
+    check_tree(found, what)
     return found
 
 
@@ -116,14 +115,11 @@ def member(found: Any, name: str, what: str) -> Any:
 
 
 def is_number(value: Any) -> bool:
-    """Return whether a value is a finite number; `true` is not one."""
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
-
-
-def shown(value: Any) -> str:
-    """Return a value for a message, its end cut off where it is long."""
-    text = value if isinstance(value, str) else json.dumps(value, default=repr)
-    return text if len(text) <= SHOWN else f"{text[:SHOWN]}..."
+    """Return whether a value is a finite number that a double holds, of NumPy's kinds too; `true` is not one."""
+    try:
+        return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
+    except OverflowError:
+        return False
 
 
 # -- writing ---------------------------------------------------------------------------------------------------------
@@ -172,8 +168,11 @@ def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     return found
 
 
-def _check_depth_and_text(found: Any, what: str) -> None:
-    """Raises FileError for brackets that are too deep, and for text that no file can hold."""
+def check_tree(found: Any, what: str) -> None:
+    """Check the values of a document: brackets at most DEEPEST deep, finite numbers, text that a file can hold.
+
+    Raises FileError. Its message begins with `what`.
+    """
     layer, depth = [found], 0
     while layer:
         inside: list[Any] = []
@@ -184,10 +183,19 @@ def _check_depth_and_text(found: Any, what: str) -> None:
                 inside += one
             elif isinstance(one, str) and not one.isascii():
                 _check_text(one, what)
+            elif isinstance(one, int | float) and not -LARGEST_INTEGER <= one <= LARGEST_INTEGER:
+                _check_number(one, what)
         depth += any(isinstance(one, dict | list) for one in layer)
         if depth > DEEPEST:
-            raise FileError(_too_deep(what))
+            raise too_deep(what)
         layer = inside
+
+
+def _check_number(number: float, what: str) -> None:
+    if isinstance(number, int):
+        raise FileError(f"{what} must have integers up to 2^53; got {shown(number)}.")
+    if not math.isfinite(number):
+        raise FileError(f"{what} must have finite numbers; got {shown(number)}.")
 
 
 def _check_text(text: str, what: str) -> None:
@@ -198,5 +206,6 @@ def _check_text(text: str, what: str) -> None:
         raise FileError(f"{what} must hold Unicode text; got {half}, half of a letter.") from None
 
 
-def _too_deep(what: str) -> str:
-    return f"{what} must nest brackets at most {DEEPEST} deep; got more."
+def too_deep(what: str) -> FileError:
+    """Return the error for brackets that are too deep."""
+    return FileError(f"{what} must nest brackets at most {DEEPEST} deep; got more.")

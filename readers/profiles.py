@@ -23,11 +23,10 @@ from readers.tables import (
     cells_of,
     number_in,
     number_of,
-    quoted,
     separator_of_numbers,
     table_of,
 )
-from readers.text import REMARKS, lines_of, rows_of, text_of
+from readers.text import REMARKS, lines_of, quoted, rows_of, text_of
 from readers.units import factor, spellings_for
 
 #: Largest file [bytes], fewest and most points.

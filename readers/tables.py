@@ -20,15 +20,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from readers.text import BLANK, LONGEST_ROW, FileError, lines_of, rows_in, text_of
+from readers.text import BLANK, LONGEST_ROW, FileError, lines_of, quoted, rows_in, shown, text_of
 from readers.units import factor, quantity_of, spellings_for
 
 #: Most rows of a table, unless a caller sets another limit.
 MOST_ROWS = 4_000_000
 #: Rows by which the separator is found where there are no names.
 SAMPLE = 50
-#: Longest cell that a message quotes [characters].
-QUOTED = 40
 SEPARATORS = ("\t", ";", ",")
 BLANKS = " "
 NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?", re.ASCII)
@@ -383,17 +381,6 @@ def _factor(column: Column, unit: str, place: str) -> tuple[float, float]:
             f"Use {units}; none means {column.unit}."
         )
     return both
-
-
-def shown(value: object) -> str:
-    """Return a value for a message: as it is if it is short and on one line, otherwise quoted."""
-    text = str(value)
-    return text if text.isprintable() and len(text) <= QUOTED else quoted(text)
-
-
-def quoted(text: str, longest: int = QUOTED) -> str:
-    """Return a text for a message, cut where it is long."""
-    return repr(text) if len(text) <= longest else f"{text[:longest]!r}... ({len(text)} characters)"
 
 
 @dataclass(frozen=True)

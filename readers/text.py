@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import codecs
+import json
 import re
 import stat
 from collections.abc import Iterator, Sequence
@@ -21,6 +22,8 @@ MARKS = ((codecs.BOM_UTF8, "utf-8"), (codecs.BOM_UTF16_LE, "utf-16-le"), (codecs
 BLANK = " \t\f\u00a0\u202f"
 #: Characters that text does not have; DOS ends files with \x1a.
 ODD = re.compile(r"[\x00-\x08\x0b\x0e-\x19\x1b-\x1f]")
+#: Longest value that a message quotes [characters].
+QUOTED = 40
 #: Characters that begin a remark. A semicolon does not: it separates columns.
 REMARKS = ("#", "%", "!", "//")
 
@@ -31,6 +34,21 @@ class FileError(ValueError):
 
 class MissingFileError(FileError, FileNotFoundError):
     """A user's file that does not exist."""
+
+
+def shown(value: object, longest: int = QUOTED) -> str:
+    """Return a value for a message, as files write it: as it is if it is short and on one line, otherwise quoted."""
+    of_json = value is None or isinstance(value, bool | list | dict)
+    try:
+        text = json.dumps(value, default=str) if of_json else str(value)
+    except (TypeError, ValueError, RecursionError):  # keys of no text, circles, numbers of thousands of digits
+        text = f"a {type(value).__name__}"
+    return text if text.isprintable() and 0 < len(text) <= longest else quoted(text, longest)
+
+
+def quoted(text: str, longest: int = QUOTED) -> str:
+    """Return a text for a message, cut where it is long."""
+    return repr(text) if len(text) <= longest else f"{text[:longest]!r}... ({len(text)} characters)"
 
 
 def text_of(path: str | Path, largest: int = LARGEST) -> str:

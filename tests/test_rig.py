@@ -489,7 +489,7 @@ def test_the_programme_that_comes_along_reads_as_it_is_written() -> None:
         ('[[case]]\nname = "a"\nrail = "dry"\n[[cases]]\n', "there is no [cases]; call each stop [[case]]."),
         ('[[case]]\nrail = "dry"\n', "give a name, as in name = "),
         ('[[case]]\nname = "a"\nrail = "dry"\nequipment = ["sanders"]\n', "sanders without sand have no effect; set"),
-        ('[[case]]\nname = "a"\n', "case 1 (a): give a rail, one of dry, wet, low, very_low: it was None."),
+        ('[[case]]\nname = "a"\n', "case 1 (a): give a rail, one of dry, wet, low, very_low: it was nothing."),
         ('[[case]]\nname = "a"\nrail = "dry"\nspeeed = 3\n', "case 1 (a): there is no speeed; give some of name,"),
         ('[[case]]\nname = "a"\nrail = "dry"\nspeed = "3mph"\n', "as 25m/s or 160km/h: it was 3mph."),
         ('[[case]]\nname = "a"\nrail = "dry"\nstrength = 0\n', "set strength above 0 and up to 5: it was 0."),
@@ -506,7 +506,7 @@ def test_the_programme_that_comes_along_reads_as_it_is_written() -> None:
             "set gradient to a number: it was 'up'.",
         ),
         ('[[case]]\nname = "a"\nrail = "dry"\nfriction = "low"\n', "set friction to a number: it was 'low'."),
-        ('[[case]]\nname = "a"\nrail = "dry"\nstrength = true\n', "set strength to a number: it was True."),
+        ('[[case]]\nname = "a"\nrail = "dry"\nstrength = true\n', "set strength to a number: it was true."),
         (
             '[[case]]\nname = "a"\nrail = "dry"\nfault = [{ wheelset = 1.5, radius = 1.1 }]\n',
             "Set wheelset to a whole number, 1 or more: it was 1.5.",
@@ -517,7 +517,7 @@ def test_the_programme_that_comes_along_reads_as_it_is_written() -> None:
         ),
         (
             '[[case]]\nname = "a"\nrail = "dry"\nfault = [{ wheelset = 1, valve_from = nan }]\n',
-            "must have finite numbers, and whole ones up to 2^53; got nan.",
+            "must have finite numbers; got nan.",
         ),
         ('[[case]]\nname = "a"\nrail = "dry"\nfault = [3]\n', "give fault a list, [{ wheelset = 1, sensor = ... }]."),
         (2 * '[[case]]\nname = "a"\nrail = "dry"\n', "2 cases are called a; give each its own name."),

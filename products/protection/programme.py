@@ -13,7 +13,7 @@ from products.protection.protected_stop import FASTEST, STRONGEST
 from products.protection.rails import RAILS
 from products.protection.runs import EQUIPMENT, SANDERS, TRACTION, Fault, Run, in_order
 from rbd_model.track.friction import CONDITIONS
-from readers.tables import quoted, shown
+from readers.text import quoted, shown
 from readers.toml_files import toml_of
 
 #: Those that come along, by the names that the command line has for them: of stops, and of starts.
@@ -114,7 +114,7 @@ def _case(table: Mapping[str, Any]) -> Case:
         raise ValueError("give a name, as in name = 'wet, 120 km/h'.")
     rail = table.get("rail")
     if not isinstance(rail, str) or rail not in CONDITIONS:
-        raise ValueError(f"give a rail, one of {', '.join(CONDITIONS)}: it was {shown(rail)}.")
+        raise ValueError(f"give a rail, one of {', '.join(CONDITIONS)}: it was {shown(rail or 'nothing')}.")
     strength, friction = (_number(name, table[name]) if name in table else None for name in ("strength", "friction"))
     if strength is not None and not 0.0 < strength <= STRONGEST:
         raise ValueError(f"set strength above 0 and up to {STRONGEST:g}: it was {strength:g}.")

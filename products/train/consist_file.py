@@ -30,7 +30,8 @@ from brake_controller.drivers_valve import drivers_valve
 from fmu_src.suggestion import suggestion
 from products.train.consist import EMPTY, KINDS, LONGEST_VEHICLE, Consist, TrainVehicle, braked_by
 from rbd_model.train.coupler import COUPLERS
-from readers.tables import Column, number_of, quoted, read_table, shown
+from readers.tables import Column, number_of, read_table
+from readers.text import quoted, shown
 from readers.toml_files import toml_of
 
 #: Vehicles of a train at most, and of what a consist may have: load and mass [t], lambda [%], delay [s], leak [mm].

@@ -25,8 +25,7 @@ from products.protection.apart import Apart, EndedError, NoControllerError, call
 from products.protection.forms import Arrays, Form, InC, Outside
 from products.protection.one import OneInC, OneOfMany
 from products.protection.protected_stop import LONGEST_PERIOD
-from readers.tables import quoted, shown
-from readers.text import FileError
+from readers.text import FileError, quoted, shown
 from scenarios.controllers.given import Given, controller_of
 from scenarios.controllers.table import write_document
 from scenarios.methods.pace import time_of

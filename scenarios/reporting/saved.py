@@ -14,9 +14,9 @@ from readers.documents import (
     member,
     number_in,
     read_document,
-    shown,
     text_in,
 )
+from readers.text import shown
 from scenarios.reporting.report import parted, verdict_of
 from scenarios.sweep.journal import JOURNAL
 

@@ -15,8 +15,9 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, BinaryIO
 
-from readers.documents import LARGEST, document, integer_in, is_number, mapping_in, shown, text_in
+from readers.documents import LARGEST, document, integer_in, is_number, mapping_in, text_in
 from readers.storage import sync_folder
+from readers.text import shown
 from scenarios.scenario import BadInputError
 from scenarios.sweep.points import Outcome, Point, SweepError
 
@@ -117,7 +118,7 @@ class Journal:
         results = mapping_in(found, "results", what)
         if set(results) != set(self._results):
             names = ", ".join(self._results)
-            raise ValueError(f"{what} must have the results {names}; got {shown(', '.join(results)) or 'none'}.")
+            raise ValueError(f"{what} must have the results {names}; got {shown(', '.join(results) or 'none')}.")
         for name, value in results.items():
             if not (value is None or is_number(value)):
                 raise ValueError(f"{what}: {name} must be a finite number or null; got {shown(value)}.")

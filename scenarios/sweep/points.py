@@ -3,7 +3,6 @@
 Light to import: every worker process does.
 """
 
-import math
 import multiprocessing
 import os
 import pickle
@@ -17,11 +16,12 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from itertools import islice
-from numbers import Real
 from typing import Any
 
 from products.sources import CODE, ROOMS, digest
+from readers.documents import is_number
 from readers.storage import is_full
+from readers.text import shown
 from scenarios.reporting.progress import hide_bars
 
 #: Points that each worker has before it, so that it need not wait for the next one.
@@ -90,9 +90,9 @@ def judge(found: Any, promised: Sequence[str]) -> Outcome:
     results: dict[str, float | None] = {}
     for name in promised:
         value = found[name]
-        number = isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
-        if not (value is None or number):
-            return Outcome(failure=f"The point returned {name} = {value!r}, which is not a finite number.")
+        if not (value is None or is_number(value)):
+            got = repr(value) if isinstance(value, str | bool) else shown(value)
+            return Outcome(failure=f"The point returned {name} = {got}, which is not a finite number.")
         results[name] = None if value is None else float(value)
     return Outcome(results)
 

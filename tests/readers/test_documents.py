@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import json
+import math
 import os
 import random
 import sys
@@ -13,9 +14,10 @@ from pathlib import Path
 import pytest
 
 from fmu_src.cosimulation.recording import Recording
-from readers.documents import DEEPEST, LARGEST_INTEGER, document, document_text, read_document
+from readers.documents import DEEPEST, LARGEST_INTEGER, document, document_text, is_number, read_document
 from readers.storage import StorageError, sync_folder, write_whole
-from readers.text import FileError
+from readers.text import FileError, shown
+from scenarios.sweep.points import judge
 
 REFUSED = {
     b"": "must be JSON; got a fault in line 1, column 1",
@@ -53,6 +55,20 @@ def test_what_is_a_document_is_read(tmp_path: Path) -> None:
     assert read_document(path) == value
     assert document(b"\xef\xbb\xbf[1.5]", "with a mark") == [1.5]
     assert document(b"[" * DEEPEST + b"7" + b"]" * DEEPEST, "deep") == json.loads("[" * DEEPEST + "7" + "]" * DEEPEST)
+
+
+@pytest.mark.parametrize("value", [True, "1", None, math.nan, -math.inf, 10**400, 10**5000, [1]], ids=range(8))
+def test_what_is_no_number_is_told_and_shown(value: object) -> None:
+    assert not is_number(value)
+    assert 0 < len(shown(value)) < 80
+    assert judge({"x": value}, ["x"]).failure or value is None
+
+
+def test_a_value_is_shown_as_files_write_it() -> None:
+    circle: dict[object, object] = {(1, 2): 3}
+    values = (None, True, [1, "a"], "", "a\nb", 1.5, circle, 50 * "x")
+    told = ("null", "true", '[1, "a"]', "''", r"'a\nb'", "1.5", "a dict", f"'{40 * 'x'}'... (50 characters)")
+    assert tuple(map(shown, values)) == told
 
 
 def test_random_documents_come_back_and_cut_ones_are_refused() -> None:

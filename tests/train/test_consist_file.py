@@ -197,7 +197,7 @@ BAD: dict[str, tuple[str, str | bytes, str]] = {
     "a truth in TOML": (
         "a.toml",
         "[[vehicle]]\nkind = 'locomotive'\ncount = true\n",
-        "vehicle 1: count must be a whole number from 1 to 2000; got True. Correct it.",
+        "vehicle 1: count must be a whole number from 1 to 2000; got true. Correct it.",
     ),
     "a name that is none in TOML": (
         "a.toml",
