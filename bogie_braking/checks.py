@@ -5,6 +5,7 @@ from __future__ import annotations
 import datetime
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from numbers import Real
 from typing import Any, TypeGuard
 
@@ -38,13 +39,28 @@ def seconds(what: str, value: Any, most: float = LONGEST_TIME) -> float:
     found = number(value)
     if isinstance(value, datetime.timedelta):
         found = value.total_seconds()
-    elif isinstance(value, np.timedelta64) and np.datetime_data(value.dtype)[0] != "generic":
-        found = float(value / np.timedelta64(1, "s"))
+    elif isinstance(value, np.timedelta64):
+        with suppress(ValueError):
+            found = float(durations(value))
     if not 0.0 < found < math.inf:
         raise ValueError(f"Give {what} as a number of seconds above 0: it was {value!r}.")
     if found > most:
         raise ValueError(f"{what[0].upper()}{what[1:]} must be at most {most:g} s, a day; got {found:g} s.")
     return found
+
+
+def durations(times: np.ndarray | np.timedelta64) -> np.ndarray:
+    """Return NumPy's durations in seconds; NaT is NaN.
+
+    Raises
+    ------
+    ValueError
+        If they have no unit.
+    """
+    times = np.asarray(times)
+    if np.datetime_data(times.dtype)[0] == "generic":
+        raise ValueError("durations without a unit")
+    return np.asarray(times / np.timedelta64(1, "s"), float)
 
 
 def at_most(what: str, count: int, most: int) -> int:

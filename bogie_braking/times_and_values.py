@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bogie_braking.checks import refused, shown
+from bogie_braking.checks import durations, refused, shown
 
 Numbers = NDArray[np.float64]
 #: What a message says of the forms that are read.
@@ -70,8 +70,12 @@ def _columns(name: str, given: Any) -> Sequence[Any] | None:
 
 
 def _is_column(one: Any) -> bool:
-    """Return whether something holds numbers in an order: a list, tuple, array or column of a data frame."""
-    return hasattr(one, "__len__") and hasattr(one, "__getitem__") and not isinstance(one, str | bytes | Mapping)
+    """Return whether something holds numbers in an order: a list, tuple, array or column of a data frame.
+
+    An array of no dimension holds one number, and has no length although it has the method.
+    """
+    ordered = hasattr(one, "__len__") and hasattr(one, "__getitem__") and getattr(one, "ndim", 1) != 0
+    return ordered and not isinstance(one, str | bytes | Mapping)
 
 
 def _two_by_two(name: str, given: Any) -> Sequence[Any]:
@@ -130,17 +134,3 @@ def _seconds(times: np.ndarray) -> np.ndarray:
     if times.size and all(isinstance(one, datetime.timedelta) for one in times.flat):
         return np.array([one.total_seconds() for one in times.flat]).reshape(times.shape)
     return times
-
-
-def durations(times: np.ndarray | np.timedelta64) -> np.ndarray:
-    """Return NumPy's durations in seconds; NaT is NaN.
-
-    Raises
-    ------
-    ValueError
-        If they have no unit.
-    """
-    times = np.asarray(times)
-    if np.datetime_data(times.dtype)[0] == "generic":
-        raise ValueError("durations without a unit")
-    return np.asarray(times / np.timedelta64(1, "s"), float)
