@@ -489,7 +489,10 @@ def test_the_programme_that_comes_along_reads_as_it_is_written() -> None:
         ('[[case]]\nname = "a"\nrail = "dry"\n[[cases]]\n', "there is no [cases]; call each stop [[case]]."),
         ('[[case]]\nrail = "dry"\n', "give a name, as in name = "),
         ('[[case]]\nname = "a"\nrail = "dry"\nequipment = ["sanders"]\n', "sanders without sand have no effect; set"),
-        ('[[case]]\nname = "a"\n', "case 1 (a): give a rail, one of dry, wet, low, very_low: it was nothing."),
+        (
+            '[[case]]\nname = "a"\n',
+            "case 1 (a): give a rail, one of dry, wet, low, slippery, extremely_low, very_low: it was nothing.",
+        ),
         ('[[case]]\nname = "a"\nrail = "dry"\nspeeed = 3\n', "case 1 (a): there is no speeed; give some of name,"),
         ('[[case]]\nname = "a"\nrail = "dry"\nspeed = "3mph"\n', "as 25m/s or 160km/h: it was 3mph."),
         ('[[case]]\nname = "a"\nrail = "dry"\nstrength = 0\n', "set strength above 0 and up to 5: it was 0."),
