@@ -18,12 +18,10 @@ from numpy.typing import ArrayLike
 from scipy.interpolate import BSpline, PPoly, make_lsq_spline
 
 from rbd_model.contact.gauge_side import LAID, LEAST_LEAN, SIDES, GaugeSide, gauge_side, upright
-from readers.profiles import read_contour
+from readers.profiles import FEWEST_POINTS, LARGEST_BREADTH, read_contour
 
 DEGREE = 5
 KNOT_DISTANCE = 0.5e-3
-#: Largest breadth of a profile [m]; wheels are 0.14 m wide, heads of rails 0.075 m.
-LARGEST_BREADTH = 0.5
 #: Distance of the points that are laid on given arcs and lines [m].
 POINT_DISTANCE = 0.02e-3
 #: Rails stand inclined by 1:20 (section 4.3) and the tread of the wheel is a cone of the same slope.
@@ -74,15 +72,16 @@ class Profile:
 def from_points(name: str, source: str, y: ArrayLike, z: ArrayLike) -> Profile:
     """Least-squares quintic spline through points [m] with y increasing, section 3.3.2; knots every KNOT_DISTANCE.
 
-    Raises ValueError for less than 20 points, for ones that are not finite, for a y that does not increase and for a
-    breadth above LARGEST_BREADTH, which makes a knot for each KNOT_DISTANCE.
+    Raises ValueError for less than FEWEST_POINTS, for ones that are not finite, for a y that does not increase and for
+    a breadth above LARGEST_BREADTH, which makes a knot for each KNOT_DISTANCE.
     """
     y_array, z_array = np.asarray(y, float), np.asarray(z, float)
-    if y_array.size < 20 or np.any(np.diff(y_array) <= 0.0) or not np.all(np.isfinite([y_array, z_array])):
-        raise ValueError(f"Profile {name}: give at least 20 finite points whose y increases.")
+    if y_array.size < FEWEST_POINTS or np.any(np.diff(y_array) <= 0.0) or not np.all(np.isfinite([y_array, z_array])):
+        raise ValueError(f"Profile {name}: give at least {FEWEST_POINTS} finite points whose y increases.")
     breadth = float(y_array[-1] - y_array[0])
-    if not breadth <= LARGEST_BREADTH:
-        raise ValueError(f"Profile {name}: y must span at most {LARGEST_BREADTH:g} m; got {breadth:g} m. Give metres.")
+    if not 1e3 * breadth <= LARGEST_BREADTH:
+        limit = LARGEST_BREADTH / 1e3
+        raise ValueError(f"Profile {name}: y must span at most {limit:g} m; got {breadth:g} m. Give metres.")
     if np.diff(y_array).max() > KNOT_DISTANCE:
         # Points further apart than the knots are joined by straight lines, which the spline then smooths.
         fine = np.arange(y_array[0], y_array[-1], KNOT_DISTANCE / 4)

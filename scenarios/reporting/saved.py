@@ -18,14 +18,13 @@ from readers.documents import (
 )
 from readers.text import shown
 from scenarios.reporting.report import parted, verdict_of
+from scenarios.sweep.grid import LARGEST_GRID
 from scenarios.sweep.journal import JOURNAL
 
 #: Keys of a row that the pages show as text, and as a number or nothing.
 TEXTS, NUMBERS = ("quantity", "unit"), ("thesis", "simulated", "deviation")
 #: Longest run of a scenario that is accepted [s]: a month.
 LONGEST = 31 * 86400.0
-#: Most points of a sweep, as `scenarios/sweep/grid.py` has them.
-MOST_POINTS = 1_000_000
 #: What a run and a sweep are shown by, the best first.
 RUN_PAGES, SWEEP_PAGES = ("report.html", "figure.png", "summary.json"), ("table.csv", "summary.json")
 
@@ -157,7 +156,7 @@ def sweep(folder: Path, summary: Mapping[str, Any]) -> Sweep:
     for name, given in vary.items():
         if not (isinstance(given, list) and given and all(map(is_number, given))):
             raise ValueError(f"{what}: vary {name} must be a list of numbers; got {shown(given)}.")
-    points = integer_in(summary, "points", what, 1, MOST_POINTS)
+    points = integer_in(summary, "points", what, 1, LARGEST_GRID)
     if points != (due := math.prod(map(len, vary.values()))):
         raise ValueError(f"{what}: points must be those of its grid, {due}; got {points}.")
     failed = integer_in(summary, "failed", what, 0, points)

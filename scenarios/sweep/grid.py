@@ -10,6 +10,7 @@ from scenarios.scenario import BadInputError
 
 #: Values of each varied parameter, in the order of the command line.
 Grid = Mapping[str, Sequence[float]]
+#: Most points of a sweep.
 LARGEST_GRID = 1_000_000
 FORMS = "write name=first:last:count or name=a,b,c"
 
