@@ -30,6 +30,8 @@ SAMPLE = 50
 SEPARATORS = ("\t", ";", ",")
 BLANKS = " "
 NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?", re.ASCII)
+#: A number that may be one of thousands, with a separator between groups of three digits.
+THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}", re.ASCII)
 #: Cells that Python's float reads as they are meant.
 PLAIN = re.compile(r"[0-9eE+.-]*", re.ASCII)
 #: A name with its unit in square brackets, and a name with or without its unit in round ones.
@@ -411,6 +413,10 @@ class _Body:
         numbers = {one.column.name: one.converted(column.copy()) for one, column in zip(layout, values.T, strict=True)}
         if marks >= {",", "."} or max(map(len, lines)) > LONGEST_ROW:
             return None
+        if ("," in marks or self.separator == ";") and marks & {",", "."}:
+            cells = (cell.strip() for at in places for cell in lines[at].split(self.separator))
+            if all(THOUSANDS.fullmatch(cell) for cell in cells if "." in cell or "," in cell):
+                return None
         if not all(one.allows(numbers[one.column.name]) for one in layout):
             return None
         units = {one.column.name: one.column.unit for one in layout}
@@ -446,6 +452,7 @@ class _Body:
             else:
                 numbers[one.column.name] = cells_of_column.numbers(texts, mark)
                 units[one.column.name] = one.column.unit
+        mark.check_thousands(self.separator)
         return Table(self.source, numbers, words, units, places)
 
     def _check_names(self, layout: Sequence[_Place], body: Sequence[tuple[int, list[str]]]) -> None:
@@ -468,11 +475,16 @@ class _Body:
 
 @dataclass
 class _DecimalMark:
-    """The decimal mark of a file, once a number has shown it: that number and its row."""
+    """The decimal mark of a file, once a number has shown it: that number, its row and column.
+
+    decimal: whether a number has shown that the mark does not separate thousands, as in 1,000.
+    """
 
     source: str
     shown: str = ""
     row: int = 0
+    column: str = ""
+    decimal: bool = False
 
     def check(self, cell: str, row: int, column: str) -> None:
         """Check that a number has the file's decimal mark."""
@@ -481,7 +493,18 @@ class _DecimalMark:
                 f"{self.source}, row {row}, column {shown(column)}: numbers must have one decimal mark; got "
                 f"{quoted(cell)}, and {quoted(self.shown)} in row {self.row}. Use one, and no separators of thousands."
             )
-        self.shown, self.row = self.shown or cell, self.row or row
+        self.shown, self.row, self.column = self.shown or cell, self.row or row, self.column or column
+        self.decimal = self.decimal or not THOUSANDS.fullmatch(cell)
+
+    def check_thousands(self, separator: str) -> None:
+        """Check that not every number with the mark can be one of thousands, where people write those with it."""
+        if self.shown and not self.decimal and ("," in self.shown or separator == ";"):
+            whole, part = re.sub("[.,]", "", self.shown), float(self.shown.replace(",", "."))
+            raise TableError(
+                f"{self.source}, row {self.row}, column {shown(self.column)}: numbers must have one reading; "
+                f"{quoted(self.shown)} can be {whole} or {part:g}, and so can all with this mark. Write {whole}, or "
+                f"{part!r} with a decimal point in a file with commas or tabs."
+            )
 
 
 @dataclass(frozen=True)
@@ -531,9 +554,14 @@ class _Cells:
             values = np.array([float(cell) for cell in cells], float)
         except ValueError:
             return None
-        row = next((row for row, cell in enumerate(cells) if "." in cell), None)
-        if row is not None:
-            mark.check(cells[row], int(self.places[row]), self.column.name)
+        marked = [next((row for row, cell in enumerate(cells) if "." in cell), None)]
+        if marked[0] is not None and not mark.decimal:  # one that decides, if there is one
+            marked.append(
+                next((row for row, cell in enumerate(cells) if "." in cell and not THOUSANDS.fullmatch(cell)), None)
+            )
+        for row in marked:
+            if row is not None:
+                mark.check(cells[row], int(self.places[row]), self.column.name)
         return values if np.all(np.isfinite(values)) else None
 
     def _number(self, row: int, cell: str, mark: _DecimalMark) -> float:

@@ -31,6 +31,7 @@ typedef struct {
     char *problem;
     const char *in; /* the column that is read, null: none */
     char separator, mark; /* of columns; the decimal mark, 0: none was read */
+    bool decimal; /* a number has shown that the mark is none of thousands */
     cell_place place[MOST_COLUMNS]; /* in their order */
     int places, room; /* rows that there is room for */
     table_file *made;
@@ -235,8 +236,22 @@ static bool has_room(reader *self) {
     return true;
 }
 
-/* Checks that all numbers of the file have one decimal mark. */
+/* Whether a number may be one of thousands, with a separator between groups of three digits. */
+static bool may_be_thousands(const char *cell) {
+    int digits = 0, behind = 0;
+    if (*cell == '+' || *cell == '-') ++cell;
+    if (strncmp(cell, "\xE2\x88\x92", 3) == 0) cell += 3; /* a typographer's minus */
+    if (*cell == '0') return false;
+    while (isdigit((unsigned char)*cell)) ++cell, ++digits;
+    if (*cell != '.' && *cell != ',') return false;
+    ++cell;
+    while (isdigit((unsigned char)*cell)) ++cell, ++behind;
+    return digits >= 1 && digits <= 3 && behind == 3 && !*cell;
+}
+
+/* Checks that all numbers of the file have one decimal mark, and notes whether one shows that it is none of thousands. */
 static bool check_mark(reader *self, const char *cell, char mark) {
+    if (mark) self->decimal = self->decimal || !may_be_thousands(cell);
     if (!mark || mark == self->mark) return true;
     if (self->mark)
         return refuse_file(self, "numbers must have one decimal mark; got '%.*s' after one with '%c'. Use one, and no "
@@ -321,6 +336,11 @@ static bool read_rows(reader *self) {
     while ((found = next_row(self)) == ROW_READ)
         if (!has_room(self) || !read_row(self)) return false;
     if (found == ROW_REFUSED) return false;
+    if (self->mark && !self->decimal && (self->mark == ',' || self->separator == ';')) {
+        self->rows.number = 0;
+        return refuse_file(self, "numbers must have one reading; all with '%c' can be thousands, as 1%c000. Write "
+                           "1000, or 1.0 with a decimal point in a file with commas or tabs", self->mark, self->mark);
+    }
     if (self->made->rows >= 2) return true;
     self->rows.number = 0;
     return refuse_file(self, "the file must have at least 2 rows of values; it has %d. Add rows", self->made->rows);

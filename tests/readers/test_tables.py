@@ -28,6 +28,8 @@ FORMS = {
     "tabs": "distance\tcurvature\tcant\r\n0\t0\t0\r\n50\t0.002\t0.1",
     "semicolons, decimal commas": "distance;curvature;cant\n0;0;0\n50;0,002;0,1\n",
     "tabs, decimal commas": "distance\tcurvature\tcant\n0\t0\t0\n50,0\t2,0e-3\t0,1\n",
+    "three digits, which decide": "distance;curvature;cant\n0.000;0.000;0.000\n50.000;0.002;0.100\n",
+    "three digits, points": "distance,curvature,cant\n0,0,0\n50.000,0.002,0.100\n",
     "quotes": '"distance","curvature","cant"\n"0","0","0"\n"50","0.002","0.1"\n',
     "quotes, decimal commas": 'distance,curvature,cant\n"0,0","0","0"\n"50,0","0,002","0,1"\n',
     "declared": "sep=;\ndistance;curvature;cant\n0;0;0\n50;0.002;0.1\n",
@@ -52,6 +54,9 @@ def test_one_table_in_many_forms(name: str, encoding: str, tmp_path: Path) -> No
 
 
 BAD = {
+    'distance,curvature\n0,0\n"1,000",0\n"2,000",0\n': ("row 3", "distance", "'1,000' can be 1000 or 1", "one reading"),
+    "distance;curvature\n0;0\n1.000;0\n25.000;0\n": ("row 3", "distance", "'1.000' can be 1000 or 1", "one reading"),
+    "distance\tcurvature\n0\t0\n1,000\t0\n": ("row 3", "one reading", "Write 1000"),
     "distance,curvature,gradiant\n0,0,0\n": ("row 1", "'gradiant'", "Did you mean gradient?"),
     "distance,curvature,Cant,cant\n0,0,0,0\n": ("row 1", "cant", "twice"),
     "curvature\n0\n": ("row 1", "distance is missing", "Add it"),
