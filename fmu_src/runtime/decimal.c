@@ -107,8 +107,9 @@ static double by_library(const decimal *found) {
 }
 
 bool table_read_number(const char *text, double *value, char *mark) {
-    decimal found = {0};
+    decimal found;
     bool negative;
+    memset(&found, 0, sizeof found);
     text = read_digits(read_sign(text, &negative), &found);
     if (text) text = read_exponent(text, &found);
     if (!text || *text) return false;

@@ -29,10 +29,10 @@ STARTS: dict[str, list[dict[str, float]]] = {
 }
 #: Some that must act, or the starts above would show nothing.
 ACTING = {
-    "bogie": [("creep_force_1", "friction_1"), ("acceleration", "drawbar_force"), ("locked_1", "brake_torque_1")],
+    "bogie": [("creep_force_1", "friction_1"), ("acceleration", "drawbar_force")],
     "vehicle": [("acceleration", "coupler_force_front"), ("axle_load_4", "body_mass")],
     "braked-vehicle": [("acceleration", "coupler_force_front"), ("shoe_friction_2", "constant_shoe_friction")],
-    "wheelset": [("acceleration", "friction_1"), ("locked_1", "traction_torque_1"), ("axle_load_1", "cross_level")],
+    "wheelset": [("acceleration", "friction_1"), ("axle_load_1", "cross_level")],
     "brake": [("shoe_friction", "angular_velocity"), ("shoe_friction", "friction_law")],
     "rail": [("friction_1", "degraded_friction")],
 }

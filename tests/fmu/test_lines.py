@@ -71,7 +71,7 @@ def test_a_bad_line_among_the_resources_leaves_no_instance(
     shutil.copyfile(fmus["bogie", "native"], path)
     with zipfile.ZipFile(path, "a") as archive:
         archive.writestr("resources/line.csv", "distance,curvature,cant,gradient\n0,1,0,0\n")
-    with pytest.raises(Exception, match="nstantiate"):
+    with pytest.raises(CosimulationError, match=r"line\.csv, row 2, column curvature: .* got '1' 1/m"):
         Slave(path)
 
 

@@ -18,7 +18,7 @@ from fmpy import read_model_description
 from fmpy.ssp.simulation import simulate_ssp
 from fmpy.validation import validate_fmu
 
-from fmu_src.cosimulation.slave import Slave
+from fmu_src.cosimulation.slave import CosimulationError, Slave
 from fmu_src.ssp import Component, write_ssp
 from fmu_src.start_values import FILE, with_start_values
 from products.braked_vehicle import FULL_PRESSURE, FULL_TORQUE
@@ -145,7 +145,7 @@ def test_start_values_that_are_none_leave_no_instance(fmus: dict, tmp_path: Path
     shutil.copyfile(fmus["brake", "native"], path)
     with zipfile.ZipFile(path, "a") as archive:
         archive.writestr(FILE, f"{row}\n")
-    with pytest.raises(Exception, match="nstantiate"):
+    with pytest.raises(CosimulationError, match=r"start_values\.csv, row 1: |Set pressure_demand to at least 0 Pa"):
         Slave(path)
 
 

@@ -67,7 +67,7 @@ def test_a_refusal_is_said_also_where_quiet_is_asked_for(capsys: pytest.CaptureF
     [
         (["build", "bogey"], "there is no FMU bogey; did you mean bogie?"),
         (["build", "--help"], "  bogie-braking build --kind native "),
-        (["run", "line-from-file", "--line", "nothing.csv"], "The columns of a line are distance, curvature, cant"),
+        (["run", "line-from-file", "--line", "nothing.csv"], "The file nothing.csv does not exist. Check the path."),
     ],
 )
 def test_what_is_said_is_right_without_the_sources(
