@@ -18,6 +18,7 @@ from bogie_braking.checks import (
     known,
     line_or_none,
     names_of,
+    once,
     refused,
     seconds,
     shown,
@@ -80,7 +81,7 @@ def instances(
     takes = [one.name for one in variables.values() if one.causality == "input"]
     if isinstance(inputs, str):
         raise TypeError(f'Give the names of inputs as a list, such as ["{inputs}"]: it was the text {inputs!r}.')
-    names = [known(name, takes, "input") for name in inputs], names_of(outputs, variables)
+    names = once([known(name, takes, "input") for name in inputs], "input"), names_of(outputs, variables)
     with ExitStack() as kept:
         folder = kept.enter_context(tempfile.TemporaryDirectory())
         more: dict[str, Any] = {"threads": threads_or_none(threads), "path": file_of(line, folder), **given}

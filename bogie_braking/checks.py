@@ -70,15 +70,27 @@ def at_most(what: str, count: int, most: int) -> int:
     return count
 
 
+def once(names: Iterable[str], what: str) -> list[str]:
+    """Return the names, each of which makes a column of a table. Raises ValueError for one that is there twice."""
+    found = list(names)
+    twice = next((name for number, name in enumerate(found) if name in found[:number]), None)
+    if twice is not None:
+        raise ValueError(f"Each {what} must have a name of its own; got {twice} twice. Leave one out.")
+    return found
+
+
 def names_of(names: Sequence[str] | None, variables: Mapping[str, Variable]) -> list[str]:
-    """The names of variables that are to be recorded; None: all outputs. Raises TypeError, KeyError."""
+    """The names of variables that are to be recorded, each once; None: all outputs.
+
+    Raises TypeError, KeyError, ValueError.
+    """
     if isinstance(names, str):
         raise TypeError(f'Give the names of variables as a list, such as ["{names}"]: it was the text {names!r}.')
     outputs = [one.name for one in variables.values() if one.causality == "output"]
     found = outputs if names is None else [known(name, variables, "variable") for name in names]
     if not found:
         raise ValueError(f"Name at least one variable to record; there are {', '.join(outputs) or 'no outputs'}.")
-    return found
+    return once(found, "column")
 
 
 def line_or_none(line: Any) -> Line | None:

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from scipy.special import ndtr
 
 from bogie_braking.batches import batch, file_of, prepared, threads_or_none, variables_of_batch
-from bogie_braking.checks import MOST_INSTANCES, at_most, known, number, refused, seconds, shown
+from bogie_braking.checks import MOST_INSTANCES, at_most, known, number, once, refused, seconds, shown
 from bogie_braking.doubts import doubts_about
 from bogie_braking.machines import Runnable, model_from
 from bogie_braking.splitting import POPULATIONS, Numbers, Population, climb, confidence_of, interval_of
@@ -187,6 +187,7 @@ def rare(
     library, _ = prepared(what, line, {**values, **middle})
     variables = variables_of_batch(library)
     names = [known(output, variables, "variable")] + [one for one in (STILL.get(output),) if one in variables]
+    once((*middle, output), "column")
     with tempfile.TemporaryDirectory() as folder:
         path = file_of(line, folder)
 

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from tqdm import tqdm
 
 from bogie_braking.batches import batch
-from bogie_braking.checks import is_number, known, line_or_none, names_of, seconds, shown
+from bogie_braking.checks import is_number, known, line_or_none, names_of, once, seconds, shown
 from bogie_braking.histories import Column, Value
 from bogie_braking.machines import Runnable, machine_of, model_from
 from bogie_braking.simulation import Simulation
@@ -174,6 +174,7 @@ def sweep(
     for name in (*vary, *values):
         known(name, machine.variables, "variable")
     names = names_of(names, machine.variables)
+    once(("number", *vary, *names), "column")
     units = {"number": "1"} | {key: machine.variables[key].unit for key in (*vary, *names)}
     given: list[dict[str, Value]] = [{**values, **row} for row in rows]
     ends = ends_of(what, duration, line, names, given, executor, list(columns))

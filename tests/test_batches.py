@@ -271,6 +271,13 @@ def test_first_inputs_of_instances_hold_until_others_are_given() -> None:
         assert made.step(SIZE)["brake_torque_1"].tolist() == [1.0, 9e3, 3.0]
 
 
+def test_names_that_are_there_twice_are_refused() -> None:
+    """One of two columns of the same name would be lost, or stay at its start."""
+    for inputs, outputs in ((["brake_torque_1"] * 2, ["speed"]), (["brake_torque_1"], ["speed", "speed"])):
+        with pytest.raises(ValueError, match=r"must have a name of its own; got \w+ twice\. Leave one out\."):
+            bb.instances("bogie", 2, inputs, outputs)
+
+
 def test_a_step_that_fails_leaves_the_others_where_they_came_to(planar: BatchLibrary) -> None:
     with bb.instances("bogie", 3, ["friction_1"], ["speed"], **BRAKED) as made:
         made.step(SIZE, {"friction_1": 0.2})

@@ -32,7 +32,13 @@ class Recording:
     ) -> None:
         self.units = dict(units)
         self.sentences, self.counts = list(sentences), dict(counts or {})
-        table = np.array(rows, dtype=float).reshape(-1, len(self.units))
+        table = np.array(rows, dtype=float)
+        if table.size and (table.ndim != 2 or table.shape[1] != len(self.units)):
+            raise ValueError(
+                f"Rows must have {len(self.units)} values, one for each name; got an array of shape {table.shape}. "
+                "Give each column a name of its own."
+            )
+        table = table.reshape(-1, len(self.units))
         self._columns = dict(zip(self.units, table.T, strict=True))
 
     def __getitem__(self, name: str) -> np.ndarray:
