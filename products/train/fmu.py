@@ -13,16 +13,9 @@ from fmu_src.compile import library_suffix
 from fmu_src.native_fmu import PLATFORMS, PLATFORMS3
 from products.prebuilt import contents, shipped, sources_here
 from products.train.consist import Consist
+from products.train.inputs import INPUT_LIMITS
 from products.train.numbers import Settings, numbers_of
-from products.train.train import (
-    FARTHEST,
-    FOLDER,
-    HIGHEST,
-    INPUT_LIMITS,
-    START_FRICTION,
-    START_PIPE_PRESSURE,
-    sources,
-)
+from products.train.train import FARTHEST, FOLDER, HIGHEST, START_FRICTION, START_PIPE_PRESSURE, sources
 from rbd_model.track.line import Line
 from rbd_model.vehicle.variables import FASTEST
 

@@ -23,6 +23,7 @@ from fmu_src.system import other_unit
 from products.train import c as folder
 from products.train import pipe
 from products.train.consist import Consist
+from products.train.inputs import INPUT_LIMITS, Inputs, wrong_input
 from products.train.numbers import Settings, numbers_of, volumes_of
 from products.train.pipe import Air, declare
 from rbd_model.track.line import Line
@@ -51,19 +52,6 @@ OUTPUTS = (
     "coupler_force",
     "mean_coupler_force",
 )
-#: Least and largest value of each input, and whether it is a whole number.
-INPUT_LIMITS = {
-    "position": (0.0, 4.0, True),
-    "step": (0.0, 1.0, False),
-    "pull": (-1e7, 1e7, False),
-    "friction": (0.0, 2.0, False),
-    "protection": (0.0, 2.0, True),
-    "coupled": (0.0, 1.0, True),
-    "joined": (0.0, 2.0, True),
-    "ends": (-1e8, 1e8, False),
-    "led": (0.0, 2.0, True),
-    "led_speed": (-300.0, 300.0, False),
-}
 #: Of the outputs that are recorded.
 UNITS = {
     "distance": "m",
@@ -149,9 +137,9 @@ def _place(name: str, value: int, count: int) -> None:
 class Train:
     """A train that goes on as it is told.
 
-    Inputs are arrays to write into: `position` and `step` of each driver's valve, `pull` [N], `friction` [1] and
-    `protection` of each vehicle, `coupled` and `joined` of each coupling, `ends`: forces at both ends [N]. Outputs are
-    attributes: OUTPUTS, an array of each, and SUMS. Pressures are gauge pressures [Pa].
+    Inputs are arrays to write into, or to set as a whole: `position` and `step` of each driver's valve, `pull` [N],
+    `friction` [1] and `protection` of each vehicle, `coupled` and `joined` of each coupling, `ends`: forces at both
+    ends [N]. Outputs are attributes: OUTPUTS, an array of each, and SUMS. Pressures are gauge pressures [Pa].
     """
 
     def __init__(
@@ -182,7 +170,7 @@ class Train:
             raise MemoryError(f"There is no memory for a train of {len(consist.vehicles)} vehicles; take fewer.")
         weakref.finalize(self, self._call.train_free, self._own)
         self._call.train_begin(self._own, 0.0, speed, distance, pipe + AMBIENT, cylinder + AMBIENT)
-        self.inputs = {name: self._view(self._call.train_input, row) for row, name in enumerate(INPUTS)}
+        self.inputs = Inputs({name: self._view(self._call.train_input, row) for row, name in enumerate(INPUTS)})
         self._outputs = {name: self._view(self._call.train_output, row) for row, name in enumerate(OUTPUTS)}
         self._sums = self._view(self._call.train_output, len(OUTPUTS))
 
@@ -213,12 +201,11 @@ class Train:
     def _wrong_input(self) -> str:
         place = ctypes.c_longlong()
         name = INPUTS[self._call.train_input_wrong(self._own, ctypes.byref(place))]
-        value, (least, most, whole) = self.inputs[name][place.value], INPUT_LIMITS[name]
+        value = float(self.inputs[name][place.value])
         if name == "joined" and value in (1.0, 2.0):
             depth = f"with {self.settings.cells:g} cells a vehicle"
             return f"Leave inputs['joined'][{place.value}] at 0: {depth} there is no cock or hose; take one cell."
-        kind = "a whole number from" if whole else "a number from"
-        return f"Set inputs['{name}'][{place.value}] to {kind} {least:g} to {most:g}: it was {value:g}."
+        return wrong_input(name, place.value, value)
 
     def record(self, seconds: float, interval: float = 0.1) -> Recording:
         """Goes on for so long, or until all stand, and gives every output of each vehicle, `speed[1]` the head's.

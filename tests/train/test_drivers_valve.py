@@ -201,6 +201,47 @@ def test_an_input_that_cannot_be_is_refused_and_the_train_stays_as_it_was(
     assert np.array_equal(one.motion, before)
 
 
+def test_an_input_is_set_as_a_whole() -> None:
+    """The values reach the train: a pull by one number for all, and by one for each."""
+    each, whole, one_by_one = (train(2, depth="delay") for _ in range(3))
+    whole.inputs["pull"] = 2e3
+    each.inputs["pull"] = [2000, 2000, 2000]
+    one_by_one.inputs["pull"][:] = 2e3
+    for one in (each, whole, one_by_one):
+        one.drive("running")
+        one.advance(2.0)
+    assert whole.speed[0] != 0.0
+    assert np.array_equal(whole.speed, one_by_one.speed)
+    assert np.array_equal(each.speed, one_by_one.speed)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "error", "sentence"),
+    [
+        ("frction", 0.1, KeyError, r"A train has no input frction; did you mean friction\?"),
+        ("friction", [0.1, 0.2], ValueError, r"must be one number, or 3 of them, .* array of shape \(2,\)"),
+        (
+            "friction",
+            [0.1, 0.2, np.nan],
+            ValueError,
+            r"Set inputs\['friction'\]\[2\] to a number from 0 to 2: it was nan",
+        ),
+        ("position", 2.5, ValueError, r"Set inputs\['position'\]\[0\] to a whole number"),
+        ("pull", "5", ValueError, r"inputs\['pull'\] must be numbers; got '5'"),
+        ("pull", [[1.0], 2.0], ValueError, r"inputs\['pull'\] must be numbers"),
+        ("pull", np.ma.array([1.0] * 3, mask=[0, 1, 0]), ValueError, "none of them masked"),
+    ],
+)
+def test_an_input_that_cannot_be_set_keeps_its_values(
+    name: str, value: object, error: type[Exception], sentence: str
+) -> None:
+    one = train(2)
+    before = {own: values.copy() for own, values in one.inputs.items()}
+    with pytest.raises(error, match=sentence):
+        one.inputs[name] = value  # type: ignore[assignment]
+    assert all(np.array_equal(one.inputs[own], values) for own, values in before.items())
+
+
 def test_what_is_no_number_place_or_state_is_refused() -> None:
     one, other = train(3), train(5)
     with pytest.raises(ValueError, match=r"Set the time to go on by to a number from 0 to 86400 s: it was 1."):
