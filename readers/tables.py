@@ -337,7 +337,7 @@ def _layout(
     for at, name, unit in parts:
         column = known.get(tidy(name))
         if column is None and not others:
-            raise TableError(f"{place}: the column {quoted(name)} is unknown. {_advice(name, known, columns)}")
+            raise TableError(f"{place}: the column {quoted(name)} is unknown. {advice(name, known, columns)}")
         column = column or Column(name, unit or "1")
         if tidy(column.name) in found:
             raise TableError(
@@ -362,7 +362,8 @@ def _name_and_unit(cell: str, place: str) -> tuple[str, str]:
     return name, unit
 
 
-def _advice(name: str, known: Collection[str], columns: Sequence[Column]) -> str:
+def advice(name: str, known: Collection[str], columns: Sequence[Column]) -> str:
+    """Return the end of the message for an unknown column: the nearest of the tidy names that are known, or all."""
     near = difflib.get_close_matches(tidy(name)[:100], list(known), 1)
     return f"Did you mean {near[0]}?" if near else f"Columns are {', '.join(column.name for column in columns)}."
 

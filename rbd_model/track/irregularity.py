@@ -253,7 +253,7 @@ def track_from_points(
 ) -> Track:
     """A track through points, arrays of shape (n,) as in `track_from_file`."""
     names = ("left_lateral", "left_vertical", "right_vertical", "left_friction")
-    line = Line({"distance": distance} | dict(zip(names, (lateral, left, right, friction), strict=True)))
+    line = Line.of_any_size({"distance": distance} | dict(zip(names, (lateral, left, right, friction), strict=True)))
     places = line.breaks()
 
     def pieces(name: str) -> tuple[np.ndarray, np.ndarray]:

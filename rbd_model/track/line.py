@@ -18,6 +18,7 @@ from pathlib import Path
 import numpy as np
 from numpy.polynomial import Polynomial
 
+from rbd_model.track.line_rows import checked_rows
 from rbd_model.track.line_table import LARGEST_TURN, LINE, ROUNDING
 from readers.tables import read_table
 
@@ -97,9 +98,23 @@ def clothoid(length: float, before: Segment, behind: Segment) -> Segment:
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """A line by rows: arrays of shape (n,) by name and in the unit of a column of LINE; equal if these are."""
+    """A line by rows: arrays of shape (n,) by name and in the unit of a column of LINE; equal if these are.
+
+    A column that is missing has its neutral value; distance is never missing. Raises TypeError, KeyError, ValueError
+    for rows that no line file may have (docs/line.md); the message names column, row from 1, value and limit.
+    """
 
     rows: dict[str, np.ndarray] = field(repr=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "rows", checked_rows(self.rows))
+
+    @classmethod
+    def of_any_size(cls, rows: dict[str, np.ndarray]) -> Line:
+        """Return a line of rows that are right but for the limits of their columns, which are not looked at."""
+        line = object.__new__(cls)
+        object.__setattr__(line, "rows", rows)
+        return line
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Line) and self._content == other._content

@@ -36,6 +36,31 @@ def test_points_of_a_track_that_are_nearly_one_are_refused() -> None:
         track_from_points(np.array([0.0, 1.0, 1.0 + 1e-9, 2.0, 3.0, 4.0, 5.0]), flat, flat, flat, flat + 1)
 
 
+@pytest.mark.parametrize(
+    ("changes", "error", "sentence"),
+    [
+        ({"gradient": [0.0, 10.0]}, ValueError, r"gradient must be from -0.5 to 0.5; got 10 in row 2\."),
+        ({"cant": [np.nan, 0.0]}, ValueError, r"cant must be from -0.3 to 0.3 m; got nan m in row 1\."),
+        ({"gradent": [0.0, 0.0]}, KeyError, r"no column 'gradent'\. Did you mean gradient\?"),
+        ({"distance": None}, ValueError, "must have the column distance"),
+        ({"distance": [5.0, 0.0]}, ValueError, r"by at least 0.001 m .* got 0 m in row 2 after 5 m\."),
+        ({"distance": [0.0]}, ValueError, r"at least 2 rows; got 1\."),
+        ({"cant": [0.0] * 3}, ValueError, r"cant must have 2 rows as distance has; got 3\."),
+        ({"cant": ["0", "0"]}, ValueError, "cant must be a list of numbers"),
+        ({"cant": [[0.0], 0.0]}, ValueError, "cant must be a list of numbers"),
+        ({"cant": np.ma.array([0.0, 0.1], mask=[False, True])}, ValueError, "none of them masked"),
+    ],
+)
+def test_rows_that_are_no_line_are_refused(changes: dict, error: type[Exception], sentence: str) -> None:
+    rows = {"distance": [0.0, 100.0], "gradient": [0.0, 0.0]} | changes
+    with pytest.raises(error, match=sentence):
+        Line({name: values for name, values in rows.items() if values is not None})  # type: ignore[misc]
+
+
+def test_lists_are_rows_of_a_line() -> None:
+    assert Line({"distance": [0, 100], "gradient": [0, 0.01]}).value("gradient", 50.0) == 0.005  # type: ignore[dict-item]
+
+
 def test_lines_are_equal_by_their_rows() -> None:
     same, other = line_of([straight(200.0)]), line_of([straight(200.0, 0.01)])
     assert LINE == same != other
