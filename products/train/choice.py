@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 from products.train.consist import Consist
 from products.train.numbers import Settings
+from readers.toml_files import number_of
 
 
 @dataclass(frozen=True)
@@ -44,8 +45,8 @@ def smallest(consist: Consist, distance: float = 0.01, force: float = 0.05, rele
     releases: whether the scene looks at brakes that are released and charged again. Raises ValueError.
     """
     for name, value in (("distance", distance), ("force", force)):
-        if not 0.0 <= value < math.inf:
-            raise ValueError(f"Ask for an error of the {name} of at least 0: it was {value}.")
+        if not 0.0 <= number_of(value) < math.inf or isinstance(value, str):
+            raise ValueError(f"Ask for an error of the {name} of at least 0, a share: it was {value!r}.")
     for one in DEPTHS_BY_COST.values():
         if (
             one.distance <= distance

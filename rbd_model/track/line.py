@@ -78,10 +78,10 @@ def straight(length: float, gradient: float = 0.0) -> Segment:
 def arc(length: float, radius: float, cant: float = 0.0, gradient: float = 0.0) -> Segment:
     """A curve of one radius [m], to the left where it is positive; cant [m] has the sign of the radius it suits.
 
-    Raises ValueError for a radius of 0 m.
+    Raises ValueError for a radius of 0 m, and for what is no number.
     """
-    if radius == 0.0:
-        raise ValueError("Give an arc a radius that is not 0 m; straight makes what has none.")
+    if not isinstance(radius, Real) or radius == 0.0 or math.isnan(radius):
+        raise ValueError(f"Give an arc a radius that is not 0 m; straight makes what has none. It was {radius!r}.")
     return Segment(length, (1 / radius, 1 / radius), (cant, cant), (gradient, gradient))
 
 
@@ -258,6 +258,8 @@ def line_of(segments: Iterable[Segment], start: float = 0.0) -> Line:
     given = [] if isinstance(segments, Segment) else list(segments)
     if isinstance(segments, Segment) or not all(isinstance(one, Segment) for one in given):
         raise TypeError("Give a line its segments as a list, such as line_of([straight(100), arc(200, 400)]).")
+    if not isinstance(start, Real) or not math.isfinite(start):
+        raise ValueError(f"The start of a line must be a finite distance [m]; got {start!r}. Give a number.")
     pieces = joined(given)
     joints = start + np.concatenate([[0.0], np.cumsum([piece.length for piece in pieces])])
     distances, values = [joints[0]], [pieces[0].ends[0]]

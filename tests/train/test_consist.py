@@ -58,7 +58,7 @@ def test_the_smallest_depth_follows_what_is_asked() -> None:
     assert smallest(long).cells == 1.0
     assert smallest(long, distance=0.003).cells == 2.0
     assert smallest(long, force=0.01).cells == 8.0
-    with pytest.raises(ValueError, match="Ask for an error of the force of at least 0: it was nan"):
+    with pytest.raises(ValueError, match="Ask for an error of the force of at least 0, a share: it was nan"):
         smallest(short, force=float("nan"))
 
 

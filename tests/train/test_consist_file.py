@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -303,6 +304,25 @@ def test_what_is_no_line_is_told_in_one_sentence(case: str, tmp_path: Path, caps
     [sentence] = capsys.readouterr().err.splitlines()
     assert sentence.startswith(str(path))
     assert words in sentence
+
+
+@pytest.mark.parametrize(
+    ("given", "more", "sentence"),
+    [
+        (2.5, {}, r"A consist must be .* whole number of wagons; got 2\.5\."),
+        (None, {}, r"A consist must be .*; got None\."),
+        (True, {}, r"A consist must be .*; got True\."),
+        ({"kind": "wagon"}, {}, r"A consist must be .* a list of its rows .*; got \{'kind': 'wagon'\}\."),
+        (["wagon"], {}, r"the consist, row 1: a vehicle must be names with values; got wagon\."),
+        (1, {"force_error": "5 %"}, r"Ask for an error of the force of at least 0, a share: it was '5 %'\."),
+        (1, {"distance_error": None}, r"Ask for an error of the distance of at least 0, a share: it was None\."),
+        (1, {"releases": "no"}, r"releases must be True or False; got 'no'\."),
+        (1, {"line": "line.csv"}, r"Give the line as line_of\(\.\.\.\) makes it, .* it was 'line\.csv'\."),
+    ],
+)
+def test_what_makes_no_train_is_told_in_a_sentence(given: Any, more: dict[str, Any], sentence: str) -> None:
+    with pytest.raises((TypeError, ValueError), match=sentence):
+        bb.train(given, **more)
 
 
 @pytest.mark.parametrize(
