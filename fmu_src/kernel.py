@@ -11,6 +11,8 @@ from pathlib import Path
 OK, WARNING, DISCARD, ERROR = range(4)
 #: The most numbers that a record holds.
 MOST_NUMBERS = 1e8
+#: The most names that a sentence lists, as in suggestion.py.
+MOST_NAMES = 12
 COUNTERS = ("right_hand_sides", "jacobians", "factorisations", "steps", "rejected", "events")
 
 
@@ -385,5 +387,7 @@ class Kernel:
     def _suggestion(self, name: str) -> str:
         import difflib
 
-        near = difflib.get_close_matches(name, self.library.names, 1)
-        return f"did you mean {near[0]}?" if near else f"there are {', '.join(self.library.names)}."
+        names = self.library.names
+        near = difflib.get_close_matches(name, names, 1)
+        more = f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
+        return f"did you mean {near[0]}?" if near else f"there are {', '.join(names[:MOST_NAMES])}{more}."
