@@ -111,7 +111,7 @@ def prepared(
 def _numbers(name: str, value: ArrayLike) -> np.ndarray:
     """One number or a row of them."""
     found = np.asarray(value)
-    if found.ndim > 1 or found.dtype.kind not in "biuf":
+    if found.ndim > 1 or found.dtype.kind not in "biuf" or np.ma.is_masked(value):
         raise ValueError(f"Give {name} one number, or a list of numbers, one for each run: it was {shown(value)}.")
     return found.astype(float)
 

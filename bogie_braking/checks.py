@@ -79,6 +79,12 @@ def once(names: Iterable[str], what: str) -> list[str]:
     return found
 
 
+def not_both(first: Iterable[str], second: Iterable[str], where: str) -> None:
+    """Raises ValueError if a name is among both, of which one would not be used."""
+    if twice := set(first) & set(second):
+        raise ValueError(f"{min(twice)} must be given once; got it {where}. Leave one out.")
+
+
 def names_of(names: Sequence[str] | None, variables: Mapping[str, Variable]) -> list[str]:
     """The names of variables that are to be recorded, each once; None: all outputs.
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.optimize import least_squares
 
-from bogie_braking.checks import known, line_or_none, number, shown
+from bogie_braking.checks import known, line_or_none, not_both, number, shown
 from bogie_braking.histories import Value
 from bogie_braking.machines import Machine, Runnable, machine_of, model_from
 from bogie_braking.simulation import Simulation
@@ -119,6 +119,8 @@ def fit(
     names, driven = parted(table, machine)
     times, last = since(begin, table["time"]), rows_until(until, table["time"])
     first = begin_of(parameters, machine, driven)
+    not_both(parameters, values, "as a parameter to be fitted and as a value")
+    not_both(driven, values, "as a column of what was measured and as a value")
     inputs: dict[str, Value] = {name: (times, table[name]) for name in driven}
     if last * len(names) <= first.size:
         raise ValueError(f"{last * len(names)} measured values do not decide on {first.size} parameters.")

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from tqdm import tqdm
 
 from bogie_braking.batches import batch
-from bogie_braking.checks import is_number, known, line_or_none, names_of, once, seconds, shown
+from bogie_braking.checks import is_number, known, line_or_none, names_of, not_both, once, seconds, shown
 from bogie_braking.histories import Column, Value
 from bogie_braking.machines import Runnable, machine_of, model_from
 from bogie_braking.simulation import Simulation
@@ -168,6 +168,7 @@ def sweep(
     duration, line = seconds("the duration", duration), line_or_none(line)
     check_executor(executor, what)
     columns = columns_of(vary)
+    not_both(columns, values, "as a column of what varies and as a value")
     rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
     what = model_from(what) if isinstance(what, System) else what
     machine = machine_of(what, {**values, **rows[0]}, line is not None)
@@ -197,7 +198,7 @@ def columns_of(vary: Mapping[str, Column]) -> dict[str, list[float]]:
     columns = {}
     for name, column in vary.items():
         values = np.array(column)
-        if values.ndim != 1 or values.size == 0 or values.dtype.kind not in "biuf":
+        if values.ndim != 1 or values.size == 0 or values.dtype.kind not in "biuf" or np.ma.is_masked(column):
             raise ValueError(f"Give {name} a list of numbers, one for each run: it was {shown(column)}.")
         columns[name] = values.astype(float).tolist()
     counts = sorted({len(column) for column in columns.values()})

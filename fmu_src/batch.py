@@ -464,6 +464,8 @@ def _for_each(name: str, value: ArrayLike, count: int) -> Numbers:
 def _one_or_each(name: str, value: ArrayLike, count: int) -> Numbers:
     """One number for all, or so many. Raises ValueError."""
     given = np.asarray(value, float)
+    if np.ma.is_masked(value):
+        raise ValueError(f"{name} must be numbers that are not masked; got {value!r}. Fill in the masked ones.")
     if given.shape not in ((), (count,)):
         raise ValueError(f"Give {name} one number, or {count} of them: it was an array of shape {given.shape}.")
     return given

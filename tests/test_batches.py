@@ -271,6 +271,15 @@ def test_first_inputs_of_instances_hold_until_others_are_given() -> None:
         assert made.step(SIZE)["brake_torque_1"].tolist() == [1.0, 9e3, 3.0]
 
 
+def test_masked_inputs_of_a_step_are_refused() -> None:
+    given = np.ma.array([0.1, 0.2], mask=[False, True])
+    with (
+        bb.instances("bogie", 2, ["friction_1"], ["speed"]) as made,
+        pytest.raises(ValueError, match="friction_1 must be numbers that are not masked"),
+    ):
+        made.step(SIZE, {"friction_1": given})
+
+
 def test_names_that_are_there_twice_are_refused() -> None:
     """One of two columns of the same name would be lost, or stay at its start."""
     for inputs, outputs in ((["brake_torque_1"] * 2, ["speed"]), (["brake_torque_1"], ["speed", "speed"])):

@@ -163,6 +163,24 @@ def test_an_fmu_gives_the_numbers_of_a_run() -> None:
         (lambda: bb.sweep("bogie", 1.0, ["speed"], {"friction_1": 0.1}), ValueError, "friction_1 a list of numbers"),
         (lambda: bb.sweep("bogie", 1.0, ["speed"], {}), ValueError, "there are none."),
         (lambda: bb.sweep("bogie", 1.0, ["speed"], [0.1]), TypeError, "Give what varies by its names"),
+        (
+            lambda: bb.sweep("bogie", 1.0, ["speed"], {"friction_1": np.ma.array([0.1, 0.2], mask=[0, 1])}),
+            ValueError,
+            "Give friction_1 a list of numbers",
+        ),
+        (
+            lambda: bb.batch("bogie", 1.0, ["speed"], friction_1=np.ma.array([0.1, 0.2], mask=[0, 1])),
+            ValueError,
+            "Give friction_1 one number, or a list of numbers",
+        ),
+        (lambda: bb.Recording({"time": "s"}, np.ma.array([[0.0]], mask=[[1]])), ValueError, "some are masked."),
+        (
+            lambda: bb.sweep("bogie", 1.0, ["speed"], {"friction_1": [0.1]}, friction_1=0.2),
+            ValueError,
+            "friction_1 must be given once; got it as a column of what varies and as a value.",
+        ),
+        (lambda: bb.run("bogie", 1.0, names=["zzzz"]), KeyError, " more."),
+        (lambda: bb.run("bogie", 1.0, zzzz=1), bb.KernelError, " more."),
         (lambda: bb.sweep("bogie", 1.0, ["speed"], {"friction_1": [0.1]}, frction_2=1), KeyError, "mean friction_2?"),
         (lambda: bb.sweep("bogie", 1.0, ["speed"], {"friction_1": [0.1]}, 4), TypeError, "or none: it was 4."),
         (lambda: bb.fit("bogie", 3, {"frame_mass": 1.0}), TypeError, "path of a CSV file: it was 3."),
@@ -607,6 +625,18 @@ def test_a_fit_without_a_beginning_is_refused() -> None:
     ):
         with pytest.raises(ValueError, match=re.escape(sentence)):
             bb.fit("braked-vehicle", measured(1), parameters, **COACH)
+
+
+def test_a_value_that_a_fit_would_not_use_is_refused() -> None:
+    run = bb.Recording(
+        {"time": "s", "speed": "m/s", "brake_torque_1": "N.m"}, np.ones((9, 3)) * np.arange(9.0)[:, None]
+    )
+    for begin, values, sentence in (
+        ({"initial_speed": 20.0}, {"initial_speed": 25.0}, "initial_speed must be given once; got it as a parameter"),
+        ({"frame_mass": 20e3}, {"brake_torque_1": 5.0}, "brake_torque_1 must be given once; got it as a column"),
+    ):
+        with pytest.raises(ValueError, match=sentence):
+            bb.fit("bogie", run, begin, level=1, **values)
 
 
 def test_a_file_that_is_not_there_is_named_with_what_it_should_be() -> None:

@@ -32,6 +32,8 @@ class Recording:
     ) -> None:
         self.units = dict(units)
         self.sentences, self.counts = list(sentences), dict(counts or {})
+        if np.ma.is_masked(rows):
+            raise ValueError("Rows must have all their values; some are masked. Write NaN in their place.")
         table = np.array(rows, dtype=float)
         if table.size and (table.ndim != 2 or table.shape[1] != len(self.units)):
             raise ValueError(
