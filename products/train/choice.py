@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from products.train.consist import Consist
 from products.train.numbers import Settings
-from readers.toml_files import number_of
+from readers.tables import number_of
 
 
 @dataclass(frozen=True)
