@@ -77,8 +77,8 @@ PICTURE_BAND = 0.01
 
 @pytest.mark.parametrize("irregular", [False, True])
 def test_picture_of_a_line_closes_a_circle_and_climbs_by_its_gradient(irregular: bool) -> None:
-    radius = 100 / math.pi
-    line = line_of([arc(200.0, radius, 0.1, 0.02)])
+    radius = 200 / math.pi
+    line = line_of([arc(400.0, radius, 0.1, 0.01)])
     if irregular:
         rails = {f"{side}_vertical": np.zeros_like(line.rows["distance"]) for side in ("left", "right")}
         line = Line(line.rows | rails)
