@@ -7,7 +7,7 @@ Harten, Lax and van Leer (1983), with the speeds of Davis (1988). First order ca
 at two cells a vehicle.
 
 Functions here are of one cell, one face or one end. C computes them for all cells, several at a time
-(brake_controller/pipe/).
+(products/train/c/pipe.c).
 """
 
 from __future__ import annotations

@@ -14,8 +14,9 @@ from fmu_src.native_fmu import PLATFORMS, PLATFORMS3
 from products.prebuilt import contents, shipped, sources_here
 from products.train.consist import Consist
 from products.train.inputs import INPUT_LIMITS
+from products.train.library import FOLDER, START_FRICTION, sources
 from products.train.numbers import Settings, numbers_of
-from products.train.train import FARTHEST, FOLDER, HIGHEST, START_FRICTION, START_PIPE_PRESSURE, sources
+from products.train.train import FARTHEST, HIGHEST, START_PIPE_PRESSURE
 from rbd_model.track.line import Line
 from rbd_model.vehicle.variables import FASTEST
 

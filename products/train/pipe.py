@@ -6,22 +6,14 @@ import ctypes
 import weakref
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from brake_controller import pipe as folder
 from brake_controller.air import GAS_CONSTANT, HEAT_CAPACITY_RATIO
-from brake_controller.brake_pipe import ending, leaking, passing, rates, sides, tapped, tapping, walled, warmed
-from brake_controller.distributor import AMBIENT, STATES, DistributorParameters, distributing, empirical, fastest_change
-from fmu_src.arrays_fmu import FOLDER as FACES
-from fmu_src.compile import loaded, plain_library
-from fmu_src.equations_in_c import WIDTHS, function_of_cells
+from brake_controller.distributor import AMBIENT, STATES, DistributorParameters, fastest_change
+from products.train.library import OutsideInC, PassedInC, functions
 
-FOLDER, ROWS = Path(folder.__file__).parent, FACES / "rows.h"
 #: Of what a wave needs through a cell, how long a step may be [1]; above 1 the method is not stable.
 COURANT = 0.8
 
@@ -33,58 +25,6 @@ class Outside:
     opening: float = 0.0
     pressure: float = 101325.0
     temperature: float = 293.15
-
-
-class _Outside(ctypes.Structure):
-    _fields_ = tuple((name, ctypes.c_double) for name in ("opening", "area", "pressure", "temperature"))
-
-
-class _Passed(ctypes.Structure):
-    _fields_ = (
-        *((name, ctypes.c_double * 2) for name in ("end_mass", "end_energy")),
-        *((name, ctypes.c_double) for name in ("leak_mass", "leak_energy", "vehicle_mass", "vehicle_energy", "heat")),
-        *((name, ctypes.c_double) for name in ("cylinder_mass", "valve_mass", "valve_energy", "let_in")),
-    )
-
-
-def sources() -> dict[str, str]:
-    """C files by name: the loop, and what is generated for each cell."""
-    texts = {path.name: path.read_text(encoding="utf-8") for path in (*sorted(FOLDER.glob("pipe*.[ch]")), ROWS)}
-    functions = (sides, passing, rates, leaking, warmed, ending, walled, tapping, tapped, distributing, empirical)
-    made = [function_of_cells(one()) for one in functions]
-    texts["pipe_cells.h"] = "\n".join(made)
-    for lanes in (1, *WIDTHS):
-        loops = f'#define LANES {lanes}\n#include "pipe_loops.h"\n'
-        texts[f"pipe_{lanes}.c"] = (
-            f'#include "lanes_widest.h"\n#include "pipe_inside.h"\n#if LANES_WIDEST >= {lanes}\n{loops}#endif\n'
-        )
-    return texts
-
-
-@lru_cache
-def functions() -> ctypes.CDLL:
-    """The pipe's C, compiled once."""
-    library = loaded(plain_library(sources()))
-    declare(library)
-    return library
-
-
-def declare(library: ctypes.CDLL) -> None:
-    """Arguments and results of the functions of pipe.h."""
-    pointer, count, number = ctypes.c_void_p, ctypes.c_longlong, ctypes.c_double
-    signatures: dict[str, tuple[Any, list[Any]]] = {
-        "pipe_create": (pointer, [count, pointer, pointer]),
-        "pipe_free": (None, [pointer]),
-        "pipe_vehicles": (ctypes.c_int, [pointer, count, pointer, pointer, pointer, number]),
-        "pipe_vehicle_states": (None, [pointer, pointer]),
-        "pipe_end": (None, [pointer, ctypes.c_int, ctypes.POINTER(_Outside)]),
-        "pipe_state": (None, [pointer, pointer]),
-        "pipe_has_passed": (ctypes.POINTER(_Passed), [pointer]),
-        "pipe_advance": (count, [pointer, number, number]),
-    }
-    for name, (result, arguments) in signatures.items():
-        function = getattr(library, name)
-        function.restype, function.argtypes = result, arguments
 
 
 class Air:
@@ -128,12 +68,12 @@ class Air:
         return float(self.state[2] @ self.volume)
 
     @property
-    def passed(self) -> _Passed:
+    def passed(self) -> PassedInC:
         """What has left since the beginning, mass [kg] and energy [J]: through ends, by leaks, to vehicles.
 
         heat: that walls have given [J]; cylinder_mass: air that cylinders took [kg].
         """
-        found = _Passed()
+        found = PassedInC()
         ctypes.pointer(found)[0] = self._call.pipe_has_passed(self.own).contents
         return found
 
@@ -214,7 +154,7 @@ class Pipe(Air):
         """What an end, 0 or 1, opens to from now on."""
         if end not in (0, 1):
             raise ValueError(f"A pipe has the ends 0 and 1: it was {end}.")
-        given = _Outside(outside.opening, self.area, outside.pressure, outside.temperature)
+        given = OutsideInC(outside.opening, self.area, outside.pressure, outside.temperature)
         self._call.pipe_end(self.own, end, given)
 
     def advance(self, time: float, courant: float = COURANT) -> None:

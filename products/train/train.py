@@ -5,40 +5,29 @@ from __future__ import annotations
 import ctypes
 import hashlib
 import weakref
-from functools import lru_cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from brake_controller.air import GAS_CONSTANT
 from brake_controller.distributor import AMBIENT
 from brake_controller.drivers_valve import POSITIONS
-from brake_controller.vehicle_brake import braking
-from fmu_src.compile import loaded, plain_library
 from fmu_src.cosimulation.recording import Recording
-from fmu_src.equations_in_c import WIDTHS, function_of_cells
 from fmu_src.system import other_unit
-from products.train import c as folder
-from products.train import pipe
 from products.train.consist import Consist
-from products.train.inputs import INPUT_LIMITS, Inputs, wrong_input
+from products.train.inputs import Inputs, wrong_input
+from products.train.library import functions
 from products.train.numbers import Settings, numbers_of, volumes_of
-from products.train.pipe import Air, declare
+from products.train.pipe import Air
 from rbd_model.track.line import Line
-from rbd_model.train import motion
-from rbd_model.train.coupler import coupling
-from rbd_model.train.vehicle import GRAVITY, rolling, sliding
 from rbd_model.vehicle.variables import FASTEST
 
 #: Pressures that a train may start with at most [Pa].
 HIGHEST = 800e3
-#: Gauge pressure of the pipe at the start [Pa], and friction between wheels and rail, by default.
-START_PIPE_PRESSURE, START_FRICTION = 500e3, 0.3
+#: Gauge pressure of the pipe at the start [Pa], by default.
+START_PIPE_PRESSURE = 500e3
 #: Distance [m] at the start, from minus to plus; and what a train goes on by or records at most [s], [1].
 FARTHEST, LONGEST, MOST = 1e9, 86400.0, 1e8
-FOLDER = Path(folder.__file__ or "").parent
 #: What is set from outside and what is found, in the order of train.h.
 INPUTS = ("position", "step", "pull", "friction", "protection", "coupled", "joined", "ends", "led", "led_speed")
 OUTPUTS = (
@@ -63,61 +52,6 @@ UNITS = {
     "coupler_force": "N",
 }
 SUMS = ("time", "largest_tension", "largest_tension_at", "largest_compression", "largest_compression_at", "air_used")
-
-
-def sources() -> dict[str, str]:
-    """C files by name: pipe, motion, what joins them, and what is generated for each cell."""
-    texts = pipe.sources() | {"train_limits.h": _limits()}
-    for place, functions, name in ((motion, (coupling, rolling, sliding), "motion"), (folder, (braking,), "train")):
-        own = Path(place.__file__ or "").parent
-        files = [path for path in sorted(own.glob("*.[ch]")) if not path.name.endswith("_fmu.c")]
-        texts |= {path.name: path.read_text(encoding="utf-8") for path in files}
-        texts[f"{name}_cells.h"] = "\n".join(function_of_cells(one()) for one in functions)
-        for lanes in (1, *WIDTHS):
-            loops = f'#define LANES {lanes}\n#include "{name}_loops.h"\n'
-            texts[f"{name}_{lanes}.c"] = (
-                f'#include "lanes_widest.h"\n#include "{name}_inside.h"\n#if LANES_WIDEST >= {lanes}\n{loops}#endif\n'
-            )
-    return texts
-
-
-def _limits() -> str:
-    """C of INPUT_LIMITS, and of constants that C and Python share; no macros, which would hide other names."""
-    rows = ", ".join(f"{{{least!r}, {most!r}, {int(whole)}}}" for least, most, whole in INPUT_LIMITS.values())
-    shape = "typedef struct {\n    double least, most;\n    int whole;\n} input_limits;"
-    shared = {"GRAVITY": GRAVITY, "GAS_CONSTANT": GAS_CONSTANT, "AMBIENT": AMBIENT, "START_FRICTION": START_FRICTION}
-    constants = "".join(f"static const double {name} = {value!r};\n" for name, value in shared.items())
-    return f"{constants}{shape}\nstatic const input_limits INPUT_LIMITS[] = {{{rows}}};\n"
-
-
-@lru_cache
-def functions() -> ctypes.CDLL:
-    """The train's C, compiled once."""
-    library = loaded(plain_library(sources()))
-    pointer, count, number = ctypes.c_void_p, ctypes.c_longlong, ctypes.c_double
-    block, told = ctypes.POINTER(number), ctypes.POINTER(count)
-    declare(library)
-    signatures: dict[str, tuple[Any, list[Any]]] = {
-        "train_wrong": (ctypes.c_char_p, [pointer, count]),
-        "train_create": (pointer, [pointer, count]),
-        "train_free": (None, [pointer]),
-        "train_begin": (None, [pointer, *[number] * 5]),
-        "train_input": (block, [pointer, ctypes.c_int, told]),
-        "train_output": (block, [pointer, ctypes.c_int, told]),
-        "train_go": (ctypes.c_int, [pointer, number]),
-        "train_input_wrong": (ctypes.c_int, [pointer, told]),
-        "train_numbers": (count, [pointer]),
-        "train_save": (None, [pointer, pointer]),
-        "train_load": (None, [pointer, pointer]),
-        "train_steps": (None, [pointer, pointer]),
-        "train_motion": (None, [pointer, pointer]),
-        "train_set_motion": (None, [pointer, pointer]),
-        "train_air": (pointer, [pointer]),
-    }
-    for name, (result, arguments) in signatures.items():
-        function = getattr(library, name)
-        function.restype, function.argtypes = result, arguments
-    return library
 
 
 def _within(name: str, value: float, least: float, most: float, unit: str) -> None:

@@ -14,8 +14,8 @@ from fmu_src import __version__
 from fmu_src.compile import web_library
 from products.prebuilt import prebuilt_page
 from products.train.consist import block_train
+from products.train.library import sources
 from products.train.numbers import Settings, numbers_of
-from products.train.train import sources
 from readers.storage import write_whole
 from scenarios.live.page import CANVAS, WEB
 

@@ -21,8 +21,9 @@ from scipy.integrate import odeint
 
 from fmu_src.compile import loaded, plain_library
 from products.train.consist import Consist, block_train
+from products.train.library import sources
 from products.train.numbers import Settings
-from products.train.train import Train, sources
+from products.train.train import Train
 from rbd_model.train.coupler import Coupler, draft_gear, fastest
 from scenarios.methods import sundials
 

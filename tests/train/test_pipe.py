@@ -15,7 +15,8 @@ from scipy.optimize import brentq
 from brake_controller.distributor import freight
 from fmu_src.codegen import RUNTIME
 from fmu_src.compile import FLAGS, compiler
-from products.train.pipe import COURANT, Outside, Pipe, sources
+from products.train.library import sources
+from products.train.pipe import COURANT, Outside, Pipe
 from tests.fmu.sanitized import SANITIZERS, run
 
 KAPPA, R, MU = 1.4, 287.05287, 1.81e-5

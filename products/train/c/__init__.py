@@ -1,1 +1,1 @@
-"""C that composes brake pipe, distributors, brakes, vehicles and couplers to a train, and its FMU."""
+"""C of trains: loops over cells, distributors, brakes, vehicles and couplers, what joins them, and the FMUs."""

@@ -1,0 +1,105 @@
+"""The C of trains: what is written in c/, what is generated for each cell, vehicle and coupler, and both compiled."""
+
+from __future__ import annotations
+
+import ctypes
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from brake_controller.air import GAS_CONSTANT
+from brake_controller.brake_pipe import ending, leaking, passing, rates, sides, tapped, tapping, walled, warmed
+from brake_controller.distributor import AMBIENT, distributing, empirical
+from brake_controller.vehicle_brake import braking
+from fmu_src.compile import loaded, plain_library
+from fmu_src.equations_in_c import WIDTHS, function_of_cells
+from products.train import c as folder
+from products.train.inputs import INPUT_LIMITS
+from rbd_model.train.coupler import coupling
+from rbd_model.train.vehicle import GRAVITY, rolling, sliding
+
+FOLDER = Path(folder.__file__ or "").parent
+#: Friction between wheels and rail at the start.
+START_FRICTION = 0.3
+#: Functions of cells by the C file whose loops call them.
+FUNCTIONS = {
+    "pipe": (sides, passing, rates, leaking, warmed, ending, walled, tapping, tapped, distributing, empirical),
+    "motion": (coupling, rolling, sliding),
+    "train": (braking,),
+}
+
+
+def sources() -> dict[str, str]:
+    """C files by name."""
+    files = [path for path in sorted(FOLDER.glob("*.[ch]")) if not path.name.endswith("_fmu.c")]
+    texts = {path.name: path.read_text(encoding="utf-8") for path in files} | {"train_limits.h": _limits()}
+    for name, functions_of in FUNCTIONS.items():
+        texts[f"{name}_cells.h"] = "\n".join(function_of_cells(one()) for one in functions_of)
+        for lanes in (1, *WIDTHS):
+            loops = f'#define LANES {lanes}\n#include "{name}_loops.h"\n'
+            texts[f"{name}_{lanes}.c"] = (
+                f'#include "lanes_widest.h"\n#include "{name}_inside.h"\n#if LANES_WIDEST >= {lanes}\n{loops}#endif\n'
+            )
+    return texts
+
+
+def _limits() -> str:
+    """C of INPUT_LIMITS, and of constants that C and Python share; no macros, which would hide other names."""
+    rows = ", ".join(f"{{{least!r}, {most!r}, {int(whole)}}}" for least, most, whole in INPUT_LIMITS.values())
+    shape = "typedef struct {\n    double least, most;\n    int whole;\n} input_limits;"
+    shared = {"GRAVITY": GRAVITY, "GAS_CONSTANT": GAS_CONSTANT, "AMBIENT": AMBIENT, "START_FRICTION": START_FRICTION}
+    constants = "".join(f"static const double {name} = {value!r};\n" for name, value in shared.items())
+    return f"{constants}{shape}\nstatic const input_limits INPUT_LIMITS[] = {{{rows}}};\n"
+
+
+class OutsideInC(ctypes.Structure):
+    """`pipe_outside` of pipe.h."""
+
+    _fields_ = tuple((name, ctypes.c_double) for name in ("opening", "area", "pressure", "temperature"))
+
+
+class PassedInC(ctypes.Structure):
+    """`pipe_passed` of pipe.h."""
+
+    _fields_ = (
+        *((name, ctypes.c_double * 2) for name in ("end_mass", "end_energy")),
+        *((name, ctypes.c_double) for name in ("leak_mass", "leak_energy", "vehicle_mass", "vehicle_energy", "heat")),
+        *((name, ctypes.c_double) for name in ("cylinder_mass", "valve_mass", "valve_energy", "let_in")),
+    )
+
+
+@lru_cache
+def functions() -> ctypes.CDLL:
+    """The functions of pipe.h and train.h, compiled once."""
+    library = loaded(plain_library(sources()))
+    pointer, count, number = ctypes.c_void_p, ctypes.c_longlong, ctypes.c_double
+    block, told = ctypes.POINTER(number), ctypes.POINTER(count)
+    signatures: dict[str, tuple[Any, list[Any]]] = {
+        "pipe_create": (pointer, [count, pointer, pointer]),
+        "pipe_free": (None, [pointer]),
+        "pipe_vehicles": (ctypes.c_int, [pointer, count, pointer, pointer, pointer, number]),
+        "pipe_vehicle_states": (None, [pointer, pointer]),
+        "pipe_end": (None, [pointer, ctypes.c_int, ctypes.POINTER(OutsideInC)]),
+        "pipe_state": (None, [pointer, pointer]),
+        "pipe_has_passed": (ctypes.POINTER(PassedInC), [pointer]),
+        "pipe_advance": (count, [pointer, number, number]),
+        "train_wrong": (ctypes.c_char_p, [pointer, count]),
+        "train_create": (pointer, [pointer, count]),
+        "train_free": (None, [pointer]),
+        "train_begin": (None, [pointer, *[number] * 5]),
+        "train_input": (block, [pointer, ctypes.c_int, told]),
+        "train_output": (block, [pointer, ctypes.c_int, told]),
+        "train_go": (ctypes.c_int, [pointer, number]),
+        "train_input_wrong": (ctypes.c_int, [pointer, told]),
+        "train_numbers": (count, [pointer]),
+        "train_save": (None, [pointer, pointer]),
+        "train_load": (None, [pointer, pointer]),
+        "train_steps": (None, [pointer, pointer]),
+        "train_motion": (None, [pointer, pointer]),
+        "train_set_motion": (None, [pointer, pointer]),
+        "train_air": (pointer, [pointer]),
+    }
+    for name, (result, arguments) in signatures.items():
+        function = getattr(library, name)
+        function.restype, function.argtypes = result, arguments
+    return library

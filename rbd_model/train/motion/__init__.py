@@ -1,1 +1,0 @@
-"""C around the couplers and vehicles of a train: memory, steps, balances."""
