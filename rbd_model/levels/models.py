@@ -7,6 +7,7 @@ from itertools import compress, product
 
 from fmu_src.chain import ONE_WRITES
 from fmu_src.system import NONE, Model, System, Variable, choosing, integration_variables
+from rbd_model.contact.creep.laws import DEFAULT_LAW, LAWS
 from rbd_model.contact.depth import DEPTHS, Contact
 from rbd_model.levels.planar import planar_vehicle
 from rbd_model.levels.point import point_vehicle
@@ -41,6 +42,8 @@ CHOICE_ON_LINE = (*CHOICE, 5, 5, 5, 6, 6, 6, NONE, 7, NONE)
 COMBINATIONS = tuple(product((False, True), LEVELS, DEPTHS))
 #: The numbers of all systems.
 EVERY = tuple(range(8))
+#: The number of that whose strips have a creep law of their own.
+STRIPS = CHOICE[-1]
 #: Depth of contact in space on a line: that of the start value, in which a flange has its own place. Each further one
 #: would make every FMU half as large again.
 DEPTH_ON_LINE = 2
@@ -53,7 +56,8 @@ def system_at(vehicle: Vehicle, place: int) -> System:
     if number < 2:
         return (point_vehicle, planar_vehicle)[number](vehicle, on_line)
     depth = DEPTH_ON_LINE if on_line else list(DEPTHS)[number - 2]
-    return spatial_vehicle(vehicle, irregular_track(section_5_3()), Contact(depth), on_line)
+    law = LAWS[vehicle.creep_law]
+    return spatial_vehicle(vehicle, irregular_track(section_5_3()), Contact(depth, law), on_line)
 
 
 def levels(vehicle: Vehicle) -> tuple[System, ...]:
@@ -72,8 +76,11 @@ def model_of_levels(name: str, text: str, vehicle: Vehicle, places: Sequence[int
     """A vehicle at all levels as one FMU: inputs, outputs, level, parameters in the order of their set.
 
     places: which of the systems it has, as `places_of` gives them. Those that it lacks cannot be chosen; without
-    one on a line it has no name of a line's file.
+    one on a line it has no name of a line's file. Of several, strips are left out where they would not follow the
+    vehicle's creep law.
     """
+    if vehicle.creep_law != DEFAULT_LAW and len(places) > 1:
+        places = [place for place in places if place != STRIPS]
     systems = tuple(system_at(vehicle, place) for place in places)
     on_line = max(places) > max(CHOICE)
     chosen_by = selectors(places)

@@ -13,7 +13,9 @@ from itertools import pairwise
 from typing import Any, Literal
 
 from fmu_src.system import ParameterSet, Relation, other_unit
+from rbd_model.contact.creep.laws import DEFAULT_LAW, LAWS
 from rbd_model.contact.geometry import Pair, Sides, thesis_pair
+from readers.text import shown
 
 #: Radius of a wheel from and to [m]: of scale models on rollers, and above those of steam locomotives, 1.2 m.
 SMALLEST_RADIUS, LARGEST_RADIUS = 0.01, 1.5
@@ -226,8 +228,9 @@ class Pull:
 class Vehicle:
     """Bodies, the first of which counts the distance; wheelsets, the leading one first; what connects them.
 
+    creep_law: a key of LAWS, for treads; at contact depth 3 strips have their own, and only the default stands there.
     Raises ValueError with one sentence for what cannot be built: a connection to what is not there, a mass of 0, a body
-    that nothing carries, two wheelsets at one place.
+    that nothing carries, two wheelsets at one place, a law that there is not.
     """
 
     name: str
@@ -236,6 +239,7 @@ class Vehicle:
     wheelsets: tuple[Wheelset, ...]
     connections: tuple[SuspensionElement, ...]
     pulls: tuple[Pull, ...] = ()
+    creep_law: str = DEFAULT_LAW
 
     def __post_init__(self) -> None:
         check(self)
@@ -275,6 +279,9 @@ def check(vehicle: Vehicle) -> None:
     for name, count in names.items():
         if count > 1:
             raise _refused(vehicle, f"{name} is there {count} times; give each part its own name")
+    if not isinstance(vehicle.creep_law, str) or vehicle.creep_law not in LAWS:
+        law, known = vehicle.creep_law, ", ".join(LAWS)
+        raise _refused(vehicle, f"creep_law must be one of {known}; got {shown(law)}. Name one, or add yours to LAWS")
     if not vehicle.bodies or not vehicle.wheelsets:
         raise _refused(vehicle, "give it at least one body and one wheelset")
     for user, asked, there in _references(vehicle, ends):

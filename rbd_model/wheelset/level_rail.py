@@ -7,7 +7,9 @@ import casadi as ca
 
 from rbd_model.contact.creep.kalker import kalker_coefficients
 from rbd_model.contact.creep.law import SMALLEST_FRICTION, SMALLEST_LOAD, at_least
+from rbd_model.contact.creep.laws import DEFAULT_LAW, LAWS
 from rbd_model.contact.creep.polach import saturated
+from rbd_model.contact.creep_of_wheel import creep_of_wheel
 from rbd_model.contact.hertz import ellipse_shape
 from rbd_model.vehicle.assembly import Assembly
 from rbd_model.vehicle.description import Wheelset
@@ -67,6 +69,21 @@ def creep_force_of_wheelset(
     return 2 * saturated(contact.stiffness * sliding / divisor, friction * load.wheel, assembly.rail.surface.reduction)
 
 
+def creep_force_by_law(
+    assembly: Assembly, wheelset: Wheelset, friction: ca.SX, load: CentredLoad, sliding: ca.SX, forward: ca.SX
+) -> ca.SX:
+    """The same by the vehicle's creep law, with curvatures (3.83) and the ellipse of `moving_ellipse`."""
+    p = assembly.parameter
+    slowness = 1 / ca.sqrt(forward**2 + p["creepage_speed"] ** 2)
+    curvatures = (
+        0.5 / assembly.radius(wheelset),
+        0.5 * (1 / p["rail_head_radius"] + p["wheel_profile_curvature"]),
+    )
+    given = ca.vertcat(sliding, 0, 0, slowness, *curvatures, load.wheel, friction)
+    constants = ca.vertcat(p["shear_modulus"], assembly.rail.surface.symbols)
+    return 2 * assembly.chain.call(creep_of_wheel(LAWS[assembly.vehicle.creep_law], "wheel"), given, constants)[0]
+
+
 @dataclass(frozen=True)
 class Creeping:
     """A wheelset that creeps on a level rail, eq. (2.8).
@@ -93,7 +110,10 @@ def creep_on_level_rail(
     rotated, omega = add_rotation_states(assembly, number)
     sliding = forward - assembly.radius(data) * omega
     friction = rail_friction(assembly, number, distance)
-    force = creep_force_of_wheelset(assembly, friction, centred_contact(assembly, data), load, sliding, forward)
+    if assembly.vehicle.creep_law == DEFAULT_LAW:
+        force = creep_force_of_wheelset(assembly, friction, centred_contact(assembly, data), load, sliding, forward)
+    else:
+        force = creep_force_by_law(assembly, data, friction, load, sliding, forward)
     return Creeping(number, rotated, omega, sliding, force, friction * axle_load)
 
 

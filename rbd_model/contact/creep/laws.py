@@ -1,0 +1,32 @@
+"""The creep laws by name: what `Vehicle.creep_law` chooses from.
+
+A new law is a file beside this one, a function from a `ContactPatch` to (F_x, F_y) as `law.py` states it, and one line
+in LAWS. A law of a script of one's own is that line alone, before the vehicle is made: LAWS["mine"] = mine.
+"""
+
+from rbd_model.contact.creep.exact_table import exact_law
+from rbd_model.contact.creep.fastrip import fastrip
+from rbd_model.contact.creep.fastsim import fastsim
+from rbd_model.contact.creep.johnson_vermeulen import johnson_vermeulen
+from rbd_model.contact.creep.kalker_linear import kalker_linear
+from rbd_model.contact.creep.law import CreepLaw
+from rbd_model.contact.creep.polach import polach
+from rbd_model.contact.creep.polach_2005 import polach_2005
+from rbd_model.contact.creep.shen_hedrick_elkins import shen_hedrick_elkins
+from rbd_model.contact.creep.strip_theory import strip_theory
+
+#: That of the thesis, where nothing else is chosen.
+DEFAULT_LAW = "polach"
+#: Error and cost of each: scenario `creep-laws`. FASTSIM, FaStrip and strips with the grid that errs less than 5 % of
+#: mu N there.
+LAWS: dict[str, CreepLaw] = {
+    DEFAULT_LAW: polach,
+    "polach-2005": polach_2005,
+    "shen-hedrick-elkins": shen_hedrick_elkins,
+    "johnson-vermeulen": johnson_vermeulen,
+    "kalker-linear": kalker_linear,
+    "fastsim": fastsim(14),
+    "fastrip": fastrip(12),
+    "strip-theory": strip_theory(8),
+    "exact-table": exact_law,
+}
