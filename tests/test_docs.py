@@ -21,9 +21,9 @@ ROOT = Path(__file__).parents[1]
 WRITTEN = sorted(
     path.relative_to(ROOT).as_posix() for folder in ("*", "hosts/*") for path in ROOT.glob(f"docs/{folder}.md")
 )
-PAGES = ["README.md", "CHANGELOG.md", "EQUATIONS.md", *WRITTEN]
+PAGES = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "EQUATIONS.md", *WRITTEN]
 #: Written when something is built or run, within an archive, or named as an example.
-MADE = ("build/", "results/", "binaries/", "bogie/", "rbd_model/roller_rig.py")
+MADE = ("build/", "results/", "binaries/", "bogie/", "rbd_model/roller_rig.py", "rbd_model/contact/creep/carter.py")
 GENERATORS = ("charts", "counts", "numbers_of_pages", "equations", "variables", "catalogue")
 #: A file with its folder, and a name in it.
 PLACE = re.compile(r'(?<![\w/.*"-])((?:[\w-]+/)+[\w-]+(?:\.\w+)+)(?::[ :](\w+(?:\.\w+)*)(?=[`|<\s]))?')

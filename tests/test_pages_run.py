@@ -61,7 +61,12 @@ SHORT = {
 }
 PAGES = [
     path
-    for path in (ROOT / "README.md", *sorted(ROOT.glob("docs/*.md")), *sorted(ROOT.glob("docs/hosts/*.md")))
+    for path in (
+        ROOT / "README.md",
+        ROOT / "CONTRIBUTING.md",
+        *sorted(ROOT.glob("docs/*.md")),
+        *sorted(ROOT.glob("docs/hosts/*.md")),
+    )
     if BLOCK.search(path.read_text("utf-8"))
 ]
 WRITING = "docs/writing-a-system.md"
@@ -82,7 +87,16 @@ def checkout(tmp_path: Path, fmus: dict, monkeypatch: pytest.MonkeyPatch) -> Pat
     """A copy of what a newcomer has after `make demo`, to work in."""
     for package in (*HOUSE, "docs", "tests"):
         shutil.copytree(ROOT / package, tmp_path / package, ignore=shutil.ignore_patterns("__pycache__"))
-    for file in ("build_fmu.py", "LICENSE", "README.md", "EQUATIONS.md", "CHANGELOG.md", "Makefile", "pyproject.toml"):
+    for file in (
+        "build_fmu.py",
+        "LICENSE",
+        "README.md",
+        "CONTRIBUTING.md",
+        "EQUATIONS.md",
+        "CHANGELOG.md",
+        "Makefile",
+        "pyproject.toml",
+    ):
         shutil.copyfile(ROOT / file, tmp_path / file)
     (tmp_path / "build" / "native").mkdir(parents=True)
     for fmu in ("bogie", "brake"):
